@@ -25,6 +25,7 @@ pub mod solve;
 mod solve_gradient;
 mod solve_light;
 mod solve_report;
+mod solve_study;
 pub mod stop;
 pub mod sweep;
 pub mod work;

@@ -4,6 +4,7 @@ use super::say::say;
 use super::solve_gradient::{Gradient, gradients};
 use super::solve_light::LightArgs;
 use super::solve_report;
+use super::solve_study::StudyPoint;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use inkwave::compare::external::protocol::WaveKind;
@@ -26,6 +27,7 @@ const DEFAULT_ACCURACY: f64 = 1e-3;
 ///
 /// The case is the `inputs` object of a reference case (slab, multilayer, spheres3d, ink3d,
 /// cylinder2d, lamellar2d) as JSON or TOML: lengths in µm, angles in degrees, indices as [re, im].
+/// With --realisation it is a realisation of a study.
 #[derive(Args)]
 pub struct SolveArgs {
     /// Case file; an object that holds the case as `inputs` is accepted too
@@ -73,6 +75,8 @@ pub struct SolveArgs {
     #[arg(long, value_enum, value_name = "FORM", num_args = 0..=1, default_missing_value = "json")]
     gradient: Option<GradientForm>,
     #[command(flatten)]
+    point: StudyPoint,
+    #[command(flatten)]
     light: LightArgs,
 }
 
@@ -92,7 +96,7 @@ fn scheme_named(name: &str) -> serde_json::Result<Scheme> {
 /// Runs the command.
 pub fn run(args: &SolveArgs) -> Result<()> {
     check(args)?;
-    let mut case = Case::read(&args.case).into_diagnostic()?;
+    let mut case = args.point.case(&args.case)?;
     if args.nz.is_some() && args.nxy.is_none() && !case.scene.uniform_in_plane() {
         miette::bail!(
             "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"

@@ -6,7 +6,7 @@ use super::sheet;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::manifest::{
-    ComposedColours, ComposedManifest, ComposedRow, ErrorParts, MediumRow,
+    ComposedColours, ComposedManifest, ComposedRow, DistributionRow, ErrorParts, MediumRow,
 };
 use crate::evaluate::composed::report::report;
 use crate::evaluate::manifest::Status;
@@ -52,6 +52,7 @@ pub fn publish(
     let asked_and_curve = manifest.spectra.iter().chain(&manifest.curve);
     folder.write("spectra.csv", &spectra(asked_and_curve)?)?;
     folder.write("medium.csv", &medium(&manifest.medium)?)?;
+    folder.write("bdf.csv", &distributions(&manifest.distributions)?)?;
     folder.write("results.json", &serde_json::to_vec_pretty(&manifest)?)?;
     folder.write("report.html", page(&manifest)?.html()?.as_bytes())?;
     if manifest.status == Status::Complete {
@@ -121,6 +122,21 @@ fn medium(rows: &[MediumRow]) -> csv::Result<Vec<u8>> {
     let names = rows.first().map(coefficients).into_iter().flatten().map(|(name, _)| name);
     let header = std::iter::once("wavelength_nm".to_owned()).chain(with_errors(names));
     table(header, rows.iter().map(|row| line(&[row.wavelength_nm], &coefficients(row))))
+}
+
+fn distributions(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {
+    let place = ["thickness_um", "wavelength_nm", "polar_in_deg", "lobe", "polar_out_deg", "projected_sr"];
+    let header = place.map(str::to_owned).into_iter().chain(with_errors(["bdf_per_sr"]));
+    let lobe = |row: &DistributionRow| if row.reflected { "reflected" } else { "transmitted" };
+    let of = |row: &DistributionRow| {
+        let [um, nm] = [row.thickness_um, row.wavelength_nm].map(|x| x.to_string());
+        let out = [row.polar_out_deg, row.projected_sr].map(|x| x.to_string());
+        [um, nm, "0".to_owned(), lobe(row).to_owned()]
+            .into_iter()
+            .chain(out)
+            .chain(numbers(Some(row.bdf_per_sr.estimate())))
+    };
+    table(header, rows.iter().map(of))
 }
 
 /// A line of a table: its place, and values with their errors.

@@ -49,6 +49,18 @@ fn is_sound(results: &Value) {
         }
         assert!((value(row, "natural_light") - 1.0).abs() < 1e-6, "{row}");
     }
+    // What leaves in single directions and in the beams is all that leaves. *Planted*: étendue without π.
+    let leaves = results["distributions"].as_array().expect("directions");
+    for row in rows {
+        let same = |key: &str, other: &Value| other[key] == row[key];
+        let here = |other: &&Value| {
+            same("thickness_um", other) && same("wavelength_nm", other) && other["reflected"] == true
+        };
+        let part = |other: &Value| other["projected_sr"].as_f64().expect("sr") * value(other, "bdf_per_sr");
+        let spread: f64 = leaves.iter().filter(here).map(part).sum();
+        let whole = value(row, "reflectance_normal") - value(row, "mirrored");
+        assert!((spread - whole).abs() < 0.02, "{spread} {whole}: all but what interference changes");
+    }
     let through: Vec<f64> = rows.iter().step_by(3).map(|row| value(row, "transmittance_diffuse")).collect();
     assert!(through.windows(2).all(|t| t[1] < t[0]), "{through:?}");
 }
@@ -63,7 +75,7 @@ fn one_set_of_solves_answers_all_thicknesses_and_is_resumed() {
     // Three wavelengths make no colour, and without one there is no hiding: the reason is given.
     let no_hiding = first["no_hiding"].as_str().unwrap_or_default();
     assert!(no_hiding.contains("without a colour"), "{first}");
-    for name in ["report.html", "spectra.csv", "medium.csv"] {
+    for name in ["report.html", "spectra.csv", "medium.csv", "bdf.csv"] {
         assert!(output.join(name).exists(), "{name}");
     }
     // other thicknesses with the same slabs need no solve

@@ -41,7 +41,7 @@ fn no_solve_takes_more_than_its_bound() {
     std::fs::write(&path, case.to_string()).expect("a writable folder");
     let case = Case::parse(&case.to_string(), false).expect("a case");
     let (points, cells) = (40, 12);
-    for name in ["krylov", "bicgstab", "born", "convergent_born", "relaxation"] {
+    for name in ["krylov", "bicgstab", "idr", "born", "convergent_born", "relaxation"] {
         let mut solve = Command::new(env!("CARGO_BIN_EXE_inkwave"));
         solve.arg("solve").arg(&path).args([
             "--nxy",

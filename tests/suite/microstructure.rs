@@ -133,3 +133,45 @@ fn gyration_um(packing: &Packing, agglomerate: usize) -> f64 {
     let square = |c: &[f64; 3]| (0..3).map(|i| (c[i] - mean[i]).powi(2)).sum::<f64>();
     (centres.iter().map(square).sum::<f64>() / count).sqrt()
 }
+
+/// `solve --realisation` of positions in a file against the case that holds the same spheres. *Planted*: the azimuth of another
+/// realisation, or the index of another pigment.
+#[test]
+fn a_realisation_is_solved_as_the_case_of_its_grains() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| {
+        std::fs::write(folder.path().join(name), text).expect("written");
+        folder.path().join(name)
+    };
+    write("cut.csv", "x_um,y_um,z_um,radius_um,pigment\n0.2,0.3,0.25,0.12,a\n0.6,0.5,0.4,0.1,b\n");
+    let study = write(
+        "study.toml",
+        "title = 't'\n[layer]\nthickness_um = 0.6\nperiod_um = [0.8, 0.7]\nbinder.index = 1.5\n\
+         microstructure = { spheres = 'cut.csv' }\n[[pigment]]\nname = 'a'\nindex = 1.9\n\
+         [[pigment]]\nname = 'b'\nindex = { n = 1.7, k = 0.1 }\n[light]\nwavelengths_nm = [500, 600]\n",
+    );
+    let solve = |arguments: &[&str], path: &Path| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"));
+        let done = command.arg("solve").arg(path).args(["--nxy", "12", "--nz", "6"]).args(arguments).output();
+        let done = done.expect("the program");
+        assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+        serde_json::from_slice::<serde_json::Value>(&done.stdout).expect("JSON")
+    };
+    let of_study = solve(&["--realisation", "1", "--wavelength-nm", "550", "--polar-deg", "20"], &study);
+    let azimuth = inkwave::input::load::load(&study).expect("a study").draw(0).azimuth_deg;
+    let case = write(
+        "case.json",
+        &serde_json::json!({
+            "wavelength": 0.55, "sigma_deg": 20, "phi_deg": azimuth, "L": [0.8, 0.7], "H": 0.6, "eta_binder": [1.5, 0.0],
+            "spheres": [
+                { "center": [0.2, 0.3, 0.25], "radius": 0.12, "eta": [1.9, 0.0] },
+                { "center": [0.6, 0.5, 0.4], "radius": 0.1, "eta": [1.7, 0.1] },
+            ],
+        })
+        .to_string(),
+    );
+    let of_case = solve(&[], &case);
+    for key in ["orders", "R_total", "T_total", "A_total"] {
+        assert_eq!(of_study[key], of_case[key], "{key}");
+    }
+}

@@ -99,6 +99,20 @@ const CHANGES: &[Change] = &[
         )],
         Spectra,
     ),
+    (
+        &[(
+            "layer.relief",
+            "{ depth_um = 0.05, rule = { kind = 'random', rms_um = 0.02, correlation_um = 0.08 } }",
+        )],
+        Spectra,
+    ),
+    (
+        &[(
+            "layer.relief",
+            "{ depth_um = 0.05, rule = { kind = 'random', rms_um = 0.02, correlation_um = 0.09 } }",
+        )],
+        Spectra,
+    ),
     (&[("layer.index_in", "1.2"), ONE_ANGLE, LISTED], Spectra),
     (&[("layer.index_out", "1.2"), ONE_ANGLE, LISTED], Spectra),
     (&[("pigment.1.name", "'colourless'")], Nothing),

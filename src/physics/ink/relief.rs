@@ -47,10 +47,29 @@ pub enum ReliefRule {
         #[schemars(transform = LENGTH_UM.mark(), example = 0.1)]
         smoothing_um: f64,
     },
+    /// Level + a height of its own in every realisation: Gaussian, with the autocorrelation
+    /// exp(−r²/ℓ²). Valleys bare the grains below.
+    Random {
+        /// Standard deviation of the height, µm, at most half of `depth_um`.
+        #[schemars(transform = LENGTH_UM.mark(), example = 0.05)]
+        rms_um: f64,
+        /// Correlation length ℓ, µm: at least √2 rms_um (slopes of 45°), at most a fifth of the
+        /// period.
+        #[schemars(transform = LENGTH_UM.mark(), example = 0.2)]
+        correlation_um: f64,
+    },
 }
 
+/// Largest root mean square slope of a random surface, √2 rms/ℓ: steeper ones are steps for the
+/// columns in which heights are given.
+const STEEPEST: f64 = 1.0;
+/// Standard deviations of height below the top of the layer, where a surface is cut off.
+const HEADROOM: f64 = 2.0;
+/// Correlation lengths in a period, so that a surface does not meet its own image.
+const LENGTHS: f64 = 5.0;
+
 impl ReliefRequest {
-    pub(crate) fn check(&self, thickness_um: f64, walls: bool) -> Result<(), PackError> {
+    pub(crate) fn check(&self, thickness_um: f64, period_um: [f64; 2], walls: bool) -> Result<(), PackError> {
         if !walls {
             let remedy = "set walls = true, or remove the relief";
             return Err(PackError::input(
@@ -64,21 +83,40 @@ impl ReliefRequest {
             let allowed = format!("0 up to the thickness, {thickness_um} µm");
             return Err(PackError::input("relief.depth_um", self.depth_um, allowed, "lower the depth"));
         }
-        let ReliefRule::Following { follow, smoothing_um } = self.rule else { return Ok(()) };
-        if !FOLLOW.holds(follow) {
-            return Err(PackError::input("relief.rule.follow", follow, "0 (flat) to 1", "lower it"));
+        match self.rule {
+            ReliefRule::Flat => Ok(()),
+            ReliefRule::Following { follow, smoothing_um } => check_following(follow, smoothing_um),
+            ReliefRule::Random { rms_um, correlation_um } => {
+                self.check_random(rms_um, correlation_um, period_um[0].min(period_um[1]))
+            }
         }
-        if !LENGTH_UM.holds(smoothing_um) {
-            let field = "relief.rule.smoothing_um";
-            return Err(PackError::input(
-                field,
-                smoothing_um,
-                "finite, at least 0",
-                "about one grain radius",
-            ));
+    }
+
+    fn check_random(&self, rms_um: f64, correlation_um: f64, period_um: f64) -> Result<(), PackError> {
+        let highest = self.depth_um / HEADROOM;
+        if !(0.0..=highest).contains(&rms_um) {
+            let allowed = format!("0 … {highest} µm, half of the depth above which grains end");
+            return Err(PackError::input("relief.rule.rms_um", rms_um, allowed, "raise relief.depth_um"));
+        }
+        let [least, most] = [std::f64::consts::SQRT_2 * rms_um / STEEPEST, period_um / LENGTHS];
+        if !(least..=most).contains(&correlation_um) || correlation_um <= 0.0 {
+            let allowed = format!("{least:.4} … {most:.4} µm, for slopes up to 45° and cells of 5 lengths");
+            let remedy = "lower rms_um, or raise layer.period_um";
+            return Err(PackError::input("relief.rule.correlation_um", correlation_um, allowed, remedy));
         }
         Ok(())
     }
+}
+
+fn check_following(follow: f64, smoothing_um: f64) -> Result<(), PackError> {
+    if !FOLLOW.holds(follow) {
+        return Err(PackError::input("relief.rule.follow", follow, "0 (flat) to 1", "lower it"));
+    }
+    if !LENGTH_UM.holds(smoothing_um) {
+        let field = "relief.rule.smoothing_um";
+        return Err(PackError::input(field, smoothing_um, "finite, at least 0", "about one grain radius"));
+    }
+    Ok(())
 }
 
 /// Height of pigment and binder when levelled.

@@ -29,9 +29,7 @@ pub(crate) struct Basis<T: Real> {
 impl<T: Real> Basis<T> {
     /// A basis of one vector: `first` over its norm.
     pub fn new(first: &[Complex64], norm: f64) -> Basis<T> {
-        let part = |value: fn(&Complex64) -> f64| first.iter().map(move |z| T::of(value(z) / norm));
-        let vector = part(|z| z.re).chain(part(|z| z.im)).collect();
-        Basis { length: first.len(), vectors: vec![vector] }
+        Basis { length: first.len(), vectors: vec![scaled(first, norm)] }
     }
 
     /// Number of vectors.
@@ -103,8 +101,36 @@ impl<T: Real> Basis<T> {
     }
 }
 
+/// Real parts followed by imaginary parts of v / `unit`.
+pub(super) fn scaled<T: Real>(v: &[Complex64], unit: f64) -> Vec<T> {
+    let part = |value: fn(&Complex64) -> f64| v.iter().map(move |z| T::of(value(z) / unit));
+    part(|z| z.re).chain(part(|z| z.im)).collect()
+}
+
+/// A vector stored as real parts followed by imaginary parts.
+pub(super) struct Split<'a, T>(pub &'a [T]);
+
+impl<T: Real> Split<'_, T> {
+    /// Inner product ⟨self, other⟩.
+    pub fn dot(&self, other: &Self) -> Complex64 {
+        let starts = (0..(self.0.len() / 2).div_ceil(CHUNK)).into_par_iter().with_min_len(FEW);
+        let parts: Vec<Complex64> =
+            starts.map(|c| dot(part(self.0, c * CHUNK), part(other.0, c * CHUNK))).collect();
+        parts.iter().sum()
+    }
+
+    /// Euclidean norm.
+    pub fn norm(&self) -> f64 {
+        self.dot(self).re.sqrt()
+    }
+}
+
 /// Adds w ← w + Σ a_i v_i, writing each chunk of w once; returns ‖w‖ afterwards.
-fn add_combination<T: Real>(w: &mut [T], factors: &[Complex64], vectors: &[Vec<T>]) -> f64 {
+pub(super) fn add_combination<T: Real, V: AsRef<[T]> + Sync>(
+    w: &mut [T],
+    factors: &[Complex64],
+    vectors: &[V],
+) -> f64 {
     let length = w.len() / 2;
     let (re, im) = w.split_at_mut(length);
     let chunks = re.par_chunks_mut(CHUNK).zip(im.par_chunks_mut(CHUNK)).with_min_len(FEW).enumerate();
@@ -116,14 +142,14 @@ fn add_combination<T: Real>(w: &mut [T], factors: &[Complex64], vectors: &[Vec<T
 
 /// Adds w ← w + Σ a_i v_i on the chunk that begins at `from`, as real and imaginary part; returns
 /// its Σ |w|² afterwards.
-fn add_to_chunk<T: Real>(
+fn add_to_chunk<T: Real, V: AsRef<[T]>>(
     [re, im]: [&mut [T]; 2],
     factors: &[Complex64],
-    vectors: &[Vec<T>],
+    vectors: &[V],
     from: usize,
 ) -> f64 {
     for (a, v) in factors.iter().zip(vectors) {
-        let (v_re, v_im) = part(v, from);
+        let (v_re, v_im) = part(v.as_ref(), from);
         add_scaled([&mut *re, &mut *im], [T::of(a.re), T::of(a.im)], [v_re, v_im]);
     }
     dot((re, im), (re, im)).re
@@ -138,7 +164,7 @@ fn part<T>(v: &[T], from: usize) -> (&[T], &[T]) {
 
 /// Inner product Σ ā b of one chunk.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn dot<T: Real>(a: (&[T], &[T]), b: (&[T], &[T])) -> Complex64 {
+pub(super) fn dot<T: Real>(a: (&[T], &[T]), b: (&[T], &[T])) -> Complex64 {
     let ((a_re, a_im), (b_re, b_im)) = (a, b);
     let (mut parallel, mut crossed) = ([T::zero(); LANES], [T::zero(); LANES]);
     let (ar, ai) = (a_re.as_chunks::<LANES>(), a_im.as_chunks::<LANES>());

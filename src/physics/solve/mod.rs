@@ -21,4 +21,4 @@ pub use accuracy::coverages::Coverages;
 pub use ledger::Ledger;
 pub use registry::{Registry, SolverChoice};
 pub use solver::{Account, Goal, GridTrial, Silent, Solution, SolveError, Solver, Step, Watch};
-pub use strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, GuidedModes, Relaxation};
+pub use strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, GuidedModes, Idr, Relaxation};

@@ -5,7 +5,7 @@
 //! the claims. Strategies of other crates are added with [`Registry::with`].
 
 use super::solver::{SolveError, Solver};
-use super::strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, Relaxation};
+use super::strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, Idr, Relaxation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -161,6 +161,7 @@ macro_rules! built_in {
 built_in! {
     "krylov" => Krylov(Gmres), "GMRES with the mean slab's guided modes treated exactly.";
     "bicgstab" => Bicgstab(Bicgstab), "BiCGSTAB: little memory, erratic without absorption.";
+    "idr" => Idr(Idr), "IDR(s): short recurrences for strong scatterers without absorption.";
     "born" => Born(Born), "The Born series (P2 section 2): plain and fast where it converges.";
     "convergent_born" => ConvergentBorn(ConvergentBorn), "The convergent Born series: sure and slow.";
     "relaxation" => Relaxation(Relaxation), "The source paper's relaxation (P2 section 3), with its sign corrected.";

@@ -4,7 +4,7 @@ use super::{grains_csv, packing_json, spheres_vtp};
 use crate::draw::chart::{self, Chart};
 use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
 use crate::ink::statistics::{StatisticCurve, Statistics, gather};
-use crate::ink::{Packing, Shape};
+use crate::ink::{Method, Packing, Shape};
 use crate::numerics::estimate::Estimate;
 use crate::report::cell;
 use crate::report::page::rendered;
@@ -34,7 +34,9 @@ pub fn write_report(
         save(folder, "cut.png", &cut_picture(first)?)?;
         save(folder, "perspective.png", &perspective_picture(first)?)?;
     }
-    save(folder, "shapes.png", &shape_sheet(pigments)?)?;
+    if have_shapes(packings) {
+        save(folder, "shapes.png", &shape_sheet(pigments)?)?;
+    }
     let statistics = gather(packings);
     save(folder, "statistics.csv", &scalars_csv(&statistics).map_err(no_table)?)?;
     for curve in &statistics.curves {
@@ -46,6 +48,11 @@ pub fn write_report(
     }
     save(folder, "index.html", html(title, pigments, packings, &statistics)?.as_bytes())?;
     Ok((statistics, folder.join("index.html")))
+}
+
+/// Whether grains have the shapes of their pigments: voxels have shapes of their own.
+fn have_shapes(packings: &[Packing]) -> bool {
+    packings.iter().all(|packing| packing.method() != Method::Voxels)
 }
 
 /// Writes one file, completely or not at all.
@@ -99,6 +106,7 @@ fn html(
         accounts => Serde(packings.iter().enumerate().map(account).collect::<Vec<_>>()),
         figures => figures.collect::<Vec<_>>(),
         plots => plots.collect::<Vec<_>>(),
+        shapes => have_shapes(packings),
     };
     rendered(include_str!("packing.html"), page).map_err(OutputError::making("the page"))
 }

@@ -50,10 +50,11 @@ pub(crate) fn page(
 fn partial(reported: &Reported, complete: usize, all: usize) -> String {
     let unfinished = |o: &&Outcome| o.solves.finished < o.solves.asked;
     if reported.outcomes.iter().filter(unfinished).all(|outcome| outcome.reason.is_some()) {
+        let without = reported.outcomes.iter().filter(unfinished).filter(|o| o.colour.is_none()).count();
         return format!(
-            "{complete} of {all} variants are finished; the other {} have no results, for the reasons in the table. \
-             --retry-failed retries them.",
-            all - complete
+            "{complete} of {all} variants are complete, {} lack some packings, and {without} have no results, \
+             for the reasons in the table. --retry-failed retries them.",
+            all - complete - without
         );
     }
     let failed = match reported.failures() {

@@ -1,7 +1,7 @@
 //! The strategies on the vector problem: one discrete system, one solution, one yardstick.
 
 use inkwave::solve::{
-    Bicgstab, Born, ConvergentBorn, Direct, Gmres, Goal, Relaxation, Silent, SolveError, Solver, System,
+    Bicgstab, Born, ConvergentBorn, Direct, Gmres, Goal, Idr, Relaxation, Silent, SolveError, Solver, System,
 };
 use inkwave::wave::maxwell::{Averaging, Polarisation};
 use inkwave::wave::{Field, Mean};
@@ -22,8 +22,12 @@ fn strategies_agree_with_the_dense_solve() {
     for polarisation in Polarisation::BOTH {
         let system = problem.polarised(polarisation);
         let truth = Direct::default().solve(&system, GOAL, &mut Silent).expect("dense").field;
-        let all: [Box<dyn Solver>; 3] =
-            [Box::new(Gmres::default()), Box::new(Bicgstab::default()), Box::new(Born::default())];
+        let all: [Box<dyn Solver>; 4] = [
+            Box::new(Gmres::default()),
+            Box::new(Bicgstab::default()),
+            Box::new(Idr::default()),
+            Box::new(Born::default()),
+        ];
         for solver in all {
             let solution = solver.solve(&system, GOAL, &mut Silent).unwrap_or_else(|e| panic!("{e}"));
             let error = distance(&solution.field, &truth);

@@ -9,6 +9,12 @@ use super::{fewer, monte_carlo, relaxation, sequential, settle};
 use crate::ink::error::PackError;
 use crate::numerics::draws::Draws;
 
+/// Whether a small crowded cell jams is a matter of chance: of 50 % of upright cylinders, 18 of 40
+/// cells with 90–160 bodies do, and 7 of 40 with 220–370. They start anew elsewhere. Cells with
+/// many more bodies are alike, and another start would end as the first.
+const BODIES_OF_ALL_STARTS: usize = 3000;
+const MOST_STARTS: usize = 8;
+
 /// Packs the grains of a request. Equal requests give packings that agree bit for bit, for any
 /// number of threads. (Spheres use only +, −, ×, ÷ and √; rotated grains also sines, whose last bit
 /// may depend on the platform's mathematical library.)
@@ -82,23 +88,33 @@ fn attempt(
     finish(request, &plan, &bodies, account)
 }
 
-/// Relaxes all grains; returns the number of steps. If they do not fit, the error states how many
-/// would.
-fn relax(
-    bodies: &mut Bodies,
-    plan: &PackingPlan,
+/// Relaxes all grains, from other places if they jam; returns the number of steps. If they do not
+/// fit, the error states how many would.
+fn relax<'p>(
+    bodies: &mut Bodies<'p>,
+    plan: &'p PackingPlan,
     settings: &RelaxationSettings,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
 ) -> Result<u64, PackError> {
-    let outcome = relaxation::relax_all(bodies, plan, settings, draws, watch)?;
-    let Some(left) = outcome.left else { return Ok(outcome.steps) };
+    let mut steps = 0;
+    let mut again = (BODIES_OF_ALL_STARTS / plan.bodies.len()).clamp(1, MOST_STARTS);
+    let left = loop {
+        let outcome = relaxation::relax_all(bodies, plan, settings, draws, watch)?;
+        steps += outcome.steps;
+        again -= 1;
+        match outcome.left {
+            None => return Ok(steps),
+            Some(left) if again == 0 => break left,
+            Some(_) => *bodies = Bodies::new(bodies.cell, &plan.bodies),
+        }
+    };
     let reached = fewer::fit_fewer(bodies, plan, settings, draws, watch)?;
     Err(PackError::NotReached {
         requested: plan.fraction(),
         reached,
         wanted: plan.grains(),
-        steps: outcome.steps,
+        steps,
         largest_overlap_um: left.overlap,
         relative_overlap: left.relative,
     })

@@ -276,7 +276,7 @@ impl PackingRequest {
             let remedy = "leave the relief out, or take another shape";
             return Err(PackError::input(format!("pigment[{k}].shape"), found, allowed, remedy));
         }
-        self.relief.iter().try_for_each(|r| r.check(self.thickness_um, self.walls))
+        self.relief.iter().try_for_each(|r| r.check(self.thickness_um, self.period_um, self.walls))
     }
 }
 

@@ -1,12 +1,15 @@
 //! The level to which the binder sinks between placed grains.
 
-use super::placed::Packing;
+use super::placed::{Packing, PackingAccount};
 use crate::ink::grains::volume::merge;
 use crate::ink::relief::{Relief, ReliefRequest, ReliefRule, dry_height_um, mean};
+use crate::numerics::Draws;
 
 /// Columns per smallest radius.
 const PER_RADIUS: f64 = 8.0;
 const MOST: usize = 1024;
+/// Keeps the draws of surfaces apart from those of grains.
+const SURFACES: u64 = 0x5375_7266;
 
 /// Pigment along vertical lines: intervals of height above the paper.
 struct HeightColumns {
@@ -44,6 +47,30 @@ impl HeightColumns {
         Self { count, pigment }
     }
 
+    /// Periodic Gaussian filter of a function on the columns.
+    fn smoothed(&self, values: &[f64], period_um: [f64; 2], sigma_um: f64) -> Vec<f64> {
+        let [nx, ny] = self.count;
+        let in_x = smoothed(values, [nx, 1], [ny, nx], sigma_um * nx as f64 / period_um[0]);
+        smoothed(&in_x, [ny, nx], [nx, 1], sigma_um * ny as f64 / period_um[1])
+    }
+
+    /// Gaussian heights of standard deviation `rms_um` with the autocorrelation exp(−r²/ℓ²) and no
+    /// mean: independent ones, filtered with the standard deviation ℓ/2.
+    fn random(&self, packing: &Packing, rms_um: f64, correlation_um: f64) -> Vec<f64> {
+        let PackingAccount { seed, stream, .. } = *packing.account();
+        let mut draws = Draws::new(seed.wrapping_add(SURFACES), stream);
+        let count = self.count[0] * self.count[1];
+        let independent: Vec<f64> = (0..count).map(|_| draws.normal()).collect();
+        let filter = |values: &[f64]| self.smoothed(values, packing.period_um(), 0.5 * correlation_um);
+        let mut point = vec![0.0; count];
+        point[0] = 1.0;
+        // What the filter leaves of the variance 1, less that of the mean.
+        let left = filter(&point).iter().map(|w| w * w).sum::<f64>() - 1.0 / count as f64;
+        let heights = filter(&independent);
+        let centre = mean(&heights);
+        heights.iter().map(|h| rms_um / left.sqrt() * (h - centre)).collect()
+    }
+
     fn tops(&self) -> Vec<f64> {
         self.pigment.iter().map(|c| c.last().map_or(0.0, |top| top[1])).collect()
     }
@@ -64,7 +91,15 @@ pub(crate) fn settle(packing: &Packing, request: &ReliefRequest) -> Relief {
     let thickness = packing.thickness_um();
     let area = packing.period_um()[0] * packing.period_um()[1];
     let tops = columns.tops();
-    let shape = deviation(&tops, &columns, packing.period_um(), request.rule);
+    let shape = match request.rule {
+        ReliefRule::Flat => vec![0.0; tops.len()],
+        ReliefRule::Following { follow, smoothing_um } => {
+            let smooth = columns.smoothed(&tops, packing.period_um(), smoothing_um);
+            let centre = mean(&smooth);
+            smooth.iter().map(|t| follow * (t - centre)).collect()
+        }
+        ReliefRule::Random { rms_um, correlation_um } => columns.random(packing, rms_um, correlation_um),
+    };
     let pigment = packing.grains().iter().map(|g| g.volume_um3).sum::<f64>() / area;
     let binder = dry_height_um(request, thickness) - pigment;
     let surface = |level: f64, k: usize| (level + shape[k]).clamp(0.0, thickness);
@@ -97,16 +132,6 @@ fn bisect(f: impl Fn(f64) -> f64, target: f64, mut low: f64, mut high: f64) -> f
         if f(middle) < target { low = middle } else { high = middle }
     }
     0.5 * (low + high)
-}
-
-/// Deviation from the level at each column, by the rule.
-fn deviation(tops: &[f64], columns: &HeightColumns, period: [f64; 2], rule: ReliefRule) -> Vec<f64> {
-    let ReliefRule::Following { follow, smoothing_um } = rule else { return vec![0.0; tops.len()] };
-    let [nx, ny] = columns.count;
-    let in_x = smoothed(tops, [nx, 1], [ny, nx], smoothing_um * nx as f64 / period[0]);
-    let smooth = smoothed(&in_x, [ny, nx], [nx, 1], smoothing_um * ny as f64 / period[1]);
-    let centre = mean(&smooth);
-    smooth.iter().map(|t| follow * (t - centre)).collect()
 }
 
 /// Periodic Gaussian filter along one axis of `n` points with stride `along`, for `lines` lines
@@ -172,5 +197,42 @@ mod tests {
         let [x, y, _] = highest.centre_um();
         let above = packing.surface_height_um(x, y) - packing.relief().unwrap().mean_height_um();
         assert!(above > packing.relief().unwrap().rms_height_um(), "{above}");
+    }
+
+    /// Heights and products of heights ℓ apart, over 24 surfaces. *Planted*: a filter of ℓ in place
+    /// of ℓ/2, or heights that keep their mean.
+    #[test]
+    fn a_random_surface_has_its_height_and_correlation_length() {
+        let (rms, length) = (0.04, 0.2);
+        let [mut squares, mut products, mut means] = [0.0; 3];
+        for stream in 0..24 {
+            let rule = ReliefRule::Random { rms_um: rms, correlation_um: length };
+            let request = PackingRequest {
+                period_um: [2.0, 2.0],
+                thickness_um: 1.0,
+                pigments: vec![PigmentGrains::spheres(300.0, 0.01)],
+                relief: Some(ReliefRequest { depth_um: 0.3, rule }),
+                stream,
+                ..Default::default()
+            };
+            let packing = pack(&request, &mut ()).unwrap();
+            let relief = packing.relief().unwrap();
+            let (level, [nx, ny]) = (relief.mean_height_um(), relief.count());
+            let apart = (length * nx as f64 / 2.0).round() as usize;
+            let at = |i: usize, j: usize| relief.heights_um[j * nx + i % nx] - level;
+            let pairs = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j)));
+            let count = (nx * ny * 24) as f64;
+            means += level / 24.0;
+            for (i, j) in pairs {
+                squares += at(i, j) * at(i, j) / count;
+                products += at(i, j) * at(i + apart, j) / count;
+            }
+        }
+        // 24 surfaces of (2 µm)²/(π ℓ²/2) = 64 independent spots: √(2/1500) = 4 % of the variance,
+        // three times; heights are cut off at 7 standard deviations
+        assert!((squares / rms.powi(2) - 1.0).abs() < 0.12, "{}", squares.sqrt());
+        let [expected, found] = [(-1.0_f64).exp(), products / squares];
+        assert!((found - expected).abs() < 0.08, "{found} against {expected}");
+        assert!((means - 0.7).abs() < 0.01, "{means}: the dry volume");
     }
 }

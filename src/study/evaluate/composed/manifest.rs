@@ -107,6 +107,24 @@ pub struct MediumRow {
     pub kubelka_munk_scattering_per_um: ErrorParts,
 }
 
+/// Light at 0° that leaves a layer in one direction. The layer looks alike from all azimuths.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct DistributionRow {
+    /// Thickness of the layer, µm.
+    pub thickness_um: f64,
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// Whether it comes back; else it has passed the layer.
+    pub reflected: bool,
+    /// Angle from the normal in the medium that it leaves to, degrees.
+    pub polar_out_deg: f64,
+    /// Projected solid angle that the direction stands for, sr: times the density it adds up to R
+    /// or T less the beam's part.
+    pub projected_sr: f64,
+    /// BRDF or BTDF of the layer alone, 1/sr, without the mirrored and the straight beam.
+    pub bdf_per_sr: ErrorParts,
+}
+
 /// Fluxes at one depth, as shares of the incident light at 0°.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct DepthRow {
@@ -149,6 +167,8 @@ pub struct ComposedManifest<'a> {
     pub no_colour: Option<String>,
     /// The medium at every wavelength.
     pub medium: Vec<MediumRow>,
+    /// Where light at 0° goes, of each thickness asked for.
+    pub distributions: Vec<DistributionRow>,
     /// Rows of whole numbers of slabs.
     pub curve: Vec<ComposedRow>,
     /// Their colours.

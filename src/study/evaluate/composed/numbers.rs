@@ -10,6 +10,7 @@ use crate::evaluate::ink_maker::{BLACK, WHITE};
 use crate::input::study::Study;
 use crate::wave::Wave;
 use faer::Mat;
+use std::f64::consts::PI;
 
 /// Quantities of a layer at one wavelength.
 pub const SPECTRAL: usize = 12;
@@ -43,7 +44,8 @@ pub struct LayerTask<'a> {
 
 impl LayerTask<'_> {
     /// All numbers: of each thickness its spectral quantities and its colours; the coefficients of
-    /// each wavelength; the thickness that hides.
+    /// each wavelength; the distributions of each thickness asked for and wavelength; the thickness
+    /// that hides.
     pub fn numbers(&self, level: &Level, change: Change) -> Vec<f64> {
         let wavelengths = 0..self.study.wavelengths_nm.len();
         let slabs: Vec<Slabs> = wavelengths.clone().map(|w| level.slabs(w, change)).collect();
@@ -63,27 +65,37 @@ impl LayerTask<'_> {
         for slabs in &slabs {
             numbers.extend(coefficients(slabs, level.slab_um));
         }
+        let asked = self.study.layer.composed.iter().flat_map(|composed| &composed.thicknesses_um);
+        for (thickness_um, slabs) in asked.flat_map(|um| slabs.iter().map(move |slabs| (um, slabs))) {
+            numbers.extend(self.between(*thickness_um, |count| distribution(slabs, count * per_h)));
+        }
         if self.hides {
             numbers.push(self.hiding_um(&contrasts));
         }
         numbers
     }
 
-    /// Quantities at one wavelength; between whole numbers of slabs by the polynomial through the
-    /// four nearest.
+    /// Quantities at one wavelength.
     fn spectral(&self, slabs: &Slabs, thickness_um: f64, per_h: usize, albedo: f64) -> Vec<f64> {
+        self.between(thickness_um, |count| spectral(slabs, count * per_h, self.study, albedo))
+    }
+
+    /// Quantities of a whole number of slabs, and between such numbers by the polynomial through
+    /// the four nearest.
+    fn between(&self, thickness_um: f64, at: impl Fn(usize) -> Vec<f64>) -> Vec<f64> {
         let whole = thickness_um / self.slab_um;
-        let at = |count: usize| spectral(slabs, count * per_h, self.study, albedo);
         if (whole - whole.round()).abs() < 1e-9 * whole {
             return at(whole.round() as usize);
         }
         let first = (whole.floor() as usize).saturating_sub(POINTS / 2 - 1).max(2);
-        let mut sum = vec![0.0; SPECTRAL];
+        let mut sum: Vec<f64> = Vec::new();
         for i in 0..POINTS {
             let others = (0..POINTS).filter(|&j| j != i);
             let factor = |j: usize| (whole - (first + j) as f64) / (i as f64 - j as f64);
             let weight: f64 = others.map(factor).product();
-            at(first + i).iter().zip(&mut sum).for_each(|(value, sum)| *sum += weight * value);
+            let values = at(first + i);
+            sum.resize(values.len(), 0.0);
+            values.iter().zip(&mut sum).for_each(|(value, sum)| *sum += weight * value);
         }
         sum
     }
@@ -139,6 +151,23 @@ fn spectral(slabs: &Slabs, count: usize, study: &Study, albedo: f64) -> Vec<f64>
     let through = |lit_on: f64| lit[1] + passes[0] * passes[1] * (lit_on - lit[1]);
     all.extend([through(lit[0]), lit[1], through(lit[2])]);
     all
+}
+
+/// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.
+/// The mirrored and the straight beam are left out, and what interference changes.
+fn distribution(slabs: &Slabs, count: usize) -> Vec<f64> {
+    let ([before, _, behind], layer) = (&slabs.media, slabs.layer(count));
+    let of = |fluxes: &Mat<f64>, medium: &Hemisphere| {
+        let flux =
+            |node| (0..medium.polarisations).map(|p| fluxes[(medium.state(node + 1, p), 0)]).sum::<f64>();
+        (0..medium.ordinates.count()).map(|node| flux(node) / projected_sr(medium, node)).collect::<Vec<_>>()
+    };
+    [of(&layer.reflection[0], before), of(&layer.transmission[0], behind)].concat()
+}
+
+/// Projected solid angle that a node stands for, ∫ cos θ dω, sr.
+pub fn projected_sr(medium: &Hemisphere, node: usize) -> f64 {
+    PI * medium.ordinates.weights[node] / medium.ordinates.index.powi(2)
 }
 
 /// What interference between the surfaces changes: \[R, T\] at 0°, at 45° and of diffuse light, and

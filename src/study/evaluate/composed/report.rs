@@ -1,8 +1,10 @@
 //! The published numbers of a composed layer, with everything that their bars are made of.
 
 use super::level::{Change, Level, Slabs, SolvedPortion};
-use super::manifest::{ComposedColours, ComposedManifest, ComposedRow, DepthRow, ErrorParts, MediumRow};
-use super::numbers::{COEFFICIENTS, COLOURS, LayerTask, MOST_SLABS, SPECTRAL, lights};
+use super::manifest::{
+    ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, ErrorParts, MediumRow,
+};
+use super::numbers::{COEFFICIENTS, COLOURS, LayerTask, MOST_SLABS, SPECTRAL, lights, projected_sr};
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::manifest::{Count, Status};
@@ -47,6 +49,7 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
         question.thicknesses_um.iter().map(|&um| layer(&question, um, &mut all)).collect();
     rows.truncate(rows.len() - extra);
     let medium: Vec<MediumRow> = study.wavelengths_nm.iter().map(|&nm| medium_row(nm, &mut all)).collect();
+    let distributions = distributions(&question, &slabs, &composed.thicknesses_um, &mut all);
     let hiding_thickness_um = if question.hides { all.next() } else { None };
     let curve = rows.split_off(asked);
     let (spectra, colours): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
@@ -69,6 +72,7 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
         spectra: spectra.into_iter().flatten().collect(),
         colours: colours.into_iter().flatten().collect(),
         no_colour,
+        distributions,
         curve: curve.into_iter().flatten().collect(),
         curve_colours: curve_colours.into_iter().flatten().collect(),
         hiding_thickness_um,
@@ -231,6 +235,34 @@ fn medium_row(wavelength_nm: f64, all: &mut impl Iterator<Item = ErrorParts>) ->
         kubelka_munk_absorption_per_um: of[6],
         kubelka_munk_scattering_per_um: of[7],
     }
+}
+
+/// Where light at 0° goes, of each thickness asked for and wavelength.
+fn distributions(
+    question: &LayerTask,
+    slabs: &[Slabs],
+    thicknesses_um: &[f64],
+    all: &mut impl Iterator<Item = ErrorParts>,
+) -> Vec<DistributionRow> {
+    let mut rows = Vec::new();
+    for &thickness_um in thicknesses_um {
+        for (&wavelength_nm, Slabs { media: [before, _, behind], .. }) in
+            question.study.wavelengths_nm.iter().zip(slabs)
+        {
+            for (reflected, medium) in [(true, before), (false, behind)] {
+                let nodes = (0..medium.ordinates.count()).zip(&mut *all);
+                rows.extend(nodes.map(|(node, bdf_per_sr)| DistributionRow {
+                    thickness_um,
+                    wavelength_nm,
+                    reflected,
+                    polar_out_deg: medium.ordinates.polar_deg(node),
+                    projected_sr: projected_sr(medium, node),
+                    bdf_per_sr,
+                }));
+            }
+        }
+    }
+    rows
 }
 
 /// Fluxes against depth in the first thickness, rounded to whole slabs, on the paper.

@@ -29,7 +29,7 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
         faults.add("layer.relief", "a rough surface", allowed, remedy);
     }
     if let SolverChoice::ConvergentBorn(_) | SolverChoice::Relaxation(_) = study.solver {
-        let allowed = "\"krylov\", \"bicgstab\", \"born\" or \"direct\" with Maxwell's equations: their unknowns are no values at points";
+        let allowed = "\"krylov\", \"bicgstab\", \"idr\", \"born\" or \"direct\" with Maxwell's equations: their unknowns are no values at points";
         let found = study.solver.build().name().to_owned();
         faults.add("solver.strategy", found, allowed, format!("leave it out, {scalar}"));
     }

@@ -1,0 +1,90 @@
+//! IDR(s), the method of induced dimension reduction (Sonneveld and van Gijzen 2008), in the
+//! variant with biorthogonal vectors (van Gijzen and Sonneveld 2011): short recurrences, 2 s
+//! vectors for any number of steps. Implemented here because no maintained crate offers it for
+//! complex matrix-free operators.
+
+mod recurrence;
+
+use super::krylov::Double;
+use crate::solve::demand::Size;
+use crate::solve::ledger::{Ledger, flat};
+use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::vectors::norm;
+use crate::wave::{Field, System};
+use recurrence::Recurrence;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+const ADVICE: &str = "raise idr.shadow_space, or use strategy = \"krylov\"";
+/// Vectors besides directions and images: field, residual, incident wave; phases, residual and
+/// correction of the recurrence, and two of work.
+const OTHER_VECTORS: usize = 8;
+
+/// IDR(s): s + 1 operator applications per cycle of s + 1 steps.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Idr {
+    /// Dimension s of the shadow space: more of it needs fewer applications and more memory.
+    #[schemars(range(min = 1, max = 64))]
+    pub shadow_space: usize,
+    /// Number of restarts from the true residual when the recurrence breaks down or has drifted.
+    pub most_restarts: usize,
+}
+
+impl Default for Idr {
+    fn default() -> Idr {
+        Idr { shadow_space: 12, most_restarts: 20 }
+    }
+}
+
+impl Solver for Idr {
+    fn name(&self) -> &'static str {
+        "idr"
+    }
+
+    fn solve_from(
+        &self,
+        problem: &dyn System,
+        start: Option<&Field>,
+        goal: Goal,
+        watch: &mut dyn Watch,
+    ) -> Result<Solution, SolveError> {
+        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+        ledger.holds_vectors(2 * self.shadow_space + OTHER_VECTORS);
+        let mut u = start.cloned().unwrap_or_else(|| Field::zeros(problem.shape()));
+        let mut r = ledger.background.clone();
+        let first = if start.is_some() { ledger.measure(&u, &mut r) } else { 1.0 };
+        ledger.note(first)?;
+        self.advance(&mut ledger, &mut u, &mut r)?;
+        Ok(ledger.finish(u))
+    }
+
+    fn fit(&self, size: &Size, _bytes: f64) -> Fit {
+        Fit::fixed(size.fields((2 * self.shadow_space + OTHER_VECTORS) as f64))
+    }
+}
+
+impl Idr {
+    /// Continues from the field `u` with residual `r` to the goal.
+    pub(super) fn advance(
+        &self,
+        ledger: &mut Ledger,
+        u: &mut Field,
+        r: &mut Field,
+    ) -> Result<(), SolveError> {
+        for _ in 0..=self.most_restarts {
+            if ledger.reached() {
+                return Ok(());
+            }
+            let size = norm(flat(r));
+            let mut recurrence = Recurrence::new(self.shadow_space, r, size);
+            recurrence.run(&Double(ledger.problem), ledger, size)?;
+            u.iter_mut().zip(recurrence.correction()).for_each(|(u, e)| *u += size * e);
+            ledger.measure(u, r);
+            if !ledger.reached() {
+                ledger.judge(ADVICE)?;
+            }
+        }
+        Err(ledger.not_converged(ADVICE))
+    }
+}
