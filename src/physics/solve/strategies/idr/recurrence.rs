@@ -18,8 +18,9 @@ const COSINE: f64 = 0.7;
 const BLOCK: usize = 16;
 const SEED: u64 = 2011;
 
-/// s shadow vectors of modulus 1 and random phases, each in its own blocks of entries: products
-/// with all of them read a vector once.
+/// s shadow vectors of random phases: modulus 2 in blocks of entries of its own, 1 elsewhere, with
+/// the same phases. Products with all of them read a vector once, and none vanishes where a vector
+/// is zero outside a few entries, as the incident wave is.
 struct Shadow {
     phases: Vec<f64>,
     block: usize,
@@ -43,6 +44,8 @@ impl Shadow {
             sums[b % self.s] +=
                 dot((&p_re[block.clone()], &p_im[block.clone()]), (&re[block.clone()], &im[block]));
         }
+        let all: Complex64 = sums.iter().sum();
+        sums.iter_mut().for_each(|sum| *sum += all);
         sums
     }
 }
