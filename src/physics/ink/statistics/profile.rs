@@ -17,7 +17,8 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
     for grain in packing.grains() {
         let mut around: Option<usize> = None;
         for Layered { material, spheres, solid } in packing.nested(grain) {
-            let volumes = solid.map_or_else(|| of_spheres(&spheres, height, slices), |s| of_solid(&s, height, slices));
+            let volumes =
+                solid.map_or_else(|| of_spheres(&spheres, height, slices), |s| of_solid(&s, height, slices));
             for (slice, volume) in fractions.iter_mut().zip(volumes) {
                 slice[material] += volume;
                 around.iter().for_each(|&outer| slice[outer] -= volume);
