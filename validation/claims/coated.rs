@@ -1,4 +1,4 @@
-//! Coated and hollow spheres, also as ellipsoids of equal axes, against the T-matrices of layered spheres, in both waves.
+//! Coated and hollow spheres, also as ellipsoids of equal axes, and tilted ellipsoids against T-matrices, in both waves.
 
 use crate::claim::{Claim, Findings, Level, short};
 use crate::vector::{complex, order, pairs};
@@ -9,8 +9,8 @@ use serde_json::{Value, json};
 
 pub const CLAIM: Claim = Claim {
     id: "27-coated-spheres",
-    statement: "Layered and hollow spheres, given as spheres or as ellipsoids of equal axes: every order's amplitude is as accurate as asked, and on a fine grid within 1e-4, in the scalar and in the vector wave.",
-    because: "Arrays of coated spheres by multipoles: the series of each sphere (Bohren and Huffman, chapter 8; its scalar counterpart) with Ewald lattice sums, converged to 3e-10 (`validation/coated.py`).",
+    statement: "Layered and hollow spheres, given as spheres or as ellipsoids of equal axes, and tilted ellipsoids of three axes: every order's amplitude is as accurate as asked, and on a fine grid within 1e-4, in the scalar and in the vector wave.",
+    because: "Arrays of coated spheres by multipoles: the series of each sphere (Bohren and Huffman, chapter 8; its scalar counterpart) with Ewald lattice sums, converged to 3e-10 (`validation/coated.py`), and of ellipsoids by the null-field method, converged to 2e-7 (`validation/ellipsoids.py`).",
     file: file!(),
     measure,
 };
@@ -22,32 +22,35 @@ struct Coated {
     id: String,
     vector: bool,
     case: Case,
-    ellipsoids: Case,
+    /// The spheres as ellipsoids.
+    ellipsoids: Option<Case>,
     orders: Vec<Value>,
 }
 
 fn cases() -> Vec<Coated> {
-    let file: Value = serde_json::from_str(include_str!("../data/coated.json")).expect("coated.json is JSON");
+    let files = [include_str!("../data/coated.json"), include_str!("../data/ellipsoids.json")];
     let read = |case: &Value| Coated {
         id: case["id"].as_str().expect("an id").into(),
         vector: case["wave"] == "vector",
         case: Case::parse(&case["inputs"].to_string(), false).expect("a case"),
-        ellipsoids: Case::parse(&with_ellipsoids(&case["inputs"]).to_string(), false).expect("a case"),
+        ellipsoids: with_ellipsoids(&case["inputs"]).map(|i| Case::parse(&i.to_string(), false).expect("a case")),
         orders: case["orders"].as_array().expect("orders").clone(),
     };
-    file["cases"].as_array().expect("cases").iter().map(read).collect()
+    let file = |text: &str| serde_json::from_str::<Value>(text).expect("JSON")["cases"].take();
+    let listed = |text: &str| file(text).as_array().expect("cases").iter().map(read).collect::<Vec<_>>();
+    files.into_iter().flat_map(listed).collect()
 }
 
 /// The inputs of a case with every sphere as an ellipsoid of three equal axes.
-fn with_ellipsoids(inputs: &Value) -> Value {
+fn with_ellipsoids(inputs: &Value) -> Option<Value> {
     let mut inputs = inputs.clone();
-    let spheres = inputs.as_object_mut().and_then(|keys| keys.remove("spheres")).expect("spheres");
+    let spheres = inputs.as_object_mut()?.remove("spheres")?;
     let body = |s: &Value| {
         let axis = 2.0 * s["radius"].as_f64().expect("a radius");
         json!({"shape": {"kind": "ellipsoid", "axes": [axis, axis, axis]}, "center": s["center"], "eta": s["eta"]})
     };
-    inputs["bodies"] = spheres.as_array().expect("a list").iter().map(body).collect();
-    inputs
+    inputs["bodies"] = spheres.as_array()?.iter().map(body).collect();
+    Some(inputs)
 }
 
 impl Coated {
@@ -100,7 +103,9 @@ fn measure(level: Level, findings: &mut Findings) {
         let what = format!("{} on {} points and {} cells", coated.id, FINE[0], FINE[1]);
         let because = "four digits for layers as for spheres";
         findings.promise(&what, coated.error_at(&coated.case, FINE), 1e-4, because);
-        let what = format!("{what}, as ellipsoids");
-        findings.promise(what, coated.error_at(&coated.ellipsoids, FINE), 1e-4, because);
+        if let Some(ellipsoids) = &coated.ellipsoids {
+            let what = format!("{what}, as ellipsoids");
+            findings.promise(what, coated.error_at(ellipsoids, FINE), 1e-4, because);
+        }
     }
 }
