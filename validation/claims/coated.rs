@@ -33,7 +33,8 @@ fn cases() -> Vec<Coated> {
         id: case["id"].as_str().expect("an id").into(),
         vector: case["wave"] == "vector",
         case: Case::parse(&case["inputs"].to_string(), false).expect("a case"),
-        ellipsoids: with_ellipsoids(&case["inputs"]).map(|i| Case::parse(&i.to_string(), false).expect("a case")),
+        ellipsoids: with_ellipsoids(&case["inputs"])
+            .map(|i| Case::parse(&i.to_string(), false).expect("a case")),
         orders: case["orders"].as_array().expect("orders").clone(),
     };
     let file = |text: &str| serde_json::from_str::<Value>(text).expect("JSON")["cases"].take();

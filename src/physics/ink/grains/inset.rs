@@ -47,12 +47,9 @@ impl Form {
 /// How far the corners of a polygon move when its edges move inwards by one.
 fn shifts(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let normals: Vec<V3> = edges(corners).map(|(a, b)| outward(a, b)).collect();
-    let n = normals.len();
-    let shift = |i: usize| {
-        let [p, q] = [normals[(i + n - 1) % n], normals[i]];
-        [0, 1].map(|axis| -(p[axis] + q[axis]) / (1.0 + dot(p, q)))
-    };
-    (0..n).map(shift).collect()
+    let before = normals.iter().cycle().skip(normals.len() - 1);
+    let pairs = before.zip(&normals);
+    pairs.map(|(p, q)| [0, 1].map(|axis| -(p[axis] + q[axis]) / (1.0 + dot(*p, *q)))).collect()
 }
 
 #[cfg(test)]

@@ -231,17 +231,17 @@ impl Packing {
         let before: usize = self.shells_um[..grain.pigment].iter().map(Vec::len).sum();
         let first = self.shells_um.len() + before;
         let layers = shell.iter().enumerate().rev().map(|(i, &thickness)| (first + i, thickness));
-        let mut depth = 0.0;
-        let body = |(material, thickness): (usize, f64)| {
+        let (mut depth, mut bodies) = (0.0, Vec::with_capacity(shell.len() + 1));
+        for (material, thickness) in layers.chain([(grain.pigment, 0.0)]) {
             let solid = grain.solid.as_ref().map(|solid| solid.inset(depth));
             let spheres = match &solid {
                 None => shell::inside(&grain.spheres, depth),
                 Some(solid) => vec![Sphere { center_um: solid.center_um, radius_um: solid.form.reach_um() }],
             };
+            bodies.push(Layered { material, spheres, solid });
             depth += thickness;
-            Layered { material, spheres, solid }
-        };
-        layers.chain([(grain.pigment, 0.0)]).map(body).collect()
+        }
+        bodies
     }
 
     /// Requested volume fraction of a pigment (0 for an unknown one); see [`crate::ink::Relief`]

@@ -25,14 +25,13 @@ pub(super) fn are_convex(scene: &Scene) -> bool {
 pub(super) fn cores(scene: &Scene) -> Vec<Option<Core>> {
     let mut inner: Vec<Vec<&Body>> = vec![Vec::new(); scene.bodies.len()];
     scene.bodies.iter().for_each(|body| body.within.iter().for_each(|&host| inner[host].push(body)));
-    let of = |(host, inner): (&Body, Vec<&Body>)| {
-        if inner.is_empty() {
-            return None;
-        }
-        let bodies = [host].into_iter().chain(inner.iter().copied()).filter_map(convex);
-        Some(concentric(host, &inner, scene.period_um).unwrap_or_else(|| Core::Bodies(bodies.collect())))
-    };
-    scene.bodies.iter().zip(inner).map(of).collect()
+    scene.bodies.iter().zip(inner).map(|(host, inner)| core_of(host, &inner, scene.period_um)).collect()
+}
+
+fn core_of(host: &Body, inner: &[&Body], period_um: [f64; 2]) -> Option<Core> {
+    let bodies = [host].into_iter().chain(inner.iter().copied()).filter_map(convex);
+    let around = || Core::Bodies(bodies.collect());
+    (!inner.is_empty()).then(|| concentric(host, inner, period_um).unwrap_or_else(around))
 }
 
 fn concentric(host: &Body, inner: &[&Body], period_um: [f64; 2]) -> Option<Core> {
@@ -42,8 +41,8 @@ fn concentric(host: &Body, inner: &[&Body], period_um: [f64; 2]) -> Option<Core>
         let d = core.center_um[axis] - outer.center_um[axis];
         period_um.get(axis).map_or(d, |period| d - period * (d / period).round())
     };
-    let is_none = (0..3).all(|axis| apart(axis).abs() <= ROUNDING * core.radius_um);
-    is_none.then(|| Core::Concentric(core, NormalField::of_layer(core.radius_um, outer.radius_um)))
+    let same = (0..3).all(|axis| apart(axis).abs() <= ROUNDING * core.radius_um);
+    same.then(|| Core::Concentric(core, NormalField::of_layer(core.radius_um, outer.radius_um)))
 }
 
 fn sphere(body: &Body) -> Option<Ball> {

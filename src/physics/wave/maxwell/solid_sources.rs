@@ -15,7 +15,7 @@ use crate::wave::contrast::section::{EdgePoint, Sampling};
 type Square = [f64; FIELDS - 1];
 
 /// The surface of a body: of the outer one, or of one inside the layer.
-struct Surface {
+struct SolidSurface {
     center: V3,
     /// Every face; whether it needs no tensor.
     faces: Vec<(Face, bool)>,
@@ -43,8 +43,8 @@ pub(super) fn of_bodies(
     sampling: &Sampling,
     push: &mut impl FnMut(Source),
 ) {
-    let surfaces: Vec<Surface> =
-        bodies.iter().enumerate().map(|(i, solid)| Surface::of(solid, nodes, i > 0)).collect();
+    let surfaces: Vec<SolidSurface> =
+        bodies.iter().enumerate().map(|(i, solid)| SolidSurface::of(solid, nodes, i > 0)).collect();
     for (i, solid) in bodies.iter().enumerate() {
         let sign = if i == 0 { 1.0 } else { -1.0 };
         sampling.cuts(solid, slab.range_um, TENSOR_DEGREE, &mut |z, weight, edge| {
@@ -56,7 +56,7 @@ pub(super) fn of_bodies(
 
 /// A cut as a fan of triangles from a point inside it to its edge.
 fn fan(
-    surfaces: &[Surface],
+    surfaces: &[SolidSurface],
     edge: &[EdgePoint],
     sampling: &Sampling,
     (z, shares): (f64, [f64; 2]),
@@ -81,8 +81,8 @@ fn values(tensor: &Square, shares: [f64; 2]) -> [f64; VALUES] {
     std::array::from_fn(|i| field(i / 2) * shares[i % 2])
 }
 
-impl Surface {
-    fn of(solid: &Solid, nodes: &[f64], inner: bool) -> Surface {
+impl SolidSurface {
+    fn of(solid: &Solid, nodes: &[f64], inner: bool) -> SolidSurface {
         let turn = |v: V3| solid.rotation.turn(v);
         let ends =
             |half: f64| [-1.0, 1.0].map(|side| Face::Plane { normal: turn([0.0, 0.0, side]), offset: half });
@@ -106,7 +106,7 @@ impl Surface {
         let (center, slack) = (solid.center_um, 1e-9 * solid.form.reach_um());
         let joined = |face: &Face| is_on_node(face, center[2], nodes, slack);
         let faces = faces.into_iter().map(|face| (joined(&face), face)).map(|(on, face)| (face, on));
-        Surface { center, faces: faces.collect(), inner }
+        SolidSurface { center, faces: faces.collect(), inner }
     }
 }
 
@@ -116,7 +116,7 @@ fn is_on_node(face: &Face, center: f64, nodes: &[f64], slack: f64) -> bool {
 }
 
 /// N at a point. Outside a body, the distance from a face is that from the edges of the face.
-fn tensor(surfaces: &[Surface], point: V3) -> Square {
+fn tensor(surfaces: &[SolidSurface], point: V3) -> Square {
     let mut total = 0.0;
     let mut sum = [0.0; FIELDS - 1];
     for surface in surfaces {
@@ -195,7 +195,7 @@ mod tests {
             let rotation = Rotation::by([0.4, -0.2, 0.9]);
             let solid = Solid { form, center_um: [0.1, -0.2, 0.3], rotation };
             let core = solid.inset(0.03);
-            let layered = [Surface::of(&solid, &[], false), Surface::of(&core, &[], true)];
+            let layered = [SolidSurface::of(&solid, &[], false), SolidSurface::of(&core, &[], true)];
             for (body, surfaces) in [(&solid, &layered[..1]), (&solid, &layered[..]), (&core, &layered[..])] {
                 for [a, b, c] in body.triangles(200) {
                     let middle = scale(add(a, add(b, c)), 1.0 / 3.0);
