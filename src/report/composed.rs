@@ -290,13 +290,15 @@ fn maker(manifest: &ComposedManifest) -> MakerBlock {
     let mut rows: Vec<Meant> = Vec::new();
     for c in colours() {
         let um = c.thickness_um;
-        rows.push(Meant::new(
-            &format!("{um} µm, natural light"),
-            lab(&c.natural_light),
-            "on the paper, seen along the normal",
-        ));
-        rows.push(Meant::new(&format!("{um} µm, 45°:0°"), lab(&c.lit_at_45), "on the paper"));
-        rows.push(Meant::new(&format!("{um} µm, over black"), lab(&c.over_black), "at 45°:0°"));
+        let lab = [
+            ("natural light", &c.natural_light, "on the paper, seen along the normal"),
+            ("45°:0°", &c.lit_at_45, "on the paper"),
+            ("over black", &c.over_black, "at 45°:0°"),
+        ];
+        rows.extend(lab.map(|(name, of, place)| {
+            let value = of.each_ref().map(|j| words(j, 2)).join(", ");
+            Meant::new(&format!("{um} µm, {name}"), value, format!("L*, a*, b* {place}"))
+        }));
         let ratio = words(&c.contrast_ratio, 3);
         rows.push(Meant::new(
             &format!("{um} µm, contrast ratio"),
