@@ -6,8 +6,9 @@ use super::run::folder_report;
 use super::say::say;
 use super::stop::StopFlag;
 use clap::Args;
+use inkwave::export::composed::ComposedStored;
 use inkwave::export::error::ExportError;
-use inkwave::export::run::{Format, NearField, Request, export};
+use inkwave::export::run::{Exported, Format, NearField, Request, export};
 use inkwave::export::stored::Stored;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
@@ -30,20 +31,30 @@ pub struct ExportArgs {
     /// Solve again at this wavelength (nm) and angle (degrees, default 0) and add near-field.vti
     #[arg(long, value_name = "NM[:DEG]", value_parser = near_field)]
     pub near_field: Option<NearField>,
+    /// Which layer of a composed study (µm; default: its first thickness)
+    #[arg(long, value_name = "UM")]
+    pub thickness: Option<f64>,
 }
 
 /// Reads the folder and writes the files.
 pub fn run(args: &ExportArgs) -> miette::Result<()> {
-    let stored = Stored::read(&args.folder).map_err(|error| refusal(&error, &args.folder))?;
+    let refused = |error: ExportError| refusal(&error, &args.folder);
+    let composed = ComposedStored::read(&args.folder).map_err(refused)?;
+    let alone = composed.is_none().then(|| Stored::read(&args.folder)).transpose().map_err(refused)?;
     let folder = args.output.clone().unwrap_or_else(|| args.folder.join("export"));
     let folder = OutputFolder::open(&folder, Holds::Exports).map_err(folder_report)?;
     let progress = Progress::new(StopFlag::listen());
     let request = Request {
         formats: args.to.clone(),
         near_field: args.near_field,
+        thickness_um: args.thickness,
         created: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
     };
-    let exported = export(&stored, &request, &progress);
+    let exported = match (&composed, &alone) {
+        (Some(composed), _) => composed.export(&request, &progress),
+        (None, Some(alone)) => export(alone, &request, &progress),
+        (None, None) => Ok(Exported::default()),
+    };
     progress.finish();
     let exported = exported.map_err(|error| {
         folder.discard_when_empty();

@@ -43,6 +43,25 @@ pub enum ExportError {
         /// The folder.
         path: PathBuf,
     },
+    /// A composed layer has many slabs, each with packings of its own.
+    #[error(
+        "{format} shows one packing, and a composed layer has none of its own: allowed are mitsuba, cxf, cgats, npz and crate"
+    )]
+    OnePacking {
+        /// The format.
+        format: String,
+    },
+    /// No layer of this thickness.
+    #[error("--thickness: found {found} µm; allowed is {allowed} µm")]
+    Thickness {
+        /// What was asked for.
+        found: f64,
+        /// The study's thicknesses.
+        allowed: String,
+    },
+    /// A composed layer that cannot be evaluated.
+    #[error("{0}")]
+    Slabs(String),
     /// The store cannot be opened.
     #[error("cannot open the store of {}: {source}", path.display())]
     Store {

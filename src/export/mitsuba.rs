@@ -10,7 +10,7 @@
 
 use super::tensor::{TensorField, tensor_file};
 use crate::appearance::colour::Colorimeter;
-use crate::evaluate::directional::{Direction, DirectionalInk};
+use crate::evaluate::directional::{Direction, DirectionalPrint};
 use crate::evaluate::ink::InkError;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -57,11 +57,11 @@ impl MaterialTable {
     /// Tabulates the ink on a grid of `points` × `points` half vectors.
     ///
     /// # Errors
-    /// What [`DirectionalInk::brdf`] refuses.
-    pub fn new(ink: &DirectionalInk, points: usize) -> Result<Self, InkError> {
+    /// What [`DirectionalPrint::brdf`] refuses.
+    pub fn new(ink: &dyn DirectionalPrint, points: usize) -> Result<Self, InkError> {
         let theta_deg = incidences(&ink.nodes_deg());
         let slabs = theta_deg.par_iter().map(|&deg| slab(ink, deg, points)).collect::<Result<_, _>>()?;
-        Ok(Self { theta_deg, wavelengths_nm: ink.ink().wavelengths_nm().to_vec(), points, slabs })
+        Ok(Self { theta_deg, wavelengths_nm: ink.wavelengths_nm().to_vec(), points, slabs })
     }
 
     /// The file for the renderer's spectral variants.
@@ -143,8 +143,8 @@ fn incidences(nodes_deg: &[f64]) -> Vec<f64> {
 }
 
 /// One angle of incidence; rows v and 1 − v mirror each other.
-fn slab(ink: &DirectionalInk, light_deg: f64, points: usize) -> Result<TensorSlab, InkError> {
-    let waves = ink.ink().wavelengths_nm().len();
+fn slab(ink: &dyn DirectionalPrint, light_deg: f64, points: usize) -> Result<TensorSlab, InkError> {
+    let waves = ink.wavelengths_nm().len();
     let cells = points * points;
     let mut slab = vec![0.0; waves * cells];
     for row in 0..points.div_ceil(2) {

@@ -1,6 +1,7 @@
 //! Files for other programs, made from stored results.
 //!
-//! [`stored`] reads a finished study back; [`run`](mod@run) makes the files requested. Each writer
+//! [`stored`] reads a finished study back; [`run`](mod@run) makes the files requested, [`composed`]
+//! does both for a composed layer. Each writer
 //! takes plain numbers and returns bytes; `scripts/check-exports` opens every file with the program
 //! it is meant for.
 //!
@@ -12,6 +13,7 @@
 //! - [`viewer`]: a packing in the browser
 
 pub mod cgats;
+pub mod composed;
 pub mod cxf;
 pub mod error;
 pub mod mitsuba;

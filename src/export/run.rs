@@ -13,7 +13,7 @@ use super::samples;
 use super::stored::Stored;
 use super::voxels::{self, Voxels};
 use super::{cgats, cxf, near_field, npz, positions, viewer};
-use crate::evaluate::directional::DirectionalInk;
+use crate::evaluate::directional::{DirectionalInk, DirectionalPrint};
 use crate::evaluate::ink::InkOnPaper;
 use crate::evaluate::manifest::Manifest;
 use crate::evaluate::seen::NoInk;
@@ -45,6 +45,9 @@ pub struct Exported {
 pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Result<Exported, ExportError> {
     let exporter = Exporter { stored, request, watch };
     let wants = |format| request.formats.contains(&format);
+    if let Some(found) = request.thickness_um.filter(|um| *um != stored.study.layer.thickness_um) {
+        return Err(ExportError::Thickness { found, allowed: stored.study.layer.thickness_um.to_string() });
+    }
     let mut out = Exported::default();
     if wants(Format::Mitsuba) {
         exporter.mitsuba(&mut out)?;
@@ -54,7 +57,7 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Resul
         out.add("spectra.cxf", text, "spectra of the print with Lab, CxF3");
     }
     if wants(Format::Cgats) {
-        exporter.cgats(&mut out)?;
+        out.cgats(&exporter.print("cgats")?);
     }
     if wants(Format::Npz) {
         exporter.npz(&mut out)?;
@@ -77,10 +80,78 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Resul
     Ok(out)
 }
 
+/// Materials of renderers lie in air.
+pub(super) fn in_air(study: &Study) -> Result<(), ExportError> {
+    match study.layer.index_in == 1.0 {
+        true => Ok(()),
+        false => Err(ExportError::NotInAir { index: study.layer.index_in }),
+    }
+}
+
 impl Exported {
-    fn add(&mut self, name: &str, bytes: impl Into<Vec<u8>>, about: &str) {
+    pub(super) fn add(&mut self, name: &str, bytes: impl Into<Vec<u8>>, about: &str) {
         self.files.push(Described { name: name.to_owned(), bytes: bytes.into(), about: about.to_owned() });
     }
+
+    /// The print as a material for renderers, with tables to check it.
+    pub(super) fn material(
+        &mut self,
+        print: &dyn DirectionalPrint,
+        study: &Study,
+    ) -> Result<(), ExportError> {
+        let table = MaterialTable::new(print, mitsuba::POINTS)?;
+        let about = description(study);
+        self.add("ink-spectral.bsdf", table.spectral(&about), "material for Mitsuba 3, spectral variants");
+        self.add("scene-spectral.xml", mitsuba::scene("ink-spectral.bsdf", &study.title), "a scene with it");
+        match table.rgb(&about) {
+            Ok(rgb) => {
+                self.add("ink-rgb.bsdf", rgb.bytes, "material for Mitsuba 3, RGB variants");
+                self.add("scene-rgb.xml", mitsuba::scene("ink-rgb.bsdf", &study.title), "a scene with it");
+                self.remarks.push(format!(
+                    "ink-rgb.bsdf: {:.1} % of its cells lie outside sRGB; their negative channels are 0",
+                    100.0 * rgb.clipped
+                ));
+            }
+            Err(reason) => self.remarks.push(format!("no ink-rgb.bsdf: {reason}")),
+        }
+        let (mirrored, chosen) = (samples::specular(print)?, samples::brdf(print)?);
+        self.add("specular.csv", mirrored, "mirror part, left out of the material, and albedo");
+        self.add("brdf-samples.csv", chosen, "BRDF of the ink on its paper at chosen directions");
+        Ok(())
+    }
+
+    /// Spectra in both dialects of CGATS.
+    pub(super) fn cgats(&mut self, print: &Print) {
+        let text = |dialect| cgats::cgats(print, dialect);
+        self.add("spectra.cgats", text(cgats::Dialect::Standard), "spectra of the print with Lab, CGATS.17");
+        self.add("spectra.sp", text(cgats::Dialect::Argyll), "spectra of the print with Lab for ArgyllCMS");
+    }
+
+    /// The study, and all files described together.
+    pub(super) fn describe(&mut self, study: &Study, created: &str) -> Result<(), ExportError> {
+        self.add(STUDY, serde_json::to_vec_pretty(study)?, "the study with every default filled in");
+        let run = Run {
+            title: study.title.clone(),
+            study_hash: study.key().to_string(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            created: created.to_owned(),
+        };
+        let [crate_, package] =
+            [provenance::ro_crate(&run, &self.files), provenance::data_package(&run, &self.files)];
+        self.add("ro-crate-metadata.json", serde_json::to_vec_pretty(&crate_)?, "RO-Crate");
+        self.add("datapackage.json", serde_json::to_vec_pretty(&package)?, "Data Package");
+        Ok(())
+    }
+}
+
+fn description(study: &Study) -> String {
+    format!(
+        "{}: ink on paper, simulated by {} (study {}, wave {}). Diffuse part only: the mirror reflection is a delta, see specular.csv.",
+        study.title,
+        program(),
+        study.key(),
+        study.wave.name()
+    )
 }
 
 struct Exporter<'a> {
@@ -101,48 +172,9 @@ impl Exporter<'_> {
 
     fn mitsuba(&self, out: &mut Exported) -> Result<(), ExportError> {
         let (ink, study) = (self.ink("mitsuba")?, self.study());
-        if study.layer.index_in != 1.0 {
-            return Err(ExportError::NotInAir { index: study.layer.index_in });
-        }
+        in_air(study)?;
         self.watch.stage("tabulating the material");
-        let ink = DirectionalInk::new(ink)?;
-        let table = MaterialTable::new(&ink, mitsuba::POINTS)?;
-        let about = self.description();
-        out.add("ink-spectral.bsdf", table.spectral(&about), "material for Mitsuba 3, spectral variants");
-        out.add("scene-spectral.xml", mitsuba::scene("ink-spectral.bsdf", &study.title), "a scene with it");
-        match table.rgb(&about) {
-            Ok(rgb) => {
-                out.add("ink-rgb.bsdf", rgb.bytes, "material for Mitsuba 3, RGB variants");
-                out.add("scene-rgb.xml", mitsuba::scene("ink-rgb.bsdf", &study.title), "a scene with it");
-                out.remarks.push(format!(
-                    "ink-rgb.bsdf: {:.1} % of its cells lie outside sRGB; their negative channels are 0",
-                    100.0 * rgb.clipped
-                ));
-            }
-            Err(reason) => out.remarks.push(format!("no ink-rgb.bsdf: {reason}")),
-        }
-        out.add(
-            "specular.csv",
-            samples::specular(&ink)?,
-            "mirror part, left out of the material, and albedo",
-        );
-        out.add(
-            "brdf-samples.csv",
-            samples::brdf(&ink)?,
-            "BRDF of the ink on its paper at chosen directions",
-        );
-        Ok(())
-    }
-
-    fn description(&self) -> String {
-        let study = self.study();
-        format!(
-            "{}: ink on paper, simulated by {} (study {}, wave {}). Diffuse part only: the mirror reflection is a delta, see specular.csv.",
-            study.title,
-            program(),
-            study.key(),
-            study.wave.name()
-        )
+        out.material(&DirectionalInk::new(ink)?, study)
     }
 
     fn manifest(&self) -> Manifest<&Study> {
@@ -153,14 +185,6 @@ impl Exporter<'_> {
     fn print(&self, format: &'static str) -> Result<Print, ExportError> {
         self.ink(format)?;
         instrument::print(self.stored, format, &self.request.created)
-    }
-
-    fn cgats(&self, out: &mut Exported) -> Result<(), ExportError> {
-        let print = self.print("cgats")?;
-        let text = |dialect| cgats::cgats(&print, dialect);
-        out.add("spectra.cgats", text(cgats::Dialect::Standard), "spectra of the print with Lab, CGATS.17");
-        out.add("spectra.sp", text(cgats::Dialect::Argyll), "spectra of the print with Lab for ArgyllCMS");
-        Ok(())
     }
 
     fn npz(&self, out: &mut Exported) -> Result<(), ExportError> {
@@ -282,20 +306,9 @@ impl Exporter<'_> {
         let amplitude_error = manifest.certainty.amplitude_error_estimate;
         let index_out = self.study().layer.index_out;
         let bdfs = tables::distributions(self.stored.seen.bdfs.iter(), amplitude_error, index_out)?;
-        out.add(STUDY, serde_json::to_vec_pretty(self.study())?, "the study with every default filled in");
         out.add("results.json", serde_json::to_vec_pretty(&manifest)?, "all numbers with their errors");
         out.add("spectra.csv", tables::spectra(&manifest.spectra)?, "spectra of the layer and of the print");
         out.add("bdf.csv", bdfs, "distributions of the layer alone, order by order");
-        let run = Run {
-            title: self.study().title.clone(),
-            study_hash: self.study().key().to_string(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            created: self.request.created.clone(),
-        };
-        let [crate_, package] =
-            [provenance::ro_crate(&run, &out.files), provenance::data_package(&run, &out.files)];
-        out.add("ro-crate-metadata.json", serde_json::to_vec_pretty(&crate_)?, "RO-Crate");
-        out.add("datapackage.json", serde_json::to_vec_pretty(&package)?, "Data Package");
-        Ok(())
+        out.describe(self.study(), &self.request.created)
     }
 }

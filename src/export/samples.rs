@@ -2,7 +2,7 @@
 //! part that it leaves out.
 
 use super::error::ExportError;
-use crate::evaluate::directional::{Direction, DirectionalInk};
+use crate::evaluate::directional::{Direction, DirectionalPrint};
 
 /// Directions in `brdf-samples.csv`.
 const SAMPLES: usize = 256;
@@ -15,8 +15,8 @@ const STEP_DEG: f64 = 5.0;
 /// forward, where the mirror image lies; the mirror part itself is left out.
 ///
 /// # Errors
-/// What [`DirectionalInk::brdf`] refuses.
-pub fn brdf(ink: &DirectionalInk) -> Result<Vec<u8>, ExportError> {
+/// What [`DirectionalPrint::brdf`] refuses.
+pub fn brdf(ink: &dyn DirectionalPrint) -> Result<Vec<u8>, ExportError> {
     let mut table = csv::Writer::from_writer(Vec::new());
     table.write_record([
         "wavelength_nm",
@@ -26,7 +26,7 @@ pub fn brdf(ink: &DirectionalInk) -> Result<Vec<u8>, ExportError> {
         "brdf_per_sr",
     ])?;
     for (light_deg, view) in directions(ink) {
-        for (w, nm) in ink.ink().wavelengths_nm().iter().enumerate() {
+        for (w, nm) in ink.wavelengths_nm().iter().enumerate() {
             let value = ink.brdf(w, light_deg, view);
             table.serialize((nm, light_deg, view.polar_deg, view.azimuth_deg, value))?;
         }
@@ -36,7 +36,7 @@ pub fn brdf(ink: &DirectionalInk) -> Result<Vec<u8>, ExportError> {
 
 /// The Halton sequence in both cosines and the azimuth (0–180°: the other half is its mirror
 /// image).
-fn directions(ink: &DirectionalInk) -> Vec<(f64, Direction)> {
+fn directions(ink: &dyn DirectionalPrint) -> Vec<(f64, Direction)> {
     let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
     let polar = |u: f64| (LEAST_COSINE + (1.0 - LEAST_COSINE) * u).acos().to_degrees();
     (1..=SAMPLES)
@@ -63,8 +63,8 @@ fn halton(mut k: usize, base: usize) -> f64 {
 /// that fall below 0, at grazing light, count as 0.
 ///
 /// # Errors
-/// What [`DirectionalInk::disagreement`] refuses.
-pub fn specular(ink: &DirectionalInk) -> Result<Vec<u8>, ExportError> {
+/// What [`DirectionalPrint::disagreement`] refuses.
+pub fn specular(ink: &dyn DirectionalPrint) -> Result<Vec<u8>, ExportError> {
     let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
     let mut table = csv::Writer::from_writer(Vec::new());
     table.write_record([
@@ -77,7 +77,7 @@ pub fn specular(ink: &DirectionalInk) -> Result<Vec<u8>, ExportError> {
     ])?;
     for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {
         let disagreement = ink.disagreement(deg)?;
-        for (w, (nm, apart)) in ink.ink().wavelengths_nm().iter().zip(disagreement).enumerate() {
+        for (w, (nm, apart)) in ink.wavelengths_nm().iter().zip(disagreement).enumerate() {
             let (mirrored, albedo) = (ink.specular(w, deg).max(0.0), ink.diffuse_albedo(w, deg).max(0.0));
             let of_brdf = (albedo + apart.value).max(0.0);
             let row = (nm, deg, mirrored, albedo, of_brdf, apart.standard_error);

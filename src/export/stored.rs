@@ -54,7 +54,7 @@ impl Stored {
 }
 
 /// The checked study in `results.json`; its content hash shows that it is unchanged.
-fn study(path: &Path) -> Result<Study, ExportError> {
+pub(super) fn study(path: &Path) -> Result<Study, ExportError> {
     let no_results = |reason: String| ExportError::NoResults { path: path.to_owned(), reason };
     let text = std::fs::read(path.join(RESULTS)).map_err(|e| no_results(format!("{RESULTS}: {e}")))?;
     let results: Results =
@@ -67,7 +67,7 @@ fn study(path: &Path) -> Result<Study, ExportError> {
 }
 
 /// The store of the folder itself, or the one that the variants of a sweep share.
-fn stores(path: &Path) -> Result<Stores, ExportError> {
+pub(super) fn stores(path: &Path) -> Result<Stores, ExportError> {
     let shared = path.join("../..");
     let place = if !path.join(RECORDS).exists() && shared.join(RECORDS).exists() { &shared } else { path };
     Stores::at(place).map_err(|source| ExportError::Store { path: path.to_owned(), source })

@@ -1,20 +1,26 @@
-//! The page and the tables of a composed layer.
+//! The page and the pictures of a composed layer, beside its tables.
 
-use super::cell::{numbers, table, with_errors};
-use super::page::{FailureRow, Figure, MakerBlock, Meant, Named, Page, Provenance};
+mod tables;
+
+pub use tables::{coefficients, tables};
+
+use super::page::{FailureRow, Figure, MakerBlock, Meant, Named, Page, Picture, Provenance, png_data};
+use super::publish::{Pictures, PublishError, picture_angles};
 use super::sheet;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::manifest::{
-    ComposedColours, ComposedManifest, ComposedRow, DistributionRow, ErrorParts, MediumRow,
+    ComposedColours, ComposedManifest, ComposedRow, ErrorParts, MediumRow,
 };
 use crate::evaluate::composed::report::report;
+use crate::evaluate::composed::view::ComposedView;
+use crate::evaluate::ink::InkError;
 use crate::evaluate::manifest::Status;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
-use crate::report::publish::PublishError;
 use crate::run::crew::processor_seconds;
 use crate::store::folder::OutputFolder;
+use tables::shares;
 
 /// What was published of a composed layer.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,13 +54,19 @@ pub fn publish(
         let place = format!("a share at {} µm and {} nm", row.thickness_um, row.wavelength_nm);
         return Err(PublishError::Unphysical(format!("{place} is not between 0 and 1")));
     }
+    let pictures = pictures(&manifest, solved)?;
+    let page = page(&manifest, pictures.first())?;
     folder.begin()?;
-    let asked_and_curve = manifest.spectra.iter().chain(&manifest.curve);
-    folder.write("spectra.csv", &spectra(asked_and_curve)?)?;
-    folder.write("medium.csv", &medium(&manifest.medium)?)?;
-    folder.write("bdf.csv", &distributions(&manifest.distributions)?)?;
+    for (k, (um, picture)) in pictures.iter().enumerate() {
+        let of = if k == 0 { String::new() } else { format!("-{um}um") };
+        folder.write(&format!("picture{of}.png"), &picture.plain)?;
+        folder.write(&format!("picture{of}-with-axes.png"), &picture.labelled)?;
+    }
+    for (name, table, _) in tables(&manifest)? {
+        folder.write(name, &table)?;
+    }
     folder.write("results.json", &serde_json::to_vec_pretty(&manifest)?)?;
-    folder.write("report.html", page(&manifest)?.html()?.as_bytes())?;
+    folder.write("report.html", page.html()?.as_bytes())?;
     if manifest.status == Status::Complete {
         folder.complete()?;
     }
@@ -68,6 +80,21 @@ pub fn publish(
     })
 }
 
+/// The picture of each thickness asked for, µm; none without a colour.
+fn pictures(
+    manifest: &ComposedManifest,
+    solved: &[SolvedPortion],
+) -> Result<Vec<(f64, Pictures)>, PublishError> {
+    let (study, angles) = (manifest.study, picture_angles(manifest.study));
+    let of = |colours: &ComposedColours| {
+        let um = colours.thickness_um;
+        let view = ComposedView::new(study, solved, um).map_err(PublishError::Slabs)?;
+        let picture = view.picture(&angles, study.output.mirrored_sky).map_err(InkError::from)?;
+        Ok((um, Pictures::new(&picture, study)?))
+    };
+    manifest.colours.iter().map(of).collect()
+}
+
 /// Smaller errors are rounding, and are not shown.
 const CERTAIN: f64 = 1e-6;
 /// Largest overshoot of a share of light that its error can stand for.
@@ -78,71 +105,6 @@ fn is_physical(row: &ComposedRow) -> bool {
     shares
         .into_iter()
         .all(|(_, j)| (-BEYOND..=1.0 + BEYOND).contains(&j.value) && j.standard_error.is_finite())
-}
-
-/// Names and values of a row.
-fn shares(row: &ComposedRow) -> [(&'static str, ErrorParts); 12] {
-    [
-        ("reflectance_normal", row.reflectance_normal),
-        ("transmittance_normal", row.transmittance_normal),
-        ("reflectance_45", row.reflectance_45),
-        ("transmittance_45", row.transmittance_45),
-        ("reflectance_diffuse", row.reflectance_diffuse),
-        ("transmittance_diffuse", row.transmittance_diffuse),
-        ("coherent_transmittance", row.coherent_transmittance),
-        ("mirrored", row.mirrored),
-        ("natural_light", row.natural_light),
-        ("lit_at_45", row.lit_at_45),
-        ("over_black", row.over_black),
-        ("over_white", row.over_white),
-    ]
-}
-
-fn spectra<'a>(rows: impl Iterator<Item = &'a ComposedRow> + Clone) -> csv::Result<Vec<u8>> {
-    let names = rows.clone().next().map(shares).into_iter().flatten().map(|(name, _)| name);
-    let header = ["thickness_um", "wavelength_nm"].map(str::to_owned).into_iter().chain(with_errors(names));
-    table(header, rows.map(|row| line(&[row.thickness_um, row.wavelength_nm], &shares(row))))
-}
-
-/// Names and values of a medium.
-pub fn coefficients(row: &MediumRow) -> [(&'static str, ErrorParts); 8] {
-    [
-        ("effective_index", row.effective_index),
-        ("coherent_path_um", row.coherent_path_um),
-        ("scattering_per_um", row.scattering_per_um),
-        ("absorption_per_um", row.absorption_per_um),
-        ("asymmetry", row.asymmetry),
-        ("transport_path_um", row.transport_path_um),
-        ("kubelka_munk_absorption_per_um", row.kubelka_munk_absorption_per_um),
-        ("kubelka_munk_scattering_per_um", row.kubelka_munk_scattering_per_um),
-    ]
-}
-
-fn medium(rows: &[MediumRow]) -> csv::Result<Vec<u8>> {
-    let names = rows.first().map(coefficients).into_iter().flatten().map(|(name, _)| name);
-    let header = std::iter::once("wavelength_nm".to_owned()).chain(with_errors(names));
-    table(header, rows.iter().map(|row| line(&[row.wavelength_nm], &coefficients(row))))
-}
-
-fn distributions(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {
-    let place = ["thickness_um", "wavelength_nm", "polar_in_deg", "lobe", "polar_out_deg", "projected_sr"];
-    let header = place.map(str::to_owned).into_iter().chain(with_errors(["bdf_per_sr"]));
-    table(header, rows.iter().map(leaving))
-}
-
-/// A line of the table of light that leaves.
-fn leaving(row: &DistributionRow) -> Vec<String> {
-    let lobe = if row.reflected { "reflected" } else { "transmitted" };
-    let place = [row.thickness_um, row.wavelength_nm, 0.0].map(|x| x.to_string());
-    let out = [row.polar_out_deg, row.projected_sr].map(|x| x.to_string());
-    let place = place.into_iter().chain([lobe.to_owned()]).chain(out);
-    place.chain(numbers(Some(row.bdf_per_sr.estimate()))).collect()
-}
-
-/// A line of a table: its place, and values with their errors.
-fn line(place: &[f64], values: &[(&str, ErrorParts)]) -> Vec<String> {
-    let values = values.iter().flat_map(|(_, judged)| numbers(Some(judged.estimate())));
-    place.iter().map(f64::to_string).chain(values).collect()
 }
 
 fn words(judged: &ErrorParts, decimals: usize) -> String {
@@ -177,13 +139,18 @@ fn spectral_line(row: &ComposedRow) -> String {
     format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {dr}, T {dt}")
 }
 
-fn page(manifest: &ComposedManifest) -> Result<Page, PublishError> {
+fn page(manifest: &ComposedManifest, picture: Option<&(f64, Pictures)>) -> Result<Page, PublishError> {
     let study = manifest.study;
+    let caption = |um: f64| {
+        format!("The layer of {um} µm. {} All are means over the azimuth.", sheet::picture_caption(study))
+    };
+    let picture = picture.map(|(um, png)| Picture { data: png_data(&png.labelled), caption: caption(*um) });
     let failure = |reason: &String| FailureRow { point: String::new(), reason: reason.clone() };
     Ok(Page {
         title: study.title.clone(),
         summary: summary(manifest),
         partial: partial(manifest),
+        picture,
         figures: figures(manifest)?,
         ink_maker: Some(maker(manifest)),
         certainty: certainty(manifest),
@@ -323,13 +290,15 @@ fn maker(manifest: &ComposedManifest) -> MakerBlock {
     let mut rows: Vec<Meant> = Vec::new();
     for c in colours() {
         let um = c.thickness_um;
-        rows.push(Meant::new(
-            &format!("{um} µm, natural light"),
-            lab(&c.natural_light),
-            "on the paper, seen along the normal",
-        ));
-        rows.push(Meant::new(&format!("{um} µm, 45°:0°"), lab(&c.lit_at_45), "on the paper"));
-        rows.push(Meant::new(&format!("{um} µm, over black"), lab(&c.over_black), "at 45°:0°"));
+        let lab = [
+            ("natural light", &c.natural_light, "on the paper, seen along the normal"),
+            ("45°:0°", &c.lit_at_45, "on the paper"),
+            ("over black", &c.over_black, "at 45°:0°"),
+        ];
+        rows.extend(lab.map(|(name, of, place)| {
+            let value = of.each_ref().map(|j| words(j, 2)).join(", ");
+            Meant::new(&format!("{um} µm, {name}"), value, format!("L*, a*, b* {place}"))
+        }));
         let ratio = words(&c.contrast_ratio, 3);
         rows.push(Meant::new(
             &format!("{um} µm, contrast ratio"),
@@ -391,8 +360,8 @@ fn limits(manifest: &ComposedManifest) -> Vec<String> {
         "The wave equation is solved within slabs; between slabs light is composed incoherently, by flux matrices averaged over \
          the azimuth and over realisations."
             .to_owned(),
-        "There are no picture, BDF and exports of a composed layer; [compare], targets and polarised natural light are those of \
-         thin layers."
+        "Distributions are means over the azimuth, between few directions. [compare], targets and polarised natural light are \
+         those of thin layers."
             .to_owned(),
     ];
     lines.extend(manifest.remarks.iter().cloned());

@@ -136,24 +136,33 @@ pub(crate) fn publish_seen(
 }
 
 /// The picture of P1 Fig. 6 as PNG, with and without axes.
-struct Pictures {
-    plain: Vec<u8>,
-    labelled: Vec<u8>,
+pub(super) struct Pictures {
+    pub(super) plain: Vec<u8>,
+    pub(super) labelled: Vec<u8>,
+}
+
+impl Pictures {
+    pub(super) fn new(picture: &InkPicture, study: &Study) -> Result<Self, PublishError> {
+        let style = PictureStyle { side_px: study.output.picture_pixels, ..PictureStyle::default() };
+        let plain = png(picture, &style, study)?;
+        let labelled = png(picture, &PictureStyle { labels: true, ..style }, study)?;
+        Ok(Self { plain, labelled })
+    }
+}
+
+/// Angles of the picture, degrees.
+pub(super) fn picture_angles(study: &Study) -> Vec<f64> {
+    let step = study.angles.picture_max_deg / (PICTURE_ANGLES - 1) as f64;
+    (0..PICTURE_ANGLES).map(|i| i as f64 * step).collect()
 }
 
 /// `None` if the wavelengths or angles do not suffice for a colour.
 fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError> {
     let Ok(ink) = &seen.ink else { return Ok(None) };
-    let step = study.angles.picture_max_deg / (PICTURE_ANGLES - 1) as f64;
-    let angles: Vec<f64> = (0..PICTURE_ANGLES).map(|i| i as f64 * step).collect();
-    let picture = match ink.picture(&angles, study.output.mirrored_sky) {
-        Err(InkError::Colour(_)) => return Ok(None),
-        picture => picture?,
-    };
-    let style = PictureStyle { side_px: study.output.picture_pixels, ..PictureStyle::default() };
-    let plain = png(&picture, &style, study)?;
-    let labelled = png(&picture, &PictureStyle { labels: true, ..style }, study)?;
-    Ok(Some(Pictures { plain, labelled }))
+    match ink.picture(&picture_angles(study), study.output.mirrored_sky) {
+        Err(InkError::Colour(_)) => Ok(None),
+        picture => Ok(Some(Pictures::new(&picture?, study)?)),
+    }
 }
 
 fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> Result<Vec<u8>, PublishError> {

@@ -93,7 +93,7 @@ fn partial(manifest: &Manifest<&Study>, seen: &Seen) -> Option<String> {
     ))
 }
 
-fn picture_caption(study: &Study) -> String {
+pub(super) fn picture_caption(study: &Study) -> String {
     let sky = match study.output.mirrored_sky {
         MirroredSky::Included => "with the sky it mirrors",
         MirroredSky::Excluded => "without the sky it mirrors",

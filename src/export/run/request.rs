@@ -41,6 +41,8 @@ pub struct Request {
     pub formats: Vec<Format>,
     /// Light of a solve for `near-field.vti`, if requested.
     pub near_field: Option<NearField>,
+    /// Which layer of a composed study, µm; without it, the first one.
+    pub thickness_um: Option<f64>,
     /// Date and time for the files that carry one, RFC 3339.
     pub created: String,
 }

@@ -9,3 +9,4 @@ pub mod level;
 pub mod manifest;
 pub mod numbers;
 pub mod report;
+pub mod view;

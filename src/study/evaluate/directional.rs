@@ -25,6 +25,32 @@ pub struct Direction {
     pub azimuth_deg: f64,
 }
 
+/// What renderers ask of a print: its diffuse BRDF and its mirror part.
+pub trait DirectionalPrint: Sync {
+    /// Wavelengths, nm.
+    fn wavelengths_nm(&self) -> &[f64];
+
+    /// f(i, o) at the wavelength with this index, 1/sr, without mirror reflection.
+    fn brdf(&self, wavelength: usize, light_deg: f64, view: Direction) -> f64;
+
+    /// Specular part of R(θ).
+    fn specular(&self, wavelength: usize, polar_deg: f64) -> f64;
+
+    /// The directional–hemispherical albedo without mirror reflection.
+    fn diffuse_albedo(&self, wavelength: usize, polar_deg: f64) -> f64;
+
+    /// ∫ f cos θ_o dω at every wavelength, minus the albedo without mirror reflection.
+    ///
+    /// # Errors
+    /// The print refuses the angle.
+    fn disagreement(&self, polar_deg: f64) -> Result<Vec<Estimate>, InkError>;
+
+    /// Recommended angles of incidence of a table, degrees, increasing.
+    fn nodes_deg(&self) -> Vec<f64> {
+        NODES_DEG.to_vec()
+    }
+}
+
 /// Step of the tables, degrees: linear interpolation is accurate to about 1e-5 in T for a film of a
 /// few wavelengths.
 const STEP_DEG: f64 = 0.25;
@@ -93,39 +119,9 @@ impl<'a> DirectionalInk<'a> {
         self.ink
     }
 
-    /// Recommended angles of incidence of a table, degrees, increasing.
-    pub fn nodes_deg(&self) -> Vec<f64> {
-        NODES_DEG.to_vec()
-    }
-
     /// T(θ) at the wavelength with this index.
     pub fn transmittance(&self, wavelength: usize, polar_deg: f64) -> f64 {
         self.tabulated(wavelength, polar_deg)[0]
-    }
-
-    /// Specular part of R(θ).
-    pub fn specular(&self, wavelength: usize, polar_deg: f64) -> f64 {
-        self.tabulated(wavelength, polar_deg)[1]
-    }
-
-    /// The directional–hemispherical albedo without mirror reflection.
-    pub fn diffuse_albedo(&self, wavelength: usize, polar_deg: f64) -> f64 {
-        let [_, specular, albedo, _] = self.tabulated(wavelength, polar_deg);
-        albedo - specular
-    }
-
-    /// ∫ f cos θ_o dω at every wavelength, minus the albedo without mirror reflection: the
-    /// difference between the fits of f and of R (light returned by the paper is the same in both),
-    /// with its jackknife error.
-    ///
-    /// # Errors
-    /// The ink refuses the angle.
-    pub fn disagreement(&self, polar_deg: f64) -> Result<Vec<Estimate>, InkError> {
-        let at = self.ink.at(polar_deg)?;
-        let difference = |layer: &LayerOnPaper| {
-            layer.own_albedo(&at, &self.hemisphere) - (layer.reflectance(&at) - layer.mirrored(&at))
-        };
-        Ok(self.ink.spectrum(difference).estimates())
     }
 
     /// g T(i) T(o)/π: light returned by the paper, 1/sr.
@@ -135,20 +131,44 @@ impl<'a> DirectionalInk<'a> {
         self.ink.layers()[wavelength].return_factor() * passes / PI
     }
 
-    /// f(i, o) at the wavelength with this index, 1/sr, without mirror reflection.
-    pub fn brdf(&self, wavelength: usize, light_deg: f64, view: Direction) -> f64 {
-        let cosine = |deg: f64| deg.to_radians().cos();
-        let (layer, lit, seen) = (&self.ink.layers()[wavelength], cosine(light_deg), cosine(view.polar_deg));
-        let own = layer.directional_brdf(lit, seen, cosine(view.azimuth_deg));
-        own + self.paper_brdf(wavelength, light_deg, view.polar_deg)
-    }
-
     fn tabulated(&self, wavelength: usize, polar_deg: f64) -> [f64; 4] {
         let table = &self.tables[wavelength];
         let place = (polar_deg / STEP_DEG).clamp(0.0, (table.len() - 1) as f64);
         let before = (place as usize).min(table.len() - 2);
         let t = place - before as f64;
         std::array::from_fn(|i| (1.0 - t) * table[before][i] + t * table[before + 1][i])
+    }
+}
+
+impl DirectionalPrint for DirectionalInk<'_> {
+    fn wavelengths_nm(&self) -> &[f64] {
+        self.ink.wavelengths_nm()
+    }
+
+    fn brdf(&self, wavelength: usize, light_deg: f64, view: Direction) -> f64 {
+        let cosine = |deg: f64| deg.to_radians().cos();
+        let (layer, lit, seen) = (&self.ink.layers()[wavelength], cosine(light_deg), cosine(view.polar_deg));
+        let own = layer.directional_brdf(lit, seen, cosine(view.azimuth_deg));
+        own + self.paper_brdf(wavelength, light_deg, view.polar_deg)
+    }
+
+    fn specular(&self, wavelength: usize, polar_deg: f64) -> f64 {
+        self.tabulated(wavelength, polar_deg)[1]
+    }
+
+    fn diffuse_albedo(&self, wavelength: usize, polar_deg: f64) -> f64 {
+        let [_, specular, albedo, _] = self.tabulated(wavelength, polar_deg);
+        albedo - specular
+    }
+
+    /// Light returned by the paper is the same in both: this is the difference between the fits of
+    /// f and of R, with its jackknife error.
+    fn disagreement(&self, polar_deg: f64) -> Result<Vec<Estimate>, InkError> {
+        let at = self.ink.at(polar_deg)?;
+        let difference = |layer: &LayerOnPaper| {
+            layer.own_albedo(&at, &self.hemisphere) - (layer.reflectance(&at) - layer.mirrored(&at))
+        };
+        Ok(self.ink.spectrum(difference).estimates())
     }
 }
 

@@ -53,11 +53,7 @@ impl CoherentFilm {
         composed: &[[f64; 2]],
         oblique: f64,
     ) -> [[f64; 2]; 3] {
-        let ordinates = &self.media[0].ordinates;
-        let nodes = (0..ordinates.escaping()).map(|i| ordinates.cosine(i));
-        let points: Vec<f64> = [1.0].into_iter().chain(nodes).collect();
-        let slow: Vec<Slow> =
-            points.iter().enumerate().map(|(d, mu)| self.slow(d, polarisation, *mu)).collect();
+        let (points, slow) = self.solved(polarisation);
         let shares: Vec<[f64; 2]> = points
             .iter()
             .zip(&slow)
@@ -76,11 +72,26 @@ impl CoherentFilm {
     /// The correction \[R, T\] at one angle, by its cosine in air, from what is known at some.
     fn correction(&self, count: usize, mu: f64, (points, slow, shares): Known) -> [f64; 2] {
         let weights = lagrange(points, mu);
-        let mean = |k: usize| weights.iter().zip(slow).map(|(w, s)| w * s[k]).sum();
-        let [c, i] = self.film(count, mu, &std::array::from_fn(mean));
+        let [c, i] = self.film(count, mu, &between(points, slow, mu));
         let lost = (i[0] + i[1]) - (c[0] + c[1]);
         let share = |k: usize| -> f64 { weights.iter().zip(shares).map(|(w, s)| w * s[k]).sum() };
         [0, 1].map(|k| c[k] - i[k] + share(k) * lost)
+    }
+
+    /// Cosines of the directions that were solved, and the amplitudes there.
+    fn solved(&self, polarisation: usize) -> (Vec<f64>, Vec<Slow>) {
+        let ordinates = &self.media[0].ordinates;
+        let nodes = (0..ordinates.escaping()).map(|i| ordinates.cosine(i));
+        let points: Vec<f64> = [1.0].into_iter().chain(nodes).collect();
+        let slow = points.iter().enumerate().map(|(d, mu)| self.slow(d, polarisation, *mu)).collect();
+        (points, slow)
+    }
+
+    /// Share of the light that is mirrored at an angle, by its cosine in the medium in front:
+    /// \[with, without\] interference between the slabs.
+    pub fn mirrored(&self, count: usize, polarisation: usize, cosine: f64) -> [f64; 2] {
+        let (points, slow) = self.solved(polarisation);
+        self.film(count, cosine, &between(&points, &slow, cosine)).map(|[r, _]| r)
     }
 
     /// What interference changes of the beam at 0° itself, \[R, T\].
@@ -138,8 +149,14 @@ fn shares([r, t]: [f64; 2], composed: [f64; 2]) -> [f64; 2] {
     if lost < NOTHING { [0.0; 2] } else { [(composed[0] - r) / lost, (composed[1] - t) / lost] }
 }
 
+/// Amplitudes at a cosine between those known.
+fn between(points: &[f64], slow: &[Slow], mu: f64) -> Slow {
+    let weights = lagrange(points, mu);
+    std::array::from_fn(|k| weights.iter().zip(slow).map(|(w, s)| w * s[k]).sum())
+}
+
 /// Lagrange polynomials through `points` at `x`.
-fn lagrange(points: &[f64], x: f64) -> Vec<f64> {
+pub fn lagrange(points: &[f64], x: f64) -> Vec<f64> {
     let of = |i: usize| {
         let others = points.iter().enumerate().filter(|&(j, _)| j != i);
         others.map(|(_, p)| (x - p) / (points[i] - p)).product()
@@ -196,6 +213,8 @@ mod tests {
         let oblique = 45.0_f64.to_radians().cos();
         let [normal, slanted, diffuse] = film.corrections(4, 0, &composed, oblique);
         let want = |mu: f64| airy(mu)[0] - airy(mu)[1];
+        let [with, without] = film.mirrored(4, 0, 1.0);
+        assert!((with - airy(1.0)[0]).abs() < 1e-9 && (without - airy(1.0)[1]).abs() < 1e-9);
         assert!((normal[0] - want(1.0)).abs() < 1e-9 && (normal[0] + normal[1]).abs() < 1e-9);
         // Fresnel's amplitudes at the four nodes stand for those between
         assert!((slanted[0] - want(oblique)).abs() < 3e-3, "{slanted:?} {}", want(oblique));

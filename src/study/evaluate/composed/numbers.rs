@@ -42,7 +42,24 @@ pub struct LayerTask<'a> {
     pub hides: bool,
 }
 
-impl LayerTask<'_> {
+impl<'a> LayerTask<'a> {
+    /// What a study asks of its composed layer.
+    ///
+    /// # Errors
+    /// A layer that is not composed, paper without an albedo.
+    pub fn new(study: &'a Study) -> Result<Self, String> {
+        let composed = study.layer.composed.as_ref().ok_or("the layer is not composed")?;
+        let albedo = |&nm: &f64| study.paper.albedo.at(nm).map_err(|error| error.to_string());
+        Ok(Self {
+            study,
+            slab_um: composed.slab_um,
+            albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
+            colorimeter: Colorimeter::new(&study.wavelengths_nm).ok(),
+            thicknesses_um: composed.thicknesses_um.clone(),
+            hides: false,
+        })
+    }
+
     /// All numbers: of each thickness its spectral quantities and its colours; the coefficients of
     /// each wavelength; the distributions of each thickness asked for and wavelength; the thickness
     /// that hides.
@@ -82,7 +99,7 @@ impl LayerTask<'_> {
 
     /// Quantities of a whole number of slabs, and between such numbers by the polynomial through
     /// the four nearest.
-    fn between(&self, thickness_um: f64, at: impl Fn(usize) -> Vec<f64>) -> Vec<f64> {
+    pub(super) fn between(&self, thickness_um: f64, at: impl Fn(usize) -> Vec<f64>) -> Vec<f64> {
         let whole = thickness_um / self.slab_um;
         if (whole - whole.round()).abs() < 1e-9 * whole {
             return at(whole.round() as usize);
@@ -139,7 +156,7 @@ fn spectral(slabs: &Slabs, count: usize, study: &Study, albedo: f64) -> Vec<f64>
     let paper = over(albedo);
     let natural = total(&(&paper.reflection[0] * &lights(before, study.wave)[0]));
     let lit = [paper, over(BLACK), over(WHITE)].map(|plate| lit_at_45(&plate, before, study.wave));
-    let (moved, beam) = fringes(slabs, count, &layer, study.wave);
+    let (moved, beam) = fringes(slabs, count, &layer, (study.wave, PRINT_DEG.to_radians().cos()));
     // the paper's light passes at 0° and at 45°
     let passes = [0, 1].map(|k| 1.0 + moved[k][1] / all[2 * k + 1].max(f64::MIN_POSITIVE));
     let natural = natural + moved[0][0] + (passes[0] - 1.0) * (natural - all[0]);
@@ -170,9 +187,14 @@ pub fn projected_sr(medium: &Hemisphere, node: usize) -> f64 {
     PI * medium.ordinates.weights[node] / medium.ordinates.index.powi(2)
 }
 
-/// What interference between the surfaces changes: \[R, T\] at 0°, at 45° and of diffuse light, and
-/// of the beam at 0°.
-fn fringes(slabs: &Slabs, count: usize, layer: &Plate, wave: Wave) -> ([[f64; 2]; 3], [f64; 2]) {
+/// What interference between the surfaces changes: \[R, T\] at 0°, at an angle by its cosine and of
+/// diffuse light, and of the beam at 0°.
+pub(super) fn fringes(
+    slabs: &Slabs,
+    count: usize,
+    layer: &Plate,
+    (wave, cosine): (Wave, f64),
+) -> ([[f64; 2]; 3], [f64; 2]) {
     let (before, mut moved, mut beam) = (&slabs.media[0], [[0.0; 2]; 3], [0.0; 2]);
     let column = |state: usize| {
         let sum = |m: &Mat<f64>| (0..m.nrows()).map(|i| m[(i, state)]).sum::<f64>();
@@ -181,7 +203,7 @@ fn fringes(slabs: &Slabs, count: usize, layer: &Plate, wave: Wave) -> ([[f64; 2]
     for (p, share) in polarised(before, wave).into_iter().enumerate() {
         let composed: Vec<[f64; 2]> =
             (0..=before.ordinates.escaping()).map(|d| column(before.state(d, p))).collect();
-        let own = slabs.film.corrections(count, p, &composed, PRINT_DEG.to_radians().cos());
+        let own = slabs.film.corrections(count, p, &composed, cosine);
         let straight = slabs.film.beam(count, p);
         (0..3).for_each(|k| (0..2).for_each(|l| moved[k][l] += share * own[k][l]));
         (0..2).for_each(|l| beam[l] += share * straight[l]);
@@ -190,7 +212,7 @@ fn fringes(slabs: &Slabs, count: usize, layer: &Plate, wave: Wave) -> ([[f64; 2]
 }
 
 /// Shares of the polarisations in the light.
-fn polarised(medium: &Hemisphere, wave: Wave) -> Vec<f64> {
+pub(super) fn polarised(medium: &Hemisphere, wave: Wave) -> Vec<f64> {
     match wave {
         Wave::Scalar => vec![1.0],
         Wave::S => vec![1.0, 0.0],

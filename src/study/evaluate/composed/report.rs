@@ -28,17 +28,8 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     let composed = study.layer.composed.as_ref().ok_or("the layer is not composed")?;
     let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
     let (whole, half) = (level(false)?, level(true)?);
-    let albedo = |&nm: &f64| study.paper.albedo.at(nm).map_err(|error| error.to_string());
-    let eye = Colorimeter::new(&study.wavelengths_nm);
-    let no_colour = eye.as_ref().err().map(ToString::to_string);
-    let mut question = LayerTask {
-        study,
-        slab_um: composed.slab_um,
-        albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
-        colorimeter: eye.ok(),
-        thicknesses_um: composed.thicknesses_um.clone(),
-        hides: false,
-    };
+    let no_colour = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
+    let mut question = LayerTask::new(study)?;
     question.thicknesses_um.extend(CURVE.map(|count| count as f64 * composed.slab_um));
     let slabs: Vec<Slabs> =
         (0..study.wavelengths_nm.len()).map(|w| whole.slabs(w, Change::default())).collect();

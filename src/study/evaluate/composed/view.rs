@@ -1,0 +1,194 @@
+//! A composed layer on its paper from every direction, for its picture and for renderers.
+//!
+//! Flux matrices give the BRDF at the nodes, and Lagrange polynomials between them. Mirrored light,
+//! which oblique nodes hold beside the diffuse light, is taken off: it is a beam. The reflectance of
+//! all light also goes through the beam at 0°, and has the fringes of the coherent light. Everything
+//! is a mean over the azimuth between the planes of light and view.
+
+use super::level::{Change, Level, Slabs, SolvedPortion};
+use super::numbers::{LayerTask, fringes, polarised, projected_sr};
+use crate::appearance::composed::flux::Hemisphere;
+use crate::appearance::composed::fringes::lagrange;
+use crate::appearance::composed::plate::Plate;
+use crate::appearance::paper::MirroredSky;
+use crate::appearance::picture::InkPicture;
+use crate::appearance::tristimulus::{Colorimeter, ColourError};
+use crate::evaluate::directional::{Direction, DirectionalPrint};
+use crate::evaluate::ink::InkError;
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
+use crate::wave::Wave;
+use faer::Mat;
+use ndarray::Array2;
+use std::f64::consts::PI;
+
+/// Step of the table against the angle, degrees, and its last one.
+const STEP_DEG: f64 = 1.0;
+const STEPS: usize = 89;
+
+/// A composed layer of one thickness on its paper.
+#[derive(Clone, Debug)]
+pub struct ComposedView {
+    wavelengths_nm: Vec<f64>,
+    /// \[wavelength\]: the medium in front.
+    media: Vec<Hemisphere>,
+    /// \[wavelength\]: BRDF at the nodes, row by row of the view; then R of a uniform sky's light and
+    /// its mirrored part, step by step.
+    numbers: Vec<Vec<f64>>,
+}
+
+impl ComposedView {
+    /// The layer of this thickness, µm.
+    ///
+    /// # Errors
+    /// A portion without complete realisations, paper without an albedo.
+    pub fn new(study: &Study, solved: &[SolvedPortion], thickness_um: f64) -> Result<Self, String> {
+        let question = LayerTask::new(study)?;
+        let level = Level::new(solved, false).ok_or("not every slab has a complete realisation yet")?;
+        let slabs: Vec<Slabs> =
+            (0..study.wavelengths_nm.len()).map(|w| level.slabs(w, Change::default())).collect();
+        let of = |(slabs, albedo): (&Slabs, &f64)| {
+            question.between(thickness_um, |count| seen(slabs, count, study.wave, *albedo))
+        };
+        Ok(Self {
+            wavelengths_nm: study.wavelengths_nm.clone(),
+            media: slabs.iter().map(|slabs| slabs.media[0].clone()).collect(),
+            numbers: slabs.iter().zip(&question.albedos).map(of).collect(),
+        })
+    }
+
+    /// The picture as thin layers have it: see [`crate::appearance::picture`].
+    ///
+    /// # Errors
+    /// Wavelengths that carry no colour.
+    pub fn picture(&self, angles_deg: &[f64], sky: MirroredSky) -> Result<InkPicture, ColourError> {
+        let eye = Colorimeter::new(&self.wavelengths_nm)?;
+        let colour = |of: &dyn Fn(usize) -> f64| {
+            eye.colour(&(0..self.wavelengths_nm.len()).map(of).collect::<Vec<_>>())
+        };
+        let mirrored = f64::from(u8::from(sky == MirroredSky::Included));
+        let all = |w: usize, deg: f64| self.diffuse_albedo(w, deg) + mirrored * self.specular(w, deg);
+        let strip = angles_deg.iter().map(|&deg| colour(&|w| all(w, deg))).collect::<Result<_, _>>()?;
+        let mut square = Vec::new();
+        for &polar_deg in angles_deg {
+            let view = Direction { polar_deg, azimuth_deg: 0.0 };
+            for &light_deg in angles_deg {
+                square.push(colour(&|w| PI * self.brdf(w, light_deg, view).max(0.0))?);
+            }
+        }
+        let n = angles_deg.len();
+        let square = Array2::from_shape_fn((n, n), |(o, i)| square[o * n + i]);
+        Ok(InkPicture { angles_deg: angles_deg.to_vec(), strip, square })
+    }
+
+    /// R of a uniform sky's light, and its mirrored part.
+    fn tabulated(&self, wavelength: usize, polar_deg: f64) -> [f64; 2] {
+        let table = &self.numbers[wavelength][self.media[wavelength].ordinates.count().pow(2)..];
+        let place = (polar_deg / STEP_DEG).clamp(0.0, STEPS as f64);
+        let before = (place as usize).min(STEPS - 1);
+        let t = place - before as f64;
+        [0, 1].map(|k| (1.0 - t) * table[2 * before + k] + t * table[2 * before + 2 + k])
+    }
+
+    /// Nodes in light or view of a direction, with their shares.
+    fn shares(&self, wavelength: usize, polar_deg: f64) -> Vec<(usize, f64)> {
+        let ordinates = &self.media[wavelength].ordinates;
+        ordinates.shares(ordinates.index * polar_deg.to_radians().sin())
+    }
+}
+
+impl DirectionalPrint for ComposedView {
+    fn wavelengths_nm(&self) -> &[f64] {
+        &self.wavelengths_nm
+    }
+
+    fn brdf(&self, wavelength: usize, light_deg: f64, view: Direction) -> f64 {
+        let count = self.media[wavelength].ordinates.count();
+        let lit = self.shares(wavelength, light_deg);
+        let seen = self.shares(wavelength, view.polar_deg);
+        let row = |&(o, share): &(usize, f64)| -> f64 {
+            lit.iter().map(|(i, own)| share * own * self.numbers[wavelength][o * count + i]).sum()
+        };
+        seen.iter().map(row).sum()
+    }
+
+    fn specular(&self, wavelength: usize, polar_deg: f64) -> f64 {
+        self.tabulated(wavelength, polar_deg)[1]
+    }
+
+    fn diffuse_albedo(&self, wavelength: usize, polar_deg: f64) -> f64 {
+        let [all, mirrored] = self.tabulated(wavelength, polar_deg);
+        all - mirrored
+    }
+
+    /// What the polynomials between the nodes change, and interference between the slabs.
+    fn disagreement(&self, polar_deg: f64) -> Result<Vec<Estimate>, InkError> {
+        let of = |(w, medium): (usize, &Hemisphere)| {
+            let (count, lit) = (medium.ordinates.count(), self.shares(w, polar_deg));
+            let own = |o: usize| -> f64 { lit.iter().map(|(i, s)| s * self.numbers[w][o * count + i]).sum() };
+            let albedo: f64 = (0..count).map(|o| own(o) * projected_sr(medium, o)).sum();
+            Estimate::unknown_error(albedo - self.diffuse_albedo(w, polar_deg))
+        };
+        Ok(self.media.iter().enumerate().map(of).collect())
+    }
+}
+
+/// The BRDF at the nodes and the table of a layer of `count` slabs.
+fn seen(slabs: &Slabs, count: usize, wave: Wave, albedo: f64) -> Vec<f64> {
+    let [before, _, behind] = &slabs.media;
+    let layer = slabs.layer(count);
+    let paper = layer.then(&Plate::lambertian(albedo, &behind.weights()));
+    let mut all = at_nodes(slabs, count, &paper.reflection[0], wave);
+    let light = polarised(before, wave);
+    let directions = 0..=before.ordinates.escaping();
+    let cosines: Vec<f64> =
+        [1.0].into_iter().chain(directions.clone().skip(1).map(|d| before.ordinates.cosine(d - 1))).collect();
+    let totals: Vec<[f64; 3]> = directions
+        .map(|d| {
+            [&paper.reflection[0], &layer.reflection[0], &layer.transmission[0]].map(|fluxes| {
+                let column =
+                    |p: usize| (0..fluxes.nrows()).map(|i| fluxes[(i, before.state(d, p))]).sum::<f64>();
+                light.iter().enumerate().map(|(p, share)| share * column(p)).sum()
+            })
+        })
+        .collect();
+    let mirrored = |cosine: f64| -> f64 {
+        light.iter().enumerate().map(|(p, share)| share * slabs.film.mirrored(count, p, cosine)[0]).sum()
+    };
+    let (_, beam) = fringes(slabs, count, &layer, (wave, 1.0));
+    // at 0° it is known without the bias of few realisations
+    let bias = layer.reflection[0][(0, 0)] + beam[0] - mirrored(1.0);
+    for step in 0..=STEPS {
+        let cosine = (STEP_DEG * step as f64).to_radians().cos();
+        let weights = lagrange(&cosines, cosine);
+        let [all_light, r, t] =
+            [0, 1, 2].map(|k| weights.iter().zip(&totals).map(|(w, x)| w * x[k]).sum::<f64>());
+        let [moved_r, moved_t] = fringes(slabs, count, &layer, (wave, cosine)).0[1];
+        let returned = (all_light - r) * (1.0 + moved_t / t.max(f64::MIN_POSITIVE));
+        all.extend([r + moved_r + returned, (mirrored(cosine) + bias).max(0.0)]);
+    }
+    all
+}
+
+/// Diffuse BRDF at the nodes, row by row of the view, 1/sr.
+fn at_nodes(slabs: &Slabs, count: usize, fluxes: &Mat<f64>, wave: Wave) -> Vec<f64> {
+    let medium = &slabs.media[0];
+    let light = polarised(medium, wave);
+    let mirrored = |node: usize, p: usize| match node < medium.ordinates.escaping() {
+        true => slabs.film.mirrored(count, p, medium.ordinates.cosine(node))[1],
+        false => 0.0,
+    };
+    let flux = |to: usize, from: usize, p: usize| {
+        let all =
+            (0..medium.polarisations).map(|q| fluxes[(medium.state(to + 1, q), medium.state(from + 1, p))]);
+        let beam = if to == from { mirrored(to, p) } else { 0.0 };
+        (all.sum::<f64>() - beam).max(0.0)
+    };
+    let nodes = 0..medium.ordinates.count();
+    let each = nodes.clone().flat_map(|to| nodes.clone().map(move |from| (to, from)));
+    each.map(|(to, from)| {
+        let of_all: f64 = light.iter().enumerate().map(|(p, share)| share * flux(to, from, p)).sum();
+        of_all / projected_sr(medium, to)
+    })
+    .collect()
+}
