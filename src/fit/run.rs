@@ -1,7 +1,5 @@
 //! Carries a fit out: table, search, Gauss–Newton, errors.
 
-#[cfg(test)]
-mod coverage;
 mod data;
 mod outcome;
 
@@ -319,3 +317,6 @@ fn share_of_step(prior: &IndexPrior, from: &[f64], to: &[f64]) -> f64 {
     let largest = from.iter().zip(&to).map(|(a, b)| (b[0] - a[0]).abs()).fold(0.0, f64::max);
     (LARGEST_STEP / largest.max(1e-12)).min(1.0)
 }
+
+#[cfg(test)]
+mod coverage_tests;

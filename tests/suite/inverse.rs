@@ -14,7 +14,12 @@ fn faults<T>(text: &str, card: &str, read: fn(&Path) -> Result<T, StudyError>) -
     faults_with(INK, text, card, read)
 }
 
-fn faults_with<T>(ink: &str, text: &str, card: &str, read: fn(&Path) -> Result<T, StudyError>) -> Vec<String> {
+fn faults_with<T>(
+    ink: &str,
+    text: &str,
+    card: &str,
+    read: fn(&Path) -> Result<T, StudyError>,
+) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("inverse.toml");
     for (name, content) in [("inverse.toml", text), ("ink.toml", ink), ("card.csv", card)] {
