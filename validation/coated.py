@@ -70,19 +70,20 @@ def coupling(degree, k, kpar, period):
     return waves, matrix
 
 
-def scalar(case, degree):
-    """All propagating orders of the scalar wave."""
+def scalar(case, degree, t=None):
+    """All propagating orders of the scalar wave; `t` replaces the T-matrix of the spheres."""
     k0, host = 2 * np.pi / case["wavelength"], case["n_in"]
     k, period, height = k0 * host, np.array([case["L"]] * 2), case["H"]
     polar, azimuth = np.radians([case["sigma_deg"], case["phi_deg"]])
     incident = k * np.array([np.sin(polar) * np.cos(azimuth), np.sin(polar) * np.sin(azimuth), np.cos(polar)])
-    layers = sorted((s["radius"], complex(*s["eta"])) for s in case["spheres"])
+    layers = sorted((s["radius"], complex(*s["eta"])) for s in case.get("spheres", []))
     waves, others = coupling(degree, k, incident[:2], period)
-    single_of = [single(l, k0, layers, host) for l in range(degree + 1)]
-    t = np.array([single_of[l] for l, _ in waves])
+    if t is None:
+        single_of = [single(l, k0, layers, host) for l in range(degree + 1)]
+        t = np.diag([single_of[l] for l, _ in waves])
     here = np.array([4 * np.pi * 1j**l * np.conj(sph_harm_y(l, m, polar, azimuth)) for l, m in waves])
     here = here * np.exp(1j * incident @ CENTRE)
-    outgoing = np.linalg.solve(np.eye(len(waves)) - t[:, None] * others, t * here)
+    outgoing = np.linalg.solve(np.eye(len(waves)) - t @ others, t @ here)
     orders = []
     for m in range(-3, 4):
         for n in range(-3, 4):
@@ -113,10 +114,11 @@ def numbers(orders):
         else order["amplitude"])])
 
 
-cases = []
-for name, wave, inputs in CASES:
-    solve = {"scalar": scalar, "vector": vector}[wave]
-    coarse, fine = (solve(inputs, degree) for degree in (8, 10))
-    change = np.abs(numbers(fine) - numbers(coarse)).max()
-    cases.append({"id": name, "wave": wave, "inputs": inputs, "change": float(f"{change:.1e}"), "orders": fine})
-print(json.dumps({"cases": cases}, indent=1))
+if __name__ == "__main__":
+    cases = []
+    for name, wave, inputs in CASES:
+        solve = {"scalar": scalar, "vector": vector}[wave]
+        coarse, fine = (solve(inputs, degree) for degree in (8, 10))
+        change = np.abs(numbers(fine) - numbers(coarse)).max()
+        cases.append({"id": name, "wave": wave, "inputs": inputs, "change": float(f"{change:.1e}"), "orders": fine})
+    print(json.dumps({"cases": cases}, indent=1))

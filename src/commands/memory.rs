@@ -17,6 +17,16 @@ pub fn bytes(gb: f64) -> Result<f64> {
 /// Memory needed besides the solves, bytes: packings, pages and pictures.
 const LEAST_LEFT: f64 = 96e6;
 
+/// Largest block that is kept for the next one after it is freed, bytes.
+const KEPT: usize = 16 << 20;
+
+/// Lets the GNU allocator keep what solves free: it adapts its limits to the largest block freed,
+/// and otherwise returns every solve's arrays to the system, at a fifth of a study's processor
+/// time. The block is never touched; other allocators ignore it.
+fn keep_freed_memory() {
+    drop(std::hint::black_box(Vec::<u8>::with_capacity(KEPT)));
+}
+
 /// Starts the thread pool, on fewer threads where the limits of the process leave no room for all,
 /// after a check that there is enough memory to begin.
 ///
@@ -40,6 +50,7 @@ pub fn start_threads() -> Result<()> {
             "{threads} of {wanted} threads: the limit of address space (ulimit -v) leaves no room for more"
         );
     }
+    keep_freed_memory();
     let started = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
     let help = "allow more processes or memory (ulimit -u, ulimit -v), or fewer threads: RAYON_NUM_THREADS=1";
     started.map_err(|error| miette!(help = help, "cannot start threads: {error}"))

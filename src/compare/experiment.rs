@@ -17,6 +17,7 @@ use super::error::kept;
 use super::external::CaseAsked;
 use super::external::description::ProgramDescription;
 use super::external::judge::expected;
+use super::machine::Machine;
 use super::page::Comparison;
 use super::row::Row;
 use crate::solve::{Registry, Solver, Watch};
@@ -125,6 +126,7 @@ impl ComparisonFile {
             externals: self.external.iter().map(|program| program.name.clone()).collect(),
             programs: programs.into_iter().map(Option::unwrap_or_default).collect(),
             registry: registry.names().map(String::from).collect(),
+            machine: Machine::here(),
             asked,
             rows: kept(rows, end)?,
         })

@@ -5,6 +5,7 @@ pub mod check;
 pub mod error;
 pub mod experiment;
 pub mod external;
+pub mod machine;
 pub mod page;
 mod plots;
 mod reach;

@@ -1,6 +1,7 @@
 //! The outputs of a comparison: tables, plots and a page.
 
 use super::external::description::ProgramDescription;
+use super::machine::Machine;
 use super::reach;
 use super::row::{HEADER, Row, dash, mean_name};
 use crate::report::cell::{markdown, text};
@@ -13,7 +14,7 @@ use minijinja::{Value, context};
 use std::path::PathBuf;
 
 /// Tables and pages.
-const TABLES: [&str; 4] = ["comparison.csv", "comparison.html", "residuals.csv", "README.md"];
+const TABLES: [&str; 5] = ["comparison.csv", "comparison.html", "machine.json", "residuals.csv", "README.md"];
 /// Plots, without the numbers of those that come in several.
 const PLOTS: [&str; 5] =
     ["applications", "residuals", "error_against_work", "error_against_seconds", "error_against_cpu_seconds"];
@@ -40,6 +41,8 @@ pub struct Comparison {
     pub programs: Vec<ProgramDescription>,
     /// All strategies of the registry, whose order determines the colours.
     pub registry: Vec<String>,
+    /// What its seconds were measured on.
+    pub machine: Machine,
     /// Number of rows planned; there are fewer if the comparison was stopped.
     pub asked: usize,
     /// Case by case, grid by grid, mean by mean, strategy by strategy.
@@ -54,7 +57,7 @@ fn is_of_a_comparison(name: &str) -> bool {
 }
 
 impl Comparison {
-    /// Writes `comparison.csv`, the plots (SVG), `README.md` and a self-contained `comparison.html`
+    /// Writes `comparison.csv`, `machine.json`, the plots (SVG), `README.md` and a self-contained `comparison.html`
     /// into `folder` in place of an earlier comparison, each of them whole or not at all; of a
     /// single case `residuals.csv` too.
     ///
@@ -63,6 +66,7 @@ impl Comparison {
     pub fn write(&self, folder: &OutputFolder) -> Result<(), PublishError> {
         folder.remove_files(is_of_a_comparison)?;
         folder.write("comparison.csv", &table(self.rows.iter().map(Row::record))?)?;
+        folder.write("machine.json", &serde_json::to_vec_pretty(&self.machine)?)?;
         if !self.has_cases() {
             folder.write("residuals.csv", &self.residuals()?)?;
         }
@@ -98,6 +102,7 @@ impl Comparison {
             max_applications => self.goal.max_applications,
             accuracy => self.accuracy.map(|accuracy| format!("{accuracy:.0e}")),
             reference => &self.reference,
+            machine => self.machine.to_string(),
             several => self.has_cases(),
             cases => &self.cases,
             programs => self.described(),

@@ -43,6 +43,8 @@ pub struct Chart {
 const MARKED: usize = 40;
 /// Dash and gap of guide lines, pixels.
 const DASHES: [u32; 2] = [7, 5];
+/// Length of the line in the legend, pixels.
+const SAMPLE: i32 = 24;
 /// Space for the labels along x and along y, pixels.
 const ROOM: [u32; 2] = [370, 270];
 /// Margin of a linear axis beyond its data, as a share of them.
@@ -205,10 +207,9 @@ impl Chart {
         let mut every = 1;
         if curve.style == Style::Data {
             every = shown.len().div_ceil(MARKED).max(1);
-            let dashes = [4 * curve.dashes as u32, 4];
             for part in curve.points.split(|p| !self.shown(p)).filter(|part| !part.is_empty()) {
                 let part: Vec<&[f64; 3]> = part.iter().collect();
-                self.line(axes, &part, dashes, pen.colour.stroke_width(2))?;
+                self.line(axes, &part, dashes(curve), pen.colour.stroke_width(2))?;
             }
         }
         let bars = shown.iter().filter(|p| p[2] > 0.0).map(|p| self.ends(p));
@@ -239,6 +240,11 @@ impl Chart {
     }
 }
 
+/// Dash and gap of a line of data, pixels; solid if the dashes have no length.
+fn dashes(curve: &Curve) -> [u32; 2] {
+    [4 * curve.dashes as u32, 4]
+}
+
 /// Draws one entry of the legend.
 fn name<B: DrawingBackend>(
     area: &Area<B>,
@@ -248,10 +254,10 @@ fn name<B: DrawingBackend>(
 ) -> Result<(), OutputError> {
     let text = Text::new(curve.name.clone(), (x + KEY, y - 8), (FONT, WORDS).into_font());
     area.draw(&text).map_err(failed)?;
-    let broken = curve.style == Style::Guide || curve.dashes > 0;
-    let dashes: &[[i32; 2]] = if broken { &[[0, 9], [15, 24]] } else { &[[0, 24]] };
-    for [a, b] in dashes.iter().filter(|_| curve.style != Style::Points) {
-        let line = PathElement::new([(x + a, y), (x + b, y)], pen.colour.stroke_width(2));
+    let [dash, gap] = if curve.style == Style::Guide { DASHES } else { dashes(curve) }.map(|px| px as i32);
+    let dash = if dash == 0 { SAMPLE } else { dash };
+    for a in (0..SAMPLE).step_by((dash + gap) as usize).filter(|_| curve.style != Style::Points) {
+        let line = PathElement::new([(x + a, y), (x + SAMPLE.min(a + dash), y)], pen.colour.stroke_width(2));
         area.draw(&line).map_err(failed)?;
     }
     if curve.style != Style::Guide {

@@ -68,18 +68,17 @@ fn images(packing: &Packing) -> impl Iterator<Item = (Sphere, usize)> + '_ {
     let period_um = packing.period_um();
     let round = packing.grains().iter().filter(|g| g.solid.is_none());
     let nested = round.flat_map(|g| packing.nested(g));
-    let spheres = nested.flat_map(|(material, all)| all.into_iter().map(move |s| (s, material)));
+    let spheres = nested.flat_map(|body| body.spheres.into_iter().map(move |s| (s, body.material)));
     spheres.flat_map(move |(s, material)| images_of(s, period_um).map(move |image| (image, material)))
 }
 
 /// Convex bodies and those periodic images that reach into the cell.
 fn solid_images(packing: &Packing) -> impl Iterator<Item = (Solid, usize)> + '_ {
     let period_um = packing.period_um();
-    let solids =
-        packing.grains().iter().filter_map(|g| Some((g.solid.as_ref()?, g.spheres.first()?, g.pigment)));
-    solids.flat_map(move |(solid, around, pigment)| {
-        let place = |image: Sphere| Solid { center_um: image.center_um, ..solid.clone() };
-        images_of(*around, period_um).map(move |image| (place(image), pigment))
+    let nested = packing.grains().iter().flat_map(|g| packing.nested(g));
+    let solids = nested.filter_map(|body| Some((body.solid?, *body.spheres.first()?, body.material)));
+    solids.flat_map(move |(solid, around, material)| {
+        images_of(around, period_um).map(move |image| (solid.placed(image.center_um), material))
     })
 }
 
@@ -231,11 +230,11 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
     let camera = Camera::new(eye, [0.5 * lx, 0.5 * ly, 0.0], [0.0, 0.0, 1.0], 1.02 * w as f64);
     let mut raster = Raster::new(w, h, BACKGROUND);
     for grain in packing.grains() {
+        let outermost = packing.nested(grain)[0].material;
         if let Some(solid) = &grain.solid {
-            camera.solid(&mut raster, solid, height, pigment_colour(grain.pigment));
+            camera.solid(&mut raster, solid, height, pigment_colour(outermost));
             continue;
         }
-        let outermost = packing.nested(grain)[0].0;
         for s in &grain.spheres {
             let [x, y, z] = s.center_um;
             camera.sphere(&mut raster, [x, y, height - z], s.radius_um, pigment_colour(outermost));

@@ -13,10 +13,11 @@ const TEMPLATE: &str = include_str!("viewer.html");
 /// The page; `materials` names the materials of the grains in their order, which the cut shows.
 pub fn page(packing: &Packing, title: &str, materials: &[String]) -> String {
     let grains = packing.grains();
-    let nested = grains.iter().filter(|g| g.solid.is_none()).flat_map(|g| packing.nested(g));
+    let nested = || grains.iter().flat_map(|g| packing.nested(g));
+    let round = nested().filter(|body| body.solid.is_none());
     let spheres: Vec<(usize, Sphere)> =
-        nested.flat_map(|(material, all)| all.into_iter().map(move |s| (material, s))).collect();
-    let solids = || grains.iter().filter_map(|g| Some((g.pigment, g.solid.as_ref()?)));
+        round.flat_map(|body| body.spheres.into_iter().map(move |s| (body.material, s))).collect();
+    let solids = || nested().filter_map(|body| Some((body.material, body.solid?)));
     let triangles = || solids().flat_map(|(kind, s)| s.triangles(STEPS).into_iter().map(move |t| (kind, t)));
     let corners = triangles().flat_map(|(_, t)| t.into_iter().flatten().map(|v| v as f32));
     let numbers = spheres.iter().flat_map(|(_, s)| {

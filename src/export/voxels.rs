@@ -2,7 +2,7 @@
 //! wave sees.
 
 use super::vti::{Image, PointArray};
-use crate::ink::{Packing, Solid};
+use crate::ink::{Layered, Packing, Solid};
 use crate::wave::Media;
 use ndarray::Array3;
 use num_complex::Complex64;
@@ -120,13 +120,16 @@ impl VoxelRaster {
             self.mark_vacuum(packing, &mut marks);
         }
         for grain in packing.grains() {
-            if let Some(solid) = &grain.solid {
-                self.mark_solid(solid, (FIRST_PIGMENT + grain.pigment) as u8, &mut marks);
-                continue;
-            }
-            for (material, spheres) in packing.nested(grain) {
+            for Layered { material, spheres, solid } in packing.nested(grain) {
                 let mark = (FIRST_PIGMENT + material) as u8;
-                spheres.iter().for_each(|s| self.mark_ball(s.center_um, s.radius_um, mark, &mut marks));
+                match solid {
+                    Some(solid) => self.mark_solid(&solid, mark, &mut marks),
+                    None => {
+                        spheres
+                            .iter()
+                            .for_each(|s| self.mark_ball(s.center_um, s.radius_um, mark, &mut marks));
+                    }
+                }
             }
         }
         marks

@@ -68,6 +68,49 @@ fn every_strategy_is_a_row_and_every_file_is_whole() {
     }
 }
 
+/// One comparison as two machines would have made it, the second of them twice as fast. *Planted*: seconds instead of transforms.
+#[test]
+fn folders_of_several_machines_are_merged() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let machine = |name: &str, rate: f64, seconds: f64| {
+        let place = folder.path().join(name);
+        std::fs::create_dir(&place).expect("a folder");
+        let json = serde_json::json!({ "processor": name, "threads": 2,
+            "transforms_per_second": { "value": rate, "standard_error": 0.02 * rate } });
+        std::fs::write(place.join("machine.json"), json.to_string()).expect("written");
+        let table = format!(
+            "case,strategy,error,processor_seconds\na,x,0.005,{seconds}\na,x,0.0005,{}\n",
+            8.0 * seconds
+        );
+        std::fs::write(place.join("comparison.csv"), table).expect("written");
+        place
+    };
+    let folders = [machine("slow", 1000.0, 2.0), machine("fast", 2000.0, 1.0)];
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/merge-comparisons");
+    let merge = |folders: &[std::path::PathBuf]| {
+        let mut command = std::process::Command::new("python3");
+        command
+            .arg(&script)
+            .args(folders)
+            .arg("-o")
+            .arg(folder.path().join("merged"))
+            .output()
+            .expect("python3")
+    };
+    assert!(merge(&folders).status.success());
+    let page = std::fs::read_to_string(folder.path().join("merged/README.md")).expect("a page");
+    for name in ["fast", "slow"] {
+        assert!(page.contains(&format!("| a | x | {name} | 2e+03 | 1.6e+04 | – | 2.0 % |")), "{page}");
+    }
+    // What the program writes is what the script reads.
+    let comparison = tiny(folder.path()).run(&Registry::default(), &mut Silent, |_| ()).expect("compared");
+    write(&comparison, folder.path());
+    assert!(merge(&[folder.path().join("out")]).status.success());
+    std::fs::remove_file(folder.path().join("out/machine.json")).expect("removed");
+    let refused = merge(&[folder.path().join("out")]);
+    assert!(!refused.status.success() && String::from_utf8_lossy(&refused.stderr).contains("machine.json"));
+}
+
 /// Stops the step after the first row.
 struct StopAfterOne<'a>(&'a Cell<usize>);
 

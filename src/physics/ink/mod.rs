@@ -18,7 +18,7 @@ pub use grains::shape::Shape;
 pub use grains::size::{By, Measure, SizeDistribution};
 pub use grains::solid::{Form, Solid};
 pub use grains::sphere::Sphere;
-pub use packing::grain::Grain;
+pub use packing::grain::{Grain, Layered};
 pub use packing::pack::pack;
 pub use packing::placed::{Method, Packing, PackingAccount, Share};
 pub use packing::request::{

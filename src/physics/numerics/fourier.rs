@@ -1,6 +1,7 @@
 //! Two-dimensional transforms of planes; spectra remain transposed, and only harmonics in use are
 //! kept.
 
+use multiversion::multiversion;
 use num_complex::{Complex, Complex64};
 use rustfft::num_traits::NumAssign;
 use rustfft::{Fft, FftNum, FftPlanner};
@@ -86,7 +87,7 @@ impl<T: Real> PlaneFft<T> {
     /// undefined.
     pub fn forward(&self, s: &mut PlaneScratch<T>, used: &[std::ops::Range<usize>]) {
         self.forward[0].process_with_scratch(&mut s.plane, &mut s.work);
-        transpose::transpose(&s.plane, &mut s.spectrum, self.nx, self.ny);
+        transpose(&s.plane, &mut s.spectrum, self.nx);
         for rows in used {
             let part = &mut s.spectrum[rows.start * self.ny..rows.end * self.ny];
             self.forward[1].process_with_scratch(part, &mut s.work);
@@ -99,8 +100,35 @@ impl<T: Real> PlaneFft<T> {
             let part = &mut s.spectrum[rows.start * self.ny..rows.end * self.ny];
             self.inverse[1].process_with_scratch(part, &mut s.work);
         }
-        transpose::transpose(&s.spectrum, &mut s.plane, self.ny, self.nx);
+        transpose(&s.spectrum, &mut s.plane, self.ny);
         self.inverse[0].process_with_scratch(&mut s.plane, &mut s.work);
+    }
+}
+
+/// Rows transposed together: what is written at a time is a cache line of double precision.
+const TOGETHER: usize = 4;
+
+/// Transposes rows of `width` numbers. Small planes take a third of what a general transposition
+/// takes, which was a tenth of an application.
+#[multiversion(targets("x86_64+avx2"))]
+fn transpose<T: Real>(from: &[Complex<T>], to: &mut [Complex<T>], width: usize) {
+    let height = from.len() / width;
+    for (band, rows) in from.chunks(TOGETHER * width).enumerate() {
+        let first = band * TOGETHER;
+        let columns = to.chunks_exact_mut(height).enumerate();
+        if rows.len() == TOGETHER * width {
+            let [a, b, c, d]: [&[Complex<T>]; TOGETHER] =
+                std::array::from_fn(|i| &rows[i * width..][..width]);
+            columns
+                .for_each(|(x, to)| to[first..first + TOGETHER].copy_from_slice(&[a[x], b[x], c[x], d[x]]));
+        } else {
+            columns.for_each(|(x, to)| {
+                to[first..]
+                    .iter_mut()
+                    .zip(rows[x..].iter().step_by(width))
+                    .for_each(|(to, from)| *to = *from);
+            });
+        }
     }
 }
 

@@ -59,11 +59,9 @@ impl<T: Real> Basis<T> {
     /// Orthogonalises `applied` + `image` and appends it; returns its column of the Hessenberg
     /// matrix, which ends with its norm. If only rounding is left, no vector is appended.
     pub fn expand(&mut self, applied: &[Complex<T>], image: &[Complex<T>]) -> (Vec<Complex64>, bool) {
-        let mut w = vec![T::zero(); 2 * self.length];
-        let (re, im) = w.split_at_mut(self.length);
-        for ((re, im), (a, b)) in re.iter_mut().zip(im).zip(applied.iter().zip(image)) {
-            (*re, *im) = (a.re + b.re, a.im + b.im);
-        }
+        let mut w: Vec<T> = Vec::with_capacity(2 * self.length);
+        w.extend(applied.iter().zip(image).map(|(a, b)| a.re + b.re));
+        w.extend(applied.iter().zip(image).map(|(a, b)| a.im + b.im));
         let mut column = self.dots(&w); // h_i = ⟨v_i, w⟩
         let (before, mut after) = self.subtract(&mut w, &column); // w ← w − Σ h_i v_i
         if after < REORTHOGONALISE * before {

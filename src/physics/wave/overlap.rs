@@ -8,8 +8,9 @@
 use super::{Ball, Body, BodyShape, Scene, WaveError};
 use crate::ink;
 use crate::ink::Solid;
-use crate::ink::grains::contact::proven_gap_um;
+use crate::ink::grains::contact::{excess_um, proven_gap_um};
 use crate::numerics::Rotation;
+use crate::numerics::vector::sub;
 use std::collections::HashMap;
 
 /// Tolerance for touching bodies due to the rounding of their coordinates, in periods along x.
@@ -33,7 +34,8 @@ impl Scene {
         Err(WaveError::Overlap { first, second, overlap_um: hi - lo })
     }
 
-    /// The scene with every sphere that lies wholly inside another one as a body within it.
+    /// The scene with every sphere or convex body that lies wholly inside another one as a body
+    /// within it.
     ///
     /// # Errors
     /// As [`Scene::check_overlaps`], for pairs of which neither lies inside the other.
@@ -43,7 +45,7 @@ impl Scene {
         Ok(self)
     }
 
-    /// The smallest sphere around every sphere, or the body given as around it.
+    /// The smallest body around every body, or the one given as around it.
     fn hosts(&self) -> Result<Vec<Option<usize>>, WaveError> {
         let slack = ROUNDING * self.period_um[0];
         let images = self.bodies.iter().map(|body| image_overlap_um(body, self.period_um)).enumerate();
@@ -74,12 +76,17 @@ struct Piece<'a> {
 }
 
 impl Piece<'_> {
-    /// Whether a single sphere lies inside this one, which is larger.
+    /// Whether another sphere or convex body lies inside this one, which is larger.
     fn surrounds(&self, other: &Piece, period: [f64; 2], slack: f64) -> bool {
-        let (PieceForm::Ball(a), PieceForm::Ball(b)) = (self.form, other.form) else { return false };
-        let apart = a.radius_um + b.radius_um - ball_overlap_um(&a, &b, period);
-        let larger = a.radius_um > b.radius_um + slack;
-        self.whole && other.whole && larger && apart + b.radius_um <= a.radius_um + slack
+        if let (PieceForm::Ball(a), PieceForm::Ball(b)) = (self.form, other.form) {
+            let apart = a.radius_um + b.radius_um - ball_overlap_um(&a, &b, period);
+            let larger = a.radius_um > b.radius_um + slack;
+            return self.whole && other.whole && larger && apart + b.radius_um <= a.radius_um + slack;
+        }
+        let convex = |piece: &Piece| piece.form.convex().filter(|_| piece.whole);
+        let (Some(a), Some(b)) = (convex(self), convex(other)) else { return false };
+        let larger = a.form.volume_um3() > b.form.volume_um3() * (1.0 + ROUNDING);
+        larger && excess_um(&b, &a, apart(&a, &b, period)) <= slack
     }
 }
 
@@ -142,13 +149,21 @@ impl PieceForm<'_> {
         }
     }
 
+    /// A sphere or convex body as the latter.
+    fn convex(&self) -> Option<Solid> {
+        match *self {
+            PieceForm::Solid(solid) => Some(solid.clone()),
+            PieceForm::Ball(Ball { center_um, radius_um }) => {
+                Some(Solid::upright(ink::Form::Ellipsoid { semi_axes_um: [radius_um; 3] }, center_um))
+            }
+            _ => None,
+        }
+    }
+
     /// The form as a convex body; bodies along y are cut three periods long about the height `y`.
     fn solid(&self, [_, ly]: [f64; 2], y: f64) -> Option<Solid> {
         Some(match *self {
-            PieceForm::Solid(solid) => solid.clone(),
-            PieceForm::Ball(Ball { center_um, radius_um }) => {
-                Solid::upright(ink::Form::Ellipsoid { semi_axes_um: [radius_um; 3] }, center_um)
-            }
+            PieceForm::Solid(_) | PieceForm::Ball(_) => return self.convex(),
             PieceForm::Disc { x, z, radius } => Solid {
                 form: ink::Form::Disc { radius_um: radius, half_length_um: 1.5 * ly },
                 center_um: [x, y, z],
@@ -196,7 +211,7 @@ impl PieceForm<'_> {
 struct Cells<'a> {
     scene: &'a Scene,
     period: [f64; 2],
-    /// The smallest sphere found around a body, with its radius.
+    /// The smallest body found around another, with its volume.
     around: HashMap<usize, (usize, f64)>,
     /// Number of cells along x, y and z, and the lengths they divide.
     count: [i64; 3],
@@ -248,10 +263,11 @@ impl<'a> Cells<'a> {
             (_, true) => (other, one),
             _ => return false,
         };
-        let PieceForm::Ball(Ball { radius_um, .. }) = host.form else { return false };
-        let smallest = self.around.entry(inner.body).or_insert((host.body, radius_um));
-        if radius_um < smallest.1 {
-            *smallest = (host.body, radius_um);
+        let Some(solid) = host.form.convex() else { return false };
+        let volume = solid.form.volume_um3();
+        let smallest = self.around.entry(inner.body).or_insert((host.body, volume));
+        if volume < smallest.1 {
+            *smallest = (host.body, volume);
         }
         true
     }
@@ -284,11 +300,16 @@ fn ball_overlap_um(a: &Ball, b: &Ball, [lx, ly]: [f64; 2]) -> f64 {
     a.radius_um + b.radius_um - nearest(x, lx).hypot(nearest(y, ly)).hypot(z)
 }
 
+/// Centre of the nearest image of the second body relative to the first one's, µm.
+fn apart(a: &Solid, b: &Solid, [lx, ly]: [f64; 2]) -> [f64; 3] {
+    let [x, y, z] = sub(b.center_um, a.center_um);
+    [nearest(x, lx), nearest(y, ly), z]
+}
+
 /// Depth by which two convex bodies overlap in any of their images, without that in place if not
 /// wanted; negative if they are apart.
 fn solid_overlap_um(a: &Solid, b: &Solid, [lx, ly]: [f64; 2], in_place: bool) -> f64 {
-    let delta: [f64; 3] = std::array::from_fn(|i| b.center_um[i] - a.center_um[i]);
-    let near = [nearest(delta[0], lx), nearest(delta[1], ly), delta[2]];
+    let near = apart(a, b, [lx, ly]);
     let shifts = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [f64::from(i) * lx, f64::from(j) * ly]));
     let wanted = shifts.filter(|shift| in_place || *shift != [0.0; 2]);
     let depth = |[x, y]: [f64; 2]| -proven_gap_um(a, b, [near[0] + x, near[1] + y, near[2]]);

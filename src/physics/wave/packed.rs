@@ -2,7 +2,7 @@
 
 use super::scene::HeightField;
 use super::{Ball, Body, BodyShape, Material, Scene};
-use crate::ink::{Packing, Relief, Sphere};
+use crate::ink::{Layered, Packing, Relief, Sphere};
 
 impl Scene {
     /// One stratum of binder (background 0) with the nested bodies of every grain; their materials
@@ -13,13 +13,10 @@ impl Scene {
     pub fn from_packing(packing: &Packing) -> Scene {
         let mut bodies: Vec<Body> = Vec::with_capacity(packing.grains().len());
         for grain in packing.grains() {
-            if let Some(solid) = &grain.solid {
-                bodies.push(Body::new(BodyShape::Solid(solid.clone()), grain.pigment));
-                continue;
-            }
             let mut within = None;
-            for (material, spheres) in packing.nested(grain) {
-                bodies.push(Body { within, ..Body::new(BodyShape::Balls(balls(&spheres)), material) });
+            for Layered { material, spheres, solid } in packing.nested(grain) {
+                let shape = solid.map_or_else(|| BodyShape::Balls(balls(&spheres)), BodyShape::Solid);
+                bodies.push(Body { within, ..Body::new(shape, material) });
                 within = Some(bodies.len() - 1);
             }
         }

@@ -11,6 +11,15 @@ use super::{FarField, Field, Grid, Polarisation, Problem};
 use ndarray::ArrayView2;
 use num_complex::Complex64;
 
+/// A system's operator in double precision, for code generic over the precision.
+pub(crate) struct Double<'a>(pub(crate) &'a dyn System);
+
+impl Scatter<f64> for Double<'_> {
+    fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.0.scatter(u, out);
+    }
+}
+
 /// A discrete wave problem: immutable and shared between threads.
 pub trait System: Send + Sync {
     /// The grid of the problem.

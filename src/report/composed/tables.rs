@@ -68,16 +68,16 @@ fn medium(rows: &[MediumRow]) -> csv::Result<Vec<u8>> {
 fn distributions(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {
     let place = ["thickness_um", "wavelength_nm", "polar_in_deg", "lobe", "polar_out_deg", "projected_sr"];
     let header = place.map(str::to_owned).into_iter().chain(with_errors(["bdf_per_sr"]));
-    let lobe = |row: &DistributionRow| if row.reflected { "reflected" } else { "transmitted" };
-    let of = |row: &DistributionRow| {
-        let [um, nm] = [row.thickness_um, row.wavelength_nm].map(|x| x.to_string());
-        let out = [row.polar_out_deg, row.projected_sr].map(|x| x.to_string());
-        [um, nm, "0".to_owned(), lobe(row).to_owned()]
-            .into_iter()
-            .chain(out)
-            .chain(numbers(Some(row.bdf_per_sr.estimate())))
-    };
-    table(header, rows.iter().map(of))
+    table(header, rows.iter().map(leaving))
+}
+
+/// A line of the table of light that leaves.
+fn leaving(row: &DistributionRow) -> Vec<String> {
+    let lobe = if row.reflected { "reflected" } else { "transmitted" };
+    let place = [row.thickness_um, row.wavelength_nm, 0.0].map(|x| x.to_string());
+    let out = [row.polar_out_deg, row.projected_sr].map(|x| x.to_string());
+    let place = place.into_iter().chain([lobe.to_owned()]).chain(out);
+    place.chain(numbers(Some(row.bdf_per_sr.estimate()))).collect()
 }
 
 /// A line of a table: its place, and values with their errors.

@@ -54,12 +54,12 @@ pub struct CaseInputs {
     /// Side of incidence: `incident` is z < 0.
     #[serde(default)]
     pub from: Side,
-    /// Spheres in the binder; one wholly inside another displaces its material, which makes layers
-    /// and hollow grains.
+    /// Spheres in the binder; one wholly inside another sphere or body displaces its material, which
+    /// makes layers and hollow grains.
     pub spheres: Option<Vec<SphereInput>>,
     /// Cylinders along y in the binder.
     pub cylinders: Option<Vec<CylinderInput>>,
-    /// Convex bodies in the binder: ellipsoids, boxes, discs and prisms.
+    /// Convex bodies in the binder or inside each other: ellipsoids, boxes, discs and prisms.
     pub bodies: Option<Vec<BodyInput>>,
     /// Homogeneous films, starting at z = 0.
     pub layers_from_z0: Option<Vec<LayerInput>>,

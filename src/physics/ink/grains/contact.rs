@@ -5,7 +5,7 @@
 //! their shadows, and a direction is judged by the closed widths of the forms alone.
 
 use super::solid::{Form, Solid, edges, outward};
-use crate::numerics::vector::{V3, dot, scale, sub, unit};
+use crate::numerics::vector::{V3, add, dot, scale, sub, unit};
 use parry3d_f64::math::{Pose, Vector};
 use parry3d_f64::query::details::contact_support_map_support_map;
 use parry3d_f64::shape::SupportMap;
@@ -82,25 +82,51 @@ fn normals(solid: &Solid) -> Vec<V3> {
     own.into_iter().map(|n| solid.rotation.turn(n)).collect()
 }
 
-/// Whether a point lies in a body, by the inequalities that define its form.
-pub fn contains(solid: &Solid, point: V3) -> bool {
-    let [x, y, z] = solid.rotation.inverse().turn(sub(point, solid.center_um));
+/// Steps from a point of the inner body's surface to the one farthest out of the other.
+const ASCENTS: usize = 50;
+
+/// How far a body, whose centre is `apart` from the other's, reaches out of that other one, µm (of
+/// an ellipsoid along its shortest axis); negative if it lies inside.
+///
+/// Each step goes to the point farthest along the normal, which increases a convex function; it
+/// starts from corners all around, and of flat faces from the point farthest along each.
+pub fn excess_um(inner: &Solid, outer: &Solid, apart: V3) -> f64 {
+    let (inner, outer) = (inner.placed(apart), outer.placed([0.0; 3]));
+    let farthest = |n: V3| add(apart, inner.arm(n));
+    let flat = normals(&outer).into_iter().flat_map(|n| [farthest(n), farthest(scale(n, -1.0))]);
+    let ascended = |start: V3| {
+        let path = std::iter::successors(Some(start), |&p| Some(farthest(outer.normal(p))));
+        path.take(ASCENTS).map(|p| depth_um(&outer, p)).fold(f64::NEG_INFINITY, f64::max)
+    };
+    let starts = flat.chain(inner.triangles(4).into_iter().flatten());
+    starts.map(ascended).fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// Signed distance of a point from the farthest face of a body about the origin.
+fn depth_um(solid: &Solid, point: V3) -> f64 {
+    let [x, y, z] = solid.rotation.inverse().turn(point);
     match &solid.form {
-        Form::Ellipsoid { semi_axes_um: [a, b, c] } => (x / a).hypot(y / b).hypot(z / c) < 1.0,
-        Form::Disc { radius_um, half_length_um } => x.hypot(y) < *radius_um && z.abs() < *half_length_um,
+        Form::Ellipsoid { semi_axes_um: [a, b, c] } => {
+            ((x / a).hypot(y / b).hypot(z / c) - 1.0) * a.min(*b).min(*c)
+        }
+        Form::Disc { radius_um, half_length_um } => (x.hypot(y) - radius_um).max(z.abs() - half_length_um),
         Form::Prism { corners_um, half_length_um } => {
-            z.abs() < *half_length_um
-                && edges(corners_um)
-                    .all(|(a, b)| (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]) > 0.0)
+            let sides = edges(corners_um).map(|(a, b)| dot(outward(a, b), [x - a[0], y - a[1], 0.0]));
+            sides.fold(z.abs() - half_length_um, f64::max)
         }
     }
+}
+
+/// Whether a point lies in a body, by the inequalities that define its form.
+pub fn contains(solid: &Solid, point: V3) -> bool {
+    depth_um(solid, sub(point, solid.center_um)) < 0.0
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::numerics::Draws;
-    use crate::numerics::vector::{Rotation, add, norm};
+    use crate::numerics::vector::{Rotation, norm};
 
     fn drawn(draws: &mut Draws) -> Solid {
         let [a, b, c] = std::array::from_fn(|_| draws.between(0.1, 1.0));
@@ -140,5 +166,22 @@ mod tests {
             meeting += usize::from(overlap);
         }
         assert!(apart > 80 && meeting > 80, "both answers occur: {apart} {meeting}");
+    }
+
+    /// The farthest of dense points of the surface is no farther out than the ascents say.
+    #[test]
+    fn a_body_reaches_out_of_another_as_far_as_its_farthest_point() {
+        let mut draws = Draws::new(8, 0);
+        let mut inside = 0;
+        for _ in 0..400 {
+            let [outer, mut inner] = [drawn(&mut draws), drawn(&mut draws)];
+            inner.form = inner.form.scaled(0.3);
+            let apart = scale(draws.direction(), draws.between(0.0, 0.3));
+            let points = inner.triangles(40).into_iter().flatten().map(|p| depth_um(&outer, add(apart, p)));
+            let (most, found) = (points.fold(f64::MIN, f64::max), excess_um(&inner, &outer, apart));
+            assert!(found > most - 1e-12 && found < most + 2e-3, "{inner:?} {outer:?}: {most} {found}");
+            inside += usize::from(found < 0.0);
+        }
+        assert!((40..360).contains(&inside), "both answers occur: {inside}");
     }
 }

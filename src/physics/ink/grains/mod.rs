@@ -4,6 +4,7 @@
 pub mod agglomeration;
 mod beads;
 pub mod contact;
+mod inset;
 mod log_normal;
 mod name_or_table;
 pub mod orientation;

@@ -167,6 +167,16 @@ impl Solid {
         Solid { form, center_um, rotation: Rotation::IDENTITY }
     }
 
+    /// The body about another centre, µm.
+    pub fn placed(&self, center_um: V3) -> Solid {
+        Solid { center_um, ..self.clone() }
+    }
+
+    /// The core inside layers of this thickness, see [`Form::inset`].
+    pub fn inset(&self, depth_um: f64) -> Solid {
+        Solid { form: self.form.inset(depth_um), ..self.clone() }
+    }
+
     /// Lowest and highest coordinate along axis 0, 1 or 2, µm.
     pub fn extent_um(&self, axis: usize) -> [f64; 2] {
         let mut direction = [0.0; 3];

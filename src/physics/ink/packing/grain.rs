@@ -25,6 +25,17 @@ pub struct Grain {
     pub volume_um3: f64,
 }
 
+/// A grain less some of its layers.
+#[derive(Clone, Debug)]
+pub struct Layered {
+    /// Its outermost material, see [`crate::ink::Packing::materials`].
+    pub material: usize,
+    /// Its spheres; of a convex body the sphere around it.
+    pub spheres: Vec<Sphere>,
+    /// The convex body, if it is one.
+    pub solid: Option<Solid>,
+}
+
 impl Grain {
     /// A grain outside any agglomerate; its axis runs from the first to the last centre.
     pub fn new(spheres: Vec<Sphere>, pigment: usize) -> Self {

@@ -1,6 +1,6 @@
 //! Placed grains: a packing exists only if an independent check has found no overlap in it.
 
-use super::grain::Grain;
+use super::grain::{Grain, Layered};
 use super::request::PackingRequest;
 use super::{overlap, shell};
 use crate::ink::error::PackError;
@@ -169,12 +169,13 @@ impl Packing {
     pub fn with_shells(self, mut shells_um: Vec<Vec<f64>>) -> Result<Self, PackError> {
         shells_um.resize(shells_um.len().max(self.shares.len()), Vec::new());
         let depth = |g: &Grain| shells_um[g.pigment].iter().sum::<f64>();
-        let filled = |g: &&Grain| depth(g) > 0.0 && g.spheres.iter().any(|s| depth(g) >= s.radius_um);
+        let deepest = |g: &Grain| shell::deepest_um(&g.spheres, g.solid.as_ref().map(|s| &s.form));
+        let filled = |g: &&Grain| depth(g) > 0.0 && depth(g) >= deepest(g);
         match self.grains.iter().find(filled) {
             None => Ok(Self { shells_um, ..self }),
             Some(grain) => {
                 let found = format!("layers of {} µm in a grain of pigment {}", depth(grain), grain.pigment);
-                let allowed = "layers thinner than the radius of every sphere";
+                let allowed = "layers in which a core remains";
                 Err(PackError::input("shells_um", found, allowed, "take thinner layers"))
             }
         }
@@ -224,18 +225,22 @@ impl Packing {
         self.shells_um.len() + self.shells_um.iter().map(Vec::len).sum::<usize>()
     }
 
-    /// The nested bodies of a grain from the outside inwards: each with its material (see
-    /// [`Packing::materials`]) and its spheres, in which the next ones lie.
-    pub fn nested(&self, grain: &Grain) -> Vec<(usize, Vec<Sphere>)> {
+    /// The nested bodies of a grain from the outside inwards; each lies in the one before it.
+    pub fn nested(&self, grain: &Grain) -> Vec<Layered> {
         let shell = &self.shells_um[grain.pigment];
         let before: usize = self.shells_um[..grain.pigment].iter().map(Vec::len).sum();
-        let (first, mut depth) = (self.shells_um.len() + before, 0.0);
-        let mut bodies = Vec::with_capacity(shell.len() + 1);
-        for (i, thickness) in shell.iter().enumerate().rev() {
-            bodies.push((first + i, shell::inside(&grain.spheres, depth)));
+        let first = self.shells_um.len() + before;
+        let layers = shell.iter().enumerate().rev().map(|(i, &thickness)| (first + i, thickness));
+        let (mut depth, mut bodies) = (0.0, Vec::with_capacity(shell.len() + 1));
+        for (material, thickness) in layers.chain([(grain.pigment, 0.0)]) {
+            let solid = grain.solid.as_ref().map(|solid| solid.inset(depth));
+            let spheres = match &solid {
+                None => shell::inside(&grain.spheres, depth),
+                Some(solid) => vec![Sphere { center_um: solid.center_um, radius_um: solid.form.reach_um() }],
+            };
+            bodies.push(Layered { material, spheres, solid });
             depth += thickness;
         }
-        bodies.push((grain.pigment, shell::inside(&grain.spheres, depth)));
         bodies
     }
 

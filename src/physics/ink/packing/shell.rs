@@ -1,21 +1,30 @@
 //! Layers around the cores of grains.
 //!
-//! Every sphere of a grain shrinks by the thickness of the layers around it. The grain is then the
-//! parallel body of its core: all points within that thickness of it, for any union of spheres.
+//! Every sphere of a grain shrinks by the thickness of the layers around it: the grain is then the
+//! parallel body of its core, all points within that thickness of it, for any union of spheres.
+//! Convex bodies: see [`Form::inset`].
 
 use crate::ink::error::PackError;
 use crate::ink::grains::shape::{Shape, Template};
 use crate::ink::grains::size::SizeDistribution;
+use crate::ink::grains::solid::Form;
 use crate::ink::grains::sphere::Sphere;
 use crate::ink::grains::volume::union_volume;
 use crate::numerics::vector::scale;
 
-/// Sizes over which shares are averaged: spheres and chains have a closed volume, clusters do not.
+/// Sizes over which shares are averaged: spheres, chains and convex bodies have a closed volume,
+/// clusters do not.
 const SIZES: [usize; 2] = [1000, 16];
 
 /// The spheres inside layers of this thickness.
 pub(super) fn inside(spheres: &[Sphere], depth_um: f64) -> Vec<Sphere> {
     spheres.iter().map(|s| Sphere { radius_um: s.radius_um - depth_um, ..*s }).collect()
+}
+
+/// Thickness of layers below which a core remains in a grain, µm.
+pub(super) fn deepest_um(spheres: &[Sphere], form: Option<&Form>) -> f64 {
+    let thinnest = || spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
+    form.map_or_else(thinnest, Form::deepest_um)
 }
 
 /// Checks the thicknesses, and that a core remains in the smallest grain of the distribution.
@@ -35,11 +44,6 @@ pub(super) fn check(
         return Ok(());
     }
     let template = shape.template();
-    if template.form.is_some() {
-        let found = format!("layers of a {}", shape.name());
-        let (field, allowed) = (format!("pigment[{k}].shell"), "layers of grains made of spheres");
-        return Err(PackError::input(field, found, allowed, "leave the layers out, or take another shape"));
-    }
     check_core(k, shell_nm, &template, size.radius_um(size.smallest_nm(), &template))
 }
 
@@ -50,13 +54,17 @@ pub(super) fn check_core(
     template: &Template,
     radius_um: f64,
 ) -> Result<(), PackError> {
-    let thinnest = template.spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
-    let (layers, most) = (shell_nm.iter().sum::<f64>(), 1e3 * radius_um * thinnest);
+    let deepest = deepest_um(&template.spheres, template.form.as_ref());
+    let (layers, most) = (shell_nm.iter().sum::<f64>(), 1e3 * radius_um * deepest);
     if layers < most {
         return Ok(());
     }
     let found = format!("layers of {layers} nm in all");
-    let allowed = format!("less than {most:.3} nm, the smallest radius in the smallest grain");
+    let what = match template.form {
+        None => "the smallest radius in the smallest grain",
+        Some(_) => "at which a face or axis of the smallest grain's core vanishes",
+    };
+    let allowed = format!("less than {most:.3} nm, {what}");
     let remedy = "take thinner layers or larger grains; sizes are outer ones, which include the layers";
     Err(PackError::input(format!("pigment[{k}].shell"), found, allowed, remedy))
 }
@@ -86,10 +94,15 @@ fn add_volumes(shell_nm: &[f64], template: &Template, radius_um: f64, volumes: &
     let sphere =
         |s: &Sphere| Sphere { center_um: scale(s.center_um, radius_um), radius_um: s.radius_um * radius_um };
     let grain: Vec<Sphere> = template.spheres.iter().map(sphere).collect();
+    let form = template.form.as_ref().map(|form| form.scaled(radius_um));
+    let volume = |depth: f64| match &form {
+        Some(form) => form.inset(depth).volume_um3(),
+        None => union_volume(&inside(&grain, depth)).um3,
+    };
     let (mut outer, mut depth) = (template.volume.um3 * radius_um.powi(3), 0.0);
     for (i, thickness) in shell_nm.iter().enumerate().rev() {
         depth += 1e-3 * thickness;
-        let inner = union_volume(&inside(&grain, depth)).um3;
+        let inner = volume(depth);
         volumes[i + 1] += outer - inner;
         outer = inner;
     }
@@ -139,5 +152,10 @@ mod tests {
         assert!(error.contains("pigment[2].shell") && error.contains("100"), "{error}");
         assert!(check_grains(0, &grains(Shape::RICE_GRAIN, vec![60.0])).is_err(), "its ends are thinner");
         assert!(check_grains(0, &grains(Shape::Sphere, vec![-1.0])).is_err());
+        // A plate of 200 nm by volume, five times as wide as thick, is 59.8 nm thick.
+        let plate = Shape::Disc { diameter: 1.0, thickness: 0.2 };
+        assert!(check_grains(0, &grains(plate.clone(), vec![29.0])).is_ok());
+        let error = check_grains(0, &grains(plate, vec![30.0])).unwrap_err().to_string();
+        assert!(error.contains("less than 29.8") && error.contains("face"), "{error}");
     }
 }

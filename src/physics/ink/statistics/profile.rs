@@ -1,6 +1,6 @@
 //! Volume fractions across the layer.
 
-use crate::ink::{Packing, Solid, Sphere};
+use crate::ink::{Layered, Packing, Solid, Sphere};
 use std::f64::consts::PI;
 
 /// Columns per side for the air above a relief.
@@ -15,18 +15,13 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
     let height = packing.thickness_um() / slices as f64;
     let mut fractions = vec![vec![0.0; packing.materials()]; slices];
     for grain in packing.grains() {
-        if let Some(solid) = &grain.solid {
-            add_solid(solid, height, grain.pigment, &mut fractions);
-            continue;
-        }
         let mut around: Option<usize> = None;
-        for (material, spheres) in packing.nested(grain) {
-            for (k, slice) in fractions.iter_mut().enumerate() {
-                let [from, to] = [k, k + 1].map(|k| k as f64 * height);
-                for volume in spheres.iter().map(|s| between(s, from, to)) {
-                    slice[material] += volume;
-                    around.iter().for_each(|&outer| slice[outer] -= volume);
-                }
+        for Layered { material, spheres, solid } in packing.nested(grain) {
+            let volumes =
+                solid.map_or_else(|| of_spheres(&spheres, height, slices), |s| of_solid(&s, height, slices));
+            for (slice, volume) in fractions.iter_mut().zip(volumes) {
+                slice[material] += volume;
+                around.iter().for_each(|&outer| slice[outer] -= volume);
             }
             around = Some(material);
         }
@@ -52,19 +47,30 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
 /// Lines per side on which a convex body is sampled.
 const LINES: usize = 24;
 
-/// Adds the volume of a convex body in every slice, µm³, from its chords along z.
-fn add_solid(solid: &Solid, height: f64, pigment: usize, slices: &mut [Vec<f64>]) {
+/// Volume of a convex body in every slice, µm³, from its chords along z.
+fn of_solid(solid: &Solid, height: f64, slices: usize) -> Vec<f64> {
     let extents = [0, 1].map(|axis| solid.extent_um(axis));
     let step = extents.map(|[low, high]| (high - low) / LINES as f64);
+    let mut volumes = vec![0.0; slices];
     for line in 0..LINES * LINES {
         let at = |axis: usize, i: usize| extents[axis][0] + (i as f64 + 0.5) * step[axis];
         let from = [at(0, line % LINES), at(1, line / LINES), 0.0];
         let Some([low, high]) = solid.chord(from, [0.0, 0.0, 1.0]) else { continue };
-        for (k, slice) in slices.iter_mut().enumerate() {
+        for (k, volume) in volumes.iter_mut().enumerate() {
             let [bottom, top] = [k, k + 1].map(|k| k as f64 * height);
-            slice[pigment] += step[0] * step[1] * (high.min(top) - low.max(bottom)).max(0.0);
+            *volume += step[0] * step[1] * (high.min(top) - low.max(bottom)).max(0.0);
         }
     }
+    volumes
+}
+
+/// Volume of spheres in every slice, µm³.
+fn of_spheres(spheres: &[Sphere], height: f64, slices: usize) -> Vec<f64> {
+    let within = |k: usize| {
+        let [from, to] = [k, k + 1].map(|k| k as f64 * height);
+        spheres.iter().map(|s| between(s, from, to)).sum()
+    };
+    (0..slices).map(within).collect()
 }
 
 /// Volume of a sphere between two heights, µm³.

@@ -5,11 +5,11 @@
 
 mod recurrence;
 
-use super::krylov::Double;
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::norm;
+use crate::wave::system::Double;
 use crate::wave::{Field, System};
 use recurrence::Recurrence;
 use schemars::JsonSchema;

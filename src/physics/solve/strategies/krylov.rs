@@ -11,8 +11,9 @@ use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
 use crate::solve::vectors::norm;
 use crate::wave::operator::scattering::Scatter;
+use crate::wave::system::Double;
 use crate::wave::{Field, System};
-use ndarray::{Array2, ArrayView2};
+use ndarray::Array2;
 use num_complex::{Complex, Complex64};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -187,15 +188,6 @@ impl Growing {
             _ => format!("take strategy = \"bicgstab\", a finer grid, or {by_hand}"),
         };
         format!("a basis of {restart} vectors is too short for this problem; {remedy}")
-    }
-}
-
-/// A system's operator in double precision, for code generic over the precision.
-pub(super) struct Double<'a>(pub &'a dyn System);
-
-impl Scatter<f64> for Double<'_> {
-    fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
-        self.0.scatter(u, out);
     }
 }
 

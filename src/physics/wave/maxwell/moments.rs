@@ -5,7 +5,7 @@
 //! plane. They are real and independent of wavelength and angle, computed once per scene and grid
 //! and shared by both polarisations.
 
-use super::layers;
+use super::layers::{self, Core};
 use super::solid_sources;
 use super::sources::{self, FIELDS, NormalField, Slab, Source, VALUES};
 use crate::ink::Solid;
@@ -47,8 +47,8 @@ pub struct NormalMoments {
 
 struct MomentBuilder<'a> {
     scene: &'a Scene,
-    /// The ball inside every body.
-    cores: Vec<Option<Ball>>,
+    /// What lies inside every body.
+    cores: Vec<Option<Core>>,
     grid: &'a Grid,
     channels: &'a [Channel],
     harmonics: Harmonics,
@@ -131,11 +131,11 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
             remedy: "leave --scheme out",
         });
     }
-    if !layers::are_concentric(scene) {
+    if !layers::are_convex(scene) {
         return Err(WaveError::NotInVectorMode {
-            what: "a body inside another one, other than one sphere about the same centre as the sphere around it",
+            what: "layers of a cluster of spheres, or another body inside or around one",
             reason: "the normal-field tensor between them is not implemented",
-            remedy: "use layers of spheres, or the scalar wave",
+            remedy: "use layers of single spheres or convex bodies, or the scalar wave",
         });
     }
     if scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Above { .. })) {
@@ -198,7 +198,7 @@ impl<'a> MomentBuilder<'a> {
     fn channel_in_cell(&self, channel: &Channel, cell: usize) -> Option<CellFields> {
         let here = |b: &Body| b.material == channel.material && overlap(b, self.grid, cell).is_some();
         let bodies = self.scene.bodies.iter().zip(&self.cores);
-        let present: Vec<(&Body, &Option<Ball>)> = bodies.filter(|(b, _)| here(b)).collect();
+        let present: Vec<(&Body, &Option<Core>)> = bodies.filter(|(b, _)| here(b)).collect();
         if present.is_empty() {
             return None;
         }
@@ -227,14 +227,17 @@ impl<'a> MomentSum<'a> {
         MomentSum { builder, slab, sources: Vec::new(), patch: Patch::empty(), direct }
     }
 
-    fn add_body(&mut self, shape: &BodyShape, core: Option<&Ball>) {
+    fn add_body(&mut self, shape: &BodyShape, core: Option<&Core>) {
         let (slab, sampling) = (self.slab, &self.builder.sampling);
         match (shape, core) {
-            (BodyShape::Balls(balls), Some(core)) => balls.iter().for_each(|ball| self.add_layer(ball, core)),
-            (BodyShape::Balls(balls), None) => {
+            (BodyShape::Balls(balls), Some(Core::Concentric(core, normal))) => {
+                balls.iter().for_each(|ball| self.add_layer(ball, core, *normal));
+            }
+            (_, Some(Core::Bodies(bodies))) => self.add_solid(bodies),
+            (BodyShape::Balls(balls), _) => {
                 (0..balls.len()).for_each(|i| self.add_ball(balls, i));
             }
-            (BodyShape::Solid(solid), _) => self.add_solid(solid),
+            (BodyShape::Solid(solid), _) => self.add_solid(std::slice::from_ref(solid)),
             (BodyShape::CylinderY { x_um, z_um, radius_um }, _) => {
                 for (x, values) in sources::of_cylinder(*z_um, *radius_um, &slab, sampling) {
                     self.add_lines(&values, |k, lx| Complex64::cis(-k * (x_um + x)) / lx);
@@ -258,9 +261,8 @@ impl<'a> MomentSum<'a> {
     }
 
     /// Adds a ball less the core inside it.
-    fn add_layer(&mut self, ball: &Ball, core: &Ball) {
+    fn add_layer(&mut self, ball: &Ball, core: &Ball, normal: NormalField) {
         let (slab, sampling) = (self.slab, &self.builder.sampling);
-        let normal = NormalField::of_layer(core.radius_um, ball.radius_um);
         self.spread(extents(ball), |mut push| sources::of_single(ball, normal, &slab, sampling, &mut push));
         self.spread(extents(core), |push| {
             let mut less =
@@ -269,10 +271,11 @@ impl<'a> MomentSum<'a> {
         });
     }
 
-    fn add_solid(&mut self, solid: &Solid) {
+    /// Adds a convex body less those inside it.
+    fn add_solid(&mut self, bodies: &[Solid]) {
         let (builder, slab) = (self.builder, self.slab);
-        self.spread([0, 1].map(|axis| solid.extent_um(axis)), |mut push| {
-            solid_sources::of_solid(solid, &builder.grid.nodes_um, &slab, &builder.sampling, &mut push);
+        self.spread([0, 1].map(|axis| bodies[0].extent_um(axis)), |mut push| {
+            solid_sources::of_bodies(bodies, &builder.grid.nodes_um, &slab, &builder.sampling, &mut push);
         });
     }
 

@@ -1,8 +1,9 @@
 //! Point sources for convex bodies with exact surfaces, as [`super::sources`] has them for balls.
 //!
 //! N is n nᵀ on every face. Inside it is the mean of the faces' tensors, weighted by the inverse
-//! square of the distance to each: smooth everywhere but on the edges, where no normal exists. A
-//! horizontal face on a node of the grid needs no tensor: the fields are joined there exactly.
+//! square of the distance to each: smooth everywhere but on the edges, where no normal exists. In a
+//! layer the faces of the bodies inside count too. A horizontal face on a node of the grid needs no
+//! tensor: the fields are joined there exactly.
 
 use super::sources::{FIELDS, Slab, Source, VALUES};
 use crate::ink::grains::solid::{edges, outward};
@@ -13,37 +14,49 @@ use crate::wave::contrast::section::{EdgePoint, Sampling};
 /// Components xx, xy, yy, xz, yz, zz of n nᵀ.
 type Square = [f64; FIELDS - 1];
 
+/// The surface of a body: of the outer one, or of one inside the layer.
+struct SolidSurface {
+    center: V3,
+    /// Every face; whether it needs no tensor.
+    faces: Vec<(Face, bool)>,
+    inner: bool,
+}
+
 /// A face with its distance from a point and the tensor there.
 enum Face {
     /// n · x = offset, about the body's centre.
     Plane { normal: V3, offset: f64 },
-    /// A round wall about an axis through the centre.
-    Wall { axis: V3, radius: f64 },
-    /// An ellipsoid.
-    Ellipsoid { rotation: Rotation, semi_axes: V3 },
+    /// An ellipsoid, or a round wall, whose axis is endless; M⁻¹ are the semi-axes, μ is the mean of
+    /// M² where it is finite.
+    Round { into: Rotation, semi_axes: V3, mean: f64 },
 }
 
 /// Degree that N, which is not a polynomial, adds to the integrand.
 const TENSOR_DEGREE: f64 = 6.0;
 
-/// Sources of a convex body within a cell; `nodes` are the heights of the grid, µm.
-pub(super) fn of_solid(
-    solid: &Solid,
+/// Sources, within a cell, of the first of these bodies less those inside it; `nodes` are the
+/// heights of the grid, µm.
+pub(super) fn of_bodies(
+    bodies: &[Solid],
     nodes: &[f64],
     slab: &Slab,
     sampling: &Sampling,
     push: &mut impl FnMut(Source),
 ) {
-    let faces = faces(solid, nodes);
-    sampling.cuts(solid, slab.range_um, TENSOR_DEGREE, &mut |z, weight, edge| {
-        let shares = slab.point(z, weight, z).map(|[share, ..]| share);
-        fan((solid, &faces), edge, sampling, (z, shares), push);
-    });
+    let surfaces: Vec<SolidSurface> =
+        bodies.iter().enumerate().map(|(i, solid)| SolidSurface::of(solid, nodes, i > 0)).collect();
+    for (i, solid) in bodies.iter().enumerate() {
+        let sign = if i == 0 { 1.0 } else { -1.0 };
+        sampling.cuts(solid, slab.range_um, TENSOR_DEGREE, &mut |z, weight, edge| {
+            let shares = slab.point(z, weight, z).map(|[share, ..]| sign * share);
+            fan(&surfaces, edge, sampling, (z, shares), push);
+        });
+    }
 }
 
 /// A cut as a fan of triangles from a point inside it to its edge.
 fn fan(
-    (solid, faces): (&Solid, &[Face]),
+    surfaces: &[SolidSurface],
     edge: &[EdgePoint],
     sampling: &Sampling,
     (z, shares): (f64, [f64; 2]),
@@ -57,7 +70,7 @@ fn fan(
         for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
             let s = 0.5 * (1.0 + x);
             let position = [0, 1].map(|i| inside[i] + s * to[i]);
-            let tensor = tensor(faces, sub([position[0], position[1], z], solid.center_um));
+            let tensor = tensor(surfaces, [position[0], position[1], z]);
             push(Source { position, values: values(&tensor, shares.map(|m| 0.5 * w * s * cone * m)) });
         }
     }
@@ -68,30 +81,33 @@ fn values(tensor: &Square, shares: [f64; 2]) -> [f64; VALUES] {
     std::array::from_fn(|i| field(i / 2) * shares[i % 2])
 }
 
-/// All faces but horizontal ones that lie on a node.
-fn faces(solid: &Solid, nodes: &[f64]) -> Vec<Face> {
-    let turn = |v: V3| solid.rotation.turn(v);
-    let ends =
-        |half: f64| [-1.0, 1.0].map(|side| Face::Plane { normal: turn([0.0, 0.0, side]), offset: half });
-    let mut faces = match &solid.form {
-        Form::Ellipsoid { semi_axes_um } => {
-            vec![Face::Ellipsoid { rotation: solid.rotation.inverse(), semi_axes: *semi_axes_um }]
-        }
-        Form::Disc { radius_um, half_length_um } => {
-            let wall = Face::Wall { axis: turn([0.0, 0.0, 1.0]), radius: *radius_um };
-            ends(*half_length_um).into_iter().chain([wall]).collect()
-        }
-        Form::Prism { corners_um, half_length_um } => {
-            let sides = edges(corners_um).map(|(a, b)| {
-                let normal = outward(a, b);
-                Face::Plane { normal: turn(normal), offset: normal[0] * a[0] + normal[1] * a[1] }
-            });
-            ends(*half_length_um).into_iter().chain(sides).collect()
-        }
-    };
-    let slack = 1e-9 * solid.form.reach_um();
-    faces.retain(|face| !is_on_node(face, solid.center_um[2], nodes, slack));
-    faces
+impl SolidSurface {
+    fn of(solid: &Solid, nodes: &[f64], inner: bool) -> SolidSurface {
+        let turn = |v: V3| solid.rotation.turn(v);
+        let ends =
+            |half: f64| [-1.0, 1.0].map(|side| Face::Plane { normal: turn([0.0, 0.0, side]), offset: half });
+        let round = |semi_axes: V3, mean| Face::Round { into: solid.rotation.inverse(), semi_axes, mean };
+        let faces: Vec<Face> = match &solid.form {
+            Form::Ellipsoid { semi_axes_um: [a, b, c] } => {
+                vec![round([*a, *b, *c], (a * b * c).powf(-2.0 / 3.0))]
+            }
+            Form::Disc { radius_um: r, half_length_um } => {
+                let wall = round([*r, *r, f64::INFINITY], r.powi(-2));
+                ends(*half_length_um).into_iter().chain([wall]).collect()
+            }
+            Form::Prism { corners_um, half_length_um } => {
+                let sides = edges(corners_um).map(|(a, b)| {
+                    let normal = outward(a, b);
+                    Face::Plane { normal: turn(normal), offset: normal[0] * a[0] + normal[1] * a[1] }
+                });
+                ends(*half_length_um).into_iter().chain(sides).collect()
+            }
+        };
+        let (center, slack) = (solid.center_um, 1e-9 * solid.form.reach_um());
+        let joined = |face: &Face| is_on_node(face, center[2], nodes, slack);
+        let faces = faces.into_iter().map(|face| (joined(&face), face)).map(|(on, face)| (face, on));
+        SolidSurface { center, faces: faces.collect(), inner }
+    }
 }
 
 fn is_on_node(face: &Face, center: f64, nodes: &[f64], slack: f64) -> bool {
@@ -99,43 +115,62 @@ fn is_on_node(face: &Face, center: f64, nodes: &[f64], slack: f64) -> bool {
     up.abs() > 1.0 - 1e-12 && nodes.iter().any(|z| (center + up * offset - z).abs() < slack)
 }
 
-/// N at a point x relative to the body's centre.
-fn tensor(faces: &[Face], x: V3) -> Square {
+/// N at a point. Outside a body, the distance from a face is that from the edges of the face.
+fn tensor(surfaces: &[SolidSurface], point: V3) -> Square {
     let mut total = 0.0;
     let mut sum = [0.0; FIELDS - 1];
-    for face in faces {
-        let (distance, own) = face.at(x);
-        let weight = 1.0 / distance.powi(2).max(1e-24);
-        total += weight;
-        sum.iter_mut().zip(own).for_each(|(s, n)| *s += weight * n);
+    for surface in surfaces {
+        let x = sub(point, surface.center);
+        let beyond = |(face, _): &(Face, bool)| face.gap(x).min(0.0).powi(2);
+        let beyond = if surface.inner { surface.faces.iter().map(beyond).sum() } else { 0.0 };
+        for (face, _) in surface.faces.iter().filter(|(_, on_node)| !on_node) {
+            let gap = face.gap(x);
+            let square = if surface.inner { gap.max(0.0).powi(2) + beyond } else { gap * gap };
+            let weight = 1.0 / square.max(1e-24);
+            total += weight;
+            sum.iter_mut().zip(face.tensor(x, surface.inner)).for_each(|(s, n)| *s += weight * n);
+        }
     }
-    if faces.is_empty() { sum } else { sum.map(|s| s / total) }
+    if total == 0.0 { sum } else { sum.map(|s| s / total) }
 }
 
 impl Face {
-    /// Distance from a point inside, µm, and the tensor there.
-    fn at(&self, x: V3) -> (f64, Square) {
+    /// Distance from a point, µm: positive inside, of round faces to first order.
+    fn gap(&self, x: V3) -> f64 {
         match self {
-            Face::Plane { normal, offset } => (offset - dot(*normal, x), square(*normal)),
-            Face::Wall { axis, radius } => {
-                let across = sub(x, scale(*axis, dot(*axis, x)));
-                let gap = (radius * radius - dot(across, across)) / (2.0 * radius);
-                (gap, square(scale(across, 1.0 / radius)))
+            Face::Plane { normal, offset } => offset - dot(*normal, x),
+            Face::Round { .. } => {
+                let [_, inside, length] = self.gradient(x).1;
+                inside / (2.0 * length.sqrt())
             }
-            Face::Ellipsoid { rotation, semi_axes } => (1.0, ellipsoid(*rotation, *semi_axes, x)),
         }
     }
-}
 
-/// (M y)(M y)ᵀ / (|M y|² + μ (1 − |y|²)) with x = M⁻¹ y in the body's frame: n nᵀ on the surface
-/// |y| = 1, x xᵀ/R² for a sphere, and smooth within; μ is the geometric mean of M².
-fn ellipsoid(into: Rotation, semi_axes: V3, x: V3) -> Square {
-    let own = into.turn(x);
-    let y: V3 = std::array::from_fn(|i| own[i] / semi_axes[i]);
-    let gradient: V3 = std::array::from_fn(|i| y[i] / semi_axes[i]);
-    let mean = (semi_axes[0] * semi_axes[1] * semi_axes[2]).powf(-2.0 / 3.0);
-    let norm = dot(gradient, gradient) + mean * (1.0 - dot(y, y)).max(0.0);
-    square(scale(into.inverse().turn(gradient), 1.0 / norm.sqrt()))
+    /// n nᵀ on the surface and smooth beside it.
+    ///
+    /// With x = M⁻¹ y in the body's frame and g = M y, round faces have g gᵀ/(g² + μ (1 − y²)): x
+    /// xᵀ/R² in a sphere. That of an inner body, which is needed on both of its sides, has (1 −
+    /// y²)² instead, with which it is at most n nᵀ.
+    fn tensor(&self, x: V3, inner: bool) -> Square {
+        match self {
+            Face::Plane { normal, .. } => square(*normal),
+            Face::Round { mean, .. } => {
+                let (gradient, [squared, inside, length]) = self.gradient(x);
+                let length = if inner { squared + mean * inside * inside } else { length };
+                square(scale(gradient, 1.0 / length.sqrt()))
+            }
+        }
+    }
+
+    /// Of a round face: g, and g², 1 − y² and g² + μ (1 − y²)₊.
+    fn gradient(&self, x: V3) -> (V3, [f64; 3]) {
+        let Face::Round { into, semi_axes, mean } = self else { return ([0.0; 3], [0.0, 0.0, 1.0]) };
+        let own = into.turn(x);
+        let y: V3 = std::array::from_fn(|i| own[i] / semi_axes[i]);
+        let gradient: V3 = std::array::from_fn(|i| y[i] / semi_axes[i]);
+        let (squared, inside) = (dot(gradient, gradient), 1.0 - dot(y, y));
+        (into.inverse().turn(gradient), [squared, inside, squared + mean * inside.max(0.0)])
+    }
 }
 
 fn square([x, y, z]: V3) -> Square {
@@ -147,9 +182,10 @@ mod tests {
     use super::*;
     use crate::numerics::vector::{add, cross, norm, unit};
 
-    /// On every face N is the projector on the normal, which the triangles of the surface have.
+    /// On every face of a body and of its core N is the projector on the normal, which the triangles
+    /// of the surface have.
     #[test]
-    fn the_tensor_projects_on_the_normal_at_the_surface() {
+    fn the_tensor_projects_on_the_normal_at_both_surfaces() {
         let corners_um = vec![[-0.1, -0.1], [0.2, -0.1], [-0.1, 0.2]];
         for form in [
             Form::Ellipsoid { semi_axes_um: [0.3, 0.2, 0.1] },
@@ -157,16 +193,20 @@ mod tests {
             Form::Prism { corners_um, half_length_um: 0.2 },
         ] {
             let rotation = Rotation::by([0.4, -0.2, 0.9]);
-            let solid = Solid { form, center_um: [0.0; 3], rotation };
-            let faces = faces(&solid, &[]);
-            for [a, b, c] in solid.triangles(200) {
-                let middle = scale(add(a, add(b, c)), 1.0 / 3.0);
-                let normal = unit(cross(sub(b, a), sub(c, a)));
-                let found = tensor(&faces, middle);
-                let off = found.iter().zip(square(normal)).map(|(f, n)| (f - n).abs()).fold(0.0, f64::max);
-                // A facet's middle lies below the surface by up to its sagitta, 1e-4 of the size.
-                let edge = norm(sub(a, b)).min(norm(sub(a, c))).min(norm(sub(b, c)));
-                assert!(off < 0.05 || edge < 0.01, "{:?}: {found:?} {normal:?}", solid.form);
+            let solid = Solid { form, center_um: [0.1, -0.2, 0.3], rotation };
+            let core = solid.inset(0.03);
+            let layered = [SolidSurface::of(&solid, &[], false), SolidSurface::of(&core, &[], true)];
+            for (body, surfaces) in [(&solid, &layered[..1]), (&solid, &layered[..]), (&core, &layered[..])] {
+                for [a, b, c] in body.triangles(200) {
+                    let middle = scale(add(a, add(b, c)), 1.0 / 3.0);
+                    let normal = unit(cross(sub(b, a), sub(c, a)));
+                    let found = tensor(surfaces, middle);
+                    let off =
+                        found.iter().zip(square(normal)).map(|(f, n)| (f - n).abs()).fold(0.0, f64::max);
+                    // A facet's middle lies below the surface by up to its sagitta, 1e-4 of the size.
+                    let edge = norm(sub(a, b)).min(norm(sub(a, c))).min(norm(sub(b, c)));
+                    assert!(off < 0.05 || edge < 0.01, "{:?}: {found:?} {normal:?}", body.form);
+                }
             }
         }
     }

@@ -86,6 +86,11 @@ impl<T: Real> MeanInverse<T> {
         in_chunks(y, Axis(1), BLOCK, |b, block| self.solve_block(block, b * BLOCK, false));
     }
 
+    /// Applies A⁻¹ in place to the rows of one harmonic.
+    pub fn solve_column(&self, y: &mut Array2<Complex<T>>, harmonic: usize) {
+        self.solve_block(y.slice_mut(s![.., harmonic..=harmonic]), harmonic, false);
+    }
+
     /// Applies A⁻¹ in place to loads on planes.
     pub fn solve_loads(&self, y: &mut Array2<Complex<T>>) {
         in_chunks(y, Axis(1), BLOCK, |b, block| self.solve_block(block, b * BLOCK, true));

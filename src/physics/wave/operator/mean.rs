@@ -7,10 +7,10 @@
 pub use super::cell::{NodeCoefficients, decaying_root, left_share};
 
 use super::cell::cell_factors;
-use super::inverse::MeanInverse;
+use super::inverse::{MeanInverse, row_of};
 use crate::wave::grid::element::{Element, MAX_DEGREE};
 use crate::wave::{Grid, Scheme};
-use ndarray::{Array2, ArrayView1, ArrayViewMut1, Axis};
+use ndarray::{Array2, ArrayViewMut1};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -70,42 +70,38 @@ impl MeanOperator {
         bubble_entry(self.kz2(cell, harmonic), self.heights[cell], self.element.lambda[bubble])
     }
 
-    /// Product A u, from the coefficients themselves; `kappa` as in [`MeanOperator::new`], or zeros
-    /// for the interior part.
-    pub fn apply(&self, u: &Array2<Complex64>, kappa: [&[Complex64]; 2]) -> Array2<Complex64> {
-        let mut out = Array2::zeros(u.dim());
-        let columns = u.axis_iter(Axis(1)).into_par_iter().zip(out.axis_iter_mut(Axis(1)));
-        columns.enumerate().for_each(|(i, (u, mut out))| {
-            self.apply_ends(kappa.map(|k| Complex64::I * k[i]), &u, &mut out);
-            (0..self.heights.len()).for_each(|j| self.apply_cell(j, i, &u, &mut out));
-        });
-        out
-    }
-
-    /// Adds out ← out + iκ u on both faces, in one harmonic; `ends` are iκ of the half-spaces.
-    #[inline]
-    fn apply_ends(
+    /// Adds out ← out + A u, from the coefficients themselves; `kappa` as in
+    /// [`MeanOperator::new`], `None` for the interior part.
+    pub fn add_product(
         &self,
-        ends: [Complex64; 2],
-        u: &ArrayView1<Complex64>,
-        out: &mut ArrayViewMut1<Complex64>,
+        u: &Array2<Complex64>,
+        kappa: Option<[&[Complex64]; 2]>,
+        out: &mut Array2<Complex64>,
     ) {
-        let last = self.element.degree * self.heights.len();
-        out[0] += ends[0] * u[0];
-        out[last] += ends[1] * u[last];
+        let faces = [0, self.element.degree * self.heights.len()];
+        for (kappa, face) in kappa.into_iter().flatten().zip(faces) {
+            let values = out.row_mut(face).into_iter().zip(u.row(face)).zip(kappa);
+            values.for_each(|((out, u), k)| *out += Complex64::I * k * u); // iκ u
+        }
+        for j in 0..self.heights.len() {
+            self.add_cell(j, u, out);
+        }
     }
 
-    /// Adds out ← out + A u of cell j in harmonic i.
-    #[inline]
-    fn apply_cell(&self, j: usize, i: usize, u: &ArrayView1<Complex64>, out: &mut ArrayViewMut1<Complex64>) {
-        let stride = self.element.degree;
-        let (own, off) = (self.diagonal[[j, i]], self.off[[j, i]]);
-        let (a, b) = (u[stride * j], u[stride * (j + 1)]);
-        out[stride * j] += own * a + off * b; // −o cos(kz h) u_j + o u_{j+1}
-        out[stride * (j + 1)] += own * b + off * a; // o u_j − o cos(kz h) u_{j+1}
-        for bubble in 0..stride - 1 {
-            let row = stride * j + 1 + bubble;
-            out[row] += self.bubble(j, bubble, i) * u[row]; // (kz² h λ − 1/h) b
+    /// Adds out ← out + A u of cell j.
+    fn add_cell(&self, j: usize, u: &Array2<Complex64>, out: &mut Array2<Complex64>) {
+        let first = self.element.degree * j;
+        let last = first + self.element.degree;
+        let [own, off] = [&self.diagonal, &self.off].map(|table| row_of(table, j));
+        for (from, to) in [(first, last), (last, first)] {
+            let values = out.row_mut(from).into_iter().zip(row_of(u, from)).zip(row_of(u, to));
+            // o u_{j±1} − o cos(kz h) u_j
+            values.zip(own.iter().zip(off)).for_each(|(((out, a), b), (own, off))| *out += own * a + off * b);
+        }
+        for row in first + 1..last {
+            let values = out.row_mut(row).into_iter().zip(row_of(u, row)).enumerate();
+            // (kz² h λ − 1/h) b
+            values.for_each(|(i, (out, u))| *out += self.bubble(j, row - first - 1, i) * u);
         }
     }
 
@@ -231,10 +227,10 @@ fn tabulate(
 }
 
 /// Reciprocal pivot; a vanishing pivot (a guided mode exactly on the grid) is shifted by a part in
-/// 10¹² of its row.
+/// 10¹² of its row. Squares: moduli would cost more than the division.
 pub(crate) fn guarded_inverse(pivot: Complex64, scale: Complex64) -> Complex64 {
-    let least = 1e-12 * scale.norm().max(1e-300);
-    if pivot.norm() < least { Complex64::from(1.0 / least) } else { 1.0 / pivot }
+    let least = 1e-24 * scale.norm_sqr().max(1e-280);
+    if pivot.norm_sqr() < least { Complex64::from(1.0 / least.sqrt()) } else { 1.0 / pivot }
 }
 
 #[cfg(test)]

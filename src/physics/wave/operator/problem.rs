@@ -168,7 +168,7 @@ impl Problem {
     /// Background wave u₀ = A⁻¹ b in the mean medium.
     pub fn background_wave(&self) -> Field {
         let mut b = self.source();
-        self.mean.inverse.solve(&mut b);
+        self.mean.inverse.solve_column(&mut b, self.incident);
         b
     }
 
@@ -192,10 +192,7 @@ impl Problem {
 
     /// The operator A⁻¹V in single precision, built on first use.
     pub fn single(&self) -> &Scattering<f32> {
-        self.single.get_or_init(|| {
-            let (mean, harmonics) = (self.mean.inverse.narrowed().into(), self.harmonics.clone());
-            Scattering::new(mean, harmonics, self.coverage.fft_single.clone(), self.weights())
-        })
+        self.single.get_or_init(|| self.double().narrowed(self.coverage.fft_single.clone()))
     }
 
     /// End conditions iκ of both half-spaces for one harmonic.
@@ -205,17 +202,13 @@ impl Problem {
 
     /// Absorbed fraction of the incident flux, Im⟨u, (A_interior + V) u⟩/κ₀₀.
     pub fn absorptance(&self, u: &Field) -> f64 {
-        let zeros = vec![Complex64::default(); self.harmonics.len()];
-        let interior = self.mean.apply(u, [&zeros, &zeros]);
-        let mean_part: f64 = u.iter().zip(&interior).map(|(u, a)| (u.conj() * a).im).sum();
-        (mean_part + self.contrast_absorption(u)) / self.incident_kappa()
-    }
-
-    fn contrast_absorption(&self, u: &Field) -> f64 {
-        let mut loads = Field::zeros(self.shape());
-        self.contrast_loads(u.view(), &mut loads);
-        self.mean.inverse.load(&mut loads);
-        u.iter().zip(&loads).map(|(u, y)| (u.conj() * y).im).sum()
+        let mut product = Field::zeros(self.shape());
+        self.contrast_loads(u.view(), &mut product);
+        self.mean.inverse.load(&mut product);
+        self.mean.add_product(u, None, &mut product);
+        let rows = u.outer_iter().zip(product.outer_iter());
+        let absorbed = |(u, y): (&Complex64, &Complex64)| (u.conj() * y).im;
+        rows.map(|(u, y)| u.iter().zip(y).map(absorbed).sum::<f64>()).sum::<f64>() / self.incident_kappa()
     }
 
     /// Normal wavenumber κ₀₀ in the half-space of incidence, 1/µm.

@@ -32,11 +32,7 @@ fn assemble(problem: &Problem) -> Vec<Vec<Complex64>> {
     let columns = (0..problem.unknowns()).map(|j| {
         let mut unit = Field::zeros(problem.shape());
         unit.as_slice_mut().expect("contiguous")[j] = Complex64::ONE;
-        let mut loads = Field::zeros(problem.shape());
-        problem.contrast_loads(unit.view(), &mut loads);
-        problem.mean.inverse.load(&mut loads);
-        loads += &problem.mean.apply(&unit, [&problem.kappa[0], &problem.kappa[1]]);
-        loads.into_raw_vec_and_offset().0
+        problem.applied(&unit).into_raw_vec_and_offset().0
     });
     let columns: Vec<Vec<Complex64>> = columns.collect();
     (0..columns.len()).map(|i| columns.iter().map(|c| c[i]).collect()).collect()

@@ -7,7 +7,7 @@
 
 use super::inverse::{MeanInverse, multiply, row};
 use super::sharing::Idle;
-use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
+use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real, narrow};
 use ndarray::{Array2, ArrayView2, Axis};
 use num_complex::Complex;
 use std::sync::Arc;
@@ -26,6 +26,14 @@ pub struct Scattering<T: Real> {
     /// Weights W_p divided by the number of points of a plane: planes × points.
     weights: Array2<Complex<T>>,
     idle: Idle<PlaneScratch<T>>,
+}
+
+impl Scattering<f64> {
+    /// The operator in another precision, with its own transforms.
+    pub fn narrowed<T: Real>(&self, fft: PlaneFft<T>) -> Scattering<T> {
+        let (mean, weights) = (self.mean.narrowed().into(), self.weights.mapv(narrow));
+        Scattering::new(mean, self.harmonics.clone(), fft, weights)
+    }
 }
 
 impl<T: Real> Scattering<T> {

@@ -112,7 +112,9 @@ pub struct PigmentTable {
     #[serde(default)]
     pub shape: Shape,
     /// Layers around the core, from the core outwards; `index` is that of the core (1 for hollow
-    /// grains). Sizes and the volume fraction are those of the whole grain with its layers.
+    /// grains). Sizes and the volume fraction are those of the whole grain with its layers. A layer
+    /// moves every face of a convex body outwards by its thickness, and lengthens every semi-axis
+    /// of an ellipsoid by it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 20))]
     pub shell: Vec<ShellTable>,

@@ -1,11 +1,10 @@
 //! The contrast V as weights W_p, divided by the number of points of each plane.
 
 use super::Problem;
-use crate::numerics::fourier::{Real, narrow};
 use crate::wave::contrast::coverage::Channel;
 use crate::wave::{Coverage, Media};
 use ndarray::Array2;
-use num_complex::{Complex, Complex64};
+use num_complex::Complex64;
 
 /// Contrast k0²(η² − η_background²) of each channel, then the products of each folded pair, divided
 /// by the number of points of a plane.
@@ -22,13 +21,11 @@ pub(super) fn strengths(coverage: &Coverage, media: &Media, k0: f64) -> Vec<Comp
 
 impl Problem {
     /// Weights W_p divided by the number of points of a plane: planes × points.
-    pub(super) fn weights<T: Real>(&self) -> Array2<Complex<T>> {
+    pub(super) fn weights(&self) -> Array2<Complex64> {
         let grid = &self.coverage.grid;
         let mut weights = Array2::zeros((grid.planes(), grid.points()));
-        let mut sum = vec![Complex64::default(); grid.points()];
         for (plane, mut row) in weights.outer_iter_mut().enumerate() {
-            self.contrast_weights(plane, &mut sum);
-            row.iter_mut().zip(&sum).for_each(|(w, &z)| *w = narrow(z));
+            self.contrast_weights(plane, row.as_slice_mut().expect("rows are contiguous"));
         }
         weights
     }

@@ -19,7 +19,8 @@ impl Problem {
         let mut loads = Field::zeros(self.shape());
         self.contrast_loads(u.view(), &mut loads);
         self.mean.inverse.load(&mut loads);
-        loads + self.mean.apply(u, [&self.kappa[0], &self.kappa[1]])
+        self.mean.add_product(u, Some([&self.kappa[0], &self.kappa[1]]), &mut loads);
+        loads
     }
 
     /// Product (∂M/∂η) u for the index η = n + iκ of one medium, on four points around η.
