@@ -27,9 +27,10 @@ pub struct ComposedStored {
 }
 
 /// A spectrum of the print: where from, and its Lab on the page.
-type Known = (InstrumentGeometry, fn(&ComposedRow) -> ErrorParts, fn(&ComposedColours) -> [ErrorParts; 3]);
+type Published =
+    (InstrumentGeometry, fn(&ComposedRow) -> ErrorParts, fn(&ComposedColours) -> [ErrorParts; 3]);
 
-const SPECTRA: [Known; 2] = [
+const SPECTRA: [Published; 2] = [
     (InstrumentGeometry::LitAt45, |row| row.lit_at_45, |colours| colours.lit_at_45),
     (InstrumentGeometry::NaturalLight, |row| row.natural_light, |colours| colours.natural_light),
 ];
@@ -128,7 +129,8 @@ impl ComposedStored {
         let viewing = &study.judgement.viewing;
         let meter = Colorimeter::under(&wavelengths_nm, viewing).ok();
         let colours = manifest.colours.iter().find(|colours| colours.thickness_um == um);
-        let spectrum = |(geometry, of, lab): Known| {
+        let mut spectra = Vec::new();
+        for (geometry, of, lab) in SPECTRA {
             let own = manifest.spectra.iter().filter(|row| row.thickness_um == um);
             let values: Vec<Estimate> = own.map(|row| of(row).estimate()).collect();
             let values = resample(nm, &values, &grid);
@@ -137,15 +139,16 @@ impl ComposedStored {
             let colour = meter.as_ref().and_then(|meter| meter.colour(&reflectance).ok()).zip(page);
             let colour =
                 colour.map(|(colour, page)| Colour { lab_covariance: Some(diagonal(page)), ..colour });
-            PrintSpectrum { geometry, values, colour, page_lab: page.map(|page| page.map(|part| part.value)) }
-        };
+            let page_lab = page.map(|page| page.map(|part| part.value));
+            spectra.push(PrintSpectrum { geometry, values, colour, page_lab });
+        }
         Ok(Print {
             title: format!("{}, {um} µm", study.title),
             study_hash: study.key().to_string(),
             program: program(),
             created: created.to_owned(),
             viewing: viewing.clone(),
-            spectra: SPECTRA.into_iter().map(spectrum).collect(),
+            spectra,
             interpolated: true,
             wavelengths_nm: grid,
         })

@@ -86,13 +86,13 @@ fn pictures(
     solved: &[SolvedPortion],
 ) -> Result<Vec<(f64, Pictures)>, PublishError> {
     let (study, angles) = (manifest.study, picture_angles(manifest.study));
-    let of = |colours: &ComposedColours| {
-        let um = colours.thickness_um;
+    let mut pictures = Vec::new();
+    for &ComposedColours { thickness_um: um, .. } in &manifest.colours {
         let view = ComposedView::new(study, solved, um).map_err(PublishError::Slabs)?;
         let picture = view.picture(&angles, study.output.mirrored_sky).map_err(InkError::from)?;
-        Ok((um, Pictures::new(&picture, study)?))
-    };
-    manifest.colours.iter().map(of).collect()
+        pictures.push((um, Pictures::new(&picture, study)?));
+    }
+    Ok(pictures)
 }
 
 /// Smaller errors are rounding, and are not shown.

@@ -1,4 +1,4 @@
-//! Bodies inside others, as far as the normal-field tensor reaches: single spheres and convex bodies.
+//! Bodies inside others that the normal-field tensor allows: single spheres and convex bodies.
 
 use super::sources::NormalField;
 use crate::ink::{Form, Solid};
@@ -29,9 +29,16 @@ pub(super) fn cores(scene: &Scene) -> Vec<Option<Core>> {
 }
 
 fn core_of(host: &Body, inner: &[&Body], period_um: [f64; 2]) -> Option<Core> {
-    let bodies = [host].into_iter().chain(inner.iter().copied()).filter_map(convex);
-    let around = || Core::Bodies(bodies.collect());
-    (!inner.is_empty()).then(|| concentric(host, inner, period_um).unwrap_or_else(around))
+    let mut bodies: Vec<Solid> = [host].into_iter().chain(inner.iter().copied()).filter_map(convex).collect();
+    let (outer, cores) = bodies.split_first_mut()?;
+    // Distances are those within one cell: of every core the image inside its host.
+    for core in cores {
+        for (axis, period) in period_um.into_iter().enumerate() {
+            let apart = core.center_um[axis] - outer.center_um[axis];
+            core.center_um[axis] -= period * (apart / period).round();
+        }
+    }
+    (!inner.is_empty()).then(|| concentric(host, inner, period_um).unwrap_or(Core::Bodies(bodies)))
 }
 
 fn concentric(host: &Body, inner: &[&Body], period_um: [f64; 2]) -> Option<Core> {

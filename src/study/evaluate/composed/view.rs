@@ -123,13 +123,14 @@ impl DirectionalPrint for ComposedView {
 
     /// What the polynomials between the nodes change, and interference between the slabs.
     fn disagreement(&self, polar_deg: f64) -> Result<Vec<Estimate>, InkError> {
-        let of = |(w, medium): (usize, &Hemisphere)| {
+        let mut all = Vec::new();
+        for (w, medium) in self.media.iter().enumerate() {
             let (count, lit) = (medium.ordinates.count(), self.shares(w, polar_deg));
             let own = |o: usize| -> f64 { lit.iter().map(|(i, s)| s * self.numbers[w][o * count + i]).sum() };
             let albedo: f64 = (0..count).map(|o| own(o) * projected_sr(medium, o)).sum();
-            Estimate::unknown_error(albedo - self.diffuse_albedo(w, polar_deg))
-        };
-        Ok(self.media.iter().enumerate().map(of).collect())
+            all.push(Estimate::unknown_error(albedo - self.diffuse_albedo(w, polar_deg)));
+        }
+        Ok(all)
     }
 }
 
@@ -143,15 +144,9 @@ fn seen(slabs: &Slabs, count: usize, wave: Wave, albedo: f64) -> Vec<f64> {
     let directions = 0..=before.ordinates.escaping();
     let cosines: Vec<f64> =
         [1.0].into_iter().chain(directions.clone().skip(1).map(|d| before.ordinates.cosine(d - 1))).collect();
-    let totals: Vec<[f64; 3]> = directions
-        .map(|d| {
-            [&paper.reflection[0], &layer.reflection[0], &layer.transmission[0]].map(|fluxes| {
-                let column =
-                    |p: usize| (0..fluxes.nrows()).map(|i| fluxes[(i, before.state(d, p))]).sum::<f64>();
-                light.iter().enumerate().map(|(p, share)| share * column(p)).sum()
-            })
-        })
-        .collect();
+    let fluxes = [&paper.reflection[0], &layer.reflection[0], &layer.transmission[0]];
+    let totals: Vec<[f64; 3]> =
+        directions.map(|d| fluxes.map(|fluxes| column_sum(fluxes, before, d, &light))).collect();
     let mirrored = |cosine: f64| -> f64 {
         light.iter().enumerate().map(|(p, share)| share * slabs.film.mirrored(count, p, cosine)[0]).sum()
     };
@@ -170,6 +165,12 @@ fn seen(slabs: &Slabs, count: usize, wave: Wave, albedo: f64) -> Vec<f64> {
     all
 }
 
+/// All flux that light of direction `d` causes.
+fn column_sum(fluxes: &Mat<f64>, medium: &Hemisphere, d: usize, light: &[f64]) -> f64 {
+    let columns = light.iter().enumerate().map(|(p, share)| (share, fluxes.col(medium.state(d, p))));
+    columns.map(|(share, column)| share * column.iter().sum::<f64>()).sum()
+}
+
 /// Diffuse BRDF at the nodes, row by row of the view, 1/sr.
 fn at_nodes(slabs: &Slabs, count: usize, fluxes: &Mat<f64>, wave: Wave) -> Vec<f64> {
     let medium = &slabs.media[0];
@@ -178,17 +179,17 @@ fn at_nodes(slabs: &Slabs, count: usize, fluxes: &Mat<f64>, wave: Wave) -> Vec<f
         true => slabs.film.mirrored(count, p, medium.ordinates.cosine(node))[1],
         false => 0.0,
     };
-    let flux = |to: usize, from: usize, p: usize| {
-        let all =
-            (0..medium.polarisations).map(|q| fluxes[(medium.state(to + 1, q), medium.state(from + 1, p))]);
-        let beam = if to == from { mirrored(to, p) } else { 0.0 };
-        (all.sum::<f64>() - beam).max(0.0)
-    };
     let nodes = 0..medium.ordinates.count();
-    let each = nodes.clone().flat_map(|to| nodes.clone().map(move |from| (to, from)));
-    each.map(|(to, from)| {
-        let of_all: f64 = light.iter().enumerate().map(|(p, share)| share * flux(to, from, p)).sum();
-        of_all / projected_sr(medium, to)
-    })
-    .collect()
+    let mut all = Vec::new();
+    for (to, from) in nodes.clone().flat_map(|to| nodes.clone().map(move |from| (to, from))) {
+        let mut flux = 0.0;
+        for (p, share) in light.iter().enumerate() {
+            let from_p = medium.state(from + 1, p);
+            let sum: f64 = (0..medium.polarisations).map(|q| fluxes[(medium.state(to + 1, q), from_p)]).sum();
+            let beam = if to == from { mirrored(to, p) } else { 0.0 };
+            flux += share * (sum - beam).max(0.0);
+        }
+        all.push(flux / projected_sr(medium, to));
+    }
+    all
 }
