@@ -270,10 +270,8 @@ fn place_of(fault: Fault, file: &DesignFile) -> Fault {
         Some(i) => format!("vary[{i}]"),
         None => format!("base.{}", fault.field),
     };
-    let found = if place.starts_with("vary") {
-        format!("{} for {}", fault.found, fault.field)
-    } else {
-        fault.found.clone()
-    };
-    Fault { field: place, found, ..fault }
+    let [found, allowed, remedy] = [&fault.found, &fault.allowed, &fault.remedy]
+        .map(|text| text.replace("compare.", "target.").replace("colour.target_lab", "target.lab"));
+    let found = if place.starts_with("vary") { format!("{found} for {}", fault.field) } else { found };
+    Fault { field: place, found, allowed, remedy }
 }

@@ -104,7 +104,8 @@ fn paint_top_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut R
     }
 }
 
-fn paint_cut_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut Raster) {
+/// Paints the section of a body before all that is deeper than `depth`.
+fn paint_cut_solid(packing: &Packing, (solid, depth): (&Solid, f64), colour: Rgb, raster: &mut Raster) {
     let [lx, ly] = packing.period_um();
     let (sx, sz) = (raster.width as f64 / lx, raster.height as f64 / packing.thickness_um());
     for j in pixels(solid.extent_um(2), sz) {
@@ -112,7 +113,7 @@ fn paint_cut_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut R
         let from = [0.0, (0.5 - 1e-9) * ly, (j as f64 + 0.5) / sz];
         let Some([x0, x1]) = solid.chord(from, [1.0, 0.0, 0.0]) else { continue };
         for i in (x0 * sx - 0.5).ceil() as i64..=(x1 * sx - 0.5).floor() as i64 {
-            raster.set(i, j, 0.0, colour);
+            raster.set(i, j, depth, colour);
         }
     }
 }
@@ -178,8 +179,8 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
             }
         }
     }
-    for (solid, pigment) in solid_images(packing) {
-        paint_cut_solid(packing, &solid, pigment_colour(pigment), &mut raster);
+    for (after, (solid, material)) in solid_images(packing).enumerate() {
+        paint_cut_solid(packing, (&solid, -(after as f64)), pigment_colour(material), &mut raster);
     }
     raster
 }

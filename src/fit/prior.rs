@@ -9,10 +9,13 @@ use super::file::PriorName;
 use faer::Mat;
 use std::f64::consts::PI;
 
-/// Distance of the knots of κ, nm.
-const KNOTS_NM: f64 = 25.0;
-/// Knots beyond the spectrum's ends, at shorter and at longer waves.
-const BEYOND: [f64; 2] = [4.0, 6.0];
+/// Distance of the knots of κ, nm: chords of 25 nm miss the peak of a pigment by more than the noise.
+const KNOTS_NM: f64 = 10.0;
+/// Distance of knots to which the strength refers, nm: rougher in proportion to its power of 3/2, as
+/// an integrated random walk is, so that the prior does not depend on the knots.
+const STRENGTH_NM: f64 = 25.0;
+/// Absorption looked for beyond either end of the spectrum, nm.
+const BEYOND_NM: f64 = 150.0;
 /// Wavelength of the pole in the UV, µm.
 const POLE_UM: f64 = 0.2;
 /// Expected size of κ, of the constant about the binder's index, and of the pole's strength.
@@ -110,7 +113,7 @@ fn second_differences(from: usize, count: usize, factor: f64) -> Vec<Vec<(usize,
 
 fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
     let (first, last) = (wavelengths_nm[0], wavelengths_nm[wavelengths_nm.len() - 1]);
-    let (from, to) = (first - BEYOND[0] * KNOTS_NM, last + BEYOND[1] * KNOTS_NM);
+    let (from, to) = (first - BEYOND_NM, last + BEYOND_NM);
     let pieces = ((to - from) / KNOTS_NM).round().max(2.0);
     // one node more on both sides, where κ is 0
     let nm: Vec<f64> = (-1..=pieces as i32 + 1).map(|k| from + (to - from) / pieces * f64::from(k)).collect();
@@ -128,7 +131,8 @@ fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
     mean.extend([binder, 0.0]);
     let mut positive = vec![true; hats];
     positive.extend([false; 2]);
-    IndexPrior { n, kappa, mean, positive, thickness: false, rough: second_differences(0, hats, 1.0) }
+    let factor = (STRENGTH_NM * pieces / (to - from)).powf(1.5);
+    IndexPrior { n, kappa, mean, positive, thickness: false, rough: second_differences(0, hats, factor) }
 }
 
 fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {

@@ -193,7 +193,7 @@ impl<'a> FitRun<'a> {
         for round in 0..ITERATIONS {
             let data = Data::new(self.task, prior, &response, &[TABLE_ERROR]);
             if round >= ITERATIONS / 3 {
-                strength = data.strongest(prior, &unknowns).ok_or(FitError::Singular)?.0;
+                strength = data.chosen(prior, &unknowns).ok_or(FitError::Singular)?.0;
             }
             let step = data.step(prior, &unknowns, strength).ok_or(FitError::Singular)?;
             let before = data.cost(prior, &unknowns, strength);
@@ -214,7 +214,7 @@ impl<'a> FitRun<'a> {
             (unknowns, response) = (next, there);
         }
         let data = Data::new(self.task, prior, &response, &[TABLE_ERROR]);
-        let (_, step) = data.strongest(prior, &unknowns).ok_or(FitError::Singular)?;
+        let (_, step) = data.chosen(prior, &unknowns).ok_or(FitError::Singular)?;
         Ok(Branch { unknowns, cost: -2.0 * step.log_evidence })
     }
 
@@ -233,7 +233,7 @@ impl<'a> FitRun<'a> {
             let log = prior.log_thickness(&unknowns);
             let response = source.response(task, &task.measured, &index, log)?;
             let data = Data::new(task, &prior, &response, &grid);
-            let (strength, step) = data.strongest(&prior, &unknowns).ok_or(FitError::Singular)?;
+            let (strength, step) = data.chosen(&prior, &unknowns).ok_or(FitError::Singular)?;
             let moved = data.moved(&unknowns, &step.unknowns) / task.settings.noise;
             let share = share_of_step(&prior, &unknowns, &step.unknowns);
             let last = share == 1.0 && moved < SMALL_STEP && rounds >= LINEARISATIONS[0];
@@ -317,3 +317,6 @@ fn share_of_step(prior: &IndexPrior, from: &[f64], to: &[f64]) -> f64 {
     let largest = from.iter().zip(&to).map(|(a, b)| (b[0] - a[0]).abs()).fold(0.0, f64::max);
     (LARGEST_STEP / largest.max(1e-12)).min(1.0)
 }
+
+#[cfg(test)]
+mod coverage_tests;

@@ -11,9 +11,18 @@ const CARD: &str = "wavelength_nm,reflectance\n400,0.5\n700,0.6\n";
 
 /// The faults that a reader finds in a file beside an ink and a spectrum.
 fn faults<T>(text: &str, card: &str, read: fn(&Path) -> Result<T, StudyError>) -> Vec<String> {
+    faults_with(INK, text, card, read)
+}
+
+fn faults_with<T>(
+    ink: &str,
+    text: &str,
+    card: &str,
+    read: fn(&Path) -> Result<T, StudyError>,
+) -> Vec<String> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("inverse.toml");
-    for (name, content) in [("inverse.toml", text), ("ink.toml", INK), ("card.csv", card)] {
+    for (name, content) in [("inverse.toml", text), ("ink.toml", ink), ("card.csv", card)] {
         std::fs::write(folder.path().join(name), content).expect("written");
     }
     match read(&path) {
@@ -49,13 +58,23 @@ fn slips_in_fits_are_said_with_their_field_and_a_remedy() {
     let card = |rows: &str| faults(FIT, &format!("wavelength_nm,reflectance\n{rows}"), load_fit);
     one_fault(&card(""), &["measured[0].file", "0 rows"]);
     one_fault(&card("700,0.5\n400,0.6\n"), &["measured[0].file", "do not increase"]);
-    one_fault(&card("400,0.5\n700,1.3\n"), &["measured[0].file", "1.3", "unit"]);
+    one_fault(&card("400,0.5\n700,1.3\n"), &["measured[0].file", "1.3", "measured[0].unit"]);
     one_fault(&card("400,50\n550,130\n700,60\n"), &["measured[0].file", "1.3 at 550 nm", "to 1.02"]);
     one_fault(&card("450,0.5\n550,0.6\n"), &["measured[0].file", "450 to 550 nm", "500 to 600 nm"]);
+    one_fault(&card("400,0.5\n550,nan\n700,0.6\n"), &["measured[0].file", "550"]);
+    one_fault(&faults(FIT, TWO_COLOURS, load_fit), &["measured[0].file"]);
+    one_fault(&table("kappa = [0.3, 0.1]"), &["fit.kappa", "[0.3, 0.1]", "from < to"]);
+    for (waves, said) in [("[]", "wavelengths_nm"), ("[600, 500]", "wavelengths_nm")] {
+        let ink = INK.replace("[500, 600]", waves);
+        one_fault(&faults_with(&ink, FIT, CARD, load_fit), &["base.light", said]);
+    }
     // percent is recognised
     assert_eq!(card("400,50\n700,60\n"), Vec::<String>::new());
 }
 
+/// Colours of two samples whose light is not stated.
+const TWO_COLOURS: &str = "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME LAB_L LAB_A LAB_B\nEND_DATA_FORMAT\nBEGIN_DATA\n\
+                           \"a\" 95 0 -2\n\"b\" 85 -10 80\nEND_DATA\n";
 const DESIGN: &str = "base = \"ink.toml\"\n[target]\nlab = [80, 0, 50]\n[[vary]]\nfield = \"pigment[0].volume_fraction\"\nfrom = 0.1\nto = 0.3\n";
 
 #[test]
@@ -69,6 +88,12 @@ fn slips_in_designs_are_said_with_their_field_and_a_remedy() {
     one_fault(&design("to = 0.3", "to = 1.3"), &["vary[0]", "1.3"]);
     one_fault(&design("volume_fraction", "colour"), &["colour"]);
     one_fault(&design("lab = [80, 0, 50]", "file = \"none.csv\""), &["target", "none.csv"]);
+    let colour = |patch: &str| {
+        let target = format!("file = \"card.csv\"{patch}");
+        faults(&DESIGN.replace("lab = [80, 0, 50]", &target), TWO_COLOURS, read)
+    };
+    one_fault(&colour("\npatch = \"b\""), &["target", "illuminant and observer are not stated"]);
+    one_fault(&colour(""), &["target", "2 samples", "target.patch"]);
     one_fault(&format_design("[design]\ndelta_e = 0.0\n"), &["design.delta_e", "0.5 is hard to see"]);
     one_fault(&format_design("[design]\nvariants = 2\n"), &["design.variants", "2"]);
 }

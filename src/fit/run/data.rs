@@ -7,7 +7,11 @@ use crate::fit::response::Response;
 use faer::Mat;
 
 /// Strengths of the prior among which the evidence chooses: size of the second differences.
-const STRENGTHS: [f64; 8] = [0.005, 0.01, 0.02, 0.035, 0.06, 0.1, 0.2, 0.4];
+const STRENGTHS: [f64; 12] = [0.005, 0.007, 0.01, 0.014, 0.02, 0.03, 0.04, 0.06, 0.08, 0.12, 0.2, 0.4];
+/// Logarithm of the evidence that the strength may cost: 2 standard errors. The prior that bends
+/// most within them is taken, for κ has narrow bands between wide smooth parts, where the
+/// likeliest strength of both together is too stiff for the bands.
+const CONCEDED: f64 = 2.0;
 
 /// The data, linearised at some unknowns.
 pub(super) struct Data {
@@ -72,11 +76,13 @@ impl Data {
         problem.step()
     }
 
-    /// The strength of the prior with the largest evidence, and its step.
-    pub fn strongest(&self, prior: &IndexPrior, point: &[f64]) -> Option<(f64, FitStep)> {
+    /// The largest strength of the prior that the evidence allows, and its step.
+    pub fn chosen(&self, prior: &IndexPrior, point: &[f64]) -> Option<(f64, FitStep)> {
         let all = STRENGTHS.into_iter();
         let all = all.filter_map(|strength| Some((strength, self.step(prior, point, strength)?)));
-        all.max_by(|a, b| a.1.log_evidence.total_cmp(&b.1.log_evidence))
+        let all: Vec<(f64, FitStep)> = all.collect();
+        let most = all.iter().map(|(_, step)| step.log_evidence).fold(f64::NEG_INFINITY, f64::max);
+        all.into_iter().rev().find(|(_, step)| step.log_evidence >= most - CONCEDED)
     }
 
     /// χ² of data and prior together at the point of the linearisation.

@@ -108,8 +108,8 @@ impl<T: Real> PlaneFft<T> {
 /// Rows transposed together: what is written at a time is a cache line of double precision.
 const TOGETHER: usize = 4;
 
-/// Transposes rows of `width` numbers. Small planes take a third of what a general transposition
-/// takes, which was a tenth of an application.
+/// Transposes rows of `width` numbers: in small planes faster than a general transposition, whose
+/// blocks are larger than they are.
 #[multiversion(targets("x86_64+avx2"))]
 fn transpose<T: Real>(from: &[Complex<T>], to: &mut [Complex<T>], width: usize) {
     let height = from.len() / width;
@@ -122,12 +122,9 @@ fn transpose<T: Real>(from: &[Complex<T>], to: &mut [Complex<T>], width: usize) 
             columns
                 .for_each(|(x, to)| to[first..first + TOGETHER].copy_from_slice(&[a[x], b[x], c[x], d[x]]));
         } else {
-            columns.for_each(|(x, to)| {
-                to[first..]
-                    .iter_mut()
-                    .zip(rows[x..].iter().step_by(width))
-                    .for_each(|(to, from)| *to = *from);
-            });
+            for (x, to) in columns {
+                to[first..].iter_mut().zip(rows.chunks_exact(width)).for_each(|(to, row)| *to = row[x]);
+            }
         }
     }
 }

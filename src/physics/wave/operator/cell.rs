@@ -107,7 +107,7 @@ fn cosine_series(x2: Complex64) -> Complex64 {
 }
 
 /// Root √z with Im ≥ 0, so that e^{i√z s} decays or stays bounded for s > 0. Without the
-/// trigonometric functions of the general one, which took a tenth of a solve.
+/// trigonometric functions of the general one: every harmonic of every cell has such a root.
 pub fn decaying_root(z: Complex64) -> Complex64 {
     if z.im == 0.0 {
         let size = z.re.abs().sqrt();
