@@ -57,9 +57,9 @@ fn is_of_a_comparison(name: &str) -> bool {
 }
 
 impl Comparison {
-    /// Writes `comparison.csv`, `machine.json`, the plots (SVG), `README.md` and a self-contained `comparison.html`
-    /// into `folder` in place of an earlier comparison, each of them whole or not at all; of a
-    /// single case `residuals.csv` too.
+    /// Writes `comparison.csv`, `machine.json`, the plots (SVG), `README.md` and a self-contained
+    /// `comparison.html` into `folder` in place of an earlier comparison, each of them whole or not
+    /// at all; of a single case `residuals.csv` too.
     ///
     /// # Errors
     /// A folder that cannot be written.

@@ -27,10 +27,10 @@ pub struct ComposedStored {
 }
 
 /// A spectrum of the print: where from, and its Lab on the page.
-type Published =
+type PublishedSpectrum =
     (InstrumentGeometry, fn(&ComposedRow) -> ErrorParts, fn(&ComposedColours) -> [ErrorParts; 3]);
 
-const SPECTRA: [Published; 2] = [
+const SPECTRA: [PublishedSpectrum; 2] = [
     (InstrumentGeometry::LitAt45, |row| row.lit_at_45, |colours| colours.lit_at_45),
     (InstrumentGeometry::NaturalLight, |row| row.natural_light, |colours| colours.natural_light),
 ];

@@ -54,8 +54,8 @@ pub struct CaseInputs {
     /// Side of incidence: `incident` is z < 0.
     #[serde(default)]
     pub from: Side,
-    /// Spheres in the binder; one wholly inside another sphere or body displaces its material, which
-    /// makes layers and hollow grains.
+    /// Spheres in the binder; one wholly inside another sphere or body displaces its material,
+    /// which makes layers and hollow grains.
     pub spheres: Option<Vec<SphereInput>>,
     /// Cylinders along y in the binder.
     pub cylinders: Option<Vec<CylinderInput>>,

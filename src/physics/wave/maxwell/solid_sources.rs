@@ -26,7 +26,7 @@ struct SolidSurface {
 enum Face {
     /// n · x = offset, about the body's centre.
     Plane { normal: V3, offset: f64 },
-    /// An ellipsoid, or a round wall, whose axis is endless; M⁻¹ are the semi-axes, μ is the mean of
+    /// An ellipsoid, or a round wall of infinite length; M⁻¹ are the semi-axes, μ is the mean of
     /// M² where it is finite.
     Round { into: Rotation, semi_axes: V3, mean: f64 },
 }
@@ -182,8 +182,8 @@ mod tests {
     use super::*;
     use crate::numerics::vector::{add, cross, norm, unit};
 
-    /// On every face of a body and of its core N is the projector on the normal, which the triangles
-    /// of the surface have.
+    /// On every face of a body and of its core N is the projector on the normal, which the
+    /// triangles of the surface have.
     #[test]
     fn the_tensor_projects_on_the_normal_at_both_surfaces() {
         let corners_um = vec![[-0.1, -0.1], [0.2, -0.1], [-0.1, 0.2]];
@@ -203,7 +203,7 @@ mod tests {
                     let found = tensor(surfaces, middle);
                     let off =
                         found.iter().zip(square(normal)).map(|(f, n)| (f - n).abs()).fold(0.0, f64::max);
-                    // A facet's middle lies below the surface by up to its sagitta, 1e-4 of the size.
+                    // A facet's middle lies below the surface by its sagitta, 1e-4 of the size.
                     let edge = norm(sub(a, b)).min(norm(sub(a, c))).min(norm(sub(b, c)));
                     assert!(off < 0.05 || edge < 0.01, "{:?}: {found:?} {normal:?}", body.form);
                 }

@@ -1,9 +1,9 @@
 //! A composed layer on its paper from every direction, for its picture and for renderers.
 //!
 //! Flux matrices give the BRDF at the nodes, and Lagrange polynomials between them. Mirrored light,
-//! which oblique nodes hold beside the diffuse light, is taken off: it is a beam. The reflectance of
-//! all light also goes through the beam at 0°, and has the fringes of the coherent light. Everything
-//! is a mean over the azimuth between the planes of light and view.
+//! which oblique nodes hold beside the diffuse light, is taken off: it is a beam. The reflectance
+//! of all light also goes through the beam at 0°, and has the fringes of the coherent light.
+//! Everything is a mean over the azimuth between the planes of light and view.
 
 use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::numbers::{LayerTask, fringes, polarised, projected_sr};
@@ -32,8 +32,8 @@ pub struct ComposedView {
     wavelengths_nm: Vec<f64>,
     /// \[wavelength\]: the medium in front.
     media: Vec<Hemisphere>,
-    /// \[wavelength\]: BRDF at the nodes, row by row of the view; then R of a uniform sky's light and
-    /// its mirrored part, step by step.
+    /// \[wavelength\]: BRDF at the nodes, row by row of the view; then R of a uniform sky's light
+    /// and its mirrored part, step by step.
     numbers: Vec<Vec<f64>>,
 }
 
