@@ -4,6 +4,7 @@ use super::{SPECTRA, TRUTH};
 use crate::studies::{estimate, row, with_and_without_the_grid};
 use inkwave::numerics::estimate::Estimate;
 use serde_json::Value;
+use std::fmt;
 
 /// A small study as it is printed, and with bars that hold everything but the grid's part.
 pub struct Small {
@@ -11,25 +12,49 @@ pub struct Small {
     pub apart: Value,
 }
 
+/// How many cells a small study has.
+#[derive(Clone, Copy, Debug)]
+pub enum Cells {
+    Fixed(u32),
+    /// As many as this target of ΔE₀₀ takes, at most 64.
+    Until(f64),
+}
+
+impl fmt::Display for Cells {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Fixed(count) => write!(f, "{count} cells"),
+            Self::Until(target) => write!(f, "cells until ΔE₀₀ ± {target}"),
+        }
+    }
+}
+
 impl Small {
-    pub fn run(seed: u64, finer: f64) -> Self {
+    pub fn run(cells: Cells, seed: u64, finer: f64) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let [printed, apart] =
-            with_and_without_the_grid(&small_study(seed, finer), &folder.path().join("out"));
+            with_and_without_the_grid(&small_study(cells, seed, finer), &folder.path().join("out"));
         Self { printed, apart }
     }
 }
 
-/// The truth's ink in a few cells of 1.2 µm; with so many times the truth's points and planes.
-fn small_study(seed: u64, finer: f64) -> String {
+/// The truth's ink in a few cells of 1.6 µm; with so many times the truth's points and planes.
+fn small_study(cells: Cells, seed: u64, finer: f64) -> String {
     let mut study: toml::Table = TRUTH.parse().expect("a study file");
     let own = |key: &str| study["resolution"][key].as_integer().expect("points or planes") as f64;
     let (points, planes) = (finer * own("points_per_um"), finer * own("planes_per_um"));
+    let (most, target) = match cells {
+        Cells::Fixed(count) => (count, None),
+        Cells::Until(target) => (64, Some(target)),
+    };
+    if let Some(target) = target {
+        study["run"].as_table_mut().expect("a table").insert("target_delta_e".into(), target.into());
+    }
     let changes: [(&str, &str, toml::Value); 7] = [
-        ("layer", "period_um", 1.2.into()),
+        ("layer", "period_um", 1.6.into()),
         ("light", "per_realisation", 8.into()),
         ("angles", "count", 5.into()),
-        ("run", "realisations", 4.into()),
+        ("run", "realisations", i64::from(most).into()),
         ("run", "seed", i64::try_from(seed).expect("a small seed").into()),
         ("resolution", "points_per_um", points.into()),
         ("resolution", "planes_per_um", planes.into()),
