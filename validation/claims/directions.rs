@@ -37,10 +37,6 @@ pub const VECTOR: Claim = Claim {
 
 const POLAR_DEG: f64 = 20.0;
 const AZIMUTH_DEG: f64 = 20.0;
-/// A remainder never is allowed to be larger, whatever the waves between the spheres: a lost factor or sign must show. Large
-/// spheres send back a fifteenth of what they send on, and waves between them are as strong both ways.
-const MOST: [f64; 2] = [0.03, 0.25];
-
 type Vector = [f64; 3];
 /// Order (m, n), reflected, and polarisations in and out (0 in the scalar wave).
 type Label = (i32, i32, bool, [usize; 2]);
@@ -176,6 +172,25 @@ fn sideways(direction: Vector, size: &dyn Fn(f64) -> f64) -> f64 {
     (0..=36).map(|i| size(q * (f64::from(i) * TAU / 72.0).cos())).fold(0.0, f64::max)
 }
 
+/// An order's remainders, found less expected, over the sides, and its largest |F|.
+#[derive(Default)]
+struct Over {
+    remainders: Vec<Complex64>,
+    largest: f64,
+}
+
+impl Over {
+    fn mean(&self) -> Complex64 {
+        self.remainders.iter().sum::<Complex64>() / self.remainders.len() as f64
+    }
+
+    /// Square of the mean's standard error.
+    fn square_error(&self) -> f64 {
+        let (mean, n) = (self.mean(), self.remainders.len() as f64);
+        self.remainders.iter().map(|r| (r - mean).norm_sqr()).sum::<f64>() / (n * (n - 1.0))
+    }
+}
+
 /// Measures both half-spaces: differences averaged over the sides, over the largest |F| there.
 fn compare(
     name: &str,
@@ -186,26 +201,44 @@ fn compare(
     findings: &mut Findings,
 ) {
     let mie = single.sphere.mie();
-    let mut sums: BTreeMap<Label, (usize, Complex64, f64)> = BTreeMap::new();
+    let mut all: BTreeMap<Label, Over> = BTreeMap::new();
     for amplitude in sides.iter().flat_map(|&side| orders(single, &mie, side)) {
-        let sum = sums.entry(amplitude.label).or_default();
-        *sum =
-            (sum.0 + 1, sum.1 + (amplitude.found - amplitude.expected), sum.2.max(amplitude.expected.norm()));
+        let over = all.entry(amplitude.label).or_default();
+        over.remainders.push(amplitude.found - amplitude.expected);
+        over.largest = over.largest.max(amplitude.expected.norm());
     }
     let lattice = sides.iter().map(|side| 3.9 / side).sum::<f64>() / sides.len() as f64;
     let incident = View::new(&mie, 1.0, 1.0).incident;
     let size = |cosine: f64| size(&mie, cosine);
     for (reflected, half) in [(false, "onwards"), (true, "backwards")] {
-        let seen = || sums.iter().filter(|(l, s)| l.2 == reflected && s.0 == sides.len()).map(|(_, s)| s);
-        let largest = seen().map(|s| s.2).fold(0.0, f64::max);
-        let error = seen().map(|s| s.1.norm() / s.0 as f64).fold(0.0, f64::max) / largest;
+        let seen: Vec<&Over> = all
+            .iter()
+            .filter(|(l, over)| l.2 == reflected && over.remainders.len() == sides.len())
+            .map(|(_, over)| over)
+            .collect();
+        let largest = seen.iter().map(|over| over.largest).fold(0.0, f64::max);
+        let what = format!("{}, {name}: {} amplitudes {half}", single.id, seen.len());
         // At grazing angles a wave that runs sideways is scattered straight on, the strongest of all.
         let twice = sideways(incident, &size) * size(1.0);
         findings.order_of_smallness(
-            format!("{}, {name}: {} amplitudes {half}, of the largest |F|", single.id, seen().count()),
-            error,
-            (lattice * twice / largest).min(MOST[usize::from(reflected)]),
-            "waves between the spheres: F₁F₂ × 3.9/L, the static lattice sum, but never more than 3 % onwards and 25 % backwards",
+            format!("{what}, of the largest |F|"),
+            seen.iter().map(|over| over.mean().norm()).fold(0.0, f64::max) / largest,
+            lattice * twice / largest,
+            "waves between the spheres: F₁F₂ × 3.9/L, the static lattice sum",
+        );
+        let root = |of: &dyn Fn(&Over) -> f64| seen.iter().map(|over| of(over)).sum::<f64>().sqrt();
+        let error = root(&Over::square_error);
+        findings.significance(
+            format!("{what}, root mean square in standard errors over the sides"),
+            root(&|over| over.mean().norm_sqr()) / error,
+            2.0,
+            "the waves between the spheres turn their phase with the side, what is wrong in F does not; one is expected, and neighbouring orders are alike",
+        );
+        findings.promise(
+            format!("{what}, such a standard error of the root mean square |F|"),
+            error / root(&|over| over.largest.powi(2)),
+            0.125,
+            "the power of the test above: a quarter of F is two of them",
         );
     }
 }

@@ -134,10 +134,17 @@ fn chance(level: Level, cells: Cells, all: &[Deviations], findings: &mut Finding
     for (name, of) in KINDS {
         let share = covered(all, of, 1.0);
         let what = format!("{cells}: share of 95 % intervals that hold the truth: {name}");
-        findings.check(what, share.value, Bound::Within(bounds(level, &share)), Reason::Significance, because);
+        findings.check(
+            what,
+            share.value,
+            Bound::Within(bounds(level, &share)),
+            Reason::Significance,
+            because,
+        );
         if level == Level::Full {
             let what = format!("{cells}: root mean square deviation over its law's: {name}");
-            let because = "intervals of the right width; Student's law is scaled to the normal one by its 95 % factor";
+            let because =
+                "intervals of the right width; Student's law is scaled to the normal one by its 95 % factor";
             findings.check(what, spread(all, of), Bound::Within([0.85, 1.1]), Reason::Promise, because);
         }
     }
@@ -162,8 +169,9 @@ fn printed(level: Level, cells: Cells, all: &[Deviations], shifts: &[Shift], fin
     }
     let count: usize = shifts.iter().map(|shift| shift.change.len()).sum();
     let held = |width: f64| shifts.iter().map(|shift| shift.held(width)).sum::<usize>() as f64 / count as f64;
-    let what =
-        format!("{cells}: share of changes by twice the points and planes that the grid's part of the bars holds");
+    let what = format!(
+        "{cells}: share of changes by twice the points and planes that the grid's part of the bars holds"
+    );
     let because = "95 % are meant; claims 8 and 15 judge the errors of single amplitudes";
     findings.check(what, held(1.0), Bound::AtLeast(0.95), Reason::Promise, because);
     if level == Level::Full {

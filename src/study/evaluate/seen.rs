@@ -101,7 +101,7 @@ pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
     let SolvedCells { solved, .. } = by_cell(study, collected, &cells, study.wave);
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, mean_profile(&cells.concat()), &indices);
-    let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
+    let ensemble = LayerEnsemble::new(&solved, basis(study, solved.len()), &films, &study.angles.exact_deg);
     on_paper(study, (&ensemble, &solved), returned(study, collected, &cells).as_deref(), &films)
 }
 
@@ -147,7 +147,7 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
     let returned = returned(study, collected, &by_cells);
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, mean_profile(&complete), &indices);
-    let ensemble = LayerEnsemble::new(&solved, basis(study), &films, &study.angles.exact_deg);
+    let ensemble = LayerEnsemble::new(&solved, basis(study, solved.len()), &films, &study.angles.exact_deg);
     let ink = on_paper(study, (&ensemble, &solved), returned.as_deref(), &films);
     let wavelengths_nm = study.wavelengths_nm.clone();
     let at_outputs = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
@@ -190,7 +190,7 @@ fn by_cell(study: &Study, collected: &Collected, cells: &[Vec<&Realisation>], wa
     let mut solved: Vec<SolvedRealisation> = cells.iter().map(mean).collect();
     let checked = checked(study, cells, wave);
     let refinement = collected.resolved.refinement();
-    let Some(correction) = GridCorrection::new(&checked, &basis(study), refinement) else {
+    let Some(correction) = GridCorrection::new(&checked, &basis(study, 1), refinement) else {
         return SolvedCells { solved, grid: GridPart::Estimated(collected.resolved.grid_error) };
     };
     solved.iter_mut().for_each(|cell| correction.apply(cell));
@@ -236,11 +236,11 @@ fn returned(
     other.then(|| by_cell(study, collected, cells, wave).solved)
 }
 
-/// Functions of the wavelength, with as many pieces as each realisation has wavelengths.
-fn basis(study: &Study) -> SpectralBasis {
+/// Functions of the wavelength that so many cells determine.
+fn basis(study: &Study, cells: usize) -> SpectralBasis {
     match study.variation.light {
         LightRule::Listed => SpectralBasis::Listed(study.wavelengths_nm.clone()),
-        LightRule::Shifted { range_nm, strata } => SpectralBasis::Splines { range_nm, intervals: strata },
+        LightRule::Shifted { range_nm, strata } => SpectralBasis::splines(range_nm, strata, cells),
     }
 }
 
