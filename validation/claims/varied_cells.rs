@@ -56,7 +56,7 @@ fn periods(level: Level, findings: &mut Findings) {
                     "κ = {kappa}: {} against {} µm, probability of the least likely of six",
                     cells[i].0, cells[j].0
                 );
-                let because = "one of the twelve comparisons is below 0.001 by chance once in 80 nights";
+                let because = "one of the twelve comparisons is below 0.001 by chance with one seed in 80";
                 findings.check(what, chance(a, b), Bound::AtLeast(1e-3), Reason::Significance, because);
             }
         }
