@@ -161,7 +161,10 @@ fn page(manifest: &ComposedManifest, picture: Option<&(f64, Pictures)>) -> Resul
             program: manifest.program.clone(),
             rows: vec![
                 Named::code("study", manifest.study_hash.clone()),
+                Named::new("program", format!("{}, method {}", manifest.program, manifest.method_version)),
+                Named::new("solves made by", manifest.builds.iter().cloned().collect::<Vec<_>>().join(", ")),
                 Named::new("seed", manifest.seed.to_string()),
+                Named::new("wave", study.wave.in_words()),
                 Named::new("solves", manifest.solves.finished.to_string()),
                 Named::new("time of all solves", format!("{:.0} s", manifest.solve_seconds)),
             ],
@@ -199,7 +202,8 @@ fn figures(manifest: &ComposedManifest) -> Result<Vec<Figure>, PublishError> {
         ("On the paper", spectra_chart(manifest), SPECTRA),
     ];
     if !manifest.curve_colours.is_empty() {
-        all.insert(1, ("Hiding and colour", hiding_chart(manifest), HIDING));
+        all.insert(1, ("Hiding", hiding_chart(manifest), HIDING));
+        all.insert(2, ("Colour", colour_chart(manifest), COLOUR));
     }
     let mut figures = Vec::new();
     for (heading, chart, caption) in all {
@@ -216,6 +220,8 @@ const SPECTRA: &str = "Light that reaches the eye along the normal under natural
     perfect white, for every thickness asked for.";
 const HIDING: &str = "Contrast ratio (Y over black by Y over white, 45:0) and L*/100 on the paper under natural \
     light, against the thickness. 0.98 counts as hiding.";
+
+const COLOUR: &str = "Colour on the paper under natural light, seen along the normal, against the thickness.";
 
 fn against_thickness(y_label: &str, curves: Vec<Curve>) -> Chart {
     let chart = Chart::linear("", "thickness, µm", y_label, curves);
@@ -261,6 +267,19 @@ fn hiding_chart(manifest: &ComposedManifest) -> Chart {
         ),
     ];
     against_thickness("contrast ratio, L*/100", curves)
+}
+
+fn colour_chart(manifest: &ComposedManifest) -> Chart {
+    let curve = |name: &str, of: fn(&ComposedColours) -> ErrorParts| {
+        Curve::with_bars(name, Style::Data, colour_points(manifest, of, 1.0))
+    };
+    let curves = vec![
+        curve("L*", |c| c.natural_light[0]),
+        curve("a*", |c| c.natural_light[1]),
+        curve("b*", |c| c.natural_light[2]),
+    ];
+    let chart = Chart::linear("", "thickness, µm", "L*, a*, b*", curves);
+    Chart { log: [true, false], ..chart }
 }
 
 fn depth_chart(manifest: &ComposedManifest) -> Chart {
