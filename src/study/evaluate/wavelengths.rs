@@ -23,15 +23,15 @@ const MOST: usize = 4;
 /// coefficients.
 pub type Weights = Vec<(usize, f64)>;
 
-/// Widest piece of splines where the samples suffice, nm: absorption edges of pigments are some 40 nm wide, and splines with
-/// pieces of that width miss T there by 0.007.
+/// Widest piece of splines where the samples suffice, nm: absorption edges of pigments are some
+/// 40 nm wide, and splines with pieces of that width miss T there by 0.007.
 const WIDEST_NM: f64 = 20.0;
 /// Samples for each function of narrower pieces.
 const SAMPLES: usize = 3;
 
 impl SpectralBasis {
-    /// Splines for `cells` that have `own` wavelengths each, all of them different. Every cell alone determines `own` pieces;
-    /// together they determine narrower ones.
+    /// Splines for `cells` that have `own` wavelengths each, all of them different. Every cell alone
+    /// determines `own` pieces; together they determine narrower ones.
     pub fn splines(range_nm: [f64; 2], own: usize, cells: usize) -> Self {
         let wanted = ((range_nm[1] - range_nm[0]) / WIDEST_NM).ceil() as usize;
         let possible = (own * cells / SAMPLES).saturating_sub(MOST - 1);
@@ -117,7 +117,8 @@ mod tests {
         }
     }
 
-    /// Eight wavelengths a cell: four cells have 32 samples, too few for the 18 functions of 20 nm, eight have 64.
+    /// Eight wavelengths a cell: four cells have 32 samples, too few for the 18 functions of 20 nm,
+    /// eight have 64.
     #[test]
     fn pieces_narrow_as_cells_add_wavelengths() {
         let pieces = |own, cells| SpectralBasis::splines([400.0, 700.0], own, cells).len() + 1 - MOST;
