@@ -53,9 +53,9 @@ const LEAST_RESTART: usize = 20;
 /// A cycle that leaves more than this fraction of the residual has stalled.
 const STALLS: f64 = 0.99;
 /// A cycle that leaves more than this fraction of the residual hands over to short recurrences in
-/// the vector wave, which has no guided modes to correct, and for strong scatterers: orthogonalising
-/// against hundreds of vectors costs ten times what an application does (15 % of n = 2.7, 250 nm, 440
-/// nm, κ = 0: 29 s a polarisation with 535 applications, 3 s with 950).
+/// the vector wave, which has no guided modes to correct, and for strong scatterers:
+/// orthogonalising against hundreds of vectors costs ten times what an application does (15 % of
+/// n = 2.7, 250 nm, 440 nm, κ = 0: 29 s a polarisation with 535 applications, 3 s with 950).
 const SLOW: f64 = 0.1;
 /// Contrast |η² − η_b²| of strong scatterers, where grains resonate by themselves. Below it, the
 /// guided modes of the mean slab are what delays the scalar wave, and correcting them is cheaper:
