@@ -30,8 +30,8 @@ const WIDEST_NM: f64 = 20.0;
 const SAMPLES: usize = 3;
 
 impl SpectralBasis {
-    /// Splines for `cells` that have `own` wavelengths each, all of them different. Every cell alone
-    /// determines `own` pieces; together they determine narrower ones.
+    /// Splines for `cells` that have `own` wavelengths each, all of them different. Every cell
+    /// alone determines `own` pieces; together they determine narrower ones.
     pub fn splines(range_nm: [f64; 2], own: usize, cells: usize) -> Self {
         let wanted = ((range_nm[1] - range_nm[0]) / WIDEST_NM).ceil() as usize;
         let possible = (own * cells / SAMPLES).saturating_sub(MOST - 1);
