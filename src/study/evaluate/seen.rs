@@ -236,7 +236,7 @@ fn returned(
     other.then(|| by_cell(study, collected, cells, wave).solved)
 }
 
-/// Functions of the wavelength that so many cells determine.
+/// Functions of the wavelength that this number of cells determines.
 fn basis(study: &Study, cells: usize) -> SpectralBasis {
     match study.variation.light {
         LightRule::Listed => SpectralBasis::Listed(study.wavelengths_nm.clone()),
