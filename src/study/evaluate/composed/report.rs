@@ -13,7 +13,7 @@ use crate::input::study::{Composed, Study};
 use crate::run::Collected;
 use crate::store::identity::METHOD_VERSION;
 
-/// Slabs of the curve against thickness: to a layer that no light passes, unless its pigment is clear and rare.
+/// Slabs of the curve against thickness, up to a layer that practically no light passes.
 const CURVE: [usize; 16] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 1024, 4096];
 /// Wavelength of the fluxes against depth, nm: the nearest one of the study is taken.
 const SHOWN_NM: f64 = 550.0;
