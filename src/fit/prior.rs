@@ -22,6 +22,10 @@ const POLE_UM: f64 = 0.2;
 const SIZES: [f64; 3] = [0.5, 0.5, 0.15];
 /// Distance of wavelengths to which the smoothness of the prior `smooth` refers, nm.
 const SMOOTH_NM: f64 = 20.0;
+/// Knots to either side over which κ is averaged where the prior adapts to it.
+const NEIGHBOURS: usize = 3;
+/// Share of the mean κ that is added to the local one: where κ is 0, it may still bend.
+const FLOOR: f64 = 0.1;
 /// Standard deviation of the logarithm of a common factor on the thicknesses.
 const THICKNESS: f64 = 0.1;
 
@@ -40,6 +44,8 @@ pub struct IndexPrior {
     pub thickness: bool,
     /// Rows of differences whose size is the strength of the prior.
     rough: Vec<Vec<(usize, f64)>>,
+    /// Knots of κ beyond either end of the data; none where the prior does not adapt to κ.
+    beyond: Option<usize>,
 }
 
 impl IndexPrior {
@@ -76,6 +82,28 @@ impl IndexPrior {
     /// Logarithm of the factor on the thicknesses.
     pub fn log_thickness(&self, unknowns: &[f64]) -> f64 {
         if self.thickness { unknowns[self.len() - 1] } else { 0.0 }
+    }
+
+    /// This prior with differences in proportion to the κ around them: a line of absorption bends as
+    /// much as it is high, and between lines κ is smooth. Beyond the data, where nothing is known,
+    /// the proportion is at least 1.
+    #[must_use]
+    pub fn adapted(&self, unknowns: &[f64]) -> Self {
+        let Some(beyond) = self.beyond else { return self.clone() };
+        let count = self.rough.len();
+        let around = |i: usize| {
+            let part = &unknowns[(i + 1).saturating_sub(NEIGHBOURS)..(i + 2 + NEIGHBOURS).min(count + 2)];
+            part.iter().sum::<f64>() / part.len() as f64
+        };
+        let data = beyond..count.saturating_sub(beyond);
+        let mean = data.clone().map(around).sum::<f64>() / data.len().max(1) as f64;
+        let mut adapted = self.clone();
+        for (i, row) in adapted.rough.iter_mut().enumerate() {
+            let own = (around(i) + FLOOR * mean) / ((1.0 + FLOOR) * mean).max(1e-9);
+            let own = if data.contains(&i) { own } else { own.max(1.0) };
+            row.iter_mut().for_each(|(_, weight)| *weight /= own.max(1e-3));
+        }
+        adapted
     }
 
     /// Precision of the unknowns, with differences of the size `strength`.
@@ -132,7 +160,9 @@ fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
     let mut positive = vec![true; hats];
     positive.extend([false; 2]);
     let factor = (STRENGTH_NM * pieces / (to - from)).powf(1.5);
-    IndexPrior { n, kappa, mean, positive, thickness: false, rough: second_differences(0, hats, factor) }
+    let rough = second_differences(0, hats, factor);
+    let beyond = Some((BEYOND_NM * pieces / (to - from)).round() as usize);
+    IndexPrior { n, kappa, mean, positive, thickness: false, rough, beyond }
 }
 
 fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
@@ -149,6 +179,7 @@ fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
         positive: [vec![false; count], vec![true; count]].concat(),
         thickness: false,
         rough,
+        beyond: None,
     }
 }
 

@@ -191,8 +191,10 @@ impl<'a> FitRun<'a> {
         let (mut unknowns, mut strength) = (start, FIRST_STRENGTH);
         let mut response = at(&unknowns)?;
         for round in 0..ITERATIONS {
+            let early = round < ITERATIONS / 3;
+            let prior = if early { prior } else { &prior.adapted(&unknowns) };
             let data = Data::new(self.task, prior, &response, &[TABLE_ERROR]);
-            if round >= ITERATIONS / 3 {
+            if !early {
                 strength = data.chosen(prior, &unknowns).ok_or(FitError::Singular)?.0;
             }
             let step = data.step(prior, &unknowns, strength).ok_or(FitError::Singular)?;
@@ -213,20 +215,22 @@ impl<'a> FitRun<'a> {
             let Some((next, there)) = moved else { break };
             (unknowns, response) = (next, there);
         }
-        let data = Data::new(self.task, prior, &response, &[TABLE_ERROR]);
-        let (_, step) = data.chosen(prior, &unknowns).ok_or(FitError::Singular)?;
+        let prior = prior.adapted(&unknowns);
+        let data = Data::new(self.task, &prior, &response, &[TABLE_ERROR]);
+        let (_, step) = data.chosen(&prior, &unknowns).ok_or(FitError::Singular)?;
         Ok(Branch { unknowns, cost: -2.0 * step.log_evidence })
     }
 
     /// Gauss–Newton with solves on all cells.
     fn refine(&self, best: &Branch, others: &[Branch]) -> Result<FitOutcome, FitError> {
-        let (task, prior) = (self.task, self.prior());
+        let task = self.task;
         let mut unknowns = best.unknowns.clone();
         let grid: Vec<f64> = task.measured.iter().map(|drawdown| self.grid_error(drawdown)).collect();
         let mut rounds = 0;
         loop {
             rounds += 1;
             self.watch.stage(&format!("linearisation {rounds} on all cells"));
+            let prior = self.prior().adapted(&unknowns);
             let index = prior.index(&unknowns);
             let linearised = self.solved(&index, task.coats_measured, usize::MAX)?;
             let source = Origin::Solved(&linearised);

@@ -48,6 +48,7 @@ fn fitted(task: &FitTask, truth: &[[f64; 2]]) -> FitOutcome {
     let prior = IndexPrior::new(task.settings.prior, task.wavelengths_nm(), task.binder_index(), false);
     let mut point = near(&prior, truth).unwrap();
     for round in 1.. {
+        let prior = prior.adapted(&point);
         let response = Origin::Film.response(task, &task.measured, &prior.index(&point), 0.0).unwrap();
         let data = Data::new(task, &prior, &response, &[0.0]);
         let (strength, step) = data.chosen(&prior, &point).unwrap();
@@ -82,8 +83,9 @@ fn intervals_hold_what_they_promise() {
         }
     }
     let inside = inside.map(|x| x / (PIGMENTS * nm.len()) as f64);
-    // Found: 0.93 for n and 0.88 for κ, χ² 0.51 a datum. 40 pigments of about 6 independent intervals
-    // each are uncertain by 0.02; κ falls short of 0.90, so that the limit guards what was found.
-    assert!(inside.iter().all(|x| (0.85..=0.99).contains(x)), "n and κ inside 95 %: {inside:?}, χ² {chi}");
+    // Found: 0.995 for n and 0.958 for κ, χ² 0.52 a datum; four other seeds 0.98 to 0.998 and 0.94 to
+    // 0.96. Intervals of n are too wide: their covariance does not know that κ beyond the data is
+    // nowhere negative. 40 pigments of about 6 independent intervals each are uncertain by 0.02.
+    assert!((0.9..=0.99).contains(&inside[1]) && inside[0] >= 0.9, "inside 95 %: {inside:?}, χ² {chi}");
     assert!(chi < 0.8, "χ² for each datum: {chi}");
 }

@@ -8,10 +8,9 @@ use faer::Mat;
 
 /// Strengths of the prior among which the evidence chooses: size of the second differences.
 const STRENGTHS: [f64; 12] = [0.005, 0.007, 0.01, 0.014, 0.02, 0.03, 0.04, 0.06, 0.08, 0.12, 0.2, 0.4];
-/// Logarithm of the evidence that the strength may cost: 2 standard errors. The prior that bends
-/// most within them is taken, for κ has narrow bands between wide smooth parts, where the
-/// likeliest strength of both together is too stiff for the bands.
-const CONCEDED: f64 = 2.0;
+/// Logarithm of the evidence that the strength may cost: one standard error of it. The prior that
+/// bends most within it is taken, which errs towards wider intervals.
+const CONCEDED: f64 = 0.5;
 
 /// The data, linearised at some unknowns.
 pub(super) struct Data {
