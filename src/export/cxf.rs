@@ -59,3 +59,35 @@ fn spectrum(spectrum: &PrintSpectrum) -> Value {
         white => spectrum.colour.map(|colour| five(colour.white_xyz)),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::viewing::{Summation, Viewing};
+    use crate::export::print::InstrumentGeometry;
+    use crate::numerics::estimate::Estimate;
+
+    #[test]
+    fn the_step_of_the_wavelengths_and_standard_errors_are_the_prints() {
+        let of = |value, error| Estimate { value, standard_error: Some(error) };
+        let spectrum = PrintSpectrum {
+            geometry: InstrumentGeometry::LitAt45,
+            values: vec![of(0.5, 0.02), of(0.25, 0.005)],
+            colour: None,
+            page_lab: None,
+        };
+        let print = Print {
+            title: "Made up".to_owned(),
+            study_hash: "0".to_owned(),
+            program: "inkwave".to_owned(),
+            created: "2000-01-01T00:00:00Z".to_owned(),
+            viewing: Viewing::new("D50", "2", Summation::Plain).unwrap(),
+            interpolated: false,
+            wavelengths_nm: vec![400, 410],
+            spectra: vec![spectrum],
+        };
+        let file = cxf(&print).unwrap();
+        assert!(file.contains("<cc:WavelengthRange StartWL=\"400\" Increment=\"10\"/>"), "{file}");
+        assert!(file.contains("Name=\"StandardErrors\" Value=\"0.0200000 0.0050000\""), "{file}");
+    }
+}

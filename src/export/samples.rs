@@ -94,6 +94,45 @@ fn finish(table: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, ExportError> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::ink::InkError;
+    use crate::numerics::estimate::Estimate;
+
+    /// A print with an albedo of 0.3, whose BRDF integrates to 0.02 more.
+    struct Excessive;
+
+    impl DirectionalPrint for Excessive {
+        fn wavelengths_nm(&self) -> &[f64] {
+            &[550.0]
+        }
+
+        fn brdf(&self, _: usize, _: f64, _: Direction) -> f64 {
+            0.0
+        }
+
+        fn specular(&self, _: usize, _: f64) -> f64 {
+            0.04
+        }
+
+        fn diffuse_albedo(&self, _: usize, _: f64) -> f64 {
+            0.3
+        }
+
+        fn disagreement(&self, _: f64) -> Result<Vec<Estimate>, InkError> {
+            Ok(vec![Estimate { value: 0.02, standard_error: Some(0.001) }])
+        }
+    }
+
+    #[test]
+    fn the_albedo_of_the_brdf_is_the_albedo_and_the_difference() {
+        let table = specular(&Excessive).unwrap();
+        let mut reader = csv::Reader::from_reader(table.as_slice());
+        let rows: Vec<[f64; 6]> = reader.deserialize().collect::<Result<_, _>>().unwrap();
+        assert_eq!(rows.len(), 18, "every 5° up to 85°");
+        for [nm, _, mirrored, albedo, of_brdf, error] in rows {
+            assert_eq!((nm, mirrored, albedo, error), (550.0, 0.04, 0.3, 0.001));
+            assert!((of_brdf - 0.32).abs() < 1e-12, "{of_brdf}");
+        }
+    }
 
     #[test]
     fn mirrored_digits() {

@@ -185,3 +185,35 @@ impl VoxelRaster {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ink::{Grain, Sphere};
+
+    /// Balls of two pigments: the voxel at the centre of each holds nothing else.
+    #[test]
+    fn voxels_stand_for_their_centres_and_hold_their_own_pigment() {
+        let ball =
+            |at: f64, pigment| Grain::new(vec![Sphere { center_um: [at; 3], radius_um: 0.08 }], pigment);
+        let packing = Packing::from_grains([0.4; 2], 0.4, true, vec![ball(0.1, 0), ball(0.3, 1)]).unwrap();
+        let media = Media {
+            incident: Complex64::ONE,
+            exit: Complex64::ONE,
+            backgrounds: vec![1.5.into()],
+            inclusions: vec![2.0.into(), Complex64::new(1.0, 1.0)],
+        };
+        let voxels = Voxels::of(&packing);
+        let ([nx, ny, _], contrast) = (voxels.count, voxels.contrast(&media));
+        // 2² − 1.5² and (1 + i)² − 1.5², in 27 shares of single precision
+        for (at, expected) in [(0.1, Complex64::new(1.75, 0.0)), (0.3, Complex64::new(-2.25, 2.0))] {
+            let [x, y, z] = voxels.edge_um.map(|edge| (at / edge) as usize);
+            let found = contrast[x + nx * (y + ny * z)];
+            assert!((found - expected).norm() < 1e-5, "at {at} µm: {found}");
+        }
+        let image = voxels.image(&["one".to_owned(), "two".to_owned()], &media, 550.0);
+        for (origin_um, count) in image.origin_um.iter().zip(image.points) {
+            assert!((origin_um - 0.5 * 0.4 / count as f64).abs() < 1e-12, "{origin_um} µm");
+        }
+    }
+}

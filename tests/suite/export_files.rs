@@ -133,6 +133,8 @@ fn spectra_agree(files: &Path, spectra: &[BTreeMap<String, String>]) {
     assert_eq!(values.len(), 31);
     let sp = fs::read_to_string(files.join("spectra.sp")).unwrap();
     let row = sp.lines().find(|line| line.starts_with("1 \"45:0\"")).unwrap();
+    // both geometries
+    assert!(sp.contains("\nNUMBER_OF_SETS 2\n") && sp.contains("\n2 \"uniform sky, 0\" "), "{sp}");
     let percents: Vec<f64> = row.split_whitespace().skip(5).map(|x| x.parse().unwrap()).collect();
     let normal = spectra.iter().filter(|row| !row["lit_at_45"].is_empty());
     for (i, row) in normal.enumerate() {
@@ -205,6 +207,20 @@ fn far_fields_agree(files: &Path) {
     for (s, total) in totals.iter().enumerate() {
         let sum: f64 = (first[s]..first[s + 1]).map(|k| reflected[k as usize]).sum();
         assert!((sum - total).abs() < 1e-12);
+    }
+    let [nm, polar, azimuth, alpha, beta] =
+        ["solve_wavelength_nm", "solve_polar_deg", "solve_azimuth_deg", "order_alpha", "order_beta"]
+            .map(|name| -> Array1<f64> { npz.by_name(name).unwrap() });
+    let [m, n] = ["order_m", "order_n"].map(|name| -> Array1<i32> { npz.by_name(name).unwrap() });
+    for s in 0..totals.len() {
+        // the law of gratings in vacuum; the wavelength has twelve digits
+        let (sin, azimuth) = (polar[s].to_radians().sin(), azimuth[s].to_radians());
+        let steps = [0, 1].map(|axis| 1e-3 * nm[s] / period[[s, axis]]);
+        for k in first[s] as usize..first[s + 1] as usize {
+            let along_x = sin * azimuth.cos() + f64::from(m[k]) * steps[0];
+            let along_y = sin * azimuth.sin() + f64::from(n[k]) * steps[1];
+            assert!((alpha[k] - along_x).abs() < 1e-9 && (beta[k] - along_y).abs() < 1e-9, "solve {s}");
+        }
     }
 }
 

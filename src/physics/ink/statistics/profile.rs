@@ -98,7 +98,7 @@ fn above_surface(packing: &Packing, slices: usize, height: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::{PackingRequest, PigmentGrains, pack};
+    use crate::ink::{PackingRequest, PigmentGrains, ReliefRequest, ReliefRule, pack};
 
     #[test]
     fn the_profile_has_the_achieved_fraction_and_thins_at_the_walls() {
@@ -114,5 +114,26 @@ mod tests {
         assert!((mean - packing.achieved_fraction(0)).abs() < 1e-12);
         // Centres stay 100 nm away from the walls: only caps reach the outermost 50 nm.
         assert!(profile[0][0] < 0.5 * profile[5][0] && profile[19][0] < 0.5 * profile[14][0]);
+    }
+
+    /// Above a level surface, grains and air fill every slice, and grains protrude.
+    #[test]
+    fn air_is_what_protruding_grains_leave() {
+        let request = PackingRequest {
+            period_um: [1.0, 1.0],
+            thickness_um: 0.5,
+            pigments: vec![PigmentGrains::spheres(200.0, 0.2)],
+            relief: Some(ReliefRequest { depth_um: 0.15, rule: ReliefRule::Flat }),
+            ..Default::default()
+        };
+        let packing = pack(&request, &mut ()).unwrap();
+        // Slices of 25 nm; the binder is at most as high as all of the dry ink, 350 nm.
+        let above = (packing.surface_z_um(0.0, 0.0) / 0.025) as usize;
+        assert!(above >= 5, "{above}");
+        let slices = &profile(&packing, 20)[..above];
+        assert!(slices.iter().any(|slice| slice[0] > 0.01), "{slices:?}");
+        for slice in slices {
+            assert!((slice[0] + slice[1] - 1.0).abs() < 1e-12, "{slice:?}");
+        }
     }
 }

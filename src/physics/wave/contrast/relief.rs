@@ -129,3 +129,25 @@ fn add_stretch(moments: &mut [f64], cell: &CellColumns, rule: &GaussLegendre, [f
         moments.iter_mut().zip(psi).for_each(|(m, p)| *m += 0.5 * (to - from) * w * p);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wave::grid::element::Element;
+
+    /// A ridge along y. The shape functions add up to 1, so the moments of a column add up to the
+    /// depth of its vacuum: cubic polynomials are exact with four nodes, rounding remains.
+    #[test]
+    fn columns_reach_down_to_the_surface_at_their_own_place() {
+        let surface = HeightField { z_um: vec![0.1, 0.3], count: [2, 1], period_um: [0.6, 0.4] };
+        let element = Element::new(3);
+        let cell = CellColumns { range_um: [0.0, 0.4], element: &element, orders: &[], widest: [0, 0] };
+        let moments = column_moments(&surface, &[], &cell, [4, 2]);
+        let depths: Vec<f64> = moments.chunks_exact(4).map(|column| column.iter().sum::<f64>()).collect();
+        assert_eq!(depths.len(), 8);
+        for (k, depth) in depths.iter().enumerate() {
+            let expected = [0.1, 0.2, 0.3, 0.2][k % 4];
+            assert!((depth - expected).abs() < 1e-12, "column {k}: {depth}");
+        }
+    }
+}
