@@ -177,3 +177,17 @@ fn hit(centre: V3, radius: f64, ray: V3) -> Option<f64> {
     let square = radius * radius - (dot(centre, centre) - along * along);
     (square > 0.0).then(|| along - square.sqrt())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_nearer_hides_what_is_drawn_later() {
+        let mut raster = Raster::new(1, 1, BACKGROUND);
+        for (depth, colour) in [(2.0, COLOURS[0]), (1.0, COLOURS[1]), (3.0, COLOURS[2])] {
+            raster.set(0, 0, depth, colour);
+        }
+        assert_eq!(raster.pixels, [COLOURS[1]]);
+    }
+}

@@ -178,3 +178,15 @@ fn replace(order: &mut Order, known: &[Value], [own, crossed]: &Keys) -> bool {
     }
     true
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_reference_is_finer_along_every_axis() {
+        let grid = |nx, ny, cells| Resolution { nx, ny, cells, scheme: Scheme::Cubic };
+        let found = finer(WaveKind::Scalar, &[grid(8, 10, 10), grid(6, 12, 4)]);
+        assert_eq!([found.nx, found.ny, found.cells], [12, 18, 15]);
+    }
+}

@@ -145,3 +145,14 @@ fn ciede2000_meets_published_pairs() {
         approx::assert_abs_diff_eq!(at(p).delta_e_2000(&at(q)).value, delta, epsilon = 5e-5);
     }
 }
+
+/// At a* = 30, b* = 40 the hue changes by (−0.016, 0.012) rad a unit: 4·0.016² + 0.012² −
+/// 2·0.016·0.012 = 0.028².
+#[test]
+fn the_error_of_the_hue_knows_the_correlation() {
+    let lab_covariance = Some([[0.0; 3], [0.0, 4.0, 1.0], [0.0, 1.0, 1.0]]);
+    let white = colour_on(&uniform(400., 700., 10.), "perfect_white");
+    let colour = Colour { lab: [50.0, 30.0, 40.0], lab_covariance, ..white };
+    let error = colour.hue_deg().standard_error.unwrap().to_radians();
+    assert!((error - 0.028).abs() < 1e-12, "{error}");
+}

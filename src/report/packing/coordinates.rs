@@ -77,3 +77,21 @@ pub fn read_packing_json(path: &std::path::Path) -> Result<Packing, OutputError>
     let layered = packing.and_then(|packing| packing.with_shells(read.shells_um));
     layered.map_err(|e| fail(e.to_string()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ink::Sphere;
+
+    /// Two spheres side by side along x.
+    #[test]
+    fn axes_are_written_in_their_columns() {
+        let spheres = [0.5, 0.7].map(|x| Sphere { center_um: [x, 0.5, 0.5], radius_um: 0.2 });
+        let grain = Grain::new(Vec::from(spheres), 0);
+        let packing = Packing::from_grains([2.0; 2], 1.0, true, vec![grain]).unwrap();
+        let csv = String::from_utf8(grains_csv(&packing).unwrap()).unwrap();
+        let axis: Vec<f64> =
+            csv.lines().nth(1).unwrap().split(',').skip(7).map(|x| x.parse().unwrap()).collect();
+        assert!((axis[0] - 1.0).abs() < 1e-12 && axis[1..] == [0.0, 0.0], "{axis:?}");
+    }
+}

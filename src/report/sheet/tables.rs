@@ -287,3 +287,28 @@ pub(crate) fn provenance(study: &Study, manifest: &Manifest<&Study>) -> Provenan
         ],
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::estimate::Estimate;
+
+    #[test]
+    fn the_largest_error_is_that_of_any_row() {
+        let of = |standard_error| Estimate { value: 0.5, standard_error };
+        let row = |r, t| SpectrumRow {
+            wavelength_nm: 550.0,
+            polar_deg: 0.0,
+            reflectance: of(r),
+            specular_reflectance: of(None),
+            transmittance: of(t),
+            specular_transmittance: of(None),
+            absorptance: of(None),
+            natural_light: None,
+            lit_at_45: None,
+            deviations: Vec::new(),
+        };
+        let rows = [row(Some(0.01), None), row(Some(0.04), Some(0.02))];
+        assert_eq!(largest_error(&rows), Some(0.04));
+    }
+}

@@ -14,6 +14,11 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 /// Number of coordinates of the sequence.
 const COORDINATES: usize = 6;
 
+/// Rotation of a varied cell at its `j`-th wavelength.
+fn turned_deg(j: usize) -> f64 {
+    360.0 * (j as f64 * GOLDEN).fract()
+}
+
 impl Study {
     /// The draws of realisation `r`.
     pub fn draw(&self, r: usize) -> Draw {
@@ -40,7 +45,7 @@ impl Study {
         match self.variation.cell {
             CellRule::Fixed => Turn { azimuth_deg: draw.azimuth_deg, direction: draw.direction },
             CellRule::Varied => Turn {
-                azimuth_deg: draw.azimuth_deg + 360.0 * (j as f64 * GOLDEN).fract(),
+                azimuth_deg: draw.azimuth_deg + turned_deg(j),
                 direction: (draw.direction + j as f64 * GOLDEN).fract(),
             },
         }
@@ -115,4 +120,20 @@ fn area_of_a_grain(grains: &PigmentGrains, height_um: f64) -> Option<f64> {
     let template = grains.shape.template();
     let volume = template.volume.um3 * grains.size.radius_um(value_nm, &template).powi(3);
     Some(volume / (grains.volume_fraction * height_um))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The golden angle, 137.507764°, the other way round.
+    #[test]
+    fn cells_turn_by_the_golden_angle() {
+        let golden = 137.507_764_05;
+        for (j, want) in
+            [0.0, 360.0 - golden, 360.0 - 2.0 * golden, 720.0 - 3.0 * golden].into_iter().enumerate()
+        {
+            assert!((turned_deg(j) - want).abs() < 1e-6, "{j}: {}", turned_deg(j));
+        }
+    }
 }

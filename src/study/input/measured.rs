@@ -191,6 +191,8 @@ mod tests {
         for text in [csv, excel, &cxf, cgats] {
             assert_eq!(read(text).unwrap().rows, vec![[400.0, 0.25], [410.0, 0.5]], "{text}");
         }
+        let wider = read(&cxf.replace("Increment=\"10\"", "Increment=\"20\"")).unwrap();
+        assert_eq!(wider.rows, vec![[400.0, 0.25], [420.0, 0.5]]);
         let spectrum = read(csv).unwrap();
         assert_eq!((spectrum.at(405.0), spectrum.at(399.0)), (Some(0.375), None));
     }

@@ -67,3 +67,19 @@ fn the_mean_is_reciprocal_and_balanced() {
         }
     }
 }
+
+/// A matrix that is reciprocal and balanced stays as it is; étendues of Gauss's nodes differ.
+#[test]
+fn nothing_is_changed_that_is_right() {
+    let ordinates = Ordinates::new(1.5, &[], [3, 3]);
+    let medium = Hemisphere { ordinates, polarisations: 1, oblique_deg: None };
+    let sides = Sides { media: [medium.clone(), medium], alike: false };
+    let weights = sides.weights();
+    let (n, whole) = (weights.len(), weights.iter().sum::<f64>());
+    let flux = |i: usize, j: usize| if weights[j] > 0.0 { 0.8 * weights[i] / whole } else { 0.0 };
+    let mut all = Mat::from_fn(n, n, flux);
+    sides.balance(&mut all, &vec![0.2; n], [[0.0; 2]; 2]);
+    for (i, j) in (0..n * n).map(|k| (k / n, k % n)).filter(|&(i, j)| weights[i] * weights[j] > 0.0) {
+        assert!((all[(i, j)] - flux(i, j)).abs() < 1e-12, "{i} {j}");
+    }
+}

@@ -249,4 +249,17 @@ mod tests {
         assert_eq!(smaller_last, smaller_first);
         assert!((smaller_last.last().unwrap() - 0.6).abs() < 0.02, "{smaller_last:?}");
     }
+
+    /// Both cells have g = 1.25 of 25 pairs in all where 20 are expected: √25/20.
+    #[test]
+    fn errors_of_g_are_at_least_those_of_counting() {
+        let pairs = || PairStatistics {
+            edges_um: vec![0.0, 1.0],
+            counts: vec![12.5],
+            ideal: vec![10.0],
+            nearest_um: Vec::new(),
+        };
+        let expected = Estimate { value: 1.25, standard_error: Some(0.25) };
+        assert_eq!(pair_correlation(&[pairs(), pairs()]).y, [expected]);
+    }
 }

@@ -161,3 +161,37 @@ fn fluxes(sides: &Sides, realisation: &Realisation, wavelength_um: f64) -> Fluxe
 fn number(record: &PointRecord) -> usize {
     usize::from(record.polarisation == Some(Polarisation::P))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::appearance::composed::ordinates::Ordinates;
+    use faer::Mat;
+
+    /// Slabs of one state that reflect nothing and pass 0.5, 0.8 and 0.9.
+    #[test]
+    fn a_layer_has_as_many_slabs_as_asked() {
+        let number = |x: f64| Mat::from_fn(1, 1, |_, _| x);
+        let plate =
+            |t: f64| Plate { reflection: [number(0.0), number(0.0)], transmission: [number(t), number(t)] };
+        let medium = || Hemisphere {
+            ordinates: Ordinates::new(1.5, &[], [3, 3]),
+            polarisations: 1,
+            oblique_deg: None,
+        };
+        let film = CoherentFilm {
+            slabs: Default::default(),
+            media: [medium(), medium()],
+            slab_um: 1.0,
+            wavelength_um: 0.55,
+        };
+        let media = [medium(), medium(), medium()];
+        let slabs = Slabs { front: plate(0.5), inner: plate(0.8), back: plate(0.9), media, film };
+        for (count, passed) in [(2, 0.45), (3, 0.36), (5, 0.2304)] {
+            let own = slabs.layer(count).transmission[0][(0, 0)];
+            assert!((own - passed).abs() < 1e-12, "{count}: {own}");
+            let [front, back] = slabs.parted(count, 1).map(|part| part.transmission[0][(0, 0)]);
+            assert!((front * back - passed).abs() < 1e-12, "{count}: {front} {back}");
+        }
+    }
+}

@@ -135,7 +135,7 @@ impl Coefficient<'_> {
         uncertainty: &Uncertainty,
     ) -> Estimate {
         let moved = |by: Shift| self.continued(layer, by) - continued.value;
-        let errors = uncertainty.widen_by(continued, nm, |[r, t]| worse(moved([r, t]), moved([r, -t])));
+        let errors = uncertainty.widen_by(continued, nm, |shift| of_unknown_signs(moved, shift));
         Estimate { value: self.value(layer), ..errors }
     }
 
@@ -164,8 +164,13 @@ fn with_model(Estimate { value, standard_error }: Estimate) -> Estimate {
     Estimate { value, standard_error: standard_error.map(|e| e.hypot(MODEL * value)) }
 }
 
-/// The larger of two errors, or NaN. The signs of the errors of R and T are unknown: opposite signs
-/// are worse for S, as without absorption, equal signs for K.
+/// The larger change by errors of R and T whose signs are unknown: opposite signs are worse for S,
+/// as without absorption, equal signs for K.
+fn of_unknown_signs(moved: impl Fn(Shift) -> f64, [r, t]: Shift) -> f64 {
+    worse(moved([r, t]), moved([r, -t]))
+}
+
+/// The larger of two errors, or NaN.
 fn worse(alike: f64, opposite: f64) -> f64 {
     if alike.is_nan() || alike.abs() > opposite.abs() { alike } else { opposite }
 }
@@ -394,6 +399,8 @@ mod tests {
             opposite.abs() > 1.5 * alike.abs() && worse(alike, opposite) == opposite,
             "{alike} {opposite}"
         );
+        let moved = |[x, y]: Shift| s(r + x, t + y) - s(r, t);
+        assert_eq!(of_unknown_signs(moved, [e, e]), opposite);
         assert!(worse(f64::NAN, 1.0).is_nan() && worse(1.0, f64::NAN).is_nan());
     }
 }

@@ -107,11 +107,15 @@ fn one_by_one(claim: &Claim, outcomes: &[Outcome], nm: &[f64], range: [f64; 2]) 
     })
 }
 
+/// Quantile with the Bonferroni correction for this number of wavelengths.
+fn corrected(count: usize) -> f64 {
+    1.0 - (1.0 - QUANTILE) / count as f64
+}
+
 fn at_wavelength(claim: &Claim, outcomes: &[Outcome], nm: f64, count: usize) -> Result<AtWavelength, String> {
     let (measured, fewest) = at(claim, outcomes, nm)?;
-    let corrected = 1.0 - (1.0 - QUANTILE) / count as f64;
     let (verdict, _) = decide(claim, &measured, fewest, QUANTILE);
-    let together = decide(claim, &measured, fewest, corrected).0;
+    let together = decide(claim, &measured, fewest, corrected(count)).0;
     let measured = measured.estimate;
     Ok(AtWavelength { nm, measured, verdict, together, margin: margin(claim, measured.value) })
 }

@@ -57,3 +57,10 @@ fn grids_err_to_one_side_at_all_wavelengths_of_a_mean() {
     // the realisation moves the two wavelengths in opposite directions
     approx::assert_abs_diff_eq!(error(&[number(0.3, 0.3), number(-0.3, 0.3)]), 0.0, epsilon = 1e-12);
 }
+
+/// Of 2.5 % for one wavelength, each of two may use half.
+#[test]
+fn wavelengths_share_the_chance_of_a_mistake() {
+    assert!((corrected(1) - QUANTILE).abs() < 1e-15);
+    assert!((1.0 - corrected(2) - 0.5 * (1.0 - QUANTILE)).abs() < 1e-15);
+}

@@ -186,3 +186,26 @@ impl Recurrence {
         parts(|z| z.re).chain(parts(|z| z.im)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use num_complex::Complex;
+
+    /// Gives back what it reads, so that 1 + A⁻¹V is 2.
+    struct Twice;
+
+    impl Scatter<f64> for Twice {
+        fn scatter(&self, u: ndarray::ArrayView2<Complex<f64>>, out: &mut Field) {
+            out.assign(&u);
+        }
+    }
+
+    #[test]
+    fn the_step_into_the_next_space_takes_away_what_it_can() {
+        let residual = Field::from_shape_fn((2, 3), |(i, j)| Complex64::new(1.0 + i as f64, j as f64));
+        let mut recurrence = Recurrence::new(1, &residual, 1.0);
+        let left = recurrence.reduce(&Twice).unwrap();
+        assert!(left < 1e-12 && (recurrence.omega - 0.5).norm() < 1e-12, "{left} {}", recurrence.omega);
+    }
+}
