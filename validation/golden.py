@@ -3,6 +3,7 @@
 
     python3 validation/golden.py --take FOLDER NAME   # the solves of a finished run of validation/data/golden/NAME.toml
     python3 validation/golden.py [NAME …]             # the numbers that follow from them; all studies unless told
+    python3 validation/golden.py --check [NAME …]     # changes nothing; status 1 where a file holds other numbers
 
 Standard library alone, and nothing of the program: own interference matrices, own quadratures, own least squares, own
 colour. `tests/suite/golden.rs` hands the same solves to the program and compares value by value. Formulas: P1 section 5, CIE 15,
@@ -21,6 +22,7 @@ import tomllib
 
 HERE = pathlib.Path(__file__).resolve().parent / "data"
 GOLDEN = HERE / "golden"
+CHECK = "--check" in sys.argv
 PI = math.pi
 
 
@@ -109,8 +111,22 @@ def take(folder, name):
     write(GOLDEN / f"{name}-solves.json", {"grid": grid, "realisations": realisations})
 
 
+def same(one, other):
+    """Whether two values of JSON differ by rounding alone, which varies between machines."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return one.keys() == other.keys() and all(same(one[k], other[k]) for k in one)
+    if isinstance(one, list) and isinstance(other, list):
+        return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, float) and isinstance(other, (int, float)):
+        return math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-12)
+    return one == other
+
+
 def write(path, value):
-    """JSON with a line for each realisation's point or row."""
+    """JSON with a line for each realisation's point or row; with --check only a comparison with what is there."""
+    if CHECK:
+        there = json.loads(path.read_text())
+        return same(json.loads(json.dumps(value)), there) or sys.exit(f"{path.name} is not what follows from its solves")
     path.write_text(json.dumps(value, indent=0, ensure_ascii=False).replace("\n", " ").replace(' { ', '\n{ ') + "\n")
 
 
@@ -726,7 +742,7 @@ class Ink:
                 fitted = [self.layer.fitted(self.layer.fit, variant, nm, 1, 0, c) for c in range(self.layer.columns)]
                 rest = [x - y for x, y in zip(self.layer.measured[r][j], fitted)]
                 k = 5 * self.layer.n
-                by, here = (self.layer.anchors(rest), rest[k], rest[k + 2]), self.at[variant][nm]
+                by, here = (self.layer.anchors(rest), rest[k], rest[k + 2]), self.at[0][nm]
                 slope = (quantity(here.moved(by, 1e-4)) - quantity(here.moved(by, -1e-4))) / 2e-4
                 xyz = [x + w * width * slope / len(kept) for x, w in zip(xyz, self.meter.per_nm(nm))]
         return xyz
@@ -951,9 +967,17 @@ def certainty(study, layer, ink, grid):
     return found
 
 
+def flat(order):
+    """m, n, direction (2), whether it propagates (2), amplitudes (4), efficiencies (2): of each the reflected one first."""
+    m, n, direction, propagates, amplitudes, efficiencies = order[:6]
+    return [m, n, *direction, *propagates, *amplitudes[0], *amplitudes[1], *efficiencies]
+
+
 def derive(name):
     """Everything that the run of a study publishes."""
     study, solves = Study(name), json.loads((GOLDEN / f"{name}-solves.json").read_text())
+    for point in (p for r in solves["realisations"] for p in r["points"]):
+        point["orders"] = [flat(order) for order in point["orders"]]
     layer = Layer(study, solves)
     ink = Ink(layer) if layer.on_paper() else None
     grid = solves["grid"]
@@ -1019,7 +1043,7 @@ def derive_sweep(name):
 def main():
     if sys.argv[1:2] == ["--take"]:
         return take(sys.argv[2], sys.argv[3])
-    names = sys.argv[1:] or sorted(p.stem for p in GOLDEN.glob("*.toml"))
+    names = [name for name in sys.argv[1:] if name != "--check"] or sorted(p.stem for p in GOLDEN.glob("*.toml"))
     for name in names:
         derive_sweep(name) if name == "sweep" else derive(name)
 

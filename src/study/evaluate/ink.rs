@@ -107,7 +107,7 @@ pub struct InkOnPaper {
     /// 1/(Lx Ly), averaged over the solves, 1/µm².
     orders_per_um2: f64,
     whole: Vec<LayerOnPaper>,
-    /// \[realisation left out\]\[node\]
+    /// \[realisation left out\]\[node\], without the nodes of solves
     replicates: Vec<Vec<LayerOnPaper>>,
 }
 
@@ -186,7 +186,9 @@ impl InkOnPaper {
     }
 
     fn layers_without(&self, left_out: Option<usize>) -> Result<Vec<LayerOnPaper>, PaperError> {
-        (0..self.nodes.wavelengths_nm.len()).map(|node| self.layer_at(node, left_out)).collect()
+        let all = self.nodes.wavelengths_nm.len();
+        let count = if left_out.is_some() { self.places.colours.end } else { all };
+        (0..count).map(|node| self.layer_at(node, left_out)).collect()
     }
 
     fn layer_at(&self, node: usize, left_out: Option<usize>) -> Result<LayerOnPaper, PaperError> {

@@ -50,6 +50,35 @@ pub struct Measured {
     pub absorptance: f64,
 }
 
+/// Step of differences that stand for derivatives: rounding and curvature both cost some 1e-7.
+const SLOPE_STEP: f64 = 1e-6;
+/// Numbers that are measured.
+pub(super) const MEASURED: usize = 4 * TOTALS + 3;
+const TOTALS: usize = 3;
+
+impl Measured {
+    /// All numbers, totals first.
+    pub(super) fn numbers(&self) -> [f64; MEASURED] {
+        let [[a, b], [c, d]] = [self.anchors, self.returned].map(|totals| totals.map(LayerTotals::numbers));
+        let rest = [self.straight_on, self.transmittance, self.absorptance];
+        let mut all = [a, b, c, d, rest].into_iter().flatten();
+        std::array::from_fn(|_| all.next().unwrap_or_default())
+    }
+
+    /// 1 for one of the numbers, 0 for the others.
+    pub(super) fn unit(k: usize) -> Self {
+        let one = |place: usize| f64::from(u8::from(place == k));
+        let totals = |first: usize| LayerTotals::from_fn(|column| one(TOTALS * first + column));
+        Self {
+            anchors: [totals(0), totals(1)],
+            returned: [totals(2), totals(3)],
+            straight_on: one(4 * TOTALS),
+            transmittance: one(4 * TOTALS + 1),
+            absorptance: one(4 * TOTALS + 2),
+        }
+    }
+}
+
 /// Fitted curves over the angle.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AngleCurve {
@@ -314,6 +343,12 @@ impl LayerOnPaper {
         layer.measured.transmittance += step * by.transmittance;
         layer.measured.absorptance += step * by.absorptance;
         layer
+    }
+
+    /// Derivatives of a quantity with respect to all measured numbers.
+    pub(super) fn slopes(&self, quantity: impl Fn(&Self) -> f64) -> [f64; MEASURED] {
+        let own = quantity(self);
+        std::array::from_fn(|k| (quantity(&self.moved(&Measured::unit(k), SLOPE_STEP)) - own) / SLOPE_STEP)
     }
 
     /// Difference between the equally weighted mean over these angles and the mean of the fitted

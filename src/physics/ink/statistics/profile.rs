@@ -26,11 +26,14 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
             around = Some(material);
         }
     }
+    // Fractions of a layer with a relief refer to its dry height.
+    let dry = packing.relief().map_or(1.0, |relief| relief.dry_height_um() / packing.thickness_um());
     let mut layers = packing.shells_um().len();
     for (pigment, shell) in packing.shells_um().iter().enumerate() {
         let materials = || (layers..layers + shell.len()).chain([pigment]);
         let sum: f64 = fractions.iter().flat_map(|slice| materials().map(|m| slice[m])).sum();
-        let factor = if sum > 0.0 { packing.achieved_fraction(pigment) * slices as f64 / sum } else { 0.0 };
+        let share = dry * packing.achieved_fraction(pigment);
+        let factor = if sum > 0.0 { share * slices as f64 / sum } else { 0.0 };
         fractions.iter_mut().for_each(|slice| materials().for_each(|m| slice[m] *= factor));
         layers += shell.len();
     }
@@ -127,10 +130,14 @@ mod tests {
             ..Default::default()
         };
         let packing = pack(&request, &mut ()).unwrap();
+        let all = profile(&packing, 20);
+        let mean = all.iter().map(|slice| slice[0]).sum::<f64>() / 20.0;
+        // of the dry 350 nm, in a layer of 500
+        assert!((mean - 0.7 * packing.achieved_fraction(0)).abs() < 1e-12, "{mean}");
         // Slices of 25 nm; the binder is at most as high as all of the dry ink, 350 nm.
         let above = (packing.surface_z_um(0.0, 0.0) / 0.025) as usize;
         assert!(above >= 5, "{above}");
-        let slices = &profile(&packing, 20)[..above];
+        let slices = &all[..above];
         assert!(slices.iter().any(|slice| slice[0] > 0.01), "{slices:?}");
         for slice in slices {
             assert!((slice[0] + slice[1] - 1.0).abs() < 1e-12, "{slice:?}");

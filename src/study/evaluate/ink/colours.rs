@@ -7,7 +7,7 @@ use crate::appearance::picture::InkPicture;
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::curves::anchors;
 use crate::evaluate::layer::{EnsembleMean, LayerEnsemble, Total};
-use crate::evaluate::on_paper::{AngleNodes, LayerOnPaper, Measured, PolarAngle};
+use crate::evaluate::on_paper::{AngleNodes, LayerOnPaper, MEASURED, Measured, PolarAngle};
 use crate::evaluate::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use crate::evaluate::wavelengths::SpectralBasis;
 use crate::numerics::estimate::{jackknife_covariance, jackknife_deviations};
@@ -17,6 +17,9 @@ use std::ops::Range;
 
 /// Step of the finite difference along a residual.
 const DERIVATIVE_STEP: f64 = 1e-4;
+
+/// Derivatives of a quantity at the wavelengths of one realisation.
+type SolveSlopes = Vec<[f64; MEASURED]>;
 
 /// Illuminant and observer with the wavelengths that are summed.
 #[derive(Clone, Debug)]
@@ -59,8 +62,10 @@ impl InkOnPaper {
         sight: &Sight,
         quantity: impl Fn(&LayerOnPaper) -> f64,
     ) -> Result<(Colour, Vec<[f64; 3]>), InkError> {
-        let labs: Vec<[f64; 3]> = self.replicates_of(sight, &quantity)?.iter().map(|c| c.lab).collect();
-        let whole = self.colour_of_mean(sight, &quantity)?;
+        let slopes = self.slopes(sight, &quantity);
+        let labs: Vec<[f64; 3]> =
+            self.replicates_with(sight, &slopes, &quantity)?.iter().map(|c| c.lab).collect();
+        let whole = self.colour_without(sight, None, (&slopes, &quantity))?;
         let colour = Colour { lab_covariance: jackknife_covariance(&labs), ..whole };
         Ok((colour, jackknife_deviations(&labs)))
     }
@@ -74,7 +79,23 @@ impl InkOnPaper {
         sight: &Sight,
         quantity: impl Fn(&LayerOnPaper) -> f64,
     ) -> Result<Vec<Colour>, InkError> {
-        (0..self.replicates.len()).map(|r| self.colour_without(sight, Some(r), &quantity)).collect()
+        self.replicates_with(sight, &self.slopes(sight, &quantity), &quantity)
+    }
+
+    fn replicates_with(
+        &self,
+        sight: &Sight,
+        slopes: &[SolveSlopes],
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
+    ) -> Result<Vec<Colour>, InkError> {
+        (0..self.replicates.len()).map(|r| self.colour_without(sight, Some(r), (slopes, quantity))).collect()
+    }
+
+    /// Derivatives of a quantity at every solve; none where residuals do not count.
+    fn slopes(&self, sight: &Sight, quantity: &impl Fn(&LayerOnPaper) -> f64) -> Vec<SolveSlopes> {
+        let at = |node: usize| self.whole[node].slopes(quantity);
+        let solved = self.places.solved.iter().filter(|_| sight.beyond_fit);
+        solved.map(|nodes| nodes.clone().map(at).collect()).collect()
     }
 
     /// D65 and the 2° observer.
@@ -107,7 +128,7 @@ impl InkOnPaper {
         sight: &Sight,
         quantity: impl Fn(&LayerOnPaper) -> f64,
     ) -> Result<Colour, InkError> {
-        self.colour_without(sight, None, &quantity)
+        self.colour_without(sight, None, (&self.slopes(sight, &quantity), &quantity))
     }
 
     /// Standard errors of Lab due to light beyond each end of the wavelength range.
@@ -144,24 +165,27 @@ impl InkOnPaper {
         (square / errors.len() as f64).sqrt()
     }
 
-    /// XYZ = ∫ w F(m̂) + ⟨Σ_j w_j F′(m̂)·(x_j − m̂)⟩: the fitted means m̂ and, to first order, the
+    /// XYZ = ∫ w F(m̂) + ⟨Σ_j w_j F′·(x_j − m̂)⟩: the fitted means m̂ and, to first order, the
     /// residuals of the solves x_j. The smoothness of the fit therefore does not bias the colour.
+    ///
+    /// F′ is that of the whole ensemble: leaving one out changes it by 1/N, and residuals average
+    /// out.
     fn colour_without(
         &self,
         sight: &Sight,
         left_out: Option<usize>,
-        quantity: &impl Fn(&LayerOnPaper) -> f64,
+        (slopes, quantity): (&[SolveSlopes], &impl Fn(&LayerOnPaper) -> f64),
     ) -> Result<Colour, InkError> {
         let meter = &sight.meter;
         let layers = left_out.map_or(&self.whole, |r| &self.replicates[r]);
         let mut xyz = meter.xyz(&sight.values(layers, quantity))?;
-        let kept: Vec<usize> = (0..self.places.solved.len()).filter(|&r| Some(r) != left_out).collect();
-        for &r in kept.iter().filter(|_| sight.beyond_fit) {
+        let kept: Vec<usize> = (0..slopes.len()).filter(|&r| Some(r) != left_out).collect();
+        for &r in &kept {
             let nodes = self.places.solved[r].clone();
             let width = self.step_nm(nodes.len());
-            for (j, node) in nodes.enumerate() {
-                let moved = layers[node].moved(&self.residual(left_out, r, j, node), DERIVATIVE_STEP);
-                let slope = (quantity(&moved) - quantity(&layers[node])) / DERIVATIVE_STEP;
+            for (j, (node, slopes)) in nodes.zip(&slopes[r]).enumerate() {
+                let residual = self.residual(left_out, r, j, node).numbers();
+                let slope: f64 = slopes.iter().zip(residual).map(|(a, b)| a * b).sum();
                 let weight = meter.weight_per_nm(self.nodes.wavelengths_nm[node]);
                 (0..3).for_each(|c| xyz[c] += weight[c] * width * slope / kept.len() as f64);
             }

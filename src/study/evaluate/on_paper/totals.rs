@@ -20,6 +20,11 @@ impl<T> LayerTotals<T> {
 }
 
 impl LayerTotals {
+    /// The values in the order of the fits' columns.
+    pub(super) fn numbers(self) -> [f64; 3] {
+        [self.reflectance, self.transmittance, self.specular]
+    }
+
     /// Adds `step` times other values.
     pub(super) fn plus(self, step: f64, by: &Self) -> Self {
         Self {
