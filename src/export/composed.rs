@@ -48,7 +48,7 @@ impl ComposedStored {
         let stores = stored::stores(path)?;
         let portions = study.portions().into_iter();
         let solved: Vec<SolvedPortion> =
-            portions.filter_map(|portion| Some((portion.clone(), collect(&portion, &stores)?))).collect();
+            portions.filter_map(|portion| Some((portion.clone(), collect(&portion, &stores, 0)?))).collect();
         let (finished, asked) = (solved.iter().map(|(_, c)| c.finished()).sum(), study.solves());
         if finished < asked {
             return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });

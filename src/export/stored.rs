@@ -43,7 +43,7 @@ impl Stored {
         let stores = stores(path)?;
         let missing =
             || ExportError::Unfinished { path: path.to_owned(), finished: 0, asked: study.solves() };
-        let collected = collect(&study, &stores).ok_or_else(missing)?;
+        let collected = collect(&study, &stores, 0).ok_or_else(missing)?;
         let (finished, asked) = (collected.finished(), study.solves());
         if finished < asked {
             return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });

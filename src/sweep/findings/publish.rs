@@ -117,7 +117,7 @@ fn variant(
     folder: &OutputFolder,
 ) -> Result<(Outcome, Option<InkPicture>), PublishError> {
     let (study, nothing) = (&sweep.variants[number].study, Outcome::nothing(sweep, number));
-    let Some(collected) = collect(study, stores) else {
+    let Some(collected) = collect(study, stores, 0) else {
         return Ok((nothing.with_failed_stages(refused(study, stores, study.realisations)), None));
     };
     let seen = see(study, &collected)?;

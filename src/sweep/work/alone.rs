@@ -33,7 +33,8 @@ pub fn run_study(
     let settings = RunSettings { retry_failed: true, ..settings };
     let sweep = Sweep::of_one("", study.clone());
     let tally = run(&sweep, folder, (Shard::ALL, Scope::Solves), settings, watch)?;
-    match stored(study, folder)? {
+    let known = tally.known.first().copied().unwrap_or(0);
+    match collect(study, &Stores::open(folder)?, known) {
         Some(collected) => {
             let collected = Collected { damages: tally.damages, ..collected };
             Ok(Ran { collected, publishes: tally.publishes })
@@ -53,5 +54,5 @@ pub fn run_study(
 /// # Errors
 /// The records cannot be read.
 pub fn stored(study: &Study, folder: &OutputFolder) -> std::io::Result<Option<Collected>> {
-    Ok(collect(study, &Stores::open(folder)?))
+    Ok(collect(study, &Stores::open(folder)?, 0))
 }

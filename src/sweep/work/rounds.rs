@@ -77,9 +77,9 @@ impl Standing {
 /// Everything stored for a study; `None` before the first packing and grid.
 ///
 /// A study with `run.target_delta_e` ends with the realisation that reaches it, even if more are
-/// stored.
-pub(crate) fn collect(study: &Study, stores: &Stores) -> Option<Collected> {
-    let standing = Standing::of(study, stores, 0);
+/// stored; it is known to miss it with `known` realisations.
+pub(crate) fn collect(study: &Study, stores: &Stores, known: usize) -> Option<Collected> {
+    let standing = Standing::of(study, stores, known);
     let realisations = if standing.enough { standing.border } else { study.realisations };
     Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
 }
@@ -115,6 +115,11 @@ impl<'a> Rounds<'a> {
     pub fn new(sweep: &'a Sweep) -> Self {
         let start = Standing { border: 0, open: true, enough: false };
         Self { sweep, standings: vec![start; sweep.variants.len()] }
+    }
+
+    /// The number of realisations with which each variant is known to miss its target.
+    pub fn known(&self) -> Vec<usize> {
+        self.standings.iter().map(|standing| standing.border.saturating_sub(BATCH)).collect()
     }
 
     /// True if some variant has a target.

@@ -59,6 +59,8 @@ pub struct Tally {
     pub failure: Option<RunError>,
     /// Total time that threads of this process waited for others.
     pub waited: Duration,
+    /// The number of realisations with which each variant is known to miss its target.
+    pub known: Vec<usize>,
 }
 
 /// Extent of the work.
@@ -128,7 +130,8 @@ pub fn run(
         stores.database().refresh()?;
     }
     let damages = stores.database().damages();
-    Ok(Tally { asked: solves(sweep, shard), damages, failure, waited, ..tally(&queue, watch.stop())? })
+    let (asked, known) = (solves(sweep, shard), rounds.known());
+    Ok(Tally { asked, damages, failure, waited, known, ..tally(&queue, watch.stop())? })
 }
 
 fn tally(queue: &Queue, stopped: bool) -> Result<Tally, RunError> {

@@ -20,6 +20,9 @@ const DERIVATIVE_STEP: f64 = 1e-4;
 
 /// Derivatives of a quantity at the wavelengths of one realisation.
 type SolveSlopes = Vec<[f64; MEASURED]>;
+/// Change of a quantity with what was measured, to first order: realisation, place of its
+/// wavelength, node; change.
+type Along<'a> = dyn Fn([usize; 3], &Measured) -> f64 + 'a;
 
 /// Illuminant and observer with the wavelengths that are summed.
 #[derive(Clone, Debug)]
@@ -62,10 +65,8 @@ impl InkOnPaper {
         sight: &Sight,
         quantity: impl Fn(&LayerOnPaper) -> f64,
     ) -> Result<(Colour, Vec<[f64; 3]>), InkError> {
-        let slopes = self.slopes(sight, &quantity);
-        let labs: Vec<[f64; 3]> =
-            self.replicates_with(sight, &slopes, &quantity)?.iter().map(|c| c.lab).collect();
-        let whole = self.colour_without(sight, None, (&slopes, &quantity))?;
+        let labs: Vec<[f64; 3]> = self.replicates_of(sight, &quantity)?.iter().map(|c| c.lab).collect();
+        let whole = self.colour_of_mean(sight, &quantity)?;
         let colour = Colour { lab_covariance: jackknife_covariance(&labs), ..whole };
         Ok((colour, jackknife_deviations(&labs)))
     }
@@ -79,16 +80,11 @@ impl InkOnPaper {
         sight: &Sight,
         quantity: impl Fn(&LayerOnPaper) -> f64,
     ) -> Result<Vec<Colour>, InkError> {
-        self.replicates_with(sight, &self.slopes(sight, &quantity), &quantity)
-    }
-
-    fn replicates_with(
-        &self,
-        sight: &Sight,
-        slopes: &[SolveSlopes],
-        quantity: &impl Fn(&LayerOnPaper) -> f64,
-    ) -> Result<Vec<Colour>, InkError> {
-        (0..self.replicates.len()).map(|r| self.colour_without(sight, Some(r), (slopes, quantity))).collect()
+        let slopes = self.slopes(sight, &quantity);
+        let along = |[r, j, _]: [usize; 3], by: &Measured| -> f64 {
+            slopes[r][j].iter().zip(by.numbers()).map(|(slope, by)| slope * by).sum()
+        };
+        (0..self.replicates.len()).map(|r| self.colour_without(sight, Some(r), (&along, &quantity))).collect()
     }
 
     /// Derivatives of a quantity at every solve; none where residuals do not count.
@@ -128,7 +124,11 @@ impl InkOnPaper {
         sight: &Sight,
         quantity: impl Fn(&LayerOnPaper) -> f64,
     ) -> Result<Colour, InkError> {
-        self.colour_without(sight, None, (&self.slopes(sight, &quantity), &quantity))
+        let along = |[_, _, node]: [usize; 3], by: &Measured| {
+            let here = &self.whole[node];
+            (quantity(&here.moved(by, DERIVATIVE_STEP)) - quantity(here)) / DERIVATIVE_STEP
+        };
+        self.colour_without(sight, None, (&along, &quantity))
     }
 
     /// Standard errors of Lab due to light beyond each end of the wavelength range.
@@ -174,18 +174,17 @@ impl InkOnPaper {
         &self,
         sight: &Sight,
         left_out: Option<usize>,
-        (slopes, quantity): (&[SolveSlopes], &impl Fn(&LayerOnPaper) -> f64),
+        (along, quantity): (&Along, &impl Fn(&LayerOnPaper) -> f64),
     ) -> Result<Colour, InkError> {
         let meter = &sight.meter;
         let layers = left_out.map_or(&self.whole, |r| &self.replicates[r]);
         let mut xyz = meter.xyz(&sight.values(layers, quantity))?;
-        let kept: Vec<usize> = (0..slopes.len()).filter(|&r| Some(r) != left_out).collect();
-        for &r in &kept {
+        let kept: Vec<usize> = (0..self.places.solved.len()).filter(|&r| Some(r) != left_out).collect();
+        for &r in kept.iter().filter(|_| sight.beyond_fit) {
             let nodes = self.places.solved[r].clone();
             let width = self.step_nm(nodes.len());
-            for (j, (node, slopes)) in nodes.zip(&slopes[r]).enumerate() {
-                let residual = self.residual(left_out, r, j, node).numbers();
-                let slope: f64 = slopes.iter().zip(residual).map(|(a, b)| a * b).sum();
+            for (j, node) in nodes.enumerate() {
+                let slope = along([r, j, node], &self.residual(left_out, r, j, node));
                 let weight = meter.weight_per_nm(self.nodes.wavelengths_nm[node]);
                 (0..3).for_each(|c| xyz[c] += weight[c] * width * slope / kept.len() as f64);
             }
