@@ -91,15 +91,12 @@ impl IndexPrior {
     pub fn adapted(&self, unknowns: &[f64]) -> Self {
         let Some(beyond) = self.beyond else { return self.clone() };
         let count = self.rough.len();
-        let around = |i: usize| {
-            let part = &unknowns[(i + 1).saturating_sub(NEIGHBOURS)..(i + 2 + NEIGHBOURS).min(count + 2)];
-            part.iter().sum::<f64>() / part.len() as f64
-        };
+        let local: Vec<f64> = (0..count).map(|i| around(&unknowns[..count + 2], i + 1)).collect();
         let data = beyond..count.saturating_sub(beyond);
-        let mean = data.clone().map(around).sum::<f64>() / data.len().max(1) as f64;
+        let mean = local[data.clone()].iter().sum::<f64>() / data.len().max(1) as f64;
         let mut adapted = self.clone();
         for (i, row) in adapted.rough.iter_mut().enumerate() {
-            let own = (around(i) + FLOOR * mean) / ((1.0 + FLOOR) * mean).max(1e-9);
+            let own = (local[i] + FLOOR * mean) / ((1.0 + FLOOR) * mean).max(1e-9);
             let own = if data.contains(&i) { own } else { own.max(1.0) };
             row.iter_mut().for_each(|(_, weight)| *weight /= own.max(1e-3));
         }
@@ -130,6 +127,12 @@ impl IndexPrior {
             _ => SIZES[1],
         }
     }
+}
+
+/// Mean of κ about a knot.
+fn around(kappa: &[f64], knot: usize) -> f64 {
+    let part = &kappa[knot.saturating_sub(NEIGHBOURS)..(knot + 1 + NEIGHBOURS).min(kappa.len())];
+    part.iter().sum::<f64>() / part.len() as f64
 }
 
 /// Second differences of a run of unknowns, times `factor`.

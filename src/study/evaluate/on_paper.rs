@@ -67,15 +67,11 @@ impl Measured {
 
     /// 1 for one of the numbers, 0 for the others.
     pub(super) fn unit(k: usize) -> Self {
-        let one = |place: usize| f64::from(u8::from(place == k));
-        let totals = |first: usize| LayerTotals::from_fn(|column| one(TOTALS * first + column));
-        Self {
-            anchors: [totals(0), totals(1)],
-            returned: [totals(2), totals(3)],
-            straight_on: one(4 * TOTALS),
-            transmittance: one(4 * TOTALS + 1),
-            absorptance: one(4 * TOTALS + 2),
-        }
+        let one: [f64; MEASURED] = std::array::from_fn(|place| f64::from(u8::from(place == k)));
+        let [a, b, c, d] =
+            [0, 1, 2, 3].map(|part| LayerTotals::from_fn(|column| one[TOTALS * part + column]));
+        let [.., straight_on, transmittance, absorptance] = one;
+        Self { anchors: [a, b], returned: [c, d], straight_on, transmittance, absorptance }
     }
 }
 
