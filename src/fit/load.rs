@@ -205,7 +205,8 @@ impl FitReading<'_> {
                 coats.push(study.clone());
             }
             let share = 100.0 * study.pigments[self.pigment].grains.volume_fraction;
-            let layer = format!("{share:.4} % of {:.4} µm", study.layer.thickness_um);
+            let [share, um] = [share, study.layer.thickness_um].map(|x| (1e4 * x).round() / 1e4);
+            let layer = format!("{share} % of {um} µm");
             let name = table.file.clone().unwrap_or_else(|| layer.clone());
             let name = table.patch.clone().map_or(name.clone(), |patch| format!("{name}: {patch}"));
             let geometry = table.geometry;

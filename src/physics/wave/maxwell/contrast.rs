@@ -129,7 +129,7 @@ fn effective<'a>(
         return Err(WaveError::NotInVectorMode {
             what: "this contrast",
             reason: "the normal-field tensor is nearly singular at a point of the grid",
-            remedy: "raise the resolution, or use the naive averaging",
+            remedy: "raise the resolution; indices that differ by 2 or more may be out of the vector wave's reach",
         });
     }
     Ok(symmetric_product(&d, &adjugate).map(|v| v / determinant))
