@@ -4,7 +4,6 @@
 use super::again::this_command;
 use super::progress::Progress;
 use super::run::{run_report, tell_damages};
-use super::stop::StopFlag;
 use super::work::opened;
 use inkwave::evaluate::manifest::Status;
 use inkwave::input::study::{Composed, Study};
@@ -20,7 +19,7 @@ use std::path::Path;
 /// Runs a composed layer and prints its colours.
 pub(super) fn run(study: &Study, path: &Path, settings: RunSettings) -> miette::Result<()> {
     let folder = opened(path, Holds::Study)?;
-    let progress = Progress::new(StopFlag::listen());
+    let progress = Progress::new();
     let solved = run_portions(study, &folder, settings, &progress);
     progress.finish();
     let solved = solved.map_err(|error| {

@@ -3,7 +3,6 @@
 use super::diagnostics::study_report;
 use super::progress::Progress;
 use super::run::step_report;
-use super::stop::StopFlag;
 use super::sweep::tell_plan;
 use super::work::{WorkArgs, opened};
 use clap::Args;
@@ -37,7 +36,7 @@ pub fn run(args: &DesignArgs) -> miette::Result<()> {
         return plan(&task, settings);
     }
     let folder = opened(&args.work.folder(&args.design, ""), Holds::Design)?;
-    let progress = Progress::new(StopFlag::listen());
+    let progress = Progress::new();
     let run = DesignRun { task: &task, folder: &folder, settings, watch: &progress };
     let outcome = run.design();
     progress.finish();

@@ -4,7 +4,6 @@ use super::again::quoted;
 use super::progress::Progress;
 use super::run::folder_report;
 use super::say::say;
-use super::stop::StopFlag;
 use clap::Args;
 use inkwave::export::composed::ComposedStored;
 use inkwave::export::error::ExportError;
@@ -13,7 +12,7 @@ use inkwave::export::stored::Stored;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::store::partial;
-use miette::miette;
+use miette::{MietteDiagnostic, miette};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -43,9 +42,9 @@ pub fn run(args: &ExportArgs) -> miette::Result<()> {
     let alone = composed.is_none().then(|| Stored::read(&args.folder)).transpose().map_err(refused)?;
     let folder = args.output.clone().unwrap_or_else(|| args.folder.join("export"));
     let folder = OutputFolder::open(&folder, Holds::Exports).map_err(folder_report)?;
-    let progress = Progress::new(StopFlag::listen());
+    let progress = Progress::new();
     let request = Request {
-        formats: args.to.clone(),
+        formats: args.to.iter().copied().collect(),
         near_field: args.near_field,
         thickness_um: args.thickness,
         created: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
@@ -72,10 +71,10 @@ fn refusal(error: &ExportError, folder: &Path) -> miette::Report {
         ExportError::Unfinished { .. } => {
             miette!(help = format!("to resume: {}", to_go_on(folder)), "{error}")
         }
-        _ => match error.remedy() {
-            Some(remedy) => miette!(help = remedy, "{error}"),
-            None => miette!("{error}"),
-        },
+        _ => {
+            let help = error.remedy().map(str::to_owned);
+            MietteDiagnostic { help, ..MietteDiagnostic::new(error.to_string()) }.into()
+        }
     }
 }
 

@@ -4,7 +4,6 @@ use super::diagnostics::study_report;
 use super::progress::Progress;
 use super::run::{folder_report, run_report, step_report};
 use super::say::note;
-use super::stop::StopFlag;
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::fit::load::{FitTask, load};
@@ -36,7 +35,7 @@ pub fn run(args: &FitArgs) -> miette::Result<()> {
         return tell_plan(&task, settings);
     }
     let folder = opened(&args.work.folder(&args.fit, ""), Holds::Fit)?;
-    let progress = Progress::new(StopFlag::listen());
+    let progress = Progress::new();
     let [table, steps, predicted] = points(&task);
     progress.expect(table + steps + predicted, true);
     let stores = FitStores::open(&folder).map_err(run_report)?;
@@ -64,7 +63,7 @@ fn tell_plan(task: &FitTask, settings: RunSettings) -> miette::Result<()> {
     let folder = tempfile::tempdir().into_diagnostic()?;
     let folder = OutputFolder::open(folder.path(), Holds::Fit).map_err(folder_report)?;
     let stores = FitStores::open(&folder).map_err(run_report)?;
-    let progress = Progress::new(StopFlag::listen());
+    let progress = Progress::new();
     let run = FitRun::new(task, &stores, settings, &progress).map_err(run_report)?;
     let each = run.trial().map_err(run_report)?;
     progress.finish();

@@ -92,7 +92,7 @@ pub struct Progress {
 }
 
 impl Progress {
-    pub fn new(stop: StopFlag) -> Self {
+    pub fn new() -> Self {
         let plain = !std::io::stderr().is_terminal();
         let bar = ProgressBar::no_length();
         let template = "{bar:32} {pos}/{len} solves  {msg}  {elapsed} elapsed, {prefix}";
@@ -102,7 +102,7 @@ impl Progress {
         if !plain {
             bar.enable_steady_tick(Duration::from_millis(250));
         }
-        Self { stop, bar, plain, state: Mutex::new(RunState::new()) }
+        Self { stop: StopFlag::listen(), bar, plain, state: Mutex::new(RunState::new()) }
     }
 
     fn state(&self) -> MutexGuard<'_, RunState> {

@@ -5,7 +5,6 @@ use super::diagnostics::study_report;
 use super::live::Live;
 use super::mixed_up::not_for;
 use super::progress::Progress;
-use super::stop::StopFlag;
 use super::sweep::{tell_others, tell_plan};
 use super::work::{WorkArgs, opened};
 use clap::Args;
@@ -61,7 +60,7 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     if let Some(reason) = by_size(&Sweep::of_one("", study.clone()), settings).out_of_reach {
         note!("out of reach: {reason} (--plan gives details; Ctrl-C stops)");
     }
-    let progress = Progress::new(StopFlag::listen());
+    let progress = Progress::new();
     progress.expect(study.solves(), study.target_delta_e.is_some());
     let live = Live::new(&folder, &progress, Box::new(|| publish_stored(&study, &folder)));
     let ran = run_study(&study, &folder, settings, &live).inspect_err(|_| folder.discard_when_empty());

@@ -7,7 +7,6 @@ use super::mixed_up::not_for;
 use super::progress::Progress;
 use super::run::{folder_report, run_report, tell_damages};
 use super::say::note;
-use super::stop::StopFlag;
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::run::RunSettings;
@@ -80,7 +79,7 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     }
     let end = shard.map_or_else(String::new, |s| format!(".shard-{}-of-{}", s.index, s.count));
     let folder = begin(&sweep, &args.work.folder(&args.sweep, &end), args)?;
-    let progress = Progress::new(StopFlag::listen());
+    let progress = Progress::new();
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
     let ends_early = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
     progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) }, ends_early);
@@ -131,7 +130,7 @@ fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> mie
     }
     let folder = opened(&args.work.folder(&args.sweep, ""), Holds::Sweep)?;
     folder::write(sweep, &folder).map_err(folder_report)?;
-    let progress = Progress::new(StopFlag::listen());
+    let progress = Progress::new();
     let ended = composed::run(sweep, &folder, settings, &progress);
     progress.finish();
     let done = ended.map_err(run_report)?;
@@ -165,7 +164,7 @@ pub(super) fn tell(
     go_on: &str,
 ) -> miette::Result<()> {
     for judged in &reported.conclusions {
-        say!("{}: {} ({})", judged.id, judged.verdict.name(), judged.inequality)?;
+        say!("{}: {} ({})", judged.table.id, judged.verdict.name(), judged.inequality)?;
     }
     if let Some(nearest) = &reported.nearest {
         say!("{nearest}")?;
@@ -239,7 +238,7 @@ fn too_many_shards(shard: Shard, most: usize) -> miette::Report {
 pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result<()> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
-    let progress = Progress::new(StopFlag::listen());
+    let progress = Progress::new();
     let plan = plan::plan(sweep, RunSettings { jobs: Some(jobs), ..settings }, &progress);
     progress.finish();
     let plan = plan.map_err(run_report)?;

@@ -1,7 +1,7 @@
 //! Errors of comparisons.
 
 use crate::input::case::CaseError;
-use crate::input::fault::StudyError;
+use crate::input::fault::{Fault, Faults, StudyError};
 use crate::solve::SolveError;
 use crate::solve::accuracy::AccuracyError;
 use crate::wave::WaveError;
@@ -11,14 +11,6 @@ use thiserror::Error;
 /// An error that prevents the comparison; a strategy that fails is a row with the reason instead.
 #[derive(Debug, Error)]
 pub enum CompareError {
-    /// The file cannot be read.
-    #[error("cannot read {path}: {message}; check the path and its permissions")]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// The message of the system.
-        message: String,
-    },
     /// The file is not a comparison.
     #[error(transparent)]
     Study(#[from] StudyError),
@@ -31,17 +23,8 @@ pub enum CompareError {
         error: Box<CompareError>,
     },
     /// Fields that do not fit together.
-    #[error("{field} is {found}; allowed is {allowed}: {remedy}")]
-    Field {
-        /// The field.
-        field: String,
-        /// What was found.
-        found: String,
-        /// What is allowed.
-        allowed: String,
-        /// What to try.
-        remedy: &'static str,
-    },
+    #[error("{0}")]
+    Fields(Faults),
     /// The case file is not valid.
     #[error(transparent)]
     Case(#[from] CaseError),
@@ -73,23 +56,16 @@ impl CompareError {
     /// Adds the name of the file, unless the message contains it.
     pub(super) fn in_file(self, path: &Path) -> CompareError {
         match self {
-            named @ (Self::Read { .. } | Self::Study(_) | Self::InFile { .. }) => named,
-            named @ Self::Case(
-                CaseError::Read { .. } | CaseError::Parse { .. } | CaseError::Values { .. },
-            ) => named,
+            named @ (Self::Study(_) | Self::InFile { .. }) => named,
+            named @ Self::Case(CaseError::Read { .. } | CaseError::Refused { .. }) => named,
             error => Self::InFile { path: path.to_owned(), error: Box::new(error) },
         }
     }
+}
 
-    /// A field with a value that is not allowed.
-    pub(super) fn field(
-        field: impl Into<String>,
-        found: impl ToString,
-        allowed: impl ToString,
-        remedy: &'static str,
-    ) -> CompareError {
-        let (found, allowed) = (found.to_string(), allowed.to_string());
-        CompareError::Field { field: field.into(), found, allowed, remedy }
+impl From<Fault> for CompareError {
+    fn from(fault: Fault) -> Self {
+        Self::Fields(Faults(vec![fault]))
     }
 }
 

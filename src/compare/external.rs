@@ -8,6 +8,7 @@ pub mod protocol;
 use super::error::CompareError;
 use super::row::{Row, Varied};
 use crate::input::case::Case;
+use crate::input::fault::Faults;
 use crate::solve::Watch;
 use description::ProgramDescription;
 use judge::{ExpectedOrder, ReadAnswer};
@@ -76,27 +77,26 @@ impl ExternalTable {
         if self.knob.is_empty() { vec![None] } else { self.knob.iter().copied().map(Some).collect() }
     }
 
-    /// Refuses what cannot be run; `taken` are the names of other rows.
-    ///
-    /// # Errors
-    /// The field, what was found and what is allowed.
-    pub(super) fn check(&self, taken: &[String]) -> Result<(), CompareError> {
-        let limits = [("time_limit_s", self.time_limit_s), ("memory_gb", self.memory_gb)];
-        let wrong = limits.into_iter().find(|(_, limit)| !(limit.is_finite() && *limit > 0.0));
-        let knob = self.knob.iter().find(|knob| !knob.is_finite());
-        let (key, found, allowed) = if self.name.trim().is_empty() || taken.contains(&self.name) {
-            ("name", format!("{:?}", self.name), "a name that no strategy and no other program has")
-        } else if self.command.first().is_none_or(|program| program.is_empty()) {
-            ("command", "empty".into(), "a program and its arguments")
-        } else if let Some((key, limit)) = wrong {
-            (key, limit.to_string(), "a finite number above 0")
-        } else if let Some(knob) = knob {
-            ("knob", knob.to_string(), "finite numbers")
-        } else {
-            return Ok(());
-        };
-        let remedy = "correct the [[external]] table";
-        Err(CompareError::field(format!("external.{key}"), found, allowed, remedy))
+    /// Reports what cannot be run; `taken` are the names of other rows.
+    pub(super) fn check(&self, taken: &[String], faults: &mut Faults) {
+        let usable = |limit: f64| limit.is_finite() && limit > 0.0;
+        let named = !self.name.trim().is_empty() && !taken.contains(&self.name);
+        let started = self.command.first().is_some_and(|program| !program.is_empty());
+        let rules = [
+            (named, "name", format!("{:?}", self.name), "a name that no strategy and no other program has"),
+            (started, "command", "empty".into(), "a program and its arguments"),
+            (
+                usable(self.time_limit_s),
+                "time_limit_s",
+                self.time_limit_s.to_string(),
+                "a finite number above 0",
+            ),
+            (usable(self.memory_gb), "memory_gb", self.memory_gb.to_string(), "a finite number above 0"),
+            (self.knob.iter().all(|k| k.is_finite()), "knob", format!("{:?}", self.knob), "finite numbers"),
+        ];
+        for (_, key, found, allowed) in rules.into_iter().filter(|rule| !rule.0) {
+            faults.add(format!("external.{key}"), found, allowed, "correct the [[external]] table");
+        }
     }
 
     /// What the program says of itself with `--describe`; none where it does not.

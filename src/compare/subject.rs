@@ -84,7 +84,7 @@ impl Packed {
         other.file.layer.period_um = Some(Pair::Both(period_um));
         let Some(pigment) = other.file.pigments.first_mut() else {
             let allowed = "at least one pigment, whose index the matrix varies";
-            return Err(CompareError::field("study.pigment", "none", allowed, "add a [[study.pigment]]"));
+            return Err(Fault::new("study.pigment", "none", allowed, "add a [[study.pigment]]").into());
         };
         pigment.index = IndexWritten { n: Some(n), k: Some(kappa), ..IndexWritten::default() };
         Ok(other)
@@ -101,7 +101,7 @@ impl Packed {
         if study.wave.is_vector() {
             let allowed = "scalar: the comparison's own `wave` says which equation is solved";
             let remedy = "leave it out, and write wave = \"vector\" in the comparison";
-            return Err(CompareError::field("study.light.wave", study.wave.name(), allowed, remedy));
+            return Err(Fault::new("study.light.wave", study.wave.name(), allowed, remedy).into());
         }
         // of a composed layer, an inner slab
         Ok(study.portions().into_iter().next().unwrap_or(study))
@@ -137,7 +137,7 @@ impl Packed {
         if !(low..=high).contains(&nm) {
             let allowed = format!("{low} to {high} nm, the study's range");
             let remedy = "widen the study's [light], or leave the wavelength out";
-            return Err(CompareError::field("wavelength_nm", nm, allowed, remedy));
+            return Err(Fault::new("wavelength_nm", nm, allowed, remedy).into());
         }
         let first = study.points(0)[0].incidence;
         let polar_deg = self.polar_deg.unwrap_or(first.polar_deg);

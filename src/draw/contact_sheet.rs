@@ -1,6 +1,6 @@
 //! Many pictures of inks in rows and columns with captions.
 
-use super::error::OutputError;
+use super::error::{OutputError, failed};
 use super::figure::{Anchor, Bitmap};
 use super::picture::{LABEL_PX, Painter, PictureStyle, TITLE_PX};
 use crate::appearance::picture::InkPicture;
@@ -67,15 +67,12 @@ impl ContactSheet {
     }
 
     fn check(&self) -> Result<(), OutputError> {
-        if self.rows.is_empty() || self.columns.is_empty() {
-            return Err(OutputError::Count { field: "rows or columns", count: 0, expected: 1 });
-        }
-        let wrong = |field, count, expected| Err(OutputError::Count { field, count, expected });
-        if self.pictures.len() != self.rows.len() {
-            return wrong("pictures", self.pictures.len(), self.rows.len());
-        }
-        if let Some(row) = self.pictures.iter().find(|r| r.len() != self.columns.len()) {
-            return wrong("a row of pictures", row.len(), self.columns.len());
+        let [rows, columns] = [self.rows.len(), self.columns.len()];
+        let whole = self.pictures.len() == rows && self.pictures.iter().all(|row| row.len() == columns);
+        if rows * columns == 0 || !whole {
+            return Err(failed(format!(
+                "a contact sheet without a picture in each of {rows} × {columns} places"
+            )));
         }
         self.pictures.iter().flatten().flatten().try_for_each(|p| Painter(p).check())
     }

@@ -29,26 +29,6 @@ pub enum OutputError {
         /// Why.
         reason: String,
     },
-    /// A size outside its range.
-    #[error("{field} = {value}: allowed 1 to {most}")]
-    Size {
-        /// Which size.
-        field: &'static str,
-        /// The value, pixels.
-        value: usize,
-        /// Most, pixels.
-        most: usize,
-    },
-    /// The wrong number of items.
-    #[error("{field}: {count} entries where {expected} are needed")]
-    Count {
-        /// Which items.
-        field: &'static str,
-        /// Items given.
-        count: usize,
-        /// Items expected; 1 stands for one at least.
-        expected: usize,
-    },
 }
 
 impl OutputError {

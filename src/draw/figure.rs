@@ -64,7 +64,7 @@ impl Bitmap {
     pub fn white(width: usize, height: usize) -> Result<Self, OutputError> {
         for (field, value) in [("width", width), ("height", height)] {
             if !(1..=LARGEST_SIDE).contains(&value) {
-                return Err(OutputError::Size { field, value, most: LARGEST_SIDE });
+                return Err(failed(format!("{field} = {value}: allowed 1 to {LARGEST_SIDE}")));
             }
         }
         Ok(Self { width, height, rgb: vec![255; 3 * width * height] })

@@ -7,7 +7,7 @@ use super::frame::{Canvas, Frame, drawn, framed};
 use super::raster::{BACKGROUND, BINDER, Camera, Raster, Rgb, mix, pigment_colour, shade};
 use crate::ink::grains::shape::Template;
 use crate::ink::{Packing, Shape, Solid, Sphere};
-use crate::numerics::vector::dot;
+use crate::numerics::vector::{V3, dot, norm};
 use plotters::prelude::*;
 
 const WIDE: f64 = 860.0;
@@ -37,48 +37,20 @@ fn paint_top(packing: &Packing, w: usize, h: usize) -> Raster {
     let [lx, ly] = packing.period_um();
     let mut raster = Raster::new(w, h, BINDER);
     let (sx, sy) = (w as f64 / lx, h as f64 / ly);
-    for (sphere, pigment) in images(packing) {
-        let [cx, cy, cz] = sphere.center_um;
-        let r = sphere.radius_um;
-        for j in ((ly - cy - r) * sy).floor() as i64..=((ly - cy + r) * sy).ceil() as i64 {
-            for i in ((cx - r) * sx).floor() as i64..=((cx + r) * sx).ceil() as i64 {
-                let (x, y) = ((i as f64 + 0.5) / sx, ly - (j as f64 + 0.5) / sy);
-                let square = r * r - (x - cx).powi(2) - (y - cy).powi(2);
-                if square > 0.0 {
-                    let rise = square.sqrt();
-                    let z = cz - rise;
-                    let light =
-                        0.45 + 0.55 * ((rise - 0.4 * (x - cx) + 0.4 * (y - cy)) / (1.15 * r)).max(0.0);
-                    let below = (z - packing.surface_z_um(x, y)).max(0.0) / packing.thickness_um();
-                    let lit = shade(pigment_colour(pigment), light);
-                    raster.set(i, j, z, mix(lit, BINDER, 0.85 * below));
-                }
-            }
-        }
-    }
-    for (solid, pigment) in solid_images(packing) {
-        paint_top_solid(packing, &solid, pigment_colour(pigment), &mut raster);
+    for (solid, material) in images(packing) {
+        paint_top_solid(packing, &solid, pigment_colour(material), &mut raster);
     }
     raster
 }
 
-/// Spheres with their materials, and those periodic images that reach into the cell; inner spheres
-/// follow those around them.
-fn images(packing: &Packing) -> impl Iterator<Item = (Sphere, usize)> + '_ {
-    let period_um = packing.period_um();
-    let round = packing.grains().iter().filter(|g| g.solid.is_none());
-    let nested = round.flat_map(|g| packing.nested(g));
-    let spheres = nested.flat_map(|body| body.spheres.into_iter().map(move |s| (s, body.material)));
-    spheres.flat_map(move |(s, material)| images_of(s, period_um).map(move |image| (image, material)))
-}
-
-/// Convex bodies and those periodic images that reach into the cell.
-fn solid_images(packing: &Packing) -> impl Iterator<Item = (Solid, usize)> + '_ {
+/// Convex bodies and spheres with their materials, and those periodic images that reach into the
+/// cell; inner bodies follow those around them.
+fn images(packing: &Packing) -> impl Iterator<Item = (Solid, usize)> + '_ {
     let period_um = packing.period_um();
     let nested = packing.grains().iter().flat_map(|g| packing.nested(g));
-    let solids = nested.filter_map(|body| Some((body.solid?, *body.spheres.first()?, body.material)));
-    solids.flat_map(move |(solid, around, material)| {
-        images_of(around, period_um).map(move |image| (solid.placed(image.center_um), material))
+    let solids = nested.flat_map(|body| body.solids().into_iter().map(move |solid| (solid, body.material)));
+    solids.flat_map(move |(solid, material)| {
+        images_of(solid, period_um).into_iter().map(move |image| (image, material))
     })
 }
 
@@ -118,20 +90,16 @@ fn paint_cut_solid(packing: &Packing, (solid, depth): (&Solid, f64), colour: Rgb
     }
 }
 
-/// Those of a sphere's nine nearest periodic images, itself among them, that reach into the cell.
-fn images_of(sphere: Sphere, [lx, ly]: [f64; 2]) -> impl Iterator<Item = Sphere> {
-    let [x, y, z] = sphere.center_um;
-    let shifts = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (f64::from(i), f64::from(j))));
-    shifts
-        .map(move |(i, j)| Sphere { center_um: [x + i * lx, y + j * ly, z], ..sphere })
-        .filter(move |image| reaches_into(image, [lx, ly]))
-}
-
-/// True where a sphere reaches into a cell with these sides.
-fn reaches_into(sphere: &Sphere, [lx, ly]: [f64; 2]) -> bool {
-    let ([x, y, _], r) = (sphere.center_um, sphere.radius_um);
-    let reaches = |c: f64, l: f64| c + r > 0.0 && c - r < l;
-    reaches(x, lx) && reaches(y, ly)
+/// Those of a body's nine nearest periodic images, itself among them, that reach into the cell.
+fn images_of(solid: Solid, period_um: [f64; 2]) -> Vec<Solid> {
+    let [x, y, z] = solid.center_um;
+    let shifts = (-1..=1).flat_map(|i| (-1..=1).map(move |j| [f64::from(i), f64::from(j)]));
+    let moved = shifts.map(|[i, j]| solid.placed([x + i * period_um[0], y + j * period_um[1], z]));
+    let reaches = |image: &Solid, axis: usize| {
+        let [low, high] = image.extent_um(axis);
+        high > 0.0 && low < period_um[axis]
+    };
+    moved.filter(|image| (0..2).all(|axis| reaches(image, axis))).collect()
 }
 
 /// The plane y = Ly/2: pigment, binder and vacuum before the binder; z grows downwards to the exit
@@ -163,23 +131,7 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
             }
         }
     }
-    for (after, (sphere, material)) in images(packing).enumerate() {
-        let [cx, cy, cz] = sphere.center_um;
-        let square = sphere.radius_um.powi(2) - (cy - 0.5 * ly).powi(2);
-        if square <= 0.0 {
-            continue;
-        }
-        let r = square.sqrt();
-        for j in ((cz - r) * sz).floor() as i64..=((cz + r) * sz).ceil() as i64 {
-            for i in ((cx - r) * sx).floor() as i64..=((cx + r) * sx).ceil() as i64 {
-                let (x, z) = ((i as f64 + 0.5) / sx, (j as f64 + 0.5) / sz);
-                if (x - cx).powi(2) + (z - cz).powi(2) < square {
-                    raster.set(i, j, -(after as f64), pigment_colour(material));
-                }
-            }
-        }
-    }
-    for (after, (solid, material)) in solid_images(packing).enumerate() {
+    for (after, (solid, material)) in images(packing).enumerate() {
         paint_cut_solid(packing, (&solid, -(after as f64)), pigment_colour(material), &mut raster);
     }
     raster
@@ -231,14 +183,9 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
     let camera = Camera::new(eye, [0.5 * lx, 0.5 * ly, 0.0], [0.0, 0.0, 1.0], 1.02 * w as f64);
     let mut raster = Raster::new(w, h, BACKGROUND);
     for grain in packing.grains() {
-        let outermost = packing.nested(grain)[0].material;
-        if let Some(solid) = &grain.solid {
-            camera.solid(&mut raster, solid, height, pigment_colour(outermost));
-            continue;
-        }
-        for s in &grain.spheres {
-            let [x, y, z] = s.center_um;
-            camera.sphere(&mut raster, [x, y, height - z], s.radius_um, pigment_colour(outermost));
+        let outermost = &packing.nested(grain)[0];
+        for solid in outermost.solids() {
+            camera.solid(&mut raster, &solid, height, pigment_colour(outermost.material));
         }
     }
     let corner = |k: usize| [(k & 1) as f64 * lx, (k >> 1 & 1) as f64 * ly, (k >> 2 & 1) as f64 * height];
@@ -276,16 +223,18 @@ fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Res
 fn paint_shape(template: &Template, colour: usize, side: usize) -> Raster {
     let spheres = &template.spheres;
     let mut raster = Raster::new(side, side, BACKGROUND);
-    let reach =
-        spheres.iter().map(|s| crate::numerics::vector::norm(s.center_um) + s.radius_um).fold(0.0, f64::max);
+    let reach = spheres.iter().map(|s| norm(s.center_um) + s.radius_um).fold(0.0, f64::max);
     let away = 6.0 * reach;
     let camera = Camera::new([away, 0.35 * away, 0.3 * away], [0.0; 3], [0.0, 0.0, 1.0], 2.6 * side as f64);
-    if let Some(form) = &template.form {
-        camera.solid(&mut raster, &Solid::upright(form.clone(), [0.0; 3]), 0.0, pigment_colour(colour));
-        return raster;
-    }
-    for s in spheres {
-        camera.sphere(&mut raster, s.center_um, s.radius_um, pigment_colour(colour));
+    let body = match &template.form {
+        Some(form) => vec![Solid::upright(form.clone(), [0.0; 3])],
+        None => spheres.iter().map(Sphere::solid).collect(),
+    };
+    // Spheres are given with z upwards.
+    let downwards = |[x, y, z]: V3| [x, y, -z];
+    for solid in body {
+        let solid = solid.placed(downwards(solid.center_um));
+        camera.solid(&mut raster, &solid, 0.0, pigment_colour(colour));
     }
     raster
 }

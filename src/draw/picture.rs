@@ -1,6 +1,6 @@
 //! Paints the picture of P1 Fig. 6: strip and square, with or without axes.
 
-use super::error::OutputError;
+use super::error::{OutputError, failed};
 use super::figure::{Anchor, Bitmap};
 use crate::appearance::picture::InkPicture;
 
@@ -55,18 +55,11 @@ impl Painter<'_> {
     }
 
     pub(super) fn check(&self) -> Result<(), OutputError> {
-        let expected = self.0.angles_deg.len();
-        if expected == 0 {
-            return Err(OutputError::Count { field: "angles_deg", count: 0, expected: 1 });
-        }
-        let counts = [
-            ("strip", self.0.strip.len()),
-            ("square rows", self.0.square.nrows()),
-            ("square columns", self.0.square.ncols()),
-        ];
-        match counts.into_iter().find(|(_, count)| *count != expected) {
-            Some((field, count)) => Err(OutputError::Count { field, count, expected }),
-            None => Ok(()),
+        let sides = [self.0.strip.len(), self.0.square.nrows(), self.0.square.ncols()];
+        match self.0.angles_deg.len() {
+            0 => Err(failed("a picture without angles")),
+            count if sides == [count; 3] => Ok(()),
+            count => Err(failed(format!("{sides:?} colours along the sides of a picture of {count} angles"))),
         }
     }
 

@@ -1,4 +1,4 @@
-//! Small pictures of shaded spheres: a depth buffer, one light, flat colours.
+//! Small pictures of shaded bodies: a depth buffer, one light, flat colours.
 
 use crate::ink::Solid;
 use crate::numerics::vector::{V3, add, cross, dot, norm, scale, sub, unit};
@@ -108,27 +108,7 @@ impl Camera {
         unit(add(self.forward, side))
     }
 
-    /// Draws a sphere, lit from over the left shoulder.
-    pub fn sphere(&self, raster: &mut Raster, centre: V3, radius: f64, colour: Rgb) {
-        let (u, v, ahead) = self.project(centre);
-        if ahead <= 2.0 * radius {
-            return;
-        }
-        let (cx, cy) = (0.5 * raster.width as f64, 0.5 * raster.height as f64);
-        let reach = 1.3 * self.focal * radius / (ahead - radius);
-        let light = self.light();
-        for y in (cy + v - reach).floor() as i64..=(cy + v + reach).ceil() as i64 {
-            for x in (cx + u - reach).floor() as i64..=(cx + u + reach).ceil() as i64 {
-                let ray = self.ray(x as f64 + 0.5 - cx, y as f64 + 0.5 - cy);
-                if let Some(t) = hit(sub(centre, self.eye), radius, ray) {
-                    let normal = scale(sub(add(self.eye, scale(ray, t)), centre), 1.0 / radius);
-                    raster.set(x, y, t, shade(colour, 0.35 + 0.7 * dot(normal, light).max(0.0)));
-                }
-            }
-        }
-    }
-
-    /// Draws a convex body given with z downwards from `top`, lit as spheres are.
+    /// Draws a convex body given with z downwards from `top`, lit from over the left shoulder.
     pub fn solid(&self, raster: &mut Raster, solid: &Solid, top: f64, colour: Rgb) {
         let flip = |v: V3| [v[0], v[1], -v[2]];
         let [x, y, z] = solid.center_um;
@@ -169,13 +149,6 @@ impl Camera {
             }
         }
     }
-}
-
-/// Distance to the first point of a sphere along a unit ray from the origin.
-fn hit(centre: V3, radius: f64, ray: V3) -> Option<f64> {
-    let along = dot(centre, ray);
-    let square = radius * radius - (dot(centre, centre) - along * along);
-    (square > 0.0).then(|| along - square.sqrt())
 }
 
 #[cfg(test)]

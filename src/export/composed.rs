@@ -1,22 +1,18 @@
 //! Exports of a composed layer: those that need no packing of the whole layer.
 
 use super::error::ExportError;
-use super::print::{InstrumentGeometry, Print, PrintSpectrum, resample, uniform_grid};
+use super::print::{InstrumentGeometry, Print, PrintSpectrum, bands, resample};
 use super::run::{Exported, Format, Request, in_air};
-use super::{cxf, npz, stored};
-use crate::appearance::colour::{Colorimeter, Colour};
+use super::{npz, stored};
 use crate::evaluate::composed::level::SolvedPortion;
-use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, ComposedRow, ErrorParts};
+use crate::evaluate::composed::manifest::{ComposedManifest, ErrorParts};
 use crate::evaluate::composed::report::report;
 use crate::evaluate::composed::view::ComposedView;
-use crate::evaluate::summary::program;
 use crate::input::study::Study;
-use crate::numerics::estimate::Estimate;
 use crate::report::composed::tables;
 use crate::run::watch::RunWatch;
 use crate::store::record::PointRecord;
 use crate::sweep::work::rounds::collect;
-use clap::ValueEnum;
 use std::path::Path;
 
 /// A finished composed layer, read back from its folder.
@@ -25,15 +21,6 @@ pub struct ComposedStored {
     study: Study,
     solved: Vec<SolvedPortion>,
 }
-
-/// A spectrum of the print: where from, and its Lab on the page.
-type PublishedSpectrum =
-    (InstrumentGeometry, fn(&ComposedRow) -> ErrorParts, fn(&ComposedColours) -> [ErrorParts; 3]);
-
-const SPECTRA: [PublishedSpectrum; 2] = [
-    (InstrumentGeometry::LitAt45, |row| row.lit_at_45, |colours| colours.lit_at_45),
-    (InstrumentGeometry::NaturalLight, |row| row.natural_light, |colours| colours.natural_light),
-];
 
 impl ComposedStored {
     /// Reads a folder of `inkwave run`; `None` if its layer is not composed.
@@ -61,11 +48,16 @@ impl ComposedStored {
     /// # Errors
     /// A format that shows one packing, or a study that does not carry what a format needs.
     pub fn export(&self, request: &Request, watch: &dyn RunWatch) -> Result<Exported, ExportError> {
+        let one_packing = |format: &str| {
+            ExportError::Refused(format!(
+                "{format} shows one packing, and a composed layer has none of its own: allowed are mitsuba, cxf, cgats, npz and crate"
+            ))
+        };
         if request.near_field.is_some() {
-            return Err(ExportError::OnePacking { format: "near field".to_owned() });
+            return Err(one_packing("near field"));
         }
         let um = self.thickness(request.thickness_um)?;
-        let manifest = report(&self.study, &self.solved).map_err(ExportError::Slabs)?;
+        let manifest = report(&self.study, &self.solved).map_err(ExportError::Refused)?;
         let print = |format| self.print(&manifest, um, format, &request.created);
         let mut out = Exported::default();
         for &format in &request.formats {
@@ -73,30 +65,24 @@ impl ComposedStored {
                 Format::Mitsuba => {
                     in_air(&self.study)?;
                     watch.stage("tabulating the material");
-                    let view =
-                        ComposedView::new(&self.study, &self.solved, um).map_err(ExportError::Slabs)?;
-                    out.material(&view, &self.study)?;
+                    let view = ComposedView::new(&self.study, &self.solved, um);
+                    out.material(&view.map_err(ExportError::Refused)?, &self.study)?;
                     out.remarks
                         .push(format!("the material is the layer of {um} µm, a mean over the azimuth"));
                 }
-                Format::Cxf => {
-                    out.add("spectra.cxf", cxf::cxf(&print("cxf")?)?, "spectra of the print with Lab, CxF3");
-                }
+                Format::Cxf => out.cxf(&print("cxf")?)?,
                 Format::Cgats => out.cgats(&print("cgats")?),
                 Format::Npz => self.npz(&mut out)?,
-                Format::Crate => (),
-                other => {
-                    let name = other.to_possible_value().map(|value| value.get_name().to_owned());
-                    return Err(ExportError::OnePacking { format: name.unwrap_or_default() });
+                Format::Crate => {
+                    let about = "all numbers with their errors";
+                    out.add("results.json", serde_json::to_vec_pretty(&manifest)?, about);
+                    for (name, bytes, about) in tables(&manifest)? {
+                        out.add(name, bytes, about);
+                    }
+                    out.describe(&self.study, &request.created)?;
                 }
+                other => return Err(one_packing(&format!("{other:?}").to_lowercase())),
             }
-        }
-        if request.formats.contains(&Format::Crate) {
-            out.add("results.json", serde_json::to_vec_pretty(&manifest)?, "all numbers with their errors");
-            for (name, bytes, about) in tables(&manifest)? {
-                out.add(name, bytes, about);
-            }
-            out.describe(&self.study, &request.created)?;
         }
         Ok(out)
     }
@@ -109,7 +95,7 @@ impl ComposedStored {
             return Ok(found);
         }
         let allowed = all.map(f64::to_string).collect::<Vec<_>>().join(", ");
-        Err(ExportError::Thickness { found, allowed })
+        Err(ExportError::thickness(found, &allowed))
     }
 
     /// Spectra of the layer of this thickness, interpolated to a grid of 10 nm.
@@ -121,37 +107,19 @@ impl ComposedStored {
         created: &str,
     ) -> Result<Print, ExportError> {
         let (study, nm) = (&self.study, &self.study.wavelengths_nm);
-        let grid = uniform_grid(nm);
-        if grid.len() < 2 || nm.len() < 2 {
-            return Err(ExportError::TooFewWavelengths { format });
-        }
-        let wavelengths_nm: Vec<f64> = grid.iter().map(|&nm| f64::from(nm)).collect();
-        let viewing = &study.judgement.viewing;
-        let meter = Colorimeter::under(&wavelengths_nm, viewing).ok();
+        let (grid, meter) = bands(study, format)?;
         let colours = manifest.colours.iter().find(|colours| colours.thickness_um == um);
-        let mut spectra = Vec::new();
-        for (geometry, of, lab) in SPECTRA {
+        let spectrum = |geometry: InstrumentGeometry| {
             let own = manifest.spectra.iter().filter(|row| row.thickness_um == um);
-            let values: Vec<Estimate> = own.map(|row| of(row).estimate()).collect();
-            let values = resample(nm, &values, &grid);
-            let reflectance: Vec<f64> = values.iter().map(|e| e.value).collect();
-            let page = colours.map(lab);
-            let colour = meter.as_ref().and_then(|meter| meter.colour(&reflectance).ok()).zip(page);
-            let colour =
-                colour.map(|(colour, page)| Colour { lab_covariance: Some(diagonal(page)), ..colour });
+            let values = own.map(|row| geometry.of(row.lit_at_45, row.natural_light).estimate());
+            let values = resample(nm, &values.collect::<Vec<_>>(), &grid);
+            let page = colours.map(|colours| geometry.of(colours.lit_at_45, colours.natural_light));
             let page_lab = page.map(|page| page.map(|part| part.value));
-            spectra.push(PrintSpectrum { geometry, values, colour, page_lab });
-        }
-        Ok(Print {
-            title: format!("{}, {um} µm", study.title),
-            study_hash: study.key().to_string(),
-            program: program(),
-            created: created.to_owned(),
-            viewing: viewing.clone(),
-            spectra,
-            interpolated: true,
-            wavelengths_nm: grid,
-        })
+            PrintSpectrum { geometry, values, lab_covariance: page.map(diagonal), colour: None, page_lab }
+        };
+        let spectra = InstrumentGeometry::ALL.map(spectrum).to_vec();
+        let print = Print::new(study, created, (grid, meter.filter(|_| colours.is_some())), (true, spectra));
+        Ok(Print { title: format!("{}, {um} µm", study.title), ..print })
     }
 
     /// The orders of every slab's solves, one file for each kind of slab.

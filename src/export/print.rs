@@ -1,8 +1,11 @@
 //! Spectra that an instrument would measure on the print, on a uniform grid, with their colours.
 
-use crate::appearance::colour::Colour;
+use super::error::ExportError;
+use crate::appearance::colour::{Colorimeter, Colour};
 use crate::appearance::tristimulus::lagrange_shares;
 use crate::appearance::viewing::Viewing;
+use crate::evaluate::summary::program;
+use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 
 /// Step of exported spectra: with 20 nm the summation rules of other programs move Lab by ΔE 0.15.
@@ -26,6 +29,8 @@ pub struct PrintSpectrum {
     pub geometry: InstrumentGeometry,
     /// One value per wavelength, with its standard error where it is known.
     pub values: Vec<Estimate>,
+    /// Covariance of their Lab.
+    pub lab_covariance: Option<[[f64; 3]; 3]>,
     /// Colour of these values under the study's light, if they suffice for one.
     pub colour: Option<Colour>,
     /// Lab of the study's own page under the same light.
@@ -54,20 +59,25 @@ pub struct Print {
 }
 
 impl InstrumentGeometry {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::LitAt45, Self::NaturalLight];
+
+    /// What belongs to this geometry.
+    pub fn of<T>(self, lit_at_45: T, natural_light: T) -> T {
+        match self {
+            Self::LitAt45 => lit_at_45,
+            Self::NaturalLight => natural_light,
+        }
+    }
+
     /// Name for readers.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::LitAt45 => "45:0",
-            Self::NaturalLight => "uniform sky, 0",
-        }
+        self.of("45:0", "uniform sky, 0")
     }
 
     /// Name for identifiers.
     pub fn id(self) -> &'static str {
-        match self {
-            Self::LitAt45 => "lit_at_45",
-            Self::NaturalLight => "natural_light",
-        }
+        self.of("lit_at_45", "natural_light")
     }
 }
 
@@ -76,6 +86,30 @@ impl InstrumentGeometry {
 const ROUNDING: f64 = 0.005;
 
 impl Print {
+    /// A study's spectra on the grid of `bands`, with the colours of their own values.
+    pub(super) fn new(
+        study: &Study,
+        created: &str,
+        (wavelengths_nm, meter): Bands,
+        (interpolated, mut spectra): (bool, Vec<PrintSpectrum>),
+    ) -> Self {
+        for spectrum in &mut spectra {
+            let reflectance: Vec<f64> = spectrum.values.iter().map(|e| e.value).collect();
+            let colour = meter.as_ref().and_then(|meter| meter.colour(&reflectance).ok());
+            spectrum.colour = colour.map(|c| Colour { lab_covariance: spectrum.lab_covariance, ..c });
+        }
+        Self {
+            title: study.title.clone(),
+            study_hash: study.key().to_string(),
+            program: program(),
+            created: created.to_owned(),
+            viewing: study.judgement.viewing.clone(),
+            interpolated,
+            wavelengths_nm,
+            spectra,
+        }
+    }
+
     /// Where the spectra of the file come from.
     pub fn spectra_from(&self) -> &'static str {
         match self.interpolated {
@@ -114,8 +148,22 @@ impl PrintSpectrum {
     }
 }
 
+/// Wavelengths of a file, and the colorimeter that sums over them, if they suffice for colours.
+pub(super) type Bands = (Vec<u32>, Option<Colorimeter>);
+
+/// Every 10 nm inside a study's wavelengths.
+pub(super) fn bands(study: &Study, format: &str) -> Result<Bands, ExportError> {
+    let grid = uniform_grid(&study.wavelengths_nm);
+    if grid.len() < 2 || study.wavelengths_nm.len() < 2 {
+        let needed = "needs at least two multiples of 10 nm inside the study's wavelengths";
+        return Err(ExportError::Refused(format!("{format} {needed}")));
+    }
+    let nm: Vec<f64> = grid.iter().map(|&nm| f64::from(nm)).collect();
+    Ok((grid, Colorimeter::under(&nm, &study.judgement.viewing).ok()))
+}
+
 /// Multiples of 10 nm inside a grid of rising wavelengths.
-pub fn uniform_grid(wavelengths_nm: &[f64]) -> Vec<u32> {
+fn uniform_grid(wavelengths_nm: &[f64]) -> Vec<u32> {
     let (Some(first), Some(last)) = (wavelengths_nm.first(), wavelengths_nm.last()) else {
         return Vec::new();
     };

@@ -15,8 +15,6 @@ use super::voxels::{self, Voxels};
 use super::{cgats, cxf, near_field, npz, positions, viewer};
 use crate::evaluate::directional::{DirectionalInk, DirectionalPrint};
 use crate::evaluate::ink::InkOnPaper;
-use crate::evaluate::manifest::Manifest;
-use crate::evaluate::seen::NoInk;
 use crate::evaluate::summary::{program, summarise};
 use crate::ink::{Method, Packing};
 use crate::input::study::Study;
@@ -44,47 +42,35 @@ pub struct Exported {
 /// A study that does not carry what a format needs.
 pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Result<Exported, ExportError> {
     let exporter = Exporter { stored, request, watch };
-    let wants = |format| request.formats.contains(&format);
-    if let Some(found) = request.thickness_um.filter(|um| *um != stored.study.layer.thickness_um) {
-        return Err(ExportError::Thickness { found, allowed: stored.study.layer.thickness_um.to_string() });
+    let um = stored.study.layer.thickness_um;
+    if let Some(found) = request.thickness_um.filter(|asked| *asked != um) {
+        return Err(ExportError::thickness(found, &um.to_string()));
     }
-    let mut out = Exported::default();
-    if wants(Format::Mitsuba) {
-        exporter.mitsuba(&mut out)?;
-    }
-    if wants(Format::Cxf) {
-        let text = cxf::cxf(&exporter.print("cxf")?)?;
-        out.add("spectra.cxf", text, "spectra of the print with Lab, CxF3");
-    }
-    if wants(Format::Cgats) {
-        out.cgats(&exporter.print("cgats")?);
-    }
-    if wants(Format::Npz) {
-        exporter.npz(&mut out)?;
-    }
-    if wants(Format::Vti) || request.near_field.is_some() {
-        exporter.vti(&mut out)?;
-    }
-    if wants(Format::Positions) {
-        exporter.positions(&mut out)?;
-    }
-    if wants(Format::Labels) {
-        exporter.labels(&mut out)?;
-    }
-    if wants(Format::Viewer) {
-        exporter.viewer(&mut out)?;
-    }
-    if wants(Format::Crate) {
-        exporter.provenance(&mut out)?;
+    let (mut formats, mut out) = (request.formats.clone(), Exported::default());
+    formats.extend(request.near_field.map(|_| Format::Vti));
+    for format in formats {
+        match format {
+            Format::Mitsuba => exporter.mitsuba(&mut out)?,
+            Format::Cxf => out.cxf(&exporter.print("cxf")?)?,
+            Format::Cgats => out.cgats(&exporter.print("cgats")?),
+            Format::Npz => exporter.npz(&mut out)?,
+            Format::Vti => exporter.vti(&mut out)?,
+            Format::Positions => exporter.positions(&mut out)?,
+            Format::Labels => exporter.labels(&mut out)?,
+            Format::Viewer => exporter.viewer(&mut out)?,
+            Format::Crate => exporter.provenance(&mut out)?,
+        }
     }
     Ok(out)
 }
 
 /// Materials of renderers lie in air.
 pub(super) fn in_air(study: &Study) -> Result<(), ExportError> {
-    match study.layer.index_in == 1.0 {
-        true => Ok(()),
-        false => Err(ExportError::NotInAir { index: study.layer.index_in }),
+    match study.layer.index_in {
+        1.0 => Ok(()),
+        index => Err(ExportError::Refused(format!(
+            "layer.index_in is {index}; a renderer's material lies in air: allowed is 1"
+        ))),
     }
 }
 
@@ -118,6 +104,11 @@ impl Exported {
         self.add("specular.csv", mirrored, "mirror part, left out of the material, and albedo");
         self.add("brdf-samples.csv", chosen, "BRDF of the ink on its paper at chosen directions");
         Ok(())
+    }
+
+    /// Spectra as CxF3.
+    pub(super) fn cxf(&mut self, print: &Print) -> Result<(), ExportError> {
+        Ok(self.add("spectra.cxf", cxf::cxf(print)?, "spectra of the print with Lab, CxF3"))
     }
 
     /// Spectra in both dialects of CGATS.
@@ -166,8 +157,7 @@ impl Exporter<'_> {
     }
 
     fn ink(&self, format: &'static str) -> Result<&InkOnPaper, ExportError> {
-        let reason = |reason: &NoInk| ExportError::NoInk { format, reason: reason.to_string() };
-        self.stored.seen.ink.as_ref().map_err(reason)
+        self.stored.seen.ink.as_ref().map_err(|reason| ExportError::no_ink(format, &reason.to_string()))
     }
 
     fn mitsuba(&self, out: &mut Exported) -> Result<(), ExportError> {
@@ -177,8 +167,9 @@ impl Exporter<'_> {
         out.material(&DirectionalInk::new(ink)?, study)
     }
 
-    fn manifest(&self) -> Manifest<&Study> {
-        summarise(self.study(), &self.stored.collected, &self.stored.seen)
+    fn packing(&self) -> Result<Packing, ExportError> {
+        self.watch.stage("packing realisation 1 again");
+        Ok(pack_realisation(self.study(), 0, self.watch)?)
     }
 
     /// Spectra on a grid of 10 nm with their colours.
@@ -197,8 +188,7 @@ impl Exporter<'_> {
 
     fn vti(&self, out: &mut Exported) -> Result<(), ExportError> {
         let study = self.study();
-        self.watch.stage("packing realisation 1 again");
-        let packing = pack_realisation(study, 0, self.watch)?;
+        let packing = self.packing()?;
         let names = study.material_names();
         let asked = self.request.near_field.map(|light| light.wavelength_nm);
         let w = asked.map_or(Ok(study.wavelengths_nm.len() / 2), |nm| self.wavelength(nm))?;
@@ -222,7 +212,10 @@ impl Exporter<'_> {
     ) -> Result<(), ExportError> {
         let study = self.study();
         if study.wave.is_vector() {
-            return Err(ExportError::VectorNearField { wave: study.wave.name() });
+            return Err(ExportError::Refused(format!(
+                "near field: light.wave is {}; allowed is \"scalar\": Maxwell's equations are solved for moments of E, which no volume shows yet",
+                study.wave.name()
+            )));
         }
         self.watch.stage("solving for the near field");
         let incidence = Incidence {
@@ -242,8 +235,7 @@ impl Exporter<'_> {
     }
 
     fn positions(&self, out: &mut Exported) -> Result<(), ExportError> {
-        self.watch.stage("packing realisation 1 again");
-        let packing = pack_realisation(self.study(), 0, self.watch)?;
+        let packing = self.packing()?;
         if packing.method() == Method::Voxels {
             out.remarks
                 .push("no positions: voxels have no grains to place; `--to labels` writes them".into());
@@ -261,8 +253,7 @@ impl Exporter<'_> {
 
     /// Voxels that `layer.microstructure` reads; those of a study that has read some are the same.
     fn labels(&self, out: &mut Exported) -> Result<(), ExportError> {
-        self.watch.stage("packing realisation 1 again");
-        let packing = pack_realisation(self.study(), 0, self.watch)?;
+        let packing = self.packing()?;
         let labels = voxels::labels(&packing, self.study().packing.voxels.first().map(|cut| cut.count));
         let mut bytes = Vec::new();
         labels.write_npy(&mut bytes).map_err(WriteNpzError::from)?;
@@ -281,8 +272,7 @@ impl Exporter<'_> {
 
     fn viewer(&self, out: &mut Exported) -> Result<(), ExportError> {
         let study = self.study();
-        self.watch.stage("packing realisation 1 again");
-        let packing = pack_realisation(study, 0, self.watch)?;
+        let packing = self.packing()?;
         let names = study.material_names();
         out.add(
             "packing.html",
@@ -296,13 +286,15 @@ impl Exporter<'_> {
         let all = &self.study().wavelengths_nm;
         all.iter().position(|known| (known - nm).abs() < 1e-6).ok_or_else(|| {
             let allowed = all.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
-            ExportError::Wavelength { found: nm, allowed }
+            ExportError::Refused(format!(
+                "near field: found {nm} nm; allowed is one of the study's wavelengths, {allowed} nm"
+            ))
         })
     }
 
     /// Adds the tables of the run, and describes all files together.
     fn provenance(&self, out: &mut Exported) -> Result<(), ExportError> {
-        let manifest = self.manifest();
+        let manifest = summarise(self.study(), &self.stored.collected, &self.stored.seen);
         let amplitude_error = manifest.certainty.amplitude_error_estimate;
         let index_out = self.study().layer.index_out;
         let bdfs = tables::distributions(self.stored.seen.bdfs.iter(), amplitude_error, index_out)?;

@@ -38,16 +38,19 @@ impl Stored {
     pub fn read(path: &Path) -> Result<Self, ExportError> {
         let study = study(path)?;
         if study.layer.composed.is_some() {
-            return Err(ExportError::Composed { path: path.to_owned() });
+            let reason = format!("{} holds a composed layer, which has no orders and no BDF", path.display());
+            let remedy = "spectra.csv, medium.csv and results.json have its numbers";
+            return Err(ExportError::Folder { reason, remedy });
         }
         let stores = stores(path)?;
-        let missing =
-            || ExportError::Unfinished { path: path.to_owned(), finished: 0, asked: study.solves() };
-        let collected = collect(&study, &stores, 0).ok_or_else(missing)?;
-        let (finished, asked) = (collected.finished(), study.solves());
-        if finished < asked {
-            return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });
-        }
+        let (asked, path) = (study.solves(), path.to_owned());
+        let collected = match collect(&study, &stores, 0) {
+            Some(collected) if collected.finished() >= asked => collected,
+            some => {
+                let finished = some.map_or(0, |collected| collected.finished());
+                return Err(ExportError::Unfinished { path, finished, asked });
+            }
+        };
         let seen = see(&study, &collected)?;
         Ok(Self { study, collected, seen })
     }
@@ -55,20 +58,30 @@ impl Stored {
 
 /// The checked study in `results.json`; its content hash shows that it is unchanged.
 pub(super) fn study(path: &Path) -> Result<Study, ExportError> {
-    let no_results = |reason: String| ExportError::NoResults { path: path.to_owned(), reason };
-    let text = std::fs::read(path.join(RESULTS)).map_err(|e| no_results(format!("{RESULTS}: {e}")))?;
-    let results: Results =
-        serde_json::from_slice(&text).map_err(|e| no_results(format!("{RESULTS}: {e}")))?;
-    let found = results.study.key().to_string();
-    match found == results.study_hash {
-        true => Ok(results.study),
-        false => Err(ExportError::Changed { path: path.to_owned(), found, expected: results.study_hash }),
+    let folder = path.display();
+    let text = std::fs::read(path.join(RESULTS));
+    let results = text
+        .map_err(|e| e.to_string())
+        .and_then(|text| serde_json::from_slice::<Results>(&text).map_err(|e| e.to_string()));
+    let Results { study_hash, study } = results.map_err(|cause| ExportError::Folder {
+        reason: format!("{folder} holds no results of `inkwave run`: {RESULTS}: {cause}"),
+        remedy: "give the folder written by `inkwave run STUDY.toml`, or for a sweep a folder under variants/",
+    })?;
+    let found = study.key();
+    if found.as_str() == study_hash {
+        return Ok(study);
     }
+    let reason = format!("{folder}: the study has hash {found}, its results were made for {study_hash}");
+    let remedy = "results.json was edited or is of another version: run the study again";
+    Err(ExportError::Folder { reason, remedy })
 }
 
 /// The store of the folder itself, or the one that the variants of a sweep share.
 pub(super) fn stores(path: &Path) -> Result<Stores, ExportError> {
     let shared = path.join("../..");
     let place = if !path.join(RECORDS).exists() && shared.join(RECORDS).exists() { &shared } else { path };
-    Stores::at(place).map_err(|source| ExportError::Store { path: path.to_owned(), source })
+    Stores::at(place).map_err(|cause| ExportError::Folder {
+        reason: format!("cannot open the store of {}: {cause}", path.display()),
+        remedy: "check the folder's permissions",
+    })
 }

@@ -2,7 +2,7 @@
 //! wave sees.
 
 use super::vti::{Image, PointArray};
-use crate::ink::{Layered, Packing, Solid};
+use crate::ink::{Packing, Solid};
 use crate::wave::Media;
 use ndarray::Array3;
 use num_complex::Complex64;
@@ -39,7 +39,7 @@ impl Voxels {
         let size = [lx, ly, packing.thickness_um()];
         let count = usual(size);
         let fine = count.map(|n| SAMPLES * n);
-        let raster = VoxelRaster { count: fine, step_um: [0, 1, 2].map(|i| size[i] / fine[i] as f64) };
+        let raster = VoxelRaster::new(fine, size);
         let marks = raster.marks(packing);
         let kinds = FIRST_PIGMENT - 1 + packing.materials();
         let mut shares = vec![vec![0.0_f32; count.iter().product()]; kinds];
@@ -89,7 +89,7 @@ pub fn labels(packing: &Packing, count: Option<[usize; 3]>) -> Array3<u8> {
     let [lx, ly] = packing.period_um();
     let size = [lx, ly, packing.thickness_um()];
     let count = count.unwrap_or_else(|| usual(size));
-    let raster = VoxelRaster { count, step_um: [0, 1, 2].map(|i| size[i] / count[i] as f64) };
+    let raster = VoxelRaster::new(count, size);
     let marks = raster.marks(packing);
     let [nx, ny, nz] = count;
     let label = |(x, y, z): (usize, usize, usize)| marks[x + nx * (y + ny * z)].saturating_sub(VACUUM);
@@ -109,6 +109,10 @@ struct VoxelRaster {
 }
 
 impl VoxelRaster {
+    fn new(count: [usize; 3], size_um: [f64; 3]) -> Self {
+        Self { count, step_um: [0, 1, 2].map(|i| size_um[i] / count[i] as f64) }
+    }
+
     fn place(&self, i: usize) -> [usize; 3] {
         let [nx, ny, _] = self.count;
         [i % nx, i / nx % ny, i / (nx * ny)]
@@ -120,15 +124,9 @@ impl VoxelRaster {
             self.mark_vacuum(packing, &mut marks);
         }
         for grain in packing.grains() {
-            for Layered { material, spheres, solid } in packing.nested(grain) {
-                let mark = (FIRST_PIGMENT + material) as u8;
-                match solid {
-                    Some(solid) => self.mark_solid(&solid, mark, &mut marks),
-                    None => {
-                        spheres
-                            .iter()
-                            .for_each(|s| self.mark_ball(s.center_um, s.radius_um, mark, &mut marks));
-                    }
+            for body in packing.nested(grain) {
+                for solid in body.solids() {
+                    self.mark(&solid, (FIRST_PIGMENT + body.material) as u8, &mut marks);
                 }
             }
         }
@@ -146,7 +144,7 @@ impl VoxelRaster {
     }
 
     /// Marks the points inside a convex body; x and y wrap.
-    fn mark_solid(&self, solid: &Solid, mark: u8, marks: &mut [u8]) {
+    fn mark(&self, solid: &Solid, mark: u8, marks: &mut [u8]) {
         let points = |[low, high]: [f64; 2], a: usize| {
             (low / self.step_um[a] - 0.5).ceil() as i64..=(high / self.step_um[a] - 0.5).floor() as i64
         };
@@ -158,28 +156,6 @@ impl VoxelRaster {
                 let Some(inside) = solid.chord([at(0, x), at(1, y), 0.0], [0.0, 0.0, 1.0]) else { continue };
                 for z in points(inside, 2).filter(|&z| (0..nz as i64).contains(&z)) {
                     marks[wrap(0, x) + nx * (wrap(1, y) + ny * z as usize)] = mark;
-                }
-            }
-        }
-    }
-
-    /// Marks the points inside a ball; x and y wrap.
-    fn mark_ball(&self, center: [f64; 3], radius: f64, mark: u8, marks: &mut [u8]) {
-        let range = |a: usize| {
-            let first = ((center[a] - radius) / self.step_um[a] - 0.5).ceil() as i64;
-            let last = ((center[a] + radius) / self.step_um[a] - 0.5).floor() as i64;
-            first..=last
-        };
-        let offset = |a: usize, k: i64| (k as f64 + 0.5) * self.step_um[a] - center[a];
-        let wrap = |a: usize, k: i64| k.rem_euclid(self.count[a] as i64) as usize;
-        let [nx, ny, nz] = self.count;
-        for z in range(2).filter(|&z| (0..nz as i64).contains(&z)) {
-            for y in range(1) {
-                for x in range(0) {
-                    let square = offset(0, x).powi(2) + offset(1, y).powi(2) + offset(2, z).powi(2);
-                    if square <= radius * radius {
-                        marks[wrap(0, x) + nx * (wrap(1, y) + ny * z as usize)] = mark;
-                    }
                 }
             }
         }

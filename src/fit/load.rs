@@ -264,7 +264,7 @@ impl FitReading<'_> {
         let spectrum = match read {
             Ok(spectrum) => spectrum,
             Err(error) => {
-                let found = error.to_string().replace("compare.", &format!("{field}."));
+                let found = error.replace("compare.", &format!("{field}."));
                 let allowed = "a spectrum of reflectance factors against rising wavelengths in nm";
                 let remedy = "correct the file; wavelengths in nm must rise, and a perfect white has 1";
                 self.faults.add(format!("{field}.file"), found, allowed, remedy);

@@ -5,7 +5,7 @@ use crate::draw::chart::Chart;
 use crate::store::identity::METHOD_VERSION;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use minijinja::{Environment, value::Serde};
+use minijinja::{Environment, Value, value::Serde};
 use serde::Serialize;
 
 /// Contents of the page; its template is `page.html`.
@@ -30,7 +30,7 @@ pub struct Page {
     /// The settings of the study.
     pub asked: Vec<Named>,
     /// The packings that were made.
-    pub packings: Vec<PackingRow>,
+    pub packings: Vec<Value>,
     /// Solves and packings that failed.
     pub failures: Vec<FailureRow>,
     /// What the numbers do not cover.
@@ -112,25 +112,6 @@ pub struct Named {
     pub value: String,
     /// Whether the value is set as code.
     pub code: bool,
-}
-
-/// One pigment of one packing.
-#[derive(Clone, Debug, Serialize)]
-pub struct PackingRow {
-    /// Number of the realisation, from 0.
-    pub realisation: usize,
-    /// Name of the pigment.
-    pub pigment: String,
-    /// Number of grains.
-    pub grains: usize,
-    /// Volume fraction requested.
-    pub asked: String,
-    /// Volume fraction of whole grains.
-    pub reached: String,
-    /// d10, d50 and d90 of their sizes, by number and by volume.
-    pub sizes: String,
-    /// How they were packed.
-    pub method: String,
 }
 
 /// A solve that has no result.

@@ -29,5 +29,5 @@ pub mod work;
 
 pub use definition::load::{Sweep, Variant};
 pub use definition::{axes, claims, expand, field, file, folder, load};
-pub use findings::{aim, composed, conclusions, outcome, publish, reported};
+pub use findings::{composed, conclusions, outcome, publish, reported};
 pub use work::{alone, merge, plan, portions, run, units};

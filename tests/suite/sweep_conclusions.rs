@@ -135,13 +135,13 @@ fn the_published_verdicts_are_of_the_conclusions_that_the_study_asks() {
     let table = root.join("reports/paper-study/variants-260/conclusions.csv");
     let published = rows(&table.display().to_string());
     let ids = |of: &[Row]| of.iter().map(|row| row["id"].clone()).collect::<Vec<_>>();
-    let asked: Vec<String> = sweep.outline.claims.iter().map(|claim| claim.id.clone()).collect();
+    let asked: Vec<String> = sweep.outline.claims.iter().map(|claim| claim.table.id.clone()).collect();
     assert_eq!(ids(&published), asked, "scripts/paper-study --judge");
     for (row, claim) in published.iter().zip(&sweep.outline.claims) {
-        let words = &claim.words;
-        assert_eq!(row["quote"], words.quote.as_deref().unwrap_or_default(), "{}", claim.id);
-        assert_eq!(row["statement"], claim.statement, "{}", claim.id);
+        let words = &claim.table;
+        assert_eq!(row["quote"], words.quote.as_deref().unwrap_or_default(), "{}", words.id);
+        assert_eq!(row["statement"], words.statement, "{}", words.id);
         assert_eq!(words.source.is_some(), words.quote.is_some() && words.translation.is_some());
-        assert!(words.because.is_some() && !row["verdict"].is_empty(), "{}", claim.id);
+        assert!(words.because.is_some() && !row["verdict"].is_empty(), "{}", words.id);
     }
 }

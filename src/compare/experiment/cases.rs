@@ -6,6 +6,7 @@ use crate::compare::external::protocol::WaveKind;
 use crate::compare::row::Varied;
 use crate::compare::subject::Packed;
 use crate::input::case::Case;
+use crate::input::fault::Fault;
 use crate::input::load::stem;
 use crate::numerics::files;
 use crate::wave::{Ball, BodyShape, Media};
@@ -134,7 +135,7 @@ impl ComparisonFile {
         let Some(case) = found else {
             let allowed = format!("an `id` among the `cases` of {}", path.display());
             let remedy = "leave `id` out for a file with one case";
-            return Err(CompareError::field("cases.id", format!("{id:?}"), allowed, remedy));
+            return Err(Fault::new("cases.id", format!("{id:?}"), allowed, remedy).into());
         };
         Ok(CaseGeometry::Written(Box::new(Case::parse(&case["inputs"].to_string(), false)?), case.clone()))
     }

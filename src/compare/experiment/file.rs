@@ -5,10 +5,11 @@ use crate::compare::error::CompareError;
 use crate::compare::external::ExternalTable;
 use crate::compare::external::protocol::WaveKind;
 use crate::compare::subject::{Packed, StudyWritten};
-use crate::input::fault::StudyError;
+use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::limits;
 use crate::input::read::read as read_tree;
 use crate::input::tree::parse_toml;
+use crate::numerics::allowed::Whole;
 use crate::numerics::files;
 use crate::solve::{Goal, Registry, Solver, SolverChoice};
 use crate::wave::Scheme;
@@ -130,6 +131,10 @@ fn is_study(table: &toml::Table) -> bool {
     table.contains_key("layer") && !own.iter().any(|key| table.contains_key(*key))
 }
 
+fn is_empty<T>(list: &Option<Vec<T>>) -> bool {
+    list.as_ref().is_some_and(Vec::is_empty)
+}
+
 impl ComparisonFile {
     /// Reads a comparison; a study or a plain case file is compared with the default lists.
     pub fn read(path: &Path) -> Result<ComparisonFile, CompareError> {
@@ -138,7 +143,7 @@ impl ComparisonFile {
             return Ok(ComparisonFile { case: name, origin, ..ComparisonFile::default() });
         }
         let text = files::read_text(path, files::STUDY)
-            .map_err(|message| CompareError::Read { path: path.into(), message: message.to_string() })?;
+            .map_err(|source| StudyError::Unreadable { path: path.into(), source })?;
         let table = parse_toml(&text).map_err(|fault| fault.in_file(path, &text))?;
         if is_study(&table) {
             let study = name.map(StudyWritten::File);
@@ -200,92 +205,72 @@ impl ComparisonFile {
     }
 
     pub(super) fn check(&self) -> Result<(), CompareError> {
-        let empty = [
-            ("strategies", self.strategies.as_ref().is_some_and(Vec::is_empty)),
-            ("schemes", self.schemes.as_ref().is_some_and(Vec::is_empty)),
-            ("resolutions", self.resolutions.as_ref().is_some_and(Vec::is_empty)),
-            ("repeats", self.repeats == Some(0)),
-        ];
-        if let Some((name, _)) = empty.into_iter().find(|(_, empty)| *empty) {
-            return Err(CompareError::field(name, "empty", "at least one", "add one or leave it out"));
-        }
-        if self.schemes.is_some() && self.wave == WaveKind::Vector {
-            let allowed = "no schemes: the vector wave has one discretisation only";
-            return Err(CompareError::field(
-                "schemes",
-                "given with wave = \"vector\"",
-                allowed,
-                "leave one out",
-            ));
-        }
-        let beside_case = [
-            ("matrix", self.matrix.is_some(), "a study, whose period and index vary"),
-            ("wavelength_nm", self.wavelength_nm.is_some(), "a study: a case has its own wavelength"),
-            ("polar_deg", self.polar_deg.is_some(), "a study: a case has its own direction"),
-        ];
+        let mut faults = Faults::default();
         let given = [self.study.is_some(), self.case.is_some(), !self.cases.is_empty()];
         let given = given.into_iter().filter(|given| *given).count();
-        if given != 1 {
-            let found = if given > 1 { "given twice" } else { "not given" };
-            let remedy = "name a study file or case files, or write a whole study as [study]";
-            return Err(CompareError::field(
-                "geometry",
-                found,
-                "exactly one of `study`, `case` and `cases`",
-                remedy,
-            ));
+        let (case, vector) = (self.study.is_none(), self.wave == WaveKind::Vector);
+        let (some, fill, leave) = ("at least one", "add one or leave it out", "leave one out");
+        let one = "exactly one of `study`, `case` and `cases`";
+        let name = "name a study file or case files, or write a whole study as [study]";
+        let (beside, instead) = ("given beside a case", "name a study instead, or leave it out");
+        let one_scheme = "no schemes: the vector wave has one discretisation only";
+        let varied = "a study, whose period and index vary";
+        let grids = "one of `accuracy`, which searches the grids, and `resolutions`, which lists them";
+        let both = self.accuracy.is_some() && self.resolutions.is_some();
+        let rules = [
+            (is_empty(&self.strategies), "strategies", "empty", some, fill),
+            (is_empty(&self.schemes), "schemes", "empty", some, fill),
+            (is_empty(&self.resolutions), "resolutions", "empty", some, fill),
+            (self.repeats == Some(0), "repeats", "0", some, fill),
+            (vector && self.schemes.is_some(), "schemes", "given with wave = \"vector\"", one_scheme, leave),
+            (given > 1, "geometry", "given twice", one, name),
+            (given == 0, "geometry", "not given", one, name),
+            (case && self.matrix.is_some(), "matrix", beside, varied, instead),
+            (
+                case && self.wavelength_nm.is_some(),
+                "wavelength_nm",
+                beside,
+                "a study: a case has its own",
+                instead,
+            ),
+            (case && self.polar_deg.is_some(), "polar_deg", beside, "a study: a case has its own", instead),
+            (both, "accuracy", "given beside `resolutions`", grids, leave),
+        ];
+        for (_, field, found, allowed, remedy) in rules.into_iter().filter(|rule| rule.0) {
+            faults.add(field, found, allowed, remedy);
         }
-        if let Some((name, _, allowed)) = beside_case.into_iter().find(|b| b.1 && self.study.is_none()) {
-            return Err(CompareError::field(
-                name,
-                "given beside a case",
-                allowed,
-                "name a study instead, or leave it out",
-            ));
-        }
-        if self.accuracy.is_some() && self.resolutions.is_some() {
-            let allowed = "one of `accuracy`, which searches the grids, and `resolutions`, which lists them";
-            return Err(CompareError::field(
-                "accuracy",
-                "given beside `resolutions`",
-                allowed,
-                "leave one out",
-            ));
-        }
-        self.matrix.as_ref().map_or(Ok(()), MatrixTable::check)?;
+        self.matrix.iter().for_each(|matrix| matrix.check(&mut faults));
         let mut taken: Vec<String> = SolverChoice::NAMES.iter().map(|name| name.to_string()).collect();
         for program in &self.external {
-            program.check(&taken)?;
+            program.check(&taken, &mut faults);
             taken.push(program.name.clone());
         }
-        self.check_numbers()
+        self.check_numbers(&mut faults);
+        if faults.0.is_empty() { Ok(()) } else { Err(CompareError::Fields(faults)) }
     }
 
     /// Refuses values that no solve could use.
-    fn check_numbers(&self) -> Result<(), CompareError> {
-        let sides = self.resolutions.iter().flatten().enumerate();
-        let sides = sides.flat_map(|(k, grid)| [(k, "points", grid.points), (k, "cells", grid.cells)]);
-        let mut outside = sides.filter(|side| !(1..=MOST_POINTS).contains(&side.2));
-        if let Some((k, side, count)) = outside.next() {
-            let allowed = format!("whole numbers from 1 to {MOST_POINTS}");
+    fn check_numbers(&self, faults: &mut Faults) {
+        for (k, grid) in self.resolutions.iter().flatten().enumerate() {
             let remedy = "a wavelength in the binder needs about 10 points and 8 cells";
-            return Err(CompareError::field(format!("resolutions[{k}].{side}"), count, allowed, remedy));
+            for (side, count) in [("points", grid.points), ("cells", grid.cells)] {
+                faults.whole(
+                    &format!("resolutions[{k}].{side}"),
+                    count,
+                    Whole::between(1, MOST_POINTS),
+                    remedy,
+                );
+            }
         }
         let numbers = [
             ("accuracy", self.accuracy, limits::ACCURACY, "1e-2 is usual"),
             ("goal.tolerance", self.goal.tolerance, limits::TOLERANCE, "1e-6 tells strategies apart cheaply"),
         ];
         for (name, value, allowed, remedy) in numbers {
-            if let Some(value) = value.filter(|value| !allowed.holds(*value)) {
-                return Err(CompareError::field(name, value, allowed, remedy));
-            }
-        }
-        let most = self.goal().max_applications;
-        if limits::APPLICATIONS.holds(most) {
-            return Ok(());
+            value.into_iter().for_each(|value| faults.number(name, value, allowed, remedy));
         }
         let remedy = "a few hundred suffice for most inks";
-        Err(CompareError::field("goal.max_applications", most, limits::APPLICATIONS, remedy))
+        faults.whole("goal.max_applications", self.goal().max_applications, limits::APPLICATIONS, remedy);
     }
 
     /// The study under the comparison's light.
@@ -293,8 +278,7 @@ impl ComparisonFile {
     /// # Errors
     /// Its faults; a case instead.
     pub(super) fn packed(&self) -> Result<Packed, CompareError> {
-        let missing =
-            || CompareError::field("study", "missing", "a study", "name a study file or write [study]");
+        let missing = || Fault::new("study", "missing", "a study", "name a study file or write [study]");
         let packed = Packed::read(self.study.as_ref().ok_or_else(missing)?, &self.origin)?;
         Ok(packed.lit(self.wavelength_nm, self.polar_deg))
     }

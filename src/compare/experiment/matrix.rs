@@ -1,9 +1,8 @@
 //! The axes of a matrix, as written.
 
-use crate::compare::error::CompareError;
 use crate::compare::row::Varied;
+use crate::input::fault::Faults;
 use crate::input::limits;
-use crate::numerics::allowed::Allowed;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -20,32 +19,24 @@ pub struct MatrixTable {
 }
 
 impl MatrixTable {
-    /// Refuses empty axes, and entries that no study could have.
-    ///
-    /// # Errors
-    /// The field, what was found and what is allowed.
-    pub fn check(&self) -> Result<(), CompareError> {
-        let axes = [("pigments", self.pigments.is_empty()), ("periods_um", self.periods_um.is_empty())];
-        if let Some((axis, _)) = axes.into_iter().find(|(_, empty)| *empty) {
-            let remedy = "give pigments = [[1.4, 0.1]], periods_um = [1.6]";
-            return Err(CompareError::field(format!("matrix.{axis}"), "empty", "at least one entry", remedy));
+    /// Reports empty axes, and entries that no study could have.
+    pub fn check(&self, faults: &mut Faults) {
+        for (axis, is_empty) in
+            [("pigments", self.pigments.is_empty()), ("periods_um", self.periods_um.is_empty())]
+        {
+            if is_empty {
+                let remedy = "give pigments = [[1.4, 0.1]], periods_um = [1.6]";
+                faults.add(format!("matrix.{axis}"), "empty", "at least one entry", remedy);
+            }
         }
-        let wrong = self.numbers().into_iter().find(|(_, value, allowed)| !allowed.holds(*value));
-        let Some((field, value, allowed)) = wrong else { return Ok(()) };
         let remedy = "pigments are pairs [n, κ], periods some µm";
-        Err(CompareError::field(field, value, allowed, remedy))
-    }
-
-    /// Every number with its place and what is allowed there.
-    fn numbers(&self) -> Vec<(String, f64, Allowed)> {
-        let mut all = Vec::new();
         for (k, [n, kappa]) in self.pigments.iter().enumerate() {
-            all.push((format!("matrix.pigments[{k}][0]"), *n, limits::INDEX));
-            all.push((format!("matrix.pigments[{k}][1]"), *kappa, limits::ABSORPTION));
+            faults.number(&format!("matrix.pigments[{k}][0]"), *n, limits::INDEX, remedy);
+            faults.number(&format!("matrix.pigments[{k}][1]"), *kappa, limits::ABSORPTION, remedy);
         }
-        let period = |(k, um): (usize, &f64)| (format!("matrix.periods_um[{k}]"), *um, limits::PERIOD_UM);
-        all.extend(self.periods_um.iter().enumerate().map(period));
-        all
+        for (k, um) in self.periods_um.iter().enumerate() {
+            faults.number(&format!("matrix.periods_um[{k}]"), *um, limits::PERIOD_UM, remedy);
+        }
     }
 
     /// All cases, period by period.

@@ -1,9 +1,10 @@
 //! What to export.
 
 use clap::ValueEnum;
+use std::collections::BTreeSet;
 
-/// A format, or a group of files that belong together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+/// A format, or a group of files that belong together; in the order in which they are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum Format {
     /// Material for Mitsuba 3 (spectral and RGB), scenes, and tables to check it.
     Mitsuba,
@@ -37,8 +38,8 @@ pub struct NearField {
 /// What to export.
 #[derive(Clone, Debug)]
 pub struct Request {
-    /// Formats, in any order.
-    pub formats: Vec<Format>,
+    /// Formats.
+    pub formats: BTreeSet<Format>,
     /// Light of a solve for `near-field.vti`, if requested.
     pub near_field: Option<NearField>,
     /// Which layer of a composed study, µm; without it, the first one.

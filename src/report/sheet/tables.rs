@@ -7,9 +7,10 @@ use crate::evaluate::seen::Seen;
 use crate::ink::Method;
 use crate::input::study::{Dissolved, IndexSpectrum, Pigment, Study, WantedResolution};
 use crate::input::variation::CellRule;
-use crate::report::page::{FailureRow, Meant, Named, PackingRow, Provenance};
+use crate::report::page::{FailureRow, Meant, Named, Provenance};
 use crate::store::packing_record::{PackingRecord, ShareRecord};
 use crate::wave::Resolution;
+use minijinja::{Value, context};
 
 pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Vec<Meant> {
     let certainty = &manifest.certainty;
@@ -205,7 +206,7 @@ fn list(values: &[f64], unit: &str) -> String {
     }
 }
 
-pub(crate) fn packings(study: &Study, manifest: &Manifest<&Study>) -> Vec<PackingRow> {
+pub(crate) fn packings(study: &Study, manifest: &Manifest<&Study>) -> Vec<Value> {
     let rows = manifest.packings.iter().flat_map(|packing| {
         let pigments = study.pigments.iter().zip(&packing.shares);
         pigments.map(|(pigment, share)| packing_row(packing, &pigment.name, share))
@@ -214,15 +215,15 @@ pub(crate) fn packings(study: &Study, manifest: &Manifest<&Study>) -> Vec<Packin
 }
 
 /// A pigment's volume fractions, requested and reached, in one packing.
-fn packing_row(packing: &PackingRecord, pigment: &str, share: &ShareRecord) -> PackingRow {
-    PackingRow {
-        realisation: packing.realisation + 1,
-        pigment: pigment.to_owned(),
-        grains: share.grains,
-        asked: format!("{:.2}", 100.0 * share.requested_fraction),
-        reached: format!("{:.2}", 100.0 * share.achieved_fraction),
-        sizes: share.sizes.map_or_else(|| "–".to_owned(), |sizes| sizes.in_words()),
-        method: method(packing),
+fn packing_row(packing: &PackingRecord, pigment: &str, share: &ShareRecord) -> Value {
+    context! {
+        realisation => packing.realisation + 1,
+        pigment => pigment.to_owned(),
+        grains => share.grains,
+        asked => format!("{:.2}", 100.0 * share.requested_fraction),
+        reached => format!("{:.2}", 100.0 * share.achieved_fraction),
+        sizes => share.sizes.map_or_else(|| "–".to_owned(), |sizes| sizes.in_words()),
+        method => method(packing),
     }
 }
 

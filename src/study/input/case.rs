@@ -1,7 +1,7 @@
 //! A single solve of an explicit geometry: the `inputs` object of a reference case, as JSON or
 //! TOML.
 
-use super::case_inputs::TEXT;
+use super::case_inputs::NamedBody;
 pub use super::case_inputs::{
     BarInput, BodyInput, CaseError, CaseInputs, CylinderInput, IndexInput, LayerInput, SphereInput,
     SublayerInput,
@@ -9,10 +9,10 @@ pub use super::case_inputs::{
 use super::case_names::with_names;
 use super::fault::{Fault, Faults};
 use super::read::read;
-use super::tree::{Node, SyntaxFault, parse_json, parse_toml};
+use super::tree::{Node, parse_json, parse_toml};
 use crate::ink::Form;
 use crate::numerics::files;
-use crate::wave::{Ball, Body, BodyShape, Incidence, Media, Scene, Stratum};
+use crate::wave::{Body, BodyShape, Incidence, Media, Scene, Stratum};
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -35,34 +35,42 @@ impl Case {
             .map_err(|cause| CaseError::Read { path: name.clone(), cause })?;
         let toml = path.extension().is_some_and(|e| e == "toml");
         Case::parse(&text, toml).map_err(|error| match error {
-            CaseError::Parse { message, remedy, .. } => CaseError::Parse { path: name, message, remedy },
-            CaseError::Values { faults, .. } => CaseError::Values { path: name, faults },
+            CaseError::Refused { reason, .. } => CaseError::Refused { path: name, reason },
             other => other,
         })
     }
 
     /// Parses JSON, or TOML if `toml` is set.
     pub fn parse(text: &str, toml: bool) -> Result<Case, CaseError> {
-        let inputs = if toml { from_toml(text)? } else { from_json(text)? };
-        Case::from_inputs(&inputs)
+        let document = if toml { parse_toml(text).map(Node::from) } else { parse_json(text) };
+        let document = document
+            .map_err(|fault| CaseError::refused(format!("{}; {}", fault.in_words(text), fault.remedy)))?;
+        let inputs = document.get("inputs").cloned().unwrap_or(document);
+        Case::from_inputs(&read(inputs).map_err(Faults)?)
     }
 
     /// Checks the inputs and builds the scene.
     pub fn from_inputs(inputs: &CaseInputs) -> Result<Case, CaseError> {
         let faults = super::case_checks::check(inputs);
         if !faults.0.is_empty() {
-            return Err(CaseError::Values { path: TEXT.into(), faults });
+            return Err(faults.into());
         }
-        let mut builder = CaseBuilder::default();
-        let strata = builder.strata(inputs)?;
-        let bodies = builder.bodies(inputs)?;
+        let (mut backgrounds, mut inclusions) = (Vec::new(), Vec::new());
+        let strata = strata(inputs, &mut backgrounds)?;
+        let (mut names, mut bodies) = (Vec::new(), Vec::new());
+        for NamedBody { name, shape, eta } in inputs.bodies() {
+            names.push(name);
+            bodies.push(Body::new(shape, index_of(&mut inclusions, eta)));
+        }
+        let bars = inputs.sublayers_from_z0.iter().flatten().flat_map(|sublayer| &sublayer.bars);
+        bars.into_iter().try_for_each(|bar| check_bar(bar, inputs.period_um()[0]))?;
         let strata = split_at_flat_faces(strata, &bodies);
         let scene = Scene { period_um: inputs.period_um(), strata, bodies };
         let media = Media {
             incident: half_space("n_in", inputs.n_in, inputs.eta_in)?,
             exit: half_space("n_out", inputs.n_out, inputs.eta_out)?,
-            backgrounds: builder.backgrounds,
-            inclusions: builder.inclusions,
+            backgrounds,
+            inclusions,
         };
         let incidence = Incidence {
             wavelength_um: inputs.wavelength,
@@ -70,103 +78,48 @@ impl Case {
             azimuth_deg: inputs.phi_deg,
             from: inputs.from,
         };
-        scene.check(&media).map_err(|error| with_names(error, inputs))?;
+        scene.check(&media).map_err(|error| with_names(error, &names))?;
         incidence.check()?;
         check_thickness(inputs, &scene)?;
-        let scene = scene.nested().map_err(|error| with_names(error, inputs))?;
+        let scene = scene.nested().map_err(|error| with_names(error, &names))?;
         Ok(Case { scene, media, incidence })
     }
 }
 
-fn from_toml(text: &str) -> Result<CaseInputs, CaseError> {
-    inputs_of(parse_toml(text).map_err(|fault| unreadable(&fault, text))?.into())
-}
-
-fn from_json(text: &str) -> Result<CaseInputs, CaseError> {
-    inputs_of(parse_json(text).map_err(|fault| unreadable(&fault, text))?)
-}
-
-/// The inputs themselves, or those contained in an object as `inputs`.
-fn inputs_of(document: Node) -> Result<CaseInputs, CaseError> {
-    let inputs = document.get("inputs").cloned().unwrap_or(document);
-    read(inputs).map_err(|faults| CaseError::Values { path: TEXT.into(), faults: Faults(faults) })
-}
-
-fn unreadable(fault: &SyntaxFault, text: &str) -> CaseError {
-    CaseError::Parse { path: TEXT.into(), message: fault.in_words(text), remedy: fault.remedy }
-}
-
-/// Collects distinct indices while bodies and strata are read.
-#[derive(Default)]
-struct CaseBuilder {
-    backgrounds: Vec<Complex64>,
-    inclusions: Vec<Complex64>,
-}
-
-impl CaseBuilder {
-    fn strata(&mut self, inputs: &CaseInputs) -> Result<Vec<Stratum>, CaseError> {
-        // a binder beside sublayers of the same background is redundant, not an error
-        let same = |l: &SublayerInput| Some(l.eta_background) == inputs.eta_binder;
-        let repeated = inputs.sublayers_from_z0.as_ref().is_some_and(|all| all.iter().all(same));
-        let described = [
-            inputs.layers_from_z0.is_some(),
-            inputs.sublayers_from_z0.is_some(),
-            inputs.eta_binder.is_some() && !repeated,
-        ];
-        if described.iter().filter(|&&d| d).count() != 1 {
-            let found = if described.contains(&true) { "two descriptions" } else { "nothing" };
-            let allowed = "exactly one of `eta_binder`, `layers_from_z0` and `sublayers_from_z0`";
-            return Err(Fault::new("the layer", found, allowed, "describe the layer in one way").into());
-        }
-        let mut parts: Vec<(f64, [f64; 2])> = Vec::new();
-        if let Some(eta) = inputs.eta_binder.filter(|_| !repeated) {
-            let missing = || Fault::new("H", "nothing", "a length", "give the layer's thickness in µm");
-            parts.push((inputs.thickness.ok_or_else(missing)?, eta));
-        }
-        parts.extend(inputs.layers_from_z0.iter().flatten().map(|l| (l.thickness, l.eta)));
-        parts.extend(inputs.sublayers_from_z0.iter().flatten().map(|l| (l.thickness, l.eta_background)));
-        if parts.is_empty() {
-            return Err(Fault::new("layers_from_z0", "none", "at least one", "add a layer").into());
-        }
-        // a film of zero thickness has no effect, and would need a cell of zero height
-        let solid = parts.into_iter().filter(|p| p.0 != 0.0);
-        let stratum =
-            |(thickness_um, eta)| Stratum { thickness_um, background: index_of(&mut self.backgrounds, eta) };
-        let strata: Vec<Stratum> = solid.map(stratum).collect();
-        if strata.is_empty() {
-            let remedy = "give the layer a thickness above 0";
-            return Err(Fault::new("thickness", "0 everywhere", "above 0", remedy).into());
-        }
-        Ok(strata)
+/// The layers, whose distinct indices join `backgrounds`.
+fn strata(inputs: &CaseInputs, backgrounds: &mut Vec<Complex64>) -> Result<Vec<Stratum>, CaseError> {
+    // a binder beside sublayers of the same background is redundant, not an error
+    let same = |l: &SublayerInput| Some(l.eta_background) == inputs.eta_binder;
+    let repeated = inputs.sublayers_from_z0.as_ref().is_some_and(|all| all.iter().all(same));
+    let described = [
+        inputs.layers_from_z0.is_some(),
+        inputs.sublayers_from_z0.is_some(),
+        inputs.eta_binder.is_some() && !repeated,
+    ];
+    if described.iter().filter(|&&d| d).count() != 1 {
+        let found = if described.contains(&true) { "two descriptions" } else { "nothing" };
+        let allowed = "exactly one of `eta_binder`, `layers_from_z0` and `sublayers_from_z0`";
+        return Err(Fault::new("the layer", found, allowed, "describe the layer in one way").into());
     }
-
-    fn bodies(&mut self, inputs: &CaseInputs) -> Result<Vec<Body>, CaseError> {
-        let mut bodies = Vec::new();
-        for s in inputs.spheres.iter().flatten() {
-            let ball = Ball { center_um: s.center, radius_um: s.radius };
-            bodies.push(self.body(BodyShape::Balls(vec![ball]), s.eta));
-        }
-        for c in inputs.cylinders.iter().flatten() {
-            bodies.push(self.body(BodyShape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius }, c.eta));
-        }
-        for b in inputs.bodies.iter().flatten() {
-            bodies.extend(b.solid().map(|solid| self.body(BodyShape::Solid(solid), b.eta)));
-        }
-        let mut bottom = 0.0;
-        for sublayer in inputs.sublayers_from_z0.iter().flatten() {
-            let z_um = [bottom, bottom + sublayer.thickness];
-            for bar in sublayer.bars.iter().filter(|_| sublayer.thickness != 0.0) {
-                check_bar(bar, inputs.period_um()[0])?;
-                bodies.push(self.body(BodyShape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta));
-            }
-            bottom = z_um[1];
-        }
-        Ok(bodies)
+    let mut parts: Vec<(f64, [f64; 2])> = Vec::new();
+    if let Some(eta) = inputs.eta_binder.filter(|_| !repeated) {
+        let missing = || Fault::new("H", "nothing", "a length", "give the layer's thickness in µm");
+        parts.push((inputs.thickness.ok_or_else(missing)?, eta));
     }
-
-    fn body(&mut self, shape: BodyShape, eta: [f64; 2]) -> Body {
-        Body::new(shape, index_of(&mut self.inclusions, eta))
+    parts.extend(inputs.layers_from_z0.iter().flatten().map(|l| (l.thickness, l.eta)));
+    parts.extend(inputs.sublayers_from_z0.iter().flatten().map(|l| (l.thickness, l.eta_background)));
+    if parts.is_empty() {
+        return Err(Fault::new("layers_from_z0", "none", "at least one", "add a layer").into());
     }
+    // a film of zero thickness has no effect, and would need a cell of zero height
+    let solid = parts.into_iter().filter(|p| p.0 != 0.0);
+    let stratum = |(thickness_um, eta)| Stratum { thickness_um, background: index_of(backgrounds, eta) };
+    let strata: Vec<Stratum> = solid.map(stratum).collect();
+    if strata.is_empty() {
+        let remedy = "give the layer a thickness above 0";
+        return Err(Fault::new("thickness", "0 everywhere", "above 0", remedy).into());
+    }
+    Ok(strata)
 }
 
 /// Most heights of flat faces at which strata are divided.

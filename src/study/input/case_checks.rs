@@ -29,7 +29,7 @@ pub fn check(inputs: &CaseInputs) -> Faults {
 }
 
 fn lengths(inputs: &CaseInputs, faults: &mut Faults) {
-    if inputs.period.is_none() && inputs.repeats() {
+    if inputs.period.is_none() && !inputs.bodies().is_empty() {
         let remedy = "give the period of the grains or bars in µm";
         faults.add("L", "nothing", "a number or a pair [Lx, Ly]", remedy);
     }
@@ -61,18 +61,11 @@ fn indices(inputs: &CaseInputs) -> Vec<(String, [f64; 2])> {
     ];
     let mut all: Vec<_> =
         single.into_iter().filter_map(|(name, eta)| Some((name.to_owned(), eta?))).collect();
-    let spheres = inputs.spheres.iter().flatten().enumerate();
-    all.extend(spheres.map(|(i, s)| (format!("spheres[{i}].eta"), s.eta)));
-    let cylinders = inputs.cylinders.iter().flatten().enumerate();
-    all.extend(cylinders.map(|(i, c)| (format!("cylinders[{i}].eta"), c.eta)));
-    let bodies = inputs.bodies.iter().flatten().enumerate();
-    all.extend(bodies.map(|(i, b)| (format!("bodies[{i}].eta"), b.eta)));
+    all.extend(inputs.bodies().into_iter().map(|body| (format!("{}.eta", body.name), body.eta)));
     let layers = inputs.layers_from_z0.iter().flatten().enumerate();
     all.extend(layers.map(|(i, l)| (format!("layers_from_z0[{i}].eta"), l.eta)));
     for (i, l) in inputs.sublayers_from_z0.iter().flatten().enumerate() {
         all.push((format!("sublayers_from_z0[{i}].eta_background"), l.eta_background));
-        let bars = l.bars.iter().enumerate();
-        all.extend(bars.map(|(j, bar)| (format!("sublayers_from_z0[{i}].bars[{j}].eta"), bar.eta)));
     }
     all
 }

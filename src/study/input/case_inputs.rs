@@ -6,7 +6,7 @@ use super::limits;
 use crate::ink::{Shape, Solid};
 use crate::numerics::Rotation;
 use crate::numerics::vector::unit;
-use crate::wave::Side;
+use crate::wave::{Ball, BodyShape, Side};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use thiserror::Error;
@@ -90,6 +90,13 @@ impl IndexInput {
     }
 }
 
+/// A body with its name in the file.
+pub(super) struct NamedBody {
+    pub name: String,
+    pub shape: BodyShape,
+    pub eta: [f64; 2],
+}
+
 impl CaseInputs {
     /// Periods along x and y. `Ly` beside a pair is refused by the checks; films, which do not
     /// depend on the period, default to 1 µm.
@@ -100,12 +107,31 @@ impl CaseInputs {
         }
     }
 
-    /// Whether there are grains or bars, for which the period matters.
-    pub fn repeats(&self) -> bool {
-        let bars = self.sublayers_from_z0.iter().flatten().any(|sublayer| !sublayer.bars.is_empty());
-        let spheres = self.spheres.as_ref().is_some_and(|all| !all.is_empty());
-        let bodies = self.bodies.as_ref().is_some_and(|all| !all.is_empty());
-        spheres || bodies || bars || self.cylinders.as_ref().is_some_and(|all| !all.is_empty())
+    /// All bodies in the order of the scene; films of zero thickness have none.
+    pub(super) fn bodies(&self) -> Vec<NamedBody> {
+        let mut all = Vec::new();
+        let mut add = |name: String, shape, eta| all.push(NamedBody { name, shape, eta });
+        for (i, s) in self.spheres.iter().flatten().enumerate() {
+            let ball = Ball { center_um: s.center, radius_um: s.radius };
+            add(format!("spheres[{i}]"), BodyShape::Balls(vec![ball]), s.eta);
+        }
+        for (i, c) in self.cylinders.iter().flatten().enumerate() {
+            let shape = BodyShape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius };
+            add(format!("cylinders[{i}]"), shape, c.eta);
+        }
+        for (i, b) in self.bodies.iter().flatten().enumerate() {
+            b.solid().into_iter().for_each(|s| add(format!("bodies[{i}]"), BodyShape::Solid(s), b.eta));
+        }
+        let mut bottom = 0.0;
+        for (i, layer) in self.sublayers_from_z0.iter().flatten().enumerate() {
+            let z_um = [bottom, bottom + layer.thickness];
+            for (j, bar) in layer.bars.iter().enumerate().filter(|_| layer.thickness != 0.0) {
+                let name = format!("sublayers_from_z0[{i}].bars[{j}]");
+                add(name, BodyShape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta);
+            }
+            bottom = z_um[1];
+        }
+        all
     }
 }
 
@@ -212,33 +238,33 @@ pub enum CaseError {
         cause: std::io::Error,
     },
     /// The file is not a valid case.
-    #[error("{path} is not a case: {message}; {remedy}")]
-    Parse {
+    #[error("{path} is not a case: {reason}")]
+    Refused {
         /// The file.
         path: String,
-        /// What is wrong, and where.
-        message: String,
-        /// Suggested remedy.
-        remedy: &'static str,
-    },
-    /// Keys or values are not allowed.
-    #[error("{path} is not a case: {faults}")]
-    Values {
-        /// The file.
-        path: String,
-        /// All errors.
-        faults: Faults,
+        /// All that is wrong, with remedies.
+        reason: String,
     },
     /// The case cannot be discretised.
     #[error(transparent)]
     Wave(#[from] crate::wave::WaveError),
 }
 
-/// Shown instead of a path if the text does not come from a file.
-pub(super) const TEXT: &str = "the text";
+impl CaseError {
+    /// A text that does not come from a file.
+    pub(super) fn refused(reason: String) -> Self {
+        Self::Refused { path: "the text".into(), reason }
+    }
+}
 
 impl From<Fault> for CaseError {
     fn from(fault: Fault) -> Self {
-        Self::Values { path: TEXT.into(), faults: Faults(vec![fault]) }
+        Faults(vec![fault]).into()
+    }
+}
+
+impl From<Faults> for CaseError {
+    fn from(faults: Faults) -> Self {
+        Self::refused(faults.to_string())
     }
 }

@@ -1,12 +1,11 @@
 //! Names of a case's bodies as in its file, where a scene uses numbers.
 
-use super::case_inputs::{CaseError, CaseInputs};
+use super::case_inputs::CaseError;
 use super::fault::Fault;
 use crate::wave::WaveError;
 
 /// Replaces the numbers in a scene's error by the file's names.
-pub(super) fn with_names(error: WaveError, inputs: &CaseInputs) -> CaseError {
-    let names = names(inputs);
+pub(super) fn with_names(error: WaveError, names: &[String]) -> CaseError {
     let name = |body: usize| names.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
     match error {
         WaveError::Overlap { first, second, overlap_um } => {
@@ -27,21 +26,6 @@ pub(super) fn with_names(error: WaveError, inputs: &CaseInputs) -> CaseError {
         }
         other => other.into(),
     }
-}
-
-/// Names in the order of the scene's bodies.
-fn names(inputs: &CaseInputs) -> Vec<String> {
-    let count = |list: Option<usize>| 0..list.unwrap_or(0);
-    let spheres = count(inputs.spheres.as_ref().map(Vec::len)).map(|i| format!("spheres[{i}]"));
-    let cylinders = count(inputs.cylinders.as_ref().map(Vec::len)).map(|i| format!("cylinders[{i}]"));
-    let bodies = count(inputs.bodies.as_ref().map(Vec::len)).map(|i| format!("bodies[{i}]"));
-    let sublayers = inputs.sublayers_from_z0.iter().flatten().enumerate();
-    // films of zero thickness have no bodies
-    let solid = sublayers.filter(|(_, sublayer)| sublayer.thickness != 0.0);
-    let bars = solid.flat_map(|(i, sublayer)| {
-        (0..sublayer.bars.len()).map(move |j| format!("sublayers_from_z0[{i}].bars[{j}]"))
-    });
-    spheres.chain(cylinders).chain(bodies).chain(bars).collect()
 }
 
 #[cfg(test)]

@@ -15,12 +15,11 @@ mod wave;
 pub use pigments::largest_extents_nm;
 
 use super::fault::{Allowed, Fault, Faults, keys_in_words};
-use super::file::{LayerTable, OutputTable, SolverTable, StudyFile};
+use super::file::{LayerTable, SolverTable, StudyFile};
 use super::limits;
-use super::study::{IndexSpectrum, Layer, Output, Study, WantedResolution};
+use super::study::{IndexSpectrum, Layer, Study, WantedResolution};
 use super::variation::{CellRule, THICKNESS_CUT, Variation};
 use crate::appearance::tristimulus::Colorimeter;
-use crate::numerics::allowed::Whole;
 use crate::solve::Goal;
 use index::Tabulation;
 use std::path::Path;
@@ -116,7 +115,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
         resolution,
         solver: file.solver.strategy,
         goal,
-        output: output(&file.output),
+        output: file.output.clone(),
         judgement,
         portion: None,
         remarks: remarks.into_iter().flatten().collect(),
@@ -254,7 +253,7 @@ fn goal(table: &SolverTable, resolution: &WantedResolution, faults: &mut Faults)
     });
     let remedy = "leave it out: a tenth of resolution.accuracy is ample";
     faults.number("solver.tolerance", tolerance, limits::TOLERANCE, remedy);
-    whole("solver.max_applications", table.max_applications, limits::APPLICATIONS, "2000 is usual", faults);
+    faults.whole("solver.max_applications", table.max_applications, limits::APPLICATIONS, "2000 is usual");
     Goal { tolerance, max_applications: table.max_applications }
 }
 
@@ -274,29 +273,11 @@ fn counts(file: &StudyFile, faults: &mut Faults) {
             );
         }
     }
-    whole(
+    faults.whole(
         "run.realisations",
         realisations(file),
         limits::REALISATIONS,
         "24 small cells are a fair start",
-        faults,
     );
-    whole(
-        "output.picture_pixels",
-        file.output.picture_pixels,
-        limits::PICTURE_PIXELS,
-        "360 is usual",
-        faults,
-    );
-}
-
-fn output(table: &OutputTable) -> Output {
-    let OutputTable { folder, picture_pixels, mirrored_sky } = table.clone();
-    Output { folder, picture_pixels, mirrored_sky }
-}
-
-fn whole(field: &str, value: usize, allowed: Whole, remedy: &str, faults: &mut Faults) {
-    if !allowed.holds(value) {
-        faults.add(field, value, allowed.to_string(), remedy);
-    }
+    faults.whole("output.picture_pixels", file.output.picture_pixels, limits::PICTURE_PIXELS, "360 is usual");
 }

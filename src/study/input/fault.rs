@@ -1,7 +1,7 @@
 //! Errors in a study, described so that they can be corrected.
 
 pub use crate::numerics::allowed::Allowed;
-use crate::numerics::allowed::shown;
+use crate::numerics::allowed::{Whole, shown};
 use serde::Serialize;
 use std::fmt;
 use std::ops::Range;
@@ -125,6 +125,13 @@ impl Faults {
     pub fn number(&mut self, field: &str, value: f64, allowed: Allowed, remedy: &str) {
         if !allowed.holds(value) {
             self.add(field, shown(value), allowed.to_string(), remedy);
+        }
+    }
+
+    /// Reports a whole number outside its allowed range.
+    pub fn whole(&mut self, field: &str, value: usize, allowed: Whole, remedy: &str) {
+        if !allowed.holds(value) {
+            self.add(field, value, allowed.to_string(), remedy);
         }
     }
 }

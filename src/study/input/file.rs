@@ -24,7 +24,7 @@ mod light;
 mod microstructure;
 
 pub use appearance::{ColourTable, CompareTable, CouplingName, OutputTable, PaperTable};
-pub use calculation::{ResolutionTable, RunTable, SolverTable};
+pub use calculation::{ResolutionTable, RunTable, SolverTable, TargetColour};
 pub use layer::{BinderTable, ComposedTable, LayerTable, PackingTable, PigmentTable, ShellTable};
 pub use light::{AnglesTable, LightTable, SamplingName};
 pub use microstructure::{Continuation, FileNames, LengthUnit, MicrostructureTable, SizeColumn, VoxelEdges};

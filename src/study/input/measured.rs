@@ -1,12 +1,11 @@
 //! Measured spectra: CSV, CxF3 or CGATS.17.
 
 use super::patches::{self, Taken, place};
-use crate::material::columns::{Columns, ColumnsError, micrometres};
+use crate::material::columns::{Columns, micrometres};
 use crate::numerics::files;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::path::Path;
 
 /// Value of a perfect white in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
@@ -30,30 +29,6 @@ pub struct MeasuredSpectrum {
     pub patches: usize,
 }
 
-/// Why a file has no usable spectrum.
-#[derive(Debug, Error)]
-pub enum MeasuredError {
-    /// The file cannot be read.
-    #[error("{}: {source}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The system's error message.
-        source: std::io::Error,
-    },
-    /// The table is invalid.
-    #[error(transparent)]
-    Table(#[from] ColumnsError),
-    /// The file has no spectrum, or an invalid one.
-    #[error("{}: {reason}", path.display())]
-    NoSpectrum {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with it.
-        reason: String,
-    },
-}
-
 /// Larger values are percentages; values between 1 and this are ambiguous, so that the unit is
 /// required.
 const LARGEST_FACTOR: f64 = 3.0;
@@ -69,28 +44,29 @@ impl MeasuredSpectrum {
     /// # Errors
     /// The file cannot be read, has no spectrum or none of that name, its wavelengths do not
     /// increase, its values are not reflectance factors, or they are ambiguous without a unit.
-    pub fn read(path: &Path, patch: Option<&str>, unit: Option<MeasuredUnit>) -> Result<Self, MeasuredError> {
-        let bytes = files::read_bytes(path, files::TABLE)
-            .map_err(|source| MeasuredError::Unreadable { path: path.into(), source })?;
+    pub fn read(path: &Path, patch: Option<&str>, unit: Option<MeasuredUnit>) -> Result<Self, String> {
+        let named = |reason: String| format!("{}: {reason}", path.display());
+        let bytes = files::read_bytes(path, files::TABLE).map_err(|error| named(error.to_string()))?;
         let text = String::from_utf8_lossy(&bytes);
-        let no_spectrum = |reason: String| MeasuredError::NoSpectrum { path: path.into(), reason };
         let start = text.trim_start_matches('\u{feff}').trim_start();
         let taken = if start.starts_with('<') {
-            patches::from_cxf(&text, patch).map_err(no_spectrum)?
+            patches::from_cxf(&text, patch)
         } else if ["CGATS", "CTI", "SPECT", "IT8"].iter().any(|word| start.starts_with(word)) {
-            patches::from_cgats(&text, patch).map_err(no_spectrum)?
+            patches::from_cgats(&text, patch)
         } else {
-            place(&[], patch).map_err(no_spectrum)?;
-            let columns = Columns::read(path)?;
-            let [nm, value] = places(&columns).map_err(no_spectrum)?;
-            let (nm, values) = (columns.wavelengths_nm(nm)?, columns.numbers(value)?);
-            let rows = nm.into_iter().zip(values).map(|(nm, value)| [nm, value]).collect();
-            Taken { rows, name: String::new(), number: 1, of: 1 }
+            place(&[], patch).map_err(named)?;
+            let columns = Columns::read(path).map_err(|error| error.to_string())?;
+            let [nm, value] = places(&columns).map_err(named)?;
+            let (nm, values) = (columns.wavelengths_nm(nm), columns.numbers(value));
+            let rows =
+                nm.and_then(|nm| Ok(nm.into_iter().zip(values?).map(|(nm, value)| [nm, value]).collect()));
+            let rows = rows.map_err(|error| error.to_string())?;
+            Ok(Taken { rows, name: String::new(), number: 1, of: 1 })
         };
         let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let Taken { rows, name, number, of } = taken;
+        let Taken { rows, name, number, of } = taken.map_err(named)?;
         let source = if of > 1 { format!("{file}: {name}, sample {number} of {of}") } else { file };
-        Ok(Self { patches: of, ..Self::checked(source, rows, unit).map_err(no_spectrum)? })
+        Ok(Self { patches: of, ..Self::checked(source, rows, unit).map_err(named)? })
     }
 
     fn checked(source: String, mut rows: Vec<[f64; 2]>, unit: Option<MeasuredUnit>) -> Result<Self, String> {
@@ -165,11 +141,11 @@ mod tests {
     use crate::input::patches::CXF;
     use std::io::Write;
 
-    fn read(text: &str) -> Result<MeasuredSpectrum, MeasuredError> {
+    fn read(text: &str) -> Result<MeasuredSpectrum, String> {
         read_patch(text, None)
     }
 
-    fn read_patch(text: &str, patch: Option<&str>) -> Result<MeasuredSpectrum, MeasuredError> {
+    fn read_patch(text: &str, patch: Option<&str>) -> Result<MeasuredSpectrum, String> {
         let mut file = tempfile::NamedTempFile::new().unwrap();
         file.write_all(text.as_bytes()).unwrap();
         MeasuredSpectrum::read(file.path(), patch, None)

@@ -93,17 +93,21 @@ impl<'de> Deserializer<'de> for Reader<'_> {
             Node::Int(i) => visitor.visit_i64(i),
             Node::Float(x) => visitor.visit_f64(x),
             Node::Text(text) => visitor.visit_string(text),
-            Node::List(ref items) => {
+            Node::List(items) => {
                 let count = items.len();
-                let mut items = Items { reader: self, next: 0 };
+                let steps = items.into_iter().enumerate().map(|(i, node)| (format!("[{i}]"), node));
+                let left = steps.collect::<Vec<_>>().into_iter();
+                let mut items = Children { left, place: self.place, unknown: self.unknown };
                 let value = visitor.visit_seq(&mut items)?;
-                let read = items.next;
-                if read < count {
-                    return Err(Misfit::new("", format!("{count} entries"), format!("{read} entries"), FORM));
+                match count - items.left.len() {
+                    read if read == count => Ok(value),
+                    read => Err(Misfit::new("", format!("{count} entries"), format!("{read} entries"), FORM)),
                 }
-                Ok(value)
             }
-            Node::Table(_) => visitor.visit_map(Entries { reader: self, next: 0 }),
+            Node::Table(entries) => {
+                let left = entries.into_iter();
+                visitor.visit_map(&mut Children { left, place: self.place, unknown: self.unknown })
+            }
         }
     }
 
@@ -164,58 +168,41 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     }
 }
 
-/// The entries of a list in order.
-struct Items<'a> {
-    reader: Reader<'a>,
-    next: usize,
+/// What is left of a list or a table, in order.
+struct Children<'a> {
+    left: std::vec::IntoIter<(String, Node)>,
+    place: String,
+    unknown: &'a RefCell<Vec<Fault>>,
 }
 
-impl<'de> SeqAccess<'de> for &mut Items<'_> {
+impl Children<'_> {
+    fn value<'de, T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Misfit> {
+        let Some((step, node)) = self.left.next() else { return Ok(None) };
+        let found = described(&node);
+        let reader = Reader { node, place: join(&self.place, &step), unknown: self.unknown };
+        seed.deserialize(reader).map(Some).map_err(|e| e.inside(&step, &found))
+    }
+}
+
+impl<'de> SeqAccess<'de> for &mut Children<'_> {
     type Error = Misfit;
 
     fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Misfit> {
-        let step = format!("[{}]", self.next);
-        let Node::List(items) = &mut self.reader.node else { return Ok(None) };
-        let Some(item) = items.get_mut(self.next) else { return Ok(None) };
-        let item = std::mem::replace(item, Node::Null);
-        self.next += 1;
-        let found = described(&item);
-        seed.deserialize(self.reader.child(item, &step)).map(Some).map_err(|e| e.inside(&step, &found))
+        self.value(seed)
     }
 }
 
-/// The keys and values of a table in order.
-struct Entries<'a> {
-    reader: Reader<'a>,
-    next: usize,
-}
-
-impl Entries<'_> {
-    fn entry(&mut self) -> Option<&mut (String, Node)> {
-        match &mut self.reader.node {
-            Node::Table(entries) => entries.get_mut(self.next),
-            _ => None,
-        }
-    }
-}
-
-impl<'de> MapAccess<'de> for Entries<'_> {
+impl<'de> MapAccess<'de> for &mut Children<'_> {
     type Error = Misfit;
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Misfit> {
-        let Some((key, _)) = self.entry() else { return Ok(None) };
+        let Some((key, _)) = self.left.as_slice().first() else { return Ok(None) };
         let key: StringDeserializer<Misfit> = key.clone().into_deserializer();
         seed.deserialize(key).map(Some)
     }
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Misfit> {
-        let Some((key, node)) = self.entry() else {
-            return Err(de::Error::custom("a value without its key"));
-        };
-        let (key, node) = (key.clone(), std::mem::replace(node, Node::Null));
-        self.next += 1;
-        let found = described(&node);
-        seed.deserialize(self.reader.child(node, &key)).map_err(|e| e.inside(&key, &found))
+        self.value(seed)?.ok_or_else(|| de::Error::custom("a value without its key"))
     }
 }
 
@@ -225,6 +212,13 @@ struct Content<'a> {
     key: String,
     /// Whether there are no settings.
     is_bare: bool,
+}
+
+impl<'a> Content<'a> {
+    fn settings<T>(self, read: impl FnOnce(Reader<'a>) -> Result<T, Misfit>) -> Result<T, Misfit> {
+        let found = described(&self.reader.node);
+        read(self.reader).map_err(|e| e.inside(&self.key, &found))
+    }
 }
 
 impl<'de> EnumAccess<'de> for Content<'_> {
@@ -249,13 +243,11 @@ impl<'de> VariantAccess<'de> for Content<'_> {
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Misfit> {
-        let found = described(&self.reader.node);
-        seed.deserialize(self.reader).map_err(|e| e.inside(&self.key, &found))
+        self.settings(|reader| seed.deserialize(reader))
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Misfit> {
-        let found = described(&self.reader.node);
-        self.reader.deserialize_any(visitor).map_err(|e| e.inside(&self.key, &found))
+        self.settings(|reader| reader.deserialize_any(visitor))
     }
 
     fn struct_variant<V: Visitor<'de>>(
@@ -263,8 +255,7 @@ impl<'de> VariantAccess<'de> for Content<'_> {
         known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Misfit> {
-        let found = described(&self.reader.node);
-        self.reader.deserialize_struct("", known, visitor).map_err(|e| e.inside(&self.key, &found))
+        self.settings(|reader| reader.deserialize_struct("", known, visitor))
     }
 }
 

@@ -4,10 +4,12 @@ mod composed;
 mod layer;
 mod wanted;
 
+pub use super::file::TargetColour;
 pub use composed::{Composed, Portion, Position};
 pub use layer::{Dissolved, IndexSpectrum, Layer, Paper, Pigment};
-pub use wanted::{Angles, Judgement, Output, WantedResolution};
+pub use wanted::{Angles, Judgement, WantedResolution};
 
+use super::file::OutputTable;
 use super::variation::{CellRule, Draw, Turn, Variation, signs, stratified_deg};
 use crate::ink::PackingRequest;
 use crate::solve::{Goal, SolverChoice};
@@ -16,7 +18,6 @@ use crate::wave::Wave;
 use crate::wave::maxwell::Polarisation;
 use crate::wave::{Incidence, Media, Side};
 use num_complex::Complex64;
-use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Everything that was requested, checked; only [`super::check`] creates it.
@@ -59,7 +60,7 @@ pub struct Study {
     /// Residual to reach, and maximum number of operator applications.
     pub goal: Goal,
     /// Folder and pictures.
-    pub output: Output,
+    pub output: OutputTable,
     /// Conditions and measurements that the prediction is compared with; no solve depends on them.
     pub judgement: Judgement,
     /// The slab of a composed layer that this study describes.
@@ -86,20 +87,6 @@ pub struct Point {
     pub incidence: Incidence,
     /// Its polarisation; `None` for the scalar wave.
     pub polarisation: Option<Polarisation>,
-}
-
-/// Colours to which `target_delta_e` applies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum TargetColour {
-    /// All of them.
-    #[default]
-    Every,
-    /// Under a uniform sky, viewed along the normal.
-    NaturalLight,
-    /// Lit at 45°, viewed along the normal.
-    #[serde(rename = "lit_at_45")]
-    LitAt45,
 }
 
 impl Study {

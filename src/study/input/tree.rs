@@ -37,23 +37,9 @@ impl Node {
     }
 }
 
-impl From<toml::Value> for Node {
-    fn from(value: toml::Value) -> Node {
-        match value {
-            toml::Value::Boolean(b) => Node::Bool(b),
-            toml::Value::Integer(i) => Node::Int(i),
-            toml::Value::Float(x) => Node::Float(x),
-            toml::Value::String(text) => Node::Text(text),
-            toml::Value::Datetime(date) => Node::Text(date.to_string()),
-            toml::Value::Array(items) => Node::List(items.into_iter().map(Node::from).collect()),
-            toml::Value::Table(table) => Node::from(table),
-        }
-    }
-}
-
 impl From<toml::Table> for Node {
     fn from(table: toml::Table) -> Node {
-        Node::Table(table.into_iter().map(|(key, value)| (key, value.into())).collect())
+        Node::deserialize(table).unwrap_or(Node::Null)
     }
 }
 

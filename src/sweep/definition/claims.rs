@@ -6,69 +6,37 @@ mod slips;
 
 use super::axes::Axis;
 use super::expand::{Draft, check_where, matches};
-use super::file::{ConclusionTable, Over, Quantity, Where};
+use super::file::{ConclusionTable, Where};
 use crate::input::fault::Faults;
 pub use light::check_variants;
 use serde::{Deserialize, Serialize};
 
-/// Source, wording and justification of a conclusion.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Words {
-    /// Source of the statement; `None` for a question of the sweep's own.
-    pub source: Option<String>,
-    /// The wording of the source.
-    pub quote: Option<String>,
-    /// The quote in English.
-    pub translation: Option<String>,
-    /// Why this inequality and these bounds were chosen.
-    pub because: Option<String>,
-}
-
-/// A checked conclusion; variants are given by number.
+/// A checked conclusion with the numbers of its variants.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
-    /// Short name.
-    pub id: String,
-    /// The conclusion as one sentence.
-    pub statement: String,
-    /// Source, wording and justification.
-    #[serde(default)]
-    pub words: Words,
-    /// Quantity measured on each variant.
-    pub quantity: Quantity,
-    /// Wavelength of the measurement, nm, for a single one.
-    pub wavelength_nm: Option<f64>,
-    /// Wavelengths of the measurement, nm, for a range.
-    #[serde(default)]
-    pub range_nm: Option<[f64; 2]>,
-    /// How the wavelengths of the range are combined.
-    #[serde(default)]
-    pub over: Over,
+    /// The conclusion as written.
+    pub table: ConclusionTable,
     /// Variant whose absorption selects the wavelengths of the range.
-    #[serde(default)]
     pub absorbed_by: Option<usize>,
-    /// Whether to compare the absolute value of the sum.
-    #[serde(default)]
-    pub absolute: bool,
     /// Variants that are added.
     pub plus: Vec<usize>,
     /// Variants that are subtracted.
     pub minus: Vec<usize>,
-    /// Smallest value that confirms the conclusion.
-    pub at_least: Option<f64>,
-    /// Largest value that confirms the conclusion.
-    pub at_most: Option<f64>,
-    /// Abscissas and variants of the curve on which the value is looked up; empty if the value
-    /// itself is compared.
-    #[serde(default)]
-    pub curve: Vec<(f64, usize)>,
+    /// Variants of the curve on which the value is looked up, at the abscissas `along`; empty if
+    /// the value itself is compared.
+    pub among: Vec<usize>,
 }
 
 impl Claim {
     /// All variants that it names.
     pub fn variants(&self) -> impl Iterator<Item = usize> {
         let listed = self.plus.iter().chain(&self.minus).chain(&self.absorbed_by).copied();
-        listed.chain(self.curve.iter().map(|(_, variant)| *variant))
+        listed.chain(self.among.iter().copied())
+    }
+
+    /// Abscissas and variants of the curve.
+    pub fn curve(&self) -> impl Iterator<Item = (f64, usize)> {
+        self.table.along.iter().copied().zip(self.among.iter().copied())
     }
 }
 
@@ -96,31 +64,7 @@ fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], fau
     let among = places("among", &table.among);
     let absorbed_by = places("absorbed_by", table.absorbed_by.as_slice()).first().copied();
     slips::check(at, table, faults);
-    Claim {
-        id: table.id.clone(),
-        statement: table.statement.clone(),
-        words: words(table),
-        quantity: table.quantity,
-        wavelength_nm: table.wavelength_nm,
-        range_nm: table.range_nm,
-        over: table.over,
-        absorbed_by,
-        absolute: table.absolute,
-        plus,
-        minus,
-        at_least: table.at_least,
-        at_most: table.at_most,
-        curve: table.along.iter().copied().zip(among).collect(),
-    }
-}
-
-fn words(table: &ConclusionTable) -> Words {
-    Words {
-        source: table.source.clone(),
-        quote: table.quote.clone(),
-        translation: table.translation.clone(),
-        because: table.because.clone(),
-    }
+    Claim { table: table.clone(), absorbed_by, plus, minus, among }
 }
 
 /// Resolves a list of conditions, each of which must select exactly one variant.
@@ -151,21 +95,8 @@ fn one_variant(
 impl Claim {
     /// C* of two variants, at least 0.
     pub(in crate::sweep) fn example() -> Self {
-        Self {
-            id: "1".into(),
-            statement: String::new(),
-            words: Words::default(),
-            quantity: Quantity::Chroma,
-            wavelength_nm: None,
-            range_nm: None,
-            over: Over::Every,
-            absorbed_by: None,
-            absolute: false,
-            plus: vec![0],
-            minus: vec![1],
-            at_least: Some(0.0),
-            at_most: None,
-            curve: Vec::new(),
-        }
+        let table = "id = '1'\nstatement = ''\nquantity = 'chroma'\nplus = []\nat_least = 0.0";
+        let table = toml::from_str(table).expect("a conclusion");
+        Self { table, absorbed_by: None, plus: vec![0], minus: vec![1], among: Vec::new() }
     }
 }

@@ -171,7 +171,7 @@ pub struct SheetTable {
 }
 
 /// `[[conclusion]]`: an inequality about the variants.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ConclusionTable {
     /// Short name.

@@ -242,14 +242,8 @@ impl Reading<'_> {
     fn variant(&mut self, draft: &Draft, faults: &mut Faults) -> Result<Option<Variant>, StudyError> {
         let mut table = draft.study.clone();
         table.insert("title".into(), Value::String(self.heading(draft)));
-        let file: StudyFile = match read(table.clone().into()) {
-            Ok(file) => file,
-            Err(found) => {
-                found.into_iter().for_each(|fault| self.fault(draft, fault, faults));
-                return Ok(None);
-            }
-        };
-        match check(&file, self.folder, &draft.name) {
+        let file = read::<StudyFile>(table.clone().into());
+        match file.and_then(|file| check(&file, self.folder, &draft.name)) {
             Ok(study) => {
                 let mut written = Value::Table(table);
                 self.keep_inputs(&mut written)?;

@@ -38,7 +38,7 @@ pub fn check(outline: &Outline) -> Result<(), String> {
 /// Whether a conclusion's variants exist, in the number that its quantity compares.
 fn names_variants(claim: &Claim, count: usize) -> bool {
     let compared = (claim.plus.len(), claim.minus.len());
-    let fits = if claim.quantity == Quantity::DeltaE { compared == (1, 1) } else { compared.0 > 0 };
+    let fits = if claim.table.quantity == Quantity::DeltaE { compared == (1, 1) } else { compared.0 > 0 };
     fits && claim.variants().all(|variant| variant < count)
 }
 

@@ -7,8 +7,8 @@ mod words;
 use super::outcome::Outcome;
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
-use crate::sweep::definition::claims::{Claim, Words};
-use crate::sweep::definition::file::Quantity;
+use crate::sweep::definition::claims::Claim;
+use crate::sweep::definition::file::{ConclusionTable, Quantity};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -18,13 +18,9 @@ pub(super) const QUANTILE: f64 = 0.975;
 /// The verdict on a conclusion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Judged {
-    /// Short name.
-    pub id: String,
-    /// The conclusion as one sentence.
-    pub statement: String,
-    /// Source, wording and justification.
+    /// The conclusion as written.
     #[serde(flatten)]
-    pub words: Words,
+    pub table: ConclusionTable,
     /// The inequality, such as "C*(a) − C*(b) ≥ 5".
     pub inequality: String,
     /// The measured value with its error; `None` if a variant is missing.
@@ -60,17 +56,17 @@ impl Verdict {
 
 /// Tests a conclusion on the outcomes of all variants.
 pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
-    let (verdict, measured, remark) = match claim.range_nm {
+    let (verdict, measured, remark) = match claim.table.range_nm {
         Some(range) => spectrum::judge(claim, outcomes, range),
         None => judge_one(claim, outcomes),
     };
-    let (id, statement, words) = (claim.id.clone(), claim.statement.clone(), claim.words.clone());
-    Judged { id, statement, words, inequality: words::inequality(claim, outcomes), measured, verdict, remark }
+    let (table, inequality) = (claim.table.clone(), words::inequality(claim, outcomes));
+    Judged { table, inequality, measured, verdict, remark }
 }
 
 fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> (Verdict, Option<Estimate>, String) {
     let measured = measure(claim, outcomes).and_then(|(sum, fewest)| {
-        let place = if claim.curve.is_empty() { sum } else { curve::place(claim, outcomes, &sum)? };
+        let place = if claim.among.is_empty() { sum } else { curve::place(claim, outcomes, &sum)? };
         Ok((place, fewest))
     });
     match measured {
@@ -94,19 +90,21 @@ fn no_value(outcome: &Outcome) -> String {
 /// randomness.
 fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), String> {
     let all = || claim.plus.iter().chain(&claim.minus).map(|&v| &outcomes[v]);
-    let behind = all().chain(claim.curve.iter().map(|&(_, v)| &outcomes[v])).map(|o| o.realisations);
+    let behind = all().chain(claim.among.iter().map(|&v| &outcomes[v])).map(|o| o.realisations);
     let fewest = behind.filter(|&n| n > 1).min().unwrap_or(0);
-    if claim.quantity == Quantity::DeltaE {
+    if claim.table.quantity == Quantity::DeltaE {
         let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
         let missing = || no_value(if a.colour.is_none() { a } else { b });
         return Ok((a.difference(b).ok_or_else(missing)?, fewest));
     }
     let numbers = all()
-        .map(|outcome| outcome.quantity(claim.quantity, claim.wavelength_nm).ok_or_else(|| no_value(outcome)))
+        .map(|outcome| {
+            outcome.quantity(claim.table.quantity, claim.table.wavelength_nm).ok_or_else(|| no_value(outcome))
+        })
         .collect::<Result<Vec<Linked>, String>>()?;
     let signs = claim.plus.iter().map(|_| 1.0).chain(claim.minus.iter().map(|_| -1.0));
     let mut sum = Linked::sum(signs.zip(&numbers));
-    if claim.quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
+    if claim.table.quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
         // hues on both sides of red are close to each other
         sum.estimate.value = 180.0 - (180.0 - sum.estimate.value).rem_euclid(360.0);
     }
@@ -131,9 +129,9 @@ fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Ve
 
 /// Distance to the nearer bound, negative beyond it.
 fn margin(claim: &Claim, value: f64) -> f64 {
-    let value = if claim.absolute { value.abs() } else { value };
-    let above = claim.at_least.map(|bound| value - bound);
-    let below = claim.at_most.map(|bound| bound - value);
+    let value = if claim.table.absolute { value.abs() } else { value };
+    let above = claim.table.at_least.map(|bound| value - bound);
+    let below = claim.table.at_most.map(|bound| bound - value);
     above.into_iter().chain(below).fold(f64::INFINITY, f64::min)
 }
 
@@ -167,7 +165,8 @@ mod tests {
     use super::*;
 
     fn verdict(value: f64, error: f64, n: usize) -> Verdict {
-        let claim = Claim { at_least: Some(5.0), ..Claim::example() };
+        let mut claim = Claim::example();
+        claim.table.at_least = Some(5.0);
         let estimate = Estimate { value, standard_error: Some(error) };
         let measured = Linked { estimate, deviations: [(0, error)].into() };
         decide(&claim, &measured, n, QUANTILE).0

@@ -145,9 +145,9 @@ fn pixels(picture: &InkPicture) -> String {
 mod tests {
     use super::*;
     use crate::appearance::colour::{Colorimeter, Colour};
+    use crate::evaluate::ink_maker::Target;
     use crate::evaluate::manifest::Count;
     use crate::sweep::definition::load::{Outline, Place};
-    use crate::sweep::findings::aim::{Aim, AimFound};
     use ndarray::Array2;
 
     /// A variant with all numbers, and noise in all digits.
@@ -173,12 +173,9 @@ mod tests {
         let colour = Colorimeter::new(wavelengths_nm).unwrap().colour(&values).unwrap();
         let covariance = Some([[0.1234567, 0.01, 0.0], [0.01, 0.2345678, 0.0], [0.0, 0.0, 0.3456789]]);
         let colour = Colour { lab_covariance: covariance, ..colour };
-        let found = Some(AimFound {
-            delta_e_2000: number(),
-            deviations: Vec::new(),
-            contrast_ratio: number(),
-            hex: "#a0b0c0".into(),
-        });
+        let (lab, deviations) = ([70.1, -5.2, 40.3], Vec::new());
+        let target = Target { lab, delta_e_2000: number(), deviations };
+        let contrast = Some((number(), Vec::new()));
         let solves = Count { asked: 24, finished: 24 };
         let labels = vec![name.clone(), name.clone(), name.clone()];
         // colours that vary from angle to angle, like those of inks
@@ -201,8 +198,10 @@ mod tests {
             certain: false,
             colour: Some(colour),
             lab_deviations: Default::default(),
-            contrast: None,
-            aim: Some(Aim { lab: [70.1, -5.2, 40.3], conditions: "D65, 2° observer".into(), found }),
+            contrast,
+            aim: Some("L* 70.1, a* −5.2, b* 40.3 (D65, 2° observer)".into()),
+            target: Some(target),
+            print_hex: None,
             spectra,
         };
         (outcome, picture)

@@ -1,7 +1,7 @@
 //! The result of one variant, finished or not.
 
-use super::aim::Aim;
 use crate::appearance::colour::Colour;
+use crate::evaluate::ink_maker::Target;
 use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
 use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
@@ -36,8 +36,12 @@ pub struct Outcome {
     /// Contrast ratio (Y over black divided by Y over white), with the number and contribution of
     /// each realisation.
     pub contrast: Option<(Estimate, Vec<(usize, f64)>)>,
-    /// The target colour, if the study sets one.
-    pub aim: Option<Aim>,
+    /// The target colour in words, if the study sets one.
+    pub aim: Option<String>,
+    /// The difference to it.
+    pub target: Option<Target>,
+    /// `#rrggbb` of the print, adapted to the illuminant.
+    pub print_hex: Option<String>,
     /// One row per wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
 }
@@ -59,7 +63,9 @@ impl Outcome {
             colour: None,
             lab_deviations: BTreeMap::new(),
             contrast: None,
-            aim: Aim::of(study),
+            aim: study.judgement.target_lab.map(|lab| target_in_words(lab, study)),
+            target: None,
+            print_hex: None,
             spectra: Vec::new(),
         }
     }
@@ -67,6 +73,7 @@ impl Outcome {
     /// Adds the numbers of a variant's manifest.
     pub fn with(self, manifest: &Manifest<&Study>) -> Self {
         let natural = manifest.colours.iter().find(|note| note.conditions == NATURAL_LIGHT);
+        let maker = manifest.ink_maker.as_ref();
         Self {
             solves: manifest.solves,
             failures: manifest.failures.len(),
@@ -74,11 +81,9 @@ impl Outcome {
             realisations: manifest.realisations.finished,
             colour: natural.map(|note| note.colour),
             lab_deviations: natural.map(|note| note.deviations.iter().copied().collect()).unwrap_or_default(),
-            contrast: manifest
-                .ink_maker
-                .as_ref()
-                .map(|maker| (maker.contrast_ratio, maker.contrast_deviations.clone())),
-            aim: self.aim.map(|aim| aim.with(manifest.ink_maker.as_ref())),
+            contrast: maker.map(|maker| (maker.contrast_ratio, maker.contrast_deviations.clone())),
+            target: maker.and_then(|maker| maker.target.clone()),
+            print_hex: maker.map(|maker| maker.print.hex.clone()),
             spectra: manifest.spectra.clone(),
             ..self
         }
@@ -125,8 +130,8 @@ impl Outcome {
 
     /// ΔE₀₀ to the target colour.
     pub fn to_target(&self) -> Option<Linked> {
-        let found = self.aim.as_ref()?.found.as_ref()?;
-        Some(self.linked(found.delta_e_2000, found.deviations.iter().copied()))
+        let target = self.target.as_ref()?;
+        Some(self.linked(target.delta_e_2000, target.deviations.iter().copied()))
     }
 
     fn linked(&self, estimate: Estimate, deviations: impl Iterator<Item = (usize, f64)>) -> Linked {
@@ -176,6 +181,12 @@ pub fn lab(colour: &Colour, i: usize) -> Estimate {
     Estimate { value: colour.lab[i], standard_error: colour.lab_standard_error().map(|e| e[i]) }
 }
 
+/// Formats a target: `L* 70, a* 5, b* −40 (D65, 2° observer)`.
+fn target_in_words(lab: [f64; 3], study: &Study) -> String {
+    let [l, a, b] = lab.map(|x| x.to_string().replace('-', "−"));
+    format!("L* {l}, a* {a}, b* {b} ({})", study.judgement.viewing.name())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -200,6 +211,8 @@ mod tests {
             lab_deviations: [(0, [0.0, 0.0, by]), (1, [0.0, 0.0, -by])].into(),
             contrast: None,
             aim: None,
+            target: None,
+            print_hex: None,
             spectra: Vec::new(),
         }
     }

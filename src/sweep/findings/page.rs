@@ -73,7 +73,7 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
 /// Groups conclusions by source; the sweep's own questions are the last group.
 fn conclusions(all: &[Judged]) -> Vec<Value> {
     let mut sources: Vec<Option<&str>> = Vec::new();
-    for source in all.iter().map(|judged| judged.words.source.as_deref()) {
+    for source in all.iter().map(|judged| judged.table.source.as_deref()) {
         if !sources.contains(&source) {
             sources.push(source);
         }
@@ -84,7 +84,7 @@ fn conclusions(all: &[Judged]) -> Vec<Value> {
     for source in sources {
         let own = quoted.then(|| "Our own questions".to_owned());
         let heading = source.map(|source| format!("What {source} says")).or(own);
-        let rows = all.iter().filter(|judged| judged.words.source.as_deref() == source).map(conclusion);
+        let rows = all.iter().filter(|judged| judged.table.source.as_deref() == source).map(conclusion);
         groups.push(context!(heading, rows => Vec::from_iter(rows)));
     }
     groups

@@ -199,9 +199,10 @@ fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
 
 fn judged_row(c: &Judged) -> impl Iterator<Item = String> {
     let [value, error] = cell::numbers(c.measured);
-    let [id, statement, inequality] = [&c.id, &c.statement, &c.inequality].map(|words| cell::text(words));
+    let [id, statement, inequality] =
+        [&c.table.id, &c.table.statement, &c.inequality].map(|words| cell::text(words));
     let verdict = c.verdict.name().to_owned();
-    let words = [&c.words.source, &c.words.quote, &c.words.translation, &c.words.because];
+    let words = [&c.table.source, &c.table.quote, &c.table.translation, &c.table.because];
     let words = words.map(|words| cell::text(words.as_deref().unwrap_or_default()));
     let judged = [id, statement, inequality, value, error, verdict, cell::text(&c.remark)];
     judged.into_iter().chain(words)

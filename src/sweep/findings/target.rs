@@ -65,17 +65,17 @@ pub(crate) fn columns(outcomes: &[Outcome]) -> &'static [&'static str] {
 
 /// Values of these columns, as in the variant's own `results.json`.
 pub(crate) fn numbers(outcome: &Outcome) -> [Option<Estimate>; 2] {
-    let found = outcome.aim.as_ref().and_then(|aim| aim.found.as_ref());
-    [found.map(|found| found.delta_e_2000), found.map(|found| found.contrast_ratio)]
+    let target = outcome.target.as_ref();
+    let contrast = target.and(outcome.contrast.as_ref());
+    [target.map(|target| target.delta_e_2000), contrast.map(|(ratio, _)| *ratio)]
 }
 
 /// Describes the target colour; `None` without a target.
 pub(crate) fn in_words(outcomes: &[Outcome]) -> Option<String> {
-    let mut wanted =
-        outcomes.iter().filter_map(|outcome| outcome.aim.as_ref()).map(super::aim::Aim::in_words);
+    let mut wanted = outcomes.iter().filter_map(|outcome| outcome.aim.as_ref());
     let first = wanted.next()?;
     let same = wanted.all(|other| other == first);
-    Some(if same { first } else { "each variant's own".into() })
+    Some(if same { first.clone() } else { "each variant's own".into() })
 }
 
 /// The part of the page with the nearest variants.
@@ -172,7 +172,7 @@ fn row(rank: usize, near: &Near, outcomes: &[Outcome]) -> NearRow {
     NearRow {
         labels: outcome.labels.clone(),
         link: format!("variants/{}/report.html", outcome.name),
-        hex: outcome.aim.as_ref().and_then(|aim| aim.found.as_ref()).map(|found| found.hex.clone()),
+        hex: outcome.print_hex.clone(),
         delta_e: with_bar(estimate, half),
         contrast_ratio: contrast
             .map_or_else(String::new, |c| with_bar(c, c.standard_error.map(|s| factor_of(&[outcome]) * s))),

@@ -1,18 +1,13 @@
 use super::*;
+use crate::evaluate::ink_maker::Target;
 use crate::evaluate::manifest::Count;
 use crate::sweep::definition::load::AxisOutline;
-use crate::sweep::findings::aim::{Aim, AimFound};
 
 /// A variant with three realisations at the given distance from its target.
 fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> Outcome {
     let estimate = Estimate { value, standard_error: error };
-    let found = AimFound {
-        delta_e_2000: estimate,
-        deviations: deviations.into_iter().enumerate().collect(),
-        contrast_ratio: Estimate { value: 0.8, standard_error: Some(0.01) },
-        hex: "#808080".into(),
-    };
-    let conditions = "D50, 2° observer".into();
+    let deviations = deviations.into_iter().enumerate().collect();
+    let target = Target { lab: [70.0, -5.0, 40.0], delta_e_2000: estimate, deviations };
     Outcome {
         name: name.into(),
         labels: vec![name.into()],
@@ -23,8 +18,10 @@ fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> 
         certain: false,
         colour: None,
         lab_deviations: Default::default(),
-        contrast: None,
-        aim: Some(Aim { lab: [70.0, -5.0, 40.0], conditions, found: Some(found) }),
+        contrast: Some((Estimate { value: 0.8, standard_error: Some(0.01) }, Vec::new())),
+        aim: Some("L* 70, a* −5, b* 40 (D50, 2° observer)".into()),
+        target: Some(target),
+        print_hex: Some("#808080".into()),
         spectra: Vec::new(),
     }
 }
@@ -100,14 +97,14 @@ fn ties_with_the_nearest_rest_on_the_error_of_the_difference() {
 
 #[test]
 fn without_a_target_there_is_neither_a_table_nor_a_column() {
-    let plain = Outcome { aim: None, ..variant("plain", 1.0, None, [0.0; 3]) };
+    let plain = Outcome { aim: None, target: None, ..variant("plain", 1.0, None, [0.0; 3]) };
     assert!(
         nearest(&grid(1), std::slice::from_ref(&plain)).is_none()
             && columns(std::slice::from_ref(&plain)).is_empty()
     );
     // a variant without results still has its columns
     let mut asked = variant("asked", 1.0, None, [0.0; 3]);
-    asked.aim.as_mut().unwrap().found = None;
+    asked.target = None;
     let both = [plain, asked];
     assert_eq!((columns(&both).len(), nearest(&grid(2), &both).unwrap().rows.len()), (2, 0));
     assert_eq!(numbers(&both[1]), [None, None]);

@@ -19,7 +19,7 @@ use scaled::scaled;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::time::Duration;
-use trial::{MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial, volume};
+use trial::{MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial};
 
 /// Maximum number of trial variants.
 const TRIALS: usize = 4;
@@ -97,7 +97,7 @@ fn tried(
         let part = deadline.part(variants.len() - place + 1);
         part.stage(&format!("calibrating with {} in a small cell", sweep.variants[v].name));
         let study = &sweep.variants[v].study;
-        let alike = trials.iter().find(|t: &&Trial| t.wanted == study.resolution);
+        let alike = trials.iter().find(|t: &&Trial| t.study.resolution == study.resolution);
         match trial(v, study, alike, jobs, &part).map_err(RunError::stopped) {
             Ok(trial) => trials.push(trial),
             Err(RunError::Stopped) if deadline.is_called_off() => return Err(RunError::Stopped),
@@ -161,7 +161,7 @@ fn in_words(sweep: &Sweep, trials: &[Trial]) -> String {
     if trials.is_empty() {
         return String::new();
     }
-    let widest = trials.iter().map(|t| t.period_um[0].max(t.period_um[1])).fold(0.0, f64::max);
+    let widest = trials.iter().map(|t| t.study.layer.period_um[0].max(t.study.layer.period_um[1])).fold(0.0, f64::max);
     let names: Vec<&str> = trials.iter().map(|t| sweep.variants[t.variant].name.as_str()).collect();
     format!("{} in cells of up to {widest} µm, scaled by volume", names.join(", "))
 }
@@ -227,7 +227,7 @@ fn at_full_size(
 ) -> Result<Option<(String, f64)>, RunError> {
     let Some(trial) = trials.iter().min_by(|a, b| a.packing.total_cmp(&b.packing)) else { return Ok(None) };
     let variant = &sweep.variants[trial.variant];
-    if variant.study.layer.period_um == trial.period_um || grains(&variant.study) > MOST_GRAINS {
+    if variant.study.layer.period_um == trial.study.layer.period_um || grains(&variant.study) > MOST_GRAINS {
         return Ok(None);
     }
     deadline.stage(&format!("calibrating with {} at full size", variant.name));
@@ -243,7 +243,7 @@ fn full_solve(trial: &Trial, study: &Study, jobs: usize, watch: &dyn RunWatch) -
     let scene = Scene::from_packing(&Packings::new(study, watch).get(0)?);
     let grids = (full_resolution(trial, study), trial.longer_waves);
     let covers = covers(study, &scene, grids, watch)?;
-    Ok(time_solves(study, &covers, jobs, watch)? / volume(study))
+    Ok(time_solves(study, &covers, jobs, watch)? / study.volume_um3())
 }
 
 /// Number of different solves, and core seconds: each group at the rates of the trials with the
@@ -256,8 +256,8 @@ fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) 
             let studies: Vec<&Study> = group.iter().filter(here).map(|&v| &sweep.variants[v].study).collect();
             let counts = Counts::of(&studies);
             solves += counts.solves;
-            let distance = |t: &&Trial| (t.density / density(studies[0])).ln().abs();
-            let alike = trials.iter().filter(|t| t.wanted == *wanted);
+            let distance = |t: &&Trial| (density(&t.study) / density(studies[0])).ln().abs();
+            let alike = trials.iter().filter(|t| t.study.resolution == *wanted);
             let nearest = alike.min_by(|a, b| distance(a).total_cmp(&distance(b)));
             // without grains there is no contrast to iterate on
             if let (false, Some(trial)) = (studies[0].pigments.is_empty(), nearest) {
@@ -265,7 +265,7 @@ fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) 
                 let packings = if n == 0 { counts.packings } else { 0 };
                 let once = trial.packing * packings as f64 + trial.coverage * counts.coverages as f64;
                 let work = once + trial.grid * counts.grids as f64 + trial.solve * counts.solves as f64;
-                seconds += volume(studies[0]) * work;
+                seconds += studies[0].volume_um3() * work;
             }
         }
     }

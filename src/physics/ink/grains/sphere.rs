@@ -1,5 +1,6 @@
 //! The sphere, building block of all grains.
 
+use super::solid::{Form, Solid};
 use crate::numerics::vector::{norm, sub};
 use serde::{Deserialize, Serialize};
 
@@ -16,6 +17,11 @@ impl Sphere {
     /// Volume 4πR³/3, µm³.
     pub fn volume_um3(&self) -> f64 {
         4.0 / 3.0 * std::f64::consts::PI * self.radius_um.powi(3)
+    }
+
+    /// The sphere as a convex body.
+    pub fn solid(&self) -> Solid {
+        Solid::upright(Form::Ellipsoid { semi_axes_um: [self.radius_um; 3] }, self.center_um)
     }
 
     /// Distance between the surfaces without periodic wrapping; negative if they overlap.

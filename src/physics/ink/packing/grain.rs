@@ -36,6 +36,13 @@ pub struct Layered {
     pub solid: Option<Solid>,
 }
 
+impl Layered {
+    /// The convex body, or its spheres as such.
+    pub fn solids(&self) -> Vec<Solid> {
+        self.solid.clone().map_or_else(|| self.spheres.iter().map(Sphere::solid).collect(), |own| vec![own])
+    }
+}
+
 impl Grain {
     /// A grain outside any agglomerate; its axis runs from the first to the last centre.
     pub fn new(spheres: Vec<Sphere>, pigment: usize) -> Self {

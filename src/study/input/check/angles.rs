@@ -28,12 +28,11 @@ pub fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angl
         (None, count) => {
             let count = count.unwrap_or(USUAL_COUNT);
             surroundings(file, coupling, faults);
-            super::whole(
+            faults.whole(
                 "angles.count",
                 count,
                 limits::DIRECTIONS,
                 "5 is usual; 0° and 45° are always among them",
-                faults,
             );
             over_hemisphere(file, vec![0.0, PRINT_DEG], count.saturating_sub(EXACT), coupling)
         }

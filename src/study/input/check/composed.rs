@@ -33,7 +33,7 @@ pub(super) fn composed(file: &StudyFile, faults: &mut Faults) -> Option<Composed
     faults.number("layer.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
     for (zone, count) in table.directions.into_iter().enumerate() {
         let field = format!("layer.composed.directions[{zone}]");
-        super::whole(&field, count, DIRECTIONS, "3 is enough: errors are below 5e-4", faults);
+        faults.whole(&field, count, DIRECTIONS, "3 is enough: errors are below 5e-4");
     }
     let first = thicknesses_um.first().copied().unwrap_or(f64::NAN);
     if table.slab_um > 0.5 * first * (1.0 + 1e-9) {

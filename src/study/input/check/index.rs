@@ -53,10 +53,6 @@ fn vacuum(wavelengths: usize) -> IndexSpectrum {
 }
 
 /// What to write for a file without n.
-const BESIDE_CSV: &str = "write n beside the file where it has k alone: { csv = \"…\", n = 1.4 }";
-const BESIDE_YAML: &str = "write n beside the file where it has k alone: { yaml = \"…\", n = 1.4 }";
-/// Between 100 nm and 10 µm neither part of any medium's index exceeds this: aluminium reaches 25 +
-/// 90i.
 const LARGEST_PART: f64 = 100.0;
 
 /// Refuses indices that no passive medium has: the formulas of records may have poles.
@@ -83,26 +79,24 @@ fn source(spectrum: &Spectrum) -> String {
 }
 
 fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
-    let IndexWritten { n, k, built_in: pigment, material: known, csv, yaml } = written;
-    match (pigment, known, csv, yaml, n, k) {
-        (Some(name), None, None, None, None, None) => built_in(field, name, faults),
-        (None, Some(name), None, None, None, None) => material(field, name, faults),
-        (None, None, Some(csv), None, n, None) => from_csv(field, (&folder.join(csv), *n), faults),
-        (None, None, None, Some(yaml), n, None) => from_yaml(field, (&folder.join(yaml), *n), faults),
-        (None, None, None, None, Some(n), k) => constant(field, *n, k.unwrap_or(0.0), faults),
-        _ => {
-            faults.push(unclear(field, written));
-            None
+    let IndexWritten { n, k, built_in, material, csv, yaml } = written;
+    let (key, said, found) = match (built_in, material, csv, yaml, n, k) {
+        (Some(name), None, None, None, None, None) => ("built_in", name, Spectrum::synthetic(name)),
+        (None, Some(name), None, None, None, None) => ("material", name, Spectrum::material(name)),
+        (None, None, Some(csv), None, n, None) => ("csv", csv, Spectrum::from_csv(&folder.join(csv), *n)),
+        (None, None, None, Some(yaml), n, None) => {
+            ("yaml", yaml, Spectrum::from_yaml(&folder.join(yaml), *n))
         }
-    }
-}
-
-/// Reports that no form of an index is given, or more than one.
-fn unclear(field: &str, written: &IndexWritten) -> Fault {
-    let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { material = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, \
-                   with n beside a file of k alone";
-    let found = keys_in_words(written, INDEX_KEYS);
-    Fault::new(field, found, allowed, "write for example index = { n = 1.4, k = 0.1 }")
+        (None, None, None, None, Some(n), k) => return constant(field, *n, k.unwrap_or(0.0), faults),
+        _ => {
+            let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { material = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, \
+                           with n beside a file of k alone";
+            let found = keys_in_words(written, INDEX_KEYS);
+            faults.add(field, found, allowed, "write for example index = { n = 1.4, k = 0.1 }");
+            return None;
+        }
+    };
+    found.map_err(|error| faults.push(not_found(field, key, (said, &folder.join(said)), &error))).ok()
 }
 
 fn constant(field: &str, n: f64, k: f64, faults: &mut Faults) -> Option<Spectrum> {
@@ -114,61 +108,35 @@ fn constant(field: &str, n: f64, k: f64, faults: &mut Faults) -> Option<Spectrum
     if faults.0.len() > before { None } else { Spectrum::constant(n, k).ok() }
 }
 
-fn built_in(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
-    let found = Spectrum::synthetic(name).ok();
-    if found.is_none() {
-        let names = Synthetic::ALL.map(Synthetic::name).join(", ");
-        let remedy = "take one of these, or your own table with { csv = \"file.csv\" }";
-        faults.add(format!("{field}.built_in"), format!("{name:?}"), names, remedy);
-    }
-    found
-}
-
-/// A measured material that comes with the program.
-fn material(field: &str, name: &str, faults: &mut Faults) -> Option<Spectrum> {
-    let found = Spectrum::material(name).ok();
-    if found.is_none() {
-        let names = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
-        let remedy = "take one of these, or your own table with { csv = \"file.csv\" }; organic pigments are in no open \
-                      collection of indices";
-        faults.add(format!("{field}.material"), format!("{name:?}"), names, remedy);
-    }
-    found
-}
-
-/// A table, with a separate n if it contains only κ.
-fn from_csv(field: &str, (path, n): (&Path, Option<f64>), faults: &mut Faults) -> Option<Spectrum> {
-    Spectrum::from_csv(path, n).map_err(|error| faults.push(csv_fault(field, path, &error))).ok()
-}
-
-/// A record, with a separate n if it contains only k.
-fn from_yaml(field: &str, (path, n): (&Path, Option<f64>), faults: &mut Faults) -> Option<Spectrum> {
-    Spectrum::from_yaml(path, n).map_err(|error| faults.push(yaml_fault(field, &error))).ok()
-}
-
-fn yaml_fault(field: &str, error: &SpectrumError) -> Fault {
-    let allowed = "a record of refractiveindex.info: tabulated nk, n, k, or formula 1 to 9";
-    let remedy = match error {
-        SpectrumError::NoRealPart { .. } | SpectrumError::TwoRealParts { .. } => BESIDE_YAML,
-        _ => "download the record's YAML file; its path is relative to the study file",
+/// A name that is not known, or a file that holds no index.
+fn not_found(field: &str, key: &str, (said, path): (&str, &Path), error: &SpectrumError) -> Fault {
+    use SpectrumError::{Header, NoRealPart, TwoRealParts, Unreadable};
+    let (named, beside) = (format!("{said:?}"), matches!(error, NoRealPart { .. } | TwoRealParts { .. }));
+    let take = "take one of these, or your own table with { csv = \"file.csv\" }";
+    let (found, allowed, remedy) = match key {
+        "built_in" => (named, Synthetic::ALL.map(Synthetic::name).join(", "), take.to_owned()),
+        "material" => {
+            let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
+            let remedy = format!("{take}; organic pigments are in no open collection of indices");
+            (named, names.join(", "), remedy)
+        }
+        "csv" => {
+            let allowed =
+                "a readable table wavelength_nm,kappa[,n] with rising wavelengths, kappa ≥ 0 and n > 0";
+            let found = match error {
+                Unreadable(_) | Header { .. } | NoRealPart { .. } | TwoRealParts { .. } => error.to_string(),
+                other => format!("{} ({other})", path.display()),
+            };
+            (found, allowed.into(), "correct the table; its path is relative to the study file".into())
+        }
+        _ => {
+            let allowed = "a record of refractiveindex.info: tabulated nk, n, k, or formula 1 to 9";
+            let remedy = "download the record's YAML file; its path is relative to the study file";
+            (error.to_string(), allowed.into(), remedy.into())
+        }
     };
-    Fault::new(format!("{field}.yaml"), error.to_string(), allowed, remedy)
-}
-
-fn csv_fault(field: &str, path: &Path, error: &SpectrumError) -> Fault {
-    let found = match error {
-        SpectrumError::Unreadable(_)
-        | SpectrumError::Header { .. }
-        | SpectrumError::NoRealPart { .. }
-        | SpectrumError::TwoRealParts { .. } => error.to_string(),
-        other => format!("{} ({other})", path.display()),
-    };
-    let allowed = "a readable table wavelength_nm,kappa[,n] with rising wavelengths, kappa ≥ 0 and n > 0";
-    let remedy = match error {
-        SpectrumError::NoRealPart { .. } | SpectrumError::TwoRealParts { .. } => BESIDE_CSV,
-        _ => "correct the table; its path is relative to the study file",
-    };
-    Fault::new(format!("{field}.csv"), found, allowed, remedy)
+    let more = format!("write n beside the file where it has k alone: {{ {key} = \"…\", n = 1.4 }}");
+    Fault::new(format!("{field}.{key}"), found, allowed, if beside { more } else { remedy })
 }
 
 fn outside(field: &str, spectrum: &Spectrum, wavelengths_nm: &[f64]) -> Option<Fault> {

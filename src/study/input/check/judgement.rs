@@ -4,7 +4,7 @@ use crate::appearance::error::ColourError;
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::StudyFile;
-use crate::input::measured::{MeasuredError, MeasuredSpectrum};
+use crate::input::measured::MeasuredSpectrum;
 use crate::input::measured_colour::MeasuredColour;
 use crate::input::study::Judgement;
 use crate::numerics::files;
@@ -142,7 +142,7 @@ fn measured(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Option<Meas
     read.map_err(|error| faults.push(unread(error))).ok()
 }
 
-fn unread(error: MeasuredError) -> Fault {
+fn unread(error: String) -> Fault {
     let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn, or Lab of the latter";
     let remedy = "correct the file, compare.patch or compare.unit; its path is relative to the study file";
     Fault::new("compare.measured", error, allowed, remedy)

@@ -1,6 +1,5 @@
 //! The wavelengths and their sampling.
 
-use super::whole;
 use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter};
 use crate::input::fault::{Allowed, Fault, Faults, keys_in_words};
 use crate::input::file::{LightTable, SamplingName};
@@ -113,7 +112,7 @@ pub fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Fault
     let range = light.wavelengths_nm.is_none() && light.sampling == SamplingName::Shifted && last > 0;
     if let Some(count) = light.per_realisation {
         let remedy = "10 to 16 is usual; it needs a range of wavelengths";
-        whole("light.per_realisation", count, limits::PER_REALISATION, remedy, faults);
+        faults.whole("light.per_realisation", count, limits::PER_REALISATION, remedy);
         if !range && !wavelengths_nm.is_empty() {
             let allowed = "from_nm, to_nm and step_nm with sampling = \"shifted\"";
             faults.add("light.per_realisation", count, allowed, "give a range, or leave it out");

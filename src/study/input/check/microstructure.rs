@@ -4,7 +4,7 @@ mod voxels;
 
 use super::pigments::is_molecular;
 use crate::ink::{Grain, Measure, PackError, Packing, Shape, SizeDistribution, Sphere, VoxelCut};
-use crate::input::fault::{Fault, Faults, keys_in_words};
+use crate::input::fault::{Faults, keys_in_words};
 use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
 use crate::input::forms::Pair;
 use crate::input::positions::{Meaning, Positions, read_positions};
@@ -38,7 +38,7 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
         (None, Some(names)) => voxels::voxels(file, folder, (table, names), faults)?,
         _ => {
             let found = keys_in_words(table, &["spheres", "voxels"]);
-            faults.push(Fault::new(FIELD, found, "either spheres or voxels", "write voxels = \"cut.npy\""));
+            faults.add(FIELD, found, "either spheres or voxels", "write voxels = \"cut.npy\"");
             return None;
         }
     };
@@ -47,13 +47,13 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
     if let Some(((i, _), _)) = absent.next().filter(|_| faults.0.len() == before) {
         let allowed =
             "at least one grain of every pigment; a file without a column pigment has the first only";
-        faults.push(Fault::new(format!("pigment[{i}]"), "no grain", allowed, "remove this pigment"));
+        faults.add(format!("pigment[{i}]"), "no grain", allowed, "remove this pigment");
     }
     let cuts = given.grains.len() + given.voxels.len();
     let asked = file.run.realisations.unwrap_or(cuts);
     if asked > cuts || cuts == 0 {
         let allowed = format!("at most {cuts}, one per cut in the files");
-        faults.push(Fault::new("run.realisations", asked, allowed, "leave it out, or add files"));
+        faults.add("run.realisations", asked, allowed, "leave it out, or add files");
     }
     (faults.0.len() == before).then(|| (filled(file, &given, cuts), given))
 }
@@ -70,9 +70,7 @@ fn spheres(
         let meaning = Meaning { unit: table.unit, size: table.size };
         match read_positions(&folder.join(path), meaning) {
             Ok(read) => cuts.extend(read.into_iter().map(|positions| (path.clone(), positions))),
-            Err(reason) => {
-                faults.push(Fault::new(FIELD, path, format!("positions of spheres: {reason}"), FORMATS))
-            }
+            Err(reason) => faults.add(FIELD, path, format!("positions of spheres: {reason}"), FORMATS),
         }
     }
     let period_um = period(file, &cuts, faults)?;
@@ -113,7 +111,7 @@ fn beside(file: &StudyFile, own: &MicrostructureTable, faults: &mut Faults) {
     }
     for (_, field) in found.into_iter().filter(|(found, _)| *found) {
         let allowed = "nothing beside layer.microstructure, whose grains are placed";
-        faults.push(Fault::new(field, "a value", allowed, "remove it"));
+        faults.add(field, "a value", allowed, "remove it");
     }
 }
 
@@ -125,7 +123,7 @@ fn period(file: &StudyFile, cuts: &[(String, Positions)], faults: &mut Faults) -
     let own: Vec<_> = boxes.map(|(path, b)| (path, sides(b))).collect();
     let Some(period) = written.or(own.first().map(|(_, sides)| *sides)) else {
         let allowed = "one number or [x, y], µm: these files have no box";
-        faults.push(Fault::new("layer.period_um", "nothing", allowed, "give the period of the positions"));
+        faults.add("layer.period_um", "nothing", allowed, "give the period of the positions");
         return None;
     };
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b;
@@ -135,7 +133,7 @@ fn period(file: &StudyFile, cuts: &[(String, Positions)], faults: &mut Faults) -
         let unit = if (1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio) { "" } else { "; is unit right?" };
         let found = format!("{path} with a box of {} × {} µm{unit}", sides[0], sides[1]);
         let allowed = format!("the period {} × {} µm of all files", period[0], period[1]);
-        faults.push(Fault::new(FIELD, found, allowed, "leave layer.period_um out, or correct unit"));
+        faults.add(FIELD, found, allowed, "leave layer.period_um out, or correct unit");
         return None;
     }
     Some(period)
@@ -149,7 +147,7 @@ fn grains(
     faults: &mut Faults,
 ) -> Vec<Grain> {
     let mut refuse = |found: String, allowed: &str, remedy: &str| {
-        faults.push(Fault::new(FIELD, format!("{path}: {found}"), allowed, remedy));
+        faults.add(FIELD, format!("{path}: {found}"), allowed, remedy);
         Vec::new()
     };
     if cut.spheres.is_empty() {

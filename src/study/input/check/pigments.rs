@@ -32,12 +32,7 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
         fraction(i, table, faults);
         if is_molecular(table) && !table.shell.is_empty() {
             let (found, allowed) = ("layers", "no layers around dissolved pigments: they have no grains");
-            faults.push(Fault::new(
-                of(i, "shell"),
-                found,
-                allowed,
-                "give diameter_nm in nm, or remove shell",
-            ));
+            faults.add(of(i, "shell"), found, allowed, "give diameter_nm in nm, or remove shell");
         }
         if !is_molecular(table) {
             all.push(grains_of(i, table, (&file.layer, period_um), faults, sound));
@@ -243,7 +238,7 @@ fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
         Some(share) => faults.number(&of(i, "volume_fraction"), share, limits::VOLUME_FRACTION, remedy),
         None => {
             let allowed = limits::VOLUME_FRACTION.to_string();
-            faults.push(Fault::new(of(i, "volume_fraction"), "nothing", allowed, remedy));
+            faults.add(of(i, "volume_fraction"), "nothing", allowed, remedy);
         }
     }
 }

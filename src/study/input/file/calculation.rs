@@ -2,7 +2,6 @@
 
 use crate::input::forms::strategies;
 use crate::input::limits;
-use crate::input::study::TargetColour;
 use crate::solve::{Goal, SolverChoice};
 use crate::wave::Scheme;
 use schemars::JsonSchema;
@@ -88,4 +87,18 @@ impl Default for SolverTable {
         let max_applications = Goal::default().max_applications;
         Self { strategy: SolverChoice::default(), tolerance: None, max_applications }
     }
+}
+
+/// Colours to which `target_delta_e` applies.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum TargetColour {
+    /// All of them.
+    #[default]
+    Every,
+    /// Under a uniform sky, viewed along the normal.
+    NaturalLight,
+    /// Lit at 45°, viewed along the normal.
+    #[serde(rename = "lit_at_45")]
+    LitAt45,
 }

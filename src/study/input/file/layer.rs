@@ -130,7 +130,7 @@ pub struct PigmentTable {
     pub volume_fraction: Option<f64>,
     /// Refractive index; not needed for packings only.
     #[serde(default)]
-    #[schemars(with = "IndexForms", example = std::collections::BTreeMap::from([("built_in", "yellow")]))]
+    #[schemars(with = "IndexForms", example = std::collections::BTreeMap::from_iter(Some(("built_in", "yellow"))))]
     pub index: IndexWritten,
     /// Alignment of the grains' axes.
     #[serde(default)]

@@ -31,13 +31,13 @@ pub struct MicrostructureTable {
     #[schemars(example = 20)]
     pub voxel_nm: Option<VoxelEdges>,
     /// Pigment of every label (default: label 1 is the first pigment, 2 the second and so on).
-    #[schemars(example = std::collections::BTreeMap::from([("1", "yellow")]))]
+    #[schemars(example = BTreeMap::from_iter(Some(("1", "yellow"))))]
     pub labels: Option<BTreeMap<String, String>>,
     /// How a cut of voxels goes on along x and y (default: `"periodic"`).
     #[schemars(example = Continuation::Mirrored)]
     pub continuation: Option<Continuation>,
     /// Divides each file along x and y into equal cuts, each a realisation (default: `[1, 1]`).
-    #[schemars(inner(range(min = 1, max = 100)), example = [2, 2])]
+    #[schemars(inner(range(min = 1, max = 100)), example = (2, 2))]
     pub cuts: Option<[usize; 2]>,
 }
 

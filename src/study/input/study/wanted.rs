@@ -1,6 +1,5 @@
 //! What is requested from a study: directions, accuracy, output, and comparison.
 
-use crate::appearance::paper::MirroredSky;
 use crate::appearance::viewing::Viewing;
 use crate::input::measured::MeasuredSpectrum;
 use crate::wave::Scheme;
@@ -73,17 +72,6 @@ impl WantedResolution {
             Self::Grid { .. } => EXACT,
         }
     }
-}
-
-/// Form of the results; no solve depends on it.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Output {
-    /// Folder of the results, if set in the file.
-    pub folder: Option<String>,
-    /// Side of the picture's square, pixels.
-    pub picture_pixels: usize,
-    /// Whether the specular direction includes the reflected sky.
-    pub mirrored_sky: MirroredSky,
 }
 
 /// What an ink maker compares the prediction with.

@@ -10,9 +10,10 @@ use crate::sweep::definition::file::Quantity;
 pub fn check_variants(claims: &[Claim], studies: &[&Study], faults: &mut Faults) {
     let light: Vec<&[f64]> = studies.iter().map(|study| study.wavelengths_nm.as_slice()).collect();
     check_light(claims, &light, faults);
-    for claim in claims.iter().filter(|claim| claim.quantity == Quantity::DeltaEToTarget) {
+    for claim in claims.iter().filter(|claim| claim.table.quantity == Quantity::DeltaEToTarget) {
         if claim.variants().any(|v| studies[v].judgement.target_lab.is_none()) {
-            let found = format!("{:?} in {:?}, of a variant without a target", "delta_e_to_target", claim.id);
+            let found =
+                format!("{:?} in {:?}, of a variant without a target", "delta_e_to_target", claim.table.id);
             let remedy = "set base.colour.target_lab = [L, a, b]";
             faults.add("conclusion.quantity", found, "variants with a target colour", remedy);
         }
@@ -23,15 +24,15 @@ pub fn check_variants(claims: &[Claim], studies: &[&Study], faults: &mut Faults)
 /// variant.
 fn check_light(claims: &[Claim], wavelengths_nm: &[&[f64]], faults: &mut Faults) {
     for (i, claim) in claims.iter().enumerate() {
-        let one = claim.wavelength_nm.map(|nm| [nm - 1e-6, nm + 1e-6]);
-        let Some([from, to]) = claim.range_nm.or(one) else { continue };
+        let one = claim.table.wavelength_nm.map(|nm| [nm - 1e-6, nm + 1e-6]);
+        let Some([from, to]) = claim.table.range_nm.or(one) else { continue };
         let Some(v) =
             claim.variants().find(|v| !wavelengths_nm[*v].iter().any(|nm| (from..=to).contains(nm)))
         else {
-            faults.0.extend(claim.range_nm.and_then(|range| uneven(claim, i, wavelengths_nm, range)));
+            faults.0.extend(claim.table.range_nm.and_then(|range| uneven(claim, i, wavelengths_nm, range)));
             continue;
         };
-        let (key, found) = match claim.wavelength_nm {
+        let (key, found) = match claim.table.wavelength_nm {
             Some(nm) => ("wavelength_nm", nm.to_string()),
             None => ("range_nm", format!("[{from}, {to}]")),
         };
@@ -64,7 +65,8 @@ mod tests {
     #[test]
     fn a_range_needs_the_same_wavelengths_in_all_variants() {
         let (quantity, range_nm) = (Quantity::Reflectance, Some([500.0, 600.0]));
-        let claim = Claim { quantity, range_nm, ..Claim::example() };
+        let mut claim = Claim::example();
+        (claim.table.quantity, claim.table.range_nm) = (quantity, range_nm);
         let told = |a: &[f64], b: &[f64]| {
             let mut faults = Faults::default();
             check_light(std::slice::from_ref(&claim), &[a, b], &mut faults);

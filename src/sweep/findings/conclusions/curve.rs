@@ -12,12 +12,12 @@ use crate::sweep::findings::outcome::Outcome;
 /// Why there is no such place: values are missing, or the curve does not take the value exactly
 /// once.
 pub(super) fn place(claim: &Claim, outcomes: &[Outcome], value: &Linked) -> Result<Linked, String> {
-    let point = |&(at, v): &(f64, usize)| {
+    let point = |(at, v): (f64, usize)| {
         let outcome = &outcomes[v];
-        let found = outcome.quantity(claim.quantity, claim.wavelength_nm);
+        let found = outcome.quantity(claim.table.quantity, claim.table.wavelength_nm);
         found.map(|number| (at, number)).ok_or_else(|| no_value(outcome))
     };
-    let points: Vec<(f64, Linked)> = claim.curve.iter().map(point).collect::<Result<_, _>>()?;
+    let points: Vec<(f64, Linked)> = claim.curve().map(point).collect::<Result<_, _>>()?;
     on_curve(&points, value)
 }
 

@@ -34,7 +34,7 @@ pub(super) fn judge(
     outcomes: &[Outcome],
     range: [f64; 2],
 ) -> (Verdict, Option<Estimate>, String) {
-    let found = wavelengths(claim, outcomes, range).and_then(|nm| match claim.over {
+    let found = wavelengths(claim, outcomes, range).and_then(|nm| match claim.table.over {
         Over::Mean => on_mean(claim, outcomes, &nm),
         Over::Every | Over::Some => one_by_one(claim, outcomes, &nm, range),
     });
@@ -66,7 +66,9 @@ fn absorbed(seen: &[(f64, f64)]) -> Vec<f64> {
 }
 
 fn at(claim: &Claim, outcomes: &[Outcome], nm: f64) -> Result<(Linked, usize), String> {
-    measure(&Claim { wavelength_nm: Some(nm), ..claim.clone() }, outcomes)
+    let mut one = claim.clone();
+    one.table.wavelength_nm = Some(nm);
+    measure(&one, outcomes)
 }
 
 /// Tests the mean over the wavelengths.
@@ -101,7 +103,7 @@ fn mean(numbers: &[Linked]) -> Linked {
 fn one_by_one(claim: &Claim, outcomes: &[Outcome], nm: &[f64], range: [f64; 2]) -> SpectrumFound {
     let parts: Vec<AtWavelength> =
         nm.iter().map(|&one| at_wavelength(claim, outcomes, one, nm.len())).collect::<Result<_, String>>()?;
-    Ok(match claim.over {
+    Ok(match claim.table.over {
         Over::Some => some(&parts, range),
         Over::Every | Over::Mean => every(&parts, range),
     })

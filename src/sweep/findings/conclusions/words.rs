@@ -5,12 +5,12 @@ use crate::sweep::definition::file::Over;
 
 /// The inequality of a conclusion, such as "C*(a) − C*(b) ≥ 5".
 pub(super) fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
-    let at = match (claim.wavelength_nm, claim.range_nm) {
+    let at = match (claim.table.wavelength_nm, claim.table.range_nm) {
         (Some(nm), _) => format!("{nm:.0}"),
         (None, Some([from, to])) => format!("{from:.0}–{to:.0}"),
         (None, None) => String::new(),
     };
-    let symbol = match claim.quantity {
+    let symbol = match claim.table.quantity {
         Quantity::Chroma => "C*".to_owned(),
         Quantity::Lightness => "L*".to_owned(),
         Quantity::Hue => "h".to_owned(),
@@ -27,14 +27,14 @@ pub(super) fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
     let plus: Vec<String> = claim.plus.iter().map(term).collect();
     let minus: String = claim.minus.iter().map(|v| format!(" − {}", term(v))).collect();
     let sum = format!("{}{minus}", plus.join(" + "));
-    let sum = if claim.absolute { format!("|{sum}|") } else { sum };
-    let what = if claim.curve.is_empty() { sum } else { format!("place with the same {sum}") };
+    let sum = if claim.table.absolute { format!("|{sum}|") } else { sum };
+    let what = if claim.among.is_empty() { sum } else { format!("place with the same {sum}") };
     bounded(claim, &what) + &wavelengths(claim, outcomes)
 }
 
 fn bounded(claim: &Claim, what: &str) -> String {
     let bound = |x: f64| x.to_string().replace('-', "−");
-    match (claim.at_least, claim.at_most) {
+    match (claim.table.at_least, claim.table.at_most) {
         (Some(low), Some(high)) => format!("{} ≤ {what} ≤ {}", bound(low), bound(high)),
         (Some(low), None) => format!("{what} ≥ {}", bound(low)),
         (_, high) => format!("{what} ≤ {}", bound(high.unwrap_or(f64::INFINITY))),
@@ -43,7 +43,7 @@ fn bounded(claim: &Claim, what: &str) -> String {
 
 /// Describes the selected wavelengths; empty if the whole range counts.
 fn wavelengths(claim: &Claim, outcomes: &[Outcome]) -> String {
-    let over = match claim.over {
+    let over = match claim.table.over {
         Over::Every => "",
         Over::Some => ", at some wavelength",
         Over::Mean => ", on the mean",

@@ -1,7 +1,7 @@
 //! Estimates the cost of a variant from its size, where no trial finishes in time: unknowns ×
 //! operator applications, and spheres to pack.
 
-use super::trial::{Trial, density, volume};
+use super::trial::{Trial, density};
 use crate::input::study::{Study, WantedResolution};
 use crate::run::resolve::size;
 use crate::solve::accuracy::smooth_size;
@@ -31,13 +31,10 @@ pub(super) fn scaled(variant: usize, study: &Study) -> Trial {
     let unknowns = size(study, resolution).unknowns();
     let solve = unknowns * applications(study) * APPLICATION;
     let coverage = (resolution.nx * resolution.ny * resolution.planes()) as f64 * COVERAGE;
-    let each = 1.0 / volume(study);
+    let each = 1.0 / study.volume_um3();
     Trial {
         variant,
-        period_um: study.layer.period_um,
-        thickness_um: study.layer.thickness_um,
-        wanted: study.resolution,
-        density: density(study),
+        study: study.clone(),
         packing: packing(study) * each,
         coverage: coverage * each,
         grid: SEARCH * (coverage + solve) * each,
@@ -93,7 +90,7 @@ fn packing(study: &Study) -> f64 {
     let count: f64 = study
         .pigments
         .iter()
-        .map(|p| p.grains.expected(volume(study)) * p.grains.shape.template().spheres.len() as f64)
+        .map(|p| p.grains.expected(study.volume_um3()) * p.grains.shape.template().spheres.len() as f64)
         .sum();
     let share: f64 = study.pigments.iter().map(|p| p.grains.volume_fraction).sum();
     count * SPHERE[usize::from(share > RELAXED)] * rayon::current_num_threads() as f64

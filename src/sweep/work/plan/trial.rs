@@ -32,10 +32,8 @@ pub(super) const MOST_GRAINS: f64 = 5e4;
 /// Cost of a trial variant, in core seconds per µm³.
 pub(crate) struct Trial {
     pub variant: usize,
-    pub period_um: [f64; 2],
-    pub thickness_um: f64,
-    pub wanted: WantedResolution,
-    pub density: f64,
+    /// What was tried: the variant in a small cell.
+    pub study: Study,
     pub packing: f64,
     pub coverage: f64,
     pub grid: f64,
@@ -45,10 +43,6 @@ pub(crate) struct Trial {
     pub resolution: Resolution,
     /// Coarsening for longer waves, as in [`Resolved`](crate::run::resolve::Resolved).
     pub longer_waves: f64,
-}
-
-pub(crate) fn volume(study: &Study) -> f64 {
-    study.layer.period_um[0] * study.layer.period_um[1] * study.layer.thickness_um
 }
 
 /// Approximate number of grains per µm³, which determines the cost of packing and the scale of
@@ -75,7 +69,7 @@ fn in_small_cell(study: &Study) -> Study {
 
 /// Approximate number of grains of a cell.
 pub(crate) fn grains(study: &Study) -> f64 {
-    study.pigments.iter().map(|p| p.grains.expected(volume(study))).sum()
+    study.pigments.iter().map(|p| p.grains.expected(study.volume_um3())).sum()
 }
 
 /// Runs the trial of a variant; `alike` is an earlier trial with the same requested resolution,
@@ -106,13 +100,10 @@ pub(crate) fn trial(
         (seconds, _) => seconds.unwrap_or(0.0) / (coverage + solve).max(1e-9),
     };
     let grid = search * (coverage + solve);
-    let each = 1.0 / volume(&study);
+    let each = 1.0 / study.volume_um3();
     Ok(Trial {
         variant,
-        period_um: study.layer.period_um,
-        thickness_um: study.layer.thickness_um,
-        wanted: study.resolution,
-        density: density(full),
+        study,
         packing: packing * each,
         coverage: coverage * each,
         grid: grid * each,
@@ -199,10 +190,10 @@ fn try_solve(study: &Study, solver: &dyn Solver, geometry: &Geometry, point: &Po
 pub(crate) fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
     let scaled = |n: usize, axis: usize| match n {
         1 => 1,
-        n => smooth_size((n as f64 * study.layer.period_um[axis] / trial.period_um[axis]).ceil() as usize),
+        n => smooth_size((n as f64 * study.layer.period_um[axis] / trial.study.layer.period_um[axis]).ceil() as usize),
     };
     let r = trial.resolution;
-    let cells = (r.cells as f64 * study.layer.thickness_um / trial.thickness_um).ceil() as usize;
+    let cells = (r.cells as f64 * study.layer.thickness_um / trial.study.layer.thickness_um).ceil() as usize;
     Resolution { nx: scaled(r.nx, 0), ny: scaled(r.ny, 1), cells, ..r }
 }
 

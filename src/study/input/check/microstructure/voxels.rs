@@ -15,13 +15,6 @@ use std::path::Path;
 /// |nx| + |ny| + |nz|.
 const STAIRS: f64 = 1.5;
 
-/// What was found, what is allowed, and what to try.
-type Wrong = [String; 3];
-
-fn wrong(found: String, allowed: &str, remedy: &str) -> Wrong {
-    [found, allowed.to_owned(), remedy.to_owned()]
-}
-
 /// The cuts of all files; `None` after an error.
 pub(super) fn voxels(
     file: &StudyFile,
@@ -33,7 +26,7 @@ pub(super) fn voxels(
     let field = "layer.microstructure.voxel_nm";
     let remedy = "give the edge of a voxel in nm";
     let Some(edges_nm) = table.voxel_nm.map(VoxelEdges::xyz) else {
-        faults.push(Fault::new(field, "nothing", limits::VOXEL_NM.to_string(), remedy));
+        faults.add(field, "nothing", limits::VOXEL_NM.to_string(), remedy);
         return None;
     };
     if let Some(&edge) = edges_nm.iter().find(|&&edge| !limits::VOXEL_NM.holds(edge)) {
@@ -47,8 +40,8 @@ pub(super) fn voxels(
     let height = 1e3 * file.layer.thickness_um.mean() / edges_nm[2];
     let mut reader = VoxelReader { table, known, height, cuts: Vec::new() };
     for path in names.all() {
-        if let Err([found, allowed, remedy]) = reader.read(&folder.join(path)) {
-            faults.push(Fault::new(FIELD, format!("{path}: {found}"), allowed, remedy));
+        if let Err(fault) = reader.read(&folder.join(path)) {
+            faults.push(Fault { found: format!("{path}: {}", fault.found), ..fault });
         }
     }
     if faults.0.len() > before || reader.cuts.is_empty() {
@@ -60,7 +53,7 @@ pub(super) fn voxels(
         |written: &[f64; 2]| (written[0] - lx).abs() > 1e-6 * lx || (written[1] - ly).abs() > 1e-6 * ly;
     if let Some([x, y]) = file.layer.period_um.map(|pair| pair.xy()).filter(other) {
         let allowed = format!("{lx} × {ly} µm, the width of a cut");
-        faults.push(Fault::new("layer.period_um", format!("{x} × {y} µm"), allowed, "leave it out"));
+        faults.add("layer.period_um", format!("{x} × {y} µm"), allowed, "leave it out");
         return None;
     }
     // a written period may have more digits than the edge of a voxel
@@ -82,11 +75,11 @@ fn known_labels(table: &MicrostructureTable, pigments: &[String], faults: &mut F
             (Some(number), Some(kind)) => drop(known.insert(number, kind)),
             (None, _) => {
                 let allowed = "integers other than 0, which is the binder";
-                faults.push(Fault::new(field, format!("label {label:?}"), allowed, "write 1 = \"yellow\""));
+                faults.add(field, format!("label {label:?}"), allowed, "write 1 = \"yellow\"");
             }
             _ => {
                 let allowed = format!("the name of a pigment with grains: {}", pigments.join(", "));
-                faults.push(Fault::new(field, format!("{name:?}"), allowed, "name it in [[pigment]]"));
+                faults.add(field, format!("{name:?}"), allowed, "name it in [[pigment]]");
             }
         }
     }
@@ -103,21 +96,28 @@ struct VoxelReader<'a> {
 }
 
 impl VoxelReader<'_> {
-    fn read(&mut self, path: &Path) -> Result<(), Wrong> {
+    fn read(&mut self, path: &Path) -> Result<(), Fault> {
         let formats = "integers with axes x, y, z in a NumPy array (.npy), or a stack of TIFF pages";
-        let labels = read_labels(path).map_err(|found| wrong(found, formats, "convert the file"))?;
+        let labels =
+            read_labels(path).map_err(|found| Fault::new(FIELD, found, formats, "convert the file"))?;
         let (nx, ny, nz) = labels.dim();
         if (self.height - nz as f64).abs() > 1e-6 * nz as f64 {
             let thick = (1e3 * self.height).round() / 1e3;
             let found = format!("{nz} voxels along z, the last axis, in a layer {thick} voxels thick");
             let remedy = "correct layer.thickness_um or voxel_nm, or transpose the array to x, y, z";
-            return Err(wrong(found, "layer.thickness_um = voxels along z × voxel_nm / 1000", remedy));
+            return Err(Fault::new(
+                FIELD,
+                found,
+                "layer.thickness_um = voxels along z × voxel_nm / 1000",
+                remedy,
+            ));
         }
         let labels = self.pigments(&labels)?;
         let [across, along] = self.table.cuts.unwrap_or([1, 1]);
         if across * along == 0 || nx % across > 0 || ny % along > 0 {
             let found = format!("{nx} × {ny} voxels in {across} × {along} cuts");
-            return Err(wrong(
+            return Err(Fault::new(
+                FIELD,
                 found,
                 "numbers that divide the voxels evenly",
                 "change cuts, or trim the array",
@@ -129,13 +129,13 @@ impl VoxelReader<'_> {
         }
         if self.cuts[0].dim() != (width, depth, nz) {
             let found = format!("cuts of {width} × {depth} voxels beside {:?}", self.cuts[0].dim());
-            return Err(wrong(found, "cuts of one size in all files", "trim the arrays"));
+            return Err(Fault::new(FIELD, found, "cuts of one size in all files", "trim the arrays"));
         }
         Ok(())
     }
 
     /// Labels of the file as 0 for the binder and k + 1 for pigment k.
-    fn pigments(&self, labels: &Array3<i64>) -> Result<Array3<u8>, Wrong> {
+    fn pigments(&self, labels: &Array3<i64>) -> Result<Array3<u8>, Fault> {
         let mut unlisted: BTreeMap<i64, usize> = BTreeMap::new();
         let kinds = labels.map(|label| match self.known.get(label) {
             Some(&kind) => kind,
@@ -157,7 +157,7 @@ impl VoxelReader<'_> {
         };
         let known: Vec<String> = self.known.keys().map(i64::to_string).collect();
         let allowed = format!("0 for the binder and the study's labels: {}", known.join(", "));
-        Err(wrong(counts.join(", ") + &more, &allowed, "add them to layer.microstructure.labels"))
+        Err(Fault::new(FIELD, counts.join(", ") + &more, &allowed, "add them to layer.microstructure.labels"))
     }
 
     fn given(self, file: &StudyFile, edges_nm: [f64; 3], pigments: usize) -> Given {
