@@ -150,7 +150,8 @@ impl ExternalTable {
         let Self { time_limit_s, memory_gb, .. } = *self;
         let case = blake3::hash(inputs.to_string().as_bytes()).to_hex()[..12].to_owned();
         let request = ProgramRequest { case, inputs, wave, knob, time_limit_s, memory_gb };
-        let run = match self.started(folder, &[], request.to_string(), watch)? {
+        let text = serde_json::to_string(&request).unwrap_or_default();
+        let run = match self.started(folder, &[], text, watch)? {
             Ok(run) => run,
             Err(reason) => return Ok(Err(format!("{} cannot be started: {reason}", self.command[0]))),
         };

@@ -34,9 +34,7 @@ pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
 }
 
 fn paint_top(packing: &Packing, w: usize, h: usize) -> Raster {
-    let [lx, ly] = packing.period_um();
     let mut raster = Raster::new(w, h, BINDER);
-    let (sx, sy) = (w as f64 / lx, h as f64 / ly);
     for (solid, material) in images(packing) {
         paint_top_solid(packing, &solid, pigment_colour(material), &mut raster);
     }

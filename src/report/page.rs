@@ -20,7 +20,7 @@ pub struct Page {
     /// The picture of the ink on paper.
     pub picture: Option<Picture>,
     /// Colours in words and numbers.
-    pub colour: Option<ColourBlock>,
+    pub colour: Option<Value>,
     /// Plots.
     pub figures: Vec<Figure>,
     /// Hiding power and differences, where there are colours.
@@ -57,30 +57,6 @@ pub struct Figure {
     pub data: String,
     /// Caption.
     pub caption: String,
-}
-
-/// Colour numbers beside the picture, one column for each condition.
-#[derive(Clone, Debug, Serialize)]
-pub struct ColourBlock {
-    /// `#rrggbb` of the patch.
-    pub hex: String,
-    /// Headings of the columns: light and viewing.
-    pub conditions: Vec<String>,
-    /// One row for each quantity.
-    pub rows: Vec<ColourRow>,
-    /// Caption.
-    pub note: String,
-    /// The first column in one line.
-    pub in_words: String,
-}
-
-/// One quantity under every condition.
-#[derive(Clone, Debug, Serialize)]
-pub struct ColourRow {
-    /// The quantity.
-    pub name: String,
-    /// One value for each condition.
-    pub values: Vec<String>,
 }
 
 /// Numbers for an ink maker.

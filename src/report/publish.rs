@@ -1,6 +1,6 @@
 //! Writes the results of the finished solves: `results.json`, tables, picture and page.
 
-use super::sheet::sheet;
+use super::sheet::{colour_in_words, sheet};
 use super::tables;
 use crate::appearance::bdf::BdfError;
 use crate::appearance::picture::InkPicture;
@@ -130,7 +130,7 @@ pub(crate) fn publish_seen(
     if manifest.status == Status::Complete {
         folder.complete()?;
     }
-    let colour = page.colour.map(|colour| colour.in_words);
+    let colour = colour_in_words(manifest);
     let withheld = manifest.withheld.iter().map(Withheld::in_words).collect();
     Ok(Published { status: manifest.status, colour, no_colour: manifest.no_colour.clone(), withheld })
 }

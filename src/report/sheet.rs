@@ -5,7 +5,7 @@ mod ink_maker;
 mod limits;
 mod tables;
 
-use super::page::{ColourBlock, ColourRow, Page, Picture, hex, png_data};
+use super::page::{Page, Picture, hex, png_data};
 use crate::appearance::paper::{Coupling, MirroredSky};
 use crate::draw::OutputError;
 use crate::evaluate::manifest::{ColourNote, Manifest, Status};
@@ -15,6 +15,7 @@ use crate::ink::{PigmentGrains, SizeDistribution};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 pub(super) use figures::shown_nm;
+use minijinja::{Value, context};
 pub(super) use tables::asked;
 
 /// The page of a run; `picture` is the labelled picture as PNG.
@@ -106,37 +107,29 @@ pub(super) fn picture_caption(study: &Study) -> String {
     )
 }
 
-fn colour_block(manifest: &Manifest<&Study>) -> Option<ColourBlock> {
-    let first = manifest.colours.first()?;
-    let conditions = manifest.colours.iter().map(|note| note.conditions.clone()).collect();
-    let row = |name: &str, of: &dyn Fn(&ColourNote) -> Estimate| ColourRow {
-        name: name.to_owned(),
-        values: manifest.colours.iter().map(|note| of(note).in_words(2)).collect(),
-    };
-    let srgb = |note: &ColourNote| note.colour.srgb8.map(|c| c.to_string()).join(" ");
-    let mut rows = vec![
-        row("L*", &|note| lab(note, 0)),
-        row("a*", &|note| lab(note, 1)),
-        row("b*", &|note| lab(note, 2)),
-        row("C*", &|note| note.chroma),
-        row("h, °", &|note| note.hue_deg),
+/// Colour numbers beside the picture, one column for each condition; the patch is the first one's.
+fn colour_block(manifest: &Manifest<&Study>) -> Option<Value> {
+    let notes = || manifest.colours.iter();
+    let row = |name: &str, of: &dyn Fn(&ColourNote) -> String| context!(name, values => notes().map(of).collect::<Vec<_>>());
+    let rows = vec![
+        row("L*", &|note| lab(note, 0).in_words(2)),
+        row("a*", &|note| lab(note, 1).in_words(2)),
+        row("b*", &|note| lab(note, 2).in_words(2)),
+        row("C*", &|note| note.chroma.in_words(2)),
+        row("h, °", &|note| note.hue_deg.in_words(2)),
+        row("sRGB", &|note| note.colour.srgb8.map(|c| c.to_string()).join(" ")),
     ];
-    rows.push(ColourRow { name: "sRGB".into(), values: manifest.colours.iter().map(srgb).collect() });
-    let in_words = format!(
-        "L* {}, a* {}, b* {}, C* {} under {}",
-        lab(first, 0).in_words(2),
-        lab(first, 1).in_words(2),
-        lab(first, 2).in_words(2),
-        first.chroma.in_words(2),
-        first.conditions
-    );
-    Some(ColourBlock {
-        hex: hex(first.colour.srgb8),
-        conditions,
-        rows,
-        note: colour_note(manifest),
-        in_words,
-    })
+    let conditions: Vec<&str> = notes().map(|note| note.conditions.as_str()).collect();
+    let hex = hex(manifest.colours.first()?.colour.srgb8);
+    Some(context!(hex, conditions, rows, note => colour_note(manifest)))
+}
+
+/// The first colour in one line.
+pub(super) fn colour_in_words(manifest: &Manifest<&Study>) -> Option<String> {
+    let first = manifest.colours.first()?;
+    let [l, a, b] = [0, 1, 2].map(|i| lab(first, i).in_words(2));
+    let (chroma, conditions) = (first.chroma.in_words(2), &first.conditions);
+    Some(format!("L* {l}, a* {a}, b* {b}, C* {chroma} under {conditions}"))
 }
 
 /// L*, a* or b* of a colour.

@@ -6,7 +6,6 @@ use clap::ValueEnum;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::fmt;
 
 /// The equation that a program solves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ValueEnum)]
@@ -47,13 +46,6 @@ pub struct ProgramRequest {
     pub time_limit_s: f64,
     /// Memory beyond which the program is killed, GB.
     pub memory_gb: f64,
-}
-
-impl fmt::Display for ProgramRequest {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let json = serde_json::to_string(self).map_err(|_| fmt::Error)?;
-        f.write_str(&json)
-    }
 }
 
 /// The answer, on the program's standard output: all orders that propagate, or a refusal.

@@ -161,7 +161,8 @@ fn in_words(sweep: &Sweep, trials: &[Trial]) -> String {
     if trials.is_empty() {
         return String::new();
     }
-    let widest = trials.iter().map(|t| t.study.layer.period_um[0].max(t.study.layer.period_um[1])).fold(0.0, f64::max);
+    let widest =
+        trials.iter().map(|t| t.study.layer.period_um[0].max(t.study.layer.period_um[1])).fold(0.0, f64::max);
     let names: Vec<&str> = trials.iter().map(|t| sweep.variants[t.variant].name.as_str()).collect();
     format!("{} in cells of up to {widest} µm, scaled by volume", names.join(", "))
 }

@@ -1,7 +1,7 @@
 //! Estimates the cost of a variant from its size, where no trial finishes in time: unknowns ×
 //! operator applications, and spheres to pack.
 
-use super::trial::{Trial, density};
+use super::trial::Trial;
 use crate::input::study::{Study, WantedResolution};
 use crate::run::resolve::size;
 use crate::solve::accuracy::smooth_size;

@@ -2,7 +2,7 @@
 
 use crate::ink::PigmentGrains;
 use crate::input::check::largest_extents_nm;
-use crate::input::study::{Point, Study, WantedResolution};
+use crate::input::study::{Point, Study};
 use crate::input::variation::CellRule;
 use crate::run::RunError;
 use crate::run::crew::{processor_seconds, work_through};
@@ -190,7 +190,9 @@ fn try_solve(study: &Study, solver: &dyn Solver, geometry: &Geometry, point: &Po
 pub(crate) fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
     let scaled = |n: usize, axis: usize| match n {
         1 => 1,
-        n => smooth_size((n as f64 * study.layer.period_um[axis] / trial.study.layer.period_um[axis]).ceil() as usize),
+        n => smooth_size(
+            (n as f64 * study.layer.period_um[axis] / trial.study.layer.period_um[axis]).ceil() as usize
+        ),
     };
     let r = trial.resolution;
     let cells = (r.cells as f64 * study.layer.thickness_um / trial.study.layer.thickness_um).ceil() as usize;
