@@ -50,13 +50,8 @@ fn source(path: &std::path::Path, text: String) -> Option<SourceText> {
 fn harmless(c: char) -> char {
     match c {
         '\n' | '\r' | '\t' => c,
-        c if c.is_control() => {
-            if c.is_ascii() {
-                '?'
-            } else {
-                '¿'
-            }
-        }
+        c if c.is_ascii_control() => '?',
+        c if c.is_control() => '¿',
         c => c,
     }
 }

@@ -4,7 +4,7 @@ use super::external::description::ProgramDescription;
 use super::machine::Machine;
 use super::reach;
 use super::row::{HEADER, Row, dash, mean_name};
-use crate::report::cell::{markdown, text};
+use crate::report::cell::{self, markdown, records};
 use crate::report::page::{made_by, svg_data, templates};
 use crate::report::publish::PublishError;
 use crate::report::seal::sealed;
@@ -65,7 +65,7 @@ impl Comparison {
     /// A folder that cannot be written.
     pub fn write(&self, folder: &OutputFolder) -> Result<(), PublishError> {
         folder.remove_files(is_of_a_comparison)?;
-        folder.write("comparison.csv", &table(self.rows.iter().map(Row::record))?)?;
+        folder.write("comparison.csv", &records(self.rows.iter().map(Row::record))?)?;
         folder.write("machine.json", &serde_json::to_vec_pretty(&self.machine)?)?;
         if !self.has_cases() {
             folder.write("residuals.csv", &self.residuals()?)?;
@@ -136,7 +136,7 @@ impl Comparison {
                 ]);
             }
         }
-        table(records.into_iter())
+        cell::records(records)
     }
 
     /// Rows of one case, grid and mean: one line of the table of costs.
@@ -176,18 +176,6 @@ impl Comparison {
         let known = known.filter(|(_, program)| **program != ProgramDescription::default());
         known.map(|(name, p)| [name, &p.program, &p.knob, &p.conventions].map(String::clone)).collect()
     }
-}
-
-/// A CSV table of named cells.
-fn table(records: impl Iterator<Item = impl AsRef<[(&'static str, String)]>>) -> Result<Vec<u8>, csv::Error> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    for (k, record) in records.enumerate() {
-        if k == 0 {
-            writer.write_record(record.as_ref().iter().map(|cell| cell.0))?;
-        }
-        writer.write_record(record.as_ref().iter().map(|cell| text(&cell.1)))?;
-    }
-    writer.into_inner().map_err(|error| error.into_error().into())
 }
 
 /// What the strategies of one line of the table of costs share.

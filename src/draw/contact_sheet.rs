@@ -7,7 +7,7 @@ use crate::appearance::picture::InkPicture;
 
 /// Many pictures in rows and columns with captions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ContactSheet {
+pub struct ContactSheet<T = Result<InkPicture, String>> {
     /// Title over the sheet.
     pub title: String,
     /// Name of the axis that runs down the sheet.
@@ -18,10 +18,8 @@ pub struct ContactSheet {
     pub column_axis: String,
     /// Labels of the columns, from the left.
     pub columns: Vec<String>,
-    /// \[row\]\[column\]
-    pub pictures: Vec<Vec<Option<InkPicture>>>,
-    /// \[row\]\[column\]: why there is no picture, in a few words.
-    pub blanks: Vec<Vec<String>>,
+    /// \[row\]\[column\]: the picture, or why there is none, in a few words.
+    pub cells: Vec<Vec<T>>,
 }
 
 /// Sheet layout, pixels: least space for captions, and between pictures.
@@ -30,6 +28,22 @@ pub(super) const SHEET_TOP: usize = 104;
 const SHEET_GAP: usize = 22;
 /// Upper limit on the mean width of a letter, over the type size.
 const LETTER: f64 = 0.6;
+
+impl<T> ContactSheet<T> {
+    /// The same sheet with another title and other cells.
+    pub fn map<U>(&self, title: String, cell: impl Fn(&T) -> U) -> ContactSheet<U> {
+        let cells = self.cells.iter().map(|row| row.iter().map(&cell).collect()).collect();
+        let (row_axis, column_axis) = (self.row_axis.clone(), self.column_axis.clone());
+        ContactSheet {
+            title,
+            row_axis,
+            rows: self.rows.clone(),
+            column_axis,
+            columns: self.columns.clone(),
+            cells,
+        }
+    }
+}
 
 impl ContactSheet {
     /// The sheet as a bitmap; labels of the single pictures are left out.
@@ -44,12 +58,12 @@ impl ContactSheet {
         let mut bitmap = Bitmap::white(width, SHEET_TOP + self.rows.len() * cell[1])?;
         bitmap.text(&self.title, [SHEET_GAP as i32, 26], TITLE_PX + 4, Anchor::Left)?;
         self.captions(&mut bitmap, cell)?;
-        for (r, row) in self.pictures.iter().enumerate() {
+        for (r, row) in self.cells.iter().enumerate() {
             for (c, picture) in row.iter().enumerate() {
                 let at = [left + c * cell[0], SHEET_TOP + r * cell[1]];
                 match picture {
-                    Some(picture) => Painter(picture).paint(&mut bitmap, at, style),
-                    None => blank(&mut bitmap, at, cell, self.reason(r, c))?,
+                    Ok(picture) => Painter(picture).paint(&mut bitmap, at, style),
+                    Err(reason) => blank(&mut bitmap, at, cell, reason)?,
                 }
             }
         }
@@ -62,19 +76,15 @@ impl ContactSheet {
         SHEET_LEFT.max(SHEET_GAP + (longest as f64 * LETTER * LABEL_PX as f64) as usize + 14)
     }
 
-    fn reason(&self, row: usize, column: usize) -> &str {
-        self.blanks.get(row).and_then(|reasons| reasons.get(column)).map_or("", String::as_str)
-    }
-
     fn check(&self) -> Result<(), OutputError> {
         let [rows, columns] = [self.rows.len(), self.columns.len()];
-        let whole = self.pictures.len() == rows && self.pictures.iter().all(|row| row.len() == columns);
+        let whole = self.cells.len() == rows && self.cells.iter().all(|row| row.len() == columns);
         if rows * columns == 0 || !whole {
             return Err(failed(format!(
                 "a contact sheet without a picture in each of {rows} × {columns} places"
             )));
         }
-        self.pictures.iter().flatten().flatten().try_for_each(|p| Painter(p).check())
+        self.cells.iter().flatten().flatten().try_for_each(|p| Painter(p).check())
     }
 
     fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> Result<(), OutputError> {

@@ -68,27 +68,26 @@ fn a_written_png_has_its_colours_srgb_chunk_and_provenance() {
 #[test]
 fn a_contact_sheet_shows_what_is_there_and_marks_what_is_not() {
     let shares = [0.05, 0.15, 0.3];
-    let mut pictures: Vec<Vec<Option<InkPicture>>> = ["yellow", "red", "blue", "green"]
+    let mut cells: Vec<Vec<Result<InkPicture, String>>> = ["yellow", "red", "blue", "green"]
         .map(|pigment| {
             let picture = |share| {
                 molecular_ink(pigment, share, Coupling::Gap).picture(&angles(13), MirroredSky::Excluded)
             };
-            shares.map(|share| Some(picture(share).unwrap())).to_vec()
+            shares.map(|share| Ok(picture(share).unwrap())).to_vec()
         })
         .to_vec();
-    pictures[2][2] = None;
+    cells[2][2] = Err(String::new());
     let sheet = ContactSheet {
         title: "Molecular mixtures on paper 0.9 (synthetic pigments)".into(),
         row_axis: "pigment".into(),
         rows: ["yellow", "red", "blue", "green"].map(String::from).to_vec(),
         column_axis: "volume share of pigment".into(),
         columns: shares.map(|s| format!("{:.0} %", 100.0 * s)).to_vec(),
-        pictures,
-        blanks: Vec::new(),
+        cells,
     };
     let style = PictureStyle { side_px: 130, strip_px: 40, gap_px: 6, labels: false };
     let bitmap = sheet.render(&style).unwrap();
-    let yellow = sheet.pictures[0][0].as_ref().unwrap().strip[0].srgb8;
+    let yellow = sheet.cells[0][0].as_ref().unwrap().strip[0].srgb8;
     assert_eq!(bitmap.pixel(SHEET_LEFT, SHEET_TOP), Some(yellow));
     keep(&bitmap, "sheet.png");
     let ragged = ContactSheet { columns: vec!["one".into()], ..sheet };
@@ -99,7 +98,7 @@ fn a_contact_sheet_shows_what_is_there_and_marks_what_is_not() {
 fn impossible_pictures_are_refused() {
     let style = PictureStyle::default();
     let short = InkPicture { strip: Vec::new(), ..uniform(0.5) };
-    assert!(render(&short, &style, "").unwrap_err().to_string().contains("strip: 0 entries"));
+    assert!(render(&short, &style, "").unwrap_err().to_string().contains("colours along the sides"));
     let empty = InkPicture {
         angles_deg: vec![],
         strip: vec![],

@@ -40,6 +40,19 @@ where
     writer.into_inner().map_err(|error| error.into_error().into())
 }
 
+/// A table of records whose cells carry the names of their columns.
+///
+/// # Errors
+/// What [`csv`] refuses.
+pub fn records<R: AsRef<[(&'static str, String)]>>(
+    rows: impl IntoIterator<Item = R>,
+) -> csv::Result<Vec<u8>> {
+    let mut rows = rows.into_iter().peekable();
+    let header = rows.peek().map(|row| row.as_ref().iter().map(|cell| cell.0).collect::<Vec<_>>());
+    let Some(header) = header else { return Ok(Vec::new()) };
+    table(header, rows.map(|row| row.as_ref().iter().map(|cell| text(&cell.1)).collect::<Vec<_>>()))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

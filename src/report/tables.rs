@@ -4,7 +4,7 @@ use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::evaluate::ink_maker::InkMaker;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
-use crate::report::cell::{numbers, table, with_errors};
+use crate::report::cell::{numbers, records, table, with_errors};
 use crate::wave::Side;
 
 /// Spectra, one row per wavelength; unknown errors and unfinished values are empty.
@@ -65,25 +65,6 @@ fn with_half(e: Estimate, factor: Option<f64>) -> impl Iterator<Item = String> {
     numbers(Some(e)).into_iter().chain([half])
 }
 
-const BDF_HEADER: [&str; 16] = [
-    "wavelength_nm",
-    "from",
-    "polar_in_deg",
-    "azimuth_in_deg",
-    "lobe",
-    "m",
-    "n",
-    "alpha",
-    "beta",
-    "specular",
-    "efficiency",
-    "efficiency_standard_error",
-    "bdf_per_sr",
-    "bdf_standard_error",
-    "realisations",
-    "efficiency_grid_error",
-];
-
 /// Distributions of the layer alone, one row per order: direction cosines, efficiency and BRDF or
 /// BTDF. The specular order is marked: it is a mirror image, not a density per steradian.
 ///
@@ -97,7 +78,7 @@ pub fn distributions<'a>(
 ) -> csv::Result<Vec<u8>> {
     let lobes = bdfs.flat_map(|bdf| [(bdf, Lobe::Reflected), (bdf, Lobe::Transmitted)]);
     let orders = lobes.flat_map(|(bdf, lobe)| bdf.orders(lobe).iter().map(move |order| (bdf, lobe, order)));
-    table(BDF_HEADER, orders.map(|(bdf, lobe, order)| row(bdf, lobe, order, amplitude_error, index_out)))
+    records(orders.map(|(bdf, lobe, order)| row(bdf, lobe, order, amplitude_error, index_out)))
 }
 
 fn row(
@@ -106,7 +87,7 @@ fn row(
     order: &OrderMean,
     amplitude_error: f64,
     index_out: f64,
-) -> impl Iterator<Item = String> {
+) -> [(&'static str, String); 16] {
     let incidence = bdf.incidence();
     let (from, here, beyond) = match incidence.from {
         Side::Incident => ("incident", 1.0, index_out),
@@ -119,21 +100,27 @@ fn row(
         (index * index - x * x - y * y).max(0.0).sqrt() / (here * incidence.polar_deg.to_radians().cos());
     let grid_error = 2.0 * (order.efficiency.value.max(0.0) * flux).sqrt() * amplitude_error;
     let lobe = if lobe == Lobe::Reflected { "reflected" } else { "transmitted" };
-    let place = [
+    let [[efficiency, efficiency_error], [per_sr, per_sr_error]] =
+        [order.efficiency, order.bdf].map(|e| numbers(Some(e)));
+    [
         // 0.41 µm is 410 nm, not 410.00000000000006
-        ((1e12 * incidence.wavelength_um).round() / 1e9).to_string(),
-        from.to_owned(),
-        incidence.polar_deg.to_string(),
-        incidence.azimuth_deg.to_string(),
-        lobe.to_owned(),
-        order.m.to_string(),
-        order.n.to_string(),
-        order.direction[0].to_string(),
-        order.direction[1].to_string(),
-        (order.m == 0 && order.n == 0).to_string(),
-    ];
-    let both = [order.efficiency, order.bdf].map(Some).into_iter().flat_map(numbers);
-    place.into_iter().chain(both).chain([bdf.realisations().to_string(), grid_error.to_string()])
+        ("wavelength_nm", ((1e12 * incidence.wavelength_um).round() / 1e9).to_string()),
+        ("from", from.to_owned()),
+        ("polar_in_deg", incidence.polar_deg.to_string()),
+        ("azimuth_in_deg", incidence.azimuth_deg.to_string()),
+        ("lobe", lobe.to_owned()),
+        ("m", order.m.to_string()),
+        ("n", order.n.to_string()),
+        ("alpha", x.to_string()),
+        ("beta", y.to_string()),
+        ("specular", (order.m == 0 && order.n == 0).to_string()),
+        ("efficiency", efficiency),
+        ("efficiency_standard_error", efficiency_error),
+        ("bdf_per_sr", per_sr),
+        ("bdf_standard_error", per_sr_error),
+        ("realisations", bdf.realisations().to_string()),
+        ("efficiency_grid_error", grid_error.to_string()),
+    ]
 }
 
 #[cfg(test)]

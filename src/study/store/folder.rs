@@ -77,6 +77,11 @@ pub enum FolderError {
 }
 
 impl FolderError {
+    /// A failure to write to a path.
+    pub fn at(path: &Path) -> impl Fn(io::Error) -> Self + Copy + '_ {
+        move |source| Self::NotWritable { path: path.to_owned(), source }
+    }
+
     /// Suggests a remedy.
     pub fn remedy(&self) -> &'static str {
         match self {
@@ -115,7 +120,7 @@ impl OutputFolder {
         let marked = refuse_foreign(path, holds)?;
         let missing = |p: &&Path| !p.as_os_str().is_empty() && !p.exists();
         let made = path.ancestors().take_while(missing).map(Path::to_owned).collect();
-        let not_writable = |source| FolderError::NotWritable { path: path.to_owned(), source };
+        let not_writable = FolderError::at(path);
         refuse_links(path)?;
         let presence = Presence::enter(path).map_err(not_writable)?;
         let folder = Self { path: path.to_owned(), made, marked, go_on: None, presence };
@@ -139,10 +144,8 @@ impl OutputFolder {
     pub fn inside(&self, name: &str) -> Result<Self, FolderError> {
         let path = self.path.join(name);
         let (made, go_on, presence) = (Vec::new(), self.go_on.clone(), Presence::default());
-        match std::fs::create_dir_all(&path) {
-            Ok(()) => Ok(Self { path, made, marked: true, go_on, presence }),
-            Err(source) => Err(FolderError::NotWritable { path, source }),
-        }
+        std::fs::create_dir_all(&path).map_err(FolderError::at(&path))?;
+        Ok(Self { path, made, marked: true, go_on, presence })
     }
 
     /// Removes temporary files of killed processes, unless others are working here.
@@ -172,16 +175,14 @@ impl OutputFolder {
     /// Writes a file atomically.
     pub fn write(&self, name: &str, bytes: &[u8]) -> Result<(), FolderError> {
         let path = self.path.join(name);
-        safely::write(&path, bytes).map_err(|source| FolderError::NotWritable { path, source })
+        safely::write(&path, bytes).map_err(FolderError::at(&path))
     }
 
     /// Removes a file if it exists.
     pub fn remove(&self, name: &str) -> Result<(), FolderError> {
         let path = self.path.join(name);
         match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != io::ErrorKind::NotFound => {
-                Err(FolderError::NotWritable { path, source })
-            }
+            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(FolderError::at(&path)(source)),
             _ => Ok(()),
         }
     }
@@ -191,8 +192,7 @@ impl OutputFolder {
     /// # Errors
     /// The folder cannot be read, or a file cannot be removed.
     pub fn remove_files(&self, ours: fn(&str) -> bool) -> Result<(), FolderError> {
-        let entries = std::fs::read_dir(&self.path)
-            .map_err(|source| FolderError::NotWritable { path: self.path.clone(), source })?;
+        let entries = std::fs::read_dir(&self.path).map_err(FolderError::at(&self.path))?;
         let names = entries.flatten().map(|entry| entry.file_name().to_string_lossy().into_owned());
         names.filter(|name| ours(name)).try_for_each(|name| self.remove(&name))
     }

@@ -58,9 +58,7 @@ pub enum OpenError {
 /// # Errors
 /// A file cannot be written.
 pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
-    let make = |path: PathBuf| -> Result<(), FolderError> {
-        std::fs::create_dir_all(&path).map_err(|source| FolderError::NotWritable { path, source })
-    };
+    let make = |path: PathBuf| std::fs::create_dir_all(&path).map_err(FolderError::at(&path));
     for Input { path, bytes } in &sweep.inputs {
         make(folder.path().join(path).parent().unwrap_or(Path::new("")).to_owned())?;
         folder.write(path, bytes)?;
@@ -69,10 +67,8 @@ pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
         make(folder.path().join(VARIANTS).join(name))?;
         folder.write(&format!("{VARIANTS}/{name}/study.toml"), text.as_bytes())?;
     }
-    let outline = sealed(sweep).map_err(|error| FolderError::NotWritable {
-        path: folder.path().join(OUTLINE),
-        source: error.into(),
-    })?;
+    let outline =
+        sealed(sweep).map_err(|error| FolderError::at(&folder.path().join(OUTLINE))(error.into()))?;
     folder.write(OUTLINE, &outline)
 }
 

@@ -37,7 +37,7 @@ enum Abscissa {
 
 /// All curves of a sheet; empty if neither the fraction nor the size varies.
 pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome]) -> Vec<Chart> {
-    let shown = sheet.variants.iter().flatten().flatten();
+    let shown = sheet.cells.iter().flatten().flatten();
     let made: Vec<(usize, CurveMaker)> =
         shown.filter_map(|&v| Some((v, CurveMaker::of(&sweep.variants[v].study)?))).collect();
     let made = with_others(sweep, made);
@@ -113,7 +113,7 @@ fn plot(
         Abscissa::Share => "pigment volume concentration, %",
         Abscissa::Size => "effective grain diameter, nm (0: molecular)",
     };
-    let title = if sheet.caption.is_empty() { String::new() } else { format!("{}: ", sheet.caption) };
+    let title = if sheet.title.is_empty() { String::new() } else { format!("{}: ", sheet.title) };
     let against = if x == Abscissa::Share { "concentration" } else { "grain size" };
     let title = format!("{title}{y_label} against {against}");
     Some(Chart { from_zero: true, ..Chart::linear(&title, x_label, y_label, curves) })

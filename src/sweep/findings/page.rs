@@ -28,7 +28,7 @@ pub(crate) fn page(
 ) -> Result<String, PublishError> {
     let (outline, outcomes) = (&sweep.outline, &reported.outcomes);
     let (complete, all) = (reported.complete(), sweep.variants.len());
-    let pictures = sheets.iter().zip(drawn).map(|(sheet, png)| Picture::new(png_data(png), &sheet.caption));
+    let pictures = sheets.iter().zip(drawn).map(|(sheet, png)| Picture::new(png_data(png), &sheet.title));
     let pictures: Vec<Picture> = pictures.collect();
     let data = context! {
         title => &outline.title,
@@ -121,8 +121,8 @@ fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<
         for plot in curves::plots(sweep, sheet, outcomes) {
             figures.push(drawn(&plot));
         }
-        for (name, row) in sheet.rows.iter().zip(&sheet.variants) {
-            let words = [sheet.caption.as_str(), &sheet.row_axis, name];
+        for (name, row) in sheet.rows.iter().zip(&sheet.cells) {
+            let words = [sheet.title.as_str(), &sheet.row_axis, name];
             let caption = words.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" · ");
             figures.extend(figure((sweep, outcomes), &caption, &sheet.columns, row).transpose());
             if figures.len() >= MOST_FIGURES {

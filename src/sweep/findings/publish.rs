@@ -7,7 +7,7 @@ use super::outcome::Outcome;
 use super::page;
 pub use super::reported::Reported;
 use super::reported::numbers;
-use super::sheets::{Sheet, sheets};
+use super::sheets::{Sheet, contact_sheet, sheets};
 use super::target;
 use crate::appearance::picture::InkPicture;
 use crate::draw::OutputError;
@@ -146,7 +146,7 @@ fn draw(
     pictures: &[Option<InkPicture>],
     outcomes: &[Outcome],
 ) -> Result<Vec<Vec<u8>>, PublishError> {
-    sheets.iter().map(|sheet: &Sheet| Ok(png(&sheet.contact_sheet(title, pictures, outcomes))?)).collect()
+    sheets.iter().map(|sheet| Ok(png(&contact_sheet(sheet, title, pictures, outcomes))?)).collect()
 }
 
 /// A contact sheet as PNG, with its title.

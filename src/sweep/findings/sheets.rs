@@ -5,16 +5,9 @@ use crate::appearance::picture::InkPicture;
 use crate::draw::contact_sheet::ContactSheet;
 use crate::sweep::definition::load::Outline;
 
-/// A sheet with its variants as \[row\]\[column\].
-pub(crate) struct Sheet {
-    /// Captions of the axes that the sheet does not show.
-    pub caption: String,
-    pub row_axis: String,
-    pub rows: Vec<String>,
-    pub column_axis: String,
-    pub columns: Vec<String>,
-    pub variants: Vec<Vec<Option<usize>>>,
-}
+/// A contact sheet of variants by number, `None` where one is left out; its title names the values
+/// of the axes that it does not show.
+pub(crate) type Sheet = ContactSheet<Option<usize>>;
 
 /// All sheets of a sweep that contain a variant.
 pub(crate) fn sheets(outline: &Outline) -> Vec<Sheet> {
@@ -81,46 +74,36 @@ fn sheet(outline: &Outline, shown: [Option<usize>; 2], other: &[usize]) -> Sheet
     let on_sheet: Vec<usize> =
         all.filter(|&v| others_of(&outline.variants[v].place, shown) == other).collect();
     let [rows, columns] = shown.map(|axis| SheetSide::new(outline, axis, &on_sheet));
-    let mut variants = vec![vec![None; columns.used.len()]; rows.used.len()];
+    let mut cells = vec![vec![None; columns.used.len()]; rows.used.len()];
     for &v in on_sheet.iter().rev() {
         let [r, c] = [&rows, &columns].map(|side| side.used.iter().position(|&k| k == side.at(outline, v)));
         if let (Some(r), Some(c)) = (r, c) {
-            variants[r][c] = Some(v);
+            cells[r][c] = Some(v);
         }
     }
     let hidden = (0..outline.axes.len()).filter(|&a| !shown.contains(&Some(a)));
     Sheet {
-        caption: hidden.map(|a| outline.axes[a].named(other[a])).collect::<Vec<_>>().join(", "),
+        title: hidden.map(|a| outline.axes[a].named(other[a])).collect::<Vec<_>>().join(", "),
         row_axis: rows.name(outline),
         column_axis: columns.name(outline),
-        variants,
+        cells,
         rows: rows.captions(outline),
         columns: columns.captions(outline),
     }
 }
 
-impl Sheet {
-    /// Lays out a sheet with its pictures, or with the reasons why they are missing.
-    pub fn contact_sheet(
-        &self,
-        title: &str,
-        pictures: &[Option<InkPicture>],
-        outcomes: &[Outcome],
-    ) -> ContactSheet {
-        let title =
-            if self.caption.is_empty() { title.to_owned() } else { format!("{title}: {}", self.caption) };
-        let reason = |v: &Option<usize>| why_blank(v.map(|v| &outcomes[v]));
-        let picture = |v: &Option<usize>| v.and_then(|v| pictures[v].clone());
-        ContactSheet {
-            title,
-            row_axis: self.row_axis.clone(),
-            rows: self.rows.clone(),
-            column_axis: self.column_axis.clone(),
-            columns: self.columns.clone(),
-            blanks: self.variants.iter().map(|row| row.iter().map(reason).collect()).collect(),
-            pictures: self.variants.iter().map(|row| row.iter().map(picture).collect()).collect(),
-        }
-    }
+/// A sheet with its pictures, or with the reasons why they are missing.
+pub(crate) fn contact_sheet(
+    sheet: &Sheet,
+    title: &str,
+    pictures: &[Option<InkPicture>],
+    outcomes: &[Outcome],
+) -> ContactSheet {
+    let title = if sheet.title.is_empty() { title.to_owned() } else { format!("{title}: {}", sheet.title) };
+    sheet.map(title, |v| {
+        let picture = v.and_then(|v| pictures[v].clone());
+        picture.ok_or_else(|| why_blank(v.map(|v| &outcomes[v])))
+    })
 }
 
 /// Why there is no picture at a place of the sheet.

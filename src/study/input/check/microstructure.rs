@@ -2,7 +2,7 @@
 
 mod voxels;
 
-use super::pigments::is_molecular;
+use super::pigments::{is_molecular, packed};
 use crate::ink::{Grain, Measure, PackError, Packing, Shape, SizeDistribution, Sphere, VoxelCut};
 use crate::input::fault::{Faults, keys_in_words};
 use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
@@ -42,8 +42,7 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
             return None;
         }
     };
-    let packed = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
-    let mut absent = packed.zip(&given.pigments).filter(|(_, found)| found.is_none());
+    let mut absent = packed(file).zip(&given.pigments).filter(|(_, found)| found.is_none());
     if let Some(((i, _), _)) = absent.next().filter(|_| faults.0.len() == before) {
         let allowed =
             "at least one grain of every pigment; a file without a column pigment has the first only";
@@ -76,8 +75,7 @@ fn spheres(
     let period_um = period(file, &cuts, faults)?;
     let cell_um = [period_um[0], period_um[1], file.layer.thickness_um.mean()];
     let grains: Vec<Vec<Grain>> = cuts.iter().map(|cut| grains(file, cut, cell_um, faults)).collect();
-    let packed = file.pigments.iter().filter(|table| !is_molecular(table)).count();
-    let pigments = (0..packed).map(|k| sizes(&grains, k, cell_um)).collect();
+    let pigments = (0..packed(file).count()).map(|k| sizes(&grains, k, cell_um)).collect();
     Some(Given { cell_um, grains, voxels: Vec::new(), pigments })
 }
 
@@ -98,7 +96,7 @@ fn beside(file: &StudyFile, own: &MicrostructureTable, faults: &mut Faults) {
         (file.layer.relief.is_some(), "layer.relief".to_owned()),
         (file.layer.thickness_um.std() > 0.0, "layer.thickness_um.std".to_owned()),
     ];
-    for (i, table) in file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table)) {
+    for (i, table) in packed(file) {
         let keys = [
             (table.volume_fraction.is_some(), "volume_fraction"),
             (table.diameter_nm.is_some(), "diameter_nm"),
@@ -210,9 +208,8 @@ fn near(sphere: Sphere, first: Option<&Sphere>, cell: [f64; 3]) -> Sphere {
 /// The pigment of that name or number; the first where the file names none.
 fn pigment(file: &StudyFile, called: Option<&String>, first: usize) -> Option<usize> {
     let Some(called) = called else { return Some(0) };
-    let packed = || file.pigments.iter().filter(|table| !is_molecular(table));
-    let named = packed().position(|table| table.name.as_ref() == Some(called));
-    let numbered = || called.parse::<usize>().ok()?.checked_sub(first).filter(|&k| k < packed().count());
+    let named = packed(file).position(|(_, table)| table.name.as_ref() == Some(called));
+    let numbered = || called.parse::<usize>().ok()?.checked_sub(first).filter(|&k| k < packed(file).count());
     named.or_else(numbered)
 }
 

@@ -52,7 +52,7 @@ pub fn pigments(
     indices: &Tabulation,
     faults: &mut Faults,
 ) -> Vec<Pigment> {
-    let tables = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
+    let tables = packed(file);
     let pigment = |((i, table), grains): ((usize, &PigmentTable), _)| Pigment {
         name: name(i, table),
         grains,
@@ -116,8 +116,12 @@ fn name(i: usize, table: &PigmentTable) -> String {
 
 /// Names of the pigments with grains.
 pub(super) fn packed_names(file: &StudyFile) -> Vec<String> {
-    let packed = file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table));
-    packed.map(|(i, table)| name(i, table)).collect()
+    packed(file).map(|(i, table)| name(i, table)).collect()
+}
+
+/// The pigments with grains and their places in the file.
+pub(super) fn packed(file: &StudyFile) -> impl Iterator<Item = (usize, &PigmentTable)> {
+    file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table))
 }
 
 pub(super) fn is_molecular(table: &PigmentTable) -> bool {
@@ -195,8 +199,7 @@ fn as_written(table: &PigmentTable, size: SizeDistribution) -> PigmentGrains {
 
 /// Default nominal period: the usual one, or what the largest grains require, µm.
 pub(super) fn nominal_period_um(file: &StudyFile) -> f64 {
-    let grains = file.pigments.iter().filter(|table| !is_molecular(table));
-    let need = grains.filter_map(needed_period_um).fold(USUAL_PERIOD_UM, f64::max);
+    let need = packed(file).filter_map(|(_, table)| needed_period_um(table)).fold(USUAL_PERIOD_UM, f64::max);
     (need / PERIOD_STEP_UM - 1e-9).ceil() * PERIOD_STEP_UM
 }
 

@@ -1,5 +1,6 @@
 //! Refuses studies with Maxwell's equations that cannot be solved, before anything is packed.
 
+use super::pigments::packed;
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::StudyFile;
 use crate::input::study::Study;
@@ -39,17 +40,12 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     }
     let media: Vec<(f64, Media)> =
         study.wavelengths_nm.iter().map(|&nm| (nm, study.media(1e-3 * nm))).collect();
-    let packed = (0..file.pigments.len()).filter(|&i| is_packed(file, i)).enumerate();
-    for (place, i) in packed {
+    for (place, (i, _)) in packed(file).enumerate() {
         let index = media.iter().map(|(nm, media)| (*nm, media.inclusions[place]));
         faults.0.extend(metal(format!("pigment[{i}].index"), index, scalar));
     }
     let binder = media.iter().map(|(nm, media)| (*nm, media.backgrounds[0]));
     faults.0.extend(metal("layer.binder.index".to_owned(), binder, scalar));
-}
-
-fn is_packed(file: &StudyFile, pigment: usize) -> bool {
-    !super::pigments::is_molecular(&file.pigments[pigment])
 }
 
 /// Refuses metals, Re η² ≤ 0: the normal-field tensor may be singular there, and has not been
