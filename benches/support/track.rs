@@ -282,13 +282,15 @@ fn trend(history: &[Entry]) -> Chart {
     groups.dedup();
     let curves = groups.iter().map(|group| group_curve(group, &runs, history)).collect();
     let start = runs.first().and_then(|date| days(date)).unwrap_or(0.0);
-    let x_ticks = runs.iter().filter_map(|date| Some((days(date)? - start, (*date).replace('T', " "))));
+    let x_ticks = runs
+        .iter()
+        .filter_map(|date| Some((days(date)? - start, date.get(5..16).unwrap_or(date).replace('T', " "))));
     Chart {
         log: [false, true],
         x_ticks: x_ticks.collect(),
         ..Chart::log_log(
             "Costs over the runs",
-            "date of the run, UTC",
+            "month-day and time of the run, UTC",
             "time ÷ that of the first run (geometric mean)",
             curves,
         )

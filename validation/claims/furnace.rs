@@ -63,7 +63,7 @@ fn measure(level: Level, findings: &mut Findings) {
         if level == Level::Full {
             let because = "Student's t of 11 degrees of freedom exceeds 4.4 once in a thousand";
             findings.check(
-                format!("{name}: the same in standard errors"),
+                format!("{name}: R̄ from the exit side less 1 − T̄/n² − Ā, in standard errors"),
                 apart.abs() / error,
                 Bound::AtMost(4.4),
                 Reason::Significance,

@@ -175,7 +175,8 @@ fn printed(level: Level, cells: Cells, all: &[Deviations], shifts: &[Shift], fin
     let because = "95 % are meant; claims 8 and 15 judge the errors of single amplitudes";
     findings.check(what, held(1.0), Bound::AtLeast(0.95), Reason::Promise, because);
     if level == Level::Full {
-        let what = format!("{cells}: the same with a twentieth of that part, which would be noticed");
+        let what =
+            format!("{cells}: share of those changes that a twentieth of that part holds, which is noticed");
         findings.check(what, held(0.05), Bound::AtMost(0.95), Reason::Promise, "the power of the test above");
     }
 }

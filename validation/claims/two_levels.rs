@@ -56,7 +56,7 @@ fn measure(level: Level, findings: &mut Findings) {
         }
     }
     findings.check(
-        "the same, rms of all",
+        "all inks: moved by the fine grid, in errors, rms",
         (squares / count).sqrt(),
         Bound::AtMost(1.7),
         Reason::Significance,

@@ -73,7 +73,7 @@ fn periods(level: Level, findings: &mut Findings) {
             let fixed = layer("fixed", 1.6, kappa, 24);
             let because = "the power of the comparison: square cells at one azimuth are told from varied ones (0.7965 against 0.771)";
             findings.check(
-                "fixed square cells of 1.6 µm, the same probability",
+                "fixed square cells of 1.6 µm, that probability",
                 chance(&fixed, &layers[1]),
                 Bound::AtMost(1e-3),
                 Reason::Significance,
@@ -117,7 +117,7 @@ fn windows(findings: &mut Findings) {
     let alone = Estimate::of_mean(&alone);
     let alone_error = alone.standard_error.expect("many cells");
     findings.check(
-        "the same with the asked share in each cell, which is too low",
+        "T at 460 nm with the asked share in each cell, which is too low, in errors",
         (wide - alone.value) / wide_error.hypot(alone_error),
         Bound::AtLeast(3.3),
         Reason::Significance,
