@@ -48,11 +48,6 @@ impl ComposedStored {
     /// # Errors
     /// A format that shows one packing, or a study that does not carry what a format needs.
     pub fn export(&self, request: &Request, watch: &dyn RunWatch) -> Result<Exported, ExportError> {
-        let one_packing = |format: &str| {
-            ExportError::Refused(format!(
-                "{format} shows one packing, and a composed layer has none of its own: allowed are mitsuba, cxf, cgats, npz and crate"
-            ))
-        };
         if request.near_field.is_some() {
             return Err(one_packing("near field"));
         }
@@ -109,15 +104,16 @@ impl ComposedStored {
         let (study, nm) = (&self.study, &self.study.wavelengths_nm);
         let (grid, meter) = bands(study, format)?;
         let colours = manifest.colours.iter().find(|colours| colours.thickness_um == um);
-        let spectrum = |geometry: InstrumentGeometry| {
+        let mut spectra = Vec::new();
+        for geometry in InstrumentGeometry::ALL {
             let own = manifest.spectra.iter().filter(|row| row.thickness_um == um);
             let values = own.map(|row| geometry.of(row.lit_at_45, row.natural_light).estimate());
             let values = resample(nm, &values.collect::<Vec<_>>(), &grid);
             let page = colours.map(|colours| geometry.of(colours.lit_at_45, colours.natural_light));
-            let page_lab = page.map(|page| page.map(|part| part.value));
-            PrintSpectrum { geometry, values, lab_covariance: page.map(diagonal), colour: None, page_lab }
-        };
-        let spectra = InstrumentGeometry::ALL.map(spectrum).to_vec();
+            let (lab_covariance, page_lab) =
+                (page.map(diagonal), page.map(|page| page.map(|part| part.value)));
+            spectra.push(PrintSpectrum { geometry, values, lab_covariance, colour: None, page_lab });
+        }
         let print = Print::new(study, created, (grid, meter.filter(|_| colours.is_some())), (true, spectra));
         Ok(Print { title: format!("{}, {um} µm", study.title), ..print })
     }
@@ -133,6 +129,13 @@ impl ComposedStored {
         }
         Ok(())
     }
+}
+
+/// A format that composed layers do not have.
+fn one_packing(format: &str) -> ExportError {
+    let allowed = "allowed are mitsuba, cxf, cgats, npz and crate";
+    let reason = "shows one packing, and a composed layer has none of its own";
+    ExportError::Refused(format!("{format} {reason}: {allowed}"))
 }
 
 /// The bars of Lab, as if they were independent.

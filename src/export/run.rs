@@ -284,12 +284,12 @@ impl Exporter<'_> {
 
     fn wavelength(&self, nm: f64) -> Result<usize, ExportError> {
         let all = &self.study().wavelengths_nm;
-        all.iter().position(|known| (known - nm).abs() < 1e-6).ok_or_else(|| {
-            let allowed = all.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
-            ExportError::Refused(format!(
-                "near field: found {nm} nm; allowed is one of the study's wavelengths, {allowed} nm"
-            ))
-        })
+        if let Some(w) = all.iter().position(|known| (known - nm).abs() < 1e-6) {
+            return Ok(w);
+        }
+        let allowed = all.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+        let allowed = format!("allowed is one of the study's wavelengths, {allowed} nm");
+        Err(ExportError::Refused(format!("near field: found {nm} nm; {allowed}")))
     }
 
     /// Adds the tables of the run, and describes all files together.
