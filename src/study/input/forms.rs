@@ -6,7 +6,7 @@ use crate::material::synthetic::Synthetic;
 use crate::solve::{Registry, SolverChoice};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor, value::MapAccessDeserializer};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::Value;
 use std::fmt;
 
@@ -118,10 +118,10 @@ impl Pair {
     }
 }
 
-/// A complex refractive index n + iκ: a number, or a table in one of five forms. Only the table is
-/// derived, as functions of this type.
+/// A complex refractive index n + iκ: a number, or a table in one of five forms. The table alone is
+/// derived, fields are read by `index`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, remote = "Self")]
+#[serde(deny_unknown_fields)]
 pub struct IndexWritten {
     /// Real part.
     pub n: Option<f64>,
@@ -193,16 +193,9 @@ fn material_names(_: &mut SchemaGenerator) -> Schema {
 /// The keys of [`IndexWritten`].
 pub(super) const INDEX_KEYS: &[&str] = &["n", "k", "built_in", "material", "csv", "yaml"];
 
-impl<'de> Deserialize<'de> for IndexWritten {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_struct("index", INDEX_KEYS, IndexVisitor)
-    }
-}
-
-impl Serialize for IndexWritten {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        IndexWritten::serialize(self, serializer)
-    }
+/// Reads an index in any of its forms.
+pub(super) fn index<'de, D: Deserializer<'de>>(deserializer: D) -> Result<IndexWritten, D::Error> {
+    deserializer.deserialize_struct("index", INDEX_KEYS, IndexVisitor)
 }
 
 struct IndexVisitor;

@@ -6,7 +6,7 @@ use crate::ink::{
     SequentialSettings, Shape, ShareRule, SizeDistribution,
 };
 use crate::input::contrast::ContrastPart;
-use crate::input::forms::{Diameter, IndexForms, IndexWritten, Pair, ThicknessWritten};
+use crate::input::forms::{Diameter, IndexForms, IndexWritten, Pair, ThicknessWritten, index};
 use crate::input::{limits, variation};
 use crate::material::mixing::MixingRule;
 use schemars::JsonSchema;
@@ -91,6 +91,7 @@ fn yes() -> bool {
 #[serde(deny_unknown_fields)]
 pub struct BinderTable {
     /// Refractive index of the binder.
+    #[serde(deserialize_with = "index")]
     #[schemars(with = "IndexForms", example = 1.558)]
     pub index: IndexWritten,
 }
@@ -129,7 +130,7 @@ pub struct PigmentTable {
     #[schemars(transform = limits::VOLUME_FRACTION.mark(), example = 0.3)]
     pub volume_fraction: Option<f64>,
     /// Refractive index; not needed for packings only.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "index")]
     #[schemars(with = "IndexForms", example = std::collections::BTreeMap::from_iter(Some(("built_in", "yellow"))))]
     pub index: IndexWritten,
     /// Alignment of the grains' axes.
@@ -150,7 +151,7 @@ pub struct ShellTable {
     #[schemars(transform = limits::ABOVE_ZERO.mark(), example = 20)]
     pub thickness_nm: f64,
     /// Refractive index; not needed for packings only.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "index")]
     #[schemars(with = "IndexForms", example = 1.46)]
     pub index: IndexWritten,
 }
