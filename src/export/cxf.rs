@@ -73,6 +73,7 @@ mod tests {
         let spectrum = PrintSpectrum {
             geometry: InstrumentGeometry::LitAt45,
             values: vec![of(0.5, 0.02), of(0.25, 0.005)],
+            lab_covariance: None,
             colour: None,
             page_lab: None,
         };

@@ -119,7 +119,7 @@ fn colour_block(manifest: &Manifest<&Study>) -> Option<Value> {
         row("h, °", &|note| note.hue_deg.in_words(2)),
         row("sRGB", &|note| note.colour.srgb8.map(|c| c.to_string()).join(" ")),
     ];
-    let conditions: Vec<&str> = notes().map(|note| note.conditions.as_str()).collect();
+    let conditions: Vec<String> = notes().map(|note| note.conditions.clone()).collect();
     let hex = hex(manifest.colours.first()?.colour.srgb8);
     Some(context!(hex, conditions, rows, note => colour_note(manifest)))
 }

@@ -215,6 +215,8 @@ impl ComparisonFile {
         let (beside, instead) = ("given beside a case", "name a study instead, or leave it out");
         let one_scheme = "no schemes: the vector wave has one discretisation only";
         let varied = "a study, whose period and index vary";
+        let wave = "a study: a case has its own wavelength";
+        let direction = "a study: a case has its own direction";
         let grids = "one of `accuracy`, which searches the grids, and `resolutions`, which lists them";
         let both = self.accuracy.is_some() && self.resolutions.is_some();
         let rules = [
@@ -226,14 +228,8 @@ impl ComparisonFile {
             (given > 1, "geometry", "given twice", one, name),
             (given == 0, "geometry", "not given", one, name),
             (case && self.matrix.is_some(), "matrix", beside, varied, instead),
-            (
-                case && self.wavelength_nm.is_some(),
-                "wavelength_nm",
-                beside,
-                "a study: a case has its own",
-                instead,
-            ),
-            (case && self.polar_deg.is_some(), "polar_deg", beside, "a study: a case has its own", instead),
+            (case && self.wavelength_nm.is_some(), "wavelength_nm", beside, wave, instead),
+            (case && self.polar_deg.is_some(), "polar_deg", beside, direction, instead),
             (both, "accuracy", "given beside `resolutions`", grids, leave),
         ];
         for (_, field, found, allowed, remedy) in rules.into_iter().filter(|rule| rule.0) {
