@@ -30,8 +30,10 @@ const REGION: f64 = 0.25;
 const CLOSE: f64 = 4.0;
 /// Standard errors within which a wish counts as met.
 const WITHIN: f64 = 2.0;
-/// Recipes nearer than this in every variable are the same.
+/// Distance at which a recipe lies at an end of its range.
 const SAME: f64 = 0.02;
+/// Recipes nearer than this in every variable are the same.
+const RUN: f64 = 0.004;
 
 /// Why there is no design.
 #[derive(Debug, Error)]
@@ -149,11 +151,11 @@ impl DesignRun<'_> {
             let mut verified = self.run(&answer.places, true)?;
             verified.predicted = Some(answer.delta_e_2000);
             verified.surface_error = Some(ciede2000(verified.lab, map.at(&answer.places)?.0));
-            let met = self.meets(&verified);
+            let sure = self.meets(&verified) && self.distances(&verified)[1] <= self.task.settings.delta_e;
             found.push(verified.clone());
             data.push(verified);
             map = Map::new(self.task, &data, &found)?;
-            if met {
+            if sure {
                 break;
             }
         }
@@ -225,12 +227,24 @@ impl DesignRun<'_> {
         run.delta_e_2000.value <= self.task.settings.delta_e && hides
     }
 
-    /// The best verified recipe: of those that meet the wish the cheapest, else the nearest.
-    fn best<'b>(&self, found: &'b [Verified]) -> Option<&'b Verified> {
-        found.iter().min_by(|a, b| self.rank(a).total_cmp(&self.rank(b)))
+    /// Least and largest distance to the target that a run's error allows.
+    fn distances(&self, run: &Verified) -> [f64; 2] {
+        let error = WITHIN * run.delta_e_2000.standard_error.unwrap_or(0.0);
+        [run.delta_e_2000.value - error, run.delta_e_2000.value + error]
     }
 
-    /// Order of recipes: those that meet the wish by cost, the others by distance.
+    /// The best verified recipe: of those that meet the wish the cheapest, else the nearest.
+    fn best<'b>(&self, found: &'b [Verified]) -> Option<&'b Verified> {
+        found.iter().min_by(|a, b| self.order(a, b))
+    }
+
+    /// Order of two recipes: by rank, those of one rank by distance.
+    fn order(&self, a: &Verified, b: &Verified) -> std::cmp::Ordering {
+        let distance = |run: &Verified| run.delta_e_2000.value;
+        self.rank(a).total_cmp(&self.rank(b)).then(distance(a).total_cmp(&distance(b)))
+    }
+
+    /// Rank of a recipe: of those that meet the wish the cost, of the others the distance.
     fn rank(&self, run: &Verified) -> f64 {
         let missing =
             self.task.contrast_ratio.map_or(0.0, |least| (least - run.contrast_ratio.value).max(0.0));
@@ -247,7 +261,7 @@ impl DesignRun<'_> {
         mut verified: Vec<Verified>,
         (surface_error, variants): (f64, usize),
     ) -> Result<DesignOutcome, DesignError> {
-        verified.sort_by(|a, b| self.rank(a).total_cmp(&self.rank(b)));
+        verified.sort_by(|a, b| self.order(a, b));
         let met = verified.first().is_some_and(|best| self.meets(best));
         let answers = map.search(None);
         let least = answers.first().map_or(0.0, |a| a.delta_e_2000);
@@ -282,7 +296,6 @@ impl DesignRun<'_> {
         }
         let ends: Vec<String> = (0..task.variables.len()).filter_map(|i| at_end(task, best, i)).collect();
         let ends = if ends.is_empty() { String::new() } else { format!(" It lies at {}.", ends.join(", ")) };
-        let error = best.delta_e_2000.standard_error.unwrap_or(0.0);
         if let Some(least) = task.contrast_ratio.filter(|least| best.contrast_ratio.value < *least) {
             let ratio = best.contrast_ratio.in_words(3);
             return format!(
@@ -291,7 +304,7 @@ impl DesignRun<'_> {
                 best.recipe
             );
         }
-        if best.delta_e_2000.value - WITHIN * error > wish {
+        if self.distances(best)[0] > wish {
             return format!(
                 "Out of reach in these ranges: the nearest recipe, {}, is ΔE₀₀ {distance} away; wished: {wish}.{ends}",
                 best.recipe
@@ -315,5 +328,5 @@ fn at_end(task: &DesignTask, best: &Verified, i: usize) -> Option<String> {
 }
 
 fn same(one: &[f64], other: &[f64]) -> bool {
-    one.iter().zip(other).all(|(a, b)| (a - b).abs() < SAME)
+    one.iter().zip(other).all(|(a, b)| (a - b).abs() < RUN)
 }

@@ -18,6 +18,8 @@ const FEW: usize = 16;
 const REORTHOGONALISE: f64 = 0.05;
 /// Numbers per step of the kernels.
 const LANES: usize = 16;
+/// Vectors added per pass over a chunk, each of which reads and writes it.
+const TOGETHER: usize = 4;
 
 /// Orthonormal vectors of one length.
 pub(crate) struct Basis<T: Real> {
@@ -146,9 +148,16 @@ fn add_to_chunk<T: Real, V: AsRef<[T]>>(
     vectors: &[V],
     from: usize,
 ) -> f64 {
-    for (a, v) in factors.iter().zip(vectors) {
-        let (v_re, v_im) = part(v.as_ref(), from);
-        add_scaled([&mut *re, &mut *im], [T::of(a.re), T::of(a.im)], [v_re, v_im]);
+    let numbers = |a: &Complex64| [T::of(a.re), T::of(a.im)];
+    for (a, v) in factors.chunks(TOGETHER).zip(vectors.chunks(TOGETHER)) {
+        let part = |k: usize| part(v[k.min(v.len() - 1)].as_ref(), from);
+        if let ([a], [_]) = (a, v) {
+            add_scaled([&mut *re, &mut *im], numbers(a), part(0));
+        } else {
+            // the last vector stands in for those that are missing, times 0
+            let factors = std::array::from_fn(|k| a.get(k).map_or([T::zero(); 2], numbers));
+            add_together([&mut *re, &mut *im], factors, std::array::from_fn(part));
+        }
     }
     dot((re, im), (re, im)).re
 }
@@ -181,9 +190,31 @@ pub(super) fn dot<T: Real>(a: (&[T], &[T]), b: (&[T], &[T])) -> Complex64 {
     Complex64::new(sum(parallel), sum(crossed))
 }
 
+/// Adds w ← w + Σ factor v on one chunk; every operand as real and imaginary part.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
+fn add_together<T: Real>([re, im]: [&mut [T]; 2], factors: [[T; 2]; TOGETHER], v: [(&[T], &[T]); TOGETHER]) {
+    let whole = re.len() / LANES * LANES;
+    let (re, im) = (re.as_chunks_mut::<LANES>(), im.as_chunks_mut::<LANES>());
+    let lanes = v.map(|(x, y)| [x.as_chunks::<LANES>().0, y.as_chunks::<LANES>().0]);
+    for (j, (re, im)) in re.0.iter_mut().zip(im.0).enumerate() {
+        let (mut sum_re, mut sum_im) = (*re, *im);
+        for k in 0..TOGETHER {
+            let ([a_re, a_im], [x, y]) = (factors[k], [&lanes[k][0][j], &lanes[k][1][j]]);
+            for i in 0..LANES {
+                sum_re[i] += a_re * x[i] - a_im * y[i];
+                sum_im[i] += a_re * y[i] + a_im * x[i];
+            }
+        }
+        (*re, *im) = (sum_re, sum_im);
+    }
+    for (factor, (x, y)) in factors.into_iter().zip(v) {
+        add_scaled([&mut *re.1, &mut *im.1], factor, (&x[whole..], &y[whole..]));
+    }
+}
+
 /// Adds w ← w + factor v on one chunk; every operand as real and imaginary part.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn add_scaled<T: Real>([re, im]: [&mut [T]; 2], [a_re, a_im]: [T; 2], [v_re, v_im]: [&[T]; 2]) {
+fn add_scaled<T: Real>([re, im]: [&mut [T]; 2], [a_re, a_im]: [T; 2], (v_re, v_im): (&[T], &[T])) {
     for ((re, im), (&x, &y)) in re.iter_mut().zip(im).zip(v_re.iter().zip(v_im)) {
         *re += a_re * x - a_im * y;
         *im += a_re * y + a_im * x;

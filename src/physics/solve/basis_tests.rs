@@ -22,9 +22,9 @@ fn plain<T: Real>(v: &[T]) -> Vec<Complex64> {
 }
 
 fn check<T: Real>(rounding: f64) {
-    for len in [5, LANES - 1, LANES, 3 * LANES + 1, CHUNK - 1, CHUNK, 2 * CHUNK + 7] {
-        let (basis, columns) = basis::<T>(len, 4);
-        assert_eq!(basis.len(), 4, "{len}");
+    for len in [9, LANES - 1, LANES, 3 * LANES + 1, CHUNK - 1, CHUNK, 2 * CHUNK + 7] {
+        let (basis, columns) = basis::<T>(len, 7);
+        assert_eq!(basis.len(), 7, "{len}");
         let vectors: Vec<_> = basis.vectors.iter().map(|v| plain(v)).collect();
         let dot =
             |a: &[Complex64], b: &[Complex64]| a.iter().zip(b).map(|(a, b)| a.conj() * b).sum::<Complex64>();

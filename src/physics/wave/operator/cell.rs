@@ -40,10 +40,14 @@ impl NodeCoefficients {
 
     /// The coefficients from ikz and e^{ikz h}.
     pub(crate) fn of_step(ikz: Complex64, step: Complex64) -> NodeCoefficients {
-        let square = step * step;
-        let scale = ikz / (square - 1.0);
-        // kz/sin(kz h) = 2ikz e/(e² − 1), −kz cot(kz h) = −ikz (e² + 1)/(e² − 1) with e = e^{ikz h}
-        NodeCoefficients { off: 2.0 * step * scale, diagonal: -(square + 1.0) * scale }
+        Self::of_scale(ikz, step, 1.0 / (1.0 - step * step))
+    }
+
+    /// The coefficients from ikz, e = e^{ikz h} and 1/(1 − e²).
+    fn of_scale(ikz: Complex64, step: Complex64, scale: Complex64) -> NodeCoefficients {
+        let scale = ikz * scale;
+        // kz/sin(kz h) = −2ikz e/(1 − e²), −kz cot(kz h) = ikz (1 + e²)/(1 − e²)
+        NodeCoefficients { off: -2.0 * step * scale, diagonal: (step * step + 1.0) * scale }
     }
 }
 
@@ -79,7 +83,7 @@ pub(super) fn cell_factors(
         let rest = waves[count - 1 - q];
         shares[q] = waves[q] * (1.0 - rest * rest) * scale;
     }
-    (NodeCoefficients::of_step(ikz, step), shares)
+    (NodeCoefficients::of_scale(ikz, step, scale), shares)
 }
 
 /// Basis function of the left node in the mean medium at the fraction t of a cell: sin(kz h

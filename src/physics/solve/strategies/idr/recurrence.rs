@@ -124,12 +124,13 @@ impl Recurrence {
     fn step(&mut self, k: usize, f: &mut [Complex64], operator: &dyn Scatter<f64>) -> Option<f64> {
         let s = self.shadow.s;
         let c = self.forward(k, f);
-        let shares: Vec<Complex64> = c.iter().map(|c| -self.omega * c).collect();
         // d_k ← ω (r − Σ c_i g_i) + Σ c_i d_i, i ≥ k
+        let shares = c.iter().map(|c| -self.omega * c);
+        let factors: Vec<Complex64> = shares.chain(c.iter().copied()).collect();
+        let vectors: Vec<&Vec<f64>> = self.images[k..].iter().chain(&self.directions[k..]).collect();
         let mut direction = vec![0.0; self.r.len()];
         add_combination(&mut direction, &[self.omega], &[&self.r]);
-        add_combination(&mut direction, &shares, &self.images[k..]);
-        add_combination(&mut direction, &c, &self.directions[k..]);
+        add_combination(&mut direction, &factors, &vectors);
         let mut image = self.applied(&direction, operator);
         let mut g = self.shadow.products(&image);
         let mut removed = Vec::with_capacity(k);
@@ -182,8 +183,11 @@ impl Recurrence {
         let (re, im) = v.split_at(v.len() / 2);
         of.iter_mut().zip(re.iter().zip(im)).for_each(|(z, (&re, &im))| *z = Complex64::new(re, im));
         operator.scatter(of.view(), image);
-        let parts = |part: fn(&Complex64) -> f64| of.iter().zip(&*image).map(move |(a, b)| part(a) + part(b));
-        parts(|z| z.re).chain(parts(|z| z.im)).collect()
+        let mut sum = vec![0.0; v.len()];
+        let (re, im) = sum.split_at_mut(v.len() / 2);
+        let values = re.iter_mut().zip(im).zip(of.iter().zip(&*image));
+        values.for_each(|((re, im), (a, b))| (*re, *im) = (a.re + b.re, a.im + b.im));
+        sum
     }
 }
 
