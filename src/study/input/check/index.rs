@@ -83,10 +83,8 @@ fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Fau
     let (key, said, found) = match (built_in, material, csv, yaml, n, k) {
         (Some(name), None, None, None, None, None) => ("built_in", name, Spectrum::synthetic(name)),
         (None, Some(name), None, None, None, None) => ("material", name, Spectrum::material(name)),
-        (None, None, Some(csv), None, n, None) => ("csv", csv, Spectrum::from_csv(&folder.join(csv), *n)),
-        (None, None, None, Some(yaml), n, None) => {
-            ("yaml", yaml, Spectrum::from_yaml(&folder.join(yaml), *n))
-        }
+        (None, None, Some(csv), None, n, None) => ("csv", csv, Spectrum::from_csv(folder.join(csv), *n)),
+        (None, None, None, Some(yaml), n, None) => ("yaml", yaml, Spectrum::from_yaml(folder.join(yaml), *n)),
         (None, None, None, None, Some(n), k) => return constant(field, *n, k.unwrap_or(0.0), faults),
         _ => {
             let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { material = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, \
