@@ -30,7 +30,7 @@ const SHEET_GAP: usize = 22;
 const LETTER: f64 = 0.6;
 
 impl<T> ContactSheet<T> {
-    /// The same sheet with another title and other cells.
+    /// A sheet along these axes, with another title and other cells.
     pub fn map<U>(&self, title: String, cell: impl Fn(&T) -> U) -> ContactSheet<U> {
         let cells = self.cells.iter().map(|row| row.iter().map(&cell).collect()).collect();
         let (row_axis, column_axis) = (self.row_axis.clone(), self.column_axis.clone());

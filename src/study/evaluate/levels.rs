@@ -3,8 +3,8 @@
 //! The packings hardly change what a finer grid adds (its variance is 3 · 10⁻⁴ … 0.02 of that of
 //! the packings), so four of them suffice to correct all the others (Giles, Operations Research 56
 //! (2008) 607; Peherstorfer, Willcox, Gunzburger, SIAM J. Sci. Comput. 38 (2016) A3163): where a
-//! solve on the finer grid costs 2.4 times as much, the optimal share √(V_d C / (V C_d)) is 1 to 9 %,
-//! four of 45 to 400 packings, and with fewer packings four cost little. What the
+//! solve on the finer grid costs 2.4 times as much, the optimal share √(V_d C / (V C_d)) is 1 to
+//! 9 %, four of 45 to 400 packings, and with fewer packings four cost little. What the
 //! finer grid adds is fitted against wavelength and angle and extrapolated at third order, the
 //! lowest observed for grains. Its uncertainty is the scatter between the packings and six tenths
 //! of the difference itself: at second order the extrapolation would have to reach as much further,
