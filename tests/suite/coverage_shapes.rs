@@ -53,7 +53,7 @@ fn flat_relief_is_a_stratum_of_vacuum() {
     let bodies: Vec<Body> = balls.iter().map(|&b| grain(vec![b])).collect();
     let stratum = |thickness_um, background| Stratum { thickness_um, background };
     let strata = vec![stratum(0.15, 1), stratum(0.45, 0)];
-    let layered = Scene { period_um: PERIOD, strata, bodies: bodies.clone() };
+    let layered = Scene { period_um: PERIOD, strata, bodies: bodies.clone(), cut: false };
     let columns = Scene::layer(PERIOD, 0.6, bodies.into_iter().chain([flat(0.15, &balls)]).collect());
     let difference = |n, cells| largest_difference(&solve(&layered, n, cells), &solve(&columns, n, cells));
     let (coarse, fine) = (difference(16, 12), difference(24, 20));

@@ -24,7 +24,7 @@ pub fn solved(half_spaces: [f64; 2], films: &[Film], wavelength_um: f64, polar_d
         .enumerate()
         .map(|(i, f)| Stratum { thickness_um: f.thickness_um, background: i })
         .collect();
-    let scene = Scene { period_um: [0.5; 2], strata, bodies: Vec::new() };
+    let scene = Scene { period_um: [0.5; 2], strata, bodies: Vec::new(), cut: false };
     let media = Media {
         incident: half_spaces[0].into(),
         exit: half_spaces[1].into(),

@@ -24,7 +24,7 @@ impl Scene {
             let shape = open(packing, relief);
             bodies.push(Body { shape, material: Material::Incident, within: None });
         }
-        Scene::layer(packing.period_um(), packing.thickness_um(), bodies)
+        Scene { cut: packing.is_cut(), ..Scene::layer(packing.period_um(), packing.thickness_um(), bodies) }
     }
 }
 

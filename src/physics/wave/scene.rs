@@ -124,6 +124,8 @@ pub struct Scene {
     pub strata: Vec<Stratum>,
     /// Bodies in them: none overlaps another except those around it ([`Body::within`]).
     pub bodies: Vec<Body>,
+    /// Whether bodies may extend beyond the layer, whose faces cut them.
+    pub cut: bool,
 }
 
 /// Complex refractive indices at one wavelength, Im η ≥ 0 absorbs (time factor e^{−iωt}).
@@ -142,7 +144,7 @@ pub struct Media {
 impl Scene {
     /// A single stratum that contains `bodies`.
     pub fn layer(period_um: [f64; 2], thickness_um: f64, bodies: Vec<Body>) -> Scene {
-        Scene { period_um, strata: vec![Stratum { thickness_um, background: 0 }], bodies }
+        Scene { period_um, strata: vec![Stratum { thickness_um, background: 0 }], bodies, cut: false }
     }
 
     /// Thickness H, the sum over the strata, µm.
@@ -194,7 +196,10 @@ impl Scene {
         }
         let height = self.thickness_um();
         let period = self.period_um[0].min(self.period_um[1]);
-        self.bodies.iter().enumerate().try_for_each(|(i, body)| body.check(i, period, height))?;
+        self.bodies.iter().enumerate().try_for_each(|(i, body)| {
+            body.check(i, period)?;
+            if self.cut { Ok(()) } else { body.check_height(i, height) }
+        })?;
         media.check(self)
     }
 }
@@ -220,11 +225,14 @@ impl Body {
         }
     }
 
-    fn check(&self, index: usize, period: f64, height: f64) -> Result<(), WaveError> {
+    fn check(&self, index: usize, period: f64) -> Result<(), WaveError> {
         let [lo, hi] = self.extent_um();
-        let size = hi - lo;
         self.check_lateral(index, period)?;
-        positive(&format!("height of body {index} (µm)"), size)?;
+        positive(&format!("height of body {index} (µm)"), hi - lo)
+    }
+
+    fn check_height(&self, index: usize, height: f64) -> Result<(), WaveError> {
+        let [lo, hi] = self.extent_um();
         // A grain touching a wall may protrude by the rounding of its coordinates.
         let slack = 1e-9 * height;
         if lo < -slack || hi > height + slack {

@@ -65,7 +65,7 @@ impl Case {
         let bars = inputs.sublayers_from_z0.iter().flatten().flat_map(|sublayer| &sublayer.bars);
         bars.into_iter().try_for_each(|bar| check_bar(bar, inputs.period_um()[0]))?;
         let strata = split_at_flat_faces(strata, &bodies);
-        let scene = Scene { period_um: inputs.period_um(), strata, bodies };
+        let scene = Scene { period_um: inputs.period_um(), strata, bodies, cut: false };
         let media = Media {
             incident: half_space("n_in", inputs.n_in, inputs.eta_in)?,
             exit: half_space("n_out", inputs.n_out, inputs.eta_out)?,

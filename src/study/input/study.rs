@@ -111,6 +111,10 @@ impl Study {
             thickness_um: draw.thickness_um,
             ..self.packing.clone()
         };
+        let request = match &self.portion {
+            Some(portion) => portion.packed(request),
+            None => request,
+        };
         match self.partner(realisation) {
             Some(_) => request.fluctuating(&signs(realisation, self.pigments.len())),
             None => request,

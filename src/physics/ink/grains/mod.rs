@@ -11,6 +11,7 @@ pub mod orientation;
 pub mod shape;
 pub mod size;
 mod size_strata;
+pub mod slices;
 pub mod solid;
 pub mod sphere;
 pub mod volume;

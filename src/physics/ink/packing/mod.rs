@@ -7,6 +7,7 @@
 
 pub(crate) mod bodies;
 pub(crate) mod buckets;
+mod cut;
 mod fewer;
 mod fluctuation;
 pub mod grain;

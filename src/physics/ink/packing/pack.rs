@@ -54,7 +54,11 @@ pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packi
             first => (first?, None),
         },
     };
-    Ok(packing.with_notes(notes))
+    let packing = packing.with_notes(notes);
+    Ok(match request.cut_um {
+        Some(heights) => packing.between(heights),
+        None => packing,
+    })
 }
 
 /// One attempt from the seed with a given method, or with the one suited to the volume fraction.

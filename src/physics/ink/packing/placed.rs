@@ -112,6 +112,8 @@ pub struct Packing {
     period_um: [f64; 2],
     thickness_um: f64,
     walls: bool,
+    /// Whether grains extend beyond the faces, where the layer ends.
+    cut: bool,
     grains: Vec<Grain>,
     shares: Vec<Share>,
     account: PackingAccount,
@@ -161,7 +163,8 @@ impl Packing {
     ) -> Result<Self, PackError> {
         account.smallest_gap_um = overlap::smallest_gap(period_um, thickness_um, walls, &grains)?;
         let shells_um = vec![Vec::new(); shares.len()];
-        Ok(Self { period_um, thickness_um, walls, grains, shares, account, relief: None, shells_um })
+        let (cut, relief) = (false, None);
+        Ok(Self { period_um, thickness_um, walls, cut, grains, shares, account, relief, shells_um })
     }
 
     /// The packing with layers in its grains: per pigment, their thicknesses from the core
@@ -186,6 +189,15 @@ impl Packing {
         self
     }
 
+    /// A layer cut out of this packing: its thickness, µm, grains and, per pigment, the fraction
+    /// inside and the number of grains.
+    pub(super) fn cut_to(mut self, thickness_um: f64, grains: Vec<Grain>, shares: Vec<(f64, usize)>) -> Self {
+        for (share, (fraction, count)) in self.shares.iter_mut().zip(shares) {
+            (share.achieved_fraction, share.grains) = (fraction, count);
+        }
+        Self { thickness_um, grains, walls: false, cut: true, ..self }
+    }
+
     pub(crate) fn with_relief(self, relief: Relief) -> Self {
         Self { relief: Some(relief), ..self }
     }
@@ -200,9 +212,15 @@ impl Packing {
         self.thickness_um
     }
 
-    /// Whether there are walls at z = 0 and z = H; false if the cell is periodic in z too.
+    /// Whether there are walls at z = 0 and z = H; false if the cell is periodic in z too, or cut.
     pub fn walls(&self) -> bool {
         self.walls
+    }
+
+    /// Whether grains extend beyond z = 0 and z = H, where the layer ends
+    /// ([`PackingRequest::cut_um`]).
+    pub fn is_cut(&self) -> bool {
+        self.cut
     }
 
     /// All grains, each with the index of its pigment.

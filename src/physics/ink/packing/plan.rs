@@ -114,10 +114,26 @@ fn widest(request: &PackingRequest) -> f64 {
     if request.walls { lateral } else { lateral.min(0.5 * request.thickness_um) }
 }
 
+impl PackingRequest {
+    /// Largest extent of a grain, µm; infinite with agglomerates, whose size is a matter of chance.
+    pub fn widest_body_um(&self) -> f64 {
+        let of = |pigment: &PigmentGrains| match pigment.agglomeration {
+            Some(_) => f64::INFINITY,
+            None => largest_extent_um(pigment, &pigment.shape.template()),
+        };
+        self.pigments.iter().map(of).fold(0.0, f64::max)
+    }
+}
+
+/// Extent of a pigment's largest grain, µm.
+fn largest_extent_um(pigment: &PigmentGrains, template: &Template) -> f64 {
+    2.0 * pigment.size.radius_um(pigment.size.largest_nm(), template) * reach(&template.spheres)
+}
+
 fn check_size(request: &PackingRequest, k: usize, p: &PigmentGrains, t: &Template) -> Result<(), PackError> {
     let radius = p.size.radius_um(p.size.largest_nm(), t);
     let field = format!("pigment[{k}].size");
-    let extent = 2.0 * radius * reach(&t.spheres);
+    let extent = largest_extent_um(p, t);
     if extent > widest(request) {
         let found = format!("{:.1} nm across for the largest grain", 1e3 * extent);
         let allowed = format!("at most half the period, {:.1} nm", 1e3 * widest(request));

@@ -46,6 +46,9 @@ pub struct PackingRequest {
     /// Labelled voxels instead, one cut per realisation.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub voxels: Vec<VoxelCut>,
+    /// Heights between which the packing is the layer, µm: grains across them are cut.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub cut_um: Option<[f64; 2]>,
 }
 
 impl Default for PackingRequest {
@@ -64,6 +67,7 @@ impl Default for PackingRequest {
             relief: None,
             given: Vec::new(),
             voxels: Vec::new(),
+            cut_um: None,
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Volume fractions across the layer.
 
-use crate::ink::{Layered, Packing, Solid, Sphere};
-use std::f64::consts::PI;
+use crate::ink::grains::slices;
+use crate::ink::{Layered, Packing};
 
 /// Columns per side for the air above a relief.
 const COLUMNS: usize = 24;
@@ -17,8 +17,7 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
     for grain in packing.grains() {
         let mut around: Option<usize> = None;
         for Layered { material, spheres, solid } in packing.nested(grain) {
-            let volumes =
-                solid.map_or_else(|| of_spheres(&spheres, height, slices), |s| of_solid(&s, height, slices));
+            let volumes = slices::volumes(&spheres, solid.as_ref(), height, slices);
             for (slice, volume) in fractions.iter_mut().zip(volumes) {
                 slice[material] += volume;
                 around.iter().for_each(|&outer| slice[outer] -= volume);
@@ -45,42 +44,6 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
         }
     }
     fractions
-}
-
-/// Lines per side on which a convex body is sampled.
-const LINES: usize = 24;
-
-/// Volume of a convex body in every slice, µm³, from its chords along z.
-fn of_solid(solid: &Solid, height: f64, slices: usize) -> Vec<f64> {
-    let extents = [0, 1].map(|axis| solid.extent_um(axis));
-    let step = extents.map(|[low, high]| (high - low) / LINES as f64);
-    let mut volumes = vec![0.0; slices];
-    for line in 0..LINES * LINES {
-        let at = |axis: usize, i: usize| extents[axis][0] + (i as f64 + 0.5) * step[axis];
-        let from = [at(0, line % LINES), at(1, line / LINES), 0.0];
-        let Some([low, high]) = solid.chord(from, [0.0, 0.0, 1.0]) else { continue };
-        for (k, volume) in volumes.iter_mut().enumerate() {
-            let [bottom, top] = [k, k + 1].map(|k| k as f64 * height);
-            *volume += step[0] * step[1] * (high.min(top) - low.max(bottom)).max(0.0);
-        }
-    }
-    volumes
-}
-
-/// Volume of spheres in every slice, µm³.
-fn of_spheres(spheres: &[Sphere], height: f64, slices: usize) -> Vec<f64> {
-    let within = |k: usize| {
-        let [from, to] = [k, k + 1].map(|k| k as f64 * height);
-        spheres.iter().map(|s| between(s, from, to)).sum()
-    };
-    (0..slices).map(within).collect()
-}
-
-/// Volume of a sphere between two heights, µm³.
-fn between(sphere: &Sphere, from: f64, to: f64) -> f64 {
-    let (z, r) = (sphere.center_um[2], sphere.radius_um);
-    let [low, high] = [from, to].map(|height| (height - z).clamp(-r, r));
-    PI * (r * r * (high - low) - (high.powi(3) - low.powi(3)) / 3.0)
 }
 
 /// Fraction of each slice above the binder's surface, without regard to grains.

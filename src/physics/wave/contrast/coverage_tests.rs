@@ -225,6 +225,7 @@ fn grains_of_different_media_and_strata_make_channels() {
     let stratum = |background| crate::wave::Stratum { thickness_um: 0.3, background };
     let body = |z: f64, inclusion| Body::new(BodyShape::Balls(vec![ball([0.4, 0.4, z], 0.1)]), inclusion);
     let scene = Scene {
+        cut: false,
         period_um: PERIOD,
         strata: vec![stratum(0), stratum(1)],
         bodies: vec![body(0.3, 1), body(0.12, 0)],

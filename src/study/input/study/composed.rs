@@ -7,6 +7,7 @@ use super::{Angles, Study};
 use crate::appearance::composed::flux::{Hemisphere, Sides};
 use crate::appearance::composed::ordinates::Ordinates;
 use crate::appearance::paper::PRINT_DEG;
+use crate::ink::PackingRequest;
 use crate::input::variation::LightRule;
 use crate::wave::{Incidence, Side, Wave};
 use serde::{Deserialize, Serialize};
@@ -57,6 +58,23 @@ impl Portion {
             Position::Back => "slab with the back surface",
         };
         format!("{place}{}", if self.halved { ", half as thick" } else { "" })
+    }
+}
+
+impl Portion {
+    /// The packing that it is cut out of: without walls for an inner slab, of twice the thickness
+    /// for one with a surface of the layer, whose wall is on that side alone. Between walls every
+    /// joint of slabs would lack grains.
+    pub(super) fn packed(&self, slab: PackingRequest) -> PackingRequest {
+        let height = slab.thickness_um;
+        let (whole, from) = match self.position {
+            // Without walls, grains reach across half of the thickness at most.
+            Position::Inner if slab.widest_body_um() <= 0.5 * height => (height, 0.0),
+            Position::Inner | Position::Front => (2.0 * height, 0.0),
+            Position::Back => (2.0 * height, height),
+        };
+        let walls = self.position != Position::Inner;
+        PackingRequest { thickness_um: whole, walls, cut_um: Some([from, from + height]), ..slab }
     }
 }
 
