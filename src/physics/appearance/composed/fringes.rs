@@ -161,10 +161,13 @@ fn shares([r, t]: [f64; 2], composed: [f64; 2]) -> [f64; 2] {
     if lost < NOTHING { [0.0; 2] } else { [(composed[0] - r) / lost, (composed[1] - t) / lost] }
 }
 
-/// Amplitudes at a cosine between those known.
+/// Amplitudes at a cosine between those known. No slab amplifies: beyond the flattest node, noise
+/// of few realisations could, and many slabs would raise it to their power.
 fn between(points: &[f64], slow: &[Slow], mu: f64) -> Slow {
     let weights = lagrange(points, mu);
-    std::array::from_fn(|k| weights.iter().zip(slow).map(|(w, s)| w * s[k]).sum())
+    let mut all: Slow = std::array::from_fn(|k| weights.iter().zip(slow).map(|(w, s)| w * s[k]).sum());
+    all[4].re = all[4].re.min(0.0);
+    all
 }
 
 /// Lagrange polynomials through `points` at `x`.

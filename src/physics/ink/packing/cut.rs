@@ -89,7 +89,8 @@ mod tests {
     fn cuts_are_not_depleted() {
         let near = |cut_um: [f64; 2], walls: bool| {
             let of = |stream: u64| {
-                let request = PackingRequest { walls, stream, cut_um: Some(cut_um), ..request(Shape::Sphere) };
+                let request =
+                    PackingRequest { walls, stream, cut_um: Some(cut_um), ..request(Shape::Sphere) };
                 pack(&request, &mut ()).unwrap().achieved_fraction(0)
             };
             (0..6).map(of).sum::<f64>() / 6.0

@@ -97,7 +97,8 @@ pub(crate) fn discs(packing: &Packing, z: f64) -> Vec<Disc<'_>> {
     for grain in packing.grains() {
         for s in &grain.spheres {
             let off = z - s.center_um[2];
-            let off = if packing.walls() || packing.is_cut() { off } else { off - height * (off / height).round() };
+            let off =
+                if packing.walls() || packing.is_cut() { off } else { off - height * (off / height).round() };
             let square = s.radius_um * s.radius_um - off * off;
             if square > 0.0 {
                 let centre = [s.center_um[0], s.center_um[1]];

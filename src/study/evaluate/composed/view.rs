@@ -160,7 +160,8 @@ fn seen(slabs: &Slabs, count: usize, wave: Wave, albedo: f64) -> Vec<f64> {
             [0, 1, 2].map(|k| weights.iter().zip(&totals).map(|(w, x)| w * x[k]).sum::<f64>());
         let [moved_r, moved_t] = fringes(slabs, count, &layer, (wave, cosine)).0[1];
         let returned = (all_light - r) * (1.0 + moved_t / t.max(f64::MIN_POSITIVE));
-        all.extend([r + moved_r + returned, (mirrored(cosine) + bias).max(0.0)]);
+        let whole = r + moved_r + returned;
+        all.extend([whole, (mirrored(cosine) + bias).min(whole).max(0.0)]);
     }
     all
 }
