@@ -240,4 +240,9 @@ pub const INK: &[Slip] = &[
         "name = \"yellow\"\nshape = \"cube\"",
         ["shape", "cube", "`sphere`", "write one of"],
     ),
+    slip(
+        "name = \"yellow\"",
+        "name = \"yellow\"\nshape = \"box\"\nagglomeration = { degree = 1, grains = 2, fractal = { dimension = 1.78 } }",
+        ["pigment[0].agglomeration.fractal", "of a box", "grains made of spheres", "leave `fractal` out"],
+    ),
 ];
