@@ -242,7 +242,12 @@ pub const INK: &[Slip] = &[
     ),
     slip(
         "name = \"yellow\"",
-        "name = \"yellow\"\nshape = \"box\"\nagglomeration = { degree = 1, grains = 2, fractal = { dimension = 1.78 } }",
-        ["pigment[0].agglomeration.fractal", "of a box", "grains made of spheres", "leave `fractal` out"],
+        "name = \"yellow\"\nshape = { kind = \"disc\", thickness = 0.9 }\nagglomeration = { degree = 1, grains = 2, fractal = { dimension = 1.78 } }",
+        [
+            "pigment[0].agglomeration.fractal",
+            "with the shape disc",
+            "grains made of spheres",
+            "leave `fractal` out",
+        ],
     ),
 ];

@@ -152,6 +152,10 @@ impl PlacedGrain {
         Self { spheres, solid, axis: [0.0, 0.0, 1.0] }
     }
 
+    fn surfaces(&self) -> impl Iterator<Item = GrainSurface<'_>> {
+        self.spheres.iter().map(|s| (s, self.solid.as_ref()))
+    }
+
     fn turned(&self, turn: Rotation) -> Self {
         let sphere = |s: &Sphere| Sphere { center_um: turn.turn(s.center_um), ..*s };
         let solid = self.solid.clone().map(|s| Solid { rotation: s.rotation.then(turn), ..s });
@@ -174,8 +178,8 @@ impl PlacedGrain {
 /// a rotation cannot make them overlap.
 const GLUE_GAP: f64 = 1e-6;
 
-/// The same of convex bodies and the smaller of their thinnest radii: the proof that they are apart
-/// finds its direction by iteration.
+/// Convex bodies stay this fraction of the thinner one's radius apart: the proof of their
+/// separation finds its direction by iteration.
 const CONVEX_GAP: f64 = 1e-5;
 
 /// Ballistic aggregation: each grain, randomly rotated, flies in from a random direction along a
@@ -229,32 +233,26 @@ fn span(spheres: &[Sphere], centre: V3) -> f64 {
     spheres.iter().map(|s| norm(sub(s.center_um, centre)) + s.radius_um).fold(0.0, f64::max)
 }
 
+/// A sphere of a grain, and the convex body that it is around.
+type GrainSurface<'a> = (&'a Sphere, Option<&'a Solid>);
+
 /// Length of a grain's flight along −from until it is the gap of the glue short of touching one of
 /// those there.
 fn first_contact(there: &[PlacedGrain], incoming: &PlacedGrain, start: V3, from: V3) -> Option<f64> {
-    let to_grain = |grain: &PlacedGrain| {
-        let pairs = grain.spheres.iter().flat_map(|a| incoming.spheres.iter().map(move |b| (a, b)));
-        let to_sphere = |(a, b): (&Sphere, &Sphere)| {
-            let offset = sub(add(b.center_um, start), a.center_um);
-            let path = path_of_spheres(a, b, offset, from)?;
-            match (&grain.solid, &incoming.solid) {
-                (Some(a), Some(b)) => {
-                    Some(path + path_of_solids(a, b, sub(offset, scale(from, path)), from)?)
-                }
-                _ => Some(path),
-            }
-        };
-        pairs.filter_map(to_sphere).reduce(f64::min)
-    };
-    there.iter().filter_map(to_grain).reduce(f64::min)
+    let surfaces = there.iter().flat_map(PlacedGrain::surfaces);
+    let pairs = surfaces.flat_map(|a| incoming.surfaces().map(move |b| (a, b)));
+    pairs.filter_map(|(a, b)| path_of(a, b, start, from)).reduce(f64::min)
 }
 
-/// Length of the flight of sphere b, which starts at `offset` from sphere a.
-fn path_of_spheres(a: &Sphere, b: &Sphere, offset: V3, from: V3) -> Option<f64> {
+/// Length of the flight of surface b, which starts at `start` from its place.
+fn path_of((a, body): GrainSurface, (b, other): GrainSurface, start: V3, from: V3) -> Option<f64> {
     let reach = a.radius_um + b.radius_um + GLUE_GAP * a.radius_um.min(b.radius_um);
+    let offset = sub(add(b.center_um, start), a.center_um);
     let along = dot(offset, from);
     let miss2 = dot(offset, offset) - along * along;
-    (miss2 < reach * reach).then(|| along - (reach * reach - miss2).sqrt())
+    let path = (miss2 < reach * reach).then(|| along - (reach * reach - miss2).sqrt())?;
+    let Some((body, other)) = body.zip(other) else { return Some(path) };
+    Some(path + path_of_solids(body, other, sub(offset, scale(from, path)), from)?)
 }
 
 /// Newton's steps to a contact: two between faces, some ten between round surfaces.
