@@ -1,13 +1,17 @@
-//! Packings of convex bodies: no overlap by dense points of their surfaces, sizes, walls and order.
+//! Packings of convex bodies: no overlap by dense points of their surfaces, sizes, walls, order and
+//! agglomerates.
 
-use inkwave::ink::grains::contact::contains;
+use inkwave::ink::grains::agglomeration::Fractal;
+use inkwave::ink::grains::contact::{contains, proven_gap_um};
 use inkwave::ink::statistics::{orientation_tensor, profile, section_statistics};
 use inkwave::ink::{
-    Grain, MethodChoice, Orientation, PackError, Packing, PackingRequest, PigmentGrains, Shape, Solid, pack,
+    Agglomeration, EquilibrationSettings, Grain, MethodChoice, Orientation, PackError, Packing,
+    PackingRequest, PigmentGrains, Shape, Solid, pack,
 };
 use inkwave::input::check::check;
 use inkwave::input::file::StudyFile;
 use inkwave::numerics::Rotation;
+use inkwave::numerics::vector::{norm, sub};
 use std::path::Path;
 
 fn shapes() -> [Shape; 4] {
@@ -124,10 +128,121 @@ fn platelets_follow_the_field_that_aligns_their_axes() {
     assert!(flat > 0.5 && upright < -0.2, "{flat} {upright}");
 }
 
+/// A share of the grains in agglomerates of three, in a cell with room for them.
+fn glued(shape: Shape, share: f64, method: MethodChoice, degree: f64) -> PackingRequest {
+    let mut asked = PackingRequest { period_um: [1.5, 1.45], ..request(shape, share, method) };
+    asked.pigments[0].agglomeration = Some(Agglomeration::of(3, degree));
+    asked
+}
+
+/// Members of the agglomerates, in the order of their bodies.
+fn agglomerates(packing: &Packing) -> Vec<Vec<&Grain>> {
+    let count = packing.grains().iter().filter_map(|g| g.agglomerate).max().map_or(0, |most| most + 1);
+    let members = |k| packing.grains().iter().filter(|g| g.agglomerate == Some(k)).collect();
+    (0..count).map(members).collect()
+}
+
+/// The solid of a grain and where that of another lies from it, in the nearest image.
+fn seen(packing: &Packing, from: &Grain, to: &Grain) -> (Solid, Solid, [f64; 3]) {
+    let [a, b] = [from, to].map(|g| g.solid.clone().expect("a convex body"));
+    let cell = [packing.period_um()[0], packing.period_um()[1], f64::INFINITY];
+    let nearest = |i: usize| {
+        let d = b.center_um[i] - a.center_um[i];
+        if cell[i].is_finite() { d - cell[i] * (d / cell[i]).round() } else { d }
+    };
+    let apart = std::array::from_fn(nearest);
+    (a, b, apart)
+}
+
+/// The members of an agglomerate touch in one piece, none overlaps another, and each is the grain it was.
 #[test]
-fn agglomerates_and_reliefs_of_convex_bodies_are_refused() {
+fn glued_bodies_touch_and_keep_their_volume_and_share() {
+    for shape in shapes() {
+        for (share, method) in [(0.06, MethodChoice::SequentialAddition), (0.2, MethodChoice::Relaxation)] {
+            let asked = glued(shape.clone(), share, method, 0.75);
+            let packing = pack(&asked, &mut ()).unwrap_or_else(|e| panic!("{}: {e}", shape.name()));
+            let volume = std::f64::consts::PI / 6.0 * 0.2f64.powi(3);
+            // Identity: spheres of equal volume, 200 nm across.
+            assert!(packing.grains().iter().all(|g| (g.volume_um3 / volume - 1.0).abs() < 1e-12));
+            let placed = packing.grains().len() as f64 * volume / (1.5 * 1.45 * 0.8);
+            assert!((packing.achieved_fraction(0) - placed).abs() < 1e-12 && (placed - share).abs() < 0.003);
+            let stuck = (0.75 * packing.grains().len() as f64).round() as usize;
+            let bodies = agglomerates(&packing);
+            // A last grain that is alone is no agglomerate.
+            assert_eq!(bodies.iter().map(Vec::len).sum::<usize>(), stuck - usize::from(stuck % 3 == 1));
+            assert_eq!(overlapping_pairs(&packing), 0, "{}", shape.name());
+            let outside = |g: &Grain| g.extent_z_um()[0] < 0.0 || g.extent_z_um()[1] > 0.8;
+            assert!(!packing.grains().iter().any(outside), "{}", shape.name());
+            bodies.iter().for_each(|members| assert_in_one_piece(&packing, members));
+        }
+    }
+}
+
+/// Every member but the first touches one before it.
+fn assert_in_one_piece(packing: &Packing, members: &[&Grain]) {
+    for (i, grain) in members.iter().enumerate().skip(1) {
+        let gap = |other: &&Grain| {
+            let (a, b, apart) = seen(packing, other, grain);
+            proven_gap_um(&a, &b, apart) / a.form.thin_um()
+        };
+        let closest = members[..i].iter().map(gap).fold(f64::MAX, f64::min);
+        // The gap of the glue is 1e-5 of the thinnest radius.
+        assert!((0.0..2e-5).contains(&closest), "{closest}");
+    }
+}
+
+/// Equilibration moves and turns the bodies of the same packing; what a member sees of another in its own frame stays.
+/// *Planted*: members that keep their rotation, or their place, while the body turns.
+#[test]
+fn agglomerates_of_bodies_move_rigidly() {
+    for shape in shapes() {
+        let packed = |sweeps: Option<u64>| {
+            let mut asked = glued(shape.clone(), 0.15, MethodChoice::Relaxation, 1.0);
+            asked.equilibration = sweeps.map(|sweeps| EquilibrationSettings { sweeps });
+            pack(&asked, &mut ()).unwrap_or_else(|e| panic!("{}: {e}", shape.name()))
+        };
+        let [before, after] = [None, Some(40)].map(packed);
+        let mut turned = 0.0f64;
+        for (old, new) in agglomerates(&before).iter().zip(agglomerates(&after)) {
+            for (i, j) in [(0, 1), (1, 0), (0, old.len() - 1)] {
+                let frames = [(&before, old), (&after, &new)].map(|(packing, members)| {
+                    let (a, b, apart) = seen(packing, members[i], members[j]);
+                    let back = a.rotation.inverse();
+                    // Identity: the axis of a grain is the z axis of its body.
+                    let off = sub(members[i].axis, a.rotation.turn([0.0, 0.0, 1.0]));
+                    assert!(norm(off) < 1e-12, "{off:?}");
+                    let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(|v| back.turn(b.rotation.turn(v)));
+                    (back.turn(apart), axes)
+                });
+                let [(was, axes), (is, moved)] = frames;
+                // Identity: rounding of some thousand small rotations.
+                assert!(norm(sub(was, is)) < 1e-10, "{}: {was:?} {is:?}", shape.name());
+                assert!((0..2).all(|k| norm(sub(axes[k], moved[k])) < 1e-10), "{}", shape.name());
+                turned = turned.max(norm(sub(old[i].axis, new[i].axis)));
+            }
+        }
+        assert!(turned > 0.1, "{}: the bodies turn, {turned}", shape.name());
+    }
+}
+
+#[test]
+fn the_proof_judges_members_of_one_agglomerate_like_any_grains() {
+    let form = Shape::Box { edges: [0.2, 0.2, 0.2] }.form().expect("a convex body");
+    let at = |x: f64| {
+        let grain = Grain::convex(Solid::upright(form.clone(), [x, 0.5, 0.5]), 0);
+        Grain { agglomerate: Some(0), ..grain }
+    };
+    let packed = |xs: [f64; 2]| Packing::from_grains([1.0, 1.0], 1.0, true, xs.map(at).to_vec());
+    let touching = packed([0.25, 0.45]).expect("faces that touch");
+    assert!(touching.account().smallest_gap_um.expect("a gap") < 1e-14);
+    assert!(matches!(packed([0.25, 0.4499]), Err(PackError::Overlap { .. })));
+}
+
+#[test]
+fn fractal_agglomerates_of_convex_bodies_are_refused() {
     let mut asked = request(shapes()[1].clone(), 0.1, MethodChoice::Auto);
-    asked.pigments[0].agglomeration = Some(inkwave::ink::Agglomeration::of(3, 1.0));
+    let fractal = Some(Fractal { dimension: 1.78, prefactor: 1.3 });
+    asked.pigments[0].agglomeration = Some(Agglomeration { fractal, ..Agglomeration::of(3, 1.0) });
     let said = pack(&asked, &mut ()).unwrap_err().to_string();
-    assert!(said.contains("pigment[0].agglomeration") && said.contains("beaded_ellipsoid"), "{said}");
+    assert!(said.contains("pigment[0].agglomeration.fractal") && said.contains("beaded_ellipsoid"), "{said}");
 }

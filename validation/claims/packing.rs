@@ -1,4 +1,6 @@
-//! Packings against independent truths: pair statistics, two-point probability, orientation, walls.
+//! Packings against independent truths: pair statistics, two-point probability, orientation, walls, highest shares.
+
+mod highest;
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason};
 use inkwave::draw::chart::{Chart, Curve, Style};
@@ -14,7 +16,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 pub const CLAIM: Claim = Claim {
     id: "11-packing",
-    statement: "Packings have the statistics of their truths: sequential addition those of RSA, equilibrated ones those of the hard-sphere fluid, free grains no preferred direction, and walls are not crossed.",
+    statement: "Packings have the statistics of their truths: sequential addition those of RSA, equilibrated ones those of the hard-sphere fluid, free grains no preferred direction, and walls are not crossed; the highest shares come near the published ones of random packings.",
     because: "RSA and Monte Carlo ensembles of independent programs; Verlet–Weis; exact relations of S2 (Torquato, Random Heterogeneous Materials, 2.2).",
     file: file!(),
     measure,
@@ -136,6 +138,7 @@ fn measure(level: Level, findings: &mut Findings) {
     two_point(level, findings);
     orientation(level, findings);
     walls(findings);
+    highest::measure(level, findings);
 }
 
 fn sequential(level: Level, findings: &mut Findings) {

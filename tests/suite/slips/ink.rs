@@ -240,4 +240,14 @@ pub const INK: &[Slip] = &[
         "name = \"yellow\"\nshape = \"cube\"",
         ["shape", "cube", "`sphere`", "write one of"],
     ),
+    slip(
+        "name = \"yellow\"",
+        "name = \"yellow\"\nshape = { kind = \"disc\", thickness = 0.9 }\nagglomeration = { degree = 1, grains = 2, fractal = { dimension = 1.78 } }",
+        [
+            "pigment[0].agglomeration.fractal",
+            "with the shape disc",
+            "grains made of spheres",
+            "leave `fractal` out",
+        ],
+    ),
 ];

@@ -4,6 +4,8 @@ mod fractal;
 
 pub use fractal::Fractal;
 
+use super::contact::{contact, proven_gap_um};
+use super::solid::Solid;
 use crate::ink::{PackError, Sphere};
 use crate::numerics::Draws;
 use crate::numerics::allowed::{Allowed, Each, Whole};
@@ -26,8 +28,8 @@ pub struct Agglomeration {
     /// How many grains stick together.
     #[schemars(example = 5)]
     pub grains: GrainCount,
-    /// Makes them fractal clusters, such as carbon black's: without it grains fly in one by one,
-    /// which gives dense ones.
+    /// Makes them fractal clusters, such as carbon black's (of spheres only): without it grains fly
+    /// in one by one, which gives dense ones.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(example = Fractal { dimension: 1.78, prefactor: 1.3 })]
     pub fractal: Option<Fractal>,
@@ -137,41 +139,70 @@ fn weighted_mean(numbers: impl Iterator<Item = (usize, f64)>) -> f64 {
 /// One grain of an agglomerate, in the agglomerate's frame.
 #[derive(Clone, Debug)]
 pub(crate) struct PlacedGrain {
+    /// Its spheres, or the one around a convex body.
     pub spheres: Vec<Sphere>,
+    /// The convex body, if it is one; about its sphere's centre.
+    pub solid: Option<Solid>,
     pub axis: V3,
+}
+
+impl PlacedGrain {
+    /// A grain in its own frame.
+    pub fn new(spheres: Vec<Sphere>, solid: Option<Solid>) -> Self {
+        Self { spheres, solid, axis: [0.0, 0.0, 1.0] }
+    }
+
+    fn surfaces(&self) -> impl Iterator<Item = GrainSurface<'_>> {
+        self.spheres.iter().map(|s| (s, self.solid.as_ref()))
+    }
+
+    fn turned(&self, turn: Rotation) -> Self {
+        let sphere = |s: &Sphere| Sphere { center_um: turn.turn(s.center_um), ..*s };
+        let solid = self.solid.clone().map(|s| Solid { rotation: s.rotation.then(turn), ..s });
+        Self { spheres: self.spheres.iter().map(sphere).collect(), solid, axis: turn.turn(self.axis) }
+    }
+
+    fn moved(mut self, by: V3) -> Self {
+        self.spheres.iter_mut().for_each(|s| s.center_um = add(s.center_um, by));
+        self
+    }
+
+    /// A distance that this convex body and another surely have, µm; none between spheres.
+    fn proven_gap_um(&self, other: &Self) -> Option<f64> {
+        let (one, two) = (self.solid.as_ref()?, other.solid.as_ref()?);
+        Some(proven_gap_um(one, two, sub(other.spheres[0].center_um, self.spheres[0].center_um)))
+    }
 }
 
 /// Surfaces of glued grains stay this fraction of the smaller radius apart, so that rounding after
 /// a rotation cannot make them overlap.
 const GLUE_GAP: f64 = 1e-6;
 
+/// Convex bodies stay this fraction of the thinner one's radius apart: the proof of their
+/// separation finds its direction by iteration.
+const CONVEX_GAP: f64 = 1e-5;
+
 /// Ballistic aggregation: each grain, randomly rotated, flies in from a random direction along a
 /// line through the bounding sphere of the aggregate until it touches.
-pub(crate) fn glue(grains: &[Vec<Sphere>], draws: &mut Draws) -> Vec<PlacedGrain> {
+pub(crate) fn glue(grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
     let mut placed: Vec<PlacedGrain> = Vec::with_capacity(grains.len());
     for grain in grains {
-        let PlacedGrain { spheres, axis } = placed_first(grain, draws);
-        let shift = if placed.is_empty() { [0.0; 3] } else { landing(&placed, &spheres, draws) };
-        let spheres = spheres.iter().map(|s| Sphere { center_um: add(s.center_um, shift), ..*s }).collect();
-        placed.push(PlacedGrain { spheres, axis });
+        let first = placed_first(grain, draws);
+        let landed = if placed.is_empty() { first } else { landed(&placed, first, draws) };
+        placed.push(landed);
     }
     placed
 }
 
 /// A grain alone, randomly rotated.
-pub(super) fn placed_first(grain: &[Sphere], draws: &mut Draws) -> PlacedGrain {
+fn placed_first(grain: &PlacedGrain, draws: &mut Draws) -> PlacedGrain {
     let axis = draws.direction();
-    let turn = draws.rotation_with_axis(axis);
-    PlacedGrain { spheres: turned(grain, turn), axis: turn.turn([0.0, 0.0, 1.0]) }
+    grain.turned(draws.rotation_with_axis(axis))
 }
 
-fn turned(grain: &[Sphere], turn: Rotation) -> Vec<Sphere> {
-    grain.iter().map(|s| Sphere { center_um: turn.turn(s.center_um), ..*s }).collect()
-}
-
-/// Displacement that brings the incoming grain into first contact.
-fn landing(placed: &[PlacedGrain], incoming: &[Sphere], draws: &mut Draws) -> V3 {
-    let there: Vec<Sphere> = placed.iter().flat_map(|p| p.spheres.iter().copied()).collect();
+/// The incoming grain in first contact.
+fn landed(placed: &[PlacedGrain], grain: PlacedGrain, draws: &mut Draws) -> PlacedGrain {
+    let (there, incoming) = (all_spheres(placed), &grain.spheres);
     let centre = centre_of(&there);
     loop {
         let target = there[draws.below(there.len())];
@@ -180,10 +211,17 @@ fn landing(placed: &[PlacedGrain], incoming: &[Sphere], draws: &mut Draws) -> V3
         let aim = sub(target.center_um, centre_of(incoming));
         let start =
             add(aim, scale(from, 2.0 * span(&there, centre) + 2.0 * span(incoming, centre_of(incoming))));
-        if let Some(path) = first_contact(&there, incoming, start, from) {
-            return sub(start, scale(from, path));
+        if let Some(path) = first_contact(placed, &grain, start, from) {
+            let landed = grain.clone().moved(sub(start, scale(from, path)));
+            if placed.iter().all(|p| p.proven_gap_um(&landed).is_none_or(|gap| gap > 0.0)) {
+                return landed;
+            }
         }
     }
+}
+
+fn all_spheres(grains: &[PlacedGrain]) -> Vec<Sphere> {
+    grains.iter().flat_map(|g| g.spheres.iter().copied()).collect()
 }
 
 fn centre_of(spheres: &[Sphere]) -> V3 {
@@ -195,22 +233,49 @@ fn span(spheres: &[Sphere], centre: V3) -> f64 {
     spheres.iter().map(|s| norm(sub(s.center_um, centre)) + s.radius_um).fold(0.0, f64::max)
 }
 
-/// Length of the flight along −from until a pair of spheres is `GLUE_GAP` short of touching.
-pub(super) fn first_contact(there: &[Sphere], incoming: &[Sphere], start: V3, from: V3) -> Option<f64> {
-    let mut shortest: Option<f64> = None;
-    for a in there {
-        for b in incoming {
-            let reach = a.radius_um + b.radius_um + GLUE_GAP * a.radius_um.min(b.radius_um);
-            let offset = sub(add(b.center_um, start), a.center_um);
-            let along = dot(offset, from);
-            let miss2 = dot(offset, offset) - along * along;
-            if miss2 < reach * reach {
-                let path = along - (reach * reach - miss2).sqrt();
-                shortest = Some(shortest.map_or(path, |s: f64| s.min(path)));
-            }
+/// A sphere of a grain, and the convex body that it is around.
+type GrainSurface<'a> = (&'a Sphere, Option<&'a Solid>);
+
+/// Length of a grain's flight along −from until it is the gap of the glue short of touching one of
+/// those there.
+fn first_contact(there: &[PlacedGrain], incoming: &PlacedGrain, start: V3, from: V3) -> Option<f64> {
+    let surfaces = there.iter().flat_map(PlacedGrain::surfaces);
+    let pairs = surfaces.flat_map(|a| incoming.surfaces().map(move |b| (a, b)));
+    pairs.filter_map(|(a, b)| path_of(a, b, start, from)).reduce(f64::min)
+}
+
+/// Length of the flight of surface b, which starts at `start` from its place.
+fn path_of((a, body): GrainSurface, (b, other): GrainSurface, start: V3, from: V3) -> Option<f64> {
+    let reach = a.radius_um + b.radius_um + GLUE_GAP * a.radius_um.min(b.radius_um);
+    let offset = sub(add(b.center_um, start), a.center_um);
+    let along = dot(offset, from);
+    let miss2 = dot(offset, offset) - along * along;
+    let path = (miss2 < reach * reach).then(|| along - (reach * reach - miss2).sqrt())?;
+    let Some((body, other)) = body.zip(other) else { return Some(path) };
+    Some(path + path_of_solids(body, other, sub(offset, scale(from, path)), from)?)
+}
+
+/// Newton's steps to a contact: two between faces, some ten between round surfaces.
+const STEPS: usize = 100;
+
+/// Length of the flight of a convex body. The distance of two is a convex function of the path, so
+/// that steps along its tangent never lead beyond the contact; they end if it grows again.
+fn path_of_solids(a: &Solid, b: &Solid, offset: V3, from: V3) -> Option<f64> {
+    let gap = CONVEX_GAP * a.form.thin_um().min(b.form.thin_um());
+    let mut path = 0.0;
+    for _ in 0..STEPS {
+        let apart = sub(offset, scale(from, path));
+        let found = contact(a, b, apart, norm(offset))?;
+        let (left, rate) = (found.gap_um - gap, dot(found.normal, from));
+        if left < 0.01 * gap {
+            return Some(path);
         }
+        if rate <= 0.0 {
+            return None;
+        }
+        path += left / rate;
     }
-    shortest
+    None
 }
 
 /// The error for agglomerates that are too large in every draw.
@@ -227,12 +292,13 @@ pub(crate) fn too_large(pigment: usize, grains: usize, extent_um: f64, limit_um:
 mod tests {
     use super::*;
     use crate::ink::Shape;
+    use crate::ink::grains::shape::Template;
 
     #[test]
     fn glued_grains_touch_but_do_not_overlap() {
         let mut draws = Draws::new(5, 0);
         for shape in [Shape::Sphere, Shape::CYLINDER] {
-            let grain = shape.template().spheres;
+            let grain = PlacedGrain::new(shape.template().spheres, None);
             let glued = glue(&vec![grain; 8], &mut draws);
             for (i, a) in glued.iter().enumerate().skip(1) {
                 let gaps = glued[..i]
@@ -242,6 +308,36 @@ mod tests {
                 // Identity: the glue gap of unit radii, with the rounding of a root of numbers
                 // below 100.
                 assert!((closest - GLUE_GAP).abs() < 1e-9, "{closest}");
+            }
+        }
+    }
+
+    /// *Planted*: a flight that ends at the spheres around the bodies, or a thousandth of their
+    /// thickness short of the contact.
+    #[test]
+    fn glued_bodies_touch_but_do_not_overlap() {
+        let mut draws = Draws::new(6, 0);
+        let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.5, 1.0], [1.0, 1.8]];
+        for shape in [
+            Shape::Ellipsoid { axes: [1.0, 1.5, 2.5] },
+            Shape::Ellipsoid { axes: [1.0, 1.0, 1.0] },
+            Shape::Box { edges: [1.0, 1.5, 0.6] },
+            Shape::Disc { diameter: 3.0, thickness: 1.0 },
+            Shape::Disc { diameter: 50.0, thickness: 1.0 },
+            Shape::Prism { corners, length: 1.0 },
+        ] {
+            let Template { spheres, form, .. } = shape.template();
+            let thin = form.as_ref().expect("a convex body").thin_um();
+            let grain = PlacedGrain::new(spheres, form.map(|form| Solid::upright(form, [0.0; 3])));
+            for _ in 0..4 {
+                let glued = glue(&vec![grain.clone(); 8], &mut draws);
+                for (i, a) in glued.iter().enumerate().skip(1) {
+                    let gaps = glued[..i].iter().map(|b| a.proven_gap_um(b).expect("two bodies"));
+                    let closest = gaps.fold(f64::MAX, f64::min);
+                    // Residual of the flight, and of the direction by which the gap is proven.
+                    let touching = 0.0..1.1 * CONVEX_GAP * thin;
+                    assert!(touching.contains(&closest), "{}: {}", shape.name(), closest / thin);
+                }
             }
         }
     }

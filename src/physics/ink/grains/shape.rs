@@ -94,7 +94,7 @@ pub enum Shape {
         length: f64,
     },
     /// Spheres inscribed in a prolate ellipsoid of semi-axes R and `aspect_ratio` R, tips included;
-    /// unlike `ellipsoid` it can agglomerate.
+    /// unlike `ellipsoid` it can make fractals.
     BeadedEllipsoid {
         /// Length over width, above 1.
         #[schemars(transform = ASPECT_RATIO.mark(), default = "two")]

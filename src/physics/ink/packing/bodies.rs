@@ -3,7 +3,7 @@
 use super::grain::Grain;
 use super::plan::GrainSpheres;
 use crate::ink::grains::contact::{self, Contact};
-use crate::ink::grains::solid::{Form, Solid};
+use crate::ink::grains::solid::Solid;
 use crate::ink::grains::sphere::Sphere;
 use crate::numerics::vector::{Rotation, V3, add, norm, scale, unit};
 
@@ -70,36 +70,37 @@ pub(crate) struct Bodies<'a> {
     pub arm: Vec<V3>,
     /// Wrapped centres of the spheres.
     pub at: Vec<V3>,
-    /// Convex bodies about their centres, as rotated.
-    solid: Vec<Option<Solid>>,
+    /// Per sphere, the convex body that it is around, about its centre and as rotated.
+    solid: Vec<Option<Box<Solid>>>,
 }
 
 impl<'a> Bodies<'a> {
     pub fn new(cell: CellBox, bodies: &'a [GrainSpheres]) -> Self {
         let mut first = vec![0];
         let mut owner = Vec::new();
-        let mut radius = Vec::new();
+        let (mut radius, mut solid) = (Vec::new(), Vec::new());
         for (b, body) in bodies.iter().enumerate() {
             radius.extend(body.spheres.iter().map(|s| s.radius_um));
+            solid.extend((0..body.spheres.len()).map(|i| body.solids.get(i).cloned().map(Box::new)));
             owner.resize(radius.len(), b as u32);
             first.push(radius.len());
         }
         let (arm, at) = (vec![[0.0; 3]; radius.len()], vec![[0.0; 3]; radius.len()]);
         let (centre, rotation) = (vec![[0.0; 3]; bodies.len()], vec![Rotation::IDENTITY; bodies.len()]);
-        let upright = |b: &GrainSpheres| Some(Solid::upright(b.form.clone()?, [0.0; 3]));
-        let solid = bodies.iter().map(upright).collect();
         Self { cell, bodies, placed: 0, centre, rotation, first, owner, radius, arm, at, solid }
     }
 
     /// Places body b and updates its spheres.
     pub fn put(&mut self, b: usize, centre: V3, rotation: Rotation) {
         self.rotation[b] = rotation;
-        if let Some(solid) = &mut self.solid[b] {
-            solid.rotation = rotation;
-        }
-        let range = self.first[b]..self.first[b + 1];
-        for (arm, sphere) in self.arm[range].iter_mut().zip(&self.bodies[b].spheres) {
+        let (body, range) = (&self.bodies[b], self.first[b]..self.first[b + 1]);
+        for (arm, sphere) in self.arm[range.clone()].iter_mut().zip(&body.spheres) {
             *arm = rotation.turn(sphere.center_um);
+        }
+        for (solid, own) in self.solid[range].iter_mut().flatten().zip(&body.solids) {
+            // A lone body has the rotation to its last bit, which a product would round.
+            let lone = own.rotation == Rotation::IDENTITY;
+            solid.rotation = if lone { rotation } else { own.rotation.then(rotation) };
         }
         self.shift(b, centre);
     }
@@ -120,23 +121,24 @@ impl<'a> Bodies<'a> {
 
     /// Lowest and highest z of body b, relative to its centre.
     pub fn span_z(&self, b: usize) -> [f64; 2] {
-        if let Some(solid) = &self.solid[b] {
-            return solid.extent_um(2);
-        }
-        let range = self.first[b]..self.first[b + 1];
-        let ends = range.map(|s| [self.arm[s][2] - self.radius[s], self.arm[s][2] + self.radius[s]]);
+        let ends = (self.first[b]..self.first[b + 1]).map(|s| self.extent_z(s).map(|z| self.arm[s][2] + z));
         ends.fold([f64::MAX, f64::MIN], |e, [low, high]| [e[0].min(low), e[1].max(high)])
     }
 
-    /// The convex body b about its centre, if it is one.
-    pub fn solid(&self, b: usize) -> Option<&Solid> {
-        self.solid[b].as_ref()
+    /// Lowest and highest z of what sphere s stands for, relative to its centre.
+    pub fn extent_z(&self, s: usize) -> [f64; 2] {
+        self.solid(s).map_or([-self.radius[s], self.radius[s]], |solid| solid.extent_um(2))
+    }
+
+    /// The convex body that sphere s is around, about its centre, if it is around one.
+    pub fn solid(&self, s: usize) -> Option<&Solid> {
+        self.solid[s].as_deref()
     }
 
     /// Whether both of two spheres are surfaces themselves, not the spheres around convex bodies.
     #[inline(always)]
     pub fn are_spheres(&self, s: usize, t: usize) -> bool {
-        self.solid[self.owner[s] as usize].is_none() && self.solid[self.owner[t] as usize].is_none()
+        self.solid[s].is_none() && self.solid[t].is_none()
     }
 
     /// Contact of what spheres s and t stand for, with t at d from s, if nearer than `within_um`;
@@ -148,9 +150,8 @@ impl<'a> Bodies<'a> {
             let gap_um = norm(d) - self.radius[s] - self.radius[t];
             return (gap_um < within_um).then_some(Contact { gap_um, normal, arms });
         }
-        let round =
-            |s: usize| Solid::upright(Form::Ellipsoid { semi_axes_um: [self.radius[s]; 3] }, [0.0; 3]);
-        let [a, b] = [s, t].map(|s| self.solid[self.owner[s] as usize].clone().unwrap_or_else(|| round(s)));
+        let round = |s: usize| Sphere { center_um: [0.0; 3], radius_um: self.radius[s] }.solid();
+        let [a, b] = [s, t].map(|s| self.solid(s).cloned().unwrap_or_else(|| round(s)));
         contact::contact(&a, &b, d, within_um)
     }
 
@@ -177,12 +178,13 @@ impl<'a> Bodies<'a> {
                 let range = self.first[b] + part.spheres.start..self.first[b] + part.spheres.end;
                 let lead = add(self.centre[b], self.arm[range.start]);
                 let inside = self.cell.wrap(lead);
-                let turned = self.solid[b].is_some() || part.spheres.len() > 1;
+                let solid = self.solid(range.start).cloned();
+                let turned = solid.is_some() || part.spheres.len() > 1;
                 let axis = if turned { self.rotation[b].turn(part.axis) } else { part.axis };
                 let volume_um3 = part.volume_um3;
                 let spheres: Vec<Sphere> = range.map(|s| self.image(b, s, lead, inside)).collect();
                 let center_um = spheres.first().map_or(inside, |s| s.center_um);
-                let solid = self.solid[b].clone().map(|solid| Solid { center_um, ..solid });
+                let solid = solid.map(|solid| Solid { center_um, ..solid });
                 grains.push(Grain { spheres, solid, pigment: body.pigment, axis, agglomerate, volume_um3 });
             }
         }

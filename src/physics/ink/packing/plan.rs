@@ -6,10 +6,10 @@ use super::shell;
 use super::sizes::{check_presence, draw_sizes, unlike};
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration;
-use crate::ink::grains::agglomeration::Agglomeration;
+use crate::ink::grains::agglomeration::{Agglomeration, PlacedGrain};
 use crate::ink::grains::orientation::AxisField;
 use crate::ink::grains::shape::Template;
-use crate::ink::grains::solid::Form;
+use crate::ink::grains::solid::{Form, Solid};
 use crate::ink::grains::sphere::Sphere;
 use crate::ink::relief;
 use crate::numerics::Draws;
@@ -22,8 +22,8 @@ pub(crate) struct GrainSpheres {
     pub pigment: usize,
     /// The spheres of the body, or the one around a convex body.
     pub spheres: Vec<Sphere>,
-    /// The convex body, if it is one.
-    pub form: Option<Form>,
+    /// Convex bodies, one in each sphere, about their centres; none in a body of spheres.
+    pub solids: Vec<Solid>,
     /// Radius of the thinnest part, µm: the length by which steps and gaps are measured.
     pub thin: f64,
     pub parts: Vec<Part>,
@@ -73,7 +73,7 @@ impl PackingPlan {
                     .try_for_each(|&radius| shell::check_core(k, &pigment.shell_nm, &template, radius))?;
             }
             let grains = sizes.into_iter().map(|radius| grain(&template, radius)).collect();
-            bodies.extend(group(k, request, grains, &template, draws)?);
+            bodies.extend(group(k, request, grains, draws)?);
             notes.extend(unlike(k, pigment, &share));
             shares.push(share);
         }
@@ -103,8 +103,16 @@ impl GrainSpheres {
         self.parts.iter().map(|p| p.volume_um3).sum()
     }
 
+    /// Extent along the unit vector n.
+    fn extent(&self, n: V3) -> f64 {
+        let arm =
+            |i: usize, n: V3| self.solids.get(i).map_or(self.spheres[i].radius_um, |s| dot(s.arm(n), n));
+        let end = |n: V3| self.spheres.iter().enumerate().map(move |(i, s)| dot(s.center_um, n) + arm(i, n));
+        end(n).fold(f64::MIN, f64::max) + end(scale(n, -1.0)).fold(f64::MIN, f64::max)
+    }
+
     pub fn single_sphere(&self) -> bool {
-        self.form.is_none() && self.spheres.len() == 1 && self.spheres[0].center_um == [0.0; 3]
+        self.solids.is_empty() && self.spheres.len() == 1 && self.spheres[0].center_um == [0.0; 3]
     }
 }
 
@@ -139,7 +147,8 @@ fn check_size(request: &PackingRequest, k: usize, p: &PigmentGrains, t: &Templat
         let allowed = format!("at most half the period, {:.1} nm", 1e3 * widest(request));
         return Err(PackError::input(field, found, allowed, "widen period_um or take smaller grains"));
     }
-    let thin = radius * t.form.as_ref().map_or_else(|| thinnest(&t.spheres), |form| 2.0 * form.thin_um());
+    let thin =
+        t.form.as_ref().map_or_else(|| thinnest(&grain(t, radius)), |form| 2.0 * radius * form.thin_um());
     if request.walls && thin > request.thickness_um {
         let found = format!("{:.1} nm thick for the largest grain", 1e3 * thin);
         let allowed = format!("at most the layer, {:.1} nm", 1e3 * request.thickness_um);
@@ -152,8 +161,10 @@ fn reach(spheres: &[Sphere]) -> f64 {
     spheres.iter().map(|s| norm(s.center_um) + s.radius_um).fold(0.0, f64::max)
 }
 
-fn slimmest(spheres: &[Sphere]) -> f64 {
-    spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min)
+/// Radius of the thinnest part.
+fn slimmest(spheres: &[Sphere], solids: &[Solid]) -> f64 {
+    let radii = spheres.iter().map(|s| s.radius_um);
+    radii.chain(solids.iter().map(|s| s.form.thin_um())).fold(f64::MAX, f64::min)
 }
 
 /// Number of directions sampled for the smallest extent.
@@ -161,10 +172,10 @@ const DIRECTIONS: usize = 400;
 
 /// Smallest extent over a fine sampling of the half sphere: the least thickness of layer that can
 /// hold the grain.
-fn thinnest(spheres: &[Sphere]) -> f64 {
+fn thinnest(body: &GrainSpheres) -> f64 {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let directions = (0..DIRECTIONS).map(direction).chain(axes);
-    directions.map(|n| extent(spheres, n)).fold(f64::MAX, f64::min)
+    directions.map(|n| body.extent(n)).fold(f64::MAX, f64::min)
 }
 
 /// Unit vector i of a golden spiral on the half sphere z > 0.
@@ -177,13 +188,6 @@ fn direction(i: usize) -> V3 {
     [planar * c, planar * s, z]
 }
 
-/// Extent of a union of spheres along the unit vector n.
-#[inline]
-fn extent(spheres: &[Sphere], n: V3) -> f64 {
-    let end = |sign: f64| spheres.iter().map(move |s| sign * dot(s.center_um, n) + s.radius_um);
-    end(1.0).fold(f64::MIN, f64::max) + end(-1.0).fold(f64::MIN, f64::max)
-}
-
 fn grain(template: &Template, radius: f64) -> GrainSpheres {
     let spheres: Vec<Sphere> = template
         .spheres
@@ -192,9 +196,10 @@ fn grain(template: &Template, radius: f64) -> GrainSpheres {
         .collect();
     let volume_um3 = template.volume.um3 * radius.powi(3);
     let part = Part { spheres: 0..spheres.len(), axis: [0.0, 0.0, 1.0], volume_um3 };
-    let form = template.form.as_ref().map(|form| form.scaled(radius));
-    let thin = form.as_ref().map_or_else(|| slimmest(&spheres), Form::thin_um);
-    GrainSpheres { pigment: 0, reach: reach(&spheres), spheres, form, thin, parts: vec![part] }
+    let upright = |form: &Form| Solid::upright(form.scaled(radius), [0.0; 3]);
+    let solids: Vec<Solid> = template.form.iter().map(upright).collect();
+    let thin = slimmest(&spheres, &solids);
+    GrainSpheres { pigment: 0, reach: reach(&spheres), spheres, solids, thin, parts: vec![part] }
 }
 
 /// Glues the requested fraction of the grains into agglomerates, in the order of drawing.
@@ -202,23 +207,16 @@ fn group(
     k: usize,
     request: &PackingRequest,
     mut grains: Vec<GrainSpheres>,
-    template: &Template,
     draws: &mut Draws,
 ) -> Result<Vec<GrainSpheres>, PackError> {
     grains.iter_mut().for_each(|g| g.pigment = k);
     let Some(rule) = &request.pigments[k].agglomeration else { return Ok(grains) };
-    if template.form.is_some() {
-        let found = format!("agglomerates of a {}", request.pigments[k].shape.name());
-        let remedy = "leave agglomeration out, or take `sphere`, `cylinder` or `beaded_ellipsoid`";
-        let allowed = "agglomerates of grains made of spheres";
-        return Err(PackError::input(format!("pigment[{k}].agglomeration"), found, allowed, remedy));
-    }
     let sticky = (rule.degree * grains.len() as f64).round() as usize;
     let mut bodies = grains.split_off(sticky);
     let mut left = grains.as_slice();
     while !left.is_empty() {
         let n = rule.draw_count(draws).min(left.len());
-        bodies.push(agglomerate(k, request, &left[..n], template, draws)?);
+        bodies.push(agglomerate(k, request, &left[..n], draws)?);
         left = &left[n..];
     }
     Ok(bodies)
@@ -231,10 +229,10 @@ fn agglomerate(
     k: usize,
     request: &PackingRequest,
     grains: &[GrainSpheres],
-    template: &Template,
     draws: &mut Draws,
 ) -> Result<GrainSpheres, PackError> {
-    let members: Vec<Vec<Sphere>> = grains.iter().map(|g| g.spheres.clone()).collect();
+    let members: Vec<PlacedGrain> =
+        grains.iter().map(|g| PlacedGrain::new(g.spheres.clone(), g.solids.first().cloned())).collect();
     let mut best = f64::MAX;
     for _ in 0..DRAWS_OF_AGGLOMERATE {
         let fractal = request.pigments[k].agglomeration.as_ref().and_then(|rule| rule.fractal);
@@ -242,8 +240,8 @@ fn agglomerate(
             Some(law) => law.aggregate(&members, draws),
             None => agglomeration::glue(&members, draws),
         };
-        let body = joined(k, grains, glued, template);
-        let thick = if request.walls { thinnest(&body.spheres) } else { 0.0 };
+        let body = joined(k, grains, glued);
+        let thick = if request.walls { thinnest(&body) } else { 0.0 };
         if 2.0 * body.reach <= widest(request) && thick <= request.thickness_um {
             return Ok(body);
         }
@@ -252,19 +250,16 @@ fn agglomerate(
     Err(agglomeration::too_large(k, grains.len(), best, widest(request).min(request.thickness_um)))
 }
 
-fn joined(
-    k: usize,
-    grains: &[GrainSpheres],
-    glued: Vec<agglomeration::PlacedGrain>,
-    template: &Template,
-) -> GrainSpheres {
-    let mut spheres: Vec<Sphere> = Vec::new();
+fn joined(k: usize, grains: &[GrainSpheres], glued: Vec<PlacedGrain>) -> GrainSpheres {
+    let (mut spheres, mut solids) = (Vec::<Sphere>::new(), Vec::new());
     let mut parts = Vec::new();
     for (grain, placed) in grains.iter().zip(glued) {
         let start = spheres.len();
         spheres.extend(placed.spheres);
         let volume_um3 = grain.volume_um3();
-        let axis = if template.spheres.len() == 1 { [0.0, 0.0, 1.0] } else { placed.axis };
+        let round = spheres.len() == start + 1 && placed.solid.is_none();
+        let axis = if round { [0.0, 0.0, 1.0] } else { placed.axis };
+        solids.extend(placed.solid.map(|solid| solid.placed([0.0; 3])));
         parts.push(Part { spheres: start..spheres.len(), axis, volume_um3 });
     }
     let total: f64 = spheres.iter().map(|s| s.radius_um.powi(3)).sum();
@@ -272,8 +267,8 @@ fn joined(
         crate::numerics::vector::add(c, scale(s.center_um, s.radius_um.powi(3) / total))
     });
     spheres.iter_mut().for_each(|s| s.center_um = crate::numerics::vector::sub(s.center_um, centre));
-    let thin = slimmest(&spheres);
-    GrainSpheres { pigment: k, reach: reach(&spheres), spheres, form: None, thin, parts }
+    let thin = slimmest(&spheres, &solids);
+    GrainSpheres { pigment: k, reach: reach(&spheres), spheres, solids, thin, parts }
 }
 
 impl Agglomeration {

@@ -97,7 +97,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
         let mean = bodies.radius.iter().sum::<f64>() / bodies.radius.len().max(1) as f64;
         let arm2 = |b: &GrainSpheres| {
             let farthest = b.spheres.iter().map(|s| dot(s.center_um, s.center_um)).fold(0.0, f64::max);
-            if b.form.is_some() { b.reach * b.reach } else { farthest }
+            if b.solids.is_empty() { farthest } else { b.reach * b.reach }
         };
         let thin: Vec<f64> = plan.bodies.iter().map(|b| b.thin).collect();
         let limit = thin.iter().map(|thin| settings.step_limit_radii * thin).collect();

@@ -298,6 +298,13 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
             "give a fraction of the layer's volume, not a percentage",
         ));
     }
+    let fractal = pigment.agglomeration.as_ref().and_then(|rule| rule.fractal);
+    if let (Some(_), Some(_)) = (fractal, pigment.shape.form()) {
+        let found = format!("`fractal` with the shape {}", pigment.shape.name());
+        let allowed = "fractal agglomerates of grains made of spheres";
+        let remedy = "leave `fractal` out, or take `sphere`, `cylinder` or `beaded_ellipsoid`";
+        return Err(PackError::input(format!("pigment[{k}].agglomeration.fractal"), found, allowed, remedy));
+    }
     let agglomeration = pigment.agglomeration.as_ref().and_then(Agglomeration::defect);
     let defects =
         [pigment.shape.defect(), pigment.size.defect(), pigment.orientation.defect(), agglomeration];

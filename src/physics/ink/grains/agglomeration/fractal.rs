@@ -7,11 +7,11 @@
 //! whose distance is nearest to Γ is taken. Soot and diffusion-limited clusters have D = 1.78 and k
 //! = 1.3 (C. M. Sorensen, Aerosol Sci. Technol. 45, 765–779, 2011).
 
-use super::{PlacedGrain, first_contact, placed_first};
+use super::{PlacedGrain, all_spheres, first_contact, placed_first};
 use crate::ink::Sphere;
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
-use crate::numerics::vector::{V3, add, dot, norm, scale, sub};
+use crate::numerics::vector::{V3, add, dot, norm, scale};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -52,7 +52,7 @@ impl Fractal {
     }
 
     /// Joins grains: each half becomes a cluster, then both become one.
-    pub(crate) fn aggregate(&self, grains: &[Vec<Sphere>], draws: &mut Draws) -> Vec<PlacedGrain> {
+    pub(crate) fn aggregate(&self, grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
         if let [grain] = grains {
             return vec![placed_first(grain, draws)];
         }
@@ -64,16 +64,14 @@ impl Fractal {
     fn join(&self, one: Vec<PlacedGrain>, other: Vec<PlacedGrain>, draws: &mut Draws) -> Vec<PlacedGrain> {
         let (one, other) = (about_centre(one), about_centre(other));
         let wanted = self.distance(&one, &other);
-        let there = spheres(&one);
         let far = 2.0 * (reach(&one) + reach(&other));
         let mut best: Option<(f64, Vec<PlacedGrain>)> = None;
         let mut trials = 0;
         while trials < TRIALS || best.is_none() {
             trials += 1;
             let (turned, from) = (turned(&other, draws), draws.direction());
-            let Some(path) = first_contact(&there, &spheres(&turned), scale(from, far), from) else {
-                continue;
-            };
+            let paths = turned.iter().filter_map(|g| first_contact(&one, g, scale(from, far), from));
+            let Some(path) = paths.reduce(f64::min) else { continue };
             let miss = (far - path - wanted).abs();
             if best.as_ref().is_none_or(|(least, _)| miss < *least) {
                 best = Some((miss, moved(turned, scale(from, far - path))));
@@ -103,10 +101,6 @@ fn mass(spheres: &[Sphere]) -> f64 {
     spheres.iter().map(|s| s.radius_um.powi(3)).sum()
 }
 
-fn spheres(grains: &[PlacedGrain]) -> Vec<Sphere> {
-    grains.iter().flat_map(|g| g.spheres.iter().copied()).collect()
-}
-
 /// Mass, and mass times the squared radius of gyration about the origin, of grains as points.
 fn mass_and_inertia(grains: &[PlacedGrain]) -> [f64; 2] {
     let of = |g: &PlacedGrain| (mass(&g.spheres), centre(&g.spheres));
@@ -119,29 +113,22 @@ fn centre(spheres: &[Sphere]) -> V3 {
 }
 
 fn about_centre(grains: Vec<PlacedGrain>) -> Vec<PlacedGrain> {
-    let centre = centre(&spheres(&grains));
+    let centre = centre(&all_spheres(&grains));
     moved(grains, scale(centre, -1.0))
 }
 
 fn reach(grains: &[PlacedGrain]) -> f64 {
-    spheres(grains).iter().map(|s| norm(s.center_um) + s.radius_um).fold(0.0, f64::max)
+    all_spheres(grains).iter().map(|s| norm(s.center_um) + s.radius_um).fold(0.0, f64::max)
 }
 
-fn moved(mut grains: Vec<PlacedGrain>, by: V3) -> Vec<PlacedGrain> {
-    let spheres = grains.iter_mut().flat_map(|g| &mut g.spheres);
-    spheres.for_each(|s| s.center_um = sub(s.center_um, scale(by, -1.0)));
-    grains
+fn moved(grains: Vec<PlacedGrain>, by: V3) -> Vec<PlacedGrain> {
+    grains.into_iter().map(|g| g.moved(by)).collect()
 }
 
 fn turned(grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
     let axis = draws.direction();
     let turn = draws.rotation_with_axis(axis);
-    let sphere = |s: &Sphere| Sphere { center_um: turn.turn(s.center_um), ..*s };
-    let grain = |g: &PlacedGrain| PlacedGrain {
-        spheres: g.spheres.iter().map(sphere).collect(),
-        axis: turn.turn(g.axis),
-    };
-    grains.iter().map(grain).collect()
+    grains.iter().map(|g| g.turned(turn)).collect()
 }
 
 #[cfg(test)]
@@ -152,9 +139,9 @@ mod tests {
     const UNIT: Sphere = Sphere { center_um: [0.0; 3], radius_um: 1.0 };
 
     /// ln R_g over the mean of 12 clusters of 2^k unit spheres.
-    fn gyration(count: usize, make: &dyn Fn(&[Vec<Sphere>], &mut Draws) -> Vec<PlacedGrain>) -> f64 {
+    fn gyration(count: usize, make: &dyn Fn(&[PlacedGrain], &mut Draws) -> Vec<PlacedGrain>) -> f64 {
         let of = |stream: u64| {
-            let grains = vec![vec![UNIT]; count];
+            let grains = vec![PlacedGrain::new(vec![UNIT], None); count];
             let [m, s] = mass_and_inertia(&about_centre(make(&grains, &mut Draws::new(3, stream))));
             (s / m).sqrt().ln()
         };
@@ -162,7 +149,7 @@ mod tests {
     }
 
     /// D and k from the clusters of 16 to 256 spheres: least squares of ln N over ln R_g.
-    fn measured(make: &dyn Fn(&[Vec<Sphere>], &mut Draws) -> Vec<PlacedGrain>) -> [f64; 2] {
+    fn measured(make: &dyn Fn(&[PlacedGrain], &mut Draws) -> Vec<PlacedGrain>) -> [f64; 2] {
         let counts = [16_usize, 32, 64, 128, 256];
         let points: Vec<[f64; 2]> = counts.map(|n| [gyration(n, make), (n as f64).ln()]).to_vec();
         let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / points.len() as f64;
@@ -191,9 +178,9 @@ mod tests {
     #[test]
     fn grains_of_a_cluster_touch_and_do_not_overlap() {
         let law = Fractal { dimension: 1.78, prefactor: 1.3 };
-        let grains: Vec<Vec<Sphere>> =
-            (0..40).map(|i| vec![Sphere { radius_um: 0.6 + 0.02 * f64::from(i), ..UNIT }]).collect();
-        let all = spheres(&law.aggregate(&grains, &mut Draws::new(5, 0)));
+        let sphere = |i: i32| Sphere { radius_um: 0.6 + 0.02 * f64::from(i), ..UNIT };
+        let grains: Vec<PlacedGrain> = (0..40).map(|i| PlacedGrain::new(vec![sphere(i)], None)).collect();
+        let all = all_spheres(&law.aggregate(&grains, &mut Draws::new(5, 0)));
         let mut contacts = 0;
         for (i, a) in all.iter().enumerate() {
             for b in &all[..i] {

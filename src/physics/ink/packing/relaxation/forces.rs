@@ -77,15 +77,16 @@ impl OverlapRelaxation<'_, '_> {
         found.hear(0.5 * depth * depth, 1.5 * CONVEX_MARGIN * thin - contact.gap_um, thin);
     }
 
-    /// Repulsion of a convex body from the walls at its lowest and highest point.
-    fn press_walls(&mut self, b: usize, found: &mut FoundLoads) {
-        let Some(solid) = self.bodies.solid(b) else { return };
-        let (z, top, thin) = (self.bodies.centre[b][2], self.bodies.cell.size[2], self.thin[b]);
+    /// Repulsion of the convex body in sphere s from the walls at its lowest and highest point.
+    fn press_walls(&mut self, b: usize, s: usize, found: &mut FoundLoads) {
+        let Some(solid) = self.bodies.solid(s) else { return };
+        let (z, top, thin) = (self.bodies.at[s][2], self.bodies.cell.size[2], self.thin[b]);
+        let from = self.bodies.arm[s];
         let ends = [-1.0, 1.0].map(|side| solid.arm([0.0, 0.0, side]));
         for (arm, distance, sign) in [(ends[0], z + ends[0][2], 1.0), (ends[1], top - z - ends[1][2], -1.0)] {
             let depth = (self.inflation * thin).max(2.0 * CONVEX_MARGIN * thin) - distance;
             if depth > 0.0 {
-                self.loads.act(b, arm, [0.0, 0.0, sign * 2.0 * depth]);
+                self.loads.act(b, add(from, arm), [0.0, 0.0, sign * 2.0 * depth]);
                 found.hear(depth * depth, MARGIN * (thin + top) - distance, thin);
             }
         }
@@ -97,8 +98,8 @@ impl OverlapRelaxation<'_, '_> {
         if !self.bodies.cell.walls {
             return;
         }
-        if self.bodies.solid(b).is_some() {
-            return self.press_walls(b, found);
+        if self.bodies.solid(s).is_some() {
+            return self.press_walls(b, s, found);
         }
         let (z, r, top) = (self.bodies.at[s][2], self.bodies.radius[s], self.bodies.cell.size[2]);
         for (distance, sign) in [(z, 1.0), (top - z, -1.0)] {
