@@ -152,7 +152,7 @@ mod tests {
         let layer = "thickness_um = 10\nperiod_um = 1.6\nindex_out = 1.4\n[layer.composed]\nslab_um = 2";
         let portions = study(layer, "[paper]\ncoupling = 'optical_contact'").unwrap().portions();
         let [inner, front, back] = [0, 1, 2].map(|k| at_faces(&portions[k]));
-        // 0.1 µm at a wall are filled to a quarter; at a joint by four cells of some 35 grains, ± 10 %
+        // 0.1 µm at a wall are filled to a quarter; joints of four cells of 35 grains are ± 10 %
         for (at_joint, name) in
             [(inner[0], "inner"), (inner[1], "inner"), (front[1], "front"), (back[0], "back")]
         {
