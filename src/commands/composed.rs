@@ -20,6 +20,7 @@ use std::path::Path;
 pub(super) fn run(study: &Study, path: &Path, settings: RunSettings) -> miette::Result<()> {
     let folder = opened(path, Holds::Study)?;
     let progress = Progress::new();
+    progress.expect(study.solves(), false);
     let solved = run_portions(study, &folder, settings, &progress);
     progress.finish();
     let solved = solved.map_err(|error| {

@@ -17,6 +17,7 @@ use super::flux::{Coherent, Hemisphere};
 use super::ordinates::gauss;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
 /// Directions of the mean over the hemisphere: fringes are narrower than the nodes' distance.
 const DIRECTIONS: usize = 64;
@@ -62,7 +63,7 @@ impl CoherentFilm {
             .collect();
         let at = |mu: f64| self.correction(count, mu, (&points, &slow, &shares));
         let mut diffuse = [0.0; 2];
-        for (mu, weight) in gauss(DIRECTIONS) {
+        for &(mu, weight) in hemisphere() {
             let own = at(mu);
             (0..2).for_each(|k| diffuse[k] += weight * own[k]);
         }
@@ -143,6 +144,13 @@ impl CoherentFilm {
         let ratio = (1.0 - rho.norm_sqr()) / (1.0 - rho).norm_sqr();
         [[coherent, t * ratio], [incoherent, t]]
     }
+}
+
+/// Nodes and weights of the mean over the hemisphere. Their search takes milliseconds, and every
+/// number of a jackknife needs them.
+fn hemisphere() -> &'static [(f64, f64)] {
+    static RULE: OnceLock<Vec<(f64, f64)>> = OnceLock::new();
+    RULE.get_or_init(|| gauss(DIRECTIONS))
 }
 
 /// Takes jumps of 2π out of the logarithms along the cosines, which are interpolated.
