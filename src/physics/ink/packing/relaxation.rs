@@ -289,8 +289,8 @@ mod tests {
         (found.energy, [relaxation.loads.force[b], relaxation.loads.torque[b]])
     }
 
-    /// Forces and torques are the negative gradient of the energy, of pairs and of walls. *Planted*:
-    /// a wall's force on a body of an agglomerate without its lever arm.
+    /// Forces and torques are the negative gradient of the energy, of pairs and of walls.
+    /// *Planted*: a wall's force on a body of an agglomerate without its lever arm.
     #[test]
     fn loads_are_the_gradient_of_the_energy() {
         for shape in [Shape::CYLINDER, Shape::Box { edges: [1.0, 1.5, 0.7] }, Shape::Sphere] {
