@@ -136,6 +136,8 @@ pub struct Harmonics {
     pub orders: Vec<[i32; 2]>,
     /// Contiguous runs (position in the spectrum, compact index, length).
     runs: Vec<[usize; 3]>,
+    /// What lies between the runs in the spectrum.
+    gaps: Vec<std::ops::Range<usize>>,
     /// Rows (m mod nx) of the transposed spectrum that hold harmonics.
     pub rows: Vec<std::ops::Range<usize>>,
 }
@@ -144,12 +146,18 @@ impl Harmonics {
     /// The harmonics of a grid of nx × ny points.
     pub fn new(nx: usize, ny: usize) -> Harmonics {
         let (mmax, nmax) = ((nx as i32 - 1) / 2, (ny as i32 - 1) / 2);
-        let mut harmonics = Harmonics { orders: Vec::new(), runs: Vec::new(), rows: used_rows(nx, mmax) };
+        let (orders, rows) = (Vec::new(), used_rows(nx, mmax));
+        let mut harmonics = Harmonics { orders, runs: Vec::new(), gaps: Vec::new(), rows };
         for m in (0..=mmax).chain(-mmax..0) {
             let row = m.rem_euclid(nx as i32) as usize * ny;
             harmonics.push_run(row, m, 0..nmax + 1);
             harmonics.push_run(row + ny - nmax as usize, m, -nmax..0);
         }
+        let mut starts: Vec<[usize; 2]> = harmonics.runs.iter().map(|&[at, _, len]| [at, len]).collect();
+        starts.sort_unstable();
+        let ends = std::iter::once(0).chain(starts.iter().map(|[at, len]| at + len));
+        let next = starts.iter().map(|[at, _]| *at).chain([nx * ny]);
+        harmonics.gaps = ends.zip(next).map(|(end, next)| end..next).filter(|gap| !gap.is_empty()).collect();
         harmonics
     }
 
@@ -176,9 +184,9 @@ impl Harmonics {
         self.orders.iter().position(|&o| o == [m, n])
     }
 
-    /// Spreads compact harmonics into a zeroed transposed spectrum.
+    /// Spreads compact harmonics over a transposed spectrum, with zeros between them.
     pub fn scatter<T: Copy + Default>(&self, compact: &[T], spectrum: &mut [T]) {
-        spectrum.fill(T::default());
+        self.gaps.iter().for_each(|gap| spectrum[gap.clone()].fill(T::default()));
         for &[position, index, len] in &self.runs {
             spectrum[position..position + len].copy_from_slice(&compact[index..index + len]);
         }

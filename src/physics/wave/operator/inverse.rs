@@ -77,7 +77,9 @@ impl<T: Real> MeanInverse<T> {
     pub fn load(&self, y: &mut Array2<Complex<T>>) {
         in_chunks(y, Axis(1), BLOCK, |b, mut block| {
             let columns = b * BLOCK..b * BLOCK + block.ncols();
-            (0..self.factor.nrows()).for_each(|cell| self.load_cell(&mut block, cell, columns.clone()));
+            let mut loads = empty_loads();
+            (0..self.factor.nrows())
+                .for_each(|cell| self.load_cell(&mut block, cell, columns.clone(), &mut loads));
         });
     }
 
@@ -101,19 +103,19 @@ impl<T: Real> MeanInverse<T> {
     fn solve_block(&self, mut y: ArrayViewMut2<Complex<T>>, first: usize, of_loads: bool) {
         let columns = first..first + y.ncols();
         let (degree, cells) = (self.degree(), self.factor.nrows());
+        let mut loads = empty_loads();
         for cell in 0..cells {
             if of_loads {
-                self.load_cell(&mut y, cell, columns.clone());
+                self.load_cell(&mut y, cell, columns.clone(), &mut loads);
             }
             for bubble in 0..degree - 1 {
                 let inverse = &row_of(&self.inverse_bubble, cell * (degree - 1) + bubble)[columns.clone()];
                 // b_i = y_i / (kz² h λ_i − 1/h)
                 multiply(slice(&mut y.row_mut(degree * cell + 1 + bubble)), inverse);
             }
-            let (mut here, mut next) =
-                y.multi_slice_mut((s![degree * cell, ..], s![degree * (cell + 1), ..]));
+            let [here, next] = nodes(&mut y, degree, cell);
             let factor = &row_of(&self.factor, cell)[columns.clone()];
-            subtract_product(slice(&mut next), factor, slice(&mut here)); // y_{j+1} ← y_{j+1} − l_j y_j
+            subtract_product(next, factor, here); // y_{j+1} ← y_{j+1} − l_j y_j
         }
         for node in (0..=cells).rev() {
             let pivot = &row_of(&self.inverse_pivot, node)[columns.clone()];
@@ -121,45 +123,56 @@ impl<T: Real> MeanInverse<T> {
                 multiply(slice(&mut y.row_mut(degree * node)), pivot); // x_N = y_N / d_N
                 continue;
             }
-            let (mut here, mut next) =
-                y.multi_slice_mut((s![degree * node, ..], s![degree * (node + 1), ..]));
-            multiply(slice(&mut here), pivot);
-            // x_j = y_j / d_j − l_j x_{j+1}
-            subtract_product(
-                slice(&mut here),
-                &row_of(&self.factor, node)[columns.clone()],
-                slice(&mut next),
-            );
+            let [here, next] = nodes(&mut y, degree, node);
+            multiply(here, pivot);
+            subtract_product(here, &row_of(&self.factor, node)[columns.clone()], next); // x_j = y_j / d_j − l_j x_{j+1}
         }
     }
 
     /// Converts loads at a cell's inner points to right-hand sides of its nodes and bubbles.
-    fn load_cell(&self, y: &mut ArrayViewMut2<Complex<T>>, cell: usize, columns: Range<usize>) {
+    fn load_cell(
+        &self,
+        y: &mut ArrayViewMut2<Complex<T>>,
+        cell: usize,
+        columns: Range<usize>,
+        loads: &mut Loads<T>,
+    ) {
         let degree = self.degree();
-        for point in 1..degree {
-            let [left, right] =
-                [point, degree - point].map(|q| &row_of(&self.left_share[q - 1], cell)[columns.clone()]);
-            let (mut first, mut load, mut last) = y.multi_slice_mut((
-                s![degree * cell, ..],
-                s![degree * cell + point, ..],
-                s![degree * (cell + 1), ..],
-            ));
-            // y_j += y_p sin(kz h (1−t))/sin(kz h), y_{j+1} += y_p sin(kz h t)/sin(kz h)
-            share_load(slice(&mut first), left, slice(&mut last), right, slice(&mut load));
-        }
-        let mut loads = [[Complex::default(); BLOCK]; MAX_DEGREE - 1];
         for point in 1..degree {
             let mut row = y.row_mut(degree * cell + point);
             loads[point - 1][..columns.len()].copy_from_slice(slice(&mut row));
             row.fill(Complex::default());
         }
+        let [first, last] = nodes(y, degree, cell);
+        for point in 1..degree {
+            let [left, right] =
+                [point, degree - point].map(|q| &row_of(&self.left_share[q - 1], cell)[columns.clone()]);
+            // y_j += y_p sin(kz h (1−t))/sin(kz h), y_{j+1} += y_p sin(kz h t)/sin(kz h)
+            share_load(first, left, last, right, &loads[point - 1]);
+        }
         for (b, bubble) in self.bubbles.iter().enumerate() {
             let mut row = y.row_mut(degree * cell + 1 + b);
             let row = slice(&mut row);
             // Σ_p B_i(t_p) y_p
-            bubble.iter().zip(&loads).for_each(|(&x, load)| add_scaled(row, x, load));
+            bubble.iter().zip(&*loads).for_each(|(&x, load)| add_scaled(row, x, load));
         }
     }
+}
+
+/// The loads at a cell's inner points, for one block of harmonics.
+type Loads<T> = [[Complex<T>; BLOCK]; MAX_DEGREE - 1];
+
+fn empty_loads<T: Real>() -> Loads<T> {
+    [[Complex::default(); BLOCK]; MAX_DEGREE - 1]
+}
+
+/// The rows of a cell's nodes. Split rather than sliced: it is done thousands of times a
+/// millisecond.
+fn nodes<'a, T>(y: &'a mut ArrayViewMut2<T>, degree: usize, cell: usize) -> [&'a mut [T]; 2] {
+    let (upper, lower) = y.view_mut().split_at(Axis(0), degree * (cell + 1));
+    [(upper, degree * cell), (lower, 0)].map(|(part, row)| {
+        part.index_axis_move(Axis(0), row).into_slice().expect("parts of rows are contiguous")
+    })
 }
 
 pub(super) fn row<'a, T>(u: &'a ArrayView2<T>, index: usize) -> &'a [T] {
@@ -176,32 +189,32 @@ fn slice<'a, T>(row: &'a mut ndarray::ArrayViewMut1<T>) -> &'a mut [T] {
 }
 
 /// Multiplies a ← a b.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2"))]
 pub(super) fn multiply<T: Real>(a: &mut [Complex<T>], b: &[Complex<T>]) {
     a.iter_mut().zip(b).for_each(|(a, b)| *a *= *b);
 }
 
 /// Combines out ← w₀ a₀ + w₁ a₁.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2"))]
 fn between<T: Real>(out: &mut [Complex<T>], [w0, a0]: [&[Complex<T>]; 2], [w1, a1]: [&[Complex<T>]; 2]) {
     let products = w0.iter().zip(a0).zip(w1.iter().zip(a1));
     out.iter_mut().zip(products).for_each(|(out, ((w0, a0), (w1, a1)))| *out = w0 * a0 + w1 * a1);
 }
 
 /// Adds out ← out + factor a.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2"))]
 fn add_scaled<T: Real>(out: &mut [Complex<T>], factor: T, a: &[Complex<T>]) {
     out.iter_mut().zip(a).for_each(|(out, a)| *out += a.scale(factor));
 }
 
 /// Subtracts y ← y − w x.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2"))]
 fn subtract_product<T: Real>(y: &mut [Complex<T>], w: &[Complex<T>], x: &[Complex<T>]) {
     y.iter_mut().zip(w.iter().zip(x)).for_each(|(y, (w, x))| *y -= w * x);
 }
 
 /// Adds the load to both: first ← first + left load, last ← last + right load.
-#[multiversion(targets("x86_64+avx2"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2"))]
 fn share_load<T: Real>(
     first: &mut [Complex<T>],
     left: &[Complex<T>],

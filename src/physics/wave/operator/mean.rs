@@ -49,13 +49,12 @@ impl MeanOperator {
         let left_share = tables.split_off(2);
         let [off, diagonal] = tables.try_into().expect("two tables are left");
         let (factor, inverse_pivot) = factorised(&off, &diagonal, kappa);
-        let kz2 = |cell: usize, i: usize| mean_k2[cell] - lateral_k2[i];
-        let bubble = |row: usize, i: usize| {
-            let cell = row / count;
-            1.0 / bubble_entry(kz2(cell, i), heights[cell], element.lambda[row % count])
-        };
-        let inverse_bubble =
-            Array2::from_shape_fn((heights.len() * count, shape.1), |(row, i)| bubble(row, i));
+        let mut inverse_bubble = Array2::zeros((heights.len() * count, shape.1));
+        for (row, mut inverse) in inverse_bubble.outer_iter_mut().enumerate() {
+            let (cell, lambda) = (row / count, element.lambda[row % count]);
+            let entry = |q: f64| 1.0 / bubble_entry(mean_k2[cell] - q, heights[cell], lambda);
+            inverse.iter_mut().zip(&lateral_k2).for_each(|(inverse, &q)| *inverse = entry(q));
+        }
         let bubbles = element.bubbles.clone();
         let inverse = MeanInverse { bubbles, left_share, factor, inverse_pivot, inverse_bubble }.into();
         MeanOperator { scheme, element, heights, mean_k2, lateral_k2, off, diagonal, inverse }
