@@ -39,5 +39,8 @@ fn open(packing: &Packing, relief: &Relief) -> BodyShape {
     let z = |k: usize| packing.surface_z_um(at(k % count[0], 0), at(k / count[0], 1)).max(0.0);
     let z_um = (0..count[0] * count[1]).map(z).collect();
     let surface = HeightField { z_um, count, period_um };
-    BodyShape::Above { surface, balls: packing.grains().iter().flat_map(|g| balls(&g.spheres)).collect() }
+    let [solids, clusters]: [Vec<_>; 2] =
+        [true, false].map(|solid| packing.grains().iter().filter(|g| g.solid.is_some() == solid).collect());
+    let balls = clusters.iter().flat_map(|g| balls(&g.spheres)).collect();
+    BodyShape::Above { surface, balls, solids: solids.iter().filter_map(|g| g.solid.clone()).collect() }
 }

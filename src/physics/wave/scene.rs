@@ -37,12 +37,14 @@ pub enum BodyShape {
         /// Range along z, µm.
         z_um: [f64; 2],
     },
-    /// Everything above a rough surface except the given balls: vacuum above a relief.
+    /// Everything above a rough surface except the given grains: vacuum above a relief.
     Above {
         /// The surface.
         surface: HeightField,
-        /// Grains that protrude from it.
+        /// Balls of the grains that protrude from it.
         balls: Vec<Ball>,
+        /// Convex grains that protrude from it.
+        solids: Vec<Solid>,
     },
     /// Homogeneous sheet between two heights (a stratum that the grid need not resolve).
     Sheet {
@@ -253,8 +255,10 @@ impl Body {
     /// digits.
     fn check_lateral(&self, index: usize, period: f64) -> Result<(), WaveError> {
         let lateral: Vec<f64> = match &self.shape {
-            BodyShape::Balls(balls) | BodyShape::Above { balls, .. } => {
-                balls.iter().flat_map(|b| b.center_um[..2].to_vec()).collect()
+            BodyShape::Balls(balls) => balls.iter().flat_map(|b| b.center_um[..2].to_vec()).collect(),
+            BodyShape::Above { balls, solids, .. } => {
+                let centres = balls.iter().map(|b| b.center_um).chain(solids.iter().map(|s| s.center_um));
+                centres.flat_map(|centre| centre[..2].to_vec()).collect()
             }
             BodyShape::Solid(solid) => solid.center_um[..2].to_vec(),
             BodyShape::CylinderY { x_um, .. } => vec![*x_um],

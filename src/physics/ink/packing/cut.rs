@@ -84,6 +84,16 @@ mod tests {
         }
     }
 
+    #[test]
+    fn cuts_outside_the_packing_or_upside_down_are_refused() {
+        for cut_um in [[0.5, 0.2], [0.3, 0.3], [-0.1, 0.5], [0.5, 1.3], [f64::NAN, 1.0], [0.0, f64::INFINITY]]
+        {
+            let wrong = PackingRequest { cut_um: Some(cut_um), ..request(Shape::Sphere) };
+            let error = pack(&wrong, &mut ()).expect_err("refused").to_string();
+            assert!(error.contains("cut_um") && error.contains("1.2 µm"), "{error}");
+        }
+    }
+
     /// At a wall the outermost tenth of a micrometre lacks grains, at a cut it does not.
     #[test]
     fn cuts_are_not_depleted() {

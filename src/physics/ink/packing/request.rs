@@ -273,14 +273,29 @@ impl PackingRequest {
             return Err(PackError::input("sum of volume_fraction", total, allowed, "lower the shares"));
         }
         self.relaxation.check()?;
-        let convex = self.pigments.iter().position(|p| p.shape.form().is_some());
-        if let (Some(k), Some(_)) = (convex, &self.relief) {
-            let found = format!("a {} with a relief", self.pigments[k].shape.name());
-            let allowed = "grains made of spheres where they protrude from the binder";
-            let remedy = "leave the relief out, or take another shape";
-            return Err(PackError::input(format!("pigment[{k}].shape"), found, allowed, remedy));
-        }
+        self.check_cut()?;
         self.relief.iter().try_for_each(|r| r.check(self.thickness_um, self.period_um, self.walls))
+    }
+
+    fn check_cut(&self) -> Result<(), PackError> {
+        let Some([from, to]) = self.cut_um else { return Ok(()) };
+        // heights of slabs are sums: rounding
+        if !(from >= 0.0 && from < to && to <= self.thickness_um * (1.0 + 1e-9)) {
+            let (found, allowed) =
+                (format!("{from} to {to} µm"), format!("0 ≤ from < to ≤ {} µm", self.thickness_um));
+            return Err(PackError::input(
+                "cut_um",
+                found,
+                allowed,
+                "give two heights of the packing, the lower one first",
+            ));
+        }
+        match self.relief {
+            Some(_) => {
+                Err(PackError::input("cut_um", "with a relief", "plane surfaces", "leave one of them out"))
+            }
+            None => Ok(()),
+        }
     }
 }
 

@@ -20,31 +20,52 @@ struct HeightColumns {
 impl HeightColumns {
     fn new(packing: &Packing) -> Self {
         let period = packing.period_um();
-        let spheres = || packing.grains().iter().flat_map(|g| &g.spheres);
-        let thinnest = spheres().map(|s| s.radius_um).fold(f64::MAX, f64::min);
+        let spheres = || packing.grains().iter().filter(|g| g.solid.is_none()).flat_map(|g| &g.spheres);
+        let solids = || packing.grains().iter().filter_map(|g| g.solid.as_ref());
+        let radii = spheres().map(|s| s.radius_um).chain(solids().map(|s| s.form.thin_um()));
+        let thinnest = radii.fold(f64::MAX, f64::min);
         let count = period.map(|l| ((PER_RADIUS * l / thinnest).ceil() as usize).clamp(8, MOST));
-        let pitch = [period[0] / count[0] as f64, period[1] / count[1] as f64];
-        let mut pigment = vec![Vec::new(); count[0] * count[1]];
+        let mut columns = Self { count, pigment: vec![Vec::new(); count[0] * count[1]] };
+        let height = packing.thickness_um();
         for s in spheres() {
             let [x, y, z] = s.center_um;
-            let range = |c: f64, h: f64| {
-                ((c - s.radius_um) / h).ceil() as i64..=((c + s.radius_um) / h).floor() as i64
-            };
-            for j in range(y, pitch[1]) {
-                for i in range(x, pitch[0]) {
-                    let (dx, dy) = (i as f64 * pitch[0] - x, j as f64 * pitch[1] - y);
-                    let square = s.radius_um * s.radius_um - dx * dx - dy * dy;
-                    if square > 0.0 {
-                        let (height, half) = (packing.thickness_um() - z, square.sqrt());
-                        let column = [i.rem_euclid(count[0] as i64), j.rem_euclid(count[1] as i64)];
-                        let place = column[1] as usize * count[0] + column[0] as usize;
-                        pigment[place].push([height - half, height + half]);
-                    }
-                }
+            let extents = [x, y].map(|c| [c - s.radius_um, c + s.radius_um]);
+            columns.add(extents, period, |at| {
+                let (dx, dy) = (at[0] - x, at[1] - y);
+                let square = s.radius_um * s.radius_um - dx * dx - dy * dy;
+                (square > 0.0).then(|| [height - z - square.sqrt(), height - z + square.sqrt()])
+            });
+        }
+        for solid in solids() {
+            columns.add([0, 1].map(|axis| solid.extent_um(axis)), period, |[x, y]| {
+                let chord = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0])?;
+                Some([height - chord[1], height - chord[0]])
+            });
+        }
+        columns.pigment.iter_mut().for_each(merge);
+        columns
+    }
+
+    /// Adds a grain of the given extents along x and y, with its interval of height at a position.
+    fn add(
+        &mut self,
+        extents_um: [[f64; 2]; 2],
+        period_um: [f64; 2],
+        interval: impl Fn([f64; 2]) -> Option<[f64; 2]>,
+    ) {
+        let count = self.count;
+        let pitch = [0, 1].map(|axis| period_um[axis] / count[axis] as f64);
+        let [columns, rows] = [0, 1].map(|axis| {
+            let [low, high] = extents_um[axis].map(|end| end / pitch[axis]);
+            low.ceil() as i64..=high.floor() as i64
+        });
+        for j in rows {
+            for i in columns.clone() {
+                let column = [i.rem_euclid(count[0] as i64), j.rem_euclid(count[1] as i64)];
+                let place = column[1] as usize * count[0] + column[0] as usize;
+                self.pigment[place].extend(interval([i as f64 * pitch[0], j as f64 * pitch[1]]));
             }
         }
-        pigment.iter_mut().for_each(merge);
-        Self { count, pigment }
     }
 
     /// Periodic Gaussian filter of a function on the columns.
@@ -157,13 +178,17 @@ fn smoothed(values: &[f64], [n, along]: [usize; 2], [lines, across]: [usize; 2],
 mod tests {
     use super::*;
     use crate::ink::pack;
-    use crate::ink::{MethodChoice, PackingRequest, PigmentGrains};
+    use crate::ink::{MethodChoice, PackingRequest, PigmentGrains, Shape};
 
     fn packed(rule: ReliefRule) -> Packing {
+        packed_of(PigmentGrains::spheres(250.0, 0.4), rule)
+    }
+
+    fn packed_of(grains: PigmentGrains, rule: ReliefRule) -> Packing {
         let request = PackingRequest {
             period_um: [2.0, 2.4],
             thickness_um: 1.0,
-            pigments: vec![PigmentGrains::spheres(250.0, 0.4)],
+            pigments: vec![grains],
             method: MethodChoice::Relaxation,
             relief: Some(ReliefRequest { depth_um: 0.2, rule }),
             ..Default::default()
@@ -174,8 +199,10 @@ mod tests {
     #[test]
     fn pigment_and_binder_fill_the_dry_volume() {
         let following = ReliefRule::Following { follow: 0.6, smoothing_um: 0.1 };
-        for rule in [ReliefRule::Flat, following] {
-            let packing = packed(rule);
+        let boxes = PigmentGrains::of(Shape::Box { edges: [1.0, 1.5, 0.8] }, 250.0, 0.35);
+        let spheres = || PigmentGrains::spheres(250.0, 0.4);
+        for (grains, rule) in [(spheres(), ReliefRule::Flat), (spheres(), following), (boxes, following)] {
+            let packing = packed_of(grains, rule);
             let relief = packing.relief().unwrap();
             let pigment = packing.achieved_fraction(0) * 0.8;
             let binder = relief.mean_height_um() * (1.0 - relief.fraction_below());
@@ -191,7 +218,13 @@ mod tests {
         let flat = packed(ReliefRule::Flat);
         assert!(flat.relief().unwrap().rms_height_um() < 1e-12);
         assert_eq!(flat.surface_height_um(0.3, 0.7), flat.surface_height_um(-5.1, 9.2));
-        let packing = packed(ReliefRule::Following { follow: 1.0, smoothing_um: 0.05 });
+        let rule = ReliefRule::Following { follow: 1.0, smoothing_um: 0.05 };
+        let discs = PigmentGrains::of(Shape::Disc { diameter: 2.0, thickness: 1.0 }, 250.0, 0.3);
+        rises_over_grains(&packed(rule));
+        rises_over_grains(&packed_of(discs, rule));
+    }
+
+    fn rises_over_grains(packing: &Packing) {
         let highest =
             packing.grains().iter().min_by(|a, b| a.centre_um()[2].total_cmp(&b.centre_um()[2])).unwrap();
         let [x, y, _] = highest.centre_um();

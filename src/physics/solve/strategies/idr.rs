@@ -15,7 +15,7 @@ use recurrence::Recurrence;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-const ADVICE: &str = "raise idr.shadow_space, or use strategy = \"krylov\"";
+const ADVICE: &str = "raise idr.shadow_space or solver.max_applications, or use strategy = \"krylov\"";
 /// Vectors besides directions and images: field, residual, incident wave; phases, residual and
 /// correction of the recurrence, and two of work.
 const OTHER_VECTORS: usize = 8;
@@ -55,7 +55,7 @@ impl Solver for Idr {
         let mut r = ledger.background.clone();
         let first = if start.is_some() { ledger.measure(&u, &mut r) } else { 1.0 };
         ledger.note(first)?;
-        self.advance(&mut ledger, &mut u, &mut r)?;
+        self.advance(&mut ledger, [&mut u, &mut r], ADVICE)?;
         Ok(ledger.finish(u))
     }
 
@@ -65,12 +65,13 @@ impl Solver for Idr {
 }
 
 impl Idr {
-    /// Continues from the field `u` with residual `r` to the goal.
+    /// Continues from the field `u` with residual `r` to the goal; `advice` is for solves that do
+    /// not reach it.
     pub(super) fn advance(
         &self,
         ledger: &mut Ledger,
-        u: &mut Field,
-        r: &mut Field,
+        [u, r]: [&mut Field; 2],
+        advice: &str,
     ) -> Result<(), SolveError> {
         for _ in 0..=self.most_restarts {
             if ledger.reached() {
@@ -82,9 +83,9 @@ impl Idr {
             u.iter_mut().zip(recurrence.correction()).for_each(|(u, e)| *u += size * e);
             ledger.measure(u, r);
             if !ledger.reached() {
-                ledger.judge(ADVICE)?;
+                ledger.judge(advice)?;
             }
         }
-        Err(ledger.not_converged(ADVICE))
+        Err(ledger.not_converged(advice))
     }
 }

@@ -61,6 +61,9 @@ const SLOW: f64 = 0.1;
 /// guided modes of the mean slab are what delays the scalar wave, and correcting them is cheaper:
 /// with n = 2 in 1.558 (1.6) short recurrences cost 1.7 times as much, with 2.65 (4.6) a tenth.
 const STRONG: f64 = 2.5;
+/// What to do with strong scatterers that short recurrences do not solve either.
+const STRONG_ADVICE: &str = "take a finer grid, allow more applications (solver.max_applications), or compose the layer of \
+                             thinner slabs ([layer.composed])";
 /// Growth factor on `restart` for a solve that the first cycle has not brought to its goal, memory
 /// permitting: restarts cost more applications than a longer basis costs work (5 % of n = 2.6, 250
 /// nm, κ = 0: 904 applications against 319).
@@ -150,7 +153,7 @@ impl Solver for Growing {
             let short = Idr::default();
             let room = self.longest >= 2 * short.shadow_space;
             if room && after > SLOW * before && is_strong(problem) {
-                short.advance(&mut run.ledger, &mut run.field, &mut run.work)?;
+                short.advance(&mut run.ledger, [&mut run.field, &mut run.work], STRONG_ADVICE)?;
                 break;
             }
             if !run.ledger.reached() {

@@ -1,14 +1,18 @@
 //! Vacuum above a rough binder surface, between the protruding grains.
 //!
 //! Integration over columns of a raster finer than the grid: in each, vacuum fills 0 ≤ z < s(x, y)
-//! except inside balls. Moments along z are exact in every column, so the sampled function is
+//! except inside grains. Moments along z are exact in every column, so the sampled function is
 //! continuous and the raster's aliasing decays fast.
 
 use super::cell::{CellCoefficients, CellColumns};
+use crate::ink::Solid;
 use crate::numerics::fourier::{PlaneFft, Real};
 use crate::numerics::periodic::bilinear;
 use crate::wave::scene::{Ball, HeightField};
 use gauss_quad::GaussLegendre;
+
+/// Balls and convex bodies that a surface leaves bare.
+type Grains<'a> = (&'a [Ball], &'a [Solid]);
 
 /// Raster points per point of the grid's widest harmonics; doubling it changes amplitudes of rough
 /// ink by < 1e-5.
@@ -29,14 +33,14 @@ impl HeightField {
 /// Adds the vacuum's moments in one cell to `planes` (harmonics of the grid's widest set).
 pub(crate) fn add_vacuum<T: Real>(
     surface: &HeightField,
-    balls: &[Ball],
+    grains: Grains,
     cell: &CellColumns,
     sum: &mut CellCoefficients<T>,
 ) {
     let count = cell.widest.map(|m| if m == 0 { 1 } else { FINER * (2 * m + 2) });
     let fft = PlaneFft::new(count[0], count[1]);
     let mut scratch = fft.scratch();
-    let columns = column_moments(surface, balls, cell, count);
+    let columns = column_moments(surface, grains, cell, count);
     let points = (count[0] * count[1]) as f64;
     for (plane, out) in sum.spectra.iter_mut().enumerate() {
         let values = columns.iter().skip(plane).step_by(cell.element.degree + 1);
@@ -51,11 +55,11 @@ pub(crate) fn add_vacuum<T: Real>(
 }
 
 /// Moments ∫ ψ_p dz over the vacuum of each column within the cell: columns × planes of the cell.
-fn column_moments(surface: &HeightField, balls: &[Ball], cell: &CellColumns, count: [usize; 2]) -> Vec<f64> {
+fn column_moments(surface: &HeightField, grains: Grains, cell: &CellColumns, count: [usize; 2]) -> Vec<f64> {
     let [lo, hi] = cell.range_um;
     let planes = cell.element.degree + 1;
     let rule = GaussLegendre::new(planes).expect("at least two nodes");
-    let chords = chords(balls, cell, surface.period_um, count);
+    let chords = chords(grains, cell, surface.period_um, count);
     let mut rest = chords.as_slice();
     let mut all = vec![0.0; count[0] * count[1] * planes];
     for (column, moments) in all.chunks_exact_mut(planes).enumerate() {
@@ -79,9 +83,9 @@ fn place(column: usize, count: [usize; 2], period_um: [f64; 2]) -> [f64; 2] {
     [0, 1].map(|i| index[i] as f64 / count[i] as f64 * period_um[i])
 }
 
-/// Intervals of the columns inside balls that reach into the cell, by column and from the top.
+/// Intervals of the columns inside grains that reach into the cell, by column and from the top.
 fn chords(
-    balls: &[Ball],
+    (balls, solids): Grains,
     cell: &CellColumns,
     period_um: [f64; 2],
     count: [usize; 2],
@@ -90,23 +94,45 @@ fn chords(
     let mut chords = Vec::new();
     let near = |b: &&Ball| b.center_um[2] - b.radius_um < hi && b.center_um[2] + b.radius_um > lo;
     for ball in balls.iter().filter(near) {
-        let range = |axis: usize| crossed(ball, axis, period_um[axis], count[axis]);
-        for column in range(1).flat_map(|y| range(0).map(move |x| y * count[0] + x)) {
+        let [cx, cy] =
+            [0, 1].map(|axis| [-1.0, 1.0].map(|side| ball.center_um[axis] + side * ball.radius_um));
+        for (column, _) in crossed([cx, cy], period_um, count) {
             let [x, y] = place(column, count, period_um);
             chords.extend(chord(ball, x, y, period_um).map(|chord| (column, chord)));
+        }
+    }
+    for solid in solids {
+        let [low, high] = solid.extent_um(2);
+        if low < hi && high > lo {
+            let extents = [0, 1].map(|axis| solid.extent_um(axis));
+            for (column, [x, y]) in crossed(extents, period_um, count) {
+                let chord = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0]);
+                chords.extend(chord.map(|chord| (column, chord)));
+            }
         }
     }
     chords.sort_by(|(a, c), (b, d)| a.cmp(b).then(c[0].total_cmp(&d[0])));
     chords
 }
 
-/// Indices along an axis of the columns that a ball may intersect, each once.
-fn crossed(ball: &Ball, axis: usize, period_um: f64, count: usize) -> impl Iterator<Item = usize> + use<> {
-    let step = period_um / count as f64;
-    let first = ((ball.center_um[axis] - ball.radius_um) / step).floor() as i64;
-    let last = ((ball.center_um[axis] + ball.radius_um) / step).ceil() as i64;
-    let n = count as i64;
-    (first..=last.min(first + n - 1)).map(move |k| k.rem_euclid(n) as usize)
+/// The columns that a grain of the given extents along x and y may intersect, each once, with
+/// their positions beside it, µm.
+fn crossed(
+    extents_um: [[f64; 2]; 2],
+    period_um: [f64; 2],
+    count: [usize; 2],
+) -> impl Iterator<Item = (usize, [f64; 2])> {
+    let step = [0, 1].map(|axis| period_um[axis] / count[axis] as f64);
+    let [columns, rows] = [0, 1].map(|axis| {
+        let [first, last] = extents_um[axis].map(|end| end / step[axis]);
+        let first = first.floor() as i64;
+        first..=(last.ceil() as i64).min(first + count[axis] as i64 - 1)
+    });
+    let wrapped = move |k: i64, axis: usize| k.rem_euclid(count[axis] as i64) as usize;
+    rows.flat_map(move |j| {
+        let at = move |i: i64| [i as f64 * step[0], j as f64 * step[1]];
+        columns.clone().map(move |i| (wrapped(j, 1) * count[0] + wrapped(i, 0), at(i)))
+    })
 }
 
 /// Interval of the vertical line at (x, y) inside a ball or its nearest image.
@@ -142,7 +168,7 @@ mod tests {
         let surface = HeightField { z_um: vec![0.1, 0.3], count: [2, 1], period_um: [0.6, 0.4] };
         let element = Element::new(3);
         let cell = CellColumns { range_um: [0.0, 0.4], element: &element, orders: &[], widest: [0, 0] };
-        let moments = column_moments(&surface, &[], &cell, [4, 2]);
+        let moments = column_moments(&surface, (&[], &[]), &cell, [4, 2]);
         let depths: Vec<f64> = moments.chunks_exact(4).map(|column| column.iter().sum::<f64>()).collect();
         assert_eq!(depths.len(), 8);
         for (k, depth) in depths.iter().enumerate() {

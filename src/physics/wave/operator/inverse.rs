@@ -75,12 +75,14 @@ impl<T: Real> MeanInverse<T> {
     /// Converts loads y_p on planes to right-hand sides of nodes and bubbles, in place (transpose
     /// of the plane values).
     pub fn load(&self, y: &mut Array2<Complex<T>>) {
-        in_chunks(y, Axis(1), BLOCK, |b, mut block| {
-            let columns = b * BLOCK..b * BLOCK + block.ncols();
-            let mut loads = empty_loads();
-            (0..self.factor.nrows())
-                .for_each(|cell| self.load_cell(&mut block, cell, columns.clone(), &mut loads));
-        });
+        in_chunks(y, Axis(1), BLOCK, |b, block| self.load_block(block, b * BLOCK));
+    }
+
+    fn load_block(&self, mut y: ArrayViewMut2<Complex<T>>, first: usize) {
+        let (columns, mut loads) = (first..first + y.ncols(), empty_loads());
+        for cell in 0..self.factor.nrows() {
+            self.load_cell(&mut y, cell, columns.clone(), &mut loads);
+        }
     }
 
     /// Applies A⁻¹ in place to rows of nodes and bubbles.
@@ -135,7 +137,7 @@ impl<T: Real> MeanInverse<T> {
         y: &mut ArrayViewMut2<Complex<T>>,
         cell: usize,
         columns: Range<usize>,
-        loads: &mut Loads<T>,
+        loads: &mut PointLoads<T>,
     ) {
         let degree = self.degree();
         for point in 1..degree {
@@ -160,9 +162,9 @@ impl<T: Real> MeanInverse<T> {
 }
 
 /// The loads at a cell's inner points, for one block of harmonics.
-type Loads<T> = [[Complex<T>; BLOCK]; MAX_DEGREE - 1];
+type PointLoads<T> = [[Complex<T>; BLOCK]; MAX_DEGREE - 1];
 
-fn empty_loads<T: Real>() -> Loads<T> {
+fn empty_loads<T: Real>() -> PointLoads<T> {
     [[Complex::default(); BLOCK]; MAX_DEGREE - 1]
 }
 
