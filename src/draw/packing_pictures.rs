@@ -66,7 +66,7 @@ fn paint_top_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut R
             let (x, y) = ((i as f64 + 0.5) / sx, ly - (j as f64 + 0.5) / sy);
             if let Some([z, _]) = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0]) {
                 let lit = dot(solid.normal([x, y, z]), [-0.4, 0.4, -1.0]) / 1.15;
-                let below = (z - packing.surface_z_um(x, y)).max(0.0) / packing.thickness_um();
+                let below = (z - packing.filled_um(x, y)[0]).max(0.0) / packing.thickness_um();
                 let lit = shade(colour, 0.45 + 0.55 * lit.max(0.0));
                 raster.set(i, j, z, mix(lit, BINDER, 0.85 * below));
             }
@@ -122,9 +122,10 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
     let mut raster = Raster::new(w, h, BACKGROUND);
     let (sx, sz) = (w as f64 / lx, h as f64 / packing.thickness_um());
     for i in 0..w {
-        let surface = packing.surface_z_um((i as f64 + 0.5) / sx, 0.5 * ly);
+        let [from, to] = packing.filled_um((i as f64 + 0.5) / sx, 0.5 * ly);
         for j in 0..h {
-            if (j as f64 + 0.5) / sz > surface {
+            let z = (j as f64 + 0.5) / sz;
+            if z > from && z <= to {
                 raster.set(i as i64, j as i64, 1.0, BINDER);
             }
         }

@@ -137,7 +137,8 @@ impl VoxelRaster {
         for (i, mark) in marks.iter_mut().enumerate() {
             let place = self.place(i);
             let [x, y, z] = [0, 1, 2].map(|a| (place[a] as f64 + 0.5) * self.step_um[a]);
-            if z < packing.surface_z_um(x, y) {
+            let [from, to] = packing.filled_um(x, y);
+            if z < from || z > to {
                 *mark = VACUUM;
             }
         }

@@ -1,6 +1,6 @@
 //! Unions and reliefs in the contrast field, against the same scene described in another way.
 
-use inkwave::ink::{Form, Solid};
+use inkwave::ink::{Face, Form, PackingRequest, PigmentGrains, ReliefRequest, Solid, pack};
 use inkwave::numerics::Rotation;
 use inkwave::solve::accuracy::largest_difference;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
@@ -12,10 +12,11 @@ use num_complex::Complex64;
 
 const PERIOD: [f64; 2] = [0.7, 0.7];
 
+/// Binder, and as other strata the media of either side.
 fn media() -> Media {
-    let one = Complex64::ONE;
+    let (one, exit) = (Complex64::ONE, Complex64::from(1.2));
     let inclusions = vec![Complex64::new(1.4, 0.05)];
-    Media { incident: one, exit: one, backgrounds: vec![1.558.into(), one], inclusions }
+    Media { incident: one, exit, backgrounds: vec![1.558.into(), one, exit], inclusions }
 }
 
 fn solve(scene: &Scene, points: usize, cells: usize) -> FarField {
@@ -37,29 +38,61 @@ fn grain(balls: Vec<Ball>) -> Body {
     Body::new(BodyShape::Balls(balls), 0)
 }
 
-fn flat(z: f64, balls: &[Ball], solids: &[Solid]) -> Body {
+/// What is not a grain between a level and a face of the layer.
+fn flat([z, face_um]: [f64; 2], balls: &[Ball], solids: &[Solid]) -> Body {
     let surface = HeightField { z_um: vec![z], count: [1, 1], period_um: PERIOD };
-    Body {
-        shape: BodyShape::Above { surface, balls: balls.to_vec(), solids: solids.to_vec() },
-        material: Material::Incident,
-        within: None,
-    }
+    let material = if face_um == 0.0 { Material::Incident } else { Material::Exit };
+    let shape = BodyShape::Open { surface, face_um, balls: balls.to_vec(), solids: solids.to_vec() };
+    Body { shape, material, within: None }
 }
 
 /// Identity of descriptions: a flat relief as columns of vacuum, or as a stratum of vacuum whose interface is a node.
 /// Both discretise the same layer differently, so they agree to their common error, which the estimates of such
-/// resolutions put at 1e-3 and 1e-4; the second is the accuracy promised for the raster of a relief.
+/// resolutions put at 1e-3 and 1e-4; the second is the accuracy promised for the raster of a relief. Then upside down, with
+/// the medium of the exit side. *Planted*: vacuum there, or the wrong side of the surface.
 #[test]
 fn flat_relief_is_a_stratum_of_vacuum() {
     let balls = vec![ball(0.2, 0.3, 0.15, 0.12), ball(0.5, 0.5, 0.45, 0.12)];
     let bodies: Vec<Body> = balls.iter().map(|&b| grain(vec![b])).collect();
     let stratum = |thickness_um, background| Stratum { thickness_um, background };
-    let strata = vec![stratum(0.15, 1), stratum(0.45, 0)];
-    let layered = Scene { period_um: PERIOD, strata, bodies: bodies.clone(), cut: false };
-    let columns = Scene::layer(PERIOD, 0.6, bodies.into_iter().chain([flat(0.15, &balls, &[])]).collect());
-    let difference = |n, cells| largest_difference(&solve(&layered, n, cells), &solve(&columns, n, cells));
-    let (coarse, fine) = (difference(16, 12), difference(24, 20));
-    assert!(coarse < 1e-3 && fine < 1e-4, "{coarse:.1e} → {fine:.1e}");
+    let above = (vec![stratum(0.15, 1), stratum(0.45, 0)], [0.15, 0.0]);
+    let below = (vec![stratum(0.45, 0), stratum(0.15, 2)], [0.45, 0.6]);
+    for (strata, level) in [above, below] {
+        let layered = Scene { period_um: PERIOD, strata, bodies: bodies.clone(), cut: false };
+        let open = flat(level, &balls, &[]);
+        let columns = Scene::layer(PERIOD, 0.6, bodies.iter().cloned().chain([open]).collect());
+        let difference =
+            |n, cells| largest_difference(&solve(&layered, n, cells), &solve(&columns, n, cells));
+        let (coarse, fine) = (difference(16, 12), difference(24, 20));
+        assert!(coarse < 1e-3 && fine < 1e-4, "{level:?}: {coarse:.1e} → {fine:.1e}");
+    }
+}
+
+/// A packing whose binder is level on either face, against the strata that it consists of. *Planted*: the medium of the
+/// other side, or the wrong face.
+#[test]
+fn a_packing_with_a_level_relief_is_its_strata() {
+    for (face, exit) in [(Face::Incident, false), (Face::Exit, true)] {
+        let request = PackingRequest {
+            period_um: PERIOD,
+            thickness_um: 0.6,
+            pigments: vec![PigmentGrains::spheres(240.0, 0.2)],
+            relief: Some(ReliefRequest { depth_um: 0.15, face, ..Default::default() }),
+            ..Default::default()
+        };
+        let packing = pack(&request, &mut ()).expect("a packing");
+        let scene = Scene::from_packing(&packing);
+        let level = packing.relief().expect("a relief").mean_height_um();
+        let stratum = |thickness_um, background| Stratum { thickness_um, background };
+        let mut strata = vec![stratum(0.6 - level, if exit { 2 } else { 1 }), stratum(level, 0)];
+        if exit {
+            strata.reverse();
+        }
+        let grains = scene.bodies.iter().filter(|body| matches!(body.material, Material::Inclusion(_)));
+        let layered = Scene { period_um: PERIOD, strata, bodies: grains.cloned().collect(), cut: false };
+        let difference = largest_difference(&solve(&layered, 16, 12), &solve(&scene, 16, 12));
+        assert!(difference < 1e-3, "{face:?}: {difference:.1e}");
+    }
 }
 
 /// The same with a lying ellipsoid and a tilted box, across the period's edge, that protrude from the surface. Edges
@@ -80,7 +113,8 @@ fn convex_bodies_protrude_from_a_relief() {
     let stratum = |thickness_um, background| Stratum { thickness_um, background };
     let strata = vec![stratum(0.15, 1), stratum(0.45, 0)];
     let layered = Scene { period_um: PERIOD, strata, bodies: bodies.clone(), cut: false };
-    let columns = Scene::layer(PERIOD, 0.6, bodies.into_iter().chain([flat(0.15, &[], &solids)]).collect());
+    let columns =
+        Scene::layer(PERIOD, 0.6, bodies.into_iter().chain([flat([0.15, 0.0], &[], &solids)]).collect());
     let difference = |n, cells| largest_difference(&solve(&layered, n, cells), &solve(&columns, n, cells));
     let (coarse, fine) = (difference(16, 12), difference(24, 20));
     assert!(coarse < 1e-3 && fine < 1e-4, "{coarse:.1e} → {fine:.1e}");

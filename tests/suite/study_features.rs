@@ -22,9 +22,16 @@ fn points(folder: &Path) -> Vec<PointRecord> {
 
 #[test]
 fn a_relief_is_lit_from_the_exit_side_too_and_both_ways_to_its_reflectance_agree() {
+    both_ways_agree("depth_um = 0.1");
+    both_ways_agree(
+        "depth_um = 0.2, face = \"exit\", rule = { kind = \"random\", rms_um = 0.05, correlation_um = 0.1 }",
+    );
+}
+
+fn both_ways_agree(relief: &str) {
     let folder = tempfile::tempdir().unwrap();
     let relief = TINY
-        .replace("binder.index", "relief = { depth_um = 0.1 }\nbinder.index")
+        .replace("binder.index", &format!("relief = {{ {relief} }}\nbinder.index"))
         .replace("realisations = 2", "realisations = 6");
     let results = results(folder.path(), &relief);
     assert_eq!(results["solves"]["finished"], 6 * 4 * (3 + 1));

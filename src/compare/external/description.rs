@@ -103,7 +103,7 @@ fn shapes(case: &Case) -> Vec<ShapeKind> {
         BodyShape::BarY { .. } => ShapeKind::Bars,
         BodyShape::Sheet { .. } => ShapeKind::Films,
         BodyShape::Solid(_) => ShapeKind::Bodies,
-        BodyShape::Balls(_) | BodyShape::Above { .. } => ShapeKind::Spheres,
+        BodyShape::Balls(_) | BodyShape::Open { .. } => ShapeKind::Spheres,
     };
     let bodies = case.scene.bodies.iter().map(|body| match body.within {
         Some(_) => ShapeKind::NestedSpheres,

@@ -1,9 +1,11 @@
-//! Micro-relief: the binder's surface below the tops of the grains (P1 section 3, "микрорельеф").
+//! Micro-relief: the binder's surface below the tops of the grains (P1 section 3, "микрорельеф"),
+//! or that of a rough paper below them.
 //!
 //! Grains are packed between the paper (z = H) and the top (z = 0). The dry ink, pigment plus
 //! binder, has the volume A (H − depth), of which the pigment takes the requested fraction exactly
 //! as in a flat layer. As grains protrude from it, the binder sinks: its level follows from
-//! conservation of its volume.
+//! conservation of its volume. On the exit side the same holds upside down: what is not ink there
+//! is the medium of that side.
 
 use super::error::PackError;
 use crate::numerics::allowed::Allowed;
@@ -17,7 +19,7 @@ const LENGTH_UM: Allowed = Allowed::between(0.0, f64::MAX, "µm");
 const FOLLOW: Allowed = Allowed::between(0.0, 1.0, "");
 
 /// Request for the binder's surface.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ReliefRequest {
     /// Thickness difference between the layer of grains, H, and the levelled dry ink: the volume
@@ -27,6 +29,20 @@ pub struct ReliefRequest {
     /// The surface's shape.
     #[serde(default)]
     pub rule: ReliefRule,
+    /// The side of the layer that is rough.
+    #[serde(default)]
+    pub face: Face,
+}
+
+/// A face of the layer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Face {
+    /// z = 0: the print's surface.
+    #[default]
+    Incident,
+    /// z = H: the paper's surface, where the medium of the exit side fills what is not ink.
+    Exit,
 }
 
 /// The shape of the surface.
@@ -36,7 +52,7 @@ pub enum ReliefRule {
     /// One level everywhere.
     #[default]
     Flat,
-    /// Level + `follow` × (T − ⟨T⟩), with T the height of the topmost pigment over each point,
+    /// Level + `follow` × (T − ⟨T⟩), with T the height of the outermost pigment over each point,
     /// smoothed by a Gaussian of standard deviation `smoothing_um`: surface tension levels shorter
     /// structures. Never above the layer.
     Following {
@@ -124,7 +140,8 @@ pub(crate) fn dry_height_um(request: &ReliefRequest, thickness_um: f64) -> f64 {
     thickness_um - request.depth_um
 }
 
-/// The binder's surface as heights above the paper on a periodic grid, with its volume balance.
+/// The binder's surface as heights above the opposite face on a periodic grid, with its volume
+/// balance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Relief {
     pub(super) heights_um: Vec<f64>,
@@ -133,6 +150,7 @@ pub struct Relief {
     pub(super) count: [usize; 2],
     pub(super) period_um: [f64; 2],
     pub(super) rule: ReliefRule,
+    pub(super) face: Face,
     pub(super) protruding_share: f64,
     pub(super) fraction_below: f64,
     pub(super) dry_height_um: f64,
@@ -140,7 +158,8 @@ pub struct Relief {
 }
 
 impl Relief {
-    /// Height of the binder above the paper at (x, y): bilinear between the points of the grid.
+    /// Height of the binder above the opposite face at (x, y): bilinear between the points of the
+    /// grid.
     pub fn height_um(&self, x_um: f64, y_um: f64) -> f64 {
         bilinear(&self.heights_um, self.count, self.period_um, [x_um, y_um])
     }
@@ -155,7 +174,12 @@ impl Relief {
         self.rule
     }
 
-    /// Mean height of the binder above the paper, µm.
+    /// The rough face.
+    pub fn face(&self) -> Face {
+        self.face
+    }
+
+    /// Mean height of the binder above the opposite face, µm.
     pub fn mean_height_um(&self) -> f64 {
         mean(&self.heights_um)
     }

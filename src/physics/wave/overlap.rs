@@ -120,7 +120,7 @@ fn pieces_of((body, of): (usize, &Body)) -> Vec<Piece<'_>> {
         }
         BodyShape::BarY { x_um, z_um } => vec![piece(PieceForm::Bar { x: *x_um, z: *z_um })],
         BodyShape::Sheet { z_um } => vec![piece(PieceForm::Sheet { z: *z_um })],
-        BodyShape::Above { .. } => Vec::new(),
+        BodyShape::Open { .. } => Vec::new(),
     }
 }
 
@@ -334,7 +334,7 @@ fn image_overlap_um(body: &Body, [lx, ly]: [f64; 2]) -> f64 {
         BodyShape::Solid(solid) => solid_overlap_um(solid, solid, [lx, ly], false),
         BodyShape::CylinderY { radius_um, .. } => 2.0 * radius_um - lx,
         BodyShape::BarY { x_um, .. } => width(*x_um) - lx,
-        BodyShape::Sheet { .. } | BodyShape::Above { .. } => f64::NEG_INFINITY,
+        BodyShape::Sheet { .. } | BodyShape::Open { .. } => f64::NEG_INFINITY,
     }
 }
 

@@ -2,12 +2,12 @@
 
 use super::scene::HeightField;
 use super::{Ball, Body, BodyShape, Material, Scene};
-use crate::ink::{Layered, Packing, Relief, Sphere};
+use crate::ink::{Face, Layered, Packing, Relief, Sphere};
 
 impl Scene {
     /// One stratum of binder (background 0) with the nested bodies of every grain; their materials
-    /// are the inclusions (see [`Packing::materials`]), and the space above a relief is filled by
-    /// the medium of the incident side.
+    /// are the inclusions (see [`Packing::materials`]), and the space beyond a relief is filled by
+    /// the medium of its side.
     ///
     /// The packing has been checked for overlap, so the check of pairs is not repeated.
     pub fn from_packing(packing: &Packing) -> Scene {
@@ -21,8 +21,11 @@ impl Scene {
             }
         }
         if let Some(relief) = packing.relief() {
-            let shape = open(packing, relief);
-            bodies.push(Body { shape, material: Material::Incident, within: None });
+            let material = match relief.face() {
+                Face::Incident => Material::Incident,
+                Face::Exit => Material::Exit,
+            };
+            bodies.push(Body { shape: open(packing, relief), material, within: None });
         }
         Scene { cut: packing.is_cut(), ..Scene::layer(packing.period_um(), packing.thickness_um(), bodies) }
     }
@@ -32,15 +35,25 @@ fn balls(spheres: &[Sphere]) -> Vec<Ball> {
     spheres.iter().map(|s| Ball { center_um: s.center_um, radius_um: s.radius_um }).collect()
 }
 
-/// The space above the surface, which is sampled at the relief's own points as z = H − height.
+/// The space beyond the surface, which is sampled at the relief's own points.
 fn open(packing: &Packing, relief: &Relief) -> BodyShape {
     let (period_um, count) = (packing.period_um(), relief.count());
     let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
-    let z = |k: usize| packing.surface_z_um(at(k % count[0], 0), at(k / count[0], 1)).max(0.0);
-    let z_um = (0..count[0] * count[1]).map(z).collect();
+    let thickness = packing.thickness_um();
+    let (end, face_um) = match relief.face() {
+        Face::Incident => (0, 0.0),
+        Face::Exit => (1, thickness),
+    };
+    let filled = |k: usize| packing.filled_um(at(k % count[0], 0), at(k / count[0], 1));
+    let z_um = (0..count[0] * count[1]).map(|k| filled(k)[end].clamp(0.0, thickness)).collect();
     let surface = HeightField { z_um, count, period_um };
     let [solids, clusters]: [Vec<_>; 2] =
         [true, false].map(|solid| packing.grains().iter().filter(|g| g.solid.is_some() == solid).collect());
     let balls = clusters.iter().flat_map(|g| balls(&g.spheres)).collect();
-    BodyShape::Above { surface, balls, solids: solids.iter().filter_map(|g| g.solid.clone()).collect() }
+    BodyShape::Open {
+        surface,
+        face_um,
+        balls,
+        solids: solids.iter().filter_map(|g| g.solid.clone()).collect(),
+    }
 }

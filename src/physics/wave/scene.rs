@@ -37,10 +37,12 @@ pub enum BodyShape {
         /// Range along z, µm.
         z_um: [f64; 2],
     },
-    /// Everything above a rough surface except the given grains: vacuum above a relief.
-    Above {
+    /// Everything between a rough surface and a face of the layer except the given grains.
+    Open {
         /// The surface.
         surface: HeightField,
+        /// z of the face: 0 or the thickness of the layer, µm.
+        face_um: f64,
         /// Balls of the grains that protrude from it.
         balls: Vec<Ball>,
         /// Convex grains that protrude from it.
@@ -72,6 +74,8 @@ pub enum Material {
     /// The medium of the incident side (vacuum unless the study says otherwise), which fills the
     /// space above a relief.
     Incident,
+    /// The medium of the exit side, which fills the space below a relief on that side.
+    Exit,
 }
 
 /// One body of the scene.
@@ -157,7 +161,7 @@ impl Scene {
     /// Whether the scene is uniform along y, so that only orders n = 0 exist.
     pub fn uniform_in_y(&self) -> bool {
         let lateral = |shape: &BodyShape| {
-            matches!(shape, BodyShape::Balls(_) | BodyShape::Solid(_) | BodyShape::Above { .. })
+            matches!(shape, BodyShape::Balls(_) | BodyShape::Solid(_) | BodyShape::Open { .. })
         };
         !self.bodies.iter().any(|b| lateral(&b.shape))
     }
@@ -222,7 +226,11 @@ impl Body {
             }
             BodyShape::Solid(solid) => solid.extent_um(2),
             BodyShape::CylinderY { z_um, radius_um, .. } => [z_um - radius_um, z_um + radius_um],
-            BodyShape::Above { surface, .. } => [0.0, surface.deepest_um()],
+            BodyShape::Open { surface, face_um, .. } => {
+                let ends = surface.z_um.iter().map(|z| z - face_um);
+                let farthest = ends.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
+                [face_um + farthest.min(0.0), face_um + farthest.max(0.0)]
+            }
             BodyShape::BarY { z_um, .. } | BodyShape::Sheet { z_um } => *z_um,
         }
     }
@@ -256,7 +264,7 @@ impl Body {
     fn check_lateral(&self, index: usize, period: f64) -> Result<(), WaveError> {
         let lateral: Vec<f64> = match &self.shape {
             BodyShape::Balls(balls) => balls.iter().flat_map(|b| b.center_um[..2].to_vec()).collect(),
-            BodyShape::Above { balls, solids, .. } => {
+            BodyShape::Open { balls, solids, .. } => {
                 let centres = balls.iter().map(|b| b.center_um).chain(solids.iter().map(|s| s.center_um));
                 centres.flat_map(|centre| centre[..2].to_vec()).collect()
             }
@@ -281,6 +289,7 @@ impl Media {
         match material {
             Material::Inclusion(index) => self.inclusions[index],
             Material::Incident => self.incident,
+            Material::Exit => self.exit,
         }
     }
 
@@ -298,7 +307,7 @@ impl Media {
             scene.strata.iter().find_map(|s| missing("background", s.background, self.backgrounds.len()));
         let inclusion = scene.bodies.iter().find_map(|b| match b.material {
             Material::Inclusion(index) => missing("inclusion", index, self.inclusions.len()),
-            Material::Incident => None,
+            Material::Incident | Material::Exit => None,
         });
         let around = scene.bodies.iter().filter_map(|b| b.within);
         let around = around.filter_map(|host| missing("body", host, scene.bodies.len())).next();

@@ -47,6 +47,7 @@ pub fn packing_json(packing: &Packing) -> Vec<u8> {
 fn relief_json(relief: &Relief) -> serde_json::Value {
     json!({
         "rule": relief.rule(),
+        "face": relief.face(),
         "dry_height_um": relief.dry_height_um(),
         "mean_height_um": relief.mean_height_um(),
         "rms_height_um": relief.rms_height_um(),

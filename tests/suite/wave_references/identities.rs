@@ -95,7 +95,7 @@ fn upside_down(case: &Case) -> Case {
             }
             BodyShape::CylinderY { z_um, .. } => *z_um = height - *z_um,
             BodyShape::BarY { z_um, .. } | BodyShape::Sheet { z_um } => *z_um = flip(*z_um),
-            BodyShape::Solid(_) | BodyShape::Above { .. } => unreachable!("in no reference"),
+            BodyShape::Solid(_) | BodyShape::Open { .. } => unreachable!("in no reference"),
         }
     }
     std::mem::swap(&mut flipped.media.incident, &mut flipped.media.exit);

@@ -5,7 +5,7 @@ use super::request::PackingRequest;
 use super::{overlap, shell};
 use crate::ink::error::PackError;
 use crate::ink::grains::sphere::Sphere;
-use crate::ink::relief::Relief;
+use crate::ink::relief::{Face, Relief};
 use serde::{Deserialize, Serialize};
 
 /// Method of placement.
@@ -288,15 +288,13 @@ impl Packing {
         self.relief.as_ref()
     }
 
-    /// Height of the binder's surface above the paper (the face z = H) at (x, y): the binder fills
-    /// H − height ≤ z ≤ H between the grains, and vacuum the rest. Without relief it is H
-    /// everywhere.
-    pub fn surface_height_um(&self, x_um: f64, y_um: f64) -> f64 {
-        self.relief.as_ref().map_or(self.thickness_um, |r| r.height_um(x_um, y_um))
-    }
-
-    /// Coordinate of the binder's surface at (x, y): z = H − height.
-    pub fn surface_z_um(&self, x_um: f64, y_um: f64) -> f64 {
-        self.thickness_um - self.surface_height_um(x_um, y_um)
+    /// Lowest and highest z of the ink at (x, y): from the binder's surface to the opposite face;
+    /// beyond it there is the medium of the rough side between the grains.
+    pub fn filled_um(&self, x_um: f64, y_um: f64) -> [f64; 2] {
+        let height = self.relief.as_ref().map_or(self.thickness_um, |r| r.height_um(x_um, y_um));
+        match self.relief.as_ref().map(Relief::face) {
+            Some(Face::Exit) => [0.0, height],
+            _ => [self.thickness_um - height, self.thickness_um],
+        }
     }
 }

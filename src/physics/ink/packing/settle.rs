@@ -2,7 +2,7 @@
 
 use super::placed::{Packing, PackingAccount};
 use crate::ink::grains::volume::merge;
-use crate::ink::relief::{Relief, ReliefRequest, ReliefRule, dry_height_um, mean};
+use crate::ink::relief::{Face, Relief, ReliefRequest, ReliefRule, dry_height_um, mean};
 use crate::numerics::Draws;
 
 /// Columns per smallest radius.
@@ -11,14 +11,14 @@ const MOST: usize = 1024;
 /// Keeps the draws of surfaces apart from those of grains.
 const SURFACES: u64 = 0x5375_7266;
 
-/// Pigment along vertical lines: intervals of height above the paper.
+/// Pigment along vertical lines: intervals of height above the face opposite to the rough one.
 struct HeightColumns {
     count: [usize; 2],
     pigment: Vec<Vec<[f64; 2]>>,
 }
 
 impl HeightColumns {
-    fn new(packing: &Packing) -> Self {
+    fn new(packing: &Packing, face: Face) -> Self {
         let period = packing.period_um();
         let spheres = || packing.grains().iter().filter(|g| g.solid.is_none()).flat_map(|g| &g.spheres);
         let solids = || packing.grains().iter().filter_map(|g| g.solid.as_ref());
@@ -26,20 +26,21 @@ impl HeightColumns {
         let thinnest = radii.fold(f64::MAX, f64::min);
         let count = period.map(|l| ((PER_RADIUS * l / thinnest).ceil() as usize).clamp(8, MOST));
         let mut columns = Self { count, pigment: vec![Vec::new(); count[0] * count[1]] };
-        let height = packing.thickness_um();
+        let thickness = packing.thickness_um();
+        let height = |z: f64| if face == Face::Incident { thickness - z } else { z };
         for s in spheres() {
             let [x, y, z] = s.center_um;
             let extents = [x, y].map(|c| [c - s.radius_um, c + s.radius_um]);
             columns.add(extents, period, |at| {
                 let (dx, dy) = (at[0] - x, at[1] - y);
                 let square = s.radius_um * s.radius_um - dx * dx - dy * dy;
-                (square > 0.0).then(|| [height - z - square.sqrt(), height - z + square.sqrt()])
+                (square > 0.0).then(|| [height(z) - square.sqrt(), height(z) + square.sqrt()])
             });
         }
         for solid in solids() {
             columns.add([0, 1].map(|axis| solid.extent_um(axis)), period, |[x, y]| {
-                let chord = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0])?;
-                Some([height - chord[1], height - chord[0]])
+                let [a, b] = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0])?.map(height);
+                Some([a.min(b), a.max(b)])
             });
         }
         columns.pigment.iter_mut().for_each(merge);
@@ -108,7 +109,7 @@ impl HeightColumns {
 
 /// The binder's surface over a packing.
 pub(crate) fn settle(packing: &Packing, request: &ReliefRequest) -> Relief {
-    let columns = HeightColumns::new(packing);
+    let columns = HeightColumns::new(packing, request.face);
     let thickness = packing.thickness_um();
     let area = packing.period_um()[0] * packing.period_um()[1];
     let tops = columns.tops();
@@ -143,6 +144,7 @@ pub(crate) fn settle(packing: &Packing, request: &ReliefRequest) -> Relief {
         count: columns.count,
         period_um: packing.period_um(),
         rule: request.rule,
+        face: request.face,
     }
 }
 
@@ -178,19 +180,19 @@ fn smoothed(values: &[f64], [n, along]: [usize; 2], [lines, across]: [usize; 2],
 mod tests {
     use super::*;
     use crate::ink::pack;
-    use crate::ink::{MethodChoice, PackingRequest, PigmentGrains, Shape};
+    use crate::ink::{Grain, MethodChoice, PackingRequest, PigmentGrains, Shape};
 
     fn packed(rule: ReliefRule) -> Packing {
-        packed_of(PigmentGrains::spheres(250.0, 0.4), rule)
+        packed_of(PigmentGrains::spheres(250.0, 0.4), rule, Face::Incident)
     }
 
-    fn packed_of(grains: PigmentGrains, rule: ReliefRule) -> Packing {
+    fn packed_of(grains: PigmentGrains, rule: ReliefRule, face: Face) -> Packing {
         let request = PackingRequest {
             period_um: [2.0, 2.4],
             thickness_um: 1.0,
             pigments: vec![grains],
             method: MethodChoice::Relaxation,
-            relief: Some(ReliefRequest { depth_um: 0.2, rule }),
+            relief: Some(ReliefRequest { depth_um: 0.2, rule, face }),
             ..Default::default()
         };
         pack(&request, &mut ()).unwrap()
@@ -201,8 +203,11 @@ mod tests {
         let following = ReliefRule::Following { follow: 0.6, smoothing_um: 0.1 };
         let boxes = PigmentGrains::of(Shape::Box { edges: [1.0, 1.5, 0.8] }, 250.0, 0.35);
         let spheres = || PigmentGrains::spheres(250.0, 0.4);
-        for (grains, rule) in [(spheres(), ReliefRule::Flat), (spheres(), following), (boxes, following)] {
-            let packing = packed_of(grains, rule);
+        let [above, below] = [Face::Incident, Face::Exit];
+        for (grains, rule, face) in
+            [(spheres(), ReliefRule::Flat, above), (spheres(), following, below), (boxes, following, above)]
+        {
+            let packing = packed_of(grains, rule, face);
             let relief = packing.relief().unwrap();
             let pigment = packing.achieved_fraction(0) * 0.8;
             let binder = relief.mean_height_um() * (1.0 - relief.fraction_below());
@@ -217,19 +222,21 @@ mod tests {
     fn a_flat_surface_is_level_and_a_following_one_rises_over_grains() {
         let flat = packed(ReliefRule::Flat);
         assert!(flat.relief().unwrap().rms_height_um() < 1e-12);
-        assert_eq!(flat.surface_height_um(0.3, 0.7), flat.surface_height_um(-5.1, 9.2));
+        assert_eq!(flat.filled_um(0.3, 0.7), flat.filled_um(-5.1, 9.2));
         let rule = ReliefRule::Following { follow: 1.0, smoothing_um: 0.05 };
         let discs = PigmentGrains::of(Shape::Disc { diameter: 2.0, thickness: 1.0 }, 250.0, 0.3);
         rises_over_grains(&packed(rule));
-        rises_over_grains(&packed_of(discs, rule));
+        rises_over_grains(&packed_of(discs.clone(), rule, Face::Incident));
+        rises_over_grains(&packed_of(discs, rule, Face::Exit));
     }
 
     fn rises_over_grains(packing: &Packing) {
-        let highest =
-            packing.grains().iter().min_by(|a, b| a.centre_um()[2].total_cmp(&b.centre_um()[2])).unwrap();
-        let [x, y, _] = highest.centre_um();
-        let above = packing.surface_height_um(x, y) - packing.relief().unwrap().mean_height_um();
-        assert!(above > packing.relief().unwrap().rms_height_um(), "{above}");
+        let relief = packing.relief().unwrap();
+        let depth = |z: f64| if relief.face() == Face::Incident { z } else { -z };
+        let centres = packing.grains().iter().map(Grain::centre_um);
+        let [x, y, _] = centres.min_by(|a, b| depth(a[2]).total_cmp(&depth(b[2]))).unwrap();
+        let above = relief.height_um(x, y) - relief.mean_height_um();
+        assert!(above > relief.rms_height_um(), "{above}");
     }
 
     /// Heights and products of heights ℓ apart, over 24 surfaces. *Planted*: a filter of ℓ in place
@@ -244,7 +251,7 @@ mod tests {
                 period_um: [2.0, 2.0],
                 thickness_um: 1.0,
                 pigments: vec![PigmentGrains::spheres(300.0, 0.01)],
-                relief: Some(ReliefRequest { depth_um: 0.3, rule }),
+                relief: Some(ReliefRequest { depth_um: 0.3, rule, face: Face::Incident }),
                 stream,
                 ..Default::default()
             };

@@ -3,11 +3,11 @@
 use crate::ink::grains::slices;
 use crate::ink::{Layered, Packing};
 
-/// Columns per side for the air above a relief.
+/// Columns per side for what is beyond a relief.
 const COLUMNS: usize = 24;
 
 /// Volume fractions in `slices` equal slices from z = 0: one profile per material of the grains
-/// (see [`Packing::materials`]), and last the fraction above a relief's surface, if any.
+/// (see [`Packing::materials`]), and last the fraction beyond a relief's surface, if any.
 ///
 /// Overlapping spheres of one grain are counted individually and scaled to the volume of their
 /// union, so that the mean for every pigment is its achieved fraction.
@@ -37,7 +37,7 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
         layers += shell.len();
     }
     if packing.relief().is_some() {
-        let air = above_surface(packing, slices, height);
+        let air = beyond_surface(packing, slices, height);
         for (slice, air) in fractions.iter_mut().zip(air) {
             let grains: f64 = slice.iter().sum();
             slice.push(air * (1.0 - grains).max(0.0));
@@ -46,17 +46,17 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
     fractions
 }
 
-/// Fraction of each slice above the binder's surface, without regard to grains.
-fn above_surface(packing: &Packing, slices: usize, height: f64) -> Vec<f64> {
+/// Fraction of each slice beyond the binder's surface, without regard to grains.
+fn beyond_surface(packing: &Packing, slices: usize, height: f64) -> Vec<f64> {
     let period = packing.period_um();
     let column = |k: usize| {
         let at = |i: usize, axis: usize| period[axis] * (i as f64 + 0.5) / COLUMNS as f64;
-        packing.surface_z_um(at(k % COLUMNS, 0), at(k / COLUMNS, 1))
+        packing.filled_um(at(k % COLUMNS, 0), at(k / COLUMNS, 1))
     };
-    let surface: Vec<f64> = (0..COLUMNS * COLUMNS).map(column).collect();
+    let filled: Vec<[f64; 2]> = (0..COLUMNS * COLUMNS).map(column).collect();
     let share = |slice: usize| {
-        let inside = |z: &f64| ((z - slice as f64 * height) / height).clamp(0.0, 1.0);
-        surface.iter().map(inside).sum::<f64>() / surface.len() as f64
+        let above = |z: f64| ((z - slice as f64 * height) / height).clamp(0.0, 1.0);
+        filled.iter().map(|[from, to]| above(*from) + 1.0 - above(*to)).sum::<f64>() / filled.len() as f64
     };
     (0..slices).map(share).collect()
 }
@@ -64,7 +64,7 @@ fn above_surface(packing: &Packing, slices: usize, height: f64) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::{PackingRequest, PigmentGrains, ReliefRequest, ReliefRule, pack};
+    use crate::ink::{PackingRequest, PigmentGrains, ReliefRequest, pack};
 
     #[test]
     fn the_profile_has_the_achieved_fraction_and_thins_at_the_walls() {
@@ -89,7 +89,7 @@ mod tests {
             period_um: [1.0, 1.0],
             thickness_um: 0.5,
             pigments: vec![PigmentGrains::spheres(200.0, 0.2)],
-            relief: Some(ReliefRequest { depth_um: 0.15, rule: ReliefRule::Flat }),
+            relief: Some(ReliefRequest { depth_um: 0.15, ..Default::default() }),
             ..Default::default()
         };
         let packing = pack(&request, &mut ()).unwrap();
@@ -98,7 +98,7 @@ mod tests {
         // of the dry 350 nm, in a layer of 500
         assert!((mean - 0.7 * packing.achieved_fraction(0)).abs() < 1e-12, "{mean}");
         // Slices of 25 nm; the binder is at most as high as all of the dry ink, 350 nm.
-        let above = (packing.surface_z_um(0.0, 0.0) / 0.025) as usize;
+        let above = (packing.filled_um(0.0, 0.0)[0] / 0.025) as usize;
         assert!(above >= 5, "{above}");
         let slices = &all[..above];
         assert!(slices.iter().any(|slice| slice[0] > 0.01), "{slices:?}");

@@ -1,8 +1,9 @@
-//! Vacuum above a rough binder surface, between the protruding grains.
+//! The space between a rough binder surface and the face beyond it, around the protruding grains.
 //!
-//! Integration over columns of a raster finer than the grid: in each, vacuum fills 0 ≤ z < s(x, y)
-//! except inside grains. Moments along z are exact in every column, so the sampled function is
-//! continuous and the raster's aliasing decays fast.
+//! Integration over columns of a raster finer than the grid: in each, the medium of that side fills
+//! what lies between the surface s(x, y) and the face except inside grains. Moments along z are
+//! exact in every column, so the sampled function is continuous and the raster's aliasing decays
+//! fast.
 
 use super::cell::{CellCoefficients, CellColumns};
 use crate::ink::Solid;
@@ -23,16 +24,12 @@ impl HeightField {
     pub fn z_um(&self, x_um: f64, y_um: f64) -> f64 {
         bilinear(&self.z_um, self.count, self.period_um, [x_um, y_um])
     }
-
-    /// Lowest point of the surface, largest z.
-    pub fn deepest_um(&self) -> f64 {
-        self.z_um.iter().copied().fold(0.0, f64::max)
-    }
 }
 
-/// Adds the vacuum's moments in one cell to `planes` (harmonics of the grid's widest set).
-pub(crate) fn add_vacuum<T: Real>(
-    surface: &HeightField,
+/// Adds the moments of the space between a surface and the face at z = `face_um` in one cell to
+/// `planes` (harmonics of the grid's widest set).
+pub(crate) fn add_open<T: Real>(
+    (surface, face_um): (&HeightField, f64),
     grains: Grains,
     cell: &CellColumns,
     sum: &mut CellCoefficients<T>,
@@ -40,7 +37,7 @@ pub(crate) fn add_vacuum<T: Real>(
     let count = cell.widest.map(|m| if m == 0 { 1 } else { FINER * (2 * m + 2) });
     let fft = PlaneFft::new(count[0], count[1]);
     let mut scratch = fft.scratch();
-    let columns = column_moments(surface, grains, cell, count);
+    let columns = column_moments((surface, face_um), grains, cell, count);
     let points = (count[0] * count[1]) as f64;
     for (plane, out) in sum.spectra.iter_mut().enumerate() {
         let values = columns.iter().skip(plane).step_by(cell.element.degree + 1);
@@ -54,8 +51,14 @@ pub(crate) fn add_vacuum<T: Real>(
     }
 }
 
-/// Moments ∫ ψ_p dz over the vacuum of each column within the cell: columns × planes of the cell.
-fn column_moments(surface: &HeightField, grains: Grains, cell: &CellColumns, count: [usize; 2]) -> Vec<f64> {
+/// Moments ∫ ψ_p dz over the open part of each column within the cell: columns × planes of the
+/// cell.
+fn column_moments(
+    (surface, face_um): (&HeightField, f64),
+    grains: Grains,
+    cell: &CellColumns,
+    count: [usize; 2],
+) -> Vec<f64> {
     let [lo, hi] = cell.range_um;
     let planes = cell.element.degree + 1;
     let rule = GaussLegendre::new(planes).expect("at least two nodes");
@@ -67,10 +70,10 @@ fn column_moments(surface: &HeightField, grains: Grains, cell: &CellColumns, cou
         let (blocked, after) = rest.split_at(here);
         rest = after;
         let [x, y] = place(column, count, surface.period_um);
-        let top = surface.z_um(x, y).min(hi);
-        let mut from = lo;
-        for [start, end] in blocked.iter().map(|(_, chord)| *chord).chain([[top, top]]) {
-            add_stretch(moments, cell, &rule, [from, start.min(top)]);
+        let z = surface.z_um(x, y);
+        let (mut from, to) = (z.min(face_um).max(lo), z.max(face_um).min(hi));
+        for [start, end] in blocked.iter().map(|(_, chord)| *chord).chain([[to, to]]) {
+            add_stretch(moments, cell, &rule, [from, start.min(to)]);
             from = from.max(end);
         }
     }
@@ -168,7 +171,7 @@ mod tests {
         let surface = HeightField { z_um: vec![0.1, 0.3], count: [2, 1], period_um: [0.6, 0.4] };
         let element = Element::new(3);
         let cell = CellColumns { range_um: [0.0, 0.4], element: &element, orders: &[], widest: [0, 0] };
-        let moments = column_moments(&surface, (&[], &[]), &cell, [4, 2]);
+        let moments = column_moments((&surface, 0.0), (&[], &[]), &cell, [4, 2]);
         let depths: Vec<f64> = moments.chunks_exact(4).map(|column| column.iter().sum::<f64>()).collect();
         assert_eq!(depths.len(), 8);
         for (k, depth) in depths.iter().enumerate() {

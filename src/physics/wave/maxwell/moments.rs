@@ -138,7 +138,7 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
             remedy: "use layers of single spheres or convex bodies, or the scalar wave",
         });
     }
-    if scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Above { .. })) {
+    if scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Open { .. })) {
         return Err(WaveError::NotInVectorMode {
             what: "a rough surface (relief)",
             reason: "its normal-field tensor is not implemented, and averaging without it has an error of several per cent",
@@ -251,7 +251,7 @@ impl<'a> MomentSum<'a> {
                 let values = sources::of_block(*z_um, &slab, false);
                 self.add_lines(&values, |k, _| Complex64::from(f64::from(u8::from(k == 0.0))));
             }
-            (BodyShape::Above { .. }, _) => unreachable!("rough surfaces are refused first"),
+            (BodyShape::Open { .. }, _) => unreachable!("rough surfaces are refused first"),
         }
     }
 

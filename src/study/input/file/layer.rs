@@ -55,7 +55,8 @@ pub struct LayerTable {
     /// Grains in given places instead of packed ones; pigments then have no shares and sizes.
     #[schemars(example = MicrostructureTable::example())]
     pub microstructure: Option<MicrostructureTable>,
-    /// A binder surface below the tops of the grains, with `index_in` between them.
+    /// A rough face of the ink, with the medium of that side (`index_in`, `index_out`) between the
+    /// grains.
     pub relief: Option<ReliefRequest>,
 }
 

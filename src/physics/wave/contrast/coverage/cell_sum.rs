@@ -43,9 +43,9 @@ impl<'a, T: Real> CellSum<'a, T> {
         match &body.shape {
             BodyShape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
             BodyShape::Solid(solid) => self.add_solid(solid, range),
-            BodyShape::Above { surface, balls, solids } => {
+            BodyShape::Open { surface, face_um, balls, solids } => {
                 let columns = self.builder.columns(self.cell);
-                relief::add_vacuum(surface, (balls, solids), &columns, &mut self.direct);
+                relief::add_open((surface, *face_um), (balls, solids), &columns, &mut self.direct);
             }
             shape => {
                 for (z, weight) in self.builder.sampling.strip_heights(shape, range) {
