@@ -1,6 +1,6 @@
 //! Unions and reliefs in the contrast field, against the same scene described in another way.
 
-use inkwave::ink::{Face, Form, PackingRequest, PigmentGrains, ReliefRequest, Solid, pack};
+use inkwave::ink::{Form, PackingRequest, PigmentGrains, ReliefRequest, RoughFace, Solid, pack};
 use inkwave::numerics::Rotation;
 use inkwave::solve::accuracy::largest_difference;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
@@ -72,7 +72,7 @@ fn flat_relief_is_a_stratum_of_vacuum() {
 /// other side, or the wrong face.
 #[test]
 fn a_packing_with_a_level_relief_is_its_strata() {
-    for (face, exit) in [(Face::Incident, false), (Face::Exit, true)] {
+    for (face, exit) in [(RoughFace::Incident, false), (RoughFace::Exit, true)] {
         let request = PackingRequest {
             period_um: PERIOD,
             thickness_um: 0.6,

@@ -27,4 +27,4 @@ pub use packing::request::{
 };
 pub use packing::voxels::VoxelCut;
 pub use packing::watch::{PackProgress, PackWatch};
-pub use relief::{Face, Relief, ReliefRequest, ReliefRule};
+pub use relief::{Relief, ReliefRequest, ReliefRule, RoughFace};

@@ -31,13 +31,13 @@ pub struct ReliefRequest {
     pub rule: ReliefRule,
     /// The side of the layer that is rough.
     #[serde(default)]
-    pub face: Face,
+    pub face: RoughFace,
 }
 
 /// A face of the layer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Face {
+pub enum RoughFace {
     /// z = 0: the print's surface.
     #[default]
     Incident,
@@ -150,7 +150,7 @@ pub struct Relief {
     pub(super) count: [usize; 2],
     pub(super) period_um: [f64; 2],
     pub(super) rule: ReliefRule,
-    pub(super) face: Face,
+    pub(super) face: RoughFace,
     pub(super) protruding_share: f64,
     pub(super) fraction_below: f64,
     pub(super) dry_height_um: f64,
@@ -175,7 +175,7 @@ impl Relief {
     }
 
     /// The rough face.
-    pub fn face(&self) -> Face {
+    pub fn face(&self) -> RoughFace {
         self.face
     }
 

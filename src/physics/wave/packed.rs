@@ -2,7 +2,7 @@
 
 use super::scene::HeightField;
 use super::{Ball, Body, BodyShape, Material, Scene};
-use crate::ink::{Face, Layered, Packing, Relief, Sphere};
+use crate::ink::{Layered, Packing, Relief, RoughFace, Sphere};
 
 impl Scene {
     /// One stratum of binder (background 0) with the nested bodies of every grain; their materials
@@ -22,8 +22,8 @@ impl Scene {
         }
         if let Some(relief) = packing.relief() {
             let material = match relief.face() {
-                Face::Incident => Material::Incident,
-                Face::Exit => Material::Exit,
+                RoughFace::Incident => Material::Incident,
+                RoughFace::Exit => Material::Exit,
             };
             bodies.push(Body { shape: open(packing, relief), material, within: None });
         }
@@ -41,8 +41,8 @@ fn open(packing: &Packing, relief: &Relief) -> BodyShape {
     let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
     let thickness = packing.thickness_um();
     let (end, face_um) = match relief.face() {
-        Face::Incident => (0, 0.0),
-        Face::Exit => (1, thickness),
+        RoughFace::Incident => (0, 0.0),
+        RoughFace::Exit => (1, thickness),
     };
     let filled = |k: usize| packing.filled_um(at(k % count[0], 0), at(k / count[0], 1));
     let z_um = (0..count[0] * count[1]).map(|k| filled(k)[end].clamp(0.0, thickness)).collect();

@@ -5,7 +5,7 @@ use super::request::PackingRequest;
 use super::{overlap, shell};
 use crate::ink::error::PackError;
 use crate::ink::grains::sphere::Sphere;
-use crate::ink::relief::{Face, Relief};
+use crate::ink::relief::{Relief, RoughFace};
 use serde::{Deserialize, Serialize};
 
 /// Method of placement.
@@ -293,7 +293,7 @@ impl Packing {
     pub fn filled_um(&self, x_um: f64, y_um: f64) -> [f64; 2] {
         let height = self.relief.as_ref().map_or(self.thickness_um, |r| r.height_um(x_um, y_um));
         match self.relief.as_ref().map(Relief::face) {
-            Some(Face::Exit) => [0.0, height],
+            Some(RoughFace::Exit) => [0.0, height],
             _ => [self.thickness_um - height, self.thickness_um],
         }
     }

@@ -2,7 +2,7 @@
 
 use super::placed::{Packing, PackingAccount};
 use crate::ink::grains::volume::merge;
-use crate::ink::relief::{Face, Relief, ReliefRequest, ReliefRule, dry_height_um, mean};
+use crate::ink::relief::{Relief, ReliefRequest, ReliefRule, RoughFace, dry_height_um, mean};
 use crate::numerics::Draws;
 
 /// Columns per smallest radius.
@@ -18,7 +18,7 @@ struct HeightColumns {
 }
 
 impl HeightColumns {
-    fn new(packing: &Packing, face: Face) -> Self {
+    fn new(packing: &Packing, face: RoughFace) -> Self {
         let period = packing.period_um();
         let spheres = || packing.grains().iter().filter(|g| g.solid.is_none()).flat_map(|g| &g.spheres);
         let solids = || packing.grains().iter().filter_map(|g| g.solid.as_ref());
@@ -27,7 +27,7 @@ impl HeightColumns {
         let count = period.map(|l| ((PER_RADIUS * l / thinnest).ceil() as usize).clamp(8, MOST));
         let mut columns = Self { count, pigment: vec![Vec::new(); count[0] * count[1]] };
         let thickness = packing.thickness_um();
-        let height = |z: f64| if face == Face::Incident { thickness - z } else { z };
+        let height = |z: f64| if face == RoughFace::Incident { thickness - z } else { z };
         for s in spheres() {
             let [x, y, z] = s.center_um;
             let extents = [x, y].map(|c| [c - s.radius_um, c + s.radius_um]);
@@ -183,10 +183,10 @@ mod tests {
     use crate::ink::{Grain, MethodChoice, PackingRequest, PigmentGrains, Shape};
 
     fn packed(rule: ReliefRule) -> Packing {
-        packed_of(PigmentGrains::spheres(250.0, 0.4), rule, Face::Incident)
+        packed_of(PigmentGrains::spheres(250.0, 0.4), rule, RoughFace::Incident)
     }
 
-    fn packed_of(grains: PigmentGrains, rule: ReliefRule, face: Face) -> Packing {
+    fn packed_of(grains: PigmentGrains, rule: ReliefRule, face: RoughFace) -> Packing {
         let request = PackingRequest {
             period_um: [2.0, 2.4],
             thickness_um: 1.0,
@@ -203,7 +203,7 @@ mod tests {
         let following = ReliefRule::Following { follow: 0.6, smoothing_um: 0.1 };
         let boxes = PigmentGrains::of(Shape::Box { edges: [1.0, 1.5, 0.8] }, 250.0, 0.35);
         let spheres = || PigmentGrains::spheres(250.0, 0.4);
-        let [above, below] = [Face::Incident, Face::Exit];
+        let [above, below] = [RoughFace::Incident, RoughFace::Exit];
         for (grains, rule, face) in
             [(spheres(), ReliefRule::Flat, above), (spheres(), following, below), (boxes, following, above)]
         {
@@ -226,13 +226,13 @@ mod tests {
         let rule = ReliefRule::Following { follow: 1.0, smoothing_um: 0.05 };
         let discs = PigmentGrains::of(Shape::Disc { diameter: 2.0, thickness: 1.0 }, 250.0, 0.3);
         rises_over_grains(&packed(rule));
-        rises_over_grains(&packed_of(discs.clone(), rule, Face::Incident));
-        rises_over_grains(&packed_of(discs, rule, Face::Exit));
+        rises_over_grains(&packed_of(discs.clone(), rule, RoughFace::Incident));
+        rises_over_grains(&packed_of(discs, rule, RoughFace::Exit));
     }
 
     fn rises_over_grains(packing: &Packing) {
         let relief = packing.relief().unwrap();
-        let depth = |z: f64| if relief.face() == Face::Incident { z } else { -z };
+        let depth = |z: f64| if relief.face() == RoughFace::Incident { z } else { -z };
         let centres = packing.grains().iter().map(Grain::centre_um);
         let [x, y, _] = centres.min_by(|a, b| depth(a[2]).total_cmp(&depth(b[2]))).unwrap();
         let above = relief.height_um(x, y) - relief.mean_height_um();
@@ -251,7 +251,7 @@ mod tests {
                 period_um: [2.0, 2.0],
                 thickness_um: 1.0,
                 pigments: vec![PigmentGrains::spheres(300.0, 0.01)],
-                relief: Some(ReliefRequest { depth_um: 0.3, rule, face: Face::Incident }),
+                relief: Some(ReliefRequest { depth_um: 0.3, rule, face: RoughFace::Incident }),
                 stream,
                 ..Default::default()
             };
