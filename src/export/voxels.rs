@@ -2,8 +2,8 @@
 //! wave sees.
 
 use super::vti::{Image, PointArray};
-use crate::ink::{Packing, Solid};
-use crate::wave::Media;
+use crate::ink::{Packing, Relief, Solid};
+use crate::wave::{Material, Media};
 use ndarray::Array3;
 use num_complex::Complex64;
 
@@ -27,9 +27,11 @@ pub struct Voxels {
     pub count: [usize; 3],
     /// Edges of a voxel, µm.
     pub edge_um: [f64; 3],
-    /// Share of each voxel's volume, x fastest: first the space above a relief, then one list per
+    /// Share of each voxel's volume, x fastest: first the space beyond a relief, then one list per
     /// material of the grains, see [`Packing::materials`].
     pub shares: Vec<Vec<f32>>,
+    /// What fills that space.
+    beyond: Material,
 }
 
 impl Voxels {
@@ -50,7 +52,8 @@ impl Voxels {
                 shares[usize::from(mark) - 1][x + count[0] * (y + count[1] * z)] += part;
             }
         }
-        Self { count, edge_um: [0, 1, 2].map(|i| size[i] / count[i] as f64), shares }
+        let beyond = packing.relief().map(Relief::face).unwrap_or_default().into();
+        Self { count, edge_um: [0, 1, 2].map(|i| size[i] / count[i] as f64), shares, beyond }
     }
 
     /// η² − η_binder² of every voxel, as its shares mix it.
@@ -59,8 +62,8 @@ impl Voxels {
         let binder = square(media.backgrounds[0]);
         let mut contrast = vec![Complex64::ZERO; self.shares[0].len()];
         for (kind, shares) in self.shares.iter().enumerate() {
-            let inclusion = if kind == 0 { Some(&media.incident) } else { media.inclusions.get(kind - 1) };
-            let step = inclusion.map_or(Complex64::ZERO, |&eta| square(eta) - binder);
+            let own = if kind == 0 { self.beyond } else { Material::Inclusion(kind - 1) };
+            let step = square(media.index_of(own)) - binder;
             contrast.iter_mut().zip(shares).for_each(|(v, &share)| *v += step * f64::from(share));
         }
         contrast
@@ -71,8 +74,8 @@ impl Voxels {
         let contrast = self.contrast(media).iter().flat_map(|v| [v.re as f32, v.im as f32]).collect();
         let name = format!("contrast_{wavelength_nm:.0}nm");
         let mut arrays = vec![PointArray { name, components: 2, values: contrast }];
-        let above = "above_relief".to_owned();
-        for (name, values) in std::iter::once(&above).chain(materials).zip(&self.shares) {
+        let beyond = "beyond_relief".to_owned();
+        for (name, values) in std::iter::once(&beyond).chain(materials).zip(&self.shares) {
             if values.iter().any(|&v| v > 0.0) {
                 let (name, values) = (format!("share_{name}"), values.clone());
                 arrays.push(PointArray { name, components: 1, values });
@@ -166,7 +169,7 @@ impl VoxelRaster {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::{Grain, Sphere};
+    use crate::ink::{Grain, PackingRequest, PigmentGrains, ReliefRequest, RoughFace, Sphere, pack};
 
     /// Balls of two pigments: the voxel at the centre of each holds nothing else.
     #[test]
@@ -191,6 +194,31 @@ mod tests {
         let image = voxels.image(&["one".to_owned(), "two".to_owned()], &media, 550.0);
         for (origin_um, count) in image.origin_um.iter().zip(image.points) {
             assert!((origin_um - 0.5 * 0.4 / count as f64).abs() < 1e-12, "{origin_um} µm");
+        }
+    }
+
+    /// Beyond a rough face there is the medium of its side. *Planted*: always that of the incident
+    /// side.
+    #[test]
+    fn the_space_beyond_a_relief_has_the_medium_of_its_side() {
+        let inclusions = vec![2.0.into()];
+        let media =
+            Media { incident: 1.1.into(), exit: 1.3.into(), backgrounds: vec![1.5.into()], inclusions };
+        for (face, outermost) in [(RoughFace::Incident, 1.1_f64), (RoughFace::Exit, 1.3)] {
+            let request = PackingRequest {
+                period_um: [0.6; 2],
+                thickness_um: 0.6,
+                pigments: vec![PigmentGrains::spheres(200.0, 0.02)],
+                relief: Some(ReliefRequest { depth_um: 0.2, face, ..Default::default() }),
+                ..Default::default()
+            };
+            let voxels = Voxels::of(&pack(&request, &mut ()).unwrap());
+            let (plane, contrast) = (voxels.count[0] * voxels.count[1], voxels.contrast(&media));
+            // a plane at the very face, which hardly any grain touches
+            let at = if face == RoughFace::Incident { 0 } else { contrast.len() - plane };
+            let expected = Complex64::from(outermost.powi(2) - 2.25);
+            let alike = contrast[at..at + plane].iter().filter(|&&v| (v - expected).norm() < 1e-5).count();
+            assert!(10 * alike > 9 * plane, "{face:?}: {alike} of {plane}");
         }
     }
 }

@@ -18,7 +18,7 @@ const ROUNDING: f64 = 1e-9;
 
 impl Scene {
     /// Rejects bodies that overlap each other or their own periodic images. Exempt are bodies
-    /// around each other ([`Body::within`]), and the vacuum above a relief, which is cut around the
+    /// around each other ([`Body::within`]), and the space beyond a relief, which is cut around the
     /// grains.
     ///
     /// # Errors

@@ -21,13 +21,19 @@ impl Scene {
             }
         }
         if let Some(relief) = packing.relief() {
-            let material = match relief.face() {
-                RoughFace::Incident => Material::Incident,
-                RoughFace::Exit => Material::Exit,
-            };
-            bodies.push(Body { shape: open(packing, relief), material, within: None });
+            bodies.push(Body { shape: open(packing, relief), material: relief.face().into(), within: None });
         }
         Scene { cut: packing.is_cut(), ..Scene::layer(packing.period_um(), packing.thickness_um(), bodies) }
+    }
+}
+
+impl From<RoughFace> for Material {
+    /// What fills the space beyond a relief.
+    fn from(face: RoughFace) -> Material {
+        match face {
+            RoughFace::Incident => Material::Incident,
+            RoughFace::Exit => Material::Exit,
+        }
     }
 }
 

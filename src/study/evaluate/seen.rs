@@ -267,10 +267,11 @@ fn solved_at(angles: &Angles, fields: &[FarField]) -> SolvedWavelength {
     }
 }
 
-/// Indices of the background, the inclusions, and last of the space above a relief.
+/// Indices of the background, the inclusions, and last of the space beyond a relief.
 fn indices(study: &Study, nm: f64) -> (Complex64, Vec<Complex64>) {
     let media = study.media(1e-3 * nm);
-    (media.backgrounds[0], media.inclusions.into_iter().chain([media.incident]).collect())
+    let beyond = study.packing.relief.map_or(media.incident, |relief| media.index_of(relief.face.into()));
+    (media.backgrounds[0], media.inclusions.into_iter().chain([beyond]).collect())
 }
 
 fn mean_profile(complete: &[&Realisation]) -> Profile {

@@ -19,7 +19,7 @@ pub struct PackingRecord {
     /// Thickness of the layer, µm.
     pub thickness_um: f64,
     /// Volume fractions in equal slices across the layer, from the incident side: each pigment,
-    /// then the volume above a relief.
+    /// then the volume beyond a relief.
     pub profile: Vec<Vec<f64>>,
     /// Packing method.
     pub method: Method,

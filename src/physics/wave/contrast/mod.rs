@@ -2,7 +2,7 @@
 //! each material.
 //!
 //! [`coverage`] combines the cuts of bodies with planes ([`section`]), the transform of their edges
-//! ([`nufft`]), the vacuum above a relief and the harmonics beyond the grid ([`folding`]).
+//! ([`nufft`]), the space beyond a relief and the harmonics beyond the grid ([`folding`]).
 
 pub(crate) mod cell;
 pub mod channel;
