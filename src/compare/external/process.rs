@@ -84,6 +84,8 @@ impl ProgramRun {
             std::thread::sleep((elapsed / 50).clamp(Duration::from_millis(2), Duration::from_millis(50)));
         };
         let seconds = clock.elapsed().as_secs_f64();
+        // A program may die of the pipe that was closed for its flood before it is killed for it.
+        let end = end.or_else(|| output.iter().chain(&complaint).find_map(|pipe| flood(pipe.len())));
         // All that the program has left running ends with it, while its number is still its own.
         child.kill();
         let status = child.0.wait().map_err(|error| error.to_string());
@@ -122,6 +124,11 @@ fn beyond(limits: Limits, elapsed: Duration, bytes: f64, printed: usize) -> Opti
     if bytes > limits.bytes {
         return Some(format!("it took more than memory_gb = {} GB", 1e-9 * limits.bytes));
     }
+    flood(printed)
+}
+
+/// What is said of a program that prints more than any answer needs.
+fn flood(printed: usize) -> Option<String> {
     (printed > MOST_OUTPUT).then(|| format!("it printed more than {} MB", MOST_OUTPUT >> 20))
 }
 
