@@ -12,7 +12,7 @@ use crate::evaluate::manifest::{ColourNote, Manifest, Status};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT};
 use crate::ink::{PigmentGrains, SizeDistribution};
-use crate::input::study::Study;
+use crate::input::study::{Pigment, Study};
 use crate::numerics::estimate::Estimate;
 pub(super) use figures::shown_nm;
 use minijinja::{Value, context};
@@ -46,11 +46,15 @@ pub fn sheet(
     })
 }
 
+/// Share, name, shape and size of a packed pigment.
+fn packed(pigment: &Pigment) -> String {
+    let (share, shape) = (percent(pigment.grains.volume_fraction), pigment.grains.shape.name());
+    let plural = if shape.ends_with('x') { "es" } else { "s" };
+    format!("{share} % {} ({shape}{plural} of {})", pigment.name, size(&pigment.grains))
+}
+
 pub(super) fn summary(study: &Study) -> String {
-    let shares = study.pigments.iter().map(|p| {
-        let share = percent(p.grains.volume_fraction);
-        format!("{share} % {} ({}s of {})", p.name, p.grains.shape.name(), size(&p.grains))
-    });
+    let shares = study.pigments.iter().map(packed);
     let dissolved = study
         .dissolved
         .iter()

@@ -325,3 +325,25 @@ fn distribution(study: &Study, ensemble: &[FarField]) -> Result<Bdf, BdfError> {
         false => Bdf::from_varied_cells(ensemble, study.layer.period_um),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::check::check;
+    use std::path::Path;
+
+    /// The coherent film's last medium. *Planted*: that of the incident side, whichever face is
+    /// rough.
+    #[test]
+    fn beyond_a_relief_there_is_the_medium_of_its_side() {
+        for (face, expected) in [("incident", 1.0), ("exit", 1.4)] {
+            let text = format!(
+                "[layer]\nthickness_um = 1\nbinder.index = 1.5\nindex_out = 1.4\n\
+                 relief = {{ depth_um = 0.1, face = '{face}' }}\n[paper]\ncoupling = 'optical_contact'\n"
+            );
+            let file = toml::from_str(&text).expect("a study file");
+            let study = check(&file, Path::new("."), "test").expect("a study");
+            assert_eq!(indices(&study, 550.0).1, [Complex64::from(expected)]);
+        }
+    }
+}

@@ -32,6 +32,16 @@ pub const INK: &[Slip] = &[
     slip("[angles]", "[angles", ["[angles", "unclosed table", "expected `]`", "correct the TOML here"]),
     // layer
     slip(
+        "binder.index",
+        "relief = { depth_um = 0.1, face = \"bottom\" }\nbinder.index",
+        ["layer.relief.face", "bottom", "`incident`, `exit`", "write one of these"],
+    ),
+    slip(
+        "binder.index",
+        "relief = { depth_um = 0.9 }\nbinder.index",
+        ["layer.relief.depth_um", "0.9", "0 up to the thickness, 0.5 µm", "lower the depth"],
+    ),
+    slip(
         "period_um = 0.8",
         "period_um = [0.8, 0]",
         ["layer.period_um", "found 0", "greater than 0", "larger cells"],

@@ -157,7 +157,11 @@ pub(super) fn packing(
 /// The error found by the packing's own check.
 fn packing_fault(request: &PackingRequest) -> Option<Fault> {
     let Err(PackError::BadInput { field, found, allowed, remedy }) = request.check() else { return None };
-    let field = if field.starts_with("pigment") { field } else { format!("packing.{field}") };
+    let field = match &field {
+        own if own.starts_with("pigment") => field,
+        own if own.starts_with("relief") => format!("layer.{field}"),
+        _ => format!("packing.{field}"),
+    };
     Some(Fault::new(field, found, allowed, remedy))
 }
 
