@@ -46,7 +46,8 @@ struct Args {
     /// Measures one claim and keeps the result (what the program calls itself with).
     #[arg(long, hide = true)]
     measure: Option<String>,
-    /// Prints what claim 24 keeps of its truth, from the folder of a finished run of validation/data/intervals.toml.
+    /// Prints what claim 24 keeps of a truth, from the folder of a finished run of validation/data/intervals*.toml, named
+    /// like that file without its ending.
     #[arg(long, hide = true)]
     truth: Option<PathBuf>,
     /// Makes the pages anew from the numbers that lie beside them, and measures nothing.

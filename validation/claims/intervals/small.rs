@@ -1,6 +1,6 @@
 //! The small studies of the claim: what they are, what they know, what a finer grid changes in them.
 
-use super::{SPECTRA, TRUTH};
+use super::SPECTRA;
 use crate::studies::{estimate, row, with_and_without_the_grid};
 use inkwave::numerics::estimate::Estimate;
 use serde_json::Value;
@@ -30,17 +30,17 @@ impl fmt::Display for Cells {
 }
 
 impl Small {
-    pub fn run(cells: Cells, seed: u64, finer: f64) -> Self {
+    pub fn run(truth: &str, cells: Cells, seed: u64, finer: f64) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let [printed, apart] =
-            with_and_without_the_grid(&small_study(cells, seed, finer), &folder.path().join("out"));
+            with_and_without_the_grid(&small_study(truth, cells, (seed, finer)), &folder.path().join("out"));
         Self { printed, apart }
     }
 }
 
 /// The truth's ink in a few cells of 1.6 µm; with so many times the truth's points and planes.
-fn small_study(cells: Cells, seed: u64, finer: f64) -> String {
-    let mut study: toml::Table = TRUTH.parse().expect("a study file");
+fn small_study(truth: &str, cells: Cells, (seed, finer): (u64, f64)) -> String {
+    let mut study: toml::Table = truth.parse().expect("a study file");
     let own = |key: &str| study["resolution"][key].as_integer().expect("points or planes") as f64;
     let (points, planes) = (finer * own("points_per_um"), finer * own("planes_per_um"));
     let (most, target) = match cells {
@@ -82,7 +82,9 @@ impl Known {
     pub fn of_truth(truth: &Value) -> Self {
         let array = |value: &'static str| truth[value].as_array().expect("an array of the truth").iter();
         let pair = |value: &Value| [0, 1].map(|i| value[i].as_f64().expect("a value and its error"));
-        let spectrum = |row: &Value| SPECTRA.map(|key| pair(&row[key]));
+        let spectrum = |row: &Value| -> Vec<[f64; 2]> {
+            SPECTRA.iter().filter_map(|key| row.get(*key)).map(pair).collect()
+        };
         Self {
             colours: array("colours").flat_map(|c| lab(c, "standard_error")).collect(),
             spectra: array("spectra").flat_map(spectrum).collect(),
@@ -97,9 +99,10 @@ impl Known {
             let own = own.iter().find(|c| c["conditions"] == known["conditions"]);
             lab(own.expect("the same conditions"), "lab_standard_error")
         };
-        let spectrum = |known: &Value| {
-            let own = row(results, known["wavelength_nm"].as_f64().expect("a wavelength"), 0.0);
-            SPECTRA.map(|key| estimate(&own[key]))
+        let spectrum = |known: &Value| -> Vec<[f64; 2]> {
+            let [nm, deg] = ["wavelength_nm", "polar_deg"].map(|key| known[key].as_f64().expect("a number"));
+            let own = row(results, nm, deg);
+            SPECTRA.iter().filter(|key| known.get(**key).is_some()).map(|key| estimate(&own[*key])).collect()
         };
         Self {
             colours: array("colours").flat_map(colour).collect(),
