@@ -13,7 +13,7 @@ use std::path::Path;
 pub const CLAIM: Claim = Claim {
     id: "24-intervals",
     statement: "95 % intervals of small studies of three inks hold the truth of L*, a*, b*, R and T at 0° and 45°, natural light and 45:0 in 93 to 97 cases of a hundred, with 8, 16 and 40 cells and where a target ends the study; the grid's part of them holds what a grid twice as fine changes.",
-    because: "The truths have 24 or 40 cells of 4.8 µm, 11 strata of directions and wavelengths 5 nm apart (validation/data/intervals*.toml); only the seed differs between the small studies. First all stand on one grid, and the bars go without the grid's part. Then the bars are those that are printed, and the truth is moved to twice the points and planes, by what that changes in studies of the same packings.",
+    because: "The truths have 24 to 40 cells of 4.8 or 3.2 µm (validation/data/intervals*.toml); only the seed differs between the small studies. First all stand on one grid, and the bars go without the grid's part. Then the bars are those that are printed, and the truth is moved to twice the points and planes, by what that changes in studies of the same packings.",
     file: file!(),
     measure,
 };

@@ -4,7 +4,6 @@ use super::{FARTHEST, Ink};
 use crate::claim::{Bound, Findings, Level, Reason, Table};
 use crate::studies::{done, estimate, row};
 use inkwave::numerics::estimate::coverage_factor_95;
-use serde_json::Value;
 
 /// Angles that both ways report, degrees, with the name of the composed number's end.
 const ANGLES: [(f64, &str); 2] = [(0.0, "normal"), (45.0, "45")];
