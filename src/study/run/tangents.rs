@@ -14,6 +14,7 @@ use crate::input::study::{Point, Study};
 use crate::material::mixing::MixingRule;
 use crate::material::spectra::{Sample, Spectrum};
 use crate::solve::accuracy::raised;
+use crate::solve::demand::Admitted;
 use crate::solve::gradient::{Neighbour, Slopes, tangent};
 use crate::solve::{Solution, Solver};
 use crate::store::identity::Key;
@@ -192,7 +193,8 @@ impl<'a> Tangents<'a> {
     pub fn trial(&self, study: &Study, watch: &dyn RunWatch) -> Result<f64, RunError> {
         let cell = &self.cells[0];
         let points = study.points(cell.realisation);
-        let solver = self.solver(study, cell)?.0;
+        let asked = study.solver.build();
+        let solver = self.admitted(study, cell, &*asked)?.0;
         let chosen = points.iter().step_by(points.len().div_ceil(TRIED));
         let clock = std::time::Instant::now();
         let busy = || processor_seconds().unwrap_or_else(|| clock.elapsed().as_secs_f64());
@@ -200,19 +202,24 @@ impl<'a> Tangents<'a> {
         for point in chosen.clone() {
             let key = self.key(study, cell, point);
             // a solve that fails takes its time as well
-            let _ = self.solve(study, cell, (point, &key), (&*solver, watch));
+            let _ = self.solve(study, cell, (point, &key), (solver.solver(), watch));
         }
         Ok((busy() - before) / chosen.count().max(1) as f64)
     }
 
-    /// The strategy, and the number of solves at a time that the memory holds.
-    fn solver(&self, study: &Study, cell: &TangentCell) -> Result<(Box<dyn Solver>, usize), RunError> {
-        let finest = self.resolved.for_cell(&study.draw(cell.realisation));
-        let solver = study.solver.build();
-        let bytes = size(study, finest).admit(&*solver, self.settings.memory)?.bytes;
-        let asked = self.settings.jobs.unwrap_or_else(rayon::current_num_threads);
-        let jobs = asked.min((self.settings.memory / (SYSTEMS * bytes)) as usize).max(1);
-        Ok((solver, jobs))
+    /// The strategy with its share of the memory, into which it may grow, and the number of solves at
+    /// a time.
+    fn admitted<'s>(
+        &self,
+        study: &Study,
+        cell: &TangentCell,
+        asked: &'s dyn Solver,
+    ) -> Result<(Admitted<'s>, usize), RunError> {
+        let size = size(study, self.resolved.for_cell(&study.draw(cell.realisation)));
+        let memory = self.settings.memory / SYSTEMS;
+        let most = (memory / size.admit(asked, memory)?.bytes) as usize;
+        let jobs = self.settings.jobs.unwrap_or_else(rayon::current_num_threads).min(most).max(1);
+        Ok((size.admit(asked, memory / jobs as f64)?, jobs))
     }
 
     fn of_cell(
@@ -227,12 +234,13 @@ impl<'a> Tangents<'a> {
         let found: Vec<_> = keys.iter().map(|key| Mutex::new(self.store.get(key.as_str()))).collect();
         let todo: Vec<usize> = (0..points.len()).filter(|&i| lock(&found[i]).is_none()).collect();
         watch.hear(Event::Kept(points.len() - todo.len()));
-        let (solver, jobs) = self.solver(study, cell)?;
+        let asked = study.solver.build();
+        let (solver, jobs) = self.admitted(study, cell, &*asked)?;
         let trouble: Mutex<Option<io::Error>> = Mutex::new(None);
         let stop = || watch.stop() || lock(&trouble).is_some();
         work_through(todo.len(), jobs, stop, |k| {
             let i = todo[k];
-            let kept = self.attempt(study, cell, (&points[i], &keys[i]), (&*solver, watch));
+            let kept = self.attempt(study, cell, (&points[i], &keys[i]), (solver.solver(), watch));
             kept.map_or_else(|e| *lock(&trouble) = Some(e), |record| *lock(&found[i]) = record);
         })?;
         if let Some(error) = lock(&trouble).take() {

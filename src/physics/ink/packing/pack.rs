@@ -153,7 +153,7 @@ fn crowding(request: &PackingRequest, plan: &PackingPlan) -> f64 {
     let spheres = || plan.bodies.iter().flat_map(|b| &b.spheres);
     let widest = spheres().map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
     let lost = if request.walls { 0.5 * widest / request.thickness_um } else { 0.0 };
-    plan.fraction() / (1.0 - lost)
+    request.usual_fraction.unwrap_or(plan.fraction()) / (1.0 - lost)
 }
 
 /// Order of placement. Sequential addition places large bodies first (the order of equal ones is

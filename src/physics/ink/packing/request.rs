@@ -49,6 +49,10 @@ pub struct PackingRequest {
     /// Heights between which the packing is the layer, µm: grains across them are cut.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cut_um: Option<[f64; 2]>,
+    /// Volume fraction of all grains by which [`MethodChoice::Auto`] chooses, if not this cell's own:
+    /// cells of one layer that hold more or less than it are packed alike.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub usual_fraction: Option<f64>,
 }
 
 impl Default for PackingRequest {
@@ -68,6 +72,7 @@ impl Default for PackingRequest {
             given: Vec::new(),
             voxels: Vec::new(),
             cut_um: None,
+            usual_fraction: None,
         }
     }
 }
