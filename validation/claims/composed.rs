@@ -98,7 +98,8 @@ fn measure(level: Level, findings: &mut Findings) {
     }
     compared.judge(level, findings);
     for share in level.pick(&[0.02][..], &[0.02, 0.05, 0.1, 0.2]) {
-        let stack = Ink { share: *share, thickness_um: 4.0, slab_um: 2.0, ..CLEAR }.composed(&[], realisations);
+        let stack =
+            Ink { share: *share, thickness_um: 4.0, slab_um: 2.0, ..CLEAR }.composed(&[], realisations);
         medium::of_clear_spheres(*share, &stack["medium"][0], findings);
     }
 }

@@ -163,7 +163,8 @@ fn small_studies(
     let deviations = |results: fn(&Small) -> &Value, known: &Known| -> Vec<Deviations> {
         studies.iter().map(|small| Deviations::of(results(small), truth, known)).collect()
     };
-    let kind = format!("{}, {cells}", ink.name.trim_start_matches("intervals-").replace("intervals", "yellow"));
+    let kind =
+        format!("{}, {cells}", ink.name.trim_start_matches("intervals-").replace("intervals", "yellow"));
     let all = deviations(|small| &small.apart, &known);
     chance(level, &kind, &all, findings);
     let changes: Vec<Vec<f64>> = shifts.iter().map(|shift| shift.change.clone()).collect();

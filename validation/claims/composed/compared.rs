@@ -61,7 +61,8 @@ impl Compared {
                 self.halves.iter().filter(|x| x.abs() <= width).count() as f64 / self.halves.len() as f64
             };
             let what = format!("share of {} differences within the 95 % interval of both", self.halves.len());
-            let because = "90 to 99 % are meant; chance takes up to 8 % of sixty numbers that are not independent";
+            let because =
+                "90 to 99 % are meant; chance takes up to 8 % of sixty numbers that are not independent";
             findings.check(what, held(1.0), Bound::AtLeast(COVERED), Reason::Significance, because);
             let because = "the power of the test above";
             let what = "share of them within two fifths of it, which would be noticed";

@@ -38,7 +38,8 @@ fn extinction(share: f64) -> f64 {
         let wanted = [("diameter_um", 0.25), ("host_index", CLEAR.binder), ("volume_fraction", share)];
         number(&case["sphere_index"][0]) == 2.0 && wanted.iter().all(|(key, x)| number(&case[*key]) == *x)
     };
-    let case = data["cases"].as_array().and_then(|all| all.iter().find(own)).expect("a case of these spheres");
+    let case =
+        data["cases"].as_array().and_then(|all| all.iter().find(own)).expect("a case of these spheres");
     2.0 * TAU / number(&case["wavelength_um"]) * number(&case["effective_index_percus_yevick"][1])
 }
 
