@@ -253,8 +253,8 @@ mod tests {
     }
 
     /// Sequential addition and relaxation fill a layer differently: a thin one of large grains has
-    /// more of them at its walls after relaxation. *Planted*: the method chosen by the fuller cell's
-    /// own share.
+    /// more of them at its walls after relaxation. *Planted*: the method chosen by the share of the
+    /// fuller cell.
     #[test]
     fn fuller_cells_are_packed_as_emptier_ones() {
         let pigments = vec![PigmentGrains::spheres(300.0, 0.15)];
