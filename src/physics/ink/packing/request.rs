@@ -49,8 +49,8 @@ pub struct PackingRequest {
     /// Heights between which the packing is the layer, µm: grains across them are cut.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cut_um: Option<[f64; 2]>,
-    /// Volume fraction of all grains by which [`MethodChoice::Auto`] chooses, if not this cell's own:
-    /// cells of one layer that hold more or less than it are packed alike.
+    /// Volume fraction of all grains by which [`MethodChoice::Auto`] chooses, if not this cell's
+    /// own: cells of one layer that hold more or less than it are packed alike.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub usual_fraction: Option<f64>,
 }
