@@ -207,8 +207,8 @@ impl<'a> Tangents<'a> {
         Ok((busy() - before) / chosen.count().max(1) as f64)
     }
 
-    /// The strategy with its share of the memory, into which it may grow, and the number of solves at
-    /// a time.
+    /// The strategy with its share of the memory, into which it may grow, and the number of solves
+    /// at a time.
     fn admitted<'s>(
         &self,
         study: &Study,
