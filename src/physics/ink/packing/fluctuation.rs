@@ -266,6 +266,11 @@ mod tests {
         });
         assert_eq!(methods[0][0], methods[1][0]);
         assert_ne!(methods[0][1], methods[1][1], "the case does not tell");
+        for usual in [-0.1, 0.8, f64::NAN] {
+            let wrong = PackingRequest { usual_fraction: Some(usual), ..asked.clone() };
+            let error = pack(&wrong, &mut ()).expect_err("refused").to_string();
+            assert!(error.contains("usual_fraction") && error.contains("0.74"), "{error}");
+        }
     }
 
     #[test]

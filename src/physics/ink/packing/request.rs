@@ -277,6 +277,10 @@ impl PackingRequest {
             let allowed = "a sum of at most 0.74 (the densest packing of equal spheres)";
             return Err(PackError::input("sum of volume_fraction", total, allowed, "lower the shares"));
         }
+        if let Some(usual) = self.usual_fraction.filter(|usual| !(0.0..=FCC).contains(usual)) {
+            let remedy = "give the volume fraction of the whole layer, or leave it out";
+            return Err(PackError::input("usual_fraction", usual, "0 to 0.74", remedy));
+        }
         self.relaxation.check()?;
         self.check_cut()?;
         self.relief.iter().try_for_each(|r| r.check(self.thickness_um, self.period_um, self.walls))
