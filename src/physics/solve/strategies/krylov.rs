@@ -1,6 +1,7 @@
 //! GMRES with restart on (1 + A⁻¹V) u = u₀ (Saad and Schultz 1986), implemented here because no
 //! maintained crate offers it for complex matrix-free operators.
 
+use super::coarse::CoarseSpace;
 use super::guided::{Correction, GuidedModes};
 use super::idr::Idr;
 use super::least_squares::LeastSquares;
@@ -138,6 +139,7 @@ impl Solver for Growing {
         // The residual of u = 0 is u₀ itself and costs nothing.
         let work = ledger.background.clone();
         let correction = problem.operator().and_then(|p| self.settings.guided_modes.correction(p));
+        let correction = correction.map(RightFactor::Guided);
         let single = if goal.tolerance >= SINGLE { problem.single() } else { None };
         let (restart, first_cycle) = (self.settings.restart.max(1), true);
         let mut run = KrylovRun { ledger, field, work, correction, single, restart, first_cycle };
@@ -152,7 +154,10 @@ impl Solver for Growing {
             let after = run.ledger.measure(&run.field, &mut run.work);
             let short = Idr::default();
             let room = self.longest >= 2 * short.shadow_space;
-            if room && after > SLOW * before && is_strong(problem) {
+            if room && after > SLOW * before && is_strong(problem) && !run.is_coarse() {
+                if run.take_coarse(self) {
+                    continue;
+                }
                 short.advance(&mut run.ledger, [&mut run.field, &mut run.work], STRONG_ADVICE)?;
                 break;
             }
@@ -210,7 +215,7 @@ struct KrylovRun<'a> {
     ledger: Ledger<'a>,
     field: Field,
     work: Field,
-    correction: Option<Correction>,
+    correction: Option<RightFactor>,
     /// The operator in single precision, as long as that suffices.
     single: Option<&'a dyn Scatter<f32>>,
     /// Number of basis vectors per cycle.
@@ -218,7 +223,34 @@ struct KrylovRun<'a> {
     first_cycle: bool,
 }
 
+/// What GMRES multiplies the operator with from the right.
+enum RightFactor {
+    Guided(Correction),
+    Coarse(CoarseSpace),
+}
+
+impl RightFactor {
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Guided(guided) => guided.bytes(),
+            Self::Coarse(coarse) => coarse.bytes(),
+        }
+    }
+}
+
 impl KrylovRun<'_> {
+    fn is_coarse(&self) -> bool {
+        matches!(self.correction, Some(RightFactor::Coarse(_)))
+    }
+
+    /// Solves the lowest harmonics exactly from now on, if memory allows it for this wave.
+    fn take_coarse(&mut self, solver: &Growing) -> bool {
+        let bytes = (solver.longest * size_of_val(flat(&self.field))) as f64;
+        let coarse = self.ledger.problem.operator().and_then(|problem| CoarseSpace::new(problem, bytes));
+        self.correction = coarse.map(RightFactor::Coarse).or(self.correction.take());
+        self.is_coarse()
+    }
+
     /// One restart cycle: builds a basis from the residual in `work` and corrects the field.
     fn cycle<T: Real>(&mut self, operator: &dyn Scatter<T>, restart: usize) -> Result<(), SolveError> {
         let beta = norm(flat(&self.work));
@@ -244,7 +276,7 @@ impl KrylovRun<'_> {
             }
         }
         let held = basis.bytes() + 2 * size_of_val(entries(&last)) + 3 * size_of_val(flat(&self.field));
-        let correction = self.correction.as_ref().map_or(0, Correction::bytes);
+        let correction = self.correction.as_ref().map_or(0, RightFactor::bytes);
         self.ledger.account.bytes = self.ledger.account.bytes.max(held + correction);
         let change = last.as_slice_mut().expect("fields are contiguous");
         basis.combine(&small.solve(), change); // Σ y_k v_k
@@ -278,7 +310,8 @@ impl KrylovRun<'_> {
         let more = solver.settings.guided_modes.of_hard_solves();
         let correction = self.correction.take();
         let problem = self.ledger.problem.operator();
-        self.correction = correction.or_else(|| problem.and_then(|problem| more.correction(problem)));
+        let guided = || problem.and_then(|problem| more.correction(problem)).map(RightFactor::Guided);
+        self.correction = correction.or_else(guided);
         self.restart = self.restart.max(solver.longest.min(HARD_GROWTH * self.restart));
     }
 
@@ -292,7 +325,11 @@ impl KrylovRun<'_> {
     }
 
     fn correct<T: Real>(&self, v: &mut [Complex<T>]) {
-        self.correction.iter().for_each(|c| c.apply(v));
+        match &self.correction {
+            Some(RightFactor::Guided(guided)) => guided.apply(v),
+            Some(RightFactor::Coarse(coarse)) => coarse.apply(v),
+            None => {}
+        }
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod bicgstab;
 pub mod born;
+mod coarse;
 pub mod convergent_born;
 pub mod direct;
 pub mod guided;
