@@ -1,7 +1,7 @@
 //! GMRES with restart on (1 + A⁻¹V) u = u₀ (Saad and Schultz 1986), implemented here because no
 //! maintained crate offers it for complex matrix-free operators.
 
-use super::coarse::CoarseSpace;
+use super::coarse::{CoarsePlan, CoarseSpace};
 use super::guided::{Correction, GuidedModes};
 use super::idr::Idr;
 use super::least_squares::LeastSquares;
@@ -53,11 +53,15 @@ const GUIDED_SHARE: f64 = 0.3;
 const LEAST_RESTART: usize = 20;
 /// A cycle that leaves more than this fraction of the residual has stalled.
 const STALLS: f64 = 0.99;
-/// A cycle that leaves more than this fraction of the residual hands over to short recurrences in
-/// the vector wave, which has no guided modes to correct, and for strong scatterers:
+/// A cycle that leaves more than this fraction of the residual hands over to short recurrences, and
+/// these to an elimination, in the vector wave, which has no guided modes to correct, and for strong
+/// scatterers:
 /// orthogonalising against hundreds of vectors costs ten times what an application does (15 % of
 /// n = 2.7, 250 nm, 440 nm, κ = 0: 29 s a polarisation with 535 applications, 3 s with 950).
 const SLOW: f64 = 0.1;
+/// Share of the elimination's cost for which short recurrences are tried before it: with 15 % of
+/// n = 2.65, 235 nm, in cells of 1.35 µm they solve 1 µm at half its cost, and 2 µm at four times.
+const PATIENCE: f64 = 0.5;
 /// Contrast |η² − η_b²| of strong scatterers, where grains resonate by themselves. Below it, the
 /// guided modes of the mean slab are what delays the scalar wave, and correcting them is cheaper:
 /// with n = 2 in 1.558 (1.6) short recurrences cost 1.7 times as much, with 2.65 (4.6) a tenth.
@@ -152,14 +156,10 @@ impl Solver for Growing {
                 None => run.cycle(&Double(problem), run.restart)?,
             }
             let after = run.ledger.measure(&run.field, &mut run.work);
-            let short = Idr::default();
-            let room = self.longest >= 2 * short.shadow_space;
-            if room && after > SLOW * before && is_strong(problem) && !run.is_coarse() {
-                if run.take_coarse(self) {
-                    continue;
-                }
-                short.advance(&mut run.ledger, [&mut run.field, &mut run.work], STRONG_ADVICE)?;
-                break;
+            let room = self.longest >= 2 * Idr::default().shadow_space;
+            if room && after > SLOW * before && run.is_strong() && !run.is_coarse() {
+                run.solve_strong((size_of_val(flat(&run.field)) * self.longest) as f64)?;
+                continue;
             }
             if !run.ledger.reached() {
                 run.adapt(self, before)?;
@@ -167,11 +167,6 @@ impl Solver for Growing {
         }
         Ok(run.ledger.finish(run.field))
     }
-}
-
-/// Whether short recurrences are cheaper than a longer basis.
-fn is_strong(problem: &dyn System) -> bool {
-    problem.operator().is_none_or(|scalar| scalar.media.largest_contrast() > STRONG)
 }
 
 impl Gmres {
@@ -239,16 +234,42 @@ impl RightFactor {
 }
 
 impl KrylovRun<'_> {
+    /// Whether grains resonate by themselves, or nothing is known of the mean slab's guided modes.
+    fn is_strong(&self) -> bool {
+        self.ledger.problem.operator().is_none_or(|scalar| scalar.media.largest_contrast() > STRONG)
+    }
+
     fn is_coarse(&self) -> bool {
         matches!(self.correction, Some(RightFactor::Coarse(_)))
     }
 
-    /// Solves the lowest harmonics exactly from now on, if memory allows it for this wave.
-    fn take_coarse(&mut self, solver: &Growing) -> bool {
-        let bytes = (solver.longest * size_of_val(flat(&self.field))) as f64;
-        let coarse = self.ledger.problem.operator().and_then(|problem| CoarseSpace::new(problem, bytes));
-        self.correction = coarse.map(RightFactor::Coarse).or(self.correction.take());
-        self.is_coarse()
+    /// Continues with short recurrences; if they last longer than the elimination of the lowest
+    /// harmonics, and `bytes` suffice for it, with that.
+    fn solve_strong(&mut self, bytes: f64) -> Result<(), SolveError> {
+        let plan = self.ledger.problem.operator().map(CoarsePlan::new).filter(|plan| plan.bytes() <= bytes);
+        let (left, before) = (self.ledger.account.residual, [&self.field, &self.work].map(Field::clone));
+        let tried = self.short_recurrences(plan.as_ref().map(CoarsePlan::in_applications));
+        let (Err(SolveError::NotConverged { .. } | SolveError::Diverged { .. }), Some(plan)) = (&tried, plan)
+        else {
+            return tried;
+        };
+        if self.ledger.account.residual > left {
+            [self.field, self.work] = before;
+        }
+        self.correction = Some(RightFactor::Coarse(plan.carried_out()));
+        Ok(())
+    }
+
+    /// IDR(s) for a share of what an alternative costs, or until the applications are used up.
+    fn short_recurrences(&mut self, alternative: Option<f64>) -> Result<(), SolveError> {
+        let (whole, used) = (self.ledger.goal.max_applications, self.ledger.account.operator_applications);
+        let left = whole.saturating_sub(used);
+        let patience = alternative.map_or(left, |cost| (left / 2).min((PATIENCE * cost) as usize));
+        self.ledger.goal.max_applications = used + patience;
+        let tried =
+            Idr::default().advance(&mut self.ledger, [&mut self.field, &mut self.work], STRONG_ADVICE);
+        self.ledger.goal.max_applications = whole;
+        tried
     }
 
     /// One restart cycle: builds a basis from the residual in `work` and corrects the field.

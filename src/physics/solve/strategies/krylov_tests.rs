@@ -251,7 +251,7 @@ fn a_hard_solve_takes_pains() {
 /// the applications of the whole basis (measured: see the constant `SLOW`).
 /// *Planted*: ω never renewed.
 #[test]
-fn strong_scatterers_are_left_to_short_recurrences() {
+fn strong_scatterers_are_left_to_short_recurrences_and_to_elimination() {
     let (problem, goal) = (hard(2.6), Goal { tolerance: 1e-4, ..Goal::default() });
     let off = GuidedModes { threshold: 0.0, ..GuidedModes::default() };
     let short = Gmres { restart: 60, guided_modes: off };
@@ -267,6 +267,26 @@ fn strong_scatterers_are_left_to_short_recurrences() {
         assert!(own < 3 * most, "{own} against {most}");
         assert!(found.account.bytes < whole.account.bytes);
     }
+    // Whatever comes first, the elimination ends it.
+    let eliminated = impatient(&problem, goal);
+    assert!(largest(&whole.field, &eliminated.field) < 0.05);
+    let [most, own] = [&whole, &eliminated].map(|solution| solution.account.operator_applications);
+    assert!(5 * own < most, "{own} against {most}");
+}
+
+/// A solve whose lowest harmonics are eliminated at once.
+fn impatient(problem: &Problem, goal: Goal) -> Solution {
+    let mut silent = Silent;
+    let ledger = Ledger::new("krylov", problem, goal, &mut silent);
+    let (field, work) = (Field::zeros(problem.shape()), ledger.background.clone());
+    let correction = Some(RightFactor::Coarse(CoarsePlan::new(problem).carried_out()));
+    let mut run =
+        KrylovRun { ledger, field, work, correction, single: None, restart: 60, first_cycle: true };
+    while !run.ledger.reached() {
+        run.cycle(&Double(problem), 60).expect("goes on");
+        run.ledger.measure(&run.field, &mut run.work);
+    }
+    run.ledger.finish(run.field)
 }
 
 #[test]
