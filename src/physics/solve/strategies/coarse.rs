@@ -15,7 +15,7 @@ use crate::wave::grid::element::Element;
 use cell::{CoarseCell, add_product};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, c32};
-use num_complex::Complex;
+use num_complex::{Complex, Complex64};
 use std::f64::consts::TAU;
 
 /// Largest lateral wavenumber of the harmonics solved exactly, over that in the grains: with 1.0
@@ -213,12 +213,13 @@ impl<'a> CoarsePlan<'a> {
 
 /// Diagonal and coupling of the nodes' mean operator: node or cell → column.
 fn node_tables(problem: &Problem, columns: &[usize]) -> (Vec<Vec<c32>>, Vec<Vec<c32>>) {
-    let of = |&i: &usize| problem.mean.node_matrix(i, problem.end_conditions(i));
-    let (own, off): (Vec<_>, Vec<_>) = columns.iter().map(of).unzip();
-    let transposed = |table: &[Vec<Complex<f64>>]| -> Vec<Vec<c32>> {
-        (0..table[0].len()).map(|j| table.iter().map(|column| narrow(column[j])).collect()).collect()
-    };
-    (transposed(&own), transposed(&off))
+    let own = columns.iter().map(|&i| problem.mean.node_matrix(i, problem.end_conditions(i)));
+    let (diagonal, off): (Vec<_>, Vec<_>) = own.unzip();
+    (transposed(&diagonal), transposed(&off))
+}
+
+fn transposed(table: &[Vec<Complex64>]) -> Vec<Vec<c32>> {
+    (0..table[0].len()).map(|j| table.iter().map(|column| narrow(column[j])).collect()).collect()
 }
 
 /// The bubbles' values by inner points.

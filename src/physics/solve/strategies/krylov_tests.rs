@@ -1,9 +1,12 @@
 //! GMRES and Born against a dense solve of the same, assembled system on tiny awkward grids.
 
+use super::super::coarse::{CoarsePlan, CoarseSpace};
 use super::*;
+use crate::solve::vectors::norm;
 use crate::solve::{Born, Direct, Idr, Silent, Step};
 use crate::wave::{Ball, Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use faer::linalg::solvers::Solve;
+use num_complex::Complex64;
 use std::ops::ControlFlow;
 
 const SCHEMES: [Scheme; 5] =
@@ -247,9 +250,10 @@ fn a_hard_solve_takes_pains() {
     assert!(largest(&whole.field, &pains.field) < 0.05);
 }
 
-/// What a first cycle leaves of strong scatterers is left to short recurrences: at most three times
-/// the applications of the whole basis (measured: see the constant `SLOW`).
-/// *Planted*: ω never renewed.
+/// What a first cycle leaves of strong scatterers is left to short recurrences, at most three times
+/// the applications of the whole basis (measured: see the constant `SLOW`), or soon to the
+/// elimination of the lowest harmonics, which needs a fifth of them by itself.
+/// *Planted*: ω never renewed; a wrong sign in the elimination of the nodes or of the inner points.
 #[test]
 fn strong_scatterers_are_left_to_short_recurrences_and_to_elimination() {
     let (problem, goal) = (hard(2.6), Goal { tolerance: 1e-4, ..Goal::default() });
@@ -258,30 +262,26 @@ fn strong_scatterers_are_left_to_short_recurrences_and_to_elimination() {
     let restarted = short.solve(&problem, goal, &mut Silent);
     assert!(restarted.is_err(), "restarts alone do not get there in 2000 applications");
     let whole = Gmres { restart: 600, ..short }.solve(&problem, goal, &mut Silent).expect("converges");
+    let most = whole.account.operator_applications as f64;
+    let recurrences = Idr::default().solve(&problem, goal, &mut Silent).expect("converges");
     let handed = Growing { settings: short, longest: 240 }.solve(&problem, goal, &mut Silent);
-    for found in [handed, Idr::default().solve(&problem, goal, &mut Silent)] {
-        let found = found.expect("converges");
+    let handed = handed.expect("converges");
+    for (found, share) in [(recurrences, 3.0), (handed, 0.6), (eliminated(&problem, goal), 0.2)] {
         // Both residuals are at most 1e-4; resonances amplify them.
         assert!(largest(&whole.field, &found.field) < 0.05);
-        let [most, own] = [&whole, &found].map(|solution| solution.account.operator_applications);
-        assert!(own < 3 * most, "{own} against {most}");
+        let own = found.account.operator_applications as f64;
+        assert!(own < share * most, "{own} against {most}");
         assert!(found.account.bytes < whole.account.bytes);
     }
-    // Whatever comes first, the elimination ends it.
-    let eliminated = impatient(&problem, goal);
-    assert!(largest(&whole.field, &eliminated.field) < 0.05);
-    let [most, own] = [&whole, &eliminated].map(|solution| solution.account.operator_applications);
-    assert!(5 * own < most, "{own} against {most}");
 }
 
 /// A solve whose lowest harmonics are eliminated at once.
-fn impatient(problem: &Problem, goal: Goal) -> Solution {
+fn eliminated(problem: &Problem, goal: Goal) -> Solution {
     let mut silent = Silent;
     let ledger = Ledger::new("krylov", problem, goal, &mut silent);
     let (field, work) = (Field::zeros(problem.shape()), ledger.background.clone());
     let correction = Some(RightFactor::Coarse(CoarsePlan::new(problem).carried_out()));
-    let mut run =
-        KrylovRun { ledger, field, work, correction, single: None, restart: 60, first_cycle: true };
+    let mut run = KrylovRun { ledger, field, work, correction, single: None, restart: 60, first_cycle: true };
     while !run.ledger.reached() {
         run.cycle(&Double(problem), 60).expect("goes on");
         run.ledger.measure(&run.field, &mut run.work);

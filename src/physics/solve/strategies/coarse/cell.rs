@@ -10,6 +10,7 @@ use crate::wave::Problem;
 use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Accum, ColMut, ColRef, Mat, Par, c32};
+use ndarray::Array2;
 use num_complex::Complex64;
 
 /// A cell with its inner points eliminated; vectors list the harmonics of one point after another.
@@ -39,11 +40,10 @@ impl CoarseCell {
                 row.iter().enumerate().for_each(|(g, k)| matrix[(p * count + g, q * count + g)] += k);
             }
         }
-        let share = |q: usize| &problem.mean.inverse.left_share[q];
-        let of = |q: usize| columns.iter().map(move |&i| narrow(share(q)[[cell, i]]));
-        let shares: [Vec<c32>; 2] =
-            [(0..inner).flat_map(of).collect(), (0..inner).rev().flat_map(of).collect()];
-        let loads = [0, 1].map(|side: usize| stiff(&stiffness, &shares[side]));
+        let left: Vec<Vec<c32>> =
+            problem.mean.inverse.left_share.iter().map(|table| chosen(table, cell, columns)).collect();
+        let shares = [left.concat(), left.into_iter().rev().collect::<Vec<_>>().concat()];
+        let loads = shares.each_ref().map(|share| stiff(&stiffness, share));
         Self { count, inverse: matrix.partial_piv_lu().inverse(), stiffness, shares, loads }
     }
 
@@ -110,22 +110,32 @@ pub(super) fn add_product(out: &mut [c32], factor: f32, matrix: &Mat<c32>, v: &[
 /// The contrast of one plane between harmonics: Fourier coefficients of W at their differences.
 pub(super) fn contrast_matrix(problem: &Problem, columns: &[usize], plane: usize) -> Mat<c32> {
     let spectrum = problem.contrast_spectrum(plane).mapv(narrow::<f32>);
-    let orders: Vec<[i32; 2]> = columns.iter().map(|&i| problem.harmonics.orders[i]).collect();
     let (nx, ny) = spectrum.dim();
-    let wrap = |m: i32, n: usize| m.rem_euclid(n as i32) as usize;
-    let entry = |[a, b]: [i32; 2], [c, d]: [i32; 2]| spectrum[[wrap(a - c, nx), wrap(b - d, ny)]];
-    Mat::from_fn(orders.len(), orders.len(), |g, h| entry(orders[g], orders[h]))
+    Mat::from_fn(columns.len(), columns.len(), |g, h| {
+        let [[a, b], [c, d]] = [g, h].map(|i| problem.harmonics.orders[columns[i]]);
+        spectrum[[(a - c).rem_euclid(nx as i32) as usize, (b - d).rem_euclid(ny as i32) as usize]]
+    })
 }
 
 /// The bubbles' part of A between values at the inner points of a cell, diagonal in the harmonics.
 fn stiffness(problem: &Problem, columns: &[usize], cell: usize) -> Vec<Vec<Vec<c32>>> {
-    let (amplitudes, inner) = (&problem.mean.element.amplitudes, 0..problem.mean.element.degree - 1);
-    let entry = |p: usize, q: usize, column: usize| {
-        let part = |i: usize| problem.mean.bubble(cell, i, column) * amplitudes[i][p] * amplitudes[i][q];
-        narrow(inner.clone().map(part).sum::<Complex64>())
-    };
-    let row = |p: usize, q: usize| columns.iter().map(|&i| entry(p, q, i)).collect();
-    inner.clone().map(|p| inner.clone().map(|q| row(p, q)).collect()).collect()
+    let amplitudes = &problem.mean.element.amplitudes;
+    let points = amplitudes.len();
+    let mut sums = vec![vec![vec![Complex64::ZERO; columns.len()]; points]; points];
+    for (i, own) in amplitudes.iter().enumerate() {
+        for (g, &column) in columns.iter().enumerate() {
+            let bubble = problem.mean.bubble(cell, i, column);
+            for (p, q) in (0..points * points).map(|k| (k / points, k % points)) {
+                sums[p][q][g] += bubble * own[p] * own[q];
+            }
+        }
+    }
+    sums.iter().map(|row| row.iter().map(|own| own.iter().map(|&z| narrow(z)).collect()).collect()).collect()
+}
+
+/// The chosen columns of one row of a table.
+fn chosen(table: &Array2<Complex64>, row: usize, columns: &[usize]) -> Vec<c32> {
+    columns.iter().map(|&i| narrow(table[[row, i]])).collect()
 }
 
 /// K v.
