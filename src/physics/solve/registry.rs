@@ -159,7 +159,7 @@ macro_rules! built_in {
 }
 
 built_in! {
-    "krylov" => Krylov(Gmres), "GMRES with the mean slab's guided modes treated exactly.";
+    "krylov" => Krylov(Gmres), "GMRES; guided modes of the mean slab and the lowest harmonics of strong scatterers are solved exactly.";
     "bicgstab" => Bicgstab(Bicgstab), "BiCGSTAB: little memory, erratic without absorption.";
     "idr" => Idr(Idr), "IDR(s): short recurrences for strong scatterers without absorption.";
     "born" => Born(Born), "The Born series (P2 section 2): plain and fast where it converges.";
