@@ -23,6 +23,10 @@ const SPECTRA: [&str; 4] = ["reflectance", "transmittance", "natural_light", "li
 
 /// Coverage that is promised of 95 % intervals.
 const PROMISED: [f64; 2] = [0.93, 0.97];
+/// Root mean square of deviations over their standard errors that is promised.
+const SPREAD: [f64; 2] = [0.85, 1.1];
+/// Standard errors by which a sample may miss what is promised: one in a hundred does.
+const CHANCE: f64 = 2.6;
 /// ΔE₀₀ at which the stopping rule ends, between 16 and 40 cells.
 const TARGET: f64 = 0.6;
 
@@ -131,11 +135,14 @@ fn covered(all: &[Deviations], of: Pick, width: f64) -> Estimate {
     Estimate::of_mean(&all.iter().map(share).collect::<Vec<_>>())
 }
 
-/// Root mean square of a kind's deviations, in units of the bars' 95 % over 1.96.
-fn spread(all: &[Deviations], of: Pick) -> f64 {
-    let squares = |d: &Deviations| of(d).iter().map(|z| (1.96 * z / d.factor).powi(2)).sum::<f64>();
-    let count: usize = all.iter().map(|d| of(d).len()).sum();
-    (all.iter().map(squares).sum::<f64>() / count as f64).sqrt()
+/// Root mean square of a kind's deviations in units of the bars' 95 % over 1.96, with its error by the studies.
+fn spread(all: &[Deviations], of: Pick) -> [f64; 2] {
+    let square = |d: &Deviations| {
+        of(d).iter().map(|z| (1.96 * z / d.factor).powi(2)).sum::<f64>() / of(d).len() as f64
+    };
+    let mean = Estimate::of_mean(&all.iter().map(square).collect::<Vec<_>>());
+    let rms = mean.value.sqrt();
+    [rms, 0.5 * mean.standard_error.unwrap_or(0.0) / rms]
 }
 
 fn measure(level: Level, findings: &mut Findings) {
@@ -173,10 +180,12 @@ fn small_studies(
     findings.tables.push(table(&kind, &all, truth));
 }
 
-/// What is promised, widened by what chance does to the share: 2.6 of its standard errors, over studies, one in a hundred.
+/// What is promised, widened by what chance does to the share of so many studies: 2.6 of its standard errors, one in a
+/// hundred. A share near one says little of its own error, which is at least that of two independent numbers a study.
 /// Four studies are too few for that.
-fn bounds(level: Level, share: &Estimate) -> [f64; 2] {
-    let chance = 2.6 * share.standard_error.unwrap_or(0.0);
+fn bounds(level: Level, share: &Estimate, studies: usize) -> [f64; 2] {
+    let least = (PROMISED[1] * (1.0 - PROMISED[1]) / (2.0 * studies as f64)).sqrt();
+    let chance = CHANCE * share.standard_error.unwrap_or(0.0).max(least);
     level.pick([0.75, 1.0], [PROMISED[0] - chance, PROMISED[1] + chance])
 }
 
@@ -189,15 +198,26 @@ fn chance(level: Level, kind: &str, all: &[Deviations], findings: &mut Findings)
         findings.check(
             what,
             share.value,
-            Bound::Within(bounds(level, &share)),
+            Bound::Within(bounds(level, &share, all.len())),
             Reason::Significance,
             because,
         );
         if level == Level::Full {
             let what = format!("{kind}: root mean square deviation over its law's: {name}");
-            let because =
-                "intervals of the right width; Student's law is scaled to the normal one by its 95 % factor";
-            findings.check(what, spread(all, of), Bound::Within([0.85, 1.1]), Reason::Promise, because);
+            let because = "0.85 to 1.1 are promised, Student's law scaled to the normal one by its 95 % factor; the range adds 2.6 standard errors of the sample, by the studies";
+            let [rms, error] = spread(all, of);
+            let bound = Bound::Within([SPREAD[0] - CHANCE * error, SPREAD[1] + CHANCE * error]);
+            findings.check(what, rms, bound, Reason::Significance, because);
+            let what =
+                format!("{kind}: the same with bars two thirds as wide, over the most allowed: {name}");
+            let narrow = 1.5 * rms / (SPREAD[1] + CHANCE * 1.5 * error);
+            findings.check(
+                what,
+                narrow,
+                Bound::AtLeast(1.0),
+                Reason::Significance,
+                "the power of the test above",
+            );
         }
     }
     if level == Level::Full {
@@ -216,20 +236,28 @@ fn printed(level: Level, kind: &str, all: &[Deviations], shifts: &[Shift], findi
         let what = format!(
             "{kind}: share of printed intervals that hold the truth on twice the points and planes: {name}"
         );
-        let least = Bound::AtLeast(bounds(level, &share)[0]);
+        let least = Bound::AtLeast(bounds(level, &share, all.len())[0]);
         findings.check(what, share.value, least, Reason::Significance, because);
     }
-    let count: usize = shifts.iter().map(|shift| shift.change.len()).sum();
-    let held = |width: f64| shifts.iter().map(|shift| shift.held(width)).sum::<usize>() as f64 / count as f64;
+    let held =
+        |width: f64| Estimate::of_mean(&shifts.iter().map(|shift| shift.held(width)).collect::<Vec<_>>());
     let what = format!(
         "{kind}: share of changes by twice the points and planes that the grid's part of the bars holds"
     );
-    let because = "95 % are meant; claims 8 and 15 judge the errors of single amplitudes";
-    findings.check(what, held(1.0), Bound::AtLeast(0.95), Reason::Promise, because);
+    let because = "95 % are meant, less 2.6 standard errors by the studies; claims 8 and 15 judge the errors of single amplitudes";
+    let share = held(1.0);
+    let least = Bound::AtLeast(0.95 - CHANCE * share.standard_error.unwrap_or(0.0));
+    findings.check(what, share.value, least, Reason::Significance, because);
     if level == Level::Full {
         let what =
             format!("{kind}: share of those changes that a twentieth of that part holds, which is noticed");
-        findings.check(what, held(0.05), Bound::AtMost(0.95), Reason::Promise, "the power of the test above");
+        findings.check(
+            what,
+            held(0.05).value,
+            Bound::AtMost(0.95),
+            Reason::Promise,
+            "the power of the test above",
+        );
     }
 }
 

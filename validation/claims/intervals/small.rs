@@ -145,12 +145,10 @@ impl Shift {
         }
     }
 
-    /// How many of the changes are within 1.96 of the parts times `width`.
-    pub fn held(&self, width: f64) -> usize {
-        self.change
-            .iter()
-            .zip(&self.part)
-            .filter(|(change, part)| change.abs() <= 1.96 * width * **part)
-            .count()
+    /// Share of the changes that are within 1.96 of the parts times `width`.
+    pub fn held(&self, width: f64) -> f64 {
+        let pairs = self.change.iter().zip(&self.part);
+        let held = pairs.filter(|(change, part)| change.abs() <= 1.96 * width * **part).count();
+        held as f64 / self.change.len() as f64
     }
 }
