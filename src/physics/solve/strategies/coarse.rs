@@ -1,8 +1,8 @@
 //! The lowest harmonics solved exactly, for grains that resonate by themselves.
 //!
-//! Resonances of strong scatterers live in the lateral harmonics below the wavenumber in the grains;
-//! higher ones decay, and the mean medium's inverse treats them well. On the lower ones, (A + V) is
-//! block tridiagonal along z: eliminated once in single precision, it gives the operator
+//! Resonances of strong scatterers live in the lateral harmonics below the wavenumber in the
+//! grains; higher ones decay, and the mean medium's inverse treats them well. On the lower ones,
+//! (A + V) is block tridiagonal along z: eliminated once in single precision, it gives the operator
 //! Q = (1 + A⁻¹V)⁻¹ restricted to them, which GMRES applies from the right. The residual remains
 //! the true one. It costs the cube of the number of these harmonics per cell, once (15 % of
 //! n = 2.65, 235 nm, 2 µm, 550 nm, κ = 0: 281 harmonics, and 35 steps instead of 1650 of IDR(12)).

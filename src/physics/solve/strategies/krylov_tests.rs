@@ -53,8 +53,8 @@ fn largest(a: &Field, b: &Field) -> f64 {
 
 /// On all harmonics the operator is the inverse itself, up to single precision.
 ///
-/// *Planted*: the shares of the two nodes exchanged, the nodes' mean operator left out of the loads,
-/// a bubble's amplitude from the wrong point.
+/// *Planted*: a wrong sign of what the inner points load the nodes with, or the factors of an
+/// eliminated node in the wrong order.
 #[test]
 fn the_lowest_harmonics_are_solved_exactly() {
     for size in awkward() {
