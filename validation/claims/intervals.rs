@@ -52,21 +52,21 @@ const INKS: [Ink; 3] = [
         kinds: &[
             (Cells::Fixed(8), 120, 8),
             (Cells::Fixed(16), 60, 4),
-            (Cells::Fixed(40), 24, 2),
-            (Cells::Until(TARGET), 40, 2),
+            (Cells::Fixed(40), 40, 2),
+            (Cells::Until(TARGET), 60, 6),
         ],
     },
     Ink {
         name: "intervals-blue",
         study: include_str!("../data/intervals-blue.toml"),
         known: include_str!("../data/intervals-blue.json"),
-        kinds: &[(Cells::Fixed(8), 60, 4), (Cells::Until(TARGET), 24, 2)],
+        kinds: &[(Cells::Fixed(8), 120, 4), (Cells::Until(TARGET), 96, 6)],
     },
     Ink {
         name: "intervals-clear",
         study: include_str!("../data/intervals-clear.toml"),
         known: include_str!("../data/intervals-clear.json"),
-        kinds: &[(Cells::Fixed(8), 60, 4), (Cells::Fixed(16), 30, 2)],
+        kinds: &[(Cells::Fixed(8), 180, 4), (Cells::Fixed(16), 120, 2)],
     },
 ];
 

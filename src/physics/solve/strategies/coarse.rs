@@ -12,7 +12,7 @@ mod cell;
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::Problem;
 use crate::wave::grid::element::Element;
-use cell::{CoarseCell, add_product};
+use cell::{CoarseCell, add_product, product};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, c32};
 use num_complex::{Complex, Complex64};
@@ -23,8 +23,8 @@ use std::f64::consts::TAU;
 const CUT: f64 = 1.3;
 
 /// Operations of dense elimination that take as long as one unknown's share in one application with
-/// the vector sums of IDR(12): 25 a nanosecond against 80 ns.
-const APPLICATION: f64 = 2000.0;
+/// the vector sums of IDR(12): 45 a nanosecond of a core against 80 ns.
+const APPLICATION: f64 = 3600.0;
 
 /// The operator Q, ready to be applied to fields.
 pub(super) struct CoarseSpace {
@@ -38,57 +38,48 @@ pub(super) struct CoarseSpace {
     diagonal: Vec<Vec<c32>>,
     off: Vec<Vec<c32>>,
     cells: Vec<CoarseCell>,
-    /// Elimination of the nodes D_j − F_{j−1} D′⁻¹_{j−1} E_{j−1} = D′_j: D′⁻¹ of each node, F and
-    /// D′⁻¹E of each cell.
+    /// Elimination of the nodes D_j − F_{j−1} D′⁻¹_{j−1} E_{j−1} = D′_j: D′⁻¹ of each node. The cells
+    /// apply F and E.
     pivots: Vec<Mat<c32>>,
-    lower: Vec<Mat<c32>>,
-    upper: Vec<Mat<c32>>,
 }
 
 impl CoarseSpace {
     /// The operator on given columns of a field.
     pub fn of(problem: &Problem, columns: Vec<usize>) -> Self {
-        let (own, off) = node_tables(problem, &columns);
-        // one after another: each works in parallel and needs three times what it leaves behind
-        let numbers = 0..problem.coverage.grid.cells();
-        let cells = numbers.map(|j| CoarseCell::new(problem, &columns, j)).collect();
+        let (diagonal, off) = node_tables(problem, &columns);
         let mut space = Self {
             harmonics: problem.harmonics.len(),
             bubbles: from_bubbles(&problem.mean.element),
             amplitudes: problem.mean.element.amplitudes.clone(),
-            diagonal: own,
+            diagonal,
             off,
-            cells,
+            cells: Vec::new(),
             pivots: Vec::new(),
-            lower: Vec::new(),
-            upper: Vec::new(),
             columns,
         };
         space.eliminate(problem);
         space
     }
 
-    /// Eliminates the nodes from the illuminated face on.
+    /// Eliminates cells and nodes from the illuminated face on.
     fn eliminate(&mut self, problem: &Problem) {
-        for j in 0..=self.cells.len() {
+        let mut before = None;
+        for j in 0..self.diagonal.len() {
             let mut own = cell::contrast_matrix(problem, &self.columns, self.degree() * j);
             add_diagonal(&mut own, &self.diagonal[j]);
-            if let Some(next) = self.cells.get(j) {
-                own += next.coupling([0, 0]);
+            if let Some(taken) = before.take() {
+                own += taken;
             }
-            if j > 0 {
-                own += self.cells[j - 1].coupling([1, 1]);
-                own -= &self.lower[j - 1] * &self.upper[j - 1];
-            }
-            let pivot = own.partial_piv_lu().inverse();
-            if let Some(next) = self.cells.get(j) {
-                let [mut upper, mut lower] = [[0, 1], [1, 0]].map(|sides| next.coupling(sides));
-                add_diagonal(&mut upper, &self.off[j]);
-                add_diagonal(&mut lower, &self.off[j]);
-                self.upper.push(&pivot * upper);
-                self.lower.push(lower);
-            }
-            self.pivots.push(pivot);
+            let next = self.off.get(j).map(|off| {
+                let (cell, [first, mut upper, mut lower, second]) =
+                    CoarseCell::new(problem, &self.columns, j);
+                [&mut upper, &mut lower].into_iter().for_each(|coupling| add_diagonal(coupling, off));
+                self.cells.push(cell);
+                own += first;
+                [upper, lower, second]
+            });
+            self.pivots.push(own.partial_piv_lu().inverse());
+            before = next.map(|[upper, lower, second]| second - lower * (&self.pivots[j] * upper));
         }
     }
 
@@ -98,9 +89,8 @@ impl CoarseSpace {
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
-        let nodes = self.pivots.iter().chain(&self.lower).chain(&self.upper);
-        let entries = nodes.map(|m| m.nrows() * m.ncols()).sum::<usize>();
-        (entries + self.cells.iter().map(CoarseCell::entries).sum::<usize>()) * size_of::<c32>()
+        let nodes = self.pivots.len() * self.columns.len().pow(2);
+        (nodes + self.cells.iter().map(CoarseCell::entries).sum::<usize>()) * size_of::<c32>()
     }
 
     /// Applies v ← Q v on the harmonics solved exactly; the others stay.
@@ -124,8 +114,10 @@ impl CoarseSpace {
         let mut inner = Vec::with_capacity(self.cells.len());
         for (j, cell) in self.cells.iter().enumerate() {
             let values = combined(&self.bubbles, &field[degree * j + 1..degree * (j + 1)]).concat();
-            let sides = nodes.get_disjoint_mut([j, j + 1]).expect("two nodes");
-            inner.push(cell.condense(&values, sides));
+            let caused = cell.bubbles(&values);
+            [0, 1].into_iter().for_each(|side| cell.unload(side, &caused, &mut nodes[j + side]));
+            let [values, _] = caused;
+            inner.push(values);
         }
         self.solve_nodes(&mut nodes);
         for (j, (cell, inner)) in self.cells.iter().zip(inner).enumerate() {
@@ -141,7 +133,7 @@ impl CoarseSpace {
     fn node_products(&self, field: &[Vec<c32>]) -> Vec<Vec<c32>> {
         let node = |j: usize| &field[self.degree() * j];
         let mut out: Vec<Vec<c32>> =
-            self.diagonal.iter().enumerate().map(|(j, own)| products(own, node(j))).collect();
+            self.diagonal.iter().enumerate().map(|(j, own)| product(own, node(j))).collect();
         for (j, off) in self.off.iter().enumerate() {
             for (to, from) in [(j, j + 1), (j + 1, j)] {
                 let sums = out[to].iter_mut().zip(off.iter().zip(node(from)));
@@ -152,19 +144,32 @@ impl CoarseSpace {
     }
 
     fn solve_nodes(&self, nodes: &mut [Vec<c32>]) {
-        let none = || vec![c32::default(); self.columns.len()];
         for j in 0..nodes.len() {
             if j > 0 {
                 let [before, here] = nodes.get_disjoint_mut([j - 1, j]).expect("two nodes");
-                add_product(here, -1.0, &self.lower[j - 1], before);
+                self.couple(j - 1, [0, 1], before, here);
             }
-            let right = std::mem::replace(&mut nodes[j], none());
-            add_product(&mut nodes[j], 1.0, &self.pivots[j], &right);
+            let mut solved = self.none();
+            add_product(&mut solved, 1.0, &self.pivots[j], &nodes[j]);
+            nodes[j] = solved;
         }
-        for j in (0..self.upper.len()).rev() {
+        for j in (0..self.cells.len()).rev() {
             let [here, after] = nodes.get_disjoint_mut([j, j + 1]).expect("two nodes");
-            add_product(here, -1.0, &self.upper[j], after);
+            let mut load = self.none();
+            self.couple(j, [1, 0], after, &mut load);
+            add_product(here, 1.0, &self.pivots[j], &load);
         }
+    }
+
+    /// Subtracts from the load of one node of a cell what the other couples into it.
+    fn couple(&self, cell: usize, [from, to]: [usize; 2], node: &[c32], load: &mut [c32]) {
+        self.cells[cell].unload(to, &self.cells[cell].reached(from, node), load);
+        let direct = load.iter_mut().zip(self.off[cell].iter().zip(node));
+        direct.for_each(|(load, (off, x))| *load -= off * x);
+    }
+
+    fn none(&self) -> Vec<c32> {
+        vec![c32::default(); self.columns.len()]
     }
 }
 
@@ -187,16 +192,18 @@ impl<'a> CoarsePlan<'a> {
 
     /// Memory of the operator and of its construction, bytes.
     pub fn bytes(&self) -> f64 {
-        // matrix, factors and inverse of one cell on top, and matrices of a node
+        // on top: the inverse of one cell by blocks, its couplings and what they are made of
         let [cells, inner] = self.sizes();
-        let blocks = cells * (inner * inner + 3.0) + 3.0 * inner * inner + 4.0;
+        let blocks = cells * (inner + 1.0) + inner * inner + 2.0 * inner + 8.0;
         (self.columns.len().pow(2) * size_of::<c32>()) as f64 * blocks
     }
 
     /// Applications of the operator by short recurrences that take as long as the elimination.
     pub fn in_applications(&self) -> f64 {
         let [cells, inner] = self.sizes();
-        let operations = 8.0 * (self.columns.len() as f64).powi(3) * cells * (inner.powi(3) + 3.0);
+        // an inverse each point and each node; products of the nodes; products of the blocks
+        let blocks = (0..inner as usize).map(|k| (k * (k + 2)) as f64).sum::<f64>();
+        let operations = 8.0 * (self.columns.len() as f64).powi(3) * cells * (inner + 1.0 + 2.0 + blocks);
         operations / (APPLICATION * self.problem.unknowns() as f64)
     }
 
@@ -231,10 +238,6 @@ fn from_bubbles(element: &Element) -> Vec<Vec<f64>> {
 fn combined(table: &[Vec<f64>], rows: &[Vec<c32>]) -> Vec<Vec<c32>> {
     let entry = |factors: &[f64], g: usize| factors.iter().zip(rows).map(|(&x, row)| row[g] * x as f32).sum();
     table.iter().map(|factors| (0..rows[0].len()).map(|g| entry(factors, g)).collect()).collect()
-}
-
-fn products(a: &[c32], b: &[c32]) -> Vec<c32> {
-    a.iter().zip(b).map(|(a, b)| a * b).collect()
 }
 
 fn add_diagonal(matrix: &mut Mat<c32>, diagonal: &[c32]) {

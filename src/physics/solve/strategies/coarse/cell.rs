@@ -4,6 +4,10 @@
 //! With the values v at the inner points, the shares S of the nodes in them, the bubbles'
 //! stiffness K and the contrast T at the points: (K + T) v = K (S x + y), where y are the values of
 //! the right-hand side's bubbles. The nodes get the loads SᵀTv = SᵀK(S x + y) − SᵀKv.
+//!
+//! K is diagonal in the harmonics and T in the points. So the inverse G of K + T grows point by
+//! point out of one dense matrix each, P = (K_kk + T_k − K_k· G K_·k)⁻¹ with G of the points before;
+//! only these are kept.
 
 use crate::numerics::fourier::narrow;
 use crate::wave::Problem;
@@ -13,92 +17,148 @@ use faer::{Accum, ColMut, ColRef, Mat, Par, c32};
 use ndarray::Array2;
 use num_complex::Complex64;
 
+/// Of points and points: something for each of the harmonics, or between them.
+type Blocks<T> = Vec<Vec<T>>;
+
 /// A cell with its inner points eliminated; vectors list the harmonics of one point after another.
 pub(super) struct CoarseCell {
     /// Number of harmonics.
     count: usize,
-    /// Inverse of K + T.
-    inverse: Mat<c32>,
-    /// K: point → point → harmonics.
-    stiffness: Vec<Vec<Vec<c32>>>,
+    /// P of each inner point.
+    pivots: Vec<Mat<c32>>,
+    /// K.
+    stiffness: Blocks<Vec<c32>>,
     /// S of the first and of the second node, and the products K S.
     shares: [Vec<c32>; 2],
     loads: [Vec<c32>; 2],
 }
 
 impl CoarseCell {
-    /// Eliminates the inner points of cell number `cell`.
-    pub fn new(problem: &Problem, columns: &[usize], cell: usize) -> Self {
-        let (inner, count) = (problem.mean.element.degree - 1, columns.len());
+    /// Eliminates the inner points of cell number `cell`; also the couplings SᵀTS of its nodes
+    /// (0: first, 1: second) by the contrast: of the first with itself, 0 with 1, 1 with 0, 1 with
+    /// itself.
+    pub fn new(problem: &Problem, columns: &[usize], cell: usize) -> (Self, [Mat<c32>; 4]) {
         let stiffness = stiffness(problem, columns, cell);
-        let mut matrix = Mat::<c32>::zeros(inner * count, inner * count);
-        for p in 0..inner {
-            let plane = problem.mean.element.degree * cell + 1 + p;
-            let mut own = matrix.as_mut().submatrix_mut(p * count, p * count, count, count);
-            own.copy_from(contrast_matrix(problem, columns, plane));
-            for (q, row) in stiffness[p].iter().enumerate() {
-                row.iter().enumerate().for_each(|(g, k)| matrix[(p * count + g, q * count + g)] += k);
-            }
-        }
+        let contrast =
+            |k: usize| contrast_matrix(problem, columns, problem.mean.element.degree * cell + 1 + k);
+        let (pivots, inverse) = bordered(&stiffness, contrast);
         let left: Vec<Vec<c32>> =
             problem.mean.inverse.left_share.iter().map(|table| chosen(table, cell, columns)).collect();
         let shares = [left.concat(), left.into_iter().rev().collect::<Vec<_>>().concat()];
         let loads = shares.each_ref().map(|share| stiff(&stiffness, share));
-        Self { count, inverse: matrix.partial_piv_lu().inverse(), stiffness, shares, loads }
+        let own = Self { count: columns.len(), pivots, stiffness, shares, loads };
+        let couplings = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|sides| own.coupling(&inverse, sides));
+        (own, couplings)
     }
 
     /// Number of complex numbers held.
     pub fn entries(&self) -> usize {
         let inner = self.stiffness.len();
-        self.inverse.nrows().pow(2) + (inner + 4) * self.shares[0].len()
+        inner * self.count.pow(2) + (inner + 4) * self.shares[0].len()
     }
 
-    /// Coupling SᵀTS of two of its nodes (0: first, 1: second) by the contrast, without inner
-    /// points.
-    pub fn coupling(&self, [a, b]: [usize; 2]) -> Mat<c32> {
-        let (points, count) = (self.stiffness.len(), self.count);
-        let [left, right] = [&self.loads[a], &self.loads[b]];
-        let through = |g: usize, h: usize| {
-            let pairs = (0..points * points).map(|k| (k / points * count + g, k % points * count + h));
-            pairs.map(|(r, c)| left[r] * self.inverse[(r, c)] * right[c]).sum::<c32>()
-        };
-        let mut coupling = Mat::from_fn(count, count, |g, h| -through(g, h));
-        let direct = self.shares[a].iter().zip(right).map(|(share, load)| share * load).enumerate();
-        direct.for_each(|(r, own)| coupling[(r % count, r % count)] += own);
+    /// Coupling of two of its nodes, given the inverse of K + T.
+    fn coupling(&self, inverse: &Blocks<Mat<c32>>, [a, b]: [usize; 2]) -> Mat<c32> {
+        let [left, right] = [&self.loads[a], &self.loads[b]].map(|load| load.chunks(self.count));
+        let mut coupling = Mat::zeros(self.count, self.count);
+        for (row, left) in inverse.iter().zip(left) {
+            for (block, right) in row.iter().zip(right.clone()) {
+                coupling -= Mat::from_fn(self.count, self.count, |g, h| left[g] * block[(g, h)] * right[h]);
+            }
+        }
+        let direct = self.shares[a].iter().zip(&self.loads[b]).map(|(share, load)| share * load).enumerate();
+        direct.for_each(|(r, own)| coupling[(r % self.count, r % self.count)] += own);
         coupling
     }
 
-    /// Subtracts from the nodes what the values `y` of bubbles load them with; returns the values
-    /// at the inner points that they cause at nodes of zero.
-    pub fn condense(&self, y: &[c32], nodes: [&mut Vec<c32>; 2]) -> Vec<c32> {
-        let load = stiff(&self.stiffness, y);
-        let values = self.inverted(&load);
-        for (side, node) in nodes.into_iter().enumerate() {
-            let [share, own] = [&self.shares[side], &self.loads[side]];
-            for r in 0..load.len() {
-                node[r % self.count] -= share[r] * load[r] - own[r] * values[r];
-            }
-        }
-        values
+    /// Values at the inner points that the bubbles' values `y` cause at nodes of zero, and the
+    /// loads Kᵀy, for [`Self::unload`].
+    pub fn bubbles(&self, y: &[c32]) -> [Vec<c32>; 2] {
+        self.caused(stiff(&self.stiffness, y))
     }
 
-    /// The bubbles' part of the values at the inner points, from those of [`Self::condense`] and
-    /// from the nodes.
+    /// Values at the inner points that one of the nodes causes, and its loads on them.
+    pub fn reached(&self, side: usize, node: &[c32]) -> [Vec<c32>; 2] {
+        let loads = self.loads[side].chunks(self.count);
+        self.caused(loads.flat_map(|load| load.iter().zip(node).map(|(l, x)| l * x)).collect())
+    }
+
+    fn caused(&self, load: Vec<c32>) -> [Vec<c32>; 2] {
+        let mut values = load.clone();
+        self.solve(self.pivots.len(), &mut values);
+        [values, load]
+    }
+
+    /// Subtracts from one of the nodes what values at the inner points, and the loads that cause
+    /// them, load it with.
+    pub fn unload(&self, side: usize, [values, load]: &[Vec<c32>; 2], node: &mut [c32]) {
+        let [share, own] = [&self.shares[side], &self.loads[side]];
+        for r in 0..load.len() {
+            node[r % self.count] -= share[r] * load[r] - own[r] * values[r];
+        }
+    }
+
+    /// The bubbles' part of the values at the inner points, from those of [`Self::bubbles`] and from
+    /// the nodes.
     pub fn expanded(&self, mut values: Vec<c32>, nodes: [&[c32]; 2]) -> Vec<c32> {
         let of = |table: &[Vec<c32>; 2], r: usize| {
             table[0][r] * nodes[0][r % self.count] + table[1][r] * nodes[1][r % self.count]
         };
-        let load: Vec<c32> = (0..values.len()).map(|r| of(&self.loads, r)).collect();
-        add_product(&mut values, 1.0, &self.inverse, &load);
-        values.iter_mut().enumerate().for_each(|(r, v)| *v -= of(&self.shares, r));
+        let [reached, _] = self.caused((0..values.len()).map(|r| of(&self.loads, r)).collect());
+        let rows = values.iter_mut().zip(reached).enumerate();
+        rows.for_each(|(r, (v, more))| *v += more - of(&self.shares, r));
         values
     }
 
-    fn inverted(&self, right: &[c32]) -> Vec<c32> {
-        let mut out = vec![c32::default(); right.len()];
-        add_product(&mut out, 1.0, &self.inverse, right);
-        out
+    /// v ← G v on the first `points` points.
+    fn solve(&self, points: usize, v: &mut [c32]) {
+        let Some(k) = points.checked_sub(1) else { return };
+        let (before, own) = v.split_at_mut(k * self.count);
+        self.solve(k, before);
+        let rows = before.chunks(self.count).zip(&self.stiffness[k]);
+        rows.for_each(|(v, stiff)| (0..self.count).for_each(|g| own[g] -= stiff[g] * v[g]));
+        let mut value = vec![c32::default(); self.count];
+        add_product(&mut value, 1.0, &self.pivots[k], own);
+        let mut change: Vec<c32> =
+            self.stiffness[k][..k].iter().flat_map(|stiff| product(stiff, &value)).collect();
+        self.solve(k, &mut change);
+        before.iter_mut().zip(change).for_each(|(v, change)| *v -= change);
+        own.copy_from_slice(&value);
     }
+}
+
+/// P of each inner point, and the inverse of K + T by blocks.
+fn bordered(
+    stiffness: &Blocks<Vec<c32>>,
+    contrast: impl Fn(usize) -> Mat<c32>,
+) -> (Vec<Mat<c32>>, Blocks<Mat<c32>>) {
+    let (mut pivots, mut inverse) = (Vec::new(), Blocks::<Mat<c32>>::new());
+    for (k, stiff) in stiffness.iter().enumerate() {
+        let diagonal = |p: usize| ColRef::from_slice(&stiff[p]).as_diagonal();
+        let mut own = contrast(k);
+        let mut sides = Vec::with_capacity(k);
+        for p in 0..k {
+            // G K_·k and K_k· G
+            let [mut column, mut row] = [(); 2].map(|()| Mat::zeros(own.nrows(), own.nrows()));
+            for q in 0..k {
+                column += &inverse[p][q] * diagonal(q);
+                row += diagonal(q) * &inverse[q][p];
+            }
+            own -= diagonal(p) * &column;
+            sides.push((column, row));
+        }
+        own.diagonal_mut().column_vector_mut().iter_mut().zip(&stiff[k]).for_each(|(d, k)| *d += k);
+        let pivot = own.partial_piv_lu().inverse();
+        for (p, (column, _)) in sides.iter().enumerate() {
+            let up = column * &pivot;
+            sides.iter().zip(&mut inverse[p]).for_each(|((_, row), block)| *block += &up * row);
+            inverse[p].push(-up);
+        }
+        let last = sides.iter().map(|(_, row)| -(&pivot * row)).chain([pivot.clone()]);
+        inverse.push(last.collect());
+        pivots.push(pivot);
+    }
+    (pivots, inverse)
 }
 
 /// Adds out ← out + factor · matrix · v.
@@ -118,7 +178,7 @@ pub(super) fn contrast_matrix(problem: &Problem, columns: &[usize], plane: usize
 }
 
 /// The bubbles' part of A between values at the inner points of a cell, diagonal in the harmonics.
-fn stiffness(problem: &Problem, columns: &[usize], cell: usize) -> Vec<Vec<Vec<c32>>> {
+fn stiffness(problem: &Problem, columns: &[usize], cell: usize) -> Blocks<Vec<c32>> {
     let amplitudes = &problem.mean.element.amplitudes;
     let points = amplitudes.len();
     let mut sums = vec![vec![vec![Complex64::ZERO; columns.len()]; points]; points];
@@ -138,8 +198,13 @@ fn chosen(table: &Array2<Complex64>, row: usize, columns: &[usize]) -> Vec<c32> 
     columns.iter().map(|&i| narrow(table[[row, i]])).collect()
 }
 
+/// Products entry by entry.
+pub(super) fn product(a: &[c32], b: &[c32]) -> Vec<c32> {
+    a.iter().zip(b).map(|(a, b)| a * b).collect()
+}
+
 /// K v.
-fn stiff(stiffness: &[Vec<Vec<c32>>], v: &[c32]) -> Vec<c32> {
+fn stiff(stiffness: &Blocks<Vec<c32>>, v: &[c32]) -> Vec<c32> {
     let count = (v.len() / stiffness.len().max(1)).max(1);
     let entry = |r: usize| {
         let terms = stiffness[r / count].iter().zip(v.chunks(count));

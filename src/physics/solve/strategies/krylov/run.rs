@@ -20,8 +20,12 @@ use num_complex::{Complex, Complex64};
 const SINGLE_GAIN: f64 = 0.2;
 /// A cycle that leaves more than this fraction of the residual has stalled.
 const STALLS: f64 = 0.99;
-/// Share of the elimination's cost for which short recurrences are tried before it: with 15 % of
-/// n = 2.65, 235 nm, in cells of 1.35 µm they solve 1 µm at half its cost, and 2 µm at four times.
+/// Applications that short recurrences need at least where GMRES stalls: an elimination that costs
+/// no more is carried out at once. 5 and 15 % of n = 2.3 and 2.65, 235 nm, 1 and 2 µm, cells of 1.35
+/// µm, 440 and 550 nm: 440 to 620 where they converge, which is in one half of these cases, and
+/// 1.3 to 2.1 times the processor time of the elimination.
+const LEAST: f64 = 400.0;
+/// Share of a dearer elimination's cost for which short recurrences are tried before it.
 const PATIENCE: f64 = 0.5;
 /// Contrast |η² − η_b²| of strong scatterers, where grains resonate by themselves. Below it, the
 /// guided modes of the mean slab are what delays the scalar wave, and correcting them is cheaper:
@@ -73,27 +77,25 @@ impl KrylovRun<'_> {
         matches!(self.correction, Some(RightFactor::Coarse(_)))
     }
 
-    /// Continues with short recurrences; if they last longer than the elimination of the lowest
-    /// harmonics, and `bytes` suffice for it, with that.
+    /// Continues with the elimination of the lowest harmonics if `bytes` suffice for it; where that
+    /// is dear, short recurrences are tried before it.
     pub fn solve_strong(&mut self, bytes: f64) -> Result<(), SolveError> {
         let plan = self.ledger.problem.operator().map(CoarsePlan::new).filter(|plan| plan.bytes() <= bytes);
-        let (left, before) = (self.ledger.account.residual, [&self.field, &self.work].map(Field::clone));
-        let tried = self.short_recurrences(plan.as_ref().map(CoarsePlan::in_applications));
-        let (Err(SolveError::NotConverged { .. } | SolveError::Diverged { .. }), Some(plan)) = (&tried, plan)
-        else {
-            return tried;
-        };
-        let now = self.ledger.account.residual;
-        if now.is_nan() || now > left {
-            [self.field, self.work] = before;
-            self.ledger.account.residual = left;
+        let cost = plan.as_ref().map(CoarsePlan::in_applications);
+        if cost.is_none_or(|cost| cost > LEAST) {
+            match (self.short_recurrences(cost), &plan) {
+                (Err(SolveError::NotConverged { .. } | SolveError::Diverged { .. }), Some(_)) => {}
+                (tried, _) => return tried,
+            }
         }
-        self.correction = Some(RightFactor::Coarse(plan.carried_out()));
+        self.correction = plan.map(|plan| RightFactor::Coarse(plan.carried_out()));
         Ok(())
     }
 
-    /// IDR(s) for a share of what an alternative costs, or until the applications are used up.
+    /// IDR(s) for a share of what an alternative costs, or until the applications are used up;
+    /// without success it leaves the better field.
     fn short_recurrences(&mut self, alternative: Option<f64>) -> Result<(), SolveError> {
+        let (residual, before) = (self.ledger.account.residual, [&self.field, &self.work].map(Field::clone));
         let (whole, used) = (self.ledger.goal.max_applications, self.ledger.account.operator_applications);
         let left = whole.saturating_sub(used);
         let patience = alternative.map_or(left, |cost| (left / 2).min((PATIENCE * cost) as usize));
@@ -101,6 +103,11 @@ impl KrylovRun<'_> {
         let tried =
             Idr::default().advance(&mut self.ledger, [&mut self.field, &mut self.work], STRONG_ADVICE);
         self.ledger.goal.max_applications = whole;
+        let now = self.ledger.account.residual;
+        if now.is_nan() || now > residual {
+            [self.field, self.work] = before;
+            self.ledger.account.residual = residual;
+        }
         tried
     }
 
