@@ -38,8 +38,8 @@ pub(super) struct CoarseSpace {
     diagonal: Vec<Vec<c32>>,
     off: Vec<Vec<c32>>,
     cells: Vec<CoarseCell>,
-    /// Elimination of the nodes D_j − F_{j−1} D′⁻¹_{j−1} E_{j−1} = D′_j: D′⁻¹ of each node. The cells
-    /// apply F and E.
+    /// Elimination of the nodes D_j − F_{j−1} D′⁻¹_{j−1} E_{j−1} = D′_j: D′⁻¹ of each node. The
+    /// cells apply F and E.
     pivots: Vec<Mat<c32>>,
 }
 
@@ -70,17 +70,23 @@ impl CoarseSpace {
             if let Some(taken) = before.take() {
                 own += taken;
             }
-            let next = self.off.get(j).map(|off| {
-                let (cell, [first, mut upper, mut lower, second]) =
-                    CoarseCell::new(problem, &self.columns, j);
-                [&mut upper, &mut lower].into_iter().for_each(|coupling| add_diagonal(coupling, off));
-                self.cells.push(cell);
+            let next = self.eliminate_cell(problem, j);
+            if let Some([first, ..]) = &next {
                 own += first;
-                [upper, lower, second]
-            });
+            }
             self.pivots.push(own.partial_piv_lu().inverse());
-            before = next.map(|[upper, lower, second]| second - lower * (&self.pivots[j] * upper));
+            before = next.map(|[_, upper, lower, second]| second - lower * (&self.pivots[j] * upper));
         }
+    }
+
+    /// Eliminates the inner points of the cell behind a node, if there is one, which leaves
+    /// couplings of its nodes.
+    fn eliminate_cell(&mut self, problem: &Problem, node: usize) -> Option<[Mat<c32>; 4]> {
+        let off = self.off.get(node)?;
+        let (cell, mut couplings) = CoarseCell::new(problem, &self.columns, node);
+        couplings[1..3].iter_mut().for_each(|coupling| add_diagonal(coupling, off));
+        self.cells.push(cell);
+        Some(couplings)
     }
 
     fn degree(&self) -> usize {

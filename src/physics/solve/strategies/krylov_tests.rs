@@ -275,18 +275,41 @@ fn strong_scatterers_are_left_to_short_recurrences_and_to_elimination() {
     }
 }
 
+/// A solve that has not begun.
+fn fresh<'a>(problem: &'a Problem, goal: Goal, silent: &'a mut Silent) -> KrylovRun<'a> {
+    let ledger = Ledger::new("krylov", problem, goal, silent);
+    let (field, work) = (Field::zeros(problem.shape()), ledger.background.clone());
+    KrylovRun { ledger, field, work, correction: None, single: None, restart: 60, first_cycle: true }
+}
+
 /// A solve whose lowest harmonics are eliminated at once.
 fn eliminated(problem: &Problem, goal: Goal) -> Solution {
     let mut silent = Silent;
-    let ledger = Ledger::new("krylov", problem, goal, &mut silent);
-    let (field, work) = (Field::zeros(problem.shape()), ledger.background.clone());
-    let correction = Some(RightFactor::Coarse(CoarsePlan::new(problem).carried_out()));
-    let mut run = KrylovRun { ledger, field, work, correction, single: None, restart: 60, first_cycle: true };
+    let mut run = fresh(problem, goal, &mut silent);
+    run.correction = Some(RightFactor::Coarse(CoarsePlan::new(problem).carried_out()));
     while !run.ledger.reached() {
         run.cycle(&Double(problem), 60).expect("goes on");
         run.ledger.measure(&run.field, &mut run.work);
     }
     run.ledger.finish(run.field)
+}
+
+/// Short recurrences stop at half of what the elimination costs, and never leave a worse field than
+/// they found, nor a residual that is not the field's.
+#[test]
+fn short_recurrences_are_given_up_without_harm() {
+    let (problem, goal) = (hard(2.6), Goal { tolerance: 1e-8, ..Goal::default() });
+    for cost in [0.0, 6.0, 60.0] {
+        let mut silent = Silent;
+        let mut run = fresh(&problem, goal, &mut silent);
+        run.ledger.note(1.0).expect("goes on");
+        assert!(run.short_recurrences(Some(cost)).is_err());
+        let (said, applications) = (run.ledger.account.residual, run.ledger.account.operator_applications);
+        // after the recurrence's own count, one measures the true residual
+        assert!(applications as f64 <= 0.5 * cost + 2.0, "{applications} of {cost}");
+        let true_residual = run.ledger.measure(&run.field, &mut run.work);
+        assert!(said <= 1.0 && (said - true_residual).abs() < 1e-9, "{said:e} {true_residual:e}");
+    }
 }
 
 #[test]

@@ -94,7 +94,7 @@ impl KrylovRun<'_> {
 
     /// IDR(s) for a share of what an alternative costs, or until the applications are used up;
     /// without success it leaves the better field.
-    fn short_recurrences(&mut self, alternative: Option<f64>) -> Result<(), SolveError> {
+    pub fn short_recurrences(&mut self, alternative: Option<f64>) -> Result<(), SolveError> {
         let (residual, before) = (self.ledger.account.residual, [&self.field, &self.work].map(Field::clone));
         let (whole, used) = (self.ledger.goal.max_applications, self.ledger.account.operator_applications);
         let left = whole.saturating_sub(used);
