@@ -26,10 +26,9 @@ fn generated_pages_are_as_they_were_generated() {
 }
 
 /// Pages whose numbers may be older than the method, and why they are not made anew with it.
-const OLDER: [(&str, &str); 9] = [
+const OLDER: [(&str, &str); 8] = [
     ("reports/benchmarks", "costs alone, which methods 7 to 9 leave alone"),
     ("reports/comparison", "single cells of the asked share, which methods 2, 3 and 6 to 9 leave alone"),
-    ("reports/speed", "costs alone, and levers of a dense layer, which method 9 leaves alone"),
     ("reports/peers", "layers solved at once, which methods 8 and 9 leave alone"),
     ("reports/latest/README.md", "tables that say no method; the report beside it does"),
     ("reports/paper-study/README.md", "tables that say no method; the pages beside it do"),
