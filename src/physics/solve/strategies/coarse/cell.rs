@@ -6,8 +6,8 @@
 //! the right-hand side's bubbles. The nodes get the loads SᵀTv = SᵀK(S x + y) − SᵀKv.
 //!
 //! K is diagonal in the harmonics and T in the points. So the inverse G of K + T grows point by
-//! point out of one dense matrix each, P = (K_kk + T_k − K_k· G K_·k)⁻¹ with G of the points before;
-//! only these are kept.
+//! point out of one dense matrix each, P = (K_kk + T_k − K_k· G K_·k)⁻¹ with G of the points
+//! before; only these are kept.
 
 use crate::numerics::fourier::narrow;
 use crate::wave::Problem;
@@ -98,8 +98,8 @@ impl CoarseCell {
         }
     }
 
-    /// The bubbles' part of the values at the inner points, from those of [`Self::bubbles`] and from
-    /// the nodes.
+    /// The bubbles' part of the values at the inner points, from those of [`Self::bubbles`] and
+    /// from the nodes.
     pub fn expanded(&self, mut values: Vec<c32>, nodes: [&[c32]; 2]) -> Vec<c32> {
         let of = |table: &[Vec<c32>; 2], r: usize| {
             table[0][r] * nodes[0][r % self.count] + table[1][r] * nodes[1][r % self.count]
