@@ -22,7 +22,7 @@ const SINGLE_GAIN: f64 = 0.2;
 const STALLS: f64 = 0.99;
 /// Applications that short recurrences need at least where GMRES stalls: an elimination that costs
 /// no more is carried out at once. 5 and 15 % of n = 2.3 and 2.65, 235 nm, 1 and 2 µm, cells of
-/// 1.35 µm, 440 and 550 nm: 440 to 620 where they converge, which is in one half of these cases,
+/// 1.35 µm, 440 and 550 nm: 440 to 620 where they converge, which is in three of seven cases,
 /// and 1.3 to 2.1 times the processor time of the elimination.
 const LEAST: f64 = 400.0;
 /// Share of a dearer elimination's cost for which short recurrences are tried before it.
