@@ -275,6 +275,17 @@ fn strong_scatterers_are_left_to_short_recurrences_and_to_elimination() {
     }
 }
 
+/// The memory planned holds what the elimination keeps, and less than twice that. The rest is the
+/// construction of one cell.
+/// *Planted*: a plan without the nodes' matrices.
+#[test]
+fn the_memory_of_the_elimination_is_planned() {
+    let problem = hard(2.6);
+    let (planned, kept) =
+        (CoarsePlan::new(&problem).bytes(), CoarsePlan::new(&problem).carried_out().bytes() as f64);
+    assert!(kept < planned && planned < 2.0 * kept, "{planned:e} for {kept:e}");
+}
+
 /// A solve that has not begun.
 fn fresh<'a>(problem: &'a Problem, goal: Goal, silent: &'a mut Silent) -> KrylovRun<'a> {
     let ledger = Ledger::new("krylov", problem, goal, silent);
