@@ -36,7 +36,7 @@ fn vectors_are_reduced_to_the_zone_and_rebuilt_by_the_incident_order() {
     for azimuth in [0.0, 37.0, 180.0, 250.0] {
         let light = light(0.9, azimuth, 0.45);
         let whole = light.lateral_wavevector(&media()).expect("a transparent half-space");
-        let bloch = BlochVector::new(&coverage.layout(), &media(), &light).expect("a vector");
+        let bloch = BlochVector::new(&coverage.layout, &media(), &light).expect("a vector");
         let rebuilt = bloch.lateral(bloch.incident);
         for i in 0..2 {
             assert!(bloch.reduced[i].abs() <= 0.5 * bloch.step[i] * (1.0 + 1e-8));
@@ -53,7 +53,7 @@ fn opposite_waves_have_opposite_vectors_on_the_edge_of_the_zone_too() {
     // sin σ = λ/(2L) exactly, and a rounding error to both sides.
     for sine in [0.5, 0.5 * (1.0 - 1e-15), 0.5 * (1.0 + 1e-15), 0.3] {
         let [one, other] = [0.0, 180.0].map(|azimuth| {
-            BlochVector::new(&coverage.layout(), &media(), &light(sine, azimuth, 0.8)).expect("a vector")
+            BlochVector::new(&coverage.layout, &media(), &light(sine, azimuth, 0.8)).expect("a vector")
         });
         assert_eq!((one.incident, other.incident), ([0, 0], [0, 0]));
         assert!((one.reduced[0] + other.reduced[0]).abs() < 1e-14 * one.step[0]);
@@ -65,7 +65,7 @@ fn opposite_waves_have_opposite_vectors_on_the_edge_of_the_zone_too() {
 fn without_a_lattice_nothing_is_reduced() {
     let coverage = coverage([4, 1], Vec::new());
     let light = light(0.9, 30.0, 0.2);
-    let bloch = BlochVector::new(&coverage.layout(), &media(), &light).expect("a vector");
+    let bloch = BlochVector::new(&coverage.layout, &media(), &light).expect("a vector");
     assert_eq!(bloch.incident, [0, 0]);
     assert_eq!(bloch.reduced, light.lateral_wavevector(&media()).expect("a transparent half-space"));
 }

@@ -1,8 +1,8 @@
 //! The far field: complex amplitudes and efficiencies of all orders.
 
-use super::{Field, Incidence, Media, Problem, Side};
+use super::operator::setting::Setting;
+use super::{Field, Incidence, Problem};
 use num_complex::Complex64;
-use std::f64::consts::TAU;
 
 /// One diffraction order (m, n), counted from the specular order.
 ///
@@ -138,57 +138,59 @@ impl Order {
 /// half-space.
 const EVANESCENT_REACH: f64 = 3.0;
 
-/// Compact indices of the harmonics listed in a far field, with (m, n) counted from the `specular`
-/// one.
-pub(in crate::wave) fn listed_orders(
-    harmonics: &[[i32; 2]],
-    lateral: &[[f64; 2]],
-    media: &Media,
-    k0: f64,
-    specular: [i32; 2],
-) -> Vec<(usize, [i32; 2])> {
-    let index = media.incident.re.max(media.exit.re).max(1.0);
-    let reach = EVANESCENT_REACH * index * k0;
-    let labelled = harmonics.iter().map(|[m, n]| [m - specular[0], n - specular[1]]).enumerate();
-    let listed = |&(i, [m, n]): &(usize, [i32; 2])| {
-        lateral[i][0].hypot(lateral[i][1]) <= reach || (m.abs() <= 2 && n.abs() <= 2)
-    };
-    labelled.filter(listed).collect()
+/// What leaves through one face in one harmonic: the amplitudes of the incident and of the crossed
+/// polarisation, and the efficiency.
+pub(in crate::wave) type Leaving = ([Complex64; 2], f64);
+
+impl Setting {
+    /// The orders listed in a far field. `leaving` evaluates the field on a side in a harmonic, less
+    /// an incident wave of the given amplitude.
+    pub(in crate::wave) fn orders(&self, leaving: impl Fn(usize, usize, f64) -> Leaving) -> Vec<Order> {
+        let index = self.media.incident.re.max(self.media.exit.re).max(1.0);
+        let reach = EVANESCENT_REACH * index * self.k0;
+        let specular = self.harmonics.orders[self.incident_harmonic()];
+        let label = |order: &[i32; 2]| [order[0] - specular[0], order[1] - specular[1]];
+        let labelled = self.harmonics.orders.iter().map(label).enumerate();
+        let listed = |&(i, [m, n]): &(usize, [i32; 2])| {
+            self.lateral[i][0].hypot(self.lateral[i][1]) <= reach || (m.abs() <= 2 && n.abs() <= 2)
+        };
+        let mut orders: Vec<Order> =
+            labelled.filter(listed).map(|(i, label)| self.order(i, label, &leaving)).collect();
+        orders.sort_by_key(|o| (o.m, o.n));
+        orders
+    }
+
+    /// The order (m, n), which is harmonic `i`.
+    fn order(&self, i: usize, [m, n]: [i32; 2], leaving: &impl Fn(usize, usize, f64) -> Leaving) -> Order {
+        let [back, onward] = [self.entry_side(), 1 - self.entry_side()];
+        let incident = if i == self.incident_harmonic() { 1.0 } else { 0.0 };
+        let ([reflected, crossed_back], reflected_efficiency) = leaving(back, i, incident);
+        let ([transmitted, crossed_onward], transmitted_efficiency) = leaving(onward, i, 0.0);
+        Order {
+            m,
+            n,
+            direction: self.lateral[i].map(|k| k / self.k0),
+            reflected_propagates: self.kappa[back][i].re > 0.0,
+            transmitted_propagates: self.kappa[onward][i].re > 0.0,
+            reflected,
+            transmitted,
+            reflected_efficiency,
+            transmitted_efficiency,
+            further: [[crossed_back, crossed_onward], Default::default(), Default::default()],
+        }
+    }
 }
 
 impl Problem {
     /// Evaluates the orders at the first and last node (P2 (3.8), (3.9) with moduli) and the energy
     /// balance.
     pub fn far_field(&self, u: &Field) -> FarField {
-        let last = self.shape().0 - 1;
-        let (entry, exit) = if self.incidence.from == Side::Incident { (0, last) } else { (last, 0) };
-        let k0 = TAU / self.incidence.wavelength_um;
-        let specular = self.harmonics.orders[self.incident_harmonic()];
-        let listed = listed_orders(&self.harmonics.orders, &self.lateral, &self.media, k0, specular);
-        let mut orders: Vec<Order> =
-            listed.into_iter().map(|(i, label)| self.order(u, i, label, [entry, exit])).collect();
-        orders.sort_by_key(|o| (o.m, o.n));
+        let faces = [0, self.shape().0 - 1];
+        let orders = self.orders(|side, i, incident| {
+            let amplitude = u[[faces[side], i]] - incident;
+            let efficiency = self.kappa[side][i].re / self.incident_kappa() * amplitude.norm_sqr();
+            ([amplitude, Complex64::ZERO], efficiency)
+        });
         FarField::of_orders(self.incidence, self.coverage.grid.period_um, orders, self.absorptance(u))
-    }
-
-    fn order(&self, u: &Field, i: usize, [m, n]: [i32; 2], [entry, exit]: [usize; 2]) -> Order {
-        let k0 = TAU / self.incidence.wavelength_um;
-        let (incident_side, exit_side) = (self.kappa[0][i], self.kappa[1][i]);
-        let (back, onward) = if entry == 0 { (incident_side, exit_side) } else { (exit_side, incident_side) };
-        let incident = if i == self.incident_harmonic() { 1.0 } else { 0.0 };
-        let (reflected, transmitted) = (u[[entry, i]] - incident, u[[exit, i]]);
-        let efficiency = |kappa: Complex64, a: Complex64| kappa.re / self.incident_kappa() * a.norm_sqr();
-        Order {
-            m,
-            n,
-            direction: self.lateral[i].map(|k| k / k0),
-            reflected_propagates: back.re > 0.0,
-            transmitted_propagates: onward.re > 0.0,
-            reflected,
-            transmitted,
-            reflected_efficiency: efficiency(back, reflected),
-            transmitted_efficiency: efficiency(onward, transmitted),
-            further: Default::default(),
-        }
     }
 }

@@ -1,4 +1,5 @@
 use super::*;
+use crate::wave::Ball;
 
 fn scene(shapes: &[BodyShape]) -> Scene {
     let body = |shape: &BodyShape| Body::new(shape.clone(), 0);
@@ -15,6 +16,17 @@ fn disc(x_um: f64, z_um: f64, radius_um: f64) -> BodyShape {
 
 fn bar(x_um: [f64; 2], z_um: [f64; 2]) -> BodyShape {
     BodyShape::BarY { x_um, z_um }
+}
+
+impl Scene {
+    /// Rejects bodies that overlap each other, except those given as around each other.
+    fn check_overlaps(&self) -> Result<(), WaveError> {
+        let hosts = self.hosts()?;
+        let stray = |&body: &usize| hosts[body].is_some() && self.bodies[body].within != hosts[body];
+        let Some(second) = (0..hosts.len()).find(stray) else { return Ok(()) };
+        let [lo, hi] = self.bodies[second].extent_um();
+        Err(WaveError::Overlap { first: hosts[second].unwrap_or_default(), second, overlap_um: hi - lo })
+    }
 }
 
 #[test]

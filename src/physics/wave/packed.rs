@@ -1,8 +1,8 @@
 //! Conversion of a packing to a scene.
 
 use super::scene::HeightField;
-use super::{Ball, Body, BodyShape, Material, Scene};
-use crate::ink::{Layered, Packing, Relief, RoughFace, Sphere};
+use super::{Body, BodyShape, Material, Scene};
+use crate::ink::{Layered, Packing, Relief, RoughFace};
 
 impl Scene {
     /// One stratum of binder (background 0) with the nested bodies of every grain; their materials
@@ -15,7 +15,7 @@ impl Scene {
         for grain in packing.grains() {
             let mut within = None;
             for Layered { material, spheres, solid } in packing.nested(grain) {
-                let shape = solid.map_or_else(|| BodyShape::Balls(balls(&spheres)), BodyShape::Solid);
+                let shape = solid.map_or_else(|| BodyShape::Balls(spheres), BodyShape::Solid);
                 bodies.push(Body { within, ..Body::new(shape, material) });
                 within = Some(bodies.len() - 1);
             }
@@ -37,10 +37,6 @@ impl From<RoughFace> for Material {
     }
 }
 
-fn balls(spheres: &[Sphere]) -> Vec<Ball> {
-    spheres.iter().map(|s| Ball { center_um: s.center_um, radius_um: s.radius_um }).collect()
-}
-
 /// The space beyond the surface, which is sampled at the relief's own points.
 fn open(packing: &Packing, relief: &Relief) -> BodyShape {
     let (period_um, count) = (packing.period_um(), relief.count());
@@ -53,13 +49,8 @@ fn open(packing: &Packing, relief: &Relief) -> BodyShape {
     let filled = |k: usize| packing.filled_um(at(k % count[0], 0), at(k / count[0], 1));
     let z_um = (0..count[0] * count[1]).map(|k| filled(k)[end].clamp(0.0, thickness)).collect();
     let surface = HeightField { z_um, count, period_um };
-    let [solids, clusters]: [Vec<_>; 2] =
-        [true, false].map(|solid| packing.grains().iter().filter(|g| g.solid.is_some() == solid).collect());
-    let balls = clusters.iter().flat_map(|g| balls(&g.spheres)).collect();
-    BodyShape::Open {
-        surface,
-        face_um,
-        balls,
-        solids: solids.iter().filter_map(|g| g.solid.clone()).collect(),
-    }
+    let clusters = packing.grains().iter().filter(|g| g.solid.is_none());
+    let balls = clusters.flat_map(|g| g.spheres.clone()).collect();
+    let solids = packing.grains().iter().filter_map(|g| g.solid.clone()).collect();
+    BodyShape::Open { surface, face_um, balls, solids }
 }

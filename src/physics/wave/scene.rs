@@ -6,13 +6,7 @@ use crate::ink::Solid;
 use num_complex::Complex64;
 
 /// A ball in µm; `center_um` may lie outside the cell and is wrapped periodically in x and y.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ball {
-    /// Centre (x, y, z), µm.
-    pub center_um: [f64; 3],
-    /// Radius, µm.
-    pub radius_um: f64,
-}
+pub use crate::ink::Sphere as Ball;
 
 /// A body's shape, lengths in µm. Bodies along y serve the two-dimensional references.
 #[derive(Clone, Debug, PartialEq)]

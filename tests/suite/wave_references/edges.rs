@@ -84,7 +84,7 @@ fn spheres_may_touch_both_walls_and_each_other() {
     for bodies in [touching, pair] {
         for pigment in [Complex64::new(1.4, 0.1), Complex64::from(1.7)] {
             let case = case(0.5, 0.5, bodies.clone(), pigment, light(0.55, 20.0));
-            case.scene.check_overlaps().expect("touching is allowed");
+            case.scene.clone().nested().expect("touching is allowed");
             let at = |points, cells| Resolution { nx: points, ny: points, cells, scheme: Scheme::Cubic };
             // Accuracy: 24 points per µm and 30 cells per µm give 1e-3 for ink (measured 2e-4 or less).
             let error = against_finer(&case, at(12, 15), at(24, 30));

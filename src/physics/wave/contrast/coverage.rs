@@ -14,11 +14,12 @@ use super::folding::{Folding, Planes, REACH};
 use super::nufft::{SourceTransform, Spreading};
 use super::section::{Demands, GaussRules, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneFft, Real};
-use crate::wave::{Body, BodyShape, Grid, Layout, Material, Resolution, Scene, WaveError};
+use crate::wave::{Body, Grid, Layout, Material, Resolution, Scene, WaveError};
 use cell_sum::CellSum;
 use ndarray::Array2;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::ops::Deref;
 use std::sync::Arc;
 
 /// Default relative error of the coefficients.
@@ -80,10 +81,8 @@ impl Precision<'_> {
 
 /// Moments of every channel's indicator function on every plane.
 pub struct Coverage {
-    /// Grid of the coverage.
-    pub grid: Grid,
-    /// Pairs of background and material in the scene.
-    pub channels: Vec<Channel>,
+    /// The grid, and the pairs of background and material in the scene.
+    pub layout: Layout,
     /// Per channel, planes × points (x fastest) in µm: ∫ ψ_p χ dz, band-limited in the plane.
     pub moments: Vec<Array2<f64>>,
     /// Pairs of channels, and per pair the field that folds the harmonics beyond the grid (µm³),
@@ -91,18 +90,20 @@ pub struct Coverage {
     pub pairs: Vec<[usize; 2]>,
     /// One field per pair: planes × points.
     pub folded: Vec<Array2<f64>>,
-    /// Per channel, mean of χ over each cell of the grid.
-    pub fractions: Vec<Vec<f64>>,
-    /// Axes along which the scene is uniform, so that one point suffices.
-    pub uniform: [bool; 2],
     /// Harmonics in use on the grid, shared by all problems.
     pub harmonics: Arc<Harmonics>,
     /// Transforms of the grid's planes.
     pub fft: PlaneFft,
     /// Transforms of the grid's planes in single precision.
     pub fft_single: PlaneFft<f32>,
-    /// Time of the computation, s.
-    pub seconds: f64,
+}
+
+impl Deref for Coverage {
+    type Target = Layout;
+
+    fn deref(&self) -> &Layout {
+        &self.layout
+    }
 }
 
 struct Builder<'a, T: Real> {
@@ -112,8 +113,7 @@ struct Builder<'a, T: Real> {
     harmonics: &'a Harmonics,
     /// Largest |m| and |n| of the harmonics.
     widest: [usize; 2],
-    /// `None` if no body has edges in the plane.
-    transform: Option<SourceTransform<T>>,
+    transform: SourceTransform<T>,
     sampling: Sampling,
     stop: Stop<'a>,
 }
@@ -136,16 +136,6 @@ impl Coverage {
         }
     }
 
-    /// Data that determine the mean medium and the Bloch vector.
-    pub fn layout(&self) -> Layout<'_> {
-        Layout {
-            grid: &self.grid,
-            channels: &self.channels,
-            fractions: &self.fractions,
-            uniform: self.uniform,
-        }
-    }
-
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         self.moments.iter().chain(&self.folded).map(|m| m.len() * size_of::<f64>()).sum()
@@ -157,7 +147,6 @@ fn build<T: Real>(
     resolution: Resolution,
     precision: Precision,
 ) -> Result<Coverage, WaveError> {
-    let clock = std::time::Instant::now();
     let grid = Grid::new(scene, resolution)?;
     let channels = find_channels(scene, &grid);
     let folding = Folding::<T>::new(&resolution, grid.period_um);
@@ -168,24 +157,16 @@ fn build<T: Real>(
         return Err(WaveError::Stopped);
     }
     let Planes { moments, pairs, folded } = folding.planes(&grid, &cells, channels.len());
-    let fraction = |c: usize, j: usize| {
-        let means = cells[j][c].as_ref().map_or(0.0, |cell| cell.means.iter().sum());
-        means / grid.height_um(j)
-    };
-    let fractions =
-        (0..channels.len()).map(|c| (0..grid.cells()).map(|j| fraction(c, j)).collect()).collect();
+    let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
+    let mean = |j: usize, c: usize| Some(cells[j][c].as_ref()?.means.iter().sum::<f64>() / heights[j]);
     Ok(Coverage {
-        channels,
+        layout: Layout::new(scene, grid, channels, mean),
         moments,
         pairs,
         folded,
-        fractions,
-        uniform: [scene.uniform_in_plane(), scene.uniform_in_y()],
         harmonics: Arc::new(Harmonics::new(resolution.nx, resolution.ny)),
         fft: PlaneFft::new(resolution.nx, resolution.ny),
         fft_single: PlaneFft::new(resolution.nx, resolution.ny),
-        seconds: clock.elapsed().as_secs_f64(),
-        grid,
     })
 }
 
@@ -237,9 +218,7 @@ impl<'a, T: Real> Builder<'a, T> {
         let corner = |share: f64| k(0, share).hypot(k(1, share));
         let loose = (OUTER * error).min(1e-2);
         let demands = Demands([(corner(1.0 / REACH as f64), error), (corner(1.0), loose)]);
-        let sourced = |shape: &BodyShape| matches!(shape, BodyShape::Balls(_) | BodyShape::Solid(_));
-        let round = scene.bodies.iter().any(|b| sourced(&b.shape));
-        let transform = round.then(|| SourceTransform::new(widest[0], widest[1], Spreading::within(error)));
+        let transform = SourceTransform::new(widest[0], widest[1], Spreading::within(error));
         let sampling = Sampling { demands, degree: grid.element.degree, rules: GaussRules::default() };
         Builder { scene, grid, channels, harmonics, widest, transform, sampling, stop: precision.stop }
     }

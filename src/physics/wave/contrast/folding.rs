@@ -10,8 +10,9 @@
 
 use super::cell::CellCoefficients;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
+use crate::wave::operator::sharing::by_row;
 use crate::wave::{Grid, Resolution};
-use ndarray::{Array2, ArrayViewMut1, Axis};
+use ndarray::{Array2, ArrayViewMut1};
 use num_complex::Complex;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -54,9 +55,6 @@ struct Buffers<T: Real> {
     compact: Vec<Complex<T>>,
 }
 
-/// One plane's rows of all fields.
-type FoldedRows<'a> = (Vec<ArrayViewMut1<'a, f64>>, Vec<ArrayViewMut1<'a, f64>>);
-
 impl<T: Real> Folding<T> {
     /// Plans the transforms of a grid of `period_um`.
     pub fn new(resolution: &Resolution, period_um: [f64; 2]) -> Folding<T> {
@@ -84,11 +82,8 @@ impl<T: Real> Folding<T> {
         channels: usize,
     ) -> Planes {
         let pairs: Vec<[usize; 2]> = (0..channels).flat_map(|a| (a..channels).map(move |b| [a, b])).collect();
-        let zeros = |count| vec![Array2::zeros((grid.planes(), grid.points())); count];
-        let mut planes = Planes { moments: zeros(channels), folded: zeros(pairs.len()), pairs };
-        let pairs = planes.pairs.clone();
-        let rows = planes.rows(grid.planes());
-        rows.into_par_iter().enumerate().for_each_init(
+        let mut moments = vec![Array2::zeros((grid.planes(), grid.points())); channels + pairs.len()];
+        by_row(&mut moments, grid.planes()).into_par_iter().enumerate().for_each_init(
             || self.buffers(channels),
             |buffers, (plane, rows)| {
                 self.spectra(grid, cells, plane, buffers);
@@ -96,7 +91,8 @@ impl<T: Real> Folding<T> {
                 self.fold(&pairs, T::of(weight), rows, buffers);
             },
         );
-        planes
+        let folded = moments.split_off(channels);
+        Planes { moments, pairs, folded }
     }
 
     /// Computes one plane's wide spectrum and outer fields of every channel in `buffers`.
@@ -113,16 +109,17 @@ impl<T: Real> Folding<T> {
         }
     }
 
-    /// One plane's moments and folded fields on the grid, from the result of [`Folding::spectra`]
-    /// in `buffers`.
+    /// One plane's moments, then its folded fields on the grid, from the result of
+    /// [`Folding::spectra`] in `buffers`.
     fn fold(
         &self,
         pairs: &[[usize; 2]],
         weight: T,
-        (mut moments, folded): FoldedRows,
+        mut moments: Vec<ArrayViewMut1<f64>>,
         buffers: &mut Buffers<T>,
     ) {
         // A channel's moments and a folded field are both real and share a transform.
+        let folded = moments.split_off(buffers.spectra.len());
         for (p, mut out) in folded.into_iter().enumerate() {
             self.product(pairs[p], weight, buffers);
             let own = moments.get_mut(p).map(|view| (buffers.spectra[p].as_slice(), view));
@@ -207,20 +204,6 @@ impl<T: Real> Folding<T> {
         if let Some((_, out)) = moments {
             out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.re.wide());
         }
-    }
-}
-
-impl Planes {
-    /// Rows of all fields, grouped by plane.
-    fn rows(&mut self, planes: usize) -> Vec<FoldedRows<'_>> {
-        let mut rows: Vec<FoldedRows> = (0..planes).map(|_| (Vec::new(), Vec::new())).collect();
-        for field in &mut self.moments {
-            rows.iter_mut().zip(field.axis_iter_mut(Axis(0))).for_each(|(row, view)| row.0.push(view));
-        }
-        for field in &mut self.folded {
-            rows.iter_mut().zip(field.axis_iter_mut(Axis(0))).for_each(|(row, view)| row.1.push(view));
-        }
-        rows
     }
 }
 

@@ -60,17 +60,22 @@ struct Kernel<T> {
 }
 
 /// Kernel of one source along one axis: index of the first grid point (not wrapped), and values.
-pub struct Footprint<T> {
+struct Footprint<T> {
     first: i64,
     weight: [T; MOST],
 }
 
-/// Fine-grid points around one ball, with all fields of a cell together: rows × columns × fields.
-pub struct Patch<T> {
+/// Sources on one periodic fine grid per pair of fields (real, imaginary), body by body: those of
+/// one are gathered in a patch around it, for all fields together (rows × columns × fields).
+pub struct Sources<'a, T: Real> {
+    transform: &'a SourceTransform<T>,
+    period_um: [f64; 2],
+    fields: usize,
     origin: [i64; 2],
     size: [usize; 2],
-    fields: usize,
-    values: Vec<T>,
+    patch: Vec<T>,
+    /// The grids, x fastest; none before the first body.
+    pub grids: Vec<Vec<Complex<T>>>,
 }
 
 impl<T: Real> SourceTransform<T> {
@@ -92,56 +97,6 @@ impl<T: Real> SourceTransform<T> {
     /// Work arrays of one thread; `plane` is the fine grid.
     pub fn scratch(&self) -> PlaneScratch<T> {
         self.fft.scratch()
-    }
-
-    /// Number of points of the fine grid.
-    pub fn points(&self) -> usize {
-        self.fine[0] * self.fine[1]
-    }
-
-    /// Kernel values around a source at the fraction `position` of a period.
-    pub fn footprint(&self, axis: usize, position: f64) -> Footprint<T> {
-        self.kernel.footprint(position * self.fine[axis] as f64)
-    }
-
-    /// Clears `patch` and places it around a square of half-width `reach` (fractions of the
-    /// periods).
-    pub fn open(&self, patch: &mut Patch<T>, fields: usize, center: [f64; 2], reach: [f64; 2]) {
-        let margin = self.kernel.width as f64 / 2.0 + 1.0;
-        for axis in 0..2 {
-            let (c, r) =
-                (center[axis] * self.fine[axis] as f64, reach[axis] * self.fine[axis] as f64 + margin);
-            let [low, high] = [(c - r).floor(), (c + r).ceil()];
-            (patch.origin[axis], patch.size[axis]) = (low as i64, (high - low) as usize + 1);
-        }
-        patch.fields = fields;
-        patch.values.clear();
-        patch.values.resize(patch.size[0] * patch.size[1] * fields, T::default());
-    }
-
-    /// Adds a source to a patch large enough for its kernel: strength `value` per field.
-    pub fn spread(&self, patch: &mut Patch<T>, x: &Footprint<T>, y: &Footprint<T>, value: &[T]) {
-        let width = self.kernel.width;
-        let (column, row) = ((x.first - patch.origin[0]) as usize, (y.first - patch.origin[1]) as usize);
-        let stride = patch.size[0] * patch.fields;
-        let from = row * stride + column * patch.fields;
-        spread_rows(&mut patch.values[from..], stride, &x.weight[..width], &y.weight[..width], value);
-    }
-
-    /// Adds a patch of pairs of fields (real, imaginary) to one periodic fine grid (x fastest) per
-    /// pair.
-    pub fn close(&self, patch: &Patch<T>, grids: &mut [Vec<Complex<T>>]) {
-        let start = [0, 1].map(|axis| patch.origin[axis].rem_euclid(self.fine[axis] as i64) as usize);
-        for (row, line) in patch.values.chunks_exact(patch.size[0] * patch.fields).enumerate() {
-            let y = (start[1] + row) % self.fine[1] * self.fine[0];
-            for (p, grid) in grids.iter_mut().enumerate() {
-                let mut x = start[0];
-                for fields in line.chunks_exact(patch.fields) {
-                    grid[y + x] += Complex::new(fields[2 * p], fields[2 * p + 1]);
-                    x = if x + 1 == self.fine[0] { 0 } else { x + 1 };
-                }
-            }
-        }
     }
 
     /// Transforms the fine grid in `scratch.plane`; read the result with [`SourceTransform::row`].
@@ -177,10 +132,58 @@ fn spread_rows<T: Real>(values: &mut [T], stride: usize, wx: &[T], wy: &[T], val
     }
 }
 
-impl<T> Patch<T> {
-    /// An empty patch.
-    pub fn empty() -> Patch<T> {
-        Patch { origin: [0; 2], size: [0; 2], fields: 0, values: Vec::new() }
+impl<'a, T: Real> Sources<'a, T> {
+    /// Without any source.
+    pub fn new(transform: &'a SourceTransform<T>, period_um: [f64; 2], fields: usize) -> Self {
+        let (patch, grids) = (Vec::new(), Vec::new());
+        Sources { transform, period_um, fields, origin: [0; 2], size: [0; 2], patch, grids }
+    }
+
+    /// Clears the patch and places it around a body of the given lateral extents, µm.
+    pub fn open(&mut self, extents: [[f64; 2]; 2]) {
+        let margin = self.transform.kernel.width as f64 / 2.0 + 1.0;
+        for axis in 0..2 {
+            let ([from, to], fine) = (extents[axis], self.transform.fine[axis] as f64);
+            let center = 0.5 * (from + to) / self.period_um[axis] * fine;
+            let reach = 0.5 * (to - from) / self.period_um[axis] * fine + margin;
+            let [low, high] = [(center - reach).floor(), (center + reach).ceil()];
+            (self.origin[axis], self.size[axis]) = (low as i64, (high - low) as usize + 1);
+        }
+        self.patch.clear();
+        self.patch.resize(self.size[0] * self.size[1] * self.fields, T::default());
+    }
+
+    /// Adds a source to the patch: strength `value` per field.
+    #[inline]
+    pub fn spread(&mut self, position_um: [f64; 2], value: &[T]) {
+        let SourceTransform { kernel, fine, .. } = self.transform;
+        let [x, y] = [0, 1].map(|axis| {
+            let position = position_um[axis] / self.period_um[axis];
+            kernel.footprint(position * fine[axis] as f64)
+        });
+        let (column, row) = ((x.first - self.origin[0]) as usize, (y.first - self.origin[1]) as usize);
+        let stride = self.size[0] * self.fields;
+        let part = &mut self.patch[row * stride + column * self.fields..];
+        spread_rows(part, stride, &x.weight[..kernel.width], &y.weight[..kernel.width], value);
+    }
+
+    /// Adds the patch to the grids.
+    pub fn close(&mut self) {
+        let (fields, fine) = (self.fields, self.transform.fine);
+        if self.grids.is_empty() {
+            self.grids = vec![vec![Complex::default(); fine[0] * fine[1]]; fields / 2];
+        }
+        let start = [0, 1].map(|axis| self.origin[axis].rem_euclid(fine[axis] as i64) as usize);
+        for (row, line) in self.patch.chunks_exact(self.size[0] * fields).enumerate() {
+            let y = (start[1] + row) % fine[1] * fine[0];
+            for (p, grid) in self.grids.iter_mut().enumerate() {
+                let mut x = start[0];
+                for pair in line.chunks_exact(fields) {
+                    grid[y + x] += Complex::new(pair[2 * p], pair[2 * p + 1]);
+                    x = if x + 1 == fine[0] { 0 } else { x + 1 };
+                }
+            }
+        }
     }
 }
 

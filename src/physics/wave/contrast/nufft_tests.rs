@@ -14,15 +14,14 @@ fn transform(
 ) -> (SourceTransform, PlaneScratch) {
     let transform = SourceTransform::new(mmax, nmax, spreading);
     let mut scratch = transform.scratch();
-    let (mut grids, mut patch) = (vec![vec![Complex64::default(); transform.points()]; 2], Patch::empty());
+    // The second pair of fields is a decoy.
+    let mut spread = Sources::new(&transform, [1.0; 2], 4);
     for &([x, y], value) in sources {
-        transform.open(&mut patch, 4, [x, y], [0.0; 2]);
-        let (fx, fy) = (transform.footprint(0, x), transform.footprint(1, y));
-        // The second pair of fields is a decoy.
-        transform.spread(&mut patch, &fx, &fy, &[value.re, value.im, 7.0, -7.0]);
-        transform.close(&patch, &mut grids);
+        spread.open([[x; 2], [y; 2]]);
+        spread.spread([x, y], &[value.re, value.im, 7.0, -7.0]);
+        spread.close();
     }
-    scratch.plane.copy_from_slice(&grids[0]);
+    scratch.plane.copy_from_slice(&spread.grids[0]);
     transform.transform(&mut scratch);
     (transform, scratch)
 }

@@ -6,6 +6,7 @@
 //! fast.
 
 use super::cell::{CellCoefficients, CellColumns};
+use super::section::extents;
 use crate::ink::Solid;
 use crate::numerics::fourier::{PlaneFft, Real};
 use crate::numerics::periodic::bilinear;
@@ -97,9 +98,7 @@ fn chords(
     let mut chords = Vec::new();
     let near = |b: &&Ball| b.center_um[2] - b.radius_um < hi && b.center_um[2] + b.radius_um > lo;
     for ball in balls.iter().filter(near) {
-        let [cx, cy] =
-            [0, 1].map(|axis| [-1.0, 1.0].map(|side| ball.center_um[axis] + side * ball.radius_um));
-        for (column, _) in crossed([cx, cy], period_um, count) {
+        for (column, _) in crossed(extents(ball), period_um, count) {
             let [x, y] = place(column, count, period_um);
             chords.extend(chord(ball, x, y, period_um).map(|chord| (column, chord)));
         }

@@ -80,9 +80,9 @@ impl Sampling {
         balls: &[Ball],
         i: usize,
         range: [f64; 2],
-        points: &mut Vec<EdgePoint>,
         ring: &mut impl FnMut(f64, f64, &[EdgePoint]),
     ) {
+        let mut points = Vec::new();
         for part in breakpoints(balls, i, range).windows(2) {
             let (lo, length) = (part[0], part[1] - part[0]);
             let middle = free_arcs(balls, i, lo + 0.5 * length);
@@ -96,8 +96,8 @@ impl Sampling {
                 let z = lo + length * s;
                 points.clear();
                 let arcs = if whole { middle.clone() } else { free_arcs(balls, i, z) };
-                arcs.iter().for_each(|arc| self.push_arc(&balls[i], z, *arc, points));
-                ring(z, 0.5 * w * length * ds, points);
+                arcs.iter().for_each(|arc| self.push_arc(&balls[i], z, *arc, &mut points));
+                ring(z, 0.5 * w * length * ds, &points);
             }
         }
     }
@@ -163,6 +163,11 @@ impl Sampling {
 #[inline]
 pub(in crate::wave) fn sine_squared(t: f64) -> (f64, f64) {
     ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin())
+}
+
+/// Lateral extents of a ball, µm.
+pub(in crate::wave) fn extents(ball: &Ball) -> [[f64; 2]; 2] {
+    [0, 1].map(|i| [ball.center_um[i] - ball.radius_um, ball.center_um[i] + ball.radius_um])
 }
 
 /// The strip x₀ … x₁ that a body along y covers at height `z`, if it is not covered entirely.

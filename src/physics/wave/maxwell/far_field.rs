@@ -8,10 +8,9 @@
 
 use super::mean::Faces;
 use super::problem::VectorProblem;
-use crate::wave::far_field::listed_orders;
-use crate::wave::{FarField, Field, Order, Polarisation};
+use crate::wave::far_field::Leaving;
+use crate::wave::{FarField, Field, Polarisation};
 use num_complex::Complex64;
-use std::f64::consts::TAU;
 
 /// Amplitudes s and p of one order that leaves through one face.
 type Amplitudes = [Complex64; 2];
@@ -22,41 +21,16 @@ impl VectorProblem {
     /// contain both.
     pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
         let (faces, absorptance) = self.leaving(field, polarisation);
-        let harmonics = &self.harmonics.orders;
-        let specular = harmonics[self.incident_harmonic()];
-        let mut listed = listed_orders(harmonics, &self.lateral, &self.media, self.k0(), specular);
-        listed.sort_by_key(|&(_, label)| label);
-        let order = |(i, label)| self.order(&faces, polarisation, i, label);
-        let orders = listed.into_iter().map(order).collect();
+        let orders = self.orders(|side, i, incident| self.leaving_order(&faces, polarisation, [side, i], incident));
         FarField::of_orders(self.incidence, self.moments.grid.period_um, orders, absorptance)
     }
 
-    /// One order: the amplitude of the incident polarisation, then the crossed one.
-    fn order(&self, faces: &Faces, polarisation: Polarisation, i: usize, [m, n]: [i32; 2]) -> Order {
-        let own = polarisation as usize;
-        // Sides of reflected and of transmitted light.
-        let [back, onward] = [self.entry_side(), 1 - self.entry_side()];
-        let [mut reflected, transmitted] = [back, onward].map(|s| self.amplitudes(faces, s, i));
-        if i == self.incident_harmonic() {
-            reflected[own] -= 1.0;
-        }
-        Order {
-            m,
-            n,
-            direction: self.lateral[i].map(|k| k / self.k0()),
-            reflected_propagates: self.kappa[back][i].re > 0.0,
-            transmitted_propagates: self.kappa[onward][i].re > 0.0,
-            reflected: reflected[own],
-            transmitted: transmitted[own],
-            reflected_efficiency: self.efficiency(back, i, reflected),
-            transmitted_efficiency: self.efficiency(onward, i, transmitted),
-            further: [[reflected[1 - own], transmitted[1 - own]], Default::default(), Default::default()],
-        }
-    }
-
-    /// Vacuum wavenumber, 1/µm.
-    fn k0(&self) -> f64 {
-        TAU / self.incidence.wavelength_um
+    /// What leaves through a side in harmonic i, less the incident wave.
+    fn leaving_order(&self, faces: &Faces, own: Polarisation, [side, i]: [usize; 2], incident: f64) -> Leaving {
+        let mut amplitudes = self.amplitudes(faces, side, i);
+        amplitudes[own as usize] -= incident;
+        let crossed = amplitudes[1 - own as usize];
+        ([amplitudes[own as usize], crossed], self.efficiency(side, i, amplitudes))
     }
 
     /// Amplitudes of one harmonic on a side, including the incident wave.

@@ -69,29 +69,11 @@ fn turned<T: Real>(z: Complex<T>) -> Complex<T> {
     Complex::new(-z.im, z.re)
 }
 
-/// Source F = V E of a cell: components s, p, z on the first and on the second Gauss plane.
-pub(super) struct Loads<'a, T: Real> {
-    pub constants: Constants<T>,
-    pub tables: Tables<'a, T>,
-    pub rows: [&'a [Complex<T>]; 6],
-}
-
-impl<T: Real> Loads<'_, T> {
-    /// Adds the right-hand sides of both nodes (J = −F): TE ±: h/4 (l₊F_s₊ ∓ …), TM: −1/(4k̄²) [q h
-    /// (l₊F_z₊ …) …].
-    pub fn add_to(
-        &self,
-        u0: &mut [Complex<T>],
-        u1: &mut [Complex<T>],
-        w0: &mut [Complex<T>],
-        w1: &mut [Complex<T>],
-    ) {
-        add_loads(&self.constants, &self.tables, &self.rows, u0, u1, w0, w1);
-    }
-}
-
+/// Adds the right-hand sides of both nodes of a cell, E_s (u) and h (w), due to its source F = V E
+/// (J = −F): components s, p, z on the first and on the second Gauss plane. TE ±: h/4 (l₊F_s₊ ∓ …),
+/// TM: −1/(4k̄²) [q h (l₊F_z₊ …) …].
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn add_loads<T: Real>(
+pub(super) fn add_loads<T: Real>(
     cell: &Constants<T>,
     tables: &Tables<T>,
     rows: &[&[Complex<T>]; 6],
@@ -124,41 +106,19 @@ fn add_loads<T: Real>(
     }
 }
 
-/// Node values of a cell: E_s and h at its first and second node, in the order u₀, u₁, w₀, w₁.
-pub(super) struct Moments<'a, T: Real> {
-    pub constants: Constants<T>,
-    pub tables: Tables<'a, T>,
-    pub nodes: [&'a [Complex<T>]; 4],
-}
-
-impl<T: Real> Moments<'_, T> {
-    /// Replaces F by the moments of the field: s, p, z on the first and on the second Gauss plane.
-    pub fn write(
-        &self,
-        s0: &mut [Complex<T>],
-        p0: &mut [Complex<T>],
-        z0: &mut [Complex<T>],
-        s1: &mut [Complex<T>],
-        p1: &mut [Complex<T>],
-        z1: &mut [Complex<T>],
-    ) {
-        across(&self.constants, &self.tables, &self.nodes, s0, s1);
-        within(&self.constants, &self.tables, &self.nodes, p0, z0, p1, z1);
-    }
-}
-
-/// TE: the component along s.
+/// TE: replaces F by the moments of the field along s on the first and on the second Gauss plane,
+/// given E_s at the cell's `nodes`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn across<T: Real>(
+pub(super) fn across<T: Real>(
     cell: &Constants<T>,
     tables: &Tables<T>,
-    nodes: &[&[Complex<T>]; 4],
+    nodes: [&[Complex<T>]; 2],
     s0: &mut [Complex<T>],
     s1: &mut [Complex<T>],
 ) {
     let width = s0.len();
     let s1 = &mut s1[..width];
-    let [u0, u1] = [nodes[0], nodes[1]].map(|node| &node[..width]);
+    let [u0, u1] = nodes.map(|node| &node[..width]);
     let (lateral, b, c) = tables.cut(width);
     let cell = *cell;
     let (h2, half) = (cell.h2, T::of(0.5));
@@ -171,12 +131,12 @@ fn across<T: Real>(
     }
 }
 
-/// TM: the components along p̂ and z.
+/// TM: the same along p̂ and z, given h at the cell's `nodes`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn within<T: Real>(
+pub(super) fn within<T: Real>(
     cell: &Constants<T>,
     tables: &Tables<T>,
-    nodes: &[&[Complex<T>]; 4],
+    nodes: [&[Complex<T>]; 2],
     p0: &mut [Complex<T>],
     z0: &mut [Complex<T>],
     p1: &mut [Complex<T>],
@@ -184,7 +144,7 @@ fn within<T: Real>(
 ) {
     let width = p0.len();
     let (z0, p1, z1) = (&mut z0[..width], &mut p1[..width], &mut z1[..width]);
-    let [w0, w1] = [nodes[2], nodes[3]].map(|node| &node[..width]);
+    let [w0, w1] = nodes.map(|node| &node[..width]);
     let (lateral, b, c) = tables.cut(width);
     let cell = *cell;
     let Constants { h, h2, inverse_k2, slope, .. } = cell;

@@ -1,7 +1,7 @@
 //! Bodies inside others that the normal-field tensor allows: single spheres and convex bodies.
 
 use super::sources::NormalField;
-use crate::ink::{Form, Solid};
+use crate::ink::Solid;
 use crate::wave::{Ball, Body, BodyShape, Scene};
 
 /// Largest distance between centres that counts as none, in radii of the inner sphere.
@@ -62,8 +62,6 @@ fn sphere(body: &Body) -> Option<Ball> {
 fn convex(body: &Body) -> Option<Solid> {
     match &body.shape {
         BodyShape::Solid(solid) => Some(solid.clone()),
-        _ => sphere(body).map(|Ball { center_um, radius_um }| {
-            Solid::upright(Form::Ellipsoid { semi_axes_um: [radius_um; 3] }, center_um)
-        }),
+        _ => sphere(body).map(|ball| ball.solid()),
     }
 }

@@ -10,13 +10,13 @@
 //! in cell j is row 6j + 3q + c; columns are harmonics. Neither kz nor q is used as a divisor.
 
 use super::cell::cell_functions;
-use super::kernels::{Constants, Loads, Moments, Tables};
+use super::kernels::{Constants, Tables, across, add_loads, within};
 use super::nodes::{BLOCK, NodeSystem};
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::operator::inverse::row_of;
-use crate::wave::operator::sharing::SHARED;
+use crate::wave::operator::sharing::{Idle, tabulated};
 use crate::wave::{Field, Grid};
-use ndarray::{Array2, ArrayView2, ArrayViewMut1, ArrayViewMut2, Axis};
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 
@@ -69,6 +69,8 @@ pub struct VectorMean<T: Real = f64> {
     magnetic: NodeSystem<T>,
     /// Functions b and c of every cell (rows) and harmonic.
     functions: [Array2<Complex<T>>; 2],
+    /// Values at the nodes of a block of harmonics.
+    idle: Idle<[Vec<Complex<T>>; 2]>,
 }
 
 impl VectorMean {
@@ -85,13 +87,18 @@ impl VectorMean {
         let ends = |weights: [Complex64; 2]| {
             [0, 1].map(|side| kappa[side].iter().map(|kappa| I * kappa * weights[side]).collect::<Vec<_>>())
         };
-        let (te, tm) = (ends([Complex64::ONE; 2]), ends(k.map(|k| 1.0 / (k * k))));
-        let ones = vec![Complex64::ONE; mean_k2.len()];
-        let inverse: Vec<Complex64> = mean_k2.iter().map(|k2| 1.0 / k2).collect();
-        let [b, c, off, own] = cell_tables(&heights, &mean_k2, &lateral);
-        let electric = NodeSystem::new([&off, &own], &ones, [&te[0], &te[1]]);
-        let magnetic = NodeSystem::new([&off, &own], &inverse, [&tm[0], &tm[1]]);
-        VectorMean { heights, mean_k2, lateral, electric, magnetic, functions: [b, c] }
+        let tables = tabulated((heights.len(), lateral.len()), 4, |j, i| {
+            let (cell, node) = cell_functions(mean_k2[j] - lateral[i] * lateral[i], heights[j]);
+            [cell.b, cell.c, node.off, node.diagonal]
+        });
+        let [b, c, mut off, mut own] = tables.try_into().expect("four tables");
+        let electric = NodeSystem::new(off.clone(), &own, ends([Complex64::ONE; 2]));
+        for (j, k2) in mean_k2.iter().enumerate() {
+            let inverse = 1.0 / k2;
+            [&mut off, &mut own].into_iter().for_each(|t| t.row_mut(j).mapv_inplace(|z| z * inverse));
+        }
+        let magnetic = NodeSystem::new(off, &own, ends(k.map(|k| 1.0 / (k * k))));
+        VectorMean { heights, mean_k2, lateral, electric, magnetic, functions: [b, c], idle: Idle::default() }
     }
 
     /// The operator in another precision.
@@ -103,6 +110,7 @@ impl VectorMean {
             electric: self.electric.narrowed(),
             magnetic: self.magnetic.narrowed(),
             functions: [0, 1].map(|k| self.functions[k].mapv(narrow)),
+            idle: Idle::default(),
         }
     }
 
@@ -115,56 +123,25 @@ impl VectorMean {
 
     /// Fields E_s and h at all nodes of A⁻¹ y plus the incident wave's.
     pub(super) fn nodes(&self, y: &Field, entry: MeanEntry) -> Nodes {
-        let (nodes, count) = (self.heights.len() + 1, self.lateral.len());
-        let mut values = [Field::zeros((nodes, count)), Field::zeros((nodes, count))];
-        let [electric, magnetic] = &mut values;
         let blocks = y.axis_chunks_iter(Axis(1), BLOCK).into_par_iter().enumerate();
-        let targets = electric.axis_chunks_iter_mut(Axis(1), BLOCK).into_par_iter();
-        let targets = targets.zip(magnetic.axis_chunks_iter_mut(Axis(1), BLOCK));
-        blocks.zip(targets).for_each(|((b, y), targets)| self.block_nodes(&y, b * BLOCK, entry, targets));
-        values
+        let blocks: Vec<Nodes> = blocks.map(|(b, y)| self.block_nodes(&y, b * BLOCK, entry)).collect();
+        [0, 1].map(|k| {
+            let parts: Vec<_> = blocks.iter().map(|block| block[k].view()).collect();
+            ndarray::concatenate(Axis(1), &parts).expect("blocks have as many nodes")
+        })
     }
 
     /// Part of [`VectorMean::nodes`] for a block of harmonics from `first`.
-    fn block_nodes(
-        &self,
-        y: &ArrayView2<Complex64>,
-        first: usize,
-        entry: MeanEntry,
-        (mut electric, mut magnetic): (ArrayViewMut2<Complex64>, ArrayViewMut2<Complex64>),
-    ) {
-        let [mut u, mut w] = [0, 1].map(|_| vec![Complex64::default(); electric.len()]);
-        self.node_values(y, first, Some(entry), [&mut u, &mut w]);
-        electric.iter_mut().zip(u).for_each(|(to, from)| *to = from);
-        magnetic.iter_mut().zip(w).for_each(|(to, from)| *to = from);
+    fn block_nodes(&self, y: &ArrayView2<Complex64>, first: usize, entry: MeanEntry) -> Nodes {
+        let mut block = [(); 2].map(|()| Field::zeros((self.heights.len() + 1, y.ncols())));
+        let values = block.each_mut().map(|field| field.as_slice_mut().expect("new fields are contiguous"));
+        self.node_values(y, first, Some(entry), values);
+        block
     }
 
     /// Heights and k̄² of all cells, and q of all harmonics.
     pub(super) fn cells(&self) -> (&[f64], &[Complex64], &[f64]) {
         (&self.heights, &self.mean_k2, &self.lateral)
-    }
-}
-
-/// Functions b and c, and the nodes' couplings and diagonals, of every cell (rows) and harmonic,
-/// from one exponential each.
-fn cell_tables(heights: &[f64], mean_k2: &[Complex64], lateral: &[f64]) -> [Array2<Complex64>; 4] {
-    let mut tables: [_; 4] = std::array::from_fn(|_| Array2::zeros((heights.len(), lateral.len())));
-    let [b, c, off, own] = &mut tables;
-    let rows = (b.outer_iter_mut().into_par_iter().zip(c.outer_iter_mut()))
-        .zip(off.outer_iter_mut().into_par_iter().zip(own.outer_iter_mut()));
-    rows.enumerate().for_each(|(j, ((b, c), (off, own)))| {
-        cell_row(heights[j], mean_k2[j], lateral, [b, c, off, own]);
-    });
-    tables
-}
-
-/// One cell's row of [`cell_tables`].
-fn cell_row(height: f64, mean_k2: Complex64, lateral: &[f64], row: [ArrayViewMut1<Complex64>; 4]) {
-    let [mut b, mut c, mut off, mut own] = row;
-    for (i, q) in lateral.iter().enumerate() {
-        let (cell, node) = cell_functions(mean_k2 - q * q, height);
-        (b[i], c[i]) = (cell.b, cell.c);
-        (off[i], own[i]) = (node.off, node.diagonal);
     }
 }
 
@@ -177,30 +154,13 @@ impl<T: Real> VectorMean<T> {
 
     /// One solve: source terms, nodes, moments.
     fn sweep(&self, y: &mut Array2<Complex<T>>, entry: Option<MeanEntry>) {
-        let shared = y.len() >= SHARED;
-        let length = (self.heights.len() + 1) * BLOCK;
-        let buffers = || [vec![Complex::<T>::default(); length], vec![Complex::default(); length]];
-        let blocks = y.axis_chunks_iter_mut(Axis(1), BLOCK);
-        if shared {
-            let blocks = blocks.into_par_iter().enumerate();
-            return blocks
-                .for_each_init(buffers, |buffers, (b, y)| self.solve_block(y, b * BLOCK, entry, buffers));
-        }
-        let mut buffers = buffers();
-        blocks.into_iter().enumerate().for_each(|(b, y)| self.solve_block(y, b * BLOCK, entry, &mut buffers));
-    }
-
-    fn solve_block(
-        &self,
-        mut y: ArrayViewMut2<Complex<T>>,
-        first: usize,
-        entry: Option<MeanEntry>,
-        [u, w]: &mut [Vec<Complex<T>>; 2],
-    ) {
-        let length = (self.heights.len() + 1) * y.ncols();
-        let (u, w) = (&mut u[..length], &mut w[..length]);
-        self.node_values(&y.view(), first, entry, [u, w]);
-        self.moments(&mut y, first, u, w);
+        let nodes = self.heights.len() + 1;
+        let buffers = || [(); 2].map(|()| vec![Complex::default(); nodes * BLOCK]);
+        self.idle.in_chunks(y, Axis(1), BLOCK, buffers, |b, mut y, buffers| {
+            let [u, w] = buffers.each_mut().map(|values| &mut values[..nodes * y.ncols()]);
+            self.node_values(&y.view(), b * BLOCK, entry, [u, w]);
+            self.moments(&mut y, b * BLOCK, u, w);
+        });
     }
 
     /// Fields E_s and h of a block at all nodes, node by node.
@@ -238,8 +198,7 @@ impl<T: Real> VectorMean<T> {
             });
             let (u0, u1) = u[j * width..(j + 2) * width].split_at_mut(width);
             let (w0, w1) = w[j * width..(j + 2) * width].split_at_mut(width);
-            let cell = Loads { constants: Constants::new(h, k2), tables: self.tables(j, first, width), rows };
-            cell.add_to(u0, u1, w0, w1);
+            add_loads(&Constants::new(h, k2), &self.tables(j, first, width), &rows, u0, u1, w0, w1);
         }
     }
 
@@ -251,11 +210,11 @@ impl<T: Real> VectorMean<T> {
             let mut rows = part.outer_iter_mut();
             let [s0, p0, z0, s1, p1, z1] =
                 std::array::from_fn(|_| rows.next().expect("six rows").into_slice().expect("contiguous"));
-            let (u0, u1) = u[j * width..(j + 2) * width].split_at(width);
-            let (w0, w1) = w[j * width..(j + 2) * width].split_at(width);
-            let constants = Constants::new(h, k2);
-            let cell = Moments { constants, tables: self.tables(j, first, width), nodes: [u0, u1, w0, w1] };
-            cell.write(s0, p0, z0, s1, p1, z1);
+            let [electric, magnetic] =
+                [u, w].map(|values| [j, j + 1].map(|node| &values[node * width..(node + 1) * width]));
+            let (constants, tables) = (Constants::new(h, k2), self.tables(j, first, width));
+            across(&constants, &tables, electric, s0, s1);
+            within(&constants, &tables, magnetic, p0, z0, p1, z1);
         }
     }
 

@@ -11,12 +11,13 @@ use super::sources::{self, FIELDS, NormalField, Slab, Source, VALUES};
 use crate::ink::Solid;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::contrast::coverage::{Channel, Precision, find_channels, overlap};
-use crate::wave::contrast::nufft::{Patch, SourceTransform, Spreading};
-use crate::wave::contrast::section::{Demands, GaussRules, Sampling};
+use crate::wave::contrast::nufft::{SourceTransform, Sources, Spreading};
+use crate::wave::contrast::section::{Demands, GaussRules, Sampling, extents};
 use crate::wave::{Ball, Body, BodyShape, Grid, Layout, Resolution, Scene, Scheme, WaveError};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::ops::Deref;
 
 /// All fields of one material at the points of a plane (x fastest).
 pub type Fields = Vec<[f64; FIELDS]>;
@@ -31,18 +32,18 @@ pub struct ChannelFields {
 
 /// Moments of every material's indicator and normal tensor on every Gauss plane.
 pub struct NormalMoments {
-    /// Points and cells; two Gauss planes per cell.
-    pub grid: Grid,
-    /// Pairs of materials that share a cell.
-    pub channels: Vec<Channel>,
+    /// The grid, with two Gauss planes per cell, and the pairs of materials that share a cell.
+    pub layout: Layout,
     /// Channels present on each Gauss plane.
     pub planes: Vec<Vec<ChannelFields>>,
-    /// Per channel, mean of χ over each cell of the grid.
-    pub fractions: Vec<Vec<f64>>,
-    /// Axes along which the scene is uniform, so that one point suffices.
-    pub uniform: [bool; 2],
-    /// Time of the computation, s.
-    pub seconds: f64,
+}
+
+impl Deref for NormalMoments {
+    type Target = Layout;
+
+    fn deref(&self) -> &Layout {
+        &self.layout
+    }
 }
 
 struct MomentBuilder<'a> {
@@ -79,7 +80,6 @@ impl NormalMoments {
         precision: Precision,
     ) -> Result<NormalMoments, WaveError> {
         let stop = precision.stop;
-        let clock = std::time::Instant::now();
         check(scene, resolution)?;
         let grid = Grid::new(scene, resolution)?;
         let channels = find_channels(scene, &grid);
@@ -92,28 +92,15 @@ impl NormalMoments {
             return Err(WaveError::Stopped);
         }
         let mut planes: Vec<Vec<ChannelFields>> = (0..2 * grid.cells()).map(|_| Vec::new()).collect();
-        let mut fractions = vec![vec![0.0; grid.cells()]; channels.len()];
+        let layout = Layout::new(scene, grid, channels, |j, c| Some(cells[j][c].as_ref()?.fraction));
         for (j, cell) in cells.into_iter().enumerate() {
             for (channel, own) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
-                fractions[channel][j] = own.fraction;
                 for (q, fields) in own.planes.into_iter().enumerate() {
                     planes[2 * j + q].push(ChannelFields { channel, fields });
                 }
             }
         }
-        let uniform = [scene.uniform_in_plane(), scene.uniform_in_y()];
-        let seconds = clock.elapsed().as_secs_f64();
-        Ok(NormalMoments { grid, channels, planes, fractions, uniform, seconds })
-    }
-
-    /// Data that determine the mean medium and the Bloch vector.
-    pub fn layout(&self) -> Layout<'_> {
-        Layout {
-            grid: &self.grid,
-            channels: &self.channels,
-            fractions: &self.fractions,
-            uniform: self.uniform,
-        }
+        Ok(NormalMoments { layout, planes })
     }
 
     /// Memory held, bytes.
@@ -213,10 +200,8 @@ impl<'a> MomentBuilder<'a> {
 struct MomentSum<'a> {
     builder: &'a MomentBuilder<'a>,
     slab: Slab,
-    /// Sources of each field on the fine grid, first plane + i · second plane; empty until the
-    /// first is added.
-    sources: Vec<Vec<Complex64>>,
-    patch: Patch<f64>,
+    /// Sources of each field, first plane + i · second plane.
+    sources: Sources<'a, f64>,
     /// Directly summed harmonics of each field, first plane + i · second plane.
     direct: Vec<Vec<Complex64>>,
 }
@@ -224,7 +209,8 @@ struct MomentSum<'a> {
 impl<'a> MomentSum<'a> {
     fn new(builder: &'a MomentBuilder<'a>, slab: Slab) -> MomentSum<'a> {
         let direct = vec![vec![Complex64::default(); builder.harmonics.len()]; FIELDS];
-        MomentSum { builder, slab, sources: Vec::new(), patch: Patch::empty(), direct }
+        let sources = Sources::new(&builder.transform, builder.grid.period_um, VALUES);
+        MomentSum { builder, slab, sources, direct }
     }
 
     fn add_body(&mut self, shape: &BodyShape, core: Option<&Core>) {
@@ -281,20 +267,9 @@ impl<'a> MomentSum<'a> {
 
     /// Spreads the sources within the given lateral extents, µm, onto the fine grid.
     fn spread(&mut self, extents: [[f64; 2]; 2], sources: impl FnOnce(&mut dyn FnMut(Source))) {
-        let (transform, period) = (&self.builder.transform, self.builder.grid.period_um);
-        if self.sources.is_empty() {
-            self.sources = vec![vec![Complex64::default(); transform.points()]; FIELDS];
-        }
-        let center = [0, 1].map(|i| 0.5 * (extents[i][0] + extents[i][1]) / period[i]);
-        let reach = [0, 1].map(|i| 0.5 * (extents[i][1] - extents[i][0]) / period[i]);
-        transform.open(&mut self.patch, VALUES, center, reach);
-        let patch = &mut self.patch;
-        sources(&mut |source: Source| {
-            let [x, y] = source.position;
-            let (x, y) = (transform.footprint(0, x / period[0]), transform.footprint(1, y / period[1]));
-            transform.spread(patch, &x, &y, &source.values);
-        });
-        transform.close(&self.patch, &mut self.sources);
+        self.sources.open(extents);
+        sources(&mut |source: Source| self.sources.spread(source.position, &source.values));
+        self.sources.close();
     }
 
     /// Adds a part that is uniform in y; `coefficient` is its transform at kx.
@@ -317,7 +292,7 @@ impl<'a> MomentSum<'a> {
         let points = builder.grid.points();
         let mut planes = [vec![[0.0; FIELDS]; points], vec![[0.0; FIELDS]; points]];
         for (f, spectrum) in self.direct.iter_mut().enumerate() {
-            if let Some(sources) = self.sources.get_mut(f) {
+            if let Some(sources) = self.sources.grids.get_mut(f) {
                 builder.add_sources(sources, &mut wide, spectrum);
             }
             builder.harmonics.scatter(spectrum, &mut narrow.spectrum);
@@ -330,11 +305,6 @@ impl<'a> MomentSum<'a> {
         let mean = self.direct[0][0];
         CellFields { planes, fraction: 0.5 * (mean.re + mean.im) }
     }
-}
-
-/// Lateral extents of a ball, µm.
-fn extents(ball: &Ball) -> [[f64; 2]; 2] {
-    [0, 1].map(|i| [ball.center_um[i] - ball.radius_um, ball.center_um[i] + ball.radius_um])
 }
 
 /// Transform (1/Lx) ∫ e^{−ikx} dx of a strip.

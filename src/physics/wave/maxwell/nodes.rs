@@ -3,7 +3,7 @@
 
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::operator::inverse::row_of;
-use crate::wave::operator::mean::guarded_inverse;
+use crate::wave::operator::mean::inverse_pivots;
 use multiversion::multiversion;
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
@@ -20,30 +20,9 @@ pub(super) struct NodeSystem<T: Real> {
 }
 
 impl NodeSystem<f64> {
-    /// Factorises the exact difference scheme of every harmonic from the cells' couplings and
-    /// contributions to the nodes' diagonals (cells × harmonics). A cell's entries are multiplied
-    /// by `weights`; `ends` are added to the first and last diagonal entry.
-    pub fn new(
-        [off, own]: [&Array2<Complex64>; 2],
-        weights: &[Complex64],
-        ends: [&[Complex64]; 2],
-    ) -> NodeSystem<f64> {
-        let (cells, harmonics) = off.dim();
-        let mut off = off.clone();
-        let mut inverse_pivot = Array2::zeros((cells + 1, harmonics));
-        let mut diagonal = ends[0].to_vec();
-        for j in 0..cells {
-            off.row_mut(j).iter_mut().for_each(|o| *o *= weights[j]);
-            for (i, pivot) in inverse_pivot.row_mut(j).iter_mut().enumerate() {
-                let (coupling, own) = (off[[j, i]], own[[j, i]] * weights[j]);
-                *pivot = guarded_inverse(diagonal[i] + own, coupling);
-                diagonal[i] = own - coupling * coupling * *pivot;
-            }
-        }
-        for (i, pivot) in inverse_pivot.row_mut(cells).iter_mut().enumerate() {
-            *pivot = guarded_inverse(diagonal[i] + ends[1][i], off[[cells - 1, i]]);
-        }
-        NodeSystem { off, inverse_pivot }
+    /// Factorises the exact difference scheme of every harmonic; see [`inverse_pivots`].
+    pub fn new(off: Array2<Complex64>, diagonal: &Array2<Complex64>, ends: [Vec<Complex64>; 2]) -> Self {
+        NodeSystem { inverse_pivot: inverse_pivots(&off, diagonal, ends), off }
     }
 
     /// The factors in another precision.

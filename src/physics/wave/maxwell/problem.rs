@@ -10,9 +10,10 @@ use crate::wave::operator::cell::decaying_root;
 use crate::wave::operator::scattering::Scatter;
 use crate::wave::operator::setting::Setting;
 use crate::wave::system::System;
-use crate::wave::{FarField, Field, Grid, Incidence, Mean, Media, Polarisation, Resolution, Side, WaveError};
+use crate::wave::{FarField, Field, Grid, Incidence, Mean, Media, Polarisation, Resolution, WaveError};
 use ndarray::ArrayView2;
 use num_complex::Complex64;
+use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
 /// Maxwell's equations on a scene for one wavelength and direction, both polarisations: immutable,
@@ -20,22 +21,21 @@ use std::sync::{Arc, OnceLock};
 pub struct VectorProblem {
     /// Geometry, shared by all wavelengths and directions.
     pub moments: Arc<NormalMoments>,
-    /// Wavelength and direction of the light.
-    pub incidence: Incidence,
-    /// Indices of all media.
-    pub media: Media,
-    /// Harmonics in use.
-    pub harmonics: Arc<Harmonics>,
-    /// Normal wavenumbers of every harmonic in the half-spaces (incident side, exit side), 1/µm.
-    pub kappa: [Vec<Complex64>; 2],
+    /// The light, the media and the harmonics.
+    pub setting: Setting,
     /// Wavenumbers of the half-spaces, 1/µm.
     pub k: [Complex64; 2],
-    /// Lateral wavevectors of every harmonic, 1/µm.
-    pub lateral: Vec<[f64; 2]>,
     /// The operator A⁻¹V.
     double: VectorScattering<f64>,
     single: OnceLock<VectorScattering<f32>>,
-    incident: usize,
+}
+
+impl Deref for VectorProblem {
+    type Target = Setting;
+
+    fn deref(&self) -> &Setting {
+        &self.setting
+    }
 }
 
 /// The problem for one polarisation of the incident wave, as the strategies solve it.
@@ -58,56 +58,29 @@ impl VectorProblem {
         mean: Mean,
         averaging: Averaging,
     ) -> Result<Arc<VectorProblem>, WaveError> {
-        incidence.check()?;
         check_metals(moments, media)?;
-        let (grid, layout) = (&moments.grid, moments.layout());
-        let harmonics = Arc::new(Harmonics::new(grid.resolution.nx, grid.resolution.ny));
-        let Setting { k0, lateral, incident, mean_k2 } =
-            Setting::new(&layout, &harmonics, media, incidence, mean)?;
-        let q: Vec<f64> = lateral.iter().map(|[x, y]| x.hypot(*y)).collect();
+        let Resolution { nx, ny, .. } = moments.grid.resolution;
+        let harmonics = Arc::new(Harmonics::new(nx, ny));
+        let (setting, mean_k2) =
+            Setting::new(moments, &harmonics, (media, incidence), mean, |k0, eta, [x, y]| {
+                let (k, q) = (k0 * eta, x.hypot(y));
+                decaying_root(k * k - q * q)
+            })?;
+        let q: Vec<f64> = setting.lateral.iter().map(|[x, y]| x.hypot(*y)).collect();
         let azimuth = incidence.azimuth_deg.to_radians();
-        let directions = lateral.iter().map(|&l| direction(l, k0, azimuth)).collect();
-        let k = [media.incident, media.exit].map(|eta| k0 * eta);
-        let kappa = k.map(|k| q.iter().map(|q| decaying_root(k * k - q * q)).collect::<Vec<_>>());
-        let contrast = tensors(moments, media, k0, &mean_k2, averaging)?;
-        let mean = VectorMean::new(grid, mean_k2, q, [&kappa[0], &kappa[1]], k);
-        let fft = PlaneFft::new(grid.resolution.nx, grid.resolution.ny);
-        let double = VectorScattering::new(mean, harmonics.clone(), directions, fft, &contrast);
-        let (moments, incidence, media) = (moments.clone(), *incidence, media.clone());
-        let single = OnceLock::new();
-        let problem = VectorProblem {
-            moments,
-            incidence,
-            media,
-            harmonics,
-            kappa,
-            k,
-            lateral,
-            double,
-            single,
-            incident,
-        };
-        Ok(Arc::new(problem))
+        let directions = setting.lateral.iter().map(|&l| direction(l, setting.k0, azimuth)).collect();
+        let k = [media.incident, media.exit].map(|eta| setting.k0 * eta);
+        let contrast = tensors(moments, media, setting.k0, &mean_k2, averaging)?;
+        let kappa = setting.kappa.each_ref().map(Vec::as_slice);
+        let mean = VectorMean::new(&moments.grid, mean_k2, q, kappa, k);
+        let double = VectorScattering::new(mean, harmonics, directions, PlaneFft::new(nx, ny), &contrast);
+        let moments = moments.clone();
+        Ok(Arc::new(VectorProblem { moments, setting, k, double, single: OnceLock::new() }))
     }
 
     /// The problem for light of one polarisation.
     pub fn polarised(self: &Arc<Self>, polarisation: Polarisation) -> Polarised {
         Polarised { problem: self.clone(), polarisation }
-    }
-
-    /// Compact index of the incident harmonic, which is the specular order.
-    pub fn incident_harmonic(&self) -> usize {
-        self.incident
-    }
-
-    /// Normal wavenumber κ of the incident wave, 1/µm.
-    pub fn incident_kappa(&self) -> f64 {
-        self.kappa[self.entry_side()][self.incident].re
-    }
-
-    /// Illuminated side: 0 at z = 0, 1 at z = H.
-    pub(super) fn entry_side(&self) -> usize {
-        usize::from(self.incidence.from == Side::Exit)
     }
 
     /// Unit vector p̂ of every harmonic; that of the incident azimuth if the wavevector has no
@@ -121,13 +94,13 @@ impl VectorProblem {
     fn entry(&self, polarisation: Polarisation) -> MeanEntry {
         let side = self.entry_side();
         let node = if side == 0 { 0 } else { self.moments.grid.cells() };
-        let strength = 2.0 * Complex64::I * self.kappa[side][self.incident];
+        let strength = 2.0 * Complex64::I * self.kappa[side][self.incident_harmonic()];
         let zero = Complex64::default();
         let source = match polarisation {
             Polarisation::S => [strength, zero],
             Polarisation::P => [zero, strength / self.k[side]],
         };
-        MeanEntry { node, harmonic: self.incident, source }
+        MeanEntry { node, harmonic: self.incident_harmonic(), source }
     }
 
     /// Fields E_s and h of every harmonic on both faces, from a solution's moments, and the

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::solve::{Gmres, Goal, Silent, Solver};
-use crate::wave::{Ball, Body, BodyShape, FarField, Resolution, Scene, Scheme};
+use crate::wave::{Ball, Body, BodyShape, FarField, Resolution, Scene, Scheme, Side};
 
 fn problem(pigment: Complex64, scheme: Scheme) -> Result<Arc<VectorProblem>, WaveError> {
     let ball = Ball { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };

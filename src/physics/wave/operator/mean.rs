@@ -8,11 +8,11 @@ pub use super::cell::{NodeCoefficients, decaying_root, left_share};
 
 use super::cell::cell_factors;
 use super::inverse::{MeanInverse, row_of};
-use crate::wave::grid::element::{Element, MAX_DEGREE};
+use super::sharing::tabulated;
+use crate::wave::grid::element::Element;
 use crate::wave::{Grid, Scheme};
-use ndarray::{Array2, ArrayViewMut1};
+use ndarray::{Array2, s};
 use num_complex::Complex64;
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// The operator A, factorised: rows of the arrays are cells or nodes, columns harmonics.
@@ -44,11 +44,16 @@ impl MeanOperator {
         let scheme = grid.resolution.scheme;
         let (element, shape) = (grid.element.clone(), (heights.len(), lateral_k2.len()));
         let count = element.degree - 1;
-        let mut tables = vec![Array2::zeros(shape); 2 + count];
-        cell_tables([&heights[..], &element.points[1..=count]], &mean_k2, &lateral_k2, scheme, &mut tables);
+        let mut tables = tabulated(shape, 2 + count, |j, i| {
+            let points = &element.points[1..=count];
+            let (node, [a, b, c, d]) = cell_factors(mean_k2[j] - lateral_k2[i], heights[j], points, scheme);
+            [node.off, node.diagonal, a, b, c, d]
+        });
         let left_share = tables.split_off(2);
         let [off, diagonal] = tables.try_into().expect("two tables are left");
-        let (factor, inverse_pivot) = factorised(&off, &diagonal, kappa);
+        let ends = kappa.map(|kappa| kappa.iter().map(|k| Complex64::I * k).collect());
+        let inverse_pivot = inverse_pivots(&off, &diagonal, ends);
+        let factor = &off * &inverse_pivot.slice(s![..shape.0, ..]);
         let mut inverse_bubble = Array2::zeros((heights.len() * count, shape.1));
         for (row, mut inverse) in inverse_bubble.outer_iter_mut().enumerate() {
             let (cell, lambda) = (row / count, element.lambda[row % count]);
@@ -168,66 +173,33 @@ fn bubble_entry(kz2: Complex64, h: f64, lambda: f64) -> Complex64 {
     kz2 * (h * lambda) - 1.0 / h
 }
 
-/// Tables of off-diagonals, diagonals and left shares for every cell and harmonic, from the
-/// `heights` of the cells and the inner `points` of one.
-fn cell_tables(
-    [heights, points]: [&[f64]; 2],
-    mean_k2: &[Complex64],
-    lateral_k2: &[f64],
-    scheme: Scheme,
-    tables: &mut [Array2<Complex64>],
-) {
-    let mut rows: Vec<Vec<_>> = heights.iter().map(|_| Vec::new()).collect();
-    for table in tables {
-        rows.iter_mut().zip(table.outer_iter_mut()).for_each(|(row, part)| row.push(part));
-    }
-    rows.into_par_iter().enumerate().for_each(|(j, mut tables)| {
-        let factors = |q: f64| cell_factors(mean_k2[j] - q, heights[j], points, scheme);
-        tabulate(lateral_k2, factors, &mut tables);
-    });
-}
-
-/// Factor L (each node's coupling with the next over its pivot) and 1/D of the nodes' system, for
-/// all harmonics together.
-fn factorised(
+/// Reciprocal pivots of the nodes' tridiagonal systems, all harmonics together: from the coupling of
+/// each cell's nodes and its contribution to both diagonals (cells × harmonics); the `ends` are added
+/// to the first and the last diagonal entry.
+pub(in crate::wave) fn inverse_pivots(
     off: &Array2<Complex64>,
     diagonal: &Array2<Complex64>,
-    kappa: [&[Complex64]; 2],
-) -> (Array2<Complex64>, Array2<Complex64>) {
+    [mut left, right]: [Vec<Complex64>; 2],
+) -> Array2<Complex64> {
     let (last, harmonics) = off.dim();
-    let (mut factor, mut inverse_pivot) = (off.clone(), Array2::zeros((last + 1, harmonics)));
-    let mut left: Vec<Complex64> = kappa[0].iter().map(|k| Complex64::I * k).collect();
+    let mut inverse = Array2::zeros((last + 1, harmonics));
     for j in 0..last {
         for i in 0..harmonics {
             let (o, own) = (off[[j, i]], diagonal[[j, i]]);
             let pivot = guarded_inverse(left[i] + own, o); // 1/d_j
             left[i] = own - o * o * pivot; // diagonal of the next node minus o²/d_j
-            (inverse_pivot[[j, i]], factor[[j, i]]) = (pivot, o * pivot);
+            inverse[[j, i]] = pivot;
         }
     }
-    for (i, pivot) in inverse_pivot.row_mut(last).iter_mut().enumerate() {
-        *pivot = guarded_inverse(left[i] + Complex64::I * kappa[1][i], off[[last - 1, i]]);
+    for (i, pivot) in inverse.row_mut(last).iter_mut().enumerate() {
+        *pivot = guarded_inverse(left[i] + right[i], off[[last - 1, i]]);
     }
-    (factor, inverse_pivot)
-}
-
-/// Off-diagonal, diagonal and left shares of one cell, a table each, at every harmonic's kx² + ky².
-#[inline]
-fn tabulate(
-    lateral_k2: &[f64],
-    factors: impl Fn(f64) -> (NodeCoefficients, [Complex64; MAX_DEGREE]),
-    tables: &mut [ArrayViewMut1<Complex64>],
-) {
-    for (i, &q) in lateral_k2.iter().enumerate() {
-        let (node, shares) = factors(q);
-        let values = [node.off, node.diagonal].into_iter().chain(shares);
-        tables.iter_mut().zip(values).for_each(|(table, value)| table[i] = value);
-    }
+    inverse
 }
 
 /// Reciprocal pivot; a vanishing pivot (a guided mode exactly on the grid) is shifted by a part in
 /// 10¹² of its row. Squares: moduli would cost more than the division.
-pub(crate) fn guarded_inverse(pivot: Complex64, scale: Complex64) -> Complex64 {
+fn guarded_inverse(pivot: Complex64, scale: Complex64) -> Complex64 {
     let least = 1e-24 * scale.norm_sqr().max(1e-280);
     if pivot.norm_sqr() < least { Complex64::from(1.0 / least.sqrt()) } else { 1.0 / pivot }
 }

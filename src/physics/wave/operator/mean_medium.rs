@@ -26,7 +26,7 @@ impl Default for Mean {
 
 /// Mean k̄² of every cell: k² of the background plus the contrasts weighted by coverage.
 pub(super) fn mean_wavenumbers(layout: &Layout, media: &Media, k0: f64, mean: Mean) -> Vec<Complex64> {
-    let grid = layout.grid;
+    let grid = &layout.grid;
     let mut values: Vec<Complex64> =
         (0..grid.cells()).map(|j| mean_wavenumber(layout, media, k0, j)).collect();
     if !mean.depends_on_z {
@@ -44,7 +44,7 @@ fn mean_wavenumber(layout: &Layout, media: &Media, k0: f64, cell: usize) -> Comp
     let own = layout.grid.background[cell];
     let square = |eta: Complex64| eta * eta * (k0 * k0);
     let background = square(media.backgrounds[own]);
-    let parts = layout.channels.iter().zip(layout.fractions).filter(|(c, _)| c.background == own);
+    let parts = layout.channels.iter().zip(&layout.fractions).filter(|(c, _)| c.background == own);
     let contrasts = parts.map(|(c, f)| (square(media.index_of(c.material)) - background) * f[cell]);
     background + contrasts.sum::<Complex64>()
 }
@@ -89,7 +89,7 @@ fn phase_between(own: &Grid, means: &[Complex64], [lo, hi]: [f64; 2]) -> f64 {
 
 /// Rejects cells too high for the wave: with contrast by accuracy, without it only near kz h = mπ.
 pub(super) fn check_phase(layout: &Layout, mean_k2: &[Complex64], lateral_k2: f64) -> Result<(), WaveError> {
-    let grid = layout.grid;
+    let grid = &layout.grid;
     let exact = layout.channels.is_empty();
     for (j, &k2) in mean_k2.iter().enumerate() {
         let h = grid.height_um(j);

@@ -8,7 +8,7 @@ pub mod mean;
 pub(in crate::wave) mod mean_medium;
 pub mod problem;
 pub mod scattering;
-pub(in crate::wave) mod setting;
+pub mod setting;
 pub(in crate::wave) mod sharing;
 mod transfer;
 

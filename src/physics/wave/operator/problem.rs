@@ -15,10 +15,11 @@ use super::mean::MeanOperator;
 use super::mean_medium::plane_offsets;
 use super::scattering::{Scatter, Scattering};
 use super::setting::Setting;
-use crate::numerics::fourier::{Harmonics, PlaneFft};
-use crate::wave::{Coverage, Incidence, Media, Scene, Side, WaveError};
+use crate::numerics::fourier::PlaneFft;
+use crate::wave::{Coverage, Incidence, Media, Scene, WaveError};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
+use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
 /// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
@@ -54,18 +55,10 @@ pub type Field = Array2<Complex64>;
 pub struct Problem {
     /// The geometry, shared with all problems on the same grid.
     pub coverage: Arc<Coverage>,
-    /// The incident light.
-    pub incidence: Incidence,
-    /// Indices of all media.
-    pub media: Media,
-    /// The harmonics in use: columns of a field.
-    pub harmonics: Arc<Harmonics>,
+    /// The light, the media and the harmonics.
+    pub setting: Setting,
     /// The mean operator A, factorised.
     pub mean: MeanOperator,
-    /// Normal wavenumbers of every harmonic in the half-spaces (incident side, exit side), 1/µm.
-    pub kappa: [Vec<Complex64>; 2],
-    /// Lateral wavevectors of every harmonic, 1/µm: centred on zero, see [`crate::wave::bloch`].
-    pub lateral: Vec<[f64; 2]>,
     fft: PlaneFft,
     /// Contrast k0²(η² − η_background²) of each channel, divided by the number of points of a plane
     /// (inverse transforms are unnormalised).
@@ -74,10 +67,16 @@ pub struct Problem {
     offsets: Vec<Complex64>,
     double: OnceLock<Scattering<f64>>,
     single: OnceLock<Scattering<f32>>,
-    /// Compact index of the incident harmonic.
-    incident: usize,
     /// Choice of the mean medium.
     choice: Mean,
+}
+
+impl Deref for Problem {
+    type Target = Setting;
+
+    fn deref(&self) -> &Setting {
+        &self.setting
+    }
 }
 
 impl Problem {
@@ -91,29 +90,22 @@ impl Problem {
         incidence: &Incidence,
         mean: Mean,
     ) -> Result<Problem, WaveError> {
-        incidence.check()?;
-        let (grid, layout) = (&coverage.grid, coverage.layout());
-        let harmonics = coverage.harmonics.clone();
-        let Setting { k0, lateral, incident, mean_k2 } =
-            Setting::new(&layout, &harmonics, media, incidence, mean)?;
-        let lateral_k2: Vec<f64> = lateral.iter().map(|[x, y]| x * x + y * y).collect();
-        let kappa_in =
-            |eta: Complex64| lateral_k2.iter().map(|&q| decaying_root(k0 * k0 * eta * eta - q)).collect();
-        let kappa: [Vec<Complex64>; 2] = [kappa_in(media.incident), kappa_in(media.exit)];
+        let light = (media, incidence);
+        let (setting, mean_k2) =
+            Setting::new(coverage, &coverage.harmonics, light, mean, |k0, eta, [x, y]| {
+                decaying_root(k0 * k0 * eta * eta - (x * x + y * y))
+            })?;
+        let lateral_k2 = setting.lateral.iter().map(|[x, y]| x * x + y * y).collect();
+        let kappa = setting.kappa.each_ref().map(Vec::as_slice);
         Ok(Problem {
-            contrasts: contrast::strengths(coverage, media, k0),
-            offsets: plane_offsets(coverage, media, k0, &mean_k2),
-            mean: MeanOperator::new(grid, mean_k2, lateral_k2, [&kappa[0], &kappa[1]]),
+            contrasts: contrast::strengths(coverage, media, setting.k0),
+            offsets: plane_offsets(coverage, media, setting.k0, &mean_k2),
+            mean: MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa),
             fft: coverage.fft.clone(),
             double: OnceLock::new(),
             single: OnceLock::new(),
             coverage: coverage.clone(),
-            incidence: *incidence,
-            media: media.clone(),
-            harmonics,
-            kappa,
-            lateral,
-            incident,
+            setting,
             choice: mean,
         })
     }
@@ -157,18 +149,18 @@ impl Problem {
     /// Source b: 2iκ₀₀ in the row of the illuminated face, in the incident harmonic (P2 (3.4)).
     pub fn source(&self) -> Field {
         let mut b = Field::zeros(self.shape());
-        b[[self.entry_row(), self.incident]] = 2.0 * Complex64::I * self.incident_kappa();
+        b[[self.entry_row(), self.incident_harmonic()]] = 2.0 * Complex64::I * self.incident_kappa();
         b
     }
 
     fn entry_row(&self) -> usize {
-        if self.incidence.from == Side::Incident { 0 } else { self.shape().0 - 1 }
+        self.entry_side() * (self.shape().0 - 1)
     }
 
     /// Background wave u₀ = A⁻¹ b in the mean medium.
     pub fn background_wave(&self) -> Field {
         let mut b = self.source();
-        self.mean.inverse.solve_column(&mut b, self.incident);
+        self.mean.inverse.solve_column(&mut b, self.incident_harmonic());
         b
     }
 
@@ -209,17 +201,6 @@ impl Problem {
         let rows = u.outer_iter().zip(product.outer_iter());
         let absorbed = |(u, y): (&Complex64, &Complex64)| (u.conj() * y).im;
         rows.map(|(u, y)| u.iter().zip(y).map(absorbed).sum::<f64>()).sum::<f64>() / self.incident_kappa()
-    }
-
-    /// Normal wavenumber κ₀₀ in the half-space of incidence, 1/µm.
-    pub fn incident_kappa(&self) -> f64 {
-        let side = if self.incidence.from == Side::Incident { 0 } else { 1 };
-        self.kappa[side][self.incident].re
-    }
-
-    /// Compact index of the incident harmonic, which is the specular order.
-    pub fn incident_harmonic(&self) -> usize {
-        self.incident
     }
 }
 

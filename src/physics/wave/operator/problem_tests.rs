@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::solve::System;
-use crate::wave::{Ball, Body, BodyShape, Resolution, Scheme};
+use crate::wave::{Ball, Body, BodyShape, Resolution, Scheme, Side};
 
 const SCHEMES: [Scheme; 5] =
     [Scheme::SecondDifference, Scheme::Tents, Scheme::Quadratic, Scheme::Cubic, Scheme::Quartic];

@@ -4,32 +4,44 @@
 use super::mean_medium::{Mean, check_phase, mean_wavenumbers};
 use crate::numerics::fourier::Harmonics;
 use crate::wave::bloch::BlochVector;
-use crate::wave::{Incidence, Layout, Media, WaveError};
+use crate::wave::{Incidence, Layout, Media, Side, WaveError};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
-/// Wavenumbers of one wavelength and direction on a grid.
-pub(in crate::wave) struct Setting {
+/// One wavelength and direction on a grid.
+pub struct Setting {
+    /// The incident light.
+    pub incidence: Incidence,
+    /// Indices of all media.
+    pub media: Media,
     /// Vacuum wavenumber 2π/λ, 1/µm.
     pub k0: f64,
-    /// Lateral wavevectors of every harmonic, 1/µm.
+    /// The harmonics in use: columns of a field.
+    pub harmonics: Arc<Harmonics>,
+    /// Lateral wavevectors of every harmonic, 1/µm: centred on zero, see [`crate::wave::bloch`].
     pub lateral: Vec<[f64; 2]>,
+    /// Normal wavenumbers of every harmonic in the half-spaces (incident side, exit side), 1/µm.
+    pub kappa: [Vec<Complex64>; 2],
     /// Compact index of the incident harmonic.
-    pub incident: usize,
-    /// Mean k̄² of every cell, 1/µm².
-    pub mean_k2: Vec<Complex64>,
+    incident: usize,
 }
 
 impl Setting {
-    /// Errors: light incident through an absorber, a grid too coarse for the propagating orders or
-    /// for the wavelength.
-    pub fn new(
+    /// The setting, and the mean k̄² of every cell, 1/µm²; `normal` is the normal wavenumber for
+    /// k0, the index of a half-space and a lateral wavevector.
+    ///
+    /// # Errors
+    /// Lights that [`Incidence::check`] rejects, or incident through an absorber; a grid too coarse
+    /// for the propagating orders or for the wavelength.
+    pub(in crate::wave) fn new(
         layout: &Layout,
-        harmonics: &Harmonics,
-        media: &Media,
-        incidence: &Incidence,
+        harmonics: &Arc<Harmonics>,
+        (media, incidence): (&Media, &Incidence),
         mean: Mean,
-    ) -> Result<Setting, WaveError> {
+        normal: impl Fn(f64, Complex64, [f64; 2]) -> Complex64,
+    ) -> Result<(Setting, Vec<Complex64>), WaveError> {
+        incidence.check()?;
         let k0 = TAU / incidence.wavelength_um;
         let bloch = BlochVector::new(layout, media, incidence)?;
         bloch.check_orders(layout, media, k0)?;
@@ -39,6 +51,24 @@ impl Setting {
         let incident = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
         let [x, y] = lateral[incident];
         check_phase(layout, &mean_k2, x * x + y * y)?;
-        Ok(Setting { k0, lateral, incident, mean_k2 })
+        let kappa = [media.incident, media.exit]
+            .map(|eta| lateral.iter().map(|&lateral| normal(k0, eta, lateral)).collect());
+        let (harmonics, incidence, media) = (harmonics.clone(), *incidence, media.clone());
+        Ok((Setting { incidence, media, k0, harmonics, lateral, kappa, incident }, mean_k2))
+    }
+
+    /// Compact index of the incident harmonic, which is the specular order.
+    pub fn incident_harmonic(&self) -> usize {
+        self.incident
+    }
+
+    /// Normal wavenumber κ₀₀ in the half-space of incidence, 1/µm.
+    pub fn incident_kappa(&self) -> f64 {
+        self.kappa[self.entry_side()][self.incident].re
+    }
+
+    /// Illuminated side: 0 at z = 0, 1 at z = H.
+    pub fn entry_side(&self) -> usize {
+        usize::from(self.incidence.from == Side::Exit)
     }
 }

@@ -1,13 +1,14 @@
 //! Parallel division of the work of one application: fixed, so that sums do not depend on the
 //! number of threads.
 
-use ndarray::{Array2, ArrayViewMut2, Axis};
+use ndarray::{Array2, ArrayViewMut1, ArrayViewMut2, Axis};
+use num_complex::Complex64;
 use rayon::prelude::*;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Number of unknowns above which work is divided among threads: below, waking them takes longer
 /// than a plane.
-pub(in crate::wave) const SHARED: usize = 40_000;
+const SHARED: usize = 40_000;
 
 /// Passes `field` to `work` in numbered chunks of `size` along an axis.
 pub(in crate::wave) fn in_chunks<T: Send + Sync>(
@@ -22,6 +23,34 @@ pub(in crate::wave) fn in_chunks<T: Send + Sync>(
         return chunks.into_par_iter().enumerate().for_each(|(k, chunk)| work(k, chunk));
     }
     chunks.into_iter().enumerate().for_each(|(k, chunk)| work(k, chunk));
+}
+
+/// Tables of cells × harmonics from the `entries` of all of them at a cell and a harmonic, in
+/// parallel over cells.
+pub(in crate::wave) fn tabulated<const N: usize>(
+    shape: (usize, usize),
+    tables: usize,
+    entries: impl Fn(usize, usize) -> [Complex64; N] + Sync,
+) -> Vec<Array2<Complex64>> {
+    let mut tables = vec![Array2::zeros(shape); tables];
+    by_row(&mut tables, shape.0).into_par_iter().enumerate().for_each(|(cell, mut rows)| {
+        for i in 0..shape.1 {
+            rows.iter_mut().zip(entries(cell, i)).for_each(|(row, entry)| row[i] = entry);
+        }
+    });
+    tables
+}
+
+/// The rows of tables with `count` rows each: of each row, those of all tables.
+pub(in crate::wave) fn by_row<'a, T>(
+    tables: impl IntoIterator<Item = &'a mut Array2<T>>,
+    count: usize,
+) -> Vec<Vec<ArrayViewMut1<'a, T>>> {
+    let mut rows: Vec<Vec<_>> = (0..count).map(|_| Vec::new()).collect();
+    for table in tables {
+        rows.iter_mut().zip(table.outer_iter_mut()).for_each(|(row, part)| row.push(part));
+    }
+    rows
 }
 
 /// A pool of work arrays.

@@ -5,9 +5,9 @@ use super::Builder;
 use crate::ink::Solid;
 use crate::numerics::fourier::{PlaneScratch, Real, narrow};
 use crate::wave::contrast::cell::CellCoefficients;
-use crate::wave::contrast::nufft::{Patch, SourceTransform};
+use crate::wave::contrast::nufft::Sources;
 use crate::wave::contrast::relief;
-use crate::wave::contrast::section::{self, EdgePoint};
+use crate::wave::contrast::section::{self, EdgePoint, extents};
 use crate::wave::grid::element::MAX_DEGREE;
 use crate::wave::{Ball, Body, BodyShape};
 use num_complex::{Complex, Complex64};
@@ -19,13 +19,10 @@ pub(super) struct CellSum<'a, T: Real> {
     cell: usize,
     /// Factor on what is added, 1 or −1.
     sign: f64,
-    /// Surface sources on the fine grid, one grid per plane: n_x dS + i n_y dS; empty until the
-    /// first is added.
-    sources: Vec<Vec<Complex<T>>>,
+    /// Surface sources, one grid per plane: n_x dS + i n_y dS.
+    sources: Sources<'a, T>,
     /// Directly summed contributions, one per plane, and the means.
     direct: CellCoefficients<T>,
-    patch: Patch<T>,
-    points: Vec<EdgePoint>,
 }
 
 impl<'a, T: Real> CellSum<'a, T> {
@@ -33,8 +30,8 @@ impl<'a, T: Real> CellSum<'a, T> {
         let planes = builder.grid.planes_of_cell(cell).count();
         let spectra = vec![vec![Complex::default(); builder.harmonics.len()]; planes];
         let direct = CellCoefficients { spectra, means: vec![0.0; planes] };
-        let (sources, points) = (Vec::new(), Vec::new());
-        CellSum { builder, cell, sign: 1.0, sources, direct, patch: Patch::empty(), points }
+        let sources = Sources::new(&builder.transform, builder.grid.period_um, 2 * planes);
+        CellSum { builder, cell, sign: 1.0, sources, direct }
     }
 
     /// Adds the moments of a body that covers the height range `range` of the cell, times a sign.
@@ -66,75 +63,39 @@ impl<'a, T: Real> CellSum<'a, T> {
         grid.element.shape_functions(t).map(|psi| psi * weight * self.sign)
     }
 
-    /// Opens the patch around a body of the given lateral extents, µm.
-    fn open_patch(&mut self, extents: [[f64; 2]; 2]) -> &'a SourceTransform<T> {
-        let builder = self.builder;
-        let transform = builder.transform.as_ref().expect("a scene with edges has a transform");
-        let planes = self.direct.means.len();
-        if self.sources.is_empty() {
-            self.sources = vec![vec![Complex::default(); transform.points()]; planes];
-        }
-        let period = builder.grid.period_um;
-        let center = [0, 1].map(|i| 0.5 * (extents[i][0] + extents[i][1]) / period[i]);
-        let reach = [0, 1].map(|i| 0.5 * (extents[i][1] - extents[i][0]) / period[i]);
-        transform.open(&mut self.patch, 2 * planes, center, reach);
-        transform
-    }
-
-    /// Adds one ring of points on a surface at height z, and the area it encloses.
+    /// Spreads a ring of points on a surface at height z as sources, and adds the area it encloses,
+    /// which is computed about `origin`.
     #[inline]
     fn add_cut(&mut self, origin: [f64; 3], [z, weight]: [f64; 2], points: &[EdgePoint]) {
-        let builder = self.builder;
-        let [lx, ly] = builder.grid.period_um;
-        let transform = builder.transform.as_ref().expect("a scene with edges has a transform");
+        let [lx, ly] = self.builder.grid.period_um;
         let shares = self.shares(z, weight);
-        let moment = self.add_ring(transform, origin, &shares, points);
+        let mut moment = 0.0;
+        for EdgePoint { position, normal } in points {
+            let [x, y] = [position[0] - origin[0], position[1] - origin[1]];
+            moment += x * normal[0] + y * normal[1]; // Gauss: 2 · area = ∮ (x n_x + y n_y) ds
+            self.sources.spread(*position, &source(*normal, &shares)[..2 * self.direct.means.len()]);
+        }
         add_mean(&mut self.direct.means, 0.5 * moment / (lx * ly), &shares);
     }
 
     /// Adds the free surface of one ball of a union.
     fn add_ball(&mut self, balls: &[Ball], i: usize, range: [f64; 2]) {
-        let (builder, own) = (self.builder, &balls[i]);
-        let extents = [0, 1].map(|a| [own.center_um[a] - own.radius_um, own.center_um[a] + own.radius_um]);
-        let transform = self.open_patch(extents);
-        let mut points = std::mem::take(&mut self.points);
+        let builder = self.builder;
+        self.sources.open(extents(&balls[i]));
         let mut ring =
             |z: f64, weight: f64, points: &[EdgePoint]| self.add_cut(balls[0].center_um, [z, weight], points);
-        builder.sampling.rings(balls, i, range, &mut points, &mut ring);
-        transform.close(&self.patch, &mut self.sources);
-        self.points = points;
+        builder.sampling.rings(balls, i, range, &mut ring);
+        self.sources.close();
     }
 
     /// Adds the surface of a convex body.
     fn add_solid(&mut self, solid: &Solid, range: [f64; 2]) {
         let builder = self.builder;
-        let transform = self.open_patch([0, 1].map(|axis| solid.extent_um(axis)));
+        self.sources.open([0, 1].map(|axis| solid.extent_um(axis)));
         let mut cut =
             |z: f64, weight: f64, points: &[EdgePoint]| self.add_cut(solid.center_um, [z, weight], points);
         builder.sampling.cuts(solid, range, 0.0, &mut cut);
-        transform.close(&self.patch, &mut self.sources);
-    }
-
-    /// Spreads the sources of a ring of points over the patch; returns twice the enclosed area,
-    /// computed about `origin`.
-    #[inline]
-    fn add_ring(
-        &mut self,
-        transform: &SourceTransform<T>,
-        origin: [f64; 3],
-        shares: &[f64; MAX_DEGREE + 1],
-        points: &[EdgePoint],
-    ) -> f64 {
-        let [lx, ly] = self.builder.grid.period_um;
-        let mut moment = 0.0;
-        for EdgePoint { position, normal } in points {
-            let [x, y] = [position[0] - origin[0], position[1] - origin[1]];
-            moment += x * normal[0] + y * normal[1]; // Gauss: 2 · area = ∮ (x n_x + y n_y) ds
-            let value = source(*normal, shares);
-            let (x, y) = (transform.footprint(0, position[0] / lx), transform.footprint(1, position[1] / ly));
-            transform.spread(&mut self.patch, &x, &y, &value[..2 * self.direct.means.len()]);
-        }
-        moment
+        self.sources.close();
     }
 
     /// Adds (1/Lx) ∫ e^{−ikx} dx over a strip; only orders n = 0.
@@ -157,13 +118,11 @@ impl<'a, T: Real> CellSum<'a, T> {
 
     /// The spectra of all contributions.
     pub(super) fn finish(mut self) -> CellCoefficients<T> {
-        if let Some(transform) = self.builder.transform.as_ref().filter(|_| !self.sources.is_empty()) {
-            let mut scratch = transform.scratch();
-            for (grid, spectrum) in self.sources.iter_mut().zip(&mut self.direct.spectra) {
-                std::mem::swap(grid, &mut scratch.plane);
-                transform.transform(&mut scratch);
-                add_surfaces(self.builder, transform, &scratch, spectrum);
-            }
+        let mut scratch = self.builder.transform.scratch();
+        for (grid, spectrum) in self.sources.grids.iter_mut().zip(&mut self.direct.spectra) {
+            std::mem::swap(grid, &mut scratch.plane);
+            self.builder.transform.transform(&mut scratch);
+            add_surfaces(self.builder, &scratch, spectrum);
         }
         for (spectrum, &mean) in self.direct.spectra.iter_mut().zip(&self.direct.means) {
             spectrum[0] = Complex::new(T::of(mean), T::default());
@@ -200,11 +159,10 @@ fn index_of(m: i32, n: i32, [mmax, nmax]: [usize; 2]) -> usize {
 /// orders suffice.
 fn add_surfaces<T: Real>(
     builder: &Builder<T>,
-    transform: &SourceTransform<T>,
     scratch: &PlaneScratch<T>,
     spectrum: &mut [Complex<T>],
 ) {
-    let [lx, ly] = builder.grid.period_um;
+    let (transform, [lx, ly]) = (&builder.transform, builder.grid.period_um);
     let [mmax, nmax] = builder.widest.map(|k| k as i32);
     for m in 0..=mmax {
         let (row, mirror) = (transform.row(scratch, m), transform.row(scratch, -m));
