@@ -76,7 +76,7 @@ fn strategies(criterion: &mut Criterion, work: &mut Vec<Work>) {
     let mut group = criterion.benchmark_group("strategy");
     let goal = Goal { tolerance: 1e-6, max_applications: 20_000 };
     for entry in Registry::default().entries() {
-        let (name, solver) = (entry.name(), entry.build());
+        let (name, solver) = (entry.name.as_str(), entry.build());
         let dense = solver.most_unknowns().is_some();
         let sides: &[f64] = if dense { &[0.55, 0.75, 0.9] } else { &[0.7, 1.4, 2.8] };
         for &side in sides {

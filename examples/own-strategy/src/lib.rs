@@ -1,11 +1,11 @@
 //! A strategy in a crate of its own: generalised conjugate residuals (Eisenstat, Elman & Schultz,
-//! SIAM J. Numer. Anal. 20, 345, 1983). It implements [`Solver`], keeps its account in a [`Ledger`]
+//! SIAM J. Numer. Anal. 20, 345, 1983). It implements [`Solver`], keeps its account in the [`Ledger`]
 //! and joins a [`Registry`]; its tests run it in a comparison, against the referee and under two
 //! claims.
 
 use inkwave::solve::ledger::flat;
 use inkwave::solve::vectors::{dot, norm};
-use inkwave::solve::{Goal, Ledger, Registry, Solution, SolveError, Solver, System, Watch};
+use inkwave::solve::{Ledger, Registry, Solution, SolveError, Solver};
 use inkwave::wave::Field;
 
 /// Minimises the residual over all stored directions, with one operator application per step.
@@ -32,17 +32,10 @@ impl Solver for ConjugateResiduals {
         "conjugate_residuals"
     }
 
-    fn solve_from(
-        &self,
-        problem: &dyn System,
-        start: Option<&Field>,
-        goal: Goal,
-        watch: &mut dyn Watch,
-    ) -> Result<Solution, SolveError> {
-        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+    fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
         ledger.holds_vectors(4 + 2 * self.directions);
         let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());
-        let mut residual = Field::zeros(problem.shape());
+        let mut residual = Field::zeros(field.raw_dim());
         loop {
             // The true residual, r = u₀ − M u with M = 1 + A⁻¹V: rounding does not add up from
             // cycle to cycle.

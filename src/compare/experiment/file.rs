@@ -161,7 +161,7 @@ impl ComparisonFile {
         match &self.strategies {
             Some(names) => names.iter().map(|name| Ok((name.clone(), registry.build(name)?))).collect(),
             None => {
-                let all = registry.entries().iter().map(|e| (e.name().to_string(), e.build()));
+                let all = registry.entries().iter().map(|e| (e.name.clone(), e.build()));
                 Ok(all.filter(|(_, solver)| solver.most_unknowns().is_none()).collect())
             }
         }

@@ -8,7 +8,7 @@ use crate::input::case::Case;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task};
 use crate::solve::{Coverages, Gmres, Goal, Watch};
-use crate::wave::{FarField, Mean, Order, Physical, Precision, Resolution, Scene, Scheme, TotalErrors};
+use crate::wave::{FarField, Mean, Order, Precision, Resolution, Scene, Scheme, TotalErrors};
 use num_complex::Complex64;
 use serde_json::Value;
 
@@ -81,8 +81,7 @@ impl ComparisonFile {
         let mut truth = Vec::new();
         for polarised in solved {
             let errors = TotalErrors::of_totals([1.0; 2], polarised.solution.account.residual);
-            let far = Physical::judge(polarised.far_field(), errors).map_err(AccuracyError::Unphysical)?;
-            truth.push(far.into_inner());
+            truth.push(polarised.far_field().judged(errors).map_err(AccuracyError::Unphysical)?);
         }
         let waves = if subject.wave == WaveKind::Vector { &PAIRS[..] } else { &[NO_PAIRS] };
         if let Some(known) = subject.known() {

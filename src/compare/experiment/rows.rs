@@ -9,7 +9,7 @@ use crate::run::crew::processor_seconds;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_of_all};
 use crate::solve::{Account, Coverages, Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::{FarField, Mean, Physical, Resolution, Scheme, System, TotalErrors};
+use crate::wave::{FarField, Mean, Resolution, Scheme, System, TotalErrors};
 
 /// A case with all that its rows share.
 pub(super) struct Bench<'a> {
@@ -90,7 +90,7 @@ impl Bench<'_> {
         row.error_estimate = parts.map(|parts| error_estimate(parts, residual));
         let errors = TotalErrors::of_amplitudes(row.error_estimate.unwrap_or(error), residual);
         for far in far_fields {
-            Physical::judge(far, errors)?;
+            far.judged(errors)?;
         }
         for _ in 1..self.file.repeats.unwrap_or(3) {
             let (solutions, processors) = timed(solver, &systems, goal, watch)?;

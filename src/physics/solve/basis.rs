@@ -107,22 +107,11 @@ pub(super) fn scaled<T: Real>(v: &[Complex64], unit: f64) -> Vec<T> {
     part(|z| z.re).chain(part(|z| z.im)).collect()
 }
 
-/// A vector stored as real parts followed by imaginary parts.
-pub(super) struct Split<'a, T>(pub &'a [T]);
-
-impl<T: Real> Split<'_, T> {
-    /// Inner product ⟨self, other⟩.
-    pub fn dot(&self, other: &Self) -> Complex64 {
-        let starts = (0..(self.0.len() / 2).div_ceil(CHUNK)).into_par_iter().with_min_len(FEW);
-        let parts: Vec<Complex64> =
-            starts.map(|c| dot(part(self.0, c * CHUNK), part(other.0, c * CHUNK))).collect();
-        parts.iter().sum()
-    }
-
-    /// Euclidean norm.
-    pub fn norm(&self) -> f64 {
-        self.dot(self).re.sqrt()
-    }
+/// Inner product ⟨a, b⟩ of vectors stored as real parts followed by imaginary parts.
+pub(super) fn split_dot<T: Real>(a: &[T], b: &[T]) -> Complex64 {
+    let starts = (0..(a.len() / 2).div_ceil(CHUNK)).into_par_iter().with_min_len(FEW);
+    let parts: Vec<Complex64> = starts.map(|c| dot(part(a, c * CHUNK), part(b, c * CHUNK))).collect();
+    parts.iter().sum()
 }
 
 /// Adds w ← w + Σ a_i v_i, writing each chunk of w once; returns ‖w‖ afterwards.

@@ -5,8 +5,9 @@
 //! and for the vector wave. *Adjoint*: M(−q) w̃ = J g gives a weighted sum of efficiencies its
 //! derivative with respect to any number of media.
 
+use super::account::{Goal, SolveError, Watch};
 use super::accuracy::AccuracyError;
-use super::solver::{Goal, SolveError, Solver, Watch};
+use super::solver::Solver;
 use crate::wave::{FarField, Field, Medium, Order, Problem, Side, Sourced, System, WaveError};
 use num_complex::Complex64;
 

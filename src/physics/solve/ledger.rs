@@ -1,6 +1,6 @@
 //! The account that every strategy keeps while it runs, in this crate and in others.
 
-use super::solver::{Account, Goal, Solution, SolveError, Step, Watch};
+use super::account::{Account, Goal, Solution, SolveError, Step, Watch};
 use super::vectors::norm;
 use crate::wave::{Field, System};
 use num_complex::Complex64;
@@ -71,6 +71,19 @@ impl<'a> Ledger<'a> {
         let residual = self.measure(&field, scratch);
         self.note(residual)?;
         Ok(field)
+    }
+
+    /// The initial field and its residual vector, which is noted: `start`, or 0, whose residual u₀
+    /// costs nothing.
+    ///
+    /// # Errors
+    /// See [`Ledger::note`].
+    pub fn from_zero(&mut self, start: Option<&Field>) -> Result<[Field; 2], SolveError> {
+        let field = start.cloned().unwrap_or_else(|| Field::zeros(self.problem.shape()));
+        let mut residual = self.background.clone();
+        let first = if start.is_some() { self.measure(&field, &mut residual) } else { 1.0 };
+        self.note(first)?;
+        Ok([field, residual])
     }
 
     /// Adds a residual to the history and asks the watch whether to continue.

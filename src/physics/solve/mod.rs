@@ -5,6 +5,7 @@
 //! mean medium. [`accuracy`] searches the grid for a requested error and estimates the error of the
 //! result.
 
+pub mod account;
 pub mod accuracy;
 mod basis;
 pub mod demand;
@@ -17,8 +18,9 @@ pub mod strategies;
 pub mod vectors;
 
 pub use crate::wave::System;
+pub use account::{Account, Goal, GridTrial, Silent, Solution, SolveError, Step, Watch};
 pub use accuracy::coverages::Coverages;
 pub use ledger::Ledger;
 pub use registry::{Registry, SolverChoice};
-pub use solver::{Account, Goal, GridTrial, Silent, Solution, SolveError, Solver, Step, Watch};
+pub use solver::Solver;
 pub use strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, GuidedModes, Idr, Relaxation};

@@ -4,7 +4,8 @@
 //! in study files ([`SolverChoice`]) and the registry used by comparisons, the dense reference and
 //! the claims. Strategies of other crates are added with [`Registry::with`].
 
-use super::solver::{SolveError, Solver};
+use super::account::SolveError;
+use super::solver::Solver;
 use super::strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, Idr, Relaxation};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -14,22 +15,14 @@ type Make = Box<dyn Fn() -> Box<dyn Solver> + Send + Sync>;
 
 /// One strategy of a registry.
 pub struct Entry {
-    name: String,
-    description: String,
+    /// Name of the strategy.
+    pub name: String,
+    /// One-line description that helps to choose.
+    pub description: String,
     make: Make,
 }
 
 impl Entry {
-    /// Name of the strategy.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// One-line description that helps to choose.
-    pub fn description(&self) -> &str {
-        &self.description
-    }
-
     /// Constructs the strategy with its default settings.
     pub fn build(&self) -> Box<dyn Solver> {
         (self.make)()
@@ -64,12 +57,8 @@ impl Registry {
         make: impl Fn() -> Box<dyn Solver> + Send + Sync + 'static,
     ) -> Result<Registry, SolveError> {
         if name.trim().is_empty() || self.entries.iter().any(|e| e.name == name) {
-            return Err(SolveError::Setting {
-                field: "name of the strategy",
-                value: format!("{name:?}"),
-                allowed: format!("any but {}", self.list()),
-                remedy: "choose another name".into(),
-            });
+            let (value, allowed) = (format!("{name:?}"), format!("any but {}", self.list()));
+            return Err(SolveError::setting("name of the strategy", value, allowed, "choose another name"));
         }
         self.entries.push(Entry { name: name.into(), description: description.into(), make: Box::new(make) });
         Ok(self)
@@ -82,7 +71,7 @@ impl Registry {
 
     /// All names, in order.
     pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.entries.iter().map(Entry::name)
+        self.entries.iter().map(|e| e.name.as_str())
     }
 
     /// Constructs the strategy of that name with its default settings.
@@ -100,12 +89,7 @@ impl Registry {
 }
 
 fn unknown(name: &str, known: String) -> SolveError {
-    SolveError::Setting {
-        field: "solver",
-        value: name.to_string(),
-        allowed: known,
-        remedy: "choose one of these".to_string(),
-    }
+    SolveError::setting("solver", name, known, "choose one of these")
 }
 
 /// Generates the choice, its names and the registry from the list of built-in strategies.
@@ -183,10 +167,10 @@ mod tests {
         let registry = Registry::default();
         assert!(registry.names().eq(SolverChoice::NAMES.iter().copied()));
         for entry in registry.entries() {
-            let choice = SolverChoice::named(entry.name()).expect("a built-in name");
+            let choice = SolverChoice::named(&entry.name).expect("a built-in name");
             assert_eq!(choice.build().name(), entry.build().name());
             let written = serde_json::to_value(choice).expect("settings are plain");
-            assert!(written.get(entry.name()).is_some(), "{written}");
+            assert!(written.get(&entry.name).is_some(), "{written}");
         }
     }
 

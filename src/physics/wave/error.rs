@@ -5,48 +5,10 @@ use thiserror::Error;
 /// Invalid scenes, media, lights or grids.
 #[derive(Debug, Error, Clone, PartialEq)]
 pub enum WaveError {
-    /// A length that must be positive.
-    #[error("{field} is {value}; it must be finite and above 0")]
-    NotPositive {
-        /// Name of the length.
-        field: String,
-        /// The value found.
-        value: f64,
-    },
-    /// A stratum so thin that rounding would dominate.
-    #[error(
-        "thickness of stratum {stratum} is {thickness_um:e} µm; below {least_um:e} µm, thinner than any atom, rounding \
-         would drown it: leave the stratum out"
-    )]
-    TooThin {
-        /// Index of the stratum from the incident side.
-        stratum: usize,
-        /// Thickness found, µm.
-        thickness_um: f64,
-        /// Smallest thickness allowed, µm.
-        least_um: f64,
-    },
-    /// A coordinate too large for its rounding.
-    #[error(
-        "{field} is {value:e}; at most {most_um:e} µm (a million periods) leaves enough digits of its position in the period: \
-         give it within the period"
-    )]
-    FarOut {
-        /// Name of the coordinate.
-        field: String,
-        /// The value found, µm.
-        value: f64,
-        /// Largest magnitude allowed, µm.
-        most_um: f64,
-    },
-    /// A number that is not finite.
-    #[error("{field} is {value}; it must be a finite number")]
-    NotFinite {
-        /// Name of the number.
-        field: String,
-        /// The value found.
-        value: f64,
-    },
+    /// A length, coordinate, medium or index that cannot be; the sentence says what was found and
+    /// what is allowed.
+    #[error("{0}")]
+    Unsound(String),
     /// A body that extends beyond the layer.
     #[error(
         "body {body} reaches from z = {low_um} to {high_um} µm; it must lie within 0 … {thickness_um} µm: \
@@ -61,29 +23,6 @@ pub enum WaveError {
         high_um: f64,
         /// Thickness of the layer, µm.
         thickness_um: f64,
-    },
-    /// A medium without a refractive index.
-    #[error("{what} {index} is used, but only {known} are given; add its index")]
-    UnknownMedium {
-        /// Background or inclusion.
-        what: &'static str,
-        /// Index of the medium.
-        index: usize,
-        /// Number of media given.
-        known: usize,
-    },
-    /// An unphysical refractive index of a passive medium.
-    #[error(
-        "refractive index of {medium} is {real} + {imaginary}i; both parts must be finite and ≥ 0 \
-         (Im η ≥ 0 absorbs: change the sign if it was given for e^(+iωt))"
-    )]
-    Index {
-        /// Name of the medium.
-        medium: String,
-        /// Real part found.
-        real: f64,
-        /// Imaginary part found.
-        imaginary: f64,
     },
     /// A case that the solver of Maxwell's equations does not support.
     #[error("{what} is not supported by the vector wave: {reason}; {remedy}")]

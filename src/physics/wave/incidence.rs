@@ -31,21 +31,17 @@ pub struct Incidence {
 impl Incidence {
     /// Rejects wavelengths that are not positive and angles outside 0° ≤ σ < 90°.
     pub fn check(&self) -> Result<(), super::WaveError> {
-        let range = |field, value, allowed, remedy| super::WaveError::Range { field, value, allowed, remedy };
-        if !(self.wavelength_um.is_finite() && self.wavelength_um > 0.0) {
-            return Err(range("wavelength (µm)", self.wavelength_um, "finite and above 0", "give it in µm"));
-        }
-        if !(0.0..90.0).contains(&self.polar_deg) {
-            let remedy = "grazing light carries no flux into the layer: use 89 or less";
-            return Err(range("polar angle (degrees)", self.polar_deg, "0 ≤ σ < 90", remedy));
-        }
-        if !self.azimuth_deg.is_finite() {
-            return Err(range(
-                "azimuth (degrees)",
-                self.azimuth_deg,
-                "any finite angle",
-                "give it in degrees",
-            ));
+        let [wavelength, polar, azimuth] = [self.wavelength_um, self.polar_deg, self.azimuth_deg];
+        let grazing = "grazing light carries no flux into the layer: use 89 or less";
+        let rules = [
+            ("wavelength (µm)", wavelength, wavelength > 0.0, "finite and above 0", "give it in µm"),
+            ("polar angle (degrees)", polar, (0.0..90.0).contains(&polar), "0 ≤ σ < 90", grazing),
+            ("azimuth (degrees)", azimuth, true, "any finite angle", "give it in degrees"),
+        ];
+        for (field, value, is_allowed, allowed, remedy) in rules {
+            if !(value.is_finite() && is_allowed) {
+                return Err(super::WaveError::Range { field, value, allowed, remedy });
+            }
         }
         Ok(())
     }

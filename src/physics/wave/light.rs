@@ -35,7 +35,7 @@ pub enum Wave {
 }
 
 impl Wave {
-    /// Names in study files.
+    /// Names in study files, in the order of the variants.
     pub const NAMES: [&'static str; 4] = ["scalar", "s", "p", "unpolarised"];
 
     /// Polarisations to solve; none for the scalar wave.
@@ -65,12 +65,7 @@ impl Wave {
 
     /// Name in study files.
     pub fn name(self) -> &'static str {
-        match self {
-            Wave::Scalar => "scalar",
-            Wave::S => "s",
-            Wave::P => "p",
-            Wave::Unpolarised => "unpolarised",
-        }
+        Wave::NAMES[self as usize]
     }
 
     /// Short description for reports.

@@ -31,7 +31,7 @@ pub use incidence::{Incidence, Side};
 pub use layout::Layout;
 pub use light::{Polarisation, Wave};
 pub use operator::problem::{DIRECTIONS, Field, Mean, Medium, Problem};
-pub use physical::{Physical, TotalErrors, Unphysical};
+pub use physical::{TotalErrors, Unphysical};
 pub use scene::{Ball, Body, BodyShape, HeightField, Material, Media, Scene, Stratum};
 pub use snapping::Snapped;
 pub use sourced::Sourced;

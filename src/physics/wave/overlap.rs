@@ -38,7 +38,8 @@ impl Scene {
         if let Some((body, overlap_um)) = images.into_iter().find(|&(_, overlap)| overlap > slack) {
             return Err(WaveError::OverlapsImage { body, overlap_um });
         }
-        let pieces: Vec<Piece> = self.bodies.iter().enumerate().flat_map(|body| pieces_of(body, ly)).collect();
+        let pieces: Vec<Piece> =
+            self.bodies.iter().enumerate().flat_map(|body| pieces_of(body, ly)).collect();
         let mut cells = Cells::new(self, &pieces);
         pieces.iter().try_for_each(|piece| cells.enter(piece, slack))?;
         let around = |body: usize| cells.around.get(&body).map(|(host, _)| *host);
@@ -82,7 +83,10 @@ fn pieces_of((body, of): (usize, &Body), ly: f64) -> Vec<Piece> {
         BodyShape::Balls(balls) => {
             let kind = || if balls.len() > 1 { PieceKind::Part } else { PieceKind::Sphere };
             let ranges = |center: [f64; 3]| center.map(|c| [c, c]);
-            balls.iter().flat_map(|b| piece(ranges(b.center_um), b.radius_um, Some(b.solid()), kind())).collect()
+            balls
+                .iter()
+                .flat_map(|b| piece(ranges(b.center_um), b.radius_um, Some(b.solid()), kind()))
+                .collect()
         }
         BodyShape::Solid(solid) => {
             let ranges = [0, 1, 2].map(|axis| solid.extent_um(axis));

@@ -20,31 +20,19 @@ impl Scene {
                 within = Some(bodies.len() - 1);
             }
         }
-        if let Some(relief) = packing.relief() {
-            bodies.push(Body { shape: open(packing, relief), material: relief.face().into(), within: None });
-        }
+        bodies.extend(packing.relief().map(|relief| open(packing, relief)));
         Scene { cut: packing.is_cut(), ..Scene::layer(packing.period_um(), packing.thickness_um(), bodies) }
     }
 }
 
-impl From<RoughFace> for Material {
-    /// What fills the space beyond a relief.
-    fn from(face: RoughFace) -> Material {
-        match face {
-            RoughFace::Incident => Material::Incident,
-            RoughFace::Exit => Material::Exit,
-        }
-    }
-}
-
 /// The space beyond the surface, which is sampled at the relief's own points.
-fn open(packing: &Packing, relief: &Relief) -> BodyShape {
+fn open(packing: &Packing, relief: &Relief) -> Body {
     let (period_um, count) = (packing.period_um(), relief.count());
     let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
     let thickness = packing.thickness_um();
-    let (end, face_um) = match relief.face() {
-        RoughFace::Incident => (0, 0.0),
-        RoughFace::Exit => (1, thickness),
+    let (material, end, face_um) = match relief.face() {
+        RoughFace::Incident => (Material::Incident, 0, 0.0),
+        RoughFace::Exit => (Material::Exit, 1, thickness),
     };
     let filled = |k: usize| packing.filled_um(at(k % count[0], 0), at(k / count[0], 1));
     let z_um = (0..count[0] * count[1]).map(|k| filled(k)[end].clamp(0.0, thickness)).collect();
@@ -52,5 +40,5 @@ fn open(packing: &Packing, relief: &Relief) -> BodyShape {
     let clusters = packing.grains().iter().filter(|g| g.solid.is_none());
     let balls = clusters.flat_map(|g| g.spheres.clone()).collect();
     let solids = packing.grains().iter().filter_map(|g| g.solid.clone()).collect();
-    BodyShape::Open { surface, face_um, balls, solids }
+    Body { shape: BodyShape::Open { surface, face_um, balls, solids }, material, within: None }
 }

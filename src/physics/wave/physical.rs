@@ -5,7 +5,6 @@
 //! it amplifies light.
 
 use super::FarField;
-use std::ops::Deref;
 use thiserror::Error;
 
 /// Largest error of a total that is accepted, whatever the error estimate.
@@ -21,19 +20,6 @@ const TOTAL_OF_RESIDUAL: f64 = 30.0;
 const BALANCE_SHARE: f64 = 0.05;
 /// Rounding error of sums over orders and nodes.
 const ROUNDING: f64 = 1e-9;
-
-/// A far field with finite numbers only, with R, T and A from 0 to 1 and their sum 1, all within
-/// their errors.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Physical(FarField);
-
-impl Deref for Physical {
-    type Target = FarField;
-
-    fn deref(&self) -> &FarField {
-        &self.0
-    }
-}
 
 /// Tolerated errors of the totals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,10 +47,6 @@ impl TotalErrors {
         let bounded = |error: f64| if error > LARGEST { LARGEST } else { error };
         let [reflectance, transmittance] = [reflectance, transmittance].map(|error| bounded(error + solver));
         Self { reflectance, transmittance, balance: bounded(balance) }
-    }
-
-    fn are_numbers(&self) -> bool {
-        [self.reflectance, self.transmittance, self.balance].iter().all(|e| e.is_finite())
     }
 }
 
@@ -108,34 +90,30 @@ pub enum Unphysical {
     },
 }
 
-impl Physical {
-    /// Checks a far field whose totals may be in error by `errors`.
+impl FarField {
+    /// The far field if it has finite numbers only, with R, T and A from 0 to 1 and their sum 1, all
+    /// within the `errors` that its totals may have.
     ///
     /// # Errors
     /// [`Unphysical`]: the law that is violated.
-    pub fn judge(far: FarField, errors: TotalErrors) -> Result<Physical, Unphysical> {
-        finite(&far, &errors)?;
+    pub fn judged(self, errors: TotalErrors) -> Result<FarField, Unphysical> {
+        finite(&self, &errors)?;
         let TotalErrors { reflectance, transmittance, balance } = errors;
         let absorptance = (reflectance + transmittance).min(LARGEST);
         for (quantity, value, error) in [
-            ("R", far.reflectance, reflectance),
-            ("T", far.transmittance, transmittance),
-            ("A", far.absorptance, absorptance),
+            ("R", self.reflectance, reflectance),
+            ("T", self.transmittance, transmittance),
+            ("A", self.absorptance, absorptance),
         ] {
             if !(-error..=1.0 + error).contains(&value) {
                 return Err(Unphysical::OutOfRange { quantity, value, error });
             }
         }
-        let sum = 1.0 + far.energy_error();
+        let sum = 1.0 + self.energy_error();
         if (sum - 1.0).abs() > balance {
             return Err(Unphysical::OutOfBalance { sum, error: balance });
         }
-        Ok(Physical(far))
-    }
-
-    /// The checked far field.
-    pub fn into_inner(self) -> FarField {
-        self.0
+        Ok(self)
     }
 }
 
@@ -153,11 +131,11 @@ fn finite(far: &FarField, errors: &TotalErrors) -> Result<(), Unphysical> {
     if let Some((quantity, value)) = all.find(|(_, value)| !value.is_finite()) {
         return Err(Unphysical::NotFinite { quantity, value });
     }
-    if errors.are_numbers() {
-        Ok(())
-    } else {
-        Err(Unphysical::NotFinite { quantity: "the error estimate", value: f64::NAN })
+    let TotalErrors { reflectance, transmittance, balance } = errors;
+    if [reflectance, transmittance, balance].iter().any(|e| !e.is_finite()) {
+        return Err(Unphysical::NotFinite { quantity: "the error estimate", value: f64::NAN });
     }
+    Ok(())
 }
 
 /// The largest of some numbers, NaN if any of them is NaN; 0 if there are none.
@@ -197,8 +175,8 @@ mod tests {
         }
     }
 
-    fn judged(r: f64, t: f64, a: f64, error: f64) -> Result<Physical, Unphysical> {
-        Physical::judge(far(r, t, a), TotalErrors::of_amplitudes(error, 1e-8))
+    fn judged(r: f64, t: f64, a: f64, error: f64) -> Result<FarField, Unphysical> {
+        far(r, t, a).judged(TotalErrors::of_amplitudes(error, 1e-8))
     }
 
     #[test]
@@ -238,7 +216,7 @@ mod tests {
         }
         let mut hidden = far(0.3, 0.4, 0.3);
         hidden.orders[0].transmitted.im = none;
-        assert!(Physical::judge(hidden, TotalErrors::of_amplitudes(0.1, 0.0)).is_err());
+        assert!(hidden.judged(TotalErrors::of_amplitudes(0.1, 0.0)).is_err());
     }
 
     #[test]

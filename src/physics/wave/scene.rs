@@ -192,7 +192,13 @@ impl Scene {
         }
         for (i, stratum) in self.strata.iter().enumerate() {
             positive(&format!("thickness of stratum {i} (µm)"), stratum.thickness_um)?;
-            check_thickness(i, stratum.thickness_um)?;
+            if stratum.thickness_um < THINNEST_UM {
+                return Err(WaveError::Unsound(format!(
+                    "thickness of stratum {i} is {:e} µm; below {THINNEST_UM:e} µm, thinner than any atom, rounding \
+                     would drown it: leave the stratum out",
+                    stratum.thickness_um
+                )));
+            }
         }
         let height = self.thickness_um();
         let period = self.period_um[0].min(self.period_um[1]);
@@ -249,9 +255,7 @@ impl Body {
         }
         Ok(())
     }
-}
 
-impl Body {
     /// Rejects lateral positions that are not finite, which would otherwise show only as NaN in
     /// every amplitude, and those so far out that wrapping them into the period leaves too few
     /// digits.
@@ -267,11 +271,15 @@ impl Body {
             BodyShape::BarY { x_um, .. } => x_um.to_vec(),
             BodyShape::Sheet { .. } => Vec::new(),
         };
-        let field = || format!("lateral position of body {index} (µm)");
-        let wrong = lateral.into_iter().find(|x| x.is_nan() || x.abs() > FARTHEST * period);
+        let most_um = FARTHEST * period;
+        let wrong = lateral.into_iter().find(|x| x.is_nan() || x.abs() > most_um);
+        let field = format!("lateral position of body {index} (µm)");
         wrong.map_or(Ok(()), |value| match value.is_finite() {
-            false => Err(WaveError::NotFinite { field: field(), value }),
-            true => Err(WaveError::FarOut { field: field(), value, most_um: FARTHEST * period }),
+            false => Err(WaveError::Unsound(format!("{field} is {value}; it must be a finite number"))),
+            true => Err(WaveError::Unsound(format!(
+                "{field} is {value:e}; at most {most_um:e} µm (a million periods) leaves enough digits of its \
+                 position in the period: give it within the period"
+            ))),
         })
     }
 }
@@ -294,8 +302,9 @@ impl Media {
     }
 
     fn check(&self, scene: &Scene) -> Result<(), WaveError> {
-        let missing = |what, need: usize, have: usize| {
-            (need >= have).then_some(WaveError::UnknownMedium { what, index: need, known: have })
+        let missing = |what: &str, need: usize, have: usize| {
+            let sentence = || format!("{what} {need} is used, but only {have} are given; add its index");
+            (need >= have).then(|| WaveError::Unsound(sentence()))
         };
         let background =
             scene.strata.iter().find_map(|s| missing("background", s.background, self.backgrounds.len()));
@@ -323,7 +332,11 @@ fn check_index(name: &str, eta: Complex64) -> Result<(), WaveError> {
     if eta.is_finite() && eta.im >= 0.0 && eta.re >= 0.0 && eta.norm() > 0.0 {
         return Ok(());
     }
-    Err(WaveError::Index { medium: name.to_string(), real: eta.re, imaginary: eta.im })
+    Err(WaveError::Unsound(format!(
+        "refractive index of {name} is {} + {}i; both parts must be finite and ≥ 0 \
+         (Im η ≥ 0 absorbs: change the sign if it was given for e^(+iωt))",
+        eta.re, eta.im
+    )))
 }
 
 /// Largest distance of a body from the origin in periods: ten digits of its position in the period
@@ -333,16 +346,9 @@ const FARTHEST: f64 = 1e6;
 /// Thinnest stratum, µm: the rounding error of its mean operator is about 1e-16/(k h), here 1e-11.
 pub const THINNEST_UM: f64 = 1e-6;
 
-fn check_thickness(stratum: usize, thickness_um: f64) -> Result<(), WaveError> {
-    if thickness_um >= THINNEST_UM {
-        return Ok(());
-    }
-    Err(WaveError::TooThin { stratum, thickness_um, least_um: THINNEST_UM })
-}
-
 fn positive(field: &str, value: f64) -> Result<(), WaveError> {
     if value.is_finite() && value > 0.0 {
         return Ok(());
     }
-    Err(WaveError::NotPositive { field: field.to_string(), value })
+    Err(WaveError::Unsound(format!("{field} is {value}; it must be finite and above 0")))
 }

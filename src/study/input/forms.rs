@@ -224,7 +224,7 @@ impl<'de> Visitor<'de> for IndexVisitor {
 pub(super) fn strategies(generator: &mut SchemaGenerator) -> Schema {
     let named = |name: &str, description: &str| json_schema!({ "description": description, "type": "string", "const": name });
     let registry = Registry::default();
-    let names = registry.entries().iter().map(|e| named(e.name(), e.description()));
+    let names = registry.entries().iter().map(|e| named(&e.name, &e.description));
     let mut forms: Vec<Value> = names.map(Value::from).collect();
     forms.push(generator.subschema_for::<SolverChoice>().into());
     json_schema!({ "anyOf": forms })

@@ -7,7 +7,7 @@ use crate::input::study::{Point, Study};
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::{Account, GridTrial, SolveError, Solver, Step, Watch};
 use crate::store::record::{NotFinite, PointRecord, SolveAccount};
-use crate::wave::{Geometry, Mean, Physical, System, TotalErrors, Unphysical, WaveError};
+use crate::wave::{Geometry, Mean, System, TotalErrors, Unphysical, WaveError};
 use std::ops::ControlFlow;
 
 /// Why a point has no result.
@@ -53,7 +53,7 @@ pub(super) fn total_errors(grid: GridError, residual: f64) -> TotalErrors {
 
 /// Whether a stored record passes the check for new results, which older programs did not make.
 pub fn is_physical(record: &PointRecord, grid: GridError) -> bool {
-    Physical::judge(record.far_field(), total_errors(grid, record.account.residual)).is_ok()
+    record.far_field().judged(total_errors(grid, record.account.residual)).is_ok()
 }
 
 /// What the solves of one realisation share.
@@ -88,7 +88,7 @@ impl PointSolver<'_> {
         let solution = self.solver.solve(&**system, self.study.goal, &mut Stopper(self.watch))?;
         let Account { solver, steps, operator_applications, residual, seconds, .. } = solution.account;
         let errors = total_errors(self.grid, residual);
-        let far_field = Physical::judge(system.far_field(&solution.field), errors)?;
+        let far_field = system.far_field(&solution.field).judged(errors)?;
         let account = SolveAccount { solver, steps, operator_applications, residual, seconds };
         let (key, Point { realisation, polarisation, .. }) = (key.to_owned(), *point);
         Ok(PointRecord::new(key, realisation, polarisation, &far_field, account)?)

@@ -21,7 +21,7 @@ use crate::store::identity::Key;
 use crate::store::packing_record::PackingRecord;
 use crate::store::record::{NotFinite, PointRecord, SolveAccount};
 use crate::store::{Record, Store};
-use crate::wave::{Geometry, Physical, Precision, Resolution, Scene, System, WaveError};
+use crate::wave::{Geometry, Precision, Resolution, Scene, System, WaveError};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -313,7 +313,7 @@ impl<'a> Tangents<'a> {
         let kept = far.orders.iter().zip(&slopes.orders);
         let kept = kept.filter(|(order, _)| order.reflected_propagates || order.transmitted_propagates);
         let slopes = kept.map(|(_, slopes)| [slopes.reflected, slopes.transmitted]).collect();
-        let far = Physical::judge(far, total_errors(self.resolved.grid_error, account.residual))?;
+        let far = far.judged(total_errors(self.resolved.grid_error, account.residual))?;
         let account = SolveAccount {
             solver: account.solver,
             steps: account.steps,

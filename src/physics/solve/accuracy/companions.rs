@@ -8,10 +8,10 @@ use super::difference::largest_of_all;
 use super::error::AccuracyError;
 use super::resolution::{error_share, scaled_cells, scaled_plane};
 use super::task::{Estimated, Solved, Task};
-use crate::solve::solver::{SolveError, Watch};
+use crate::solve::account::{SolveError, Watch};
 use crate::wave::grid::share_cells;
 use crate::wave::physical::largest;
-use crate::wave::{BodyShape, FarField, Grid, Physical, Resolution, TotalErrors, WaveError};
+use crate::wave::{BodyShape, FarField, Grid, Resolution, TotalErrors, WaveError};
 
 /// Ratio of the number of points or cells of a coarser companion to that of the result.
 const COMPANION: f64 = 0.8;
@@ -56,8 +56,7 @@ impl Task<'_> {
         let residual = largest(solved.iter().map(|s| s.solution.account.residual));
         let error_estimate = error_estimate(parts, residual);
         let errors = TotalErrors::of_amplitudes(error_estimate, residual);
-        let judged = |far| Ok(Physical::judge(far, errors)?.into_inner());
-        let far_fields = far_fields.into_iter().map(judged).collect::<Result<_, AccuracyError>>()?;
+        let far_fields = far_fields.into_iter().map(|far| far.judged(errors)).collect::<Result<_, _>>()?;
         let seconds_estimate = clock.elapsed().as_secs_f64();
         Ok(Estimated { solved, far_fields, error_estimate, parts, seconds_setup, seconds_estimate })
     }

@@ -1,7 +1,7 @@
 //! Errors of the search for a grid.
 
+use crate::solve::account::SolveError;
 use crate::solve::demand::{TooLarge, memory_in_words};
-use crate::solve::solver::SolveError;
 use crate::wave::grid::MOST_POINTS;
 use crate::wave::{Resolution, Unphysical, WaveError};
 use thiserror::Error;

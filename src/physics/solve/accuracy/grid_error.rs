@@ -8,7 +8,7 @@
 //! uncertainty of the ensemble means.
 
 use super::error::AccuracyError;
-use super::resolution::{raised, scaled_cells, smooth_size};
+use super::resolution::{raised, scaled_cells, scaled_points};
 use super::task::Task;
 use crate::numerics::estimate::Estimate;
 use crate::solve::Watch;
@@ -114,16 +114,12 @@ fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec
 /// A grid with about `factor` times the points and cells, different from `r` along every axis with
 /// several.
 pub fn scaled(r: Resolution, factor: f64) -> Resolution {
-    let points = |n: usize| if n == 1 { 1 } else { scaled_points(n, factor) };
+    let points = |n: usize| match n {
+        1 => 1,
+        2 if factor < 1.0 => 1,
+        n => scaled_points(n, factor),
+    };
     Resolution { nx: points(r.nx), ny: points(r.ny), ..scaled_cells(r, factor) }
-}
-
-fn scaled_points(n: usize, factor: f64) -> usize {
-    let wanted = n as f64 * factor;
-    if factor > 1.0 {
-        return smooth_size(wanted.ceil() as usize);
-    }
-    (1..=wanted as usize).rev().find(|&k| smooth_size(k) == k).unwrap_or(1)
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Resolutions related to a given one: companions for error estimates, and refinements.
 
+use crate::wave::contrast::nufft::is_smooth;
 use crate::wave::{Resolution, WaveError};
 
 /// Lower limit on the own error as a fraction of the difference, however coarse the companion.
@@ -28,7 +29,7 @@ pub fn raised(r: Resolution, refusal: &WaveError) -> Option<Resolution> {
 
 /// Smallest product of 2, 3 and 5 that is at least `n`.
 pub fn smooth_size(n: usize) -> usize {
-    (n.max(2)..).find(|&n| crate::wave::contrast::nufft::is_smooth(n)).expect("smooth numbers are unbounded")
+    (n.max(2)..).find(|&n| is_smooth(n)).expect("smooth numbers are unbounded")
 }
 
 /// Points scaled by `factor`, rounded away from the present number to sizes with a fast transform.
@@ -38,13 +39,12 @@ pub(crate) fn scaled_plane(r: Resolution, factor: f64, uniform: [bool; 2]) -> Re
 }
 
 /// Points along one axis scaled by `factor`; see [`scaled_plane`].
-fn scaled_points(n: usize, factor: f64) -> usize {
+pub(crate) fn scaled_points(n: usize, factor: f64) -> usize {
     match n {
         1 if factor > 1.0 => 3,
         n if factor > 1.0 => smooth_size((n as f64 * factor).ceil() as usize),
         n => {
-            let fits =
-                |&k: &usize| (k as f64) <= n as f64 * factor && crate::wave::contrast::nufft::is_smooth(k);
+            let fits = |&k: &usize| (k as f64) <= n as f64 * factor && is_smooth(k);
             (2..n).rev().find(fits).unwrap_or(n)
         }
     }
@@ -63,8 +63,7 @@ pub(crate) fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolutio
     let factor = |part: f64| (part / (0.4 * accuracy)).powf(1.0 / 6.0).clamp(1.1, 1.7);
     let mut next = r;
     if parts[0] > 0.45 * accuracy {
-        let grow =
-            |n: usize| if n == 1 { 1 } else { smooth_size((n as f64 * factor(parts[0])).ceil() as usize) };
+        let grow = |n: usize| if n == 1 { 1 } else { scaled_points(n, factor(parts[0])) };
         (next.nx, next.ny) = (grow(r.nx), grow(r.ny));
     }
     if parts[1] > 0.45 * accuracy {

@@ -3,8 +3,8 @@
 use super::error::AccuracyError;
 use super::resolution::{raised, refine, smooth_size};
 use super::task::{Estimated, Task};
+use crate::solve::account::{GridTrial, Watch};
 use crate::solve::demand::TooLarge;
-use crate::solve::solver::{GridTrial, Watch};
 use crate::wave::grid::MOST_POINTS;
 use crate::wave::{Resolution, Scheme, Unphysical};
 
@@ -48,19 +48,16 @@ impl Task<'_> {
     /// The layer is more wavelengths thick or wide than any grid can resolve.
     fn start(&self, accuracy: f64) -> Result<Resolution, AccuracyError> {
         let finer = (1e-2 / accuracy).max(1.0);
-        let waves = self.waves_per_um();
+        let (scene, waves) = (self.coverages.scene, self.waves_per_um());
         let [per_wave, planes_per_wave] = START[usize::from(self.coverages.wave.is_vector())];
-        let points = |period: f64| starting_size(accuracy, per_wave * finer.powf(0.25) * waves * period);
-        let nx = if self.coverages.scene.uniform_in_plane() {
-            1
-        } else {
-            points(self.coverages.scene.period_um[0])?
+        let points = |axis: usize| {
+            possible(accuracy, per_wave * finer.powf(0.25) * waves * scene.period_um[axis]).map(smooth_size)
         };
-        let ny =
-            if self.coverages.scene.uniform_in_y() { 1 } else { points(self.coverages.scene.period_um[1])? };
-        let planes = planes_per_wave * finer.powf(0.2) * waves * self.coverages.scene.thickness_um();
+        let nx = if scene.uniform_in_plane() { 1 } else { points(0)? };
+        let ny = if scene.uniform_in_y() { 1 } else { points(1)? };
+        let planes = planes_per_wave * finer.powf(0.2) * waves * scene.thickness_um();
         let cells = possible(accuracy, planes / self.scheme.degree() as f64)?;
-        let cells = cells.max(self.coverages.scene.strata.len()).max(2);
+        let cells = cells.max(scene.strata.len()).max(2);
         Ok(Resolution { nx, ny, cells, scheme: self.scheme })
     }
 }
@@ -134,11 +131,6 @@ impl Search<'_> {
         let nothing = || self.refused.unwrap_or(AccuracyError::Accuracy(self.accuracy));
         self.last.map_or_else(nothing, given_up)
     }
-}
-
-/// Initial number of points, a size with a fast transform.
-fn starting_size(accuracy: f64, points: f64) -> Result<usize, AccuracyError> {
-    possible(accuracy, points).map(smooth_size)
 }
 
 /// A number of points or cells along one axis, if a grid may have that many.

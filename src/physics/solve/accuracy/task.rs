@@ -2,8 +2,9 @@
 
 use super::coverages::Coverages;
 use super::error::AccuracyError;
+use crate::solve::account::{Account, Goal, Solution, Watch};
 use crate::solve::demand::{Admitted, Size, TooLarge};
-use crate::solve::solver::{Account, Goal, Solution, Solver, Watch};
+use crate::solve::solver::Solver;
 use crate::wave::{FarField, Incidence, Mean, Media, Resolution, Scheme, System, WaveError};
 use num_complex::Complex64;
 
@@ -48,7 +49,7 @@ pub struct Estimated {
     /// Solutions on the grid chosen: of the scalar wave, or of s and p light.
     pub solved: Vec<Solved>,
     /// Far field of each solution; all have passed the physical checks
-    /// ([`Physical`](crate::wave::Physical)).
+    /// ([`FarField::judged`]).
     pub far_fields: Vec<FarField>,
     /// Largest expected error of any complex amplitude considered by
     /// [`largest_difference`](super::largest_difference).

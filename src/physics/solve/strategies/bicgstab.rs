@@ -4,11 +4,12 @@
 //! neither be cancelled nor observed. Convergence is erratic without absorption, where GMRES is the
 //! better choice.
 
+use crate::solve::account::{Solution, SolveError};
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Fit, Solver};
 use crate::solve::vectors::{dot, norm};
-use crate::wave::{Field, System};
+use crate::wave::Field;
 use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -32,19 +33,9 @@ impl Solver for Bicgstab {
         "bicgstab"
     }
 
-    fn solve_from(
-        &self,
-        problem: &dyn System,
-        start: Option<&Field>,
-        goal: Goal,
-        watch: &mut dyn Watch,
-    ) -> Result<Solution, SolveError> {
-        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+    fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
         ledger.holds_vectors(8);
-        let mut u = start.cloned().unwrap_or_else(|| Field::zeros(problem.shape()));
-        let mut r = ledger.background.clone();
-        let first = if start.is_some() { ledger.measure(&u, &mut r) } else { 1.0 };
-        ledger.note(first)?;
+        let [mut u, mut r] = ledger.from_zero(start)?;
         for _ in 0..=self.most_restarts {
             if ledger.reached() {
                 return Ok(ledger.finish(u));

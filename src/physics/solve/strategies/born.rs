@@ -1,9 +1,10 @@
 //! The Born series about the mean medium: u ← u₀ − A⁻¹V u (P2 (2.5)–(2.7)).
 
+use crate::solve::account::{Solution, SolveError};
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, ratio_of_terms};
-use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::{Field, System};
+use crate::solve::solver::{Fit, Solver};
+use crate::wave::Field;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -26,17 +27,10 @@ impl Solver for Born {
         "born"
     }
 
-    fn solve_from(
-        &self,
-        problem: &dyn System,
-        start: Option<&Field>,
-        goal: Goal,
-        watch: &mut dyn Watch,
-    ) -> Result<Solution, SolveError> {
-        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+    fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
         ledger.holds_vectors(3);
         let mut field = start.cloned().unwrap_or_else(|| ledger.background.clone());
-        let mut term = Field::zeros(problem.shape());
+        let mut term = Field::zeros(field.dim());
         loop {
             // The residual is the next term of the series, so one application serves both purposes.
             let residual = ledger.measure(&field, &mut term);

@@ -8,11 +8,12 @@
 //! and the step shortened (Vettenburg and Vellekoop 2022).
 
 use super::relaxation::contrasts;
+use crate::solve::account::{Solution, SolveError};
 use crate::solve::demand::Size;
 use crate::solve::ledger::Ledger;
-use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch, split};
+use crate::solve::solver::{Fit, Solver, split};
 use crate::wave::operator::banded::ShiftedMean;
-use crate::wave::{Field, Problem, System};
+use crate::wave::{Field, Problem};
 use ndarray::Array2;
 use num_complex::Complex64;
 use schemars::JsonSchema;
@@ -41,16 +42,9 @@ impl Solver for ConvergentBorn {
         "convergent_born"
     }
 
-    fn solve_from(
-        &self,
-        system: &dyn System,
-        start: Option<&Field>,
-        goal: Goal,
-        watch: &mut dyn Watch,
-    ) -> Result<Solution, SolveError> {
-        let problem = split(system, self.name())?;
+    fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
+        let problem = split(ledger.problem, self.name())?;
         self.check()?;
-        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         let mut scratch = Field::zeros(problem.shape());
         let mut field = ledger.first_field(start, &mut scratch)?;
         if ledger.reached() {
@@ -87,12 +81,7 @@ impl ConvergentBorn {
     fn check(&self) -> Result<(), SolveError> {
         for (field, value) in [("convergent_born.scale", self.scale), ("convergent_born.step", self.step)] {
             if !(value > 0.0 && value <= 1.0) {
-                return Err(SolveError::Setting {
-                    field,
-                    value: value.to_string(),
-                    allowed: "above 0, at most 1".into(),
-                    remedy: "try 0.9".into(),
-                });
+                return Err(SolveError::setting(field, value, "above 0, at most 1", "try 0.9"));
             }
         }
         Ok(())

@@ -1,8 +1,9 @@
 //! The dense reference: the assembled matrix 1 + A⁻¹V by LU, for tiny grids only.
 
+use crate::solve::account::{Solution, SolveError};
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Fit, Solver};
 use crate::wave::{Field, System};
 use num_complex::Complex64;
 use schemars::JsonSchema;
@@ -32,23 +33,14 @@ impl Solver for Direct {
         Some(self.max_unknowns)
     }
 
-    fn solve_from(
-        &self,
-        problem: &dyn System,
-        _start: Option<&Field>,
-        goal: Goal,
-        watch: &mut dyn Watch,
-    ) -> Result<Solution, SolveError> {
+    fn run(&self, mut ledger: Ledger, _start: Option<&Field>) -> Result<Solution, SolveError> {
+        let problem = ledger.problem;
         let n = problem.unknowns();
         if n > self.max_unknowns {
-            return Err(SolveError::Setting {
-                field: "unknowns for strategy = \"direct\"",
-                value: n.to_string(),
-                allowed: format!("at most {}", self.max_unknowns),
-                remedy: "use a coarser grid, another solver, or raise direct.max_unknowns".into(),
-            });
+            let allowed = format!("at most {}", self.max_unknowns);
+            let remedy = "use a coarser grid, another solver, or raise direct.max_unknowns";
+            return Err(SolveError::setting("unknowns for strategy = \"direct\"", n, allowed, remedy));
         }
-        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         let matrix = assemble(problem, &mut ledger);
         ledger.account.bytes = 2 * n * n * size_of::<Complex64>();
         let solved = dense_solve(&matrix, flat(&ledger.background));

@@ -117,15 +117,12 @@ impl GuidedModes {
     /// The correction for a problem, or `None` if it would not pay off.
     pub(crate) fn correction(&self, problem: &Problem) -> Option<Correction> {
         let k0_squared = (TAU / problem.incidence.wavelength_um).powi(2);
-        if self.threshold <= 0.0 {
-            return None;
-        }
-        if problem.mean.mean_absorption() > self.damped * k0_squared {
+        if self.threshold <= 0.0 || problem.mean.mean_absorption() > self.damped * k0_squared {
             return None;
         }
         let limit = self.threshold * k0_squared;
-        let near = (0..problem.harmonics.len()).filter(|&i| may_be_near_null(problem, i, limit));
-        let near: Vec<usize> = near.collect();
+        let harmonics = 0..problem.harmonics.len();
+        let near: Vec<usize> = harmonics.filter(|&i| may_be_near_null(problem, i, limit)).collect();
         if near.len() < self.least_harmonics {
             return None;
         }
@@ -134,7 +131,7 @@ impl GuidedModes {
         modes.sort_by(|a, b| a.eigenvalue.total_cmp(&b.eigenvalue));
         modes.truncate(self.most);
         modes.sort_by_key(|m| m.harmonic);
-        if modes.is_empty() { None } else { Some(Correction::new(problem, modes)) }
+        (!modes.is_empty()).then(|| Correction::new(problem, modes))
     }
 }
 

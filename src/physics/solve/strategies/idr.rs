@@ -5,12 +5,13 @@
 
 mod recurrence;
 
+use crate::solve::account::{Solution, SolveError};
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Fit, Solver};
 use crate::solve::vectors::norm;
+use crate::wave::Field;
 use crate::wave::system::Double;
-use crate::wave::{Field, System};
 use recurrence::Recurrence;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -42,19 +43,9 @@ impl Solver for Idr {
         "idr"
     }
 
-    fn solve_from(
-        &self,
-        problem: &dyn System,
-        start: Option<&Field>,
-        goal: Goal,
-        watch: &mut dyn Watch,
-    ) -> Result<Solution, SolveError> {
-        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+    fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
         ledger.holds_vectors(2 * self.shadow_space + OTHER_VECTORS);
-        let mut u = start.cloned().unwrap_or_else(|| Field::zeros(problem.shape()));
-        let mut r = ledger.background.clone();
-        let first = if start.is_some() { ledger.measure(&u, &mut r) } else { 1.0 };
-        ledger.note(first)?;
+        let [mut u, mut r] = ledger.from_zero(start)?;
         self.advance(&mut ledger, [&mut u, &mut r], ADVICE)?;
         Ok(ledger.finish(u))
     }

@@ -5,11 +5,12 @@ mod run;
 
 use super::guided::GuidedModes;
 use super::idr::Idr;
+use crate::solve::account::{Solution, SolveError};
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch};
+use crate::solve::solver::{Fit, Solver};
+use crate::wave::Field;
 use crate::wave::system::Double;
-use crate::wave::{Field, System};
 use run::{KrylovRun, RightFactor};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -57,14 +58,8 @@ impl Solver for Gmres {
         "krylov"
     }
 
-    fn solve_from(
-        &self,
-        problem: &dyn System,
-        start: Option<&Field>,
-        goal: Goal,
-        watch: &mut dyn Watch,
-    ) -> Result<Solution, SolveError> {
-        Growing { settings: *self, longest: 0 }.solve_from(problem, start, goal, watch)
+    fn run(&self, ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
+        Growing { settings: *self, longest: 0 }.run(ledger, start)
     }
 
     fn fit(&self, size: &Size, bytes: f64) -> Fit {
@@ -101,29 +96,19 @@ impl Solver for Growing {
         self.settings.fit(size, bytes)
     }
 
-    fn solve_from(
-        &self,
-        problem: &dyn System,
-        start: Option<&Field>,
-        goal: Goal,
-        watch: &mut dyn Watch,
-    ) -> Result<Solution, SolveError> {
-        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
+    fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
+        let problem = ledger.problem;
         if !problem.has_contrast() {
             ledger.note(0.0)?;
             let field = ledger.background.clone();
             return Ok(ledger.finish(field));
         }
-        let field = start.cloned().unwrap_or_else(|| Field::zeros(problem.shape()));
-        // The residual of u = 0 is u₀ itself and costs nothing.
-        let work = ledger.background.clone();
+        let [field, work] = ledger.from_zero(start)?;
         let correction = problem.operator().and_then(|p| self.settings.guided_modes.correction(p));
         let correction = correction.map(RightFactor::Guided);
-        let single = if goal.tolerance >= SINGLE { problem.single() } else { None };
+        let single = if ledger.goal.tolerance >= SINGLE { problem.single() } else { None };
         let (restart, first_cycle) = (self.settings.restart.max(1), true);
         let mut run = KrylovRun { ledger, field, work, correction, single, restart, first_cycle };
-        let first = if start.is_some() { run.ledger.measure(&run.field, &mut run.work) } else { 1.0 };
-        run.ledger.note(first)?;
         while !run.ledger.reached() {
             let before = run.ledger.account.residual;
             match run.single {

@@ -3,7 +3,7 @@
 use super::super::coarse::{CoarsePlan, CoarseSpace};
 use super::*;
 use crate::solve::vectors::norm;
-use crate::solve::{Born, Direct, Idr, Silent, Step};
+use crate::solve::{Born, Direct, Goal, Idr, Silent, Step, System, Watch};
 use crate::wave::{Ball, Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use faer::linalg::solvers::Solve;
 use num_complex::Complex64;

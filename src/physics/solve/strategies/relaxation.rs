@@ -12,11 +12,12 @@ mod memory;
 
 pub(crate) use march::contrasts;
 
+use crate::solve::account::{Solution, SolveError};
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Goal, Solution, SolveError, Solver, Watch, split};
+use crate::solve::solver::{Fit, Solver, split};
 use crate::solve::vectors::norm;
-use crate::wave::{Field, Mean, Problem, System};
+use crate::wave::{Field, Mean, Problem};
 use march::March;
 use memory::Memory;
 use schemars::JsonSchema;
@@ -55,16 +56,9 @@ impl Solver for Relaxation {
         Mean { absorbing: false, ..Mean::default() }
     }
 
-    fn solve_from(
-        &self,
-        system: &dyn System,
-        start: Option<&Field>,
-        goal: Goal,
-        watch: &mut dyn Watch,
-    ) -> Result<Solution, SolveError> {
-        let problem = split(system, self.name())?;
+    fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
+        let problem = split(ledger.problem, self.name())?;
         self.check(problem)?;
-        let mut ledger = Ledger::new(self.name(), problem, goal, watch);
         let mut scratch = Field::zeros(problem.shape());
         let field = ledger.first_field(start, &mut scratch)?;
         if ledger.reached() {
@@ -92,7 +86,7 @@ impl Solver for Relaxation {
             march.state.assign(&memory.base.state);
             ledger.note(norm(flat(&memory.base.residual)) / ledger.scale())?;
             if ledger.reached() {
-                if ledger.measure(&memory.base.field, &mut scratch) <= goal.tolerance {
+                if ledger.measure(&memory.base.field, &mut scratch) <= ledger.goal.tolerance {
                     return Ok(ledger.finish(memory.base.field));
                 }
                 // Rounding has separated the blend's residual from the field's: restart from the
@@ -116,21 +110,16 @@ impl Relaxation {
         if !problem.mean.is_real() {
             let remedy =
                 "both halves of the splitting must be dissipative: choose the real mean (--real-mean)";
-            return Err(setting("mean", "complex".into(), "a real ⟨k²⟩", remedy));
+            return Err(SolveError::setting("mean", "complex", "a real ⟨k²⟩", remedy));
         }
         if !(self.tau.is_finite() && self.tau > 0.0) {
-            return Err(setting("relaxation.tau", self.tau.to_string(), "finite and above 0", "try 6"));
+            return Err(SolveError::setting("relaxation.tau", self.tau, "finite and above 0", "try 6"));
         }
         if self.window == 0 {
-            return Err(setting("relaxation.window", "0".into(), "1 or more", "try 12"));
+            return Err(SolveError::setting("relaxation.window", 0, "1 or more", "try 12"));
         }
         Ok(())
     }
-}
-
-/// The error for an invalid setting.
-fn setting(field: &'static str, value: String, allowed: &str, remedy: &str) -> SolveError {
-    SolveError::Setting { field, value, allowed: allowed.to_string(), remedy: remedy.to_string() }
 }
 
 /// A march from the best field so far; the memory forgets everything else.

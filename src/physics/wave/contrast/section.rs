@@ -90,14 +90,11 @@ impl Sampling {
                 continue;
             }
             let whole = is_whole(&middle);
-            for &(x, w) in self.rules.of(self.height_count(length, whole)) {
-                let t = 0.5 * (x + 1.0);
-                let (s, ds) = if whole { (t, 1.0) } else { sine_squared(t) };
-                let z = lo + length * s;
+            for (z, weight) in self.heights([lo, length], self.height_count(length, whole), !whole) {
                 points.clear();
                 let arcs = if whole { middle.clone() } else { free_arcs(balls, i, z) };
                 arcs.iter().for_each(|arc| self.push_arc(&balls[i], z, *arc, &mut points));
-                ring(z, 0.5 * w * length * ds, &points);
+                ring(z, weight, &points);
             }
         }
     }
@@ -146,23 +143,29 @@ impl Sampling {
     }
 
     /// Heights and weights for the part of a body along y within `range`.
-    pub fn strip_heights(&self, shape: &BodyShape, range: [f64; 2]) -> Vec<(f64, f64)> {
-        let (lo, length) = (range[0], range[1] - range[0]);
+    pub fn strip_heights(&self, shape: &BodyShape, [lo, hi]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
         let round = matches!(shape, BodyShape::CylinderY { .. });
-        let count = if round { self.height_count(length, false) } else { self.degree };
-        let height = |&(x, w): &(f64, f64)| {
-            let t = 0.5 * (x + 1.0);
-            let (s, ds) = if round { sine_squared(t) } else { (t, 1.0) };
-            (lo + length * s, 0.5 * w * length * ds)
-        };
-        self.rules.of(count).iter().map(height).collect()
+        let count = if round { self.height_count(hi - lo, false) } else { self.degree };
+        self.heights([lo, hi - lo], count, round)
     }
-}
 
-/// Substitution s = sin²(πt/2) with ds/dt: removes square roots at both ends of 0 ≤ s ≤ 1.
-#[inline]
-pub(in crate::wave) fn sine_squared(t: f64) -> (f64, f64) {
-    ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin())
+    /// Gauss points and weights of a length above `lo`. With `roots`, the substitution s = sin²(πt/2)
+    /// removes square roots at both of its ends.
+    pub(super) fn heights(
+        &self,
+        [lo, length]: [f64; 2],
+        count: usize,
+        roots: bool,
+    ) -> impl Iterator<Item = (f64, f64)> {
+        let share = move |t: f64| match roots {
+            true => ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()),
+            false => (t, 1.0),
+        };
+        self.rules.of(count).iter().map(move |&(x, w)| {
+            let (s, ds) = share(0.5 * (x + 1.0));
+            (lo + length * s, 0.5 * w * length * ds)
+        })
+    }
 }
 
 /// Lateral extents of a ball, µm.

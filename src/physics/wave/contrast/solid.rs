@@ -5,7 +5,7 @@
 //! entire function of the height, a polygon is linear in it, and the arcs of a disc have square
 //! roots at the ends, which z = lo + (hi − lo) sin²t removes.
 
-use super::section::{EdgePoint, Sampling, sine_squared};
+use super::section::{EdgePoint, Sampling};
 use crate::ink::grains::solid::{Form, Solid};
 use crate::numerics::vector::{V3, cross, dot, norm, scale, unit};
 use std::f64::consts::{PI, TAU};
@@ -51,13 +51,10 @@ impl Sampling {
             let along =
                 self.degree as f64 + extra + if stretch.roots { 4.0 + self.degree as f64 } else { 2.0 };
             let count = (0.5 * (self.demands.degree(stretch.reach) + along)).ceil() as usize + 1;
-            for &(x, w) in self.rules.of(count) {
-                let t = 0.5 * (x + 1.0);
-                let (s, ds) = if stretch.roots { sine_squared(t) } else { (t, 1.0) };
-                let z = lo + length * s;
+            for (z, weight) in self.heights([lo, length], count, stretch.roots) {
                 points.clear();
                 sides(solid, z).iter().for_each(|side| self.push_side(side, extra, &mut points));
-                cut(z, 0.5 * w * length * ds, &points);
+                cut(z, weight, &points);
             }
         }
     }

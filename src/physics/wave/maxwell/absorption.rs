@@ -50,10 +50,10 @@ impl VectorMean {
     /// and the source V E = −`y`.
     pub(super) fn loss(&self, y: &Field, nodes: &Nodes) -> f64 {
         let rules = GaussRules::default();
-        let (heights, mean_k2, lateral) = self.cells();
+        let (heights, mean_k2) = (&self.heights, &self.mean_k2);
         let cell = |index| AbsorbingCell { index, height: heights[index], k2: mean_k2[index], rules: &rules };
-        let losses: Vec<f64> =
-            (0..heights.len()).into_par_iter().map(|index| cell(index).loss(lateral, y, nodes)).collect();
+        let cells = (0..heights.len()).into_par_iter();
+        let losses: Vec<f64> = cells.map(|index| cell(index).loss(&self.lateral, y, nodes)).collect();
         losses.iter().sum()
     }
 }

@@ -21,12 +21,19 @@ impl VectorProblem {
     /// contain both.
     pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
         let (faces, absorptance) = self.leaving(field, polarisation);
-        let orders = self.orders(|side, i, incident| self.leaving_order(&faces, polarisation, [side, i], incident));
+        let orders =
+            self.orders(|side, i, incident| self.leaving_order(&faces, polarisation, [side, i], incident));
         FarField::of_orders(self.incidence, self.moments.grid.period_um, orders, absorptance)
     }
 
     /// What leaves through a side in harmonic i, less the incident wave.
-    fn leaving_order(&self, faces: &Faces, own: Polarisation, [side, i]: [usize; 2], incident: f64) -> Leaving {
+    fn leaving_order(
+        &self,
+        faces: &Faces,
+        own: Polarisation,
+        [side, i]: [usize; 2],
+        incident: f64,
+    ) -> Leaving {
         let mut amplitudes = self.amplitudes(faces, side, i);
         amplitudes[own as usize] -= incident;
         let crossed = amplitudes[1 - own as usize];

@@ -60,11 +60,11 @@ impl Faces {
 /// The mean operator A, factorised; also in single precision for strategies that measure the true
 /// residual.
 pub struct VectorMean<T: Real = f64> {
-    heights: Vec<f64>,
+    pub(super) heights: Vec<f64>,
     /// Mean k̄² of each cell, 1/µm².
-    mean_k2: Vec<Complex64>,
+    pub(super) mean_k2: Vec<Complex64>,
     /// Lateral wavenumber q of each harmonic, 1/µm.
-    lateral: Vec<T>,
+    pub(super) lateral: Vec<T>,
     electric: NodeSystem<T>,
     magnetic: NodeSystem<T>,
     /// Functions b and c of every cell (rows) and harmonic.
@@ -137,11 +137,6 @@ impl VectorMean {
         let values = block.each_mut().map(|field| field.as_slice_mut().expect("new fields are contiguous"));
         self.node_values(y, first, Some(entry), values);
         block
-    }
-
-    /// Heights and k̄² of all cells, and q of all harmonics.
-    pub(super) fn cells(&self) -> (&[f64], &[Complex64], &[f64]) {
-        (&self.heights, &self.mean_k2, &self.lateral)
     }
 }
 
@@ -216,11 +211,6 @@ impl<T: Real> VectorMean<T> {
             across(&constants, &tables, electric, s0, s1);
             within(&constants, &tables, magnetic, p0, z0, p1, z1);
         }
-    }
-
-    /// Mean k̄² of each cell, 1/µm².
-    pub fn mean_k2(&self) -> &[Complex64] {
-        &self.mean_k2
     }
 
     /// Memory held, bytes.

@@ -83,12 +83,6 @@ impl VectorProblem {
         Polarised { problem: self.clone(), polarisation }
     }
 
-    /// Unit vector p̂ of every harmonic; that of the incident azimuth if the wavevector has no
-    /// lateral part.
-    pub fn directions(&self) -> &[[f64; 2]] {
-        self.double.directions()
-    }
-
     /// Right-hand sides at the node of the illuminated face: TE 2iκ, TM 2iκ/k (a_p = 1 is h = k,
     /// over k²).
     fn entry(&self, polarisation: Polarisation) -> MeanEntry {
@@ -164,7 +158,7 @@ impl System for Polarised {
     }
 
     fn mean_k2(&self) -> &[Complex64] {
-        self.problem.double.mean.mean_k2()
+        &self.problem.double.mean.mean_k2
     }
 
     fn far_field(&self, u: &Field) -> FarField {

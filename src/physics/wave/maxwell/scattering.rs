@@ -16,17 +16,16 @@ use num_complex::Complex;
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Tensor V of one plane: its six components (rows) at the points; no rows if it vanishes.
-type Tensors<T> = Array2<Complex<T>>;
-
 /// The operator A⁻¹V as tables.
 pub struct VectorScattering<T: Real> {
     pub(super) mean: VectorMean<T>,
     harmonics: Arc<Harmonics>,
-    /// Unit vector p̂ of every harmonic.
+    /// Unit vector p̂ of every harmonic; that of the incident azimuth if the wavevector has no
+    /// lateral part.
     directions: Vec<[T; 2]>,
     fft: PlaneFft<T>,
-    contrast: Vec<Tensors<T>>,
+    /// Tensor V of every plane: its six components (rows) at the points; no rows if it vanishes.
+    contrast: Vec<Array2<Complex<T>>>,
     idle: Idle<PlaneWork<T>>,
 }
 
@@ -58,11 +57,6 @@ impl VectorScattering<f64> {
             contrast: self.contrast.par_iter().map(|plane| plane.mapv(narrow)).collect(),
             idle: Idle::default(),
         }
-    }
-
-    /// Unit vector p̂ of every harmonic.
-    pub fn directions(&self) -> &[[f64; 2]] {
-        &self.directions
     }
 }
 
@@ -97,7 +91,9 @@ impl<T: Real> VectorScattering<T> {
         }
         let rows = [0, 1, 2].map(|c| e.row(3 * plane + c).to_slice().expect("rows are contiguous"));
         work.to_points(self, rows);
-        work.multiply(&self.contrast[plane]);
+        let [x, y, z] = &mut work.scratch;
+        let tensors = self.contrast[plane].as_slice().expect("tensors are contiguous");
+        multiply(tensors, &mut x.plane, &mut y.plane, &mut z.plane); // E ← V E at every point
         work.to_harmonics(self, out.as_slice_mut().expect("rows are contiguous"));
     }
 }
@@ -130,13 +126,6 @@ impl<T: Real> PlaneWork<T> {
             operator.harmonics.scatter(spectrum, &mut scratch.spectrum);
             operator.fft.inverse(scratch, &operator.harmonics.rows);
         }
-    }
-
-    /// Multiplies E ← V E at every point.
-    fn multiply(&mut self, tensors: &Tensors<T>) {
-        let [x, y, z] = &mut self.scratch;
-        let tensors = tensors.as_slice().expect("tensors are contiguous");
-        multiply(tensors, &mut x.plane, &mut y.plane, &mut z.plane);
     }
 
     /// Transforms x, y, z at the points to s, p, z harmonics, consecutively in `out`.

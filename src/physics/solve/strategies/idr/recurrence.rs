@@ -4,9 +4,9 @@
 //! correction any more.
 
 use crate::numerics::Draws;
-use crate::solve::basis::{Split, add_combination, dot, scaled};
+use crate::solve::account::SolveError;
+use crate::solve::basis::{add_combination, dot, scaled, split_dot};
 use crate::solve::ledger::Ledger;
-use crate::solve::solver::SolveError;
 use crate::wave::Field;
 use crate::wave::operator::scattering::Scatter;
 use num_complex::Complex64;
@@ -166,8 +166,8 @@ impl Recurrence {
     /// The step into the next, smaller space: r ← (1 − ω M) r. `None` if it breaks down.
     fn reduce(&mut self, operator: &dyn Scatter<f64>) -> Option<f64> {
         let image = self.applied(&self.r.clone(), operator);
-        let (image_split, r) = (Split(&image), Split(&self.r));
-        let (product, lengths) = (image_split.dot(&r), [image_split.norm(), r.norm()]);
+        let product = split_dot(&image, &self.r);
+        let lengths = [&image, &self.r].map(|v| split_dot(v, v).re.sqrt());
         let cosine = product.norm() / (lengths[0] * lengths[1]);
         self.omega = product / lengths[0].powi(2) * (COSINE / cosine).max(1.0);
         if !self.omega.is_finite() || self.omega.norm() < 1e-14 {

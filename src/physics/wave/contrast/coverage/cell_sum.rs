@@ -157,11 +157,7 @@ fn index_of(m: i32, n: i32, [mmax, nmax]: [usize; 2]) -> usize {
 ///
 /// Written as i/(2 k²) (κ̄ Z(k) + κ Z̄(−k)) with κ = k_x + i k_y; the field is real, so half of the
 /// orders suffice.
-fn add_surfaces<T: Real>(
-    builder: &Builder<T>,
-    scratch: &PlaneScratch<T>,
-    spectrum: &mut [Complex<T>],
-) {
+fn add_surfaces<T: Real>(builder: &Builder<T>, scratch: &PlaneScratch<T>, spectrum: &mut [Complex<T>]) {
     let (transform, [lx, ly]) = (&builder.transform, builder.grid.period_um);
     let [mmax, nmax] = builder.widest.map(|k| k as i32);
     for m in 0..=mmax {

@@ -25,27 +25,27 @@ impl Problem {
         let grid = &self.coverage.grid;
         let mut weights = Array2::zeros((grid.planes(), grid.points()));
         for (plane, mut row) in weights.outer_iter_mut().enumerate() {
-            self.contrast_weights(plane, row.as_slice_mut().expect("rows are contiguous"));
+            row.iter_mut().zip(self.contrast_weights(plane)).for_each(|(out, w)| *out = w);
         }
         weights
     }
 
     /// Weights W_p of one plane, divided by the number of its points.
-    fn contrast_weights(&self, plane: usize, sum: &mut [Complex64]) {
+    fn contrast_weights(&self, plane: usize) -> Vec<Complex64> {
         // W_p = ∫ ψ_p (k²_background − ⟨k²⟩) dz + Σ_c (k²_c − k²_background) ∫ ψ_p χ_c dz, plus the
         // folded terms
-        sum.fill(self.offsets[plane]);
+        let mut sum = vec![self.offsets[plane]; self.coverage.grid.points()];
         let fields = self.coverage.moments.iter().chain(&self.coverage.folded);
         for (moments, &contrast) in fields.zip(&self.contrasts) {
             sum.iter_mut().zip(moments.row(plane)).for_each(|(w, &m)| *w += contrast * m);
         }
+        sum
     }
 
     /// Fourier coefficients of W_p at (m mod nx, n mod ny).
     pub fn contrast_spectrum(&self, plane: usize) -> Array2<Complex64> {
         let mut scratch = self.fft.scratch();
-        scratch.plane.fill(Complex64::ONE);
-        self.multiply_contrast(plane, &mut scratch.plane);
+        scratch.plane = self.contrast_weights(plane);
         let resolution = self.coverage.grid.resolution;
         self.fft.forward(&mut scratch, std::slice::from_ref(&(0..resolution.nx)));
         Array2::from_shape_vec((resolution.nx, resolution.ny), scratch.spectrum).expect("a full spectrum")
@@ -53,16 +53,7 @@ impl Problem {
 
     /// Ratio V/D at every point of a plane, so that the largest modulus is a physical k² contrast.
     pub fn contrast_per_mass(&self, plane: usize, mass: f64) -> Vec<Complex64> {
-        let points = self.coverage.grid.points();
-        let mut values = vec![Complex64::from(points as f64 / mass); points];
-        self.multiply_contrast(plane, &mut values);
-        values
-    }
-
-    /// Multiplies by W_p, divided by the number of points of a plane.
-    fn multiply_contrast(&self, plane: usize, values: &mut [Complex64]) {
-        let mut weights = vec![Complex64::default(); values.len()];
-        self.contrast_weights(plane, &mut weights);
-        values.iter_mut().zip(weights).for_each(|(v, w)| *v *= w);
+        let scale = Complex64::from(self.coverage.grid.points() as f64 / mass);
+        self.contrast_weights(plane).into_iter().map(|w| scale * w).collect()
     }
 }

@@ -36,15 +36,10 @@ impl Problem {
             || self.fft.scratch(),
             |scratch, (mut out, row)| {
                 scratch.plane.iter_mut().zip(row).for_each(|(p, v)| *p = v * scale);
-                self.to_harmonics(scratch, out.as_slice_mut().expect("rows are contiguous"));
+                self.fft.forward(scratch, &self.harmonics.rows);
+                self.harmonics.gather(&scratch.spectrum, out.as_slice_mut().expect("rows are contiguous"));
             },
         );
-    }
-
-    /// Converts values at the points of `scratch.plane` to harmonics, unnormalised.
-    fn to_harmonics(&self, scratch: &mut PlaneScratch, harmonics: &mut [Complex64]) {
-        self.fft.forward(scratch, &self.harmonics.rows);
-        self.harmonics.gather(&scratch.spectrum, harmonics);
     }
 
     fn to_points(&self, harmonics: &[Complex64], scratch: &mut PlaneScratch) {
