@@ -7,8 +7,9 @@
 
 use super::account::{Goal, SolveError, Watch};
 use super::accuracy::AccuracyError;
+use super::ledger::Ledger;
 use super::solver::Solver;
-use crate::wave::{FarField, Field, Medium, Order, Problem, Side, Sourced, System, WaveError};
+use crate::wave::{FarField, Field, Medium, Order, Problem, Side, System, WaveError};
 use num_complex::Complex64;
 
 /// Derivatives with respect to n and κ.
@@ -67,7 +68,7 @@ pub fn tangent(
     let slope = if source.iter().all(|z| z.norm_sqr() == 0.0) {
         source // nothing depends on this index
     } else {
-        solver.solve(&Sourced::new(system, source), goal, watch)?.field
+        solver.run(Ledger::new(solver.name(), system, goal, watch).with_source(source), None)?.field
     };
     let moved = |n: &Neighbour| n.system.far_field(&(u + &slope.mapv(|z| n.step * z)));
     let moved: Vec<FarField> = neighbours.iter().map(moved).collect();
@@ -83,19 +84,16 @@ fn slopes(far: &FarField, moved: &[FarField], steps: &[Complex64]) -> FarSlopes 
     };
     let at = |k: usize, i: usize, side: usize| along(&|far| amplitude(&far.orders[k], i, side));
     let amplitudes = |k: usize| [0, 1].map(|i| [0, 1].map(|side| at(k, i, side)));
-    let of_order = |(k, order): (usize, &Order)| OrderSlopes::new(order, amplitudes(k));
+    let of_order = |(k, order): (usize, &Order)| {
+        let amplitudes = amplitudes(k);
+        let [reflected, transmitted] = [0, 1].map(|side| efficiency(order, &amplitudes, side));
+        OrderSlopes { amplitudes, reflected, transmitted }
+    };
     let orders: Vec<OrderSlopes> = far.orders.iter().enumerate().map(of_order).collect();
     let total = |of: fn(&OrderSlopes) -> Slopes| [0, 1].map(|i| orders.iter().map(|o| of(o)[i]).sum::<f64>());
     let (reflectance, transmittance) = (total(|o| o.reflected), total(|o| o.transmitted));
     let absorptance = [0, 1].map(|i| -reflectance[i] - transmittance[i]);
     FarSlopes { orders, reflectance, transmittance, absorptance }
-}
-
-impl OrderSlopes {
-    fn new(order: &Order, amplitudes: [[Complex64; 2]; 2]) -> Self {
-        let [reflected, transmitted] = [0, 1].map(|side| efficiency(order, &amplitudes, side));
-        Self { amplitudes, reflected, transmitted }
-    }
 }
 
 /// An amplitude of an order: own (0) or crossed (1) polarisation, reflected (0) or transmitted (1).
@@ -140,7 +138,8 @@ pub fn adjoint(
     }
     let mut background = problem.opposite(&source);
     reversed.mean.inverse.solve(&mut background);
-    let solution = solver.solve(&Sourced::new(&reversed, background), goal, watch)?;
+    let ledger = Ledger::new(solver.name(), &reversed, goal, watch).with_source(background);
+    let solution = solver.run(ledger, None)?;
     Ok(problem.opposite(&solution.field))
 }
 

@@ -2,7 +2,7 @@
 
 use super::account::{Account, Goal, Solution, SolveError, Step, Watch};
 use super::vectors::norm;
-use crate::wave::{Field, System};
+use crate::wave::{Field, Problem, System};
 use num_complex::Complex64;
 use std::time::Instant;
 
@@ -24,6 +24,8 @@ pub struct Ledger<'a> {
     /// The account up to now.
     pub account: Account,
     scale: f64,
+    /// Whether the source is the problem's own, the incident wave.
+    is_lit: bool,
     watch: &'a mut dyn Watch,
     clock: Instant,
 }
@@ -35,7 +37,24 @@ impl<'a> Ledger<'a> {
         let background = problem.background_wave();
         let scale = norm(flat(&background));
         let account = Account { solver: name.to_string(), residual: 1.0, ..Account::default() };
-        Ledger { problem, background, goal, account, scale, watch, clock }
+        Ledger { problem, background, goal, account, scale, is_lit: true, watch, clock }
+    }
+
+    /// The solve with a source of one's own, for tangents and adjoints; `background` is A⁻¹ applied
+    /// to it.
+    pub fn with_source(self, background: Field) -> Ledger<'a> {
+        Ledger { scale: norm(flat(&background)), background, is_lit: false, ..self }
+    }
+
+    /// A and V separately, for a strategy that alternates between them.
+    ///
+    /// # Errors
+    /// The system has no values at points, or the source is not the problem's.
+    pub(in crate::solve) fn split(&self) -> Result<&'a Problem, SolveError> {
+        let allowed = "a strategy that only applies the operator, for Maxwell's equations";
+        let remedy = "it works on field values at points, and the unknowns here are moments: use krylov";
+        let problem = self.problem.split().filter(|_| self.is_lit);
+        problem.ok_or_else(|| SolveError::setting("solver", &self.account.solver, allowed, remedy))
     }
 
     /// Records the memory of `vectors` fields of the problem's size.

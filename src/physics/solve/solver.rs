@@ -3,7 +3,7 @@
 use super::account::{Goal, Solution, SolveError, Watch};
 use super::ledger::Ledger;
 use super::size::Size;
-use crate::wave::{Field, Mean, Problem, System};
+use crate::wave::{Field, Mean, System};
 
 /// A strategy with its memory demand.
 pub struct Fit {
@@ -86,14 +86,4 @@ pub trait Solver: Send + Sync {
     fn most_unknowns(&self) -> Option<usize> {
         None
     }
-}
-
-/// A and V separately, for a strategy that alternates between them.
-///
-/// # Errors
-/// The system has no values at points.
-pub(in crate::solve) fn split<'a>(system: &'a dyn System, name: &str) -> Result<&'a Problem, SolveError> {
-    let allowed = "a strategy that only applies the operator, for Maxwell's equations";
-    let remedy = "it works on field values at points, and the unknowns here are moments: use krylov";
-    system.split().ok_or_else(|| SolveError::setting("solver", name, allowed, remedy))
 }

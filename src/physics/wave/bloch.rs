@@ -76,12 +76,10 @@ impl Incidence {
     pub(super) fn lateral_wavevector(&self, media: &Media) -> Result<[f64; 2], WaveError> {
         let eta = if self.from == Side::Incident { media.incident } else { media.exit };
         if eta.im != 0.0 {
-            return Err(WaveError::Range {
-                field: "imaginary part of the index of the half-space that the light comes from",
-                value: eta.im,
-                allowed: "0",
-                remedy: "light cannot arrive from infinity through an absorber: make that half-space transparent",
-            });
+            let field = "imaginary part of the index of the half-space that the light comes from";
+            let remedy =
+                "light cannot arrive from infinity through an absorber: make that half-space transparent";
+            return Err(WaveError::range(field, eta.im, "0", remedy));
         }
         let k = TAU / self.wavelength_um * eta.re * self.polar_deg.to_radians().sin();
         let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();

@@ -34,18 +34,6 @@ pub enum WaveError {
         /// What to do instead.
         remedy: &'static str,
     },
-    /// A number outside its range.
-    #[error("{field} is {value}; allowed is {allowed}: {remedy}")]
-    Range {
-        /// Name of the number.
-        field: &'static str,
-        /// The value found.
-        value: f64,
-        /// What is allowed.
-        allowed: &'static str,
-        /// What to try.
-        remedy: &'static str,
-    },
     /// The computation was cancelled.
     #[error("stopped before the geometry was on its grid")]
     Stopped,
@@ -105,4 +93,11 @@ pub enum WaveError {
         /// Depth of the overlap, µm.
         overlap_um: f64,
     },
+}
+
+impl WaveError {
+    /// A number outside its range, with what is allowed and what to try.
+    pub(super) fn range(field: &str, value: f64, allowed: &str, remedy: &str) -> WaveError {
+        WaveError::Unsound(format!("{field} is {value}; allowed is {allowed}: {remedy}"))
+    }
 }

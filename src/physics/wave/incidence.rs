@@ -40,7 +40,7 @@ impl Incidence {
         ];
         for (field, value, is_allowed, allowed, remedy) in rules {
             if !(value.is_finite() && is_allowed) {
-                return Err(super::WaveError::Range { field, value, allowed, remedy });
+                return Err(super::WaveError::range(field, value, allowed, remedy));
             }
         }
         Ok(())

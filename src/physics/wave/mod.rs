@@ -19,7 +19,6 @@ pub mod packed;
 pub mod physical;
 pub mod scene;
 pub mod snapping;
-mod sourced;
 pub mod system;
 
 pub use contrast::coverage::{Coverage, Precision};
@@ -34,5 +33,4 @@ pub use operator::problem::{DIRECTIONS, Field, Mean, Medium, Problem};
 pub use physical::{TotalErrors, Unphysical};
 pub use scene::{Ball, Body, BodyShape, HeightField, Material, Media, Scene, Stratum};
 pub use snapping::Snapped;
-pub use sourced::Sourced;
 pub use system::System;

@@ -63,34 +63,24 @@ struct Piece {
     /// The piece as a convex body, if it is finite in the plane; cylinders and bars are cut three
     /// periods long.
     solid: Option<Solid>,
-    kind: PieceKind,
-}
-
-/// What a piece is of its body.
-#[derive(PartialEq)]
-enum PieceKind {
-    /// Part of it, or a body along y, which has nothing inside and lies in nothing.
-    Part,
-    /// The whole body, a sphere.
-    Sphere,
-    /// The whole body, another convex one than a sphere.
-    Convex,
+    /// Whether it is a whole body that may lie in others: a sphere or a convex body.
+    whole: bool,
 }
 
 fn pieces_of((body, of): (usize, &Body), ly: f64) -> Vec<Piece> {
-    let piece = |ranges, radius, solid, kind| vec![Piece { body, ranges, radius, solid, kind }];
+    let piece = |ranges, radius, solid, whole| vec![Piece { body, ranges, radius, solid, whole }];
     match &of.shape {
         BodyShape::Balls(balls) => {
-            let kind = || if balls.len() > 1 { PieceKind::Part } else { PieceKind::Sphere };
+            let whole = balls.len() == 1;
             let ranges = |center: [f64; 3]| center.map(|c| [c, c]);
             balls
                 .iter()
-                .flat_map(|b| piece(ranges(b.center_um), b.radius_um, Some(b.solid()), kind()))
+                .flat_map(|b| piece(ranges(b.center_um), b.radius_um, Some(b.solid()), whole))
                 .collect()
         }
         BodyShape::Solid(solid) => {
             let ranges = [0, 1, 2].map(|axis| solid.extent_um(axis));
-            piece(ranges, 0.0, Some(solid.clone()), PieceKind::Convex)
+            piece(ranges, 0.0, Some(solid.clone()), true)
         }
         &BodyShape::CylinderY { x_um, z_um, radius_um } => {
             let rod = Solid {
@@ -98,14 +88,14 @@ fn pieces_of((body, of): (usize, &Body), ly: f64) -> Vec<Piece> {
                 center_um: [x_um, 0.0, z_um],
                 rotation: Rotation::from_z_to([0.0, 1.0, 0.0]),
             };
-            piece([[x_um; 2], ENDLESS, [z_um; 2]], radius_um, Some(rod), PieceKind::Part)
+            piece([[x_um; 2], ENDLESS, [z_um; 2]], radius_um, Some(rod), false)
         }
         &BodyShape::BarY { x_um, z_um } => {
             let form = Form::cuboid([width(x_um), 3.0 * ly, width(z_um)]);
             let bar = Solid::upright(form, [middle(x_um), 0.0, middle(z_um)]);
-            piece([x_um, ENDLESS, z_um], 0.0, Some(bar), PieceKind::Part)
+            piece([x_um, ENDLESS, z_um], 0.0, Some(bar), false)
         }
-        BodyShape::Sheet { z_um } => piece([ENDLESS, ENDLESS, *z_um], 0.0, None, PieceKind::Part),
+        BodyShape::Sheet { z_um } => piece([ENDLESS, ENDLESS, *z_um], 0.0, None, false),
         BodyShape::Open { .. } => Vec::new(),
     }
 }
@@ -124,25 +114,23 @@ impl Piece {
     /// Whether another sphere or convex body lies inside this one, which is larger.
     fn surrounds(&self, other: &Piece, period: [f64; 2], slack: f64) -> bool {
         let apart = other.centre_from(self, period);
-        match (&self.kind, &other.kind) {
-            (PieceKind::Part, _) | (_, PieceKind::Part) => false,
-            (PieceKind::Sphere, PieceKind::Sphere) => {
-                let larger = self.radius > other.radius + slack;
-                larger && length(apart) + other.radius <= self.radius + slack
-            }
-            _ => {
-                let (Some(a), Some(b)) = (&self.solid, &other.solid) else { return false };
-                let larger = a.form.volume_um3() > b.form.volume_um3() * (1.0 + ROUNDING);
-                larger && excess_um(b, a, apart) <= slack
-            }
+        if !(self.whole && other.whole) {
+            return false;
         }
+        if self.radius > 0.0 && other.radius > 0.0 {
+            let larger = self.radius > other.radius + slack;
+            return larger && length(apart) + other.radius <= self.radius + slack;
+        }
+        let (Some(a), Some(b)) = (&self.solid, &other.solid) else { return false };
+        let larger = a.form.volume_um3() > b.form.volume_um3() * (1.0 + ROUNDING);
+        larger && excess_um(b, a, apart) <= slack
     }
 
     /// Depth by which two pieces overlap in their nearest images, µm; negative if they are apart.
     fn overlap_um(&self, other: &Piece, period: [f64; 2]) -> f64 {
         let apart = other.centre_from(self, period);
         if let (Some(a), Some(b)) = (&self.solid, &other.solid)
-            && [self, other].iter().any(|piece| piece.kind == PieceKind::Convex)
+            && [self, other].iter().any(|piece| piece.whole && piece.radius == 0.0)
         {
             let depth = |[x, y]: [f64; 2]| -proven_gap_um(a, b, [apart[0] + x, apart[1] + y, apart[2]]);
             return shifts(period).map(depth).fold(f64::NEG_INFINITY, f64::max);

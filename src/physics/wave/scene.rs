@@ -154,20 +154,13 @@ impl Scene {
 
     /// Whether the scene is uniform along y, so that only orders n = 0 exist.
     pub fn uniform_in_y(&self) -> bool {
-        let lateral = |shape: &BodyShape| {
-            matches!(shape, BodyShape::Balls(_) | BodyShape::Solid(_) | BodyShape::Open { .. })
-        };
-        !self.bodies.iter().any(|b| lateral(&b.shape))
+        use BodyShape::{Balls, Open, Solid};
+        !self.bodies.iter().any(|b| matches!(b.shape, Balls(_) | Solid(_) | Open { .. }))
     }
 
     /// Whether the scene is uniform along x and y: a stack of homogeneous films.
     pub fn uniform_in_plane(&self) -> bool {
         self.bodies.iter().all(|b| matches!(b.shape, BodyShape::Sheet { .. }))
-    }
-
-    /// The material that a body displaces where it is not the background.
-    pub fn displaced(&self, body: &Body) -> Option<Material> {
-        Some(self.bodies[body.within?].material)
     }
 
     /// Indices of the strata that contain part of a body: elsewhere the wave is that of a film,
@@ -242,16 +235,11 @@ impl Body {
     }
 
     fn check_height(&self, index: usize, height: f64) -> Result<(), WaveError> {
-        let [lo, hi] = self.extent_um();
+        let [low_um, high_um] = self.extent_um();
         // A grain touching a wall may protrude by the rounding of its coordinates.
         let slack = 1e-9 * height;
-        if lo < -slack || hi > height + slack {
-            return Err(WaveError::OutsideLayer {
-                body: index,
-                low_um: lo,
-                high_um: hi,
-                thickness_um: height,
-            });
+        if low_um < -slack || high_um > height + slack {
+            return Err(WaveError::OutsideLayer { body: index, low_um, high_um, thickness_um: height });
         }
         Ok(())
     }
@@ -302,20 +290,16 @@ impl Media {
     }
 
     fn check(&self, scene: &Scene) -> Result<(), WaveError> {
-        let missing = |what: &str, need: usize, have: usize| {
-            let sentence = || format!("{what} {need} is used, but only {have} are given; add its index");
-            (need >= have).then(|| WaveError::Unsound(sentence()))
-        };
-        let background =
-            scene.strata.iter().find_map(|s| missing("background", s.background, self.backgrounds.len()));
-        let inclusion = scene.bodies.iter().find_map(|b| match b.material {
-            Material::Inclusion(index) => missing("inclusion", index, self.inclusions.len()),
+        let backgrounds = scene.strata.iter().map(|s| ("background", s.background, self.backgrounds.len()));
+        let inclusions = scene.bodies.iter().filter_map(|b| match b.material {
+            Material::Inclusion(index) => Some(("inclusion", index, self.inclusions.len())),
             Material::Incident | Material::Exit => None,
         });
-        let around = scene.bodies.iter().filter_map(|b| b.within);
-        let around = around.filter_map(|host| missing("body", host, scene.bodies.len())).next();
-        if let Some(error) = background.or(inclusion).or(around) {
-            return Err(error);
+        let hosts = scene.bodies.iter().filter_map(|b| Some(("body", b.within?, scene.bodies.len())));
+        let mut used = backgrounds.chain(inclusions).chain(hosts);
+        if let Some((what, index, known)) = used.find(|&(_, index, known)| index >= known) {
+            let sentence = format!("{what} {index} is used, but only {known} are given; add its index");
+            return Err(WaveError::Unsound(sentence));
         }
         let named = |name: &'static str| move |(i, &eta): (usize, &Complex64)| (format!("{name} {i}"), eta);
         let all = [

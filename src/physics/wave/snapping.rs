@@ -51,7 +51,7 @@ impl Incidence {
         let refused = |l: &&f64| !PERIODS.contains(&(**l / self.wavelength_um));
         if let Some(&value) = period_um.iter().find(refused) {
             let (field, allowed) = ("period (µm)", "1e-6 to 1e6 wavelengths for a direction to be snapped");
-            return Err(WaveError::Range { field, value, allowed, remedy: "give it in µm, or do not snap" });
+            return Err(WaveError::range(field, value, allowed, "give it in µm, or do not snap"));
         }
         let whole = self.lateral_wavevector(media)?;
         let eta = if self.from == Side::Incident { media.incident } else { media.exit };

@@ -54,11 +54,6 @@ pub trait System: Send + Sync {
         None
     }
 
-    /// The problem whose operator this system has, whatever its source: for the guided modes of A.
-    fn operator(&self) -> Option<&Problem> {
-        self.split()
-    }
-
     /// Mean k̄² of each cell, 1/µm².
     fn mean_k2(&self) -> &[Complex64];
 

@@ -11,7 +11,7 @@ use super::relaxation::contrasts;
 use crate::solve::account::{Solution, SolveError};
 use crate::solve::demand::Size;
 use crate::solve::ledger::Ledger;
-use crate::solve::solver::{Fit, Solver, split};
+use crate::solve::solver::{Fit, Solver};
 use crate::wave::operator::banded::ShiftedMean;
 use crate::wave::{Field, Problem};
 use ndarray::Array2;
@@ -43,7 +43,7 @@ impl Solver for ConvergentBorn {
     }
 
     fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
-        let problem = split(ledger.problem, self.name())?;
+        let problem = ledger.split()?;
         self.check()?;
         let mut scratch = Field::zeros(problem.shape());
         let mut field = ledger.first_field(start, &mut scratch)?;

@@ -104,7 +104,7 @@ impl Solver for Growing {
             return Ok(ledger.finish(field));
         }
         let [field, work] = ledger.from_zero(start)?;
-        let correction = problem.operator().and_then(|p| self.settings.guided_modes.correction(p));
+        let correction = problem.split().and_then(|p| self.settings.guided_modes.correction(p));
         let correction = correction.map(RightFactor::Guided);
         let single = if ledger.goal.tolerance >= SINGLE { problem.single() } else { None };
         let (restart, first_cycle) = (self.settings.restart.max(1), true);

@@ -15,7 +15,7 @@ pub(crate) use march::contrasts;
 use crate::solve::account::{Solution, SolveError};
 use crate::solve::demand::Size;
 use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Solver, split};
+use crate::solve::solver::{Fit, Solver};
 use crate::solve::vectors::norm;
 use crate::wave::{Field, Mean, Problem};
 use march::March;
@@ -57,7 +57,7 @@ impl Solver for Relaxation {
     }
 
     fn run(&self, mut ledger: Ledger, start: Option<&Field>) -> Result<Solution, SolveError> {
-        let problem = split(ledger.problem, self.name())?;
+        let problem = ledger.split()?;
         self.check(problem)?;
         let mut scratch = Field::zeros(problem.shape());
         let field = ledger.first_field(start, &mut scratch)?;
@@ -65,8 +65,7 @@ impl Solver for Relaxation {
             return Ok(ledger.finish(field));
         }
         let mut tau = self.tau;
-        let mut march = March::new(problem, tau, &field);
-        let mut memory = Memory::new(march.candidate(&mut ledger), self.memory);
+        let (mut march, mut memory) = self.begun(problem, tau, &field, &mut ledger);
         ledger.account.bytes = march.bytes() + memory.most_bytes();
         loop {
             let before = ledger.account.residual;
@@ -79,7 +78,7 @@ impl Solver for Relaxation {
                 // Ringing of the band-limited contrast causes gain at some points: shorter steps
                 // reduce the splitting error.
                 tau *= 0.5;
-                march = anew(problem, tau, &mut memory, &mut ledger);
+                (march, memory) = self.begun(problem, tau, &memory.base.field, &mut ledger);
             } else {
                 memory.average();
             }
@@ -91,7 +90,7 @@ impl Solver for Relaxation {
                 }
                 // Rounding has separated the blend's residual from the field's: restart from the
                 // field.
-                march = anew(problem, tau, &mut memory, &mut ledger);
+                (march, memory) = self.begun(problem, tau, &memory.base.field, &mut ledger);
             }
             ledger.judge("try another tau or window, or strategy = \"krylov\"")?;
         }
@@ -106,6 +105,19 @@ impl Solver for Relaxation {
 }
 
 impl Relaxation {
+    /// A march from a field, and a memory of nothing else.
+    fn begun<'a>(
+        &self,
+        problem: &'a Problem,
+        tau: f64,
+        field: &Field,
+        ledger: &mut Ledger,
+    ) -> (March<'a>, Memory) {
+        let mut march = March::new(problem, tau, field);
+        let base = march.candidate(ledger);
+        (march, Memory::new(base, self.memory))
+    }
+
     fn check(&self, problem: &Problem) -> Result<(), SolveError> {
         if !problem.mean.is_real() {
             let remedy =
@@ -120,13 +132,6 @@ impl Relaxation {
         }
         Ok(())
     }
-}
-
-/// A march from the best field so far; the memory forgets everything else.
-fn anew<'a>(problem: &'a Problem, tau: f64, memory: &mut Memory, ledger: &mut Ledger) -> March<'a> {
-    let mut march = March::new(problem, tau, &memory.base.field);
-    memory.start_anew(march.candidate(ledger));
-    march
 }
 
 #[cfg(test)]

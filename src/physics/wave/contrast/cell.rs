@@ -11,6 +11,9 @@ pub(crate) struct CellCoefficients<T: Real> {
     pub means: Vec<f64>,
 }
 
+/// Coefficients in all cells of all channels, where they are present.
+pub(crate) type CellTable<T> = [Vec<Option<CellCoefficients<T>>>];
+
 /// Geometry and grid of one cell for the integration over columns.
 pub(crate) struct CellColumns<'a> {
     pub range_um: [f64; 2],

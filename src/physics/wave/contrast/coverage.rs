@@ -151,8 +151,7 @@ fn build<T: Real>(
     let channels = find_channels(scene, &grid);
     let folding = Folding::<T>::new(&resolution, grid.period_um);
     let builder = Builder::<T>::new(scene, &grid, &channels, &folding.harmonics, precision);
-    let cells: Vec<Vec<Option<CellCoefficients<T>>>> =
-        (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
+    let cells: Vec<_> = (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
     if (precision.stop)() {
         return Err(WaveError::Stopped);
     }
@@ -187,8 +186,8 @@ pub(in crate::wave) fn find_channels(scene: &Scene, grid: &Grid) -> Vec<Channel>
 /// Sign of a body's indicator in that of a material: what lies within another body takes its volume
 /// from that body's material.
 fn sign(scene: &Scene, body: &Body, material: Material) -> Option<f64> {
-    let [own, displaced] = [Some(body.material), scene.displaced(body)].map(|m| m == Some(material));
-    match (own, displaced) {
+    let displaced = body.within.is_some_and(|host| scene.bodies[host].material == material);
+    match (body.material == material, displaced) {
         (true, false) => Some(1.0),
         (false, true) => Some(-1.0),
         _ => None,

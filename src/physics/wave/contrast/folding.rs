@@ -8,7 +8,7 @@
 //! nothing per step, keeps energy balance and reciprocity, and raises the observed order of
 //! convergence in the plane from 3 to about 5.
 
-use super::cell::CellCoefficients;
+use super::cell::CellTable;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
 use crate::wave::operator::sharing::by_row;
 use crate::wave::{Grid, Resolution};
@@ -75,12 +75,7 @@ impl<T: Real> Folding<T> {
 
     /// Sums the cells' contributions to each plane, transforms them to points and folds every pair
     /// of channels.
-    pub(crate) fn planes(
-        &self,
-        grid: &Grid,
-        cells: &[Vec<Option<CellCoefficients<T>>>],
-        channels: usize,
-    ) -> Planes {
+    pub(crate) fn planes(&self, grid: &Grid, cells: &CellTable<T>, channels: usize) -> Planes {
         let pairs: Vec<[usize; 2]> = (0..channels).flat_map(|a| (a..channels).map(move |b| [a, b])).collect();
         let mut moments = vec![Array2::zeros((grid.planes(), grid.points())); channels + pairs.len()];
         by_row(&mut moments, grid.planes()).into_par_iter().enumerate().for_each_init(
@@ -96,15 +91,9 @@ impl<T: Real> Folding<T> {
     }
 
     /// Computes one plane's wide spectrum and outer fields of every channel in `buffers`.
-    fn spectra(
-        &self,
-        grid: &Grid,
-        cells: &[Vec<Option<CellCoefficients<T>>>],
-        plane: usize,
-        buffers: &mut Buffers<T>,
-    ) {
+    fn spectra(&self, grid: &Grid, cells: &CellTable<T>, plane: usize, buffers: &mut Buffers<T>) {
         for c in 0..buffers.spectra.len() {
-            self.plane_spectrum(grid, cells, plane, c, &mut buffers.spectra[c]);
+            plane_spectrum(grid, cells, [plane, c], &mut buffers.spectra[c]);
             self.outer_fields(c, buffers);
         }
     }
@@ -135,26 +124,6 @@ impl<T: Real> Folding<T> {
             spectra: zeros(self.harmonics.len()),
             outer: zeros(self.wide_points),
             compact: vec![Complex::default(); self.harmonics.len()],
-        }
-    }
-
-    fn plane_spectrum(
-        &self,
-        grid: &Grid,
-        cells: &[Vec<Option<CellCoefficients<T>>>],
-        plane: usize,
-        channel: usize,
-        sum: &mut [Complex<T>],
-    ) {
-        sum.fill(Complex::default());
-        let degree = grid.element.degree;
-        // A plane belongs to the cell in which it starts or lies, and a node also to the previous
-        // cell.
-        let before = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
-        for cell in before.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
-            if let Some(part) = &cells[cell][channel] {
-                sum.iter_mut().zip(&part.spectra[plane - degree * cell]).for_each(|(s, p)| *s += p);
-            }
         }
     }
 
@@ -203,6 +172,25 @@ impl<T: Real> Folding<T> {
         folded.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.im.wide());
         if let Some((_, out)) = moments {
             out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.re.wide());
+        }
+    }
+}
+
+/// One plane's wide spectrum of a channel, the sum over the cells it touches.
+fn plane_spectrum<T: Real>(
+    grid: &Grid,
+    cells: &CellTable<T>,
+    [plane, channel]: [usize; 2],
+    sum: &mut [Complex<T>],
+) {
+    sum.fill(Complex::default());
+    let degree = grid.element.degree;
+    // A plane belongs to the cell in which it starts or lies, and a node also to the previous
+    // cell.
+    let before = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
+    for cell in before.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
+        if let Some(part) = &cells[cell][channel] {
+            sum.iter_mut().zip(&part.spectra[plane - degree * cell]).for_each(|(s, p)| *s += p);
         }
     }
 }

@@ -82,16 +82,10 @@ impl<T: Real> SourceTransform<T> {
     /// Plans the transform.
     pub fn new(mmax: usize, nmax: usize, spreading: Spreading) -> SourceTransform<T> {
         let fine = [mmax, nmax].map(|m| fine_size(m, spreading));
-        let correction = [
-            kernel_correction(mmax, fine[0], spreading.width),
-            kernel_correction(nmax, fine[1], spreading.width),
-        ];
-        SourceTransform {
-            fine,
-            fft: PlaneFft::new(fine[0], fine[1]),
-            kernel: Kernel::new(spreading.width),
-            correction,
-        }
+        let corrections = |(m, size)| kernel_correction(m, size, spreading.width);
+        let correction = [(mmax, fine[0]), (nmax, fine[1])].map(corrections);
+        let (fft, kernel) = (PlaneFft::new(fine[0], fine[1]), Kernel::new(spreading.width));
+        SourceTransform { fine, fft, kernel, correction }
     }
 
     /// Work arrays of one thread; `plane` is the fine grid.

@@ -20,13 +20,6 @@ type Grains<'a> = (&'a [Ball], &'a [Solid]);
 /// ink by < 1e-5.
 const FINER: usize = 4;
 
-impl HeightField {
-    /// Coordinate z of the surface at (x, y): bilinear, periodic.
-    pub fn z_um(&self, x_um: f64, y_um: f64) -> f64 {
-        bilinear(&self.z_um, self.count, self.period_um, [x_um, y_um])
-    }
-}
-
 /// Adds the moments of the space between a surface and the face at z = `face_um` in one cell to
 /// `planes` (harmonics of the grid's widest set).
 pub(crate) fn add_open<T: Real>(
@@ -71,7 +64,7 @@ fn column_moments(
         let (blocked, after) = rest.split_at(here);
         rest = after;
         let [x, y] = place(column, count, surface.period_um);
-        let z = surface.z_um(x, y);
+        let z = bilinear(&surface.z_um, surface.count, surface.period_um, [x, y]);
         let (mut from, to) = (z.min(face_um).max(lo), z.max(face_um).min(hi));
         for [start, end] in blocked.iter().map(|(_, chord)| *chord).chain([[to, to]]) {
             add_stretch(moments, cell, &rule, [from, start.min(to)]);

@@ -128,8 +128,7 @@ fn check_counts(resolution: &Resolution) -> Result<(), WaveError> {
     let counts = [("nx", resolution.nx), ("ny", resolution.ny), ("nz (cells)", resolution.cells)];
     let wrong = counts.into_iter().find(|&(_, count)| count == 0 || count > MOST_POINTS);
     let Some((field, count)) = wrong else { return Ok(()) };
-    let (value, allowed) = (count as f64, "1 … 100000");
-    Err(WaveError::Range { field, value, allowed, remedy: "choose another resolution" })
+    Err(WaveError::range(field, count as f64, "1 … 100000", "choose another resolution"))
 }
 
 /// Distribution of the cells by largest remainders, with at least one cell per stratum.
@@ -138,12 +137,8 @@ fn check_counts(resolution: &Resolution) -> Result<(), WaveError> {
 /// Fewer cells than strata.
 pub(crate) fn share_cells(scene: &Scene, cells: usize) -> Result<Vec<usize>, WaveError> {
     if cells < scene.strata.len() {
-        return Err(WaveError::Range {
-            field: "nz (cells)",
-            value: cells as f64,
-            allowed: "at least one cell for each stratum",
-            remedy: "raise nz",
-        });
+        let allowed = "at least one cell for each stratum";
+        return Err(WaveError::range("nz (cells)", cells as f64, allowed, "raise nz"));
     }
     let height = scene.thickness_um();
     let ideal: Vec<f64> = scene.strata.iter().map(|s| s.thickness_um / height * cells as f64).collect();

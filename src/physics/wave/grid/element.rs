@@ -89,6 +89,9 @@ fn integrated_legendre(i: usize, t: f64) -> f64 {
 /// Amplitudes from values: the inverse of the transposed table.
 fn inverse(table: &[Vec<f64>]) -> Vec<Vec<f64>> {
     let n = table.len();
+    if n == 0 {
+        return Vec::new();
+    }
     let inverse = Mat::from_fn(n, n, |point, bubble| table[bubble][point]).partial_piv_lu().inverse();
     (0..n).map(|i| (0..n).map(|j| inverse[(i, j)]).collect()).collect()
 }
@@ -98,6 +101,9 @@ fn bubble_modes(count: usize, rule: &GaussLegendre) -> (Vec<f64>, Vec<Vec<f64>>)
     let mass = |i: usize, j: usize| {
         rule.integrate(0.0, 1.0, |t| integrated_legendre(i + 1, t) * integrated_legendre(j + 1, t))
     };
+    if count == 0 {
+        return (Vec::new(), Vec::new());
+    }
     let matrix = Mat::from_fn(count, count, mass);
     let eigen = matrix.self_adjoint_eigen(Side::Lower).expect("a small symmetric matrix has eigenvalues");
     let lambda = (0..count).map(|i| eigen.S()[i]).collect();

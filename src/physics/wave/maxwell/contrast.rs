@@ -90,21 +90,16 @@ impl Plane<'_> {
     /// Tensor V at one of `points` points, divided by their number.
     fn tensor(&self, point: usize, points: f64) -> Result<Symmetric, WaveError> {
         let inclusions = self.present.iter().map(|own| (self.epsilons[own.channel], &own.fields[point]));
-        let effective = effective(self.background, inclusions, self.averaging)?;
-        Ok(less_mean(effective.map(|e| e * self.k2 / points), self.mean / points))
+        let mut contrast =
+            effective(self.background, inclusions, self.averaging)?.map(|e| e * self.k2 / points);
+        [0, 2, 5].into_iter().for_each(|i| contrast[i] -= self.mean / points);
+        Ok(contrast)
     }
 }
 
 fn diagonal(value: Complex64) -> Symmetric {
     let zero = Complex64::default();
     [value, zero, value, zero, zero, value]
-}
-
-/// A symmetric tensor minus an isotropic one.
-#[inline]
-fn less_mean(mut tensor: Symmetric, mean: Complex64) -> Symmetric {
-    [0, 2, 5].into_iter().for_each(|i| tensor[i] -= mean);
-    tensor
 }
 
 /// Effective permittivity ε_eff at one point from the inclusions' (ε_i, fields).

@@ -6,7 +6,7 @@
 //! propagation. Reflected amplitudes refer to the illuminated face, transmitted ones to the
 //! opposite face, at x = y = 0.
 
-use super::mean::Faces;
+use super::mean::Nodes;
 use super::problem::VectorProblem;
 use crate::wave::far_field::Leaving;
 use crate::wave::{FarField, Field, Polarisation};
@@ -20,29 +20,30 @@ impl VectorProblem {
     /// amplitude of an order has the incident polarisation, the crossed one follows; efficiencies
     /// contain both.
     pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
-        let (faces, absorptance) = self.leaving(field, polarisation);
+        let (nodes, absorptance) = self.leaving(field, polarisation);
         let orders =
-            self.orders(|side, i, incident| self.leaving_order(&faces, polarisation, [side, i], incident));
+            self.orders(|side, i, incident| self.leaving_order(&nodes, polarisation, [side, i], incident));
         FarField::of_orders(self.incidence, self.moments.grid.period_um, orders, absorptance)
     }
 
     /// What leaves through a side in harmonic i, less the incident wave.
     fn leaving_order(
         &self,
-        faces: &Faces,
+        nodes: &Nodes,
         own: Polarisation,
         [side, i]: [usize; 2],
         incident: f64,
     ) -> Leaving {
-        let mut amplitudes = self.amplitudes(faces, side, i);
+        let mut amplitudes = self.amplitudes(nodes, side, i);
         amplitudes[own as usize] -= incident;
         let crossed = amplitudes[1 - own as usize];
         ([amplitudes[own as usize], crossed], self.efficiency(side, i, amplitudes))
     }
 
     /// Amplitudes of one harmonic on a side, including the incident wave.
-    fn amplitudes(&self, faces: &Faces, side: usize, i: usize) -> Amplitudes {
-        [faces.electric[side][i], faces.magnetic[side][i] / self.k[side]]
+    fn amplitudes(&self, nodes: &Nodes, side: usize, i: usize) -> Amplitudes {
+        let face = side * self.moments.grid.cells();
+        [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]]
     }
 
     /// Flux relative to the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h are

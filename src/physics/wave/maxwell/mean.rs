@@ -40,23 +40,6 @@ pub struct MeanEntry {
     pub source: [Complex64; 2],
 }
 
-/// Fields E_s and h of every harmonic on the incident and the exit face.
-#[derive(Clone, Debug)]
-pub struct Faces {
-    /// Component E_s at z = 0 and z = H.
-    pub electric: [Vec<Complex64>; 2],
-    /// Component h = ωµ0 H_s at z = 0 and z = H.
-    pub magnetic: [Vec<Complex64>; 2],
-}
-
-impl Faces {
-    /// The first and the last node.
-    pub(super) fn of(nodes: &Nodes) -> Faces {
-        let ends = |field: &Field| [0, field.nrows() - 1].map(|node| field.row(node).to_vec());
-        Faces { electric: ends(&nodes[0]), magnetic: ends(&nodes[1]) }
-    }
-}
-
 /// The mean operator A, factorised; also in single precision for strategies that measure the true
 /// residual.
 pub struct VectorMean<T: Real = f64> {

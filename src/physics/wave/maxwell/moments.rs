@@ -189,7 +189,8 @@ impl<'a> MomentBuilder<'a> {
         if present.is_empty() {
             return None;
         }
-        let slab = Slab { range_um: [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]] };
+        let range_um = [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]];
+        let slab = Slab { range_um, sampling: &self.sampling };
         let mut sum = MomentSum::new(self, slab);
         present.iter().for_each(|(body, core)| sum.add_body(&body.shape, core.as_ref()));
         Some(sum.finish())
@@ -199,7 +200,7 @@ impl<'a> MomentBuilder<'a> {
 /// Partial sums of the moments of one channel in one cell.
 struct MomentSum<'a> {
     builder: &'a MomentBuilder<'a>,
-    slab: Slab,
+    slab: Slab<'a>,
     /// Sources of each field, first plane + i · second plane.
     sources: Sources<'a, f64>,
     /// Directly summed harmonics of each field, first plane + i · second plane.
@@ -207,14 +208,14 @@ struct MomentSum<'a> {
 }
 
 impl<'a> MomentSum<'a> {
-    fn new(builder: &'a MomentBuilder<'a>, slab: Slab) -> MomentSum<'a> {
+    fn new(builder: &'a MomentBuilder<'a>, slab: Slab<'a>) -> MomentSum<'a> {
         let direct = vec![vec![Complex64::default(); builder.harmonics.len()]; FIELDS];
         let sources = Sources::new(&builder.transform, builder.grid.period_um, VALUES);
         MomentSum { builder, slab, sources, direct }
     }
 
     fn add_body(&mut self, shape: &BodyShape, core: Option<&Core>) {
-        let (slab, sampling) = (self.slab, &self.builder.sampling);
+        let slab = self.slab;
         match (shape, core) {
             (BodyShape::Balls(balls), Some(Core::Concentric(core, normal))) => {
                 balls.iter().for_each(|ball| self.add_layer(ball, core, *normal));
@@ -225,7 +226,7 @@ impl<'a> MomentSum<'a> {
             }
             (BodyShape::Solid(solid), _) => self.add_solid(std::slice::from_ref(solid)),
             (BodyShape::CylinderY { x_um, z_um, radius_um }, _) => {
-                for (x, values) in sources::of_cylinder(*z_um, *radius_um, &slab, sampling) {
+                for (x, values) in sources::of_cylinder(*z_um, *radius_um, &slab) {
                     self.add_lines(&values, |k, lx| Complex64::cis(-k * (x_um + x)) / lx);
                 }
             }
@@ -242,27 +243,26 @@ impl<'a> MomentSum<'a> {
     }
 
     fn add_ball(&mut self, balls: &[Ball], i: usize) {
-        let (slab, sampling) = (self.slab, &self.builder.sampling);
-        self.spread(extents(&balls[i]), |mut push| sources::of_ball(balls, i, &slab, sampling, &mut push));
+        let slab = self.slab;
+        self.spread(extents(&balls[i]), |mut push| sources::of_ball(balls, i, &slab, &mut push));
     }
 
     /// Adds a ball less the core inside it.
     fn add_layer(&mut self, ball: &Ball, core: &Ball, normal: NormalField) {
-        let (slab, sampling) = (self.slab, &self.builder.sampling);
-        self.spread(extents(ball), |mut push| sources::of_single(ball, normal, &slab, sampling, &mut push));
+        let slab = self.slab;
+        self.spread(extents(ball), |mut push| sources::of_single(ball, normal, &slab, &mut push));
         self.spread(extents(core), |push| {
             let mut less =
                 |Source { position, values }| push(Source { position, values: values.map(|v| -v) });
-            sources::of_single(core, normal, &slab, sampling, &mut less);
+            sources::of_single(core, normal, &slab, &mut less);
         });
     }
 
     /// Adds a convex body less those inside it.
     fn add_solid(&mut self, bodies: &[Solid]) {
-        let (builder, slab) = (self.builder, self.slab);
-        self.spread([0, 1].map(|axis| bodies[0].extent_um(axis)), |mut push| {
-            solid_sources::of_bodies(bodies, &builder.grid.nodes_um, &slab, &builder.sampling, &mut push);
-        });
+        let (nodes, slab) = (&self.builder.grid.nodes_um, self.slab);
+        let extents = [0, 1].map(|axis| bodies[0].extent_um(axis));
+        self.spread(extents, |mut push| solid_sources::of_bodies(bodies, nodes, &slab, &mut push));
     }
 
     /// Spreads the sources within the given lateral extents, µm, onto the fine grid.

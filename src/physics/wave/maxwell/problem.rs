@@ -2,7 +2,7 @@
 //! both polarisations.
 
 use super::contrast::{Averaging, tensors};
-use super::mean::{CELL_ROWS, Faces, MeanEntry, VectorMean};
+use super::mean::{CELL_ROWS, MeanEntry, Nodes, VectorMean};
 use super::moments::NormalMoments;
 use super::scattering::VectorScattering;
 use crate::numerics::fourier::{Harmonics, PlaneFft};
@@ -97,13 +97,13 @@ impl VectorProblem {
         MeanEntry { node, harmonic: self.incident_harmonic(), source }
     }
 
-    /// Fields E_s and h of every harmonic on both faces, from a solution's moments, and the
-    /// absorbed fraction of the incident flux.
+    /// Fields E_s and h of every harmonic at the nodes, from a solution's moments, and the absorbed
+    /// fraction of the incident flux.
     ///
     /// A is the volume integral of the loss, (1/κ) ∫ Im E†(k̄² + V)E: the part of V from the
     /// moments e of the solution, that of the mean from the field in the cells due to V e. R + T +
     /// A is 1 to the accuracy with which e solves the problem.
-    pub(super) fn leaving(&self, e: &Field, polarisation: Polarisation) -> (Faces, f64) {
+    pub(super) fn leaving(&self, e: &Field, polarisation: Polarisation) -> (Nodes, f64) {
         let mut loads = Field::zeros(e.dim());
         let mut loss = 0.0;
         if self.double.has_contrast() {
@@ -114,7 +114,7 @@ impl VectorProblem {
         }
         let nodes = self.double.mean.nodes(&loads, self.entry(polarisation));
         loss += self.double.mean.loss(&loads, &nodes);
-        (Faces::of(&nodes), loss / self.incident_kappa())
+        (nodes, loss / self.incident_kappa())
     }
 
     /// Loss Σ h w_q Im⟨E†VE⟩ from e and V e: the part due to the deviation of the index from the

@@ -36,20 +36,14 @@ const TENSOR_DEGREE: f64 = 6.0;
 
 /// Sources, within a cell, of the first of these bodies less those inside it; `nodes` are the
 /// heights of the grid, µm.
-pub(super) fn of_bodies(
-    bodies: &[Solid],
-    nodes: &[f64],
-    slab: &Slab,
-    sampling: &Sampling,
-    push: &mut impl FnMut(Source),
-) {
+pub(super) fn of_bodies(bodies: &[Solid], nodes: &[f64], slab: &Slab, push: &mut impl FnMut(Source)) {
     let surfaces: Vec<SolidSurface> =
         bodies.iter().enumerate().map(|(i, solid)| SolidSurface::of(solid, nodes, i > 0)).collect();
     for (i, solid) in bodies.iter().enumerate() {
         let sign = if i == 0 { 1.0 } else { -1.0 };
-        sampling.cuts(solid, slab.range_um, TENSOR_DEGREE, &mut |z, weight, edge| {
+        slab.sampling.cuts(solid, slab.range_um, TENSOR_DEGREE, &mut |z, weight, edge| {
             let shares = slab.point(z, weight, z).map(|[share, ..]| sign * share);
-            fan(&surfaces, edge, sampling, (z, shares), push);
+            fan(&surfaces, edge, slab.sampling, (z, shares), push);
         });
     }
 }

@@ -18,11 +18,13 @@ pub const FIELDS: usize = 7;
 /// Number of fields on both Gauss planes of a cell, planes running fastest.
 pub const VALUES: usize = 2 * FIELDS;
 
-/// Height range of a cell.
-#[derive(Clone, Copy, Debug)]
-pub struct Slab {
+/// Height range of a cell, with the sampling of what lies in it.
+#[derive(Clone, Copy)]
+pub struct Slab<'a> {
     /// Heights of its faces, µm.
     pub range_um: [f64; 2],
+    /// Sampling of surfaces and volumes.
+    pub sampling: &'a Sampling,
 }
 
 /// A source: lateral position in µm and its contribution to every field's moments, in µm².
@@ -57,7 +59,7 @@ impl NormalField {
     }
 }
 
-impl Slab {
+impl Slab<'_> {
     fn height(&self) -> f64 {
         self.range_um[1] - self.range_um[0]
     }
@@ -115,28 +117,22 @@ fn ball_values([x, y]: [f64; 2], normal: NormalField, heights: &HeightMoments, w
 }
 
 /// Sources of ball `i` of one grain within a cell: its own volume, or its part of the union.
-pub fn of_ball(balls: &[Ball], i: usize, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
+pub fn of_ball(balls: &[Ball], i: usize, slab: &Slab, push: &mut impl FnMut(Source)) {
     match balls {
-        [ball] => of_single(ball, NormalField::of_ball(ball.radius_um), slab, sampling, push),
-        _ => of_share(balls, i, slab, sampling, push),
+        [ball] => of_single(ball, NormalField::of_ball(ball.radius_um), slab, push),
+        _ => of_share(balls, i, slab, push),
     }
 }
 
 /// Sources of a ball within a cell, with N of its own or of the layer that ends at its surface.
-pub fn of_single(
-    ball: &Ball,
-    normal: NormalField,
-    slab: &Slab,
-    sampling: &Sampling,
-    push: &mut impl FnMut(Source),
-) {
+pub fn of_single(ball: &Ball, normal: NormalField, slab: &Slab, push: &mut impl FnMut(Source)) {
     let [cx, cy, cz] = ball.center_um;
-    for (theta, weight) in profile_nodes(cz, ball.radius_um, slab, sampling) {
+    for (theta, weight) in profile_nodes(cz, ball.radius_um, slab) {
         let (sine, cosine) = theta.sin_cos();
         let r = ball.radius_um * sine;
         let Some(chord) = chord(ball.radius_um * cosine, cz, slab) else { continue };
         let heights = slab.stretch(chord, cz);
-        let count = angles(sampling.demands.degree(r));
+        let count = angles(slab.sampling.demands.degree(r));
         let area = weight * ball.radius_um * cosine * r * TAU / count as f64;
         for k in 0..count {
             let (s, c) = (TAU * k as f64 / count as f64).sin_cos();
@@ -163,7 +159,7 @@ const PROFILE_DEGREE: f64 = 8.0;
 
 /// Nodes θ and weights for columns at R sin θ, 0 ≤ θ ≤ π/2, divided where columns begin to
 /// intersect a face of the cell.
-fn profile_nodes(center: f64, radius: f64, slab: &Slab, sampling: &Sampling) -> Vec<(f64, f64)> {
+fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
     let mut breaks = vec![0.0, FRAC_PI_2];
     let faces = slab.range_um.map(|z| (z - center).abs() / radius);
     breaks.extend(faces.into_iter().filter(|&c| c < 1.0).map(f64::acos));
@@ -177,18 +173,18 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab, sampling: &Sampling) -> 
         // Sines and cosines of θ up to the fifth power multiply the wave: twice their degree over
         // the half-range.
         let reach = 0.5 * radius * (pair[1].sin() - pair[0].sin());
-        let degree = sampling.demands.degree(reach) + PROFILE_DEGREE * half;
-        let rule = sampling.rules.of((0.5 * degree).ceil() as usize + 2);
+        let degree = slab.sampling.demands.degree(reach) + PROFILE_DEGREE * half;
+        let rule = slab.sampling.rules.of((0.5 * degree).ceil() as usize + 2);
         nodes.extend(rule.iter().map(|&(x, w)| (middle + half * x, half * w)));
     }
     nodes
 }
 
 /// Cuts at heights; a ball's part of a cut is a fan of cones from its centre to the part's edge.
-fn of_share(balls: &[Ball], i: usize, slab: &Slab, sampling: &Sampling, push: &mut impl FnMut(Source)) {
-    share_edges(balls, i, slab.range_um, sampling, &mut |z, weight, edge| {
+fn of_share(balls: &[Ball], i: usize, slab: &Slab, push: &mut impl FnMut(Source)) {
+    share_edges(balls, i, slab.range_um, slab.sampling, &mut |z, weight, edge| {
         let heights = slab.point(z, weight, balls[i].center_um[2]);
-        fan(&balls[i], edge, sampling, &heights, push);
+        fan(&balls[i], edge, slab.sampling, &heights, push);
     });
 }
 
@@ -216,9 +212,9 @@ fn fan(
 }
 
 /// Lines of a cylinder along y: x relative to its axis with a weight in µm, and all fields.
-pub fn of_cylinder(z_um: f64, radius_um: f64, slab: &Slab, sampling: &Sampling) -> Vec<(f64, [f64; VALUES])> {
+pub fn of_cylinder(z_um: f64, radius_um: f64, slab: &Slab) -> Vec<(f64, [f64; VALUES])> {
     let mut lines = Vec::new();
-    for (theta, weight) in profile_nodes(z_um, radius_um, slab, sampling) {
+    for (theta, weight) in profile_nodes(z_um, radius_um, slab) {
         let (sine, cosine) = theta.sin_cos();
         let Some(chord) = chord(radius_um * cosine, z_um, slab) else { continue };
         let heights = slab.stretch(chord, z_um);

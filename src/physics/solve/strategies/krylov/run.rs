@@ -70,7 +70,7 @@ impl RightFactor {
 impl KrylovRun<'_> {
     /// Whether grains resonate by themselves, or nothing is known of the mean slab's guided modes.
     pub fn is_strong(&self) -> bool {
-        self.ledger.problem.operator().is_none_or(|scalar| scalar.media.largest_contrast() > STRONG)
+        self.ledger.problem.split().is_none_or(|scalar| scalar.media.largest_contrast() > STRONG)
     }
 
     pub fn is_coarse(&self) -> bool {
@@ -80,7 +80,7 @@ impl KrylovRun<'_> {
     /// Continues with the elimination of the lowest harmonics if `bytes` suffice for it; where that
     /// is dear, short recurrences are tried before it.
     pub fn solve_strong(&mut self, bytes: f64) -> Result<(), SolveError> {
-        let plan = self.ledger.problem.operator().map(CoarsePlan::new).filter(|plan| plan.bytes() <= bytes);
+        let plan = self.ledger.problem.split().map(CoarsePlan::new).filter(|plan| plan.bytes() <= bytes);
         let cost = plan.as_ref().map(CoarsePlan::in_applications);
         if cost.is_none_or(|cost| cost > LEAST) {
             match (self.short_recurrences(cost), &plan) {
@@ -169,7 +169,7 @@ impl KrylovRun<'_> {
     fn prepare_for_hard_solve(&mut self, solver: &Growing) {
         let more = solver.settings.guided_modes.of_hard_solves();
         let correction = self.correction.take();
-        let problem = self.ledger.problem.operator();
+        let problem = self.ledger.problem.split();
         let guided = || problem.and_then(|problem| more.correction(problem)).map(RightFactor::Guided);
         self.correction = correction.or_else(guided);
         self.restart = self.restart.max(solver.longest.min(HARD_GROWTH * self.restart));

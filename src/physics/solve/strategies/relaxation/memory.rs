@@ -72,12 +72,6 @@ impl Memory {
         self.recent.drain(..beyond);
     }
 
-    /// Drops all candidates but this one.
-    pub fn start_anew(&mut self, base: Candidate) {
-        self.recent.clear();
-        self.base = base;
-    }
-
     /// Memory in bytes of all candidates, two more from a window, and the differences of their
     /// residuals during a combination.
     pub fn most_bytes(&self) -> usize {
