@@ -90,7 +90,11 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     let resolution = resolution(file, &mut optics);
     let goal = goal(&file.solver, &resolution, &mut optics);
     counts(file, &mut faults);
-    let variation = variation(file, &wavelengths_nm, &mut optics);
+    let variation = Variation {
+        cell: file.layer.cell,
+        thickness_std_um: file.layer.thickness_um.std(),
+        light: light::light_rule(&file.light, &wavelengths_nm, &mut optics),
+    };
     // without grains and with a uniform thickness all realisations are equal
     let alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
     let realisations = if alike { 1 } else { realisations(file) };
@@ -184,16 +188,6 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
     written.xy()
 }
 
-/// How realisations vary.
-fn variation(file: &StudyFile, wavelengths_nm: &[f64], faults: &mut Faults) -> Variation {
-    let thickness_std_um = file.layer.thickness_um.std();
-    Variation {
-        cell: file.layer.cell,
-        thickness_std_um,
-        light: light::light_rule(&file.light, wavelengths_nm, faults),
-    }
-}
-
 /// Default number of packings.
 fn realisations(file: &StudyFile) -> usize {
     file.run.realisations.unwrap_or(match file.layer.cell {
@@ -265,19 +259,11 @@ fn counts(file: &StudyFile, faults: &mut Faults) {
         faults.number("run.target_delta_e", target, limits::TARGET_DELTA_E, remedy);
         if file.run.realisations == Some(1) {
             let allowed = "2 or more with run.target_delta_e: one packing has no interval";
-            faults.add(
-                "run.realisations",
-                1,
-                allowed,
-                "leave it out: the run ends when the target is reached",
-            );
+            let remedy = "leave it out: the run ends when the target is reached";
+            faults.add("run.realisations", 1, allowed, remedy);
         }
     }
-    faults.whole(
-        "run.realisations",
-        realisations(file),
-        limits::REALISATIONS,
-        "24 small cells are a fair start",
-    );
+    let remedy = "24 small cells are a fair start";
+    faults.whole("run.realisations", realisations(file), limits::REALISATIONS, remedy);
     faults.whole("output.picture_pixels", file.output.picture_pixels, limits::PICTURE_PIXELS, "360 is usual");
 }

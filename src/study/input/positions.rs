@@ -51,20 +51,16 @@ fn from_csv(text: &str) -> Result<Positions, String> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let names: Vec<String> = reader.headers().map_err(|e| e.to_string())?.iter().map(str::to_owned).collect();
     let length = |name: &str| with_unit(&names, name);
-    let place = [length("x")?, length("y")?, length("z")?];
-    let (size, factor) = match (length("radius"), length("diameter")) {
-        (Ok(radius), Err(_)) => (radius, 1.0),
-        (Err(_), Ok(diameter)) => (diameter, 0.5),
+    let [x, y, z] = [length("x")?, length("y")?, length("z")?];
+    let radius = match (length("radius"), length("diameter")) {
+        (Ok(radius), Err(_)) => radius,
+        (Err(_), Ok((column, um))) => (column, 0.5 * um),
         (Ok(_), Ok(_)) => return Err("both a radius and a diameter".into()),
         _ => return Err("no column radius_um or diameter_um (or _nm)".into()),
     };
-    let table = PositionColumns {
-        place: place.map(|(column, _)| column),
-        size: size.0,
-        to_um: [place[0].1, place[1].1, place[2].1, factor * size.1],
-        pigment: names.iter().position(|n| n == "pigment"),
-        grain: names.iter().position(|n| n == "grain"),
-    };
+    let column = |name: &str| names.iter().position(|n| n == name);
+    let (pigment, grain) = (column("pigment"), column("grain"));
+    let table = PositionColumns { lengths: [x, y, z, radius], pigment, grain };
     let mut positions = Positions::default();
     for (i, record) in reader.records().enumerate() {
         let record = record.map_err(|e| e.to_string())?;
@@ -84,27 +80,24 @@ fn with_unit(names: &[String], name: &str) -> Result<(usize, f64), String> {
 
 /// Where the numbers of a row are.
 struct PositionColumns {
-    place: [usize; 3],
-    size: usize,
-    /// Factors to µm of x, y, z and the radius.
-    to_um: [f64; 4],
+    /// Columns of x, y, z and the radius, with their factors to µm.
+    lengths: [(usize, f64); 4],
     pigment: Option<usize>,
     grain: Option<usize>,
 }
 
 impl PositionColumns {
     fn read(&self, words: &[&str], line: usize, into: &mut Positions) -> Result<(), String> {
-        let number = |column: usize| {
+        let length = |(column, um): (usize, f64)| {
             let word = words.get(column).copied().unwrap_or_default();
-            let finite = word.parse::<f64>().ok().filter(|v| v.is_finite());
+            let finite = word.parse::<f64>().ok().filter(|v| v.is_finite()).map(|value| value * um);
             finite.ok_or_else(|| format!("line {line}: {word:?} where a number is needed"))
         };
-        let [x, y, z] = [number(self.place[0])?, number(self.place[1])?, number(self.place[2])?];
-        let radius_um = self.to_um[3] * number(self.size)?;
+        let [x, y, z, radius] = self.lengths.map(length);
+        let (center_um, radius_um) = ([x?, y?, z?], radius?);
         if radius_um <= 0.0 {
             return Err(format!("line {line}: a sphere of radius {radius_um} µm"));
         }
-        let center_um = [x * self.to_um[0], y * self.to_um[1], z * self.to_um[2]];
         into.spheres.push(Sphere { center_um, radius_um });
         let word = |column: usize| words.get(column).map(|w| (*w).to_owned());
         into.pigments.extend(self.pigment.and_then(word));
@@ -115,33 +108,31 @@ impl PositionColumns {
     /// The columns of a dump or of XYZ by their names, with the units that the study gives.
     fn named(names: &[&str], axes: [&[&str]; 3], meaning: Meaning) -> Result<PositionColumns, String> {
         let find = |all: &[&str]| names.iter().position(|n| all.contains(n));
-        let axis = |i: usize| find(axes[i]).ok_or_else(|| format!("no column {}", axes[i][0]));
-        let unit =
-            meaning.unit.ok_or("its lengths have no unit: add unit = \"um\" or \"nm\" beside spheres")?;
+        let no_unit = "its lengths have no unit: add unit = \"um\" or \"nm\" beside spheres";
+        let um = meaning.unit.ok_or(no_unit)?.um();
         let size = find(&["radius", "diameter"]).ok_or("no column radius or diameter")?;
-        let stated = meaning
-            .size
-            .ok_or("its sizes may be radii or diameters: add size = \"radius\" or \"diameter\"")?;
-        let um = unit.um();
-        Ok(PositionColumns {
-            place: [axis(0)?, axis(1)?, axis(2)?],
-            size,
-            to_um: [um, um, um, um * if stated == SizeColumn::Radius { 1.0 } else { 0.5 }],
-            pigment: find(&["type", "species"]),
-            grain: find(&["mol", "grain"]),
-        })
+        let unstated = "its sizes may be radii or diameters: add size = \"radius\" or \"diameter\"";
+        let factor = if meaning.size.ok_or(unstated)? == SizeColumn::Radius { 1.0 } else { 0.5 };
+        let [x, y, z] = axes.map(|all| find(all).ok_or_else(|| format!("no column {}", all[0])));
+        let lengths = [(x?, um), (y?, um), (z?, um), (size, um * factor)];
+        let (pigment, grain) = (find(&["type", "species"]), find(&["mol", "grain"]));
+        Ok(PositionColumns { lengths, pigment, grain })
     }
 }
 
-/// NumberedLines with their numbers.
+/// Lines with their numbers.
 type NumberedLines<'a> = std::iter::Peekable<std::iter::Enumerate<std::str::Lines<'a>>>;
+/// Reads one cut; its box is in the file's unit.
 type CutReader = fn(&mut NumberedLines, Meaning) -> Result<Positions, String>;
 
 fn frames(text: &str, frame: CutReader, meaning: Meaning) -> Result<Vec<Positions>, String> {
     let mut lines = text.lines().enumerate().peekable();
+    let um = meaning.unit.map_or(1.0, LengthUnit::um);
     let mut all = Vec::new();
     while lines.peek().is_some() {
-        all.push(frame(&mut lines, meaning)?);
+        let cut = frame(&mut lines, meaning)?;
+        let box_um = cut.box_um.map(|b| b.map(|range| range.map(|x| x * um)));
+        all.push(Positions { counted_from: 1, box_um, ..cut });
         while lines.next_if(|(_, line)| line.trim().is_empty()).is_some() {}
     }
     Ok(all)
@@ -165,11 +156,7 @@ fn dump_frame(lines: &mut NumberedLines, meaning: Meaning) -> Result<Positions, 
         } else if let Some(names) = item.strip_prefix("ATOMS") {
             let names: Vec<&str> = names.split_whitespace().collect();
             let table = PositionColumns::named(&names, [&["x", "xu"], &["y", "yu"], &["z", "zu"]], meaning)?;
-            let mut positions = rows(lines, count, &table)?;
-            let um = meaning.unit.map_or(1.0, LengthUnit::um);
-            positions.counted_from = 1;
-            positions.box_um = bounds.map(|b: [[f64; 2]; 3]| b.map(|range| range.map(|x| x * um)));
-            return Ok(positions);
+            return Ok(Positions { box_um: bounds, ..rows(lines, count, &table)? });
         } else {
             next(lines, "the value of an item")?;
         }
@@ -211,19 +198,16 @@ fn xyz_frame(lines: &mut NumberedLines, meaning: Meaning) -> Result<Positions, S
     let axes = ["x", "y", "z"];
     names.iter_mut().skip(place).take(3).zip(axes).for_each(|(name, axis)| *name = axis);
     let table = PositionColumns::named(&names, [&["x"], &["y"], &["z"]], meaning)?;
-    let mut positions = rows(lines, count, &table)?;
-    let um = meaning.unit.map_or(1.0, LengthUnit::um);
-    positions.counted_from = 1;
-    positions.box_um =
-        keys.get("Lattice").map(|text| lattice(text, um)).transpose().map_err(|e| wrong(&e))?;
-    Ok(positions)
+    let positions = rows(lines, count, &table)?;
+    let box_um = keys.get("Lattice").map(|text| lattice(text)).transpose().map_err(|e| wrong(&e))?;
+    Ok(Positions { box_um, ..positions })
 }
 
 /// An upright box at the origin from nine numbers.
-fn lattice(text: &str, um: f64) -> Result<[[f64; 2]; 3], String> {
+fn lattice(text: &str) -> Result<[[f64; 2]; 3], String> {
     let numbers: Vec<f64> = text.split_whitespace().filter_map(|w| w.parse().ok()).collect();
     match numbers[..] {
-        [x, a, b, c, y, d, e, f, z] if [a, b, c, d, e, f] == [0.0; 6] => Ok([x, y, z].map(|l| [0.0, l * um])),
+        [x, a, b, c, y, d, e, f, z] if [a, b, c, d, e, f] == [0.0; 6] => Ok([x, y, z].map(|l| [0.0, l])),
         _ => Err(format!("Lattice {text:?} is no upright box")),
     }
 }

@@ -80,15 +80,6 @@ pub struct Draw {
     pub wavelength: f64,
 }
 
-/// Directions at one wavelength of a realisation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
-    /// Azimuth of the planes of incidence, degrees from the cell's x.
-    pub azimuth_deg: f64,
-    /// Position within every stratum of directions, 0–1.
-    pub direction: f64,
-}
-
 /// Polar angles, degrees, one in each of `strata` equal strata of μ² = cos²θ (in which the weight
 /// of the hemispherical mean is uniform), at the position `share` of every stratum; increasing.
 pub fn stratified_deg(strata: usize, share: f64) -> Vec<f64> {

@@ -139,11 +139,7 @@ fn wanted(
 fn measured(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Option<MeasuredSpectrum> {
     let path = folder.join(file.compare.measured.as_ref()?);
     let read = MeasuredSpectrum::read(&path, file.compare.patch.as_deref(), file.compare.unit);
-    read.map_err(|error| faults.push(unread(error))).ok()
-}
-
-fn unread(error: String) -> Fault {
     let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn, or Lab of the latter";
     let remedy = "correct the file, compare.patch or compare.unit; its path is relative to the study file";
-    Fault::new("compare.measured", error, allowed, remedy)
+    read.map_err(|error| faults.add("compare.measured", error, allowed, remedy)).ok()
 }

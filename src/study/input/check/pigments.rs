@@ -52,14 +52,13 @@ pub fn pigments(
     indices: &Tabulation,
     faults: &mut Faults,
 ) -> Vec<Pigment> {
-    let tables = packed(file);
     let pigment = |((i, table), grains): ((usize, &PigmentTable), _)| Pigment {
         name: name(i, table),
         grains,
         material: indices.tabulate(&of(i, "index"), &table.index, faults),
         shell: shell(i, table, indices, faults),
     };
-    tables.zip(grains).map(pigment).collect()
+    packed(file).zip(grains).map(pigment).collect()
 }
 
 /// The layers' indices.
@@ -97,16 +96,9 @@ pub fn solution(
         let share = |d: &Dissolved| (d.volume_fraction / room, d.material.index[w]);
         mixing.mix(eta, &dissolved.iter().map(share).collect::<Vec<_>>())
     };
-    IndexSpectrum {
-        source: binder.source,
-        index: binder.index.iter().enumerate().map(mixed).collect(),
-        spectrum: binder.spectrum,
-        dissolved: dissolved
-            .iter()
-            .map(|d| (d.volume_fraction / room, d.material.spectrum.clone()))
-            .collect(),
-        mixing,
-    }
+    let index = binder.index.iter().enumerate().map(mixed).collect();
+    let spectra = dissolved.iter().map(|d| (d.volume_fraction / room, d.material.spectrum.clone()));
+    IndexSpectrum { index, dissolved: spectra.collect(), mixing, ..binder }
 }
 
 /// The given name, or a numbered one.
@@ -209,7 +201,7 @@ pub(super) fn nominal_period_um(file: &StudyFile) -> f64 {
 
 /// Period required by a pigment's largest grains, µm; `None` if their size or shape is invalid.
 fn needed_period_um(table: &PigmentTable) -> Option<f64> {
-    let grains = as_written(table, sound_size(table)?);
+    let grains = as_written(table, written_size(table).filter(|size| size.defect().is_none())?);
     if grains.shape.defect().is_some() {
         return None;
     }
@@ -218,11 +210,11 @@ fn needed_period_um(table: &PigmentTable) -> Option<f64> {
     Some(1e-3 * (DIAMETERS * diameter).max(LONGEST * longest))
 }
 
-/// A pigment's size distribution; `None` if it is invalid.
-fn sound_size(table: &PigmentTable) -> Option<SizeDistribution> {
+/// A pigment's size distribution; `None` unless it is given once.
+fn written_size(table: &PigmentTable) -> Option<SizeDistribution> {
     match (table.diameter_nm, &table.size) {
-        (Some(Diameter::Nm(nm)), None) if nm > 0.0 => Some(SizeDistribution::diameter_nm(nm)),
-        (None, Some(size)) if size.defect().is_none() => Some(size.clone()),
+        (Some(Diameter::Nm(nm)), None) => Some(SizeDistribution::diameter_nm(nm)),
+        (None, Some(size)) => Some(size.clone()),
         _ => None,
     }
 }
@@ -251,16 +243,11 @@ fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
 }
 
 fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution {
-    match (table.diameter_nm, &table.size) {
-        (Some(Diameter::Nm(diameter)), None) => SizeDistribution::diameter_nm(diameter),
-        (None, Some(size)) => size.clone(),
-        _ => {
-            let allowed = "either diameter_nm or size";
-            let remedy = "write diameter_nm = 250 for grains that are all alike";
-            faults.add(format!("pigment[{i}]"), "both or neither", allowed, remedy);
-            SizeDistribution::diameter_nm(1e-3)
-        }
-    }
+    written_size(table).unwrap_or_else(|| {
+        let remedy = "write diameter_nm = 250 for grains that are all alike";
+        faults.add(format!("pigment[{i}]"), "both or neither", "either diameter_nm or size", remedy);
+        SizeDistribution::diameter_nm(1e-3)
+    })
 }
 
 /// Checks that grains fit between the walls and do not touch their own periodic images.
@@ -285,7 +272,8 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
         false if layer.composed.is_some() => "half of layer.composed.slab_um",
         false => "the layer's thickness",
     };
-    let limits = [(longest, 500.0 * shortest, side), (thickest, 1e3 * thinnest_um(layer), thinnest)];
+    let thinnest_um = layer.thickness_um.mean() - THICKNESS_CUT * layer.thickness_um.std();
+    let limits = [(longest, 500.0 * shortest, side), (thickest, 1e3 * thinnest_um, thinnest)];
     // an invalid cell is reported separately
     let wrong = limits.into_iter().find(|&(extent, limit, _)| limit > 0.0 && extent > limit * (1.0 + 1e-12));
     if let Some((extent, limit, name)) = wrong {
@@ -301,11 +289,6 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
         );
         faults.add(field, format!("grains of up to {found} nm"), allowed, &remedy);
     }
-}
-
-/// The thinnest layer that a realisation may have, µm.
-fn thinnest_um(layer: &LayerTable) -> f64 {
-    layer.thickness_um.mean() - THICKNESS_CUT * layer.thickness_um.std()
 }
 
 /// Thickness and length of the largest grain, nm.
@@ -328,9 +311,8 @@ fn names(file: &StudyFile, faults: &mut Faults) {
     let names: Vec<String> = file.pigments.iter().enumerate().map(|(i, table)| name(i, table)).collect();
     for (i, name) in names.iter().enumerate() {
         if names[..i].contains(name) || name.trim().is_empty() {
-            let found = format!("{name:?}");
             let allowed = "a name that no other pigment has";
-            faults.add(of(i, "name"), found, allowed, "give it another name");
+            faults.add(of(i, "name"), format!("{name:?}"), allowed, "give it another name");
         }
     }
 }
