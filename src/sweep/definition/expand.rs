@@ -1,6 +1,6 @@
 //! Expands axes into variants: products and zips, minus exclusions, plus overrides.
 
-use super::axes::Axis;
+use super::axes::{Axis, names};
 use super::field;
 use super::file::{SweepFile, Where};
 use crate::input::fault::{Fault, Faults};
@@ -63,9 +63,7 @@ pub fn check_where(field: &str, condition: &Where, axes: &[Axis], faults: &mut F
         let field = format!("{field}.{name}");
         match axes.iter().find(|axis| axis.name == *name) {
             None => {
-                let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
-                let allowed = format!("the axes {}", names.join(", "));
-                faults.add(field, format!("{name:?}"), allowed, "name one of the axes");
+                faults.add(field, format!("{name:?}"), names(axes), "name one of the axes");
             }
             Some(axis) if axis.matching(wanted).is_empty() => {
                 let labels: Vec<&str> = axis.settings.iter().map(|s| s.label.as_str()).collect();

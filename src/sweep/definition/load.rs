@@ -32,7 +32,7 @@ pub struct Sweep {
 }
 
 /// Everything about a sweep except its studies; content of `sweep.json`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
     /// Title of the report.
     pub title: String,
@@ -152,15 +152,8 @@ impl Sweep {
             Variant { name: slab.unwrap_or_else(|| name.to_owned()), study, text: String::new() }
         };
         let variants: Vec<Variant> = all.into_iter().enumerate().map(named).collect();
-        let outline = Outline {
-            title,
-            axes: Vec::new(),
-            sheet: SheetTable::default(),
-            reference: 0,
-            reference_asked: false,
-            claims: Vec::new(),
-            variants: variants.iter().map(|v| Place { name: v.name.clone(), place: Vec::new() }).collect(),
-        };
+        let places = variants.iter().map(|v| Place { name: v.name.clone(), place: Vec::new() }).collect();
+        let outline = Outline { title, variants: places, ..Outline::default() };
         Self { outline, variants, inputs: Vec::new() }
     }
 }
@@ -246,7 +239,7 @@ impl Reading<'_> {
         match file.and_then(|file| check(&file, self.folder, &draft.name)) {
             Ok(study) => {
                 let mut written = Value::Table(table);
-                self.keep_inputs(&mut written)?;
+                self.keep_inputs("", &mut written)?;
                 let text = toml::to_string(&written).unwrap_or_default();
                 Ok(Some(Variant { name: draft.name.clone(), study, text }))
             }
@@ -279,21 +272,20 @@ impl Reading<'_> {
         }
     }
 
-    /// Copies the files that the study refers to, and refers to the copies instead.
-    fn keep_inputs(&mut self, study: &mut Value) -> Result<(), StudyError> {
-        for path in FILES {
-            for value in at_path(study, path) {
-                if let Value::String(name) = value {
-                    self.keep_input(name)?;
-                }
-            }
+    /// Copies the files that a study, or the value of a key in it, refers to, and refers to the
+    /// copies instead.
+    fn keep_inputs(&mut self, key: &str, value: &mut Value) -> Result<(), StudyError> {
+        match value {
+            Value::String(name) if FILES.contains(&key) => self.keep_input(name),
+            Value::Array(items) => items.iter_mut().try_for_each(|item| self.keep_inputs(key, item)),
+            Value::Table(table) => table.iter_mut().try_for_each(|(key, value)| self.keep_inputs(key, value)),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     fn keep_input(&mut self, name: &mut String) -> Result<(), StudyError> {
         let from = self.folder.join(name.as_str());
-        let bytes = files::read_bytes(&from, files::TABLE)
+        let bytes = files::read_bytes(&from, files::CASE)
             .map_err(|source| StudyError::Unreadable { path: from.clone(), source })?;
         let file = from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
         let input = Input::new(&file, bytes);
@@ -315,25 +307,8 @@ fn same_field(study: &Table, one: &str, other: &str) -> bool {
     pairs.all(|(k, (a, b))| a == b || *a == "*" || k == 1 && name == Some(*a))
 }
 
-/// Keys of a study that name files; `*` stands for every entry of a list.
-const FILES: [&[&str]; 6] = [
-    &["layer", "binder", "index", "csv"],
-    &["layer", "binder", "index", "yaml"],
-    &["pigment", "*", "index", "csv"],
-    &["pigment", "*", "index", "yaml"],
-    &["paper", "albedo", "csv"],
-    &["compare", "measured"],
-];
-
-/// The values at a path, as far as they exist.
-fn at_path<'a>(value: &'a mut Value, path: &[&str]) -> Vec<&'a mut Value> {
-    match (path, value) {
-        ([], value) => vec![value],
-        (["*", rest @ ..], Value::Array(items)) => items.iter_mut().flat_map(|v| at_path(v, rest)).collect(),
-        ([key, rest @ ..], Value::Table(table)) => table.get_mut(*key).map_or(vec![], |v| at_path(v, rest)),
-        _ => Vec::new(),
-    }
-}
+/// Keys of a study that name files: of indices and albedos, of measurements, of microstructures.
+const FILES: [&str; 5] = ["csv", "yaml", "measured", "spheres", "voxels"];
 
 /// Refuses two axes for one field: the later would override the earlier, whose captions would be
 /// wrong.
@@ -343,6 +318,36 @@ fn check_fields(file: &SweepFile, faults: &mut Faults) {
         if file.axis[..i].iter().any(|earlier| earlier.field.as_ref() == Some(field)) {
             let remedy = "keep one of them, with all values";
             faults.add(format!("axis[{i}].field"), format!("{field} twice"), "a field of one axis", remedy);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::load;
+
+    /// *Planted*: copies of the pigments' own tables alone.
+    #[test]
+    fn every_table_of_a_study_is_kept_with_the_sweep() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+        write("shell.csv", "wavelength_nm,kappa,n\n400,0,1.5\n700,0,1.5\n");
+        write("grains.csv", "x_um,y_um,z_um,radius_um\n0.5,0.5,0.5,0.1\n");
+        let sweep = |pigment: &str, layer: &str| {
+            format!(
+                "[[axis]]\nfield = 'layer.binder.index'\nvalues = [1.5]\n[base.layer]\nthickness_um = 1\n{layer}\n\
+                 [[base.pigment]]\nindex = 2.0\n{pigment}\n"
+            )
+        };
+        let shell = "shell = [{ thickness_nm = 20, index = { csv = 'shell.csv' } }]";
+        let grains = "period_um = 1\nmicrostructure.spheres = 'grains.csv'";
+        for text in
+            [sweep(&format!("diameter_nm = 250\nvolume_fraction = 0.1\n{shell}"), ""), sweep("", grains)]
+        {
+            write("sweep.toml", &text);
+            let sweep = load(&folder.path().join("sweep.toml")).expect("a sweep");
+            assert_eq!(sweep.inputs.len(), 1, "{text}");
+            assert!(sweep.variants[0].text.contains(&format!("../../{}", sweep.inputs[0].path)), "{text}");
         }
     }
 }

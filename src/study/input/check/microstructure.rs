@@ -161,32 +161,24 @@ fn grains(
         if last {
             let Some(pigment) = pigment(file, cut.pigments.get(i), cut.counted_from) else {
                 let found = format!("pigment {:?}", cut.pigments[i]);
-                return refuse(
-                    found,
-                    "names of the study's pigments, or numbers, from 0 in CSV and from 1 in other files",
-                    "name it in [[pigment]]",
-                );
+                let allowed =
+                    "names of the study's pigments, or numbers, from 0 in CSV and from 1 in other files";
+                return refuse(found, allowed, "name it in [[pigment]]");
             };
             grains.push(Grain::new(std::mem::take(&mut spheres), pigment));
         }
     }
     if let Some(found) = outside(&grains, cell) {
-        return refuse(
-            found,
-            "spheres within 0 … layer.thickness_um along z",
-            "correct the layer, the axes or the units",
-        );
+        let allowed = "spheres within 0 … layer.thickness_um along z";
+        return refuse(found, allowed, "correct the layer, the axes or the units");
     }
     match Packing::from_grains([cell[0], cell[1]], cell[2], true, grains.clone()) {
         Ok(_) => grains,
         Err(PackError::Overlap { .. }) => {
             let remedy =
                 "grains may touch; spheres of one grain share a number in the column grain (mol in dumps)";
-            refuse(
-                overlaps(&grains, cell),
-                "grains apart from each other and from their periodic images",
-                remedy,
-            )
+            let allowed = "grains apart from each other and from their periodic images";
+            refuse(overlaps(&grains, cell), allowed, remedy)
         }
         Err(other) => refuse(other.to_string(), "sound grains", "correct the file"),
     }

@@ -25,21 +25,19 @@ pub(super) fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
         }
         _ => {}
     }
+    let curve = !table.along.is_empty();
     let rising = table.along.iter().all(|x| x.is_finite()) && table.along.windows(2).all(|w| w[0] < w[1]);
     if table.along.len() != table.among.len() || !rising || table.along.len() == 1 {
-        wrong(
-            "along",
-            &format!("{} places", table.along.len()),
-            "a number for every variant in among, rising, 2 or more",
-        );
+        let allowed = "a number for every variant in among, rising, 2 or more";
+        wrong("along", &format!("{} places", table.along.len()), allowed);
     }
-    if !table.along.is_empty() && (table.quantity == Quantity::DeltaE || table.range_nm.is_some()) {
+    if curve && (table.quantity == Quantity::DeltaE || table.range_nm.is_some()) {
         wrong("among", "a curve", "a curve of one quantity, at one wavelength");
     }
     if let Some(key) = range_slip(table) {
         wrong(key, "no range_nm", "a range of wavelengths, range_nm = [from, to]");
     }
-    if table.absolute && !table.along.is_empty() {
+    if table.absolute && curve {
         wrong("absolute", "a curve", "sums and differences without a curve");
     }
     if let Some(key) = unowned(table) {

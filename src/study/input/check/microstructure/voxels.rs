@@ -104,24 +104,16 @@ impl VoxelReader<'_> {
         if (self.height - nz as f64).abs() > 1e-6 * nz as f64 {
             let thick = (1e3 * self.height).round() / 1e3;
             let found = format!("{nz} voxels along z, the last axis, in a layer {thick} voxels thick");
+            let allowed = "layer.thickness_um = voxels along z × voxel_nm / 1000";
             let remedy = "correct layer.thickness_um or voxel_nm, or transpose the array to x, y, z";
-            return Err(Fault::new(
-                FIELD,
-                found,
-                "layer.thickness_um = voxels along z × voxel_nm / 1000",
-                remedy,
-            ));
+            return Err(Fault::new(FIELD, found, allowed, remedy));
         }
         let labels = self.pigments(&labels)?;
         let [across, along] = self.table.cuts.unwrap_or([1, 1]);
         if across * along == 0 || nx % across > 0 || ny % along > 0 {
             let found = format!("{nx} × {ny} voxels in {across} × {along} cuts");
-            return Err(Fault::new(
-                FIELD,
-                found,
-                "numbers that divide the voxels evenly",
-                "change cuts, or trim the array",
-            ));
+            let allowed = "numbers that divide the voxels evenly";
+            return Err(Fault::new(FIELD, found, allowed, "change cuts, or trim the array"));
         }
         let (width, depth) = (nx / across, ny / along);
         for (i, j) in (0..across).flat_map(|i| (0..along).map(move |j| (i * width, j * depth))) {
