@@ -33,15 +33,6 @@ pub enum Document {
 }
 
 impl Document {
-    /// All kinds of input files.
-    pub const ALL: [Document; 6] =
-        [Self::Study, Self::Sweep, Self::Compare, Self::Fit, Self::Design, Self::Case];
-
-    /// Its name on the command line and of its file in `schema/`.
-    pub fn name(self) -> String {
-        format!("{self:?}").to_lowercase()
-    }
-
     /// A commented file of this kind with every key, its meaning, range and default.
     pub fn every_key(self) -> &'static str {
         match self {

@@ -2,7 +2,7 @@
 //! TOML.
 
 pub use super::case_inputs::CaseError;
-use super::case_inputs::{BarInput, CaseInputs, IndexInput, NamedBody, SublayerInput};
+use super::case_inputs::{BarInput, CaseInputs, IndexInput, SublayerInput};
 use super::case_names::with_names;
 use super::fault::{Fault, Faults};
 use super::read::read;
@@ -55,7 +55,7 @@ impl Case {
         let (mut backgrounds, mut inclusions) = (Vec::new(), Vec::new());
         let strata = strata(inputs, &mut backgrounds)?;
         let (mut names, mut bodies) = (Vec::new(), Vec::new());
-        for NamedBody { name, shape, eta } in inputs.bodies() {
+        for (name, shape, eta) in inputs.bodies() {
             names.push(name);
             bodies.push(Body::new(shape, index_of(&mut inclusions, eta)));
         }

@@ -201,18 +201,15 @@ fn realisations(file: &StudyFile) -> usize {
 /// 15–30 %, 200–300 nm).
 const PER_WAVELENGTH: f64 = 1e-3;
 
-/// Accuracy of the grid if none is requested. With `run.target_delta_e` its error is corrected by
-/// solves on a finer grid, so that it only has to be regular.
-fn default_accuracy(file: &StudyFile) -> f64 {
-    if file.run.target_delta_e.is_some() { 3e-2 } else { 1e-2 }
-}
-
 fn resolution(file: &StudyFile, faults: &mut Faults) -> WantedResolution {
     let table = &file.resolution;
     let scheme = file.light.wave.scheme(table.scheme);
     match (table.accuracy, table.points_per_um, table.planes_per_um) {
         (accuracy, None, None) => {
-            let accuracy = accuracy.unwrap_or(default_accuracy(file));
+            // with `run.target_delta_e` the grid's error is corrected by solves on a finer one, so
+            // that it only has to be regular
+            let usual = if file.run.target_delta_e.is_some() { 3e-2 } else { 1e-2 };
+            let accuracy = accuracy.unwrap_or(usual);
             let remedy = "1e-2 for pictures, 1e-3 for numbers to publish";
             faults.number("resolution.accuracy", accuracy, limits::ACCURACY, remedy);
             let per_wavelength = table.per_wavelength.unwrap_or(accuracy <= PER_WAVELENGTH);

@@ -39,9 +39,9 @@ impl Study {
     }
 
     /// Azimuth of the planes of incidence and position within the strata of directions
-    /// ([`Draw::azimuth_deg`], [`Draw::direction`]) of a realisation at its `j`-th wavelength. Varied
-    /// cells are rotated between wavelengths, so that no two of them share a Bloch vector and their
-    /// errors are as independent as one packing allows.
+    /// ([`Draw::azimuth_deg`], [`Draw::direction`]) of a realisation at its `j`-th wavelength.
+    /// Varied cells are rotated between wavelengths, so that no two of them share a Bloch vector
+    /// and their errors are as independent as one packing allows.
     pub(super) fn turn(&self, draw: &Draw, j: usize) -> (f64, f64) {
         match self.variation.cell {
             CellRule::Fixed => (draw.azimuth_deg, draw.direction),

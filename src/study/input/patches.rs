@@ -24,10 +24,8 @@ pub(super) fn place(names: &[String], patch: Option<&str>) -> Result<usize, Stri
     let found = shown.map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
     let more = if names.len() > MOST_NAMES { " …" } else { "" };
     let found = if found.is_empty() { "no names".to_owned() } else { found + more };
-    names
-        .iter()
-        .position(|name| name.trim() == wanted.trim())
-        .ok_or_else(|| format!("no sample {wanted:?}; found {found}"))
+    let place = names.iter().position(|name| name.trim() == wanted.trim());
+    place.ok_or_else(|| format!("no sample {wanted:?}; found {found}"))
 }
 
 /// Elements of CxF3 with a name.

@@ -1,6 +1,6 @@
 //! Positions of spheres in other programs' files: CSV, LAMMPS dumps and extended XYZ.
 
-use super::file::{LengthUnit, SizeColumn};
+use super::file::{LengthUnit, MicrostructureTable, SizeColumn};
 use crate::ink::Sphere;
 use crate::numerics::files;
 use std::collections::HashMap;
@@ -22,27 +22,19 @@ pub struct Positions {
     pub box_um: Option<[[f64; 2]; 3]>,
 }
 
-/// What dumps and XYZ files leave to their reader.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Meaning {
-    /// Unit of all lengths.
-    pub unit: Option<LengthUnit>,
-    /// Whether the column of sizes holds radii or diameters.
-    pub size: Option<SizeColumn>,
-}
-
-/// All cuts in a file: one in CSV, one per frame otherwise.
+/// All cuts in a file: one in CSV, one per frame otherwise. Dumps and XYZ files leave to `table`
+/// the unit of all lengths, and whether the column of sizes holds radii or diameters.
 ///
 /// # Errors
 /// In words: what is missing or wrong, with its line.
-pub fn read_positions(path: &Path, meaning: Meaning) -> Result<Vec<Positions>, String> {
+pub fn read_positions(path: &Path, table: &MicrostructureTable) -> Result<Vec<Positions>, String> {
     let text = files::read_text(path, files::TABLE).map_err(|e| e.to_string())?;
     let first = text.trim_start();
     if first.starts_with("ITEM:") {
-        return frames(&text, dump_frame, meaning);
+        return frames(&text, dump_frame, table);
     }
     match first.lines().next().map(|line| line.trim().parse::<usize>()) {
-        Some(Ok(_)) => frames(&text, xyz_frame, meaning),
+        Some(Ok(_)) => frames(&text, xyz_frame, table),
         _ => Ok(vec![from_csv(&text)?]),
     }
 }
@@ -106,7 +98,7 @@ impl PositionColumns {
     }
 
     /// The columns of a dump or of XYZ by their names, with the units that the study gives.
-    fn named(names: &[&str], axes: [&[&str]; 3], meaning: Meaning) -> Result<PositionColumns, String> {
+    fn named(names: &[&str], axes: [&[&str]; 3], meaning: &MicrostructureTable) -> Result<Self, String> {
         let find = |all: &[&str]| names.iter().position(|n| all.contains(n));
         let no_unit = "its lengths have no unit: add unit = \"um\" or \"nm\" beside spheres";
         let um = meaning.unit.ok_or(no_unit)?.um();
@@ -116,16 +108,16 @@ impl PositionColumns {
         let [x, y, z] = axes.map(|all| find(all).ok_or_else(|| format!("no column {}", all[0])));
         let lengths = [(x?, um), (y?, um), (z?, um), (size, um * factor)];
         let (pigment, grain) = (find(&["type", "species"]), find(&["mol", "grain"]));
-        Ok(PositionColumns { lengths, pigment, grain })
+        Ok(Self { lengths, pigment, grain })
     }
 }
 
 /// Lines with their numbers.
 type NumberedLines<'a> = std::iter::Peekable<std::iter::Enumerate<std::str::Lines<'a>>>;
 /// Reads one cut; its box is in the file's unit.
-type CutReader = fn(&mut NumberedLines, Meaning) -> Result<Positions, String>;
+type CutReader = fn(&mut NumberedLines, &MicrostructureTable) -> Result<Positions, String>;
 
-fn frames(text: &str, frame: CutReader, meaning: Meaning) -> Result<Vec<Positions>, String> {
+fn frames(text: &str, frame: CutReader, meaning: &MicrostructureTable) -> Result<Vec<Positions>, String> {
     let mut lines = text.lines().enumerate().peekable();
     let um = meaning.unit.map_or(1.0, LengthUnit::um);
     let mut all = Vec::new();
@@ -142,7 +134,7 @@ fn next<'a>(lines: &mut NumberedLines<'a>, what: &str) -> Result<(usize, &'a str
     lines.next().ok_or_else(|| format!("it ends before {what}"))
 }
 
-fn dump_frame(lines: &mut NumberedLines, meaning: Meaning) -> Result<Positions, String> {
+fn dump_frame(lines: &mut NumberedLines, meaning: &MicrostructureTable) -> Result<Positions, String> {
     let (mut count, mut bounds) = (0, None);
     loop {
         let (i, line) = next(lines, "ITEM: ATOMS")?;
@@ -181,7 +173,7 @@ fn rows(lines: &mut NumberedLines, count: usize, table: &PositionColumns) -> Res
     Ok(positions)
 }
 
-fn xyz_frame(lines: &mut NumberedLines, meaning: Meaning) -> Result<Positions, String> {
+fn xyz_frame(lines: &mut NumberedLines, meaning: &MicrostructureTable) -> Result<Positions, String> {
     let (i, line) = next(lines, "the number of spheres")?;
     let count = line.trim().parse().map_err(|_| format!("line {}: no number of spheres", i + 1))?;
     let (i, comment) = next(lines, "the line of properties")?;
@@ -231,9 +223,12 @@ fn quoted_keys(comment: &str) -> HashMap<String, String> {
 mod tests {
     use super::*;
 
-    const IN_NM: Meaning = Meaning { unit: Some(LengthUnit::Nm), size: Some(SizeColumn::Diameter) };
+    fn in_nm() -> MicrostructureTable {
+        let (unit, size) = (Some(LengthUnit::Nm), Some(SizeColumn::Diameter));
+        MicrostructureTable { unit, size, ..Default::default() }
+    }
 
-    fn read(text: &str, meaning: Meaning) -> Result<Vec<Positions>, String> {
+    fn read(text: &str, meaning: &MicrostructureTable) -> Result<Vec<Positions>, String> {
         let file = tempfile::NamedTempFile::new().expect("a file");
         std::fs::write(file.path(), text).expect("written");
         read_positions(file.path(), meaning)
@@ -249,13 +244,13 @@ mod tests {
         );
         let xyz = "2\nLattice=\"500 0 0 0 600 0 0 0 700\" Properties=species:S:1:pos:R:3:radius:R:1\n\
                    1 100 200 300 80\n2 400 200 300 60\n";
-        let [csv, dump, xyz] = [(csv, Meaning::default()), (&dump, IN_NM), (xyz, IN_NM)]
-            .map(|(text, meaning)| read(text, meaning).unwrap().remove(0));
+        let [csv, dump, xyz] = [(csv, Default::default()), (&dump, in_nm()), (xyz, in_nm())]
+            .map(|(text, meaning)| read(text, &meaning).unwrap().remove(0));
         assert_eq!(dump, xyz);
         assert_eq!((&csv.spheres, &csv.pigments), (&dump.spheres, &dump.pigments));
         assert_eq!(csv.spheres[0].radius_um, 0.04);
         assert_eq!(dump.box_um.unwrap()[2].map(|x| (1e9 * x).round()), [0.0, 7e8]);
-        assert_eq!(read(&xyz_twice(), IN_NM).unwrap().len(), 2);
+        assert_eq!(read(&xyz_twice(), &in_nm()).unwrap().len(), 2);
     }
 
     fn xyz_twice() -> String {
@@ -266,15 +261,15 @@ mod tests {
     fn what_a_file_leaves_open_is_asked_for() {
         let xyz = xyz_twice();
         for (text, meaning, says) in [
-            (xyz.as_str(), Meaning { unit: None, ..IN_NM }, "no unit"),
-            (xyz.as_str(), Meaning { size: None, ..IN_NM }, "radii or diameters"),
-            ("x,y,z,r\n1,2,3,4\n", IN_NM, "no column x_um or x_nm"),
-            ("x_um,y_um,z_um\n1,2,3\n", IN_NM, "radius_um or diameter_um"),
-            ("x_um,y_um,z_um,radius_um\n1,2,a,1\n", IN_NM, "line 2: \"a\""),
-            ("x_um,y_um,z_um,radius_um\n1,2,3,0\n", IN_NM, "line 2: a sphere of radius 0"),
-            ("3\nProperties=species:S:1:pos:R:3:radius:R:1\n1 1 2 3 4\n", IN_NM, "ends before the last"),
+            (xyz.as_str(), MicrostructureTable { unit: None, ..in_nm() }, "no unit"),
+            (xyz.as_str(), MicrostructureTable { size: None, ..in_nm() }, "radii or diameters"),
+            ("x,y,z,r\n1,2,3,4\n", in_nm(), "no column x_um or x_nm"),
+            ("x_um,y_um,z_um\n1,2,3\n", in_nm(), "radius_um or diameter_um"),
+            ("x_um,y_um,z_um,radius_um\n1,2,a,1\n", in_nm(), "line 2: \"a\""),
+            ("x_um,y_um,z_um,radius_um\n1,2,3,0\n", in_nm(), "line 2: a sphere of radius 0"),
+            ("3\nProperties=species:S:1:pos:R:3:radius:R:1\n1 1 2 3 4\n", in_nm(), "ends before the last"),
         ] {
-            let error = read(text, meaning).unwrap_err();
+            let error = read(text, &meaning).unwrap_err();
             assert!(error.contains(says), "{error}");
         }
     }

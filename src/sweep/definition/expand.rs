@@ -20,7 +20,7 @@ pub struct Draft {
     pub name: String,
     /// Index of the setting on each axis.
     pub place: Vec<usize>,
-    /// The study of the variant as a table.
+    /// The study of the variant as a table, with the title of the sweep and the labels.
     pub study: Table,
 }
 
@@ -130,7 +130,11 @@ fn draft(file: &SweepFile, base: &Table, axes: &[Axis], place: Vec<usize>, fault
         }
     }
     let labels = axes.iter().zip(&place).map(|(axis, &k)| axis.settings[k].label.as_str());
-    let name = labels.map(slug).collect::<Vec<_>>().join("-");
+    let labels: Vec<&str> = labels.collect();
+    let (title, caption) = (file.title.as_deref().unwrap_or_default(), labels.join(", "));
+    let title = if caption.is_empty() { title.to_owned() } else { format!("{title}: {caption}") };
+    study.insert("title".into(), title.into());
+    let name = labels.into_iter().map(slug).collect::<Vec<_>>().join("-");
     Draft { name: if name.is_empty() { "study".into() } else { name }, place, study }
 }
 

@@ -163,7 +163,8 @@ impl Sweep {
 /// # Errors
 /// The file or its base cannot be read, is not TOML, or some variant is not allowed.
 pub fn load(path: &Path) -> Result<Sweep, StudyError> {
-    let (text, file): (String, SweepFile) = read_file(path)?;
+    let (text, mut file): (String, SweepFile) = read_file(path)?;
+    file.title.get_or_insert_with(|| stem(path));
     let folder = path.parent().unwrap_or(Path::new(""));
     let (base, base_folder) = file.base.read(folder)?;
     let mut faults = Faults::default();
@@ -171,13 +172,12 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
         file.axis.iter().enumerate().map(|(i, table)| Axis::read(i, table, &mut faults)).collect();
     check_fields(&file, &mut faults);
     let drafts = expand(&file, &base, &axes, &mut faults);
-    let title = file.title.clone().unwrap_or_else(|| stem(path));
-    let mut reading = Reading { title: &title, axes: &axes, folder: &base_folder, inputs: Vec::new() };
+    let mut reading = Reading { axes: &axes, folder: &base_folder, inputs: Vec::new() };
     let mut variants = Vec::new();
     for draft in &drafts {
         variants.extend(reading.variant(draft, &mut faults)?);
     }
-    let outline = outline(&file, title.clone(), &axes, &drafts, &mut faults);
+    let outline = outline(&file, &axes, &drafts, &mut faults);
     if faults.0.is_empty() {
         let studies: Vec<_> = variants.iter().map(|variant| &variant.study).collect();
         claims::check_variants(&outline.claims, &studies, &mut faults);
@@ -193,7 +193,7 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     Err(StudyError::Values { path: path.to_owned(), text, faults: faults.0 })
 }
 
-fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
+fn outline(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
     let names = |axis: &Axis| axis.settings.iter().map(|s| s.label.clone()).collect();
     let shown = |a: &Axis| AxisOutline { name: a.name.clone(), labels: names(a), unit: a.unit.clone() };
     for (key, name) in [("rows", &file.sheet.rows), ("columns", &file.sheet.columns)] {
@@ -212,7 +212,7 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
         faults.add("reference", "no such variant", "a variant of the sweep", remedy);
     }
     Outline {
-        title,
+        title: file.title.clone().unwrap_or_default(),
         axes: axes.iter().map(shown).collect(),
         sheet: file.sheet.clone(),
         reference: first.unwrap_or(0),
@@ -224,7 +224,6 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
 
 /// State needed to read the variants.
 struct Reading<'a> {
-    title: &'a str,
     axes: &'a [Axis],
     folder: &'a Path,
     inputs: Vec<Input>,
@@ -233,12 +232,10 @@ struct Reading<'a> {
 impl Reading<'_> {
     /// Reads a variant; `None` if it has errors.
     fn variant(&mut self, draft: &Draft, faults: &mut Faults) -> Result<Option<Variant>, StudyError> {
-        let mut table = draft.study.clone();
-        table.insert("title".into(), Value::String(self.heading(draft)));
-        let file = read::<StudyFile>(table.clone().into());
+        let file = read::<StudyFile>(draft.study.clone().into());
         match file.and_then(|file| check(&file, self.folder, &draft.name)) {
             Ok(study) => {
-                let mut written = Value::Table(table);
+                let mut written = Value::Table(draft.study.clone());
                 self.keep_inputs("", &mut written)?;
                 let text = toml::to_string(&written).unwrap_or_default();
                 Ok(Some(Variant { name: draft.name.clone(), study, text }))
@@ -248,12 +245,6 @@ impl Reading<'_> {
                 Ok(None)
             }
         }
-    }
-
-    fn heading(&self, draft: &Draft) -> String {
-        let labels = self.axes.iter().zip(&draft.place).map(|(axis, &k)| axis.settings[k].label.as_str());
-        let labels = labels.collect::<Vec<_>>().join(", ");
-        if labels.is_empty() { self.title.to_owned() } else { format!("{}: {labels}", self.title) }
     }
 
     /// Reports an error of a variant once: at the axis that set the field, otherwise at the base.

@@ -23,28 +23,18 @@ impl Tabulation<'_> {
     /// The index at every wavelength; 1 everywhere after an error, which makes the study invalid
     /// anyway.
     pub fn tabulate(self, field: &str, written: &IndexWritten, faults: &mut Faults) -> IndexSpectrum {
-        let sound = self.tabulated(field, written, faults);
-        let vacuum = || (vec![Complex64::ONE; self.wavelengths_nm.len()], Spectrum::VACUUM);
-        let (index, spectrum) = sound.unwrap_or_else(vacuum);
-        let (source, dissolved) = (source(&spectrum), Vec::new());
-        IndexSpectrum { source, index, spectrum, dissolved, mixing: MixingRule::default() }
-    }
-
-    fn tabulated(
-        self,
-        field: &str,
-        written: &IndexWritten,
-        faults: &mut Faults,
-    ) -> Option<(Vec<Complex64>, Spectrum)> {
-        let spectrum = spectrum(field, written, self.folder, faults)?;
+        let before = faults.0.len();
+        let spectrum = spectrum(field, written, self.folder, faults).unwrap_or(Spectrum::VACUUM);
         faults.0.extend(outside(field, &spectrum, self.wavelengths_nm));
         let values = self.wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
+        let index = values.collect::<Result<Vec<_>, _>>().unwrap_or_default();
+        faults.0.extend(unsound(field, &index, self.wavelengths_nm));
         // invalid wavelengths are reported separately
-        let index = values.collect::<Result<Vec<_>, _>>().ok()?;
-        let unsound = unsound(field, &index, self.wavelengths_nm);
-        let is_sound = unsound.is_none();
-        faults.0.extend(unsound);
-        is_sound.then_some((index, spectrum))
+        let (source, index, spectrum) = match faults.0.len() > before || index.is_empty() {
+            true => (String::new(), vec![Complex64::ONE; self.wavelengths_nm.len()], Spectrum::VACUUM),
+            false => (source(&spectrum), index, spectrum),
+        };
+        IndexSpectrum { source, index, spectrum, dissolved: Vec::new(), mixing: MixingRule::default() }
     }
 }
 

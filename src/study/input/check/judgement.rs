@@ -31,8 +31,15 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
             target_lab = wanted(colour, &viewing, target_lab, faults);
             None
         }
-        None => measured(file, wavelengths_nm, folder, faults),
+        None => measured(file, folder, faults),
     };
+    let elsewhere = |m: &&MeasuredSpectrum| wavelengths_nm.iter().all(|&nm| m.at(nm).is_none());
+    if let (Some(measured), false) = (measured.as_ref().filter(elsewhere), wavelengths_nm.is_empty()) {
+        let [low, high] = measured.range_nm();
+        let found = format!("{} with values from {low} to {high} nm", measured.source);
+        let allowed = "a spectrum with values at one of the wavelengths of [light] or more";
+        faults.add("compare.measured", found, allowed, "give its wavelengths in nm");
+    }
     Judgement { viewing, target_lab, measured }
 }
 
@@ -124,23 +131,10 @@ fn wanted(
     None
 }
 
-/// The measured spectrum, which must cover one of the study's wavelengths.
-fn measured(
-    file: &StudyFile,
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    faults: &mut Faults,
-) -> Option<MeasuredSpectrum> {
+fn measured(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Option<MeasuredSpectrum> {
     let path = folder.join(file.compare.measured.as_ref()?);
     let read = MeasuredSpectrum::read(&path, file.compare.patch.as_deref(), file.compare.unit);
     let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn, or Lab of the latter";
     let remedy = "correct the file, compare.patch or compare.unit; its path is relative to the study file";
-    let measured = read.map_err(|error| faults.add("compare.measured", error, allowed, remedy)).ok()?;
-    if !wavelengths_nm.is_empty() && wavelengths_nm.iter().all(|&nm| measured.at(nm).is_none()) {
-        let [low, high] = measured.range_nm();
-        let found = format!("{} with values from {low} to {high} nm", measured.source);
-        let allowed = "a spectrum with values at one of the wavelengths of [light] or more";
-        faults.add("compare.measured", found, allowed, "give its wavelengths in nm");
-    }
-    Some(measured)
+    read.map_err(|error| faults.add("compare.measured", error, allowed, remedy)).ok()
 }

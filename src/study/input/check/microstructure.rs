@@ -7,7 +7,7 @@ use crate::ink::{Grain, Measure, PackError, Packing, Shape, SizeDistribution, Sp
 use crate::input::fault::{Faults, keys_in_words};
 use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
 use crate::input::forms::Pair;
-use crate::input::positions::{Meaning, Positions, read_positions};
+use crate::input::positions::{Positions, read_positions};
 use crate::input::variation::CellRule;
 use std::path::Path;
 
@@ -66,8 +66,7 @@ fn spheres(
 ) -> Option<Given> {
     let mut cuts = Vec::new();
     for path in names.all() {
-        let meaning = Meaning { unit: table.unit, size: table.size };
-        match read_positions(&folder.join(path), meaning) {
+        match read_positions(&folder.join(path), table) {
             Ok(read) => cuts.extend(read.into_iter().map(|positions| (path.clone(), positions))),
             Err(reason) => faults.add(FIELD, path, format!("positions of spheres: {reason}"), FORMATS),
         }

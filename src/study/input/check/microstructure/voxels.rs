@@ -129,24 +129,16 @@ impl VoxelReader<'_> {
     /// Labels of the file as 0 for the binder and k + 1 for pigment k.
     fn pigments(&self, labels: &Array3<i64>) -> Result<Array3<u8>, Fault> {
         let mut unlisted: BTreeMap<i64, usize> = BTreeMap::new();
-        let kinds = labels.map(|label| match self.known.get(label) {
-            Some(&kind) => kind,
-            None => {
-                *unlisted.entry(*label).or_default() += usize::from(*label != 0);
-                0
-            }
-        });
-        unlisted.remove(&0);
+        for label in labels.iter().filter(|label| **label != 0 && !self.known.contains_key(label)) {
+            *unlisted.entry(*label).or_default() += 1;
+        }
         if unlisted.is_empty() {
-            return Ok(kinds);
+            return Ok(labels.map(|label| self.known.get(label).copied().unwrap_or_default()));
         }
         let counts: Vec<String> =
             unlisted.iter().take(5).map(|(label, n)| format!("{n} voxels of label {label}")).collect();
-        let more = if unlisted.len() > 5 {
-            format!(" and {} more labels", unlisted.len() - 5)
-        } else {
-            String::new()
-        };
+        let more = unlisted.len().saturating_sub(5);
+        let more = if more > 0 { format!(" and {more} more labels") } else { String::new() };
         let known: Vec<String> = self.known.keys().map(i64::to_string).collect();
         let allowed = format!("0 for the binder and the study's labels: {}", known.join(", "));
         Err(Fault::new(FIELD, counts.join(", ") + &more, &allowed, "add them to layer.microstructure.labels"))
