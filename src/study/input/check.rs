@@ -36,13 +36,13 @@ const FIXED_CELLS: usize = 4;
 /// # Errors
 /// All errors of the file, each with the field, what was found, what is allowed and what to try.
 pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
-    let Examined { study, mut packing, mut optics } = examine(file, folder, name);
-    packing.0.append(&mut optics.0);
+    let (study, mut faults, mut optics) = examine(file, folder, name);
+    faults.0.append(&mut optics.0);
     if !file.layer.walls {
         let remedy = "leave it out; `inkwave pack` packs layers without walls";
-        packing.add("layer.walls", "false", "true: waves need a layer between two faces", remedy);
+        faults.add("layer.walls", "false", "true: waves need a layer between two faces", remedy);
     }
-    if packing.0.is_empty() { Ok(study) } else { Err(packing.0) }
+    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
 }
 
 /// Like [`check`], for packings only: errors in what only the wave needs are ignored.
@@ -50,23 +50,16 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
 /// # Errors
 /// All errors in the layer, the pigments and the packing.
 pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
-    let Examined { study, mut packing, .. } = examine(file, folder, name);
+    let (study, mut faults, _) = examine(file, folder, name);
     if study.pigments.is_empty() {
-        packing.add("pigment", "none", "at least one [[pigment]] with grains", "add one");
+        faults.add("pigment", "none", "at least one [[pigment]] with grains", "add one");
     }
-    if packing.0.is_empty() { Ok(study) } else { Err(packing.0) }
+    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
 }
 
-/// The study as far as it is valid, and all errors.
-struct Examined {
-    study: Study,
-    /// Errors in the layer, the grains and the run.
-    packing: Faults,
-    /// Errors in what only the wave and its results need.
-    optics: Faults,
-}
-
-fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
+/// The study as far as it is valid; the errors in the layer, the grains and the run; and those in
+/// what only the wave and its results need.
+fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Faults) {
     let (mut faults, mut optics) = (Faults::default(), Faults::default());
     let composed = composed::composed(file, &mut faults);
     let slab = composed.as_ref().map(|composed| composed::slab_file(file, composed));
@@ -82,8 +75,8 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     let grains = pigments::grains(file, period_um, &mut faults);
     let pigments = pigments::pigments(file, grains, &indices, &mut optics);
     let dissolved = pigments::dissolved(file, &indices, &mut optics);
-    layer.binder = pigments::solution(layer.binder, &dissolved, &pigments, wave::mixing(file));
-    let mut packing = pigments::packing(file, period_um, &pigments, &mut faults);
+    pigments::dissolve(&mut layer, &dissolved, &pigments, wave::mixing(file));
+    let mut packing = pigments::packing(file, &layer, &pigments, &mut faults);
     (packing.given, packing.voxels) = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
     let angles = angles::angles(file, paper.coupling, &mut optics);
@@ -136,7 +129,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     if faults.0.is_empty() && optics.0.is_empty() {
         optics.0.extend(aim(&study));
     }
-    Examined { study, packing: faults, optics }
+    (study, faults, optics)
 }
 
 /// `target_delta_e` needs a colour; without paper it can never be met.

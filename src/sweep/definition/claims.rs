@@ -6,7 +6,7 @@ mod slips;
 
 use super::axes::Axis;
 use super::expand::{Draft, check_where, matches};
-use super::file::{ConclusionTable, Where};
+use super::file::{ConclusionTable, SweepFile, Where};
 use crate::input::fault::Faults;
 pub use light::check_variants;
 use serde::{Deserialize, Serialize};
@@ -41,13 +41,8 @@ impl Claim {
 }
 
 /// Resolves the variants that the conclusions refer to.
-pub fn claims(
-    tables: &[ConclusionTable],
-    axes: &[Axis],
-    drafts: &[Draft],
-    faults: &mut Faults,
-) -> Vec<Claim> {
-    let tables = each::expanded(tables, axes, faults);
+pub fn claims(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Vec<Claim> {
+    let tables = each::expanded(&file.conclusion, axes, faults);
     for (k, (i, table)) in tables.iter().enumerate() {
         if tables[..k].iter().any(|(_, earlier)| earlier.id == table.id) {
             let (field, found) = (format!("conclusion[{i}].id"), format!("{:?} twice", table.id));

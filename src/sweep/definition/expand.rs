@@ -31,6 +31,12 @@ pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults
             let (found, allowed) = (format!("{:?} twice", axis.name), "names that differ");
             faults.add(format!("axis[{i}].name"), found, allowed, "give each axis its own name");
         }
+        // the later would override the earlier, whose captions would be wrong
+        let earlier = |field: &&String| file.axis[..i].iter().any(|e| e.field.as_ref() == Some(*field));
+        if let Some(field) = file.axis[i].field.as_ref().filter(earlier) {
+            let remedy = "keep one of them, with all values";
+            faults.add(format!("axis[{i}].field"), format!("{field} twice"), "a field of one axis", remedy);
+        }
     }
     for (i, exclude) in file.exclude.iter().enumerate() {
         check_where(&format!("exclude[{i}].where"), &exclude.condition, axes, faults);

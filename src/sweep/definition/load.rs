@@ -170,7 +170,6 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     let mut faults = Faults::default();
     let axes: Vec<Axis> =
         file.axis.iter().enumerate().map(|(i, table)| Axis::read(i, table, &mut faults)).collect();
-    check_fields(&file, &mut faults);
     let drafts = expand(&file, &base, &axes, &mut faults);
     let mut reading = Reading { axes: &axes, folder: &base_folder, inputs: Vec::new() };
     let mut variants = Vec::new();
@@ -203,7 +202,7 @@ fn outline(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Fault
         }
     }
     let sound = faults.0.is_empty();
-    let claims = if sound { claims::claims(&file.conclusion, axes, drafts, faults) } else { Vec::new() };
+    let claims = if sound { claims::claims(file, axes, drafts, faults) } else { Vec::new() };
     let everything = Where::new();
     let reference = file.reference.as_ref().unwrap_or(&everything);
     let first = drafts.iter().position(|d| super::expand::matches(reference, axes, &d.place));
@@ -300,18 +299,6 @@ fn same_field(study: &Table, one: &str, other: &str) -> bool {
 
 /// Keys of a study that name files: of indices and albedos, of measurements, of microstructures.
 const FILES: [&str; 5] = ["csv", "yaml", "measured", "spheres", "voxels"];
-
-/// Refuses two axes for one field: the later would override the earlier, whose captions would be
-/// wrong.
-fn check_fields(file: &SweepFile, faults: &mut Faults) {
-    for (i, table) in file.axis.iter().enumerate() {
-        let Some(field) = &table.field else { continue };
-        if file.axis[..i].iter().any(|earlier| earlier.field.as_ref() == Some(field)) {
-            let remedy = "keep one of them, with all values";
-            faults.add(format!("axis[{i}].field"), format!("{field} twice"), "a field of one axis", remedy);
-        }
-    }
-}
 
 #[cfg(test)]
 mod tests {

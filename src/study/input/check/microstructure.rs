@@ -9,11 +9,15 @@ use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
 use crate::input::forms::Pair;
 use crate::input::positions::{Positions, read_positions};
 use crate::input::variation::CellRule;
+use crate::numerics::vector::V3;
 use std::path::Path;
 
 pub(super) const FIELD: &str = "layer.microstructure";
 /// A box this much larger or smaller than the layer is in another unit.
 const OTHER_UNIT: f64 = 30.0;
+
+/// What the study says of files of grains, and their names.
+type Files<'a> = (&'a MicrostructureTable, &'a FileNames);
 
 /// What files say of the layer.
 pub(super) struct Given {
@@ -58,12 +62,7 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
 }
 
 /// Grains of all files of spheres.
-fn spheres(
-    file: &StudyFile,
-    folder: &Path,
-    (table, names): (&MicrostructureTable, &FileNames),
-    faults: &mut Faults,
-) -> Option<Given> {
+fn spheres(file: &StudyFile, folder: &Path, (table, names): Files, faults: &mut Faults) -> Option<Given> {
     let mut cuts = Vec::new();
     for path in names.all() {
         match read_positions(&folder.join(path), table) {
@@ -137,12 +136,7 @@ fn period(file: &StudyFile, cuts: &[(String, Positions)], faults: &mut Faults) -
 }
 
 /// The grains of one cut in the cell, after all checks.
-fn grains(
-    file: &StudyFile,
-    (path, cut): &(String, Positions),
-    cell: [f64; 3],
-    faults: &mut Faults,
-) -> Vec<Grain> {
+fn grains(file: &StudyFile, (path, cut): &(String, Positions), cell: V3, faults: &mut Faults) -> Vec<Grain> {
     let mut refuse = |found: String, allowed: &str, remedy: &str| {
         faults.add(FIELD, format!("{path}: {found}"), allowed, remedy);
         Vec::new()

@@ -8,7 +8,7 @@ use crate::input::fault::{Fault, Faults};
 use crate::input::file::{LayerTable, PigmentTable, StudyFile};
 use crate::input::forms::Diameter;
 use crate::input::limits;
-use crate::input::study::{Dissolved, IndexSpectrum, Pigment};
+use crate::input::study::{Dissolved, IndexSpectrum, Layer, Pigment};
 use crate::input::variation::{CellRule, THICKNESS_CUT, shortest_side_um};
 use crate::material::mixing::MixingRule;
 use num_complex::Complex64;
@@ -23,19 +23,17 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
     }
     let voxels = file.layer.microstructure.as_ref().is_some_and(|table| table.voxels.is_some());
     for (i, table) in file.pigments.iter().enumerate() {
-        let sound = faults.0.len();
         if voxels && !is_molecular(table) {
             // no packing to make: any share and size that voxels have is possible
             all.push(as_written(table, size(i, table, faults)));
-            continue;
-        }
-        fraction(i, table, faults);
-        if is_molecular(table) && !table.shell.is_empty() {
-            let (found, allowed) = ("layers", "no layers around dissolved pigments: they have no grains");
-            faults.add(of(i, "shell"), found, allowed, "give diameter_nm in nm, or remove shell");
-        }
-        if !is_molecular(table) {
-            all.push(grains_of(i, table, (&file.layer, period_um), faults, sound));
+        } else if !is_molecular(table) {
+            all.push(grains_of(i, table, (&file.layer, period_um), faults));
+        } else {
+            fraction(i, table, faults);
+            if !table.shell.is_empty() {
+                let (found, allowed) = ("layers", "no layers around dissolved pigments: they have no grains");
+                faults.add(of(i, "shell"), found, allowed, "give diameter_nm in nm, or remove shell");
+            }
         }
     }
     names(file, faults);
@@ -80,25 +78,19 @@ pub fn dissolved(file: &StudyFile, indices: &Tabulation, faults: &mut Faults) ->
         .collect()
 }
 
-/// The binder with the pigments dissolved in it, whose fractions refer to the volume without
-/// grains.
-pub fn solution(
-    binder: IndexSpectrum,
-    dissolved: &[Dissolved],
-    grains: &[Pigment],
-    mixing: MixingRule,
-) -> IndexSpectrum {
+/// Dissolves pigments in the binder; their fractions refer to the volume without grains.
+pub fn dissolve(layer: &mut Layer, dissolved: &[Dissolved], grains: &[Pigment], mixing: MixingRule) {
     if dissolved.is_empty() {
-        return binder;
+        return;
     }
     let room = 1.0 - grains.iter().map(|pigment| pigment.grains.volume_fraction).sum::<f64>();
     let mixed = |(w, &eta): (usize, &Complex64)| {
         let share = |d: &Dissolved| (d.volume_fraction / room, d.material.index[w]);
         mixing.mix(eta, &dissolved.iter().map(share).collect::<Vec<_>>())
     };
-    let index = binder.index.iter().enumerate().map(mixed).collect();
+    layer.binder.index = layer.binder.index.iter().enumerate().map(mixed).collect();
     let spectra = dissolved.iter().map(|d| (d.volume_fraction / room, d.material.spectrum.clone()));
-    IndexSpectrum { index, dissolved: spectra.collect(), mixing, ..binder }
+    (layer.binder.dissolved, layer.binder.mixing) = (spectra.collect(), mixing);
 }
 
 /// The given name, or a numbered one.
@@ -121,15 +113,10 @@ pub(super) fn is_molecular(table: &PigmentTable) -> bool {
 }
 
 /// The packing of the nominal cell; its own check is made only if there are no other errors.
-pub(super) fn packing(
-    file: &StudyFile,
-    period_um: [f64; 2],
-    pigments: &[Pigment],
-    faults: &mut Faults,
-) -> PackingRequest {
+pub fn packing(file: &StudyFile, layer: &Layer, pigments: &[Pigment], faults: &mut Faults) -> PackingRequest {
     let request = PackingRequest {
-        period_um,
-        thickness_um: file.layer.thickness_um.mean(),
+        period_um: layer.period_um,
+        thickness_um: layer.thickness_um,
         pigments: pigments.iter().map(|pigment| pigment.grains.clone()).collect(),
         method: file.packing.method,
         seed: file.run.seed,
@@ -164,14 +151,10 @@ fn of(pigment: usize, key: &str) -> String {
 /// A layer and the nominal period of its cells.
 type NominalCell<'a> = (&'a LayerTable, [f64; 2]);
 
-/// The grains of one pigment; `before` errors were found earlier.
-fn grains_of(
-    i: usize,
-    table: &PigmentTable,
-    layer: NominalCell,
-    faults: &mut Faults,
-    before: usize,
-) -> PigmentGrains {
+/// The grains of one pigment.
+fn grains_of(i: usize, table: &PigmentTable, layer: NominalCell, faults: &mut Faults) -> PigmentGrains {
+    let before = faults.0.len();
+    fraction(i, table, faults);
     let grains = as_written(table, size(i, table, faults));
     let field = of(i, if table.diameter_nm.is_some() { "diameter_nm" } else { "size" });
     fits(&field, &grains, layer, faults);

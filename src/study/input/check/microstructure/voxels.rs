@@ -1,10 +1,10 @@
 //! Voxels of a microstructure: labels become pigments, files become cuts.
 
-use super::{FIELD, Given};
+use super::{FIELD, Files, Given};
 use crate::ink::{Measure, SizeDistribution, VoxelCut};
 use crate::input::check::pigments::packed_names;
 use crate::input::fault::{Fault, Faults};
-use crate::input::file::{Continuation, FileNames, MicrostructureTable, StudyFile, VoxelEdges};
+use crate::input::file::{Continuation, MicrostructureTable, StudyFile, VoxelEdges};
 use crate::input::limits;
 use crate::input::voxels::read_labels;
 use ndarray::{Array3, ArrayView1, Axis, concatenate, s};
@@ -16,12 +16,7 @@ use std::path::Path;
 const STAIRS: f64 = 1.5;
 
 /// The cuts of all files; `None` after an error.
-pub(super) fn voxels(
-    file: &StudyFile,
-    folder: &Path,
-    (table, names): (&MicrostructureTable, &FileNames),
-    faults: &mut Faults,
-) -> Option<Given> {
+pub fn voxels(file: &StudyFile, folder: &Path, (table, names): Files, faults: &mut Faults) -> Option<Given> {
     let before = faults.0.len();
     let field = "layer.microstructure.voxel_nm";
     let remedy = "give the edge of a voxel in nm";
