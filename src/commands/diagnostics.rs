@@ -3,18 +3,16 @@
 use super::say::printable;
 use inkwave::input::fault::{Fault, StudyError};
 use inkwave::input::locate::span_of;
-use inkwave::input::tree::SyntaxFault;
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report};
 use std::sync::Arc;
 
 /// Turns a study error into a report that quotes the offending lines.
 pub fn study_report(error: StudyError) -> Report {
     match error {
-        StudyError::Syntax { path, text, span, message, remedy } => {
-            let fault = SyntaxFault { message, remedy: "", span: span.clone() };
+        StudyError::Syntax { path, text, fault } => {
             let message = format!("{}: {}", path.display(), fault.in_words(&text));
-            let label = span.map(|span| LabeledSpan::new_with_span(Some("here".into()), span));
-            Report::new(Shown::new(&message, Some(&remedy), label, source(&path, text)))
+            let label = fault.span.map(|span| LabeledSpan::new_with_span(Some("here".into()), span));
+            Report::new(Shown::new(&message, Some(fault.remedy), label, source(&path, text)))
         }
         StudyError::Values { path, text, faults } => {
             let source = source(&path, text);

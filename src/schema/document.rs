@@ -33,29 +33,6 @@ pub enum Document {
 }
 
 impl Document {
-    /// All kinds of input files.
-    pub const ALL: [Document; 6] = [
-        Document::Study,
-        Document::Sweep,
-        Document::Compare,
-        Document::Fit,
-        Document::Design,
-        Document::Case,
-    ];
-
-    /// Its name on the command line and of its file in `schema/`.
-    pub fn name(self) -> &'static str {
-        match self {
-            Document::Study => "study",
-            Document::Sweep => "sweep",
-            Document::Compare => "compare",
-            Document::Fit => "fit",
-            Document::Design => "design",
-            Document::Case => "case",
-            Document::External => "external",
-        }
-    }
-
     /// A commented file of this kind with every key, its meaning, range and default.
     pub fn every_key(self) -> &'static str {
         match self {

@@ -1,11 +1,8 @@
 //! A single solve of an explicit geometry: the `inputs` object of a reference case, as JSON or
 //! TOML.
 
-use super::case_inputs::NamedBody;
-pub use super::case_inputs::{
-    BarInput, BodyInput, CaseError, CaseInputs, CylinderInput, IndexInput, LayerInput, SphereInput,
-    SublayerInput,
-};
+pub use super::case_inputs::CaseError;
+use super::case_inputs::{BarInput, CaseInputs, IndexInput, SublayerInput};
 use super::case_names::with_names;
 use super::fault::{Fault, Faults};
 use super::read::read;
@@ -50,7 +47,7 @@ impl Case {
     }
 
     /// Checks the inputs and builds the scene.
-    pub fn from_inputs(inputs: &CaseInputs) -> Result<Case, CaseError> {
+    fn from_inputs(inputs: &CaseInputs) -> Result<Case, CaseError> {
         let faults = super::case_checks::check(inputs);
         if !faults.0.is_empty() {
             return Err(faults.into());
@@ -58,7 +55,7 @@ impl Case {
         let (mut backgrounds, mut inclusions) = (Vec::new(), Vec::new());
         let strata = strata(inputs, &mut backgrounds)?;
         let (mut names, mut bodies) = (Vec::new(), Vec::new());
-        for NamedBody { name, shape, eta } in inputs.bodies() {
+        for (name, shape, eta) in inputs.bodies() {
             names.push(name);
             bodies.push(Body::new(shape, index_of(&mut inclusions, eta)));
         }
@@ -91,18 +88,15 @@ fn strata(inputs: &CaseInputs, backgrounds: &mut Vec<Complex64>) -> Result<Vec<S
     // a binder beside sublayers of the same background is redundant, not an error
     let same = |l: &SublayerInput| Some(l.eta_background) == inputs.eta_binder;
     let repeated = inputs.sublayers_from_z0.as_ref().is_some_and(|all| all.iter().all(same));
-    let described = [
-        inputs.layers_from_z0.is_some(),
-        inputs.sublayers_from_z0.is_some(),
-        inputs.eta_binder.is_some() && !repeated,
-    ];
+    let binder = inputs.eta_binder.filter(|_| !repeated);
+    let described = [inputs.layers_from_z0.is_some(), inputs.sublayers_from_z0.is_some(), binder.is_some()];
     if described.iter().filter(|&&d| d).count() != 1 {
         let found = if described.contains(&true) { "two descriptions" } else { "nothing" };
         let allowed = "exactly one of `eta_binder`, `layers_from_z0` and `sublayers_from_z0`";
         return Err(Fault::new("the layer", found, allowed, "describe the layer in one way").into());
     }
     let mut parts: Vec<(f64, [f64; 2])> = Vec::new();
-    if let Some(eta) = inputs.eta_binder.filter(|_| !repeated) {
+    if let Some(eta) = binder {
         let missing = || Fault::new("H", "nothing", "a length", "give the layer's thickness in µm");
         parts.push((inputs.thickness.ok_or_else(missing)?, eta));
     }

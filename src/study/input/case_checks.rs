@@ -61,7 +61,7 @@ fn indices(inputs: &CaseInputs) -> Vec<(String, [f64; 2])> {
     ];
     let mut all: Vec<_> =
         single.into_iter().filter_map(|(name, eta)| Some((name.to_owned(), eta?))).collect();
-    all.extend(inputs.bodies().into_iter().map(|body| (format!("{}.eta", body.name), body.eta)));
+    all.extend(inputs.bodies().into_iter().map(|(name, _, eta)| (format!("{name}.eta"), eta)));
     let layers = inputs.layers_from_z0.iter().flatten().enumerate();
     all.extend(layers.map(|(i, l)| (format!("layers_from_z0[{i}].eta"), l.eta)));
     for (i, l) in inputs.sublayers_from_z0.iter().flatten().enumerate() {

@@ -90,13 +90,6 @@ impl IndexInput {
     }
 }
 
-/// A body with its name in the file.
-pub(super) struct NamedBody {
-    pub name: String,
-    pub shape: BodyShape,
-    pub eta: [f64; 2],
-}
-
 impl CaseInputs {
     /// Periods along x and y. `Ly` beside a pair is refused by the checks; films, which do not
     /// depend on the period, default to 1 µm.
@@ -107,27 +100,27 @@ impl CaseInputs {
         }
     }
 
-    /// All bodies in the order of the scene; films of zero thickness have none.
-    pub(super) fn bodies(&self) -> Vec<NamedBody> {
+    /// All bodies in the order of the scene, with their names in the file and their indices; films
+    /// of zero thickness have none.
+    pub(super) fn bodies(&self) -> Vec<(String, BodyShape, [f64; 2])> {
         let mut all = Vec::new();
-        let mut add = |name: String, shape, eta| all.push(NamedBody { name, shape, eta });
         for (i, s) in self.spheres.iter().flatten().enumerate() {
             let ball = Ball { center_um: s.center, radius_um: s.radius };
-            add(format!("spheres[{i}]"), BodyShape::Balls(vec![ball]), s.eta);
+            all.push((format!("spheres[{i}]"), BodyShape::Balls(vec![ball]), s.eta));
         }
         for (i, c) in self.cylinders.iter().flatten().enumerate() {
             let shape = BodyShape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius };
-            add(format!("cylinders[{i}]"), shape, c.eta);
+            all.push((format!("cylinders[{i}]"), shape, c.eta));
         }
         for (i, b) in self.bodies.iter().flatten().enumerate() {
-            b.solid().into_iter().for_each(|s| add(format!("bodies[{i}]"), BodyShape::Solid(s), b.eta));
+            all.extend(b.solid().map(|s| (format!("bodies[{i}]"), BodyShape::Solid(s), b.eta)));
         }
         let mut bottom = 0.0;
         for (i, layer) in self.sublayers_from_z0.iter().flatten().enumerate() {
             let z_um = [bottom, bottom + layer.thickness];
             for (j, bar) in layer.bars.iter().enumerate().filter(|_| layer.thickness != 0.0) {
                 let name = format!("sublayers_from_z0[{i}].bars[{j}]");
-                add(name, BodyShape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta);
+                all.push((name, BodyShape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta));
             }
             bottom = z_um[1];
         }

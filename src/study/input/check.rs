@@ -36,13 +36,13 @@ const FIXED_CELLS: usize = 4;
 /// # Errors
 /// All errors of the file, each with the field, what was found, what is allowed and what to try.
 pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
-    let Examined { study, mut packing, mut optics } = examine(file, folder, name);
-    packing.0.append(&mut optics.0);
+    let (study, mut faults, mut optics) = examine(file, folder, name);
+    faults.0.append(&mut optics.0);
     if !file.layer.walls {
         let remedy = "leave it out; `inkwave pack` packs layers without walls";
-        packing.add("layer.walls", "false", "true: waves need a layer between two faces", remedy);
+        faults.add("layer.walls", "false", "true: waves need a layer between two faces", remedy);
     }
-    if packing.0.is_empty() { Ok(study) } else { Err(packing.0) }
+    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
 }
 
 /// Like [`check`], for packings only: errors in what only the wave needs are ignored.
@@ -50,23 +50,16 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
 /// # Errors
 /// All errors in the layer, the pigments and the packing.
 pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
-    let Examined { study, mut packing, .. } = examine(file, folder, name);
+    let (study, mut faults, _) = examine(file, folder, name);
     if study.pigments.is_empty() {
-        packing.add("pigment", "none", "at least one [[pigment]] with grains", "add one");
+        faults.add("pigment", "none", "at least one [[pigment]] with grains", "add one");
     }
-    if packing.0.is_empty() { Ok(study) } else { Err(packing.0) }
+    if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
 }
 
-/// The study as far as it is valid, and all errors.
-struct Examined {
-    study: Study,
-    /// Errors in the layer, the grains and the run.
-    packing: Faults,
-    /// Errors in what only the wave and its results need.
-    optics: Faults,
-}
-
-fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
+/// The study as far as it is valid; the errors in the layer, the grains and the run; and those in
+/// what only the wave and its results need.
+fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Faults) {
     let (mut faults, mut optics) = (Faults::default(), Faults::default());
     let composed = composed::composed(file, &mut faults);
     let slab = composed.as_ref().map(|composed| composed::slab_file(file, composed));
@@ -82,15 +75,19 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     let grains = pigments::grains(file, period_um, &mut faults);
     let pigments = pigments::pigments(file, grains, &indices, &mut optics);
     let dissolved = pigments::dissolved(file, &indices, &mut optics);
-    layer.binder = pigments::solution(layer.binder, &dissolved, &pigments, wave::mixing(file));
-    let mut packing = pigments::packing(file, period_um, &pigments, &mut faults);
+    pigments::dissolve(&mut layer, &dissolved, &pigments, wave::mixing(file));
+    let mut packing = pigments::packing(file, &layer, &pigments, &mut faults);
     (packing.given, packing.voxels) = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
     let angles = angles::angles(file, paper.coupling, &mut optics);
     let resolution = resolution(file, &mut optics);
     let goal = goal(&file.solver, &resolution, &mut optics);
     counts(file, &mut faults);
-    let variation = variation(file, &wavelengths_nm, &mut optics);
+    let variation = Variation {
+        cell: file.layer.cell,
+        thickness_std_um: file.layer.thickness_um.std(),
+        light: light::light_rule(&file.light, &wavelengths_nm, &mut optics),
+    };
     // without grains and with a uniform thickness all realisations are equal
     let alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
     let realisations = if alike { 1 } else { realisations(file) };
@@ -132,7 +129,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> Examined {
     if faults.0.is_empty() && optics.0.is_empty() {
         optics.0.extend(aim(&study));
     }
-    Examined { study, packing: faults, optics }
+    (study, faults, optics)
 }
 
 /// `target_delta_e` needs a colour; without paper it can never be met.
@@ -184,16 +181,6 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
     written.xy()
 }
 
-/// How realisations vary.
-fn variation(file: &StudyFile, wavelengths_nm: &[f64], faults: &mut Faults) -> Variation {
-    let thickness_std_um = file.layer.thickness_um.std();
-    Variation {
-        cell: file.layer.cell,
-        thickness_std_um,
-        light: light::light_rule(&file.light, wavelengths_nm, faults),
-    }
-}
-
 /// Default number of packings.
 fn realisations(file: &StudyFile) -> usize {
     file.run.realisations.unwrap_or(match file.layer.cell {
@@ -207,18 +194,15 @@ fn realisations(file: &StudyFile) -> usize {
 /// 15–30 %, 200–300 nm).
 const PER_WAVELENGTH: f64 = 1e-3;
 
-/// Accuracy of the grid if none is requested. With `run.target_delta_e` its error is corrected by
-/// solves on a finer grid, so that it only has to be regular.
-fn default_accuracy(file: &StudyFile) -> f64 {
-    if file.run.target_delta_e.is_some() { 3e-2 } else { 1e-2 }
-}
-
 fn resolution(file: &StudyFile, faults: &mut Faults) -> WantedResolution {
     let table = &file.resolution;
     let scheme = file.light.wave.scheme(table.scheme);
     match (table.accuracy, table.points_per_um, table.planes_per_um) {
         (accuracy, None, None) => {
-            let accuracy = accuracy.unwrap_or(default_accuracy(file));
+            // with `run.target_delta_e` the grid's error is corrected by solves on a finer one, so
+            // that it only has to be regular
+            let usual = if file.run.target_delta_e.is_some() { 3e-2 } else { 1e-2 };
+            let accuracy = accuracy.unwrap_or(usual);
             let remedy = "1e-2 for pictures, 1e-3 for numbers to publish";
             faults.number("resolution.accuracy", accuracy, limits::ACCURACY, remedy);
             let per_wavelength = table.per_wavelength.unwrap_or(accuracy <= PER_WAVELENGTH);
@@ -265,19 +249,11 @@ fn counts(file: &StudyFile, faults: &mut Faults) {
         faults.number("run.target_delta_e", target, limits::TARGET_DELTA_E, remedy);
         if file.run.realisations == Some(1) {
             let allowed = "2 or more with run.target_delta_e: one packing has no interval";
-            faults.add(
-                "run.realisations",
-                1,
-                allowed,
-                "leave it out: the run ends when the target is reached",
-            );
+            let remedy = "leave it out: the run ends when the target is reached";
+            faults.add("run.realisations", 1, allowed, remedy);
         }
     }
-    faults.whole(
-        "run.realisations",
-        realisations(file),
-        limits::REALISATIONS,
-        "24 small cells are a fair start",
-    );
+    let remedy = "24 small cells are a fair start";
+    faults.whole("run.realisations", realisations(file), limits::REALISATIONS, remedy);
     faults.whole("output.picture_pixels", file.output.picture_pixels, limits::PICTURE_PIXELS, "360 is usual");
 }

@@ -29,20 +29,15 @@ impl ContrastPart {
 
     /// Indices of binder and pigments with the part that is kept; `shares` are the pigments' volume
     /// fractions.
-    pub fn of(
-        self,
-        binder: Complex64,
-        shares: &[f64],
-        pigments: Vec<Complex64>,
-    ) -> (Complex64, Vec<Complex64>) {
-        let all: Vec<_> = shares.iter().copied().zip(pigments.iter().copied()).collect();
+    pub fn of(self, binder: Complex64, shares: &[f64], grains: &[Complex64]) -> (Complex64, Vec<Complex64>) {
+        let all: Vec<_> = shares.iter().copied().zip(grains.iter().copied()).collect();
         let mean = molecular_mixture(binder, &all).powi(2);
         let keep = |eta: Complex64| match self {
             ContrastPart::Full => eta,
             ContrastPart::Real => Complex64::new((eta * eta).re, mean.im).sqrt(),
             ContrastPart::Imaginary => Complex64::new(mean.re, (eta * eta).im).sqrt(),
         };
-        (keep(binder), pigments.into_iter().map(keep).collect())
+        (keep(binder), grains.iter().copied().map(keep).collect())
     }
 }
 
@@ -55,7 +50,7 @@ mod tests {
         let (binder, pigment) = (Complex64::new(1.558, 0.0), Complex64::new(1.8, 0.2));
         let mean = molecular_mixture(binder, &[(0.3, pigment)]);
         for part in [ContrastPart::Full, ContrastPart::Real, ContrastPart::Imaginary] {
-            let (b, p) = part.of(binder, &[0.3], vec![pigment]);
+            let (b, p) = part.of(binder, &[0.3], &[pigment]);
             let difference = p[0] * p[0] - b * b;
             assert!((molecular_mixture(b, &[(0.3, p[0])]) - mean).norm() < 1e-14);
             assert_eq!(difference.im.abs() < 1e-14, part == ContrastPart::Real);

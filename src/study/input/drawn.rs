@@ -1,7 +1,7 @@
 //! The random draws of each realisation.
 
-use super::study::Study;
-use super::variation::{AREA, ASPECT, CellRule, Draw, LightRule, Turn, between, thickness_um};
+use super::study::{Pigment, Study};
+use super::variation::{AREA, ASPECT, CellRule, Draw, LightRule, between, thickness_um};
 use crate::ink::{PigmentGrains, SizeDistribution};
 use crate::numerics::sequence::Sequence;
 
@@ -38,16 +38,16 @@ impl Study {
         Draw { period_um, thickness_um, azimuth_deg: self.angles.azimuth_deg + turn, direction, wavelength }
     }
 
-    /// Directions of a realisation at its `j`-th wavelength. Varied cells are rotated between
-    /// wavelengths, so that no two of them share a Bloch vector and their errors are as independent
-    /// as one packing allows.
-    pub fn turn(&self, draw: &Draw, j: usize) -> Turn {
+    /// Azimuth of the planes of incidence and position within the strata of directions
+    /// ([`Draw::azimuth_deg`], [`Draw::direction`]) of a realisation at its `j`-th wavelength.
+    /// Varied cells are rotated between wavelengths, so that no two of them share a Bloch vector
+    /// and their errors are as independent as one packing allows.
+    pub(super) fn turn(&self, draw: &Draw, j: usize) -> (f64, f64) {
         match self.variation.cell {
-            CellRule::Fixed => Turn { azimuth_deg: draw.azimuth_deg, direction: draw.direction },
-            CellRule::Varied => Turn {
-                azimuth_deg: draw.azimuth_deg + turned_deg(j),
-                direction: (draw.direction + j as f64 * GOLDEN).fract(),
-            },
+            CellRule::Fixed => (draw.azimuth_deg, draw.direction),
+            CellRule::Varied => {
+                (draw.azimuth_deg + turned_deg(j), (draw.direction + j as f64 * GOLDEN).fract())
+            }
         }
     }
 
@@ -81,11 +81,9 @@ impl Study {
 
     /// The area nearest to `area` (µm²) in which whole grains give the requested volume fractions.
     fn whole_grains(&self, area: f64, thickness_um: f64) -> f64 {
-        let quanta: Vec<f64> = self
-            .pigments
-            .iter()
-            .filter_map(|p| area_of_a_grain(&p.grains, self.dry_um(thickness_um)))
-            .collect();
+        let relief_um = self.packing.relief.as_ref().map_or(0.0, |relief| relief.depth_um);
+        let of = |p: &Pigment| area_of_a_grain(&p.grains, thickness_um - relief_um);
+        let quanta: Vec<f64> = self.pigments.iter().filter_map(of).collect();
         let Some(largest) = quanta.iter().copied().reduce(f64::max) else { return area };
         let grains = |share: f64| (area * share / largest).round().max(1.0) as usize;
         let nearest = grains(1.0);
@@ -96,11 +94,6 @@ impl Study {
         let candidates = fewest..=grains(1.0 + AREA_SEARCH).min(nearest.saturating_add(MOST_TRIED));
         let best = candidates.min_by(|a, b| key(a).cmp(&key(b)).then(distance(*a).total_cmp(&distance(*b))));
         best.unwrap_or(nearest) as f64 * largest
-    }
-
-    /// Height to which the grains' volume fraction refers, µm.
-    fn dry_um(&self, thickness_um: f64) -> f64 {
-        self.packing.relief.as_ref().map_or(thickness_um, |relief| thickness_um - relief.depth_um)
     }
 }
 

@@ -5,10 +5,11 @@ use crate::numerics::allowed::{Whole, shown};
 use serde::Serialize;
 use std::fmt;
 use std::ops::Range;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// An error in a study: the field, what was found there, what is allowed and what to try.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{field}: found {found}; allowed: {allowed}")]
 pub struct Fault {
     /// Path of the field in the study file, such as `pigment[0].volume_fraction`.
     pub field: String,
@@ -33,10 +34,35 @@ impl Fault {
     }
 }
 
-impl fmt::Display for Fault {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}: found {}; allowed: {}", self.field, self.found, self.allowed)
+/// Why a text cannot be parsed: the parser's message and the position.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SyntaxFault {
+    /// The message, without the position.
+    pub message: String,
+    /// Suggested remedy.
+    pub remedy: &'static str,
+    /// Position in bytes; `None` if unknown.
+    pub span: Option<Range<usize>>,
+}
+
+impl SyntaxFault {
+    /// The message with line and column, if known.
+    pub fn in_words(&self, text: &str) -> String {
+        let Some(span) = &self.span else { return self.message.clone() };
+        let before = &text[..floor_char_boundary(text, span.start)];
+        let (line, start) = (before.matches('\n').count() + 1, before.rfind('\n').map_or(0, |i| i + 1));
+        format!("line {line}, column {}: {}", before[start..].chars().count() + 1, self.message)
     }
+
+    /// Adds the file that contains the error.
+    pub fn in_file(self, path: &Path, text: &str) -> StudyError {
+        StudyError::Syntax { path: path.to_owned(), text: text.to_owned(), fault: self }
+    }
+}
+
+/// The last character boundary up to a byte.
+pub(super) fn floor_char_boundary(text: &str, byte: usize) -> usize {
+    (0..=byte.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
 }
 
 /// Why a study is invalid.
@@ -50,19 +76,15 @@ pub enum StudyError {
         /// The system's error message.
         source: std::io::Error,
     },
-    /// Not TOML, an unknown key, a missing key or a value of the wrong kind; `span` in bytes.
-    #[error("{}: {message}", path.display())]
+    /// Not TOML.
+    #[error("{}: {}", path.display(), fault.message)]
     Syntax {
         /// The file.
         path: PathBuf,
         /// Its text, to show the line.
         text: String,
-        /// Position in the text, bytes.
-        span: Option<Range<usize>>,
         /// What is wrong.
-        message: String,
-        /// Suggested remedy.
-        remedy: String,
+        fault: SyntaxFault,
     },
     /// Values are not allowed; all of them are listed.
     #[error("{}: {}", path.display(), list(faults))]
@@ -83,9 +105,8 @@ fn list(faults: &[Fault]) -> String {
 /// All errors in one line, each with its remedy.
 impl fmt::Display for Faults {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str(
-            &self.0.iter().map(|fault| format!("{fault}: {}", fault.remedy)).collect::<Vec<_>>().join("; "),
-        )
+        let all = self.0.iter().map(|fault| format!("{fault}: {}", fault.remedy));
+        f.write_str(&all.collect::<Vec<_>>().join("; "))
     }
 }
 

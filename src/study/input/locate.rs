@@ -12,8 +12,17 @@ pub fn span_of(text: &str, field: &str) -> Option<Range<usize>> {
     let (key, value) = document.get_ref().get_key_value(steps.next()?)?;
     let (mut here, mut span) = (value, outline(key.span(), value));
     for step in steps {
-        let Some((next, next_span)) = child(here, step) else { break };
-        (here, span) = (next, next_span);
+        let next = match here.get_ref() {
+            DeValue::Table(table) => {
+                table.get_key_value(step).map(|(key, value)| (value, outline(key.span(), value)))
+            }
+            DeValue::Array(items) => {
+                step.parse().ok().and_then(|i: usize| items.get(i)).map(|item| (item, item.span()))
+            }
+            _ => None,
+        };
+        let Some(next) = next else { break };
+        (here, span) = next;
     }
     Some(span)
 }
@@ -21,19 +30,6 @@ pub fn span_of(text: &str, field: &str) -> Option<Range<usize>> {
 /// `pigment[0].index.k` → `pigment`, `0`, `index`, `k`.
 pub fn steps(field: &str) -> impl Iterator<Item = &str> {
     field.split(['.', '[', ']']).filter(|step| !step.is_empty())
-}
-
-fn child<'a, 'i>(
-    value: &'a Spanned<DeValue<'i>>,
-    step: &str,
-) -> Option<(&'a Spanned<DeValue<'i>>, Range<usize>)> {
-    match value.get_ref() {
-        DeValue::Table(table) => {
-            table.get_key_value(step).map(|(key, value)| (value, outline(key.span(), value)))
-        }
-        DeValue::Array(items) => items.get(step.parse::<usize>().ok()?).map(|item| (item, item.span())),
-        _ => None,
-    }
 }
 
 /// Position of a value; for a table, which may be spread over the file, that of its name.

@@ -61,12 +61,16 @@ impl MeasuredSpectrum {
             let rows =
                 nm.and_then(|nm| Ok(nm.into_iter().zip(values?).map(|(nm, value)| [nm, value]).collect()));
             let rows = rows.map_err(|error| error.to_string())?;
-            Ok(Taken { rows, name: String::new(), number: 1, of: 1 })
+            Ok(Taken { rows, names: vec![String::new()], place: 0 })
         };
         let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let Taken { rows, name, number, of } = taken.map_err(named)?;
-        let source = if of > 1 { format!("{file}: {name}, sample {number} of {of}") } else { file };
-        Ok(Self { patches: of, ..Self::checked(source, rows, unit).map_err(named)? })
+        let Taken { rows, names, place } = taken.map_err(named)?;
+        let source = match (names.len(), &names[place]) {
+            (1, _) => file,
+            (of, name) if name.is_empty() => format!("{file}: unnamed, sample {} of {of}", place + 1),
+            (of, name) => format!("{file}: {name:?}, sample {} of {of}", place + 1),
+        };
+        Ok(Self { patches: names.len(), ..Self::checked(source, rows, unit).map_err(named)? })
     }
 
     fn checked(source: String, mut rows: Vec<[f64; 2]>, unit: Option<MeasuredUnit>) -> Result<Self, String> {

@@ -1,6 +1,6 @@
 //! Measured colours: Lab without a spectrum in a CxF3 or CGATS.17 file, which is a target.
 
-use super::patches::{CXF, cgats_set, elements, has_bands, object_name, parsed, place};
+use super::patches::{CXF, band, cgats_fields, cgats_set, elements, object_name, parsed, place};
 use super::xml_limits::too_large;
 use crate::appearance::viewing::{Summation, Viewing};
 
@@ -40,15 +40,14 @@ impl MeasuredColour {
 }
 
 fn from_cgats(text: &str, patch: Option<&str>) -> Result<Option<MeasuredColour>, String> {
-    if !["LAB_L", "LAB_A", "LAB_B"].into_iter().all(|field| text.split_whitespace().any(|word| word == field))
-        || has_bands(text)
-    {
+    let fields = cgats_fields(text);
+    let lab = ["LAB_L", "LAB_A", "LAB_B"];
+    if !lab.iter().all(|field| fields.contains(field)) || fields.iter().any(|name| band(name).is_some()) {
         return Ok(None);
     }
     let set = cgats_set(text, patch)?;
-    one_is_meant(set.names(), patch)?;
-    let numbers = ["LAB_L", "LAB_A", "LAB_B"].map(|field| set.number(field));
-    let [Some(l), Some(a), Some(b)] = numbers else { return Ok(None) };
+    one_is_meant(&set.names, patch)?;
+    let [l, a, b] = lab.map(|field| set.number(field));
     let stated = |words: [&str; 3]| words.iter().find_map(|word| after(text, word));
     Ok(Some(MeasuredColour {
         lab: [l?, a?, b?],

@@ -5,31 +5,28 @@ use crate::numerics::allowed::shown;
 use serde::de::{self, Expected, Unexpected};
 use std::fmt;
 
-/// A value of the wrong type; its path is extended while the error is passed outwards.
-#[derive(Debug)]
-pub struct Misfit(pub(super) Box<Fault>);
+/// A value of the wrong type, whose path still begins at the struct that is read; `None` once it is
+/// recorded with its whole path.
+#[derive(Debug, thiserror::Error)]
+#[error("{0:?}")]
+pub struct Misfit(Option<Fault>);
 
 /// Maximum length of a value in a message, characters.
 const LONGEST_FOUND: usize = 200;
 
 impl Misfit {
-    pub(super) fn new(
-        place: impl Into<String>,
-        found: impl fmt::Display,
-        allowed: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> Self {
-        Self(Box::new(Fault::new(place, shortened(found.to_string()), allowed, remedy)))
+    pub(super) const RECORDED: Self = Self(None);
+
+    pub(super) fn new(found: impl fmt::Display, allowed: impl Into<String>) -> Self {
+        Self(Some(Fault::new("", found, allowed, FORM)))
     }
 
-    /// Extends the path by `place`, which contains `found`.
-    pub(super) fn inside(mut self, place: &str, found: &str) -> Self {
-        if self.0.found.is_empty() {
-            self = Self(Box::new(Fault { found: shortened(found.to_owned()), ..*self.0 }));
-        }
-        let own = std::mem::take(&mut self.0.field);
-        self.0.field = join(place, &own);
-        self
+    /// The error of the node at `place`, with what was `found` there unless serde says it.
+    pub(super) fn at(self, place: &str, found: String) -> Option<Fault> {
+        let fault = self.0?;
+        let found = shortened(if fault.found.is_empty() { found } else { fault.found });
+        let field = Some(join(place, &fault.field)).filter(|field| !field.is_empty());
+        Some(Fault { field: field.unwrap_or_else(|| "the whole file".to_owned()), found, ..fault })
     }
 }
 
@@ -49,57 +46,47 @@ pub(super) fn join(outer: &str, inner: &str) -> String {
     }
 }
 
-impl fmt::Display for Misfit {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}", self.0)
-    }
-}
-
-impl std::error::Error for Misfit {}
-
-pub(super) const FORM: &str =
-    "write the value in that form; `inkwave schema KIND` describes every key of a file";
-
-/// Remedies for keys that older files lack.
-const NEWER: [(&str, &str); 1] =
-    [("by", "write by = \"number\", the meaning of older files, or by = \"volume\", as sizers print")];
+const FORM: &str = "write the value in that form; `inkwave schema KIND` describes every key of a file";
 
 impl de::Error for Misfit {
     /// Types with several forms describe what is allowed; only the reader knows what was found.
     fn custom<T: fmt::Display>(message: T) -> Self {
-        Self::new("", "", message.to_string(), FORM)
+        Self::new("", message.to_string())
     }
 
     fn invalid_type(found: Unexpected, allowed: &dyn Expected) -> Self {
-        Self::new("", said(found), in_words(&allowed.to_string()), FORM)
+        Self::new(said(found), in_words(&allowed.to_string()))
     }
 
     fn invalid_value(found: Unexpected, allowed: &dyn Expected) -> Self {
-        Self::new("", said(found), in_words(&allowed.to_string()), FORM)
+        Self::invalid_type(found, allowed)
     }
 
     fn invalid_length(found: usize, allowed: &dyn Expected) -> Self {
-        Self::new("", format!("{found} entries"), allowed.to_string(), FORM)
+        Self::new(format!("{found} entries"), allowed.to_string())
     }
 
     fn unknown_variant(found: &str, allowed: &'static [&'static str]) -> Self {
-        Self::new("", format!("`{found}`"), quoted(allowed), meant(found, allowed, "write one of these"))
+        let remedy = meant(found, allowed, "write one of these");
+        Self(Some(Fault::new("", format!("`{found}`"), quoted(allowed), remedy)))
     }
 
     fn unknown_field(found: &str, allowed: &'static [&'static str]) -> Self {
-        Self(Box::new(unknown_key("", found, allowed)))
+        Self(Some(unknown_key("", found, allowed)))
     }
 
     fn missing_field(key: &'static str) -> Self {
-        let remedy = NEWER.iter().find(|(name, _)| *name == key).map_or_else(
-            || format!("add {key}; `inkwave schema KIND` describes every key of a file"),
-            |(_, remedy)| (*remedy).to_owned(),
-        );
-        Self::new(key, "nothing", "a value: it has no default", remedy)
+        let remedy = match key {
+            // older files lack it
+            "by" => "write by = \"number\", the meaning of older files, or by = \"volume\", as sizers print"
+                .into(),
+            _ => format!("add {key}; `inkwave schema KIND` describes every key of a file"),
+        };
+        Self(Some(Fault::new(key, "nothing", "a value: it has no default", remedy)))
     }
 
     fn duplicate_field(key: &'static str) -> Self {
-        Self::new(key, "two values", "one", "both names of the same key: remove one")
+        Self(Some(Fault::new(key, "two values", "one", "both names of the same key: remove one")))
     }
 }
 

@@ -7,16 +7,14 @@ pub(super) const CXF: &str = "http://colorexchangeformat.com/CxF3-core";
 /// Maximum number of names in a message.
 const MOST_NAMES: usize = 12;
 
-/// The rows of a sample, and its number among the samples of the file.
+/// The rows of a sample, and its place among the samples of the file.
 pub(super) struct Taken {
     /// (wavelength in nm, value) rows.
     pub rows: Vec<[f64; 2]>,
-    /// Its name in quotes, or a phrase if it has none.
-    pub name: String,
-    /// Number of the sample, from 1.
-    pub number: usize,
-    /// Number of samples in the file.
-    pub of: usize,
+    /// Names of all samples, empty where they have none.
+    pub names: Vec<String>,
+    /// Index of this one.
+    pub place: usize,
 }
 
 /// Index of the selected sample; the first unless one is named.
@@ -26,15 +24,8 @@ pub(super) fn place(names: &[String], patch: Option<&str>) -> Result<usize, Stri
     let found = shown.map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
     let more = if names.len() > MOST_NAMES { " …" } else { "" };
     let found = if found.is_empty() { "no names".to_owned() } else { found + more };
-    names
-        .iter()
-        .position(|name| name.trim() == wanted.trim())
-        .ok_or_else(|| format!("no sample {wanted:?}; found {found}"))
-}
-
-fn taken(rows: Vec<[f64; 2]>, names: &[String], place: usize) -> Taken {
-    let name = if names[place].is_empty() { "unnamed".to_owned() } else { format!("{:?}", names[place]) };
-    Taken { rows, name, number: place + 1, of: names.len() }
+    let place = names.iter().position(|name| name.trim() == wanted.trim());
+    place.ok_or_else(|| format!("no sample {wanted:?}; found {found}"))
 }
 
 /// Elements of CxF3 with a name.
@@ -74,7 +65,7 @@ pub(super) fn from_cxf(text: &str, patch: Option<&str>) -> Result<Taken, String>
     };
     let words = spectrum.text().unwrap_or("").split_whitespace().enumerate();
     let rows = words.map(|(i, word)| Ok([start + step * i as f64, parsed(word)?]));
-    Ok(taken(rows.collect::<Result<_, String>>()?, &names, place))
+    Ok(Taken { rows: rows.collect::<Result<_, String>>()?, names, place })
 }
 
 /// One data set of a CGATS.17 file.
@@ -83,31 +74,33 @@ pub(super) struct Set<'a> {
     fields: Vec<&'a str>,
     /// Its values, one per field.
     cells: Vec<String>,
-    /// Names of all sets, and the index of this one.
-    names: Vec<String>,
+    /// Names of all sets.
+    pub names: Vec<String>,
+    /// Index of this one.
     place: usize,
 }
 
 impl Set<'_> {
-    /// The number in a field; `None` if the file lacks the field.
-    pub fn number(&self, field: &str) -> Option<Result<f64, String>> {
-        self.fields.iter().position(|name| *name == field).map(|i| parsed(&self.cells[i]))
-    }
-
-    /// Names of all sets.
-    pub fn names(&self) -> &[String] {
-        &self.names
+    /// The number in a field.
+    pub fn number(&self, field: &str) -> Result<f64, String> {
+        let place = self.fields.iter().position(|name| *name == field);
+        parsed(&self.cells[place.ok_or_else(|| format!("no field {field}"))?])
     }
 }
 
-/// Whether a CGATS.17 file has fields of a spectrum.
-pub(super) fn has_bands(text: &str) -> bool {
-    let format = text.lines().map(str::trim).skip_while(|l| *l != "BEGIN_DATA_FORMAT");
-    format.take_while(|l| *l != "END_DATA_FORMAT").flat_map(str::split_whitespace).any(|w| band(w).is_some())
+/// The lines between two others.
+fn between<'a>(text: &'a str, from: &str, to: &str) -> impl Iterator<Item = &'a str> {
+    let lines = text.lines().map(str::trim);
+    lines.skip_while(move |l| *l != from).skip(1).take_while(move |l| *l != to)
+}
+
+/// Names of the fields of a CGATS.17 file; none for other files.
+pub(super) fn cgats_fields(text: &str) -> Vec<&str> {
+    between(text, "BEGIN_DATA_FORMAT", "END_DATA_FORMAT").flat_map(str::split_whitespace).collect()
 }
 
 /// Wavelength given by the name of a field, nm.
-fn band(name: &str) -> Option<f64> {
+pub(super) fn band(name: &str) -> Option<f64> {
     let prefixes = ["SPEC_", "SPECTRAL_NM", "nm"];
     let digits = prefixes.iter().find_map(|prefix| name.strip_prefix(prefix))?;
     digits.trim_start_matches('_').parse::<f64>().ok()
@@ -115,15 +108,12 @@ fn band(name: &str) -> Option<f64> {
 
 /// The set with this SAMPLE_NAME or SAMPLE_ID, or the first.
 pub(super) fn cgats_set<'a>(text: &'a str, patch: Option<&str>) -> Result<Set<'a>, String> {
-    let between = |from: &str, to: &str| -> Option<Vec<&'a str>> {
-        let lines = text.lines().map(str::trim);
-        Some(lines.skip_while(|l| *l != from).skip(1).take_while(|l| *l != to).collect())
-            .filter(|l: &Vec<_>| !l.is_empty())
-    };
-    let fields = between("BEGIN_DATA_FORMAT", "END_DATA_FORMAT").ok_or("no BEGIN_DATA_FORMAT")?;
-    let fields: Vec<&str> = fields.iter().flat_map(|line| line.split_whitespace()).collect();
-    let data = between("BEGIN_DATA", "END_DATA").ok_or("no BEGIN_DATA")?;
-    let mut sets: Vec<Vec<String>> = data.iter().map(|line| words(line)).filter(|w| !w.is_empty()).collect();
+    let fields = cgats_fields(text);
+    if fields.is_empty() {
+        return Err("no BEGIN_DATA_FORMAT".into());
+    }
+    let data = between(text, "BEGIN_DATA", "END_DATA");
+    let mut sets: Vec<Vec<String>> = data.map(words).filter(|w| !w.is_empty()).collect();
     let title = ["SAMPLE_NAME", "SAMPLE_ID"].iter().find_map(|key| fields.iter().position(|f| f == key));
     let names: Vec<String> =
         sets.iter().map(|set| title.and_then(|t| set.get(t)).cloned().unwrap_or_default()).collect();
@@ -144,20 +134,18 @@ pub(super) fn from_cgats(text: &str, patch: Option<&str>) -> Result<Taken, Strin
     let set = cgats_set(text, patch)?;
     let bands = set.fields.iter().zip(&set.cells).filter_map(|(name, cell)| Some((band(name)?, cell)));
     let rows = bands.map(|(nm, cell)| Ok([nm, parsed(cell)?])).collect::<Result<Vec<_>, String>>()?;
-    if rows.is_empty() { Err("no fields SPEC_nnn".into()) } else { Ok(taken(rows, &set.names, set.place)) }
+    let Set { names, place, .. } = set;
+    if rows.is_empty() { Err("no fields SPEC_nnn".into()) } else { Ok(Taken { rows, names, place }) }
 }
 
 /// Words of a line; quoted words may contain blanks.
 fn words(line: &str) -> Vec<String> {
-    line.split('"').enumerate().flat_map(words_of_piece).collect()
+    line.split('"').enumerate().flat_map(words_of_piece).map(str::to_owned).collect()
 }
 
 /// Words in the `i`-th piece between quotes: one word if it is quoted.
-fn words_of_piece((i, piece): (usize, &str)) -> Vec<String> {
-    if i % 2 == 1 {
-        return vec![piece.to_owned()];
-    }
-    piece.split_whitespace().map(str::to_owned).collect()
+fn words_of_piece((i, piece): (usize, &str)) -> Vec<&str> {
+    if i % 2 == 1 { vec![piece] } else { piece.split_whitespace().collect() }
 }
 
 pub(super) fn parsed(word: &str) -> Result<f64, String> {

@@ -1,6 +1,6 @@
 //! Positions of spheres in other programs' files: CSV, LAMMPS dumps and extended XYZ.
 
-use super::file::{LengthUnit, SizeColumn};
+use super::file::{LengthUnit, MicrostructureTable, SizeColumn};
 use crate::ink::Sphere;
 use crate::numerics::files;
 use std::collections::HashMap;
@@ -22,27 +22,19 @@ pub struct Positions {
     pub box_um: Option<[[f64; 2]; 3]>,
 }
 
-/// What dumps and XYZ files leave to their reader.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Meaning {
-    /// Unit of all lengths.
-    pub unit: Option<LengthUnit>,
-    /// Whether the column of sizes holds radii or diameters.
-    pub size: Option<SizeColumn>,
-}
-
-/// All cuts in a file: one in CSV, one per frame otherwise.
+/// All cuts in a file: one in CSV, one per frame otherwise. Dumps and XYZ files leave to `table`
+/// the unit of all lengths, and whether the column of sizes holds radii or diameters.
 ///
 /// # Errors
 /// In words: what is missing or wrong, with its line.
-pub fn read_positions(path: &Path, meaning: Meaning) -> Result<Vec<Positions>, String> {
+pub fn read_positions(path: &Path, table: &MicrostructureTable) -> Result<Vec<Positions>, String> {
     let text = files::read_text(path, files::TABLE).map_err(|e| e.to_string())?;
     let first = text.trim_start();
     if first.starts_with("ITEM:") {
-        return frames(&text, dump_frame, meaning);
+        return frames(&text, dump_frame, table);
     }
     match first.lines().next().map(|line| line.trim().parse::<usize>()) {
-        Some(Ok(_)) => frames(&text, xyz_frame, meaning),
+        Some(Ok(_)) => frames(&text, xyz_frame, table),
         _ => Ok(vec![from_csv(&text)?]),
     }
 }
@@ -51,20 +43,16 @@ fn from_csv(text: &str) -> Result<Positions, String> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let names: Vec<String> = reader.headers().map_err(|e| e.to_string())?.iter().map(str::to_owned).collect();
     let length = |name: &str| with_unit(&names, name);
-    let place = [length("x")?, length("y")?, length("z")?];
-    let (size, factor) = match (length("radius"), length("diameter")) {
-        (Ok(radius), Err(_)) => (radius, 1.0),
-        (Err(_), Ok(diameter)) => (diameter, 0.5),
+    let [x, y, z] = [length("x")?, length("y")?, length("z")?];
+    let radius = match (length("radius"), length("diameter")) {
+        (Ok(radius), Err(_)) => radius,
+        (Err(_), Ok((column, um))) => (column, 0.5 * um),
         (Ok(_), Ok(_)) => return Err("both a radius and a diameter".into()),
         _ => return Err("no column radius_um or diameter_um (or _nm)".into()),
     };
-    let table = PositionColumns {
-        place: place.map(|(column, _)| column),
-        size: size.0,
-        to_um: [place[0].1, place[1].1, place[2].1, factor * size.1],
-        pigment: names.iter().position(|n| n == "pigment"),
-        grain: names.iter().position(|n| n == "grain"),
-    };
+    let column = |name: &str| names.iter().position(|n| n == name);
+    let (pigment, grain) = (column("pigment"), column("grain"));
+    let table = PositionColumns { lengths: [x, y, z, radius], pigment, grain };
     let mut positions = Positions::default();
     for (i, record) in reader.records().enumerate() {
         let record = record.map_err(|e| e.to_string())?;
@@ -84,27 +72,24 @@ fn with_unit(names: &[String], name: &str) -> Result<(usize, f64), String> {
 
 /// Where the numbers of a row are.
 struct PositionColumns {
-    place: [usize; 3],
-    size: usize,
-    /// Factors to µm of x, y, z and the radius.
-    to_um: [f64; 4],
+    /// Columns of x, y, z and the radius, with their factors to µm.
+    lengths: [(usize, f64); 4],
     pigment: Option<usize>,
     grain: Option<usize>,
 }
 
 impl PositionColumns {
     fn read(&self, words: &[&str], line: usize, into: &mut Positions) -> Result<(), String> {
-        let number = |column: usize| {
+        let length = |(column, um): (usize, f64)| {
             let word = words.get(column).copied().unwrap_or_default();
-            let finite = word.parse::<f64>().ok().filter(|v| v.is_finite());
+            let finite = word.parse::<f64>().ok().filter(|v| v.is_finite()).map(|value| value * um);
             finite.ok_or_else(|| format!("line {line}: {word:?} where a number is needed"))
         };
-        let [x, y, z] = [number(self.place[0])?, number(self.place[1])?, number(self.place[2])?];
-        let radius_um = self.to_um[3] * number(self.size)?;
+        let [x, y, z, radius] = self.lengths.map(length);
+        let (center_um, radius_um) = ([x?, y?, z?], radius?);
         if radius_um <= 0.0 {
             return Err(format!("line {line}: a sphere of radius {radius_um} µm"));
         }
-        let center_um = [x * self.to_um[0], y * self.to_um[1], z * self.to_um[2]];
         into.spheres.push(Sphere { center_um, radius_um });
         let word = |column: usize| words.get(column).map(|w| (*w).to_owned());
         into.pigments.extend(self.pigment.and_then(word));
@@ -113,35 +98,33 @@ impl PositionColumns {
     }
 
     /// The columns of a dump or of XYZ by their names, with the units that the study gives.
-    fn named(names: &[&str], axes: [&[&str]; 3], meaning: Meaning) -> Result<PositionColumns, String> {
+    fn named(names: &[&str], axes: [&[&str]; 3], meaning: &MicrostructureTable) -> Result<Self, String> {
         let find = |all: &[&str]| names.iter().position(|n| all.contains(n));
-        let axis = |i: usize| find(axes[i]).ok_or_else(|| format!("no column {}", axes[i][0]));
-        let unit =
-            meaning.unit.ok_or("its lengths have no unit: add unit = \"um\" or \"nm\" beside spheres")?;
+        let no_unit = "its lengths have no unit: add unit = \"um\" or \"nm\" beside spheres";
+        let um = meaning.unit.ok_or(no_unit)?.um();
         let size = find(&["radius", "diameter"]).ok_or("no column radius or diameter")?;
-        let stated = meaning
-            .size
-            .ok_or("its sizes may be radii or diameters: add size = \"radius\" or \"diameter\"")?;
-        let um = unit.um();
-        Ok(PositionColumns {
-            place: [axis(0)?, axis(1)?, axis(2)?],
-            size,
-            to_um: [um, um, um, um * if stated == SizeColumn::Radius { 1.0 } else { 0.5 }],
-            pigment: find(&["type", "species"]),
-            grain: find(&["mol", "grain"]),
-        })
+        let unstated = "its sizes may be radii or diameters: add size = \"radius\" or \"diameter\"";
+        let factor = if meaning.size.ok_or(unstated)? == SizeColumn::Radius { 1.0 } else { 0.5 };
+        let [x, y, z] = axes.map(|all| find(all).ok_or_else(|| format!("no column {}", all[0])));
+        let lengths = [(x?, um), (y?, um), (z?, um), (size, um * factor)];
+        let (pigment, grain) = (find(&["type", "species"]), find(&["mol", "grain"]));
+        Ok(Self { lengths, pigment, grain })
     }
 }
 
-/// NumberedLines with their numbers.
+/// Lines with their numbers.
 type NumberedLines<'a> = std::iter::Peekable<std::iter::Enumerate<std::str::Lines<'a>>>;
-type CutReader = fn(&mut NumberedLines, Meaning) -> Result<Positions, String>;
+/// Reads one cut; its box is in the file's unit.
+type CutReader = fn(&mut NumberedLines, &MicrostructureTable) -> Result<Positions, String>;
 
-fn frames(text: &str, frame: CutReader, meaning: Meaning) -> Result<Vec<Positions>, String> {
+fn frames(text: &str, frame: CutReader, meaning: &MicrostructureTable) -> Result<Vec<Positions>, String> {
     let mut lines = text.lines().enumerate().peekable();
+    let um = meaning.unit.map_or(1.0, LengthUnit::um);
     let mut all = Vec::new();
     while lines.peek().is_some() {
-        all.push(frame(&mut lines, meaning)?);
+        let cut = frame(&mut lines, meaning)?;
+        let box_um = cut.box_um.map(|b| b.map(|range| range.map(|x| x * um)));
+        all.push(Positions { counted_from: 1, box_um, ..cut });
         while lines.next_if(|(_, line)| line.trim().is_empty()).is_some() {}
     }
     Ok(all)
@@ -151,7 +134,7 @@ fn next<'a>(lines: &mut NumberedLines<'a>, what: &str) -> Result<(usize, &'a str
     lines.next().ok_or_else(|| format!("it ends before {what}"))
 }
 
-fn dump_frame(lines: &mut NumberedLines, meaning: Meaning) -> Result<Positions, String> {
+fn dump_frame(lines: &mut NumberedLines, meaning: &MicrostructureTable) -> Result<Positions, String> {
     let (mut count, mut bounds) = (0, None);
     loop {
         let (i, line) = next(lines, "ITEM: ATOMS")?;
@@ -165,11 +148,7 @@ fn dump_frame(lines: &mut NumberedLines, meaning: Meaning) -> Result<Positions, 
         } else if let Some(names) = item.strip_prefix("ATOMS") {
             let names: Vec<&str> = names.split_whitespace().collect();
             let table = PositionColumns::named(&names, [&["x", "xu"], &["y", "yu"], &["z", "zu"]], meaning)?;
-            let mut positions = rows(lines, count, &table)?;
-            let um = meaning.unit.map_or(1.0, LengthUnit::um);
-            positions.counted_from = 1;
-            positions.box_um = bounds.map(|b: [[f64; 2]; 3]| b.map(|range| range.map(|x| x * um)));
-            return Ok(positions);
+            return Ok(Positions { box_um: bounds, ..rows(lines, count, &table)? });
         } else {
             next(lines, "the value of an item")?;
         }
@@ -194,7 +173,7 @@ fn rows(lines: &mut NumberedLines, count: usize, table: &PositionColumns) -> Res
     Ok(positions)
 }
 
-fn xyz_frame(lines: &mut NumberedLines, meaning: Meaning) -> Result<Positions, String> {
+fn xyz_frame(lines: &mut NumberedLines, meaning: &MicrostructureTable) -> Result<Positions, String> {
     let (i, line) = next(lines, "the number of spheres")?;
     let count = line.trim().parse().map_err(|_| format!("line {}: no number of spheres", i + 1))?;
     let (i, comment) = next(lines, "the line of properties")?;
@@ -211,19 +190,16 @@ fn xyz_frame(lines: &mut NumberedLines, meaning: Meaning) -> Result<Positions, S
     let axes = ["x", "y", "z"];
     names.iter_mut().skip(place).take(3).zip(axes).for_each(|(name, axis)| *name = axis);
     let table = PositionColumns::named(&names, [&["x"], &["y"], &["z"]], meaning)?;
-    let mut positions = rows(lines, count, &table)?;
-    let um = meaning.unit.map_or(1.0, LengthUnit::um);
-    positions.counted_from = 1;
-    positions.box_um =
-        keys.get("Lattice").map(|text| lattice(text, um)).transpose().map_err(|e| wrong(&e))?;
-    Ok(positions)
+    let positions = rows(lines, count, &table)?;
+    let box_um = keys.get("Lattice").map(|text| lattice(text)).transpose().map_err(|e| wrong(&e))?;
+    Ok(Positions { box_um, ..positions })
 }
 
 /// An upright box at the origin from nine numbers.
-fn lattice(text: &str, um: f64) -> Result<[[f64; 2]; 3], String> {
+fn lattice(text: &str) -> Result<[[f64; 2]; 3], String> {
     let numbers: Vec<f64> = text.split_whitespace().filter_map(|w| w.parse().ok()).collect();
     match numbers[..] {
-        [x, a, b, c, y, d, e, f, z] if [a, b, c, d, e, f] == [0.0; 6] => Ok([x, y, z].map(|l| [0.0, l * um])),
+        [x, a, b, c, y, d, e, f, z] if [a, b, c, d, e, f] == [0.0; 6] => Ok([x, y, z].map(|l| [0.0, l])),
         _ => Err(format!("Lattice {text:?} is no upright box")),
     }
 }
@@ -247,9 +223,12 @@ fn quoted_keys(comment: &str) -> HashMap<String, String> {
 mod tests {
     use super::*;
 
-    const IN_NM: Meaning = Meaning { unit: Some(LengthUnit::Nm), size: Some(SizeColumn::Diameter) };
+    fn in_nm() -> MicrostructureTable {
+        let (unit, size) = (Some(LengthUnit::Nm), Some(SizeColumn::Diameter));
+        MicrostructureTable { unit, size, ..Default::default() }
+    }
 
-    fn read(text: &str, meaning: Meaning) -> Result<Vec<Positions>, String> {
+    fn read(text: &str, meaning: &MicrostructureTable) -> Result<Vec<Positions>, String> {
         let file = tempfile::NamedTempFile::new().expect("a file");
         std::fs::write(file.path(), text).expect("written");
         read_positions(file.path(), meaning)
@@ -265,13 +244,13 @@ mod tests {
         );
         let xyz = "2\nLattice=\"500 0 0 0 600 0 0 0 700\" Properties=species:S:1:pos:R:3:radius:R:1\n\
                    1 100 200 300 80\n2 400 200 300 60\n";
-        let [csv, dump, xyz] = [(csv, Meaning::default()), (&dump, IN_NM), (xyz, IN_NM)]
-            .map(|(text, meaning)| read(text, meaning).unwrap().remove(0));
+        let [csv, dump, xyz] = [(csv, Default::default()), (&dump, in_nm()), (xyz, in_nm())]
+            .map(|(text, meaning)| read(text, &meaning).unwrap().remove(0));
         assert_eq!(dump, xyz);
         assert_eq!((&csv.spheres, &csv.pigments), (&dump.spheres, &dump.pigments));
         assert_eq!(csv.spheres[0].radius_um, 0.04);
         assert_eq!(dump.box_um.unwrap()[2].map(|x| (1e9 * x).round()), [0.0, 7e8]);
-        assert_eq!(read(&xyz_twice(), IN_NM).unwrap().len(), 2);
+        assert_eq!(read(&xyz_twice(), &in_nm()).unwrap().len(), 2);
     }
 
     fn xyz_twice() -> String {
@@ -282,15 +261,15 @@ mod tests {
     fn what_a_file_leaves_open_is_asked_for() {
         let xyz = xyz_twice();
         for (text, meaning, says) in [
-            (xyz.as_str(), Meaning { unit: None, ..IN_NM }, "no unit"),
-            (xyz.as_str(), Meaning { size: None, ..IN_NM }, "radii or diameters"),
-            ("x,y,z,r\n1,2,3,4\n", IN_NM, "no column x_um or x_nm"),
-            ("x_um,y_um,z_um\n1,2,3\n", IN_NM, "radius_um or diameter_um"),
-            ("x_um,y_um,z_um,radius_um\n1,2,a,1\n", IN_NM, "line 2: \"a\""),
-            ("x_um,y_um,z_um,radius_um\n1,2,3,0\n", IN_NM, "line 2: a sphere of radius 0"),
-            ("3\nProperties=species:S:1:pos:R:3:radius:R:1\n1 1 2 3 4\n", IN_NM, "ends before the last"),
+            (xyz.as_str(), MicrostructureTable { unit: None, ..in_nm() }, "no unit"),
+            (xyz.as_str(), MicrostructureTable { size: None, ..in_nm() }, "radii or diameters"),
+            ("x,y,z,r\n1,2,3,4\n", in_nm(), "no column x_um or x_nm"),
+            ("x_um,y_um,z_um\n1,2,3\n", in_nm(), "radius_um or diameter_um"),
+            ("x_um,y_um,z_um,radius_um\n1,2,a,1\n", in_nm(), "line 2: \"a\""),
+            ("x_um,y_um,z_um,radius_um\n1,2,3,0\n", in_nm(), "line 2: a sphere of radius 0"),
+            ("3\nProperties=species:S:1:pos:R:3:radius:R:1\n1 1 2 3 4\n", in_nm(), "ends before the last"),
         ] {
-            let error = read(text, meaning).unwrap_err();
+            let error = read(text, &meaning).unwrap_err();
             assert!(error.contains(says), "{error}");
         }
     }

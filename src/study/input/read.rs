@@ -5,7 +5,7 @@
 //! continues. Its error type separates what was found from what is allowed.
 
 use super::fault::Fault;
-use super::misfit::{FORM, Misfit, join, quoted, said, unknown_key};
+use super::misfit::{Misfit, join, quoted, said, unknown_key};
 use super::tree::Node;
 use serde::de::value::StringDeserializer;
 use serde::de::{
@@ -19,24 +19,12 @@ use std::cell::RefCell;
 /// # Errors
 /// All unknown keys, and the first value that is missing or of the wrong type, each with its path.
 pub fn read<T: DeserializeOwned>(node: Node) -> Result<T, Vec<Fault>> {
-    let unknown = RefCell::new(Vec::new());
-    let result = T::deserialize(Reader { node, place: String::new(), unknown: &unknown });
-    let mut faults = unknown.into_inner();
-    match result {
-        Ok(value) if faults.is_empty() => return Ok(value),
-        Ok(_) => {}
-        Err(misfit) => {
-            let mut fault = *misfit.0;
-            if fault.field.is_empty() {
-                fault.field.push_str("the whole file");
-            }
-            if fault.found.is_empty() {
-                fault.found.push_str("a value of another form");
-            }
-            faults.push(fault);
-        }
+    let faults = RefCell::new(Vec::new());
+    let result = Reader { node, place: String::new(), faults: &faults }.recorded(T::deserialize);
+    match (result, faults.into_inner()) {
+        (Ok(value), faults) if faults.is_empty() => Ok(value),
+        (_, faults) => Err(faults),
     }
-    Err(faults)
 }
 
 /// Reads one node.
@@ -44,13 +32,22 @@ struct Reader<'a> {
     node: Node,
     /// Path of the node.
     place: String,
-    /// Unknown keys found so far.
-    unknown: &'a RefCell<Vec<Fault>>,
+    /// Errors found so far.
+    faults: &'a RefCell<Vec<Fault>>,
 }
 
 impl<'a> Reader<'a> {
     fn child(&self, node: Node, step: &str) -> Reader<'a> {
-        Reader { node, place: join(&self.place, step), unknown: self.unknown }
+        Reader { node, place: join(&self.place, step), faults: self.faults }
+    }
+
+    /// Reads the node and records an error with its path, of which serde knows the end alone.
+    fn recorded<T>(self, read: impl FnOnce(Self) -> Result<T, Misfit>) -> Result<T, Misfit> {
+        let (place, found, faults) = (self.place.clone(), described(&self.node), self.faults);
+        read(self).map_err(|misfit| {
+            faults.borrow_mut().extend(misfit.at(&place, found));
+            Misfit::RECORDED
+        })
     }
 
     /// Removes and records the keys of a table that are not `known`.
@@ -58,7 +55,7 @@ impl<'a> Reader<'a> {
         if let Node::Table(entries) = &mut self.node {
             let strangers = entries.extract_if(.., |(key, _)| !known.contains(&key.as_str()));
             let faults = strangers.map(|(key, _)| unknown_key(&self.place, &key, known));
-            self.unknown.borrow_mut().extend(faults);
+            self.faults.borrow_mut().extend(faults);
         }
     }
 }
@@ -97,16 +94,16 @@ impl<'de> Deserializer<'de> for Reader<'_> {
                 let count = items.len();
                 let steps = items.into_iter().enumerate().map(|(i, node)| (format!("[{i}]"), node));
                 let left = steps.collect::<Vec<_>>().into_iter();
-                let mut items = Children { left, place: self.place, unknown: self.unknown };
+                let mut items = Children { left, parent: Reader { node: Node::Null, ..self } };
                 let value = visitor.visit_seq(&mut items)?;
                 match count - items.left.len() {
                     read if read == count => Ok(value),
-                    read => Err(Misfit::new("", format!("{count} entries"), format!("{read} entries"), FORM)),
+                    read => Err(Misfit::new(format!("{count} entries"), format!("{read} entries"))),
                 }
             }
             Node::Table(entries) => {
-                let left = entries.into_iter();
-                visitor.visit_map(&mut Children { left, place: self.place, unknown: self.unknown })
+                let parent = Reader { node: Node::Null, ..self };
+                visitor.visit_map(&mut Children { left: entries.into_iter(), parent })
             }
         }
     }
@@ -116,14 +113,6 @@ impl<'de> Deserializer<'de> for Reader<'_> {
             Node::Null => visitor.visit_none(),
             _ => visitor.visit_some(self),
         }
-    }
-
-    fn deserialize_newtype_struct<V: Visitor<'de>>(
-        self,
-        _: &'static str,
-        visitor: V,
-    ) -> Result<V::Value, Misfit> {
-        visitor.visit_newtype_struct(self)
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
@@ -143,44 +132,40 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     /// A choice is written as its name, or as a table with its name and settings, which may all
     /// have defaults.
     fn deserialize_enum<V: Visitor<'de>>(
-        mut self,
+        self,
         _: &'static str,
         variants: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Misfit> {
-        let content = match self.node {
-            Node::Text(ref name) => {
-                let (key, settings) = (name.clone(), Node::Table(Vec::new()));
-                Content { reader: self.child(settings, &key), key, is_bare: true }
+        let (key, settings, is_bare) = match self.node {
+            Node::Text(name) => (name, Node::Table(Vec::new()), true),
+            Node::Table(mut entries) if entries.len() == 1 => {
+                let (key, settings) = entries.remove(0);
+                (key, settings, false)
             }
-            Node::Table(ref mut entries) if entries.len() == 1 => {
-                let (key, node) = entries.remove(0);
-                Content { reader: self.child(node, &key), key, is_bare: false }
-            }
-            ref other => return Err(Misfit::new("", said(unexpected(other)), quoted(variants), FORM)),
+            other => return Err(Misfit::new(said(unexpected(&other)), quoted(variants))),
         };
-        visitor.visit_enum(content)
+        let place = join(&self.place, &key);
+        visitor.visit_enum(Content { settings: Reader { node: settings, place, ..self }, key, is_bare })
     }
 
     serde::forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple
-        tuple_struct map identifier ignored_any
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct newtype_struct
+        seq tuple tuple_struct map identifier ignored_any
     }
 }
 
 /// What is left of a list or a table, in order.
 struct Children<'a> {
     left: std::vec::IntoIter<(String, Node)>,
-    place: String,
-    unknown: &'a RefCell<Vec<Fault>>,
+    /// The list or table, without its node.
+    parent: Reader<'a>,
 }
 
 impl Children<'_> {
     fn value<'de, T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Misfit> {
-        let Some((step, node)) = self.left.next() else { return Ok(None) };
-        let found = described(&node);
-        let reader = Reader { node, place: join(&self.place, &step), unknown: self.unknown };
-        seed.deserialize(reader).map(Some).map_err(|e| e.inside(&step, &found))
+        let next = self.left.next().map(|(step, node)| self.parent.child(node, &step));
+        next.map(|reader| reader.recorded(|reader| seed.deserialize(reader))).transpose()
     }
 }
 
@@ -206,19 +191,12 @@ impl<'de> MapAccess<'de> for &mut Children<'_> {
     }
 }
 
-/// The settings of a choice.
+/// A choice with its settings.
 struct Content<'a> {
-    reader: Reader<'a>,
     key: String,
+    settings: Reader<'a>,
     /// Whether there are no settings.
     is_bare: bool,
-}
-
-impl<'a> Content<'a> {
-    fn settings<T>(self, read: impl FnOnce(Reader<'a>) -> Result<T, Misfit>) -> Result<T, Misfit> {
-        let found = described(&self.reader.node);
-        read(self.reader).map_err(|e| e.inside(&self.key, &found))
-    }
 }
 
 impl<'de> EnumAccess<'de> for Content<'_> {
@@ -239,15 +217,16 @@ impl<'de> VariantAccess<'de> for Content<'_> {
         if self.is_bare {
             return Ok(());
         }
-        Err(Misfit::new(self.key, said(unexpected(&self.reader.node)), "no settings: the name alone", FORM))
+        let found = said(unexpected(&self.settings.node));
+        self.settings.recorded(|_| Err(Misfit::new(found, "no settings: the name alone")))
     }
 
     fn newtype_variant_seed<T: DeserializeSeed<'de>>(self, seed: T) -> Result<T::Value, Misfit> {
-        self.settings(|reader| seed.deserialize(reader))
+        self.settings.recorded(|reader| seed.deserialize(reader))
     }
 
     fn tuple_variant<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Misfit> {
-        self.settings(|reader| reader.deserialize_any(visitor))
+        self.settings.recorded(|reader| reader.deserialize_any(visitor))
     }
 
     fn struct_variant<V: Visitor<'de>>(
@@ -255,7 +234,7 @@ impl<'de> VariantAccess<'de> for Content<'_> {
         known: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Misfit> {
-        self.settings(|reader| reader.deserialize_struct("", known, visitor))
+        self.settings.recorded(|reader| reader.deserialize_struct("", known, visitor))
     }
 }
 

@@ -10,7 +10,7 @@ pub use layer::{Dissolved, IndexSpectrum, Layer, Paper, Pigment};
 pub use wanted::{Angles, Judgement, WantedResolution};
 
 use super::file::OutputTable;
-use super::variation::{CellRule, Draw, Turn, Variation, signs, stratified_deg};
+use super::variation::{CellRule, Draw, Variation, signs, stratified_deg};
 use crate::ink::PackingRequest;
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
@@ -198,11 +198,11 @@ impl Study {
     /// Indices within the layer at one wavelength.
     pub(super) fn binder_and_pigments(&self, wavelength_um: f64) -> (Complex64, Vec<Complex64>) {
         let binder = self.layer.binder.index_at(wavelength_um);
-        let grains = self.materials().map(|material| material.index_at(wavelength_um)).collect();
+        let grains: Vec<_> = self.materials().map(|material| material.index_at(wavelength_um)).collect();
         if self.layer.contrast.is_full() {
             return (binder, grains);
         }
-        self.layer.contrast.of(binder, &self.material_shares(), grains)
+        self.layer.contrast.of(binder, &self.material_shares(), &grains)
     }
 
     /// Indices of all media for a content hash: incident side, exit side, binder, pigments.
@@ -234,37 +234,29 @@ impl Study {
     /// exit side; polarisation.
     pub fn points(&self, realisation: usize) -> Vec<Point> {
         let draw = self.draw(realisation);
-        let at = |(wavelength, nm): (usize, f64)| {
-            let incidences = self.incidences(&draw, wavelength, nm).into_iter();
-            incidences.flat_map(move |incidence| self.points_of(realisation, wavelength, incidence))
-        };
-        self.solved_wavelengths_nm(&draw).into_iter().enumerate().flat_map(at).collect()
+        let mut points = Vec::new();
+        for (wavelength, nm) in self.solved_wavelengths_nm(&draw).into_iter().enumerate() {
+            for incidence in self.incidences(&draw, wavelength, nm) {
+                let point = |&polarisation: &_| Point { realisation, wavelength, incidence, polarisation };
+                points.extend(self.polarisations().iter().map(point));
+            }
+        }
+        points
     }
 
     /// All directions of a realisation at the wavelength with this index: exact angles, strata,
     /// strata from the exit side.
     fn incidences(&self, draw: &Draw, wavelength: usize, nm: f64) -> Vec<Incidence> {
         let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
-        let Turn { azimuth_deg, direction } = self.turn(draw, wavelength);
+        let (azimuth_deg, direction) = self.turn(draw, wavelength);
         if let Some(sides) = self.sides(nm * 1e-3) {
-            return self.portion_incidences(&sides, nm * 1e-3, azimuth_deg);
+            return composed::portion_incidences(&sides, nm * 1e-3, azimuth_deg);
         }
         let incident = exact_deg.iter().copied().chain(stratified_deg(*strata, direction));
         let incident = incident.map(|deg| (Side::Incident, deg));
         let exit = stratified_deg(*exit_strata, direction).into_iter().map(|deg| (Side::Exit, deg));
         let lit = |(from, polar_deg)| Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
         incident.chain(exit).map(lit).collect()
-    }
-
-    /// The solves of one direction, one per polarisation.
-    fn points_of(
-        &self,
-        realisation: usize,
-        wavelength: usize,
-        incidence: Incidence,
-    ) -> impl Iterator<Item = Point> {
-        let point = move |&polarisation| Point { realisation, wavelength, incidence, polarisation };
-        self.polarisations().iter().map(point)
     }
 
     /// Volume of the nominal cell, µm³.

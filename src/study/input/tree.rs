@@ -1,12 +1,11 @@
 //! A document as a tree, independent of its language.
 
-use crate::input::fault::StudyError;
+use super::fault::{SyntaxFault, floor_char_boundary};
+use serde::de::value::SeqAccessDeserializer;
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer};
 use std::collections::HashSet;
 use std::fmt;
-use std::ops::Range;
-use std::path::Path;
 
 /// A value of a TOML or JSON document.
 #[derive(Clone, Debug, PartialEq)]
@@ -83,12 +82,8 @@ impl<'de> Visitor<'de> for NodeVisitor {
         Ok(Node::Text(text.to_owned()))
     }
 
-    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Node, A::Error> {
-        let mut list = Vec::new();
-        while let Some(item) = items.next_element()? {
-            list.push(item);
-        }
-        Ok(Node::List(list))
+    fn visit_seq<A: SeqAccess<'de>>(self, items: A) -> Result<Node, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(items)).map(Node::List)
     }
 
     fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Node, A::Error> {
@@ -106,39 +101,6 @@ impl<'de> Visitor<'de> for NodeVisitor {
 
 /// Message for a repeated key.
 const TWICE: &str = "occurs twice";
-
-/// Why a text cannot be parsed: the parser's message and the position.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SyntaxFault {
-    /// The message, without the position.
-    pub message: String,
-    /// Suggested remedy.
-    pub remedy: &'static str,
-    /// Position in bytes; `None` if unknown.
-    pub span: Option<Range<usize>>,
-}
-
-impl SyntaxFault {
-    /// The message with line and column, if known.
-    pub fn in_words(&self, text: &str) -> String {
-        let Some(span) = &self.span else { return self.message.clone() };
-        let before = &text[..floor_char_boundary(text, span.start)];
-        let (line, start) = (before.matches('\n').count() + 1, before.rfind('\n').map_or(0, |i| i + 1));
-        format!("line {line}, column {}: {}", before[start..].chars().count() + 1, self.message)
-    }
-
-    /// Adds the file that contains the error.
-    pub fn in_file(self, path: &Path, text: &str) -> StudyError {
-        let SyntaxFault { message, remedy, span } = self;
-        let (path, text, remedy) = (path.to_owned(), text.to_owned(), remedy.to_owned());
-        StudyError::Syntax { path, text, span, message, remedy }
-    }
-}
-
-/// The last character boundary up to a byte.
-fn floor_char_boundary(text: &str, byte: usize) -> usize {
-    (0..=byte.min(text.len())).rev().find(|&i| text.is_char_boundary(i)).unwrap_or(0)
-}
 
 /// Parses TOML. The parser's own report is not used: it cannot show lines of more than 65 535
 /// columns.

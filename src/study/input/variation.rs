@@ -80,15 +80,6 @@ pub struct Draw {
     pub wavelength: f64,
 }
 
-/// Directions at one wavelength of a realisation.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
-    /// Azimuth of the planes of incidence, degrees from the cell's x.
-    pub azimuth_deg: f64,
-    /// Position within every stratum of directions, 0–1.
-    pub direction: f64,
-}
-
 /// Polar angles, degrees, one in each of `strata` equal strata of μ² = cos²θ (in which the weight
 /// of the hemispherical mean is uniform), at the position `share` of every stratum; increasing.
 pub fn stratified_deg(strata: usize, share: f64) -> Vec<f64> {
@@ -99,13 +90,11 @@ pub fn stratified_deg(strata: usize, share: f64) -> Vec<f64> {
 /// Sign of the deviation of each pigment's volume in a realisation: opposite in the two of a pair;
 /// with several pigments all combinations of signs take turns.
 pub(super) fn signs(realisation: usize, pigments: usize) -> Vec<f64> {
-    let own = |bit: usize| if bit.is_multiple_of(2) { 1.0 } else { -1.0 };
-    let pair = realisation / 2;
-    (0..pigments)
-        .map(|k| {
-            own(realisation) * if k == 0 { 1.0 } else { own(pair.checked_shr(k as u32 - 1).unwrap_or(0)) }
-        })
-        .collect()
+    let sign = |bits: usize| if bits.is_multiple_of(2) { 1.0 } else { -1.0 };
+    // bits of the pair's number, after a 0 for the first pigment
+    let pair = 2 * (realisation / 2);
+    let own = |k: usize| sign(pair.checked_shr(k as u32).unwrap_or(0));
+    (0..pigments).map(|k| sign(realisation) * own(k)).collect()
 }
 
 /// The shortest possible side of a cell of this nominal period, µm.

@@ -1,6 +1,6 @@
 //! Axes of a sweep: turns lists, ranges and cases into labelled settings.
 
-use super::file::AxisTable;
+use super::file::{AxisTable, CaseTable};
 use crate::input::fault::{Allowed, Faults};
 use toml::{Table, Value};
 
@@ -40,7 +40,7 @@ impl Axis {
         });
         let settings = match (&table.field, table.case.is_empty()) {
             (Some(field), true) => values(i, field, table, faults),
-            (None, false) => table.case.iter().map(AxisSetting::from).collect(),
+            (None, false) => table.case.iter().map(of_case).collect(),
             _ => {
                 let allowed = "either a field with its values, or [[axis.case]] entries";
                 let remedy = "write for example field = \"pigment[0].diameter_nm\" and values = [100, 300]";
@@ -94,10 +94,13 @@ pub(super) fn plain(name: &str) -> &str {
     UNITS.iter().find_map(|(end, _)| name.strip_suffix(end)).unwrap_or(name)
 }
 
-impl From<&super::file::CaseTable> for AxisSetting {
-    fn from(case: &super::file::CaseTable) -> Self {
-        Self { label: case.label.clone(), value: case.label.clone(), set: case.set.clone() }
-    }
+/// The names of all axes.
+pub(super) fn names(axes: &[Axis]) -> String {
+    format!("the axes {}", axes.iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", "))
+}
+
+fn of_case(case: &CaseTable) -> AxisSetting {
+    AxisSetting { label: case.label.clone(), value: case.label.clone(), set: case.set.clone() }
 }
 
 fn values(i: usize, field: &str, table: &AxisTable, faults: &mut Faults) -> Vec<AxisSetting> {
@@ -149,7 +152,6 @@ fn range(i: usize, table: &AxisTable, from: f64, to: f64, faults: &mut Faults) -
 pub fn in_words(value: &Value) -> String {
     match value {
         Value::String(text) => text.clone(),
-        Value::Integer(n) => n.to_string(),
         Value::Float(x) => x.to_string(),
         other => other.to_string(),
     }

@@ -6,7 +6,7 @@ mod slips;
 
 use super::axes::Axis;
 use super::expand::{Draft, check_where, matches};
-use super::file::{ConclusionTable, Where};
+use super::file::{ConclusionTable, SweepFile, Where};
 use crate::input::fault::Faults;
 pub use light::check_variants;
 use serde::{Deserialize, Serialize};
@@ -41,13 +41,8 @@ impl Claim {
 }
 
 /// Resolves the variants that the conclusions refer to.
-pub fn claims(
-    tables: &[ConclusionTable],
-    axes: &[Axis],
-    drafts: &[Draft],
-    faults: &mut Faults,
-) -> Vec<Claim> {
-    let tables = each::expanded(tables, axes, faults);
+pub fn claims(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Vec<Claim> {
+    let tables = each::expanded(&file.conclusion, axes, faults);
     for (k, (i, table)) in tables.iter().enumerate() {
         if tables[..k].iter().any(|(_, earlier)| earlier.id == table.id) {
             let (field, found) = (format!("conclusion[{i}].id"), format!("{:?} twice", table.id));
@@ -69,26 +64,21 @@ fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], fau
 
 /// Resolves a list of conditions, each of which must select exactly one variant.
 fn variants(field: &str, list: &[Where], axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Vec<usize> {
-    let one = |(k, condition)| one_variant(&format!("{field}[{k}]"), condition, axes, drafts, faults);
-    list.iter().enumerate().filter_map(one).collect()
-}
-
-fn one_variant(
-    field: &str,
-    condition: &Where,
-    axes: &[Axis],
-    drafts: &[Draft],
-    faults: &mut Faults,
-) -> Option<usize> {
-    check_where(field, condition, axes, faults);
-    let fitting: Vec<usize> =
-        (0..drafts.len()).filter(|&d| matches(condition, axes, &drafts[d].place)).collect();
-    if let [one] = fitting[..] {
-        return Some(one);
+    let mut chosen = Vec::new();
+    for (k, condition) in list.iter().enumerate() {
+        let field = format!("{field}[{k}]");
+        check_where(&field, condition, axes, faults);
+        let fits = |d: &usize| matches(condition, axes, &drafts[*d].place);
+        let fitting: Vec<usize> = (0..drafts.len()).filter(fits).collect();
+        if fitting.len() != 1 {
+            let found = format!("{} variants", fitting.len());
+            let remedy = "name a value for every axis that has several";
+            faults.add(field, found, "exactly one variant", remedy);
+            continue;
+        }
+        chosen.extend(fitting);
     }
-    let found = format!("{} variants", fitting.len());
-    faults.add(field, found, "exactly one variant", "name a value for every axis that has several");
-    None
+    chosen
 }
 
 #[cfg(test)]

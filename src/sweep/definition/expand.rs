@@ -1,6 +1,6 @@
 //! Expands axes into variants: products and zips, minus exclusions, plus overrides.
 
-use super::axes::Axis;
+use super::axes::{Axis, names};
 use super::field;
 use super::file::{SweepFile, Where};
 use crate::input::fault::{Fault, Faults};
@@ -20,7 +20,7 @@ pub struct Draft {
     pub name: String,
     /// Index of the setting on each axis.
     pub place: Vec<usize>,
-    /// The study of the variant as a table.
+    /// The study of the variant as a table, with the title of the sweep and the labels.
     pub study: Table,
 }
 
@@ -30,6 +30,12 @@ pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults
         if axes[..i].iter().any(|earlier| earlier.name == axis.name) {
             let (found, allowed) = (format!("{:?} twice", axis.name), "names that differ");
             faults.add(format!("axis[{i}].name"), found, allowed, "give each axis its own name");
+        }
+        // the later would override the earlier, whose captions would be wrong
+        let earlier = |field: &&String| file.axis[..i].iter().any(|e| e.field.as_ref() == Some(*field));
+        if let Some(field) = file.axis[i].field.as_ref().filter(earlier) {
+            let remedy = "keep one of them, with all values";
+            faults.add(format!("axis[{i}].field"), format!("{field} twice"), "a field of one axis", remedy);
         }
     }
     for (i, exclude) in file.exclude.iter().enumerate() {
@@ -63,9 +69,7 @@ pub fn check_where(field: &str, condition: &Where, axes: &[Axis], faults: &mut F
         let field = format!("{field}.{name}");
         match axes.iter().find(|axis| axis.name == *name) {
             None => {
-                let names: Vec<&str> = axes.iter().map(|axis| axis.name.as_str()).collect();
-                let allowed = format!("the axes {}", names.join(", "));
-                faults.add(field, format!("{name:?}"), allowed, "name one of the axes");
+                faults.add(field, format!("{name:?}"), names(axes), "name one of the axes");
             }
             Some(axis) if axis.matching(wanted).is_empty() => {
                 let labels: Vec<&str> = axis.settings.iter().map(|s| s.label.as_str()).collect();
@@ -132,7 +136,11 @@ fn draft(file: &SweepFile, base: &Table, axes: &[Axis], place: Vec<usize>, fault
         }
     }
     let labels = axes.iter().zip(&place).map(|(axis, &k)| axis.settings[k].label.as_str());
-    let name = labels.map(slug).collect::<Vec<_>>().join("-");
+    let labels: Vec<&str> = labels.collect();
+    let (title, caption) = (file.title.as_deref().unwrap_or_default(), labels.join(", "));
+    let title = if caption.is_empty() { title.to_owned() } else { format!("{title}: {caption}") };
+    study.insert("title".into(), title.into());
+    let name = labels.into_iter().map(slug).collect::<Vec<_>>().join("-");
     Draft { name: if name.is_empty() { "study".into() } else { name }, place, study }
 }
 

@@ -8,7 +8,12 @@ use toml::{Table, Value};
 /// # Errors
 /// A message that says why there is no such field.
 pub fn set(study: &mut Table, field: &str, value: &Value) -> Result<(), String> {
-    in_table(study, &steps(field)?, value)
+    let steps = steps(field)?;
+    put(study.entry(steps[0]).or_insert_with(empty), steps[0], &steps[1..], value)
+}
+
+fn empty() -> Value {
+    Value::Table(Table::new())
 }
 
 /// Splits a name into steps: keys separated by dots, each followed by any number of `[entry]`.
@@ -33,26 +38,24 @@ pub fn steps(field: &str) -> Result<Vec<&str>, String> {
     }
 }
 
-fn in_table(table: &mut Table, steps: &[&str], value: &Value) -> Result<(), String> {
-    let key = steps[0].to_owned();
-    if steps.len() == 1 {
-        table.insert(key, value.clone());
+/// Puts a value where the steps lead from a place of this name.
+fn put(here: &mut Value, name: &str, steps: &[&str], value: &Value) -> Result<(), String> {
+    let Some((&step, rest)) = steps.split_first() else {
+        *here = value.clone();
         return Ok(());
-    }
-    let next = table.entry(key).or_insert_with(|| Value::Table(Table::new()));
-    in_value(next, steps[0], &steps[1..], value)
-}
-
-fn in_value(here: &mut Value, name: &str, steps: &[&str], value: &Value) -> Result<(), String> {
+    };
     match here {
-        Value::Table(table) => in_table(table, steps, value),
-        Value::Array(items) => in_items(items, name, steps, value),
+        Value::Table(table) => put(table.entry(step).or_insert_with(empty), step, rest, value),
+        Value::Array(items) => {
+            chosen(items, name, step)?.into_iter().try_for_each(|i| put(&mut items[i], name, rest, value))
+        }
         other => Err(format!("{name} is a {}, not a table", other.type_str())),
     }
 }
 
-fn in_items(items: &mut [Value], name: &str, steps: &[&str], value: &Value) -> Result<(), String> {
-    let chosen: Vec<usize> = match (steps[0], steps[0].parse::<usize>()) {
+/// Entries of a list that a step means: all, the one of a number or that of a name.
+fn chosen(items: &[Value], name: &str, step: &str) -> Result<Vec<usize>, String> {
+    let chosen: Vec<usize> = match (step, step.parse::<usize>()) {
         ("*", _) => (0..items.len()).collect(),
         (_, Ok(i)) => (i..items.len()).take(1).collect(),
         (wanted, _) => items.iter().position(|item| item_name(item) == Some(wanted)).into_iter().collect(),
@@ -60,15 +63,9 @@ fn in_items(items: &mut [Value], name: &str, steps: &[&str], value: &Value) -> R
     if chosen.is_empty() {
         let names: Vec<&str> = items.iter().filter_map(item_name).collect();
         let (count, names) = (items.len(), names.join(", "));
-        return Err(format!("{name} has {count} entries ({names}), none of them is {}", steps[0]));
+        return Err(format!("{name} has {count} entries ({names}), none of them is {step}"));
     }
-    for i in chosen {
-        match steps.len() {
-            1 => items[i] = value.clone(),
-            _ => in_value(&mut items[i], name, &steps[1..], value)?,
-        }
-    }
-    Ok(())
+    Ok(chosen)
 }
 
 fn item_name(item: &Value) -> Option<&str> {

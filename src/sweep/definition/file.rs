@@ -20,9 +20,8 @@
 use super::file_schema::{base, fields};
 use crate::input::fault::StudyError;
 use crate::input::load::read_file;
-use schemars::{JsonSchema, Schema, SchemaGenerator};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -56,13 +55,14 @@ pub struct SweepFile {
 }
 
 /// The study that all variants are based on.
-#[derive(Clone, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[schemars(description = "")]
 #[serde(untagged, expecting = "a study file's path, or a table with a whole study")]
 pub enum Base {
-    /// File of the study.
+    /// A study file, relative to the sweep file.
     Path(String),
-    /// The study itself.
-    Table(Table),
+    /// The study itself; what an axis sets may be left out.
+    Table(#[schemars(schema_with = "base")] Table),
 }
 
 impl Base {
@@ -82,19 +82,9 @@ impl Base {
     }
 }
 
-impl JsonSchema for Base {
-    fn schema_name() -> Cow<'static, str> {
-        "Base".into()
-    }
-
-    fn json_schema(_: &mut SchemaGenerator) -> Schema {
-        base()
-    }
-}
-
 /// `[[axis]]`: a field with its values, or named cases that set several fields at once.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, default)]
 pub struct AxisTable {
     /// Short name for captions and conditions (default: last part of the field).
     pub name: Option<String>,
@@ -116,7 +106,6 @@ pub struct AxisTable {
     /// Axes with the same word here advance together instead of forming a product.
     pub zip: Option<String>,
     /// Named settings of several fields.
-    #[serde(default)]
     pub case: Vec<CaseTable>,
 }
 

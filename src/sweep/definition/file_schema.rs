@@ -7,13 +7,11 @@ use schemars::transform::transform_subschemas;
 use schemars::{Schema, SchemaGenerator, json_schema};
 use serde_json::Value;
 
-/// A study that the axes may complete: the name of its file, or the study itself.
-pub(super) fn base() -> Schema {
+/// A study that the axes may complete.
+pub(super) fn base(_: &mut SchemaGenerator) -> Schema {
     let mut study = study();
     unfinished(&mut study);
-    study.insert("description".into(), "The study itself; what an axis sets may be left out.".into());
-    let file = "A study file, relative to the sweep file.";
-    json_schema!({ "anyOf": [{ "description": file, "type": "string" }, study] })
+    study
 }
 
 /// The schema of a study, without references.

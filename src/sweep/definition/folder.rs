@@ -10,10 +10,11 @@
 //! PARTIAL                       present while unfinished
 //! ```
 
-use super::load::{Input, Place, Sweep, Variant};
+use super::load::{Input, Sweep, Variant};
 use super::seal::{SealedOutline, seal};
 use super::sound;
 use crate::input::fault::StudyError;
+use crate::input::load::load;
 use crate::run::resolve::Resolved;
 use crate::store::Record;
 use crate::store::database::Database;
@@ -83,50 +84,31 @@ fn sealed(sweep: &Sweep) -> serde_json::Result<Vec<u8>> {
 /// # Errors
 /// The folder holds no sweep, or its files were changed or lost.
 pub fn read(path: &Path) -> Result<Sweep, OpenError> {
-    let no_sweep = |reason: String| no_sweep(path, reason);
+    let no_sweep = |reason: String| OpenError::NoSweep { path: path.to_owned(), reason };
     let unreadable = |error: &dyn Display| no_sweep(format!("{OUTLINE}: {error}"));
     let text = std::fs::read(path.join(OUTLINE)).map_err(|e| unreadable(&e))?;
-    let kept: SealedOutline = serde_json::from_slice(&text).map_err(|e| unreadable(&e))?;
-    let SealedOutline { outline, seal: found } = kept;
+    let SealedOutline { outline, seal: found } = serde_json::from_slice(&text).map_err(|e| unreadable(&e))?;
     sound::check(&outline).map_err(|reason| unreadable(&reason))?;
     let changed = |what: &str| OpenError::Changed { path: path.to_owned(), what: what.to_owned() };
-    let texts = outline.variants.iter().map(|place| text_of(path, place));
-    let texts = texts.collect::<Result<Vec<_>, _>>()?;
+    let files = outline.variants.iter().map(|place| path.join(VARIANTS).join(&place.name).join("study.toml"));
+    let files: Vec<PathBuf> = files.collect();
+    let unread = |file: &PathBuf, error| no_sweep(format!("{}: {error}", file.display()));
+    let text = |file| std::fs::read_to_string(file).map_err(|error| unread(file, error));
+    let texts = files.iter().map(text).collect::<Result<Vec<_>, _>>()?;
     let fitting = seal(&outline, texts.iter().map(String::as_str)).map_err(|e| unreadable(&e))?;
-    match found {
-        None => return Err(changed("sweep.json has no checksum, like those of older versions")),
-        Some(found) if found != fitting => {
-            return Err(changed("the checksum of sweep.json does not match it and the variants' study.toml"));
-        }
-        Some(_) => {}
+    let found = found.ok_or_else(|| changed("sweep.json has no checksum, like those of older versions"))?;
+    if found != fitting {
+        return Err(changed("the checksum of sweep.json does not match it and the variants' study.toml"));
     }
-    let variants = outline.variants.iter().zip(texts).map(|(place, text)| variant(path, place, text));
-    let variants = variants.collect::<Result<Vec<_>, _>>()?;
+    let mut variants = Vec::new();
+    for ((place, file), text) in outline.variants.iter().zip(&files).zip(texts) {
+        variants.push(Variant { name: place.name.clone(), study: load(file)?, text });
+    }
     let inputs = inputs(path).map_err(|e| no_sweep(format!("inputs: {e}")))?;
     match inputs.iter().find(|input| !input.is_whole()) {
         Some(input) => Err(changed(&format!("{} is not the table that was read", input.path))),
         None => Ok(Sweep { outline, variants, inputs }),
     }
-}
-
-/// The error for a folder without a sweep.
-fn no_sweep(path: &Path, reason: String) -> OpenError {
-    OpenError::NoSweep { path: path.to_owned(), reason }
-}
-
-/// Reads one variant from its folder.
-fn variant(path: &Path, place: &Place, text: String) -> Result<Variant, OpenError> {
-    let study = crate::input::load::load(&study_file(path, place))?;
-    Ok(Variant { name: place.name.clone(), study, text })
-}
-
-fn text_of(path: &Path, place: &Place) -> Result<String, OpenError> {
-    let file = study_file(path, place);
-    std::fs::read_to_string(&file).map_err(|error| no_sweep(path, format!("{}: {error}", file.display())))
-}
-
-fn study_file(path: &Path, place: &Place) -> PathBuf {
-    path.join(VARIANTS).join(&place.name).join("study.toml")
 }
 
 /// Copies the grids of another folder, including those that could not be chosen; returns their

@@ -32,7 +32,7 @@ pub struct Sweep {
 }
 
 /// Everything about a sweep except its studies; content of `sweep.json`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Outline {
     /// Title of the report.
     pub title: String,
@@ -152,15 +152,8 @@ impl Sweep {
             Variant { name: slab.unwrap_or_else(|| name.to_owned()), study, text: String::new() }
         };
         let variants: Vec<Variant> = all.into_iter().enumerate().map(named).collect();
-        let outline = Outline {
-            title,
-            axes: Vec::new(),
-            sheet: SheetTable::default(),
-            reference: 0,
-            reference_asked: false,
-            claims: Vec::new(),
-            variants: variants.iter().map(|v| Place { name: v.name.clone(), place: Vec::new() }).collect(),
-        };
+        let places = variants.iter().map(|v| Place { name: v.name.clone(), place: Vec::new() }).collect();
+        let outline = Outline { title, variants: places, ..Outline::default() };
         Self { outline, variants, inputs: Vec::new() }
     }
 }
@@ -170,21 +163,20 @@ impl Sweep {
 /// # Errors
 /// The file or its base cannot be read, is not TOML, or some variant is not allowed.
 pub fn load(path: &Path) -> Result<Sweep, StudyError> {
-    let (text, file): (String, SweepFile) = read_file(path)?;
+    let (text, mut file): (String, SweepFile) = read_file(path)?;
+    file.title.get_or_insert_with(|| stem(path));
     let folder = path.parent().unwrap_or(Path::new(""));
     let (base, base_folder) = file.base.read(folder)?;
     let mut faults = Faults::default();
     let axes: Vec<Axis> =
         file.axis.iter().enumerate().map(|(i, table)| Axis::read(i, table, &mut faults)).collect();
-    check_fields(&file, &mut faults);
     let drafts = expand(&file, &base, &axes, &mut faults);
-    let title = file.title.clone().unwrap_or_else(|| stem(path));
-    let mut reading = Reading { title: &title, axes: &axes, folder: &base_folder, inputs: Vec::new() };
+    let mut reading = Reading { axes: &axes, folder: &base_folder, inputs: Vec::new() };
     let mut variants = Vec::new();
     for draft in &drafts {
         variants.extend(reading.variant(draft, &mut faults)?);
     }
-    let outline = outline(&file, title.clone(), &axes, &drafts, &mut faults);
+    let outline = outline(&file, &axes, &drafts, &mut faults);
     if faults.0.is_empty() {
         let studies: Vec<_> = variants.iter().map(|variant| &variant.study).collect();
         claims::check_variants(&outline.claims, &studies, &mut faults);
@@ -200,7 +192,7 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     Err(StudyError::Values { path: path.to_owned(), text, faults: faults.0 })
 }
 
-fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
+fn outline(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Outline {
     let names = |axis: &Axis| axis.settings.iter().map(|s| s.label.clone()).collect();
     let shown = |a: &Axis| AxisOutline { name: a.name.clone(), labels: names(a), unit: a.unit.clone() };
     for (key, name) in [("rows", &file.sheet.rows), ("columns", &file.sheet.columns)] {
@@ -210,7 +202,7 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
         }
     }
     let sound = faults.0.is_empty();
-    let claims = if sound { claims::claims(&file.conclusion, axes, drafts, faults) } else { Vec::new() };
+    let claims = if sound { claims::claims(file, axes, drafts, faults) } else { Vec::new() };
     let everything = Where::new();
     let reference = file.reference.as_ref().unwrap_or(&everything);
     let first = drafts.iter().position(|d| super::expand::matches(reference, axes, &d.place));
@@ -219,7 +211,7 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
         faults.add("reference", "no such variant", "a variant of the sweep", remedy);
     }
     Outline {
-        title,
+        title: file.title.clone().unwrap_or_default(),
         axes: axes.iter().map(shown).collect(),
         sheet: file.sheet.clone(),
         reference: first.unwrap_or(0),
@@ -231,7 +223,6 @@ fn outline(file: &SweepFile, title: String, axes: &[Axis], drafts: &[Draft], fau
 
 /// State needed to read the variants.
 struct Reading<'a> {
-    title: &'a str,
     axes: &'a [Axis],
     folder: &'a Path,
     inputs: Vec<Input>,
@@ -240,13 +231,11 @@ struct Reading<'a> {
 impl Reading<'_> {
     /// Reads a variant; `None` if it has errors.
     fn variant(&mut self, draft: &Draft, faults: &mut Faults) -> Result<Option<Variant>, StudyError> {
-        let mut table = draft.study.clone();
-        table.insert("title".into(), Value::String(self.heading(draft)));
-        let file = read::<StudyFile>(table.clone().into());
+        let file = read::<StudyFile>(draft.study.clone().into());
         match file.and_then(|file| check(&file, self.folder, &draft.name)) {
             Ok(study) => {
-                let mut written = Value::Table(table);
-                self.keep_inputs(&mut written)?;
+                let mut written = Value::Table(draft.study.clone());
+                self.keep_inputs("", &mut written)?;
                 let text = toml::to_string(&written).unwrap_or_default();
                 Ok(Some(Variant { name: draft.name.clone(), study, text }))
             }
@@ -255,12 +244,6 @@ impl Reading<'_> {
                 Ok(None)
             }
         }
-    }
-
-    fn heading(&self, draft: &Draft) -> String {
-        let labels = self.axes.iter().zip(&draft.place).map(|(axis, &k)| axis.settings[k].label.as_str());
-        let labels = labels.collect::<Vec<_>>().join(", ");
-        if labels.is_empty() { self.title.to_owned() } else { format!("{}: {labels}", self.title) }
     }
 
     /// Reports an error of a variant once: at the axis that set the field, otherwise at the base.
@@ -279,21 +262,20 @@ impl Reading<'_> {
         }
     }
 
-    /// Copies the files that the study refers to, and refers to the copies instead.
-    fn keep_inputs(&mut self, study: &mut Value) -> Result<(), StudyError> {
-        for path in FILES {
-            for value in at_path(study, path) {
-                if let Value::String(name) = value {
-                    self.keep_input(name)?;
-                }
-            }
+    /// Copies the files that a study, or the value of a key in it, refers to, and refers to the
+    /// copies instead.
+    fn keep_inputs(&mut self, key: &str, value: &mut Value) -> Result<(), StudyError> {
+        match value {
+            Value::String(name) if FILES.contains(&key) => self.keep_input(name),
+            Value::Array(items) => items.iter_mut().try_for_each(|item| self.keep_inputs(key, item)),
+            Value::Table(table) => table.iter_mut().try_for_each(|(key, value)| self.keep_inputs(key, value)),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     fn keep_input(&mut self, name: &mut String) -> Result<(), StudyError> {
         let from = self.folder.join(name.as_str());
-        let bytes = files::read_bytes(&from, files::TABLE)
+        let bytes = files::read_bytes(&from, files::CASE)
             .map_err(|source| StudyError::Unreadable { path: from.clone(), source })?;
         let file = from.file_name().map_or_else(|| "table.csv".into(), |f| f.to_string_lossy().into_owned());
         let input = Input::new(&file, bytes);
@@ -315,34 +297,35 @@ fn same_field(study: &Table, one: &str, other: &str) -> bool {
     pairs.all(|(k, (a, b))| a == b || *a == "*" || k == 1 && name == Some(*a))
 }
 
-/// Keys of a study that name files; `*` stands for every entry of a list.
-const FILES: [&[&str]; 6] = [
-    &["layer", "binder", "index", "csv"],
-    &["layer", "binder", "index", "yaml"],
-    &["pigment", "*", "index", "csv"],
-    &["pigment", "*", "index", "yaml"],
-    &["paper", "albedo", "csv"],
-    &["compare", "measured"],
-];
+/// Keys of a study that name files: of indices and albedos, of measurements, of microstructures.
+const FILES: [&str; 5] = ["csv", "yaml", "measured", "spheres", "voxels"];
 
-/// The values at a path, as far as they exist.
-fn at_path<'a>(value: &'a mut Value, path: &[&str]) -> Vec<&'a mut Value> {
-    match (path, value) {
-        ([], value) => vec![value],
-        (["*", rest @ ..], Value::Array(items)) => items.iter_mut().flat_map(|v| at_path(v, rest)).collect(),
-        ([key, rest @ ..], Value::Table(table)) => table.get_mut(*key).map_or(vec![], |v| at_path(v, rest)),
-        _ => Vec::new(),
-    }
-}
+#[cfg(test)]
+mod tests {
+    use super::load;
 
-/// Refuses two axes for one field: the later would override the earlier, whose captions would be
-/// wrong.
-fn check_fields(file: &SweepFile, faults: &mut Faults) {
-    for (i, table) in file.axis.iter().enumerate() {
-        let Some(field) = &table.field else { continue };
-        if file.axis[..i].iter().any(|earlier| earlier.field.as_ref() == Some(field)) {
-            let remedy = "keep one of them, with all values";
-            faults.add(format!("axis[{i}].field"), format!("{field} twice"), "a field of one axis", remedy);
+    /// *Planted*: copies of the pigments' own tables alone.
+    #[test]
+    fn every_table_of_a_study_is_kept_with_the_sweep() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+        write("shell.csv", "wavelength_nm,kappa,n\n400,0,1.5\n700,0,1.5\n");
+        write("grains.csv", "x_um,y_um,z_um,radius_um\n0.5,0.5,0.5,0.1\n");
+        let sweep = |pigment: &str, layer: &str| {
+            format!(
+                "[[axis]]\nfield = 'layer.binder.index'\nvalues = [1.5]\n[base.layer]\nthickness_um = 1\n{layer}\n\
+                 [[base.pigment]]\nindex = 2.0\n{pigment}\n"
+            )
+        };
+        let shell = "shell = [{ thickness_nm = 20, index = { csv = 'shell.csv' } }]";
+        let grains = "period_um = 1\nmicrostructure.spheres = 'grains.csv'";
+        for text in
+            [sweep(&format!("diameter_nm = 250\nvolume_fraction = 0.1\n{shell}"), ""), sweep("", grains)]
+        {
+            write("sweep.toml", &text);
+            let sweep = load(&folder.path().join("sweep.toml")).expect("a sweep");
+            assert_eq!(sweep.inputs.len(), 1, "{text}");
+            assert!(sweep.variants[0].text.contains(&format!("../../{}", sweep.inputs[0].path)), "{text}");
         }
     }
 }

@@ -2,8 +2,7 @@
 //! or a list.
 
 use super::light::check_list;
-use crate::appearance::paper::Coupling;
-use crate::appearance::paper::PRINT_DEG;
+use crate::appearance::paper::{Coupling, PRINT_DEG};
 use crate::input::fault::Faults;
 use crate::input::file::{AnglesTable, StudyFile};
 use crate::input::limits;
@@ -28,12 +27,8 @@ pub fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angl
         (None, count) => {
             let count = count.unwrap_or(USUAL_COUNT);
             surroundings(file, coupling, faults);
-            faults.whole(
-                "angles.count",
-                count,
-                limits::DIRECTIONS,
-                "5 is usual; 0° and 45° are always among them",
-            );
+            let remedy = "5 is usual; 0° and 45° are always among them";
+            faults.whole("angles.count", count, limits::DIRECTIONS, remedy);
             over_hemisphere(file, vec![0.0, PRINT_DEG], count.saturating_sub(EXACT), coupling)
         }
         (Some(_), Some(_)) => {
@@ -47,11 +42,9 @@ pub fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angl
 /// Listed angles allow paper and colour if they include 0° and 45° and the surroundings permit it.
 fn listed(file: &StudyFile, exact_deg: Vec<f64>, coupling: Coupling) -> Angles {
     let table = &file.angles;
-    let missing: Vec<&str> = [(0.0, "0"), (PRINT_DEG, "45")]
-        .into_iter()
-        .filter(|(deg, _)| !exact_deg.iter().any(|have| (have - deg).abs() < 1e-9))
-        .map(|(_, name)| name)
-        .collect();
+    let absent = |deg: &f64| !exact_deg.iter().any(|have| (have - deg).abs() < 1e-9);
+    let missing = [0.0, PRINT_DEG].into_iter().filter(absent).map(|deg: f64| deg.to_string());
+    let missing: Vec<String> = missing.collect();
     if !missing.is_empty() {
         let reason = format!(
             "angles.polar_deg does not list {}: paper and colour need 0 and 45, or angles.count instead of a list",
@@ -73,23 +66,19 @@ fn alone(table: &AnglesTable, exact_deg: Vec<f64>, reason: String) -> Angles {
 }
 
 fn over_hemisphere(file: &StudyFile, exact_deg: Vec<f64>, strata: usize, coupling: Coupling) -> Angles {
-    let exit_strata = if same_from_both_sides(file, coupling) { 0 } else { strata };
+    // A layer between two plane walls with vacuum on both sides is statistically the same from both
+    // sides: solves from the incident side give Ā_b. A relief or another medium on the exit side
+    // breaks this symmetry.
+    let same_from_both_sides = coupling == Coupling::Gap && file.layer.relief.is_none();
+    let exit_strata = if same_from_both_sides { 0 } else { strata };
     Angles { strata, exit_strata, no_paper: None, ..alone(&file.angles, exact_deg, String::new()) }
-}
-
-/// A layer between two plane walls with vacuum on both sides is statistically the same from both
-/// sides: solves from the incident side give Ā_b. A relief or another medium on the exit side
-/// breaks this symmetry.
-fn same_from_both_sides(file: &StudyFile, coupling: Coupling) -> bool {
-    coupling == Coupling::Gap && file.layer.relief.is_none()
 }
 
 /// The picture shows an ink in air, on paper behind an air gap or in contact with it.
 fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
     let otherwise = "list angles.polar_deg for a study without paper and picture";
     if file.layer.index_in != 1.0 {
-        let found = file.layer.index_in;
-        faults.add("layer.index_in", found, "1, air above the ink", otherwise);
+        faults.add("layer.index_in", file.layer.index_in, "1, air above the ink", otherwise);
     }
     let below = file.layer.index_out;
     let (wrong, allowed) = match coupling {

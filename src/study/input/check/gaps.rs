@@ -1,34 +1,23 @@
 //! Warns of measured files whose rows are far apart, which may be intended.
 
-use crate::input::study::{IndexSpectrum, Study};
+use crate::input::measured::MeasuredSpectrum;
+use crate::input::study::Study;
 use crate::material::gaps::widest_gap_nm;
+use std::collections::BTreeSet;
 
 /// One remark for every file with a wide gap within the study's wavelengths.
-pub fn bridged(study: &Study) -> Vec<String> {
+pub fn bridged(study: &Study) -> BTreeSet<String> {
     let (Some(&from), Some(&to)) = (study.wavelengths_nm.first(), study.wavelengths_nm.last()) else {
-        return Vec::new();
+        return BTreeSet::new();
     };
-    let range = [from, to];
-    let spectra = materials(study).map(|material| &material.spectrum);
-    let mut remarks: Vec<String> = spectra
-        .filter_map(|spectrum| Some(words(&spectrum.name(), spectrum.widest_gap_nm(range)?)))
-        .collect();
-    remarks.extend(of_measured(study, range));
-    remarks.sort();
-    remarks.dedup();
-    remarks
-}
-
-fn materials(study: &Study) -> impl Iterator<Item = &IndexSpectrum> {
-    let grains = study.materials();
     let dissolved = study.dissolved.iter().map(|dissolved| &dissolved.material);
-    grains.chain(dissolved).chain([&study.layer.binder])
-}
-
-fn of_measured(study: &Study, range: [f64; 2]) -> Option<String> {
-    let measured = study.judgement.measured.as_ref()?;
-    let rows: Vec<f64> = measured.rows.iter().map(|row| row[0]).collect();
-    Some(words(&measured.source, widest_gap_nm(&rows, range)?))
+    let spectra = study.materials().chain(dissolved).chain([&study.layer.binder]).map(|m| &m.spectrum);
+    let of_spectra = spectra.filter_map(|s| Some(words(&s.name(), s.widest_gap_nm([from, to])?)));
+    let of_measured = |measured: &MeasuredSpectrum| {
+        let rows: Vec<f64> = measured.rows.iter().map(|row| row[0]).collect();
+        Some(words(&measured.source, widest_gap_nm(&rows, [from, to])?))
+    };
+    of_spectra.chain(study.judgement.measured.as_ref().and_then(of_measured)).collect()
 }
 
 fn words(file: &str, [from, to]: [f64; 2]) -> String {

@@ -3,7 +3,7 @@
 
 use crate::ink::PigmentGrains;
 use crate::ink::packing::sizes::{MORE_ROOM, MOST_GRAINS, too_few_grains};
-use crate::input::fault::{Fault, Faults};
+use crate::input::fault::Faults;
 use crate::input::file::LayerTable;
 use crate::input::variation::{AREA, CellRule};
 
@@ -30,16 +30,11 @@ pub(super) fn check(
     let most = grains.expected(drawn * thickness_um);
     let least_share = grains.least_share(widest * thickness_um);
     if most > MOST_GRAINS as f64 {
-        faults.push(too_many(size, most));
+        let found = format!("grains so small that a cell may hold {most:.1e} of them");
+        let remedy = "sizes are in nm and periods in µm; take larger grains, a smaller layer.period_um, or \"molecular\"";
+        faults.add(size, found, format!("at most {MOST_GRAINS} grains in a cell"), remedy);
     } else if grains.volume_fraction < least_share {
         let found = format!("{:e}", grains.volume_fraction);
         faults.add(share, found, too_few_grains(least_share, cell), MORE_ROOM);
     }
-}
-
-fn too_many(field: String, most: f64) -> Fault {
-    let found = format!("grains so small that a cell may hold {most:.1e} of them");
-    let remedy =
-        "sizes are in nm and periods in µm; take larger grains, a smaller layer.period_um, or \"molecular\"";
-    Fault::new(field, found, format!("at most {MOST_GRAINS} grains in a cell"), remedy)
 }

@@ -23,36 +23,22 @@ impl Tabulation<'_> {
     /// The index at every wavelength; 1 everywhere after an error, which makes the study invalid
     /// anyway.
     pub fn tabulate(self, field: &str, written: &IndexWritten, faults: &mut Faults) -> IndexSpectrum {
-        let vacuum = || vacuum(self.wavelengths_nm.len());
-        let Some(spectrum) = spectrum(field, written, self.folder, faults) else { return vacuum() };
-        if let Some(fault) = outside(field, &spectrum, self.wavelengths_nm) {
-            faults.push(fault);
-            return vacuum();
-        }
+        let before = faults.0.len();
+        let spectrum = spectrum(field, written, self.folder, faults).unwrap_or(Spectrum::VACUUM);
+        faults.0.extend(outside(field, &spectrum, self.wavelengths_nm));
         let values = self.wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
+        let index = values.collect::<Result<Vec<_>, _>>().unwrap_or_default();
+        faults.0.extend(unsound(field, &index, self.wavelengths_nm));
         // invalid wavelengths are reported separately
-        let Ok(index) = values.collect::<Result<Vec<_>, _>>() else { return vacuum() };
-        if let Some(fault) = unsound(field, &index, self.wavelengths_nm) {
-            faults.push(fault);
-            return vacuum();
-        }
-        let (source, dissolved) = (source(&spectrum), Vec::new());
-        IndexSpectrum { source, index, spectrum, dissolved, mixing: MixingRule::default() }
+        let (source, index, spectrum) = match faults.0.len() > before || index.is_empty() {
+            true => (String::new(), vec![Complex64::ONE; self.wavelengths_nm.len()], Spectrum::VACUUM),
+            false => (source(&spectrum), index, spectrum),
+        };
+        IndexSpectrum { source, index, spectrum, dissolved: Vec::new(), mixing: MixingRule::default() }
     }
 }
 
-/// The index 1 at this number of wavelengths.
-fn vacuum(wavelengths: usize) -> IndexSpectrum {
-    IndexSpectrum {
-        source: String::new(),
-        index: vec![Complex64::ONE; wavelengths],
-        spectrum: Spectrum::VACUUM,
-        dissolved: Vec::new(),
-        mixing: MixingRule::default(),
-    }
-}
-
-/// What to write for a file without n.
+/// Largest n or k of a medium.
 const LARGEST_PART: f64 = 100.0;
 
 /// Refuses indices that no passive medium has: the formulas of records may have poles.

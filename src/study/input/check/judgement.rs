@@ -33,8 +33,12 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
         }
         None => measured(file, folder, faults),
     };
-    if let Some(measured) = &measured {
-        faults.0.extend(elsewhere(measured, wavelengths_nm));
+    let elsewhere = |m: &&MeasuredSpectrum| wavelengths_nm.iter().all(|&nm| m.at(nm).is_none());
+    if let (Some(measured), false) = (measured.as_ref().filter(elsewhere), wavelengths_nm.is_empty()) {
+        let [low, high] = measured.range_nm();
+        let found = format!("{} with values from {low} to {high} nm", measured.source);
+        let allowed = "a spectrum with values at one of the wavelengths of [light] or more";
+        faults.add("compare.measured", found, allowed, "give its wavelengths in nm");
     }
     Judgement { viewing, target_lab, measured }
 }
@@ -53,15 +57,6 @@ fn is_even(wavelengths_nm: &[f64]) -> bool {
     let steps = || wavelengths_nm.windows(2).map(|pair| pair[1] - pair[0]);
     let first = steps().next().unwrap_or(0.0);
     steps().all(|step| (step - first).abs() < 1e-6)
-}
-
-/// Refuses a spectrum that covers none of the study's wavelengths.
-fn elsewhere(measured: &MeasuredSpectrum, wavelengths_nm: &[f64]) -> Option<Fault> {
-    let [low, high] = measured.range_nm();
-    let none = !wavelengths_nm.is_empty() && wavelengths_nm.iter().all(|&nm| measured.at(nm).is_none());
-    let found = format!("{} with values from {low} to {high} nm", measured.source);
-    let allowed = "a spectrum with values at one of the wavelengths of [light] or more";
-    none.then(|| Fault::new("compare.measured", found, allowed, "give its wavelengths in nm"))
 }
 
 fn viewing(file: &StudyFile, faults: &mut Faults) -> Viewing {
@@ -139,11 +134,7 @@ fn wanted(
 fn measured(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Option<MeasuredSpectrum> {
     let path = folder.join(file.compare.measured.as_ref()?);
     let read = MeasuredSpectrum::read(&path, file.compare.patch.as_deref(), file.compare.unit);
-    read.map_err(|error| faults.push(unread(error))).ok()
-}
-
-fn unread(error: String) -> Fault {
     let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn, or Lab of the latter";
     let remedy = "correct the file, compare.patch or compare.unit; its path is relative to the study file";
-    Fault::new("compare.measured", error, allowed, remedy)
+    read.map_err(|error| faults.add("compare.measured", error, allowed, remedy)).ok()
 }

@@ -1,10 +1,9 @@
 //! The wavelengths and their sampling.
 
 use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter};
-use crate::input::fault::{Allowed, Fault, Faults, keys_in_words};
+use crate::input::fault::{Allowed, Faults, keys_in_words};
 use crate::input::file::{LightTable, SamplingName};
-use crate::input::limits;
-use crate::input::limits::LONGEST_LIST;
+use crate::input::limits::{self, LONGEST_LIST};
 use crate::input::variation::LightRule;
 use crate::numerics::allowed::shown;
 
@@ -26,31 +25,24 @@ pub fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
             wavelength_range(VISIBLE[0], VISIBLE[1], step.unwrap_or(VISIBLE[2]), faults)
         }
         _ => {
-            faults.push(neither_list_nor_range(light));
+            let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm, or step_nm alone from 400 to 700 nm";
+            let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
+            let found = keys_in_words(light, &["wavelengths_nm", "from_nm", "to_nm", "step_nm"]);
+            faults.add("light", found, allowed, remedy);
             Vec::new()
         }
     }
-}
-
-fn neither_list_nor_range(light: &LightTable) -> Fault {
-    let allowed =
-        "either wavelengths_nm, or all of from_nm, to_nm and step_nm, or step_nm alone from 400 to 700 nm";
-    let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
-    let found = keys_in_words(light, &["wavelengths_nm", "from_nm", "to_nm", "step_nm"]);
-    Fault::new("light", found, allowed, remedy)
 }
 
 /// Remark on a range whose last step does not end at `to_nm`.
 pub fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option<String> {
     let (to, step, &last) = (light.to_nm.unwrap_or(VISIBLE[1]), light.step_nm?, wavelengths_nm.last()?);
     let count = wavelengths_nm.len() - 1;
-    if last < to - 1e-6 * step {
-        return Some(format!(
-            "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last} nm (n = {count}); \
-             choose a step that divides the range to reach {to} nm"
-        ));
-    }
-    None
+    let remark = format!(
+        "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last} nm (n = {count}); \
+         choose a step that divides the range to reach {to} nm"
+    );
+    (last < to - 1e-6 * step).then_some(remark)
 }
 
 /// Remark on spectra that end inside the visible range but still give a colour.

@@ -7,13 +7,17 @@ use crate::ink::{Grain, Measure, PackError, Packing, Shape, SizeDistribution, Sp
 use crate::input::fault::{Faults, keys_in_words};
 use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
 use crate::input::forms::Pair;
-use crate::input::positions::{Meaning, Positions, read_positions};
+use crate::input::positions::{Positions, read_positions};
 use crate::input::variation::CellRule;
+use crate::numerics::vector::V3;
 use std::path::Path;
 
 pub(super) const FIELD: &str = "layer.microstructure";
 /// A box this much larger or smaller than the layer is in another unit.
 const OTHER_UNIT: f64 = 30.0;
+
+/// What the study says of files of grains, and their names.
+type Files<'a> = (&'a MicrostructureTable, &'a FileNames);
 
 /// What files say of the layer.
 pub(super) struct Given {
@@ -58,16 +62,10 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
 }
 
 /// Grains of all files of spheres.
-fn spheres(
-    file: &StudyFile,
-    folder: &Path,
-    (table, names): (&MicrostructureTable, &FileNames),
-    faults: &mut Faults,
-) -> Option<Given> {
+fn spheres(file: &StudyFile, folder: &Path, (table, names): Files, faults: &mut Faults) -> Option<Given> {
     let mut cuts = Vec::new();
     for path in names.all() {
-        let meaning = Meaning { unit: table.unit, size: table.size };
-        match read_positions(&folder.join(path), meaning) {
+        match read_positions(&folder.join(path), table) {
             Ok(read) => cuts.extend(read.into_iter().map(|positions| (path.clone(), positions))),
             Err(reason) => faults.add(FIELD, path, format!("positions of spheres: {reason}"), FORMATS),
         }
@@ -138,12 +136,7 @@ fn period(file: &StudyFile, cuts: &[(String, Positions)], faults: &mut Faults) -
 }
 
 /// The grains of one cut in the cell, after all checks.
-fn grains(
-    file: &StudyFile,
-    (path, cut): &(String, Positions),
-    cell: [f64; 3],
-    faults: &mut Faults,
-) -> Vec<Grain> {
+fn grains(file: &StudyFile, (path, cut): &(String, Positions), cell: V3, faults: &mut Faults) -> Vec<Grain> {
     let mut refuse = |found: String, allowed: &str, remedy: &str| {
         faults.add(FIELD, format!("{path}: {found}"), allowed, remedy);
         Vec::new()
@@ -161,32 +154,24 @@ fn grains(
         if last {
             let Some(pigment) = pigment(file, cut.pigments.get(i), cut.counted_from) else {
                 let found = format!("pigment {:?}", cut.pigments[i]);
-                return refuse(
-                    found,
-                    "names of the study's pigments, or numbers, from 0 in CSV and from 1 in other files",
-                    "name it in [[pigment]]",
-                );
+                let allowed =
+                    "names of the study's pigments, or numbers, from 0 in CSV and from 1 in other files";
+                return refuse(found, allowed, "name it in [[pigment]]");
             };
             grains.push(Grain::new(std::mem::take(&mut spheres), pigment));
         }
     }
     if let Some(found) = outside(&grains, cell) {
-        return refuse(
-            found,
-            "spheres within 0 … layer.thickness_um along z",
-            "correct the layer, the axes or the units",
-        );
+        let allowed = "spheres within 0 … layer.thickness_um along z";
+        return refuse(found, allowed, "correct the layer, the axes or the units");
     }
     match Packing::from_grains([cell[0], cell[1]], cell[2], true, grains.clone()) {
         Ok(_) => grains,
         Err(PackError::Overlap { .. }) => {
             let remedy =
                 "grains may touch; spheres of one grain share a number in the column grain (mol in dumps)";
-            refuse(
-                overlaps(&grains, cell),
-                "grains apart from each other and from their periodic images",
-                remedy,
-            )
+            let allowed = "grains apart from each other and from their periodic images";
+            refuse(overlaps(&grains, cell), allowed, remedy)
         }
         Err(other) => refuse(other.to_string(), "sound grains", "correct the file"),
     }

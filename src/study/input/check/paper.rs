@@ -1,7 +1,7 @@
 //! The paper: its albedo as a number, a list or a table, and its contact with the layer.
 
 use crate::appearance::paper::{Albedo, Coupling};
-use crate::input::fault::{Fault, Faults};
+use crate::input::fault::Faults;
 use crate::input::file::{CouplingName, StudyFile};
 use crate::input::forms::AlbedoWritten;
 use crate::input::limits;
@@ -38,31 +38,20 @@ pub fn paper(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults: &m
     Paper { source, albedo, coupling }
 }
 
-/// A table that covers every wavelength of the study; 0.5 after an error, which makes the study
-/// invalid anyway.
+/// A table that covers every wavelength of the study.
 fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &mut Faults) -> Albedo {
-    let wrong = rows.iter().position(|row| !(0.0..=1.0).contains(&row[1]));
-    if let Some(i) = wrong {
-        let field = format!("{field}[{i}]");
-        let allowed = "albedos from 0 to 1";
-        faults.add(field, format!("{} at {} nm", rows[i][1], rows[i][0]), allowed, REMEDY);
-        return Albedo::Constant(0.5);
-    }
-    if let Some(largest) = micrometres(rows.iter().map(|row| row[0])) {
+    let albedo = Albedo::Spectral(rows.clone());
+    if let Some(i) = rows.iter().position(|row| !(0.0..=1.0).contains(&row[1])) {
+        let found = format!("{} at {} nm", rows[i][1], rows[i][0]);
+        faults.add(format!("{field}[{i}]"), found, "albedos from 0 to 1", REMEDY);
+    } else if let Some(largest) = micrometres(rows.iter().map(|row| row[0])) {
         let found = format!("wavelengths up to {largest}, which look like µm");
         faults.add(field, found, "wavelengths in nm", "multiply the wavelengths by 1000");
-        return Albedo::Constant(0.5);
-    }
-    let albedo = Albedo::Spectral(rows);
-    if let Some(error) = wavelengths_nm.iter().find_map(|&nm| albedo.at(nm).err()) {
+    } else if let Some(error) = wavelengths_nm.iter().find_map(|&nm| albedo.at(nm).err()) {
         let allowed = "two or more rows [wavelength in nm, albedo], rising, that cover [light]";
-        faults.add(
-            field,
-            error,
-            allowed,
-            "extend the table: colours need 400 to 700 nm; or, for spectra alone, keep [light] inside it",
-        );
-        return Albedo::Constant(0.5);
+        let remedy =
+            "extend the table: colours need 400 to 700 nm; or, for spectra alone, keep [light] inside it";
+        faults.add(field, error, allowed, remedy);
     }
     albedo
 }
@@ -80,14 +69,9 @@ fn read(path: &Path, faults: &mut Faults) -> Option<Vec<[f64; 2]>> {
     let rows = files::read_bytes(path, files::TABLE).map_err(csv::Error::from).and_then(|bytes| {
         builder.from_reader(bytes.as_slice()).deserialize().collect::<Result<Vec<AlbedoRow>, _>>()
     });
-    let rows = rows.map_err(|error| faults.push(unreadable(path, &error))).ok()?;
-    Some(rows.iter().map(|row| [row.wavelength_nm, row.albedo]).collect())
-}
-
-/// Reports a table of albedos that cannot be read.
-fn unreadable(path: &Path, error: &csv::Error) -> Fault {
-    let found = format!("{} ({error})", path.display());
+    let found = |error| format!("{} ({error})", path.display());
     let allowed = "a readable table with the header wavelength_nm,albedo";
     let remedy = "correct the table; its path is relative to the study file";
-    Fault::new("paper.albedo.csv", found, allowed, remedy)
+    let refuse = |error| faults.add("paper.albedo.csv", found(error), allowed, remedy);
+    Some(rows.map_err(refuse).ok()?.iter().map(|row| [row.wavelength_nm, row.albedo]).collect())
 }

@@ -8,7 +8,7 @@ use crate::input::fault::{Fault, Faults};
 use crate::input::file::{LayerTable, PigmentTable, StudyFile};
 use crate::input::forms::Diameter;
 use crate::input::limits;
-use crate::input::study::{Dissolved, IndexSpectrum, Pigment};
+use crate::input::study::{Dissolved, IndexSpectrum, Layer, Pigment};
 use crate::input::variation::{CellRule, THICKNESS_CUT, shortest_side_um};
 use crate::material::mixing::MixingRule;
 use num_complex::Complex64;
@@ -23,19 +23,17 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
     }
     let voxels = file.layer.microstructure.as_ref().is_some_and(|table| table.voxels.is_some());
     for (i, table) in file.pigments.iter().enumerate() {
-        let sound = faults.0.len();
         if voxels && !is_molecular(table) {
             // no packing to make: any share and size that voxels have is possible
             all.push(as_written(table, size(i, table, faults)));
-            continue;
-        }
-        fraction(i, table, faults);
-        if is_molecular(table) && !table.shell.is_empty() {
-            let (found, allowed) = ("layers", "no layers around dissolved pigments: they have no grains");
-            faults.add(of(i, "shell"), found, allowed, "give diameter_nm in nm, or remove shell");
-        }
-        if !is_molecular(table) {
-            all.push(grains_of(i, table, (&file.layer, period_um), faults, sound));
+        } else if !is_molecular(table) {
+            all.push(grains_of(i, table, (&file.layer, period_um), faults));
+        } else {
+            fraction(i, table, faults);
+            if !table.shell.is_empty() {
+                let (found, allowed) = ("layers", "no layers around dissolved pigments: they have no grains");
+                faults.add(of(i, "shell"), found, allowed, "give diameter_nm in nm, or remove shell");
+            }
         }
     }
     names(file, faults);
@@ -52,14 +50,13 @@ pub fn pigments(
     indices: &Tabulation,
     faults: &mut Faults,
 ) -> Vec<Pigment> {
-    let tables = packed(file);
     let pigment = |((i, table), grains): ((usize, &PigmentTable), _)| Pigment {
         name: name(i, table),
         grains,
         material: indices.tabulate(&of(i, "index"), &table.index, faults),
         shell: shell(i, table, indices, faults),
     };
-    tables.zip(grains).map(pigment).collect()
+    packed(file).zip(grains).map(pigment).collect()
 }
 
 /// The layers' indices.
@@ -81,32 +78,19 @@ pub fn dissolved(file: &StudyFile, indices: &Tabulation, faults: &mut Faults) ->
         .collect()
 }
 
-/// The binder with the pigments dissolved in it, whose fractions refer to the volume without
-/// grains.
-pub fn solution(
-    binder: IndexSpectrum,
-    dissolved: &[Dissolved],
-    grains: &[Pigment],
-    mixing: MixingRule,
-) -> IndexSpectrum {
+/// Dissolves pigments in the binder; their fractions refer to the volume without grains.
+pub fn dissolve(layer: &mut Layer, dissolved: &[Dissolved], grains: &[Pigment], mixing: MixingRule) {
     if dissolved.is_empty() {
-        return binder;
+        return;
     }
     let room = 1.0 - grains.iter().map(|pigment| pigment.grains.volume_fraction).sum::<f64>();
     let mixed = |(w, &eta): (usize, &Complex64)| {
         let share = |d: &Dissolved| (d.volume_fraction / room, d.material.index[w]);
         mixing.mix(eta, &dissolved.iter().map(share).collect::<Vec<_>>())
     };
-    IndexSpectrum {
-        source: binder.source,
-        index: binder.index.iter().enumerate().map(mixed).collect(),
-        spectrum: binder.spectrum,
-        dissolved: dissolved
-            .iter()
-            .map(|d| (d.volume_fraction / room, d.material.spectrum.clone()))
-            .collect(),
-        mixing,
-    }
+    layer.binder.index = layer.binder.index.iter().enumerate().map(mixed).collect();
+    let spectra = dissolved.iter().map(|d| (d.volume_fraction / room, d.material.spectrum.clone()));
+    (layer.binder.dissolved, layer.binder.mixing) = (spectra.collect(), mixing);
 }
 
 /// The given name, or a numbered one.
@@ -129,15 +113,10 @@ pub(super) fn is_molecular(table: &PigmentTable) -> bool {
 }
 
 /// The packing of the nominal cell; its own check is made only if there are no other errors.
-pub(super) fn packing(
-    file: &StudyFile,
-    period_um: [f64; 2],
-    pigments: &[Pigment],
-    faults: &mut Faults,
-) -> PackingRequest {
+pub fn packing(file: &StudyFile, layer: &Layer, pigments: &[Pigment], faults: &mut Faults) -> PackingRequest {
     let request = PackingRequest {
-        period_um,
-        thickness_um: file.layer.thickness_um.mean(),
+        period_um: layer.period_um,
+        thickness_um: layer.thickness_um,
         pigments: pigments.iter().map(|pigment| pigment.grains.clone()).collect(),
         method: file.packing.method,
         seed: file.run.seed,
@@ -172,14 +151,10 @@ fn of(pigment: usize, key: &str) -> String {
 /// A layer and the nominal period of its cells.
 type NominalCell<'a> = (&'a LayerTable, [f64; 2]);
 
-/// The grains of one pigment; `before` errors were found earlier.
-fn grains_of(
-    i: usize,
-    table: &PigmentTable,
-    layer: NominalCell,
-    faults: &mut Faults,
-    before: usize,
-) -> PigmentGrains {
+/// The grains of one pigment.
+fn grains_of(i: usize, table: &PigmentTable, layer: NominalCell, faults: &mut Faults) -> PigmentGrains {
+    let before = faults.0.len();
+    fraction(i, table, faults);
     let grains = as_written(table, size(i, table, faults));
     let field = of(i, if table.diameter_nm.is_some() { "diameter_nm" } else { "size" });
     fits(&field, &grains, layer, faults);
@@ -209,7 +184,7 @@ pub(super) fn nominal_period_um(file: &StudyFile) -> f64 {
 
 /// Period required by a pigment's largest grains, µm; `None` if their size or shape is invalid.
 fn needed_period_um(table: &PigmentTable) -> Option<f64> {
-    let grains = as_written(table, sound_size(table)?);
+    let grains = as_written(table, written_size(table).filter(|size| size.defect().is_none())?);
     if grains.shape.defect().is_some() {
         return None;
     }
@@ -218,11 +193,11 @@ fn needed_period_um(table: &PigmentTable) -> Option<f64> {
     Some(1e-3 * (DIAMETERS * diameter).max(LONGEST * longest))
 }
 
-/// A pigment's size distribution; `None` if it is invalid.
-fn sound_size(table: &PigmentTable) -> Option<SizeDistribution> {
+/// A pigment's size distribution; `None` unless it is given once.
+fn written_size(table: &PigmentTable) -> Option<SizeDistribution> {
     match (table.diameter_nm, &table.size) {
-        (Some(Diameter::Nm(nm)), None) if nm > 0.0 => Some(SizeDistribution::diameter_nm(nm)),
-        (None, Some(size)) if size.defect().is_none() => Some(size.clone()),
+        (Some(Diameter::Nm(nm)), None) => Some(SizeDistribution::diameter_nm(nm)),
+        (None, Some(size)) => Some(size.clone()),
         _ => None,
     }
 }
@@ -251,16 +226,11 @@ fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
 }
 
 fn size(i: usize, table: &PigmentTable, faults: &mut Faults) -> SizeDistribution {
-    match (table.diameter_nm, &table.size) {
-        (Some(Diameter::Nm(diameter)), None) => SizeDistribution::diameter_nm(diameter),
-        (None, Some(size)) => size.clone(),
-        _ => {
-            let allowed = "either diameter_nm or size";
-            let remedy = "write diameter_nm = 250 for grains that are all alike";
-            faults.add(format!("pigment[{i}]"), "both or neither", allowed, remedy);
-            SizeDistribution::diameter_nm(1e-3)
-        }
-    }
+    written_size(table).unwrap_or_else(|| {
+        let remedy = "write diameter_nm = 250 for grains that are all alike";
+        faults.add(format!("pigment[{i}]"), "both or neither", "either diameter_nm or size", remedy);
+        SizeDistribution::diameter_nm(1e-3)
+    })
 }
 
 /// Checks that grains fit between the walls and do not touch their own periodic images.
@@ -285,7 +255,8 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
         false if layer.composed.is_some() => "half of layer.composed.slab_um",
         false => "the layer's thickness",
     };
-    let limits = [(longest, 500.0 * shortest, side), (thickest, 1e3 * thinnest_um(layer), thinnest)];
+    let thinnest_um = layer.thickness_um.mean() - THICKNESS_CUT * layer.thickness_um.std();
+    let limits = [(longest, 500.0 * shortest, side), (thickest, 1e3 * thinnest_um, thinnest)];
     // an invalid cell is reported separately
     let wrong = limits.into_iter().find(|&(extent, limit, _)| limit > 0.0 && extent > limit * (1.0 + 1e-12));
     if let Some((extent, limit, name)) = wrong {
@@ -301,11 +272,6 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
         );
         faults.add(field, format!("grains of up to {found} nm"), allowed, &remedy);
     }
-}
-
-/// The thinnest layer that a realisation may have, µm.
-fn thinnest_um(layer: &LayerTable) -> f64 {
-    layer.thickness_um.mean() - THICKNESS_CUT * layer.thickness_um.std()
 }
 
 /// Thickness and length of the largest grain, nm.
@@ -328,9 +294,8 @@ fn names(file: &StudyFile, faults: &mut Faults) {
     let names: Vec<String> = file.pigments.iter().enumerate().map(|(i, table)| name(i, table)).collect();
     for (i, name) in names.iter().enumerate() {
         if names[..i].contains(name) || name.trim().is_empty() {
-            let found = format!("{name:?}");
             let allowed = "a name that no other pigment has";
-            faults.add(of(i, "name"), found, allowed, "give it another name");
+            faults.add(of(i, "name"), format!("{name:?}"), allowed, "give it another name");
         }
     }
 }

@@ -104,20 +104,19 @@ impl Default for BinderTable {
 }
 
 /// `[[pigment]]`: one kind of grain.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct PigmentTable {
     /// Name in reports (default: "pigment 1" and so on).
     #[schemars(example = &"yellow")]
     pub name: Option<String>,
     /// Shape of the grains.
-    #[serde(default)]
     pub shape: Shape,
     /// Layers around the core, from the core outwards; `index` is that of the core (1 for hollow
     /// grains). Sizes and the volume fraction are those of the whole grain with its layers. A layer
     /// moves every face of a convex body outwards by its thickness, and lengthens every semi-axis
     /// of an ellipsoid by it.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     #[schemars(length(max = 20))]
     pub shell: Vec<ShellTable>,
     /// Effective diameter of all grains (sphere of equal volume), nm; or use `size`. `"molecular"`
@@ -131,16 +130,14 @@ pub struct PigmentTable {
     #[schemars(transform = limits::VOLUME_FRACTION.mark(), example = 0.3)]
     pub volume_fraction: Option<f64>,
     /// Refractive index; not needed for packings only.
-    #[serde(default, deserialize_with = "index")]
+    #[serde(deserialize_with = "index")]
     #[schemars(with = "IndexForms", example = std::collections::BTreeMap::from_iter(Some(("built_in", "yellow"))))]
     pub index: IndexWritten,
     /// Alignment of the grains' axes.
-    #[serde(default)]
     pub orientation: Orientation,
     /// Which grains stick together; by default none.
     pub agglomeration: Option<Agglomeration>,
     /// How whole grains reach the volume fraction.
-    #[serde(default)]
     pub share: ShareRule,
 }
 

@@ -59,9 +59,7 @@ impl Portion {
         };
         format!("{place}{}", if self.halved { ", half as thick" } else { "" })
     }
-}
 
-impl Portion {
     /// The packing that it is cut out of: without walls for an inner slab, of twice the thickness
     /// for one with a surface of the layer, whose wall is on that side alone. Between walls every
     /// joint of slabs would lack grains.
@@ -117,21 +115,6 @@ impl Study {
         Some(Sides { media: [(0, before), (1, behind)].map(medium), alike })
     }
 
-    /// Directions of a portion's light at a wavelength: side by side.
-    pub(super) fn portion_incidences(
-        &self,
-        sides: &Sides,
-        wavelength_um: f64,
-        azimuth_deg: f64,
-    ) -> Vec<Incidence> {
-        let from = if sides.alike { &[Side::Incident][..] } else { &[Side::Incident, Side::Exit] };
-        let of = |(medium, &from): (&Hemisphere, &Side)| {
-            let lit = move |polar_deg| Incidence { wavelength_um, polar_deg, azimuth_deg, from };
-            medium.directions_deg().into_iter().map(lit)
-        };
-        sides.media.iter().zip(from).flat_map(of).collect()
-    }
-
     /// The studies that a composed layer takes: slabs of the thickness h and of h/2, within the
     /// layer and at its surfaces; equal surroundings share one surface. Empty for other studies.
     pub fn portions(&self) -> Vec<Study> {
@@ -171,4 +154,14 @@ impl Study {
         };
         study
     }
+}
+
+/// Directions of a portion's light at a wavelength: side by side.
+pub(super) fn portion_incidences(sides: &Sides, wavelength_um: f64, azimuth_deg: f64) -> Vec<Incidence> {
+    let from = if sides.alike { &[Side::Incident][..] } else { &[Side::Incident, Side::Exit] };
+    let of = |(medium, &from): (&Hemisphere, &Side)| {
+        let lit = move |polar_deg| Incidence { wavelength_um, polar_deg, azimuth_deg, from };
+        medium.directions_deg().into_iter().map(lit)
+    };
+    sides.media.iter().zip(from).flat_map(of).collect()
 }

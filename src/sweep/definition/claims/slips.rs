@@ -27,26 +27,11 @@ pub(super) fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
     }
     let rising = table.along.iter().all(|x| x.is_finite()) && table.along.windows(2).all(|w| w[0] < w[1]);
     if table.along.len() != table.among.len() || !rising || table.along.len() == 1 {
-        wrong(
-            "along",
-            &format!("{} places", table.along.len()),
-            "a number for every variant in among, rising, 2 or more",
-        );
+        let allowed = "a number for every variant in among, rising, 2 or more";
+        wrong("along", &format!("{} places", table.along.len()), allowed);
     }
-    if !table.along.is_empty() && (table.quantity == Quantity::DeltaE || table.range_nm.is_some()) {
-        wrong("among", "a curve", "a curve of one quantity, at one wavelength");
-    }
-    if let Some(key) = range_slip(table) {
-        wrong(key, "no range_nm", "a range of wavelengths, range_nm = [from, to]");
-    }
-    if table.absolute && !table.along.is_empty() {
-        wrong("absolute", "a curve", "sums and differences without a curve");
-    }
-    if let Some(key) = unowned(table) {
-        wrong(key, "a quotation without a source", "source = \"…\" beside it");
-    }
-    if table.at_least.is_none() && table.at_most.is_none() {
-        wrong("at_least", "nothing", "a bound: at_least, at_most or both");
+    for (key, found, allowed) in contradictions(table) {
+        wrong(key, found, allowed);
     }
     for (key, bound) in [("at_least", table.at_least), ("at_most", table.at_most)] {
         if let Some(bound) = bound.filter(|bound| !bound.is_finite()) {
@@ -58,28 +43,32 @@ pub(super) fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
     {
         wrong("at_most", &format!("{high}, below at_least = {low}"), "a number from at_least on");
     }
-    if table.plus.is_empty() {
-        wrong("plus", "no variant", "one variant or more");
-    }
-    if table.quantity == Quantity::DeltaE && (table.plus.len(), table.minus.len()) != (1, 1) {
-        wrong("plus", "other numbers of colours", "one colour in plus and one in minus");
-    }
 }
 
-/// A key that has no meaning without a range.
-fn range_slip(table: &ConclusionTable) -> Option<&'static str> {
-    match table.range_nm {
-        Some(_) => None,
-        None if table.over != Over::Every => Some("over"),
-        None => table.absorbed_by.as_ref().map(|_| "absorbed_by"),
-    }
-}
-
-/// A quote without a source.
-fn unowned(table: &ConclusionTable) -> Option<&'static str> {
-    match table.source {
-        Some(_) => None,
-        None if table.quote.is_some() => Some("quote"),
-        None => table.translation.as_ref().map(|_| "translation"),
-    }
+/// Keys that contradict each other: key, what was found, what is allowed.
+fn contradictions(
+    table: &ConclusionTable,
+) -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+    let (curve, ranged) = (!table.along.is_empty(), table.range_nm.is_some());
+    let (delta_e, unbound) = (table.quantity == Quantity::DeltaE, table.at_least.or(table.at_most).is_none());
+    let colours = (table.plus.len(), table.minus.len());
+    let unowned = |quotation: &Option<String>| quotation.is_some() && table.source.is_none();
+    let (range, source) = ("a range of wavelengths, range_nm = [from, to]", "source = \"…\" beside it");
+    let all = [
+        (curve && (delta_e || ranged), "among", "a curve", "a curve of one quantity, at one wavelength"),
+        (!ranged && table.over != Over::Every, "over", "no range_nm", range),
+        (!ranged && table.absorbed_by.is_some(), "absorbed_by", "no range_nm", range),
+        (table.absolute && curve, "absolute", "a curve", "sums and differences without a curve"),
+        (unowned(&table.quote), "quote", "a quotation without a source", source),
+        (unowned(&table.translation), "translation", "a quotation without a source", source),
+        (unbound, "at_least", "nothing", "a bound: at_least, at_most or both"),
+        (table.plus.is_empty(), "plus", "no variant", "one variant or more"),
+        (
+            delta_e && colours != (1, 1),
+            "plus",
+            "other numbers of colours",
+            "one colour in plus and one in minus",
+        ),
+    ];
+    all.into_iter().filter(|(there, ..)| *there).map(|(_, key, found, allowed)| (key, found, allowed))
 }

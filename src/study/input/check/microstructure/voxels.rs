@@ -1,10 +1,10 @@
 //! Voxels of a microstructure: labels become pigments, files become cuts.
 
-use super::{FIELD, Given};
+use super::{FIELD, Files, Given};
 use crate::ink::{Measure, SizeDistribution, VoxelCut};
 use crate::input::check::pigments::packed_names;
 use crate::input::fault::{Fault, Faults};
-use crate::input::file::{Continuation, FileNames, MicrostructureTable, StudyFile, VoxelEdges};
+use crate::input::file::{Continuation, MicrostructureTable, StudyFile, VoxelEdges};
 use crate::input::limits;
 use crate::input::voxels::read_labels;
 use ndarray::{Array3, ArrayView1, Axis, concatenate, s};
@@ -16,12 +16,7 @@ use std::path::Path;
 const STAIRS: f64 = 1.5;
 
 /// The cuts of all files; `None` after an error.
-pub(super) fn voxels(
-    file: &StudyFile,
-    folder: &Path,
-    (table, names): (&MicrostructureTable, &FileNames),
-    faults: &mut Faults,
-) -> Option<Given> {
+pub fn voxels(file: &StudyFile, folder: &Path, (table, names): Files, faults: &mut Faults) -> Option<Given> {
     let before = faults.0.len();
     let field = "layer.microstructure.voxel_nm";
     let remedy = "give the edge of a voxel in nm";
@@ -104,24 +99,16 @@ impl VoxelReader<'_> {
         if (self.height - nz as f64).abs() > 1e-6 * nz as f64 {
             let thick = (1e3 * self.height).round() / 1e3;
             let found = format!("{nz} voxels along z, the last axis, in a layer {thick} voxels thick");
+            let allowed = "layer.thickness_um = voxels along z × voxel_nm / 1000";
             let remedy = "correct layer.thickness_um or voxel_nm, or transpose the array to x, y, z";
-            return Err(Fault::new(
-                FIELD,
-                found,
-                "layer.thickness_um = voxels along z × voxel_nm / 1000",
-                remedy,
-            ));
+            return Err(Fault::new(FIELD, found, allowed, remedy));
         }
         let labels = self.pigments(&labels)?;
         let [across, along] = self.table.cuts.unwrap_or([1, 1]);
         if across * along == 0 || nx % across > 0 || ny % along > 0 {
             let found = format!("{nx} × {ny} voxels in {across} × {along} cuts");
-            return Err(Fault::new(
-                FIELD,
-                found,
-                "numbers that divide the voxels evenly",
-                "change cuts, or trim the array",
-            ));
+            let allowed = "numbers that divide the voxels evenly";
+            return Err(Fault::new(FIELD, found, allowed, "change cuts, or trim the array"));
         }
         let (width, depth) = (nx / across, ny / along);
         for (i, j) in (0..across).flat_map(|i| (0..along).map(move |j| (i * width, j * depth))) {
@@ -137,24 +124,16 @@ impl VoxelReader<'_> {
     /// Labels of the file as 0 for the binder and k + 1 for pigment k.
     fn pigments(&self, labels: &Array3<i64>) -> Result<Array3<u8>, Fault> {
         let mut unlisted: BTreeMap<i64, usize> = BTreeMap::new();
-        let kinds = labels.map(|label| match self.known.get(label) {
-            Some(&kind) => kind,
-            None => {
-                *unlisted.entry(*label).or_default() += usize::from(*label != 0);
-                0
-            }
-        });
-        unlisted.remove(&0);
+        for label in labels.iter().filter(|label| **label != 0 && !self.known.contains_key(label)) {
+            *unlisted.entry(*label).or_default() += 1;
+        }
         if unlisted.is_empty() {
-            return Ok(kinds);
+            return Ok(labels.map(|label| self.known.get(label).copied().unwrap_or_default()));
         }
         let counts: Vec<String> =
             unlisted.iter().take(5).map(|(label, n)| format!("{n} voxels of label {label}")).collect();
-        let more = if unlisted.len() > 5 {
-            format!(" and {} more labels", unlisted.len() - 5)
-        } else {
-            String::new()
-        };
+        let more = unlisted.len().saturating_sub(5);
+        let more = if more > 0 { format!(" and {more} more labels") } else { String::new() };
         let known: Vec<String> = self.known.keys().map(i64::to_string).collect();
         let allowed = format!("0 for the binder and the study's labels: {}", known.join(", "));
         Err(Fault::new(FIELD, counts.join(", ") + &more, &allowed, "add them to layer.microstructure.labels"))
