@@ -123,9 +123,8 @@ pub(super) fn add_combination<T: Real, V: AsRef<[T]> + Sync>(
     let length = w.len() / 2;
     let (re, im) = w.split_at_mut(length);
     let chunks = re.par_chunks_mut(CHUNK).zip(im.par_chunks_mut(CHUNK)).with_min_len(FEW).enumerate();
-    let add =
-        |(c, (re, im)): (usize, (&mut [T], &mut [T]))| add_to_chunk([re, im], factors, vectors, c * CHUNK);
-    let parts: Vec<f64> = chunks.map(add).collect();
+    let parts: Vec<f64> =
+        chunks.map(|(c, (re, im))| add_to_chunk([re, im], factors, vectors, c * CHUNK)).collect();
     parts.iter().sum::<f64>().sqrt()
 }
 

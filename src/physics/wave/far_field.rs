@@ -149,8 +149,8 @@ impl Setting {
         let index = self.media.incident.re.max(self.media.exit.re).max(1.0);
         let reach = EVANESCENT_REACH * index * self.k0;
         let specular = self.harmonics.orders[self.incident_harmonic()];
-        let label = |order: &[i32; 2]| [order[0] - specular[0], order[1] - specular[1]];
-        let labelled = self.harmonics.orders.iter().map(label).enumerate();
+        let orders = self.harmonics.orders.iter();
+        let labelled = orders.map(|[m, n]| [m - specular[0], n - specular[1]]).enumerate();
         let listed = |&(i, [m, n]): &(usize, [i32; 2])| {
             self.lateral[i][0].hypot(self.lateral[i][1]) <= reach || (m.abs() <= 2 && n.abs() <= 2)
         };

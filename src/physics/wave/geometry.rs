@@ -57,8 +57,7 @@ impl Geometry {
             Geometry::Scalar(coverage) => vec![Box::new(Problem::new(coverage, media, light, mean)?)],
             Geometry::Vector(moments) => {
                 let problem = VectorProblem::new(moments, media, light, mean, Averaging::Normal)?;
-                let system = |p| Box::new(problem.polarised(p)) as Box<dyn System>;
-                Polarisation::BOTH.map(system).into()
+                Polarisation::BOTH.map(|p| Box::new(problem.polarised(p)) as Box<dyn System>).into()
             }
         })
     }

@@ -42,8 +42,8 @@ impl Scene {
             self.bodies.iter().enumerate().flat_map(|body| pieces_of(body, ly)).collect();
         let mut cells = Cells::new(self, &pieces);
         pieces.iter().try_for_each(|piece| cells.enter(piece, slack))?;
-        let around = |body: usize| cells.around.get(&body).map(|(host, _)| *host);
-        Ok((0..self.bodies.len()).map(|body| self.bodies[body].within.or(around(body))).collect())
+        let within = self.bodies.iter().map(|body| body.within).enumerate();
+        Ok(within.map(|(body, given)| given.or_else(|| Some(cells.around.get(&body)?.0))).collect())
     }
 
     /// Whether one of two bodies is given as around the other, directly or not.
@@ -71,12 +71,10 @@ fn pieces_of((body, of): (usize, &Body), ly: f64) -> Vec<Piece> {
     let piece = |ranges, radius, solid, whole| vec![Piece { body, ranges, radius, solid, whole }];
     match &of.shape {
         BodyShape::Balls(balls) => {
-            let whole = balls.len() == 1;
-            let ranges = |center: [f64; 3]| center.map(|c| [c, c]);
-            balls
-                .iter()
-                .flat_map(|b| piece(ranges(b.center_um), b.radius_um, Some(b.solid()), whole))
-                .collect()
+            let pieces = balls.iter().flat_map(|b| {
+                piece(b.center_um.map(|c| [c; 2]), b.radius_um, Some(b.solid()), balls.len() == 1)
+            });
+            pieces.collect()
         }
         BodyShape::Solid(solid) => {
             let ranges = [0, 1, 2].map(|axis| solid.extent_um(axis));
@@ -135,8 +133,8 @@ impl Piece {
             let depth = |[x, y]: [f64; 2]| -proven_gap_um(a, b, [apart[0] + x, apart[1] + y, apart[2]]);
             return shifts(period).map(depth).fold(f64::NEG_INFINITY, f64::max);
         }
-        let half = |axis: usize| 0.5 * (width(self.ranges[axis]) + width(other.ranges[axis]));
-        let gaps = [0, 1, 2].map(|axis| apart[axis].abs() - half(axis));
+        let widths = [0, 1, 2].map(|axis| width(self.ranges[axis]) + width(other.ranges[axis]));
+        let gaps = [0, 1, 2].map(|axis| apart[axis].abs() - 0.5 * widths[axis]);
         let inside = gaps.into_iter().fold(f64::NEG_INFINITY, f64::max).min(0.0);
         self.radius + other.radius - length(gaps.map(|gap| gap.max(0.0))) - inside
     }

@@ -25,14 +25,24 @@ impl Scene {
     }
 }
 
+impl From<RoughFace> for Material {
+    /// What fills the space beyond a relief.
+    fn from(face: RoughFace) -> Material {
+        match face {
+            RoughFace::Incident => Material::Incident,
+            RoughFace::Exit => Material::Exit,
+        }
+    }
+}
+
 /// The space beyond the surface, which is sampled at the relief's own points.
 fn open(packing: &Packing, relief: &Relief) -> Body {
     let (period_um, count) = (packing.period_um(), relief.count());
     let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
     let thickness = packing.thickness_um();
-    let (material, end, face_um) = match relief.face() {
-        RoughFace::Incident => (Material::Incident, 0, 0.0),
-        RoughFace::Exit => (Material::Exit, 1, thickness),
+    let (end, face_um) = match relief.face() {
+        RoughFace::Incident => (0, 0.0),
+        RoughFace::Exit => (1, thickness),
     };
     let filled = |k: usize| packing.filled_um(at(k % count[0], 0), at(k / count[0], 1));
     let z_um = (0..count[0] * count[1]).map(|k| filled(k)[end].clamp(0.0, thickness)).collect();
@@ -40,5 +50,6 @@ fn open(packing: &Packing, relief: &Relief) -> Body {
     let clusters = packing.grains().iter().filter(|g| g.solid.is_none());
     let balls = clusters.flat_map(|g| g.spheres.clone()).collect();
     let solids = packing.grains().iter().filter_map(|g| g.solid.clone()).collect();
-    Body { shape: BodyShape::Open { surface, face_um, balls, solids }, material, within: None }
+    let shape = BodyShape::Open { surface, face_um, balls, solids };
+    Body { shape, material: relief.face().into(), within: None }
 }

@@ -261,14 +261,15 @@ impl Body {
         };
         let most_um = FARTHEST * period;
         let wrong = lateral.into_iter().find(|x| x.is_nan() || x.abs() > most_um);
+        let Some(value) = wrong else { return Ok(()) };
         let field = format!("lateral position of body {index} (µm)");
-        wrong.map_or(Ok(()), |value| match value.is_finite() {
-            false => Err(WaveError::Unsound(format!("{field} is {value}; it must be a finite number"))),
-            true => Err(WaveError::Unsound(format!(
+        Err(WaveError::Unsound(match value.is_finite() {
+            false => format!("{field} is {value}; it must be a finite number"),
+            true => format!(
                 "{field} is {value:e}; at most {most_um:e} µm (a million periods) leaves enough digits of its \
                  position in the period: give it within the period"
-            ))),
-        })
+            ),
+        }))
     }
 }
 

@@ -48,8 +48,7 @@ impl Incidence {
     /// outside 1e-6 to 1e6 wavelengths.
     pub fn snapped(&self, period_um: [f64; 2], media: &Media) -> Result<Snapped, WaveError> {
         self.check()?;
-        let refused = |l: &&f64| !PERIODS.contains(&(**l / self.wavelength_um));
-        if let Some(&value) = period_um.iter().find(refused) {
+        if let Some(&value) = period_um.iter().find(|l| !PERIODS.contains(&(**l / self.wavelength_um))) {
             let (field, allowed) = ("period (µm)", "1e-6 to 1e6 wavelengths for a direction to be snapped");
             return Err(WaveError::range(field, value, allowed, "give it in µm, or do not snap"));
         }

@@ -104,10 +104,10 @@ impl Task<'_> {
     fn z_companions(&self, own: Resolution, share: f64) -> [Resolution; 2] {
         let (coarse, fine) = (scaled_cells(own, share).cells, scaled_cells(own, 1.0 / share).cells);
         let cells = |n: &usize| Resolution { cells: *n, ..own };
-        let is_coarser = |n: &usize| self.times_finer(own.cells, *n) > 1.0;
-        let is_finer = |n: &usize| self.times_finer(*n, own.cells) > 1.0;
-        let coarser = (1..=coarse).rev().map(|n| n.max(self.coverages.scene.strata.len())).find(is_coarser);
-        let finer = (fine..=MOST_TIMES * fine).find(is_finer).unwrap_or(fine);
+        let mut coarser = (1..=coarse).rev().map(|n| n.max(self.coverages.scene.strata.len()));
+        let coarser = coarser.find(|&n| self.times_finer(own.cells, n) > 1.0);
+        let mut finer = fine..=MOST_TIMES * fine;
+        let finer = finer.find(|&n| self.times_finer(n, own.cells) > 1.0).unwrap_or(fine);
         [coarser.as_ref().map_or(own, cells), cells(&finer)]
     }
 
@@ -152,11 +152,10 @@ impl Task<'_> {
     /// z, whose edges average out in one. Linear elements (tents) and second differences are of
     /// order 2 across z.
     fn orders(&self, own: Resolution) -> [i32; 2] {
-        let upright = self.coverages.scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::BarY { .. }));
-        let sharp =
-            i32::from(self.coverages.scene.uniform_in_y()) + i32::from(self.is_strong()) + i32::from(upright);
-        let waves = [self.coverages.scene.period_um[0], self.coverages.scene.thickness_um()]
-            .map(|l| l * self.waves_per_um());
+        let scene = self.coverages.scene;
+        let upright = scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::BarY { .. }));
+        let sharp = i32::from(scene.uniform_in_y()) + i32::from(self.is_strong()) + i32::from(upright);
+        let waves = [scene.period_um[0], scene.thickness_um()].map(|l| l * self.waves_per_um());
         let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
         let plane = if self.coverages.wave.is_vector() { 3 } else { 4 };
         let across = if own.scheme.degree() > 1 { (5 - sharp - fine(1, own.cells)).max(3) } else { 2 };

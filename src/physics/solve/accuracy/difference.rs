@@ -11,8 +11,8 @@ use crate::wave::{FarField, Order};
 pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
     let counts =
         |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
-    let other = |m, n| b.orders.iter().find(|o| o.m == m && o.n == n);
-    let pairs = a.orders.iter().filter(counts).filter_map(|o| Some((o, other(o.m, o.n)?)));
+    let pairs = a.orders.iter().filter(counts);
+    let pairs = pairs.filter_map(|a| Some((a, b.orders.iter().find(|b| (a.m, a.n) == (b.m, b.n))?)));
     let amplitudes = pairs.flat_map(|(a, b)| a.amplitudes().zip(b.amplitudes()));
     largest(amplitudes.flat_map(|(a, b)| [(a[0] - b[0]).norm(), (a[1] - b[1]).norm()]))
 }

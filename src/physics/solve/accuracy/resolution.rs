@@ -43,10 +43,7 @@ pub(crate) fn scaled_points(n: usize, factor: f64) -> usize {
     match n {
         1 if factor > 1.0 => 3,
         n if factor > 1.0 => smooth_size((n as f64 * factor).ceil() as usize),
-        n => {
-            let fits = |&k: &usize| (k as f64) <= n as f64 * factor && is_smooth(k);
-            (2..n).rev().find(fits).unwrap_or(n)
-        }
+        n => (2..n).rev().find(|&k| (k as f64) <= n as f64 * factor && is_smooth(k)).unwrap_or(n),
     }
 }
 

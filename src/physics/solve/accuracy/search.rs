@@ -123,13 +123,11 @@ impl Search<'_> {
     }
 
     fn given_up(self) -> AccuracyError {
-        let given_up = |last: Estimated| AccuracyError::GivenUp {
-            levels: LEVELS,
-            asked: self.accuracy,
-            reached: last.error_estimate,
-        };
-        let nothing = || self.refused.unwrap_or(AccuracyError::Accuracy(self.accuracy));
-        self.last.map_or_else(nothing, given_up)
+        let asked = self.accuracy;
+        match self.last {
+            Some(last) => AccuracyError::GivenUp { levels: LEVELS, asked, reached: last.error_estimate },
+            None => self.refused.unwrap_or(AccuracyError::Accuracy(asked)),
+        }
     }
 }
 

@@ -127,24 +127,15 @@ impl<'a> BornSeries<'a> {
 
     /// One step u ← u − γ (u − G (b − V'u)), with G the inverse of the shifted mean operator.
     fn step(&mut self) {
-        self.right_side();
-        self.apply_green();
-        let update = ndarray::Zip::from(&mut self.u).and(&self.points).and(&self.gamma);
-        update.par_for_each(|u, &next, &g| *u -= g * (*u - next)); // u − γ (u − next)
-    }
-
-    /// Right-hand side points ← b/D − (V'/D) u; b vanishes except on the illuminated face.
-    fn right_side(&mut self) {
         let product = ndarray::Zip::from(&mut self.points).and(&self.u).and(&self.contrast);
         product.par_for_each(|l, &u, &v| *l = -v * u); // −(V'/D) u
         let (row, source) = &self.source;
-        self.points.row_mut(*row).iter_mut().zip(source).for_each(|(l, b)| *l += b); // + b/D
-    }
-
-    /// Applies points ← G D points, harmonic by harmonic.
-    fn apply_green(&mut self) {
+        // + b/D, which vanishes except on the illuminated face
+        self.points.row_mut(*row).iter_mut().zip(source).for_each(|(l, b)| *l += b);
         self.shifted.solve_points(self.problem, &self.points, &mut self.harmonics); // G D ·
         self.problem.planes_to_points(&self.harmonics, &mut self.points);
+        let update = ndarray::Zip::from(&mut self.u).and(&self.points).and(&self.gamma);
+        update.par_for_each(|u, &next, &g| *u -= g * (*u - next)); // u − γ (u − next)
     }
 
     fn unknowns(&self) -> Field {

@@ -65,7 +65,8 @@ impl Solver for Relaxation {
             return Ok(ledger.finish(field));
         }
         let mut tau = self.tau;
-        let (mut march, mut memory) = self.begun(problem, tau, &field, &mut ledger);
+        let mut march = March::new(problem, tau, &field);
+        let mut memory = Memory::new(march.candidate(&mut ledger), self.memory);
         ledger.account.bytes = march.bytes() + memory.most_bytes();
         loop {
             let before = ledger.account.residual;
@@ -78,7 +79,8 @@ impl Solver for Relaxation {
                 // Ringing of the band-limited contrast causes gain at some points: shorter steps
                 // reduce the splitting error.
                 tau *= 0.5;
-                (march, memory) = self.begun(problem, tau, &memory.base.field, &mut ledger);
+                march = March::new(problem, tau, &memory.base.field);
+                memory = Memory::new(march.candidate(&mut ledger), self.memory);
             } else {
                 memory.average();
             }
@@ -90,7 +92,8 @@ impl Solver for Relaxation {
                 }
                 // Rounding has separated the blend's residual from the field's: restart from the
                 // field.
-                (march, memory) = self.begun(problem, tau, &memory.base.field, &mut ledger);
+                march = March::new(problem, tau, &memory.base.field);
+                memory = Memory::new(march.candidate(&mut ledger), self.memory);
             }
             ledger.judge("try another tau or window, or strategy = \"krylov\"")?;
         }
@@ -105,21 +108,8 @@ impl Solver for Relaxation {
 }
 
 impl Relaxation {
-    /// A march from a field, and a memory of nothing else.
-    fn begun<'a>(
-        &self,
-        problem: &'a Problem,
-        tau: f64,
-        field: &Field,
-        ledger: &mut Ledger,
-    ) -> (March<'a>, Memory) {
-        let mut march = March::new(problem, tau, field);
-        let base = march.candidate(ledger);
-        (march, Memory::new(base, self.memory))
-    }
-
     fn check(&self, problem: &Problem) -> Result<(), SolveError> {
-        if !problem.mean.is_real() {
+        if problem.mean.mean_absorption() > 0.0 {
             let remedy =
                 "both halves of the splitting must be dissipative: choose the real mean (--real-mean)";
             return Err(SolveError::setting("mean", "complex", "a real ⟨k²⟩", remedy));

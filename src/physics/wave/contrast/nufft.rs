@@ -82,8 +82,8 @@ impl<T: Real> SourceTransform<T> {
     /// Plans the transform.
     pub fn new(mmax: usize, nmax: usize, spreading: Spreading) -> SourceTransform<T> {
         let fine = [mmax, nmax].map(|m| fine_size(m, spreading));
-        let corrections = |(m, size)| kernel_correction(m, size, spreading.width);
-        let correction = [(mmax, fine[0]), (nmax, fine[1])].map(corrections);
+        let correction =
+            [(mmax, fine[0]), (nmax, fine[1])].map(|(m, size)| kernel_correction(m, size, spreading.width));
         let (fft, kernel) = (PlaneFft::new(fine[0], fine[1]), Kernel::new(spreading.width));
         SourceTransform { fine, fft, kernel, correction }
     }

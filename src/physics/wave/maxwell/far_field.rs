@@ -12,9 +12,6 @@ use crate::wave::far_field::Leaving;
 use crate::wave::{FarField, Field, Polarisation};
 use num_complex::Complex64;
 
-/// Amplitudes s and p of one order that leaves through one face.
-type Amplitudes = [Complex64; 2];
-
 impl VectorProblem {
     /// Evaluates the orders at both faces of the solution for one incident polarisation. The first
     /// amplitude of an order has the incident polarisation, the crossed one follows; efficiencies
@@ -34,21 +31,16 @@ impl VectorProblem {
         [side, i]: [usize; 2],
         incident: f64,
     ) -> Leaving {
-        let mut amplitudes = self.amplitudes(nodes, side, i);
+        let face = side * self.moments.grid.cells();
+        let mut amplitudes = [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]];
         amplitudes[own as usize] -= incident;
         let crossed = amplitudes[1 - own as usize];
         ([amplitudes[own as usize], crossed], self.efficiency(side, i, amplitudes))
     }
 
-    /// Amplitudes of one harmonic on a side, including the incident wave.
-    fn amplitudes(&self, nodes: &Nodes, side: usize, i: usize) -> Amplitudes {
-        let face = side * self.moments.grid.cells();
-        [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]]
-    }
-
     /// Flux relative to the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h are
     /// out of phase).
-    fn efficiency(&self, side: usize, harmonic: usize, [s, p]: Amplitudes) -> f64 {
+    fn efficiency(&self, side: usize, harmonic: usize, [s, p]: [Complex64; 2]) -> f64 {
         let (kappa, k) = (self.kappa[side][harmonic], self.k[side]);
         let parallel = (kappa * k.conj() / k).re;
         (kappa.re * s.norm_sqr() + parallel * p.norm_sqr()) / self.incident_kappa()

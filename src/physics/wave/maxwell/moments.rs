@@ -252,9 +252,9 @@ impl<'a> MomentSum<'a> {
         let slab = self.slab;
         self.spread(extents(ball), |mut push| sources::of_single(ball, normal, &slab, &mut push));
         self.spread(extents(core), |push| {
-            let mut less =
-                |Source { position, values }| push(Source { position, values: values.map(|v| -v) });
-            sources::of_single(core, normal, &slab, &mut less);
+            sources::of_single(core, normal, &slab, &mut |Source { position, values }| {
+                push(Source { position, values: values.map(|v| -v) });
+            });
         });
     }
 

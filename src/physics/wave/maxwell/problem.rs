@@ -153,8 +153,7 @@ impl System for Polarised {
 
     fn single(&self) -> Option<&dyn Scatter<f32>> {
         let Resolution { nx, ny, .. } = self.grid().resolution;
-        let narrowed = || self.problem.double.narrowed(PlaneFft::new(nx, ny));
-        Some(self.problem.single.get_or_init(narrowed))
+        Some(self.problem.single.get_or_init(|| self.problem.double.narrowed(PlaneFft::new(nx, ny))))
     }
 
     fn mean_k2(&self) -> &[Complex64] {

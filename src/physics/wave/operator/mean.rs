@@ -119,11 +119,6 @@ impl MeanOperator {
         self.mean_k2.iter().map(|k2| k2.im).fold(0.0, f64::max)
     }
 
-    /// Whether k̄² is real, as relaxation requires.
-    pub fn is_real(&self) -> bool {
-        self.mean_absorption() == 0.0
-    }
-
     /// Diagonal and off-diagonal of one harmonic's node system; `ends` are iκ of the half-spaces.
     pub fn node_matrix(&self, harmonic: usize, ends: [Complex64; 2]) -> (Vec<Complex64>, Vec<Complex64>) {
         let cells = self.heights.len();

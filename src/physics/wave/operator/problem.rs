@@ -199,8 +199,8 @@ impl Problem {
         self.mean.inverse.load(&mut product);
         self.mean.add_product(u, None, &mut product);
         let rows = u.outer_iter().zip(product.outer_iter());
-        let absorbed = |(u, y): (&Complex64, &Complex64)| (u.conj() * y).im;
-        rows.map(|(u, y)| u.iter().zip(y).map(absorbed).sum::<f64>()).sum::<f64>() / self.incident_kappa()
+        let absorbed = rows.map(|(u, y)| u.iter().zip(y).map(|(u, y)| (u.conj() * y).im).sum::<f64>());
+        absorbed.sum::<f64>() / self.incident_kappa()
     }
 }
 

@@ -170,8 +170,7 @@ impl KrylovRun<'_> {
         let more = solver.settings.guided_modes.of_hard_solves();
         let correction = self.correction.take();
         let problem = self.ledger.problem.split();
-        let guided = || problem.and_then(|problem| more.correction(problem)).map(RightFactor::Guided);
-        self.correction = correction.or_else(guided);
+        self.correction = correction.or_else(|| Some(RightFactor::Guided(more.correction(problem?)?)));
         self.restart = self.restart.max(solver.longest.min(HARD_GROWTH * self.restart));
     }
 

@@ -82,9 +82,9 @@ impl<'a, T: Real> CellSum<'a, T> {
     fn add_ball(&mut self, balls: &[Ball], i: usize, range: [f64; 2]) {
         let builder = self.builder;
         self.sources.open(extents(&balls[i]));
-        let mut ring =
-            |z: f64, weight: f64, points: &[EdgePoint]| self.add_cut(balls[0].center_um, [z, weight], points);
-        builder.sampling.rings(balls, i, range, &mut ring);
+        builder.sampling.rings(balls, i, range, &mut |z, weight, points| {
+            self.add_cut(balls[0].center_um, [z, weight], points);
+        });
         self.sources.close();
     }
 
@@ -92,9 +92,9 @@ impl<'a, T: Real> CellSum<'a, T> {
     fn add_solid(&mut self, solid: &Solid, range: [f64; 2]) {
         let builder = self.builder;
         self.sources.open([0, 1].map(|axis| solid.extent_um(axis)));
-        let mut cut =
-            |z: f64, weight: f64, points: &[EdgePoint]| self.add_cut(solid.center_um, [z, weight], points);
-        builder.sampling.cuts(solid, range, 0.0, &mut cut);
+        builder.sampling.cuts(solid, range, 0.0, &mut |z, weight, points| {
+            self.add_cut(solid.center_um, [z, weight], points);
+        });
         self.sources.close();
     }
 

@@ -56,8 +56,8 @@ impl Problem {
 
     /// J u: every harmonic takes the column of its opposite.
     pub fn opposite(&self, u: &Field) -> Field {
-        let opposite = |&[m, n]: &[i32; 2]| self.harmonics.find(-m, -n);
-        let columns: Option<Vec<usize>> = self.harmonics.orders.iter().map(opposite).collect();
+        let orders = self.harmonics.orders.iter();
+        let columns: Option<Vec<usize>> = orders.map(|&[m, n]| self.harmonics.find(-m, -n)).collect();
         let moved = u.select(ndarray::Axis(1), &columns.expect("harmonics are symmetric about zero"));
         // a selection of columns is laid out by columns, the tables' loops need rows
         moved.as_standard_layout().into_owned()
