@@ -21,7 +21,7 @@ impl Scene {
             }
         }
         if let Some(relief) = packing.relief() {
-            bodies.push(Body { shape: open(packing, relief), material: relief.face().into(), within: None });
+            bodies.push(Body { shape: open(packing, relief), material: relief.face.into(), within: None });
         }
         Scene { cut: packing.is_cut(), ..Scene::layer(packing.period_um(), packing.thickness_um(), bodies) }
     }
@@ -43,10 +43,10 @@ fn balls(spheres: &[Sphere]) -> Vec<Ball> {
 
 /// The space beyond the surface, which is sampled at the relief's own points.
 fn open(packing: &Packing, relief: &Relief) -> BodyShape {
-    let (period_um, count) = (packing.period_um(), relief.count());
+    let (period_um, count) = (packing.period_um(), relief.count);
     let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
     let thickness = packing.thickness_um();
-    let (end, face_um) = match relief.face() {
+    let (end, face_um) = match relief.face {
         RoughFace::Incident => (0, 0.0),
         RoughFace::Exit => (1, thickness),
     };
