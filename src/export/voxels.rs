@@ -2,7 +2,7 @@
 //! wave sees.
 
 use super::vti::{Image, PointArray};
-use crate::ink::{Packing, Relief, Solid};
+use crate::ink::{Packing, Solid};
 use crate::wave::{Material, Media};
 use ndarray::Array3;
 use num_complex::Complex64;
@@ -52,7 +52,7 @@ impl Voxels {
                 shares[usize::from(mark) - 1][x + count[0] * (y + count[1] * z)] += part;
             }
         }
-        let beyond = packing.relief().map(Relief::face).unwrap_or_default().into();
+        let beyond = packing.relief().map(|relief| relief.face).unwrap_or_default().into();
         Self { count, edge_um: [0, 1, 2].map(|i| size[i] / count[i] as f64), shares, beyond }
     }
 

@@ -8,7 +8,7 @@
 //! it.
 
 pub use super::bdf_orders::{Lobe, OrderMean, Totals};
-use super::bdf_orders::{View, order_mean, totals, view};
+use super::bdf_orders::{View, coherent_efficiency, totals, view};
 use crate::numerics::estimate::Estimate;
 use crate::wave::{FarField, Incidence, Order};
 use ndarray::Array2;
@@ -63,9 +63,6 @@ pub enum BdfError {
         /// The bandwidth in direction cosines.
         bandwidth: f64,
     },
-    /// The table could not be written; the message gives the reason.
-    #[error("cannot write the table: {0}")]
-    Write(String),
 }
 
 /// A smoothed BDF value, 1/sr; `effective_orders` = (ΣK)²/ΣK² is the number of orders of one
@@ -218,6 +215,7 @@ impl Bdf {
         }
     }
 
+    /// Kernel-weighted BDF, with the effective number of orders of one realisation.
     fn smooth(
         &self,
         lobe: Lobe,
@@ -225,18 +223,6 @@ impl Bdf {
         bandwidth: f64,
         distance: impl Fn([f64; 2]) -> f64,
     ) -> Result<Smoothed, BdfError> {
-        let (values, effective_orders) = self.kernel_means(lobe, at, bandwidth, distance)?;
-        Ok(Smoothed { bdf: Estimate::of_mean(&values), effective_orders })
-    }
-
-    /// Kernel-weighted BDF of every realisation, and the effective number of orders.
-    fn kernel_means(
-        &self,
-        lobe: Lobe,
-        at: [f64; 2],
-        bandwidth: f64,
-        distance: impl Fn([f64; 2]) -> f64,
-    ) -> Result<(Vec<f64>, f64), BdfError> {
         let [dx, dy] = self.spacing();
         if !(bandwidth.is_finite() && bandwidth > 0.0) {
             return Err(BdfError::Bandwidth { value: bandwidth, spacing: dx.max(dy) });
@@ -254,24 +240,27 @@ impl Bdf {
         let mean = |row: ndarray::ArrayView1<f64>| {
             row.iter().zip(&weights).map(|(e, w)| e * w).sum::<f64>() / sum / (dx * dy)
         };
-        Ok((data.efficiencies.outer_iter().map(mean).collect(), sum * sum / squares))
+        let values: Vec<f64> = data.efficiencies.outer_iter().map(mean).collect();
+        Ok(Smoothed { bdf: Estimate::of_mean(&values), effective_orders: sum * sum / squares })
     }
 }
 
 impl LobeData {
     fn new(fields: &[FarField], density: f64, lobe: Lobe) -> Self {
-        let kept: Vec<usize> =
-            (0..fields[0].orders.len()).filter(|&k| view(&fields[0].orders[k], lobe).propagates).collect();
-        let at = |r: usize, k: usize| view(&fields[r].orders[kept[k]], lobe);
-        let efficiencies = Array2::from_shape_fn((fields.len(), kept.len()), |(r, k)| at(r, k).efficiency);
-        let column = |k: usize| -> Vec<View> { (0..fields.len()).map(|r| at(r, k)).collect() };
-        let orders: Vec<OrderMean> = kept
-            .iter()
-            .enumerate()
-            .map(|(k, &i)| order_mean(&fields[0].orders[i], &column(k), density))
-            .collect();
+        let first = &fields[0].orders;
+        let kept: Vec<usize> = (0..first.len()).filter(|&k| view(&first[k], lobe).propagates).collect();
+        let column = |&k: &usize| -> Vec<View> { fields.iter().map(|f| view(&f.orders[k], lobe)).collect() };
+        let columns: Vec<Vec<View>> = kept.iter().map(column).collect();
+        let shape = (fields.len(), kept.len());
+        let efficiencies = Array2::from_shape_fn(shape, |(r, k)| columns[k][r].efficiency);
+        let order = |(&k, column): (&usize, &Vec<View>)| {
+            let Order { m, n, direction, .. } = first[k];
+            let samples: Vec<f64> = column.iter().map(|view| view.efficiency).collect();
+            OrderMean::new((m, n), direction, &samples, coherent_efficiency(column.iter()), density)
+        };
+        let orders: Vec<OrderMean> = kept.iter().zip(&columns).map(order).collect();
         let specular = orders.iter().position(|o| o.m == 0 && o.n == 0);
-        let totals = totals(&efficiencies, specular, &specular.map(column).unwrap_or_default());
+        let totals = totals(&efficiencies, specular, specular.map_or(&[][..], |k| &columns[k]));
         Self { orders, efficiencies, totals }
     }
 }

@@ -8,7 +8,6 @@
 
 use super::bdf::{Bdf, BdfError, LobeData};
 use super::bdf_orders::{Lobe, OrderMean, View, totals, view};
-use crate::numerics::estimate::Estimate;
 use crate::wave::{FarField, Incidence, Order};
 use ndarray::Array2;
 use std::collections::BTreeMap;
@@ -63,17 +62,13 @@ impl Lattice {
     fn place(&self, direction: [f64; 2], reach: f64) -> BinPlace {
         let nearest = |i: usize| ((direction[i] - self.centre[i]) / self.step[i]).round() as i32;
         let around = (-1..=1).flat_map(|i| (-1..=1).map(move |j| (nearest(0) + i, nearest(1) + j)));
-        let distance = |place: &BinPlace| {
-            let [x, y] = self.direction(*place);
-            (x - direction[0]).hypot(y - direction[1])
+        let distance = |place: &BinPlace, [x, y]: [f64; 2]| {
+            let bin = self.direction(*place);
+            (bin[0] - x).hypot(bin[1] - y)
         };
-        let cosine = |place: &BinPlace| {
-            let [x, y] = self.direction(*place);
-            x.hypot(y)
-        };
-        let inside = |place: &BinPlace| *place != (0, 0) && cosine(place) < reach;
-        let best = around.filter(inside).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        best.unwrap_or((nearest(0), nearest(1)))
+        let inside = |place: &BinPlace| *place != (0, 0) && distance(place, [0.0; 2]) < reach;
+        let best = around.filter(inside).map(|place| (distance(&place, direction), place));
+        best.min_by(|a, b| a.0.total_cmp(&b.0)).map_or((nearest(0), nearest(1)), |(_, place)| place)
     }
 
     fn collect(&self, fields: &[FarField], lobe: Lobe) -> LobeData {
@@ -96,26 +91,15 @@ impl Lattice {
     fn lobe(&self, fields: &[FarField], lobe: Lobe, cells: BTreeMap<BinPlace, Vec<f64>>) -> LobeData {
         let density = 1.0 / (self.step[0] * self.step[1]);
         let columns: Vec<(BinPlace, Vec<f64>)> = cells.into_iter().collect();
-        let orders = columns.iter().map(|(place, samples)| self.order(*place, samples, density)).collect();
+        let order = |(place, samples): &(BinPlace, Vec<f64>)| {
+            OrderMean::new(*place, self.direction(*place), samples, None, density)
+        };
+        let orders = columns.iter().map(order).collect();
         let efficiencies = Array2::from_shape_fn((fields.len(), columns.len()), |(r, k)| columns[k].1[r]);
         let specular = columns.iter().position(|(place, _)| *place == (0, 0));
         let straight: Vec<View> = fields.iter().map(|f| view(f.specular(), lobe)).collect();
         let totals = totals(&efficiencies, specular, &straight);
         LobeData { orders, efficiencies, totals }
-    }
-
-    fn order(&self, (m, n): BinPlace, samples: &[f64], density: f64) -> OrderMean {
-        let efficiency = Estimate::of_mean(samples);
-        let standard_error = efficiency.standard_error.map(|s| s * density);
-        OrderMean {
-            m,
-            n,
-            direction: self.direction((m, n)),
-            efficiency,
-            coherent: None,
-            diffuse: None,
-            bdf: Estimate { value: efficiency.value * density, standard_error },
-        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! One order, and all orders of one side, averaged over an ensemble.
 
-use crate::numerics::estimate::{Estimate, jackknife_covariance};
+use crate::numerics::estimate::Estimate;
 use crate::wave::{FURTHER, Order};
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -74,26 +74,26 @@ pub(super) fn view(order: &Order, lobe: Lobe) -> View {
     View { propagates, amplitudes, efficiency }
 }
 
-pub(super) fn order_mean(order: &Order, column: &[View], density: f64) -> OrderMean {
-    let efficiency = Estimate::of_mean(&column.iter().map(|v| v.efficiency).collect::<Vec<_>>());
-    let coherent = coherent_efficiency(column.iter());
-    OrderMean {
-        m: order.m,
-        n: order.n,
-        direction: order.direction,
-        efficiency,
-        coherent,
-        diffuse: coherent.map(|c| efficiency.value - c),
-        bdf: Estimate {
-            value: efficiency.value * density,
-            standard_error: efficiency.standard_error.map(|s| s * density),
-        },
+impl OrderMean {
+    /// The mean of an order's efficiencies; `density` is the number of orders per steradian.
+    pub(super) fn new(
+        (m, n): (i32, i32),
+        direction: [f64; 2],
+        samples: &[f64],
+        coherent: Option<f64>,
+        density: f64,
+    ) -> Self {
+        let efficiency = Estimate::of_mean(samples);
+        let standard_error = efficiency.standard_error.map(|s| s * density);
+        let bdf = Estimate { value: efficiency.value * density, standard_error };
+        let diffuse = coherent.map(|c| efficiency.value - c);
+        Self { m, n, direction, efficiency, coherent, diffuse, bdf }
     }
 }
 
 /// Unbiased w|⟨a⟩|² = w(|ā|² − s²/n), with w = Σe/Σ|a|² the flux factor of the order, summed over
 /// mutually incoherent amplitudes. `None` for one sample.
-fn coherent_efficiency<'a>(views: impl Iterator<Item = &'a View>) -> Option<f64> {
+pub(super) fn coherent_efficiency<'a>(views: impl Iterator<Item = &'a View>) -> Option<f64> {
     let (mut n, mut sum, mut square, mut power) = (0.0, [Complex64::ZERO; 1 + FURTHER], 0.0, 0.0);
     for v in views {
         n += 1.0;
@@ -125,8 +125,6 @@ pub(super) fn totals(efficiencies: &Array2<f64>, specular: Option<usize>, column
 /// The coherent part of the specular order; a jackknife error needs at least three realisations.
 fn coherent_total(column: &[View]) -> Option<Estimate> {
     let others = |r: usize| column.iter().enumerate().filter(move |(s, _)| *s != r).map(|(_, v)| v);
-    let replicates: Option<Vec<[f64; 1]>> =
-        (0..column.len()).map(|r| coherent_efficiency(others(r)).map(|c| [c])).collect();
-    let variance = replicates.and_then(|r| jackknife_covariance(&r)).map(|c| c[0][0].sqrt());
-    coherent_efficiency(column.iter()).map(|value| Estimate { value, standard_error: variance })
+    let replicates: Vec<f64> = (0..column.len()).map_while(|r| coherent_efficiency(others(r))).collect();
+    coherent_efficiency(column.iter()).map(|value| Estimate::jackknife(value, &replicates))
 }

@@ -111,17 +111,12 @@ impl Colour {
 
     /// Derivatives of C* with respect to L*, a*, b*.
     pub fn chroma_gradient(&self) -> [f64; 3] {
-        gradient(&|[_, a, b]| a.hypot(b), self.lab)
+        gradient(|[_, a, b]| a.hypot(b), self.lab)
     }
 
     /// Standard errors of L*, a*, b*.
     pub fn lab_standard_error(&self) -> Option<[f64; 3]> {
         self.lab_covariance.map(|c| std::array::from_fn(|i| c[i][i].max(0.0).sqrt()))
-    }
-
-    /// ΔE*ab (CIE 1976) to an independent colour; see [`Colour::delta_e_2000`] for the error.
-    pub fn delta_e_76(&self, other: &Self) -> Estimate {
-        self.difference(other, &INDEPENDENT, distance)
     }
 
     /// ΔE₀₀ (CIEDE2000, k_L = k_C = k_H = 1) to an independent colour.
@@ -136,7 +131,17 @@ impl Colour {
     /// ΔE₀₀ between correlated colours, such as those of the same realisations: `common[i][j]` is
     /// the covariance of Lab component i of `self` and j of `other`.
     pub fn delta_e_2000_among(&self, other: &Self, common: &[[f64; 3]; 3]) -> Estimate {
-        self.difference(other, common, ciede2000)
+        let [here, there] = self.delta_e_2000_gradients(other);
+        let shared: f64 = (0..9).map(|k| here[k / 3] * common[k / 3][k % 3] * there[k % 3]).sum();
+        let variance = |a, b| quadratic_form(&a, here) + quadratic_form(&b, there) + 2.0 * shared;
+        let covariances = self.lab_covariance.zip(other.lab_covariance);
+        let first_order = covariances.map(|(a, b)| variance(a, b).max(0.0).sqrt());
+        // equal colours define no direction: the noise over all directions bounds the error
+        let equal = distance(self.lab, other.lab) < 2.0 * STEP;
+        let in_common = 2.0 * (common[0][0] + common[1][1] + common[2][2]);
+        let noise = || Some((self.delta_e_noise(other)?.powi(2) - in_common).max(0.0).sqrt());
+        let standard_error = if equal { noise() } else { first_order };
+        Estimate { value: ciede2000(self.lab, other.lab), standard_error }
     }
 
     /// Root mean square of ΔE*ab expected from the two uncertainties alone: √tr(C₁ + C₂).
@@ -155,30 +160,10 @@ impl Colour {
 
     /// Derivatives of ΔE₀₀ with respect to Lab of `self` and of `other`.
     pub fn delta_e_2000_gradients(&self, other: &Self) -> [[f64; 3]; 2] {
-        self.gradients(other, &ciede2000)
-    }
-
-    fn gradients(&self, other: &Self, f: &impl Fn([f64; 3], [f64; 3]) -> f64) -> [[f64; 3]; 2] {
-        [gradient(&|p| f(p, other.lab), self.lab), gradient(&|q| f(self.lab, q), other.lab)]
-    }
-
-    fn difference(
-        &self,
-        other: &Self,
-        common: &[[f64; 3]; 3],
-        f: impl Fn([f64; 3], [f64; 3]) -> f64,
-    ) -> Estimate {
-        let [here, there] = self.gradients(other, &f);
-        let shared: f64 = (0..9).map(|k| here[k / 3] * common[k / 3][k % 3] * there[k % 3]).sum();
-        let variance = |a, b| quadratic_form(&a, here) + quadratic_form(&b, there) + 2.0 * shared;
-        let covariances = self.lab_covariance.zip(other.lab_covariance);
-        let first_order = covariances.map(|(a, b)| variance(a, b).max(0.0).sqrt());
-        // equal colours define no direction: the noise over all directions bounds the error
-        let equal = distance(self.lab, other.lab) < 2.0 * STEP;
-        let in_common = 2.0 * (common[0][0] + common[1][1] + common[2][2]);
-        let noise = || Some((self.delta_e_noise(other)?.powi(2) - in_common).max(0.0).sqrt());
-        let standard_error = if equal { noise() } else { first_order };
-        Estimate { value: f(self.lab, other.lab), standard_error }
+        [
+            gradient(|lab| ciede2000(lab, other.lab), self.lab),
+            gradient(|lab| ciede2000(self.lab, lab), other.lab),
+        ]
     }
 }
 
@@ -237,18 +222,13 @@ fn quadratic_metric(lab: [f64; 3], by: [f64; 3]) -> f64 {
 const STEP: f64 = 1e-3;
 
 /// Gradient by central differences.
-fn gradient(f: &impl Fn([f64; 3]) -> f64, at: [f64; 3]) -> [f64; 3] {
-    std::array::from_fn(|i| derivative(f, at, i))
-}
-
-/// Central difference along component i.
-fn derivative(f: &impl Fn([f64; 3]) -> f64, at: [f64; 3], i: usize) -> f64 {
-    let shifted = |by: f64| {
+fn gradient(f: impl Fn([f64; 3]) -> f64, at: [f64; 3]) -> [f64; 3] {
+    let shifted = |i: usize, by: f64| {
         let mut p = at;
         p[i] += by;
         f(p)
     };
-    (shifted(STEP) - shifted(-STEP)) / (2.0 * STEP)
+    std::array::from_fn(|i| (shifted(i, STEP) - shifted(i, -STEP)) / (2.0 * STEP))
 }
 
 #[cfg(test)]

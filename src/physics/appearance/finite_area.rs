@@ -55,7 +55,7 @@ pub enum FiniteAreaError {
     #[error(
         "illuminated_um, the side of the lit square, is {value}; allowed is {least} … {most} µm (one period to a thousand \
          wavelengths): try ten periods, {} µm",
-        ten_times(.least)
+        10.0 * .least
     )]
     Side {
         /// The side found, µm.
@@ -99,10 +99,6 @@ pub enum FiniteAreaError {
         /// From the x axis, degrees.
         azimuth_deg: f64,
     },
-}
-
-fn ten_times(length: &f64) -> f64 {
-    10.0 * length
 }
 
 /// Light that leaves an illuminated square of the layer on one side (P2 (4.9)).

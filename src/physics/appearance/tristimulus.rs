@@ -6,6 +6,7 @@ pub use super::error::ColourError;
 pub use beyond::{COLOUR_RANGE_NM, MOST_OUTSIDE};
 
 use super::viewing::{Summation, Viewing};
+use crate::numerics::lagrange::lagrange;
 use beyond::SpectrumEnd;
 
 /// Range of the CIE tables, nm.
@@ -80,7 +81,10 @@ impl Colorimeter {
         };
         let ends = SpectrumEnd::both(wavelengths_nm, step_nm, viewing);
         if viewing.summation == Summation::Plain {
-            ends.iter().for_each(|end| fold(&mut raw[end.node()], end.white()));
+            for end in &ends {
+                let (own, beyond) = (&mut raw[end.node()], end.white());
+                *own = std::array::from_fn(|c| own[c] + beyond[c]);
+            }
         }
         let scale = 100.0 / raw.iter().map(|w| w[1]).sum::<f64>();
         let weights: Vec<_> = raw.iter().map(|w| w.map(|x| scale * x)).collect();
@@ -189,11 +193,6 @@ fn check_grid(grid: &[f64]) -> Result<(), ColourError> {
     }
 }
 
-/// Adds the weight beyond an end of the grid to that of the end.
-fn fold(own: &mut [f64; 3], beyond: [f64; 3]) {
-    own.iter_mut().zip(beyond).for_each(|(own, beyond)| *own += beyond);
-}
-
 fn check_white(grid: &[f64], white: [f64; 3], ends: &[SpectrumEnd; 2]) -> Result<(), ColourError> {
     let [below, above] = ends.each_ref().map(SpectrumEnd::white);
     let inside = |c: usize| 1.0 - (below[c] + above[c]) / white[c];
@@ -232,26 +231,24 @@ fn light_times_observer(nm: f64, viewing: &Viewing) -> [f64; 3] {
 fn resampled_weights(grid: &[f64], most_nm: f64, viewing: &Viewing) -> (f64, Vec<[f64; 3]>) {
     let (first, last) = (grid[0], grid[grid.len() - 1]);
     let intervals = ((last - first) / most_nm - 1e-9).ceil().max(1.0);
-    let mut weights = vec![[0.0; 3]; grid.len()];
-    for k in 0..=intervals as usize {
-        let nm = first + (last - first) * k as f64 / intervals;
-        let row = light_times_observer(nm, viewing);
-        for (j, share) in lagrange_shares(grid, nm) {
-            (0..3).for_each(|c| weights[j][c] += share * row[c]);
-        }
-    }
-    ((last - first) / intervals, weights)
+    let places = (0..=intervals as usize).map(|k| first + (last - first) * k as f64 / intervals);
+    let light = places.map(|nm| (nm, light_times_observer(nm, viewing)));
+    ((last - first) / intervals, distributed(grid, light))
 }
 
 /// Weights by ASTM E308: every nanometre of the tables is distributed over the grid by the rule of
 /// ASTM E2022; the range beyond the grid is assigned to its ends.
 fn e308_weights(grid: &[f64], viewing: &Viewing) -> Vec<[f64; 3]> {
     let (first, last) = (grid[0], grid[grid.len() - 1]);
-    let mut weights = vec![[0.0; 3]; grid.len()];
     let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
-    for nm in lo..=hi {
-        let row = viewing.row(nm);
-        for (j, share) in lagrange_shares(grid, (nm as f64).clamp(first, last)) {
+    distributed(grid, (lo..=hi).map(|nm| ((nm as f64).clamp(first, last), viewing.row(nm))))
+}
+
+/// Sums of the weights of X, Y, Z at given wavelengths, shared among those of the grid.
+fn distributed(grid: &[f64], light: impl Iterator<Item = (f64, [f64; 3])>) -> Vec<[f64; 3]> {
+    let mut weights = vec![[0.0; 3]; grid.len()];
+    for (nm, row) in light {
+        for (j, share) in lagrange_shares(grid, nm) {
             (0..3).for_each(|c| weights[j][c] += share * row[c]);
         }
     }
@@ -261,10 +258,6 @@ fn e308_weights(grid: &[f64], viewing: &Viewing) -> Vec<[f64; 3]> {
 /// (index, weight) pairs of the local Lagrange interpolation through up to four neighbours.
 pub fn lagrange_shares(grid: &[f64], at: f64) -> Vec<(usize, f64)> {
     let after = grid.partition_point(|&x| x < at).clamp(1, grid.len() - 1);
-    let window = after.saturating_sub(2)..(after + 2).min(grid.len());
-    let share = |j: usize| {
-        let factors = window.clone().filter(|&k| k != j).map(|k| (at - grid[k]) / (grid[j] - grid[k]));
-        factors.product::<f64>()
-    };
-    window.clone().map(|j| (j, share(j))).collect()
+    let first = after.saturating_sub(2);
+    (first..).zip(lagrange(&grid[first..(after + 2).min(grid.len())], at)).collect()
 }

@@ -6,51 +6,19 @@ use colorimetry::observer::Observer;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
-/// The illuminants of CIE 15:2018 by name.
-const ILLUMINANTS: [(&str, CieIlluminant); 39] = {
+/// The illuminants of CIE 15:2018, which are known by these names.
+const ILLUMINANTS: [CieIlluminant; 39] = {
     use CieIlluminant::*;
     [
-        ("D65", D65),
-        ("D50", D50),
-        ("E", E),
-        ("A", A),
-        ("F1", F1),
-        ("F2", F2),
-        ("F3", F3),
-        ("F4", F4),
-        ("F5", F5),
-        ("F6", F6),
-        ("F7", F7),
-        ("F8", F8),
-        ("F9", F9),
-        ("F10", F10),
-        ("F11", F11),
-        ("F12", F12),
-        ("F3_1", F3_1),
-        ("F3_2", F3_2),
-        ("F3_3", F3_3),
-        ("F3_4", F3_4),
-        ("F3_5", F3_5),
-        ("F3_6", F3_6),
-        ("F3_7", F3_7),
-        ("F3_8", F3_8),
-        ("F3_9", F3_9),
-        ("F3_10", F3_10),
-        ("F3_11", F3_11),
-        ("F3_12", F3_12),
-        ("F3_13", F3_13),
-        ("F3_14", F3_14),
-        ("F3_15", F3_15),
-        ("LED_B1", LED_B1),
-        ("LED_B2", LED_B2),
-        ("LED_B3", LED_B3),
-        ("LED_B4", LED_B4),
-        ("LED_B5", LED_B5),
-        ("LED_BH1", LED_BH1),
-        ("LED_RGB1", LED_RGB1),
-        ("LED_V1", LED_V1),
+        D65, D50, E, A, F1, F2, F3, F4, F5, F6, F7, F8, F9, F10, F11, F12, F3_1, F3_2, F3_3, F3_4, F3_5,
+        F3_6, F3_7, F3_8, F3_9, F3_10, F3_11, F3_12, F3_13, F3_14, F3_15, LED_B1, LED_B2, LED_B3, LED_B4,
+        LED_B5, LED_BH1, LED_RGB1, LED_V1,
     ]
 };
+
+fn illuminant_names() -> [&'static str; 39] {
+    ILLUMINANTS.each_ref().map(|light| light.as_ref())
+}
 
 /// Illuminants without spectral lines.
 const SMOOTH: [&str; 4] = ["D65", "D50", "E", "A"];
@@ -93,7 +61,7 @@ impl Default for Viewing {
 
 /// Names of illuminants for a file's schema; case does not matter.
 pub fn illuminants(_: &mut SchemaGenerator) -> Schema {
-    offered(&ILLUMINANTS.map(|(name, _)| name))
+    offered(&illuminant_names())
 }
 
 /// Names of observers for a file's schema; a degree sign is accepted.
@@ -113,18 +81,16 @@ impl Viewing {
     /// # Errors
     /// Unknown names.
     pub fn new(illuminant: &str, observer: &str, summation: Summation) -> Result<Self, ColourError> {
-        let unknown = |what, value: &str, allowed: Vec<&str>| {
-            Err(ColourError::UnknownName { what, value: value.to_owned(), allowed: allowed.join(", ") })
+        let unknown = |what, value: &str, allowed: &[&str]| {
+            let (value, allowed) = (value.to_owned(), allowed.join(", "));
+            ColourError::UnknownName { what, value, allowed }
         };
-        let light = ILLUMINANTS.iter().find(|(name, _)| name.eq_ignore_ascii_case(illuminant.trim()));
-        let Some((light, _)) = light else {
-            return unknown("illuminant", illuminant, ILLUMINANTS.map(|(name, _)| name).to_vec());
-        };
-        let seen = OBSERVERS.iter().find(|(name, _)| *name == observer.trim().trim_end_matches('°'));
-        let Some((seen, _)) = seen else {
-            return unknown("observer", observer, OBSERVERS.map(|(name, _)| name).to_vec());
-        };
-        Ok(Self { illuminant: (*light).to_owned(), observer: (*seen).to_owned(), summation })
+        let light = illuminant_names().into_iter().find(|name| name.eq_ignore_ascii_case(illuminant.trim()));
+        let light = light.ok_or_else(|| unknown("illuminant", illuminant, &illuminant_names()))?;
+        let observers = OBSERVERS.map(|(name, _)| name);
+        let seen = observers.into_iter().find(|name| *name == observer.trim().trim_end_matches('°'));
+        let seen = seen.ok_or_else(|| unknown("observer", observer, &observers))?;
+        Ok(Self { illuminant: light.to_owned(), observer: seen.to_owned(), summation })
     }
 
     /// Name of the illuminant, such as `D50`.
@@ -151,12 +117,10 @@ impl Viewing {
 
     /// S(λ) (x̄, ȳ, z̄)(λ) at a whole number of nm, 380 to 780.
     pub(super) fn row(&self, nm: usize) -> [f64; 3] {
-        let find = |name: &str| {
-            ILLUMINANTS.iter().find(|(known, _)| *known == name).map_or(CieIlluminant::D65, |l| l.1)
-        };
-        let observer =
-            OBSERVERS.iter().find(|(known, _)| *known == self.observer).map_or(Observer::Cie1931, |o| o.1);
-        let light = find(&self.illuminant).illuminant().as_ref()[nm];
+        let light = ILLUMINANTS.into_iter().find(|light| light.as_ref() == self.illuminant);
+        let light = light.unwrap_or(CieIlluminant::D65).illuminant().as_ref()[nm];
+        let observer = OBSERVERS.into_iter().find(|(name, _)| *name == self.observer);
+        let observer = observer.map_or(Observer::Cie1931, |(_, observer)| observer);
         // all callers stay inside the tables, so the lookup cannot fail
         observer.xyz_at_wavelength(nm).map_or([0.0; 3], |xyz| xyz.to_array().map(|x| light * x))
     }
@@ -214,7 +178,7 @@ mod tests {
     fn white_is_white_under_every_light() {
         use crate::appearance::colour::Colorimeter;
         let grid: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * f64::from(i)).collect();
-        for (name, _) in ILLUMINANTS {
+        for name in illuminant_names() {
             let viewing = Viewing::new(name, "10", Summation::Plain).unwrap();
             let meter = Colorimeter::under(&grid, &viewing).unwrap();
             assert_eq!(meter.colour(&[1.0; 31]).unwrap().srgb8, [255; 3], "{name}");

@@ -101,12 +101,23 @@ fn reached_part(reached: &Option<Reached>, wanted: usize) -> String {
 
 impl PackError {
     pub(crate) fn input(
-        field: impl Into<String>,
+        field: impl ToString,
         found: impl ToString,
-        allowed: impl Into<String>,
-        remedy: impl Into<String>,
+        allowed: impl ToString,
+        remedy: impl ToString,
     ) -> Self {
-        let (field, allowed, remedy) = (field.into(), allowed.into(), remedy.into());
-        Self::BadInput { field, found: found.to_string(), allowed, remedy }
+        let [field, found] = [field.to_string(), found.to_string()];
+        Self::BadInput { field, found, allowed: allowed.to_string(), remedy: remedy.to_string() }
+    }
+
+    /// Refuses an input that is not sound.
+    pub(crate) fn unless(
+        sound: bool,
+        field: impl ToString,
+        found: impl ToString,
+        allowed: impl ToString,
+        remedy: impl ToString,
+    ) -> Result<(), Self> {
+        if sound { Ok(()) } else { Err(Self::input(field, found, allowed, remedy)) }
     }
 }

@@ -86,19 +86,11 @@ const LENGTHS: f64 = 5.0;
 
 impl ReliefRequest {
     pub(crate) fn check(&self, thickness_um: f64, period_um: [f64; 2], walls: bool) -> Result<(), PackError> {
-        if !walls {
-            let remedy = "set walls = true, or remove the relief";
-            return Err(PackError::input(
-                "relief",
-                "with walls = false",
-                "relief between walls only",
-                remedy,
-            ));
-        }
-        if !(self.depth_um >= 0.0 && self.depth_um < thickness_um) {
-            let allowed = format!("0 up to the thickness, {thickness_um} µm");
-            return Err(PackError::input("relief.depth_um", self.depth_um, allowed, "lower the depth"));
-        }
+        let remedy = "set walls = true, or remove the relief";
+        PackError::unless(walls, "relief", "with walls = false", "relief between walls only", remedy)?;
+        let sound = self.depth_um >= 0.0 && self.depth_um < thickness_um;
+        let allowed = format!("0 up to the thickness, {thickness_um} µm");
+        PackError::unless(sound, "relief.depth_um", self.depth_um, allowed, "lower the depth")?;
         match self.rule {
             ReliefRule::Flat => Ok(()),
             ReliefRule::Following { follow, smoothing_um } => check_following(follow, smoothing_um),
@@ -108,36 +100,29 @@ impl ReliefRequest {
         }
     }
 
+    /// Height of pigment and binder when levelled.
+    pub(crate) fn dry_um(&self, thickness_um: f64) -> f64 {
+        thickness_um - self.depth_um
+    }
+
     fn check_random(&self, rms_um: f64, correlation_um: f64, period_um: f64) -> Result<(), PackError> {
         let highest = self.depth_um / HEADROOM;
-        if !(0.0..=highest).contains(&rms_um) {
-            let allowed = format!("0 … {highest} µm, half of the depth above which grains end");
-            return Err(PackError::input("relief.rule.rms_um", rms_um, allowed, "raise relief.depth_um"));
-        }
+        let (field, sound) = ("relief.rule.rms_um", (0.0..=highest).contains(&rms_um));
+        let allowed = format!("0 … {highest} µm, half of the depth above which grains end");
+        PackError::unless(sound, field, rms_um, allowed, "raise relief.depth_um")?;
         let [least, most] = [std::f64::consts::SQRT_2 * rms_um / STEEPEST, period_um / LENGTHS];
-        if !(least..=most).contains(&correlation_um) || correlation_um <= 0.0 {
-            let allowed = format!("{least:.4} … {most:.4} µm, for slopes up to 45° and cells of 5 lengths");
-            let remedy = "lower rms_um, or raise layer.period_um";
-            return Err(PackError::input("relief.rule.correlation_um", correlation_um, allowed, remedy));
-        }
-        Ok(())
+        let sound = (least..=most).contains(&correlation_um) && correlation_um > 0.0;
+        let allowed = format!("{least:.4} … {most:.4} µm, for slopes up to 45° and cells of 5 lengths");
+        let remedy = "lower rms_um, or raise layer.period_um";
+        PackError::unless(sound, "relief.rule.correlation_um", correlation_um, allowed, remedy)
     }
 }
 
 fn check_following(follow: f64, smoothing_um: f64) -> Result<(), PackError> {
-    if !FOLLOW.holds(follow) {
-        return Err(PackError::input("relief.rule.follow", follow, "0 (flat) to 1", "lower it"));
-    }
-    if !LENGTH_UM.holds(smoothing_um) {
-        let field = "relief.rule.smoothing_um";
-        return Err(PackError::input(field, smoothing_um, "finite, at least 0", "about one grain radius"));
-    }
-    Ok(())
-}
-
-/// Height of pigment and binder when levelled.
-pub(crate) fn dry_height_um(request: &ReliefRequest, thickness_um: f64) -> f64 {
-    thickness_um - request.depth_um
+    let sound = FOLLOW.holds(follow);
+    PackError::unless(sound, "relief.rule.follow", follow, "0 (flat) to 1", "lower it")?;
+    let (field, sound) = ("relief.rule.smoothing_um", LENGTH_UM.holds(smoothing_um));
+    PackError::unless(sound, field, smoothing_um, "finite, at least 0", "about one grain radius")
 }
 
 /// The binder's surface as heights above the opposite face on a periodic grid, with its volume
@@ -147,14 +132,23 @@ pub struct Relief {
     pub(super) heights_um: Vec<f64>,
     /// Height of the free surface, the higher of binder and grains, at the grid points.
     pub(super) surface_um: Vec<f64>,
-    pub(super) count: [usize; 2],
+    /// Points of the height grid along x and y.
+    pub count: [usize; 2],
     pub(super) period_um: [f64; 2],
-    pub(super) rule: ReliefRule,
-    pub(super) face: RoughFace,
-    pub(super) protruding_share: f64,
-    pub(super) fraction_below: f64,
-    pub(super) dry_height_um: f64,
-    pub(super) balance_error: f64,
+    /// The requested rule.
+    pub rule: ReliefRule,
+    /// The rough face.
+    pub face: RoughFace,
+    /// Fraction of the pigment's volume above the binder's surface.
+    pub protruding_share: f64,
+    /// Volume fraction of pigment below the binder's surface (the request refers to the dry volume
+    /// instead).
+    pub fraction_below: f64,
+    /// Height of pigment and binder when levelled, the reference of the volume fractions.
+    pub dry_height_um: f64,
+    /// Relative error of the pigment's volume on the grid of columns: the accuracy of the volume
+    /// balance.
+    pub balance_error: f64,
 }
 
 impl Relief {
@@ -162,21 +156,6 @@ impl Relief {
     /// grid.
     pub fn height_um(&self, x_um: f64, y_um: f64) -> f64 {
         bilinear(&self.heights_um, self.count, self.period_um, [x_um, y_um])
-    }
-
-    /// Points of the height grid along x and y.
-    pub fn count(&self) -> [usize; 2] {
-        self.count
-    }
-
-    /// The requested rule.
-    pub fn rule(&self) -> ReliefRule {
-        self.rule
-    }
-
-    /// The rough face.
-    pub fn face(&self) -> RoughFace {
-        self.face
     }
 
     /// Mean height of the binder above the opposite face, µm.
@@ -192,28 +171,6 @@ impl Relief {
     /// Root mean square deviation of the free surface: the higher of binder and grains.
     pub fn rms_surface_um(&self) -> f64 {
         rms(&self.surface_um)
-    }
-
-    /// Fraction of the pigment's volume above the binder's surface.
-    pub fn protruding_share(&self) -> f64 {
-        self.protruding_share
-    }
-
-    /// Volume fraction of pigment below the binder's surface (the request refers to the dry volume
-    /// instead).
-    pub fn fraction_below(&self) -> f64 {
-        self.fraction_below
-    }
-
-    /// Height of pigment and binder when levelled, the reference of the volume fractions.
-    pub fn dry_height_um(&self) -> f64 {
-        self.dry_height_um
-    }
-
-    /// Relative error of the pigment's volume on the grid of columns: the accuracy of the volume
-    /// balance.
-    pub fn balance_error(&self) -> f64 {
-        self.balance_error
     }
 }
 

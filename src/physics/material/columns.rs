@@ -4,13 +4,9 @@
 //! In many countries, spreadsheets write `;` between columns and `,` in numbers. The header line
 //! determines which convention a file uses; a mixed file is rejected with an explanation.
 
-mod error;
-
-pub use error::ColumnsError;
-
-use crate::numerics::files;
-use std::io;
-use std::path::{Path, PathBuf};
+use crate::numerics::files::{self, FileError};
+use std::fmt::Arguments;
+use std::path::Path;
 
 /// Shortest plausible wavelength in a table of optical constants, nm; smaller numbers are probably
 /// µm.
@@ -26,7 +22,7 @@ pub fn micrometres(wavelengths_nm: impl IntoIterator<Item = f64>) -> Option<f64>
 #[derive(Clone, Debug, PartialEq)]
 pub struct Columns {
     /// Path of the file.
-    path: PathBuf,
+    path: String,
     /// Names in lower case, as the header has them.
     pub names: Vec<String>,
     /// One list per line.
@@ -40,21 +36,23 @@ impl Columns {
     ///
     /// # Errors
     /// The file cannot be read, has no header, or a line that does not fit it.
-    pub fn read(path: &Path) -> Result<Self, ColumnsError> {
-        let unreadable = |source| ColumnsError::Unreadable { path: path.into(), source };
-        let bytes = files::read_bytes(path, files::TABLE).map_err(unreadable)?;
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let bytes = files::read_bytes(path, files::TABLE);
+        let bytes = bytes.map_err(|error| FileError::new(path.display(), error))?;
         if bytes.contains(&0) {
             let what =
                 "it is not plain text (UTF-16, or a spreadsheet's own format): save it as CSV in UTF-8";
-            return Err(unreadable(io::Error::new(io::ErrorKind::InvalidData, what)));
+            return Err(FileError::new(path.display(), what));
         }
-        Self::parse(path, &String::from_utf8_lossy(&bytes))
+        Self::parse(path.display().to_string(), &String::from_utf8_lossy(&bytes))
     }
 
-    fn parse(path: &Path, text: &str) -> Result<Self, ColumnsError> {
+    fn parse(path: String, text: &str) -> Result<Self, FileError> {
         let text = text.trim_start_matches('\u{feff}');
         let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'));
-        let header = header.ok_or_else(|| ColumnsError::Empty { path: path.into() })?;
+        let Some(header) = header else {
+            return Err(FileError::new(path, "it is empty; the first line names the columns"));
+        };
         let separator = [b';', b'\t'].into_iter().find(|&c| header.contains(char::from(c))).unwrap_or(b',');
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(separator)
@@ -62,11 +60,11 @@ impl Columns {
             .trim(csv::Trim::All)
             .flexible(true)
             .from_reader(text.as_bytes());
-        let broken = |error: csv::Error| ColumnsError::Broken { path: path.into(), source: error };
+        let broken = |error: csv::Error| FileError::new(&path, error);
         let names: Vec<String> = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
         let earlier = |i: usize| !names[i].is_empty() && names[..i].contains(&names[i]);
         if let Some(i) = (0..names.len()).find(|&i| earlier(i)) {
-            return Err(ColumnsError::Twice { path: path.into(), column: names[i].clone() });
+            return Err(FileError::new(&path, format!("column {} occurs twice; keep one of them", names[i])));
         }
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
@@ -74,11 +72,11 @@ impl Columns {
             // Spreadsheets append lines of separators only.
             if record.iter().any(|cell| !cell.is_empty()) {
                 let line = line_of(text, &record);
-                rows.push(row((path, line), &names, separator, &record)?);
+                rows.push(row(format_args!("{path}, line {line}"), &names, separator, &record)?);
                 lines.push(line);
             }
         }
-        Ok(Self { path: path.into(), names, rows, lines })
+        Ok(Self { path, names, rows, lines })
     }
 
     /// Index of the first of these names among the columns.
@@ -90,25 +88,29 @@ impl Columns {
     ///
     /// # Errors
     /// An empty cell.
-    pub fn numbers(&self, place: usize) -> Result<Vec<f64>, ColumnsError> {
-        self.rows.iter().zip(&self.lines).map(|(row, &line)| self.number(row, line, place)).collect()
-    }
-
-    fn number(&self, row: &[Option<f64>], line: u64, place: usize) -> Result<f64, ColumnsError> {
-        let (path, column) = (&self.path, &self.names[place]);
-        let empty = || ColumnsError::EmptyCell { path: path.clone(), line, column: column.clone() };
-        row[place].ok_or_else(empty)
+    pub fn numbers(&self, place: usize) -> Result<Vec<f64>, FileError> {
+        let mut numbers = Vec::with_capacity(self.rows.len());
+        for (row, line) in self.rows.iter().zip(&self.lines) {
+            let Some(number) = row[place] else {
+                let at = format!("{}, line {line}, column {}", self.path, self.names[place]);
+                return Err(FileError::new(at, "an empty cell; enter a number, or remove the line"));
+            };
+            numbers.push(number);
+        }
+        Ok(numbers)
     }
 
     /// A column of wavelengths without empty cells, nm.
     ///
     /// # Errors
     /// An empty cell, or wavelengths that look like µm.
-    pub fn wavelengths_nm(&self, place: usize) -> Result<Vec<f64>, ColumnsError> {
+    pub fn wavelengths_nm(&self, place: usize) -> Result<Vec<f64>, FileError> {
         let numbers = self.numbers(place)?;
         let Some(largest) = micrometres(numbers.iter().copied()) else { return Ok(numbers) };
-        let (path, column) = (self.path.clone(), self.names[place].clone());
-        Err(ColumnsError::Micrometres { path, column, largest })
+        let reason = format!(
+            "the largest wavelength is {largest}: these look like µm; the column must be in nm: multiply it by 1000"
+        );
+        Err(FileError::new(format_args!("{}, column {}", self.path, self.names[place]), reason))
     }
 }
 
@@ -122,26 +124,27 @@ fn line_of(text: &str, record: &csv::StringRecord) -> u64 {
 }
 
 fn row(
-    (path, line): (&Path, u64),
+    place: Arguments,
     names: &[String],
     separator: u8,
     record: &csv::StringRecord,
-) -> Result<Vec<Option<f64>>, ColumnsError> {
-    let (path, found) = (path.to_owned(), record.len());
+) -> Result<Vec<Option<f64>>, FileError> {
+    let found = record.len();
     if found != names.len() {
-        let comma = separator == b',' && found > names.len();
-        return Err(ColumnsError::Ragged { path, line, found, names: names.to_vec(), comma });
+        let mut reason = format!("{found} cells under {} columns", names.len());
+        if separator == b',' && found > names.len() {
+            reason += "; numbers with a decimal comma need a semicolon between columns (";
+            reason += &(names.join(";") + ")");
+        }
+        return Err(FileError::new(place, reason));
     }
     let mut numbers = Vec::with_capacity(found);
     for (cell, column) in record.iter().zip(names) {
         // a decimal comma, where commas do not separate columns
         let text = if separator == b',' { cell.to_owned() } else { cell.replace(',', ".") };
-        let number = (!text.is_empty()).then(|| text.parse()).transpose();
-        let no_number = |_| {
-            let (path, column, found) = (path.clone(), column.clone(), cell.to_owned());
-            ColumnsError::NoNumber { path, line, column, found }
-        };
-        numbers.push(number.map_err(no_number)?);
+        let reason = format_args!("found {cell:?} where a number is needed");
+        let wrong = |_| FileError::new(format_args!("{place}, column {column}"), reason);
+        numbers.push((!text.is_empty()).then(|| text.parse().map_err(wrong)).transpose()?);
     }
     Ok(numbers)
 }
@@ -150,8 +153,8 @@ fn row(
 mod tests {
     use super::*;
 
-    fn parse(text: &str) -> Result<Columns, ColumnsError> {
-        Columns::parse(Path::new("ink.csv"), text)
+    fn parse(text: &str) -> Result<Columns, FileError> {
+        Columns::parse("ink.csv".into(), text)
     }
 
     #[test]

@@ -17,36 +17,14 @@
 //! | 9 | n² = C₁ + C₂/(λ² − C₃) + C₄(λ − C₅)/((λ − C₅)² + C₆) |
 
 use super::gaps;
-use crate::numerics::files;
+use crate::numerics::files::{self, FileError};
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_norway::Value;
-use std::path::{Path, PathBuf};
-use thiserror::Error;
+use std::path::Path;
 
 /// Largest depth of nested brackets, including those in comments.
 const MOST_OPEN: usize = 200;
-
-/// A record that cannot be used.
-#[derive(Debug, Error)]
-pub enum DispersionError {
-    /// The file cannot be read.
-    #[error("{}: {source}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// The system's error.
-        source: std::io::Error,
-    },
-    /// The file is not a record of the database.
-    #[error("{}: {reason}; expected a record of refractiveindex.info with DATA: - type: tabulated nk, n, k or formula 1 to 9", path.display())]
-    NoRecord {
-        /// The file.
-        path: PathBuf,
-        /// The problem found.
-        reason: String,
-    },
-}
 
 /// Source of n or κ over a range of wavelengths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,42 +38,38 @@ enum DataSource {
 /// n(λ) and κ(λ) of one record.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dispersion {
-    name: String,
+    pub(super) name: String,
     n: Option<DataSource>,
     kappa: Option<DataSource>,
 }
 
-/// What a record states about itself, without markup.
-#[derive(Clone, Debug)]
+/// What a record states about itself, without markup; empty where it says nothing.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
 pub struct RecordText {
     /// The publications.
+    #[serde(rename = "REFERENCES", deserialize_with = "plain")]
     pub reference: String,
-    /// What was measured and how; empty if the record has no comment.
+    /// What was measured and how.
+    #[serde(rename = "COMMENTS", deserialize_with = "plain")]
     pub comment: String,
 }
 
-#[derive(Default, Deserialize)]
-#[serde(rename_all = "UPPERCASE", default)]
-struct RecordWords {
-    references: String,
-    comments: String,
-}
-
 impl RecordText {
-    /// The texts in a record's YAML; empty if absent.
+    /// The texts in a record's YAML.
     pub fn of(text: &str) -> Self {
-        let words: RecordWords = serde_norway::from_str(text).unwrap_or_default();
-        Self { reference: plain(&words.references), comment: plain(&words.comments) }
+        serde_norway::from_str(text).unwrap_or_default()
     }
 }
 
 /// Text without tags, on one line.
-fn plain(html: &str) -> String {
+fn plain<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
+    let html = String::deserialize(from)?;
     let outside = html.split('<').enumerate().map(|(i, part)| match part.split_once('>') {
         Some((_, rest)) if i > 0 => rest,
         _ => part,
     });
-    outside.collect::<String>().split_whitespace().collect::<Vec<_>>().join(" ")
+    Ok(outside.collect::<String>().split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
 #[derive(Deserialize)]
@@ -119,11 +93,12 @@ impl Dispersion {
     ///
     /// # Errors
     /// The file cannot be read, is not a record, or holds numbers that give no index.
-    pub fn read(path: &Path) -> Result<Self, DispersionError> {
-        let unreadable = |source| DispersionError::Unreadable { path: path.into(), source };
-        let text = files::read_text(path, files::STUDY).map_err(unreadable)?;
-        let no_record = |reason| DispersionError::NoRecord { path: path.into(), reason };
-        Self::parse(&path.display().to_string(), &text).map_err(no_record)
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        let name = path.display().to_string();
+        let text = files::read_text(path, files::STUDY).map_err(|error| FileError::new(&name, error))?;
+        let expected = "expected a record of refractiveindex.info with DATA: - type: tabulated nk, n, k or formula 1 to 9";
+        Self::parse(&name, &text)
+            .map_err(|reason| FileError::new(&name, format_args!("{reason}; {expected}")))
     }
 
     /// A record shipped with the program; tests read every one.
@@ -162,24 +137,16 @@ impl Dispersion {
         }
     }
 
-    /// Name of the file.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
     /// First and last wavelength at which every part is known, nm.
     pub fn range_nm(&self) -> [f64; 2] {
-        let parts = [&self.n, &self.kappa].into_iter().flatten().map(DataSource::range_um);
-        let [lo, hi] =
-            parts.fold([0.0, f64::INFINITY], |[lo, hi], [a, b]| [f64::max(lo, a), f64::min(hi, b)]);
-        [1e3 * lo, 1e3 * hi]
+        gaps::common([&self.n, &self.kappa].into_iter().flatten().map(DataSource::range_um))
+            .map(|um| 1e3 * um)
     }
 
     /// The widest gap between rows within a range of wavelengths, nm, if wide enough to report.
     pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
         let parts = [&self.n, &self.kappa].into_iter().flatten();
-        let gaps = parts.filter_map(|part| gaps::widest_gap_nm(&part.rows_nm(), range_nm));
-        gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+        gaps::widest(parts.filter_map(|part| gaps::widest_gap_nm(&part.rows_nm(), range_nm)))
     }
 
     /// Whether the record has a real part.
@@ -189,8 +156,8 @@ impl Dispersion {
 
     /// The record with a constant real part.
     pub fn with_n(self, n: f64) -> Self {
-        let [lo, hi] = self.range_nm().map(|nm| 1e-3 * nm);
-        let n = DataSource::Formula { number: 5, range_um: [lo, hi], coefficients: vec![n] };
+        let range_um = self.range_nm().map(|nm| 1e-3 * nm);
+        let n = DataSource::Formula { number: 5, range_um, coefficients: vec![n] };
         Self { n: Some(n), ..self }
     }
 
@@ -329,15 +296,15 @@ fn formula(entry: &DataEntry, number: &str) -> Result<DataSource, String> {
 
 /// At least `least` finite numbers.
 fn numbers(text: &str, least: usize) -> Result<Vec<f64>, String> {
-    let parse =
-        |word: &str| word.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| word.to_owned());
-    let numbers = text.split_whitespace().map(parse).collect::<Result<Vec<f64>, String>>();
-    let numbers = numbers.map_err(|word| format!("found {word:?} where a number is needed"))?;
+    let parse = |word: &str| {
+        let number = word.parse::<f64>().ok().filter(|x| x.is_finite());
+        number.ok_or_else(|| format!("found {word:?} where a number is needed"))
+    };
+    let numbers = text.split_whitespace().map(parse).collect::<Result<Vec<f64>, String>>()?;
     if numbers.len() < least {
-        Err(format!("found {text:?} where {least} numbers are needed"))
-    } else {
-        Ok(numbers)
+        return Err(format!("found {text:?} where {least} numbers are needed"));
     }
+    Ok(numbers)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Gaps between the rows of a table that are too wide to interpolate without a warning.
+//! Ranges of tables, and gaps between their rows too wide to interpolate without a warning.
 
 /// Spectra usually have rows every 5 to 20 nm; a wider gap than this can hide an absorption band,
 /// nm.
@@ -7,10 +7,18 @@ const WORTH_TELLING_NM: f64 = 50.0;
 /// The widest gap between increasing `rows_nm` within a range of wavelengths, if wide enough to
 /// report.
 pub fn widest_gap_nm(rows_nm: &[f64], [from, to]: [f64; 2]) -> Option<[f64; 2]> {
-    let width = |gap: &[f64; 2]| gap[1] - gap[0];
     let gaps = rows_nm.windows(2).map(|pair| [pair[0], pair[1]]);
-    let used = gaps.filter(|gap| gap[0] < to && gap[1] > from && width(gap) > WORTH_TELLING_NM);
-    used.max_by(|a, b| width(a).total_cmp(&width(b)))
+    widest(gaps.filter(|gap| gap[0] < to && gap[1] > from && gap[1] - gap[0] > WORTH_TELLING_NM))
+}
+
+/// The widest of some gaps.
+pub(super) fn widest(gaps: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
+    gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+}
+
+/// The range common to all ranges.
+pub(super) fn common(ranges: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+    ranges.fold([0.0, f64::INFINITY], |[lo, hi], [a, b]| [f64::max(lo, a), f64::min(hi, b)])
 }
 
 #[cfg(test)]

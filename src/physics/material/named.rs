@@ -5,6 +5,7 @@
 //! scalar index, that of the orientation average ε̄ = (2ε_o + ε_e)/3.
 
 use super::dispersion::{Dispersion, RecordText};
+use super::gaps;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -18,48 +19,40 @@ pub struct NamedMaterial {
     records: &'static [(f64, &'static str)],
 }
 
-macro_rules! isotropic {
-    ($name:literal, $what:literal, $file:literal) => {
+macro_rules! material {
+    ($name:literal, $what:literal, $($weight:expr => $file:literal),+) => {
         NamedMaterial {
             name: $name,
             what: $what,
-            records: &[(1.0, include_str!(concat!("records/", $file, ".yml")))],
+            records: &[$(($weight, include_str!(concat!("records/", $file, ".yml")))),+],
         }
     };
 }
 
-macro_rules! uniaxial {
-    ($name:literal, $what:literal, $file:literal) => {
-        NamedMaterial {
-            name: $name,
-            what: $what,
-            records: &[
-                (2.0 / 3.0, include_str!(concat!("records/", $file, "-o.yml"))),
-                (1.0 / 3.0, include_str!(concat!("records/", $file, "-e.yml"))),
-            ],
-        }
-    };
-}
+/// Weight of the extraordinary index of a uniaxial crystal.
+const E: f64 = 1.0 / 3.0;
+/// Weight of its ordinary index.
+const O: f64 = 2.0 / 3.0;
 
 /// All named materials.
 pub const MATERIALS: &[NamedMaterial] = &[
-    uniaxial!("TiO2 rutile", "white pigment", "tio2-rutile"),
-    isotropic!("TiO2 anatase", "white pigment", "tio2-anatase"),
-    isotropic!("ZnS", "white pigment (sphalerite)", "zns"),
-    uniaxial!("ZnO", "white pigment", "zno"),
-    uniaxial!("CaCO3", "extender (calcite)", "caco3"),
-    isotropic!("SiO2", "extender, coating (fused silica)", "sio2"),
-    uniaxial!("Fe2O3", "red pigment (haematite)", "fe2o3"),
-    isotropic!("Fe3O4", "black pigment (magnetite)", "fe3o4"),
-    isotropic!("CdS", "yellow pigment (film)", "cds"),
-    isotropic!("carbon", "black pigment (amorphous film)", "carbon"),
-    isotropic!("soot", "black pigment (acetylene soot)", "soot"),
-    isotropic!("Al", "metal", "al"),
-    isotropic!("Au", "metal", "au"),
-    isotropic!("Cu", "metal", "cu"),
-    isotropic!("PMMA", "acrylic binder", "pmma"),
-    isotropic!("PS", "polystyrene: binder, hollow spheres", "ps"),
-    isotropic!("PVA", "polyvinyl alcohol: binder", "pva"),
+    material!("TiO2 rutile", "white pigment", O => "tio2-rutile-o", E => "tio2-rutile-e"),
+    material!("TiO2 anatase", "white pigment", 1.0 => "tio2-anatase"),
+    material!("ZnS", "white pigment (sphalerite)", 1.0 => "zns"),
+    material!("ZnO", "white pigment", O => "zno-o", E => "zno-e"),
+    material!("CaCO3", "extender (calcite)", O => "caco3-o", E => "caco3-e"),
+    material!("SiO2", "extender, coating (fused silica)", 1.0 => "sio2"),
+    material!("Fe2O3", "red pigment (haematite)", O => "fe2o3-o", E => "fe2o3-e"),
+    material!("Fe3O4", "black pigment (magnetite)", 1.0 => "fe3o4"),
+    material!("CdS", "yellow pigment (film)", 1.0 => "cds"),
+    material!("carbon", "black pigment (amorphous film)", 1.0 => "carbon"),
+    material!("soot", "black pigment (acetylene soot)", 1.0 => "soot"),
+    material!("Al", "metal", 1.0 => "al"),
+    material!("Au", "metal", 1.0 => "au"),
+    material!("Cu", "metal", 1.0 => "cu"),
+    material!("PMMA", "acrylic binder", 1.0 => "pmma"),
+    material!("PS", "polystyrene: binder, hollow spheres", 1.0 => "ps"),
+    material!("PVA", "polyvinyl alcohol: binder", 1.0 => "pva"),
 ];
 
 impl NamedMaterial {
@@ -88,38 +81,30 @@ impl NamedMaterial {
 /// n(λ) + iκ(λ) of a named material.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedIndex {
-    name: String,
+    pub(super) name: String,
     /// Records with their weights in the average of ε.
     parts: Vec<(f64, Dispersion)>,
 }
 
 impl NamedIndex {
-    /// The material's name.
-    pub fn name(&self) -> &str {
-        &self.name
-    }
-
     /// Wavelength range common to all records, nm.
     pub fn range_nm(&self) -> [f64; 2] {
-        let ranges = self.parts.iter().map(|(_, record)| record.range_nm());
-        ranges.fold([0.0, f64::INFINITY], |[lo, hi], [a, b]| [f64::max(lo, a), f64::min(hi, b)])
+        gaps::common(self.parts.iter().map(|(_, record)| record.range_nm()))
     }
 
     /// The widest gap between the records' rows within a range of wavelengths, nm.
     pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
-        let gaps = self.parts.iter().filter_map(|(_, record)| record.widest_gap_nm(range_nm));
-        gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+        gaps::widest(self.parts.iter().filter_map(|(_, record)| record.widest_gap_nm(range_nm)))
     }
 
     /// √ε̄ at a wavelength in µm inside the range.
     pub fn index(&self, wavelength_um: f64) -> Complex64 {
         match self.parts.as_slice() {
             [(_, record)] => record.index(wavelength_um),
-            parts => parts
-                .iter()
-                .map(|(w, record)| w * record.index(wavelength_um).powi(2))
-                .sum::<Complex64>()
-                .sqrt(),
+            parts => {
+                let permittivity = |(w, record): &(f64, Dispersion)| w * record.index(wavelength_um).powi(2);
+                parts.iter().map(permittivity).sum::<Complex64>().sqrt()
+            }
         }
     }
 }

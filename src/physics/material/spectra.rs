@@ -4,11 +4,12 @@ mod error;
 
 pub use error::SpectrumError;
 
-use super::columns::{Columns, ColumnsError};
+use super::columns::Columns;
 use super::dispersion::Dispersion;
 use super::gaps;
 use super::named::{MATERIALS, NamedIndex, NamedMaterial};
 use super::synthetic::{SYNTHETIC_RANGE_NM, Synthetic};
+use crate::numerics::files::FileError;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -81,8 +82,11 @@ impl Spectrum {
     /// # Errors
     /// A name that is not in the list.
     pub fn material(name: &str) -> Result<Self, SpectrumError> {
-        let unknown = || SpectrumError::UnknownMaterial { value: name.into(), known: known_materials() };
-        Ok(Self::Named(NamedMaterial::find(name).ok_or_else(unknown)?.index()))
+        let Some(material) = NamedMaterial::find(name) else {
+            let known = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
+            return Err(SpectrumError::UnknownMaterial { value: name.into(), known });
+        };
+        Ok(Self::Named(material.index()))
     }
 
     /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs; lines that start
@@ -92,15 +96,17 @@ impl Spectrum {
     /// Unreadable files, unknown columns, fewer than two rows, wavelengths that do not increase, κ
     /// < 0, n ≤ 0, n nowhere or twice.
     pub fn from_csv(path: impl AsRef<Path>, n: Option<f64>) -> Result<Self, SpectrumError> {
-        let path = path.as_ref();
+        let (path, name) = (path.as_ref(), path.as_ref().display().to_string());
         let columns = Columns::read(path)?;
-        let places = ColumnPlaces::of(&columns)
-            .map_err(|reason| SpectrumError::Header { path: path.into(), reason })?;
+        let expected =
+            "expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n (k is accepted for kappa)";
+        let places = places(&columns);
+        let places = places.map_err(|reason| FileError::new(&name, format_args!("{reason}; {expected}")))?;
         if columns.rows.len() < 2 {
-            return Err(SpectrumError::TooFewRows { path: path.into(), rows: columns.rows.len() });
+            return Err(SpectrumError::TooFewRows { name, rows: columns.rows.len() });
         }
-        let n = the_other(path, places.n.is_some(), n)?;
-        Self::tabulated(&path.display().to_string(), places.samples(&columns, n)?)
+        let n = the_other(path, columns.find(&["n"]).is_some(), n)?;
+        Self::tabulated(&name, samples(&columns, places, n)?)
     }
 
     /// Reads a record of refractiveindex.info (YAML); a record without n needs `n` beside it,
@@ -119,7 +125,7 @@ impl Spectrum {
     /// A table given in memory, checked as [`Spectrum::from_csv`] checks a file.
     pub fn tabulated(name: &str, samples: Vec<Sample>) -> Result<Self, SpectrumError> {
         if samples.len() < 2 {
-            return Err(SpectrumError::TooFewRows { path: name.into(), rows: samples.len() });
+            return Err(SpectrumError::TooFewRows { name: name.into(), rows: samples.len() });
         }
         for (row, s) in samples.iter().enumerate() {
             check_index(&format!("{name}, row {}", row + 1), s.n, s.kappa)?;
@@ -180,7 +186,10 @@ impl Spectrum {
             Self::Constant { .. } | Self::Synthetic(_) => None,
             Self::Recorded(record) => record.widest_gap_nm(range_nm),
             Self::Named(material) => material.widest_gap_nm(range_nm),
-            Self::Tabulated(table) => gaps::widest_gap_nm(&table.rows_nm(), range_nm),
+            Self::Tabulated(table) => {
+                let rows: Vec<f64> = table.samples.iter().map(|sample| sample.wavelength_nm).collect();
+                gaps::widest_gap_nm(&rows, range_nm)
+            }
         }
     }
 
@@ -190,71 +199,52 @@ impl Spectrum {
             Self::Constant { n, kappa } => format!("{n} + {kappa}i"),
             Self::Synthetic(pigment) => format!("{} (synthetic)", pigment.name()),
             Self::Tabulated(table) => table.name.clone(),
-            Self::Recorded(record) => record.name().to_owned(),
-            Self::Named(material) => material.name().to_owned(),
+            Self::Recorded(record) => record.name.clone(),
+            Self::Named(material) => material.name.clone(),
         }
     }
-}
-
-fn known_materials() -> String {
-    MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ")
 }
 
 /// The real part given beside a file that has none: exactly one of the two must give it.
 fn the_other(path: &Path, in_file: bool, beside: Option<f64>) -> Result<Option<f64>, SpectrumError> {
-    match (in_file, beside) {
-        (false, None) => Err(SpectrumError::NoRealPart { path: path.into() }),
-        (true, Some(_)) => Err(SpectrumError::TwoRealParts { path: path.into() }),
-        _ => Ok(beside),
-    }
+    let reason = match (in_file, beside) {
+        (false, None) => "no real part n; add n to the file, or give it beside the file, such as n = 1.4",
+        (true, Some(_)) => "the real part n is given twice, in the file and beside it; keep one of them",
+        _ => return Ok(beside),
+    };
+    Err(SpectrumError::RealPart(FileError::new(path.display(), reason)))
 }
 
-/// Indices of the columns of a table.
-struct ColumnPlaces {
-    wavelength: usize,
-    kappa: usize,
-    n: Option<usize>,
+/// Places of the wavelength and of κ among the columns of a table.
+fn places(columns: &Columns) -> Result<[usize; 2], String> {
+    // A fit states its errors beside n and κ.
+    let known = ["wavelength_nm", "kappa", "k", "n", "n_error", "kappa_error", "correlation"];
+    if let Some(unknown) = columns.names.iter().find(|name| !known.contains(&name.as_str())) {
+        return Err(format!("column {unknown:?} is not known"));
+    }
+    let need = |names: &[&str]| columns.find(names).ok_or(format!("column {:?} is missing", names[0]));
+    if columns.find(&["kappa"]).and(columns.find(&["k"])).is_some() {
+        return Err("columns kappa and k mean the same; keep one".into());
+    }
+    Ok([need(&["wavelength_nm"])?, need(&["kappa", "k"])?])
 }
 
-impl ColumnPlaces {
-    fn of(columns: &Columns) -> Result<Self, String> {
-        // A fit states its errors beside n and κ.
-        let known = ["wavelength_nm", "kappa", "k", "n", "n_error", "kappa_error", "correlation"];
-        if let Some(unknown) = columns.names.iter().find(|name| !known.contains(&name.as_str())) {
-            return Err(format!("column {unknown:?} is not known"));
-        }
-        let need = |names: &[&str]| columns.find(names).ok_or(format!("column {:?} is missing", names[0]));
-        if columns.find(&["kappa"]).and(columns.find(&["k"])).is_some() {
-            return Err("columns kappa and k mean the same; keep one".into());
-        }
-        Ok(Self {
-            wavelength: need(&["wavelength_nm"])?,
-            kappa: need(&["kappa", "k"])?,
-            n: columns.find(&["n"]),
-        })
-    }
-
-    /// Rows of the table, with real part `n` where it has no such column.
-    fn samples(&self, columns: &Columns, n: Option<f64>) -> Result<Vec<Sample>, ColumnsError> {
-        let wavelengths = columns.wavelengths_nm(self.wavelength)?;
-        let kappa = columns.numbers(self.kappa)?;
-        let n = match self.n {
-            Some(place) => columns.numbers(place)?,
-            None => vec![n.unwrap_or(f64::NAN); kappa.len()],
-        };
-        let rows = wavelengths.into_iter().zip(n).zip(kappa);
-        Ok(rows.map(|((wavelength_nm, n), kappa)| Sample { wavelength_nm, n, kappa }).collect())
-    }
+/// Rows of a table, with real part `n` where it has no such column.
+fn samples(columns: &Columns, places: [usize; 2], n: Option<f64>) -> Result<Vec<Sample>, FileError> {
+    let wavelengths = columns.wavelengths_nm(places[0])?;
+    let kappa = columns.numbers(places[1])?;
+    let n = match columns.find(&["n"]) {
+        Some(place) => columns.numbers(place)?,
+        None => vec![n.unwrap_or(f64::NAN); kappa.len()],
+    };
+    let rows = wavelengths.into_iter().zip(n).zip(kappa);
+    Ok(rows.map(|((wavelength_nm, n), kappa)| Sample { wavelength_nm, n, kappa }).collect())
 }
 
 impl Table {
     /// The rows, increasing in wavelength.
     pub fn samples(&self) -> &[Sample] {
         &self.samples
-    }
-
-    fn rows_nm(&self) -> Vec<f64> {
-        self.samples.iter().map(|sample| sample.wavelength_nm).collect()
     }
 
     /// Linear interpolation between the rows, n and κ separately.

@@ -64,6 +64,26 @@ impl Draws {
     }
 }
 
+/// Weighted quantile of the values, in the order of the list.
+pub fn weighted<T: Copy>(values: &[T], weights: &[f64], share: f64) -> T {
+    if weights.is_empty() {
+        return values[((share * values.len() as f64) as usize).min(values.len() - 1)];
+    }
+    let mut left = share * weights.iter().sum::<f64>();
+    for (value, weight) in values.iter().zip(weights) {
+        left -= weight;
+        if left < 0.0 {
+            return *value;
+        }
+    }
+    values[weights.iter().rposition(|w| *w > 0.0).unwrap_or(0)]
+}
+
+/// Whether numbers can be weights: finite, none below 0, their sum above it.
+pub fn are_weights(weights: &[f64]) -> bool {
+    weights.iter().all(|w| w.is_finite() && *w >= 0.0) && weights.iter().sum::<f64>() > 0.0
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

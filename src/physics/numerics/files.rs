@@ -1,6 +1,7 @@
 //! Reading of user files: only regular files of a bounded size, so that devices, pipes and mistyped
 //! paths cannot block the program.
 
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{Error, ErrorKind, Read, Result};
 use std::path::Path;
@@ -11,6 +12,23 @@ pub const STUDY: u64 = 8 << 20;
 pub const TABLE: u64 = 64 << 20;
 /// Largest case, bytes: some hundred bytes for each of a million spheres; also largest voxel image.
 pub const CASE: u64 = 256 << 20;
+
+/// A file that cannot be used.
+#[derive(Debug, thiserror::Error)]
+#[error("{place}: {reason}")]
+pub struct FileError {
+    /// The file, with line and column where they are known.
+    place: String,
+    /// What is wrong there.
+    reason: String,
+}
+
+impl FileError {
+    /// What is wrong in a file, at a line or in a column of it.
+    pub fn new(place: impl Display, reason: impl Display) -> Self {
+        Self { place: place.to_string(), reason: reason.to_string() }
+    }
+}
 
 /// The text of a regular file of at most `most` bytes, without a byte order mark.
 ///

@@ -6,6 +6,7 @@ pub mod draws;
 pub mod estimate;
 pub mod files;
 pub mod fourier;
+pub mod lagrange;
 pub mod linked;
 pub mod periodic;
 pub mod sequence;

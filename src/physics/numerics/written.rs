@@ -1,7 +1,10 @@
-//! Additions to a file's schema beyond its types: choices by name alone.
+//! Choices tagged by `kind` that a file may also give by name alone: their reading and schema.
 
 use schemars::Schema;
+use serde::de::value::{MapAccessDeserializer, MapDeserializer, StrDeserializer};
+use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::{Map, Value, json};
+use std::marker::PhantomData;
 
 /// Lets a choice tagged by `kind` be written as its bare name if it has no required key.
 pub fn also_by_name(schema: &mut Schema) {
@@ -15,4 +18,37 @@ fn bare_name(choice: &Map<String, Value>) -> Option<Value> {
     let name = choice.get("properties")?.get("kind")?.get("const")?;
     let description = choice.get("description").cloned().unwrap_or_default();
     alone.then(|| json!({ "description": description, "type": "string", "const": name }))
+}
+
+/// Reads a choice tagged by `kind` from its bare name (`shape = "cylinder"`) or a table.
+pub fn name_or_table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(from: D) -> Result<T, D::Error> {
+    from.deserialize_any(NameOrTable(PhantomData))
+}
+
+struct NameOrTable<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for NameOrTable<T> {
+    type Value = T;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
+        f.write_str("a name, or a table with `kind`")
+    }
+
+    fn visit_str<E: de::Error>(self, name: &str) -> Result<T, E> {
+        let pair = (StrDeserializer::<E>::new("kind"), StrDeserializer::<E>::new(name));
+        T::deserialize(MapDeserializer::<_, E>::new([pair].into_iter()))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map))
+    }
+}
+
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NoKeys {}
+
+/// Reads a choice that has no keys but `kind`: serde by itself passes over any others.
+pub fn no_keys<'de, D: Deserializer<'de>>(from: D) -> Result<(), D::Error> {
+    NoKeys::deserialize(from).map(|_| ())
 }

@@ -37,10 +37,10 @@ impl From<RoughFace> for Material {
 
 /// The space beyond the surface, which is sampled at the relief's own points.
 fn open(packing: &Packing, relief: &Relief) -> Body {
-    let (period_um, count) = (packing.period_um(), relief.count());
+    let (period_um, count) = (packing.period_um(), relief.count);
     let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
     let thickness = packing.thickness_um();
-    let (end, face_um) = match relief.face() {
+    let (end, face_um) = match relief.face {
         RoughFace::Incident => (0, 0.0),
         RoughFace::Exit => (1, thickness),
     };
@@ -51,5 +51,5 @@ fn open(packing: &Packing, relief: &Relief) -> Body {
     let balls = clusters.flat_map(|g| g.spheres.clone()).collect();
     let solids = packing.grains().iter().filter_map(|g| g.solid.clone()).collect();
     let shape = BodyShape::Open { surface, face_um, balls, solids };
-    Body { shape, material: relief.face().into(), within: None }
+    Body { shape, material: relief.face.into(), within: None }
 }

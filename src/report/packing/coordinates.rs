@@ -46,15 +46,15 @@ pub fn packing_json(packing: &Packing) -> Vec<u8> {
 
 fn relief_json(relief: &Relief) -> serde_json::Value {
     json!({
-        "rule": relief.rule(),
-        "face": relief.face(),
-        "dry_height_um": relief.dry_height_um(),
+        "rule": relief.rule,
+        "face": relief.face,
+        "dry_height_um": relief.dry_height_um,
         "mean_height_um": relief.mean_height_um(),
         "rms_height_um": relief.rms_height_um(),
         "rms_surface_um": relief.rms_surface_um(),
-        "protruding_share": relief.protruding_share(),
-        "fraction_below": relief.fraction_below(),
-        "balance_error": relief.balance_error(),
+        "protruding_share": relief.protruding_share,
+        "fraction_below": relief.fraction_below,
+        "balance_error": relief.balance_error,
     })
 }
 

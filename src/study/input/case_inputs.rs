@@ -6,6 +6,7 @@ use super::limits;
 use crate::ink::{Shape, Solid};
 use crate::numerics::Rotation;
 use crate::numerics::vector::unit;
+use crate::numerics::written::name_or_table;
 use crate::wave::{Ball, BodyShape, Side};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -161,6 +162,7 @@ pub struct CylinderInput {
 #[serde(deny_unknown_fields)]
 pub struct BodyInput {
     /// An `ellipsoid`, `box`, `disc` or `prism` as in studies, with its lengths in µm.
+    #[serde(deserialize_with = "name_or_table")]
     pub shape: Shape,
     /// Centre (x, y, z), µm.
     pub center: [f64; 3],

@@ -5,6 +5,7 @@ use super::plate::Plate;
 use crate::wave::{Order, Side};
 use faer::Mat;
 use num_complex::Complex64;
+use std::iter::{once, repeat_n};
 
 /// Most rounds of scaling to the energy balance, and the change at which it is reached: slabs of
 /// small reflectance need hundreds.
@@ -43,20 +44,16 @@ impl Hemisphere {
 
     /// Étendue of every state; 0 for beams.
     pub fn weights(&self) -> Vec<f64> {
-        let mut weights = vec![0.0; self.states()];
-        for (node, weight) in self.ordinates.weights.iter().enumerate() {
-            (0..self.polarisations).for_each(|p| weights[self.state(node + 1, p)] = *weight);
-        }
+        let nodes = self.ordinates.weights.iter().flat_map(|w| repeat_n(*w, self.polarisations));
+        let mut weights: Vec<f64> = once(0.0).chain(nodes).collect();
+        weights.resize(self.states(), 0.0);
         weights
     }
 
     /// Cosine of every state's angle.
     pub fn cosines(&self) -> Vec<f64> {
-        let mut cosines = vec![1.0; self.states()];
-        for (direction, deg) in self.directions_deg().into_iter().enumerate() {
-            (0..self.polarisations).for_each(|p| cosines[self.state(direction, p)] = deg.to_radians().cos());
-        }
-        cosines
+        let cosines = self.directions_deg().into_iter().skip(1).map(|deg| deg.to_radians().cos());
+        once(1.0).chain(cosines.flat_map(|cosine| repeat_n(cosine, self.polarisations))).collect()
     }
 
     /// Adds light of a direction to its nodes.
@@ -96,19 +93,19 @@ pub struct Fluxes {
 impl Fluxes {
     /// The mean with another packing in the same cell, solved in the same light.
     pub fn mean_with(&self, other: &Self) -> Self {
-        let half = |a: f64, b: f64| 0.5 * (a + b);
-        let beam = |(a, b): (&Beam, &Beam)| Beam {
-            amplitudes: [0, 1].map(|k| 0.5 * (a.amplitudes[k] + b.amplitudes[k])),
-            ..*a
-        };
-        Self {
-            all: Mat::from_fn(self.all.nrows(), self.all.ncols(), |i, j| {
-                half(self.all[(i, j)], other.all[(i, j)])
-            }),
-            absorbed: self.absorbed.iter().zip(&other.absorbed).map(|(&a, &b)| half(a, b)).collect(),
-            beams: self.beams.iter().zip(&other.beams).map(beam).collect(),
+        let mut mean = self.clone();
+        mean.all = faer::Scale(0.5) * (&self.all + &other.all);
+        mean.absorbed.iter_mut().zip(&other.absorbed).for_each(|(a, b)| *a = 0.5 * (*a + b));
+        for (own, other) in mean.beams.iter_mut().zip(&other.beams) {
+            own.amplitudes = [0, 1].map(|k| 0.5 * (own.amplitudes[k] + other.amplitudes[k]));
         }
+        mean
     }
+}
+
+/// An ensemble with or without one of its realisations.
+fn without(ensemble: &[Fluxes], left_out: Option<usize>) -> impl Iterator<Item = &Fluxes> + Clone {
+    ensemble.iter().enumerate().filter(move |(r, _)| Some(*r) != left_out).map(|(_, fluxes)| fluxes)
 }
 
 /// A specular order: amplitudes \[reflected, transmitted\] with the flux of a unit amplitude.
@@ -189,17 +186,17 @@ impl Sides {
     /// The ensemble's mean, with or without one of its realisations: reciprocal, and R + T = 1 − A
     /// in every column.
     pub fn mean(&self, ensemble: &[Fluxes], left_out: Option<usize>) -> Plate {
-        let kept = || ensemble.iter().enumerate().filter(|(r, _)| Some(*r) != left_out).map(|(_, f)| f);
-        let count = kept().count().max(1) as f64;
+        let kept = without(ensemble, left_out);
+        let count = kept.clone().count().max(1) as f64;
         let n = self.states();
         let mut all: Mat<f64> = Mat::zeros(n, n);
         let mut absorbed = vec![0.0; n];
-        for fluxes in kept() {
+        for fluxes in kept.clone() {
             all += &fluxes.all;
             (0..n).for_each(|i| absorbed[i] += fluxes.absorbed[i] / count);
         }
         let mut all = Mat::from_fn(n, n, |i, j| all[(i, j)] / count);
-        let mut coherent = self.beams(&mut all, kept());
+        let mut coherent = self.beams(&mut all, kept);
         if self.alike {
             self.mirror(&mut all, &mut absorbed, &mut coherent);
         }
@@ -257,9 +254,9 @@ impl Sides {
             vec![vec![[Complex64::ZERO; 2]; medium.polarisations]; medium.directions_deg().len()]
         };
         let mut sum = self.media.each_ref().map(empty);
-        let kept = ensemble.iter().enumerate().filter(|(r, _)| Some(*r) != left_out);
+        let kept = without(ensemble, left_out);
         let count = kept.clone().count().max(1) as f64;
-        for beam in kept.flat_map(|(_, fluxes)| &fluxes.beams) {
+        for beam in kept.flat_map(|fluxes| &fluxes.beams) {
             let own = &mut sum[beam.side][beam.direction][beam.polarisation];
             (0..2).for_each(|k| own[k] += beam.amplitudes[k] * beam.fluxes[k].sqrt() / count);
         }

@@ -15,6 +15,7 @@
 
 use super::flux::{Coherent, Hemisphere};
 use super::ordinates::gauss;
+use crate::numerics::lagrange::lagrange;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -176,15 +177,6 @@ fn between(points: &[f64], slow: &[Slow], mu: f64) -> Slow {
     let mut all: Slow = std::array::from_fn(|k| weights.iter().zip(slow).map(|(w, s)| w * s[k]).sum());
     all[4].re = all[4].re.min(0.0);
     all
-}
-
-/// Lagrange polynomials through `points` at `x`.
-pub fn lagrange(points: &[f64], x: f64) -> Vec<f64> {
-    let of = |i: usize| {
-        let others = points.iter().enumerate().filter(|&(j, _)| j != i);
-        others.map(|(_, p)| (x - p) / (points[i] - p)).product()
-    };
-    (0..points.len()).map(of).collect()
 }
 
 #[cfg(test)]

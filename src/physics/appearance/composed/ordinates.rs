@@ -6,6 +6,7 @@
 //! direction is shared among the zone's nodes by Lagrange polynomials in v, which keeps its flux.
 //! In air, v = cos θ.
 
+use crate::numerics::lagrange::lagrange;
 use gauss_quad::GaussLegendre;
 
 /// Zones narrower than this in s are part of their neighbour.
@@ -105,11 +106,7 @@ impl Ordinates {
         let place = self.zones.iter().position(|zone| sine < zone.to).unwrap_or(last);
         let zone = &self.zones[place];
         let v = (zone.to * zone.to - sine * sine).max(0.0).sqrt();
-        let share = |i: usize| {
-            let others = zone.nodes.iter().enumerate().filter(|&(j, _)| j != i);
-            others.map(|(_, other)| (v - other) / (zone.nodes[i] - other)).product()
-        };
-        (0..zone.nodes.len()).map(|i| (zone.first + i, share(i))).collect()
+        (zone.first..).zip(lagrange(&zone.nodes, v)).collect()
     }
 
     /// Nodes from which light reaches air: the first zone.

@@ -35,20 +35,17 @@ pub(super) struct SpectrumEnd {
 impl SpectrumEnd {
     /// Both ends of a grid that is summed with step `step_nm`.
     pub(super) fn both(grid: &[f64], step_nm: f64, viewing: &Viewing) -> [Self; 2] {
+        let (last, [from, to]) = (grid.len() - 1, COLOUR_RANGE_NM);
+        let below = steps(grid[0] - from, step_nm, |nm| light_times_observer(grid[0] - nm, viewing));
+        let above = steps(to - grid[last], step_nm, |nm| light_times_observer(grid[last] + nm, viewing));
+        [Self::new(grid, 0, below), Self::new(grid, last, above)]
+    }
+
+    fn new(grid: &[f64], end: usize, beyond: Vec<(f64, [f64; 3])>) -> Self {
         let last = grid.len() - 1;
-        let far = |a: usize, b: usize| (grid[a] - grid[b]).abs() >= SLOPE_OVER_NM;
-        let after_first = (1..last).find(|&j| far(j, 0)).unwrap_or(last);
-        let before_last = (1..last).rev().find(|&j| far(j, last)).unwrap_or(0);
-        let [from, to] = COLOUR_RANGE_NM;
-        let below = |nm: f64| light_times_observer(grid[0] - nm, viewing);
-        let above = |nm: f64| light_times_observer(grid[last] + nm, viewing);
-        let run_nm = |[end, inner]: [usize; 2]| (grid[end] - grid[inner]).abs();
-        let nodes = [[0, after_first], [last, before_last]];
-        let (first, second) = (steps(grid[0] - from, step_nm, below), steps(to - grid[last], step_nm, above));
-        [
-            Self { nodes: nodes[0], run_nm: run_nm(nodes[0]), beyond: first },
-            Self { nodes: nodes[1], run_nm: run_nm(nodes[1]), beyond: second },
-        ]
+        let far = |j: &usize| (grid[*j] - grid[end]).abs() >= SLOPE_OVER_NM;
+        let inner = (1..last).filter(far).min_by_key(|j| j.abs_diff(end)).unwrap_or(last - end);
+        Self { nodes: [end, inner], run_nm: (grid[end] - grid[inner]).abs(), beyond }
     }
 
     /// Scales all weights by a factor.

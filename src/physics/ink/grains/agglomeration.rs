@@ -6,9 +6,10 @@ pub use fractal::Fractal;
 
 use super::contact::{contact, proven_gap_um};
 use super::solid::Solid;
-use crate::ink::{PackError, Sphere};
+use super::sphere::{Sphere, centre_of_mass, reach_um};
 use crate::numerics::Draws;
 use crate::numerics::allowed::{Allowed, Each, Whole};
+use crate::numerics::draws::{are_weights, weighted};
 use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale, sub};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -88,11 +89,9 @@ impl Agglomeration {
             GrainCount::Constant(n) => fits(*n),
             GrainCount::Uniform(r) => fits(r.from) && fits(r.to) && r.from <= r.to,
             GrainCount::List(list) => {
-                let weights = &list.weights;
-                weights.len() == list.values.len()
+                list.weights.len() == list.values.len()
                     && list.values.iter().all(|n| fits(*n))
-                    && weights.iter().all(|w| w.is_finite() && *w >= 0.0)
-                    && weights.iter().sum::<f64>() > 0.0
+                    && are_weights(&list.weights)
             }
         };
         let wrong = (!sound).then(|| ("agglomeration.grains", format!("{:?}", self.grains), allowed));
@@ -115,14 +114,7 @@ impl Agglomeration {
         match &self.grains {
             GrainCount::Constant(n) => *n,
             GrainCount::Uniform(r) => r.from + draws.below(r.to - r.from + 1),
-            GrainCount::List(list) => {
-                let mut left = draws.uniform() * list.weights.iter().sum::<f64>();
-                let hit = list.weights.iter().position(|w| {
-                    left -= w;
-                    left < 0.0
-                });
-                list.values[hit.unwrap_or(list.values.len() - 1)]
-            }
+            GrainCount::List(list) => weighted(&list.values, &list.weights, draws.uniform()),
         }
     }
 }
@@ -144,14 +136,10 @@ pub(crate) struct PlacedGrain {
     /// The convex body, if it is one; about its sphere's centre.
     pub solid: Option<Solid>,
     pub axis: V3,
+    pub volume_um3: f64,
 }
 
 impl PlacedGrain {
-    /// A grain in its own frame.
-    pub fn new(spheres: Vec<Sphere>, solid: Option<Solid>) -> Self {
-        Self { spheres, solid, axis: [0.0, 0.0, 1.0] }
-    }
-
     fn surfaces(&self) -> impl Iterator<Item = GrainSurface<'_>> {
         self.spheres.iter().map(|s| (s, self.solid.as_ref()))
     }
@@ -159,7 +147,12 @@ impl PlacedGrain {
     fn turned(&self, turn: Rotation) -> Self {
         let sphere = |s: &Sphere| Sphere { center_um: turn.turn(s.center_um), ..*s };
         let solid = self.solid.clone().map(|s| Solid { rotation: s.rotation.then(turn), ..s });
-        Self { spheres: self.spheres.iter().map(sphere).collect(), solid, axis: turn.turn(self.axis) }
+        Self {
+            spheres: self.spheres.iter().map(sphere).collect(),
+            solid,
+            axis: turn.turn(self.axis),
+            ..*self
+        }
     }
 
     fn moved(mut self, by: V3) -> Self {
@@ -182,9 +175,19 @@ const GLUE_GAP: f64 = 1e-6;
 /// separation finds its direction by iteration.
 const CONVEX_GAP: f64 = 1e-5;
 
+impl Agglomeration {
+    /// Glues grains into one agglomerate about its centre of mass.
+    pub(crate) fn join(&self, grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
+        about_centre(match self.fractal {
+            Some(law) => law.aggregate(grains, draws),
+            None => glue(grains, draws),
+        })
+    }
+}
+
 /// Ballistic aggregation: each grain, randomly rotated, flies in from a random direction along a
 /// line through the bounding sphere of the aggregate until it touches.
-pub(crate) fn glue(grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
+fn glue(grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
     let mut placed: Vec<PlacedGrain> = Vec::with_capacity(grains.len());
     for grain in grains {
         let first = placed_first(grain, draws);
@@ -209,8 +212,8 @@ fn landed(placed: &[PlacedGrain], grain: PlacedGrain, draws: &mut Draws) -> Plac
         let from = draws.direction();
         // The flight is directed at the centre of a sphere of the aggregate.
         let aim = sub(target.center_um, centre_of(incoming));
-        let start =
-            add(aim, scale(from, 2.0 * span(&there, centre) + 2.0 * span(incoming, centre_of(incoming))));
+        let far = 2.0 * reach_um(&there, centre) + 2.0 * reach_um(incoming, centre_of(incoming));
+        let start = add(aim, scale(from, far));
         if let Some(path) = first_contact(placed, &grain, start, from) {
             let landed = grain.clone().moved(sub(start, scale(from, path)));
             if placed.iter().all(|p| p.proven_gap_um(&landed).is_none_or(|gap| gap > 0.0)) {
@@ -229,8 +232,13 @@ fn centre_of(spheres: &[Sphere]) -> V3 {
     scale(sum, 1.0 / spheres.len() as f64)
 }
 
-fn span(spheres: &[Sphere], centre: V3) -> f64 {
-    spheres.iter().map(|s| norm(sub(s.center_um, centre)) + s.radius_um).fold(0.0, f64::max)
+fn about_centre(grains: Vec<PlacedGrain>) -> Vec<PlacedGrain> {
+    let centre = centre_of_mass(&all_spheres(&grains));
+    moved(grains, scale(centre, -1.0))
+}
+
+fn moved(grains: Vec<PlacedGrain>, by: V3) -> Vec<PlacedGrain> {
+    grains.into_iter().map(|g| g.moved(by)).collect()
 }
 
 /// A sphere of a grain, and the convex body that it is around.
@@ -278,27 +286,16 @@ fn path_of_solids(a: &Solid, b: &Solid, offset: V3, from: V3) -> Option<f64> {
     None
 }
 
-/// The error for agglomerates that are too large in every draw.
-pub(crate) fn too_large(pigment: usize, grains: usize, extent_um: f64, limit_um: f64) -> PackError {
-    PackError::input(
-        format!("pigment[{pigment}].agglomeration.grains"),
-        format!("{grains} grains, {extent_um:.3} µm across in the best of many draws"),
-        format!("agglomerates at most {limit_um:.3} µm across"),
-        "take fewer or smaller grains per agglomerate, or a larger cell",
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::ink::Shape;
-    use crate::ink::grains::shape::Template;
 
     #[test]
     fn glued_grains_touch_but_do_not_overlap() {
         let mut draws = Draws::new(5, 0);
         for shape in [Shape::Sphere, Shape::CYLINDER] {
-            let grain = PlacedGrain::new(shape.template().spheres, None);
+            let grain = shape.template().grain(1.0);
             let glued = glue(&vec![grain; 8], &mut draws);
             for (i, a) in glued.iter().enumerate().skip(1) {
                 let gaps = glued[..i]
@@ -326,9 +323,8 @@ mod tests {
             Shape::Disc { diameter: 50.0, thickness: 1.0 },
             Shape::Prism { corners, length: 1.0 },
         ] {
-            let Template { spheres, form, .. } = shape.template();
-            let thin = form.as_ref().expect("a convex body").thin_um();
-            let grain = PlacedGrain::new(spheres, form.map(|form| Solid::upright(form, [0.0; 3])));
+            let grain = shape.template().grain(1.0);
+            let thin = grain.solid.as_ref().expect("a convex body").form.thin_um();
             for _ in 0..4 {
                 let glued = glue(&vec![grain.clone(); 8], &mut draws);
                 for (i, a) in glued.iter().enumerate().skip(1) {

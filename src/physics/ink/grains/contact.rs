@@ -74,12 +74,9 @@ fn half_width(solid: &Solid, n: V3) -> f64 {
 
 /// Normals of a body's flat faces.
 fn normals(solid: &Solid) -> Vec<V3> {
-    let mut own = match &solid.form {
-        Form::Prism { corners_um, .. } => edges(corners_um).map(|(a, b)| outward(a, b)).collect(),
-        _ => Vec::new(),
-    };
-    own.push([0.0, 0.0, 1.0]);
-    own.into_iter().map(|n| solid.rotation.turn(n)).collect()
+    let corners = if let Form::Prism { corners_um, .. } = &solid.form { &corners_um[..] } else { &[] };
+    let own = edges(corners).map(|(a, b)| outward(a, b)).chain([[0.0, 0.0, 1.0]]);
+    own.map(|n| solid.rotation.turn(n)).collect()
 }
 
 /// Steps from a point of the inner body's surface to the one farthest out of the other.
@@ -104,17 +101,7 @@ pub fn excess_um(inner: &Solid, outer: &Solid, apart: V3) -> f64 {
 
 /// Signed distance of a point from the farthest face of a body about the origin.
 fn depth_um(solid: &Solid, point: V3) -> f64 {
-    let [x, y, z] = solid.rotation.inverse().turn(point);
-    match &solid.form {
-        Form::Ellipsoid { semi_axes_um: [a, b, c] } => {
-            ((x / a).hypot(y / b).hypot(z / c) - 1.0) * a.min(*b).min(*c)
-        }
-        Form::Disc { radius_um, half_length_um } => (x.hypot(y) - radius_um).max(z.abs() - half_length_um),
-        Form::Prism { corners_um, half_length_um } => {
-            let sides = edges(corners_um).map(|(a, b)| dot(outward(a, b), [x - a[0], y - a[1], 0.0]));
-            sides.fold(z.abs() - half_length_um, f64::max)
-        }
-    }
+    solid.form.nearest_face(solid.rotation.inverse().turn(point)).0
 }
 
 /// Whether a point lies in a body, by the inequalities that define its form.

@@ -11,8 +11,6 @@ impl Form {
     /// Total thickness of layers below which a core with all its faces remains, µm.
     pub fn deepest_um(&self) -> f64 {
         match self {
-            Form::Ellipsoid { semi_axes_um: [a, b, c] } => a.min(*b).min(*c),
-            Form::Disc { radius_um, half_length_um } => radius_um.min(*half_length_um),
             Form::Prism { corners_um, half_length_um } => {
                 let shifts = shifts(corners_um);
                 let along = edges(corners_um).zip(edges(&shifts)).map(|((a, b), (s, t))| {
@@ -22,25 +20,14 @@ impl Form {
                 });
                 along.fold(*half_length_um, f64::min)
             }
+            _ => self.thin_um(),
         }
     }
 
     /// The core inside layers of this thickness, which must be below [`Form::deepest_um`].
     pub fn inset(&self, depth_um: f64) -> Form {
-        match self {
-            Form::Ellipsoid { semi_axes_um } => {
-                Form::Ellipsoid { semi_axes_um: semi_axes_um.map(|a| a - depth_um) }
-            }
-            Form::Disc { radius_um, half_length_um } => {
-                Form::Disc { radius_um: radius_um - depth_um, half_length_um: half_length_um - depth_um }
-            }
-            Form::Prism { corners_um, half_length_um } => {
-                let moved = corners_um.iter().zip(shifts(corners_um));
-                let corners_um =
-                    moved.map(|(c, s)| [c[0] + depth_um * s[0], c[1] + depth_um * s[1]]).collect();
-                Form::Prism { corners_um, half_length_um: half_length_um - depth_um }
-            }
-        }
+        let moved = |(c, s): (&[f64; 2], [f64; 2])| [c[0] + depth_um * s[0], c[1] + depth_um * s[1]];
+        self.resized(|x| x - depth_um, |corners| corners.iter().zip(shifts(corners)).map(moved).collect())
     }
 }
 

@@ -36,7 +36,7 @@ pub(super) struct LogNormalLaw {
     /// Median by number before truncation, nm.
     median_nm: f64,
     /// Standard deviation of ln(size).
-    sigma: f64,
+    pub sigma: f64,
     /// Half-width of the truncated range, in standard deviations.
     cut: f64,
     /// Centre of the truncated range, in standard deviations by number: 0, or 3σ for truncation by
@@ -60,10 +60,6 @@ impl LogNormalLaw {
         (d90 / d10).ln() / (2.0 * TENTH)
     }
 
-    pub fn has_spread(&self) -> bool {
-        self.sigma > 0.0
-    }
-
     pub fn largest_nm(&self) -> f64 {
         self.at(self.middle + self.cut)
     }
@@ -75,32 +71,35 @@ impl LogNormalLaw {
 
     /// Quantile of the sizes at a fraction (0–1) of all grains, nm.
     pub fn quantile_nm(&self, share: f64) -> f64 {
-        let normal = Normal::standard();
-        let [low, high] = [self.middle - self.cut, self.middle + self.cut];
-        // computed in the nearer tail to avoid cancellation
-        let z = if self.middle == 0.0 && share < 0.5 {
-            normal.inverse_cdf(normal.cdf(low) + share * self.kept())
-        } else {
-            -normal.inverse_cdf(normal.cdf(-high) + (1.0 - share) * self.kept())
-        };
-        self.at(z.clamp(low, high))
+        self.at(cut_quantile(share, self.cut, self.middle))
     }
 
     /// Number mean of the cubed size, nm³: ∫ e^{sz} φ(z) dz = e^{s²/2} ∫ φ(z − s) dz with s = 3σ.
     pub fn mean_cube_nm3(&self) -> f64 {
         let (s, normal) = (3.0 * self.sigma, Normal::standard());
         let [low, high] = [self.middle - self.cut - s, self.middle + self.cut - s];
-        self.median_nm.powi(3) * (0.5 * s * s).exp() * (normal.cdf(high) - normal.cdf(low)) / self.kept()
+        let within = normal.cdf(high) - normal.cdf(low);
+        self.median_nm.powi(3) * (0.5 * s * s).exp() * within / kept(self.cut, self.middle)
     }
+}
 
-    /// Fraction of the grains, by number, within the truncated range.
-    fn kept(&self) -> f64 {
-        let cdf = |x: f64| Normal::standard().cdf(x);
-        if self.middle == 0.0 {
-            return 1.0 - 2.0 * cdf(-self.cut);
-        }
-        cdf(self.cut - self.middle) - cdf(-self.cut - self.middle)
-    }
+/// Fraction of a normal distribution within `cut` standard deviations of `middle`.
+pub(super) fn kept(cut: f64, middle: f64) -> f64 {
+    let cdf = |x: f64| Normal::standard().cdf(x);
+    if middle == 0.0 { 1.0 - 2.0 * cdf(-cut) } else { cdf(cut - middle) - cdf(-cut - middle) }
+}
+
+/// Quantile of the normal distribution truncated at `cut` standard deviations from `middle`.
+pub(super) fn cut_quantile(share: f64, cut: f64, middle: f64) -> f64 {
+    let normal = Normal::standard();
+    let [low, high] = [middle - cut, middle + cut];
+    // computed in the nearer tail to avoid cancellation
+    let z = if middle == 0.0 && share < 0.5 {
+        normal.inverse_cdf(normal.cdf(low) + share * kept(cut, middle))
+    } else {
+        -normal.inverse_cdf(normal.cdf(-high) + (1.0 - share) * kept(cut, middle))
+    };
+    z.clamp(low, high)
 }
 
 #[cfg(test)]

@@ -6,7 +6,6 @@ mod beads;
 pub mod contact;
 mod inset;
 mod log_normal;
-mod name_or_table;
 pub mod orientation;
 pub mod shape;
 pub mod size;

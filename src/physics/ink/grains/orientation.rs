@@ -1,12 +1,11 @@
 //! Alignment of the axes of elongated grains.
 
-use super::name_or_table;
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
-use crate::numerics::vector::{Rotation, V3, add, cross, dot, scale, unit};
-use crate::numerics::written::also_by_name;
+use crate::numerics::vector::{V3, add, cross, dot, scale, unit};
+use crate::numerics::written::{also_by_name, no_keys};
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// Concentration parameter κ of the Watson distribution.
 const STRENGTH: Allowed = Allowed::between(0.0, f64::MAX, "");
@@ -20,12 +19,13 @@ const STRENGTH: Allowed = Allowed::between(0.0, f64::MAX, "");
 /// pigment's order is below that of the distribution, and ramps down, so that it does not prevent
 /// convergence. Contacts rotate grains out of alignment, so the packing reports the tensor
 /// achieved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-#[schemars(deny_unknown_fields, transform = also_by_name)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(transform = also_by_name)]
 pub enum Orientation {
     /// Isotropic, no field.
     #[default]
+    #[serde(deserialize_with = "no_keys")]
     Random,
     /// Axes in the plane of the layer.
     InPlane {
@@ -51,26 +51,6 @@ pub enum Orientation {
     },
 }
 
-#[derive(Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-enum OrientationWritten {
-    Random {},
-    InPlane { strength: Option<f64> },
-    Perpendicular { strength: Option<f64> },
-    Along { direction: [f64; 3], strength: Option<f64> },
-}
-
-impl<'de> Deserialize<'de> for Orientation {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Ok(match name_or_table::deserialize::<OrientationWritten, D>(deserializer)? {
-            OrientationWritten::Random {} => Self::Random,
-            OrientationWritten::InPlane { strength } => Self::InPlane { strength },
-            OrientationWritten::Perpendicular { strength } => Self::Perpendicular { strength },
-            OrientationWritten::Along { direction, strength } => Self::Along { direction, strength },
-        })
-    }
-}
-
 /// The aligning field as numbers: weight exp(κ (u·n)²), κ < 0 for a plane, ± ∞ for perfect
 /// alignment.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,13 +62,20 @@ pub struct AxisField {
 }
 
 impl Orientation {
+    /// Direction and strength of the field, and 1 along the direction or −1 across it.
+    fn parts(&self) -> Option<(V3, Option<f64>, f64)> {
+        let z = [0.0, 0.0, 1.0];
+        match *self {
+            Self::Random => None,
+            Self::InPlane { strength } => Some((z, strength, -1.0)),
+            Self::Perpendicular { strength } => Some((z, strength, 1.0)),
+            Self::Along { direction, strength } => Some((direction, strength, 1.0)),
+        }
+    }
+
     /// The first invalid number, if any: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
-        let (strength, direction) = match *self {
-            Self::Random => (None, [0.0, 0.0, 1.0]),
-            Self::InPlane { strength } | Self::Perpendicular { strength } => (strength, [0.0, 0.0, 1.0]),
-            Self::Along { direction, strength } => (strength, direction),
-        };
+        let (direction, strength, _) = self.parts()?;
         if strength.is_some_and(|k| !STRENGTH.holds(k)) {
             return Some(("orientation.strength", format!("{strength:?}"), "finite, 0 or above"));
         }
@@ -98,16 +85,8 @@ impl Orientation {
     }
 
     pub(crate) fn field(&self) -> Option<AxisField> {
-        let z = [0.0, 0.0, 1.0];
-        let full = |strength: Option<f64>| strength.unwrap_or(f64::INFINITY);
-        match *self {
-            Self::Random => None,
-            Self::InPlane { strength } => Some(AxisField { axis: z, kappa: -full(strength) }),
-            Self::Perpendicular { strength } => Some(AxisField { axis: z, kappa: full(strength) }),
-            Self::Along { direction, strength } => {
-                Some(AxisField { axis: unit(direction), kappa: full(strength) })
-            }
-        }
+        let (direction, strength, sign) = self.parts()?;
+        Some(AxisField { axis: unit(direction), kappa: sign * strength.unwrap_or(f64::INFINITY) })
     }
 }
 
@@ -122,13 +101,13 @@ impl AxisField {
 
     fn draw_cosine(&self, draws: &mut Draws) -> f64 {
         let sign = if draws.uniform() < 0.5 { -1.0 } else { 1.0 };
-        if self.kappa == f64::INFINITY {
-            return sign;
-        }
-        if self.kappa == f64::NEG_INFINITY {
-            return 0.0;
-        }
-        sign * if self.kappa > 0.0 { near_pole(self.kappa, draws) } else { near_plane(-self.kappa, draws) }
+        let cosine = match self.kappa {
+            f64::INFINITY => 1.0,
+            f64::NEG_INFINITY => return 0.0,
+            kappa if kappa > 0.0 => near_pole(kappa, draws),
+            kappa => near_plane(-kappa, draws),
+        };
+        sign * cosine
     }
 
     /// ⟨(u·n)²⟩ of the distribution: the order of a finite strength (midpoint rule, 1e-6).
@@ -189,15 +168,6 @@ fn near_plane(kappa: f64, draws: &mut Draws) -> f64 {
             return c;
         }
     }
-}
-
-/// A uniform rotation, or one whose z axis follows the field.
-pub(crate) fn draw_rotation(field: Option<&AxisField>, draws: &mut Draws) -> Rotation {
-    let axis = match field {
-        Some(field) => field.draw_axis(draws),
-        None => draws.direction(),
-    };
-    draws.rotation_with_axis(axis)
 }
 
 #[cfg(test)]

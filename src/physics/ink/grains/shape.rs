@@ -1,15 +1,16 @@
 //! Grain shapes: convex bodies, and rigid clusters of spheres, most of them along an axis (P1
 //! section 3, "Форма").
 
+use super::agglomeration::PlacedGrain;
 use super::beads::{bead, centred, chain, inscribed};
-use super::solid::{self, Form};
+use super::solid::{self, Form, Solid};
 use super::volume::{Volume, union_volume};
 use crate::ink::Sphere;
 use crate::numerics::allowed::{Allowed, Whole};
 use crate::numerics::vector::scale;
-use crate::numerics::written::also_by_name;
+use crate::numerics::written::{also_by_name, no_keys};
 use schemars::JsonSchema;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Length of a grain in radii; 2 is a sphere.
@@ -33,74 +34,88 @@ const SPHERES: Whole = Whole::between(2, 200);
 /// Clusters of spheres have lengths in radii R of their thickest sphere. `ellipsoid`, `box`, `disc`
 /// and `prism` are exact convex bodies: their lengths are proportions, which the size scales (in
 /// case files they are µm).
-#[derive(Clone, Debug, PartialEq, Serialize, Default, JsonSchema)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-#[schemars(deny_unknown_fields, transform = also_by_name)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Default, JsonSchema)]
+#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[schemars(transform = also_by_name)]
 pub enum Shape {
     /// One sphere.
     #[default]
+    #[serde(deserialize_with = "no_keys")]
     Sphere,
     /// Equal spheres at equal spacing; `length_in_radii` includes the round ends. P1 section 5:
     /// length 6 R.
     Cylinder {
         /// Tip-to-tip length over R, above 2.
-        #[schemars(transform = LENGTH_IN_RADII.mark(), default = "six")]
+        #[serde(default = "whole::<6>")]
+        #[schemars(transform = LENGTH_IN_RADII.mark())]
         length_in_radii: f64,
         /// Number of spheres on the axis, 2 to 200.
-        #[schemars(transform = SPHERES.mark(), default = "five")]
+        #[serde(default = "count::<5>")]
+        #[schemars(transform = SPHERES.mark())]
         spheres: usize,
     },
     /// P1 Fig. 1: radii decrease parabolically from R in the middle to `tip_in_radii` R at the
     /// ends.
     RiceGrain {
         /// Tip-to-tip length over R, above 2.
-        #[schemars(transform = LENGTH_IN_RADII.mark(), default = "six")]
+        #[serde(default = "whole::<6>")]
+        #[schemars(transform = LENGTH_IN_RADII.mark())]
         length_in_radii: f64,
         /// Radius of the end spheres over R, above 0 up to 1.
-        #[schemars(transform = TIP_IN_RADII.mark(), default = "half")]
+        #[serde(default = "half")]
+        #[schemars(transform = TIP_IN_RADII.mark())]
         tip_in_radii: f64,
         /// Number of spheres on the axis, 2 to 200.
-        #[schemars(transform = SPHERES.mark(), default = "seven")]
+        #[serde(default = "count::<7>")]
+        #[schemars(transform = SPHERES.mark())]
         spheres: usize,
     },
     /// Ellipsoid with three axes; bare: the third twice as long as the others.
     Ellipsoid {
         /// Lengths of the axes, tip to tip, along x, y and z: z is the grain's axis.
-        #[schemars(inner(range(min = 0)), default = "prolate")]
+        #[serde(default = "prolate")]
+        #[schemars(inner(range(min = 0)))]
         axes: [f64; 3],
     },
     /// Box with three edges; bare: a cube.
     Box {
         /// Lengths of the edges along x, y and z: z is the grain's axis.
-        #[schemars(inner(range(min = 0)), default = "cube")]
+        #[serde(default = "cube")]
+        #[schemars(inner(range(min = 0)))]
         edges: [f64; 3],
     },
     /// Circular disc, platelet or rod with flat ends; bare: five times as wide as thick.
     Disc {
         /// Diameter of the ends.
-        #[schemars(transform = LENGTH.mark(), default = "one")]
+        #[serde(default = "whole::<1>")]
+        #[schemars(transform = LENGTH.mark())]
         diameter: f64,
         /// Distance between the ends along z, the grain's axis.
-        #[schemars(transform = LENGTH.mark(), default = "fifth")]
+        #[serde(default = "fifth")]
+        #[schemars(transform = LENGTH.mark())]
         thickness: f64,
     },
     /// Prism over a convex polygon; bare: hexagonal, as long as its edges.
     Prism {
         /// Corners of the polygon in order, x and y; its centre of mass becomes the grain's axis.
-        #[schemars(length(min = 3, max = 64), default = "hexagon")]
+        #[serde(default = "hexagon")]
+        #[schemars(length(min = 3, max = 64))]
         corners: Vec<[f64; 2]>,
         /// Distance between the ends along z, the grain's axis.
-        #[schemars(transform = LENGTH.mark(), default = "one")]
+        #[serde(default = "whole::<1>")]
+        #[schemars(transform = LENGTH.mark())]
         length: f64,
     },
     /// Spheres inscribed in a prolate ellipsoid of semi-axes R and `aspect_ratio` R, tips included;
     /// unlike `ellipsoid` it can make fractals.
     BeadedEllipsoid {
         /// Length over width, above 1.
-        #[schemars(transform = ASPECT_RATIO.mark(), default = "two")]
+        #[serde(default = "whole::<2>")]
+        #[schemars(transform = ASPECT_RATIO.mark())]
         aspect_ratio: f64,
         /// Number of spheres on the axis, 2 to 200.
-        #[schemars(transform = SPHERES.mark(), default = "nine")]
+        #[serde(default = "count::<9>")]
+        #[schemars(transform = SPHERES.mark())]
         spheres: usize,
     },
     /// Any rigid cluster: rows of x, y, z, radius in a common unit; the size then scales it.
@@ -111,61 +126,11 @@ pub enum Shape {
     },
 }
 
-/// The shape as written in a file, with all defaults filled in.
-#[derive(Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-enum ShapeWritten {
-    Sphere {},
-    Cylinder {
-        #[serde(default = "six")]
-        length_in_radii: f64,
-        #[serde(default = "five")]
-        spheres: usize,
-    },
-    RiceGrain {
-        #[serde(default = "six")]
-        length_in_radii: f64,
-        #[serde(default = "half")]
-        tip_in_radii: f64,
-        #[serde(default = "seven")]
-        spheres: usize,
-    },
-    Ellipsoid {
-        #[serde(default = "prolate")]
-        axes: [f64; 3],
-    },
-    Box {
-        #[serde(default = "cube")]
-        edges: [f64; 3],
-    },
-    Disc {
-        #[serde(default = "one")]
-        diameter: f64,
-        #[serde(default = "fifth")]
-        thickness: f64,
-    },
-    Prism {
-        #[serde(default = "hexagon")]
-        corners: Vec<[f64; 2]>,
-        #[serde(default = "one")]
-        length: f64,
-    },
-    BeadedEllipsoid {
-        #[serde(default = "two")]
-        aspect_ratio: f64,
-        #[serde(default = "nine")]
-        spheres: usize,
-    },
-    Cluster {
-        spheres: Vec<[f64; 4]>,
-    },
+fn count<const N: usize>() -> usize {
+    N
 }
-
-fn six() -> f64 {
-    6.0
-}
-fn one() -> f64 {
-    1.0
+fn whole<const N: u32>() -> f64 {
+    N.into()
 }
 fn fifth() -> f64 {
     0.2
@@ -180,48 +145,8 @@ fn hexagon() -> Vec<[f64; 2]> {
     let h = 0.75f64.sqrt();
     vec![[1.0, 0.0], [0.5, h], [-0.5, h], [-1.0, 0.0], [-0.5, -h], [0.5, -h]]
 }
-fn two() -> f64 {
-    2.0
-}
 fn half() -> f64 {
     0.5
-}
-fn five() -> usize {
-    5
-}
-fn seven() -> usize {
-    7
-}
-fn nine() -> usize {
-    9
-}
-
-impl From<ShapeWritten> for Shape {
-    fn from(written: ShapeWritten) -> Self {
-        match written {
-            ShapeWritten::Sphere {} => Self::Sphere,
-            ShapeWritten::Cylinder { length_in_radii, spheres } => {
-                Self::Cylinder { length_in_radii, spheres }
-            }
-            ShapeWritten::RiceGrain { length_in_radii, tip_in_radii, spheres } => {
-                Self::RiceGrain { length_in_radii, tip_in_radii, spheres }
-            }
-            ShapeWritten::Ellipsoid { axes } => Self::Ellipsoid { axes },
-            ShapeWritten::Box { edges } => Self::Box { edges },
-            ShapeWritten::Disc { diameter, thickness } => Self::Disc { diameter, thickness },
-            ShapeWritten::Prism { corners, length } => Self::Prism { corners, length },
-            ShapeWritten::BeadedEllipsoid { aspect_ratio, spheres } => {
-                Self::BeadedEllipsoid { aspect_ratio, spheres }
-            }
-            ShapeWritten::Cluster { spheres } => Self::Cluster { spheres },
-        }
-    }
-}
-
-impl<'de> Deserialize<'de> for Shape {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        super::name_or_table::deserialize::<ShapeWritten, D>(deserializer).map(Self::from)
-    }
 }
 
 /// Spheres in the body frame (centre of mass at the origin, symmetry axis along z), thickest radius
@@ -337,6 +262,20 @@ impl Template {
     /// Diameter of the sphere of equal union volume, in units of the thickest radius.
     pub fn effective_diameter(&self) -> f64 {
         (6.0 * self.volume.um3 / PI).cbrt()
+    }
+
+    /// The grain of this thickest radius, in its own frame.
+    pub(crate) fn grain(&self, radius_um: f64) -> PlacedGrain {
+        let sphere = |s: &Sphere| Sphere {
+            center_um: scale(s.center_um, radius_um),
+            radius_um: s.radius_um * radius_um,
+        };
+        PlacedGrain {
+            spheres: self.spheres.iter().map(sphere).collect(),
+            solid: self.form.as_ref().map(|form| Solid::upright(form.scaled(radius_um), [0.0; 3])),
+            axis: [0.0, 0.0, 1.0],
+            volume_um3: self.volume.um3 * radius_um.powi(3),
+        }
     }
 }
 

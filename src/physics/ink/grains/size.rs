@@ -5,6 +5,7 @@ use super::log_normal::{CUT_AT, LogNormalLaw, TENTH};
 use super::shape::Template;
 use crate::numerics::Draws;
 use crate::numerics::allowed::{Allowed, Each};
+use crate::numerics::draws::{are_weights, weighted};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -262,8 +263,7 @@ fn list_defect(values: &[f64], weights: &[f64]) -> Option<(&'static str, String,
     if values.is_empty() || values.iter().any(|v| !(v.is_finite() && *v > 0.0)) {
         return Some(("size.values_nm", format!("{values:?}"), "one or more finite sizes above 0"));
     }
-    let sound = weights.iter().all(|w| w.is_finite() && *w >= 0.0) && weights.iter().sum::<f64>() > 0.0;
-    let fits = weights.is_empty() || (weights.len() == values.len() && sound);
+    let fits = weights.is_empty() || (weights.len() == values.len() && are_weights(weights));
     let allowed = "no weights, or one weight of at least 0 per value with a sum above 0";
     (!fits).then(|| ("size.weights", format!("{weights:?}"), allowed))
 }
@@ -275,21 +275,6 @@ fn cut_normal(draws: &mut Draws, cut: f64) -> f64 {
             return x;
         }
     }
-}
-
-/// Weighted quantile of the values, in the order of the list.
-pub(super) fn weighted(values: &[f64], weights: &[f64], share: f64) -> f64 {
-    if weights.is_empty() {
-        return values[((share * values.len() as f64) as usize).min(values.len() - 1)];
-    }
-    let mut left = share * weights.iter().sum::<f64>();
-    for (value, weight) in values.iter().zip(weights) {
-        left -= weight;
-        if left < 0.0 {
-            return *value;
-        }
-    }
-    values[weights.iter().rposition(|w| *w > 0.0).unwrap_or(0)]
 }
 
 #[cfg(test)]

@@ -1,8 +1,9 @@
 //! Stratified samples of a size distribution: one size from each of n equal fractions of it.
 
-use super::size::{SizeDistribution, weighted};
-use crate::numerics::Draws;
-use statrs::distribution::{Continuous, ContinuousCDF, Normal};
+use super::log_normal::{cut_quantile, kept};
+use super::size::SizeDistribution;
+use crate::numerics::draws::{Draws, weighted};
+use statrs::distribution::{Continuous, Normal};
 
 impl SizeDistribution {
     /// Whether grain sizes vary.
@@ -10,7 +11,7 @@ impl SizeDistribution {
         match self {
             Self::Constant { .. } => false,
             Self::Normal { standard_deviation_nm, .. } => *standard_deviation_nm > 0.0,
-            Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().has_spread(),
+            Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().sigma > 0.0,
             Self::List { values_nm, weights, .. } => {
                 let drawn = |i: usize| weights.is_empty() || weights[i] > 0.0;
                 let mut sizes = (0..values_nm.len()).filter(|&i| drawn(i)).map(|i| values_nm[i]);
@@ -26,16 +27,14 @@ impl SizeDistribution {
             Self::Constant { value_nm, .. } => value_nm.powi(3),
             Self::Normal { mean_nm, standard_deviation_nm: s, cut_at_sigmas: c, .. } => {
                 // E z² of a normal distribution truncated at ±c; odd powers vanish
-                let square = 1.0 - 2.0 * c * Normal::standard().pdf(*c) / kept(*c);
+                let square = 1.0 - 2.0 * c * Normal::standard().pdf(*c) / kept(*c, 0.0);
                 mean_nm.powi(3) + 3.0 * mean_nm * s * s * square
             }
             Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().mean_cube_nm3(),
             Self::List { values_nm, weights, .. } => {
                 let weight = |i: usize| if weights.is_empty() { 1.0 } else { weights[i] };
-                let sum = |of: &dyn Fn(f64) -> f64| -> f64 {
-                    values_nm.iter().enumerate().map(|(i, &v)| weight(i) * of(v)).sum()
-                };
-                sum(&|v| v.powi(3)) / sum(&|_| 1.0)
+                let cubes = values_nm.iter().enumerate().map(|(i, v)| weight(i) * v.powi(3));
+                cubes.sum::<f64>() / (0..values_nm.len()).map(weight).sum::<f64>()
             }
         }
     }
@@ -45,7 +44,7 @@ impl SizeDistribution {
         match self {
             Self::Constant { value_nm, .. } => *value_nm,
             Self::Normal { mean_nm, standard_deviation_nm, cut_at_sigmas, .. } => {
-                mean_nm + standard_deviation_nm * cut_quantile(share, *cut_at_sigmas)
+                mean_nm + standard_deviation_nm * cut_quantile(share, *cut_at_sigmas, 0.0)
             }
             Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().quantile_nm(share),
             Self::List { values_nm, weights, .. } => weighted(values_nm, weights, share),
@@ -62,19 +61,6 @@ impl SizeDistribution {
         draws.shuffle(&mut sizes);
         sizes
     }
-}
-
-/// Fraction of a normal distribution within ± `cut` standard deviations.
-fn kept(cut: f64) -> f64 {
-    1.0 - 2.0 * Normal::standard().cdf(-cut)
-}
-
-/// Quantile of the normal distribution truncated at ± `cut`, computed in the nearer tail to avoid
-/// cancellation.
-fn cut_quantile(share: f64, cut: f64) -> f64 {
-    let below = |share: f64| Normal::standard().inverse_cdf(Normal::standard().cdf(-cut) + share * kept(cut));
-    let z = if share < 0.5 { below(share) } else { -below(1.0 - share) };
-    z.clamp(-cut, cut)
 }
 
 #[cfg(test)]

@@ -57,16 +57,22 @@ impl Form {
 
     /// The form with all lengths multiplied by `factor`.
     pub fn scaled(&self, factor: f64) -> Form {
+        self.resized(|x| x * factor, |corners| corners.iter().map(|c| c.map(|x| x * factor)).collect())
+    }
+
+    /// A form of the same kind with other semi-axes, radius and length, and other corners.
+    pub(super) fn resized(
+        &self,
+        length: impl Fn(f64) -> f64,
+        corners: impl Fn(&[[f64; 2]]) -> Vec<[f64; 2]>,
+    ) -> Form {
         match self {
-            Form::Ellipsoid { semi_axes_um } => {
-                Form::Ellipsoid { semi_axes_um: scale(*semi_axes_um, factor) }
-            }
+            Form::Ellipsoid { semi_axes_um } => Form::Ellipsoid { semi_axes_um: semi_axes_um.map(length) },
             Form::Disc { radius_um, half_length_um } => {
-                Form::Disc { radius_um: radius_um * factor, half_length_um: half_length_um * factor }
+                Form::Disc { radius_um: length(*radius_um), half_length_um: length(*half_length_um) }
             }
             Form::Prism { corners_um, half_length_um } => {
-                let corners_um = corners_um.iter().map(|c| c.map(|x| x * factor)).collect();
-                Form::Prism { corners_um, half_length_um: half_length_um * factor }
+                Form::Prism { corners_um: corners(corners_um), half_length_um: length(*half_length_um) }
             }
         }
     }
@@ -122,6 +128,7 @@ impl Form {
 
     /// The part of the line p + t d inside, in the form's frame: t at both ends.
     fn chord(&self, p: V3, d: V3) -> Option<[f64; 2]> {
+        let ends = |half: f64| [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]].map(|n| (n, half));
         let [a, b] = match self {
             Form::Ellipsoid { semi_axes_um: axes } => {
                 let [p, d]: [V3; 2] = [p, d].map(|v| std::array::from_fn(|i| v[i] / axes[i]));
@@ -133,19 +140,43 @@ impl Form {
                     p[0] * d[0] + p[1] * d[1],
                     p[0] * p[0] + p[1] * p[1] - radius_um * radius_um,
                 )?;
-                let ends = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]].map(|n| (n, *half_length_um));
-                clipped(round, p, d, ends)
+                clipped(round, p, d, ends(*half_length_um))
             }
             Form::Prism { corners_um, half_length_um } => {
                 let sides = edges(corners_um).map(|(a, b)| {
                     let n = outward(a, b);
                     (n, n[0] * a[0] + n[1] * a[1])
                 });
-                let ends = [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]].map(|n| (n, *half_length_um));
-                clipped([f64::NEG_INFINITY, f64::INFINITY], p, d, sides.chain(ends))
+                clipped([f64::NEG_INFINITY, f64::INFINITY], p, d, sides.chain(ends(*half_length_um)))
             }
         };
         (a < b).then_some([a, b])
+    }
+
+    /// The face nearest to a point: the signed distance from it (from an ellipsoid along its
+    /// shortest axis), and a vector outwards from it.
+    pub(super) fn nearest_face(&self, p: V3) -> (f64, V3) {
+        let [x, y, z] = p;
+        let end = |half: f64| (z.abs() - half, [0.0, 0.0, z.signum()]);
+        match self {
+            Form::Ellipsoid { semi_axes_um: axes @ [a, b, c] } => {
+                let depth = ((x / a).hypot(y / b).hypot(z / c) - 1.0) * a.min(*b).min(*c);
+                (depth, std::array::from_fn(|i| p[i] / (axes[i] * axes[i])))
+            }
+            Form::Disc { radius_um, half_length_um } => {
+                let (side, end) = (x.hypot(y) - radius_um, end(*half_length_um));
+                if side > end.0 { (side, [x, y, 0.0]) } else { end }
+            }
+            Form::Prism { corners_um, half_length_um } => {
+                let sides = edges(corners_um).map(|(a, b)| {
+                    let n = outward(a, b);
+                    (n[0] * (x - a[0]) + n[1] * (y - a[1]), n)
+                });
+                let faces = sides.chain([end(*half_length_um)]);
+                let none = (f64::NEG_INFINITY, [0.0, 0.0, 1.0]);
+                faces.fold(none, |far, face| if face.0 < far.0 { far } else { face })
+            }
+        }
     }
 
     /// Longest axis, diameter or edge, µm.
@@ -199,23 +230,7 @@ impl Solid {
 
     /// Outward normal of the surface nearest to a point on it.
     pub fn normal(&self, point: V3) -> V3 {
-        let p = self.rotation.inverse().turn(sub(point, self.center_um));
-        let end = |half: f64| (p[2].abs() - half, [0.0, 0.0, p[2].signum()]);
-        let own = match &self.form {
-            Form::Ellipsoid { semi_axes_um: a } => std::array::from_fn(|i| p[i] / (a[i] * a[i])),
-            Form::Disc { radius_um, half_length_um } => {
-                let (height, up) = end(*half_length_um);
-                if p[0].hypot(p[1]) - radius_um > height { [p[0], p[1], 0.0] } else { up }
-            }
-            Form::Prism { corners_um, half_length_um } => {
-                let sides = edges(corners_um).map(|(a, b)| {
-                    let n = outward(a, b);
-                    (n[0] * (p[0] - a[0]) + n[1] * (p[1] - a[1]), n)
-                });
-                let faces = sides.chain([end(*half_length_um)]);
-                faces.max_by(|a, b| a.0.total_cmp(&b.0)).map_or([0.0, 0.0, 1.0], |(_, n)| n)
-            }
-        };
+        let (_, own) = self.form.nearest_face(self.rotation.inverse().turn(sub(point, self.center_um)));
         unit(self.rotation.turn(own))
     }
 

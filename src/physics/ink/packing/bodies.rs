@@ -1,65 +1,19 @@
 //! Bodies in the cell: positions, rotations and the spheres they carry.
 
+use super::cell::CellBox;
 use super::grain::Grain;
-use super::plan::GrainSpheres;
+use super::plan::PackingPlan;
 use crate::ink::grains::contact::{self, Contact};
 use crate::ink::grains::solid::Solid;
 use crate::ink::grains::sphere::Sphere;
-use crate::numerics::vector::{Rotation, V3, add, norm, scale, unit};
-
-/// The cell: side lengths, and the distance beyond which a periodic image is nearer (infinite
-/// across walls).
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct CellBox {
-    pub size: V3,
-    pub walls: bool,
-    half: V3,
-}
-
-impl CellBox {
-    pub fn new(period: [f64; 2], thickness: f64, walls: bool) -> Self {
-        let size = [period[0], period[1], thickness];
-        let half = [0.5 * size[0], 0.5 * size[1], if walls { f64::INFINITY } else { 0.5 * size[2] }];
-        Self { size, walls, half }
-    }
-
-    pub fn periodic(&self, axis: usize) -> bool {
-        axis < 2 || !self.walls
-    }
-
-    pub fn wrap(&self, mut p: V3) -> V3 {
-        for (a, (x, size)) in p.iter_mut().zip(&self.size).enumerate() {
-            if self.periodic(a) && !(*x >= 0.0 && *x < *size) {
-                *x -= size * (*x / size).floor();
-                // A tiny negative number rounds up to the period.
-                if *x >= *size {
-                    *x = 0.0;
-                }
-            }
-        }
-        p
-    }
-
-    /// Vector from wrapped a to the nearest image of wrapped b.
-    #[inline(always)]
-    pub fn delta(&self, a: V3, b: V3) -> V3 {
-        let mut d = [b[0] - a[0], b[1] - a[1], b[2] - a[2]];
-        for ((d, half), size) in d.iter_mut().zip(&self.half).zip(&self.size) {
-            if *d > *half {
-                *d -= size;
-            } else if *d < -half {
-                *d += size;
-            }
-        }
-        d
-    }
-}
+use crate::numerics::vector::{Rotation, V3, add, norm, scale, sub, unit};
+use std::ops::Range;
 
 /// Positions of the first `placed` bodies. Arrays over spheres are flat; `first[b]..first[b + 1]`
 /// belong to body b.
 pub(crate) struct Bodies<'a> {
     pub cell: CellBox,
-    pub bodies: &'a [GrainSpheres],
+    pub plan: &'a PackingPlan,
     pub placed: usize,
     pub centre: Vec<V3>,
     pub rotation: Vec<Rotation>,
@@ -75,7 +29,8 @@ pub(crate) struct Bodies<'a> {
 }
 
 impl<'a> Bodies<'a> {
-    pub fn new(cell: CellBox, bodies: &'a [GrainSpheres]) -> Self {
+    pub fn new(plan: &'a PackingPlan) -> Self {
+        let bodies = &plan.bodies;
         let mut first = vec![0];
         let mut owner = Vec::new();
         let (mut radius, mut solid) = (Vec::new(), Vec::new());
@@ -87,13 +42,18 @@ impl<'a> Bodies<'a> {
         }
         let (arm, at) = (vec![[0.0; 3]; radius.len()], vec![[0.0; 3]; radius.len()]);
         let (centre, rotation) = (vec![[0.0; 3]; bodies.len()], vec![Rotation::IDENTITY; bodies.len()]);
-        Self { cell, bodies, placed: 0, centre, rotation, first, owner, radius, arm, at, solid }
+        Self { cell: plan.cell, plan, placed: 0, centre, rotation, first, owner, radius, arm, at, solid }
+    }
+
+    /// The spheres of body b.
+    pub fn range(&self, b: usize) -> Range<usize> {
+        self.first[b]..self.first[b + 1]
     }
 
     /// Places body b and updates its spheres.
     pub fn put(&mut self, b: usize, centre: V3, rotation: Rotation) {
         self.rotation[b] = rotation;
-        let (body, range) = (&self.bodies[b], self.first[b]..self.first[b + 1]);
+        let (body, range) = (&self.plan.bodies[b], self.range(b));
         for (arm, sphere) in self.arm[range.clone()].iter_mut().zip(&body.spheres) {
             *arm = rotation.turn(sphere.center_um);
         }
@@ -109,7 +69,7 @@ impl<'a> Bodies<'a> {
     pub fn shift(&mut self, b: usize, centre: V3) {
         let centre = self.cell.wrap(centre);
         self.centre[b] = centre;
-        for s in self.first[b]..self.first[b + 1] {
+        for s in self.range(b) {
             self.at[s] = self.cell.wrap(add(centre, self.arm[s]));
         }
     }
@@ -121,7 +81,7 @@ impl<'a> Bodies<'a> {
 
     /// Lowest and highest z of body b, relative to its centre.
     pub fn span_z(&self, b: usize) -> [f64; 2] {
-        let ends = (self.first[b]..self.first[b + 1]).map(|s| self.extent_z(s).map(|z| self.arm[s][2] + z));
+        let ends = self.range(b).map(|s| self.extent_z(s).map(|z| self.arm[s][2] + z));
         ends.fold([f64::MAX, f64::MIN], |e, [low, high]| [e[0].min(low), e[1].max(high)])
     }
 
@@ -157,35 +117,29 @@ impl<'a> Bodies<'a> {
 
     /// Rotated axes of the grains of body b.
     pub fn axes(&self, b: usize) -> impl Iterator<Item = V3> + '_ {
-        self.bodies[b].parts.iter().map(move |p| self.rotation[b].turn(p.axis))
-    }
-
-    /// Sphere s of body b in the periodic image that takes `lead` to `inside`.
-    fn image(&self, b: usize, s: usize, lead: V3, inside: V3) -> Sphere {
-        let p = add(self.centre[b], self.arm[s]);
-        let shifted = |a: usize| if inside[a] == lead[a] { p[a] } else { p[a] + (inside[a] - lead[a]) };
-        Sphere { center_um: std::array::from_fn(shifted), radius_um: self.radius[s] }
+        self.plan.bodies[b].parts.iter().map(move |p| self.rotation[b].turn(p.axis))
     }
 
     /// The grains of the placed bodies, with contiguous coordinates.
     pub fn grains(&self) -> Vec<Grain> {
         let mut agglomerates = 0;
         let mut grains = Vec::new();
-        for (b, body) in self.bodies[..self.placed].iter().enumerate() {
+        for (b, body) in self.plan.bodies[..self.placed].iter().enumerate() {
             let agglomerate = (body.parts.len() > 1).then_some(agglomerates);
             agglomerates += usize::from(agglomerate.is_some());
             for part in &body.parts {
                 let range = self.first[b] + part.spheres.start..self.first[b] + part.spheres.end;
                 let lead = add(self.centre[b], self.arm[range.start]);
-                let inside = self.cell.wrap(lead);
-                let solid = self.solid(range.start).cloned();
-                let turned = solid.is_some() || part.spheres.len() > 1;
+                // In the periodic image that takes the first sphere into the cell.
+                let by = sub(self.cell.wrap(lead), lead);
+                let places = range.clone().map(|s| (add(self.centre[b], self.arm[s]), self.radius[s]));
+                let spheres: Vec<Sphere> =
+                    places.map(|(p, radius_um)| Sphere { center_um: add(p, by), radius_um }).collect();
+                let solid = self.solid(range.start).map(|solid| solid.placed(spheres[0].center_um));
+                let turned = solid.is_some() || spheres.len() > 1;
                 let axis = if turned { self.rotation[b].turn(part.axis) } else { part.axis };
-                let volume_um3 = part.volume_um3;
-                let spheres: Vec<Sphere> = range.map(|s| self.image(b, s, lead, inside)).collect();
-                let center_um = spheres.first().map_or(inside, |s| s.center_um);
-                let solid = solid.map(|solid| Solid { center_um, ..solid });
-                grains.push(Grain { spheres, solid, pigment: body.pigment, axis, agglomerate, volume_um3 });
+                let (pigment, volume_um3) = (body.pigment, part.volume_um3);
+                grains.push(Grain { spheres, solid, pigment, axis, agglomerate, volume_um3 });
             }
         }
         grains

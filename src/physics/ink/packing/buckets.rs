@@ -1,7 +1,7 @@
 //! A grid of spheres over the layer, updated at single insertions and moves (sequential addition,
 //! Monte Carlo).
 
-use super::bodies::CellBox;
+use super::cell::CellBox;
 use crate::numerics::vector::V3;
 
 /// Spheres by grid cell; a sphere can touch only spheres of the neighbouring cells.
@@ -9,6 +9,8 @@ pub(crate) struct Buckets {
     count: [usize; 3],
     scale: V3,
     members: Vec<Vec<u32>>,
+    /// Cell of every sphere.
+    home: Vec<usize>,
     /// Neighbouring cells (including the cell itself), each once even if the grid is narrower than
     /// three cells.
     near: Vec<Vec<u32>>,
@@ -21,7 +23,7 @@ impl Buckets {
         let scale = std::array::from_fn(|a| count[a] as f64 / cell.size[a]);
         let cells = count.iter().product();
         let near = (0..cells).map(|c| neighbours(c, count, cell)).collect();
-        Self { count, scale, members: vec![Vec::new(); cells], near }
+        Self { count, scale, members: vec![Vec::new(); cells], home: vec![0; points], near }
     }
 
     pub fn cell_of(&self, p: V3) -> usize {
@@ -29,14 +31,17 @@ impl Buckets {
         (index(2) * self.count[1] + index(1)) * self.count[0] + index(0)
     }
 
-    pub fn insert(&mut self, sphere: usize, cell: usize) {
-        self.members[cell].push(sphere as u32);
+    pub fn insert(&mut self, sphere: usize, at: V3) {
+        self.home[sphere] = self.cell_of(at);
+        self.members[self.home[sphere]].push(sphere as u32);
     }
 
-    pub fn remove(&mut self, sphere: usize, cell: usize) {
-        let list = &mut self.members[cell];
-        if let Some(k) = list.iter().position(|s| *s == sphere as u32) {
-            list.swap_remove(k);
+    /// Puts a sphere that has moved into its new cell.
+    pub fn follow(&mut self, sphere: usize, at: V3) {
+        let home = self.home[sphere];
+        if home != self.cell_of(at) {
+            self.members[home].retain(|s| *s != sphere as u32);
+            self.insert(sphere, at);
         }
     }
 

@@ -31,7 +31,7 @@ impl Grain {
 impl Packing {
     /// The layer between two heights: grains across the planes are cut there, and their volume
     /// inside is what counts. Grains of a cell that is periodic in z continue beyond its faces.
-    pub(crate) fn between(self, [from, to]: [f64; 2]) -> Self {
+    pub(crate) fn between(mut self, [from, to]: [f64; 2]) -> Self {
         let (thickness_um, period) = (to - from, self.thickness_um());
         let images = if self.walls() { &[0.0][..] } else { &[-1.0, 0.0, 1.0] };
         let of = |grain: &Grain| -> Vec<Grain> {
@@ -40,13 +40,13 @@ impl Packing {
         };
         let grains: Vec<Grain> = self.grains().iter().flat_map(of).collect();
         let box_um3 = self.period_um()[0] * self.period_um()[1] * thickness_um;
-        let achieved = |pigment: usize| {
+        for (pigment, share) in self.shares.iter_mut().enumerate() {
             let own = grains.iter().filter(|grain| grain.pigment == pigment);
             let volume = own.clone().map(|grain| grain.volume_below(thickness_um)).sum::<f64>();
-            (volume / box_um3, own.count())
-        };
-        let shares = (0..self.shares().len()).map(achieved).collect();
-        self.cut_to(thickness_um, grains, shares)
+            (share.achieved_fraction, share.grains) = (volume / box_um3, own.count());
+        }
+        (self.thickness_um, self.grains, self.walls, self.cut) = (thickness_um, grains, false, true);
+        self
     }
 }
 

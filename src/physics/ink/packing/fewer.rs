@@ -1,7 +1,6 @@
 //! The highest volume fraction attainable when a packing fails: fewer of the same grains.
 
 use super::bodies::Bodies;
-use super::plan::PackingPlan;
 use super::relaxation::OverlapRelaxation;
 use super::request::RelaxationSettings;
 use super::strain::strain;
@@ -21,39 +20,29 @@ const ROUNDS: usize = 60;
 /// `None` if that takes more than [`ROUNDS`].
 pub(crate) fn fit_fewer(
     stuck: &Bodies,
-    plan: &PackingPlan,
     settings: &RelaxationSettings,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
 ) -> Result<Option<Reached>, PackError> {
-    let mut kept: Vec<usize> = (0..stuck.placed).collect();
-    let mut state: Vec<(V3, Rotation)> =
-        kept.iter().map(|b| (stuck.centre[*b], stuck.rotation[*b])).collect();
+    let mut kept: Vec<(usize, V3, Rotation)> =
+        (0..stuck.placed).map(|b| (b, stuck.centre[b], stuck.rotation[b])).collect();
     for _ in 0..ROUNDS {
-        let plan = plan.subset(&kept);
-        let mut bodies = Bodies::new(stuck.cell, &plan.bodies);
-        state.iter().enumerate().for_each(|(b, (centre, rotation))| bodies.put(b, *centre, *rotation));
+        let plan = stuck.plan.subset(kept.iter().map(|(b, ..)| *b));
+        let mut bodies = Bodies::new(&plan);
+        kept.iter().enumerate().for_each(|(b, (_, centre, rotation))| bodies.put(b, *centre, *rotation));
         bodies.placed = kept.len();
-        let mut relaxation = OverlapRelaxation::new(&mut bodies, &plan, settings);
+        let mut relaxation = OverlapRelaxation::new(&mut bodies, settings);
         relaxation.inflation = settings.inflation.min(1e-3);
         relaxation.start_all();
         if relaxation.settle(STEPS, draws, watch)?.is_none() {
-            return Ok(Some(reached(&plan)));
+            return Ok(Some(plan.reached(kept.len())));
         }
         let strain = strain(&bodies);
         let mut order: Vec<usize> = (0..kept.len()).collect();
         order.sort_by(|a, b| strain[*b].total_cmp(&strain[*a]));
-        let mut out: Vec<usize> = order[..(TAKEN_OUT * kept.len() as f64).ceil() as usize].to_vec();
-        out.sort_unstable();
-        state = (0..kept.len()).map(|b| (bodies.centre[b], bodies.rotation[b])).collect();
-        for b in out.into_iter().rev() {
-            kept.remove(b);
-            state.remove(b);
-        }
+        let mut left = order.split_off((TAKEN_OUT * kept.len() as f64).ceil() as usize);
+        left.sort_unstable();
+        kept = left.into_iter().map(|b| (kept[b].0, bodies.centre[b], bodies.rotation[b])).collect();
     }
     Ok(None)
-}
-
-fn reached(plan: &PackingPlan) -> Reached {
-    Reached { fraction: plan.fraction(), grains: plan.grains() }
 }

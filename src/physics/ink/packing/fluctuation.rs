@@ -67,9 +67,9 @@ impl PackingRequest {
     }
 
     /// Volume that grains may take, µm³.
-    fn window_um3(&self) -> f64 {
-        let depth = self.relief.as_ref().map_or(0.0, |relief| relief.depth_um);
-        self.period_um[0] * self.period_um[1] * (self.thickness_um - depth)
+    pub(super) fn window_um3(&self) -> f64 {
+        let dry_um = self.relief.map_or(self.thickness_um, |relief| relief.dry_um(self.thickness_um));
+        self.period_um[0] * self.period_um[1] * dry_um
     }
 
     fn bodies(&self, pigment: &PigmentGrains) -> PigmentInWindow {

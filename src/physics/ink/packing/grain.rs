@@ -1,7 +1,7 @@
 //! A placed grain.
 
 use crate::ink::grains::solid::Solid;
-use crate::ink::grains::sphere::Sphere;
+use crate::ink::grains::sphere::{Sphere, centre_of_mass};
 use crate::ink::grains::volume::union_volume;
 use crate::numerics::vector::{V3, sub, unit};
 use serde::{Deserialize, Serialize};
@@ -62,10 +62,16 @@ impl Grain {
 
     /// Lowest and highest z, µm.
     pub fn extent_z_um(&self) -> [f64; 2] {
+        self.extent_um(2)
+    }
+
+    /// Lowest and highest coordinate along an axis, µm.
+    pub fn extent_um(&self, axis: usize) -> [f64; 2] {
         if let Some(solid) = &self.solid {
-            return solid.extent_um(2);
+            return solid.extent_um(axis);
         }
-        let ends = self.spheres.iter().map(|s| [s.center_um[2] - s.radius_um, s.center_um[2] + s.radius_um]);
+        let ends =
+            self.spheres.iter().map(|s| [-1.0, 1.0].map(|side| s.center_um[axis] + side * s.radius_um));
         ends.fold([f64::MAX, f64::MIN], |e, [low, high]| [e[0].min(low), e[1].max(high)])
     }
 
@@ -76,12 +82,6 @@ impl Grain {
 
     /// Centre of mass of the spheres, each weighted by its volume; not wrapped.
     pub fn centre_um(&self) -> V3 {
-        let total: f64 = self.spheres.iter().map(|s| s.radius_um.powi(3)).sum();
-        let mut centre = [0.0; 3];
-        for s in &self.spheres {
-            let weight = s.radius_um.powi(3) / total;
-            (0..3).for_each(|a| centre[a] += weight * s.center_um[a]);
-        }
-        centre
+        centre_of_mass(&self.spheres)
     }
 }

@@ -5,8 +5,9 @@
 //! equilibrates (`monte_carlo`). The check in `overlap` shares no code with them; only a result
 //! that passes it becomes a [`placed::Packing`].
 
-pub(crate) mod bodies;
+mod bodies;
 pub(crate) mod buckets;
+pub(crate) mod cell;
 mod cut;
 mod fewer;
 mod fluctuation;
@@ -17,7 +18,7 @@ mod neighbours;
 mod overlap;
 pub mod pack;
 pub mod placed;
-pub(crate) mod plan;
+mod plan;
 mod relaxation;
 pub mod request;
 mod sequential;

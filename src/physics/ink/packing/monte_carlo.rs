@@ -6,13 +6,11 @@
 
 use super::bodies::Bodies;
 use super::buckets::Buckets;
-use super::plan::PackingPlan;
-use super::sequential::is_free;
-use super::watch::{PackProgress, PackWatch};
+use super::sequential::{grid, is_free};
+use super::watch::PackWatch;
 use crate::ink::error::PackError;
 use crate::numerics::Draws;
 use crate::numerics::vector::{Rotation, V3, add, scale};
-use std::ops::ControlFlow;
 
 /// Target acceptance rate of the step length; values between 0.2 and 0.6 mix about equally fast.
 const TARGET_ACCEPTANCE: f64 = 0.4;
@@ -22,15 +20,12 @@ const TUNING: f64 = 0.2;
 /// Runs `sweeps` sweeps of one trial move per body; returns the acceptance rate after tuning.
 pub(crate) fn equilibrate(
     bodies: &mut Bodies,
-    plan: &PackingPlan,
     sweeps: u64,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
 ) -> Result<f64, PackError> {
-    let widest = bodies.radius.iter().copied().fold(0.0, f64::max);
-    let mut grid = Buckets::new(&bodies.cell, 2.0 * widest * (1.0 + 1e-6), bodies.radius.len());
-    (0..bodies.spheres()).for_each(|s| grid.insert(s, grid.cell_of(bodies.at[s])));
-    let mut walk = Walk { bodies, plan, grid, step: 0.2, old_cells: Vec::new() };
+    let (plan, grid) = (bodies.plan, grid(bodies));
+    let mut walk = Walk { bodies, grid, step: 0.2 };
     let n = walk.bodies.placed;
     let tuned = (TUNING * sweeps as f64).ceil() as u64;
     let (mut accepted, mut tried) = (0, 0);
@@ -44,7 +39,7 @@ pub(crate) fn equilibrate(
             tried += n;
         }
         if sweep % 10 == 0 {
-            report(plan, sweep, watch)?;
+            plan.progress("equilibration", sweep, n).report(watch)?;
         }
     }
     Ok(accepted as f64 / tried.max(1) as f64)
@@ -52,11 +47,9 @@ pub(crate) fn equilibrate(
 
 struct Walk<'w, 'a> {
     bodies: &'w mut Bodies<'a>,
-    plan: &'w PackingPlan,
     grid: Buckets,
     /// Half the side of the cube of trial displacements, in radii of the body's first sphere.
     step: f64,
-    old_cells: Vec<usize>,
 }
 
 impl Walk<'_, '_> {
@@ -64,12 +57,10 @@ impl Walk<'_, '_> {
     /// rotation. Returns whether it was accepted.
     fn trial(&mut self, draws: &mut Draws) -> bool {
         let b = draws.below(self.bodies.placed);
-        let body = &self.plan.bodies[b];
+        let body = &self.bodies.plan.bodies[b];
         let (centre, rotation) = (self.bodies.centre[b], self.bodies.rotation[b]);
         let length = self.step * body.spheres[0].radius_um;
         let by: V3 = std::array::from_fn(|_| draws.between(-length, length));
-        self.old_cells.clear();
-        self.old_cells.extend(self.spheres(b).map(|s| self.grid.cell_of(self.bodies.at[s])));
         let before = self.exponent(b);
         if self.may_turn(b) {
             let turn = scale(draws.direction(), draws.between(0.0, length / body.reach));
@@ -80,7 +71,7 @@ impl Walk<'_, '_> {
         let change = self.exponent(b) - before;
         let allowed = change >= 0.0 || draws.uniform() < change.exp();
         if allowed && is_free(self.bodies, &self.grid, b) {
-            self.follow(b);
+            self.bodies.range(b).for_each(|s| self.grid.follow(s, self.bodies.at[s]));
             return true;
         }
         if self.may_turn(b) {
@@ -91,49 +82,18 @@ impl Walk<'_, '_> {
         false
     }
 
-    fn spheres(&self, b: usize) -> std::ops::Range<usize> {
-        self.bodies.first[b]..self.bodies.first[b + 1]
-    }
-
     /// Whether rotations are tried: single spheres need none, perfectly aligned grains allow none.
     fn may_turn(&self, b: usize) -> bool {
-        let body = &self.plan.bodies[b];
-        let frozen = self.plan.fields[body.pigment].is_some_and(|f| f.kappa.is_infinite());
+        let body = &self.bodies.plan.bodies[b];
+        let frozen = self.bodies.plan.fields[body.pigment].is_some_and(|f| f.kappa.is_infinite());
         !body.single_sphere() && !frozen
     }
 
     /// Exponent of the Boltzmann weight in the aligning field.
     fn exponent(&self, b: usize) -> f64 {
-        match &self.plan.fields[self.plan.bodies[b].pigment] {
+        match &self.bodies.plan.fields[self.bodies.plan.bodies[b].pigment] {
             Some(field) if field.kappa.is_finite() => field.exponent(self.bodies.axes(b)),
             _ => 0.0,
         }
-    }
-
-    /// Updates the grid after an accepted move.
-    fn follow(&mut self, b: usize) {
-        for (k, s) in self.spheres(b).enumerate() {
-            let (old, new) = (self.old_cells[k], self.grid.cell_of(self.bodies.at[s]));
-            if old != new {
-                self.grid.remove(s, old);
-                self.grid.insert(s, new);
-            }
-        }
-    }
-}
-
-fn report(plan: &PackingPlan, sweep: u64, watch: &mut dyn PackWatch) -> Result<(), PackError> {
-    let progress = PackProgress {
-        stage: "equilibration",
-        step: sweep,
-        grains_placed: plan.grains(),
-        grains_wanted: plan.grains(),
-        fraction: plan.fraction(),
-        overlap_energy: 0.0,
-        largest_overlap_um: 0.0,
-    };
-    match watch.progress(&progress) {
-        ControlFlow::Continue(()) => Ok(()),
-        ControlFlow::Break(()) => Err(PackError::Stopped { stage: progress.stage, steps: sweep }),
     }
 }

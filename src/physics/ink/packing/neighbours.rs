@@ -1,6 +1,6 @@
 //! Verlet neighbour lists of spheres, with a skin that keeps them valid over many small steps.
 
-use super::bodies::{Bodies, CellBox};
+use super::bodies::Bodies;
 use super::buckets::{grid_count, neighbours};
 use crate::numerics::vector::{V3, dot};
 
@@ -30,8 +30,8 @@ impl Neighbours {
 
     /// Whether the sphere has moved by more than its part of the skin.
     #[inline(always)]
-    pub fn outrun(&self, cell: &CellBox, sphere: usize, at: V3) -> bool {
-        let d = cell.delta(self.origin[sphere], at);
+    pub fn outrun(&self, bodies: &Bodies, sphere: usize) -> bool {
+        let d = bodies.cell.delta(self.origin[sphere], bodies.at[sphere]);
         dot(d, d) > 0.25 * self.skin * self.skin
     }
 

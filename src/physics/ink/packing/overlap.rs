@@ -5,9 +5,10 @@
 //! positions; a separating direction is judged by the widths of the forms alone.
 
 use super::grain::Grain;
+use super::request::are_lengths;
 use crate::ink::error::PackError;
 use crate::ink::grains::contact::proven_gap_um;
-use crate::ink::grains::solid::{Form, Solid};
+use crate::ink::grains::solid::Solid;
 use crate::ink::grains::sphere::Sphere;
 use crate::numerics::vector::norm;
 
@@ -34,14 +35,17 @@ pub fn smallest_gap(
     grains: &[Grain],
 ) -> Result<Option<f64>, PackError> {
     check_numbers(period, thickness, walls, grains)?;
-    let mut worst = Worst { gap: f64::INFINITY, pair: (String::new(), String::new()) };
+    // The smallest gap, and the grains that it is between; none is a wall.
+    let mut worst = (f64::INFINITY, 0, None);
     let entries = sorted(period, grains);
     let largest = entries.iter().map(|e| e.sphere.radius_um).fold(0.0, f64::max);
     for (i, a) in entries.iter().enumerate() {
         if walls {
             let [low, high] = grains[a.grain].solid.as_ref().map_or(a.ends(), |solid| solid.extent_um(2));
             let to_wall = low.min(thickness - high);
-            worst.hear(to_wall, || (format!("grain {}", a.grain), "a wall".into()));
+            if to_wall < worst.0 {
+                worst = (to_wall, a.grain, None);
+            }
         }
         let window = a.sphere.radius_um + 2.0 * largest;
         for step in 1..entries.len() {
@@ -51,40 +55,25 @@ pub fn smallest_gap(
                 break;
             }
             // Too far apart in y or z to be closer than the closest pair found.
-            let reach = a.sphere.radius_um + b.sphere.radius_um + worst.gap;
+            let reach = a.sphere.radius_um + b.sphere.radius_um + worst.0;
             let dy = (a.y - b.y).abs();
             let dz = (a.sphere.center_um[2] - b.sphere.center_um[2]).abs();
             let far = dy.min(period[1] - dy) > reach || (walls && dz > reach);
             if !far && a.grain != b.grain {
                 let cell = [period[0], period[1], if walls { f64::INFINITY } else { thickness }];
-                let gap = gap([a, b], cell, grains, worst.gap);
-                worst.hear(gap, || (format!("grain {}", a.grain), format!("grain {}", b.grain)));
+                let gap = gap([a, b], cell, grains, worst.0);
+                if gap < worst.0 {
+                    worst = (gap, a.grain, Some(b.grain));
+                }
             }
         }
     }
-    worst.verdict(largest, ROUNDING * period[0].max(period[1]).max(thickness))
-}
-
-struct Worst {
-    gap: f64,
-    pair: (String, String),
-}
-
-impl Worst {
-    fn hear(&mut self, gap: f64, names: impl FnOnce() -> (String, String)) {
-        if gap < self.gap {
-            self.gap = gap;
-            self.pair = names();
-        }
+    let (gap, first, second) = worst;
+    if gap < -ROUNDING * period[0].max(period[1]).max(thickness) {
+        let second = second.map_or("a wall".to_string(), |grain| format!("grain {grain}"));
+        return Err(PackError::Overlap { first: format!("grain {first}"), second, overlap_um: -gap });
     }
-
-    fn verdict(self, largest: f64, slack: f64) -> Result<Option<f64>, PackError> {
-        let (first, second) = self.pair;
-        match self.gap {
-            gap if gap < -slack => Err(PackError::Overlap { first, second, overlap_um: -gap }),
-            gap => Ok((gap <= largest).then_some(gap.max(0.0))),
-        }
-    }
+    Ok((gap <= largest).then_some(gap.max(0.0)))
 }
 
 impl GridEntry {
@@ -95,8 +84,8 @@ impl GridEntry {
 
     /// The convex body that the sphere is around, or the sphere as one.
     fn solid(&self, grains: &[Grain]) -> Solid {
-        let round = Form::Ellipsoid { semi_axes_um: [self.sphere.radius_um; 3] };
-        grains[self.grain].solid.clone().unwrap_or_else(|| Solid::upright(round, [0.0; 3]))
+        let round = || Sphere { center_um: [0.0; 3], ..self.sphere }.solid();
+        grains[self.grain].solid.clone().unwrap_or_else(round)
     }
 }
 
@@ -151,10 +140,8 @@ fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<GridEntry> {
 
 fn check_numbers(period: [f64; 2], thickness: f64, walls: bool, grains: &[Grain]) -> Result<(), PackError> {
     let lengths = [period[0], period[1], thickness];
-    if lengths.iter().any(|l| !(l.is_finite() && *l > 0.0)) {
-        let found = format!("{lengths:?} µm");
-        return Err(PackError::input("period and thickness", found, "finite and above 0", "check the cell"));
-    }
+    let (sound, found) = (are_lengths(lengths), format!("{lengths:?} µm"));
+    PackError::unless(sound, "period and thickness", found, "finite and above 0", "check the cell")?;
     for (k, grain) in grains.iter().enumerate() {
         let sound = |s: &Sphere| s.center_um.iter().all(|c| c.is_finite()) && s.radius_um > 0.0;
         if grain.spheres.is_empty() || !grain.spheres.iter().all(sound) {
@@ -162,20 +149,12 @@ fn check_numbers(period: [f64; 2], thickness: f64, walls: bool, grains: &[Grain]
             let allowed = "finite centres and radii above 0";
             return Err(PackError::input(format!("grain {k}"), found, allowed, "check the coordinates"));
         }
-        let periodic = if walls { 2 } else { 3 };
-        for (axis, length) in lengths.iter().enumerate().take(periodic) {
-            let end = |sign: f64| grain.spheres.iter().map(move |s| sign * s.center_um[axis] + s.radius_um);
-            let around = || end(1.0).fold(f64::MIN, f64::max) + end(-1.0).fold(f64::MIN, f64::max);
-            let solid = grain.solid.as_ref().map(|solid| solid.extent_um(axis));
-            let extent = solid.map_or_else(around, |[low, high]| high - low);
-            if extent > *length * (1.0 + ROUNDING) {
+        for (axis, length) in lengths.iter().enumerate().take(if walls { 2 } else { 3 }) {
+            let [low, high] = grain.extent_um(axis);
+            if high - low > *length * (1.0 + ROUNDING) {
+                let field = format!("extent of grain {k}");
                 let allowed = format!("at most the period, {length} µm");
-                return Err(PackError::input(
-                    format!("extent of grain {k}"),
-                    extent,
-                    allowed,
-                    "widen the cell",
-                ));
+                return Err(PackError::input(field, high - low, allowed, "widen the cell"));
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Packing of a request, with the final check for overlap.
 
-use super::bodies::{Bodies, CellBox};
+use super::bodies::Bodies;
 use super::placed::{Method, Packing, PackingAccount};
 use super::plan::PackingPlan;
 use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest, RelaxationSettings};
@@ -41,20 +41,19 @@ pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packi
     if let Some(given) = Packing::given(request) {
         return given;
     }
-    let (packing, notes) = match request.method {
-        MethodChoice::SequentialAddition => {
-            (attempt(request, Some(Method::SequentialAddition), watch)?, None)
-        }
-        MethodChoice::Relaxation => (attempt(request, Some(Method::Relaxation), watch)?, None),
-        MethodChoice::Auto => match attempt(request, None, watch) {
-            Err(PackError::Blocked { .. }) => {
-                let note = "sequential addition was blocked, relaxation took over".to_string();
-                (attempt(request, Some(Method::Relaxation), watch)?, Some(note))
-            }
-            first => (first?, None),
-        },
+    let asked = match request.method {
+        MethodChoice::SequentialAddition => Some(Method::SequentialAddition),
+        MethodChoice::Relaxation => Some(Method::Relaxation),
+        MethodChoice::Auto => None,
     };
-    let packing = packing.with_notes(notes);
+    let packing = match attempt(request, asked, watch) {
+        Err(PackError::Blocked { .. }) if asked.is_none() => {
+            let mut packing = attempt(request, Some(Method::Relaxation), watch)?;
+            packing.account.notes.push("sequential addition was blocked, relaxation took over".into());
+            packing
+        }
+        found => found?,
+    };
     Ok(match request.cut_um {
         Some(heights) => packing.between(heights),
         None => packing,
@@ -71,52 +70,48 @@ fn attempt(
     let mut plan = PackingPlan::new(request, &mut draws)?;
     let method = method.unwrap_or_else(|| suited(request, &plan));
     arrange(&mut plan, method, &mut draws);
-    let cell = CellBox::new(request.period_um, request.thickness_um, request.walls);
-    let mut bodies = Bodies::new(cell, &plan.bodies);
     let mut account = PackingAccount::new(method, request.seed, request.stream);
     account.notes.append(&mut plan.notes);
-    if plan.bodies.is_empty() {
-        return finish(request, &plan, &bodies, account);
+    let mut bodies = Bodies::new(&plan);
+    if !plan.bodies.is_empty() {
+        account.steps = if method == Method::SequentialAddition {
+            sequential::add_all(&mut bodies, request.sequential.attempts_per_grain, &mut draws, watch)?
+        } else {
+            relax(&mut bodies, &request.relaxation, &mut draws, watch)?
+        };
+        if let Some(settings) = &request.equilibration {
+            account.sweeps = settings.sweeps;
+            let rate = monte_carlo::equilibrate(&mut bodies, settings.sweeps, &mut draws, watch)?;
+            account.acceptance = Some(rate);
+        }
     }
-    account.steps = if method == Method::SequentialAddition {
-        let limit = request.sequential.attempts_per_grain;
-        sequential::add_all(&mut bodies, &plan, limit, &mut draws, watch)?
-    } else {
-        relax(&mut bodies, &plan, &request.relaxation, &mut draws, watch)?
-    };
-    if let Some(settings) = &request.equilibration {
-        account.sweeps = settings.sweeps;
-        let rate = monte_carlo::equilibrate(&mut bodies, &plan, settings.sweeps, &mut draws, watch)?;
-        account.acceptance = Some(rate);
-    }
-    finish(request, &plan, &bodies, account)
+    finish(request, &bodies, account)
 }
 
 /// Relaxes all grains, from other places if they jam; returns the number of steps. If they do not
 /// fit, the error states how many would.
-fn relax<'p>(
-    bodies: &mut Bodies<'p>,
-    plan: &'p PackingPlan,
+fn relax(
+    bodies: &mut Bodies,
     settings: &RelaxationSettings,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
 ) -> Result<u64, PackError> {
+    let plan = bodies.plan;
     let mut steps = 0;
     let mut again = (BODIES_OF_ALL_STARTS / plan.bodies.len()).clamp(1, MOST_STARTS);
     let left = loop {
-        let outcome = relaxation::relax_all(bodies, plan, settings, draws, watch)?;
-        steps += outcome.steps;
+        let (taken, left) = relaxation::relax_all(bodies, settings, draws, watch)?;
+        steps += taken;
         again -= 1;
-        match outcome.left {
+        match left {
             None => return Ok(steps),
             Some(left) if again == 0 => break left,
-            Some(_) => *bodies = Bodies::new(bodies.cell, &plan.bodies),
+            Some(_) => *bodies = Bodies::new(plan),
         }
     };
-    let reached = fewer::fit_fewer(bodies, plan, settings, draws, watch)?;
     Err(PackError::NotReached {
         requested: plan.fraction(),
-        reached,
+        reached: fewer::fit_fewer(bodies, settings, draws, watch)?,
         wanted: plan.grains(),
         steps,
         largest_overlap_um: left.overlap,
@@ -125,35 +120,25 @@ fn relax<'p>(
 }
 
 /// Checks for overlap, and computes the binder's surface if requested.
-fn finish(
-    request: &PackingRequest,
-    plan: &PackingPlan,
-    bodies: &Bodies,
-    account: PackingAccount,
-) -> Result<Packing, PackError> {
-    let (period, thickness, shares) = (request.period_um, request.thickness_um, plan.shares.clone());
-    let packing = Packing::proven(period, thickness, request.walls, bodies.grains(), (shares, account))?;
-    let packing = packing.with_shells(request.shells_um())?;
-    Ok(match &request.relief {
-        Some(asked) if !packing.grains().is_empty() => {
-            let settled = settle::settle(&packing, asked);
-            packing.with_relief(settled)
-        }
-        _ => packing,
-    })
+fn finish(request: &PackingRequest, bodies: &Bodies, account: PackingAccount) -> Result<Packing, PackError> {
+    let (period, thickness) = (request.period_um, request.thickness_um);
+    let parts = (bodies.plan.shares.clone(), account);
+    let packing = Packing::proven(period, thickness, request.walls, bodies.grains(), parts)?;
+    let mut packing = packing.with_shells(request.shells_um())?;
+    if let Some(asked) = request.relief.filter(|_| !packing.grains.is_empty()) {
+        packing.relief = Some(settle::settle(&packing, &asked));
+    }
+    Ok(packing)
 }
 
 /// Automatic choice of the method by the volume fraction accessible to centres: walls exclude part
 /// of the layer for large grains.
 fn suited(request: &PackingRequest, plan: &PackingPlan) -> Method {
-    if crowding(request, plan) <= AUTO_LIMIT { Method::SequentialAddition } else { Method::Relaxation }
-}
-
-fn crowding(request: &PackingRequest, plan: &PackingPlan) -> f64 {
-    let spheres = || plan.bodies.iter().flat_map(|b| &b.spheres);
-    let widest = spheres().map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
+    let spheres = plan.bodies.iter().flat_map(|b| &b.spheres);
+    let widest = spheres.map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
     let lost = if request.walls { 0.5 * widest / request.thickness_um } else { 0.0 };
-    request.usual_fraction.unwrap_or(plan.fraction()) / (1.0 - lost)
+    let crowding = request.usual_fraction.unwrap_or(plan.fraction()) / (1.0 - lost);
+    if crowding <= AUTO_LIMIT { Method::SequentialAddition } else { Method::Relaxation }
 }
 
 /// Order of placement. Sequential addition places large bodies first (the order of equal ones is

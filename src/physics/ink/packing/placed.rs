@@ -110,14 +110,14 @@ impl PackingAccount {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Packing {
     period_um: [f64; 2],
-    thickness_um: f64,
-    walls: bool,
+    pub(super) thickness_um: f64,
+    pub(super) walls: bool,
     /// Whether grains extend beyond the faces, where the layer ends.
-    cut: bool,
-    grains: Vec<Grain>,
-    shares: Vec<Share>,
-    account: PackingAccount,
-    relief: Option<Relief>,
+    pub(super) cut: bool,
+    pub(super) grains: Vec<Grain>,
+    pub(super) shares: Vec<Share>,
+    pub(super) account: PackingAccount,
+    pub(super) relief: Option<Relief>,
     /// Per pigment, thicknesses of the layers of its grains from the core outwards, µm.
     shells_um: Vec<Vec<f64>>,
 }
@@ -182,24 +182,6 @@ impl Packing {
                 Err(PackError::input("shells_um", found, allowed, "take thinner layers"))
             }
         }
-    }
-
-    pub(crate) fn with_notes(mut self, notes: impl IntoIterator<Item = String>) -> Self {
-        self.account.notes.extend(notes);
-        self
-    }
-
-    /// A layer cut out of this packing: its thickness, µm, grains and, per pigment, the fraction
-    /// inside and the number of grains.
-    pub(super) fn cut_to(mut self, thickness_um: f64, grains: Vec<Grain>, shares: Vec<(f64, usize)>) -> Self {
-        for (share, (fraction, count)) in self.shares.iter_mut().zip(shares) {
-            (share.achieved_fraction, share.grains) = (fraction, count);
-        }
-        Self { thickness_um, grains, walls: false, cut: true, ..self }
-    }
-
-    pub(crate) fn with_relief(self, relief: Relief) -> Self {
-        Self { relief: Some(relief), ..self }
     }
 
     /// Lateral periods (Lx, Ly), µm.
@@ -292,7 +274,7 @@ impl Packing {
     /// beyond it there is the medium of the rough side between the grains.
     pub fn filled_um(&self, x_um: f64, y_um: f64) -> [f64; 2] {
         let height = self.relief.as_ref().map_or(self.thickness_um, |r| r.height_um(x_um, y_um));
-        match self.relief.as_ref().map(Relief::face) {
+        match self.relief.as_ref().map(|relief| relief.face) {
             Some(RoughFace::Exit) => [0.0, height],
             _ => [self.thickness_um - height, self.thickness_um],
         }

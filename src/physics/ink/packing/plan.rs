@@ -1,19 +1,19 @@
 //! The list of rigid bodies to place: number, sizes and agglomerates of the grains.
 
+use super::cell::CellBox;
 use super::placed::Share;
 use super::request::{PackingRequest, PigmentGrains};
 use super::shell;
 use super::sizes::{check_presence, draw_sizes, unlike};
-use crate::ink::error::PackError;
-use crate::ink::grains::agglomeration;
-use crate::ink::grains::agglomeration::{Agglomeration, PlacedGrain};
+use super::watch::PackProgress;
+use crate::ink::error::{PackError, Reached};
+use crate::ink::grains::agglomeration::{Agglomeration, GrainCount, PlacedGrain};
 use crate::ink::grains::orientation::AxisField;
 use crate::ink::grains::shape::Template;
-use crate::ink::grains::solid::{Form, Solid};
-use crate::ink::grains::sphere::Sphere;
-use crate::ink::relief;
+use crate::ink::grains::solid::Solid;
+use crate::ink::grains::sphere::{Sphere, reach_um};
 use crate::numerics::Draws;
-use crate::numerics::vector::{V3, dot, norm, scale};
+use crate::numerics::vector::{Rotation, V3, dot, scale};
 use std::ops::Range;
 
 /// A rigid body in its own frame: one grain, or the grains of one agglomerate.
@@ -41,64 +41,100 @@ pub(crate) struct Part {
 
 /// Bodies, cell and settings, as the packing methods need them.
 pub(crate) struct PackingPlan {
+    pub cell: CellBox,
     pub bodies: Vec<GrainSpheres>,
     pub fields: Vec<Option<AxisField>>,
     pub shares: Vec<Share>,
     /// Notes to the user about a cell that is too small.
     pub notes: Vec<String>,
-    /// Cell volume, µm³.
-    pub box_um3: f64,
 }
 
 impl PackingPlan {
     /// Checks the request and draws the grains.
     pub fn new(request: &PackingRequest, draws: &mut Draws) -> Result<Self, PackError> {
         request.check()?;
-        let [lx, ly] = request.period_um;
-        let dry = request
-            .relief
-            .as_ref()
-            .map_or(request.thickness_um, |r| relief::dry_height_um(r, request.thickness_um));
-        let mut bodies = Vec::new();
-        let mut shares = Vec::new();
-        let mut notes = Vec::new();
+        let cell = CellBox::new(request.period_um, request.thickness_um, request.walls);
+        let fields = request.pigments.iter().map(|p| p.orientation.field()).collect();
+        let mut plan = Self { cell, bodies: Vec::new(), fields, shares: Vec::new(), notes: Vec::new() };
+        let room_um3 = request.window_um3();
         for (k, pigment) in request.pigments.iter().enumerate() {
             let template = pigment.shape.template();
             check_size(request, k, pigment, &template)?;
-            let (sizes, share) = draw_sizes(pigment, &template, lx * ly * dry, draws)?;
-            check_presence(k, pigment, lx * ly * dry, &sizes)?;
+            let (sizes, share) = draw_sizes(pigment, &template, room_um3, draws)?;
+            check_presence(k, pigment, room_um3, &sizes)?;
             if !pigment.shell_nm.is_empty() {
-                sizes
-                    .iter()
-                    .try_for_each(|&radius| shell::check_core(k, &pigment.shell_nm, &template, radius))?;
+                sizes.iter().try_for_each(|&r| shell::check_core(k, &pigment.shell_nm, &template, r))?;
             }
-            let grains = sizes.into_iter().map(|radius| grain(&template, radius)).collect();
-            bodies.extend(group(k, request, grains, draws)?);
-            notes.extend(unlike(k, pigment, &share));
-            shares.push(share);
+            let grains = sizes.into_iter().map(|radius| template.grain(radius)).collect();
+            plan.bodies.extend(group(k, request, grains, draws)?);
+            plan.notes.extend(unlike(k, pigment, &share));
+            plan.shares.push(share);
         }
-        let fields = request.pigments.iter().map(|p| p.orientation.field()).collect();
-        Ok(Self { bodies, fields, shares, notes, box_um3: lx * ly * request.thickness_um })
+        Ok(plan)
     }
 
     /// The plan with fewer bodies in the same cell.
-    pub fn subset(&self, kept: &[usize]) -> Self {
-        let bodies = kept.iter().map(|b| self.bodies[*b].clone()).collect();
+    pub fn subset(&self, kept: impl Iterator<Item = usize>) -> Self {
+        let bodies = kept.map(|b| self.bodies[b].clone()).collect();
         let (fields, shares) = (self.fields.clone(), self.shares.clone());
-        Self { bodies, fields, shares, notes: Vec::new(), box_um3: self.box_um3 }
+        Self { cell: self.cell, bodies, fields, shares, notes: Vec::new() }
+    }
+
+    /// A random rotation of body b, in its field if it has one.
+    pub fn draw_rotation(&self, b: usize, draws: &mut Draws) -> Rotation {
+        let body = &self.bodies[b];
+        if body.single_sphere() {
+            return Rotation::IDENTITY;
+        }
+        let axis = match &self.fields[body.pigment] {
+            Some(field) => field.draw_axis(draws),
+            None => draws.direction(),
+        };
+        draws.rotation_with_axis(axis)
+    }
+
+    /// Volume fraction and number of the grains of the first `placed` bodies.
+    pub fn reached(&self, placed: usize) -> Reached {
+        let bodies = &self.bodies[..placed];
+        let volume = bodies.iter().fold(0.0, |sum, body| sum + body.volume_um3());
+        let grains = bodies.iter().map(|b| b.parts.len()).sum();
+        Reached { fraction: volume / self.cell.size.iter().product::<f64>(), grains }
+    }
+
+    /// What the watch hears when the first `placed` bodies are in place.
+    pub fn progress(&self, stage: &'static str, step: u64, placed: usize) -> PackProgress {
+        let Reached { fraction, grains: grains_placed } = self.reached(placed);
+        let (grains_wanted, rest) = (self.grains(), PackProgress::default());
+        PackProgress { stage, step, grains_placed, grains_wanted, fraction, ..rest }
     }
 
     pub fn grains(&self) -> usize {
-        self.bodies.iter().map(|b| b.parts.len()).sum()
+        self.reached(self.bodies.len()).grains
     }
 
     /// Total pigment volume over cell volume.
     pub fn fraction(&self) -> f64 {
-        self.bodies.iter().map(GrainSpheres::volume_um3).sum::<f64>() / self.box_um3
+        self.reached(self.bodies.len()).fraction
     }
 }
 
 impl GrainSpheres {
+    /// A body of grains in its frame.
+    fn new(pigment: usize, grains: Vec<PlacedGrain>) -> Self {
+        let (mut spheres, mut solids, mut parts) = (Vec::new(), Vec::new(), Vec::new());
+        for grain in grains {
+            let start = spheres.len();
+            spheres.extend(grain.spheres);
+            let round = spheres.len() == start + 1 && grain.solid.is_none();
+            let axis = if round { [0.0, 0.0, 1.0] } else { grain.axis };
+            solids.extend(grain.solid);
+            parts.push(Part { spheres: start..spheres.len(), axis, volume_um3: grain.volume_um3 });
+        }
+        let radii = spheres.iter().map(|s: &Sphere| s.radius_um);
+        let thin = radii.chain(solids.iter().map(|s: &Solid| s.form.thin_um())).fold(f64::MAX, f64::min);
+        Self { pigment, reach: reach_um(&spheres, [0.0; 3]), spheres, solids, thin, parts }
+    }
+
     pub fn volume_um3(&self) -> f64 {
         self.parts.iter().map(|p| p.volume_um3).sum()
     }
@@ -135,36 +171,26 @@ impl PackingRequest {
 
 /// Extent of a pigment's largest grain, µm.
 fn largest_extent_um(pigment: &PigmentGrains, template: &Template) -> f64 {
-    2.0 * pigment.size.radius_um(pigment.size.largest_nm(), template) * reach(&template.spheres)
+    2.0 * pigment.size.radius_um(pigment.size.largest_nm(), template) * reach_um(&template.spheres, [0.0; 3])
 }
 
 fn check_size(request: &PackingRequest, k: usize, p: &PigmentGrains, t: &Template) -> Result<(), PackError> {
     let radius = p.size.radius_um(p.size.largest_nm(), t);
     let field = format!("pigment[{k}].size");
     let extent = largest_extent_um(p, t);
-    if extent > widest(request) {
-        let found = format!("{:.1} nm across for the largest grain", 1e3 * extent);
-        let allowed = format!("at most half the period, {:.1} nm", 1e3 * widest(request));
-        return Err(PackError::input(field, found, allowed, "widen period_um or take smaller grains"));
-    }
-    let thin =
-        t.form.as_ref().map_or_else(|| thinnest(&grain(t, radius)), |form| 2.0 * radius * form.thin_um());
-    if request.walls && thin > request.thickness_um {
-        let found = format!("{:.1} nm thick for the largest grain", 1e3 * thin);
-        let allowed = format!("at most the layer, {:.1} nm", 1e3 * request.thickness_um);
-        return Err(PackError::input(field, found, allowed, "thicken the layer or take smaller grains"));
-    }
-    Ok(())
-}
-
-fn reach(spheres: &[Sphere]) -> f64 {
-    spheres.iter().map(|s| norm(s.center_um) + s.radius_um).fold(0.0, f64::max)
-}
-
-/// Radius of the thinnest part.
-fn slimmest(spheres: &[Sphere], solids: &[Solid]) -> f64 {
-    let radii = spheres.iter().map(|s| s.radius_um);
-    radii.chain(solids.iter().map(|s| s.form.thin_um())).fold(f64::MAX, f64::min)
+    let found = format!("{:.1} nm across for the largest grain", 1e3 * extent);
+    let allowed = format!("at most half the period, {:.1} nm", 1e3 * widest(request));
+    let remedy = "widen period_um or take smaller grains";
+    PackError::unless(extent <= widest(request), &field, found, allowed, remedy)?;
+    let thin = match &t.form {
+        Some(form) => 2.0 * radius * form.thin_um(),
+        None => thinnest(&GrainSpheres::new(k, vec![t.grain(radius)])),
+    };
+    let found = format!("{:.1} nm thick for the largest grain", 1e3 * thin);
+    let allowed = format!("at most the layer, {:.1} nm", 1e3 * request.thickness_um);
+    let (sound, remedy) =
+        (!request.walls || thin <= request.thickness_um, "thicken the layer or take smaller grains");
+    PackError::unless(sound, field, found, allowed, remedy)
 }
 
 /// Number of directions sampled for the smallest extent.
@@ -188,36 +214,24 @@ fn direction(i: usize) -> V3 {
     [planar * c, planar * s, z]
 }
 
-fn grain(template: &Template, radius: f64) -> GrainSpheres {
-    let spheres: Vec<Sphere> = template
-        .spheres
-        .iter()
-        .map(|s| Sphere { center_um: scale(s.center_um, radius), radius_um: s.radius_um * radius })
-        .collect();
-    let volume_um3 = template.volume.um3 * radius.powi(3);
-    let part = Part { spheres: 0..spheres.len(), axis: [0.0, 0.0, 1.0], volume_um3 };
-    let upright = |form: &Form| Solid::upright(form.scaled(radius), [0.0; 3]);
-    let solids: Vec<Solid> = template.form.iter().map(upright).collect();
-    let thin = slimmest(&spheres, &solids);
-    GrainSpheres { pigment: 0, reach: reach(&spheres), spheres, solids, thin, parts: vec![part] }
-}
-
 /// Glues the requested fraction of the grains into agglomerates, in the order of drawing.
 fn group(
     k: usize,
     request: &PackingRequest,
-    mut grains: Vec<GrainSpheres>,
+    mut grains: Vec<PlacedGrain>,
     draws: &mut Draws,
 ) -> Result<Vec<GrainSpheres>, PackError> {
-    grains.iter_mut().for_each(|g| g.pigment = k);
-    let Some(rule) = &request.pigments[k].agglomeration else { return Ok(grains) };
+    let alone = |grain| GrainSpheres::new(k, vec![grain]);
+    let Some(rule) = &request.pigments[k].agglomeration else {
+        return Ok(grains.into_iter().map(alone).collect());
+    };
     let sticky = (rule.degree * grains.len() as f64).round() as usize;
-    let mut bodies = grains.split_off(sticky);
+    let mut bodies: Vec<GrainSpheres> = grains.split_off(sticky).into_iter().map(alone).collect();
     let mut left = grains.as_slice();
     while !left.is_empty() {
-        let n = rule.draw_count(draws).min(left.len());
-        bodies.push(agglomerate(k, request, &left[..n], draws)?);
-        left = &left[n..];
+        let (members, rest) = left.split_at(rule.draw_count(draws).min(left.len()));
+        bodies.push(agglomerate(k, request, rule, members, draws)?);
+        left = rest;
     }
     Ok(bodies)
 }
@@ -228,52 +242,29 @@ const DRAWS_OF_AGGLOMERATE: usize = 200;
 fn agglomerate(
     k: usize,
     request: &PackingRequest,
-    grains: &[GrainSpheres],
+    rule: &Agglomeration,
+    members: &[PlacedGrain],
     draws: &mut Draws,
 ) -> Result<GrainSpheres, PackError> {
-    let members: Vec<PlacedGrain> =
-        grains.iter().map(|g| PlacedGrain::new(g.spheres.clone(), g.solids.first().cloned())).collect();
     let mut best = f64::MAX;
     for _ in 0..DRAWS_OF_AGGLOMERATE {
-        let fractal = request.pigments[k].agglomeration.as_ref().and_then(|rule| rule.fractal);
-        let glued = match fractal {
-            Some(law) => law.aggregate(&members, draws),
-            None => agglomeration::glue(&members, draws),
-        };
-        let body = joined(k, grains, glued);
+        let body = GrainSpheres::new(k, rule.join(members, draws));
         let thick = if request.walls { thinnest(&body) } else { 0.0 };
         if 2.0 * body.reach <= widest(request) && thick <= request.thickness_um {
             return Ok(body);
         }
         best = best.min(2.0 * body.reach);
     }
-    Err(agglomeration::too_large(k, grains.len(), best, widest(request).min(request.thickness_um)))
-}
-
-fn joined(k: usize, grains: &[GrainSpheres], glued: Vec<PlacedGrain>) -> GrainSpheres {
-    let (mut spheres, mut solids) = (Vec::<Sphere>::new(), Vec::new());
-    let mut parts = Vec::new();
-    for (grain, placed) in grains.iter().zip(glued) {
-        let start = spheres.len();
-        spheres.extend(placed.spheres);
-        let volume_um3 = grain.volume_um3();
-        let round = spheres.len() == start + 1 && placed.solid.is_none();
-        let axis = if round { [0.0, 0.0, 1.0] } else { placed.axis };
-        solids.extend(placed.solid.map(|solid| solid.placed([0.0; 3])));
-        parts.push(Part { spheres: start..spheres.len(), axis, volume_um3 });
-    }
-    let total: f64 = spheres.iter().map(|s| s.radius_um.powi(3)).sum();
-    let centre = spheres.iter().fold([0.0; 3], |c, s| {
-        crate::numerics::vector::add(c, scale(s.center_um, s.radius_um.powi(3) / total))
-    });
-    spheres.iter_mut().for_each(|s| s.center_um = crate::numerics::vector::sub(s.center_um, centre));
-    let thin = slimmest(&spheres, &solids);
-    GrainSpheres { pigment: k, reach: reach(&spheres), spheres, solids, thin, parts }
+    let found = format!("{} grains, {best:.3} µm across in the best of many draws", members.len());
+    let limit = widest(request).min(request.thickness_um);
+    let allowed = format!("agglomerates at most {limit:.3} µm across");
+    let remedy = "take fewer or smaller grains per agglomerate, or a larger cell";
+    Err(PackError::input(format!("pigment[{k}].agglomeration.grains"), found, allowed, remedy))
 }
 
 impl Agglomeration {
     /// Agglomerates of exactly `grains` grains.
     pub fn of(grains: usize, degree: f64) -> Self {
-        Self { degree, grains: agglomeration::GrainCount::Constant(grains), fractal: None }
+        Self { degree, grains: GrainCount::Constant(grains), fractal: None }
     }
 }

@@ -20,7 +20,6 @@ use super::watch::{PackProgress, PackWatch};
 use crate::ink::error::PackError;
 use crate::numerics::Draws;
 use crate::numerics::vector::{V3, dot};
-use std::ops::ControlFlow;
 
 /// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed
 /// length (the time of 10 × 10 × 1 µm cases is constant between 0.7 and 1.0).
@@ -36,49 +35,37 @@ const FEW: f64 = 0.02;
 const MOST_THROWS: u64 = 100;
 const REPORT: u64 = 20;
 
-/// Result of a relaxation.
-pub(crate) struct RelaxationOutcome {
-    pub steps: u64,
-    /// Overlaps left if the relaxation stalled or reached its limit of steps; `None` if no body
-    /// overlaps.
-    pub left: Option<FoundLoads>,
-}
-
 /// Places all bodies of the plan in batches; stops at the first batch whose overlaps cannot be
-/// removed.
+/// removed. Returns the number of steps, and the overlaps left if the relaxation stalled or reached
+/// its limit of steps.
 pub(crate) fn relax_all(
     bodies: &mut Bodies,
-    plan: &PackingPlan,
     settings: &RelaxationSettings,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
-) -> Result<RelaxationOutcome, PackError> {
-    let mut relaxation = OverlapRelaxation::new(bodies, plan, settings);
-    let batches = settings.batches.min(plan.bodies.len().max(1));
-    let mut left = None;
+) -> Result<(u64, Option<FoundLoads>), PackError> {
+    let count = bodies.plan.bodies.len();
+    let mut relaxation = OverlapRelaxation::new(bodies, settings);
+    let batches = settings.batches.min(count.max(1));
     for batch in 1..=batches {
-        relaxation.insert(plan.bodies.len() * batch / batches, draws);
+        relaxation.insert(count * batch / batches, draws);
         let limit = settings.max_steps.saturating_sub(relaxation.steps);
-        left = relaxation.settle(limit, draws, watch)?;
+        let left = relaxation.settle(limit, draws, watch)?;
         if left.is_some() {
-            break;
+            return Ok((relaxation.steps, left));
         }
     }
-    Ok(RelaxationOutcome { steps: relaxation.steps, left })
+    Ok((relaxation.steps, None))
 }
 
 pub(crate) struct OverlapRelaxation<'r, 'a> {
     bodies: &'r mut Bodies<'a>,
-    plan: &'r PackingPlan,
+    plan: &'a PackingPlan,
     settings: &'r RelaxationSettings,
     list: Neighbours,
     moving: Vec<u32>,
     moves: Vec<bool>,
     loads: OverlapLoads,
-    /// Largest step of each body.
-    limit: Vec<f64>,
-    /// Radius of the thinnest part of each body, µm.
-    thin: Vec<f64>,
     pub inflation: f64,
     step: f64,
     steps: u64,
@@ -92,15 +79,13 @@ pub(crate) struct OverlapRelaxation<'r, 'a> {
 }
 
 impl<'r, 'a> OverlapRelaxation<'r, 'a> {
-    pub fn new(bodies: &'r mut Bodies<'a>, plan: &'r PackingPlan, settings: &'r RelaxationSettings) -> Self {
-        let n = plan.bodies.len();
+    pub fn new(bodies: &'r mut Bodies<'a>, settings: &'r RelaxationSettings) -> Self {
+        let plan = bodies.plan;
         let mean = bodies.radius.iter().sum::<f64>() / bodies.radius.len().max(1) as f64;
         let arm2 = |b: &GrainSpheres| {
             let farthest = b.spheres.iter().map(|s| dot(s.center_um, s.center_um)).fold(0.0, f64::max);
             if b.solids.is_empty() { farthest } else { b.reach * b.reach }
         };
-        let thin: Vec<f64> = plan.bodies.iter().map(|b| b.thin).collect();
-        let limit = thin.iter().map(|thin| settings.step_limit_radii * thin).collect();
         let inertia = plan.bodies.iter().map(|b| settings.rotational_viscosity * arm2(b)).collect();
         Self {
             list: Neighbours::new(bodies, settings.inflation, SKIN_RADII * mean),
@@ -108,10 +93,8 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
             plan,
             settings,
             moving: Vec::new(),
-            moves: vec![false; n],
+            moves: vec![false; plan.bodies.len()],
             loads: OverlapLoads::new(inertia),
-            limit,
-            thin,
             inflation: settings.inflation,
             step: settings.step,
             steps: 0,
@@ -128,8 +111,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
         self.rest();
         let places = scattered(self.bodies, upto - self.bodies.placed, draws);
         for (b, place) in (self.bodies.placed..upto).zip(places) {
-            let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
-            scatter(self.bodies, b, place, field, draws);
+            scatter(self.bodies, b, place, draws);
             self.moves[b] = true;
             self.moving.push(b as u32);
         }
@@ -167,14 +149,17 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
                 return Ok(None);
             }
             if self.steps.is_multiple_of(REPORT) {
-                self.report(&found, watch)?;
+                self.progress(&found).report(watch)?;
             }
             if self.steps - start >= limit {
                 return Ok(Some(found));
             }
             if (self.steps - self.batch_start + 1).is_multiple_of(PATIENCE) {
-                if found.energy > 0.8 * milestone && !self.deflate() {
-                    return Ok(Some(found));
+                if found.energy > 0.8 * milestone {
+                    self.inflation *= 0.5;
+                    if self.inflation < LEAST_INFLATION {
+                        return Ok(Some(found));
+                    }
                 }
                 milestone = found.energy;
             }
@@ -202,11 +187,9 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
             return;
         }
         self.thrown_again += 1;
-        let size = self.bodies.cell.size;
         for b in hooked {
-            let place = std::array::from_fn(|a| draws.between(0.0, size[a]));
-            let field = self.plan.fields[self.plan.bodies[b].pigment].as_ref();
-            scatter(self.bodies, b, place, field, draws);
+            let place = self.bodies.cell.draw_place(draws);
+            scatter(self.bodies, b, place, draws);
             self.loads.touch(b);
             if !self.moves[b] {
                 self.moves[b] = true;
@@ -221,27 +204,10 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
         self.list.remake(self.bodies, self.inflation);
     }
 
-    /// Halves the inflation of a stalled relaxation; false if it is already at its minimum.
-    fn deflate(&mut self) -> bool {
-        self.inflation *= 0.5;
-        self.inflation >= LEAST_INFLATION
-    }
-
-    fn report(&self, found: &FoundLoads, watch: &mut dyn PackWatch) -> Result<(), PackError> {
-        let placed = &self.plan.bodies[..self.bodies.placed];
-        let progress = PackProgress {
-            stage: "relaxation",
-            step: self.steps,
-            grains_placed: placed.iter().map(|b| b.parts.len()).sum(),
-            grains_wanted: self.plan.grains(),
-            fraction: placed.iter().map(|b| b.volume_um3()).sum::<f64>() / self.plan.box_um3,
-            overlap_energy: found.energy,
-            largest_overlap_um: found.overlap,
-        };
-        match watch.progress(&progress) {
-            ControlFlow::Continue(()) => Ok(()),
-            ControlFlow::Break(()) => Err(PackError::Stopped { stage: progress.stage, steps: self.steps }),
-        }
+    fn progress(&self, found: &FoundLoads) -> PackProgress {
+        let (overlap_energy, largest_overlap_um) = (found.energy, found.overlap);
+        let progress = self.plan.progress("relaxation", self.steps, self.bodies.placed);
+        PackProgress { overlap_energy, largest_overlap_um, ..progress }
     }
 
     /// Puts all placed bodies on the moving list.
@@ -256,8 +222,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
 /// Uniform positions in the cell, sorted by region so that neighbours in space are neighbours in
 /// memory. (The bodies are shuffled, hence the position of each is still uniform.)
 fn scattered(bodies: &Bodies, n: usize, draws: &mut Draws) -> Vec<V3> {
-    let size = bodies.cell.size;
-    let mut places: Vec<V3> = (0..n).map(|_| std::array::from_fn(|a| draws.between(0.0, size[a]))).collect();
+    let mut places: Vec<V3> = (0..n).map(|_| bodies.cell.draw_place(draws)).collect();
     let side = (bodies.cell.size.iter().product::<f64>() / n.max(1) as f64).cbrt() * 2.0;
     let region = |p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64);
     places.sort_by_cached_key(region);
@@ -268,7 +233,6 @@ fn scattered(bodies: &Bodies, n: usize, draws: &mut Draws) -> Vec<V3> {
 mod tests {
     use super::*;
     use crate::ink::grains::agglomeration::{Agglomeration, GrainCount};
-    use crate::ink::packing::bodies::CellBox;
     use crate::ink::{PackingRequest, PigmentGrains, Shape};
     use crate::numerics::vector::Rotation;
 
@@ -279,11 +243,10 @@ mod tests {
         places: &[(V3, Rotation)],
         b: usize,
     ) -> (f64, [V3; 2]) {
-        let cell = CellBox::new(request.period_um, request.thickness_um, request.walls);
-        let mut bodies = Bodies::new(cell, &plan.bodies);
+        let mut bodies = Bodies::new(plan);
         places.iter().enumerate().for_each(|(b, (centre, rotation))| bodies.put(b, *centre, *rotation));
         bodies.placed = places.len();
-        let mut relaxation = OverlapRelaxation::new(&mut bodies, plan, &request.relaxation);
+        let mut relaxation = OverlapRelaxation::new(&mut bodies, &request.relaxation);
         relaxation.start_all();
         let found = relaxation.forces(&mut Draws::new(1, 1));
         (found.energy, [relaxation.loads.force[b], relaxation.loads.torque[b]])
@@ -305,7 +268,7 @@ mod tests {
             };
             let mut draws = Draws::new(3, 0);
             let plan = PackingPlan::new(&request, &mut draws).unwrap();
-            let places: Vec<(V3, Rotation)> = scattered_at(&request, plan.bodies.len(), &mut draws);
+            let places: Vec<(V3, Rotation)> = scattered_at(&plan, &mut draws);
             // the step of central differences: kinks of a thousandth of a grain are passed by few
             let h = 1e-6;
             let mut wrong = 0;
@@ -333,13 +296,11 @@ mod tests {
         }
     }
 
-    fn scattered_at(request: &PackingRequest, count: usize, draws: &mut Draws) -> Vec<(V3, Rotation)> {
-        let size = [request.period_um[0], request.period_um[1], request.thickness_um];
+    fn scattered_at(plan: &PackingPlan, draws: &mut Draws) -> Vec<(V3, Rotation)> {
         let place = |_| {
-            let centre = std::array::from_fn(|axis| draws.between(0.0, size[axis]));
-            let axis = draws.direction();
+            let (centre, axis) = (plan.cell.draw_place(draws), draws.direction());
             (centre, draws.rotation_with_axis(axis))
         };
-        (0..count).map(place).collect()
+        (0..plan.bodies.len()).map(place).collect()
     }
 }

@@ -10,6 +10,7 @@ use crate::ink::grains::shape::Shape;
 use crate::ink::grains::size::SizeDistribution;
 use crate::ink::relief::ReliefRequest;
 use crate::numerics::allowed::Allowed;
+use crate::numerics::written::name_or_table;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -82,7 +83,7 @@ impl Default for PackingRequest {
 #[serde(deny_unknown_fields)]
 pub struct PigmentGrains {
     /// Shape of the grains.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "name_or_table")]
     pub shape: Shape,
     /// Distribution of their sizes.
     pub size: SizeDistribution,
@@ -94,7 +95,7 @@ pub struct PigmentGrains {
     /// see [`crate::ink::Relief`]).
     pub volume_fraction: f64,
     /// Alignment of their axes.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "name_or_table")]
     pub orientation: Orientation,
     /// Agglomeration of the grains, if any.
     #[serde(default)]
@@ -260,26 +261,17 @@ impl PackingRequest {
     /// Checks every number that can be checked before grains are drawn.
     pub fn check(&self) -> Result<(), PackError> {
         let lengths = [self.period_um[0], self.period_um[1], self.thickness_um];
-        if lengths.iter().any(|l| !(l.is_finite() && *l > 0.0)) {
-            let found = format!("{lengths:?} µm");
-            return Err(PackError::input(
-                "period_um and thickness_um",
-                found,
-                "finite, above 0",
-                "set the cell",
-            ));
-        }
+        let (sound, found) = (are_lengths(lengths), format!("{lengths:?} µm"));
+        PackError::unless(sound, "period_um and thickness_um", found, "finite, above 0", "set the cell")?;
+        self.pigments.iter().enumerate().try_for_each(|(k, pigment)| check_pigment(k, pigment))?;
         let total: f64 = self.pigments.iter().map(|p| p.volume_fraction).sum();
-        for (k, pigment) in self.pigments.iter().enumerate() {
-            check_pigment(k, pigment)?;
-        }
-        if total > FCC && self.voxels.is_empty() {
-            let allowed = "a sum of at most 0.74 (the densest packing of equal spheres)";
-            return Err(PackError::input("sum of volume_fraction", total, allowed, "lower the shares"));
-        }
-        if let Some(usual) = self.usual_fraction.filter(|usual| !(0.0..=FCC).contains(usual)) {
+        let sound = total <= FCC || !self.voxels.is_empty();
+        let allowed = "a sum of at most 0.74 (the densest packing of equal spheres)";
+        PackError::unless(sound, "sum of volume_fraction", total, allowed, "lower the shares")?;
+        if let Some(usual) = self.usual_fraction {
+            let sound = (0.0..=FCC).contains(&usual);
             let remedy = "give the volume fraction of the whole layer, or leave it out";
-            return Err(PackError::input("usual_fraction", usual, "0 to 0.74", remedy));
+            PackError::unless(sound, "usual_fraction", usual, "0 to 0.74", remedy)?;
         }
         self.relaxation.check()?;
         self.check_cut()?;
@@ -289,46 +281,34 @@ impl PackingRequest {
     fn check_cut(&self) -> Result<(), PackError> {
         let Some([from, to]) = self.cut_um else { return Ok(()) };
         // heights of slabs are sums: rounding
-        if !(from >= 0.0 && from < to && to <= self.thickness_um * (1.0 + 1e-9)) {
-            let (found, allowed) =
-                (format!("{from} to {to} µm"), format!("0 ≤ from < to ≤ {} µm", self.thickness_um));
-            return Err(PackError::input(
-                "cut_um",
-                found,
-                allowed,
-                "give two heights of the packing, the lower one first",
-            ));
-        }
-        match self.relief {
-            Some(_) => {
-                Err(PackError::input("cut_um", "with a relief", "plane surfaces", "leave one of them out"))
-            }
-            None => Ok(()),
-        }
+        let sound = from >= 0.0 && from < to && to <= self.thickness_um * (1.0 + 1e-9);
+        let (found, allowed) =
+            (format!("{from} to {to} µm"), format!("0 ≤ from < to ≤ {} µm", self.thickness_um));
+        let remedy = "give two heights of the packing, the lower one first";
+        PackError::unless(sound, "cut_um", found, allowed, remedy)?;
+        let (plane, remedy) = (self.relief.is_none(), "leave one of them out");
+        PackError::unless(plane, "cut_um", "with a relief", "plane surfaces", remedy)
     }
+}
+
+/// Whether the sides of a cell are lengths.
+pub(super) fn are_lengths(sides: [f64; 3]) -> bool {
+    sides.iter().all(|l| l.is_finite() && *l > 0.0)
 }
 
 /// Volume fraction of the densest sphere packing, π/√18.
 const FCC: f64 = 0.740_480_489_693_061;
 
 fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
-    let share = pigment.volume_fraction;
-    if !(share.is_finite() && (0.0..=1.0).contains(&share)) {
-        let field = format!("pigment[{k}].volume_fraction");
-        return Err(PackError::input(
-            field,
-            share,
-            "0 to 1",
-            "give a fraction of the layer's volume, not a percentage",
-        ));
-    }
-    let fractal = pigment.agglomeration.as_ref().and_then(|rule| rule.fractal);
-    if let (Some(_), Some(_)) = (fractal, pigment.shape.form()) {
-        let found = format!("`fractal` with the shape {}", pigment.shape.name());
-        let allowed = "fractal agglomerates of grains made of spheres";
-        let remedy = "leave `fractal` out, or take `sphere`, `cylinder` or `beaded_ellipsoid`";
-        return Err(PackError::input(format!("pigment[{k}].agglomeration.fractal"), found, allowed, remedy));
-    }
+    let (share, field) = (pigment.volume_fraction, format!("pigment[{k}].volume_fraction"));
+    let remedy = "give a fraction of the layer's volume, not a percentage";
+    PackError::unless((0.0..=1.0).contains(&share), field, share, "0 to 1", remedy)?;
+    let fractal = pigment.agglomeration.as_ref().is_some_and(|rule| rule.fractal.is_some());
+    let field = format!("pigment[{k}].agglomeration.fractal");
+    let found = format!("`fractal` with the shape {}", pigment.shape.name());
+    let allowed = "fractal agglomerates of grains made of spheres";
+    let remedy = "leave `fractal` out, or take `sphere`, `cylinder` or `beaded_ellipsoid`";
+    PackError::unless(!fractal || pigment.shape.form().is_none(), field, found, allowed, remedy)?;
     let agglomeration = pigment.agglomeration.as_ref().and_then(Agglomeration::defect);
     let defects =
         [pigment.shape.defect(), pigment.size.defect(), pigment.orientation.defect(), agglomeration];
@@ -352,11 +332,10 @@ impl RelaxationSettings {
             ("relaxation.rotational_viscosity", self.rotational_viscosity, VISCOSITY),
             ("relaxation.aligning_deg_per_step", self.aligning_deg_per_step, ALIGNING_DEG),
         ];
-        match ranges.into_iter().find(|(_, value, allowed)| !allowed.holds(*value)) {
-            None => Ok(()),
-            Some((field, value, allowed)) => {
-                Err(PackError::input(field, value, allowed.to_string(), "leave it out for the default"))
-            }
+        let remedy = "leave it out for the default";
+        for (field, value, allowed) in ranges {
+            PackError::unless(allowed.holds(value), field, value, allowed, remedy)?;
         }
+        Ok(())
     }
 }

@@ -1,14 +1,13 @@
 //! Random sequential addition (P1 section 3, the dilute case): positions with an overlap are
 //! redrawn.
 
-use super::bodies::{Bodies, CellBox};
+use super::bodies::Bodies;
 use super::buckets::Buckets;
-use super::plan::PackingPlan;
-use super::watch::{PackProgress, PackWatch};
-use crate::ink::error::PackError;
-use crate::ink::grains::orientation::{AxisField, draw_rotation};
+use super::cell::CellBox;
+use super::watch::PackWatch;
+use crate::ink::error::{PackError, Reached};
 use crate::numerics::Draws;
-use crate::numerics::vector::{Rotation, V3, dot};
+use crate::numerics::vector::{V3, dot};
 
 /// Gaps below this fraction of the sum of radii count as overlap, so that rounding cannot fail the
 /// final check.
@@ -20,60 +19,57 @@ const REPORT: u64 = 100_000;
 /// Places all bodies of the plan in order; returns the number of attempts.
 pub(crate) fn add_all(
     bodies: &mut Bodies,
-    plan: &PackingPlan,
     attempts_per_grain: u64,
     draws: &mut Draws,
     watch: &mut dyn PackWatch,
 ) -> Result<u64, PackError> {
-    let widest = bodies.radius.iter().copied().fold(0.0, f64::max);
-    let mut grid = Buckets::new(&bodies.cell, 2.0 * widest * (1.0 + 1e-6), bodies.radius.len());
+    let plan = bodies.plan;
+    let mut grid = grid(bodies);
     let mut attempts = 0;
-    let mut volume = 0.0;
     for b in 0..plan.bodies.len() {
         let limit = attempts + attempts_per_grain;
         loop {
             attempts += 1;
-            let field = plan.fields[plan.bodies[b].pigment].as_ref();
-            if throw(bodies, &grid, b, field, draws) {
+            if throw(bodies, &grid, b, draws) {
                 break;
             }
             if attempts % REPORT == 0 {
-                report(bodies, plan, attempts, volume, watch)?;
+                plan.progress("sequential addition", attempts, b).report(watch)?;
             }
             if attempts >= limit {
-                return Err(blocked(bodies, plan, attempts, volume));
+                let Reached { fraction: reached, grains: placed } = plan.reached(b);
+                let (requested, wanted) = (plan.fraction(), plan.grains());
+                return Err(PackError::Blocked { requested, reached, placed, wanted, attempts });
             }
         }
-        (bodies.first[b]..bodies.first[b + 1]).for_each(|s| grid.insert(s, grid.cell_of(bodies.at[s])));
+        bodies.range(b).for_each(|s| grid.insert(s, bodies.at[s]));
         bodies.placed = b + 1;
-        volume += plan.bodies[b].volume_um3();
     }
     Ok(attempts)
 }
 
+/// The spheres of the placed bodies on a grid as wide as the largest.
+pub(crate) fn grid(bodies: &Bodies) -> Buckets {
+    let widest = bodies.radius.iter().copied().fold(0.0, f64::max);
+    let mut grid = Buckets::new(&bodies.cell, 2.0 * widest * (1.0 + 1e-6), bodies.radius.len());
+    (0..bodies.spheres()).for_each(|s| grid.insert(s, bodies.at[s]));
+    grid
+}
+
 /// One attempt: a uniform position between the walls and a random orientation; returns whether it
 /// is free.
-fn throw(
-    bodies: &mut Bodies,
-    grid: &Buckets,
-    b: usize,
-    field: Option<&AxisField>,
-    draws: &mut Draws,
-) -> bool {
-    let rotation =
-        if bodies.bodies[b].single_sphere() { Rotation::IDENTITY } else { draw_rotation(field, draws) };
-    let centre = std::array::from_fn(|a| draws.between(0.0, bodies.cell.size[a]));
-    bodies.put(b, centre, rotation);
+fn throw(bodies: &mut Bodies, grid: &Buckets, b: usize, draws: &mut Draws) -> bool {
+    let rotation = bodies.plan.draw_rotation(b, draws);
+    bodies.put(b, bodies.cell.draw_place(draws), rotation);
     is_free(bodies, grid, b)
 }
 
 /// Whether body b overlaps neither a wall nor another body in the grid.
 pub(crate) fn is_free(bodies: &Bodies, grid: &Buckets, b: usize) -> bool {
-    let range = bodies.first[b]..bodies.first[b + 1];
     if bodies.cell.walls && !between_walls(&bodies.cell, bodies.centre[b], bodies.span_z(b)) {
         return false;
     }
-    range.into_iter().all(|s| is_free_sphere(bodies, grid, b, s))
+    bodies.range(b).all(|s| is_free_sphere(bodies, grid, b, s))
 }
 
 /// Whether sphere s of body b overlaps no sphere of another body in the grid.
@@ -93,7 +89,7 @@ pub(crate) const CONVEX_MARGIN: f64 = 1e-6;
 
 /// Whether two bodies of which one is convex are apart although the spheres around them are not.
 fn is_apart(bodies: &Bodies, s: usize, t: usize, d: V3) -> bool {
-    let thin = |s: usize| bodies.bodies[bodies.owner[s] as usize].thin;
+    let thin = |s: usize| bodies.plan.bodies[bodies.owner[s] as usize].thin;
     let margin = CONVEX_MARGIN * (thin(s) + thin(t));
     !bodies.are_spheres(s, t) && bodies.contact(s, t, d, margin).is_none_or(|c| c.gap_um > margin)
 }
@@ -103,52 +99,10 @@ fn between_walls(cell: &CellBox, centre: V3, span: [f64; 2]) -> bool {
     centre[2] + span[0] >= margin && centre[2] + span[1] <= cell.size[2] - margin
 }
 
-fn report(
-    bodies: &Bodies,
-    plan: &PackingPlan,
-    attempts: u64,
-    volume: f64,
-    watch: &mut dyn PackWatch,
-) -> Result<(), PackError> {
-    let progress = PackProgress {
-        stage: "sequential addition",
-        step: attempts,
-        grains_placed: plan.bodies[..bodies.placed].iter().map(|b| b.parts.len()).sum(),
-        grains_wanted: plan.grains(),
-        fraction: volume / plan.box_um3,
-        overlap_energy: 0.0,
-        largest_overlap_um: 0.0,
-    };
-    match watch.progress(&progress) {
-        std::ops::ControlFlow::Continue(()) => Ok(()),
-        std::ops::ControlFlow::Break(()) => {
-            Err(PackError::Stopped { stage: progress.stage, steps: attempts })
-        }
-    }
-}
-
-fn blocked(bodies: &Bodies, plan: &PackingPlan, attempts: u64, volume: f64) -> PackError {
-    PackError::Blocked {
-        requested: plan.fraction(),
-        reached: volume / plan.box_um3,
-        placed: plan.bodies[..bodies.placed].iter().map(|b| b.parts.len()).sum(),
-        wanted: plan.grains(),
-        attempts,
-    }
-}
-
 /// A random start for the relaxation, overlaps allowed: at `place`, with z rescaled to the range
 /// accessible to the rotated grain between the walls.
-pub(crate) fn scatter(
-    bodies: &mut Bodies,
-    b: usize,
-    place: V3,
-    field: Option<&AxisField>,
-    draws: &mut Draws,
-) {
-    let single = bodies.bodies[b].single_sphere();
-    let rotation = if single { Rotation::IDENTITY } else { draw_rotation(field, draws) };
-    bodies.put(b, place, rotation);
+pub(crate) fn scatter(bodies: &mut Bodies, b: usize, place: V3, draws: &mut Draws) {
+    bodies.put(b, place, bodies.plan.draw_rotation(b, draws));
     if bodies.cell.walls {
         let [low, high] = bodies.span_z(b);
         let height = bodies.cell.size[2];

@@ -2,7 +2,7 @@
 
 use super::placed::{Packing, PackingAccount};
 use crate::ink::grains::volume::merge;
-use crate::ink::relief::{Relief, ReliefRequest, ReliefRule, RoughFace, dry_height_um, mean};
+use crate::ink::relief::{Relief, ReliefRequest, ReliefRule, RoughFace, mean};
 use crate::numerics::Draws;
 
 /// Columns per smallest radius.
@@ -93,10 +93,6 @@ impl HeightColumns {
         heights.iter().map(|h| rms_um / left.sqrt() * (h - centre)).collect()
     }
 
-    fn tops(&self) -> Vec<f64> {
-        self.pigment.iter().map(|c| c.last().map_or(0.0, |top| top[1])).collect()
-    }
-
     /// Mean over columns of the pigment's length below the surface.
     fn pigment_below(&self, surface: impl Fn(usize) -> f64) -> f64 {
         let below = |(k, column): (usize, &Vec<[f64; 2]>)| {
@@ -112,7 +108,7 @@ pub(crate) fn settle(packing: &Packing, request: &ReliefRequest) -> Relief {
     let columns = HeightColumns::new(packing, request.face);
     let thickness = packing.thickness_um();
     let area = packing.period_um()[0] * packing.period_um()[1];
-    let tops = columns.tops();
+    let tops: Vec<f64> = columns.pigment.iter().map(|c| c.last().map_or(0.0, |top| top[1])).collect();
     let shape = match request.rule {
         ReliefRule::Flat => vec![0.0; tops.len()],
         ReliefRule::Following { follow, smoothing_um } => {
@@ -123,7 +119,7 @@ pub(crate) fn settle(packing: &Packing, request: &ReliefRequest) -> Relief {
         ReliefRule::Random { rms_um, correlation_um } => columns.random(packing, rms_um, correlation_um),
     };
     let pigment = packing.grains().iter().map(|g| g.volume_um3).sum::<f64>() / area;
-    let binder = dry_height_um(request, thickness) - pigment;
+    let binder = request.dry_um(thickness) - pigment;
     let surface = |level: f64, k: usize| (level + shape[k]).clamp(0.0, thickness);
     let filled = |level: f64| {
         let volume = (0..shape.len()).map(|k| surface(level, k)).sum::<f64>() / shape.len() as f64;
@@ -138,7 +134,7 @@ pub(crate) fn settle(packing: &Packing, request: &ReliefRequest) -> Relief {
         fraction_below: below / mean(&heights_um),
         protruding_share: 1.0 - below / all,
         balance_error: (all / pigment - 1.0).abs(),
-        dry_height_um: dry_height_um(request, thickness),
+        dry_height_um: request.dry_um(thickness),
         heights_um,
         surface_um,
         count: columns.count,
@@ -210,11 +206,11 @@ mod tests {
             let packing = packed_of(grains, rule, face);
             let relief = packing.relief().unwrap();
             let pigment = packing.achieved_fraction(0) * 0.8;
-            let binder = relief.mean_height_um() * (1.0 - relief.fraction_below());
+            let binder = relief.mean_height_um() * (1.0 - relief.fraction_below);
             // Order: columns an eighth of a radius apart know the pigment's volume to some 1e-3.
-            assert!(relief.balance_error() < 2e-3, "{}", relief.balance_error());
+            assert!(relief.balance_error < 2e-3, "{}", relief.balance_error);
             assert!((pigment + binder - 0.8).abs() < 1e-9, "{}", pigment + binder);
-            assert!(relief.protruding_share() > 0.02 && relief.mean_height_um() < 0.8);
+            assert!(relief.protruding_share > 0.02 && relief.mean_height_um() < 0.8);
         }
     }
 
@@ -232,7 +228,7 @@ mod tests {
 
     fn rises_over_grains(packing: &Packing) {
         let relief = packing.relief().unwrap();
-        let depth = |z: f64| if relief.face() == RoughFace::Incident { z } else { -z };
+        let depth = |z: f64| if relief.face == RoughFace::Incident { z } else { -z };
         let centres = packing.grains().iter().map(Grain::centre_um);
         let [x, y, _] = centres.min_by(|a, b| depth(a[2]).total_cmp(&depth(b[2]))).unwrap();
         let above = relief.height_um(x, y) - relief.mean_height_um();
@@ -257,7 +253,7 @@ mod tests {
             };
             let packing = pack(&request, &mut ()).unwrap();
             let relief = packing.relief().unwrap();
-            let (level, [nx, ny]) = (relief.mean_height_um(), relief.count());
+            let (level, [nx, ny]) = (relief.mean_height_um(), relief.count);
             let apart = (length * nx as f64 / 2.0).round() as usize;
             let at = |i: usize, j: usize| relief.heights_um[j * nx + i % nx] - level;
             let pairs = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j)));

@@ -10,7 +10,6 @@ use crate::ink::grains::size::SizeDistribution;
 use crate::ink::grains::solid::Form;
 use crate::ink::grains::sphere::Sphere;
 use crate::ink::grains::volume::union_volume;
-use crate::numerics::vector::scale;
 
 /// Sizes over which shares are averaged: spheres, chains and convex bodies have a closed volume,
 /// clusters do not.
@@ -34,11 +33,11 @@ pub(super) fn check(
     shape: &Shape,
     size: &SizeDistribution,
 ) -> Result<(), PackError> {
-    let thin = |t: &f64| !(t.is_finite() && *t > 0.0);
-    if let Some(i) = shell_nm.iter().position(thin) {
-        let field = format!("pigment[{k}].shell[{i}].thickness_nm");
+    for (i, thickness) in shell_nm.iter().enumerate() {
+        let (field, sound) =
+            (format!("pigment[{k}].shell[{i}].thickness_nm"), thickness.is_finite() && *thickness > 0.0);
         let remedy = "give the thickness of the layer in nm, or leave the layer out";
-        return Err(PackError::input(field, shell_nm[i], "above 0", remedy));
+        PackError::unless(sound, field, thickness, "above 0", remedy)?;
     }
     if shell_nm.is_empty() {
         return Ok(());
@@ -91,15 +90,12 @@ pub(super) fn shares(shell_nm: &[f64], shape: &Shape, size: &SizeDistribution) -
 
 /// Adds the volumes of the core and the layers of a grain of this thickest radius.
 fn add_volumes(shell_nm: &[f64], template: &Template, radius_um: f64, volumes: &mut [f64]) {
-    let sphere =
-        |s: &Sphere| Sphere { center_um: scale(s.center_um, radius_um), radius_um: s.radius_um * radius_um };
-    let grain: Vec<Sphere> = template.spheres.iter().map(sphere).collect();
-    let form = template.form.as_ref().map(|form| form.scaled(radius_um));
-    let volume = |depth: f64| match &form {
-        Some(form) => form.inset(depth).volume_um3(),
-        None => union_volume(&inside(&grain, depth)).um3,
+    let grain = template.grain(radius_um);
+    let volume = |depth: f64| match &grain.solid {
+        Some(solid) => solid.form.inset(depth).volume_um3(),
+        None => union_volume(&inside(&grain.spheres, depth)).um3,
     };
-    let (mut outer, mut depth) = (template.volume.um3 * radius_um.powi(3), 0.0);
+    let (mut outer, mut depth) = (grain.volume_um3, 0.0);
     for (i, thickness) in shell_nm.iter().enumerate().rev() {
         depth += 1e-3 * thickness;
         let inner = volume(depth);

@@ -1,9 +1,10 @@
 //! Progress and cancellation of packing.
 
+use crate::ink::error::PackError;
 use std::ops::ControlFlow;
 
 /// Progress of a packing.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PackProgress {
     /// "sequential addition", "relaxation" or "equilibration".
     pub stage: &'static str,
@@ -19,6 +20,16 @@ pub struct PackProgress {
     pub overlap_energy: f64,
     /// Largest overlap in µm (relaxation; zero otherwise).
     pub largest_overlap_um: f64,
+}
+
+impl PackProgress {
+    /// Reports to a watch; the error is that it asks to stop.
+    pub(super) fn report(&self, watch: &mut dyn PackWatch) -> Result<(), PackError> {
+        match watch.progress(self) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(PackError::Stopped { stage: self.stage, steps: self.step }),
+        }
+    }
 }
 
 /// Receives progress reports and may stop the packing by returning `Break`.

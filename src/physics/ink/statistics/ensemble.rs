@@ -4,7 +4,7 @@ use super::orientation::orientation_tensor;
 use super::pairs::{PairStatistics, mean_diameter_um, pair_statistics};
 use super::reached::ReachedSizes;
 use super::sections::{SectionStatistics, section_statistics};
-use crate::ink::{Method, Packing};
+use crate::ink::{Method, Packing, Relief};
 use crate::numerics::estimate::Estimate;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -55,7 +55,12 @@ pub fn gather(packings: &[Packing]) -> Statistics {
     }
     all.curves.extend(two_point(&sections));
     all.curves.extend(profiles(&sections));
-    scalars(&mut all, [packings, grains], &pairs, &sections);
+    all.add_fractions(packings, grains);
+    all.add_sizes(packings);
+    all.add_structure(grains, &pairs, &sections);
+    all.add_tensors(grains);
+    all.add_walls(grains);
+    all.add_relief(packings);
     all
 }
 
@@ -121,74 +126,88 @@ fn profiles(sections: &[SectionStatistics]) -> Vec<StatisticCurve> {
     let mut curves = vec![curve("profile", label, "volume fraction φ(z)", z.clone(), total)];
     let pigments = sections[0].profile.len();
     for k in (0..pigments).filter(|_| pigments > 1) {
+        let (name, y_label) = (format!("profile_pigment_{k}"), format!("φ(z) of pigment {k}"));
         let y = pointwise(sections, z.len(), |s, i| s.profile[k][i]);
-        curves.push(curve(
-            &format!("profile_pigment_{k}"),
-            label,
-            &format!("φ(z) of pigment {k}"),
-            z.clone(),
-            y,
-        ));
+        curves.push(curve(&name, label, &y_label, z.clone(), y));
     }
     curves
 }
 
-fn scalars(
-    all: &mut Statistics,
-    [packings, with_grains]: [&[Packing]; 2],
-    pairs: &[PairStatistics],
-    sections: &[SectionStatistics],
-) {
-    let mut put = |name: &str, unit: &str, values: Vec<f64>| {
+impl Statistics {
+    /// Adds the mean of a scalar, if it has values.
+    fn put(&mut self, name: impl Into<String>, unit: &str, values: impl IntoIterator<Item = f64>) {
+        let values: Vec<f64> = values.into_iter().collect();
         if !values.is_empty() {
-            all.scalars.push((name.into(), unit.into(), Estimate::of_mean(&values)));
-        }
-    };
-    for k in 0..packings[0].shares().len() {
-        put(&format!("requested fraction of pigment {k}"), "1", vec![packings[0].requested_fraction(k)]);
-        put(
-            &format!("achieved fraction of pigment {k}"),
-            "1",
-            packings.iter().map(|p| p.achieved_fraction(k)).collect(),
-        );
-        put(
-            &format!("grains of pigment {k}"),
-            "1",
-            with_grains.iter().map(|p| p.shares()[k].grains as f64).collect(),
-        );
-    }
-    sizes(packings, &mut put);
-    put("mean nearest-neighbour distance", "µm", pairs.iter().map(PairStatistics::mean_nearest_um).collect());
-    put("smallest gap", "µm", with_grains.iter().filter_map(|p| p.account().smallest_gap_um).collect());
-    put("S2(0) from chords", "1", sections.iter().map(|s| 0.5 * (s.s2_x[0] + s.s2_y[0])).collect());
-    let slope = |s: &SectionStatistics| -0.5 * (s.chords_per_um[0] + s.chords_per_um[1]);
-    put("slope of S2 at 0 (= −s/4)", "1/µm", sections.iter().map(slope).collect());
-    put("mean of φ(z)², the limit of S2", "1", sections.iter().map(|s| s.mean_square_profile).collect());
-    tensors(with_grains, &mut put);
-    walls(with_grains, &mut put);
-    relief(packings, &mut put);
-}
-
-/// Percentiles d10, d50 and d90 of every pigment's grains.
-fn sizes(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
-    for k in 0..packings[0].shares().len() {
-        let reached: Vec<_> = packings.iter().filter_map(|p| ReachedSizes::of(p, k)).collect();
-        for (i, name) in ["d10", "d50", "d90"].into_iter().enumerate() {
-            let [number, volume] = ["number", "volume"].map(|by| format!("{name} by {by} of pigment {k}"));
-            put(&number, "nm", reached.iter().map(|r| r.by_number_nm[i]).collect());
-            put(&volume, "nm", reached.iter().map(|r| r.by_volume_nm[i]).collect());
+            self.scalars.push((name.into(), unit.into(), Estimate::of_mean(&values)));
         }
     }
-}
 
-fn tensors(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
-    const NAMES: [&str; 3] = ["x", "y", "z"];
-    for k in 0..packings.first().map_or(0, |p| p.shares().len()) {
-        let tensors: Vec<_> = packings.iter().filter_map(|p| orientation_tensor(p, Some(k))).collect();
-        for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
-            let name = format!("orientation tensor Q_{}{} of pigment {k}", NAMES[a], NAMES[b]);
-            put(&name, "1", tensors.iter().map(|t| t.q[a][b]).collect());
+    fn add_fractions(&mut self, packings: &[Packing], with_grains: &[Packing]) {
+        for k in 0..packings[0].shares().len() {
+            let requested = packings[0].requested_fraction(k);
+            let achieved = packings.iter().map(|p| p.achieved_fraction(k));
+            let grains = with_grains.iter().map(|p| p.shares()[k].grains as f64);
+            self.put(format!("requested fraction of pigment {k}"), "1", [requested]);
+            self.put(format!("achieved fraction of pigment {k}"), "1", achieved);
+            self.put(format!("grains of pigment {k}"), "1", grains);
         }
+    }
+
+    /// Percentiles d10, d50 and d90 of every pigment's grains.
+    fn add_sizes(&mut self, packings: &[Packing]) {
+        for k in 0..packings[0].shares().len() {
+            let reached: Vec<_> = packings.iter().filter_map(|p| ReachedSizes::of(p, k)).collect();
+            for (i, name) in ["d10", "d50", "d90"].into_iter().enumerate() {
+                let (number, volume) =
+                    (reached.iter().map(|r| r.by_number_nm[i]), reached.iter().map(|r| r.by_volume_nm[i]));
+                self.put(format!("{name} by number of pigment {k}"), "nm", number);
+                self.put(format!("{name} by volume of pigment {k}"), "nm", volume);
+            }
+        }
+    }
+
+    fn add_structure(
+        &mut self,
+        packings: &[Packing],
+        pairs: &[PairStatistics],
+        sections: &[SectionStatistics],
+    ) {
+        let gaps = packings.iter().filter_map(|p| p.account().smallest_gap_um);
+        let slopes = sections.iter().map(|s| -0.5 * (s.chords_per_um[0] + s.chords_per_um[1]));
+        let ends = sections.iter().map(|s| 0.5 * (s.s2_x[0] + s.s2_y[0]));
+        let squares = sections.iter().map(|s| s.mean_square_profile);
+        self.put("mean nearest-neighbour distance", "µm", pairs.iter().map(PairStatistics::mean_nearest_um));
+        self.put("smallest gap", "µm", gaps);
+        self.put("S2(0) from chords", "1", ends);
+        self.put("slope of S2 at 0 (= −s/4)", "1/µm", slopes);
+        self.put("mean of φ(z)², the limit of S2", "1", squares);
+    }
+
+    fn add_tensors(&mut self, packings: &[Packing]) {
+        const NAMES: [&str; 3] = ["x", "y", "z"];
+        for k in 0..packings.first().map_or(0, |p| p.shares().len()) {
+            let tensors: Vec<_> = packings.iter().filter_map(|p| orientation_tensor(p, Some(k))).collect();
+            for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
+                let name = format!("orientation tensor Q_{}{} of pigment {k}", NAMES[a], NAMES[b]);
+                self.put(name, "1", tensors.iter().map(|t| t.q[a][b]));
+            }
+        }
+    }
+
+    fn add_walls(&mut self, packings: &[Packing]) {
+        if packings.first().is_some_and(Packing::walls) {
+            self.put("grains touching the wall z = 0", "1/µm²", packings.iter().map(|p| touching(p, true)));
+            self.put("grains touching the wall z = H", "1/µm²", packings.iter().map(|p| touching(p, false)));
+        }
+    }
+
+    fn add_relief(&mut self, packings: &[Packing]) {
+        let all: Vec<&Relief> = packings.iter().filter_map(Packing::relief).collect();
+        self.put("mean height of the binder", "µm", all.iter().map(|r| r.mean_height_um()));
+        self.put("rms of the binder's height", "µm", all.iter().map(|r| r.rms_height_um()));
+        self.put("share of the pigment above the binder", "1", all.iter().map(|r| r.protruding_share));
+        self.put("rms of the free surface (grains and binder)", "µm", all.iter().map(|r| r.rms_surface_um()));
+        self.put("pigment fraction below the binder's surface", "1", all.iter().map(|r| r.fraction_below));
     }
 }
 
@@ -207,28 +226,6 @@ fn touching(packing: &Packing, top: bool) -> f64 {
     let touch = |g: &&crate::ink::Grain| g.solid.as_ref().map_or_else(|| g.spheres.iter().any(near), edge);
     let touches = packing.grains().iter().filter(touch).count();
     touches as f64 / (packing.period_um()[0] * packing.period_um()[1])
-}
-
-fn walls(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
-    if !packings.first().is_some_and(Packing::walls) {
-        return;
-    }
-    put("grains touching the wall z = 0", "1/µm²", packings.iter().map(|p| touching(p, true)).collect());
-    put("grains touching the wall z = H", "1/µm²", packings.iter().map(|p| touching(p, false)).collect());
-}
-
-fn relief(packings: &[Packing], put: &mut dyn FnMut(&str, &str, Vec<f64>)) {
-    let reliefs: Vec<_> = packings.iter().filter_map(Packing::relief).collect();
-    put("mean height of the binder", "µm", reliefs.iter().map(|r| r.mean_height_um()).collect());
-    put("rms of the binder's height", "µm", reliefs.iter().map(|r| r.rms_height_um()).collect());
-    put("share of the pigment above the binder", "1", reliefs.iter().map(|r| r.protruding_share()).collect());
-    put(
-        "rms of the free surface (grains and binder)",
-        "µm",
-        reliefs.iter().map(|r| r.rms_surface_um()).collect(),
-    );
-    let below = reliefs.iter().map(|r| r.fraction_below());
-    put("pigment fraction below the binder's surface", "1", below.collect());
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Pairs of grain centres: pair correlation g(r) and nearest neighbours.
 
 use crate::ink::Packing;
-use crate::ink::packing::bodies::CellBox;
 use crate::ink::packing::buckets::Buckets;
+use crate::ink::packing::cell::CellBox;
 use crate::numerics::vector::{V3, norm};
 use std::f64::consts::PI;
 
@@ -67,8 +67,7 @@ fn count(cell: &CellBox, centres: &[V3], edges: &[f64], width: f64) -> (Vec<f64>
     let mut nearest = vec![f64::INFINITY; centres.len()];
     let mut grid = Buckets::new(cell, furthest, centres.len());
     for (i, p) in centres.iter().enumerate() {
-        let home = grid.cell_of(*p);
-        for j in grid.around(home) {
+        for j in grid.around(grid.cell_of(*p)) {
             let r = norm(cell.delta(*p, centres[j]));
             nearest[i] = nearest[i].min(r);
             nearest[j] = nearest[j].min(r);
@@ -76,7 +75,7 @@ fn count(cell: &CellBox, centres: &[V3], edges: &[f64], width: f64) -> (Vec<f64>
                 *slot += 1.0;
             }
         }
-        grid.insert(i, home);
+        grid.insert(i, *p);
     }
     for i in 0..centres.len() {
         if nearest[i] > furthest && centres.len() > 1 {

@@ -26,7 +26,7 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
         }
     }
     // Fractions of a layer with a relief refer to its dry height.
-    let dry = packing.relief().map_or(1.0, |relief| relief.dry_height_um() / packing.thickness_um());
+    let dry = packing.relief().map_or(1.0, |relief| relief.dry_height_um / packing.thickness_um());
     let mut layers = packing.shells_um().len();
     for (pigment, shell) in packing.shells_um().iter().enumerate() {
         let materials = || (layers..layers + shell.len()).chain([pigment]);

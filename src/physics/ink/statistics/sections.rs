@@ -172,7 +172,9 @@ impl Lines {
 
     /// Fraction of the points x for which x and x + r are both covered.
     fn both_ends(&self, r: f64) -> f64 {
-        let sum: f64 = self.chords.iter().map(|line| shifted_overlap(line, r, self.length)).sum();
+        let shifts = [r, r - self.length];
+        let own = |line: &Vec<[f64; 2]>| shifts.iter().map(|shift| overlap(line, *shift)).sum::<f64>();
+        let sum: f64 = self.chords.iter().map(own).sum();
         sum / (self.length * self.chords.len() as f64)
     }
 }
@@ -186,11 +188,7 @@ fn push(line: &mut Vec<[f64; 2]>, start: f64, end: f64, length: f64) {
     }
 }
 
-/// Length of the overlap of a set of intervals with itself shifted by r, on a circle.
-fn shifted_overlap(line: &[[f64; 2]], r: f64, length: f64) -> f64 {
-    [r, r - length].iter().map(|shift| overlap(line, *shift)).sum()
-}
-
+/// Length of the overlap of a set of intervals with itself, shifted.
 fn overlap(line: &[[f64; 2]], shift: f64) -> f64 {
     let (mut i, mut j, mut sum) = (0, 0, 0.0);
     while i < line.len() && j < line.len() {

@@ -1,9 +1,7 @@
 //! Errors of spectra.
 
-use crate::material::columns::ColumnsError;
-use crate::material::dispersion::DispersionError;
 use crate::numerics::allowed::shown;
-use std::path::PathBuf;
+use crate::numerics::files::FileError;
 use thiserror::Error;
 
 /// A wavelength outside a spectrum, or a table that is not a spectrum.
@@ -58,37 +56,18 @@ pub enum SpectrumError {
         remedy: &'static str,
     },
     /// A table that cannot be interpolated.
-    #[error("{path}: {rows} rows; at least 2 are needed to interpolate, or use a constant index", path = path.display())]
+    #[error("{name}: {rows} rows; at least 2 are needed to interpolate, or use a constant index")]
     TooFewRows {
         /// The file, or the name of the table.
-        path: PathBuf,
+        name: String,
         /// Rows found.
         rows: usize,
     },
-    /// Neither the file nor the study gives n.
-    #[error("{path}: no real part n; add n to the file, or give it beside the file, such as n = 1.4", path = path.display())]
-    NoRealPart {
-        /// The file.
-        path: PathBuf,
-    },
-    /// Both the file and the study give n.
-    #[error("{path}: the real part n is given twice, in the file and beside it; keep one of them", path = path.display())]
-    TwoRealParts {
-        /// The file.
-        path: PathBuf,
-    },
-    /// A file that is not a table of numbers.
+    /// The real part n is given nowhere, or both in the file and beside it.
     #[error(transparent)]
-    Unreadable(#[from] ColumnsError),
-    /// A table that is not a spectrum.
-    #[error("{path}: {reason}; expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n (k is accepted for kappa)", path = path.display())]
-    Header {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong with its columns.
-        reason: String,
-    },
-    /// A file that is not a record of refractiveindex.info.
+    RealPart(FileError),
+    /// A file that is not a table of numbers, not a spectrum, or not a record of
+    /// refractiveindex.info.
     #[error(transparent)]
-    Record(#[from] DispersionError),
+    File(#[from] FileError),
 }

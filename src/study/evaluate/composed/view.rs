@@ -8,7 +8,6 @@
 use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::numbers::{LayerTask, fringes, polarised, projected_sr};
 use crate::appearance::composed::flux::Hemisphere;
-use crate::appearance::composed::fringes::lagrange;
 use crate::appearance::composed::plate::Plate;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
@@ -17,6 +16,7 @@ use crate::evaluate::directional::{Direction, DirectionalPrint};
 use crate::evaluate::ink::InkError;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
+use crate::numerics::lagrange::lagrange;
 use crate::wave::Wave;
 use faer::Mat;
 use ndarray::Array2;

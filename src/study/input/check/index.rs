@@ -94,8 +94,7 @@ fn constant(field: &str, n: f64, k: f64, faults: &mut Faults) -> Option<Spectrum
 
 /// A name that is not known, or a file that holds no index.
 fn not_found(field: &str, key: &str, (said, path): (&str, &Path), error: &SpectrumError) -> Fault {
-    use SpectrumError::{Header, NoRealPart, TwoRealParts, Unreadable};
-    let (named, beside) = (format!("{said:?}"), matches!(error, NoRealPart { .. } | TwoRealParts { .. }));
+    let (named, beside) = (format!("{said:?}"), matches!(error, SpectrumError::RealPart(_)));
     let take = "take one of these, or your own table with { csv = \"file.csv\" }";
     let (found, allowed, remedy) = match key {
         "built_in" => (named, Synthetic::ALL.map(Synthetic::name).join(", "), take.to_owned()),
@@ -108,7 +107,7 @@ fn not_found(field: &str, key: &str, (said, path): (&str, &Path), error: &Spectr
             let allowed =
                 "a readable table wavelength_nm,kappa[,n] with rising wavelengths, kappa ≥ 0 and n > 0";
             let found = match error {
-                Unreadable(_) | Header { .. } | NoRealPart { .. } | TwoRealParts { .. } => error.to_string(),
+                SpectrumError::File(_) | SpectrumError::RealPart(_) => error.to_string(),
                 other => format!("{} ({other})", path.display()),
             };
             (found, allowed.into(), "correct the table; its path is relative to the study file".into())

@@ -9,6 +9,7 @@ use crate::input::contrast::ContrastPart;
 use crate::input::forms::{Diameter, IndexForms, IndexWritten, Pair, ThicknessWritten, index};
 use crate::input::{limits, variation};
 use crate::material::mixing::MixingRule;
+use crate::numerics::written::name_or_table;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -111,6 +112,7 @@ pub struct PigmentTable {
     #[schemars(example = &"yellow")]
     pub name: Option<String>,
     /// Shape of the grains.
+    #[serde(deserialize_with = "name_or_table")]
     pub shape: Shape,
     /// Layers around the core, from the core outwards; `index` is that of the core (1 for hollow
     /// grains). Sizes and the volume fraction are those of the whole grain with its layers. A layer
@@ -134,6 +136,7 @@ pub struct PigmentTable {
     #[schemars(with = "IndexForms", example = std::collections::BTreeMap::from_iter(Some(("built_in", "yellow"))))]
     pub index: IndexWritten,
     /// Alignment of the grains' axes.
+    #[serde(deserialize_with = "name_or_table")]
     pub orientation: Orientation,
     /// Which grains stick together; by default none.
     pub agglomeration: Option<Agglomeration>,

@@ -7,11 +7,11 @@
 //! whose distance is nearest to Γ is taken. Soot and diffusion-limited clusters have D = 1.78 and k
 //! = 1.3 (C. M. Sorensen, Aerosol Sci. Technol. 45, 765–779, 2011).
 
-use super::{PlacedGrain, all_spheres, first_contact, placed_first};
-use crate::ink::Sphere;
+use super::{PlacedGrain, about_centre, all_spheres, first_contact, moved, placed_first};
+use crate::ink::grains::sphere::{Sphere, centre_of_mass, reach_um};
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
-use crate::numerics::vector::{V3, add, dot, norm, scale};
+use crate::numerics::vector::{dot, scale};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -64,7 +64,8 @@ impl Fractal {
     fn join(&self, one: Vec<PlacedGrain>, other: Vec<PlacedGrain>, draws: &mut Draws) -> Vec<PlacedGrain> {
         let (one, other) = (about_centre(one), about_centre(other));
         let wanted = self.distance(&one, &other);
-        let far = 2.0 * (reach(&one) + reach(&other));
+        let [reach, others] = [&one, &other].map(|grains| reach_um(&all_spheres(grains), [0.0; 3]));
+        let far = 2.0 * (reach + others);
         let mut best: Option<(f64, Vec<PlacedGrain>)> = None;
         let mut trials = 0;
         while trials < TRIALS || best.is_none() {
@@ -103,26 +104,8 @@ fn mass(spheres: &[Sphere]) -> f64 {
 
 /// Mass, and mass times the squared radius of gyration about the origin, of grains as points.
 fn mass_and_inertia(grains: &[PlacedGrain]) -> [f64; 2] {
-    let of = |g: &PlacedGrain| (mass(&g.spheres), centre(&g.spheres));
+    let of = |g: &PlacedGrain| (mass(&g.spheres), centre_of_mass(&g.spheres));
     grains.iter().map(of).fold([0.0; 2], |[m, s], (own, at)| [m + own, s + own * dot(at, at)])
-}
-
-fn centre(spheres: &[Sphere]) -> V3 {
-    let total = mass(spheres);
-    spheres.iter().fold([0.0; 3], |c, s| add(c, scale(s.center_um, s.radius_um.powi(3) / total)))
-}
-
-fn about_centre(grains: Vec<PlacedGrain>) -> Vec<PlacedGrain> {
-    let centre = centre(&all_spheres(&grains));
-    moved(grains, scale(centre, -1.0))
-}
-
-fn reach(grains: &[PlacedGrain]) -> f64 {
-    all_spheres(grains).iter().map(|s| norm(s.center_um) + s.radius_um).fold(0.0, f64::max)
-}
-
-fn moved(grains: Vec<PlacedGrain>, by: V3) -> Vec<PlacedGrain> {
-    grains.into_iter().map(|g| g.moved(by)).collect()
 }
 
 fn turned(grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
@@ -134,14 +117,13 @@ fn turned(grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ink::Shape;
     use crate::ink::grains::agglomeration::glue;
-
-    const UNIT: Sphere = Sphere { center_um: [0.0; 3], radius_um: 1.0 };
 
     /// ln R_g over the mean of 12 clusters of 2^k unit spheres.
     fn gyration(count: usize, make: &dyn Fn(&[PlacedGrain], &mut Draws) -> Vec<PlacedGrain>) -> f64 {
         let of = |stream: u64| {
-            let grains = vec![PlacedGrain::new(vec![UNIT], None); count];
+            let grains = vec![Shape::Sphere.template().grain(1.0); count];
             let [m, s] = mass_and_inertia(&about_centre(make(&grains, &mut Draws::new(3, stream))));
             (s / m).sqrt().ln()
         };
@@ -178,8 +160,8 @@ mod tests {
     #[test]
     fn grains_of_a_cluster_touch_and_do_not_overlap() {
         let law = Fractal { dimension: 1.78, prefactor: 1.3 };
-        let sphere = |i: i32| Sphere { radius_um: 0.6 + 0.02 * f64::from(i), ..UNIT };
-        let grains: Vec<PlacedGrain> = (0..40).map(|i| PlacedGrain::new(vec![sphere(i)], None)).collect();
+        let sphere = |i: i32| Shape::Sphere.template().grain(0.6 + 0.02 * f64::from(i));
+        let grains: Vec<PlacedGrain> = (0..40).map(sphere).collect();
         let all = all_spheres(&law.aggregate(&grains, &mut Draws::new(5, 0)));
         let mut contacts = 0;
         for (i, a) in all.iter().enumerate() {

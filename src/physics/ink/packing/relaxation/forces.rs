@@ -12,7 +12,7 @@ impl OverlapRelaxation<'_, '_> {
         let mut found = FoundLoads::default();
         for k in 0..self.moving.len() {
             let b = self.moving[k] as usize;
-            for s in self.bodies.first[b]..self.bodies.first[b + 1] {
+            for s in self.bodies.range(b) {
                 self.wall(b, s, &mut found);
                 self.pairs(b, s, &mut found, draws);
             }
@@ -63,7 +63,7 @@ impl OverlapRelaxation<'_, '_> {
     /// inflated by their thinnest radii.
     fn press(&mut self, [s, t]: [usize; 2], d: V3, found: &mut FoundLoads) {
         let [own, other] = [s, t].map(|s| self.bodies.owner[s] as usize);
-        let thin = self.thin[own] + self.thin[other];
+        let thin = self.plan.bodies[own].thin + self.plan.bodies[other].thin;
         let gap = (self.inflation * thin).max(2.0 * CONVEX_MARGIN * thin);
         let Some(contact) = self.bodies.contact(s, t, d, gap) else { return };
         let depth = gap - contact.gap_um;
@@ -77,37 +77,30 @@ impl OverlapRelaxation<'_, '_> {
         found.hear(0.5 * depth * depth, 1.5 * CONVEX_MARGIN * thin - contact.gap_um, thin);
     }
 
-    /// Repulsion of the convex body in sphere s from the walls at its lowest and highest point.
-    fn press_walls(&mut self, b: usize, s: usize, found: &mut FoundLoads) {
-        let Some(solid) = self.bodies.solid(s) else { return };
-        let (z, top, thin) = (self.bodies.at[s][2], self.bodies.cell.size[2], self.thin[b]);
-        let from = self.bodies.arm[s];
-        let ends = [-1.0, 1.0].map(|side| solid.arm([0.0, 0.0, side]));
-        for (arm, distance, sign) in [(ends[0], z + ends[0][2], 1.0), (ends[1], top - z - ends[1][2], -1.0)] {
-            let depth = (self.inflation * thin).max(2.0 * CONVEX_MARGIN * thin) - distance;
-            if depth > 0.0 {
-                self.loads.act(b, add(from, arm), [0.0, 0.0, sign * 2.0 * depth]);
-                found.hear(depth * depth, MARGIN * (thin + top) - distance, thin);
-            }
-        }
-    }
-
-    /// Repulsion from a wall as from the sphere's mirror image: L = 2 (R (1 + ε) − distance to the
-    /// wall).
+    /// Repulsion from a wall as from the mirror image, L = 2 (R (1 + ε) − distance to the wall),
+    /// of a convex body at its lowest and highest point.
     fn wall(&mut self, b: usize, s: usize, found: &mut FoundLoads) {
         if !self.bodies.cell.walls {
             return;
         }
-        if self.bodies.solid(s).is_some() {
-            return self.press_walls(b, s, found);
-        }
-        let (z, r, top) = (self.bodies.at[s][2], self.bodies.radius[s], self.bodies.cell.size[2]);
-        for (distance, sign) in [(z, 1.0), (top - z, -1.0)] {
-            let depth = r * (1.0 + self.inflation) - distance;
+        let (z, top, from) = (self.bodies.at[s][2], self.bodies.cell.size[2], self.bodies.arm[s]);
+        let (ends, reach, edge, radius) = match self.bodies.solid(s) {
+            Some(solid) => {
+                let thin = self.plan.bodies[b].thin;
+                let ends = [-1.0, 1.0].map(|side| solid.arm([0.0, 0.0, side]));
+                let reach = (self.inflation * thin).max(2.0 * CONVEX_MARGIN * thin);
+                (ends, reach, MARGIN * (thin + top), thin)
+            }
+            None => {
+                let r = self.bodies.radius[s];
+                ([[0.0; 3]; 2], r * (1.0 + self.inflation), r + MARGIN * (r + top), r)
+            }
+        };
+        for (arm, distance, sign) in [(ends[0], z + ends[0][2], 1.0), (ends[1], top - z - ends[1][2], -1.0)] {
+            let depth = reach - distance;
             if depth > 0.0 {
-                self.loads.act(b, self.bodies.arm[s], [0.0, 0.0, sign * 2.0 * depth]);
-                let margin = MARGIN * (r + top);
-                found.hear(depth * depth, r + margin - distance, r);
+                self.loads.act(b, add(from, arm), [0.0, 0.0, sign * 2.0 * depth]);
+                found.hear(depth * depth, edge - distance, radius);
             }
         }
     }

@@ -21,8 +21,7 @@ impl OverlapRelaxation<'_, '_> {
             } else {
                 self.bodies.put(b, centre, self.bodies.rotation[b].then(Rotation::by(turn)));
             }
-            let range = self.bodies.first[b]..self.bodies.first[b + 1];
-            outrun |= range.into_iter().any(|s| self.list.outrun(&self.bodies.cell, s, self.bodies.at[s]));
+            outrun |= self.bodies.range(b).any(|s| self.list.outrun(self.bodies, s));
         }
         self.moving.iter().for_each(|b| self.moves[*b as usize] = false);
         self.loads.joined.iter().for_each(|b| self.moves[*b as usize] = true);
@@ -46,9 +45,11 @@ impl OverlapRelaxation<'_, '_> {
             turn = add(scale(torque, h / self.loads.inertia[b]), self.alignment(b, ramp, aligning));
         }
         // No point of the body moves by more than the limit per step.
-        let length = norm(by) + norm(turn) * self.plan.bodies[b].reach;
-        if length > self.limit[b] {
-            return [by, turn].map(|part| scale(part, self.limit[b] / length));
+        let body = &self.plan.bodies[b];
+        let (length, limit) =
+            (norm(by) + norm(turn) * body.reach, self.settings.step_limit_radii * body.thin);
+        if length > limit {
+            return [by, turn].map(|part| scale(part, limit / length));
         }
         [by, turn]
     }
