@@ -22,6 +22,7 @@ use crate::wave::physical::largest;
 use crate::wave::{Incidence, Mean, Resolution, Scene, Side};
 use probed::{Prepared, grid, probe};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Number of packings on which two grids are compared: enough for a standard error of the
 /// difference.
@@ -129,7 +130,9 @@ pub fn resolve(
         let grid = grid(&study.draw(0), points_per_um, planes_per_um, scheme);
         size(study, grid).admit(&*study.solver.build(), memory).map_err(AccuracyError::Memory)?;
     }
-    let scenes = scenes(study, scene)?;
+    // One is enough if whole realisations are solved on two grids later.
+    let enough = if study.has_two_levels() { 1 } else { GRID_PACKINGS };
+    let scenes = with_room(0..compared(study), enough, scene)?;
     watch.stage("estimating the error of the grid");
     let mut resolved = settle(study, &scenes[0], memory, watch)?;
     let difference = |scene| grid_differences(study, &resolved, scene, memory, watch);
@@ -139,26 +142,25 @@ pub fn resolve(
     Ok(resolved)
 }
 
-/// The scenes of the first realisations that can be packed, at least one: a failed packing affects
-/// only its own realisation.
-fn scenes(
-    study: &Study,
-    mut scene: impl FnMut(usize) -> Result<Scene, RunError>,
-) -> Result<Vec<(usize, Scene)>, RunError> {
-    let (mut scenes, mut refusal) = (Vec::new(), None);
-    // One is enough if whole realisations are solved on two grids later.
-    let enough = if study.has_two_levels() { 1 } else { GRID_PACKINGS };
-    for realisation in 0..compared(study) {
-        if scenes.len() == enough {
-            break;
-        }
-        match scene(realisation) {
-            Ok(scene) => scenes.push((realisation, scene)),
+/// What `make` gives for the first realisations that can be packed, `enough` of them at most and at
+/// least one: a failed packing affects only its own realisation.
+pub(super) fn with_room<T>(
+    realisations: Range<usize>,
+    enough: usize,
+    mut make: impl FnMut(usize) -> Result<T, RunError>,
+) -> Result<Vec<(usize, T)>, RunError> {
+    let (mut made, mut refusal) = (Vec::new(), None);
+    for realisation in realisations {
+        match make(realisation) {
+            Ok(one) => made.push((realisation, one)),
             Err(error) if error.has_no_room() => refusal = refusal.or(Some(error)),
             Err(error) => return Err(error),
         }
+        if made.len() == enough {
+            break;
+        }
     }
-    refusal.filter(|_| scenes.is_empty()).map_or(Ok(scenes), Err)
+    refusal.filter(|_| made.is_empty()).map_or(Ok(made), Err)
 }
 
 /// The study's grid if it is stored.
