@@ -48,7 +48,7 @@ impl<'a> Packings<'a> {
         let packing = pack_realisation(self.study, realisation, self.watch)
             .map_err(|source| RunError::Packing { realisation, source })?;
         let grids = Arc::new(Grids::new(packing));
-        self.kept.retain(|(kept, _)| *kept == 0);
+        self.kept.retain(|(kept, _)| *kept == 0 || realisation == 0);
         self.kept.push((realisation, grids.clone()));
         Ok(grids)
     }
@@ -57,12 +57,12 @@ impl<'a> Packings<'a> {
 /// The solves of a realisation with the content hashes of their inputs.
 pub fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
     let packing = Key::of_packing(&study.packing_request(realisation));
-    let draw = study.draw(realisation);
-    let key = |point: &Point| {
+    let (draw, mut keyed) = (study.draw(realisation), Vec::new());
+    for point in study.points(realisation) {
         let resolution = resolved.for_wave(study, &draw, point.incidence.wavelength_um);
-        point_key(study, &packing, &resolution, point)
-    };
-    study.points(realisation).into_iter().map(|point| (point, key(&point))).collect()
+        keyed.push((point, point_key(study, &packing, &resolution, &point)));
+    }
+    keyed
 }
 
 /// The solves of a realisation on all its grids.
@@ -153,13 +153,6 @@ impl RealisationRun<'_> {
         record.is_some_and(|record| is_physical(&record, self.resolved.grid_error))
     }
 
-    /// Records that a solve has no result.
-    fn note_failure(&self, (point, key): &(Point, Key), reason: String) -> io::Result<()> {
-        let (variant, realisation) = (self.study.title.clone(), point.realisation);
-        let record = FailureRecord { variant, realisation, incidence: Some(point.incidence), reason };
-        self.stores.failures.put(key.as_str(), &record)
-    }
-
     /// Runs the solves in parallel, those of one problem in sequence; returns the number of solves
     /// without a result.
     fn solve_all(
@@ -172,15 +165,10 @@ impl RealisationRun<'_> {
         let failed = AtomicUsize::new(0);
         let groups: Vec<&[&(Point, Key)]> =
             todo.chunk_by(|(a, _), (b, _)| a.incidence == b.incidence).collect();
-        work_through(
-            groups.len(),
-            jobs,
-            || self.watch.stop(),
-            |g| {
-                let more = self.solve_group(solver, grids, groups[g])?;
-                Ok(_ = failed.fetch_add(more, Ordering::Relaxed))
-            },
-        )?;
+        work_through(groups.len(), jobs, self.watch, |g| {
+            let more = self.solve_group(solver, grids, groups[g])?;
+            Ok(_ = failed.fetch_add(more, Ordering::Relaxed))
+        })?;
         Ok(failed.into_inner())
     }
 
@@ -200,7 +188,9 @@ impl RealisationRun<'_> {
                 point_solver.solve(systems, point, key.as_str())
             })?;
             if let Err(Some(reason)) = solved {
-                self.note_failure(keyed, reason)?;
+                let (variant, realisation) = (study.title.clone(), point.realisation);
+                let record = FailureRecord { variant, realisation, incidence: Some(point.incidence), reason };
+                stores.failures.put(key.as_str(), &record)?;
                 failed += 1;
             }
         }

@@ -63,10 +63,6 @@ impl TangentRecord {
         moved.absorptance -= totals[0] + totals[1];
         moved
     }
-
-    fn is_finite(&self) -> bool {
-        self.slopes.iter().flatten().flatten().all(|x| x.is_finite())
-    }
 }
 
 /// All solves of a study with their derivatives; a realisation lacks what failed.
@@ -122,7 +118,6 @@ impl Study {
 
 /// One packing on the grids that its waves need.
 struct TangentCell {
-    realisation: usize,
     record: PackingRecord,
     key: Key,
     grids: Arc<Grids>,
@@ -152,7 +147,6 @@ impl<'a> Tangents<'a> {
         let (mut packings, all) = (Packings::new(study, watch), study.realisations);
         let packed = with_room(0..all, all, |r| packings.on_grids(r).map_err(RunError::stopped))?;
         let cell = |(realisation, grids): (usize, Arc<Grids>)| TangentCell {
-            realisation,
             record: PackingRecord::new(realisation, &grids.packing),
             key: Key::of_packing(&study.packing_request(realisation)),
             grids,
@@ -171,10 +165,8 @@ impl<'a> Tangents<'a> {
         most: usize,
         watch: &dyn RunWatch,
     ) -> Result<Linearised, RunError> {
-        let mut realisations = Vec::new();
-        for cell in self.cells.iter().take(most) {
-            realisations.push((cell.record.clone(), self.of_cell(study, cell, watch)?));
-        }
+        let solved = |cell: &TangentCell| Ok((cell.record.clone(), self.of_cell(study, cell, watch)?));
+        let realisations = self.cells.iter().take(most).map(solved).collect::<Result<_, RunError>>()?;
         Ok(Linearised { resolved: self.resolved, realisations })
     }
 
@@ -206,7 +198,7 @@ impl<'a> Tangents<'a> {
         asked: &'s dyn Solver,
         watch: &dyn RunWatch,
     ) -> Result<(Admitted<'s>, usize), TooLarge> {
-        let size = size(study, self.resolved.for_cell(&study.draw(cell.realisation)));
+        let size = size(study, self.resolved.for_cell(&study.draw(cell.record.realisation)));
         self.settings.admit(&size, (asked, SYSTEMS), watch)
     }
 
@@ -224,17 +216,12 @@ impl<'a> Tangents<'a> {
         watch.hear(Event::Kept(keyed.len() - todo.len()));
         let asked = study.solver.build();
         let (solver, jobs) = self.admitted(study, cell, &*asked, watch)?;
-        work_through(
-            todo.len(),
-            jobs,
-            || watch.stop(),
-            |k| {
-                let keyed = &keyed[todo[k]];
-                let solve = || self.solve(study, cell, keyed, (solver.solver(), watch));
-                let solved = attempt((study, self.store, watch), keyed, solve)?;
-                Ok(_ = solved.map(|record| found[todo[k]].set(record)))
-            },
-        )?;
+        work_through(todo.len(), jobs, watch, |k| {
+            let keyed = &keyed[todo[k]];
+            let solve = || self.solve(study, cell, keyed, (solver.solver(), watch));
+            Ok(_ =
+                attempt((study, self.store, watch), keyed, solve)?.map(|record| found[todo[k]].set(record)))
+        })?;
         if watch.stop() {
             return Err(RunError::Stopped);
         }
@@ -243,18 +230,18 @@ impl<'a> Tangents<'a> {
 
     /// The solves in a cell, with content hashes of all that they and their derivatives depend on.
     fn keyed(&self, study: &Study, cell: &TangentCell) -> Vec<(Point, Key)> {
-        let error = study.resolution.coverage_error();
-        let key = |point: &Point| {
-            let method = (self.grid(study, cell, point), &study.solver, &study.goal, error, STEP);
+        let (error, mut keyed) = (study.resolution.coverage_error(), Vec::new());
+        for point in study.points(cell.record.realisation) {
+            let method = (self.grid(study, cell, &point), &study.solver, &study.goal, error, STEP);
             let indices = study.indices(point.incidence.wavelength_um);
             let inputs = (&cell.key, indices, &point.incidence, method, self.pigment);
-            Key::of_wave("tangent", &inputs, point.polarisation)
-        };
-        study.points(cell.realisation).into_iter().map(|point| (point, key(&point))).collect()
+            keyed.push((point, Key::of_wave("tangent", &inputs, point.polarisation)));
+        }
+        keyed
     }
 
     fn grid(&self, study: &Study, cell: &TangentCell, point: &Point) -> Resolution {
-        self.resolved.for_wave(study, &study.draw(cell.realisation), point.incidence.wavelength_um)
+        self.resolved.for_wave(study, &study.draw(cell.record.realisation), point.incidence.wavelength_um)
     }
 
     fn solve(
@@ -280,10 +267,12 @@ impl<'a> Tangents<'a> {
         let far = system.far_field(&field);
         let kept = far.orders.iter().zip(&slopes.orders);
         let kept = kept.filter(|(order, _)| order.reflected_propagates || order.transmitted_propagates);
-        let slopes = kept.map(|(_, slopes)| [slopes.reflected, slopes.transmitted]).collect();
+        let slopes: Vec<[Slopes; 2]> =
+            kept.map(|(_, slopes)| [slopes.reflected, slopes.transmitted]).collect();
+        if !slopes.iter().flatten().flatten().all(|slope| slope.is_finite()) {
+            return Err(NotFinite.into());
+        }
         let point_solver = PointSolver { study, solver, grid: self.resolved.grid_error, watch };
-        let point = point_solver.record(far, account, point, key.as_str())?;
-        let record = TangentRecord { point, slopes };
-        if record.is_finite() { Ok(record) } else { Err(NotFinite.into()) }
+        Ok(TangentRecord { point: point_solver.record(far, account, point, key.as_str())?, slopes })
     }
 }

@@ -19,7 +19,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 pub const RECORDS: &str = "records";
 
 /// All records of a folder.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Database {
     /// `None` if in memory.
     folder: Option<PathBuf>,
@@ -66,8 +66,7 @@ impl Database {
     /// # Errors
     /// The folder cannot be read.
     pub fn open(folder: &Path) -> io::Result<Self> {
-        let database =
-            Self { folder: Some(folder.join(RECORDS)), files: Mutex::default(), damages: Mutex::default() };
+        let database = Self { folder: Some(folder.join(RECORDS)), ..Self::default() };
         database.refresh()?;
         Ok(database)
     }
@@ -79,7 +78,7 @@ impl Database {
     pub fn in_memory() -> io::Result<Self> {
         let own = Own { rows: Rows::in_memory().map_err(io::Error::other)?, slot: None };
         let files = Mutex::new(Files { own: Some(own), others: Vec::new() });
-        Ok(Self { folder: None, files, damages: Mutex::default() })
+        Ok(Self { files, ..Self::default() })
     }
 
     /// Opens files that other processes have created since.
@@ -240,11 +239,8 @@ impl Database {
 
     /// This process's file, created when first needed.
     fn own<'a>(&self, files: &'a mut Files) -> io::Result<&'a Own> {
-        if files.own.is_none() {
-            let begun = self.begin(files)?;
-            files.own = Some(begun);
-        }
-        files.own.as_ref().ok_or_else(|| io::Error::other("no file for records"))
+        let own = files.own.take().map_or_else(|| self.begin(files), Ok)?;
+        Ok(files.own.insert(own))
     }
 
     /// Reserves a slot and quarantines damaged files before anything is written.

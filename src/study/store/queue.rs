@@ -199,22 +199,16 @@ impl Queue {
         self.turn(|transaction| transaction.execute(sql, values).map(drop))
     }
 
+    /// Runs `work` in a transaction; other processes wait meanwhile.
     fn turn<T>(&self, work: impl FnOnce(&Transaction) -> rusqlite::Result<T>) -> Result<T, QueueError> {
+        let failed = |source| QueueError::File { folder: self.folder.clone(), source };
         let mut connection = self.connection.lock().unwrap_or_else(PoisonError::into_inner);
-        let done = in_transaction(&mut connection, work);
-        done.map_err(|source| QueueError::File { folder: self.folder.clone(), source })
+        let transaction = Transaction::new(&mut connection, TransactionBehavior::Immediate);
+        let transaction = transaction.map_err(failed)?;
+        let done = work(&transaction).map_err(failed)?;
+        transaction.commit().map_err(failed)?;
+        Ok(done)
     }
-}
-
-/// Runs `work` in a transaction; other processes wait meanwhile.
-fn in_transaction<T>(
-    connection: &mut Connection,
-    work: impl FnOnce(&Transaction) -> rusqlite::Result<T>,
-) -> rusqlite::Result<T> {
-    let transaction = Transaction::new(connection, TransactionBehavior::Immediate)?;
-    let done = work(&transaction)?;
-    transaction.commit()?;
-    Ok(done)
 }
 
 #[cfg(test)]

@@ -177,7 +177,7 @@ pub(crate) fn time_solves(
     };
     let mut seconds = 0.0;
     while seconds < LEAST_SECONDS && ended.load(Ordering::Relaxed) < MOST_SOLVES && !watch.stop() {
-        seconds += timed(|| work_through(chosen.len(), jobs, || watch.stop(), solve))?.0;
+        seconds += timed(|| work_through(chosen.len(), jobs, watch, solve))?.0;
     }
     match ended.into_inner() {
         0 => Err(RunError::Stopped),
