@@ -19,3 +19,22 @@ pub struct InkPicture {
     /// Diffuse reflection: rows by viewing angle, columns by angle of illumination.
     pub square: Array2<Colour>,
 }
+
+impl InkPicture {
+    /// The picture whose strip has these colours by place of the viewing angle, and whose square
+    /// has these by places of viewing and illumination.
+    ///
+    /// # Errors
+    /// The first colour that cannot be computed.
+    pub fn new<E>(
+        angles_deg: &[f64],
+        strip: impl Fn(usize) -> Result<Colour, E>,
+        square: impl Fn(usize, usize) -> Result<Colour, E>,
+    ) -> Result<Self, E> {
+        let n = angles_deg.len();
+        let strip = (0..n).map(strip).collect::<Result<_, _>>()?;
+        let all = (0..n * n).map(|k| square(k / n, k % n)).collect::<Result<Vec<_>, _>>()?;
+        let square = Array2::from_shape_fn((n, n), |(o, i)| all[o * n + i]);
+        Ok(Self { angles_deg: angles_deg.to_vec(), strip, square })
+    }
+}

@@ -4,24 +4,20 @@
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, Total, film_totals};
 use super::on_paper::{
-    AZIMUTHAL, Anchors, BENDS, DIFFUSE, LayerTotals, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions,
+    AZIMUTHAL, Anchors, BENDS, CURVES, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions,
     symmetric,
 };
-use super::regression::{Fits, Normal, Sums};
+use super::regression::{Fits, Normal};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
-use super::wavelengths::SpectralBasis;
 
 /// Differences from the film at 0° and 45°.
 pub(super) fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> Anchors {
-    places.map(|angle| LayerTotals {
-        reflectance: of(angle, Total::Reflectance),
-        transmittance: of(angle, Total::Transmittance),
-        specular: of(angle, Total::SpecularReflectance),
-    })
+    let curves = [Total::Reflectance, Total::Transmittance, Total::SpecularReflectance];
+    places.map(|angle| curves.map(|total| of(angle, total)))
 }
 
 /// Fits the curves between the anchors, the azimuthal mean of the diffuse BRDF with `diffuse_width`
-/// functions, and its dependence on the azimuth; empty without solves.
+/// functions, and its dependence on the azimuth.
 pub(super) fn fits(
     layer: &LayerEnsemble,
     anchored: [usize; 2],
@@ -29,16 +25,11 @@ pub(super) fn fits(
     films: &Films,
     diffuse_width: usize,
 ) -> [Fits; 3] {
-    if solved.is_empty() {
-        let widths = [(BENDS, 3), (diffuse_width, 1), (SYMMETRIC + AZIMUTHAL, 1)];
-        return widths.map(|(width, columns)| Fits::nothing(&layer.basis, width, columns));
-    }
     let mean = match diffuse_width {
-        DIFFUSE => diffuse::<DIFFUSE>(layer, solved, &polarised_functions),
-        _ => diffuse::<SYMMETRIC>(layer, solved, &mean_functions),
+        DIFFUSE => diffuse(layer, solved, &|lit, seen, _| diffuse_functions(lit, seen)),
+        _ => diffuse(layer, solved, &|lit, seen, _| symmetric(lit, seen)),
     };
-    let directional = diffuse::<{ SYMMETRIC + AZIMUTHAL }>(layer, solved, &all_functions);
-    [curves(layer, anchored, solved, films), mean, directional]
+    [curves(layer, anchored, solved, films), mean, diffuse(layer, solved, &all_functions)]
 }
 
 /// Fits R, T and specular R between the anchors to what the solves in the strata add to film and
@@ -49,57 +40,31 @@ pub(super) fn curves(
     solved: &[SolvedRealisation],
     films: &Films,
 ) -> Fits {
-    let parts = solved.iter().enumerate();
-    let parts: Vec<Normal> = parts.map(|part| normal_of_curves(layer, anchored, part, films)).collect();
-    Fits::new(&parts, &layer.basis, BENDS)
-}
-
-/// Normal equations of the curves for realisation `r`.
-fn normal_of_curves(
-    layer: &LayerEnsemble,
-    anchored: [usize; 2],
-    (r, realisation): (usize, &SolvedRealisation),
-    films: &Films,
-) -> Normal {
-    let mut normal = Normal::new(layer.basis.len() * BENDS, 3);
-    for (j, at) in realisation.wavelengths.iter().enumerate() {
-        let film = films.of_thickness(at.wavelength_nm, realisation.thickness_um);
+    let samples = |r: usize, j: usize| {
+        let (at, thickness_um) = (&solved[r].wavelengths[j], solved[r].thickness_um);
         let own = anchors(anchored, |angle, total| layer.measured(r, j, layer.column(angle, total)));
-        normal.add(&layer.basis.weights(at.wavelength_nm), &sums_of_strata(&at.strata, &film, &own));
-    }
-    normal
+        (at.wavelength_nm, of_strata(&at.strata, &films.of_thickness(at.wavelength_nm, thickness_um), &own))
+    };
+    let ensemble = (0..solved.len()).map(|r| (0..solved[r].wavelengths.len()).map(move |j| samples(r, j)));
+    Fits::new(ensemble, &layer.basis, [BENDS, CURVES])
 }
 
-/// Sums over the strata of one wavelength: curve functions against the rest of R, T and specular R
+/// Samples of the strata of one wavelength: curve functions against the rest of R, T and specular R
 /// beyond film and anchors.
-fn sums_of_strata(strata: &[SolvedDirection], film: &FilmAt, own: &Anchors) -> Sums {
-    let mut sums = Sums::new(BENDS, 3);
+fn of_strata(strata: &[SolvedDirection], film: &FilmAt, own: &Anchors) -> Normal {
+    let mut samples = Normal::new(BENDS, CURVES);
     for s in strata {
         let (between, bends) = anchor_weights(s.polar_deg.to_radians().cos());
         let [film_r, _, film_t, ..] = film_totals(film, s.polar_deg);
-        let rest = |value: f64, of: fn(&LayerTotals) -> f64| {
-            value - between[0] * of(&own[0]) - between[1] * of(&own[1])
-        };
-        let rests = [
-            rest(s.reflectance - film_r, |t| t.reflectance),
-            rest(s.transmittance - film_t, |t| t.transmittance),
-            rest(s.specular_reflectance - film_r, |t| t.specular),
-        ];
-        sums.add(&bends, &rests);
+        let beyond = [s.reflectance - film_r, s.transmittance - film_t, s.specular_reflectance - film_r];
+        let rest = |i: usize| beyond[i] - between[0] * own[0][i] - between[1] * own[1][i];
+        samples.sample(&bends, &[0, 1, 2].map(rest));
     }
-    sums
+    samples
 }
 
 /// Functions of a sample: cosines of illumination and of the order, and sin θ_i sin θ_o cos Δφ.
 type Functions<const N: usize> = dyn Fn(f64, f64, f64) -> [f64; N];
-
-fn mean_functions(lit: f64, seen: f64, _: f64) -> [f64; SYMMETRIC] {
-    symmetric(lit, seen)
-}
-
-fn polarised_functions(lit: f64, seen: f64, _: f64) -> [f64; DIFFUSE] {
-    diffuse_functions(lit, seen)
-}
 
 fn all_functions(lit: f64, seen: f64, s: f64) -> [f64; SYMMETRIC + AZIMUTHAL] {
     let (mean, directional) = (symmetric(lit, seen), azimuthal(lit, seen, s));
@@ -113,32 +78,19 @@ fn diffuse<const N: usize>(
     solved: &[SolvedRealisation],
     functions: &Functions<N>,
 ) -> Fits {
-    let parts = solved.iter().map(|realisation| normal_of_orders(&layer.basis, realisation, functions));
-    Fits::new(&parts.collect::<Vec<_>>(), &layer.basis, N)
+    let samples = |at: &SolvedWavelength| (at.wavelength_nm, of_orders(at, functions));
+    Fits::new(solved.iter().map(|r| r.wavelengths.iter().map(samples)), &layer.basis, [N, 1])
 }
 
-/// Normal equations of the diffuse BRDF for one realisation.
-fn normal_of_orders<const N: usize>(
-    basis: &SpectralBasis,
-    realisation: &SolvedRealisation,
-    functions: &Functions<N>,
-) -> Normal {
-    let mut normal = Normal::new(basis.len() * N, 1);
-    for at in &realisation.wavelengths {
-        normal.add(&basis.weights(at.wavelength_nm), &sums_of_orders(at, functions));
-    }
-    normal
-}
-
-/// Sums over the reflected orders of all solves from the incident side at one wavelength: functions
-/// against the BRDF.
-fn sums_of_orders<const N: usize>(at: &SolvedWavelength, functions: &Functions<N>) -> Sums {
-    let mut sums = Sums::new(N, 1);
+/// Samples of the reflected orders of all solves from the incident side at one wavelength:
+/// functions against the BRDF.
+fn of_orders<const N: usize>(at: &SolvedWavelength, functions: &Functions<N>) -> Normal {
+    let mut samples = Normal::new(N, 1);
     for s in at.exact.iter().chain(&at.strata) {
         let (sine, lit) = s.polar_deg.to_radians().sin_cos();
         for order in &s.scattered {
-            sums.add(&functions(lit, order.cosine, sine * order.along), &[order.density]);
+            samples.sample(&functions(lit, order.cosine, sine * order.along), &[order.density]);
         }
     }
-    sums
+    samples
 }

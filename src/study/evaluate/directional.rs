@@ -10,10 +10,10 @@
 //! for interference fringes; its mean over the hemisphere is T̄, so that a renderer obtains the
 //! albedo R + g T T̄.
 
+use super::films::hemisphere;
 use super::ink::{InkError, InkOnPaper};
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use crate::numerics::estimate::Estimate;
-use gauss_quad::GaussLegendre;
 use std::f64::consts::PI;
 
 /// A direction on the incident side. Azimuth 0 is forward, where the mirror image lies.
@@ -64,6 +64,7 @@ pub struct DirectionalInk<'a> {
     /// \[wavelength\]\[angle\]: T, mirror part of R, albedo, T of the light returned by the paper;
     /// the last angle is grazing.
     tables: Vec<Vec<[f64; 4]>>,
+    /// Angles with the weights of 2∫₀¹ f μ dμ.
     hemisphere: Vec<(PolarAngle, f64)>,
 }
 
@@ -77,23 +78,6 @@ fn row(layer: &LayerOnPaper, at: &PolarAngle, bend: f64) -> [f64; 4] {
     [own, layer.mirrored(at), layer.reflectance(at) + returned, back + bend]
 }
 
-/// Nodes of integrals over the hemisphere: accurate to 1e-6 in T for films of a few wavelengths.
-const HEMISPHERE_NODES: usize = 40;
-
-/// Angles with the weights of 2∫₀¹ f μ dμ.
-///
-/// # Errors
-/// The ink refuses an angle.
-fn hemisphere(ink: &InkOnPaper) -> Result<Vec<(PolarAngle, f64)>, InkError> {
-    let rule = GaussLegendre::new(HEMISPHERE_NODES).expect("a positive number of nodes");
-    let mut angles = Vec::with_capacity(HEMISPHERE_NODES);
-    for (x, weight) in rule.iter() {
-        let mu = 0.5 * (1.0 + x);
-        angles.push((ink.at(mu.acos().to_degrees())?, weight * mu));
-    }
-    Ok(angles)
-}
-
 impl<'a> DirectionalInk<'a> {
     /// Tabulates the ink.
     ///
@@ -101,7 +85,8 @@ impl<'a> DirectionalInk<'a> {
     /// The ink refuses an angle.
     pub fn new(ink: &'a InkOnPaper) -> Result<Self, InkError> {
         let steps = (90.0 / STEP_DEG) as usize;
-        let hemisphere = hemisphere(ink)?;
+        let hemisphere = hemisphere().into_iter().map(|(deg, weight)| Ok((ink.at(deg)?, weight)));
+        let hemisphere = hemisphere.collect::<Result<Vec<_>, InkError>>()?;
         let mut tables = vec![Vec::with_capacity(steps + 1); ink.wavelengths_nm().len()];
         let lacking: Vec<_> = ink.layers().iter().map(|layer| layer.lacking_bends(&hemisphere)).collect();
         for k in 0..steps {
@@ -112,11 +97,6 @@ impl<'a> DirectionalInk<'a> {
         }
         tables.iter_mut().for_each(|table| table.push([0.0, 1.0, 1.0, 0.0]));
         Ok(Self { ink, tables, hemisphere })
-    }
-
-    /// The tabulated ink.
-    pub fn ink(&self) -> &InkOnPaper {
-        self.ink
     }
 
     /// T(θ) at the wavelength with this index.

@@ -82,14 +82,12 @@ impl Film {
         let exit = admittance((Complex64::from(to * to) - along * along).sqrt(), (to * to).into());
         let height = k0 * self.thickness_um / self.squared_indices.len() as f64;
         let count = self.squared_indices.len();
-        let slice = |j: usize| {
-            let squared = self.squared_indices[if side == Side::Incident { j } else { count - 1 - j }];
-            let b = normal(squared);
-            (b, admittance(b, squared))
-        };
         let (mut gamma, mut through, mut after) = (Complex64::ZERO, Complex64::ONE, exit);
-        for j in (0..count).rev() {
-            let (b, here) = slice(j);
+        for behind in 0..count {
+            let slice = if side == Side::Incident { count - 1 - behind } else { behind };
+            let squared = self.squared_indices[slice];
+            let b = normal(squared);
+            let here = admittance(b, squared);
             let (next, passed) = interface(here, after, gamma);
             let phase = (Complex64::i() * b * height).exp();
             through *= passed * phase;

@@ -2,17 +2,21 @@
 
 use super::film::{Film, Profile};
 use crate::appearance::kubelka_munk::DiffuseFaces;
-use crate::wave::Side;
-use crate::wave::Wave;
 use crate::wave::maxwell::Polarisation;
+use crate::wave::{Side, Wave};
 use gauss_quad::GaussLegendre;
 use num_complex::Complex64;
-use std::borrow::Cow;
 use std::f64::consts::FRAC_PI_2;
 
-/// Number of angles of the film's hemispherical means, exact to rounding for layers of a few
-/// wavelengths.
+/// Number of angles of hemispherical means, exact to rounding for films of a few wavelengths.
 const MEAN_ANGLES: usize = 40;
+
+/// Polar angles in degrees with the weights of 2∫₀¹ f μ dμ.
+pub(super) fn hemisphere() -> Vec<(f64, f64)> {
+    let rule = GaussLegendre::new(MEAN_ANGLES).expect("a positive number of nodes");
+    let at = |mu: f64, weight: f64| (mu.acos().to_degrees(), weight * mu);
+    rule.iter().map(|(x, weight)| at(0.5 * (1.0 + x), *weight)).collect()
+}
 
 /// Index of the background and of the inclusions at a vacuum wavelength in nm.
 pub type Indices<'a> = dyn Fn(f64) -> (Complex64, Vec<Complex64>) + 'a;
@@ -74,11 +78,8 @@ impl FilmAt {
     }
 
     /// The film for light returned by the paper, which is unpolarised.
-    pub fn returned(&self) -> Cow<'_, FilmAt> {
-        match self.wave.returned() {
-            same if same == self.wave => Cow::Borrowed(self),
-            wave => Cow::Owned(FilmAt { films: self.films.clone(), wave }),
-        }
+    pub fn returned(&self) -> FilmAt {
+        FilmAt { films: self.films.clone(), wave: self.wave.returned() }
     }
 
     /// \[R, T\] for light from the incident side.
@@ -86,12 +87,8 @@ impl FilmAt {
         self.from(Side::Incident, polar_deg)
     }
 
-    /// \[R, T\] for light from the exit side, with the angle in its half-space.
-    pub fn from_exit(&self, polar_deg: f64) -> [f64; 2] {
-        self.from(Side::Exit, polar_deg)
-    }
-
-    fn from(&self, side: Side, polar_deg: f64) -> [f64; 2] {
+    /// \[R, T\] for light from one side, with the angle in its half-space.
+    pub(super) fn from(&self, side: Side, polar_deg: f64) -> [f64; 2] {
         let lights: &[Polarisation] =
             if self.wave.is_vector() { self.wave.polarisations() } else { &[Polarisation::S] };
         let count = (self.films.len() * lights.len()) as f64;
@@ -119,14 +116,10 @@ impl FilmAt {
 
     /// Hemispherical means 2∫₀¹ f μ dμ of \[R, T\] for light from the incident side.
     pub fn means(&self) -> [f64; 2] {
-        let rule = GaussLegendre::new(MEAN_ANGLES).expect("a positive number of nodes");
-        let mut sum = [0.0; 2];
-        for (x, weight) in rule.iter() {
-            let mu = 0.5 * (1.0 + x);
-            let of_angle = self.reflectance_transmittance(mu.acos().to_degrees());
-            (0..2).for_each(|i| sum[i] += weight * mu * of_angle[i]);
-        }
-        sum
+        hemisphere().into_iter().fold([0.0; 2], |[r, t], (polar_deg, weight)| {
+            let [own_r, own_t] = self.reflectance_transmittance(polar_deg);
+            [r + weight * own_r, t + weight * own_t]
+        })
     }
 
     /// Hemispherical mean of A for light from the exit side, with angles in its half-space. The
@@ -147,13 +140,8 @@ impl FilmAt {
             if critical > 0.0 {
                 let t = FRAC_PI_2 * share;
                 let beyond = (critical * t.cos()).acos();
-                sum += weight
-                    * 0.5
-                    * FRAC_PI_2
-                    * critical
-                    * critical
-                    * (2.0 * t).sin()
-                    * absorbed(beyond.to_degrees());
+                let measure = weight * 0.5 * FRAC_PI_2 * critical * critical * (2.0 * t).sin();
+                sum += measure * absorbed(beyond.to_degrees());
             }
         }
         sum

@@ -41,28 +41,27 @@ pub(super) fn colours(notes: Vec<ColourNote>) -> (Vec<ColourNote>, Vec<Withheld>
 
 /// The first impossible number for the ink maker.
 pub(super) fn ink_maker(maker: &InkMaker) -> Option<Withheld> {
-    let ratio = || {
+    let swatches = [
+        ("on its paper", &maker.print),
+        ("under natural light", &maker.natural_light),
+        ("over black", &maker.over_black),
+        ("over white", &maker.over_white),
+    ];
+    let colour = swatches.into_iter().find_map(|(name, Swatch { colour, lab_standard_error, .. })| {
+        let reason = impossible_colour(colour, *lab_standard_error)?;
+        Some(Withheld { number: format!("colour {name}"), reason })
+    });
+    colour.or_else(|| {
         let reason = impossible_share(maker.contrast_ratio)?;
         Some(Withheld { number: "contrast ratio".into(), reason })
-    };
-    swatch("on its paper", &maker.print)
-        .or_else(|| swatch("under natural light", &maker.natural_light))
-        .or_else(|| swatch("over black", &maker.over_black))
-        .or_else(|| swatch("over white", &maker.over_white))
-        .or_else(ratio)
-}
-
-fn swatch(name: &str, swatch: &Swatch) -> Option<Withheld> {
-    let reason = impossible_colour(&swatch.colour, swatch.lab_standard_error)?;
-    Some(Withheld { number: format!("colour {name}"), reason })
+    })
 }
 
 /// Removes impossible reflectance factors and gives the reason for the first of each kind.
 pub(super) fn spectra(rows: &mut [SpectrumRow]) -> Vec<Withheld> {
-    let mut withheld = Vec::new();
-    withheld.extend(first("reflectance factor under natural light", rows, |row| &mut row.natural_light));
-    withheld.extend(first("reflectance factor at 45°:0°", rows, |row| &mut row.lit_at_45));
-    withheld
+    let natural = first("reflectance factor under natural light", rows, |row| &mut row.natural_light);
+    let lit = first("reflectance factor at 45°:0°", rows, |row| &mut row.lit_at_45);
+    natural.into_iter().chain(lit).collect()
 }
 
 fn first(

@@ -9,7 +9,7 @@ use super::curves::{curves, fits};
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
 use super::on_paper::{
-    AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, LayerTotals, PolarAngle, SYMMETRIC,
+    AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, PolarAngle, SYMMETRIC,
 };
 use super::regression::Fits;
 use super::samples::{SolvedRealisation, SolvedWavelength};
@@ -17,7 +17,6 @@ use super::wavelengths::SpectralBasis;
 use crate::appearance::colour::ColourError;
 use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
-use crate::appearance::viewing::Viewing;
 use std::ops::Range;
 use thiserror::Error;
 
@@ -55,6 +54,8 @@ struct Places {
     colours: Range<usize>,
     /// One range per realisation; empty with listed wavelengths.
     solved: Vec<Range<usize>>,
+    /// Width of the range that the wavelengths of the solves are drawn from, nm.
+    range_nm: f64,
 }
 
 /// The ink on its paper. Every quantity is computed from ensemble means (a print shows many cells
@@ -93,10 +94,10 @@ pub struct InkOnPaper {
     layer: LayerEnsemble,
     /// Indices of 0° and 45° among the exact angles.
     anchored: [usize; 2],
-    substrate: Substrate,
+    /// Index of the half-space on the exit side.
+    index_out: f64,
     nodes: AngleNodes,
     places: Places,
-    daylight: Result<Sight, ColourError>,
     curves: Fits,
     diffuse: Fits,
     /// Number of functions of the diffuse fit.
@@ -131,21 +132,18 @@ impl InkOnPaper {
         let anchored = [normal, slanted];
         let (nodes_nm, places) = places(&layer, inputs.outputs_nm);
         let nodes = nodes(&layer, nodes_nm, inputs)?;
-        let daylight = Sight::new(&Viewing::default(), &places, &nodes);
         let diffuse_width = if returned.is_some() { DIFFUSE } else { SYMMETRIC };
         let [own_curves, diffuse, directional] = fits(&layer, anchored, solved, inputs.films, diffuse_width);
         let returned = returned.map(|(layer, solved)| {
             let fits = curves(&layer, anchored, solved, &inputs.films.returned());
             (layer, fits)
         });
-        let replicates = layer.replicates();
-        let mut ink = Self {
+        let ink = Self {
             layer,
             anchored,
-            substrate: inputs.substrate.clone(),
+            index_out: inputs.substrate.coupling.index_out(),
             nodes,
             places,
-            daylight,
             curves: own_curves,
             diffuse,
             diffuse_width,
@@ -155,9 +153,7 @@ impl InkOnPaper {
             whole: Vec::new(),
             replicates: Vec::new(),
         };
-        ink.whole = ink.layers_without(None)?;
-        ink.replicates = (0..replicates).map(|r| ink.layers_without(Some(r))).collect::<Result<_, _>>()?;
-        Ok(ink)
+        Ok(ink.laid_on_paper()?)
     }
 
     /// A layer that equals its film (the molecular mixture, or the clear binder), at listed
@@ -167,8 +163,7 @@ impl InkOnPaper {
     /// As for [`InkOnPaper::new`].
     pub fn homogeneous(inputs: &InkInputs) -> Result<Self, InkError> {
         let basis = SpectralBasis::Listed(inputs.outputs_nm.to_vec());
-        let exit = inputs.substrate.coupling.index_out() != 1.0;
-        Self::new((LayerEnsemble::film_alone(basis, &[0.0, PRINT_DEG], exit), &[]), None, inputs)
+        Self::new((LayerEnsemble::new(&[], basis, inputs.films, &[0.0, PRINT_DEG]), &[]), None, inputs)
     }
 
     /// The layer on another paper with the same contact.
@@ -176,13 +171,17 @@ impl InkOnPaper {
     /// # Errors
     /// As for [`InkOnPaper::new`].
     pub fn on(&self, substrate: &Substrate) -> Result<Self, InkError> {
-        let mut other = Self { substrate: substrate.clone(), ..self.clone() };
-        let at = |&nm: &f64| substrate.albedo.at(nm);
+        let (mut other, at) = (self.clone(), |&nm: &f64| substrate.albedo.at(nm));
         other.nodes.albedos = other.nodes.wavelengths_nm.iter().map(at).collect::<Result<_, _>>()?;
-        other.whole = other.layers_without(None)?;
-        other.replicates =
-            (0..self.replicates.len()).map(|r| other.layers_without(Some(r))).collect::<Result<_, _>>()?;
-        Ok(other)
+        Ok(other.laid_on_paper()?)
+    }
+
+    /// With the layers of the whole ensemble and of all leave-one-out ensembles.
+    fn laid_on_paper(mut self) -> Result<Self, PaperError> {
+        let left_out = 0..self.layer.replicates();
+        self.whole = self.layers_without(None)?;
+        self.replicates = left_out.map(|r| self.layers_without(Some(r))).collect::<Result<_, _>>()?;
+        Ok(self)
     }
 
     fn layers_without(&self, left_out: Option<usize>) -> Result<Vec<LayerOnPaper>, PaperError> {
@@ -194,12 +193,12 @@ impl InkOnPaper {
     fn layer_at(&self, node: usize, left_out: Option<usize>) -> Result<LayerOnPaper, PaperError> {
         let weights = &self.nodes.weights[node];
         let at = |fits: &Fits, row: usize, width: usize, column: usize| {
-            let coefficients = left_out.map_or(&fits.whole, |r| &fits.without[r]);
+            let coefficients = fits.coefficients(left_out);
             SpectralBasis::at(weights, |i| coefficients[[i * width + row, column]])
         };
         let measured = self.measured(|layer, column| layer.fitted(left_out, weights, column));
         let bends =
-            |fits: &Fits| LayerTotals::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
+            |fits: &Fits| std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
         let width = self.diffuse_width;
         let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
         let curve = AngleCurve {
@@ -211,10 +210,8 @@ impl InkOnPaper {
             }),
             order_area: self.orders_per_um2 * (1e-3 * self.nodes.wavelengths_nm[node]).powi(2),
         };
-        let [mean_t, _, mean_a, _] = self.nodes.means[node];
-        let film = [mean_t, mean_a];
-        let paper = [self.nodes.albedos[node], self.substrate.coupling.index_out()];
-        LayerOnPaper::new(node, film, measured, curve, paper)
+        let paper = [self.nodes.albedos[node], self.index_out];
+        LayerOnPaper::new(node, self.nodes.means[node], measured, curve, paper)
     }
 
     /// Wavelengths of the spectra, nm.
@@ -224,17 +221,7 @@ impl InkOnPaper {
 
     /// Wavelength of one of the layers, nm.
     pub(super) fn wavelength_nm(&self, layer: &LayerOnPaper) -> f64 {
-        self.nodes.wavelengths_nm[layer.node()]
-    }
-
-    /// The layer without paper.
-    pub fn layer(&self) -> &LayerEnsemble {
-        &self.layer
-    }
-
-    /// The paper under it.
-    pub fn substrate(&self) -> &Substrate {
-        &self.substrate
+        self.nodes.wavelengths_nm[layer.node]
     }
 
     /// The faces as they act on diffuse light, at every wavelength of the spectra.
@@ -289,7 +276,7 @@ fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
     let mut nodes = outputs_nm.to_vec();
     let outputs = 0..nodes.len();
     let SpectralBasis::Splines { range_nm: [from, to], .. } = layer.basis else {
-        return (nodes, Places { colours: outputs.clone(), outputs, solved: Vec::new() });
+        return (nodes, Places { colours: outputs.clone(), outputs, solved: Vec::new(), range_nm: 0.0 });
     };
     let steps = ((to - from) / COLOUR_STEP_NM).ceil().max(1.0) as usize;
     let start = nodes.len();
@@ -301,7 +288,7 @@ fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
         nodes.extend(layer.wavelengths_nm(r));
         solved.push(start..nodes.len());
     }
-    (nodes, Places { outputs, colours, solved })
+    (nodes, Places { outputs, colours, solved, range_nm: to - from })
 }
 
 #[cfg(test)]

@@ -7,10 +7,9 @@ mod coefficients;
 pub use coefficients::KubelkaMunkRow;
 
 use super::ink::{InkError, InkOnPaper, Sight};
-use super::on_paper::{LayerOnPaper, PolarAngle};
-use super::uncertainty::{Shift, UNMOVED, Uncertainty, Widened, lit, natural_light};
+use super::on_paper::LayerOnPaper;
+use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty, Widened};
 use crate::appearance::colour::{Colorimeter, Colour};
-use crate::appearance::paper::PRINT_DEG;
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
 use crate::numerics::estimate::{Estimate, jackknife_deviations};
@@ -108,14 +107,13 @@ pub struct ComparedRow {
 struct Question<'a> {
     ink: &'a InkOnPaper,
     uncertainty: &'a Uncertainty,
-    light: PolarAngle,
-    view: PolarAngle,
+    seen: Conditions,
 }
 
 impl Question<'_> {
     /// The reflectance factor, shifted by errors of R and T.
     fn factor(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
-        lit(layer, &self.light, &self.view, by)
+        self.seen.lit_at_45(layer, by)
     }
 
     /// The ink over a backing.
@@ -156,7 +154,7 @@ impl Question<'_> {
         let replicates: Vec<f64> = black.iter().zip(&white).map(|(b, w)| b.xyz[1] / w.xyz[1]).collect();
         let estimate = Estimate::jackknife(ratio(&|_| UNMOVED)?, &replicates);
         let moved = self.uncertainty.moved(self.ink, ratio)?;
-        let beyond = |albedo| self.ink.luminance_beyond_range(sight, over(albedo));
+        let beyond = |albedo| sight.meter.beyond_luminance(&self.ink.values(sight, &over(albedo)));
         let white = self.ink.colour_of_mean(sight, over(WHITE))?.xyz[1];
         let beyond = beyond(BLACK).hypot(estimate.value * beyond(WHITE)) / white;
         let shared = moved.iter().fold(beyond, |sum: f64, ratio| sum.hypot(ratio - estimate.value));
@@ -233,17 +231,15 @@ pub(super) fn ink_maker(
     realisations: &[usize],
 ) -> Result<InkMaker, InkError> {
     let Judgement { viewing, target_lab, measured } = &study.judgement;
-    let question = Question { ink, uncertainty, light: ink.at(PRINT_DEG)?, view: ink.at(0.0)? };
+    let question = Question { ink, uncertainty, seen: Conditions::new(ink, study.output.mirrored_sky)? };
     let sight = ink.sight(viewing)?;
     let (print, deviations) = question.over(&sight, &|layer| *layer)?;
-    let mirrored = study.output.mirrored_sky;
-    let sky = |layer: &LayerOnPaper, by: Shift| natural_light(layer, &question.view, mirrored, by);
     let by = realisations.iter().copied().zip(deviations).collect::<Vec<_>>();
     let (contrast_ratio, moved) = question.contrast_ratio(&sight)?;
     let (kubelka_munk, no_kubelka_munk) = coefficients::kubelka_munk(ink, uncertainty, study)?;
     Ok(InkMaker {
         conditions: viewing.name(),
-        natural_light: question.swatch(&sight, &sky)?.0,
+        natural_light: question.swatch(&sight, &|layer, by| question.seen.natural_light(layer, by))?.0,
         over_black: question.over(&sight, &|layer| layer.over(BLACK))?.0,
         over_white: question.over(&sight, &|layer| layer.over(WHITE))?.0,
         contrast_ratio,

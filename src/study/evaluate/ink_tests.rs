@@ -240,7 +240,7 @@ fn angles_that_cannot_carry_paper_are_refused() {
     let basis = SpectralBasis::Listed(vec![500.0]);
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
     let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &[500.0] };
-    let layer = LayerEnsemble::film_alone(basis, &[0.0, 30.0], false);
+    let layer = LayerEnsemble::new(&[], basis, &films, &[0.0, 30.0]);
     assert_eq!(InkOnPaper::new((layer, &[]), None, &inputs).unwrap_err(), InkError::AnglesMissing);
 }
 

@@ -2,11 +2,11 @@
 //! means.
 
 use super::films::{FilmAt, Films};
-use super::regression::{Fits, Normal, Sums};
+use super::regression::{Fits, Normal};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS, mean};
 use super::wavelengths::{SpectralBasis, Weights};
 use crate::numerics::estimate::Estimate;
-use ndarray::Array2;
+use crate::wave::Side;
 
 /// Totals at one angle, relative to the incident power.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +23,17 @@ pub enum Total {
     Absorptance,
 }
 
+impl Total {
+    /// In the order of the columns.
+    pub(super) const ALL: [Self; TOTALS] = [
+        Self::Reflectance,
+        Self::SpecularReflectance,
+        Self::Transmittance,
+        Self::SpecularTransmittance,
+        Self::Absorptance,
+    ];
+}
+
 /// Angles closer than this are equal, degrees: rounding of user input.
 const SAME_DEG: f64 = 1e-9;
 
@@ -31,8 +42,6 @@ const SAME_DEG: f64 = 1e-9;
 pub enum EnsembleMean {
     /// T̄ from the incident side.
     Transmittance,
-    /// R̄ from the incident side.
-    Reflectance,
     /// Ā from the exit side.
     ExitAbsorptance,
     /// R̄ from the exit side by its own quadrature; only for checks, see
@@ -41,7 +50,7 @@ pub enum EnsembleMean {
 }
 
 /// Number of means.
-const MEANS: usize = 4;
+const MEANS: usize = 3;
 
 /// A spectrum with the values of all leave-one-out ensembles.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,14 +81,13 @@ pub struct LayerEnsemble {
     /// Whether there are solves from the exit side.
     pub exit: bool,
     fits: Fits,
-    /// \[realisation\]\[wavelength\]\[column\]
-    differences: Vec<Vec<Vec<f64>>>,
-    /// \[realisation\]\[wavelength\]
-    wavelengths_nm: Vec<Vec<f64>>,
+    /// \[realisation\]\[wavelength\]: vacuum wavelength in nm, differences of all columns.
+    differences: Vec<Vec<(f64, Vec<f64>)>>,
 }
 
 impl LayerEnsemble {
-    /// Fits the ensemble; realisations must be complete and have the same angles.
+    /// Fits the ensemble; realisations must be complete and have the same angles. Without any the
+    /// layer equals its film.
     pub fn new(
         realisations: &[SolvedRealisation],
         basis: SpectralBasis,
@@ -87,31 +95,17 @@ impl LayerEnsemble {
         exact_deg: &[f64],
     ) -> Self {
         let first = realisations.first().and_then(|r| r.wavelengths.first());
-        let strata = first.map_or(0, |w| w.strata.len());
-        let of = |r: &SolvedRealisation| -> Vec<Vec<f64>> {
+        let strata = first.map_or(1, |w| w.strata.len());
+        let exit = first.map_or(films.index_out != 1.0, |w| !w.exit.is_empty());
+        let columns = exact_deg.len() * TOTALS + if strata > 0 { MEANS } else { 0 };
+        let of = |r: &SolvedRealisation| -> Vec<(f64, Vec<f64>)> {
             let film = |w: &SolvedWavelength| films.of_thickness(w.wavelength_nm, r.thickness_um);
-            r.wavelengths.iter().map(|w| differences(w, &film(w), exact_deg)).collect()
+            r.wavelengths.iter().map(|w| (w.wavelength_nm, differences(w, &film(w), exact_deg))).collect()
         };
-        let exit = first.is_some_and(|w| !w.exit.is_empty());
-        let differences: Vec<Vec<Vec<f64>>> = realisations.iter().map(of).collect();
-        let wavelengths_nm: Vec<Vec<f64>> =
-            realisations.iter().map(|r| r.wavelengths.iter().map(|w| w.wavelength_nm).collect()).collect();
-        let columns = columns(exact_deg.len(), strata);
-        let part = |(values, nm): (&Vec<Vec<f64>>, &Vec<f64>)| {
-            let mut normal = Normal::new(basis.len(), columns);
-            values.iter().zip(nm).for_each(|(v, &nm)| normal.add(&basis.weights(nm), &Sums::plain(v)));
-            normal
-        };
-        let parts: Vec<Normal> = differences.iter().zip(&wavelengths_nm).map(part).collect();
-        let fits = Fits::new(&parts, &basis, 1);
-        Self { fits, basis, exact_deg: exact_deg.to_vec(), strata, exit, differences, wavelengths_nm }
-    }
-
-    /// A layer that equals its film, without solves. `exit` if the half-spaces differ.
-    pub fn film_alone(basis: SpectralBasis, exact_deg: &[f64], exit: bool) -> Self {
-        let fits = Fits::nothing(&basis, 1, columns(exact_deg.len(), 1));
-        let (differences, wavelengths_nm) = (Vec::new(), Vec::new());
-        Self { fits, basis, exact_deg: exact_deg.to_vec(), strata: 1, exit, differences, wavelengths_nm }
+        let differences: Vec<_> = realisations.iter().map(of).collect();
+        let samples = |(nm, values): &(f64, Vec<f64>)| (*nm, Normal::plain(values));
+        let fits = Fits::new(differences.iter().map(|own| own.iter().map(samples)), &basis, [1, columns]);
+        Self { fits, basis, exact_deg: exact_deg.to_vec(), strata, exit, differences }
     }
 
     /// Number of realisations.
@@ -120,13 +114,8 @@ impl LayerEnsemble {
     }
 
     /// Wavelengths of realisation `r`, nm.
-    pub fn wavelengths_nm(&self, r: usize) -> &[f64] {
-        &self.wavelengths_nm[r]
-    }
-
-    /// The fit to all realisations (`None`) or to all but one.
-    pub fn coefficients(&self, without: Option<usize>) -> &Array2<f64> {
-        without.map_or(&self.fits.whole, |r| &self.fits.without[r])
+    pub fn wavelengths_nm(&self, r: usize) -> impl ExactSizeIterator<Item = f64> {
+        self.differences[r].iter().map(|(nm, _)| *nm)
     }
 
     /// Number of leave-one-out ensembles; 0 for a single realisation.
@@ -151,51 +140,20 @@ impl LayerEnsemble {
 
     /// Measured difference from the film: realisation, index of its wavelength, column.
     pub fn measured(&self, r: usize, j: usize, column: usize) -> f64 {
-        self.differences[r][j][column]
+        self.differences[r][j].1[column]
     }
 
     /// Fitted difference from the film.
     pub fn fitted(&self, without: Option<usize>, weights: &Weights, column: usize) -> f64 {
-        let coefficients = self.coefficients(without);
+        let coefficients = self.fits.coefficients(without);
         SpectralBasis::at(weights, |i| coefficients[[i, column]])
     }
-
-    /// A total at one of the exact angles, at the given wavelengths.
-    pub fn spectrum(
-        &self,
-        films: &[FilmAt],
-        wavelengths_nm: &[f64],
-        angle: usize,
-        total: Total,
-    ) -> SpectrumEstimate {
-        let column = self.column(angle, total);
-        let film: Vec<f64> =
-            films.iter().map(|film| film_totals(film, self.exact_deg[angle])[total as usize]).collect();
-        let of = |without: Option<usize>| -> Vec<f64> {
-            let fitted = |&nm: &f64| self.fitted(without, &self.basis.weights(nm), column);
-            wavelengths_nm.iter().map(fitted).zip(&film).map(|(difference, film)| film + difference).collect()
-        };
-        SpectrumEstimate {
-            values: of(None),
-            replicates: (0..self.replicates()).map(|r| of(Some(r))).collect(),
-        }
-    }
 }
 
-fn columns(angles: usize, strata: usize) -> usize {
-    angles * TOTALS + if strata > 0 { MEANS } else { 0 }
-}
-
-/// The film's means in the order of [`EnsembleMean`]; `exit` if there are solves from the exit
-/// side.
-pub fn film_means(film: &FilmAt, exit: bool) -> [f64; MEANS] {
+/// The film's T̄, and its Ā from the exit side; `exit` if there are solves from that side.
+pub fn film_means(film: &FilmAt, exit: bool) -> [f64; 2] {
     let [r, t] = film.means();
-    if !exit {
-        return [t, r, 1.0 - r - t, r];
-    }
-    let absorbed = film.absorptance_from_exit();
-    // reciprocity: what leaves through the film equals what enters, over n²
-    [t, r, absorbed, 1.0 - absorbed - t / film.index_out().powi(2)]
+    [t, if exit { film.absorptance_from_exit() } else { 1.0 - r - t }]
 }
 
 /// The film's totals in the order of [`Total`].
@@ -222,13 +180,12 @@ fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64]) -> V
 fn means(solved: &SolvedWavelength, film: &FilmAt) -> [f64; MEANS] {
     let own = |s: &SolvedDirection| film.reflectance_transmittance(s.polar_deg);
     let transmitted = mean(&solved.strata, |s| s.transmittance - own(s)[1]);
-    let reflected = mean(&solved.strata, |s| s.reflectance - own(s)[0]);
-    let (absorbed, back) = if solved.exit.is_empty() {
-        (mean(&solved.strata, |s| s.absorptance - (1.0 - own(s)[0] - own(s)[1])), reflected)
-    } else {
-        let below = |s: &SolvedDirection| film.from_exit(s.polar_deg);
-        let absorbed = mean(&solved.exit, |s| s.absorptance - (1.0 - below(s)[0] - below(s)[1]));
-        (absorbed, mean(&solved.exit, |s| s.reflectance - below(s)[0]))
+    // without solves from the exit side the layer is the same from both sides
+    let (side, behind) = match solved.exit.is_empty() {
+        true => (Side::Incident, &solved.strata),
+        false => (Side::Exit, &solved.exit),
     };
-    [transmitted, reflected, absorbed, back]
+    let below = |s: &SolvedDirection| film.from(side, s.polar_deg);
+    let absorbed = mean(behind, |s| s.absorptance - (1.0 - below(s)[0] - below(s)[1]));
+    [transmitted, absorbed, mean(behind, |s| s.reflectance - below(s)[0])]
 }

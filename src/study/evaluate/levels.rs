@@ -10,7 +10,7 @@
 //! of the difference itself: at second order the extrapolation would have to reach as much further,
 //! at fifth order less far.
 
-use super::regression::{Fits, Normal, Sums};
+use super::regression::{Fits, Normal};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
 use super::wavelengths::SpectralBasis;
 use crate::solve::accuracy::grid_error::GridError;
@@ -39,40 +39,41 @@ pub struct GridCorrection {
     factor: f64,
     incident: Fits,
     exit: Fits,
+    /// Angles over which the correction of R and T is averaged, degrees.
+    angles_deg: Vec<f64>,
 }
 
 impl GridCorrection {
     /// Fits the difference between the grids, whose mesh widths have the ratio `refinement`; `None`
     /// for fewer than two realisations, whose scatter is unknown.
-    pub fn new(checked: &[Checked], basis: &SpectralBasis, refinement: f64) -> Option<Self> {
-        let fits = |side: fn(&SolvedWavelength) -> Vec<&SolvedDirection>| {
-            let parts: Vec<Normal> = checked.iter().map(|cell| normal(cell, basis, side)).collect();
-            Fits::new(&parts, basis, WIDTH)
-        };
+    pub fn new(
+        checked: &[Checked],
+        basis: &SpectralBasis,
+        refinement: f64,
+        angles_deg: &[f64],
+    ) -> Option<Self> {
         (checked.len() > 1).then(|| Self {
             basis: basis.clone(),
             factor: 1.0 / (1.0 - refinement.powi(-ORDER)),
-            incident: fits(|at| at.exact.iter().chain(&at.strata).collect()),
-            exit: fits(|at| at.exit.iter().collect()),
+            incident: fits(checked, basis, |at| at.exact.iter().chain(&at.strata).collect()),
+            exit: fits(checked, basis, |at| at.exit.iter().collect()),
+            angles_deg: angles_deg.to_vec(),
         })
     }
 
     /// The solves of a realisation without the error of the grid.
     pub fn apply(&self, solved: &mut SolvedRealisation) {
         for at in &mut solved.wavelengths {
-            let nm = at.wavelength_nm;
-            for direction in at.exact.iter_mut().chain(&mut at.strata) {
-                direction.shift(self.shift(&self.incident.whole, nm, direction.polar_deg));
-            }
-            for direction in &mut at.exit {
-                direction.shift(self.shift(&self.exit.whole, nm, direction.polar_deg));
+            let incident = at.exact.iter_mut().chain(&mut at.strata).map(|solved| (solved, &self.incident));
+            for (solved, fits) in incident.chain(at.exit.iter_mut().map(|solved| (solved, &self.exit))) {
+                solved.shift(self.shift(&fits.whole, at.wavelength_nm, solved.polar_deg));
             }
         }
     }
 
-    /// R and T at one wavelength, averaged over these angles.
-    fn totals(&self, fit: &Array2<f64>, nm: f64, angles_deg: &[f64]) -> [f64; 2] {
-        let all: Vec<_> = angles_deg.iter().map(|&deg| self.shift(fit, nm, deg)).collect();
+    /// R and T at one wavelength, averaged over the angles.
+    fn totals(&self, fit: &Array2<f64>, nm: f64) -> [f64; 2] {
+        let all: Vec<_> = self.angles_deg.iter().map(|&deg| self.shift(fit, nm, deg)).collect();
         [0, 2].map(|total| all.iter().map(|shift| shift[total]).sum::<f64>() / all.len().max(1) as f64)
     }
 
@@ -92,45 +93,35 @@ pub enum GridPart {
     /// Estimated in test solves, unknown in its sign.
     Estimated(GridError),
     /// Corrected, but for the extrapolation and the scatter of the packings on both grids.
-    Corrected {
-        /// The correction.
-        correction: Box<GridCorrection>,
-        /// Angles over which the correction of R and T is averaged, degrees.
-        angles_deg: Vec<f64>,
-    },
+    Corrected(Box<GridCorrection>),
 }
 
 impl GridPart {
     /// Number of independent errors.
     pub fn parts(&self) -> usize {
-        match self {
-            Self::Estimated(_) => 1,
-            Self::Corrected { .. } => 1 + self.checked(),
-        }
+        1 + self.checked()
     }
 
     /// Number of packings that were solved on two grids.
     pub fn checked(&self) -> usize {
         match self {
             Self::Estimated(_) => 0,
-            Self::Corrected { correction, .. } => correction.incident.without.len(),
+            Self::Corrected(correction) => correction.incident.without.len(),
         }
     }
 
     /// Standard errors of R and T at one wavelength due to one of the independent errors, signed
     /// where the sign is known to be the same at other wavelengths or the opposite.
     pub fn shift(&self, part: usize, nm: f64) -> [f64; 2] {
-        let (correction, angles_deg) = match self {
-            Self::Estimated(GridError { reflectance, transmittance }) => {
-                return [*reflectance, *transmittance];
-            }
-            Self::Corrected { correction, angles_deg } => (correction, angles_deg),
+        let correction = match self {
+            Self::Estimated(grid) => return [grid.reflectance, grid.transmittance],
+            Self::Corrected(correction) => correction,
         };
-        let whole = correction.totals(&correction.incident.whole, nm, angles_deg);
+        let whole = correction.totals(&correction.incident.whole, nm);
         let Some(fit) = part.checked_sub(1).map(|k| &correction.incident.without[k]) else {
             return whole.map(|by| EXTRAPOLATION * by / correction.factor);
         };
-        let (without, n) = (correction.totals(fit, nm, angles_deg), self.checked() as f64);
+        let (without, n) = (correction.totals(fit, nm), self.checked() as f64);
         std::array::from_fn(|i| (1.0 - 1.0 / n).sqrt() * (without[i] - whole[i]))
     }
 
@@ -148,22 +139,28 @@ fn functions(polar_deg: f64) -> [f64; WIDTH] {
     [1.0, mu, mu * mu]
 }
 
-/// Normal equations of one realisation, for the differences on one side.
-fn normal(
-    cell: &Checked,
+/// Fits the differences on one side.
+fn fits<'a>(
+    checked: &'a [Checked],
     basis: &SpectralBasis,
     side: fn(&SolvedWavelength) -> Vec<&SolvedDirection>,
-) -> Normal {
-    let mut normal = Normal::new(basis.len() * WIDTH, TOTALS);
-    for (coarse, finer) in cell.coarse.wavelengths.iter().zip(&cell.finer.wavelengths) {
-        let mut sums = Sums::new(WIDTH, TOTALS);
-        for (coarse, finer) in side(coarse).into_iter().zip(side(finer)) {
-            let (a, b) = (coarse.totals(), finer.totals());
-            sums.add(&functions(coarse.polar_deg), &std::array::from_fn::<f64, TOTALS, _>(|i| b[i] - a[i]));
-        }
-        normal.add(&basis.weights(coarse.wavelength_nm), &sums);
+) -> Fits {
+    let samples = |(coarse, finer): (&SolvedWavelength, &SolvedWavelength)| {
+        (coarse.wavelength_nm, differences(side(coarse), side(finer)))
+    };
+    let cell = |cell: &'a Checked| cell.coarse.wavelengths.iter().zip(&cell.finer.wavelengths).map(samples);
+    Fits::new(checked.iter().map(cell), basis, [WIDTH, TOTALS])
+}
+
+/// Samples of the differences between both grids at one wavelength.
+fn differences(coarse: Vec<&SolvedDirection>, finer: Vec<&SolvedDirection>) -> Normal {
+    let mut samples = Normal::new(WIDTH, TOTALS);
+    for (coarse, finer) in coarse.into_iter().zip(finer) {
+        let (a, b) = (coarse.totals(), finer.totals());
+        let differences: [f64; TOTALS] = std::array::from_fn(|i| b[i] - a[i]);
+        samples.sample(&functions(coarse.polar_deg), &differences);
     }
-    normal
+    samples
 }
 
 #[cfg(test)]
@@ -208,11 +205,11 @@ mod tests {
             })
             .collect();
         let basis = SpectralBasis::Splines { range_nm: [400.0, 700.0], intervals: 12 };
-        GridCorrection::new(&checked, &basis, REFINEMENT).expect("four packings")
+        GridCorrection::new(&checked, &basis, REFINEMENT, &[0.0]).expect("four packings")
     }
 
     fn part(correction: &GridCorrection) -> GridPart {
-        GridPart::Corrected { correction: Box::new(correction.clone()), angles_deg: vec![0.0] }
+        GridPart::Corrected(Box::new(correction.clone()))
     }
 
     /// Third order is extrapolated exactly, to the penalty on roughness; second and fifth order
@@ -249,7 +246,7 @@ mod tests {
         }
         let basis = SpectralBasis::Splines { range_nm: [400.0, 700.0], intervals: 12 };
         let error = |checked: &[Checked]| {
-            let correction = GridCorrection::new(checked, &basis, REFINEMENT).expect("four packings");
+            let correction = GridCorrection::new(checked, &basis, REFINEMENT, &[0.0]).expect("four packings");
             part(&correction).largest(&[550.0]).transmittance
         };
         // ± 0.01 in four packings: a standard error of 0.01/√3, extrapolated. The packings have
@@ -258,6 +255,9 @@ mod tests {
         let added = (error(&wild).powi(2) - error(&calm).powi(2)).sqrt();
         let expected = factor * 0.01 / 3.0_f64.sqrt();
         assert!((added / expected - 1.0).abs() < 0.2, "{added} {expected}");
-        assert!(GridCorrection::new(&wild[..1], &basis, REFINEMENT).is_none(), "one packing has no scatter");
+        assert!(
+            GridCorrection::new(&wild[..1], &basis, REFINEMENT, &[0.0]).is_none(),
+            "one packing has no scatter"
+        );
     }
 }

@@ -2,19 +2,25 @@
 //! to fitted values.
 
 mod functions;
-mod totals;
 
 pub use functions::{
     AZIMUTHAL, BENDS, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions, symmetric,
 };
-pub use totals::{Anchors, LayerTotals};
 
 use super::films::FilmAt;
+use super::samples::{SolvedDirection, mean};
 use super::wavelengths::Weights;
 use crate::appearance::paper::{MirroredSky, PaperError, returned};
 use gauss_quad::GaussLegendre;
-use std::borrow::Cow;
 use std::f64::consts::PI;
+
+/// Number of totals with a curve over the angle: R, T, and the specular part of R.
+pub const CURVES: usize = 3;
+const REFLECTANCE: usize = 0;
+const TRANSMITTANCE: usize = 1;
+const SPECULAR: usize = 2;
+/// Differences of these totals from the film at \[0°, 45°\].
+pub type Anchors = [[f64; CURVES]; 2];
 
 /// Nodes of the integrals of fitted curves, which are polynomials of degree 5.
 const CURVE_NODES: usize = 6;
@@ -30,8 +36,8 @@ pub struct AngleNodes {
     pub albedos: Vec<f64>,
     /// Values of the spectral functions at each wavelength.
     pub weights: Vec<Weights>,
-    /// The film's hemispherical means, in the order of [`super::layer::EnsembleMean`].
-    pub means: Vec<[f64; 4]>,
+    /// The film's T̄ and Ā from the exit side.
+    pub means: Vec<[f64; 2]>,
 }
 
 /// Differences from the film, measured at every wavelength solved.
@@ -53,25 +59,26 @@ pub struct Measured {
 /// Step of differences that stand for derivatives: rounding and curvature both cost some 1e-7.
 const SLOPE_STEP: f64 = 1e-6;
 /// Numbers that are measured.
-pub(super) const MEASURED: usize = 4 * TOTALS + 3;
-const TOTALS: usize = 3;
+pub(super) const MEASURED: usize = 4 * CURVES + 3;
 
 impl Measured {
     /// All numbers, totals first.
-    pub(super) fn numbers(&self) -> [f64; MEASURED] {
-        let [[a, b], [c, d]] = [self.anchors, self.returned].map(|totals| totals.map(LayerTotals::numbers));
-        let rest = [self.straight_on, self.transmittance, self.absorptance];
-        let mut all = [a, b, c, d, rest].into_iter().flatten();
-        std::array::from_fn(|_| all.next().unwrap_or_default())
+    fn all(&mut self) -> impl Iterator<Item = &mut f64> {
+        let Self { anchors, returned, straight_on, transmittance, absorptance } = self;
+        let totals = anchors.iter_mut().chain(returned).flatten();
+        totals.chain([straight_on, transmittance, absorptance])
     }
 
-    /// 1 for one of the numbers, 0 for the others.
-    pub(super) fn unit(k: usize) -> Self {
-        let one: [f64; MEASURED] = std::array::from_fn(|place| f64::from(u8::from(place == k)));
-        let [a, b, c, d] =
-            [0, 1, 2, 3].map(|part| LayerTotals::from_fn(|column| one[TOTALS * part + column]));
-        let [.., straight_on, transmittance, absorptance] = one;
-        Self { anchors: [a, b], returned: [c, d], straight_on, transmittance, absorptance }
+    /// As a list, totals first.
+    pub(super) fn numbers(mut self) -> [f64; MEASURED] {
+        let mut all = self.all();
+        std::array::from_fn(|_| all.next().map_or(0.0, |number| *number))
+    }
+
+    /// With `step` times other values added.
+    fn moved(mut self, by: &Self, step: f64) -> Self {
+        self.all().zip(by.numbers()).for_each(|(own, by)| *own += step * by);
+        self
     }
 }
 
@@ -79,9 +86,9 @@ impl Measured {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AngleCurve {
     /// Coefficients of the curves between the anchors.
-    pub bends: LayerTotals<[f64; BENDS]>,
+    pub bends: [[f64; BENDS]; CURVES],
     /// Coefficients in the light returned by the paper.
-    pub returned: LayerTotals<[f64; BENDS]>,
+    pub returned: [[f64; BENDS]; CURVES],
     /// Coefficients of the layer's diffuse BRDF, 1/sr.
     pub diffuse: [f64; DIFFUSE],
     /// Coefficients of its dependence on the azimuth, 1/sr.
@@ -100,16 +107,9 @@ pub struct PolarAngle {
     between: [f64; 2],
     bends: [f64; BENDS],
     /// Totals of the film at every node.
-    film: Vec<FilmTotals>,
-}
-
-/// The film's totals at one angle.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct FilmTotals {
-    reflectance: f64,
-    transmittance: f64,
-    /// T in the light returned by the paper.
-    returned: f64,
+    film: Vec<[f64; CURVES]>,
+    /// T of the film in the light returned by the paper, at every node.
+    film_returned: Vec<f64>,
 }
 
 impl PolarAngle {
@@ -128,24 +128,21 @@ impl PolarAngle {
         }
         let mu = polar_deg.to_radians().cos();
         let (between, bends) = anchor_weights(mu);
-        let film = nodes.films.iter().map(|film| film_totals(film, polar_deg)).collect();
-        Ok(Self { polar_deg, mu, between, bends, film })
+        let (mut film, mut film_returned) = (Vec::new(), Vec::new());
+        for own in &nodes.films {
+            let ([r, t], back) = (own.reflectance_transmittance(polar_deg), own.returned());
+            film.push([r, t, r]);
+            film_returned.push(if back == *own { t } else { back.reflectance_transmittance(polar_deg)[1] });
+        }
+        Ok(Self { polar_deg, mu, between, bends, film, film_returned })
     }
-}
-
-fn film_totals(film: &FilmAt, polar_deg: f64) -> FilmTotals {
-    let [reflectance, transmittance] = film.reflectance_transmittance(polar_deg);
-    let returned = match film.returned() {
-        Cow::Borrowed(_) => transmittance,
-        Cow::Owned(back) => back.reflectance_transmittance(polar_deg)[1],
-    };
-    FilmTotals { reflectance, transmittance, returned }
 }
 
 /// The layer on paper at one wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayerOnPaper {
-    node: usize,
+    /// Index of its wavelength among the nodes; those of the spectra come first.
+    pub(super) node: usize,
     measured: Measured,
     curve: AngleCurve,
     /// The film's T̄ and Ā from the exit side.
@@ -187,15 +184,10 @@ impl LayerOnPaper {
         1.0 - self.mean_transmittance() / self.index_out.powi(2) - self.mean_absorptance_exit()
     }
 
-    /// Index of its wavelength among the nodes; those of the spectra come first.
-    pub(super) fn node(&self) -> usize {
-        self.node
-    }
-
     /// Unscattered share of T at the normal: T of that order without the diffuse light that every
     /// order carries (π times its share of the hemisphere, as if the diffuse light were isotropic).
     pub(super) fn straight_on(&self, normal: &PolarAngle) -> f64 {
-        let straight = normal.film[self.node].transmittance + self.measured.straight_on;
+        let straight = normal.film[self.node][TRANSMITTANCE] + self.measured.straight_on;
         straight / self.transmittance(normal) - self.curve.order_area / PI
     }
 
@@ -219,26 +211,26 @@ impl LayerOnPaper {
 
     /// R(θ) of the layer without paper.
     pub fn reflectance(&self, at: &PolarAngle) -> f64 {
-        at.film[self.node].reflectance + self.differences(at).reflectance
+        self.total(at, REFLECTANCE)
     }
 
     /// T(θ) of the layer without paper, limited to 0–1 because curves through few angles and
     /// wavelengths overshoot. R and the means are not limited: they enter sums, and a jackknife
     /// over limited values would underestimate errors.
     pub fn transmittance(&self, at: &PolarAngle) -> f64 {
-        (at.film[self.node].transmittance + self.differences(at).transmittance).clamp(0.0, 1.0)
+        self.total(at, TRANSMITTANCE).clamp(0.0, 1.0)
     }
 
     /// T(θ) of the layer without paper for the light returned by the paper, which is unpolarised;
     /// equal to T(θ) unless the incident light is polarised.
     pub fn transmittance_returned(&self, at: &PolarAngle) -> f64 {
-        let beyond_film = curve(&self.measured.returned, &self.curve.returned, (at.between, at.bends));
-        (at.film[self.node].returned + beyond_film.transmittance).clamp(0.0, 1.0)
+        let beyond_film = self.returned((at.between, at.bends), TRANSMITTANCE);
+        (at.film_returned[self.node] + beyond_film).clamp(0.0, 1.0)
     }
 
     /// Specular part of R(θ): that of the cells' specular order.
     pub fn specular(&self, at: &PolarAngle) -> f64 {
-        at.film[self.node].reflectance + self.differences(at).specular
+        self.total(at, SPECULAR)
     }
 
     /// Mirror reflection of a print of any size. The specular order of a cell contains diffuse
@@ -247,13 +239,8 @@ impl LayerOnPaper {
         self.specular(at) - self.curve.order_area * self.directional_brdf(at.mu, at.mu, 1.0)
     }
 
-    /// The layer's diffuse f(i, o), 1/sr, azimuthal mean. Symmetric in i and o unless the incident
-    /// light is polarised.
-    pub fn diffuse_brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
-        self.diffuse_brdf_at(illumination.mu, viewing.mu)
-    }
-
-    /// The layer's diffuse f(i, o) for cosines of the polar angles, 1/sr.
+    /// The layer's diffuse f(i, o) for cosines of the polar angles, 1/sr, azimuthal mean. Symmetric
+    /// in i and o unless the incident light is polarised.
     pub fn diffuse_brdf_at(&self, illumination: f64, viewing: f64) -> f64 {
         let functions = diffuse_functions(illumination, viewing);
         functions.iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
@@ -283,13 +270,14 @@ impl LayerOnPaper {
     /// i and o unless the incident light is polarised; the observer sees both polarisations.
     pub fn brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
         let through = self.transmittance(illumination) * self.transmittance_returned(viewing);
-        self.diffuse_brdf(illumination, viewing) + self.return_factor() * through / PI
+        self.diffuse_brdf_at(illumination.mu, viewing.mu) + self.return_factor() * through / PI
     }
 
     /// ∫ f cos θ_o dω of the layer's diffuse f, over angles with the weights of 2∫₀¹ f μ dμ. It
     /// equals R minus the mirror reflection as far as the fits of f and of R agree.
     pub fn own_albedo(&self, illumination: &PolarAngle, hemisphere: &[(PolarAngle, f64)]) -> f64 {
-        let own = |(at, weight): &(PolarAngle, f64)| PI * weight * self.diffuse_brdf(illumination, at);
+        let own =
+            |(at, weight): &(PolarAngle, f64)| PI * weight * self.diffuse_brdf_at(illumination.mu, at.mu);
         hemisphere.iter().map(own).sum()
     }
 
@@ -331,64 +319,58 @@ impl LayerOnPaper {
 
     /// The layer with `step` times other measured values added.
     pub(super) fn moved(&self, by: &Measured, step: f64) -> Self {
-        let mut layer = *self;
-        let moved = |own: Anchors, by: &Anchors| [own[0].plus(step, &by[0]), own[1].plus(step, &by[1])];
-        layer.measured.anchors = moved(self.measured.anchors, &by.anchors);
-        layer.measured.returned = moved(self.measured.returned, &by.returned);
-        layer.measured.straight_on += step * by.straight_on;
-        layer.measured.transmittance += step * by.transmittance;
-        layer.measured.absorptance += step * by.absorptance;
-        layer
+        Self { measured: self.measured.moved(by, step), ..*self }
     }
 
     /// Derivatives of a quantity with respect to all measured numbers.
     pub(super) fn slopes(&self, quantity: impl Fn(&Self) -> f64) -> [f64; MEASURED] {
         let own = quantity(self);
-        std::array::from_fn(|k| (quantity(&self.moved(&Measured::unit(k), SLOPE_STEP)) - own) / SLOPE_STEP)
+        std::array::from_fn(|k| {
+            let mut layer = *self;
+            layer.measured.all().skip(k).take(1).for_each(|number| *number += SLOPE_STEP);
+            (quantity(&layer) - own) / SLOPE_STEP
+        })
     }
 
     /// Difference between the equally weighted mean over these angles and the mean of the fitted
     /// curves.
-    pub(super) fn quadrature_error(
-        &self,
-        polar_deg: impl Iterator<Item = f64> + Clone,
-        exit: bool,
-    ) -> Measured {
-        let back = |mu: f64| curve(&self.measured.returned, &self.curve.returned, anchor_weights(mu));
+    pub(super) fn quadrature_error(&self, solves: &[SolvedDirection], exit: bool) -> Measured {
         let rule = GaussLegendre::new(CURVE_NODES).expect("a positive number of nodes");
-        let count = polar_deg.clone().count().max(1) as f64;
-        let error = |of: fn(LayerTotals) -> f64| {
-            let sampled = polar_deg.clone().map(|deg| of(back(deg.to_radians().cos()))).sum::<f64>() / count;
-            sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * of(back(mu)))
+        let error = |total: usize| {
+            let back = |mu: f64| self.returned(anchor_weights(mu), total);
+            let sampled = mean(solves, |s| back(s.polar_deg.to_radians().cos()));
+            sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * back(mu))
         };
-        let (reflected, transmittance) = (error(|t| t.reflectance), error(|t| t.transmittance));
+        let (reflected, transmittance) = (error(REFLECTANCE), error(TRANSMITTANCE));
         // without solves from the exit side, A there equals that from the incident side, 1 − R − T
         let absorptance = if exit { 0.0 } else { -reflected - transmittance };
         Measured { transmittance, absorptance, ..Measured::default() }
     }
 
+    /// A total of the layer without paper.
     #[inline]
-    fn differences(&self, at: &PolarAngle) -> LayerTotals {
-        curve(&self.measured.anchors, &self.curve.bends, (at.between, at.bends))
+    fn total(&self, at: &PolarAngle, total: usize) -> f64 {
+        let functions = (at.between, at.bends);
+        at.film[self.node][total] + curve(&self.measured.anchors, &self.curve.bends[total], functions, total)
+    }
+
+    /// Fitted difference of a total from the film in the light returned by the paper.
+    #[inline]
+    fn returned(&self, functions: ([f64; 2], [f64; BENDS]), total: usize) -> f64 {
+        curve(&self.measured.returned, &self.curve.returned[total], functions, total)
     }
 }
 
-/// Fitted differences from the film: weights of the anchors, and curve functions.
+/// Fitted difference of a total from the film: weights of the anchors, and curve functions.
 #[inline]
 fn curve(
     anchors: &Anchors,
-    coefficients: &LayerTotals<[f64; BENDS]>,
+    coefficients: &[f64; BENDS],
     (between, bends): ([f64; 2], [f64; BENDS]),
-) -> LayerTotals {
-    let at = |anchored: [f64; 2], own: &[f64; BENDS]| {
-        let anchored: f64 = between.iter().zip(anchored).map(|(w, a)| w * a).sum();
-        anchored + bends.iter().zip(own).map(|(b, c)| b * c).sum::<f64>()
-    };
-    LayerTotals {
-        reflectance: at(anchors.map(|a| a.reflectance), &coefficients.reflectance),
-        transmittance: at(anchors.map(|a| a.transmittance), &coefficients.transmittance),
-        specular: at(anchors.map(|a| a.specular), &coefficients.specular),
-    }
+    total: usize,
+) -> f64 {
+    let anchored: f64 = between.iter().zip(anchors).map(|(w, a)| w * a[total]).sum();
+    anchored + bends.iter().zip(coefficients).map(|(b, c)| b * c).sum::<f64>()
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ const ROUGHNESS: f64 = 1e-3;
 /// determines what nothing else does.
 const RIDGE: f64 = 1e-12;
 
-/// Normal equations of one realisation: AᵀA, and Aᵀy for several columns y.
+/// Normal equations: AᵀA, and Aᵀy for several columns y.
 #[derive(Clone, Debug)]
 pub struct Normal {
     matrix: Array2<f64>,
@@ -30,9 +30,24 @@ impl Normal {
         Self { matrix: Array2::zeros((functions, functions)), right: Array2::zeros((functions, columns)) }
     }
 
-    /// Adds the samples of one wavelength: its functions, and the sums over the samples of ddᵀ and
-    /// d yᵀ of the directions. Unknown (i, k) has the index i · width + k.
-    pub fn add(&mut self, wavelength: &Weights, products: &Sums) {
+    /// One sample of the values y without functions of the direction.
+    pub fn plain(values: &[f64]) -> Self {
+        let mut normal = Self::new(1, values.len());
+        normal.sample(&[1.0], values);
+        normal
+    }
+
+    /// Adds one sample: its functions d and the values y.
+    pub fn sample(&mut self, functions: &[f64], values: &[f64]) {
+        for (k, &d) in functions.iter().enumerate() {
+            functions.iter().enumerate().for_each(|(l, &e)| self.matrix[[k, l]] += d * e);
+            values.iter().enumerate().for_each(|(column, &y)| self.right[[k, column]] += d * y);
+        }
+    }
+
+    /// Adds the samples of one wavelength: its functions, and the normal equations for the
+    /// functions of the direction alone. Unknown (i, k) has the index i · width + k.
+    fn add(&mut self, wavelength: &Weights, products: &Normal) {
         let width = products.matrix.nrows();
         for &(i, a) in wavelength {
             for &(j, b) in wavelength {
@@ -42,35 +57,6 @@ impl Normal {
             }
             self.right.slice_mut(s![i * width..(i + 1) * width, ..]).scaled_add(a, &products.right);
         }
-    }
-}
-
-/// Σ d dᵀ and Σ d yᵀ over samples with directional functions d and values y.
-#[derive(Clone, Debug)]
-pub struct Sums {
-    matrix: Array2<f64>,
-    right: Array2<f64>,
-}
-
-impl Sums {
-    /// Starts without samples.
-    pub fn new(width: usize, columns: usize) -> Self {
-        Self { matrix: Array2::zeros((width, width)), right: Array2::zeros((width, columns)) }
-    }
-
-    /// Adds one sample.
-    pub fn add(&mut self, direction: &[f64], values: &[f64]) {
-        for (k, &d) in direction.iter().enumerate() {
-            direction.iter().enumerate().for_each(|(l, &e)| self.matrix[[k, l]] += d * e);
-            values.iter().enumerate().for_each(|(column, &y)| self.right[[k, column]] += d * y);
-        }
-    }
-
-    /// Sums of one sample without a direction.
-    pub fn plain(values: &[f64]) -> Self {
-        let mut sums = Self::new(1, values.len());
-        sums.add(&[1.0], values);
-        sums
     }
 }
 
@@ -84,26 +70,35 @@ pub struct Fits {
 }
 
 impl Fits {
-    /// Zero coefficients for `columns` quantities.
-    pub fn nothing(basis: &SpectralBasis, width: usize, columns: usize) -> Self {
-        Self { whole: Array2::zeros((basis.len() * width, columns)), without: Vec::new() }
+    /// The fit to all realisations (`None`) or to all but one.
+    pub fn coefficients(&self, without: Option<usize>) -> &Array2<f64> {
+        without.map_or(&self.whole, |r| &self.without[r])
     }
 
-    /// Solves for the whole ensemble and all leave-one-out ensembles. `width` is the number of
-    /// functions of the direction.
-    pub fn new(parts: &[Normal], basis: &SpectralBasis, width: usize) -> Self {
-        let Some(first) = parts.first() else { return Self::nothing(basis, width, 0) };
-        let mut sum = Normal::new(first.matrix.nrows(), first.right.ncols());
-        for part in parts {
+    /// Solves for the whole ensemble and all leave-one-out ensembles; zero coefficients without
+    /// any realisation. `ensemble` gives the samples of each wavelength, nm, of each realisation;
+    /// `width` is the number of functions of the direction.
+    pub fn new(
+        ensemble: impl IntoIterator<Item: Iterator<Item = (f64, Normal)>>,
+        basis: &SpectralBasis,
+        [width, columns]: [usize; 2],
+    ) -> Self {
+        let mut sum = Normal::new(basis.count() * width, columns);
+        let mut parts = Vec::new();
+        for realisation in ensemble {
+            let mut part = Normal::new(basis.count() * width, columns);
+            realisation.for_each(|(nm, samples)| part.add(&basis.weights(nm), &samples));
             sum.matrix += &part.matrix;
             sum.right += &part.right;
+            parts.push(part);
         }
         let all_but = |part: &Normal| {
             let rest = Normal { matrix: &sum.matrix - &part.matrix, right: &sum.right - &part.right };
             solve(&rest, basis, width)
         };
         let without = if parts.len() > 1 { parts.iter().map(all_but).collect() } else { Vec::new() };
-        Self { whole: solve(&sum, basis, width), without }
+        let whole = if parts.is_empty() { sum.right } else { solve(&sum, basis, width) };
+        Self { whole, without }
     }
 }
 
@@ -138,20 +133,15 @@ mod tests {
     fn what_the_basis_holds_is_recovered() {
         let basis = SpectralBasis::Splines { range_nm: [400.0, 700.0], intervals: 3 };
         let truth = |nm: f64, mu: f64| (nm / 500.0 - 1.0) + mu * (2.0 - nm / 350.0);
-        let mut parts = Vec::new();
-        for r in 0..4 {
-            let mut normal = Normal::new(basis.len() * 2, 1);
-            for j in 0..12 {
-                let nm = 405.0 + 25.0 * j as f64 + 5.0 * r as f64;
-                let mut sums = Sums::new(2, 1);
-                for mu in [0.1 + 0.05 * r as f64, 0.9] {
-                    sums.add(&[1.0, mu], &[truth(nm, mu)]);
-                }
-                normal.add(&basis.weights(nm), &sums);
+        let samples = |r: usize, j: usize| {
+            let nm = 405.0 + 25.0 * j as f64 + 5.0 * r as f64;
+            let mut samples = Normal::new(2, 1);
+            for mu in [0.1 + 0.05 * r as f64, 0.9] {
+                samples.sample(&[1.0, mu], &[truth(nm, mu)]);
             }
-            parts.push(normal);
-        }
-        let fits = Fits::new(&parts, &basis, 2);
+            (nm, samples)
+        };
+        let fits = Fits::new((0..4).map(|r| (0..12).map(move |j| samples(r, j))), &basis, [2, 1]);
         for fit in fits.without.iter().chain([&fits.whole]) {
             let weights = basis.weights(533.0);
             let value = |k: usize| SpectralBasis::at(&weights, |i| fit[[2 * i + k, 0]]);
@@ -165,12 +155,8 @@ mod tests {
     fn listed_wavelengths_give_means() {
         let basis = SpectralBasis::Listed(vec![450.0, 550.0]);
         let values = [[1.0, 10.0], [2.0, 20.0], [6.0, 60.0]];
-        let part = |v: &[f64; 2]| {
-            let mut normal = Normal::new(2, 1);
-            (0..2).for_each(|w| normal.add(&basis.weights([450.0, 550.0][w]), &Sums::plain(&[v[w]])));
-            normal
-        };
-        let fits = Fits::new(&values.iter().map(part).collect::<Vec<_>>(), &basis, 1);
+        let part = |v: [f64; 2]| [450.0, 550.0].into_iter().zip(v.map(|v| Normal::plain(&[v])));
+        let fits = Fits::new(values.map(part), &basis, [1, 1]);
         assert!((fits.whole[[0, 0]] - 3.0).abs() < 1e-10 && (fits.whole[[1, 0]] - 30.0).abs() < 1e-9);
         assert!((fits.without[2][[0, 0]] - 1.5).abs() < 1e-10);
     }

@@ -71,35 +71,31 @@ impl SolvedDirection {
         [reflectance, specular_reflectance, transmittance, self.specular_transmittance, self.absorptance]
     }
 
+    fn totals_mut(&mut self) -> [&mut f64; TOTALS] {
+        [
+            &mut self.reflectance,
+            &mut self.specular_reflectance,
+            &mut self.transmittance,
+            &mut self.specular_transmittance,
+            &mut self.absorptance,
+        ]
+    }
+
     /// Adds errors to the totals; the diffuse orders follow R in proportion.
     pub(super) fn shift(&mut self, by: [f64; TOTALS]) {
-        let diffuse = |s: &Self| s.reflectance - s.specular_reflectance;
-        let before = diffuse(self);
-        self.reflectance += by[0];
-        self.specular_reflectance += by[1];
-        self.transmittance += by[2];
-        self.specular_transmittance += by[3];
-        self.absorptance += by[4];
-        let factor = if before > 0.0 { (diffuse(self) / before).max(0.0) } else { 1.0 };
+        let before = self.reflectance - self.specular_reflectance;
+        self.totals_mut().into_iter().zip(by).for_each(|(total, by)| *total += by);
+        let after = self.reflectance - self.specular_reflectance;
+        let factor = if before > 0.0 { (after / before).max(0.0) } else { 1.0 };
         self.scattered.iter_mut().for_each(|order| order.density *= factor);
     }
 
-    /// The mean with the same solve of another packing in the same cell.
-    fn mean_with(&self, other: &Self) -> Self {
-        let half = |of: fn(&Self) -> f64| 0.5 * (of(self) + of(other));
-        let orders = self.scattered.iter().zip(&other.scattered);
-        Self {
-            polar_deg: self.polar_deg,
-            reflectance: half(|s| s.reflectance),
-            specular_reflectance: half(|s| s.specular_reflectance),
-            transmittance: half(|s| s.transmittance),
-            specular_transmittance: half(|s| s.specular_transmittance),
-            absorptance: half(|s| s.absorptance),
-            order_area: self.order_area,
-            scattered: orders
-                .map(|(a, b)| Scattered { density: 0.5 * (a.density + b.density), ..*a })
-                .collect(),
-        }
+    /// Becomes the mean with the same solve of another packing in the same cell.
+    fn average(&mut self, other: &Self) {
+        let totals = self.totals_mut().into_iter().zip(other.totals());
+        totals.for_each(|(own, other)| *own = 0.5 * (*own + other));
+        let orders = self.scattered.iter_mut().zip(&other.scattered);
+        orders.for_each(|(own, other)| own.density = 0.5 * (own.density + other.density));
     }
 }
 
@@ -127,18 +123,13 @@ pub struct SolvedRealisation {
 
 impl SolvedRealisation {
     /// The mean with another packing in the same cell, solved in the same light.
-    pub fn mean_with(&self, other: &Self) -> Self {
-        let all = |a: &[SolvedDirection], b: &[SolvedDirection]| {
-            a.iter().zip(b).map(|(a, b)| a.mean_with(b)).collect()
-        };
-        let both = |(a, b): (&SolvedWavelength, &SolvedWavelength)| SolvedWavelength {
-            wavelength_nm: a.wavelength_nm,
-            exact: all(&a.exact, &b.exact),
-            strata: all(&a.strata, &b.strata),
-            exit: all(&a.exit, &b.exit),
-        };
-        let wavelengths = self.wavelengths.iter().zip(&other.wavelengths).map(both).collect();
-        Self { thickness_um: self.thickness_um, wavelengths }
+    pub fn mean_with(mut self, other: &Self) -> Self {
+        for (own, other) in self.wavelengths.iter_mut().zip(&other.wavelengths) {
+            let solves = own.exact.iter_mut().chain(&mut own.strata).chain(&mut own.exit);
+            let others = other.exact.iter().chain(&other.strata).chain(&other.exit);
+            solves.zip(others).for_each(|(own, other)| own.average(other));
+        }
+        self
     }
 }
 

@@ -4,18 +4,17 @@
 use super::film::Profile;
 use super::films::{FilmAt, Films, Indices};
 use super::ink::{InkError, InkInputs, InkOnPaper};
-use super::layer::{LayerEnsemble, SpectrumEstimate, Total};
+use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
 use super::levels::{Checked, GridCorrection, GridPart};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
-use super::wavelengths::SpectralBasis;
+use super::wavelengths::{SpectralBasis, nearest};
 use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
 use crate::input::study::{Angles, Study};
 use crate::input::variation::{CellRule, LightRule};
 use crate::run::{Collected, Realisation};
 use crate::store::record::PointRecord;
-use crate::wave::FarField;
-use crate::wave::Wave;
+use crate::wave::{FarField, Wave};
 use num_complex::Complex64;
 
 /// The appearance, as far as the finished solves allow.
@@ -40,7 +39,8 @@ pub struct Seen {
 /// The layer without paper at the study's wavelengths.
 #[derive(Debug)]
 pub struct LayerSeen {
-    ensemble: LayerEnsemble,
+    /// The fits behind the numbers.
+    pub(super) ensemble: LayerEnsemble,
     /// The coherent film at each wavelength.
     films: Vec<FilmAt>,
     pub(super) wavelengths_nm: Vec<f64>,
@@ -61,31 +61,27 @@ pub enum NoInk {
 }
 
 impl LayerSeen {
-    /// Angles common to all realisations, degrees.
-    pub fn angles_deg(&self) -> &[f64] {
-        &self.ensemble.exact_deg
-    }
-
-    /// The fits behind the numbers.
-    pub fn ensemble(&self) -> &LayerEnsemble {
-        &self.ensemble
-    }
-
     /// The coherent film at the study's wavelength nearest to `nm`.
     pub fn film(&self, nm: f64) -> &FilmAt {
-        let distance = |&w: &usize| (self.wavelengths_nm[w] - nm).abs();
-        let nearest = (0..self.films.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        &self.films[nearest.unwrap_or(0)]
+        &self.films[nearest(self.wavelengths_nm.iter().copied(), nm)]
     }
 
-    /// Index of the half-space on the exit side.
-    pub fn index_out(&self) -> Option<f64> {
-        self.films.first().map(FilmAt::index_out)
-    }
-
-    /// A total at one of these angles against the study's wavelengths.
+    /// A total at one of the exact angles against the study's wavelengths.
     pub fn spectrum(&self, angle: usize, total: Total) -> SpectrumEstimate {
-        self.ensemble.spectrum(&self.films, &self.wavelengths_nm, angle, total)
+        let (ensemble, deg) = (&self.ensemble, self.ensemble.exact_deg[angle]);
+        let film: Vec<f64> = self.films.iter().map(|film| film_totals(film, deg)[total as usize]).collect();
+        let column = ensemble.column(angle, total);
+        SpectrumEstimate {
+            values: self.beyond(&film, None, column),
+            replicates: (0..ensemble.replicates()).map(|r| self.beyond(&film, Some(r), column)).collect(),
+        }
+    }
+
+    /// Values of the film plus the fitted differences from it.
+    fn beyond(&self, film: &[f64], left_out: Option<usize>, column: usize) -> Vec<f64> {
+        let LayerEnsemble { basis, .. } = &self.ensemble;
+        let fitted = |nm: f64| self.ensemble.fitted(left_out, &basis.weights(nm), column);
+        film.iter().zip(&self.wavelengths_nm).map(|(film, &nm)| film + fitted(nm)).collect()
     }
 }
 
@@ -94,15 +90,7 @@ impl LayerSeen {
 /// # Errors
 /// None is complete, or as [`NoInk`] says.
 pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
-    let cells = complete_cells(study, collected);
-    if cells.is_empty() {
-        return Err(NoInk::Unfinished);
-    }
-    let SolvedCells { solved, .. } = by_cell(study, collected, &cells, study.wave);
-    let indices = |nm: f64| indices(study, nm);
-    let films = films(study, mean_profile(&cells.concat()), &indices);
-    let ensemble = LayerEnsemble::new(&solved, basis(study, solved.len()), &films, &study.angles.exact_deg);
-    on_paper(study, (&ensemble, &solved), returned(study, collected, &cells).as_deref(), &films)
+    appearance(study, collected, &complete_cells(study, collected)).ink
 }
 
 /// The ink as its coherent film, with the volume fractions asked for in every plane.
@@ -112,8 +100,7 @@ pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
 pub fn film_alone(study: &Study) -> Result<InkOnPaper, InkError> {
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, Profile { fractions: vec![study.material_shares()] }, &indices);
-    let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
-    let outputs_nm = &study.wavelengths_nm;
+    let (substrate, outputs_nm) = (substrate(study), &study.wavelengths_nm);
     InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm })
 }
 
@@ -128,34 +115,48 @@ fn films<'a>(study: &Study, profile: Profile, indices: &'a Indices<'a>) -> Films
     }
 }
 
+fn substrate(study: &Study) -> Substrate {
+    Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling }
+}
+
 /// Evaluates all complete realisations.
 ///
 /// # Errors
 /// The records do not match, because of a bug or a damaged store.
 pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
-    let by_cells = complete_cells(study, collected);
-    let complete = by_cells.concat();
-    if complete.is_empty() {
-        let (realisations, cells, solved, bdfs) = Default::default();
-        let grid = GridPart::Estimated(collected.resolved.grid_error);
-        let (layer, ink) = (None, Err(NoInk::Unfinished));
-        return Ok(Seen { realisations, cells, solved, grid, layer, bdfs, ink });
+    let cells = complete_cells(study, collected);
+    let mut seen = appearance(study, collected, &cells);
+    if !cells.is_empty() {
+        seen.bdfs = distributions(study, &cells.concat())?;
     }
-    let fields: Vec<Vec<FarField>> =
-        complete.iter().map(|r| far_fields(study, &r.points, study.wave)).collect();
-    let SolvedCells { solved, grid } = by_cell(study, collected, &by_cells, study.wave);
-    let returned = returned(study, collected, &by_cells);
+    Ok(seen)
+}
+
+/// The appearance without the distributions.
+fn appearance(study: &Study, collected: &Collected, cells: &[Vec<&Realisation>]) -> Seen {
+    let (solved, grid) = by_cell(study, collected, cells, study.wave);
+    let complete = cells.concat();
+    let mut seen = Seen {
+        realisations: complete.iter().map(|r| r.packing.realisation).collect(),
+        cells: cells.iter().map(|cell| cell[0].packing.realisation).collect(),
+        solved,
+        grid,
+        layer: None,
+        bdfs: Vec::new(),
+        ink: Err(NoInk::Unfinished),
+    };
+    if complete.is_empty() {
+        return seen;
+    }
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, mean_profile(&complete), &indices);
-    let ensemble = LayerEnsemble::new(&solved, basis(study, solved.len()), &films, &study.angles.exact_deg);
-    let ink = on_paper(study, (&ensemble, &solved), returned.as_deref(), &films);
+    let basis = basis(study, cells.len());
+    let ensemble = LayerEnsemble::new(&seen.solved, basis, &films, &study.angles.exact_deg);
+    seen.ink = on_paper(study, (collected, cells), (&ensemble, &seen.solved), &films);
     let wavelengths_nm = study.wavelengths_nm.clone();
-    let at_outputs = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
-    let layer = Some(LayerSeen { ensemble, films: at_outputs, wavelengths_nm });
-    let realisations: Vec<usize> = complete.iter().map(|r| r.packing.realisation).collect();
-    let cells = by_cells.iter().map(|cell| cell[0].packing.realisation).collect();
-    let bdfs = distributions(study, &fields)?;
-    Ok(Seen { realisations, cells, bdfs, solved, grid, layer, ink })
+    let films = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
+    seen.layer = Some(LayerSeen { ensemble, films, wavelengths_nm });
+    seen
 }
 
 /// The realisations of which every solve is there, cell by cell. One of a pair alone holds too much
@@ -174,36 +175,33 @@ pub(in crate::evaluate) fn complete_cells<'a>(
     all.iter().filter_map(cell).collect()
 }
 
-/// The solves of all cells.
-struct SolvedCells {
-    solved: Vec<SolvedRealisation>,
-    grid: GridPart,
-}
-
 /// The solves of every cell in one light, corrected by those on a finer grid as far as there are
 /// any.
-fn by_cell(study: &Study, collected: &Collected, cells: &[Vec<&Realisation>], wave: Wave) -> SolvedCells {
-    let own = |r: &&Realisation| solved(study, r, &far_fields(study, &r.points, wave));
+fn by_cell(
+    study: &Study,
+    collected: &Collected,
+    cells: &[Vec<&Realisation>],
+    wave: Wave,
+) -> (Vec<SolvedRealisation>, GridPart) {
+    let own = |r: &&Realisation| solved(study, r, &r.points, wave);
     let mean = |cell: &Vec<&Realisation>| {
         cell.iter().map(own).reduce(|first, second| first.mean_with(&second)).expect("a cell has a packing")
     };
     let mut solved: Vec<SolvedRealisation> = cells.iter().map(mean).collect();
-    let checked = checked(study, cells, wave);
-    let refinement = collected.resolved.refinement();
-    let Some(correction) = GridCorrection::new(&checked, &basis(study, 1), refinement) else {
-        return SolvedCells { solved, grid: GridPart::Estimated(collected.resolved.grid_error) };
+    let (checked, refinement) = (checked(study, cells, wave), collected.resolved.refinement());
+    let angles_deg = &study.angles.exact_deg;
+    let Some(correction) = GridCorrection::new(&checked, &basis(study, 1), refinement, angles_deg) else {
+        return (solved, GridPart::Estimated(collected.resolved.grid_error));
     };
     solved.iter_mut().for_each(|cell| correction.apply(cell));
-    let (correction, angles_deg) = (Box::new(correction), study.angles.exact_deg.clone());
-    SolvedCells { solved, grid: GridPart::Corrected { correction, angles_deg } }
+    (solved, GridPart::Corrected(Box::new(correction)))
 }
 
 /// The realisations with all solves on both grids.
 fn checked(study: &Study, cells: &[Vec<&Realisation>], wave: Wave) -> Vec<Checked> {
     let complete = |r: &&&Realisation| !r.finer.is_empty() && r.finer.iter().all(Option::is_some);
     let both = |r: &&Realisation| {
-        let [coarse, finer] =
-            [&r.points, &r.finer].map(|points| solved(study, r, &far_fields(study, points, wave)));
+        let [coarse, finer] = [&r.points, &r.finer].map(|points| solved(study, r, points, wave));
         Checked { coarse, finer }
     };
     cells.iter().flatten().filter(complete).map(both).collect()
@@ -225,17 +223,6 @@ fn in_light(records: &[&PointRecord], wave: Wave) -> FarField {
     }
 }
 
-/// The solves in the light that paper gives back, where polarised light comes in.
-fn returned(
-    study: &Study,
-    collected: &Collected,
-    cells: &[Vec<&Realisation>],
-) -> Option<Vec<SolvedRealisation>> {
-    let wave = study.wave.returned();
-    let other = wave != study.wave && study.angles.no_paper.is_none();
-    other.then(|| by_cell(study, collected, cells, wave).solved)
-}
-
 /// Functions of the wavelength that this number of cells determines.
 fn basis(study: &Study, cells: usize) -> SpectralBasis {
     match study.variation.light {
@@ -246,8 +233,13 @@ fn basis(study: &Study, cells: usize) -> SpectralBasis {
 
 /// The solves of a realisation in their order: wavelength; exact angles, strata, strata from the
 /// exit side.
-fn solved(study: &Study, realisation: &Realisation, fields: &[FarField]) -> SolvedRealisation {
-    let angles = &study.angles;
+fn solved(
+    study: &Study,
+    realisation: &Realisation,
+    points: &[Option<PointRecord>],
+    wave: Wave,
+) -> SolvedRealisation {
+    let (angles, fields) = (&study.angles, far_fields(study, points, wave));
     SolvedRealisation {
         thickness_um: realisation.packing.thickness_um,
         wavelengths: fields.chunks(angles.count()).map(|fields| solved_at(angles, fields)).collect(),
@@ -277,53 +269,51 @@ fn indices(study: &Study, nm: f64) -> (Complex64, Vec<Complex64>) {
 fn mean_profile(complete: &[&Realisation]) -> Profile {
     let mut fractions = complete[0].packing.profile.clone();
     for realisation in &complete[1..] {
-        let other = &realisation.packing.profile;
-        for (own, other) in fractions.iter_mut().zip(other) {
-            own.iter_mut().zip(other).for_each(|(a, b)| *a += b);
-        }
+        let others = realisation.packing.profile.iter().flatten();
+        fractions.iter_mut().flatten().zip(others).for_each(|(own, other)| *own += other);
     }
     fractions.iter_mut().flatten().for_each(|share| *share /= complete.len() as f64);
     Profile { fractions }
 }
 
+/// The ink on its paper. Where polarised light comes in, the paper gives back other light.
 fn on_paper(
     study: &Study,
+    (collected, cells): (&Collected, &[Vec<&Realisation>]),
     (ensemble, solved): (&LayerEnsemble, &[SolvedRealisation]),
-    returned: Option<&[SolvedRealisation]>,
     films: &Films,
 ) -> Result<InkOnPaper, NoInk> {
     if let Some(reason) = &study.angles.no_paper {
         return Err(NoInk::Angles(reason.clone()));
     }
-    let substrate = Substrate { albedo: study.paper.albedo.clone(), coupling: study.paper.coupling };
-    let inputs = InkInputs { films, substrate: &substrate, outputs_nm: &study.wavelengths_nm };
-    let returned = returned.map(|solved| {
+    let inputs = InkInputs { films, substrate: &substrate(study), outputs_nm: &study.wavelengths_nm };
+    let wave = study.wave.returned();
+    let back = (wave != study.wave).then(|| by_cell(study, collected, cells, wave).0);
+    let returned = back.as_ref().map(|solved| {
         let basis = ensemble.basis.clone();
-        (LayerEnsemble::new(solved, basis, &films.returned(), &study.angles.exact_deg), solved)
+        (LayerEnsemble::new(solved, basis, &films.returned(), &study.angles.exact_deg), solved.as_slice())
     });
     Ok(InkOnPaper::new((ensemble.clone(), solved), returned, &inputs)?)
 }
 
-/// Distributions at every exact angle, one per stratum of wavelengths.
-fn distributions(study: &Study, fields: &[Vec<FarField>]) -> Result<Vec<Bdf>, BdfError> {
-    let each = study.angles.count();
-    let places = (0..study.solved_wavelengths())
-        .flat_map(|w| (0..study.angles.exact_deg.len()).map(move |a| w * each + a));
-    let of = |place: usize| {
-        let ensemble: Vec<FarField> = fields.iter().map(|fields| fields[place].clone()).collect();
-        distribution(study, &ensemble)
-    };
-    places.map(of).collect()
-}
-
-/// The distribution of one direction and stratum of wavelengths, from its far fields in all
+/// Distributions at every exact angle, one per stratum of wavelengths, from the far fields in all
 /// realisations.
-fn distribution(study: &Study, ensemble: &[FarField]) -> Result<Bdf, BdfError> {
-    let alike = study.variation.cell == CellRule::Fixed && study.variation.light == LightRule::Listed;
-    match alike && study.variation.thickness_std_um == 0.0 {
-        true => Bdf::from_ensemble(ensemble),
-        false => Bdf::from_varied_cells(ensemble, study.layer.period_um),
+fn distributions(study: &Study, complete: &[&Realisation]) -> Result<Vec<Bdf>, BdfError> {
+    let fields: Vec<Vec<FarField>> =
+        complete.iter().map(|r| far_fields(study, &r.points, study.wave)).collect();
+    let (fixed, each) = (study.variation.cell == CellRule::Fixed, study.angles.count());
+    let alike =
+        fixed && study.variation.light == LightRule::Listed && study.variation.thickness_std_um == 0.0;
+    let mut all = Vec::new();
+    let angles = study.angles.exact_deg.len();
+    for place in (0..study.solved_wavelengths() * angles).map(|k| k / angles * each + k % angles) {
+        let ensemble: Vec<FarField> = fields.iter().map(|fields| fields[place].clone()).collect();
+        all.push(match alike {
+            true => Bdf::from_ensemble(&ensemble)?,
+            false => Bdf::from_varied_cells(&ensemble, study.layer.period_um)?,
+        });
     }
+    Ok(all)
 }
 
 #[cfg(test)]

@@ -2,15 +2,16 @@
 
 use super::gate;
 use super::ink::{InkError, InkOnPaper};
-use super::ink_maker::{InkMaker, ink_maker};
-use super::layer::{EnsembleMean, LayerEnsemble, Total};
-use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld};
-use super::on_paper::{LayerOnPaper, PolarAngle};
-use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
+use super::ink_maker::ink_maker;
+use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
+use super::manifest::{
+    Budget, Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld,
+};
+use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
 use super::seen::{LayerSeen, NoInk, Seen, see};
 use super::survivors::Survivors;
-use super::uncertainty::{Shift, Sure, UNMOVED, Uncertainty, lit, natural_light};
-use crate::appearance::paper::{MirroredSky, PRINT_DEG};
+use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty};
+use crate::appearance::colour::Colour;
 use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
 use crate::run::{Collected, Failure, Refused};
@@ -47,11 +48,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         missing_cells: survivors.largest_shift(seen.realisations.len()),
         certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
     };
-    let mut spectra = spectra(study, seen, &uncertainty);
-    let Looks { colours, no_colour, ink_maker, no_ink_maker, mut withheld } =
-        looks(study, seen, &uncertainty);
-    withheld.extend(gate::spectra(&mut spectra));
-    Manifest {
+    let mut manifest = Manifest {
         status: if finished == asked || collected.enough { Status::Complete } else { Status::Partial },
         title: study.title.clone(),
         study_hash: study.key().to_string(),
@@ -68,50 +65,47 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
             .filter(|longest| *longest != collected.resolved.resolution),
         certainty,
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
-        colours,
-        no_colour,
-        ink_maker,
-        no_ink_maker,
-        withheld,
-        spectra,
+        colours: Vec::new(),
+        no_colour: None,
+        ink_maker: None,
+        no_ink_maker: None,
+        withheld: Vec::new(),
+        spectra: spectra(study, seen, &uncertainty),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         process_seconds: None,
         study,
-    }
+    };
+    enter_looks(&mut manifest, seen, &uncertainty);
+    manifest.withheld.extend(gate::spectra(&mut manifest.spectra));
+    manifest
 }
 
-/// Colours of the ink on its paper, and why some are missing.
-struct Looks {
-    colours: Vec<ColourNote>,
-    no_colour: Option<String>,
-    ink_maker: Option<InkMaker>,
-    no_ink_maker: Option<String>,
-    withheld: Vec<Withheld>,
-}
-
-/// Colours and the numbers for ink makers, as far as they are possible.
-fn looks(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Looks {
-    let (colours, mut no_colour, mut withheld) = match colours(study, seen, uncertainty) {
-        Ok(all) => {
-            let (kept, withheld) = gate::colours(all);
-            (kept, None, withheld)
+/// Enters colours and the numbers for ink makers, as far as they are possible, and why some are
+/// missing.
+fn enter_looks(manifest: &mut Manifest<&Study>, seen: &Seen, uncertainty: &Uncertainty) {
+    let ink = seen.ink.as_ref().map_err(NoInk::to_string);
+    let colours = ink
+        .and_then(|ink| colours(manifest.study, seen, ink, uncertainty).map_err(|error| error.to_string()));
+    let is_coloured = colours.is_ok();
+    match colours.map(gate::colours) {
+        Ok(judged) => {
+            (manifest.colours, manifest.withheld) = judged;
+            let reasons = manifest.withheld.iter().map(Withheld::in_words).collect::<Vec<_>>().join("; ");
+            manifest.no_colour = (manifest.colours.is_empty() && !reasons.is_empty()).then_some(reasons);
         }
-        Err(reason) => (Vec::new(), Some(reason), Vec::new()),
-    };
-    let maker = |ink| ink_maker(study, ink, uncertainty, &seen.cells);
-    let (mut ink_maker, mut no_ink_maker) = match seen.ink.as_ref().map(maker) {
-        Ok(Ok(numbers)) => (Some(numbers), None),
-        Ok(Err(reason)) => (None, no_colour.is_none().then(|| reason.to_string())),
-        Err(_) => (None, None),
-    };
-    if colours.is_empty() && !withheld.is_empty() {
-        no_colour = Some(withheld.iter().map(Withheld::in_words).collect::<Vec<_>>().join("; "));
+        Err(reason) => manifest.no_colour = Some(reason),
     }
-    if let Some(impossible) = ink_maker.as_ref().and_then(gate::ink_maker) {
-        (ink_maker, no_ink_maker) = (None, Some(impossible.in_words()));
-        withheld.push(impossible);
+    let Ok(ink) = &seen.ink else { return };
+    match ink_maker(manifest.study, ink, uncertainty, &seen.cells) {
+        Ok(numbers) => match gate::ink_maker(&numbers) {
+            None => manifest.ink_maker = Some(numbers),
+            Some(impossible) => {
+                manifest.no_ink_maker = Some(impossible.in_words());
+                manifest.withheld.push(impossible);
+            }
+        },
+        Err(reason) => manifest.no_ink_maker = is_coloured.then(|| reason.to_string()),
     }
-    Looks { colours, no_colour, ink_maker, no_ink_maker, withheld }
 }
 
 /// Whether the 95 % intervals of all selected colours are below `run.target_delta_e`; false without
@@ -138,24 +132,19 @@ pub fn aimed_at<'a>(study: &Study, manifest: &'a Manifest<&Study>) -> impl Itera
 }
 
 fn failures(collected: &Collected) -> Vec<FailureNote> {
-    let packings = collected.refused.iter().map(packing_failure);
-    packings.chain(collected.failures().map(solve_failure)).collect()
-}
-
-/// Note on a realisation without a packing.
-fn packing_failure(refused: &Refused) -> FailureNote {
-    let (realisation, reason) = (refused.realisation, refused.reason.clone());
-    FailureNote { realisation, wavelength_nm: None, polar_deg: None, reason }
-}
-
-/// Note on a solve without a result.
-fn solve_failure(failure: &Failure) -> FailureNote {
-    FailureNote {
-        realisation: failure.point.realisation,
-        wavelength_nm: Some(1e3 * failure.point.incidence.wavelength_um),
-        polar_deg: Some(failure.point.incidence.polar_deg),
-        reason: failure.reason.clone(),
-    }
+    let packings = collected.refused.iter().map(|Refused { realisation, reason }| FailureNote {
+        realisation: *realisation,
+        wavelength_nm: None,
+        polar_deg: None,
+        reason: reason.clone(),
+    });
+    let solves = collected.failures().map(|Failure { point, reason }| FailureNote {
+        realisation: point.realisation,
+        wavelength_nm: Some(1e3 * point.incidence.wavelength_um),
+        polar_deg: Some(point.incidence.polar_deg),
+        reason: reason.clone(),
+    });
+    packings.chain(solves).collect()
 }
 
 fn certainty(
@@ -189,7 +178,7 @@ fn certainty(
 /// Even and odd strata alternate between realisations, each with double weight: (1/n) Σ ± T_k
 /// relative to the film.
 fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
-    let layer = seen.layer.as_ref().filter(|layer| layer.ensemble().strata > 1)?;
+    let layer = seen.layer.as_ref().filter(|layer| layer.ensemble.strata > 1)?;
     let of = |(r, realisation): (usize, &SolvedRealisation)| {
         let all: Vec<f64> = realisation.wavelengths.iter().map(|w| alternating_mean(layer, r, w)).collect();
         all.iter().sum::<f64>() / all.len().max(1) as f64
@@ -210,12 +199,12 @@ fn alternating_mean(layer: &LayerSeen, r: usize, w: &SolvedWavelength) -> f64 {
 /// Difference between the two estimates of R̄ from the exit side, realisation by realisation; for
 /// the film both agree.
 fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
-    let ensemble = layer.ensemble();
+    let ensemble = &layer.ensemble;
     // these columns exist only if there are solves from the exit side
     if !ensemble.exit {
         return None;
     }
-    let index = layer.index_out()?;
+    let index = layer.film(0.0).index_out();
     let realisations = 0..ensemble.realisations();
     let samples: Vec<f64> = realisations.map(|r| exit_difference(ensemble, index, r)).collect();
     Some(Estimate::of_mean(&samples))
@@ -232,48 +221,24 @@ fn exit_difference(ensemble: &LayerEnsemble, index: f64, realisation: usize) -> 
     (0..wavelengths).map(apart).sum::<f64>() / wavelengths.max(1) as f64
 }
 
-/// Directions of the two standard conditions.
-struct Conditions {
-    normal: PolarAngle,
-    print_light: PolarAngle,
-    sky: MirroredSky,
-}
-
-impl Conditions {
-    fn new(study: &Study, ink: &InkOnPaper) -> Result<Self, InkError> {
-        let sky = study.output.mirrored_sky;
-        Ok(Self { normal: ink.at(0.0)?, print_light: ink.at(PRINT_DEG)?, sky })
-    }
-
-    fn natural_light(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
-        natural_light(layer, &self.normal, self.sky, by)
-    }
-
-    fn lit_at_45(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
-        lit(layer, &self.print_light, &self.normal, by)
-    }
-}
-
-/// Colours under both conditions, or why there are none.
-fn colours(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Result<Vec<ColourNote>, String> {
-    let ink = seen.ink.as_ref().map_err(NoInk::to_string)?;
-    colours_of(study, seen, ink, uncertainty).map_err(|error| error.to_string())
-}
-
 /// Colours of an ink under natural light and at 45:0.
-fn colours_of(
+fn colours(
     study: &Study,
     seen: &Seen,
     ink: &InkOnPaper,
     uncertainty: &Uncertainty,
 ) -> Result<Vec<ColourNote>, InkError> {
-    let conditions = Conditions::new(study, ink)?;
+    let conditions = Conditions::new(ink, study.output.mirrored_sky)?;
     let sky = uncertainty.colour(ink, &seen.solved, &|l, by| conditions.natural_light(l, by))?;
     let print = uncertainty.colour(ink, &seen.solved, &|l, by| conditions.lit_at_45(l, by))?;
     Ok(vec![note(NATURAL_LIGHT, sky, seen), note(LIT_AT_45, print, seen)])
 }
 
-fn note(conditions: &str, Sure { colour, budget, deviations }: Sure, seen: &Seen) -> ColourNote {
+fn note(
+    conditions: &str,
+    (colour, budget, deviations): (Colour, Budget, Vec<[f64; 3]>),
+    seen: &Seen,
+) -> ColourNote {
     let factor = coverage_factor_95(seen.cells.len().saturating_sub(1));
     ColourNote {
         conditions: conditions.to_owned(),
@@ -290,88 +255,49 @@ fn note(conditions: &str, Sure { colour, budget, deviations }: Sure, seen: &Seen
 /// All wavelengths of each angle in turn; the ink on its paper is included at the normal.
 fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
     let Some(layer) = &seen.layer else { return Vec::new() };
-    let angles = 0..layer.angles_deg().len();
+    let angles = 0..layer.ensemble.exact_deg.len();
     let mut rows: Vec<SpectrumRow> =
-        angles.flat_map(|angle| rows_of(study, seen, (layer, angle), uncertainty)).collect();
-    if let Ok((ink, Ok(conditions))) = seen.ink.as_ref().map(|ink| (ink, Conditions::new(study, ink))) {
-        let natural = ink.spectrum(|l| conditions.natural_light(l, UNMOVED)).estimates();
-        let lit = ink.spectrum(|l| conditions.lit_at_45(l, UNMOVED)).estimates();
-        let normal = rows.iter_mut().filter(|row| row.polar_deg == 0.0);
-        for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
-            let sky = |by: Shift| conditions.natural_light(layer, by) - natural[i].value;
-            let print = |by: Shift| conditions.lit_at_45(layer, by) - lit[i].value;
-            row.natural_light = Some(uncertainty.widen_by(natural[i], row.wavelength_nm, sky));
-            row.lit_at_45 = Some(uncertainty.widen_by(lit[i], row.wavelength_nm, print));
-        }
+        angles.flat_map(|angle| rows_of(layer, angle, &seen.cells, uncertainty)).collect();
+    let Ok(ink) = &seen.ink else { return rows };
+    let Ok(conditions) = Conditions::new(ink, study.output.mirrored_sky) else { return rows };
+    let natural = ink.spectrum(|l| conditions.natural_light(l, UNMOVED)).estimates();
+    let lit = ink.spectrum(|l| conditions.lit_at_45(l, UNMOVED)).estimates();
+    let normal = rows.iter_mut().filter(|row| row.polar_deg == 0.0);
+    for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
+        let sky = |by: Shift| conditions.natural_light(layer, by) - natural[i].value;
+        let print = |by: Shift| conditions.lit_at_45(layer, by) - lit[i].value;
+        row.natural_light = Some(uncertainty.widen_by(natural[i], row.wavelength_nm, sky));
+        row.lit_at_45 = Some(uncertainty.widen_by(lit[i], row.wavelength_nm, print));
     }
     rows
 }
 
-fn rows_of(
-    study: &Study,
-    seen: &Seen,
-    (layer, angle): (&LayerSeen, usize),
-    uncertainty: &Uncertainty,
-) -> Vec<SpectrumRow> {
-    let totals = AngleTotals::new(layer, angle, uncertainty);
-    let wavelengths = study.wavelengths_nm.iter().enumerate();
-    wavelengths.map(|(i, &nm)| totals.row(i, nm, &seen.cells)).collect()
-}
-
-/// The layer's totals at one angle against wavelength, with all errors.
-struct AngleTotals {
-    polar_deg: f64,
-    reflectance: Vec<Estimate>,
-    specular_reflectance: Vec<Estimate>,
-    transmittance: Vec<Estimate>,
-    specular_transmittance: Vec<Estimate>,
-    absorptance: Vec<Estimate>,
-    /// R and T as \[realisation left out\]\[wavelength\].
-    replicates: [Vec<Vec<f64>>; 2],
-}
-
-impl AngleTotals {
-    fn new(layer: &LayerSeen, angle: usize, uncertainty: &Uncertainty) -> Self {
-        let of = |total: Total, moved: fn(Shift) -> f64| -> Vec<Estimate> {
-            let estimates = layer.spectrum(angle, total).estimates();
-            let places = estimates.into_iter().zip(&layer.wavelengths_nm);
-            let widened = places.map(|(estimate, &nm)| uncertainty.widen_by(estimate, nm, moved));
-            widened.map(gate::bounded).collect()
-        };
-        let (reflected, transmitted): (fn(Shift) -> f64, fn(Shift) -> f64) = (|[r, _]| r, |[_, t]| t);
-        let varied = [Total::Reflectance, Total::Transmittance];
-        Self {
-            polar_deg: layer.angles_deg()[angle],
-            reflectance: of(Total::Reflectance, reflected),
-            specular_reflectance: of(Total::SpecularReflectance, reflected),
-            transmittance: of(Total::Transmittance, transmitted),
-            specular_transmittance: of(Total::SpecularTransmittance, transmitted),
-            // A's error: the sum of both
-            absorptance: of(Total::Absorptance, |[r, t]| r + t),
-            replicates: varied.map(|total| layer.spectrum(angle, total).replicates),
-        }
-    }
-
-    /// The totals at the `i`-th wavelength, without the ink on its paper.
-    fn row(&self, i: usize, wavelength_nm: f64, realisations: &[usize]) -> SpectrumRow {
-        SpectrumRow {
+/// The layer's totals at one angle against wavelength, with all errors and the contributions of the
+/// cells to R and T, without the ink on its paper.
+fn rows_of(layer: &LayerSeen, angle: usize, cells: &[usize], uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
+    // what errors of R and T do to R, specular R, T, specular T and A
+    let moved: [fn(Shift) -> f64; TOTALS] = [|[r, _]| r, |[r, _]| r, |[_, t]| t, |[_, t]| t, |[r, t]| r + t];
+    let spectra = Total::ALL.map(|total| layer.spectrum(angle, total));
+    let estimates = spectra.each_ref().map(SpectrumEstimate::estimates);
+    let [r, _, t, ..] = &spectra;
+    let mut rows = Vec::new();
+    for (i, &wavelength_nm) in layer.wavelengths_nm.iter().enumerate() {
+        let widened =
+            |k: usize| gate::bounded(uncertainty.widen_by(estimates[k][i], wavelength_nm, moved[k]));
+        let replicates: Vec<[f64; 2]> =
+            r.replicates.iter().zip(&t.replicates).map(|(r, t)| [r[i], t[i]]).collect();
+        rows.push(SpectrumRow {
             wavelength_nm,
-            polar_deg: self.polar_deg,
-            reflectance: self.reflectance[i],
-            specular_reflectance: self.specular_reflectance[i],
-            transmittance: self.transmittance[i],
-            specular_transmittance: self.specular_transmittance[i],
-            absorptance: self.absorptance[i],
+            polar_deg: layer.ensemble.exact_deg[angle],
+            reflectance: widened(0),
+            specular_reflectance: widened(1),
+            transmittance: widened(2),
+            specular_transmittance: widened(3),
+            absorptance: widened(4),
             natural_light: None,
             lit_at_45: None,
-            deviations: self.deviations(i, realisations),
-        }
+            deviations: cells.iter().copied().zip(jackknife_deviations(&replicates)).collect(),
+        });
     }
-
-    /// Contributions of the realisations to R and T at the `i`-th wavelength.
-    fn deviations(&self, i: usize, realisations: &[usize]) -> Vec<(usize, [f64; 2])> {
-        let [r, t] = &self.replicates;
-        let replicates: Vec<[f64; 2]> = r.iter().zip(t).map(|(r, t)| [r[i], t[i]]).collect();
-        realisations.iter().copied().zip(jackknife_deviations(&replicates)).collect()
-    }
+    rows
 }

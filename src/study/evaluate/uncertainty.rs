@@ -9,7 +9,7 @@ use super::levels::GridPart;
 use super::on_paper::{LayerOnPaper, PolarAngle};
 use super::samples::SolvedRealisation;
 use crate::appearance::colour::Colour;
-use crate::appearance::paper::MirroredSky;
+use crate::appearance::paper::{MirroredSky, PRINT_DEG, PaperError};
 use crate::numerics::estimate::Estimate;
 use serde::Serialize;
 use std::f64::consts::PI;
@@ -38,10 +38,6 @@ pub(super) const UNMOVED: Shift = [0.0; 2];
 type PaperQuantity<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
 
 impl Uncertainty {
-    fn residual(&self) -> f64 {
-        if self.residual > ROUNDING { self.residual } else { 0.0 }
-    }
-
     /// Number of independent errors of R and T common to all realisations: those of the grid, and
     /// last that of the residual. Each shifts everything at once.
     fn parts(&self) -> usize {
@@ -50,7 +46,8 @@ impl Uncertainty {
 
     /// One of these errors at a wavelength.
     fn shift(&self, part: usize, nm: f64) -> Shift {
-        if part < self.grid.parts() { self.grid.shift(part, nm) } else { [self.residual(); 2] }
+        let residual = if self.residual > ROUNDING { self.residual } else { 0.0 };
+        if part < self.grid.parts() { self.grid.shift(part, nm) } else { [residual; 2] }
     }
 
     /// A number of the ink, computed anew with each of these errors.
@@ -73,14 +70,11 @@ impl Uncertainty {
     pub fn widen_lab(&self, chance: Option<[[f64; 3]; 3]>, moved: &[[f64; 3]]) -> Option<[[f64; 3]; 3]> {
         let none = (self.certain && moved.iter().any(|by| *by != [0.0; 3])).then_some([[0.0; 3]; 3]);
         let shared = |i: usize, j: usize| moved.iter().map(|by| by[i] * by[j]).sum::<f64>();
-        let sum = |c: [[f64; 3]; 3]| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] + shared(i, j)));
-        chance.map(|chance| self.with_missing_cells(chance)).or(none).map(sum)
-    }
-
-    /// Adds the largest shift due to packings without room, in any direction, to a random
-    /// covariance.
-    fn with_missing_cells(&self, chance: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
-        chance.map(|row| row.map(|c| c * (1.0 + self.missing_cells * self.missing_cells)))
+        // packings without room shift the mean in any direction
+        let scale = 1.0 + self.missing_cells * self.missing_cells;
+        chance
+            .or(none)
+            .map(|c| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] * scale + shared(i, j))))
     }
 
     /// Adds a shared error; if the random error is unknown, so is the sum.
@@ -100,35 +94,38 @@ impl Uncertainty {
             let shifted = ink.colour_of_mean(sight, |layer| of(layer, by(layer)))?;
             Ok(std::array::from_fn(|i| shifted.lab[i] - colour.lab[i]))
         })?;
-        shared.extend(ink.beyond_range(sight, &colour, plain));
+        shared.extend(sight.meter.beyond(&ink.values(sight, &plain), colour.xyz));
         let chance = colour.lab_covariance;
         let lab_covariance = self.widen_lab(chance, &shared);
         Ok(Widened { colour: Colour { lab_covariance, ..colour }, chance, shared, deviations })
     }
 
-    /// Colour of a quantity for the standard observer, with all contributions to the covariance of
-    /// Lab.
+    /// Colour of a quantity for the standard observer with its total covariance, the contributions
+    /// to it, and that of each realisation to Lab.
     pub fn colour(
         &self,
         ink: &InkOnPaper,
         solved: &[SolvedRealisation],
         of: &PaperQuantity,
-    ) -> Result<Sure, InkError> {
-        let Widened { colour, chance, shared, deviations } = self.widened(ink, ink.daylight()?, of)?;
+    ) -> Result<(Colour, Budget, Vec<[f64; 3]>), InkError> {
+        let Widened { colour, chance, shared, deviations } = self.widened(ink, &ink.daylight()?, of)?;
         let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
         let lengths: Vec<f64> = shared.into_iter().map(length).collect();
         let (grid, rest) = lengths.split_at(self.grid.parts());
         let together = |parts: &[f64]| parts.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+        let angles = ink.angle_covariance(solved, plain)?.map(spread);
+        // the contribution of the directions is a part of the jackknife's
+        let apart = |whole: f64| (whole * whole - angles.unwrap_or(0.0).powi(2)).max(0.0).sqrt();
         let budget = Budget {
-            chance_and_cell: chance.map(spread),
-            angles: ink.angle_covariance(solved, plain)?.map(spread),
+            chance_and_cell: chance.map(spread).map(apart),
+            angles,
             wavelengths: length(ink.wavelength_shift(plain)?),
             grid: together(grid),
             residual: rest[0],
             missing_cells: self.missing_cells * chance.map_or(0.0, spread),
             beyond_range: together(&rest[1..]),
         };
-        Ok(Sure { colour, budget: budget.apart(), deviations })
+        Ok((colour, budget, deviations))
     }
 }
 
@@ -141,16 +138,6 @@ pub(super) struct Widened {
     /// Shifts of Lab due to the grid, the residual, and light beyond each end of the wavelength
     /// range.
     shared: Vec<[f64; 3]>,
-    /// Contribution of each realisation to Lab.
-    pub deviations: Vec<[f64; 3]>,
-}
-
-/// A colour with its error budget.
-pub(super) struct Sure {
-    /// The colour with its total covariance.
-    pub colour: Colour,
-    /// Contributions to the error.
-    pub budget: Budget,
     /// Contribution of each realisation to Lab.
     pub deviations: Vec<[f64; 3]>,
 }
@@ -183,27 +170,31 @@ fn nothing(part: &f64) -> bool {
     *part == 0.0
 }
 
-impl Budget {
-    /// Removes the contribution of the directions from that of the jackknife.
-    fn apart(self) -> Self {
-        let rest = |whole: f64| (whole * whole - self.angles.unwrap_or(0.0).powi(2)).max(0.0).sqrt();
-        Self { chance_and_cell: self.chance_and_cell.map(rest), ..self }
+/// The two standard conditions, viewed along the normal.
+pub(super) struct Conditions {
+    light: PolarAngle,
+    view: PolarAngle,
+    sky: MirroredSky,
+}
+
+impl Conditions {
+    pub fn new(ink: &InkOnPaper, sky: MirroredSky) -> Result<Self, PaperError> {
+        Ok(Self { light: ink.at(PRINT_DEG)?, view: ink.at(0.0)?, sky })
     }
-}
 
-/// The radiance factor under a uniform sky, shifted by the error of R, of T on the way in and out,
-/// and of R̄ on the paper's side.
-pub(super) fn natural_light(layer: &LayerOnPaper, view: &PolarAngle, sky: MirroredSky, [r, t]: Shift) -> f64 {
-    let through = through_paper(layer, [layer.transmittance(view), layer.mean_transmittance()], [r, t]);
-    layer.natural_light(view, sky) + (r + through)
-}
+    /// The radiance factor under a uniform sky, shifted by the error of R, of T on the way in and
+    /// out, and of R̄ on the paper's side.
+    pub fn natural_light(&self, layer: &LayerOnPaper, [r, t]: Shift) -> f64 {
+        let passes = [layer.transmittance(&self.view), layer.mean_transmittance()];
+        layer.natural_light(&self.view, self.sky) + (r + through_paper(layer, passes, [r, t]))
+    }
 
-/// π times the BRDF of the ink on its paper, shifted by errors; the error of the layer's diffuse
-/// part is at most that of its R.
-pub(super) fn lit(layer: &LayerOnPaper, light: &PolarAngle, view: &PolarAngle, [r, t]: Shift) -> f64 {
-    let through =
-        through_paper(layer, [layer.transmittance(light), layer.transmittance_returned(view)], [r, t]);
-    PI * layer.brdf(light, view) + (r + through)
+    /// π times the BRDF of the ink on its paper lit at 45°, shifted by errors; the error of the
+    /// layer's diffuse part is at most that of its R.
+    pub fn lit_at_45(&self, layer: &LayerOnPaper, [r, t]: Shift) -> f64 {
+        let passes = [layer.transmittance(&self.light), layer.transmittance_returned(&self.view)];
+        PI * layer.brdf(&self.light, &self.view) + (r + through_paper(layer, passes, [r, t]))
+    }
 }
 
 /// Error of g T₁ T₂, where dg = n² g² dR̄_b and R̄_b has the same error as R.

@@ -39,35 +39,23 @@ impl SpectralBasis {
     }
 
     /// Number of functions.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         match self {
             Self::Listed(list) => list.len(),
             Self::Splines { intervals, .. } => intervals + MOST - 1,
         }
     }
 
-    /// True without any functions.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
     /// Values at a wavelength in nm. Splines are continued beyond their range by the outermost
     /// pieces; a list uses its nearest entry.
     pub fn weights(&self, nm: f64) -> Weights {
         match self {
-            Self::Listed(list) => {
-                let distance = |&(_, entry): &(usize, &f64)| (entry - nm).abs();
-                let nearest = list.iter().enumerate().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-                nearest.map(|(i, _)| (i, 1.0)).into_iter().collect()
-            }
+            Self::Listed(list) => vec![(nearest(list.iter().copied(), nm), 1.0)],
             Self::Splines { range_nm: [from, to], intervals } => {
                 let place = (nm - from) / (to - from) * *intervals as f64;
                 let piece = (place.floor().max(0.0) as usize).min(intervals - 1);
-                cubic(place - piece as f64)
-                    .into_iter()
-                    .enumerate()
-                    .map(|(k, value)| (piece + k, value))
-                    .collect()
+                let values = cubic(place - piece as f64).into_iter().enumerate();
+                values.map(|(k, value)| (piece + k, value)).collect()
             }
         }
     }
@@ -83,10 +71,16 @@ impl SpectralBasis {
         match self {
             Self::Listed(_) => Vec::new(),
             Self::Splines { .. } => {
-                (2..self.len()).map(|i| [(i - 2, 1.0), (i - 1, -2.0), (i, 1.0)]).collect()
+                (2..self.count()).map(|i| [(i - 2, 1.0), (i - 1, -2.0), (i, 1.0)]).collect()
             }
         }
     }
+}
+
+/// Place of the wavelength nearest to `nm`, the first of several.
+pub(super) fn nearest(wavelengths_nm: impl IntoIterator<Item = f64>, nm: f64) -> usize {
+    let distances = wavelengths_nm.into_iter().map(|own| (own - nm).abs()).enumerate();
+    distances.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place)
 }
 
 /// The four cubic B-splines on a piece, t = 0…1 along it.
@@ -103,7 +97,7 @@ mod tests {
     #[test]
     fn splines_share_unity_and_reproduce_lines() {
         let basis = SpectralBasis::Splines { range_nm: [400.0, 700.0], intervals: 6 };
-        assert_eq!(basis.len(), 9);
+        assert_eq!(basis.count(), 9);
         for nm in [400.0, 401.3, 450.0, 612.0, 700.0] {
             let weights = basis.weights(nm);
             let sum: f64 = weights.iter().map(|s| s.1).sum();
@@ -121,7 +115,7 @@ mod tests {
     /// eight have 64.
     #[test]
     fn pieces_narrow_as_cells_add_wavelengths() {
-        let pieces = |own, cells| SpectralBasis::splines([400.0, 700.0], own, cells).len() + 1 - MOST;
+        let pieces = |own, cells| SpectralBasis::splines([400.0, 700.0], own, cells).count() + 1 - MOST;
         assert_eq!([pieces(8, 1), pieces(8, 4), pieces(8, 8), pieces(8, 100)], [8, 8, 15, 15]);
         assert_eq!([pieces(15, 6), pieces(40, 2)], [15, 40]);
     }

@@ -1,7 +1,10 @@
 //! The inputs and outputs of a run.
 
 use super::resolve::Resolved;
+use super::watch::RunWatch;
 use crate::input::study::Point;
+use crate::solve::Solver;
+use crate::solve::demand::{Admitted, Size, TooLarge};
 use crate::store::Store;
 use crate::store::damage::Damage;
 use crate::store::database::Database;
@@ -28,6 +31,28 @@ pub struct RunSettings {
 impl Default for RunSettings {
     fn default() -> Self {
         Self { jobs: None, memory: super::memory::usable(), retry_failed: false }
+    }
+}
+
+impl RunSettings {
+    /// The strategy with its share of the memory, into which it may grow, and the number of
+    /// parallel solves: as requested, as far as the memory suffices. Each solve holds `systems`
+    /// problems.
+    pub(super) fn admit<'s>(
+        &self,
+        size: &Size,
+        (asked, systems): (&'s dyn Solver, f64),
+        watch: &dyn RunWatch,
+    ) -> Result<(Admitted<'s>, usize), TooLarge> {
+        let memory = self.memory / systems;
+        let bytes_each = systems * size.admit(asked, memory)?.bytes;
+        let wanted = self.jobs.unwrap_or_else(rayon::current_num_threads).max(1);
+        let jobs = wanted.min((self.memory / bytes_each) as usize).max(1);
+        if jobs < wanted {
+            let most = 1e-9 * bytes_each;
+            watch.stage(&format!("{jobs} solves at a time instead of {wanted}: each may take {most:.2} GB"));
+        }
+        Ok((size.admit(asked, memory / jobs as f64)?, jobs))
     }
 }
 

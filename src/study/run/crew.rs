@@ -4,7 +4,11 @@
 //! at most `jobs` solves hold memory at a time. Results depend neither on the worker nor on the
 //! number of threads.
 
+use super::error::RunError;
+use super::watch::RunWatch;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use std::io;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Workers with their thread pools.
@@ -69,20 +73,21 @@ fn as_many_as_granted<T, E>(made: impl Iterator<Item = Result<T, E>>) -> Result<
 }
 
 /// Runs `work` for every index below `count`, `jobs` at a time, starting them in order; ends early
-/// if `stop` returns true.
+/// if the watch stops it or a result cannot be stored.
 ///
 /// # Errors
-/// The system refuses threads; then nothing has been done.
+/// The system refuses threads (then nothing has been done), or the first error of `work`.
 pub fn work_through(
     count: usize,
     jobs: usize,
-    stop: impl Fn() -> bool + Sync,
-    work: impl Fn(usize) + Sync,
-) -> Result<(), ThreadPoolBuildError> {
-    let next = AtomicUsize::new(0);
-    let take = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&i| i < count && !stop());
-    Crew::new(Some(jobs), count)?.work_off(take, work);
-    Ok(())
+    watch: &dyn RunWatch,
+    work: impl Fn(usize) -> io::Result<()> + Sync,
+) -> Result<(), RunError> {
+    let (next, trouble) = (AtomicUsize::new(0), OnceLock::new());
+    let is_wanted = |i: &usize| *i < count && !watch.stop() && trouble.get().is_none();
+    let take = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(is_wanted);
+    Crew::new(Some(jobs), count)?.work_off(take, |i| work(i).unwrap_or_else(|error| _ = trouble.set(error)));
+    trouble.into_inner().map_or(Ok(()), |error| Err(RunError::Store(error)))
 }
 
 /// Processor time of this process so far, user plus system, s; `None` if the system does not report
@@ -100,10 +105,11 @@ mod tests {
     fn every_index_is_done_once() {
         for jobs in [1, 2, 7, 100] {
             let done: Vec<AtomicUsize> = (0..31).map(|_| AtomicUsize::new(0)).collect();
-            work_through(31, jobs, || false, |i| _ = done[i].fetch_add(1, Ordering::SeqCst)).unwrap();
+            let work = |i: usize| Ok(_ = done[i].fetch_add(1, Ordering::SeqCst));
+            work_through(31, jobs, &(), work).unwrap();
             assert!(done.iter().all(|n| n.load(Ordering::SeqCst) == 1));
         }
-        work_through(0, 3, || false, |_| panic!("there is nothing to do")).unwrap();
+        work_through(0, 3, &(), |_| panic!("there is nothing to do")).unwrap();
     }
 
     #[test]
@@ -126,14 +132,22 @@ mod tests {
         });
     }
 
+    struct Called(AtomicBool);
+
+    impl RunWatch for Called {
+        fn stop(&self) -> bool {
+            self.0.load(Ordering::SeqCst)
+        }
+    }
+
     #[test]
     fn a_stop_ends_the_work() {
-        let (stop, done) = (AtomicBool::new(false), AtomicUsize::new(0));
+        let (watch, done) = (Called(AtomicBool::new(false)), AtomicUsize::new(0));
         let work = |i| {
             done.fetch_add(1, Ordering::SeqCst);
-            stop.store(i >= 3, Ordering::SeqCst);
+            Ok(watch.0.store(i >= 3, Ordering::SeqCst))
         };
-        work_through(1000, 1, || stop.load(Ordering::SeqCst), work).unwrap();
+        work_through(1000, 1, &watch, work).unwrap();
         assert_eq!(done.load(Ordering::SeqCst), 4);
     }
 }

@@ -1,13 +1,16 @@
 //! The physics of a run, step by step: packing → scene → coverage → solve → far field.
 
-use super::watch::RunWatch;
+use super::watch::{Event, RunWatch};
 use crate::ink::pack;
 use crate::ink::{PackError, PackProgress, PackWatch, Packing};
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::{Account, GridTrial, SolveError, Solver, Step, Watch};
+use crate::store::identity::Key;
 use crate::store::record::{NotFinite, PointRecord, SolveAccount};
-use crate::wave::{Geometry, Mean, System, TotalErrors, Unphysical, WaveError};
+use crate::store::{Record, Store};
+use crate::wave::{FarField, Geometry, Mean, System, TotalErrors, Unphysical, WaveError};
+use std::io;
 use std::ops::ControlFlow;
 
 /// Why a point has no result.
@@ -30,7 +33,7 @@ pub enum PointError {
 impl PointError {
     /// True if the user stopped the solve, which is not a failure.
     pub fn is_stop(&self) -> bool {
-        matches!(self, Self::Solve(SolveError::Cancelled { .. }))
+        matches!(self, Self::Solve(SolveError::Cancelled { .. }) | Self::Wave(WaveError::Stopped))
     }
 }
 
@@ -47,7 +50,7 @@ pub fn pack_realisation(
 /// Safety factor: other solves may have errors of R and T this many times those of the test solves.
 const BEYOND_PROBES: f64 = 3.0;
 
-pub(super) fn total_errors(grid: GridError, residual: f64) -> TotalErrors {
+fn total_errors(grid: GridError, residual: f64) -> TotalErrors {
     TotalErrors::of_totals([grid.reflectance, grid.transmittance].map(|e| BEYOND_PROBES * e), residual)
 }
 
@@ -83,16 +86,53 @@ impl PointSolver<'_> {
         point: &Point,
         key: &str,
     ) -> Result<PointRecord, PointError> {
-        let own = systems.iter().find(|system| system.polarisation() == point.polarisation);
-        let system = own.expect("points have the polarisations of their study's wave");
+        let system = own(systems, point);
         let solution = self.solver.solve(&**system, self.study.goal, &mut Stopper(self.watch))?;
-        let Account { solver, steps, operator_applications, residual, seconds, .. } = solution.account;
-        let errors = total_errors(self.grid, residual);
-        let far_field = system.far_field(&solution.field).judged(errors)?;
+        self.record(system.far_field(&solution.field), solution.account, point, key)
+    }
+
+    /// The record of a solve whose result violates no physical law.
+    pub(super) fn record(
+        &self,
+        far_field: FarField,
+        account: Account,
+        point: &Point,
+        key: &str,
+    ) -> Result<PointRecord, PointError> {
+        let Account { solver, steps, operator_applications, residual, seconds, .. } = account;
+        let far_field = far_field.judged(total_errors(self.grid, residual))?;
         let account = SolveAccount { solver, steps, operator_applications, residual, seconds };
         let (key, Point { realisation, polarisation, .. }) = (key.to_owned(), *point);
         Ok(PointRecord::new(key, realisation, polarisation, &far_field, account)?)
     }
+}
+
+/// The one of the systems with a point's polarisation.
+pub(super) fn own<S: AsRef<dyn System>>(systems: impl IntoIterator<Item = S>, point: &Point) -> S {
+    let own = systems.into_iter().find(|system| system.as_ref().polarisation() == point.polarisation);
+    own.expect("points have the polarisations of their study's wave")
+}
+
+/// Runs a solve, announces it and stores its record. Without a result it returns the reason, or
+/// nothing after a stop. The outer error is that of the store.
+pub(super) fn attempt<R: Record>(
+    (study, store, watch): (&Study, &Store<R>, &dyn RunWatch),
+    (point, key): &(Point, Key),
+    solve: impl FnOnce() -> Result<R, PointError>,
+) -> io::Result<Result<R, Option<String>>> {
+    watch.hear(Event::Solving(study, point));
+    let solved = solve();
+    watch.hear(Event::Ended);
+    let reason = match solved {
+        Ok(record) => {
+            store.put(key.as_str(), &record)?;
+            watch.hear(Event::Solved(point, None));
+            return Ok(Ok(record));
+        }
+        Err(error) => (!error.is_stop()).then(|| error.to_string()),
+    };
+    reason.iter().for_each(|reason| watch.hear(Event::Solved(point, Some(reason))));
+    Ok(Err(reason))
 }
 
 /// The problems of a point, one per polarisation.

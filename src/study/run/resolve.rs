@@ -20,8 +20,9 @@ use crate::store::identity::Key;
 use crate::store::{Record, Store};
 use crate::wave::physical::largest;
 use crate::wave::{Incidence, Mean, Resolution, Scene, Side};
-use probed::{Prepared, grid, probe};
+use probed::{Probing, grid};
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Number of packings on which two grids are compared: enough for a standard error of the
 /// difference.
@@ -129,36 +130,40 @@ pub fn resolve(
         let grid = grid(&study.draw(0), points_per_um, planes_per_um, scheme);
         size(study, grid).admit(&*study.solver.build(), memory).map_err(AccuracyError::Memory)?;
     }
-    let scenes = scenes(study, scene)?;
+    // One is enough if whole realisations are solved on two grids later.
+    let enough = if study.has_two_levels() { 1 } else { GRID_PACKINGS };
+    let scenes = with_room(0..compared(study), enough, scene)?;
     watch.stage("estimating the error of the grid");
-    let mut resolved = settle(study, &scenes[0], memory, watch)?;
-    let difference = |scene| grid_differences(study, &resolved, scene, memory, watch);
-    let differences: Vec<Vec<[f64; 2]>> = scenes.iter().map(difference).collect::<Result<_, _>>()?;
+    let on =
+        |realisation: usize, scene| Probing { study, draw: study.draw(realisation), scene, memory, watch };
+    let (first, scene) = &scenes[0];
+    let mut resolved = settle(&on(*first, scene), *first)?;
+    let differences = scenes.iter().map(|(r, scene)| grid_differences(&on(*r, scene), *r, &resolved));
+    let differences: Vec<Vec<[f64; 2]>> = differences.collect::<Result<_, _>>()?;
     resolved.grid_error = GridError::from_differences(&differences);
     store.put(key(study).as_str(), &resolved)?;
     Ok(resolved)
 }
 
-/// The scenes of the first realisations that can be packed, at least one: a failed packing affects
-/// only its own realisation.
-fn scenes(
-    study: &Study,
-    mut scene: impl FnMut(usize) -> Result<Scene, RunError>,
-) -> Result<Vec<(usize, Scene)>, RunError> {
-    let (mut scenes, mut refusal) = (Vec::new(), None);
-    // One is enough if whole realisations are solved on two grids later.
-    let enough = if study.has_two_levels() { 1 } else { GRID_PACKINGS };
-    for realisation in 0..compared(study) {
-        if scenes.len() == enough {
-            break;
-        }
-        match scene(realisation) {
-            Ok(scene) => scenes.push((realisation, scene)),
+/// What `make` gives for the first realisations that can be packed, `enough` of them at most and at
+/// least one: a failed packing affects only its own realisation.
+pub(super) fn with_room<T>(
+    realisations: Range<usize>,
+    enough: usize,
+    mut make: impl FnMut(usize) -> Result<T, RunError>,
+) -> Result<Vec<(usize, T)>, RunError> {
+    let (mut made, mut refusal) = (Vec::new(), None);
+    for realisation in realisations {
+        match make(realisation) {
+            Ok(one) => made.push((realisation, one)),
             Err(error) if error.has_no_room() => refusal = refusal.or(Some(error)),
             Err(error) => return Err(error),
         }
+        if made.len() == enough {
+            break;
+        }
     }
-    refusal.filter(|_| scenes.is_empty()).map_or(Ok(scenes), Err)
+    refusal.filter(|_| made.is_empty()).map_or(Ok(made), Err)
 }
 
 /// The study's grid if it is stored.
@@ -210,44 +215,24 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     probes
 }
 
-fn settle(
-    study: &Study,
-    (realisation, scene): &(usize, Scene),
-    memory: f64,
-    watch: &dyn RunWatch,
-) -> Result<Resolved, AccuracyError> {
-    let (draw, probes) = (study.draw(*realisation), probes(study, *realisation));
-    let (mut resolution, mut error_estimate) = (None, 0.0_f64);
-    let stop = || watch.stop();
-    for task in &Prepared::new(study, scene, &probes, memory, &stop).tasks() {
-        let probed = probe(study, &draw, task, resolution, watch)?;
-        error_estimate = largest([error_estimate, probed.error_estimate]);
-        resolution = Some(probed.system().grid().resolution);
-    }
-    let resolution = resolution.ok_or(AccuracyError::Accuracy(f64::NAN))?;
-    let (Draw { period_um, thickness_um, .. }, grid_error) = (draw, GridError::default());
-    let one = Resolved { resolution, period_um, thickness_um, error_estimate, grid_error, longer_waves: 0.0 };
-    let longest = longer_waves::probes(study, *realisation);
-    coarsen(study, &draw, &Prepared::new(study, scene, &longest, memory, &stop).tasks(), one, watch)
+fn settle(on: &Probing, realisation: usize) -> Result<Resolved, AccuracyError> {
+    let (resolution, error_estimate) =
+        on.with_tasks(&probes(on.study, realisation), |tasks| on.grid(tasks))?;
+    let Draw { period_um, thickness_um, .. } = on.draw;
+    let (grid_error, longer_waves) = (GridError::default(), 0.0);
+    let one = Resolved { resolution, period_um, thickness_um, error_estimate, grid_error, longer_waves };
+    on.with_tasks(&longer_waves::probes(on.study, realisation), |longest| coarsen(on, longest, one))
 }
 
 /// Uses the largest coarsening that keeps the accuracy at the longest wavelength.
-fn coarsen(
-    study: &Study,
-    draw: &Draw,
-    longest: &[Task],
-    one: Resolved,
-    watch: &dyn RunWatch,
-) -> Result<Resolved, AccuracyError> {
-    let (Some(first), WantedResolution::Accuracy { amplitude, .. }) = (longest.first(), study.resolution)
-    else {
-        return Ok(one);
-    };
+fn coarsen(on: &Probing, longest: &[Task], one: Resolved) -> Result<Resolved, AccuracyError> {
+    let WantedResolution::Accuracy { amplitude, .. } = on.study.resolution else { return Ok(one) };
+    let Some(first) = longest.first() else { return Ok(one) };
     'shares: for longer_waves in longer_waves::SHARES {
         let mut tried = Resolved { longer_waves, ..one };
-        let grid = tried.for_wave(study, draw, first.incidence.wavelength_um);
+        let grid = tried.for_wave(on.study, &on.draw, first.incidence.wavelength_um);
         for task in longest {
-            match task.solve_with_estimate(grid, &mut Stopper(watch)) {
+            match task.solve_with_estimate(grid, &mut Stopper(on.watch)) {
                 Err(stopped) if stopped.is_stop() => return Err(stopped),
                 Ok(probed) if probed.error_estimate <= amplitude => {
                     tried.error_estimate = largest([tried.error_estimate, probed.error_estimate]);
@@ -262,22 +247,17 @@ fn coarsen(
 
 /// Changes of R and T due to the grid, for the test solves on one packing.
 fn grid_differences(
-    study: &Study,
+    on: &Probing,
+    realisation: usize,
     resolved: &Resolved,
-    (realisation, scene): &(usize, Scene),
-    memory: f64,
-    watch: &dyn RunWatch,
 ) -> Result<Vec<[f64; 2]>, AccuracyError> {
-    let draw = study.draw(*realisation);
-    let stop = || watch.stop();
     let differences = |probes: &[Incidence], own: Resolution| {
-        let prepared = Prepared::new(study, scene, probes, memory, &stop);
-        GridError::differences(&prepared.tasks(), own, &mut Stopper(watch))
+        on.with_tasks(probes, |tasks| GridError::differences(tasks, own, &mut Stopper(on.watch)))
     };
-    let mut found = differences(&probes(study, *realisation), resolved.for_cell(&draw))?;
-    let longest = longer_waves::probes(study, *realisation);
+    let mut found = differences(&probes(on.study, realisation), resolved.for_cell(&on.draw))?;
+    let longest = longer_waves::probes(on.study, realisation);
     if let (Some(first), true) = (longest.first(), resolved.longer_waves > 0.0) {
-        let own = resolved.for_wave(study, &draw, first.wavelength_um);
+        let own = resolved.for_wave(on.study, &on.draw, first.wavelength_um);
         found.extend(differences(&longest, own)?);
     }
     Ok(found)

@@ -1,6 +1,6 @@
 //! Quarantines damaged record files and salvages their intact records.
 
-use super::rows::{End, Rows, StoredRow};
+use super::rows::Rows;
 use super::seal::Sealed;
 use super::slot::Slot;
 use std::collections::HashSet;
@@ -11,21 +11,6 @@ use std::path::{Path, PathBuf};
 pub(super) const ROWS: &str = "sqlite";
 /// Extension of damaged files whose records are being salvaged.
 pub(super) const DAMAGED: &str = "damaged";
-
-/// Why a copy ended early.
-pub(super) enum Interruption {
-    /// The source file cannot be read.
-    There(rusqlite::Error),
-    /// The target file cannot be written.
-    Here(rusqlite::Error),
-    Contradiction(Box<(Sealed, StoredRow)>),
-}
-
-impl From<rusqlite::Error> for Interruption {
-    fn from(error: rusqlite::Error) -> Self {
-        Self::There(error)
-    }
-}
 
 /// Renames damaged files that no other process holds and closes those in `open`; returns the new
 /// names and what is wrong.
@@ -63,33 +48,14 @@ pub(super) fn put_aside(
 pub(super) fn take_over(damaged: &Path, into: &Rows) -> rusqlite::Result<usize> {
     let Ok(from) = Rows::read(damaged) else { return Ok(0) };
     let mut saved = HashSet::new();
-    let mut keep = |row: StoredRow| save(&row, into, &mut saved);
-    into.at_once(|| {
-        save_from(&from, End::First, &mut keep)?;
-        save_from(&from, End::Last, &mut keep)
-    })?;
+    let mut keep = |record: Sealed| {
+        let wanted = record.check().is_ok() && saved.insert((record.kind.clone(), record.key.clone()));
+        if wanted { into.put(&record) } else { Ok(()) }
+    };
+    // What cannot be read is damage that is already known.
+    let mut save = |newest_first| from.scan(newest_first, &mut keep).unwrap_or(Ok(()));
+    into.at_once(|| save(false).and_then(|()| save(true)))?;
     Ok(saved.len())
-}
-
-/// Copies an intact record unless its kind and key are among those already `saved`.
-fn save(row: &StoredRow, into: &Rows, saved: &mut HashSet<(String, String)>) -> Result<(), Interruption> {
-    if row.sealed.check(&row.kind, &row.key).is_ok() && saved.insert((row.kind.clone(), row.key.clone())) {
-        into.put(row).map_err(Interruption::Here)?;
-    }
-    Ok(())
-}
-
-/// Passes the records to `keep`, starting at one end, as far as they can be read. Errors are
-/// ignored because the damage of this file is already known.
-fn save_from(
-    damaged: &Rows,
-    end: End,
-    keep: impl FnMut(StoredRow) -> Result<(), Interruption>,
-) -> rusqlite::Result<()> {
-    match damaged.scan(end, keep) {
-        Err(Interruption::Here(error)) => Err(error),
-        _ => Ok(()),
-    }
 }
 
 /// Files with this extension, ordered by number.

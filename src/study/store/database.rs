@@ -4,13 +4,13 @@
 //! other, and a damaged file is never written to again: its intact records are copied, the rest
 //! counts as absent.
 
-use super::aside::{DAMAGED, Interruption, ROWS, files_of, put_aside, remove, take_over};
+use super::aside::{DAMAGED, ROWS, files_of, put_aside, remove, take_over};
 use super::damage::Damage;
 use super::queue::{Queue, QueueError};
-use super::rows::{End, Rows, StoredRow};
+use super::rows::Rows;
 use super::seal::Sealed;
 use super::slot::Slot;
-use std::collections::{BTreeSet, HashSet};
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -19,12 +19,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 pub const RECORDS: &str = "records";
 
 /// All records of a folder.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Database {
     /// `None` if in memory.
     folder: Option<PathBuf>,
     files: Mutex<Files>,
-    damages: Mutex<Damages>,
+    /// By record or file.
+    damages: Mutex<BTreeMap<String, Damage>>,
 }
 
 #[derive(Debug, Default)]
@@ -40,10 +41,17 @@ struct Own {
     slot: Option<Slot>,
 }
 
-#[derive(Debug, Default)]
-struct Damages {
-    found: Vec<Damage>,
-    known: HashSet<String>,
+/// Why a copy ended early.
+enum Interruption {
+    /// The target file cannot be written.
+    Unwritable(rusqlite::Error),
+    Contradiction(Box<[Sealed; 2]>),
+}
+
+impl From<rusqlite::Error> for Interruption {
+    fn from(error: rusqlite::Error) -> Self {
+        Self::Unwritable(error)
+    }
 }
 
 impl Files {
@@ -58,8 +66,7 @@ impl Database {
     /// # Errors
     /// The folder cannot be read.
     pub fn open(folder: &Path) -> io::Result<Self> {
-        let database =
-            Self { folder: Some(folder.join(RECORDS)), files: Mutex::default(), damages: Mutex::default() };
+        let database = Self { folder: Some(folder.join(RECORDS)), ..Self::default() };
         database.refresh()?;
         Ok(database)
     }
@@ -71,7 +78,7 @@ impl Database {
     pub fn in_memory() -> io::Result<Self> {
         let own = Own { rows: Rows::in_memory().map_err(io::Error::other)?, slot: None };
         let files = Mutex::new(Files { own: Some(own), others: Vec::new() });
-        Ok(Self { folder: None, files, damages: Mutex::default() })
+        Ok(Self { files, ..Self::default() })
     }
 
     /// Opens files that other processes have created since.
@@ -87,7 +94,7 @@ impl Database {
             }
             match Rows::read(&path) {
                 Ok(rows) => files.others.push(rows),
-                Err(error) => self.note_file(&path, &error.to_string(), None),
+                Err(error) => self.note_file(&path, error),
             }
         }
         Ok(())
@@ -100,11 +107,11 @@ impl Database {
         for rows in files.all() {
             match rows.get(kind, key) {
                 Ok(None) => {}
-                Ok(Some(sealed)) => match sealed.check(kind, key) {
+                Ok(Some(sealed)) => match sealed.check() {
                     Ok(()) => return Some(sealed.content),
                     Err(found) => fault = Some(found),
                 },
-                Err(error) => self.note_file(rows.path(), &error.to_string(), None),
+                Err(error) => self.note_file(rows.path(), error),
             }
         }
         if let Some(fault) = fault {
@@ -118,9 +125,9 @@ impl Database {
     /// # Errors
     /// The record cannot be written.
     pub fn put(&self, kind: &str, key: &str, content: Vec<u8>) -> io::Result<()> {
-        let row =
-            StoredRow { kind: kind.to_owned(), key: key.to_owned(), sealed: Sealed::new(kind, key, content) };
-        self.writing(|rows| rows.put(&row))
+        let mut files = lock(&self.files);
+        let rows = &self.own(&mut files)?.rows;
+        rows.put(&Sealed::new(kind, key, content)).map_err(|error| failed(rows.path(), &error))
     }
 
     /// Deletes a record from all files.
@@ -152,46 +159,37 @@ impl Database {
         from: &Self,
         kinds: &[&str],
         same: impl Fn(&str, &[u8], &[u8]) -> bool,
-    ) -> io::Result<Option<(Sealed, StoredRow)>> {
+    ) -> io::Result<Option<[Sealed; 2]>> {
         let mut files = lock(&self.files);
         let into = &self.own(&mut files)?.rows;
-        let wanted = |row: &StoredRow| kinds.is_empty() || kinds.contains(&row.kind.as_str());
-        let mut adopt = |row: StoredRow| if wanted(&row) { from.hand_over(row, into, &same) } else { Ok(()) };
+        let wanted = |row: &Sealed| kinds.is_empty() || kinds.contains(&row.kind.as_str());
+        let mut adopt = |row: Sealed| if wanted(&row) { from.hand_over(row, into, &same) } else { Ok(()) };
+        let mut adopt_all = |rows: &Rows| {
+            let unreadable = |error| Ok(from.note_file(rows.path(), error));
+            rows.scan(false, &mut adopt).unwrap_or_else(unreadable)
+        };
         let others = lock(&from.files);
-        let all = into.at_once(|| others.all().try_for_each(|rows| from.scan(rows, &mut adopt)));
-        match all {
+        match into.at_once(|| others.all().try_for_each(&mut adopt_all)) {
             Ok(()) => Ok(None),
             Err(Interruption::Contradiction(both)) => Ok(Some(*both)),
-            Err(Interruption::Here(error) | Interruption::There(error)) => Err(failed(into.path(), &error)),
-        }
-    }
-
-    /// Passes all records of a file to `each`; what cannot be read is noted.
-    fn scan(
-        &self,
-        rows: &Rows,
-        each: impl FnMut(StoredRow) -> Result<(), Interruption>,
-    ) -> Result<(), Interruption> {
-        match rows.scan(End::First, each) {
-            Err(Interruption::There(error)) => Ok(self.note_file(rows.path(), &error.to_string(), None)),
-            end => end,
+            Err(Interruption::Unwritable(error)) => Err(failed(into.path(), &error)),
         }
     }
 
     /// Copies an intact record into a file that lacks it; a damaged one is noted.
     fn hand_over(
         &self,
-        row: StoredRow,
+        row: Sealed,
         into: &Rows,
         same: &dyn Fn(&str, &[u8], &[u8]) -> bool,
     ) -> Result<(), Interruption> {
-        if let Err(fault) = row.sealed.check(&row.kind, &row.key) {
+        if let Err(fault) = row.check() {
             return Ok(self.note(Damage::Record { kind: row.kind, key: row.key, fault }));
         }
-        match into.get(&row.kind, &row.key).map_err(Interruption::Here)? {
-            None => into.put(&row).map_err(Interruption::Here),
-            Some(here) if same(&row.kind, &here.content, &row.sealed.content) => Ok(()),
-            Some(here) => Err(Interruption::Contradiction(Box::new((here, row)))),
+        match into.get(&row.kind, &row.key)? {
+            None => Ok(into.put(&row)?),
+            Some(here) if same(&row.kind, &here.content, &row.content) => Ok(()),
+            Some(here) => Err(Interruption::Contradiction(Box::new([here, row]))),
         }
     }
 
@@ -202,7 +200,7 @@ impl Database {
         for rows in files.all() {
             match rows.keys(kind) {
                 Ok(found) => keys.extend(found),
-                Err(error) => self.note_file(rows.path(), &error.to_string(), None),
+                Err(error) => self.note_file(rows.path(), error),
             }
         }
         keys
@@ -225,39 +223,24 @@ impl Database {
         }
     }
 
-    /// Notes damage once; a note on salvaged records replaces earlier notes on the same file.
+    /// Notes damage; it replaces an earlier note on the same record or file.
     pub(super) fn note(&self, damage: Damage) {
-        let mut damages = lock(&self.damages);
-        if let Damage::File { path, saved: Some(_), .. } = &damage {
-            damages.found.retain(|known| known.file() != Some(path));
-        } else if !damages.known.insert(damage.subject()) {
-            return;
-        }
-        damages.found.push(damage);
+        lock(&self.damages).insert(damage.subject(), damage);
     }
 
     /// All damage found so far.
     pub fn damages(&self) -> Vec<Damage> {
-        lock(&self.damages).found.clone()
+        lock(&self.damages).values().cloned().collect()
     }
 
-    fn note_file(&self, path: &Path, reason: &str, saved: Option<usize>) {
-        self.note(Damage::File { path: path.to_owned(), reason: reason.to_owned(), saved });
-    }
-
-    fn writing<T>(&self, write: impl FnOnce(&Rows) -> rusqlite::Result<T>) -> io::Result<T> {
-        let mut files = lock(&self.files);
-        let own = self.own(&mut files)?;
-        write(&own.rows).map_err(|error| failed(own.rows.path(), &error))
+    fn note_file(&self, path: &Path, reason: impl ToString) {
+        self.note(Damage::File { path: path.to_owned(), reason: reason.to_string() });
     }
 
     /// This process's file, created when first needed.
     fn own<'a>(&self, files: &'a mut Files) -> io::Result<&'a Own> {
-        if files.own.is_none() {
-            let begun = self.begin(files)?;
-            files.own = Some(begun);
-        }
-        files.own.as_ref().ok_or_else(|| io::Error::other("no file for records"))
+        let own = files.own.take().map_or_else(|| self.begin(files), Ok)?;
+        Ok(files.own.insert(own))
     }
 
     /// Reserves a slot and quarantines damaged files before anything is written.
@@ -273,7 +256,8 @@ impl Database {
             let saved = take_over(&damaged, &rows).map_err(|error| failed(&path, &error))?;
             let known = reasons.iter().find(|(name, _)| *name == damaged);
             let reason = known.map_or("left behind damaged", |(_, reason)| reason.as_str());
-            self.note_file(&damaged.with_extension(ROWS), reason, Some(saved));
+            let reason = format!("{reason}; {saved} intact records were saved");
+            self.note_file(&damaged.with_extension(ROWS), reason);
             remove(&damaged)?;
         }
         Ok(Own { rows, slot: Some(slot) })

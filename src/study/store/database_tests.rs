@@ -100,7 +100,7 @@ fn a_copy_takes_what_is_sound_and_stops_at_contradictions() {
     let other = tempfile::tempdir().unwrap();
     open(&other).put("point", "c", vec![4]).unwrap();
     open(&other).put("point", "b", vec![3]).unwrap();
-    let (here, there) = merged.adopt(&open(&other), &["point"], equal).unwrap().unwrap();
+    let [here, there] = merged.adopt(&open(&other), &["point"], equal).unwrap().unwrap();
     assert_eq!((here.content, there.key.as_str()), (vec![2], "b"));
     assert_eq!(merged.get("point", "c"), None, "all or nothing");
 }

@@ -130,7 +130,10 @@ impl OutputFolder {
                 serde_json::to_vec_pretty(&Marker::new(holds)).map_err(|e| not_writable(e.into()))?;
             folder.write(MARKER, &marker)?;
         }
-        folder.remove_leftovers();
+        // Temporary files of killed processes go unless others are working here.
+        if !Slot::any_is_held(&path.join(RECORDS)) {
+            safely::remove_leftovers(path);
+        }
         Ok(folder)
     }
 
@@ -146,14 +149,6 @@ impl OutputFolder {
         let (made, go_on, presence) = (Vec::new(), self.go_on.clone(), Presence::default());
         std::fs::create_dir_all(&path).map_err(FolderError::at(&path))?;
         Ok(Self { path, made, marked: true, go_on, presence })
-    }
-
-    /// Removes temporary files of killed processes, unless others are working here.
-    fn remove_leftovers(&self) {
-        let records = self.path.join(RECORDS);
-        if !Slot::any_is_held(&records) {
-            safely::remove_leftovers(&self.path);
-        }
     }
 
     /// Path of the folder.
@@ -205,15 +200,12 @@ impl OutputFolder {
     /// After a failure, removes the empty folders that this run created, unless another process is
     /// working in them.
     pub fn discard_when_empty(&self) {
-        let records = self.path.join(RECORDS);
-        if self.marked || !self.presence.is_alone() {
-            return;
-        }
-        if Database::open(&self.path).is_ok_and(|database| !database.is_empty()) {
+        let has_records = || Database::open(&self.path).is_ok_and(|database| !database.is_empty());
+        if self.marked || !self.presence.is_alone() || has_records() {
             return;
         }
         // Removing a folder fails if it is not empty, as it should; errors are ignored.
-        let _ = std::fs::remove_dir_all(records);
+        let _ = std::fs::remove_dir_all(self.path.join(RECORDS));
         let _ = self.complete();
         let _ = self.remove(MARKER);
         for folder in &self.made {
@@ -236,16 +228,12 @@ fn refuse_links(path: &Path) -> Result<(), FolderError> {
 
 /// True if the folder is marked as ours; false if it is new or empty.
 fn refuse_foreign(path: &Path, wanted: Holds) -> Result<bool, FolderError> {
-    let path_owned = || path.to_owned();
     if let Some(marker) = Marker::read(path) {
-        let found = marker.inkwave_folder;
-        if !marker.is_readable() {
-            return Err(FolderError::Older { path: path_owned(), found: marker.program });
-        }
-        return if found == wanted {
-            Ok(true)
-        } else {
-            Err(FolderError::Other { path: path_owned(), found, wanted })
+        let (found, path) = (marker.inkwave_folder, path.to_owned());
+        return match marker.is_readable() {
+            false => Err(FolderError::Older { path, found: marker.program }),
+            true if found == wanted => Ok(true),
+            true => Err(FolderError::Other { path, found, wanted }),
         };
     }
     let Ok(entries) = std::fs::read_dir(path) else { return Ok(false) };
@@ -254,7 +242,7 @@ fn refuse_foreign(path: &Path, wanted: Holds) -> Result<bool, FolderError> {
     match names.into_iter().find(|name| !name.starts_with('.')) {
         // Another process may have marked the folder in the meantime: then its files are ours.
         Some(_) if Marker::read(path).is_some() => refuse_foreign(path, wanted),
-        Some(found) => Err(FolderError::Foreign { path: path_owned(), found }),
+        Some(found) => Err(FolderError::Foreign { path: path.to_owned(), found }),
         None => Ok(false),
     }
 }

@@ -57,21 +57,16 @@ impl PackingRecord {
     /// The record of a packing.
     pub fn new(realisation: usize, packing: &Packing) -> Self {
         let PackingAccount { method, steps, smallest_gap_um, notes, .. } = packing.account().clone();
-        let shares = packing
-            .shares()
-            .iter()
-            .enumerate()
-            .map(|(k, share)| ShareRecord { sizes: ReachedSizes::of(packing, k), ..ShareRecord::from(share) })
-            .collect();
+        let share = |(k, share): (usize, &Share)| ShareRecord {
+            requested_fraction: share.requested_fraction,
+            achieved_fraction: share.achieved_fraction,
+            grains: share.grains,
+            size_factor: share.size_factor,
+            sizes: ReachedSizes::of(packing, k),
+        };
+        let shares = packing.shares().iter().enumerate().map(share).collect();
         let (period_um, thickness_um) = (packing.period_um(), packing.thickness_um());
         let profile = profile(packing, SLICES);
         Self { realisation, period_um, thickness_um, profile, method, steps, smallest_gap_um, notes, shares }
-    }
-}
-
-impl From<&Share> for ShareRecord {
-    fn from(share: &Share) -> Self {
-        let Share { requested_fraction, achieved_fraction, grains, size_factor, .. } = *share;
-        Self { requested_fraction, achieved_fraction, grains, size_factor, sizes: None }
     }
 }

@@ -10,7 +10,7 @@ use super::slot::Slot;
 use rusqlite::{Connection, Params, Transaction, TransactionBehavior, params};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use tables::{begin, enlist, enter, free_claims_of_the_dead, living, next, open, take, under_way};
+use tables::{enlist, free_claims_of_the_dead, join, living, open, take_next};
 
 /// A task of the queue.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -82,17 +82,12 @@ impl Queue {
     /// Other work is in progress there, or the queue's file cannot be used.
     pub fn join(folder: &Path, slot: &Slot, name: &str) -> Result<Self, QueueError> {
         let failed = |source| QueueError::File { folder: folder.to_owned(), source };
-        let mut connection = open(folder, slot).map_err(failed)?;
-        let transaction =
-            Transaction::new(&mut connection, TransactionBehavior::Immediate).map_err(failed)?;
-        match under_way(&transaction, folder).map_err(failed)? {
-            Some(other) if other != name => return Err(QueueError::OtherWork { folder: folder.to_owned() }),
-            Some(_) => {}
-            None => begin(&transaction, name).map_err(failed)?,
+        let connection = Mutex::new(open(folder, slot).map_err(failed)?);
+        let queue = Self { folder: folder.to_owned(), worker: slot.number(), connection };
+        match queue.turn(|transaction| join(transaction, (folder, slot), name))? {
+            true => Ok(queue),
+            false => Err(QueueError::OtherWork { folder: folder.to_owned() }),
         }
-        enter(&transaction, slot).map_err(failed)?;
-        transaction.commit().map_err(failed)?;
-        Ok(Self { folder: folder.to_owned(), worker: slot.number(), connection: Mutex::new(connection) })
     }
 
     /// Adds tasks numbered from `first`; tasks that another worker has already added are left
@@ -114,19 +109,17 @@ impl Queue {
 
     /// Claims a task that is free or was held by a dead worker.
     fn claim_in(&self, transaction: &Transaction) -> rusqlite::Result<Assignment> {
-        if let Some(task) = next(transaction)? {
-            take(transaction, task, self.worker)?;
-            return Ok(Assignment::Task(task));
+        let mut task = take_next(transaction, self.worker)?;
+        if task.is_none() {
+            free_claims_of_the_dead(transaction, &self.folder)?;
+            task = take_next(transaction, self.worker)?;
         }
-        let left: usize =
-            transaction.query_row("select count(*) from tasks where not done", [], |row| row.get(0))?;
-        if left == 0 {
-            return Ok(Assignment::Finished);
-        }
-        free_claims_of_the_dead(transaction, &self.folder)?;
-        let Some(task) = next(transaction)? else { return Ok(Assignment::Wait) };
-        take(transaction, task, self.worker)?;
-        Ok(Assignment::Task(task))
+        let left = "select exists (select 1 from tasks where not done)";
+        Ok(match task {
+            Some(task) => Assignment::Task(task),
+            None if transaction.query_row(left, [], |row| row.get(0))? => Assignment::Wait,
+            None => Assignment::Finished,
+        })
     }
 
     /// Marks a task as finished, with its number of solves and how many of them have no result.
@@ -206,22 +199,16 @@ impl Queue {
         self.turn(|transaction| transaction.execute(sql, values).map(drop))
     }
 
+    /// Runs `work` in a transaction; other processes wait meanwhile.
     fn turn<T>(&self, work: impl FnOnce(&Transaction) -> rusqlite::Result<T>) -> Result<T, QueueError> {
+        let failed = |source| QueueError::File { folder: self.folder.clone(), source };
         let mut connection = self.connection.lock().unwrap_or_else(PoisonError::into_inner);
-        let done = in_transaction(&mut connection, work);
-        done.map_err(|source| QueueError::File { folder: self.folder.clone(), source })
+        let transaction = Transaction::new(&mut connection, TransactionBehavior::Immediate);
+        let transaction = transaction.map_err(failed)?;
+        let done = work(&transaction).map_err(failed)?;
+        transaction.commit().map_err(failed)?;
+        Ok(done)
     }
-}
-
-/// Runs `work` in a transaction; other processes wait meanwhile.
-fn in_transaction<T>(
-    connection: &mut Connection,
-    work: impl FnOnce(&Transaction) -> rusqlite::Result<T>,
-) -> rusqlite::Result<T> {
-    let transaction = Transaction::new(connection, TransactionBehavior::Immediate)?;
-    let done = work(&transaction)?;
-    transaction.commit()?;
-    Ok(done)
 }
 
 #[cfg(test)]

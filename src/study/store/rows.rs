@@ -12,7 +12,7 @@ use std::time::Duration;
 
 /// SQLite application number of our files ("inkw").
 const APPLICATION: i32 = 0x696e_6b77;
-/// Timeout: other processes read the file and checkpoint its log, which is quick.
+/// Timeout: other processes read a file, checkpoint its log or change a few rows, which is quick.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Pages of the log before it is merged into the file.
 const LOG_PAGES: i32 = 4000;
@@ -28,26 +28,6 @@ pub struct Rows {
     connection: Connection,
 }
 
-/// A record with its kind and key.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct StoredRow {
-    /// Kind, such as `point`.
-    pub kind: String,
-    /// Content hash of what the record depends on.
-    pub key: String,
-    /// The record.
-    pub sealed: Sealed,
-}
-
-/// Where a scan starts; the other end reaches what lies behind a damaged page.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// The oldest record.
-    First,
-    /// The newest record.
-    Last,
-}
-
 impl Rows {
     /// Opens the file for writing; creates it if necessary.
     pub fn create(path: &Path) -> rusqlite::Result<Self> {
@@ -60,11 +40,7 @@ impl Rows {
     }
 
     fn to_write(path: PathBuf, connection: Connection) -> rusqlite::Result<Self> {
-        connection.busy_timeout(PATIENCE)?;
-        // File systems without shared memory do not support the log; a rollback journal works, more
-        // slowly.
-        let logged = connection.pragma_update(None, "journal_mode", "wal");
-        logged.or_else(|_| connection.pragma_update(None, "journal_mode", "truncate"))?;
+        to_share(&connection)?;
         connection.pragma_update(None, "synchronous", "normal")?;
         connection.pragma_update(None, "wal_autocheckpoint", LOG_PAGES)?;
         connection.pragma_update(None, "application_id", APPLICATION)?;
@@ -103,17 +79,16 @@ impl Rows {
 
     /// The record with this key, damaged or not.
     pub fn get(&self, kind: &str, key: &str) -> rusqlite::Result<Option<Sealed>> {
-        let sql = "select method, program, seal, content from records where kind = ?1 and key = ?2";
-        let mut statement = self.connection.prepare_cached(sql)?;
-        statement.query_row([kind, key], |row| Self::sealed(row, 0)).optional()
+        let sql = "select * from records where kind = ?1 and key = ?2";
+        self.connection.prepare_cached(sql)?.query_row([kind, key], sealed).optional()
     }
 
     /// Stores a record, replacing one with the same key.
-    pub fn put(&self, row: &StoredRow) -> rusqlite::Result<()> {
+    pub fn put(&self, record: &Sealed) -> rusqlite::Result<()> {
         let sql = "insert or replace into records values (?1, ?2, ?3, ?4, ?5, ?6)";
-        let Sealed { method, program, seal, content } = &row.sealed;
+        let Sealed { kind, key, method, program, seal, content } = record;
         let mut statement = self.connection.prepare_cached(sql)?;
-        statement.execute(params![row.kind, row.key, method, program, seal, content]).map(drop)
+        statement.execute(params![kind, key, method, program, seal, content]).map(drop)
     }
 
     /// Deletes a record if it exists.
@@ -126,27 +101,25 @@ impl Rows {
         self.connection.execute("delete from records where kind = ?1", [kind]).map(drop)
     }
 
-    /// Passes all records to `each`, starting at one end, until the file cannot be read further.
+    /// Passes all records to `each`, starting with the oldest or the newest, until it fails. What
+    /// lies behind a damaged page is only reached from the other end.
     ///
     /// # Errors
     /// The reason why the file cannot be read further.
-    pub fn scan<E: From<rusqlite::Error>>(
+    pub fn scan<E>(
         &self,
-        from: End,
-        mut each: impl FnMut(StoredRow) -> Result<(), E>,
-    ) -> Result<(), E> {
-        let order = match from {
-            End::First => "asc",
-            End::Last => "desc",
-        };
-        let columns = "kind, key, method, program, seal, content";
+        newest_first: bool,
+        mut each: impl FnMut(Sealed) -> Result<(), E>,
+    ) -> rusqlite::Result<Result<(), E>> {
+        let order = if newest_first { "desc" } else { "asc" };
         let mut statement =
-            self.connection.prepare(&format!("select {columns} from records order by rowid {order}"))?;
-        let mut rows = statement.query([])?;
-        while let Some(row) = rows.next()? {
-            each(Self::row(row)?)?;
+            self.connection.prepare(&format!("select * from records order by rowid {order}"))?;
+        for record in statement.query_map([], sealed)? {
+            if let Err(end) = each(record?) {
+                return Ok(Err(end));
+            }
         }
-        Ok(())
+        Ok(Ok(()))
     }
 
     /// Keys of all records of a kind.
@@ -158,20 +131,6 @@ impl Rows {
     /// True if there are no readable records.
     pub fn is_empty(&self) -> bool {
         self.connection.query_row("select 1 from records limit 1", [], |_| Ok(())).is_err()
-    }
-
-    fn row(row: &rusqlite::Row) -> rusqlite::Result<StoredRow> {
-        Ok(StoredRow { kind: row.get(0)?, key: row.get(1)?, sealed: Self::sealed(row, 2)? })
-    }
-
-    fn sealed(row: &rusqlite::Row, from: usize) -> rusqlite::Result<Sealed> {
-        let [method, program, seal, content] = [0, 1, 2, 3].map(|i| from + i);
-        Ok(Sealed {
-            method: row.get(method)?,
-            program: row.get(program)?,
-            seal: row.get(seal)?,
-            content: row.get(content)?,
-        })
     }
 
     /// What is wrong with the file's layout or pages; `None` if they are intact.
@@ -206,6 +165,25 @@ impl Rows {
     }
 }
 
+fn sealed(row: &rusqlite::Row) -> rusqlite::Result<Sealed> {
+    Ok(Sealed {
+        kind: row.get(0)?,
+        key: row.get(1)?,
+        method: row.get(2)?,
+        program: row.get(3)?,
+        seal: row.get(4)?,
+        content: row.get(5)?,
+    })
+}
+
+/// Lets a connection wait for others, and logs what it writes. File systems without shared memory
+/// do not support the log; a rollback journal works, more slowly.
+pub(super) fn to_share(connection: &Connection) -> rusqlite::Result<()> {
+    connection.busy_timeout(PATIENCE)?;
+    let logged = connection.pragma_update(None, "journal_mode", "wal");
+    logged.or_else(|_| connection.pragma_update(None, "journal_mode", "truncate"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -213,19 +191,15 @@ mod tests {
     #[test]
     fn records_are_kept_replaced_scanned_and_forgotten() {
         let rows = Rows::in_memory().unwrap();
-        let row = |kind: &str, key: &str, content: u8| StoredRow {
-            kind: kind.into(),
-            key: key.into(),
-            sealed: Sealed::new(kind, key, vec![content]),
-        };
+        let row = |kind: &str, key: &str, content: u8| Sealed::new(kind, key, vec![content]);
         let all = [row("point", "a", 1), row("point", "b", 2), row("grid", "a", 3)];
         rows.at_once::<(), rusqlite::Error>(|| all.iter().try_for_each(|row| rows.put(row))).unwrap();
         rows.put(&row("point", "a", 9)).unwrap();
         assert_eq!(rows.get("point", "a").unwrap().unwrap().content, [9]);
         assert_eq!(rows.get("grid", "b").unwrap(), None);
-        for (from, first) in [(End::First, "b"), (End::Last, "a")] {
+        for (newest_first, first) in [(false, "b"), (true, "a")] {
             let mut keys = Vec::new();
-            rows.scan::<rusqlite::Error>(from, |row| Ok(keys.push(row.key))).unwrap();
+            rows.scan::<()>(newest_first, |row| Ok(keys.push(row.key))).unwrap().unwrap();
             assert!(keys.len() == 3 && keys[0] == first, "{keys:?}");
         }
         rows.remove_all("point").unwrap();

@@ -28,12 +28,9 @@ impl Slot {
     /// # Errors
     /// The lock file cannot be created.
     pub fn first_free(folder: &Path) -> io::Result<Self> {
-        for number in 1..=MOST {
-            if let Some(slot) = Self::take(folder, number)? {
-                return Ok(slot);
-            }
-        }
-        Err(io::Error::other(format!("{MOST} processes are already working in {}", folder.display())))
+        let mut free = (1..=MOST).filter_map(|number| Self::take(folder, number).transpose());
+        let too_many = || format!("{MOST} processes are already working in {}", folder.display());
+        free.next().unwrap_or_else(|| Err(io::Error::other(too_many())))
     }
 
     /// Takes the slot `number`; `None` if another process holds it.

@@ -7,7 +7,7 @@ use crate::store::damage::Damage;
 use crate::store::database::Database;
 use crate::store::folder::{FolderError, OutputFolder};
 use crate::store::record::{FailureRecord, PointRecord};
-use crate::store::rows::StoredRow;
+use crate::store::seal::Sealed;
 use crate::store::store::Record;
 use crate::store::{PackingRecord, same};
 use crate::sweep::Sweep;
@@ -84,9 +84,9 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
     for shard in shards {
         let from = Database::open(shard).map_err(failed(shard))?;
         let contradiction = into.adopt(&from, &[], same_numbers).map_err(failed(shard))?;
-        if let Some((one, other)) = contradiction {
+        if let Some([one, other]) = contradiction {
             let what = describe(&sweep, folder, &other);
-            let builds = format!("{} and {}", one.program, other.sealed.program);
+            let builds = format!("{} and {}", one.program, other.program);
             return Err(MergeError::Contradiction { what, shard: shard.clone(), builds });
         }
         found.extend(from.damages());
@@ -127,7 +127,7 @@ fn same_numbers(kind: &str, one: &[u8], other: &[u8]) -> bool {
 
 /// Describes a record: variant, realisation, wavelength and angle of a solve; kind and hash of
 /// anything else.
-fn describe(sweep: &Sweep, folder: &OutputFolder, row: &StoredRow) -> String {
+fn describe(sweep: &Sweep, folder: &OutputFolder, row: &Sealed) -> String {
     let hash = format!("{} {}", row.kind, row.key);
     let Ok(stores) = Stores::open(folder) else { return hash };
     for variant in sweep.variants.iter().filter(|_| row.kind == PointRecord::KIND) {

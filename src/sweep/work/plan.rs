@@ -13,7 +13,6 @@ use crate::run::{RunError, RunSettings};
 use crate::solve::demand::memory_in_words;
 use crate::store::identity::Key;
 use crate::sweep::definition::load::Sweep;
-use crate::wave::Scene;
 use deadline::Deadline;
 use scaled::scaled;
 use serde::Serialize;
@@ -241,9 +240,9 @@ fn at_full_size(
 
 /// Core seconds per µm³ of a solve at full size.
 fn full_solve(trial: &Trial, study: &Study, jobs: usize, watch: &dyn RunWatch) -> Result<f64, RunError> {
-    let scene = Scene::from_packing(&Packings::new(study, watch).get(0)?);
+    let packing = Packings::new(study, watch).get(0)?;
     let grids = (full_resolution(trial, study), trial.longer_waves);
-    let covers = covers(study, &scene, grids, watch)?;
+    let covers = covers(study, packing, grids, watch)?;
     Ok(time_solves(study, &covers, jobs, watch)? / study.volume_um3())
 }
 

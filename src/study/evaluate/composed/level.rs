@@ -80,8 +80,12 @@ impl Level {
         Some((plate.moved(grid), sides.coherent(fluxes, left_out), sides.media.clone()))
     }
 
-    /// Mean flux matrices at wavelength number `wavelength`.
-    pub fn slabs(&self, wavelength: usize, change: Change) -> Slabs {
+    /// Mean flux matrices at every wavelength.
+    pub fn slabs(&self, change: Change) -> Vec<Slabs> {
+        (0..self.wavelengths_um.len()).map(|w| self.slabs_at(w, change)).collect()
+    }
+
+    fn slabs_at(&self, wavelength: usize, change: Change) -> Slabs {
         let needed = |position| {
             self.mean(position, wavelength, change).expect("a layer has slabs within and in front")
         };
@@ -151,15 +155,10 @@ fn fluxes(sides: &Sides, realisation: &Realisation, wavelength_um: f64) -> Fluxe
     sides.fluxes(each.map(|(k, (record, orders))| Lit {
         from: record.incidence.from,
         direction: place(k, record.incidence.from),
-        polarisation: number(record),
+        polarisation: usize::from(record.polarisation == Some(Polarisation::P)),
         absorptance: record.absorptance,
         orders,
     }))
-}
-
-/// 1 for p-polarised light.
-fn number(record: &PointRecord) -> usize {
-    usize::from(record.polarisation == Some(Polarisation::P))
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use crate::appearance::composed::transport::{Transport, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::ink_maker::{BLACK, WHITE};
-use crate::input::study::Study;
+use crate::input::study::{Composed, Study};
 use crate::wave::Wave;
 use faer::Mat;
 use std::f64::consts::PI;
@@ -29,8 +29,8 @@ pub const MOST_SLABS: usize = 1024;
 pub struct LayerTask<'a> {
     /// The study.
     pub study: &'a Study,
-    /// Thickness h of a slab, µm.
-    pub slab_um: f64,
+    /// Its composed layer.
+    pub composed: &'a Composed,
     /// Albedos of the paper at every wavelength.
     pub albedos: Vec<f64>,
     /// The eye, where the wavelengths carry a colour.
@@ -52,7 +52,7 @@ impl<'a> LayerTask<'a> {
         let albedo = |&nm: &f64| study.paper.albedo.at(nm).map_err(|error| error.to_string());
         Ok(Self {
             study,
-            slab_um: composed.slab_um,
+            composed,
             albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
             colorimeter: Colorimeter::new(&study.wavelengths_nm).ok(),
             thicknesses_um: composed.thicknesses_um.clone(),
@@ -64,15 +64,11 @@ impl<'a> LayerTask<'a> {
     /// each wavelength; the distributions of each thickness asked for and wavelength; the thickness
     /// that hides.
     pub fn numbers(&self, level: &Level, change: Change) -> Vec<f64> {
-        let wavelengths = 0..self.study.wavelengths_nm.len();
-        let slabs: Vec<Slabs> = wavelengths.clone().map(|w| level.slabs(w, change)).collect();
-        let per_h = (self.slab_um / level.slab_um).round() as usize;
+        let slabs = level.slabs(change);
+        let per_h = (self.composed.slab_um / level.slab_um).round() as usize;
         let (mut numbers, mut contrasts) = (Vec::new(), Vec::new());
         for &thickness_um in &self.thicknesses_um {
-            let rows: Vec<Vec<f64>> = wavelengths
-                .clone()
-                .map(|w| self.spectral(&slabs[w], thickness_um, per_h, self.albedos[w]))
-                .collect();
+            let rows = self.rows(&slabs, thickness_um, per_h);
             numbers.extend(rows.iter().flatten());
             if let Some(colours) = self.colours(&rows) {
                 contrasts.push(colours[COLOURS - 1]);
@@ -82,9 +78,9 @@ impl<'a> LayerTask<'a> {
         for slabs in &slabs {
             numbers.extend(coefficients(slabs, level.slab_um));
         }
-        let asked = self.study.layer.composed.iter().flat_map(|composed| &composed.thicknesses_um);
-        for (thickness_um, slabs) in asked.flat_map(|um| slabs.iter().map(move |slabs| (um, slabs))) {
-            numbers.extend(self.between(*thickness_um, |count| distribution(slabs, count * per_h)));
+        for &thickness_um in &self.composed.thicknesses_um {
+            let of = |slabs| self.between(thickness_um, |count| distribution(slabs, count * per_h));
+            numbers.extend(slabs.iter().flat_map(of));
         }
         if self.hides {
             numbers.push(self.hiding_um(&contrasts));
@@ -92,15 +88,18 @@ impl<'a> LayerTask<'a> {
         numbers
     }
 
-    /// Quantities at one wavelength.
-    fn spectral(&self, slabs: &Slabs, thickness_um: f64, per_h: usize, albedo: f64) -> Vec<f64> {
-        self.between(thickness_um, |count| spectral(slabs, count * per_h, self.study, albedo))
+    /// Quantities of a thickness at every wavelength; `per_h` of the slabs have the thickness h.
+    fn rows(&self, slabs: &[Slabs], thickness_um: f64, per_h: usize) -> Vec<Vec<f64>> {
+        let of = |(slabs, albedo): (&Slabs, &f64)| {
+            self.between(thickness_um, |count| spectral(slabs, count * per_h, self.study, *albedo))
+        };
+        slabs.iter().zip(&self.albedos).map(of).collect()
     }
 
     /// Quantities of a whole number of slabs, and between such numbers by the polynomial through
     /// the four nearest.
     pub(super) fn between(&self, thickness_um: f64, at: impl Fn(usize) -> Vec<f64>) -> Vec<f64> {
-        let whole = thickness_um / self.slab_um;
+        let whole = thickness_um / self.composed.slab_um;
         if (whole - whole.round()).abs() < 1e-9 * whole {
             return at(whole.round() as usize);
         }
@@ -129,8 +128,7 @@ impl<'a> LayerTask<'a> {
 
     /// Whether a layer of this number of slabs hides.
     pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
-        let of = |(w, slabs): (usize, &Slabs)| spectral(slabs, count, self.study, self.albedos[w]);
-        let rows: Vec<Vec<f64>> = slabs.iter().enumerate().map(of).collect();
+        let rows = self.rows(slabs, count as f64 * self.composed.slab_um, 1);
         Some(self.colours(&rows)?[COLOURS - 1] >= HIDING)
     }
 

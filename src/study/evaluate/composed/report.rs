@@ -9,8 +9,8 @@ use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::manifest::{Count, Status};
 use crate::evaluate::summary::program;
+use crate::evaluate::wavelengths::nearest;
 use crate::input::study::{Composed, Study};
-use crate::run::Collected;
 use crate::store::identity::METHOD_VERSION;
 
 /// Slabs of the curve against thickness, up to a layer that practically no light passes.
@@ -25,26 +25,22 @@ const MOST_JOINTS: usize = 60;
 /// # Errors
 /// A portion without complete realisations, paper without an albedo.
 pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<ComposedManifest<'a>, String> {
-    let composed = study.layer.composed.as_ref().ok_or("the layer is not composed")?;
     let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
     let (whole, half) = (level(false)?, level(true)?);
     let no_colour = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
     let mut question = LayerTask::new(study)?;
+    let composed = question.composed;
     question.thicknesses_um.extend(CURVE.map(|count| count as f64 * composed.slab_um));
-    let slabs: Vec<Slabs> =
-        (0..study.wavelengths_nm.len()).map(|w| whole.slabs(w, Change::default())).collect();
+    let slabs = whole.slabs(Change::default());
     let no_hiding = hiding(&mut question, &slabs).err();
     let mut all = judged(&question, &whole, &half).into_iter();
-    let (asked, extra) = (composed.thicknesses_um.len(), 2 * usize::from(question.hides));
-    let mut rows: Vec<(Vec<ComposedRow>, Option<ComposedColours>)> =
-        question.thicknesses_um.iter().map(|&um| layer(&question, um, &mut all)).collect();
-    rows.truncate(rows.len() - extra);
+    let (asked_um, others_um) = question.thicknesses_um.split_at(composed.thicknesses_um.len());
+    let (spectra, colours) = layers(&question, asked_um, &mut all);
+    let (curve, curve_colours) = layers(&question, &others_um[..CURVE.len()], &mut all);
+    layers(&question, &others_um[CURVE.len()..], &mut all);
     let medium: Vec<MediumRow> = study.wavelengths_nm.iter().map(|&nm| medium_row(nm, &mut all)).collect();
     let distributions = distributions(&question, &slabs, &composed.thicknesses_um, &mut all);
     let hiding_thickness_um = if question.hides { all.next() } else { None };
-    let curve = rows.split_off(asked);
-    let (spectra, colours): (Vec<_>, Vec<_>) = rows.into_iter().unzip();
-    let (curve, curve_colours): (Vec<_>, Vec<_>) = curve.into_iter().unzip();
     let (depth_nm, depth) = depth(&question, &slabs);
     let records = || solved.iter().flat_map(|(_, c)| &c.realisations).flat_map(|r| r.points.iter().flatten());
     let finished = solved.iter().map(|(_, collected)| collected.finished()).sum();
@@ -59,13 +55,13 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
         seed: study.packing.seed,
         composed,
         solves,
-        failures: failures(solved),
-        spectra: spectra.into_iter().flatten().collect(),
-        colours: colours.into_iter().flatten().collect(),
+        failures: solved.iter().flat_map(failures).collect(),
+        spectra,
+        colours,
         no_colour,
         distributions,
-        curve: curve.into_iter().flatten().collect(),
-        curve_colours: curve_colours.into_iter().flatten().collect(),
+        curve,
+        curve_colours,
         hiding_thickness_um,
         spreading_rate_m2_per_l: hiding_thickness_um.map(spreading_rate),
         no_hiding,
@@ -106,12 +102,8 @@ fn spreading_rate(hiding: ErrorParts) -> ErrorParts {
     }
 }
 
-fn failures(solved: &[SolvedPortion]) -> Vec<String> {
-    solved.iter().flat_map(|(study, collected)| failures_of(study, collected)).collect()
-}
-
 /// Packings and solves of one portion that have no result.
-fn failures_of(study: &Study, collected: &Collected) -> Vec<String> {
+fn failures((study, collected): &SolvedPortion) -> Vec<String> {
     let words = study.portion.as_ref().map(|p| p.in_words()).unwrap_or_default();
     let packings = collected.refused.iter().map(|r| (r.realisation, r.reason.clone()));
     let solves = collected.failures().map(|f| (f.point.realisation, f.reason.clone()));
@@ -123,21 +115,18 @@ fn hiding(question: &mut LayerTask, slabs: &[Slabs]) -> Result<(), String> {
     let hides = |count: usize| question.does_hide(slabs, count);
     let reason = "no contrast ratio without a colour";
     if hides(2).ok_or(reason)? {
-        return Err(format!("two slabs, {} µm, hide already", 2.0 * question.slab_um));
+        return Err(format!("two slabs, {} µm, hide already", 2.0 * question.composed.slab_um));
     }
-    let mut range = [2, 4];
-    while !hides(range[1]).ok_or(reason)? {
-        if range[1] >= MOST_SLABS {
-            return Err(format!("{} µm do not hide", MOST_SLABS as f64 * question.slab_um));
+    let mut most = 4;
+    while !hides(most).ok_or(reason)? {
+        if most >= MOST_SLABS {
+            return Err(format!("{} µm do not hide", MOST_SLABS as f64 * question.composed.slab_um));
         }
-        range = range.map(|count| 2 * count);
+        most *= 2;
     }
-    range[0] = range[1] / 2;
-    while range[1] - range[0] > 1 {
-        let middle = (range[0] + range[1]) / 2;
-        range[usize::from(hides(middle).ok_or(reason)?)] = middle;
-    }
-    question.thicknesses_um.extend(range.map(|count| count as f64 * question.slab_um));
+    let counts: Vec<usize> = (most / 2 + 1..most).collect();
+    let first = most / 2 + 1 + counts.partition_point(|&count| hides(count) == Some(false));
+    question.thicknesses_um.extend([first - 1, first].map(|count| count as f64 * question.composed.slab_um));
     question.hides = true;
     Ok(())
 }
@@ -162,16 +151,20 @@ fn judged(question: &LayerTask, whole: &Level, half: &Level) -> Vec<ErrorParts> 
     (0..own.len()).map(|k| ErrorParts::new(own[k], parts(k))).collect()
 }
 
-/// The rows and colours of one thickness.
-fn layer(
+/// The rows and colours of some thicknesses.
+fn layers(
     question: &LayerTask,
-    thickness_um: f64,
+    thicknesses_um: &[f64],
     all: &mut impl Iterator<Item = ErrorParts>,
-) -> (Vec<ComposedRow>, Option<ComposedColours>) {
-    let rows: Vec<ComposedRow> =
-        question.study.wavelengths_nm.iter().map(|&nm| row(thickness_um, nm, &take(all))).collect();
-    let colours = question.colorimeter.as_ref().map(|eye| colours(eye, &rows, &take(all)));
-    (rows, colours)
+) -> (Vec<ComposedRow>, Vec<ComposedColours>) {
+    let (mut rows, mut all_colours) = (Vec::new(), Vec::new());
+    for &um in thicknesses_um {
+        let own: Vec<ComposedRow> =
+            question.study.wavelengths_nm.iter().map(|&nm| row(um, nm, &take(all))).collect();
+        all_colours.extend(question.colorimeter.as_ref().map(|eye| colours(eye, &own, &take(all))));
+        rows.extend(own);
+    }
+    (rows, all_colours)
 }
 
 fn colours(eye: &Colorimeter, rows: &[ComposedRow], of: &[ErrorParts; COLOURS]) -> ComposedColours {
@@ -259,14 +252,13 @@ fn distributions(
 /// Fluxes against depth in the first thickness, rounded to whole slabs, on the paper.
 fn depth(question: &LayerTask, slabs: &[Slabs]) -> (f64, Vec<DepthRow>) {
     let nm = &question.study.wavelengths_nm;
-    let nearest = |a: &usize, b: &usize| (nm[*a] - SHOWN_NM).abs().total_cmp(&(nm[*b] - SHOWN_NM).abs());
-    let w = (0..nm.len()).min_by(nearest).unwrap_or(0);
-    let count = (question.thicknesses_um[0] / question.slab_um).round() as usize;
+    let w = nearest(nm.iter().copied(), SHOWN_NM);
+    let count = (question.thicknesses_um[0] / question.composed.slab_um).round() as usize;
     let [before, _, behind] = &slabs[w].media;
     let light = &lights(before, question.study.wave)[0];
     let paper = Plate::lambertian(question.albedos[w], &behind.weights());
     let row = |depth_um: f64, [down, up]: [f64; 2]| DepthRow { depth_um, down, up };
-    let at = |k: usize| k as f64 * question.slab_um;
+    let at = |k: usize| k as f64 * question.composed.slab_um;
     let whole = slabs[w].layer(count);
     let mut rows = vec![row(0.0, [1.0, total(&(&whole.then(&paper).reflection[0] * light))])];
     for k in (1..count).step_by(count.div_ceil(MOST_JOINTS)) {

@@ -19,7 +19,6 @@ use crate::numerics::estimate::Estimate;
 use crate::numerics::lagrange::lagrange;
 use crate::wave::Wave;
 use faer::Mat;
-use ndarray::Array2;
 use std::f64::consts::PI;
 
 /// Step of the table against the angle, degrees, and its last one.
@@ -45,8 +44,7 @@ impl ComposedView {
     pub fn new(study: &Study, solved: &[SolvedPortion], thickness_um: f64) -> Result<Self, String> {
         let question = LayerTask::new(study)?;
         let level = Level::new(solved, false).ok_or("not every slab has a complete realisation yet")?;
-        let slabs: Vec<Slabs> =
-            (0..study.wavelengths_nm.len()).map(|w| level.slabs(w, Change::default())).collect();
+        let slabs = level.slabs(Change::default());
         let of = |(slabs, albedo): (&Slabs, &f64)| {
             question.between(thickness_um, |count| seen(slabs, count, study.wave, *albedo))
         };
@@ -68,17 +66,11 @@ impl ComposedView {
         };
         let mirrored = f64::from(u8::from(sky == MirroredSky::Included));
         let all = |w: usize, deg: f64| self.diffuse_albedo(w, deg) + mirrored * self.specular(w, deg);
-        let strip = angles_deg.iter().map(|&deg| colour(&|w| all(w, deg))).collect::<Result<_, _>>()?;
-        let mut square = Vec::new();
-        for &polar_deg in angles_deg {
-            let view = Direction { polar_deg, azimuth_deg: 0.0 };
-            for &light_deg in angles_deg {
-                square.push(colour(&|w| PI * self.brdf(w, light_deg, view).max(0.0))?);
-            }
-        }
-        let n = angles_deg.len();
-        let square = Array2::from_shape_fn((n, n), |(o, i)| square[o * n + i]);
-        Ok(InkPicture { angles_deg: angles_deg.to_vec(), strip, square })
+        let square = |o: usize, i: usize| {
+            let view = Direction { polar_deg: angles_deg[o], azimuth_deg: 0.0 };
+            colour(&|w| PI * self.brdf(w, angles_deg[i], view).max(0.0))
+        };
+        InkPicture::new(angles_deg, |o| colour(&|w| all(w, angles_deg[o])), square)
     }
 
     /// R of a uniform sky's light, and its mirrored part.

@@ -1,17 +1,16 @@
 //! Colours and the picture of an ink on its paper, with the errors due to fits and angles.
 
-use super::{InkError, InkOnPaper, Places};
+use super::{InkError, InkOnPaper};
 use crate::appearance::colour::{Colorimeter, Colour, ColourError};
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::curves::anchors;
 use crate::evaluate::layer::{EnsembleMean, LayerEnsemble, Total};
-use crate::evaluate::on_paper::{AngleNodes, LayerOnPaper, MEASURED, Measured, PolarAngle};
-use crate::evaluate::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
-use crate::evaluate::wavelengths::SpectralBasis;
+use crate::evaluate::on_paper::{LayerOnPaper, MEASURED, Measured, PolarAngle};
+use crate::evaluate::samples::{SolvedRealisation, SolvedWavelength};
+use crate::evaluate::wavelengths::nearest;
 use crate::numerics::estimate::{jackknife_covariance, jackknife_deviations};
-use ndarray::Array2;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -27,7 +26,7 @@ type Along<'a> = dyn Fn([usize; 3], &Measured) -> f64 + 'a;
 /// Illuminant and observer with the wavelengths that are summed.
 #[derive(Clone, Debug)]
 pub struct Sight {
-    meter: Colorimeter,
+    pub(in crate::evaluate) meter: Colorimeter,
     /// Indices of the wavelengths.
     nodes: Range<usize>,
     /// Whether to add the residuals of the solves from the fitted spectra, which requires smooth
@@ -43,7 +42,10 @@ impl InkOnPaper {
     /// # Errors
     /// The wavelengths do not suffice for a colour.
     pub fn sight(&self, viewing: &Viewing) -> Result<Sight, ColourError> {
-        Sight::new(viewing, &self.places, &self.nodes)
+        let tabulated = viewing.summation == Summation::E308;
+        let nodes = if tabulated { &self.places.outputs } else { &self.places.colours }.clone();
+        let meter = Colorimeter::under(&self.nodes.wavelengths_nm[nodes.clone()], viewing)?;
+        Ok(Sight { meter, nodes, beyond_fit: !tabulated && !viewing.has_lines() })
     }
 
     /// Colour of a quantity that is 1 for a perfect white diffuser, under D65 for the 2° observer,
@@ -52,7 +54,7 @@ impl InkOnPaper {
     /// # Errors
     /// The wavelengths do not suffice for a colour.
     pub fn colour(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> Result<Colour, InkError> {
-        Ok(self.colour_with_deviations(self.daylight()?, quantity)?.0)
+        Ok(self.colour_with_deviations(&self.daylight()?, quantity)?.0)
     }
 
     /// Colour for any observer, with the contribution of each realisation to Lab, in order; empty
@@ -98,8 +100,8 @@ impl InkOnPaper {
     ///
     /// # Errors
     /// As for [`InkOnPaper::colour`].
-    pub fn daylight(&self) -> Result<&Sight, InkError> {
-        Ok(self.daylight.as_ref().map_err(Clone::clone)?)
+    pub fn daylight(&self) -> Result<Sight, ColourError> {
+        self.sight(&Viewing::default())
     }
 
     /// Shift of the colour due to the residuals of the solves from the fitted spectra: the error
@@ -110,8 +112,8 @@ impl InkOnPaper {
     /// As for [`InkOnPaper::colour`].
     pub fn wavelength_shift(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> Result<[f64; 3], InkError> {
         let sight = self.daylight()?;
-        let plain = sight.meter.colour(&sight.values(&self.whole, &quantity))?;
-        let full = self.colour_of_mean(sight, &quantity)?;
+        let plain = sight.meter.colour(&self.values(&sight, &quantity))?;
+        let full = self.colour_of_mean(&sight, &quantity)?;
         Ok(std::array::from_fn(|i| full.lab[i] - plain.lab[i]))
     }
 
@@ -131,19 +133,13 @@ impl InkOnPaper {
         self.colour_without(sight, None, (&along, &quantity))
     }
 
-    /// Standard errors of Lab due to light beyond each end of the wavelength range.
-    pub fn beyond_range(
+    /// A quantity at the wavelengths that are summed.
+    pub(in crate::evaluate) fn values(
         &self,
         sight: &Sight,
-        colour: &Colour,
-        quantity: impl Fn(&LayerOnPaper) -> f64,
-    ) -> [[f64; 3]; 2] {
-        sight.meter.beyond(&sight.values(&self.whole, &quantity), colour.xyz)
-    }
-
-    /// Standard error of Y due to light beyond both ends of the wavelength range.
-    pub fn luminance_beyond_range(&self, sight: &Sight, quantity: impl Fn(&LayerOnPaper) -> f64) -> f64 {
-        sight.meter.beyond_luminance(&sight.values(&self.whole, &quantity))
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
+    ) -> Vec<f64> {
+        sight.values(&self.whole, quantity)
     }
 
     /// Error of T̄ at each wavelength of the spectra due to the choice of directions: standard
@@ -156,9 +152,8 @@ impl InkOnPaper {
     fn angle_error(&self, node: usize, solved: &[SolvedRealisation]) -> f64 {
         let nm = self.nodes.wavelengths_nm[node];
         let error = |realisation: &SolvedRealisation| {
-            let strata = &realisation.wavelengths[nearest(&realisation.wavelengths, nm)].strata;
-            let polar_deg = strata.iter().map(|s| s.polar_deg);
-            self.whole[node].quadrature_error(polar_deg, self.layer.exit).transmittance
+            let strata = &nearest_solved(realisation, nm).strata;
+            self.whole[node].quadrature_error(strata, self.layer.exit).transmittance
         };
         let errors: Vec<f64> = solved.iter().map(error).collect();
         let square = errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64;
@@ -182,7 +177,8 @@ impl InkOnPaper {
         let kept: Vec<usize> = (0..self.places.solved.len()).filter(|&r| Some(r) != left_out).collect();
         for &r in kept.iter().filter(|_| sight.beyond_fit) {
             let nodes = self.places.solved[r].clone();
-            let width = self.step_nm(nodes.len());
+            // of a stratum of wavelengths, nm
+            let width = self.places.range_nm / nodes.len().max(1) as f64;
             for (j, node) in nodes.enumerate() {
                 let slope = along([r, j, node], &self.residual(left_out, r, j, node));
                 let weight = meter.weight_per_nm(self.nodes.wavelengths_nm[node]);
@@ -190,14 +186,6 @@ impl InkOnPaper {
             }
         }
         Ok(meter.colour_of(xyz))
-    }
-
-    /// Width of a stratum of wavelengths, nm.
-    fn step_nm(&self, strata: usize) -> f64 {
-        match self.layer.basis {
-            SpectralBasis::Splines { range_nm: [from, to], .. } => (to - from) / strata.max(1) as f64,
-            SpectralBasis::Listed(_) => 0.0,
-        }
     }
 
     /// Residual of a solve from the fit.
@@ -237,13 +225,10 @@ impl InkOnPaper {
         let sight = self.daylight()?;
         let mut shifted = Vec::new();
         for realisation in solved.iter().take(self.layer.replicates()) {
-            let mut values = sight.values(&self.whole, &quantity);
-            let strata: Vec<&[SolvedDirection]> =
-                realisation.wavelengths.iter().map(|w| w.strata.as_slice()).collect();
+            let mut values = self.values(&sight, &quantity);
             for (value, node) in values.iter_mut().zip(sight.nodes.clone()) {
-                let near = nearest(&realisation.wavelengths, self.nodes.wavelengths_nm[node]);
-                let error = self.whole[node]
-                    .quadrature_error(strata[near].iter().map(|s| s.polar_deg), self.layer.exit);
+                let near = nearest_solved(realisation, self.nodes.wavelengths_nm[node]);
+                let error = self.whole[node].quadrature_error(&near.strata, self.layer.exit);
                 let moved = self.whole[node].moved(&error, DERIVATIVE_STEP);
                 *value += (quantity(&moved) - quantity(&self.whole[node])) / DERIVATIVE_STEP;
             }
@@ -266,34 +251,19 @@ impl InkOnPaper {
     pub fn picture(&self, angles_deg: &[f64], sky: MirroredSky) -> Result<InkPicture, InkError> {
         let sight = self.daylight()?;
         let angles = angles_deg.iter().map(|&a| self.at(a)).collect::<Result<Vec<PolarAngle>, _>>()?;
-        let colour = |f: &dyn Fn(&LayerOnPaper) -> f64| sight.meter.colour(&sight.values(&self.whole, &f));
-        let strip =
-            angles.iter().map(|o| colour(&|l| l.natural_light(o, sky))).collect::<Result<Vec<_>, _>>()?;
-        let cells = angles.iter().flat_map(|o| angles.iter().map(move |i| (o, i)));
-        let square = cells.map(|(o, i)| colour(&|l| PI * l.brdf(i, o))).collect::<Result<Vec<_>, _>>()?;
-        let square =
-            Array2::from_shape_fn((angles.len(), angles.len()), |(o, i)| square[o * angles.len() + i]);
-        Ok(InkPicture { angles_deg: angles_deg.to_vec(), strip, square })
+        let colour = |f: &dyn Fn(&LayerOnPaper) -> f64| sight.meter.colour(&self.values(&sight, &f));
+        let strip = |o: usize| colour(&|l| l.natural_light(&angles[o], sky));
+        Ok(InkPicture::new(angles_deg, strip, |o, i| colour(&|l| PI * l.brdf(&angles[i], &angles[o])))?)
     }
 }
 
 impl Sight {
-    pub(super) fn new(viewing: &Viewing, places: &Places, nodes: &AngleNodes) -> Result<Self, ColourError> {
-        let tabulated = viewing.summation == Summation::E308;
-        let range = if tabulated { &places.outputs } else { &places.colours };
-        let meter = Colorimeter::under(&nodes.wavelengths_nm[range.clone()], viewing)?;
-        Ok(Self { meter, nodes: range.clone(), beyond_fit: !tabulated && !viewing.has_lines() })
-    }
-
     fn values(&self, layers: &[LayerOnPaper], quantity: &impl Fn(&LayerOnPaper) -> f64) -> Vec<f64> {
         layers[self.nodes.clone()].iter().map(quantity).collect()
     }
 }
 
-/// Index of the wavelength nearest to `nm`.
-fn nearest(wavelengths: &[SolvedWavelength], nm: f64) -> usize {
-    let distance = |w: &SolvedWavelength| (w.wavelength_nm - nm).abs();
-    (0..wavelengths.len())
-        .min_by(|&a, &b| distance(&wavelengths[a]).total_cmp(&distance(&wavelengths[b])))
-        .unwrap_or(0)
+/// The solves at the wavelength nearest to `nm`.
+fn nearest_solved(realisation: &SolvedRealisation, nm: f64) -> &SolvedWavelength {
+    &realisation.wavelengths[nearest(realisation.wavelengths.iter().map(|w| w.wavelength_nm), nm)]
 }

@@ -53,15 +53,25 @@ fn of_plane_layer(
     uncertainty: &Uncertainty,
     thickness_um: f64,
 ) -> Result<(Vec<KubelkaMunkRow>, Option<String>), InkError> {
-    let straight = straight_on(ink)?;
-    let rows = coefficients(ink, uncertainty, &ink.faces(), thickness_um);
-    let diffuse = |row: &&KubelkaMunkRow| {
-        let place = ink.wavelengths_nm().iter().position(|nm| *nm == row.wavelength_nm);
-        place.is_some_and(|i| straight[i] <= STRAIGHT_ON)
-    };
-    let rows: Vec<KubelkaMunkRow> = rows.iter().filter(diffuse).copied().collect();
+    let (straight, faces) = (straight_on(ink)?, &ink.faces());
+    let part = |get| Coefficient { thickness_um, faces, get }.estimates(ink, uncertainty);
+    let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
+    let places = 0..straight.len();
+    let rows = places.filter(|&i| straight[i] <= STRAIGHT_ON && is_known(&k[i]) && is_known(&s[i]));
+    let rows: Vec<KubelkaMunkRow> = rows
+        .map(|i| KubelkaMunkRow {
+            wavelength_nm: ink.wavelengths_nm()[i],
+            absorption_per_um: k[i],
+            scattering_per_um: s[i],
+        })
+        .collect();
     let reason = rows.is_empty().then(|| in_words(&straight));
     Ok((rows, reason))
+}
+
+/// If hardly any light is transmitted, T is zero within its error: K and S are undetermined.
+fn is_known(e: &Estimate) -> bool {
+    e.value.is_finite() && e.standard_error.is_none_or(f64::is_finite)
 }
 
 /// Unscattered share of T at the normal, plus its standard error, at every wavelength.
@@ -85,24 +95,6 @@ fn in_words(straight: &[f64]) -> String {
         100.0 * least,
         100.0 * STRAIGHT_ON
     )
-}
-
-/// K and S of the layer without its faces, at every wavelength at which they are finite.
-fn coefficients(
-    ink: &InkOnPaper,
-    uncertainty: &Uncertainty,
-    faces: &[DiffuseFaces],
-    thickness_um: f64,
-) -> Vec<KubelkaMunkRow> {
-    let part = |get| Coefficient { thickness_um, faces, get }.estimates(ink, uncertainty);
-    let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
-    let rows = ink.wavelengths_nm().iter().zip(k.into_iter().zip(s));
-    let row = |(&wavelength_nm, (absorption_per_um, scattering_per_um)): (&f64, (Estimate, Estimate))| {
-        KubelkaMunkRow { wavelength_nm, absorption_per_um, scattering_per_um }
-    };
-    // If hardly any light is transmitted, T is zero within its error: K and S are undetermined.
-    let known = |e: &Estimate| e.value.is_finite() && e.standard_error.is_none_or(f64::is_finite);
-    rows.map(row).filter(|row| known(&row.absorption_per_um) && known(&row.scattering_per_um)).collect()
 }
 
 /// K or S of a layer of known thickness.
@@ -136,26 +128,28 @@ impl Coefficient<'_> {
     ) -> Estimate {
         let moved = |by: Shift| self.continued(layer, by) - continued.value;
         let errors = uncertainty.widen_by(continued, nm, |shift| of_unknown_signs(moved, shift));
-        Estimate { value: self.value(layer), ..errors }
-    }
-
-    /// The coefficient; NaN if R̄ and T̄ do not determine it.
-    fn value(&self, layer: &LayerOnPaper) -> f64 {
-        let bare = self.bare(layer, [0.0; 2]);
-        bare.and_then(|[r, t]| KubelkaMunk::from_layer(r, t, self.thickness_um)).map_or(f64::NAN, self.get)
+        // NaN if R̄ and T̄ do not determine it
+        Estimate { value: self.of(layer, [0.0; 2], KubelkaMunk::from_layer), ..errors }
     }
 
     /// The analytic continuation of the coefficient, shifted by errors of R and T: K itself stops
     /// at 0, where its spread would vanish.
     fn continued(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
-        let bare = self.bare(layer, by);
-        bare.and_then(|[r, t]| KubelkaMunk::continued(r, t, self.thickness_um)).map_or(f64::NAN, self.get)
+        self.of(layer, by, KubelkaMunk::continued)
     }
 
-    /// R and T of the layer without its faces, from R̄ and T̄ of the whole (the diffuse fluxes
-    /// exchanged with the paper), shifted by errors.
-    fn bare(&self, layer: &LayerOnPaper, [r, t]: Shift) -> Option<Shift> {
-        self.faces[layer.node()].taken_off(layer.mean_reflectance_exit() + r, layer.mean_transmittance() + t)
+    /// The coefficient by a formula for R and T of the layer without its faces, from R̄ and T̄ of
+    /// the whole (the diffuse fluxes exchanged with the paper), shifted by errors; NaN if these do
+    /// not determine it.
+    fn of(
+        &self,
+        layer: &LayerOnPaper,
+        [r, t]: Shift,
+        formula: fn(f64, f64, f64) -> Option<KubelkaMunk>,
+    ) -> f64 {
+        let (r, t) = (layer.mean_reflectance_exit() + r, layer.mean_transmittance() + t);
+        let bare = self.faces[layer.node].taken_off(r, t);
+        bare.and_then(|[r, t]| formula(r, t, self.thickness_um)).map_or(f64::NAN, self.get)
     }
 }
 

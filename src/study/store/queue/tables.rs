@@ -1,15 +1,14 @@
 //! The queue's SQLite tables: the work in progress, its workers and its tasks.
 
 use super::QueuedTask;
+use crate::store::aside::remove;
+use crate::store::rows::to_share;
 use crate::store::slot::Slot;
 use rusqlite::{Connection, ErrorCode, OptionalExtension, Transaction, params};
 use std::path::Path;
-use std::time::Duration;
 
 /// Name of the queue's file.
 const FILE: &str = "queue";
-/// Timeout for other transactions, which are short.
-const PATIENCE: Duration = Duration::from_secs(60);
 
 const TABLES: &str = "
     create table if not exists work (name text not null, publisher integer);
@@ -26,9 +25,7 @@ pub(super) fn open(folder: &Path, slot: &Slot) -> rusqlite::Result<Connection> {
 
 fn connect(path: &Path) -> rusqlite::Result<Connection> {
     let connection = Connection::open(path)?;
-    connection.busy_timeout(PATIENCE)?;
-    let logged = connection.pragma_update(None, "journal_mode", "wal");
-    logged.or_else(|_| connection.pragma_update(None, "journal_mode", "truncate"))?;
+    to_share(&connection)?;
     // No flush is needed: after a system crash the queue is rebuilt.
     connection.pragma_update(None, "synchronous", "off")?;
     connection.execute_batch(TABLES)?;
@@ -43,19 +40,35 @@ fn reopen(folder: &Path, slot: &Slot, error: rusqlite::Error) -> rusqlite::Resul
     if others || !damaged {
         return Err(error);
     }
-    for suffix in ["", "-wal", "-shm"] {
-        // If removal fails, opening the file reports it.
-        let _ = std::fs::remove_file(folder.join(format!("{FILE}{suffix}")));
-    }
+    // If removal fails, opening the file reports it.
+    let _ = remove(&folder.join(FILE));
     connect(&folder.join(FILE))
 }
 
-/// Name of the work in progress; `None` if no worker is alive.
-pub(super) fn under_way(transaction: &Transaction, folder: &Path) -> rusqlite::Result<Option<String>> {
-    if living(transaction, folder)?.is_empty() {
-        return Ok(None);
+/// Registers a worker of the work called `name`; false if other work is in progress. A new session
+/// begins, without tasks, if no worker is alive. A previous worker in the same slot is dead, and
+/// its tasks are released.
+pub(super) fn join(
+    transaction: &Transaction,
+    (folder, slot): (&Path, &Slot),
+    name: &str,
+) -> rusqlite::Result<bool> {
+    let at_work = "select name from work";
+    let under_way: Option<String> = match living(transaction, folder)?[..] {
+        [] => None,
+        _ => transaction.query_row(at_work, [], |row| row.get(0)).optional()?,
+    };
+    if under_way.is_none() {
+        transaction.execute_batch("delete from work; delete from workers; delete from tasks")?;
+        transaction.execute("insert into work (name) values (?1)", [name])?;
     }
-    transaction.query_row("select name from work", [], |row| row.get(0)).optional()
+    if under_way.is_some_and(|other| other != name) {
+        return Ok(false);
+    }
+    free(transaction, slot.number())?;
+    let sign_in = "insert or replace into workers values (?1, ?2)";
+    transaction.execute(sign_in, params![slot.number(), slot.holder()])?;
+    Ok(true)
 }
 
 /// Living workers of this session.
@@ -65,12 +78,6 @@ pub(super) fn living(transaction: &Transaction, folder: &Path) -> rusqlite::Resu
     let all = all.collect::<rusqlite::Result<Vec<(u32, String)>>>()?;
     let lives = |(number, holder): &(u32, String)| Slot::is_held_by(folder, *number, holder);
     Ok(all.into_iter().filter(lives).map(|(number, _)| number).collect())
-}
-
-/// Starts a new session of the work called `name` and discards the previous one.
-pub(super) fn begin(transaction: &Transaction, name: &str) -> rusqlite::Result<()> {
-    transaction.execute_batch("delete from work; delete from workers; delete from tasks")?;
-    transaction.execute("insert into work (name) values (?1)", [name]).map(drop)
 }
 
 /// Adds tasks; those that exist already are left unchanged.
@@ -83,25 +90,18 @@ pub(super) fn enlist(transaction: &Transaction, first: usize, tasks: &[QueuedTas
     Ok(())
 }
 
-/// Registers a worker; a previous one in the same slot is dead, and its tasks are released.
-pub(super) fn enter(transaction: &Transaction, slot: &Slot) -> rusqlite::Result<()> {
-    let free = "update tasks set worker = null, solves = 0 where worker = ?1 and not done";
-    transaction.execute(free, [slot.number()])?;
-    let sign_in = "insert or replace into workers values (?1, ?2)";
-    transaction.execute(sign_in, params![slot.number(), slot.holder()]).map(drop)
-}
-
-/// The most expensive free task whose prerequisite is finished.
-pub(super) fn next(transaction: &Transaction) -> rusqlite::Result<Option<usize>> {
-    let sql = "select id from tasks where not done and worker is null
+/// Assigns to a worker the most expensive free task whose prerequisite is finished.
+pub(super) fn take_next(transaction: &Transaction, worker: u32) -> rusqlite::Result<Option<usize>> {
+    let sql = "update tasks set worker = ?1 where id = (select id from tasks where not done and worker is null
         and (after is null or exists (select 1 from tasks as first where first.id = tasks.after and first.done))
-        order by cost desc, id limit 1";
-    transaction.prepare_cached(sql)?.query_row([], |row| row.get(0)).optional()
+        order by cost desc, id limit 1) returning id";
+    transaction.prepare_cached(sql)?.query_row([worker], |row| row.get(0)).optional()
 }
 
-/// Assigns a task to a worker.
-pub(super) fn take(transaction: &Transaction, task: usize, worker: u32) -> rusqlite::Result<()> {
-    transaction.execute("update tasks set worker = ?2 where id = ?1", params![task, worker]).map(drop)
+/// Releases the unfinished tasks of a dead worker.
+fn free(transaction: &Transaction, worker: u32) -> rusqlite::Result<()> {
+    let sql = "update tasks set worker = null, solves = 0 where worker = ?1 and not done";
+    transaction.execute(sql, [worker]).map(drop)
 }
 
 /// Releases the unfinished tasks of dead workers.
@@ -110,9 +110,5 @@ pub(super) fn free_claims_of_the_dead(transaction: &Transaction, folder: &Path) 
     let mut statement =
         transaction.prepare("select distinct worker from tasks where worker is not null and not done")?;
     let holding = statement.query_map([], |row| row.get(0))?.collect::<rusqlite::Result<Vec<u32>>>()?;
-    for dead in holding.into_iter().filter(|worker| !living.contains(worker)) {
-        let sql = "update tasks set worker = null, solves = 0 where worker = ?1 and not done";
-        transaction.execute(sql, [dead])?;
-    }
-    Ok(())
+    holding.into_iter().filter(|worker| !living.contains(worker)).try_for_each(|dead| free(transaction, dead))
 }

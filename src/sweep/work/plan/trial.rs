@@ -1,15 +1,15 @@
 //! Trials of single variants: the cost of packing, coverage, grid search and solves.
 
-use crate::ink::PigmentGrains;
+use crate::ink::{Packing, PigmentGrains};
 use crate::input::check::largest_extents_nm;
 use crate::input::study::{Point, Study};
 use crate::input::variation::CellRule;
 use crate::run::RunError;
 use crate::run::crew::{processor_seconds, work_through};
-use crate::run::grids::Wavelength;
+use crate::run::grids::Grids;
 use crate::run::longer_waves::coarsened;
 use crate::run::memory;
-use crate::run::point::{PointSolver, systems_of};
+use crate::run::point::PointSolver;
 use crate::run::realisation::Packings;
 use crate::run::resolve::resolve;
 use crate::run::watch::RunWatch;
@@ -17,7 +17,7 @@ use crate::solve::Solver;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
 use crate::store::store::Store;
-use crate::wave::{Geometry, Precision, Resolution, Scene};
+use crate::wave::{Resolution, Scene};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
@@ -88,10 +88,10 @@ pub(crate) fn trial(
     }
     let mut packings = Packings::new(&study, watch);
     // Packing uses one core, the others are idle.
-    let (packing, scene) = timed(|| packings.get(0).map(|packing| Scene::from_packing(&packing)))?;
+    let (packing, placed) = timed(|| packings.get(0))?;
     let packing = packing * rayon::current_num_threads() as f64;
-    let (searched, grids) = grid_for(&study, &scene, alike, watch)?;
-    let (coverage, covers) = timed(|| covers(&study, &scene, grids, watch))?;
+    let (searched, grids) = grid_for(&study, &Scene::from_packing(&placed), alike, watch)?;
+    let (coverage, covers) = timed(|| covers(&study, placed, grids, watch))?;
     let solve = time_solves(&study, &covers, jobs, watch)?;
     // Cost of the search in solves including their coverages; taken from an earlier trial if there
     // is one.
@@ -114,18 +114,25 @@ pub(crate) fn trial(
     })
 }
 
+/// A packing on grids; the grid of the shortest wave, and the coarsening for longer ones.
+pub(crate) type Covers = (Grids, (Resolution, f64));
+
 /// The packing on the grids of all wavelengths.
 pub(crate) fn covers(
     study: &Study,
-    scene: &Scene,
-    (finest, longer_waves): (Resolution, f64),
+    packing: Packing,
+    grids: (Resolution, f64),
     watch: &dyn RunWatch,
-) -> Result<Vec<Wavelength>, RunError> {
-    let waves = study.points(0).into_iter().map(|point| point.incidence.wavelength_um);
-    let (error, stop) = (study.resolution.coverage_error(), || watch.stop());
-    let cover =
-        |resolution| Ok(Geometry::new(study.wave, scene, resolution, Precision { error, stop: &stop })?);
-    Wavelength::all(waves, |wavelength_um| coarsened(study, finest, wavelength_um, longer_waves), cover)
+) -> Result<Covers, RunError> {
+    let covers = (Grids::new(packing), grids);
+    for point in study.points(0) {
+        covers.0.geometry(study, grid_of(&covers, study, &point), watch)?;
+    }
+    Ok(covers)
+}
+
+fn grid_of((_, (finest, longer_waves)): &Covers, study: &Study, point: &Point) -> Resolution {
+    coarsened(study, *finest, point.incidence.wavelength_um, *longer_waves)
 }
 
 /// A grid of the requested resolution with its coarsening for longer waves, and the core seconds of
@@ -157,7 +164,7 @@ fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunE
 /// Mean core seconds of a few solves, spread over wavelengths and angles.
 pub(crate) fn time_solves(
     study: &Study,
-    covers: &[Wavelength],
+    covers: &Covers,
     jobs: usize,
     watch: &dyn RunWatch,
 ) -> Result<f64, RunError> {
@@ -165,12 +172,12 @@ pub(crate) fn time_solves(
     let solver = study.solver.build();
     let ended = AtomicUsize::new(0);
     let solve = |i: usize| {
-        try_solve(study, &*solver, &Wavelength::of(covers, &chosen[i]).geometry, &chosen[i], watch);
-        ended.fetch_add(usize::from(!watch.stop()), Ordering::Relaxed);
+        try_solve(study, &*solver, covers, &chosen[i], watch);
+        Ok(_ = ended.fetch_add(usize::from(!watch.stop()), Ordering::Relaxed))
     };
     let mut seconds = 0.0;
     while seconds < LEAST_SECONDS && ended.load(Ordering::Relaxed) < MOST_SOLVES && !watch.stop() {
-        seconds += timed(|| Ok(work_through(chosen.len(), jobs, || watch.stop(), solve)?))?.0;
+        seconds += timed(|| work_through(chosen.len(), jobs, watch, solve))?.0;
     }
     match ended.into_inner() {
         0 => Err(RunError::Stopped),
@@ -179,8 +186,8 @@ pub(crate) fn time_solves(
 }
 
 /// Runs a solve and ignores its result: a failure costs about as much as a success.
-fn try_solve(study: &Study, solver: &dyn Solver, geometry: &Geometry, point: &Point, watch: &dyn RunWatch) {
-    if let Ok(systems) = systems_of(study, geometry, point) {
+fn try_solve(study: &Study, solver: &dyn Solver, covers: &Covers, point: &Point, watch: &dyn RunWatch) {
+    if let Ok((systems, _)) = covers.0.problems(study, grid_of(covers, study, point), point, watch) {
         let grid = GridError::default();
         let _ = PointSolver { study, solver, grid, watch }.solve(&systems, point, "trial");
     }
