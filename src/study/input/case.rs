@@ -97,8 +97,8 @@ fn strata(inputs: &CaseInputs, backgrounds: &mut Vec<Complex64>) -> Result<Vec<S
     }
     let mut parts: Vec<(f64, [f64; 2])> = Vec::new();
     if let Some(eta) = binder {
-        let missing = || Fault::new("H", "nothing", "a length", "give the layer's thickness in µm");
-        parts.push((inputs.thickness.ok_or_else(missing)?, eta));
+        let missing = Fault::new("H", "nothing", "a length", "give the layer's thickness in µm");
+        parts.push((inputs.thickness.ok_or(missing)?, eta));
     }
     parts.extend(inputs.layers_from_z0.iter().flatten().map(|l| (l.thickness, l.eta)));
     parts.extend(inputs.sublayers_from_z0.iter().flatten().map(|l| (l.thickness, l.eta_background)));

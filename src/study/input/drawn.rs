@@ -1,6 +1,6 @@
 //! The random draws of each realisation.
 
-use super::study::{Pigment, Study};
+use super::study::Study;
 use super::variation::{AREA, ASPECT, CellRule, Draw, LightRule, between, thickness_um};
 use crate::ink::{PigmentGrains, SizeDistribution};
 use crate::numerics::sequence::Sequence;
@@ -82,8 +82,9 @@ impl Study {
     /// The area nearest to `area` (µm²) in which whole grains give the requested volume fractions.
     fn whole_grains(&self, area: f64, thickness_um: f64) -> f64 {
         let relief_um = self.packing.relief.as_ref().map_or(0.0, |relief| relief.depth_um);
-        let of = |p: &Pigment| area_of_a_grain(&p.grains, thickness_um - relief_um);
-        let quanta: Vec<f64> = self.pigments.iter().filter_map(of).collect();
+        let dry_um = thickness_um - relief_um;
+        let quanta = self.pigments.iter().filter_map(|p| area_of_a_grain(&p.grains, dry_um));
+        let quanta: Vec<f64> = quanta.collect();
         let Some(largest) = quanta.iter().copied().reduce(f64::max) else { return area };
         let grains = |share: f64| (area * share / largest).round().max(1.0) as usize;
         let nearest = grains(1.0);

@@ -55,25 +55,22 @@ pub enum ThicknessWritten {
 impl ThicknessWritten {
     /// Mean, µm.
     pub fn mean(&self) -> f64 {
-        match self {
-            Self::Even(mean) | Self::Uneven { mean, .. } => *mean,
-            Self::Several(all) => all.first().copied().unwrap_or(f64::NAN),
-        }
+        self.all().first().copied().unwrap_or(f64::NAN)
     }
 
     /// Standard deviation, µm.
     pub fn std(&self) -> f64 {
         match self {
-            Self::Even(_) | Self::Several(_) => 0.0,
             Self::Uneven { std, .. } => *std,
+            Self::Even(_) | Self::Several(_) => 0.0,
         }
     }
 
     /// All thicknesses, µm.
     pub fn all(&self) -> Vec<f64> {
         match self {
+            Self::Even(mean) | Self::Uneven { mean, .. } => vec![*mean],
             Self::Several(all) => all.clone(),
-            other => vec![other.mean()],
         }
     }
 }

@@ -42,16 +42,14 @@ pub fn read_positions(path: &Path, table: &MicrostructureTable) -> Result<Vec<Po
 fn from_csv(text: &str) -> Result<Positions, String> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let names: Vec<String> = reader.headers().map_err(|e| e.to_string())?.iter().map(str::to_owned).collect();
-    let length = |name: &str| with_unit(&names, name);
-    let [x, y, z] = [length("x")?, length("y")?, length("z")?];
-    let radius = match (length("radius"), length("diameter")) {
+    let [x, y, z] = [with_unit(&names, "x")?, with_unit(&names, "y")?, with_unit(&names, "z")?];
+    let radius = match (with_unit(&names, "radius"), with_unit(&names, "diameter")) {
         (Ok(radius), Err(_)) => radius,
         (Err(_), Ok((column, um))) => (column, 0.5 * um),
         (Ok(_), Ok(_)) => return Err("both a radius and a diameter".into()),
         _ => return Err("no column radius_um or diameter_um (or _nm)".into()),
     };
-    let column = |name: &str| names.iter().position(|n| n == name);
-    let (pigment, grain) = (column("pigment"), column("grain"));
+    let [pigment, grain] = ["pigment", "grain"].map(|name| names.iter().position(|n| n == name));
     let table = PositionColumns { lengths: [x, y, z, radius], pigment, grain };
     let mut positions = Positions::default();
     for (i, record) in reader.records().enumerate() {

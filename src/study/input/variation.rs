@@ -93,8 +93,7 @@ pub(super) fn signs(realisation: usize, pigments: usize) -> Vec<f64> {
     let sign = |bits: usize| if bits.is_multiple_of(2) { 1.0 } else { -1.0 };
     // bits of the pair's number, after a 0 for the first pigment
     let pair = 2 * (realisation / 2);
-    let own = |k: usize| sign(pair.checked_shr(k as u32).unwrap_or(0));
-    (0..pigments).map(|k| sign(realisation) * own(k)).collect()
+    (0..pigments).map(|k| sign(realisation) * sign(pair.checked_shr(k as u32).unwrap_or(0))).collect()
 }
 
 /// The shortest possible side of a cell of this nominal period, µm.

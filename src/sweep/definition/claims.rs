@@ -42,7 +42,7 @@ impl Claim {
 
 /// Resolves the variants that the conclusions refer to.
 pub fn claims(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Vec<Claim> {
-    let tables = each::expanded(&file.conclusion, axes, faults);
+    let tables = each::expanded(file, axes, faults);
     for (k, (i, table)) in tables.iter().enumerate() {
         if tables[..k].iter().any(|(_, earlier)| earlier.id == table.id) {
             let (field, found) = (format!("conclusion[{i}].id"), format!("{:?} twice", table.id));
@@ -68,8 +68,8 @@ fn variants(field: &str, list: &[Where], axes: &[Axis], drafts: &[Draft], faults
     for (k, condition) in list.iter().enumerate() {
         let field = format!("{field}[{k}]");
         check_where(&field, condition, axes, faults);
-        let fits = |d: &usize| matches(condition, axes, &drafts[*d].place);
-        let fitting: Vec<usize> = (0..drafts.len()).filter(fits).collect();
+        let fitting: Vec<usize> =
+            (0..drafts.len()).filter(|&d| matches(condition, axes, &drafts[d].place)).collect();
         if fitting.len() != 1 {
             let found = format!("{} variants", fitting.len());
             let remedy = "name a value for every axis that has several";

@@ -32,8 +32,9 @@ pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults
             faults.add(format!("axis[{i}].name"), found, allowed, "give each axis its own name");
         }
         // the later would override the earlier, whose captions would be wrong
-        let earlier = |field: &&String| file.axis[..i].iter().any(|e| e.field.as_ref() == Some(*field));
-        if let Some(field) = file.axis[i].field.as_ref().filter(earlier) {
+        if let Some(field) = &file.axis[i].field
+            && file.axis[..i].iter().any(|earlier| earlier.field.as_ref() == Some(field))
+        {
             let remedy = "keep one of them, with all values";
             faults.add(format!("axis[{i}].field"), format!("{field} twice"), "a field of one axis", remedy);
         }

@@ -92,9 +92,11 @@ pub fn read(path: &Path) -> Result<Sweep, OpenError> {
     let changed = |what: &str| OpenError::Changed { path: path.to_owned(), what: what.to_owned() };
     let files = outline.variants.iter().map(|place| path.join(VARIANTS).join(&place.name).join("study.toml"));
     let files: Vec<PathBuf> = files.collect();
-    let unread = |file: &PathBuf, error| no_sweep(format!("{}: {error}", file.display()));
-    let text = |file| std::fs::read_to_string(file).map_err(|error| unread(file, error));
-    let texts = files.iter().map(text).collect::<Result<Vec<_>, _>>()?;
+    let mut texts = Vec::new();
+    for file in &files {
+        let text = std::fs::read_to_string(file);
+        texts.push(text.map_err(|error| no_sweep(format!("{}: {error}", file.display())))?);
+    }
     let fitting = seal(&outline, texts.iter().map(String::as_str)).map_err(|e| unreadable(&e))?;
     let found = found.ok_or_else(|| changed("sweep.json has no checksum, like those of older versions"))?;
     if found != fitting {

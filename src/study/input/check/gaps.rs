@@ -1,6 +1,5 @@
 //! Warns of measured files whose rows are far apart, which may be intended.
 
-use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::Study;
 use crate::material::gaps::widest_gap_nm;
 use std::collections::BTreeSet;
@@ -13,11 +12,11 @@ pub fn bridged(study: &Study) -> BTreeSet<String> {
     let dissolved = study.dissolved.iter().map(|dissolved| &dissolved.material);
     let spectra = study.materials().chain(dissolved).chain([&study.layer.binder]).map(|m| &m.spectrum);
     let of_spectra = spectra.filter_map(|s| Some(words(&s.name(), s.widest_gap_nm([from, to])?)));
-    let of_measured = |measured: &MeasuredSpectrum| {
+    let of_measured = study.judgement.measured.as_ref().and_then(|measured| {
         let rows: Vec<f64> = measured.rows.iter().map(|row| row[0]).collect();
         Some(words(&measured.source, widest_gap_nm(&rows, [from, to])?))
-    };
-    of_spectra.chain(study.judgement.measured.as_ref().and_then(of_measured)).collect()
+    });
+    of_spectra.chain(of_measured).collect()
 }
 
 fn words(file: &str, [from, to]: [f64; 2]) -> String {

@@ -30,7 +30,8 @@ impl Tabulation<'_> {
         let index = values.collect::<Result<Vec<_>, _>>().unwrap_or_default();
         faults.0.extend(unsound(field, &index, self.wavelengths_nm));
         // invalid wavelengths are reported separately
-        let (source, index, spectrum) = match faults.0.len() > before || index.is_empty() {
+        let invalid = faults.0.len() > before || index.len() < self.wavelengths_nm.len();
+        let (source, index, spectrum) = match invalid {
             true => (String::new(), vec![Complex64::ONE; self.wavelengths_nm.len()], Spectrum::VACUUM),
             false => (source(&spectrum), index, spectrum),
         };

@@ -33,8 +33,10 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
         }
         None => measured(file, folder, faults),
     };
-    let elsewhere = |m: &&MeasuredSpectrum| wavelengths_nm.iter().all(|&nm| m.at(nm).is_none());
-    if let (Some(measured), false) = (measured.as_ref().filter(elsewhere), wavelengths_nm.is_empty()) {
+    if let Some(measured) = &measured
+        && !wavelengths_nm.is_empty()
+        && wavelengths_nm.iter().all(|&nm| measured.at(nm).is_none())
+    {
         let [low, high] = measured.range_nm();
         let found = format!("{} with values from {low} to {high} nm", measured.source);
         let allowed = "a spectrum with values at one of the wavelengths of [light] or more";
@@ -46,10 +48,8 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
 /// Remark on a file with several samples.
 pub fn first_of_several(file: &StudyFile, judgement: &Judgement) -> Option<String> {
     let measured = judgement.measured.as_ref().filter(|m| m.patches > 1 && file.compare.patch.is_none())?;
-    Some(format!(
-        "compare.measured: using {}; compare.patch = \"…\" selects another by name",
-        measured.source
-    ))
+    let source = &measured.source;
+    Some(format!("compare.measured: using {source}; compare.patch = \"…\" selects another by name"))
 }
 
 /// Whether the steps are equal, up to rounding of the written numbers.

@@ -17,7 +17,7 @@ pub(super) const FIELD: &str = "layer.microstructure";
 const OTHER_UNIT: f64 = 30.0;
 
 /// What the study says of files of grains, and their names.
-type Files<'a> = (&'a MicrostructureTable, &'a FileNames);
+type GrainFiles<'a> = (&'a MicrostructureTable, &'a FileNames);
 
 /// What files say of the layer.
 pub(super) struct Given {
@@ -62,7 +62,12 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
 }
 
 /// Grains of all files of spheres.
-fn spheres(file: &StudyFile, folder: &Path, (table, names): Files, faults: &mut Faults) -> Option<Given> {
+fn spheres(
+    file: &StudyFile,
+    folder: &Path,
+    (table, names): GrainFiles,
+    faults: &mut Faults,
+) -> Option<Given> {
     let mut cuts = Vec::new();
     for path in names.all() {
         match read_positions(&folder.join(path), table) {
@@ -194,8 +199,7 @@ fn near(sphere: Sphere, first: Option<&Sphere>, cell: [f64; 3]) -> Sphere {
 fn pigment(file: &StudyFile, called: Option<&String>, first: usize) -> Option<usize> {
     let Some(called) = called else { return Some(0) };
     let named = packed(file).position(|(_, table)| table.name.as_ref() == Some(called));
-    let numbered = || called.parse::<usize>().ok()?.checked_sub(first).filter(|&k| k < packed(file).count());
-    named.or_else(numbered)
+    named.or_else(|| called.parse::<usize>().ok()?.checked_sub(first).filter(|&k| k < packed(file).count()))
 }
 
 /// Which spheres leave the layer, and what else their file may mean.

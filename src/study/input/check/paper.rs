@@ -69,9 +69,11 @@ fn read(path: &Path, faults: &mut Faults) -> Option<Vec<[f64; 2]>> {
     let rows = files::read_bytes(path, files::TABLE).map_err(csv::Error::from).and_then(|bytes| {
         builder.from_reader(bytes.as_slice()).deserialize().collect::<Result<Vec<AlbedoRow>, _>>()
     });
-    let found = |error| format!("{} ({error})", path.display());
     let allowed = "a readable table with the header wavelength_nm,albedo";
     let remedy = "correct the table; its path is relative to the study file";
-    let refuse = |error| faults.add("paper.albedo.csv", found(error), allowed, remedy);
-    Some(rows.map_err(refuse).ok()?.iter().map(|row| [row.wavelength_nm, row.albedo]).collect())
+    let rows = rows.map_err(|error| {
+        let found = format!("{} ({error})", path.display());
+        faults.add("paper.albedo.csv", found, allowed, remedy);
+    });
+    Some(rows.ok()?.iter().map(|row| [row.wavelength_nm, row.albedo]).collect())
 }

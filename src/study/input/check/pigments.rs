@@ -61,9 +61,8 @@ pub fn pigments(
 
 /// The layers' indices.
 fn shell(i: usize, table: &PigmentTable, indices: &Tabulation, faults: &mut Faults) -> Vec<IndexSpectrum> {
-    let field = |j: usize| of(i, &format!("shell[{j}].index"));
-    let layers = table.shell.iter().enumerate();
-    layers.map(|(j, layer)| indices.tabulate(&field(j), &layer.index, faults)).collect()
+    let layers = (0..).zip(&table.shell).map(|(j, layer)| (of(i, &format!("shell[{j}].index")), layer));
+    layers.map(|(field, layer)| indices.tabulate(&field, &layer.index, faults)).collect()
 }
 
 /// The pigments without grains.

@@ -2,16 +2,12 @@
 
 use crate::input::fault::Faults;
 use crate::sweep::definition::axes::{Axis, names};
-use crate::sweep::definition::file::ConclusionTable;
+use crate::sweep::definition::file::{ConclusionTable, SweepFile};
 
 /// All conclusions, each with the index of the table that defines it.
-pub(super) fn expanded(
-    tables: &[ConclusionTable],
-    axes: &[Axis],
-    faults: &mut Faults,
-) -> Vec<(usize, ConclusionTable)> {
+pub fn expanded(file: &SweepFile, axes: &[Axis], faults: &mut Faults) -> Vec<(usize, ConclusionTable)> {
     let mut all = Vec::new();
-    for (i, table) in tables.iter().enumerate() {
+    for (i, table) in file.conclusion.iter().enumerate() {
         let Some(name) = &table.each else {
             all.push((i, table.clone()));
             continue;

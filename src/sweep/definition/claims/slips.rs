@@ -52,15 +52,15 @@ fn contradictions(
     let (curve, ranged) = (!table.along.is_empty(), table.range_nm.is_some());
     let (delta_e, unbound) = (table.quantity == Quantity::DeltaE, table.at_least.or(table.at_most).is_none());
     let colours = (table.plus.len(), table.minus.len());
-    let unowned = |quotation: &Option<String>| quotation.is_some() && table.source.is_none();
+    let unowned = table.source.is_none();
     let (range, source) = ("a range of wavelengths, range_nm = [from, to]", "source = \"…\" beside it");
     let all = [
         (curve && (delta_e || ranged), "among", "a curve", "a curve of one quantity, at one wavelength"),
         (!ranged && table.over != Over::Every, "over", "no range_nm", range),
         (!ranged && table.absorbed_by.is_some(), "absorbed_by", "no range_nm", range),
         (table.absolute && curve, "absolute", "a curve", "sums and differences without a curve"),
-        (unowned(&table.quote), "quote", "a quotation without a source", source),
-        (unowned(&table.translation), "translation", "a quotation without a source", source),
+        (unowned && table.quote.is_some(), "quote", "a quotation without a source", source),
+        (unowned && table.translation.is_some(), "translation", "a quotation without a source", source),
         (unbound, "at_least", "nothing", "a bound: at_least, at_most or both"),
         (table.plus.is_empty(), "plus", "no variant", "one variant or more"),
         (

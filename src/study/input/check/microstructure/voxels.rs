@@ -1,6 +1,6 @@
 //! Voxels of a microstructure: labels become pigments, files become cuts.
 
-use super::{FIELD, Files, Given};
+use super::{FIELD, Given, GrainFiles};
 use crate::ink::{Measure, SizeDistribution, VoxelCut};
 use crate::input::check::pigments::packed_names;
 use crate::input::fault::{Fault, Faults};
@@ -16,7 +16,12 @@ use std::path::Path;
 const STAIRS: f64 = 1.5;
 
 /// The cuts of all files; `None` after an error.
-pub fn voxels(file: &StudyFile, folder: &Path, (table, names): Files, faults: &mut Faults) -> Option<Given> {
+pub fn voxels(
+    file: &StudyFile,
+    folder: &Path,
+    (table, names): GrainFiles,
+    faults: &mut Faults,
+) -> Option<Given> {
     let before = faults.0.len();
     let field = "layer.microstructure.voxel_nm";
     let remedy = "give the edge of a voxel in nm";
