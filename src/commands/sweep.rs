@@ -13,7 +13,6 @@ use inkwave::run::RunSettings;
 use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::outcome::Outcome;
 use inkwave::sweep::publish::{Publisher, Reported, publish};
 use inkwave::sweep::run::Scope;
 use inkwave::sweep::units::Shard;
@@ -167,16 +166,14 @@ pub(super) fn tell(
         say!("{}: {} ({})", judged.table.id, judged.verdict.name(), judged.inequality)?;
     }
     if let Some(nearest) = &reported.nearest {
-        say!("{nearest}")?;
+        say!("Target {}: {}", nearest.target, nearest.summary)?;
     }
     say!("Report: {}", folder.path().join("report.html").display())?;
     let (complete, all, failures) = (reported.complete(), reported.outcomes.len(), reported.failures());
     if complete == all {
         return Ok(());
     }
-    let waits =
-        |outcome: &&Outcome| outcome.solves.finished < outcome.solves.asked && outcome.reason.is_none();
-    let waiting = reported.outcomes.iter().filter(waits).count();
+    let waiting = reported.outcomes.iter().filter(|o| !o.is_complete() && o.reason.is_none()).count();
     let help = if waiting > 0 && !stopped {
         format!("{waiting} variants are unfinished; to resume: {go_on}, or merge the missing shards")
     } else if failures > 0 && !stopped {

@@ -5,10 +5,8 @@ use super::curves;
 use super::outcome::Outcome;
 use super::reported::{Reported, shown};
 use super::sheets::Sheet;
-use super::target;
 use crate::draw::OutputError;
 use crate::draw::chart::{Chart, Curve};
-use crate::evaluate::manifest::Count;
 use crate::report::page::{Picture, hex, made_by, png_data, rendered, svg_data};
 use crate::report::publish::PublishError;
 use crate::report::scalar_error;
@@ -37,7 +35,7 @@ pub(crate) fn page(
         scalar_error => scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
         sheets => Serde(pictures),
         conclusions => conclusions(&reported.conclusions),
-        nearest => Serde(target::nearest(outline, outcomes)),
+        nearest => Serde(&reported.nearest),
         axes => Vec::from_iter(outline.axes.iter().map(AxisOutline::heading)),
         reference => &outcomes[outline.reference].name,
         variants => Vec::from_iter((0..all).map(|v| row(sweep, v, outcomes))),
@@ -48,9 +46,9 @@ pub(crate) fn page(
 }
 
 fn partial(reported: &Reported, complete: usize, all: usize) -> String {
-    let unfinished = |o: &&Outcome| o.solves.finished < o.solves.asked;
-    if reported.outcomes.iter().filter(unfinished).all(|outcome| outcome.reason.is_some()) {
-        let without = reported.outcomes.iter().filter(unfinished).filter(|o| o.colour.is_none()).count();
+    let unfinished: Vec<&Outcome> = reported.outcomes.iter().filter(|o| !o.is_complete()).collect();
+    if unfinished.iter().all(|outcome| outcome.reason.is_some()) {
+        let without = unfinished.iter().filter(|outcome| outcome.colour.is_none()).count();
         return format!(
             "{complete} of {all} variants are complete, {} lack some packings, and {without} have no results, \
              for the reasons in the table. --retry-failed retries them.",
@@ -61,9 +59,8 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
         0 => String::new(),
         failures => format!(" {failures} failures are recorded; --retry-failed retries them."),
     };
-    let solves =
-        |count: fn(&Count) -> usize| reported.outcomes.iter().map(|o| count(&o.solves)).sum::<usize>();
-    let (finished, asked) = (solves(|c| c.finished), solves(|c| c.asked));
+    let finished: usize = reported.outcomes.iter().map(|o| o.solves.finished).sum();
+    let asked: usize = reported.outcomes.iter().map(|o| o.solves.asked).sum();
     format!(
         "{complete} of {all} variants are finished, {finished} of {asked} solves.{failed} A running sweep updates this page \
          regularly; a stopped one resumes when it is run again."

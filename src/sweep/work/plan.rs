@@ -100,7 +100,7 @@ fn tried(
         let alike = trials.iter().find(|t: &&Trial| t.study.resolution == study.resolution);
         match trial(v, study, alike, jobs, &part).map_err(RunError::stopped) {
             Ok(trial) => trials.push(trial),
-            Err(RunError::Stopped) if deadline.is_called_off() => return Err(RunError::Stopped),
+            Err(RunError::Stopped) if deadline.watch.stop() => return Err(RunError::Stopped),
             Err(RunError::Stopped) => late.push(v),
             Err(error) => failure = Some(error),
         }
@@ -234,7 +234,7 @@ fn at_full_size(
     deadline.stage(&format!("calibrating with {} at full size", variant.name));
     match full_solve(trial, &variant.study, jobs, deadline).map_err(RunError::stopped) {
         Ok(solve) => Ok(Some((variant.name.clone(), solve / trial.solve))),
-        Err(RunError::Stopped) if !deadline.is_called_off() => Ok(None),
+        Err(RunError::Stopped) if !deadline.watch.stop() => Ok(None),
         Err(error) => Err(error),
     }
 }
@@ -255,17 +255,19 @@ fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) 
         for (n, wanted) in resolutions(sweep, group).iter().enumerate() {
             let here = |v: &&usize| sweep.variants[**v].study.resolution == *wanted;
             let studies: Vec<&Study> = group.iter().filter(here).map(|&v| &sweep.variants[v].study).collect();
-            let counts = Counts::of(&studies);
-            solves += counts.solves;
+            let [grids, own] = grids_and_solves(&studies);
+            solves += own;
             let distance = |t: &&Trial| (density(&t.study) / density(studies[0])).ln().abs();
             let alike = trials.iter().filter(|t| t.study.resolution == *wanted);
             let nearest = alike.min_by(|a, b| distance(a).total_cmp(&distance(b)));
             // without grains there is no contrast to iterate on
             if let (false, Some(trial)) = (studies[0].pigments.is_empty(), nearest) {
+                let realisations = studies.iter().map(|study| study.realisations);
                 // resolutions share the packings of their group
-                let packings = if n == 0 { counts.packings } else { 0 };
-                let once = trial.packing * packings as f64 + trial.coverage * counts.coverages as f64;
-                let work = once + trial.grid * counts.grids as f64 + trial.solve * counts.solves as f64;
+                let packings = if n == 0 { realisations.clone().max().unwrap_or(0) } else { 0 };
+                let coverages = realisations.sum::<usize>() as f64;
+                let once = trial.packing * packings as f64 + trial.coverage * coverages;
+                let work = once + trial.grid * grids as f64 + trial.solve * own as f64;
                 seconds += studies[0].volume_um3() * work;
             }
         }
@@ -276,35 +278,22 @@ fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) 
 /// Solves on the coarse grid that take as long as one on the finer grid.
 const FINER_COST: usize = 2;
 
-/// Work of variants with the same packings and the same requested resolution.
-struct Counts {
-    packings: usize,
-    coverages: usize,
-    grids: usize,
-    solves: usize,
-}
-
-impl Counts {
-    fn of(studies: &[&Study]) -> Self {
-        let (mut solves, mut grids, mut finer) = (HashSet::new(), HashSet::new(), 0);
-        for study in studies {
-            let method = (&study.solver, &study.goal);
-            for r in 0..study.realisations {
-                solves.extend(study.points(r).iter().map(|p| {
-                    let indices = study.indices(p.incidence.wavelength_um);
-                    Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
-                }));
-                finer += study.solves_of(r) - study.solves_each();
-            }
-            let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
-            let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
-            grids.insert(Key::of("grid", &(light, indices, method)));
+/// Numbers of grid searches and of solves of variants with the same packings and the same requested
+/// resolution.
+fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
+    let (mut solves, mut grids, mut finer) = (HashSet::new(), HashSet::new(), 0);
+    for study in studies {
+        let method = (&study.solver, &study.goal);
+        for r in 0..study.realisations {
+            solves.extend(study.points(r).iter().map(|p| {
+                let indices = study.indices(p.incidence.wavelength_um);
+                Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
+            }));
+            finer += study.solves_of(r) - study.solves_each();
         }
-        Self {
-            packings: studies.iter().map(|s| s.realisations).max().unwrap_or(0),
-            coverages: studies.iter().map(|s| s.realisations).sum(),
-            grids: grids.len(),
-            solves: solves.len() + FINER_COST * finer,
-        }
+        let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
+        let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
+        grids.insert(Key::of("grid", &(light, indices, method)));
     }
+    [grids.len(), solves.len() + FINER_COST * finer]
 }

@@ -48,6 +48,11 @@ impl Shard {
     }
 }
 
+/// Whether `run.target_delta_e` may end some variant before its last realisation.
+pub fn ends_early(sweep: &Sweep) -> bool {
+    sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some())
+}
+
 /// Groups of variants whose packings are equal in all realisations, ordered by the packings'
 /// hashes.
 pub fn groups(sweep: &Sweep) -> Vec<Vec<usize>> {

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 /// Forwards the events of a trial and stops it in time.
 pub(super) struct Deadline<'a> {
-    watch: &'a dyn RunWatch,
+    /// Stops on the user's request alone.
+    pub watch: &'a dyn RunWatch,
     end: Instant,
 }
 
@@ -19,11 +20,6 @@ impl<'a> Deadline<'a> {
     pub fn part(&self, trials: usize) -> Self {
         let left = self.end.saturating_duration_since(Instant::now());
         Self::after(self.watch, left / trials.max(1) as u32)
-    }
-
-    /// True if the user requested the stop, rather than the deadline.
-    pub fn is_called_off(&self) -> bool {
-        self.watch.stop()
     }
 }
 

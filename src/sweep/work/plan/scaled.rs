@@ -64,11 +64,8 @@ fn grid(study: &Study) -> Resolution {
 
 /// Largest |η| of all media at the shortest wavelength.
 fn densest(study: &Study) -> f64 {
-    indices(study).map(|eta| eta.norm()).fold(1.0, f64::max)
-}
-
-fn indices(study: &Study) -> impl Iterator<Item = num_complex::Complex64> {
-    study.indices(1e-3 * study.wavelengths_nm[0]).into_iter()
+    let indices = study.indices(1e-3 * study.wavelengths_nm[0]);
+    indices.into_iter().map(|eta| eta.norm()).fold(1.0, f64::max)
 }
 
 /// Operator applications per solve: a constant, plus a term proportional to the phase difference

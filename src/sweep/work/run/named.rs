@@ -4,8 +4,8 @@ use crate::run::watch::{Event, RunWatch};
 
 /// Forwards events, with the variant's name before each stage.
 pub(super) struct NamedWatch<'a> {
-    /// Text before every stage.
-    pub prefix: &'a str,
+    /// Name of the variant; empty if it is the only one.
+    pub name: &'a str,
     pub watch: &'a dyn RunWatch,
 }
 
@@ -16,7 +16,9 @@ impl RunWatch for NamedWatch<'_> {
 
     fn hear(&self, event: Event) {
         match event {
-            Event::Stage(what) => self.watch.hear(Event::Stage(&format!("{}{what}", self.prefix))),
+            Event::Stage(what) if !self.name.is_empty() => {
+                self.watch.stage(&format!("{}: {what}", self.name))
+            }
             other => self.watch.hear(other),
         }
     }
@@ -39,7 +41,7 @@ mod tests {
     #[test]
     fn a_stage_has_the_name_of_its_variant() {
         let heard = Heard::default();
-        let named = NamedWatch { prefix: "yellow-0.3: ", watch: &heard };
+        let named = NamedWatch { name: "yellow-0.3", watch: &heard };
         named.hear(Event::Stage("packing realisation 4/6"));
         named.hear(Event::Ended);
         assert_eq!(

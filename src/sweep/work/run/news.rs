@@ -29,7 +29,7 @@ impl<'a> News<'a> {
         let Worker { queue, watch, .. } = self.worker;
         match queue.advance(self.task, solves).and_then(|()| queue.standing()) {
             Ok(standing) => watch.hear(Event::Standing(&standing)),
-            Err(error) => self.worker.note(Err(error.into())),
+            Err(error) => self.worker.note(error),
         }
     }
 }
