@@ -1,7 +1,7 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
-use super::diagnostics::study_report;
-use super::run::folder_report;
+use super::diagnostics::{folder_report, study_report};
+use super::stop::StopFlag;
 use super::work::opened;
 use clap::Args;
 use inkwave::compare::check::{Conformity, ConformityVerdict, TOLERANCE, check};
@@ -48,9 +48,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let output = opened(&args.output, Holds::Comparison)?;
     output.mark_partial().map_err(folder_report)?;
-    let mut stop = StopWatch(super::stop::StopFlag::listen());
     let comparison = file
-        .run(&registry, &mut stop, tell_row)
+        .run(&registry, &mut StopFlag::listen(), tell_row)
         .inspect_err(|_| output.discard_when_empty())
         .map_err(report)?;
     comparison.write(&output).map_err(publish_report)?;
@@ -75,8 +74,8 @@ fn checked(args: &CompareArgs) -> Result<()> {
     let (command, knob) = (args.check.clone(), args.knob.into_iter().collect());
     let (time_limit_s, memory_gb) = (CHECK_SECONDS, CHECK_GB);
     let program = ExternalTable { name: command.join(" "), command, knob, time_limit_s, memory_gb };
-    let mut stop = StopWatch(super::stop::StopFlag::listen());
-    let Conformity { cases, verdict } = check(&program, Path::new(""), &mut stop).map_err(report)?;
+    let Conformity { cases, verdict } =
+        check(&program, Path::new(""), &mut StopFlag::listen()).map_err(report)?;
     for (case, result) in &cases {
         match result {
             Ok(error) if *error <= TOLERANCE => say!("{case}: agrees, error {error:.1e}")?,
@@ -147,10 +146,8 @@ fn report(error: CompareError) -> miette::Report {
 }
 
 /// Stops a solve on Ctrl-C.
-struct StopWatch(super::stop::StopFlag);
-
-impl Watch for StopWatch {
+impl Watch for StopFlag {
     fn step(&mut self, _: &Step) -> ControlFlow<()> {
-        if self.0.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

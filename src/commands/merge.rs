@@ -1,7 +1,6 @@
 //! `inkwave merge SHARDS… --output DIR`: joins what several machines have computed.
 
-use super::diagnostics::study_report;
-use super::run::{folder_report, tell_damages};
+use super::diagnostics::{folder_report, study_report, tell_damages};
 use super::sweep::tell;
 use clap::Args;
 use inkwave::store::folder::OutputFolder;

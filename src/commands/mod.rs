@@ -15,7 +15,6 @@ mod live;
 pub mod materials;
 pub mod memory;
 pub mod merge;
-mod mixed_up;
 pub mod pack;
 pub mod progress;
 pub mod report;

@@ -14,6 +14,11 @@ const BETWEEN_LINES: Duration = Duration::from_secs(10);
 /// Fewest solves whose mean time is used to estimate the time left.
 const TOO_FEW: usize = 20;
 
+/// The style of a bar or a spinner.
+pub fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).expect("a template that indicatif knows")
+}
+
 /// What a run has done so far.
 struct RunState {
     begun: Instant,
@@ -41,13 +46,6 @@ impl RunState {
         let (since, last_line) = (begun, begun);
         let [under_way, solved, left, kept] = [0; 4];
         Self { begun, under_way, since, busy, solved, left, kept, workers: 1, ends_early: false, last_line }
-    }
-
-    fn begin(&mut self) {
-        if self.under_way == 0 {
-            self.since = Instant::now();
-        }
-        self.under_way += 1;
     }
 
     fn end(&mut self) {
@@ -95,10 +93,8 @@ impl Progress {
     pub fn new() -> Self {
         let plain = !std::io::stderr().is_terminal();
         let bar = ProgressBar::no_length();
-        let template = "{bar:32} {pos}/{len} solves  {msg}  {elapsed} elapsed, {prefix}";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style.progress_chars("━╸ "));
-        }
+        let style = style("{bar:32} {pos}/{len} solves  {msg}  {elapsed} elapsed, {prefix}");
+        bar.set_style(style.progress_chars("━╸ "));
         if !plain {
             bar.enable_steady_tick(Duration::from_millis(250));
         }
@@ -121,8 +117,15 @@ impl Progress {
         (state.left, state.ends_early) = (solves, ends_early);
     }
 
+    /// Shows the progress of some work, then the throughput.
+    pub fn during<T>(&self, work: impl FnOnce() -> T) -> T {
+        let done = work();
+        self.finish();
+        done
+    }
+
     /// Removes the progress bar and prints the throughput.
-    pub fn finish(&self) {
+    fn finish(&self) {
         self.bar.finish_and_clear();
         let RunState { begun, busy, solved, kept, .. } = *self.state();
         if kept > 0 {
@@ -172,7 +175,10 @@ impl Progress {
         let (number, of) = (realisation + 1, study.realisations);
         self.bar.set_message(format!("realisation {number}/{of} · {nm:.0} nm · {angle:.0}°{side}"));
         let mut state = self.state();
-        state.begin();
+        if state.under_way == 0 {
+            state.since = Instant::now();
+        }
+        state.under_way += 1;
         self.bar.set_prefix(state.time_left(self.all()));
     }
 

@@ -1,8 +1,8 @@
 //! `inkwave report DIR`: tables, contact sheets and pages of a sweep from its store, finished or
 //! not.
 
+use super::diagnostics::folder_report;
 use super::merge::open_report;
-use super::run::folder_report;
 use super::sweep::tell;
 use clap::Args;
 use inkwave::store::folder::OutputFolder;

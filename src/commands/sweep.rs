@@ -1,11 +1,9 @@
 //! `inkwave sweep SWEEP.toml`: a study of many variants, on one machine or many.
 
-use super::again::this_command;
-use super::diagnostics::study_report;
+use super::again::{this_command, to_resume};
+use super::diagnostics::{folder_report, mixed_up_report, run_report, tell_damages};
 use super::live::Live;
-use super::mixed_up::not_for;
 use super::progress::Progress;
-use super::run::{folder_report, run_report, tell_damages};
 use super::say::note;
 use super::work::{WorkArgs, opened};
 use clap::Args;
@@ -15,7 +13,7 @@ use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::publish::{Publisher, Reported, publish};
 use inkwave::sweep::run::Scope;
-use inkwave::sweep::units::Shard;
+use inkwave::sweep::units::{Shard, ends_early, units};
 use inkwave::sweep::{Sweep, composed, folder, load, plan, run as runner};
 use miette::{IntoDiagnostic, miette};
 use std::collections::BTreeSet;
@@ -55,8 +53,7 @@ pub struct SweepArgs {
 
 /// Reads, checks and runs a sweep, or plans it.
 pub fn run(args: &SweepArgs) -> miette::Result<()> {
-    let sweep = load::load(&args.sweep)
-        .map_err(|error| not_for(&error, "sweep").unwrap_or_else(|| study_report(error)))?;
+    let sweep = load::load(&args.sweep).map_err(|error| mixed_up_report(error, "sweep"))?;
     // most variants have the same remarks
     let remarks: BTreeSet<&String> =
         sweep.variants.iter().flat_map(|variant| &variant.study.remarks).collect();
@@ -69,24 +66,17 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     if args.work.plan {
         return tell_plan(&sweep, args.json, settings);
     }
-    let shard = args.shard.as_deref().map(parse_shard).transpose()?;
+    let shard = args.shard.as_deref().map(|text| shard(text, &sweep)).transpose()?;
     let part = shard.unwrap_or(Shard::ALL);
-    part.check(&sweep).map_err(|most| too_many_shards(part, most))?;
-    if let Some(variant) = sweep.variants.iter().find(|v| shard.is_some() && v.study.target_delta_e.is_some())
-    {
-        return Err(no_bars_in_shards(&variant.name));
-    }
     let end = shard.map_or_else(String::new, |s| format!(".shard-{}-of-{}", s.index, s.count));
     let folder = begin(&sweep, &args.work.folder(&args.sweep, &end), args)?;
     let progress = Progress::new();
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
-    let ends_early = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
-    progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) }, ends_early);
+    progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) }, ends_early(&sweep));
     let mut publisher = Publisher::new(&sweep);
     let live = Live::new(&folder, &progress, Box::new(|| publisher.publish(&folder).is_ok()));
     let watch: &dyn RunWatch = if args.grids_only { &progress } else { &live };
-    let tally = runner::run(&sweep, &folder, (part, scope), settings, watch);
-    progress.finish();
+    let tally = progress.during(|| runner::run(&sweep, &folder, (part, scope), settings, watch));
     let tally = tally.map_err(run_report)?;
     tell_damages(&tally.damages);
     if tally.waited >= WORTH_TELLING {
@@ -130,14 +120,13 @@ fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> mie
     let folder = opened(&args.work.folder(&args.sweep, ""), Holds::Sweep)?;
     folder::write(sweep, &folder).map_err(folder_report)?;
     let progress = Progress::new();
-    let ended = composed::run(sweep, &folder, settings, &progress);
-    progress.finish();
-    let done = ended.map_err(run_report)?;
+    let done = progress.during(|| composed::run(sweep, &folder, settings, &progress));
+    let done = done.map_err(run_report)?;
     let page = composed::publish(sweep, &done, &folder).into_diagnostic()?;
     say!("Report: {}", page.display())?;
     if done.len() < sweep.variants.len() {
-        let help = format!("to resume: {}", this_command());
-        return Err(miette!(help = help, "{} of {} layers are there", done.len(), sweep.variants.len()));
+        let (there, all) = (done.len(), sweep.variants.len());
+        return Err(miette!(help = to_resume(), "{there} of {all} layers are there"));
     }
     Ok(())
 }
@@ -194,10 +183,7 @@ fn tell_shard(
     let Shard { index, count } = shard;
     say!("Shard {index}/{count} in {}: {finished} of {asked} solves finished", folder.path().display())?;
     if stopped || finished + failed < asked {
-        return Err(miette!(
-            help = format!("to resume: {}", this_command()),
-            "stopped: {finished} of {asked} solves"
-        ));
+        return Err(miette!(help = to_resume(), "stopped: {finished} of {asked} solves"));
     }
     if failed > 0 {
         let help = "the report lists the reasons; use --retry-failed";
@@ -208,27 +194,9 @@ fn tell_shard(
 
 fn tell_grids(folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
     if stopped {
-        return Err(miette!(
-            help = format!("to resume: {}", this_command()),
-            "stopped before all grids were chosen"
-        ));
+        return Err(miette!(help = to_resume(), "stopped before all grids were chosen"));
     }
     say!("Grids in {}", folder.path().display())
-}
-
-fn no_bars_in_shards(variant: &str) -> miette::Report {
-    let help =
-        "leave --shard out and start any number of processes in one folder, or give run.realisations alone";
-    miette!(
-        help = help,
-        "--shard: found with run.target_delta_e in variant {variant}; allowed without it, as no shard knows the whole confidence interval"
-    )
-}
-
-fn too_many_shards(shard: Shard, most: usize) -> miette::Report {
-    let help =
-        "each shard needs a unit (one realisation of the variants that share a packing); --plan counts them";
-    miette!(help = help, "--shard: found {} parts; this sweep can be divided into 1 to {most}", shard.count)
 }
 
 /// Prints the expected cost of a sweep, or of a study as a sweep of one variant.
@@ -236,12 +204,10 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> mie
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
     let progress = Progress::new();
-    let plan = plan::plan(sweep, RunSettings { jobs: Some(jobs), ..settings }, &progress);
-    progress.finish();
-    let plan = plan.map_err(run_report)?;
+    let settings = RunSettings { jobs: Some(jobs), ..settings };
+    let plan = progress.during(|| plan::plan(sweep, settings, &progress)).map_err(run_report)?;
     if json {
-        say!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?)?;
-        return Ok(());
+        return say!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?);
     }
     if let Some(reason) = &plan.out_of_reach {
         say!("out of reach: {reason}")?;
@@ -250,19 +216,13 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> mie
     say!("variants          {}", plan.variants)?;
     say!("packings          {}", plan.packings)?;
     // `run.target_delta_e` may be reached earlier.
-    let bars = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
-    say!("solves            {}{}", if bars { "at most " } else { "" }, plan.solves)?;
+    let (most, about) = if ends_early(sweep) { ("at most ", "at most") } else { ("", "about") };
+    say!("solves            {most}{}", plan.solves)?;
     say!("unknowns          {} in the largest solve", plan.unknowns)?;
     say!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs)?;
-    say!(
-        "time              {} {} on {jobs} cores, {} on 100",
-        if bars { "at most" } else { "about" },
-        time(jobs as f64),
-        time(100.0)
-    )?;
+    say!("time              {about} {} on {jobs} cores, {} on 100", time(jobs as f64), time(100.0))?;
     say!("largest division  {} shards", plan.units)?;
-    say!("calibrated with   {}", plan.calibration)?;
-    Ok(())
+    say!("calibrated with   {}", plan.calibration)
 }
 
 /// Formats a time with two or three digits.
@@ -275,34 +235,47 @@ fn in_words(seconds: f64) -> String {
     }
 }
 
-/// Parses `I/N`, or `N` with the part from the environment variable of the scheduler.
+/// Parses `I/N`, or `N` with the part from the environment variable of the scheduler, for a sweep that
+/// can be divided so.
+fn shard(text: &str, sweep: &Sweep) -> miette::Result<Shard> {
+    let shard = parse_shard(text)?;
+    let (count, most) = (shard.count, units(sweep).len());
+    if count > most {
+        let help = "each shard needs a unit (one realisation of the variants that share a packing); --plan counts them";
+        return Err(miette!(
+            help = help,
+            "--shard: found {count} parts; this sweep can be divided into 1 to {most}"
+        ));
+    }
+    if let Some(variant) = sweep.variants.iter().find(|variant| variant.study.target_delta_e.is_some()) {
+        let help = "leave --shard out and start any number of processes in one folder, or give run.realisations alone";
+        return Err(miette!(
+            help = help,
+            "--shard: found with run.target_delta_e in variant {}; allowed without it, as no shard knows the whole confidence interval",
+            variant.name
+        ));
+    }
+    Ok(shard)
+}
+
 fn parse_shard(text: &str) -> miette::Result<Shard> {
     let number = |text: &str| text.trim().parse::<usize>().ok();
-    let parts = match text.split_once('/') {
+    // the scheduler's variable that is set, with its value
+    let task = TASK_NUMBER.iter().find_map(|name| Some((*name, std::env::var(name).ok()?)));
+    let (index, count) = match text.split_once('/') {
         Some((index, count)) => (number(index), number(count)),
-        None => (task_number().and_then(|(_, value)| number(&value)), number(text)),
+        None => (task.as_ref().and_then(|(_, value)| number(value)), number(text)),
     };
-    match parts {
-        (Some(index), Some(count)) if index >= 1 && index <= count => Ok(Shard { index, count }),
-        (index, _) => {
-            let part = index.map(|i| format!(" (part {i})"));
-            let alone = || if text.contains('/') { String::new() } else { without_part() };
-            let found = format!("{text}{}", part.unwrap_or_else(alone));
-            let help = "write --shard 3/8 for the third of eight parts; or --shard 8 in an array job numbered from 1 to 8";
-            Err(miette!(help = help, "--shard: found {found}; allowed: I/N with whole numbers 1 ≤ I ≤ N"))
-        }
-    }
-}
-
-/// The scheduler's environment variable that is set, with its value.
-fn task_number() -> Option<(&'static str, String)> {
-    TASK_NUMBER.iter().find_map(|name| Some((*name, std::env::var(name).ok()?)))
-}
-
-/// Describes what was found where only the number of parts is given.
-fn without_part() -> String {
-    match task_number() {
-        Some((name, value)) => format!(" and {name} = {value}"),
-        None => format!(" alone, and none of {} is set", TASK_NUMBER.join(", ")),
-    }
+    let found = match (index, &task) {
+        (Some(index), _) => match count.filter(|count| (1..=*count).contains(&index)) {
+            Some(count) => return Ok(Shard { index, count }),
+            None => format!("{text} (part {index})"),
+        },
+        (None, _) if text.contains('/') => text.to_owned(),
+        (None, Some((name, value))) => format!("{text} and {name} = {value}"),
+        (None, None) => format!("{text} alone, and none of {} is set", TASK_NUMBER.join(", ")),
+    };
+    let help =
+        "write --shard 3/8 for the third of eight parts; or --shard 8 in an array job numbered from 1 to 8";
+    Err(miette!(help = help, "--shard: found {found}; allowed: I/N with whole numbers 1 ≤ I ≤ N"))
 }

@@ -15,7 +15,7 @@ use crate::input::study::Study;
 use crate::run::collected::{RunSettings, Stores};
 use crate::run::error::RunError;
 use crate::run::resolve::{Resolved, resolve};
-use crate::run::tangents::{Linearised, TangentRecord, Tangents};
+use crate::run::tangents::{Linearised, Tangents};
 use crate::run::watch::RunWatch;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::store::Store;
@@ -71,52 +71,36 @@ pub fn points(task: &FitTask) -> [usize; 3] {
 /// A fit in progress.
 pub struct FitRun<'a> {
     task: &'a FitTask,
-    cells: Vec<Tangents<'a>>,
+    cells: Vec<Tangents>,
     resolved: Vec<Resolved>,
     watch: &'a dyn RunWatch,
 }
 
-/// What a fit keeps its solves in.
-pub struct FitStores {
-    stores: Stores,
-    tangents: Store<TangentRecord>,
-}
-
-impl FitStores {
-    /// The stores of a folder.
-    ///
-    /// # Errors
-    /// They cannot be opened.
-    pub fn open(folder: &OutputFolder) -> Result<Self, RunError> {
-        let stores = Stores::open(folder)?;
-        folder.begin()?;
-        let tangents = Store::of(stores.grids.database());
-        Ok(Self { stores, tangents })
-    }
-}
-
 impl<'a> FitRun<'a> {
-    /// Chooses the grids and packs the cells of all layers.
+    /// Chooses the grids and packs the cells of all layers; solves are kept in the folder.
     ///
     /// # Errors
     /// No grid, no packing, or a stop.
     pub fn new(
         task: &'a FitTask,
-        stores: &'a FitStores,
+        folder: &OutputFolder,
         settings: RunSettings,
         watch: &'a dyn RunWatch,
     ) -> Result<Self, RunError> {
+        let grids = Stores::open(folder)?.grids;
+        folder.begin()?;
         let (mut cells, mut resolved) = (Vec::new(), Vec::new());
         let [_, most] = task.settings.kappa;
         let typical = Complex64::new(task.binder_index() + 0.2, 0.25 * most);
         for coat in &task.coats {
             let study = coat.with_index(task.pigment, &vec![typical; coat.wavelengths_nm.len()]);
             let mut packings = crate::run::realisation::Packings::new(&study, watch);
-            let found = resolve(&study, &stores.stores.grids, settings.memory, watch, |r| {
+            let found = resolve(&study, &grids, settings.memory, watch, |r| {
                 packings.get(r).map(|packing| Scene::from_packing(&packing))
             });
             let found = found.map_err(RunError::stopped)?;
-            cells.push(Tangents::new((&study, task.pigment), found, &stores.tangents, settings, watch)?);
+            let tangents = Store::of(grids.database());
+            cells.push(Tangents::new((&study, task.pigment), found, tangents, settings, watch)?);
             resolved.push(found);
         }
         Ok(Self { task, cells, resolved, watch })

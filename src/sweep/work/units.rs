@@ -35,12 +35,6 @@ impl Shard {
     /// The whole sweep.
     pub const ALL: Self = Self { index: 1, count: 1 };
 
-    /// Checks that there is a unit for each part; the error is the number of units.
-    pub fn check(self, sweep: &Sweep) -> Result<(), usize> {
-        let most = units(sweep).len();
-        if self.count <= most { Ok(()) } else { Err(most) }
-    }
-
     /// The range of `units` in this shard; may be empty if there are more shards than units.
     pub fn range(self, units: usize) -> Range<usize> {
         let up_to = |index: usize| (index as u128 * units as u128 / self.count as u128) as usize;
