@@ -29,7 +29,6 @@ struct RunState {
     /// Time before that with at least one solve running.
     busy: Duration,
     solved: usize,
-    left: usize,
     /// Solves that were already stored.
     kept: usize,
     /// Processes that share the work.
@@ -44,8 +43,8 @@ impl RunState {
     fn new() -> Self {
         let (begun, busy) = (Instant::now(), Duration::ZERO);
         let (since, last_line) = (begun, begun);
-        let [under_way, solved, left, kept] = [0; 4];
-        Self { begun, under_way, since, busy, solved, left, kept, workers: 1, ends_early: false, last_line }
+        let [under_way, solved, kept] = [0; 3];
+        Self { begun, under_way, since, busy, solved, kept, workers: 1, ends_early: false, last_line }
     }
 
     fn end(&mut self) {
@@ -55,15 +54,16 @@ impl RunState {
         }
     }
 
-    /// Mean time per solve of this run times the number of solves left, of `all`. Stored solves and
-    /// grid searches do not count: they come first and would inflate the estimate to years.
-    fn time_left(&self, all: u64) -> String {
+    /// Mean time per solve of this run times the number of solves left, of `all`, `done` of which are
+    /// over. Stored solves and grid searches do not count: they come first and would inflate the
+    /// estimate to years.
+    fn time_left(&self, done: u64, all: u64) -> String {
         if self.solved < TOO_FEW.min(all as usize / 2).max(1) {
             return "time left unknown".into();
         }
         let running = if self.under_way > 0 { self.since.elapsed() } else { Duration::ZERO };
         let shared = (self.solved * self.workers) as f64;
-        let seconds = (self.busy + running).as_secs_f64() * self.left as f64 / shared;
+        let seconds = (self.busy + running).as_secs_f64() * all.saturating_sub(done) as f64 / shared;
         let left = HumanDuration(Duration::from_secs_f64(seconds));
         let most = if self.ends_early { "at most" } else { "about" };
         let by = if self.workers == 1 { String::new() } else { format!(" for {} processes", self.workers) };
@@ -113,8 +113,7 @@ impl Progress {
     /// Sets the number of solves to come; with `ends_early`, `run.target_delta_e` may need fewer.
     pub fn expect(&self, solves: usize, ends_early: bool) {
         self.bar.set_length(solves as u64);
-        let mut state = self.state();
-        (state.left, state.ends_early) = (solves, ends_early);
+        self.state().ends_early = ends_early;
     }
 
     /// Shows the progress of some work, then the throughput.
@@ -146,19 +145,9 @@ impl Progress {
         self.stop.is_raised()
     }
 
-    /// Counts solves that are no longer to come.
-    fn pass(&self, solves: usize) {
-        self.bar.inc(solves as u64);
-        let mut state = self.state();
-        state.left = state.left.saturating_sub(solves);
-    }
-
     fn standing(&self, standing: &QueueStanding) {
-        let done = self.bar.position().max(standing.solves as u64);
-        self.bar.set_position(done);
-        let mut state = self.state();
-        state.left = self.all().saturating_sub(done) as usize;
-        state.workers = standing.workers.max(1);
+        self.bar.set_position(self.bar.position().max(standing.solves as u64));
+        self.state().workers = standing.workers.max(1);
     }
 
     fn show_stage(&self, what: &str) {
@@ -179,11 +168,11 @@ impl Progress {
             state.since = Instant::now();
         }
         state.under_way += 1;
-        self.bar.set_prefix(state.time_left(self.all()));
+        self.bar.set_prefix(state.time_left(self.bar.position(), self.all()));
     }
 
     fn solved(&self, point: &Point, failure: Option<&str>) {
-        self.pass(1);
+        self.bar.inc(1);
         if let Some(failure) = failure {
             let (nm, deg) = (1e3 * point.incidence.wavelength_um, point.incidence.polar_deg);
             let line = format!("no result at {nm:.0} nm, {deg:.0}°: {failure}");
@@ -192,8 +181,8 @@ impl Progress {
         let mut state = self.state();
         state.solved += 1;
         if self.plain && state.is_due() {
-            let (done, all, left) = (self.bar.position(), self.all(), state.time_left(self.all()));
-            note!("{done}/{all} solves, {}, {left}", self.bar.message());
+            let (done, all) = (self.bar.position(), self.all());
+            note!("{done}/{all} solves, {}, {}", self.bar.message(), state.time_left(done, all));
         }
     }
 }
@@ -217,9 +206,9 @@ impl RunWatch for Progress {
             Event::Solving(study, point) => self.solving(study, point),
             Event::Kept(solves) => {
                 self.state().kept += solves;
-                self.pass(solves);
+                self.bar.inc(solves as u64);
             }
-            Event::Dropped(solves) => self.pass(solves),
+            Event::Dropped(solves) => self.bar.inc(solves as u64),
             Event::Ended => self.state().end(),
             Event::Solved(point, failure) => self.solved(point, failure),
         }

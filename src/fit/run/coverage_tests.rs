@@ -69,7 +69,7 @@ fn intervals_hold_what_they_promise() {
     let (mut inside, mut chi) = ([0.0; 2], 0.0);
     for _ in 0..PIGMENTS {
         let truth = pigment(&nm, &mut draws);
-        let exact = Origin::Film.values(&task, &task.measured, &truth, 0.0).unwrap();
+        let exact = Origin::Film.spectra(&task, &task.measured, &truth, ([0.0; 2], 0.0)).unwrap();
         for (drawdown, exact) in task.measured.iter_mut().zip(exact) {
             let noisy = exact.values.iter().map(|x| x + 0.003 * draws.normal()).collect();
             drawdown.values = Some(noisy);

@@ -4,6 +4,7 @@ use crate::fit::law::{FitStep, LinearFit, rms};
 use crate::fit::load::FitTask;
 use crate::fit::prior::IndexPrior;
 use crate::fit::response::Response;
+use crate::numerics::estimate::jackknife_covariance;
 use faer::Mat;
 
 /// Strengths of the prior among which the evidence chooses: size of the second differences.
@@ -117,10 +118,6 @@ pub(super) fn few_cells(cells: usize) -> f64 {
 
 /// Jackknife covariance of two values from their leave-one-out replicates.
 pub(super) fn jackknife(one: &[Vec<f64>], other: &[Vec<f64>], v: usize, w: usize) -> f64 {
-    let n = one.len() as f64;
-    if one.len() < 2 {
-        return 0.0;
-    }
-    let [a, b] = [(one, v), (other, w)].map(|(all, k)| all.iter().map(|row| row[k]).sum::<f64>() / n);
-    one.iter().zip(other).map(|(x, y)| (x[v] - a) * (y[w] - b)).sum::<f64>() * (n - 1.0) / n
+    let pairs: Vec<[f64; 2]> = one.iter().zip(other).map(|(x, y)| [x[v], y[w]]).collect();
+    jackknife_covariance(&pairs).map_or(0.0, |covariance| covariance[0][1])
 }

@@ -178,9 +178,12 @@ impl Fitted<'_> {
         let mut all = Vec::new();
         for (w, &wavelength_nm) in self.task.wavelengths_nm().iter().enumerate() {
             let [a, b] = [&self.prior.n[w], &self.prior.kappa[w]];
-            let pairs = [(a, a), (b, b), (a, b)];
-            let variances = pairs.map(|(x, y)| errors.map(|(c, factor)| factor * product(x, y, c)));
-            all.push(FittedIndex::new(wavelength_nm, values[w], variances));
+            let [nn, kk, nk] = [(a, a), (b, b), (a, b)]
+                .map(|(x, y)| errors.map(|(covariance, factor)| factor * product(x, y, covariance)));
+            let [n_error, kappa_error] = [nn, kk].map(|variance| Some(variance?.max(0.0).sqrt()));
+            let correlation = nk.zip(n_error.zip(kappa_error)).map(|(nk, (a, b))| nk / (a * b).max(1e-300));
+            let [n, kappa] = values[w];
+            all.push(FittedIndex { wavelength_nm, n, kappa, n_error, kappa_error, correlation });
         }
         all
     }
@@ -197,13 +200,15 @@ impl Fitted<'_> {
 
     fn spectra(&self) -> Vec<FittedSpectrum> {
         let left = self.data.left(self.point, &self.step.unknowns);
-        let places: Vec<usize> = (0..left.len()).collect();
-        let parts = places.chunks(self.task.wavelengths_nm().len());
+        let sigma: Vec<f64> = (0..left.len()).map(|i| self.data.weights[(i, i)].sqrt()).collect();
+        let waves = self.task.wavelengths_nm().len();
         let mut all = Vec::new();
-        for (drawdown, places) in self.task.measured.iter().zip(parts) {
-            let sigma = places.iter().map(|&i| self.data.weights[(i, i)].sqrt()).collect();
-            let left: Vec<f64> = places.iter().map(|&i| left[i]).collect();
-            all.push(FittedSpectrum::new(drawdown, &left, sigma));
+        for ((drawdown, left), sigma) in
+            self.task.measured.iter().zip(left.chunks(waves)).zip(sigma.chunks(waves))
+        {
+            let (name, measured) = (drawdown.name.clone(), drawdown.values.clone().unwrap_or_default());
+            let fitted = measured.iter().zip(left).map(|(m, left)| m - left).collect();
+            all.push(FittedSpectrum { name, measured, fitted, sigma: sigma.to_vec() });
         }
         all
     }
@@ -213,22 +218,6 @@ impl Fitted<'_> {
 fn product(a: &[f64], b: &[f64], covariance: &Mat<f64>) -> f64 {
     let rows = a.iter().enumerate();
     rows.map(|(i, a)| a * (0..b.len()).map(|j| covariance[(i, j)] * b[j]).sum::<f64>()).sum()
-}
-
-impl FittedSpectrum {
-    fn new(drawdown: &Drawdown, left: &[f64], sigma: Vec<f64>) -> Self {
-        let measured = drawdown.values.clone().unwrap_or_default();
-        let fitted = measured.iter().zip(left).map(|(m, left)| m - left).collect();
-        Self { name: drawdown.name.clone(), measured, fitted, sigma }
-    }
-}
-
-impl FittedIndex {
-    fn new(wavelength_nm: f64, [n, kappa]: [f64; 2], [nn, kk, nk]: [Option<f64>; 3]) -> Self {
-        let [n_error, kappa_error] = [nn, kk].map(|variance| variance.map(|v| v.max(0.0).sqrt()));
-        let correlation = nk.zip(n_error.zip(kappa_error)).map(|(nk, (a, b))| nk / (a * b).max(1e-300));
-        Self { wavelength_nm, n, kappa, n_error, kappa_error, correlation }
-    }
 }
 
 fn remarks(
