@@ -11,8 +11,8 @@ use inkwave::report::composed::publish;
 use inkwave::run::RunSettings;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
+use inkwave::sweep::alone::run_portions;
 use inkwave::sweep::plan::by_size;
-use inkwave::sweep::portions::run_portions;
 use miette::miette;
 use std::path::Path;
 

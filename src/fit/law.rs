@@ -53,8 +53,7 @@ fn log_determinant(factors: &Llt<f64>) -> f64 {
     (0..factors.L().nrows()).map(|i| 2.0 * factors.L()[(i, i)].ln()).sum()
 }
 
-fn column(values: impl ExactSizeIterator<Item = f64>) -> Mat<f64> {
-    let values: Vec<f64> = values.collect();
+fn column(values: &[f64]) -> Mat<f64> {
     Mat::from_fn(values.len(), 1, |i, _| values[i])
 }
 
@@ -71,9 +70,8 @@ impl LinearFit<'_> {
         let normal = self.jacobian.transpose() * &weighted + self.precision;
         let factors = cholesky(&normal)?;
         let gain = factors.solve(weighted.transpose()); // H⁻¹ Jᵀ C⁻¹
-        let point = column(self.point.iter().copied());
-        let mean = column(self.mean.iter().copied());
-        let data = column(self.residual.iter().copied()) + self.jacobian * &point;
+        let mean = column(self.mean);
+        let data = column(self.residual) + self.jacobian * column(self.point);
         let right = weighted.transpose() * &data + self.precision * &mean;
         let unknowns = self.bounded(&normal, &right)?;
         let left = &data - self.jacobian * &unknowns;

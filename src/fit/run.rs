@@ -277,7 +277,7 @@ struct Branch {
 
 /// The unknowns whose index is nearest to a path of \[n, κ\].
 fn near(prior: &IndexPrior, path: &[[f64; 2]]) -> Option<Vec<f64>> {
-    let (waves, count) = (path.len(), prior.len());
+    let (waves, count) = (path.len(), prior.count());
     let rows = |i: usize| if i < waves { &prior.n[i] } else { &prior.kappa[i - waves] };
     let jacobian = Mat::from_fn(2 * waves, count, |i, j| rows(i)[j]);
     let own = |i: usize| rows(i).iter().zip(&prior.mean).map(|(a, x)| a * x).sum::<f64>();

@@ -32,7 +32,7 @@ impl Data {
         let waves = task.wavelengths_nm().len();
         let size = task.measured.len() * waves;
         let places: Vec<(usize, usize)> = (0..size).map(|i| (i / waves, i % waves)).collect();
-        let jacobian = Mat::from_fn(size, prior.len(), |i, j| derivative(prior, response, places[i], j));
+        let jacobian = Mat::from_fn(size, prior.count(), |i, j| derivative(prior, response, places[i], j));
         let (mut weights, mut errors) = (Mat::zeros(size, size), Mat::zeros(size, size));
         let noise = task.settings.noise.powi(2);
         let inflation = few_cells(response.replicates.first().map_or(0, Vec::len));
@@ -107,7 +107,7 @@ impl Data {
 /// Derivative of a value, by drawdown and wavelength, with respect to an unknown.
 fn derivative(prior: &IndexPrior, response: &Response, (d, w): (usize, usize), j: usize) -> f64 {
     let [n, kappa, thickness] = [0, 1, 2].map(|k| response.slopes[k][d][w]);
-    let last = f64::from(u8::from(prior.thickness && j + 1 == prior.len()));
+    let last = f64::from(u8::from(prior.thickness && j + 1 == prior.count()));
     n * prior.n[w][j] + kappa * prior.kappa[w][j] + last * thickness
 }
 

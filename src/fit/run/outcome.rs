@@ -151,7 +151,7 @@ impl Fitted<'_> {
             apart > UNDETERMINED.max(COVERED * n_error)
         });
         let n_is_determined = n_error < UNDETERMINED && branches.is_none();
-        let last = self.prior.len() - 1;
+        let last = self.prior.count() - 1;
         let thickness = self.prior.thickness.then(|| (factor * covariance[(last, last)]).sqrt());
         let mut outcome = FitOutcome {
             trust,

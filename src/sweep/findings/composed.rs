@@ -12,7 +12,7 @@ use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::load::Sweep;
-use crate::sweep::work::portions::run_portions;
+use crate::sweep::work::alone::run_portions;
 use std::path::PathBuf;
 
 /// Coefficients that are drawn, by their places.

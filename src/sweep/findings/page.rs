@@ -113,49 +113,33 @@ fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Value {
 /// Curves against concentration and size; then spectra of the layer's transmittance: one figure per
 /// row of each sheet, one curve per column.
 fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, OutputError> {
-    let mut figures = Vec::new();
-    for sheet in sheets {
-        for plot in curves::plots(sweep, sheet, outcomes) {
-            figures.push(drawn(&plot));
-        }
+    let mut charts = Vec::new();
+    'sheets: for sheet in sheets {
+        charts.extend(curves::plots(sweep, sheet, outcomes));
         for (name, row) in sheet.rows.iter().zip(&sheet.cells) {
             let words = [sheet.title.as_str(), &sheet.row_axis, name];
             let caption = words.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" · ");
-            figures.extend(figure((sweep, outcomes), &caption, &sheet.columns, row).transpose());
-            if figures.len() >= MOST_FIGURES {
-                return figures.into_iter().collect();
+            let of_row = sheet.columns.iter().zip(row);
+            let curves = of_row.filter_map(|(name, v)| transmittance(name, sweep, outcomes, (*v)?));
+            let curves: Vec<Curve> = curves.take(curves::MOST_CURVES).collect();
+            if !curves.is_empty() {
+                let chart = Chart::linear(&caption, "wavelength, nm", "transmittance of the layer", curves);
+                charts.push(Chart { from_zero: true, ..chart });
+            }
+            if charts.len() >= MOST_FIGURES {
+                break 'sheets;
             }
         }
     }
-    figures.into_iter().collect()
-}
-
-fn figure(
-    (sweep, outcomes): (&Sweep, &[Outcome]),
-    caption: &str,
-    columns: &[String],
-    row: &[Option<usize>],
-) -> Result<Option<Picture>, OutputError> {
-    let curve = |(name, v): (&String, &Option<usize>)| {
-        let asked = &sweep.variants[(*v)?].study.wavelengths_nm;
-        Some(transmittance(name, &outcomes[(*v)?])?.asked_at(asked))
-    };
-    let curves: Vec<Curve> = columns.iter().zip(row).filter_map(curve).take(curves::MOST_CURVES).collect();
-    if curves.is_empty() {
-        return Ok(None);
-    }
-    let chart = Chart::linear(caption, "wavelength, nm", "transmittance of the layer", curves);
-    drawn(&Chart { from_zero: true, ..chart }).map(Some)
+    charts.iter().map(|chart| Ok(Picture::new(svg_data(&chart.svg()?), &chart.title))).collect()
 }
 
 /// A variant's transmittance against wavelength; `None` without results.
-fn transmittance(name: &str, outcome: &Outcome) -> Option<Curve> {
-    let rows = outcome.at_first_angle();
-    (!rows.is_empty()).then(|| Curve::measured(name, rows.iter().map(|r| (r.wavelength_nm, r.transmittance))))
-}
-
-fn drawn(plot: &Chart) -> Result<Picture, OutputError> {
-    Ok(Picture::new(svg_data(&plot.svg()?), &plot.title))
+fn transmittance(name: &str, sweep: &Sweep, outcomes: &[Outcome], v: usize) -> Option<Curve> {
+    let rows = outcomes[v].at_first_angle();
+    let points = rows.iter().map(|r| (r.wavelength_nm, r.transmittance));
+    let asked = &sweep.variants[v].study.wavelengths_nm;
+    (!rows.is_empty()).then(|| Curve::measured(name, points).asked_at(asked))
 }
 
 #[cfg(test)]

@@ -42,18 +42,16 @@ pub struct NearRow {
 struct Near {
     variant: usize,
     /// ΔE₀₀ to its target.
-    to_target: Linked,
-    /// How much farther it is than the nearest variant.
+    distance: Estimate,
+    /// How much farther it is than the nearest variant, with half of the 95 % interval as the error.
     farther: Estimate,
-    /// Half of the 95 % interval of that difference; `None` if an error is unknown.
-    bar: Option<f64>,
 }
 
 impl Near {
     /// Whether the difference to the nearest variant is within its 95 % interval; `None` if
     /// unknown.
     fn is_tied(&self) -> Option<bool> {
-        Some(self.farther.value <= self.bar?)
+        Some(self.farther.value <= self.farther.standard_error?)
     }
 }
 
@@ -133,44 +131,36 @@ fn in_order(outcomes: &[Outcome]) -> Vec<Near> {
         outcomes.iter().enumerate().filter_map(|(v, outcome)| Some((v, outcome.to_target()?))).collect();
     all.retain(|(_, to_target)| to_target.estimate.value.is_finite());
     all.sort_by(|a, b| a.1.estimate.value.total_cmp(&b.1.estimate.value));
-    let Some((best, least)) = all.first().cloned() else { return Vec::new() };
-    all.into_iter().map(|one| near(outcomes, (best, &least), one)).collect()
+    let Some((best, least)) = all.first() else { return Vec::new() };
+    let near = |(variant, to_target): &(usize, Linked)| {
+        // common realisations move both distances alike
+        let farther = Linked::sum([(1.0, to_target), (-1.0, least)]).estimate;
+        let farther = with_interval(farther, &[&outcomes[*best], &outcomes[*variant]]);
+        Near { variant: *variant, distance: to_target.estimate, farther }
+    };
+    all.iter().map(near).collect()
 }
 
-/// A variant's distance to the target, compared with that of the nearest.
-fn near(
-    outcomes: &[Outcome],
-    (best, least): (usize, &Linked),
-    (variant, to_target): (usize, Linked),
-) -> Near {
-    // common realisations move both distances alike
-    let farther = Linked::sum([(1.0, &to_target), (-1.0, least)]).estimate;
-    let factor = factor_of(&[&outcomes[best], &outcomes[variant]]);
-    let bar = if variant == best { Some(0.0) } else { farther.standard_error.map(|s| factor * s) };
-    Near { variant, to_target, farther, bar }
-}
-
-/// Standard errors in half of a 95 % interval, for the smallest number of realisations.
-fn factor_of(outcomes: &[&Outcome]) -> f64 {
+/// The estimate with half of its 95 % interval as the error, for the smallest number of realisations.
+fn with_interval(estimate: Estimate, outcomes: &[&Outcome]) -> Estimate {
     let behind = outcomes.iter().filter(|o| !o.certain).map(|o| o.realisations);
-    student(behind.min().unwrap_or(0), QUANTILE)
+    let factor = student(behind.min().unwrap_or(0), QUANTILE);
+    Estimate { standard_error: estimate.standard_error.map(|s| factor * s), ..estimate }
 }
 
 fn row(rank: usize, near: &Near, outcomes: &[Outcome]) -> NearRow {
     let outcome = &outcomes[near.variant];
-    let with_bar = |e: Estimate, half: Option<f64>| Estimate { standard_error: half, ..e }.in_words(2);
-    let own = factor_of(&[outcome]);
-    let with_own = |e: Estimate| with_bar(e, e.standard_error.map(|s| own * s));
+    let in_words = |e: Estimate| with_interval(e, &[outcome]).in_words(2);
     NearRow {
         labels: outcome.labels.clone(),
         link: format!("variants/{}/report.html", outcome.name),
         hex: outcome.print_hex.clone(),
-        delta_e: with_own(near.to_target.estimate),
-        contrast_ratio: numbers(outcome)[1].map_or_else(String::new, with_own),
+        delta_e: in_words(near.distance),
+        contrast_ratio: numbers(outcome)[1].map_or_else(String::new, in_words),
         verdict: match (rank, near.is_tied()) {
             (0, _) => "nearest".into(),
             (_, Some(true)) => "cannot be distinguished from it".into(),
-            (_, Some(false)) => format!("farther by {}", with_bar(near.farther, near.bar)),
+            (_, Some(false)) => format!("farther by {}", near.farther.in_words(2)),
             (_, None) => "unknown".into(),
         },
     }

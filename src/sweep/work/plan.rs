@@ -1,6 +1,5 @@
 //! Estimates the cost of a sweep before it runs, calibrated by a few of its own solves.
 
-mod deadline;
 mod scaled;
 mod trial;
 
@@ -14,12 +13,11 @@ use crate::solve::demand::memory_in_words;
 use crate::store::identity::Key;
 use crate::sweep::definition::load::Sweep;
 use crate::wave::Scene;
-use deadline::Deadline;
 use scaled::scaled;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::time::Duration;
-use trial::{MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial};
+use trial::{Deadline, MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial};
 
 /// Maximum number of trial variants.
 const TRIALS: usize = 4;

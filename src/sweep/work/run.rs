@@ -6,7 +6,6 @@
 //! `--retry-failed`, and by `inkwave run`.
 
 mod jobs;
-mod named;
 mod news;
 mod room;
 mod work;

@@ -12,14 +12,14 @@ use crate::run::memory;
 use crate::run::point::{PointSolver, systems_of};
 use crate::run::realisation::Packings;
 use crate::run::resolve::resolve;
-use crate::run::watch::RunWatch;
+use crate::run::watch::{Event, RunWatch};
 use crate::solve::Solver;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
 use crate::store::store::Store;
 use crate::wave::{Geometry, Precision, Resolution, Scene};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Maximum period of a trial cell, µm, unless the longest grain needs more: then twice its length.
 const TRIAL_PERIOD_UM: f64 = 1.6;
@@ -202,4 +202,34 @@ pub(crate) fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
 fn spread(points: &[Point], count: usize) -> Vec<Point> {
     let count = count.clamp(1, points.len());
     (0..count).map(|k| points[(2 * k + 1) * points.len() / (2 * count)]).collect()
+}
+
+/// Forwards the events of a trial and stops it in time.
+pub(super) struct Deadline<'a> {
+    /// Stops on the user's request alone.
+    pub watch: &'a dyn RunWatch,
+    end: Instant,
+}
+
+impl<'a> Deadline<'a> {
+    /// A deadline after `limit`.
+    pub fn after(watch: &'a dyn RunWatch, limit: Duration) -> Self {
+        Self { watch, end: Instant::now() + limit }
+    }
+
+    /// A deadline after an equal share of the time left, for the next of several trials.
+    pub fn part(&self, trials: usize) -> Self {
+        let left = self.end.saturating_duration_since(Instant::now());
+        Self::after(self.watch, left / trials.max(1) as u32)
+    }
+}
+
+impl RunWatch for Deadline<'_> {
+    fn stop(&self) -> bool {
+        Instant::now() >= self.end || self.watch.stop()
+    }
+
+    fn hear(&self, event: Event) {
+        self.watch.hear(event);
+    }
 }
