@@ -41,8 +41,8 @@ pub fn study_report(error: StudyError) -> Report {
     }
 }
 
-/// [`study_report`] of a file that may be meant for another command: a study given to `inkwave sweep`,
-/// or a sweep given to `inkwave run`, by the tables that only one of them has.
+/// [`study_report`] of a file that may be meant for another command: a study given to `inkwave
+/// sweep`, or a sweep given to `inkwave run`, by the tables that only one of them has.
 pub fn mixed_up_report(error: StudyError, wanted: &str) -> Report {
     let StudyError::Values { path, text, .. } = &error else { return study_report(error) };
     let table = parse_toml(text).unwrap_or_default();

@@ -38,7 +38,10 @@ pub fn run(args: &FitArgs) -> miette::Result<()> {
     let [table, steps, predicted] = points(&task);
     progress.expect(table + steps + predicted, true);
     let outcome = progress.during(|| FitRun::new(&task, &folder, settings, &progress)?.fit());
-    let outcome = outcome.map_err(fit_report)?;
+    let outcome = outcome.map_err(|error| match error {
+        FitError::Run(error) => step_report(error),
+        other => miette!("{other}"),
+    })?;
     publish(&task, &outcome, &folder).into_diagnostic()?;
     say!("{}: {}", task.title, in_words(&outcome))?;
     outcome.remarks.iter().for_each(note);
@@ -81,11 +84,4 @@ fn tell_plan(task: &FitTask, settings: RunSettings) -> miette::Result<()> {
         minutes(table + steps + predicted),
         1e3 * each
     )
-}
-
-fn fit_report(error: FitError) -> miette::Report {
-    match error {
-        FitError::Run(error) => step_report(error),
-        other => miette!("{other}"),
-    }
 }

@@ -17,7 +17,6 @@ pub mod memory;
 pub mod merge;
 pub mod pack;
 pub mod progress;
-pub mod report;
 pub mod run;
 pub mod schema;
 pub mod solve;

@@ -54,9 +54,9 @@ impl RunState {
         }
     }
 
-    /// Mean time per solve of this run times the number of solves left, of `all`, `done` of which are
-    /// over. Stored solves and grid searches do not count: they come first and would inflate the
-    /// estimate to years.
+    /// Mean time per solve of this run times the number of solves left: of `all`, `done` are over.
+    /// Stored solves and grid searches do not count: they come first and would inflate the estimate
+    /// to years.
     fn time_left(&self, done: u64, all: u64) -> String {
         if self.solved < TOO_FEW.min(all as usize / 2).max(1) {
             return "time left unknown".into();
@@ -150,13 +150,6 @@ impl Progress {
         self.state().workers = standing.workers.max(1);
     }
 
-    fn show_stage(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
-        if self.plain {
-            note!("{what}");
-        }
-    }
-
     fn solving(&self, study: &Study, point: &Point) {
         let Point { realisation, incidence, .. } = point;
         let (nm, angle) = (1e3 * incidence.wavelength_um, incidence.polar_deg);
@@ -201,7 +194,10 @@ impl RunWatch for Progress {
 
     fn hear(&self, event: Event) {
         match event {
-            Event::Stage(what) => self.show_stage(what),
+            Event::Stage(what) => {
+                self.bar.set_message(what.to_owned());
+                self.plain.then(|| note!("{what}"));
+            }
             Event::Standing(standing) => self.standing(standing),
             Event::Solving(study, point) => self.solving(study, point),
             Event::Kept(solves) => {

@@ -159,18 +159,15 @@ fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Est
         goal: Goal { tolerance: tolerance(args), ..Goal::default() },
         memory: super::memory::bytes(args.memory_gb)?,
     };
+    // cleared when it is dropped
     let mut bar = Bar::new();
     let estimated = match args.nz {
         Some(cells) => task.solve_with_estimate(resolution(args, case, cells), &mut bar),
         None => task.solve_to_accuracy(args.accuracy(), &mut bar),
     };
-    let slopes = |estimated: &Estimated| match args.gradient {
-        Some(_) => gradients(&task, estimated),
-        None => Ok(Vec::new()),
-    };
-    let both = estimated.and_then(|estimated| slopes(&estimated).map(|slopes| (estimated, slopes)));
-    bar.0.finish_and_clear();
-    both.into_diagnostic()
+    let estimated = estimated.into_diagnostic()?;
+    let slopes = args.gradient.map(|_| gradients(&task, &estimated));
+    Ok((estimated, slopes.transpose().into_diagnostic()?.unwrap_or_default()))
 }
 
 /// Warns of a wavelength that was probably given in nm instead of µm.

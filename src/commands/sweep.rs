@@ -83,8 +83,11 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
         let seconds = tally.waited.as_secs_f64();
         note!("this process's workers waited {seconds:.1} s for others");
     }
+    if args.grids_only && progress.stopped() {
+        return Err(miette!(help = to_resume(), "stopped before all grids were chosen"));
+    }
     if args.grids_only {
-        return tell_grids(&folder, progress.stopped());
+        return say!("Grids in {}", folder.path().display());
     }
     if shard.is_some() {
         // The sweep is reported once the shards are merged; until then the page shows the results
@@ -192,13 +195,6 @@ fn tell_shard(
     Ok(())
 }
 
-fn tell_grids(folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
-    if stopped {
-        return Err(miette!(help = to_resume(), "stopped before all grids were chosen"));
-    }
-    say!("Grids in {}", folder.path().display())
-}
-
 /// Prints the expected cost of a sweep, or of a study as a sweep of one variant.
 pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result<()> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -235,8 +231,8 @@ fn in_words(seconds: f64) -> String {
     }
 }
 
-/// Parses `I/N`, or `N` with the part from the environment variable of the scheduler, for a sweep that
-/// can be divided so.
+/// Parses `I/N`, or `N` with the part from the environment variable of the scheduler, for a sweep
+/// that can be divided so.
 fn shard(text: &str, sweep: &Sweep) -> miette::Result<Shard> {
     let shard = parse_shard(text)?;
     let (count, most) = (shard.count, units(sweep).len());

@@ -134,10 +134,9 @@ fn mix(table: &mut Table, [one, other]: &[String; 2], share: f64) -> Result<(), 
 
 /// The volume fraction of a pigment.
 fn fraction(table: &Table, name: &String) -> Result<f64, String> {
-    let pigments = table.get("pigment").and_then(Value::as_array);
-    let value = pigments
-        .and_then(|all| all.iter().find(|p| p.get("name").and_then(Value::as_str) == Some(name)))
-        .and_then(|p| p.get("volume_fraction"));
+    let pigments = table.get("pigment").and_then(Value::as_array).into_iter().flatten();
+    let mut own = pigments.filter(|p| p.get("name").and_then(Value::as_str) == Some(name));
+    let value = own.next().and_then(|p| p.get("volume_fraction"));
     let value = value.and_then(|v| v.as_float().or(v.as_integer().map(|i| i as f64)));
     value.ok_or_else(|| format!("no pigment {name:?} with a volume fraction"))
 }

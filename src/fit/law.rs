@@ -57,11 +57,6 @@ fn column(values: &[f64]) -> Mat<f64> {
     Mat::from_fn(values.len(), 1, |i, _| values[i])
 }
 
-/// xᵀ M x.
-fn quadratic(matrix: &Mat<f64>, x: &Mat<f64>) -> f64 {
-    (x.transpose() * (matrix * x))[(0, 0)]
-}
-
 impl LinearFit<'_> {
     /// The most likely unknowns; `None` if a matrix is not positive definite.
     pub fn step(&self) -> Option<FitStep> {
@@ -78,7 +73,8 @@ impl LinearFit<'_> {
         let away = &unknowns - &mean;
         let chi_squared = (left.transpose() * covariance.solve(&left))[(0, 0)];
         let occam = log_determinant(&factors) - log_determinant(&cholesky(self.precision)?);
-        let log_evidence = -0.5 * (chi_squared + quadratic(self.precision, &away) + occam);
+        let pull = (away.transpose() * (self.precision * &away))[(0, 0)];
+        let log_evidence = -0.5 * (chi_squared + pull + occam);
         let effective = (&gain * self.jacobian).diagonal().column_vector().iter().sum();
         let unknowns = (0..unknowns.nrows()).map(|i| unknowns[(i, 0)]).collect();
         let posterior = factors.inverse();

@@ -172,25 +172,26 @@ impl<'a> FitRun<'a> {
         let at = |unknowns: &[f64]| {
             surface.response(self.task, &prior.index(unknowns), prior.log_thickness(unknowns))
         };
-        let (mut unknowns, mut strength) = (start, FIRST_STRENGTH);
+        let mut unknowns = start;
         let mut response = at(&unknowns)?;
         for round in 0..ITERATIONS {
             let early = round < ITERATIONS / 3;
             let prior = if early { prior } else { &prior.adapted(&unknowns) };
-            let data = Data::new(self.task, prior, &response, &[TABLE_ERROR]);
-            if !early {
-                strength = data.chosen(prior, &unknowns).ok_or(FitError::Singular)?.0;
-            }
-            let step = data.step(prior, &unknowns, strength).ok_or(FitError::Singular)?;
-            let before = data.cost(prior, &unknowns, strength);
+            let data = Data::new(self.task, (prior, &unknowns), &response, &[TABLE_ERROR]);
+            let chosen = if early {
+                data.step(FIRST_STRENGTH).map(|step| (FIRST_STRENGTH, step))
+            } else {
+                data.chosen()
+            };
+            let (strength, step) = chosen.ok_or(FitError::Singular)?;
+            let before = data.cost(strength);
             let mut share = 1.0;
             let mut moved = None;
             for _ in 0..HALVINGS {
                 let tried = between(&unknowns, &step.unknowns, share);
                 let response = at(&tried)?;
-                let cost =
-                    Data::new(self.task, prior, &response, &[TABLE_ERROR]).cost(prior, &tried, strength);
-                if cost < before {
+                let there = Data::new(self.task, (prior, &tried), &response, &[TABLE_ERROR]);
+                if there.cost(strength) < before {
                     moved = Some((tried, response));
                     break;
                 }
@@ -200,9 +201,9 @@ impl<'a> FitRun<'a> {
             (unknowns, response) = (next, there);
         }
         let prior = prior.adapted(&unknowns);
-        let data = Data::new(self.task, &prior, &response, &[TABLE_ERROR]);
-        let (_, step) = data.chosen(&prior, &unknowns).ok_or(FitError::Singular)?;
-        Ok(Branch { unknowns, cost: -2.0 * step.log_evidence })
+        let data = Data::new(self.task, (&prior, &unknowns), &response, &[TABLE_ERROR]);
+        let cost = -2.0 * data.chosen().ok_or(FitError::Singular)?.1.log_evidence;
+        Ok(Branch { unknowns, cost })
     }
 
     /// Gauss–Newton with solves on all cells.
@@ -220,23 +221,15 @@ impl<'a> FitRun<'a> {
             let source = Origin::Solved(&linearised);
             let log = prior.log_thickness(&unknowns);
             let response = source.response(task, &task.measured, &index, log)?;
-            let data = Data::new(task, &prior, &response, &grid);
-            let (strength, step) = data.chosen(&prior, &unknowns).ok_or(FitError::Singular)?;
-            let moved = data.moved(&unknowns, &step.unknowns) / task.settings.noise;
+            let data = Data::new(task, (&prior, &unknowns), &response, &grid);
+            let (strength, step) = data.chosen().ok_or(FitError::Singular)?;
+            let moved = data.moved(&step.unknowns) / task.settings.noise;
             let share = share_of_step(&prior, &unknowns, &step.unknowns);
             let last = share == 1.0 && moved < SMALL_STEP && rounds >= LINEARISATIONS[0];
             if last || rounds == LINEARISATIONS[1] {
                 let alternative = others.iter().find(|other| other.cost < best.cost + outcome::AS_GOOD);
                 let alternative = alternative.map(|other| prior.index(&other.unknowns));
-                let fitted = outcome::Fitted {
-                    task,
-                    prior: &prior,
-                    data: &data,
-                    step: &step,
-                    strength,
-                    point: &unknowns,
-                };
-                let mut outcome = fitted.outcome(rounds, alternative, moved);
+                let mut outcome = data.outcome((strength, &step), rounds, alternative);
                 outcome.forecasts = self.forecasts(&outcome)?;
                 return Ok(outcome);
             }

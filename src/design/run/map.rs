@@ -122,12 +122,12 @@ impl<'a> Map<'a> {
     /// L*, a*, b* and the contrast ratio by the surfaces and what runs have shown nearby.
     pub fn at(&self, places: &[f64]) -> Result<([f64; 3], f64), DesignError> {
         let (mut lab, contrast) = self.surface(places)?;
-        let near = |own: &[f64]| (-0.5 * square(own, places) / (CARRIED * CARRIED)).exp();
-        let weights: Vec<f64> = self.offsets.iter().map(|(own, _)| near(own).powi(4)).collect();
-        let sum = weights.iter().sum::<f64>();
-        let most = self.offsets.iter().map(|(own, _)| near(own)).fold(0.0, f64::max);
-        for ((_, offset), weight) in self.offsets.iter().zip(&weights) {
-            (0..3).for_each(|i| lab[i] += most * weight / sum.max(1e-300) * offset[i]);
+        let distances = self.offsets.iter().map(|(own, _)| square(own, places));
+        let near: Vec<f64> = distances.map(|d| (-0.5 * d / (CARRIED * CARRIED)).exp()).collect();
+        let sum: f64 = near.iter().map(|near| near.powi(4)).sum();
+        let most = near.iter().copied().fold(0.0, f64::max);
+        for ((_, offset), near) in self.offsets.iter().zip(&near) {
+            (0..3).for_each(|i| lab[i] += most * near.powi(4) / sum.max(1e-300) * offset[i]);
         }
         Ok((lab, contrast))
     }

@@ -5,7 +5,6 @@ use crate::appearance::colour::Colorimeter;
 use crate::appearance::kubelka_munk::KubelkaMunk;
 use crate::fit::law::{FitStep, rms};
 use crate::fit::load::{Drawdown, FitTask};
-use crate::fit::prior::IndexPrior;
 use crate::fit::response::Response;
 use faer::Mat;
 use serde::Serialize;
@@ -116,35 +115,27 @@ pub struct FitOutcome {
     pub remarks: Vec<String>,
 }
 
-/// The last linearisation of a fit.
-pub(super) struct Fitted<'a> {
-    pub task: &'a FitTask,
-    pub prior: &'a IndexPrior,
-    pub data: &'a Data,
-    pub step: &'a FitStep,
-    pub strength: f64,
-    pub point: &'a [f64],
-}
-
-impl Fitted<'_> {
+impl Data<'_> {
+    /// The numbers of a fit whose last linearisation these are, with the strength chosen and its
+    /// step.
     pub fn outcome(
         &self,
+        (strength, step): (f64, &FitStep),
         linearisations: usize,
         alternative: Option<Vec<[f64; 2]>>,
-        moved: f64,
     ) -> FitOutcome {
-        let data = self.data.residual.len();
-        let freedom = (data as f64 - self.step.effective).max(1.0);
-        let ratio = self.step.chi_squared / freedom;
+        let data = self.residual.len();
+        let freedom = (data as f64 - step.effective).max(1.0);
+        let ratio = step.chi_squared / freedom;
         let limit = ChiSquared::new(freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(UNLIKELY));
         let trust = match () {
-            () if self.step.chi_squared <= limit => Trust::Consistent,
+            () if step.chi_squared <= limit => Trust::Consistent,
             () if ratio <= REFUSED => Trust::Inflated,
             () => Trust::Contradicted,
         };
-        let covariance = self.step.covariance(&self.data.weights, &self.data.errors);
+        let covariance = step.covariance(&self.weights, &self.errors);
         let factor = if trust == Trust::Inflated { ratio } else { 1.0 };
-        let index = self.index((trust != Trust::Contradicted).then_some((&covariance, factor)));
+        let index = self.index(step, (trust != Trust::Contradicted).then_some((&covariance, factor)));
         let n_error = rms(index.iter().filter_map(|row| row.n_error));
         let branches = alternative.filter(|other| {
             let apart = rms(other.iter().zip(&index).map(|(a, b)| a[0] - b.n));
@@ -155,26 +146,27 @@ impl Fitted<'_> {
         let thickness = self.prior.thickness.then(|| (factor * covariance[(last, last)]).sqrt());
         let mut outcome = FitOutcome {
             trust,
-            chi_squared: self.step.chi_squared,
+            chi_squared: step.chi_squared,
             data,
-            effective_unknowns: self.step.effective,
-            strength: self.strength,
+            effective_unknowns: step.effective,
+            strength,
             linearisations,
             n_is_determined,
-            log_thickness: self.prior.log_thickness(&self.step.unknowns),
+            log_thickness: self.prior.log_thickness(&step.unknowns),
             log_thickness_error: thickness.filter(|_| trust != Trust::Contradicted),
-            per_percent_of_thickness: self.per_percent(),
-            spectra: self.spectra(),
+            per_percent_of_thickness: self.per_percent(step),
+            spectra: self.spectra(step),
             index,
             forecasts: Vec::new(),
             remarks: Vec::new(),
         };
+        let moved = self.moved(&step.unknowns) / self.task.settings.noise;
         outcome.remarks = remarks(&outcome, self.task, branches.as_deref(), (n_error, moved));
         outcome
     }
 
-    fn index(&self, errors: Option<(&Mat<f64>, f64)>) -> Vec<FittedIndex> {
-        let values = self.prior.index(&self.step.unknowns);
+    fn index(&self, step: &FitStep, errors: Option<(&Mat<f64>, f64)>) -> Vec<FittedIndex> {
+        let values = self.prior.index(&step.unknowns);
         let mut all = Vec::new();
         for (w, &wavelength_nm) in self.task.wavelengths_nm().iter().enumerate() {
             let [a, b] = [&self.prior.n[w], &self.prior.kappa[w]];
@@ -189,18 +181,18 @@ impl Fitted<'_> {
     }
 
     /// Root mean square change of n and κ for 1 % more thickness.
-    fn per_percent(&self) -> [f64; 2] {
-        let data = &self.data.thickness;
-        let change = &self.step.gain * Mat::from_fn(data.len(), 1, |i, _| 0.01 * data[i]);
+    fn per_percent(&self, step: &FitStep) -> [f64; 2] {
+        let data = &self.thickness;
+        let change = &step.gain * Mat::from_fn(data.len(), 1, |i, _| 0.01 * data[i]);
         [&self.prior.n, &self.prior.kappa].map(|rows| {
             let moved = rows.iter().map(|row| row.iter().enumerate().map(|(i, a)| a * change[(i, 0)]).sum());
             rms(moved)
         })
     }
 
-    fn spectra(&self) -> Vec<FittedSpectrum> {
-        let left = self.data.left(self.point, &self.step.unknowns);
-        let sigma: Vec<f64> = (0..left.len()).map(|i| self.data.weights[(i, i)].sqrt()).collect();
+    fn spectra(&self, step: &FitStep) -> Vec<FittedSpectrum> {
+        let left = self.left(&step.unknowns);
+        let sigma: Vec<f64> = (0..left.len()).map(|i| self.weights[(i, i)].sqrt()).collect();
         let waves = self.task.wavelengths_nm().len();
         let mut all = Vec::new();
         for ((drawdown, left), sigma) in

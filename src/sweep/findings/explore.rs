@@ -13,7 +13,7 @@ use crate::appearance::picture::InkPicture;
 use crate::draw::figure::Bitmap;
 use crate::evaluate::manifest::{Count, SpectrumRow};
 use crate::numerics::estimate::Estimate;
-use crate::report::page::hex;
+use crate::report::page::{STYLE, hex, made_by};
 use crate::sweep::definition::load::{AxisOutline, Sweep};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -28,16 +28,13 @@ const NUMBERS: f64 = 1e6;
 /// Code of an unknown value or error.
 const UNKNOWN: u16 = u16::MAX;
 
-/// Names and units of the spectra, in order.
-const SPECTRA: [(&str, &str); 4] = [
-    ("under a uniform sky", "share of a perfect white"),
-    ("lit at 45°, seen at 0°", "share of a perfect white"),
-    ("transmittance of the layer", "share of the light"),
-    ("reflectance of the layer", "share of the light"),
+/// Names, units and values of the spectra, in order.
+const SPECTRA: [(&str, &str, fn(&SpectrumRow) -> Option<Estimate>); 4] = [
+    ("under a uniform sky", "share of a perfect white", |row| row.natural_light),
+    ("lit at 45°, seen at 0°", "share of a perfect white", |row| row.lit_at_45),
+    ("transmittance of the layer", "share of the light", |row| Some(row.transmittance)),
+    ("reflectance of the layer", "share of the light", |row| Some(row.reflectance)),
 ];
-
-const TEMPLATE: &str = include_str!("explore.html");
-const STYLE: &str = crate::report::page::STYLE;
 
 /// The page as HTML.
 pub fn page(sweep: &Sweep, Reported { outcomes, nearest, .. }: &Reported) -> String {
@@ -50,19 +47,20 @@ pub fn page(sweep: &Sweep, Reported { outcomes, nearest, .. }: &Reported) -> Str
     };
     let data = json!({
         "title": outline.title,
-        "program": crate::report::page::made_by(),
+        "program": made_by(),
         "reference": outcomes[outline.reference].name,
         "target": nearest.as_ref().map(|near| json!({ "colour": near.target, "nearest": near.summary })),
         "axes": Vec::from_iter(outline.axes.iter().enumerate().map(axis)),
-        "spectra": SPECTRA.map(|(name, _)| name),
-        "units": SPECTRA.map(|(_, unit)| unit),
+        "spectra": SPECTRA.map(|(name, ..)| name),
+        "units": SPECTRA.map(|(_, unit, _)| unit),
         "steps": STEPS,
         "lowest": LOWEST,
         "variants": Vec::from_iter((0..outcomes.len()).map(|v| variant(sweep, outcomes, v, &wavelengths_nm))),
         "wavelengths_nm": wavelengths_nm,
     });
     // "</script" would end the script element, "<!--<script>" hide its end
-    TEMPLATE.replace("/*style*/", STYLE).replace("/*data*/null", &data.to_string().replace('<', "\\u003c"))
+    let data = data.to_string().replace('<', "\\u003c");
+    include_str!("explore.html").replace("/*style*/", STYLE).replace("/*data*/null", &data)
 }
 
 /// Wavelengths of the variant that has the most, nm.
@@ -102,10 +100,8 @@ fn in_numbers(e: Estimate) -> [Option<f64>; 2] {
 }
 
 fn spectra(rows: &[SpectrumRow], wavelengths_nm: &[f64]) -> String {
-    let kinds: [fn(&SpectrumRow) -> Option<Estimate>; 4] =
-        [|r| r.natural_light, |r| r.lit_at_45, |r| Some(r.transmittance), |r| Some(r.reflectance)];
     let mut bytes = Vec::new();
-    for kind in kinds {
+    for (.., kind) in SPECTRA {
         let estimates: Vec<Option<Estimate>> = wavelengths_nm
             .iter()
             .map(|&nm| rows.iter().find(|row| (row.wavelength_nm - nm).abs() < 1e-6).and_then(kind))

@@ -102,8 +102,8 @@ impl Outcome {
     /// exact.
     pub fn quantity(&self, quantity: Quantity, wavelength_nm: Option<f64>) -> Option<Linked> {
         let of_lab = |estimate: Estimate, gradient: [f64; 3]| {
-            let moved = |by: &[f64; 3]| (0..3).map(|i| gradient[i] * by[i]).sum();
-            self.linked(estimate, self.lab_deviations.iter().map(|(&r, by)| (r, moved(by))))
+            let deviations = self.lab_deviations.iter();
+            self.linked(estimate, deviations.map(|(&r, by)| (r, (0..3).map(|i| gradient[i] * by[i]).sum())))
         };
         let of_row = |of: fn(&SpectrumRow) -> Estimate, place: usize| {
             let row = self.row(wavelength_nm)?;
@@ -126,8 +126,8 @@ impl Outcome {
     }
 
     fn row(&self, wavelength_nm: Option<f64>) -> Option<&SpectrumRow> {
-        let near = |row: &&SpectrumRow| (row.wavelength_nm - wavelength_nm.unwrap_or(f64::NAN)).abs() < 1e-6;
-        self.spectra.iter().find(near).filter(|_| self.realisations > 0)
+        let nm = wavelength_nm.filter(|_| self.realisations > 0)?;
+        self.spectra.iter().find(|row| (row.wavelength_nm - nm).abs() < 1e-6)
     }
 
     /// ΔE₀₀ to the target colour.

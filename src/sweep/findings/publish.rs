@@ -10,8 +10,6 @@ use super::reported::numbers;
 use super::sheets::{contact_sheet, sheets};
 use super::target;
 use crate::appearance::picture::InkPicture;
-use crate::draw::OutputError;
-use crate::draw::contact_sheet::ContactSheet;
 use crate::draw::picture::PictureStyle;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
@@ -72,7 +70,8 @@ fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Resul
     let sheets = sheets(&sweep.outline);
     let mut drawn = Vec::new();
     for (i, sheet) in sheets.iter().enumerate() {
-        let png = png(&contact_sheet(sheet, &sweep.outline.title, &reported.outcomes))?;
+        let sheet = contact_sheet(sheet, &sweep.outline.title, &reported.outcomes);
+        let png = sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])?;
         folder.write(&sheet_name(i, sheets.len()), &png)?;
         drawn.push(png);
     }
@@ -123,11 +122,6 @@ fn picture(study: &Study, seen: &Seen) -> Option<InkPicture> {
     seen.ink.as_ref().ok()?.picture(&angles, study.output.mirrored_sky).ok()
 }
 
-/// A contact sheet as PNG, with its title.
-fn png(sheet: &ContactSheet) -> Result<Vec<u8>, OutputError> {
-    sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])
-}
-
 const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
 
 /// `sweep.csv`, with one row per variant; columns for targets are last and only present if there
@@ -155,20 +149,9 @@ fn outcome_row(o: &Outcome, reference: &Outcome, aims: usize) -> impl Iterator<I
 
 /// `conclusions.csv`.
 fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
-    let header = [
-        "id",
-        "statement",
-        "inequality",
-        "measured",
-        "standard_error",
-        "verdict",
-        "remark",
-        "source",
-        "quote",
-        "translation",
-        "because",
-    ];
-    cell::table(header, conclusions.iter().map(judged_row))
+    let judged = ["id", "statement", "inequality", "measured", "standard_error", "verdict", "remark"];
+    let words = ["source", "quote", "translation", "because"];
+    cell::table(judged.into_iter().chain(words), conclusions.iter().map(judged_row))
 }
 
 fn judged_row(c: &Judged) -> impl Iterator<Item = String> {

@@ -43,7 +43,8 @@ struct Near {
     variant: usize,
     /// ΔE₀₀ to its target.
     distance: Estimate,
-    /// How much farther it is than the nearest variant, with half of the 95 % interval as the error.
+    /// How much farther it is than the nearest variant; half of the 95 % interval is its error, and
+    /// none if that is unknown.
     farther: Estimate,
 }
 
@@ -141,7 +142,8 @@ fn in_order(outcomes: &[Outcome]) -> Vec<Near> {
     all.iter().map(near).collect()
 }
 
-/// The estimate with half of its 95 % interval as the error, for the smallest number of realisations.
+/// The estimate with half of its 95 % interval as the error, for the smallest number of
+/// realisations.
 fn with_interval(estimate: Estimate, outcomes: &[&Outcome]) -> Estimate {
     let behind = outcomes.iter().filter(|o| !o.certain).map(|o| o.realisations);
     let factor = student(behind.min().unwrap_or(0), QUANTILE);

@@ -1,5 +1,5 @@
-//! A single study, run as a sweep of one variant; its results are written to the top of the folder. A
-//! composed layer is one ordinary study for each of its slabs, in one store.
+//! A single study, run as a sweep of one variant; its results are written to the top of the folder.
+//! A composed layer is one ordinary study for each of its slabs, in one store.
 
 use super::rounds::collect;
 use super::run::{Scope, run};

@@ -34,8 +34,8 @@ struct Standing {
 }
 
 impl Standing {
-    /// Reads the progress of a study from the store; its target, if it has one, is known to be missed
-    /// after `known` realisations.
+    /// Reads the progress of a study from the store; its target, if it has one, is known to be
+    /// missed after `known` realisations.
     fn of(study: &Study, stores: &Stores, known: usize) -> Self {
         let all = study.realisations;
         let first = study.target_delta_e.map_or(all, |_| known / BATCH * BATCH + BATCH);
@@ -163,13 +163,14 @@ impl<'a> Rounds<'a> {
         if !ends_early(self.sweep) {
             return Some((1, units(self.sweep)));
         }
-        for (variant, standing) in self.sweep.variants.iter().zip(&mut self.standings) {
+        let mut open = Vec::new();
+        for (Variant { study, .. }, standing) in self.sweep.variants.iter().zip(&mut self.standings) {
             if standing.open {
-                *standing = Standing::of(&variant.study, stores, standing.known());
+                *standing = Standing::of(study, stores, standing.known());
             }
+            open.extend(standing.open.then(|| standing.round(study)));
         }
-        let of = |(s, v): (&Standing, &Variant)| s.open.then(|| s.round(&v.study));
-        let round = self.standings.iter().zip(&self.sweep.variants).filter_map(of).min()?;
+        let round = open.into_iter().min()?;
         Some((round, units_within(self.sweep, &self.realisations(round))))
     }
 

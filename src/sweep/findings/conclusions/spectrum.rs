@@ -107,10 +107,10 @@ fn at_wavelength(claim: &Claim, outcomes: &[Outcome], nm: f64, count: usize) -> 
     Ok(AtWavelength { nm, measured, verdict, together, margin: margin(claim, measured.value) })
 }
 
-/// What is said of every wavelength is confirmed if all confirm it (an intersection of tests needs no
-/// correction), refuted if one refutes it after the Bonferroni correction; what is said of some is
-/// refuted if all refute it, confirmed if one confirms it after the correction. The measured value is
-/// the one that decides most clearly, or the nearest to it.
+/// What is said of every wavelength is confirmed if all confirm it (an intersection of tests needs
+/// no correction), refuted if one refutes it after the Bonferroni correction; what is said of some
+/// is refuted if all refute it, confirmed if one confirms it after the correction. The measured
+/// value is the one that decides most clearly, or the nearest to it.
 fn one_by_one(parts: &[AtWavelength], over: Over, [from, to]: [f64; 2]) -> Finding {
     let mut order: Vec<&AtWavelength> = parts.iter().collect();
     let (sign, one, all, otherwise) = match over {

@@ -5,6 +5,7 @@ use super::trial::Trial;
 use crate::input::study::{Study, WantedResolution};
 use crate::run::resolve::size;
 use crate::solve::accuracy::smooth_size;
+use crate::sweep::definition::load::Variant;
 use crate::wave::Resolution;
 use std::f64::consts::TAU;
 
@@ -26,7 +27,8 @@ const SEARCH: f64 = 12.0;
 const PER_WAVE: [f64; 2] = [4.5, 8.0];
 
 /// Estimate for a variant without a trial.
-pub(super) fn scaled(variant: usize, study: &Study) -> Trial {
+pub(super) fn scaled(variant: &Variant) -> Trial<'_> {
+    let study = &variant.study;
     let resolution = grid(study);
     let unknowns = size(study, resolution).unknowns();
     let solve = unknowns * applications(study) * APPLICATION;

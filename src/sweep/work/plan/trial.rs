@@ -17,6 +17,7 @@ use crate::solve::Solver;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
 use crate::store::store::Store;
+use crate::sweep::definition::load::Variant;
 use crate::wave::{Geometry, Precision, Resolution, Scene};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
@@ -30,8 +31,8 @@ const MOST_SOLVES: usize = 60;
 pub(super) const MOST_GRAINS: f64 = 5e4;
 
 /// Cost of a trial variant, in core seconds per µm³.
-pub(crate) struct Trial {
-    pub variant: usize,
+pub(crate) struct Trial<'a> {
+    pub variant: &'a Variant,
     /// What was tried: the variant in a small cell.
     pub study: Study,
     pub packing: f64,
@@ -74,14 +75,13 @@ pub(crate) fn grains(study: &Study) -> f64 {
 
 /// Runs the trial of a variant; `alike` is an earlier trial with the same requested resolution,
 /// whose grid is reused.
-pub(crate) fn trial(
-    variant: usize,
-    full: &Study,
+pub(crate) fn trial<'a>(
+    variant: &'a Variant,
     alike: Option<&Trial>,
     jobs: usize,
     watch: &dyn RunWatch,
-) -> Result<Trial, RunError> {
-    let mut study = in_small_cell(full);
+) -> Result<Trial<'a>, RunError> {
+    let mut study = in_small_cell(&variant.study);
     study.realisations = 1;
     if grains(&study) > MOST_GRAINS {
         return Err(RunError::Stopped);
