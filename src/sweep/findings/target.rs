@@ -133,8 +133,8 @@ fn in_order(outcomes: &[Outcome]) -> Vec<Near> {
     all.retain(|(_, to_target)| to_target.estimate.value.is_finite());
     all.sort_by(|a, b| a.1.estimate.value.total_cmp(&b.1.estimate.value));
     let Some((best, least)) = all.first() else { return Vec::new() };
+    // common realisations move both distances alike
     let near = |(variant, to_target): &(usize, Linked)| {
-        // common realisations move both distances alike
         let farther = Linked::sum([(1.0, to_target), (-1.0, least)]).estimate;
         let farther = with_interval(farther, &[&outcomes[*best], &outcomes[*variant]]);
         Near { variant: *variant, distance: to_target.estimate, farther }

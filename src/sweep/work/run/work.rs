@@ -24,11 +24,12 @@ pub(super) struct Work<'a> {
 impl<'a> Work<'a> {
     pub fn new(
         worker: &'a Worker,
-        Variant { name, study, .. }: &'a Variant,
+        variant: &'a Variant,
         realisation: usize,
         watch: &'a dyn RunWatch,
     ) -> Self {
-        Self { worker, study, realisation, watch: NamedWatch { name, watch } }
+        let watch = NamedWatch { name: &variant.name, watch };
+        Self { worker, study: &variant.study, realisation, watch }
     }
 
     /// Chooses the variant's grid; returns the number of unknowns of the realisation's solves, to
