@@ -116,7 +116,7 @@ fn pair(study: &Study, scalar: &Outcome, vector: &Outcome) -> Result<Pair, Box<d
         volume_fraction,
         diameter_nm,
         thickness_um: study.layer.thickness_um,
-        sky: scalar.delta_e_2000(vector).ok_or("a variant without a colour")?,
+        sky: scalar.difference(vector).ok_or("a variant without a colour")?.estimate,
         print: print[0].delta_e_2000(&print[1]).value,
         reflectance: largest(scalar, vector, Quantity::Reflectance),
         transmittance: largest(scalar, vector, Quantity::Transmittance),

@@ -21,7 +21,7 @@ enum Command {
     Pack(commands::pack::PackArgs),
     Sweep(commands::sweep::SweepArgs),
     Merge(commands::merge::MergeArgs),
-    Report(commands::report::ReportArgs),
+    Report(commands::merge::ReportArgs),
     Solve(commands::solve::SolveArgs),
     Fit(commands::fit::FitArgs),
     Design(commands::design::DesignArgs),
@@ -52,7 +52,7 @@ fn main() -> miette::Result<()> {
         Command::Export(args) => commands::export::run(&args),
         Command::Sweep(args) => commands::sweep::run(&args),
         Command::Merge(args) => commands::merge::run(&args),
-        Command::Report(args) => commands::report::run(&args),
+        Command::Report(args) => commands::merge::report(&args),
         Command::Solve(args) => commands::solve::run(&args),
     }
 }

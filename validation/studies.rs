@@ -10,8 +10,7 @@ use inkwave::run::{Collected, RunSettings};
 use inkwave::solve::accuracy::grid_error::GridError;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::alone::run_study;
-use inkwave::sweep::portions::run_portions;
+use inkwave::sweep::alone::{run_portions, run_study};
 use serde_json::Value;
 use std::path::Path;
 

@@ -5,6 +5,11 @@ pub fn this_command() -> String {
     std::env::args_os().map(|word| quoted(&word.to_string_lossy())).collect::<Vec<_>>().join(" ")
 }
 
+/// How to go on after a stop.
+pub fn to_resume() -> String {
+    format!("to resume: {}", this_command())
+}
+
 /// Puts a word in single quotes unless every character is harmless to a shell.
 pub(super) fn quoted(word: &str) -> String {
     if !word.is_empty() && word.chars().all(|c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c)) {

@@ -1,7 +1,7 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
-use super::diagnostics::study_report;
-use super::run::folder_report;
+use super::diagnostics::{folder_report, study_report};
+use super::stop::StopFlag;
 use super::work::opened;
 use clap::Args;
 use inkwave::compare::check::{Conformity, ConformityVerdict, TOLERANCE, check};
@@ -11,7 +11,7 @@ use inkwave::compare::row::Row;
 use inkwave::report::publish::PublishError;
 use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::marker::Holds;
-use miette::Result;
+use miette::{Result, miette};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -48,22 +48,22 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let output = opened(&args.output, Holds::Comparison)?;
     output.mark_partial().map_err(folder_report)?;
-    let mut stop = StopWatch(super::stop::StopFlag::listen());
     let comparison = file
-        .run(&registry, &mut stop, tell_row)
+        .run(&registry, &mut StopFlag::listen(), tell_row)
         .inspect_err(|_| output.discard_when_empty())
         .map_err(report)?;
     comparison.write(&output).map_err(publish_report)?;
     say!("Comparison: {}", args.output.join("comparison.html").display())?;
-    ended(comparison.rows.len(), comparison.asked)?;
+    let (there, asked) = (comparison.rows.len(), comparison.asked);
+    if there < asked {
+        let help = "the page shows the finished solves; running the command again repeats all of them";
+        return Err(miette!(help = help, "stopped after {there} of {asked} solves"));
+    }
     if comparison.rows.iter().any(|row| row.converged()) {
         return Ok(());
     }
     let reason = comparison.rows.first().map_or("no rows".into(), Row::outcome);
-    Err(miette::miette!(
-        help = "the page lists every reason",
-        "no row has a result; the first reason: {reason}"
-    ))
+    Err(miette!(help = "the page lists every reason", "no row has a result; the first reason: {reason}"))
 }
 
 /// Wall time and memory of a program under check.
@@ -73,10 +73,10 @@ const CHECK_GB: f64 = 8.0;
 /// Checks a program and says what it found.
 fn checked(args: &CompareArgs) -> Result<()> {
     let (command, knob) = (args.check.clone(), args.knob.into_iter().collect());
-    let (time_limit_s, memory_gb) = (CHECK_SECONDS, CHECK_GB);
-    let program = ExternalTable { name: command.join(" "), command, knob, time_limit_s, memory_gb };
-    let mut stop = StopWatch(super::stop::StopFlag::listen());
-    let Conformity { cases, verdict } = check(&program, Path::new(""), &mut stop).map_err(report)?;
+    let name = command.join(" ");
+    let program = ExternalTable { name, command, knob, time_limit_s: CHECK_SECONDS, memory_gb: CHECK_GB };
+    let Conformity { cases, verdict } =
+        check(&program, Path::new(""), &mut StopFlag::listen()).map_err(report)?;
     for (case, result) in &cases {
         match result {
             Ok(error) if *error <= TOLERANCE => say!("{case}: agrees, error {error:.1e}")?,
@@ -91,14 +91,14 @@ fn checked(args: &CompareArgs) -> Result<()> {
         ConformityVerdict::Slips(slips) => {
             let [names, remedies] =
                 [0, 1].map(|k| slips.iter().map(|s| s[k].as_str()).collect::<Vec<_>>().join("; or "));
-            Err(miette::miette!(help = remedies, "{} has a slip: {names}", program.name))
+            Err(miette!(help = remedies, "{} has a slip: {names}", program.name))
         }
         ConformityVerdict::Unknown => {
             let help = "no usual slip explains the answers: a finer --knob where errors are small; `inkwave schema external --annotated` describes them";
-            Err(miette::miette!(help = help, "{} does not conform", program.name))
+            Err(miette!(help = help, "{} does not conform", program.name))
         }
         ConformityVerdict::Silent => {
-            Err(miette::miette!(help = "it refuses all of them", "{} answered no case", program.name))
+            Err(miette!(help = "it refuses all of them", "{} answered no case", program.name))
         }
     }
 }
@@ -106,7 +106,7 @@ fn checked(args: &CompareArgs) -> Result<()> {
 fn publish_report(error: PublishError) -> miette::Report {
     match error {
         PublishError::Folder(error) => folder_report(error),
-        other => miette::miette!("{other}"),
+        other => miette!("{other}"),
     }
 }
 
@@ -130,27 +130,16 @@ fn tell_unused(keys: &[String]) {
     }
 }
 
-/// Error for a comparison that was stopped before its last row.
-fn ended(there: usize, asked: usize) -> Result<()> {
-    if there == asked {
-        return Ok(());
-    }
-    let help = "the page shows the finished solves; running the command again repeats all of them";
-    Err(miette::miette!(help = help, "stopped after {there} of {asked} solves"))
-}
-
 fn report(error: CompareError) -> miette::Report {
     match error {
         CompareError::Study(error) => study_report(error),
-        other => miette::miette!("{other}"),
+        other => miette!("{other}"),
     }
 }
 
 /// Stops a solve on Ctrl-C.
-struct StopWatch(super::stop::StopFlag);
-
-impl Watch for StopWatch {
+impl Watch for StopFlag {
     fn step(&mut self, _: &Step) -> ControlFlow<()> {
-        if self.0.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if self.is_raised() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }

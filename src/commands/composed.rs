@@ -1,9 +1,9 @@
 //! `inkwave run` of a composed layer: its slabs are solved one after another, and any thickness of it
 //! follows from them.
 
-use super::again::this_command;
+use super::again::to_resume;
+use super::diagnostics::{run_report, tell_damages};
 use super::progress::Progress;
-use super::run::{run_report, tell_damages};
 use super::work::opened;
 use inkwave::evaluate::manifest::Status;
 use inkwave::input::study::{Composed, Study};
@@ -11,9 +11,9 @@ use inkwave::report::composed::publish;
 use inkwave::run::RunSettings;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
+use inkwave::sweep::alone::run_portions;
 use inkwave::sweep::plan::by_size;
-use inkwave::sweep::portions::run_portions;
-use miette::{IntoDiagnostic, miette};
+use miette::miette;
 use std::path::Path;
 
 /// Runs a composed layer and prints its colours.
@@ -21,16 +21,11 @@ pub(super) fn run(study: &Study, path: &Path, settings: RunSettings) -> miette::
     let folder = opened(path, Holds::Study)?;
     let progress = Progress::new();
     progress.expect(study.solves(), false);
-    let solved = run_portions(study, &folder, settings, &progress);
-    progress.finish();
-    let solved = solved.map_err(|error| {
-        folder.discard_when_empty();
-        run_report(error)
-    })?;
+    let solved = progress.during(|| run_portions(study, &folder, settings, &progress));
+    let solved = solved.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
     solved.iter().for_each(|(_, collected)| tell_damages(&collected.damages));
-    let again = format!("to resume: {}", this_command());
-    let published = publish(study, &solved, &folder).into_diagnostic();
-    let published = published.map_err(|error| miette!(help = again.clone(), "{error}"))?;
+    let published = publish(study, &solved, &folder);
+    let published = published.map_err(|error| miette!(help = to_resume(), "{error}"))?;
     published.remarks.iter().for_each(super::say::note);
     for line in published.lines {
         say!("{}: {line}", study.title)?;
@@ -39,7 +34,7 @@ pub(super) fn run(study: &Study, path: &Path, settings: RunSettings) -> miette::
     if published.status == Status::Complete {
         return Ok(());
     }
-    let help = if progress.stopped() { again } else { "the report lists the reasons".to_owned() };
+    let help = if progress.stopped() { to_resume() } else { "the report lists the reasons".to_owned() };
     Err(miette!(help = help, "not every solve has a result: the results are marked as partial"))
 }
 

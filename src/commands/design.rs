@@ -1,8 +1,7 @@
 //! `inkwave design DESIGN.toml`: from a wanted colour to recipes.
 
-use super::diagnostics::study_report;
+use super::diagnostics::{step_report, study_report};
 use super::progress::Progress;
-use super::run::step_report;
 use super::sweep::tell_plan;
 use super::work::{WorkArgs, opened};
 use clap::Args;
@@ -38,9 +37,10 @@ pub fn run(args: &DesignArgs) -> miette::Result<()> {
     let folder = opened(&args.work.folder(&args.design, ""), Holds::Design)?;
     let progress = Progress::new();
     let run = DesignRun { task: &task, folder: &folder, settings, watch: &progress };
-    let outcome = run.design();
-    progress.finish();
-    let outcome = outcome.map_err(design_report)?;
+    let outcome = progress.during(|| run.design()).map_err(|error| match error {
+        DesignError::Run(error) => step_report(error),
+        other => miette!("{other}"),
+    })?;
     publish(&task, &outcome, &folder).into_diagnostic()?;
     say!("{}: {}", task.title, outcome.verdict)?;
     for run in &outcome.verified {
@@ -73,11 +73,4 @@ fn plan(task: &DesignTask, settings: RunSettings) -> miette::Result<()> {
     let middle = vec![0.5; task.variables.len()];
     let study = task.study(&middle).map_err(|faults| miette!("{}", faults[0]))?;
     tell_plan(&Sweep::of_one("middle", study), false, settings)
-}
-
-fn design_report(error: DesignError) -> miette::Report {
-    match error {
-        DesignError::Run(error) => step_report(error),
-        other => miette!("{other}"),
-    }
 }

@@ -1,9 +1,18 @@
-//! Reports of study errors: the offending line of the file, what is wrong and what to try.
+//! Reports of errors: what is wrong and what to try; of study errors also the offending line of the
+//! file.
 
-use super::say::printable;
+use super::again::to_resume;
+use super::say::{note, printable};
+use inkwave::ink::PackError;
 use inkwave::input::fault::{Fault, StudyError};
 use inkwave::input::locate::span_of;
-use miette::{Diagnostic, LabeledSpan, NamedSource, Report};
+use inkwave::input::tree::parse_toml;
+use inkwave::run::RunError;
+use inkwave::solve::SolveError;
+use inkwave::solve::accuracy::AccuracyError;
+use inkwave::store::damage::{Damage, in_words};
+use inkwave::store::folder::FolderError;
+use miette::{Diagnostic, LabeledSpan, NamedSource, Report, miette};
 use std::sync::Arc;
 
 /// Turns a study error into a report that quotes the offending lines.
@@ -29,6 +38,22 @@ pub fn study_report(error: StudyError) -> Report {
             Report::new(Shown::new(&unreadable.to_string(), Some(help), None, None))
         }
     }
+}
+
+/// [`study_report`] of a file that may be meant for another command: a study given to `inkwave
+/// sweep`, or a sweep given to `inkwave run`, by the tables that only one of them has.
+pub fn mixed_up_report(error: StudyError, wanted: &str) -> Report {
+    let StudyError::Values { path, text, .. } = &error else { return study_report(error) };
+    let table = parse_toml(text).unwrap_or_default();
+    let has = |keys: [&str; 2]| keys.iter().any(|key| table.contains_key(*key));
+    let (found, command) = match (has(["layer", "pigment"]), has(["base", "axis"])) {
+        (true, false) if wanted == "sweep" => ("study", "run"),
+        (false, true) if wanted == "study" => ("sweep", "sweep"),
+        _ => return study_report(error),
+    };
+    let path = path.display();
+    let help = format!("run it with `inkwave {command} {path}`");
+    miette!(help = help, "{path} is a {found}, and this command reads a {wanted}")
 }
 
 type SourceText = Arc<NamedSource<String>>;
@@ -80,5 +105,54 @@ impl Shown {
         let found = printable(&format!("found {}", fault.found));
         let label = span.map(|span| LabeledSpan::new_with_span(Some(found), span));
         Self::new(&format!("{start}{fault}"), Some(&fault.remedy), label, text.clone())
+    }
+}
+
+/// Reports damaged files of a store.
+pub fn tell_damages(damages: &[Damage]) {
+    if let Some(told) = in_words(damages) {
+        note(told);
+    }
+}
+
+/// Report of a folder that cannot be used.
+pub fn folder_report(error: FolderError) -> miette::Report {
+    miette!(help = error.remedy(), "{error}")
+}
+
+/// [`run_report`] of work in several steps, whose finished ones count.
+pub fn step_report(error: RunError) -> miette::Report {
+    match error {
+        RunError::Stopped => miette!(help = to_resume(), "stopped: what is solved is stored"),
+        error => run_report(error),
+    }
+}
+
+/// Report of a run without results.
+pub fn run_report(error: RunError) -> miette::Report {
+    match error {
+        RunError::Folder(error) => folder_report(error),
+        RunError::Packing { source: PackError::Blocked { .. } | PackError::NotReached { .. }, .. } => {
+            let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
+            miette!(help = help, "{error}")
+        }
+        // These messages include what to try.
+        RunError::Resolution(
+            AccuracyError::Memory(_)
+            | AccuracyError::TooLarge { .. }
+            | AccuracyError::NotReached { .. }
+            | AccuracyError::TooManyWaves { .. }
+            | AccuracyError::Unphysical(_)
+            | AccuracyError::Solve(SolveError::NotConverged { .. }),
+        ) => miette!("{error}"),
+        RunError::Resolution(AccuracyError::Solve(_)) => {
+            let help = "[solver] sets strategy, tolerance and max_applications: try strategy = \"krylov\"";
+            miette!(help = help, "{error}")
+        }
+        RunError::Resolution(_) | RunError::Wave(_) => {
+            let help = "[resolution] sets the grid: raise points_per_um or planes_per_um, or give an accuracy instead";
+            miette!(help = help, "{error}")
+        }
+        other => miette!("{other}"),
     }
 }

@@ -1,8 +1,8 @@
 //! `inkwave export FOLDER`: files for renderers, colour programs, NumPy, ParaView and archives.
 
 use super::again::quoted;
+use super::diagnostics::folder_report;
 use super::progress::Progress;
-use super::run::folder_report;
 use super::say::say;
 use clap::Args;
 use inkwave::export::composed::ComposedStored;
@@ -49,16 +49,12 @@ pub fn run(args: &ExportArgs) -> miette::Result<()> {
         thickness_um: args.thickness,
         created: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
     };
-    let exported = match (&composed, &alone) {
+    let exported = progress.during(|| match (&composed, &alone) {
         (Some(composed), _) => composed.export(&request, &progress),
         (None, Some(alone)) => export(alone, &request, &progress),
         (None, None) => Ok(Exported::default()),
-    };
-    progress.finish();
-    let exported = exported.map_err(|error| {
-        folder.discard_when_empty();
-        refusal(&error, &args.folder)
-    })?;
+    });
+    let exported = exported.inspect_err(|_| folder.discard_when_empty()).map_err(refused)?;
     for file in &exported.files {
         folder.write(&file.name, &file.bytes).map_err(folder_report)?;
         say!("{}: {}", folder.path().join(&file.name).display(), file.about)?;

@@ -1,14 +1,13 @@
 //! `inkwave fit FIT.toml`: from measured drawdowns to a pigment's index.
 
-use super::diagnostics::study_report;
+use super::diagnostics::{folder_report, run_report, step_report, study_report};
 use super::progress::Progress;
-use super::run::{folder_report, run_report, step_report};
 use super::say::note;
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::fit::load::{FitTask, load};
 use inkwave::fit::publish::{in_words, publish};
-use inkwave::fit::run::{FitError, FitRun, FitStores, Trust, points};
+use inkwave::fit::run::{FitError, FitRun, Trust, points};
 use inkwave::run::RunSettings;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
@@ -38,11 +37,11 @@ pub fn run(args: &FitArgs) -> miette::Result<()> {
     let progress = Progress::new();
     let [table, steps, predicted] = points(&task);
     progress.expect(table + steps + predicted, true);
-    let stores = FitStores::open(&folder).map_err(run_report)?;
-    let outcome =
-        FitRun::new(&task, &stores, settings, &progress).map_err(FitError::from).and_then(|run| run.fit());
-    progress.finish();
-    let outcome = outcome.map_err(fit_report)?;
+    let outcome = progress.during(|| FitRun::new(&task, &folder, settings, &progress)?.fit());
+    let outcome = outcome.map_err(|error| match error {
+        FitError::Run(error) => step_report(error),
+        other => miette!("{other}"),
+    })?;
     publish(&task, &outcome, &folder).into_diagnostic()?;
     say!("{}: {}", task.title, in_words(&outcome))?;
     outcome.remarks.iter().for_each(note);
@@ -62,11 +61,9 @@ pub fn run(args: &FitArgs) -> miette::Result<()> {
 fn tell_plan(task: &FitTask, settings: RunSettings) -> miette::Result<()> {
     let folder = tempfile::tempdir().into_diagnostic()?;
     let folder = OutputFolder::open(folder.path(), Holds::Fit).map_err(folder_report)?;
-    let stores = FitStores::open(&folder).map_err(run_report)?;
     let progress = Progress::new();
-    let run = FitRun::new(task, &stores, settings, &progress).map_err(run_report)?;
-    let each = run.trial().map_err(run_report)?;
-    progress.finish();
+    let each = progress.during(|| FitRun::new(task, &folder, settings, &progress)?.trial());
+    let each = each.map_err(run_report)?;
     let [table, steps, predicted] = points(task);
     let cells = task.coats[0].realisations;
     let waves = task.wavelengths_nm().len();
@@ -87,11 +84,4 @@ fn tell_plan(task: &FitTask, settings: RunSettings) -> miette::Result<()> {
         minutes(table + steps + predicted),
         1e3 * each
     )
-}
-
-fn fit_report(error: FitError) -> miette::Report {
-    match error {
-        FitError::Run(error) => step_report(error),
-        other => miette!("{other}"),
-    }
 }

@@ -14,7 +14,11 @@ pub fn run(args: &MaterialsArgs) -> miette::Result<()> {
     let Some(name) = &args.name else {
         return MATERIALS.iter().try_for_each(|material| say!("{}", row(material)));
     };
-    let known = NamedMaterial::find(name).ok_or_else(|| unknown(name))?;
+    let Some(known) = NamedMaterial::find(name) else {
+        let names = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
+        let help = "organic pigments are in no open collection of indices: give measured n and κ as csv";
+        return Err(miette::miette!(help = help, "no material {name:?}; known are {names}"));
+    };
     say!("{}", row(known))?;
     for source in known.sources() {
         say!("  {}\n  {}", source.reference, source.comment)?;
@@ -31,10 +35,4 @@ fn row(material: &NamedMaterial) -> String {
     let eta = index.index(0.55);
     let NamedMaterial { name, what, .. } = material;
     format!("{name:<14} {what:<38} {from:.0}–{to:.0} nm   {:.3} + {:.4}i at 550 nm", eta.re, eta.im)
-}
-
-fn unknown(name: &str) -> miette::Report {
-    let names = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
-    let help = "organic pigments are in no open collection of indices: give measured n and κ as csv";
-    miette::miette!(help = help, "no material {name:?}; known are {names}")
 }

@@ -1,12 +1,12 @@
-//! `inkwave merge SHARDS… --output DIR`: joins what several machines have computed.
+//! `inkwave merge SHARDS… --output DIR`: joins what several machines have computed. `inkwave report
+//! DIR`: tables, contact sheets and pages of a sweep from its store, finished or not.
 
-use super::diagnostics::study_report;
-use super::run::{folder_report, tell_damages};
+use super::diagnostics::{folder_report, study_report, tell_damages};
 use super::sweep::tell;
 use clap::Args;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::folder::OpenError;
+use inkwave::sweep::folder::{OpenError, read};
 use inkwave::sweep::merge::{MergeError, merge};
 use inkwave::sweep::publish::publish;
 use miette::{IntoDiagnostic, miette};
@@ -35,7 +35,37 @@ pub fn run(args: &MergeArgs) -> miette::Result<()> {
     tell(&reported, &folder, false, "run the sweep again with its file")
 }
 
-pub(super) fn open_report(error: OpenError) -> miette::Report {
+/// Rebuild tables, contact sheets and pages of a sweep from its finished solves
+#[derive(Debug, Args)]
+pub struct ReportArgs {
+    /// Folder of the sweep
+    pub folder: PathBuf,
+    /// Axis along the rows of the contact sheets
+    #[arg(long, value_name = "AXIS")]
+    pub rows: Option<String>,
+    /// Axis along the columns of the contact sheets
+    #[arg(long, value_name = "AXIS")]
+    pub columns: Option<String>,
+}
+
+/// Reads the sweep back and reports.
+pub fn report(args: &ReportArgs) -> miette::Result<()> {
+    let mut sweep = read(&args.folder).map_err(open_report)?;
+    let names: Vec<String> = sweep.outline.axes.iter().map(|axis| axis.name.clone()).collect();
+    let sheet = &mut sweep.outline.sheet;
+    for (option, place) in [(&args.rows, &mut sheet.rows), (&args.columns, &mut sheet.columns)] {
+        if let Some(wanted) = option.as_ref().filter(|wanted| !names.contains(wanted)) {
+            let allowed = names.join(", ");
+            return Err(miette!(help = "name one of the axes", "found axis {wanted:?}; allowed: {allowed}"));
+        }
+        *place = option.clone().or(place.take());
+    }
+    let folder = OutputFolder::open(&args.folder, Holds::Sweep).map_err(folder_report)?;
+    let reported = publish(&sweep, &folder).into_diagnostic()?;
+    tell(&reported, &folder, false, "run the sweep again with its file")
+}
+
+fn open_report(error: OpenError) -> miette::Report {
     match error {
         OpenError::Variant(error) => study_report(error),
         OpenError::Changed { .. } => {

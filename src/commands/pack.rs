@@ -1,11 +1,11 @@
 //! `inkwave pack STUDY.toml`: packings alone, with their files, pictures and statistics.
 
-use super::diagnostics::study_report;
-use super::run::folder_report;
+use super::diagnostics::{folder_report, study_report};
+use super::progress::style;
 use super::stop::StopFlag;
 use super::work::opened;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 use inkwave::ink::pack;
 use inkwave::ink::statistics::ReachedSizes;
 use inkwave::ink::{Method, PackProgress, PackWatch, Packing};
@@ -51,13 +51,12 @@ pub fn run(args: &PackArgs) -> Result<()> {
     folder.remove_files(is_of_one_packing).map_err(folder_report)?;
     let (_, page) = write_report(folder.path(), &study.title, &pigments, &packings).into_diagnostic()?;
     folder.complete().map_err(folder_report)?;
-    say!("report: {}", page.display())?;
-    Ok(())
+    say!("report: {}", page.display())
 }
 
 fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
     let start = Instant::now();
-    let bar = ProgressBar::new(0).with_style(style());
+    let bar = ProgressBar::new(0).with_style(style("{prefix} {spinner} {msg} [{elapsed}]"));
     bar.set_prefix(format!("realisation {}/{}", realisation + 1, study.realisations));
     let packed = pack(&study.packing_request(realisation), &mut PackBar { bar: &bar, stop });
     bar.finish_and_clear();
@@ -84,11 +83,6 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
         realisation + 1,
         packing.grains().len(),
     )
-}
-
-fn style() -> ProgressStyle {
-    ProgressStyle::with_template("{prefix} {spinner} {msg} [{elapsed}]")
-        .unwrap_or_else(|_| ProgressStyle::default_bar())
 }
 
 /// Shows progress on stderr and stops on Ctrl-C.

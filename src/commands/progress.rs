@@ -14,6 +14,11 @@ const BETWEEN_LINES: Duration = Duration::from_secs(10);
 /// Fewest solves whose mean time is used to estimate the time left.
 const TOO_FEW: usize = 20;
 
+/// The style of a bar or a spinner.
+pub fn style(template: &str) -> ProgressStyle {
+    ProgressStyle::with_template(template).expect("a template that indicatif knows")
+}
+
 /// What a run has done so far.
 struct RunState {
     begun: Instant,
@@ -24,7 +29,6 @@ struct RunState {
     /// Time before that with at least one solve running.
     busy: Duration,
     solved: usize,
-    left: usize,
     /// Solves that were already stored.
     kept: usize,
     /// Processes that share the work.
@@ -39,15 +43,8 @@ impl RunState {
     fn new() -> Self {
         let (begun, busy) = (Instant::now(), Duration::ZERO);
         let (since, last_line) = (begun, begun);
-        let [under_way, solved, left, kept] = [0; 4];
-        Self { begun, under_way, since, busy, solved, left, kept, workers: 1, ends_early: false, last_line }
-    }
-
-    fn begin(&mut self) {
-        if self.under_way == 0 {
-            self.since = Instant::now();
-        }
-        self.under_way += 1;
+        let [under_way, solved, kept] = [0; 3];
+        Self { begun, under_way, since, busy, solved, kept, workers: 1, ends_early: false, last_line }
     }
 
     fn end(&mut self) {
@@ -57,15 +54,16 @@ impl RunState {
         }
     }
 
-    /// Mean time per solve of this run times the number of solves left, of `all`. Stored solves and
-    /// grid searches do not count: they come first and would inflate the estimate to years.
-    fn time_left(&self, all: u64) -> String {
+    /// Mean time per solve of this run times the number of solves left: of `all`, `done` are over.
+    /// Stored solves and grid searches do not count: they come first and would inflate the estimate
+    /// to years.
+    fn time_left(&self, done: u64, all: u64) -> String {
         if self.solved < TOO_FEW.min(all as usize / 2).max(1) {
             return "time left unknown".into();
         }
         let running = if self.under_way > 0 { self.since.elapsed() } else { Duration::ZERO };
         let shared = (self.solved * self.workers) as f64;
-        let seconds = (self.busy + running).as_secs_f64() * self.left as f64 / shared;
+        let seconds = (self.busy + running).as_secs_f64() * all.saturating_sub(done) as f64 / shared;
         let left = HumanDuration(Duration::from_secs_f64(seconds));
         let most = if self.ends_early { "at most" } else { "about" };
         let by = if self.workers == 1 { String::new() } else { format!(" for {} processes", self.workers) };
@@ -95,10 +93,8 @@ impl Progress {
     pub fn new() -> Self {
         let plain = !std::io::stderr().is_terminal();
         let bar = ProgressBar::no_length();
-        let template = "{bar:32} {pos}/{len} solves  {msg}  {elapsed} elapsed, {prefix}";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style.progress_chars("━╸ "));
-        }
+        let style = style("{bar:32} {pos}/{len} solves  {msg}  {elapsed} elapsed, {prefix}");
+        bar.set_style(style.progress_chars("━╸ "));
         if !plain {
             bar.enable_steady_tick(Duration::from_millis(250));
         }
@@ -117,12 +113,18 @@ impl Progress {
     /// Sets the number of solves to come; with `ends_early`, `run.target_delta_e` may need fewer.
     pub fn expect(&self, solves: usize, ends_early: bool) {
         self.bar.set_length(solves as u64);
-        let mut state = self.state();
-        (state.left, state.ends_early) = (solves, ends_early);
+        self.state().ends_early = ends_early;
+    }
+
+    /// Shows the progress of some work, then the throughput.
+    pub fn during<T>(&self, work: impl FnOnce() -> T) -> T {
+        let done = work();
+        self.finish();
+        done
     }
 
     /// Removes the progress bar and prints the throughput.
-    pub fn finish(&self) {
+    fn finish(&self) {
         self.bar.finish_and_clear();
         let RunState { begun, busy, solved, kept, .. } = *self.state();
         if kept > 0 {
@@ -143,26 +145,9 @@ impl Progress {
         self.stop.is_raised()
     }
 
-    /// Counts solves that are no longer to come.
-    fn pass(&self, solves: usize) {
-        self.bar.inc(solves as u64);
-        let mut state = self.state();
-        state.left = state.left.saturating_sub(solves);
-    }
-
     fn standing(&self, standing: &QueueStanding) {
-        let done = self.bar.position().max(standing.solves as u64);
-        self.bar.set_position(done);
-        let mut state = self.state();
-        state.left = self.all().saturating_sub(done) as usize;
-        state.workers = standing.workers.max(1);
-    }
-
-    fn show_stage(&self, what: &str) {
-        self.bar.set_message(what.to_owned());
-        if self.plain {
-            note!("{what}");
-        }
+        self.bar.set_position(self.bar.position().max(standing.solves as u64));
+        self.state().workers = standing.workers.max(1);
     }
 
     fn solving(&self, study: &Study, point: &Point) {
@@ -172,12 +157,15 @@ impl Progress {
         let (number, of) = (realisation + 1, study.realisations);
         self.bar.set_message(format!("realisation {number}/{of} · {nm:.0} nm · {angle:.0}°{side}"));
         let mut state = self.state();
-        state.begin();
-        self.bar.set_prefix(state.time_left(self.all()));
+        if state.under_way == 0 {
+            state.since = Instant::now();
+        }
+        state.under_way += 1;
+        self.bar.set_prefix(state.time_left(self.bar.position(), self.all()));
     }
 
     fn solved(&self, point: &Point, failure: Option<&str>) {
-        self.pass(1);
+        self.bar.inc(1);
         if let Some(failure) = failure {
             let (nm, deg) = (1e3 * point.incidence.wavelength_um, point.incidence.polar_deg);
             let line = format!("no result at {nm:.0} nm, {deg:.0}°: {failure}");
@@ -186,8 +174,8 @@ impl Progress {
         let mut state = self.state();
         state.solved += 1;
         if self.plain && state.is_due() {
-            let (done, all, left) = (self.bar.position(), self.all(), state.time_left(self.all()));
-            note!("{done}/{all} solves, {}, {left}", self.bar.message());
+            let (done, all) = (self.bar.position(), self.all());
+            note!("{done}/{all} solves, {}, {}", self.bar.message(), state.time_left(done, all));
         }
     }
 }
@@ -206,14 +194,17 @@ impl RunWatch for Progress {
 
     fn hear(&self, event: Event) {
         match event {
-            Event::Stage(what) => self.show_stage(what),
+            Event::Stage(what) => {
+                self.bar.set_message(what.to_owned());
+                self.plain.then(|| note!("{what}"));
+            }
             Event::Standing(standing) => self.standing(standing),
             Event::Solving(study, point) => self.solving(study, point),
             Event::Kept(solves) => {
                 self.state().kept += solves;
-                self.pass(solves);
+                self.bar.inc(solves as u64);
             }
-            Event::Dropped(solves) => self.pass(solves),
+            Event::Dropped(solves) => self.bar.inc(solves as u64),
             Event::Ended => self.state().end(),
             Event::Solved(point, failure) => self.solved(point, failure),
         }

@@ -1,24 +1,19 @@
 //! `inkwave run STUDY.toml`: from a study file to the picture of an ink on paper.
 
-use super::again::this_command;
-use super::diagnostics::study_report;
+use super::again::to_resume;
+use super::diagnostics::{mixed_up_report, run_report, tell_damages};
 use super::live::Live;
-use super::mixed_up::not_for;
 use super::progress::Progress;
 use super::sweep::{tell_others, tell_plan};
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
 use inkwave::evaluate::summary;
-use inkwave::ink::PackError;
 use inkwave::input::load::{load, stem};
 use inkwave::input::study::Study;
 use inkwave::report::publish::{Published, publish};
-use inkwave::run::{Collected, RunError};
-use inkwave::solve::SolveError;
-use inkwave::solve::accuracy::AccuracyError;
-use inkwave::store::damage::{Damage, in_words};
-use inkwave::store::folder::{FolderError, OutputFolder};
+use inkwave::run::Collected;
+use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
 use inkwave::sweep::alone::{Ran, run_study, stored};
@@ -40,8 +35,7 @@ pub struct RunArgs {
 
 /// Reads, checks and runs a study.
 pub fn run(args: &RunArgs) -> miette::Result<()> {
-    let study =
-        load(&args.study).map_err(|error| not_for(&error, "study").unwrap_or_else(|| study_report(error)))?;
+    let study = load(&args.study).map_err(|error| mixed_up_report(error, "study"))?;
     study.remarks.iter().for_each(super::say::note);
     let settings = args.work.settings()?;
     if args.work.plan {
@@ -63,9 +57,9 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     let progress = Progress::new();
     progress.expect(study.solves(), study.target_delta_e.is_some());
     let live = Live::new(&folder, &progress, Box::new(|| publish_stored(&study, &folder)));
-    let ran = run_study(&study, &folder, settings, &live).inspect_err(|_| folder.discard_when_empty());
-    progress.finish();
-    let Ran { collected, publishes } = ran.map_err(run_report)?;
+    let ran = progress.during(|| run_study(&study, &folder, settings, &live));
+    let ran = ran.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
+    let Ran { collected, publishes } = ran;
     tell_damages(&collected.damages);
     if !publishes {
         return tell_others(&folder);
@@ -95,6 +89,11 @@ fn tell_colour(study: &Study, published: &Published) -> miette::Result<()> {
     Ok(())
 }
 
+/// What to do about packings, and about solves, that are missing.
+const LACKING: &str = "the results are means over the packings that succeeded, and the error bars include the largest effect that the others \
+     could have: lower pigment.volume_fraction, or try a smaller layer.period_um, which takes fewer grains per packing";
+const FAILED: &str = "the report lists the reasons; try another solver, a finer grid or more applications";
+
 /// Prints where the results are; incomplete results are an error, so that scripts notice.
 fn tell(
     study: &Study,
@@ -119,73 +118,15 @@ fn tell(
     }
     let (finished, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
     let refused = collected.refused.len();
-    let help = match (stopped, failed) {
-        (true, _) => format!("to resume: {}", this_command()),
+    let (help, why) = match (stopped, failed) {
+        (true, _) => (to_resume(), "stopped".to_owned()),
         (false, 0) => {
-            "the results are means over the packings that succeeded, and the error bars include the largest effect that the others \
-             could have: lower pigment.volume_fraction, or try a smaller layer.period_um, which takes fewer grains per packing"
-                .to_owned()
+            (LACKING.to_owned(), format!("{refused} of {} realisations have no result", collected.tried()))
         }
-        _ => {
-            "the report lists the reasons; try another solver, a finer grid or more applications".to_owned()
-        }
-    };
-    let why = match (stopped, failed) {
-        (true, _) => "stopped".to_owned(),
-        (false, 0) => format!("{refused} of {} realisations have no result", collected.tried()),
-        _ => format!("{failed} solves have no result"),
+        _ => (FAILED.to_owned(), format!("{failed} solves have no result")),
     };
     Err(miette!(
         help = help,
         "{why}: {finished} of {all} solves are finished, the results are marked as partial"
     ))
-}
-
-/// Reports damaged files of a store.
-pub(super) fn tell_damages(damages: &[Damage]) {
-    if let Some(told) = in_words(damages) {
-        super::say::note(told);
-    }
-}
-
-pub(super) fn folder_report(error: FolderError) -> miette::Report {
-    miette!(help = error.remedy(), "{error}")
-}
-
-/// [`run_report`] of work in several steps, whose finished ones count.
-pub(super) fn step_report(error: RunError) -> miette::Report {
-    match error {
-        RunError::Stopped => {
-            miette!(help = format!("to resume: {}", this_command()), "stopped: what is solved is stored")
-        }
-        error => run_report(error),
-    }
-}
-
-pub(super) fn run_report(error: RunError) -> miette::Report {
-    match error {
-        RunError::Folder(error) => folder_report(error),
-        RunError::Packing { source: PackError::Blocked { .. } | PackError::NotReached { .. }, .. } => {
-            let help = "lower pigment.volume_fraction, take smaller grains or a thicker layer";
-            miette!(help = help, "{error}")
-        }
-        // These messages include what to try.
-        RunError::Resolution(
-            AccuracyError::Memory(_)
-            | AccuracyError::TooLarge { .. }
-            | AccuracyError::NotReached { .. }
-            | AccuracyError::TooManyWaves { .. }
-            | AccuracyError::Unphysical(_)
-            | AccuracyError::Solve(SolveError::NotConverged { .. }),
-        ) => miette!("{error}"),
-        RunError::Resolution(AccuracyError::Solve(_)) => {
-            let help = "[solver] sets strategy, tolerance and max_applications: try strategy = \"krylov\"";
-            miette!(help = help, "{error}")
-        }
-        RunError::Resolution(_) | RunError::Wave(_) => {
-            let help = "[resolution] sets the grid: raise points_per_um or planes_per_um, or give an accuracy instead";
-            miette!(help = help, "{error}")
-        }
-        other => miette!("{other}"),
-    }
 }

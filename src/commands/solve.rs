@@ -1,5 +1,6 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
+use super::progress::style;
 use super::say::say;
 use super::solve_gradient::{Gradient, gradients};
 use super::solve_light::LightArgs;
@@ -80,6 +81,12 @@ pub struct SolveArgs {
     light: LightArgs,
 }
 
+impl SolveArgs {
+    fn accuracy(&self) -> f64 {
+        self.accuracy.unwrap_or(DEFAULT_ACCURACY)
+    }
+}
+
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum GradientForm {
     Json,
@@ -108,7 +115,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     // A grid given explicitly may be as fine as the user likes.
     let error = match args.nz {
         Some(_) => EXACT,
-        None => error_among(args.accuracy.unwrap_or(DEFAULT_ACCURACY), case.media.largest_contrast()),
+        None => error_among(args.accuracy(), case.media.largest_contrast()),
     };
     let wave = args.wave.wave();
     let coverages = Coverages::new(wave, &case.scene, Precision::of(error));
@@ -128,8 +135,7 @@ pub fn run(args: &SolveArgs) -> Result<()> {
         let orders = &solved.far_field().orders;
         report["gradients"] = gradients.iter().map(|gradient| gradient.json(orders)).collect();
     }
-    say!("{report:#}")?;
-    Ok(())
+    say!("{report:#}")
 }
 
 /// Writes the discrete problem with its solution.
@@ -153,18 +159,15 @@ fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Est
         goal: Goal { tolerance: tolerance(args), ..Goal::default() },
         memory: super::memory::bytes(args.memory_gb)?,
     };
+    // cleared when it is dropped
     let mut bar = Bar::new();
     let estimated = match args.nz {
         Some(cells) => task.solve_with_estimate(resolution(args, case, cells), &mut bar),
-        None => task.solve_to_accuracy(args.accuracy.unwrap_or(DEFAULT_ACCURACY), &mut bar),
+        None => task.solve_to_accuracy(args.accuracy(), &mut bar),
     };
-    let slopes = |estimated: &Estimated| match args.gradient {
-        Some(_) => gradients(&task, estimated),
-        None => Ok(Vec::new()),
-    };
-    let both = estimated.and_then(|estimated| slopes(&estimated).map(|slopes| (estimated, slopes)));
-    bar.0.finish_and_clear();
-    both.into_diagnostic()
+    let estimated = estimated.into_diagnostic()?;
+    let slopes = args.gradient.map(|_| gradients(&task, &estimated));
+    Ok((estimated, slopes.transpose().into_diagnostic()?.unwrap_or_default()))
 }
 
 /// Warns of a wavelength that was probably given in nm instead of µm.
@@ -188,15 +191,13 @@ fn check(args: &SolveArgs) -> Result<()> {
     if args.export_operator.is_some() && args.wave == WaveKind::Vector {
         miette::bail!("--export-operator writes the operator of the scalar wave: leave out --wave vector");
     }
-    super::memory::bytes(args.memory_gb)?;
-    Ok(())
+    super::memory::bytes(args.memory_gb).map(drop)
 }
 
 /// Residual to reach; the amplitude error that it causes may be three times as large.
 fn tolerance(args: &SolveArgs) -> f64 {
-    let of_accuracy = || args.accuracy.unwrap_or(DEFAULT_ACCURACY) / 50.0;
-    args.tolerance
-        .unwrap_or_else(|| if args.nz.is_some() { Goal::default().tolerance } else { of_accuracy() })
+    let usual = if args.nz.is_some() { Goal::default().tolerance } else { args.accuracy() / 50.0 };
+    args.tolerance.unwrap_or(usual)
 }
 
 fn resolution(args: &SolveArgs, case: &Case, cells: usize) -> Resolution {
@@ -207,11 +208,11 @@ fn resolution(args: &SolveArgs, case: &Case, cells: usize) -> Resolution {
 }
 
 fn scheme(args: &SolveArgs) -> Scheme {
-    if args.wave == WaveKind::Vector {
-        return args.scheme.unwrap_or(Scheme::Quadratic);
-    }
-    let searched = || suited_scheme(args.accuracy.unwrap_or(DEFAULT_ACCURACY));
-    args.scheme.map_or_else(|| if args.nz.is_some() { Scheme::default() } else { searched() }, Scheme::from)
+    args.scheme.unwrap_or(match (args.wave, args.nz) {
+        (WaveKind::Vector, _) => Scheme::Quadratic,
+        (WaveKind::Scalar, Some(_)) => Scheme::default(),
+        (WaveKind::Scalar, None) => suited_scheme(args.accuracy()),
+    })
 }
 
 /// Grid trials that take longer than this are reported even without a terminal.
@@ -223,8 +224,7 @@ struct Bar(indicatif::ProgressBar);
 impl Bar {
     fn new() -> Bar {
         let bar = indicatif::ProgressBar::new_spinner();
-        let style = indicatif::ProgressStyle::with_template("{spinner} {prefix}  {msg}");
-        bar.set_style(style.expect("a template that indicatif knows"));
+        bar.set_style(style("{spinner} {prefix}  {msg}"));
         bar.enable_steady_tick(std::time::Duration::from_millis(200));
         Bar(bar)
     }

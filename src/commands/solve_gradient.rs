@@ -55,22 +55,19 @@ fn gradient(
 ) -> Result<Gradient, AccuracyError> {
     let geometry = task.coverages.at(solved[0].system.grid().resolution)?;
     let mut moved = Vec::new();
-    for direction in DIRECTIONS {
-        let media = task.media.moved(medium, STEP * direction);
-        moved.push(geometry.systems(&media, task.incidence, task.mean)?);
+    for step in DIRECTIONS.map(|direction| STEP * direction) {
+        let systems = geometry.systems(&task.media.moved(medium, step), task.incidence, task.mean)?;
+        moved.push((step, systems.into_iter()));
     }
     let mut slopes = Vec::new();
-    for Solved { system, solution } in solved.iter().rev() {
-        let neighbours = moved
-            .iter_mut()
-            .zip(DIRECTIONS)
-            .filter_map(|(systems, direction)| Some((systems.pop()?, STEP * direction)));
-        let neighbours: Vec<Neighbour> =
-            neighbours.map(|(system, step)| Neighbour { step, system }).collect();
+    for Solved { system, solution } in solved {
+        let neighbours = moved.iter_mut();
+        let neighbours: Vec<Neighbour> = neighbours
+            .filter_map(|(step, systems)| Some(Neighbour { step: *step, system: systems.next()? }))
+            .collect();
         let field = &solution.field;
         slopes.push(tangent((&**system, field), &neighbours, (task.solver, task.goal), &mut Silent)?);
     }
-    slopes.reverse();
     Ok(Gradient { medium, index, slopes })
 }
 

@@ -80,18 +80,18 @@ impl LightArgs {
         let Some(side) = self.illuminated_um else { return Ok(()) };
         let [polar, azimuth] = [(90.0, true), (360.0, false)].map(|(end, closed)| self.angles(end, closed));
         let mut first_zero_deg = f64::INFINITY;
-        let mut side_of = |lobe: Lobe| -> Result<Value, FiniteAreaError> {
-            let Some(lit) = lit_square(far, media, lobe, side)? else { return Ok(Value::Null) };
+        let mut area = json!({ "side_um": side, "polar_deg": polar, "azimuth_deg": azimuth });
+        for (name, lobe) in [("reflected", Lobe::Reflected), ("transmitted", Lobe::Transmitted)] {
+            let lit = FiniteArea::new(far, media, lobe, side);
+            if matches!(lit, Err(FiniteAreaError::Absorber { .. })) {
+                area[name] = Value::Null;
+                continue;
+            }
+            let lit = lit.into_diagnostic()?;
             first_zero_deg = first_zero_deg.min(lit.first_zero_deg());
-            lobes(&lit, &polar, &azimuth)
-        };
-        report["finite_area"] = json!({
-            "side_um": side,
-            "polar_deg": polar,
-            "azimuth_deg": azimuth,
-            "reflected": side_of(Lobe::Reflected).into_diagnostic()?,
-            "transmitted": side_of(Lobe::Transmitted).into_diagnostic()?,
-        });
+            area[name] = lobes(&lit, &polar, &azimuth).into_diagnostic()?;
+        }
+        report["finite_area"] = area;
         self.warn_of_step(first_zero_deg);
         Ok(())
     }
@@ -124,31 +124,16 @@ impl LightArgs {
     }
 }
 
-/// The lit square seen from one side; `None` where that half-space absorbs.
-fn lit_square(
-    far: &FarField,
-    media: &Media,
-    lobe: Lobe,
-    side: f64,
-) -> Result<Option<FiniteArea>, FiniteAreaError> {
-    match FiniteArea::new(far, media, lobe, side) {
-        Err(FiniteAreaError::Absorber { .. }) => Ok(None),
-        lit => lit.map(Some),
-    }
-}
-
 /// One side: tables over the directions, and their integrals.
 fn lobes(lit: &FiniteArea, polar: &[f64], azimuth: &[f64]) -> Result<Value, FiniteAreaError> {
-    type Table = Result<Vec<Vec<f64>>, FiniteAreaError>;
-    let table = |lit: &FiniteArea| -> Table {
+    let table = |lit: &FiniteArea| -> Result<Vec<Vec<f64>>, FiniteAreaError> {
         polar.iter().map(|&p| azimuth.iter().map(|&a| lit.at(p, a)).collect()).collect()
     };
     let diffuse = lit.without_specular();
-    let [per_sr, diffuse_per_sr] = [table(lit)?, table(&diffuse)?];
     Ok(json!({
-        "per_sr": per_sr,
+        "per_sr": table(lit)?,
         "total": lit.total(),
-        "diffuse_per_sr": diffuse_per_sr,
+        "diffuse_per_sr": table(&diffuse)?,
         "diffuse_total": diffuse.total(),
         "first_zero_deg": lit.first_zero_deg(),
     }))

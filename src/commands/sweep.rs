@@ -1,11 +1,9 @@
 //! `inkwave sweep SWEEP.toml`: a study of many variants, on one machine or many.
 
-use super::again::this_command;
-use super::diagnostics::study_report;
+use super::again::{this_command, to_resume};
+use super::diagnostics::{folder_report, mixed_up_report, run_report, tell_damages};
 use super::live::Live;
-use super::mixed_up::not_for;
 use super::progress::Progress;
-use super::run::{folder_report, run_report, tell_damages};
 use super::say::note;
 use super::work::{WorkArgs, opened};
 use clap::Args;
@@ -13,10 +11,9 @@ use inkwave::run::RunSettings;
 use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::outcome::Outcome;
 use inkwave::sweep::publish::{Publisher, Reported, publish};
 use inkwave::sweep::run::Scope;
-use inkwave::sweep::units::Shard;
+use inkwave::sweep::units::{Shard, ends_early, units};
 use inkwave::sweep::{Sweep, composed, folder, load, plan, run as runner};
 use miette::{IntoDiagnostic, miette};
 use std::collections::BTreeSet;
@@ -56,8 +53,7 @@ pub struct SweepArgs {
 
 /// Reads, checks and runs a sweep, or plans it.
 pub fn run(args: &SweepArgs) -> miette::Result<()> {
-    let sweep = load::load(&args.sweep)
-        .map_err(|error| not_for(&error, "sweep").unwrap_or_else(|| study_report(error)))?;
+    let sweep = load::load(&args.sweep).map_err(|error| mixed_up_report(error, "sweep"))?;
     // most variants have the same remarks
     let remarks: BTreeSet<&String> =
         sweep.variants.iter().flat_map(|variant| &variant.study.remarks).collect();
@@ -70,32 +66,28 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     if args.work.plan {
         return tell_plan(&sweep, args.json, settings);
     }
-    let shard = args.shard.as_deref().map(parse_shard).transpose()?;
+    let shard = args.shard.as_deref().map(|text| shard(text, &sweep)).transpose()?;
     let part = shard.unwrap_or(Shard::ALL);
-    part.check(&sweep).map_err(|most| too_many_shards(part, most))?;
-    if let Some(variant) = sweep.variants.iter().find(|v| shard.is_some() && v.study.target_delta_e.is_some())
-    {
-        return Err(no_bars_in_shards(&variant.name));
-    }
     let end = shard.map_or_else(String::new, |s| format!(".shard-{}-of-{}", s.index, s.count));
     let folder = begin(&sweep, &args.work.folder(&args.sweep, &end), args)?;
     let progress = Progress::new();
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
-    let ends_early = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
-    progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) }, ends_early);
+    progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) }, ends_early(&sweep));
     let mut publisher = Publisher::new(&sweep);
     let live = Live::new(&folder, &progress, Box::new(|| publisher.publish(&folder).is_ok()));
     let watch: &dyn RunWatch = if args.grids_only { &progress } else { &live };
-    let tally = runner::run(&sweep, &folder, (part, scope), settings, watch);
-    progress.finish();
+    let tally = progress.during(|| runner::run(&sweep, &folder, (part, scope), settings, watch));
     let tally = tally.map_err(run_report)?;
     tell_damages(&tally.damages);
     if tally.waited >= WORTH_TELLING {
         let seconds = tally.waited.as_secs_f64();
         note!("this process's workers waited {seconds:.1} s for others");
     }
+    if args.grids_only && progress.stopped() {
+        return Err(miette!(help = to_resume(), "stopped before all grids were chosen"));
+    }
     if args.grids_only {
-        return tell_grids(&folder, progress.stopped());
+        return say!("Grids in {}", folder.path().display());
     }
     if shard.is_some() {
         // The sweep is reported once the shards are merged; until then the page shows the results
@@ -131,14 +123,13 @@ fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> mie
     let folder = opened(&args.work.folder(&args.sweep, ""), Holds::Sweep)?;
     folder::write(sweep, &folder).map_err(folder_report)?;
     let progress = Progress::new();
-    let ended = composed::run(sweep, &folder, settings, &progress);
-    progress.finish();
-    let done = ended.map_err(run_report)?;
+    let done = progress.during(|| composed::run(sweep, &folder, settings, &progress));
+    let done = done.map_err(run_report)?;
     let page = composed::publish(sweep, &done, &folder).into_diagnostic()?;
     say!("Report: {}", page.display())?;
     if done.len() < sweep.variants.len() {
-        let help = format!("to resume: {}", this_command());
-        return Err(miette!(help = help, "{} of {} layers are there", done.len(), sweep.variants.len()));
+        let (there, all) = (done.len(), sweep.variants.len());
+        return Err(miette!(help = to_resume(), "{there} of {all} layers are there"));
     }
     Ok(())
 }
@@ -167,16 +158,14 @@ pub(super) fn tell(
         say!("{}: {} ({})", judged.table.id, judged.verdict.name(), judged.inequality)?;
     }
     if let Some(nearest) = &reported.nearest {
-        say!("{nearest}")?;
+        say!("Target {}: {}", nearest.target, nearest.summary)?;
     }
     say!("Report: {}", folder.path().join("report.html").display())?;
     let (complete, all, failures) = (reported.complete(), reported.outcomes.len(), reported.failures());
     if complete == all {
         return Ok(());
     }
-    let waits =
-        |outcome: &&Outcome| outcome.solves.finished < outcome.solves.asked && outcome.reason.is_none();
-    let waiting = reported.outcomes.iter().filter(waits).count();
+    let waiting = reported.outcomes.iter().filter(|o| !o.is_complete() && o.reason.is_none()).count();
     let help = if waiting > 0 && !stopped {
         format!("{waiting} variants are unfinished; to resume: {go_on}, or merge the missing shards")
     } else if failures > 0 && !stopped {
@@ -197,10 +186,7 @@ fn tell_shard(
     let Shard { index, count } = shard;
     say!("Shard {index}/{count} in {}: {finished} of {asked} solves finished", folder.path().display())?;
     if stopped || finished + failed < asked {
-        return Err(miette!(
-            help = format!("to resume: {}", this_command()),
-            "stopped: {finished} of {asked} solves"
-        ));
+        return Err(miette!(help = to_resume(), "stopped: {finished} of {asked} solves"));
     }
     if failed > 0 {
         let help = "the report lists the reasons; use --retry-failed";
@@ -209,42 +195,15 @@ fn tell_shard(
     Ok(())
 }
 
-fn tell_grids(folder: &OutputFolder, stopped: bool) -> miette::Result<()> {
-    if stopped {
-        return Err(miette!(
-            help = format!("to resume: {}", this_command()),
-            "stopped before all grids were chosen"
-        ));
-    }
-    say!("Grids in {}", folder.path().display())
-}
-
-fn no_bars_in_shards(variant: &str) -> miette::Report {
-    let help =
-        "leave --shard out and start any number of processes in one folder, or give run.realisations alone";
-    miette!(
-        help = help,
-        "--shard: found with run.target_delta_e in variant {variant}; allowed without it, as no shard knows the whole confidence interval"
-    )
-}
-
-fn too_many_shards(shard: Shard, most: usize) -> miette::Report {
-    let help =
-        "each shard needs a unit (one realisation of the variants that share a packing); --plan counts them";
-    miette!(help = help, "--shard: found {} parts; this sweep can be divided into 1 to {most}", shard.count)
-}
-
 /// Prints the expected cost of a sweep, or of a study as a sweep of one variant.
 pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result<()> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
     let progress = Progress::new();
-    let plan = plan::plan(sweep, RunSettings { jobs: Some(jobs), ..settings }, &progress);
-    progress.finish();
-    let plan = plan.map_err(run_report)?;
+    let settings = RunSettings { jobs: Some(jobs), ..settings };
+    let plan = progress.during(|| plan::plan(sweep, settings, &progress)).map_err(run_report)?;
     if json {
-        say!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?)?;
-        return Ok(());
+        return say!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?);
     }
     if let Some(reason) = &plan.out_of_reach {
         say!("out of reach: {reason}")?;
@@ -253,19 +212,13 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> mie
     say!("variants          {}", plan.variants)?;
     say!("packings          {}", plan.packings)?;
     // `run.target_delta_e` may be reached earlier.
-    let bars = sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some());
-    say!("solves            {}{}", if bars { "at most " } else { "" }, plan.solves)?;
+    let (most, about) = if ends_early(sweep) { ("at most ", "at most") } else { ("", "about") };
+    say!("solves            {most}{}", plan.solves)?;
     say!("unknowns          {} in the largest solve", plan.unknowns)?;
     say!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs)?;
-    say!(
-        "time              {} {} on {jobs} cores, {} on 100",
-        if bars { "at most" } else { "about" },
-        time(jobs as f64),
-        time(100.0)
-    )?;
+    say!("time              {about} {} on {jobs} cores, {} on 100", time(jobs as f64), time(100.0))?;
     say!("largest division  {} shards", plan.units)?;
-    say!("calibrated with   {}", plan.calibration)?;
-    Ok(())
+    say!("calibrated with   {}", plan.calibration)
 }
 
 /// Formats a time with two or three digits.
@@ -278,34 +231,47 @@ fn in_words(seconds: f64) -> String {
     }
 }
 
-/// Parses `I/N`, or `N` with the part from the environment variable of the scheduler.
+/// Parses `I/N`, or `N` with the part from the environment variable of the scheduler, for a sweep
+/// that can be divided so.
+fn shard(text: &str, sweep: &Sweep) -> miette::Result<Shard> {
+    let shard = parse_shard(text)?;
+    let (count, most) = (shard.count, units(sweep).len());
+    if count > most {
+        let help = "each shard needs a unit (one realisation of the variants that share a packing); --plan counts them";
+        return Err(miette!(
+            help = help,
+            "--shard: found {count} parts; this sweep can be divided into 1 to {most}"
+        ));
+    }
+    if let Some(variant) = sweep.variants.iter().find(|variant| variant.study.target_delta_e.is_some()) {
+        let help = "leave --shard out and start any number of processes in one folder, or give run.realisations alone";
+        return Err(miette!(
+            help = help,
+            "--shard: found with run.target_delta_e in variant {}; allowed without it, as no shard knows the whole confidence interval",
+            variant.name
+        ));
+    }
+    Ok(shard)
+}
+
 fn parse_shard(text: &str) -> miette::Result<Shard> {
     let number = |text: &str| text.trim().parse::<usize>().ok();
-    let parts = match text.split_once('/') {
+    // the scheduler's variable that is set, with its value
+    let task = TASK_NUMBER.iter().find_map(|name| Some((*name, std::env::var(name).ok()?)));
+    let (index, count) = match text.split_once('/') {
         Some((index, count)) => (number(index), number(count)),
-        None => (task_number().and_then(|(_, value)| number(&value)), number(text)),
+        None => (task.as_ref().and_then(|(_, value)| number(value)), number(text)),
     };
-    match parts {
-        (Some(index), Some(count)) if index >= 1 && index <= count => Ok(Shard { index, count }),
-        (index, _) => {
-            let part = index.map(|i| format!(" (part {i})"));
-            let alone = || if text.contains('/') { String::new() } else { without_part() };
-            let found = format!("{text}{}", part.unwrap_or_else(alone));
-            let help = "write --shard 3/8 for the third of eight parts; or --shard 8 in an array job numbered from 1 to 8";
-            Err(miette!(help = help, "--shard: found {found}; allowed: I/N with whole numbers 1 ≤ I ≤ N"))
-        }
-    }
-}
-
-/// The scheduler's environment variable that is set, with its value.
-fn task_number() -> Option<(&'static str, String)> {
-    TASK_NUMBER.iter().find_map(|name| Some((*name, std::env::var(name).ok()?)))
-}
-
-/// Describes what was found where only the number of parts is given.
-fn without_part() -> String {
-    match task_number() {
-        Some((name, value)) => format!(" and {name} = {value}"),
-        None => format!(" alone, and none of {} is set", TASK_NUMBER.join(", ")),
-    }
+    let found = match (index, &task) {
+        (Some(index), _) => match count.filter(|count| (1..=*count).contains(&index)) {
+            Some(count) => return Ok(Shard { index, count }),
+            None => format!("{text} (part {index})"),
+        },
+        (None, _) if text.contains('/') => text.to_owned(),
+        (None, Some((name, value))) => format!("{text} and {name} = {value}"),
+        (None, None) => format!("{text} alone, and none of {} is set", TASK_NUMBER.join(", ")),
+    };
+    let help =
+        "write --shard 3/8 for the third of eight parts; or --shard 8 in an array job numbered from 1 to 8";
+    Err(miette!(help = help, "--shard: found {found}; allowed: I/N with whole numbers 1 ≤ I ≤ N"))
 }

@@ -1,8 +1,8 @@
 //! Options and output folders of commands that solve.
 
 use super::again::this_command;
+use super::diagnostics::folder_report;
 use super::memory::bytes;
-use super::run::folder_report;
 use clap::Args;
 use inkwave::input::load::stem;
 use inkwave::run::RunSettings;

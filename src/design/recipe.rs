@@ -18,6 +18,8 @@ use toml::{Table, Value};
 const MOST_FIELDS: usize = 5;
 /// Range over whose ends' ratio a field is taken by its logarithm.
 const LOGARITHMIC: f64 = 1.5;
+/// Weight of a missed contrast ratio, ΔE₀₀ for each percent.
+const OF_CONTRAST: f64 = 100.0;
 
 /// One number that varies.
 #[derive(Clone, Debug)]
@@ -68,38 +70,53 @@ impl DesignTask {
     /// Faults of its values.
     pub fn study(&self, places: &[f64]) -> Result<Study, Vec<Fault>> {
         let mut table = self.base.clone();
-        let fault = |name: &str, reason: String| {
-            vec![Fault::new(name, reason, "a field of the base", "name a field of the study, as in a sweep")]
-        };
-        for (variable, &place) in self.variables.iter().zip(places) {
-            let value = variable.value(place);
-            if let Some(field) = &variable.written.field {
-                set(&mut table, field, &Value::Float(value)).map_err(|e| fault(&variable.name, e))?;
-            }
-        }
         // ratios divide what other fields may have set
-        for (variable, &place) in self.variables.iter().zip(places) {
-            if let Some(pair) = &variable.written.ratio {
-                mix(&mut table, pair, variable.value(place)).map_err(|e| fault(&variable.name, e))?;
-            }
+        let mut all: Vec<(&Variable, f64)> = self.variables.iter().zip(self.values(places)).collect();
+        all.sort_by_key(|(variable, _)| variable.written.ratio.is_some());
+        for (variable, value) in all {
+            let put = match &variable.written.ratio {
+                Some(pair) => mix(&mut table, pair, value),
+                None => set(&mut table, &variable.name, &Value::Float(value)),
+            };
+            let remedy = "name a field of the study, as in a sweep";
+            put.map_err(|e| vec![Fault::new(&variable.name, e, "a field of the base", remedy)])?;
         }
         let name = self.in_words(places);
         table.insert("title".into(), Value::String(name.clone()));
         check(&read::<StudyFile>(table.into())?, &self.folder, &name)
     }
 
+    /// Value of every variable of a recipe.
+    pub fn values(&self, places: &[f64]) -> Vec<f64> {
+        self.variables.iter().zip(places).map(|(variable, &place)| variable.value(place)).collect()
+    }
+
     /// The recipe in words.
     pub fn in_words(&self, places: &[f64]) -> String {
-        let part = |(variable, &place): (&Variable, &f64)| {
-            format!("{} {}", variable.name, short(variable.value(place)))
-        };
-        self.variables.iter().zip(places).map(part).collect::<Vec<_>>().join(", ")
+        let named = self.variables.iter().zip(self.values(places));
+        named.map(|(v, value)| format!("{} {}", v.name, short(value))).collect::<Vec<_>>().join(", ")
     }
 
     /// Cost of a recipe.
     pub fn cost(&self, places: &[f64]) -> f64 {
-        self.variables.iter().zip(places).map(|(v, &place)| v.written.cost * v.value(place)).sum()
+        self.variables.iter().zip(self.values(places)).map(|(v, value)| v.written.cost * value).sum()
     }
+
+    /// Whether a contrast ratio hides enough.
+    pub fn hides(&self, ratio: f64) -> bool {
+        self.contrast_ratio.is_none_or(|least| ratio >= least)
+    }
+
+    /// What is to be small: the distance to the target, and what is missing in contrast.
+    pub fn miss(&self, delta_e: f64, ratio: f64) -> f64 {
+        let missing = self.contrast_ratio.map_or(0.0, |least| (least - ratio).max(0.0));
+        delta_e + OF_CONTRAST * missing
+    }
+}
+
+/// Corner number `c` of the box.
+pub fn corner(c: usize, variables: usize) -> Vec<f64> {
+    (0..variables).map(|i| ((c >> i) & 1) as f64).collect()
 }
 
 /// Four significant digits.
@@ -117,10 +134,9 @@ fn mix(table: &mut Table, [one, other]: &[String; 2], share: f64) -> Result<(), 
 
 /// The volume fraction of a pigment.
 fn fraction(table: &Table, name: &String) -> Result<f64, String> {
-    let pigments = table.get("pigment").and_then(Value::as_array);
-    let value = pigments
-        .and_then(|all| all.iter().find(|p| p.get("name").and_then(Value::as_str) == Some(name)))
-        .and_then(|p| p.get("volume_fraction"));
+    let pigments = table.get("pigment").and_then(Value::as_array).into_iter().flatten();
+    let mut own = pigments.filter(|p| p.get("name").and_then(Value::as_str) == Some(name));
+    let value = own.next().and_then(|p| p.get("volume_fraction"));
     let value = value.and_then(|v| v.as_float().or(v.as_integer().map(|i| i as f64)));
     value.ok_or_else(|| format!("no pigment {name:?} with a volume fraction"))
 }
@@ -168,18 +184,15 @@ fn put_target(base: &mut Table, target: &TargetTable, folder: &Path, faults: &mu
     }
     match (&target.lab, &target.file) {
         (Some(wanted), None) => {
-            let wanted = Value::Array(wanted.iter().map(|x| Value::Float(*x)).collect());
-            let _ = set(base, "colour.target_lab", &wanted);
+            let _ = set(base, "colour.target_lab", &wanted.to_vec().into());
         }
         (None, Some(file)) => {
             let path = folder.join(file);
             let path = std::path::absolute(&path).unwrap_or(path).display().to_string();
-            let _ = set(base, "compare.measured", &Value::String(path));
-            if let Some(patch) = &target.patch {
-                let _ = set(base, "compare.patch", &Value::String(patch.clone()));
-            }
-            if let Some(unit) = target.unit.and_then(|unit| Value::try_from(unit).ok()) {
-                let _ = set(base, "compare.unit", &unit);
+            let unit = target.unit.and_then(|unit| Value::try_from(unit).ok());
+            let patch = target.patch.clone().map(Value::from);
+            for (key, value) in [("measured", Some(path.into())), ("patch", patch), ("unit", unit)] {
+                let _ = value.map(|value| set(base, &format!("compare.{key}"), &value));
             }
         }
         (both, _) => {
@@ -216,8 +229,7 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
             let allowed = "from below to";
             faults.add(format!("vary[{i}].from"), found, allowed, "exchange from and to");
         }
-        let ratio = table.ratio.is_some() && !(from > 0.0 && to < 1.0);
-        if ratio {
+        if table.ratio.is_some() && !(from > 0.0 && to < 1.0) {
             let allowed = "above 0 and below 1: both pigments stay";
             faults.add(format!("vary[{i}]"), format!("{from} to {to}"), allowed, "try 0.1 to 0.9");
         }
@@ -242,17 +254,14 @@ fn check_settings(file: &DesignFile, faults: &mut Faults) {
 /// Checks the studies at all corners of the box and gives the target's L*, a*, b*.
 fn checked_ends(task: &DesignTask) -> Result<[f64; 3], Vec<Fault>> {
     let count = task.variables.len();
-    let corner = |c: usize| (0..count).map(|i| ((c >> i) & 1) as f64).collect::<Vec<f64>>();
-    let mut last = Err(Vec::new());
-    for c in 0..1 << count {
-        last = Ok(task.study(&corner(c))?);
-    }
-    let study = last?;
+    let studies = (0..1 << count).map(|c| task.study(&corner(c, count)));
+    let studies = studies.collect::<Result<Vec<Study>, _>>()?;
+    let study = &studies[studies.len() - 1];
     if let Some(reason) = &study.angles.no_paper {
         let remedy = "write [angles] count = 5";
         return Err(vec![Fault::new("base.angles", reason, "0°, 45° and the hemisphere", remedy)]);
     }
-    super::surface::wanted(&study)
+    super::surface::wanted(study)
 }
 
 /// A fault of a study as one of the design's file.

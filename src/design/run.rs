@@ -4,7 +4,7 @@ mod map;
 
 pub use map::DesignAnswer;
 
-use super::recipe::{DesignTask, short};
+use super::recipe::{DesignTask, corner, short};
 use super::surface::{Spectra3, spectra};
 use crate::appearance::colour::{ColourError, ciede2000};
 use crate::evaluate::ink::InkError;
@@ -16,7 +16,7 @@ use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
 use crate::store::marker::Holds;
 use crate::sweep::alone::run_study;
-use map::{Map, OF_CONTRAST, even_point, spread, values};
+use map::{Map, even_point, spread, study_at};
 use serde::Serialize;
 use thiserror::Error;
 
@@ -67,6 +67,12 @@ pub enum DesignError {
         /// Least number.
         needed: usize,
     },
+}
+
+impl DesignError {
+    fn no_colour(task: &DesignTask, places: &[f64], reason: impl ToString) -> Self {
+        Self::NoColour { recipe: task.in_words(places), reason: reason.to_string() }
+    }
 }
 
 /// A recipe that was run.
@@ -137,11 +143,12 @@ impl DesignRun<'_> {
     pub fn design(&self) -> Result<DesignOutcome, DesignError> {
         let mut data = self.variants()?;
         let variants = data.len();
-        let mut found: Vec<Verified> = Vec::new();
-        let mut map = Map::new(self.task, &data, &found)?;
+        let mut map = Map::new(self.task, &data, variants)?;
         let surface_error = map.leave_one_out(&data)?;
         for round in 1..=self.task.settings.verifications {
-            let near = self.best(&found).filter(|best| best.delta_e_2000.value < CLOSE);
+            let found = &data[variants..];
+            let best = found.iter().min_by(|a, b| self.order(a, b));
+            let near = best.filter(|best| best.delta_e_2000.value < CLOSE);
             let near = near.map(|best| (best.places.clone(), REGION));
             let Some(answer) = map.search(near.as_ref()).into_iter().next() else { break };
             if found.iter().any(|known| same(&known.places, &answer.places)) {
@@ -151,15 +158,15 @@ impl DesignRun<'_> {
             let mut verified = self.run(&answer.places, true)?;
             verified.predicted = Some(answer.delta_e_2000);
             verified.surface_error = Some(ciede2000(verified.lab, map.at(&answer.places)?.0));
-            let sure = self.meets(&verified) && self.distances(&verified)[1] <= self.task.settings.delta_e;
-            found.push(verified.clone());
+            let farthest = verified.delta_e_2000.value + error(&verified);
+            let sure = self.meets(&verified) && farthest <= self.task.settings.delta_e;
             data.push(verified);
-            map = Map::new(self.task, &data, &found)?;
+            map = Map::new(self.task, &data, variants)?;
             if sure {
                 break;
             }
         }
-        self.outcome(&map, found, (surface_error, variants))
+        Ok(self.outcome(&map, data.split_off(variants), (surface_error, variants)))
     }
 
     /// Runs the variants of the design; those without room are left out.
@@ -168,7 +175,7 @@ impl DesignRun<'_> {
         let corners = if count <= CORNERS { 1 << count } else { 0 };
         let asked = task.variants();
         let places = (0..corners.min(asked))
-            .map(|c| (0..count).map(|i| ((c >> i) & 1) as f64).collect::<Vec<f64>>())
+            .map(|c| corner(c, count))
             .chain((0..asked.saturating_sub(corners)).map(|r| even_point(DESIGN_SEED, count, r)));
         let mut all = Vec::new();
         for (k, places) in places.enumerate() {
@@ -186,8 +193,8 @@ impl DesignRun<'_> {
     /// Runs a recipe.
     fn run(&self, places: &[f64], verifying: bool) -> Result<Verified, DesignError> {
         let task = self.task;
-        let no_colour = |reason: String| DesignError::NoColour { recipe: task.in_words(places), reason };
-        let mut study = task.study(places).map_err(|faults| no_colour(faults[0].to_string()))?;
+        let no_colour = |reason: String| DesignError::no_colour(task, places, reason);
+        let mut study = study_at(task, places)?;
         study.judgement.target_lab = Some(task.lab);
         if let (true, Some(realisations)) = (verifying, task.settings.realisations) {
             study.realisations = realisations;
@@ -208,7 +215,7 @@ impl DesignRun<'_> {
         let target = maker.target.as_ref().ok_or_else(|| no_colour(none()))?;
         Ok(Verified {
             recipe: task.in_words(places),
-            values: values(task, places),
+            values: task.values(places),
             lab: maker.print.colour.lab,
             hex: maker.print.hex.clone(),
             delta_e_2000: target.delta_e_2000,
@@ -223,22 +230,10 @@ impl DesignRun<'_> {
 
     /// Whether a recipe is as near as wished and hides enough.
     fn meets(&self, run: &Verified) -> bool {
-        let hides = self.task.contrast_ratio.is_none_or(|least| run.contrast_ratio.value >= least);
-        run.delta_e_2000.value <= self.task.settings.delta_e && hides
+        run.delta_e_2000.value <= self.task.settings.delta_e && self.task.hides(run.contrast_ratio.value)
     }
 
-    /// Least and largest distance to the target that a run's error allows.
-    fn distances(&self, run: &Verified) -> [f64; 2] {
-        let error = WITHIN * run.delta_e_2000.standard_error.unwrap_or(0.0);
-        [run.delta_e_2000.value - error, run.delta_e_2000.value + error]
-    }
-
-    /// The best verified recipe: of those that meet the wish the cheapest, else the nearest.
-    fn best<'b>(&self, found: &'b [Verified]) -> Option<&'b Verified> {
-        found.iter().min_by(|a, b| self.order(a, b))
-    }
-
-    /// Order of two recipes: by rank, those of one rank by distance.
+    /// Order of two recipes, the best one first: by rank, those of one rank by distance.
     fn order(&self, a: &Verified, b: &Verified) -> std::cmp::Ordering {
         let distance = |run: &Verified| run.delta_e_2000.value;
         self.rank(a).total_cmp(&self.rank(b)).then(distance(a).total_cmp(&distance(b)))
@@ -246,13 +241,11 @@ impl DesignRun<'_> {
 
     /// Rank of a recipe: of those that meet the wish the cost, of the others the distance.
     fn rank(&self, run: &Verified) -> f64 {
-        let missing =
-            self.task.contrast_ratio.map_or(0.0, |least| (least - run.contrast_ratio.value).max(0.0));
         if self.meets(run) {
             // between 0 and 1 whatever the currency
             return 0.5 + run.cost.atan() / std::f64::consts::PI;
         }
-        1.0 + run.delta_e_2000.value + OF_CONTRAST * missing
+        1.0 + self.task.miss(run.delta_e_2000.value, run.contrast_ratio.value)
     }
 
     fn outcome(
@@ -260,31 +253,30 @@ impl DesignRun<'_> {
         map: &Map,
         mut verified: Vec<Verified>,
         (surface_error, variants): (f64, usize),
-    ) -> Result<DesignOutcome, DesignError> {
+    ) -> DesignOutcome {
         verified.sort_by(|a, b| self.order(a, b));
         let met = verified.first().is_some_and(|best| self.meets(best));
         let answers = map.search(None);
         let least = answers.first().map_or(0.0, |a| a.delta_e_2000);
         let limit = self.task.settings.delta_e.max(least + surface_error);
-        let hides = |a: &DesignAnswer| self.task.contrast_ratio.is_none_or(|least| a.contrast_ratio >= least);
-        let valley: Vec<DesignAnswer> =
-            answers.into_iter().filter(|a| a.delta_e_2000 <= limit && hides(a)).collect();
+        let near = |a: &DesignAnswer| a.delta_e_2000 <= limit && self.task.hides(a.contrast_ratio);
+        let valley: Vec<DesignAnswer> = answers.into_iter().filter(near).collect();
         let ends = |i: usize| {
             let all = || valley.iter().map(|a| a.values[i]);
             [all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max)]
         };
         let valley_ranges =
             if valley.is_empty() { Vec::new() } else { (0..self.task.variables.len()).map(ends).collect() };
-        Ok(DesignOutcome {
+        DesignOutcome {
             met,
             target: self.task.lab,
             verdict: self.verdict(&verified, met),
             verified,
-            valley: spread(valley),
+            valley: spread(&valley),
             valley_ranges,
             surface_error,
             variants,
-        })
+        }
     }
 
     fn verdict(&self, verified: &[Verified], met: bool) -> String {
@@ -304,7 +296,7 @@ impl DesignRun<'_> {
                 best.recipe
             );
         }
-        if self.distances(best)[0] > wish {
+        if best.delta_e_2000.value - error(best) > wish {
             return format!(
                 "Out of reach in these ranges: the nearest recipe, {}, is ΔE₀₀ {distance} away; wished: {wish}.{ends}",
                 best.recipe
@@ -325,6 +317,11 @@ fn at_end(task: &DesignTask, best: &Verified, i: usize) -> Option<String> {
     let variable = &task.variables[i];
     let value = short(variable.value(place));
     (!(SAME..=1.0 - SAME).contains(&place)).then(|| format!("the {which} {} ({value})", variable.name))
+}
+
+/// What the distance of a run to the target may be wrong by.
+fn error(run: &Verified) -> f64 {
+    WITHIN * run.delta_e_2000.standard_error.unwrap_or(0.0)
 }
 
 fn same(one: &[f64], other: &[f64]) -> bool {

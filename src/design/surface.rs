@@ -55,24 +55,24 @@ pub fn wanted(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
     if let Some(lab) = judgement.target_lab {
         return Ok(lab);
     }
-    let nm = &study.wavelengths_nm;
-    let values =
-        judgement.measured.as_ref().and_then(|m| nm.iter().map(|&nm| m.at(nm)).collect::<Option<Vec<f64>>>());
-    let colour = values.map(|values| Eye::new(study).and_then(|eye| eye.meter.colour(&values)));
-    match colour {
-        Some(Ok(colour)) => Ok(colour.lab),
-        Some(Err(error)) => {
-            let remedy = "give [light] of the base 400 to 700 nm";
-            Err(vec![Fault::new("base.light", error, "wavelengths that carry a colour", remedy)])
-        }
-        None => {
-            let (first, last) = (nm[0], nm[nm.len() - 1]);
-            let found =
-                judgement.measured.as_ref().map_or("nothing".into(), |m| format!("{:?} nm", m.range_nm()));
-            let allowed = format!("a spectrum that covers {first} to {last} nm, or a colour");
-            Err(vec![Fault::new("target.file", found, allowed, "narrow [light] of the base, or give lab")])
-        }
-    }
+    let (nm, measured) = (&study.wavelengths_nm, judgement.measured.as_ref());
+    let values: Option<Vec<f64>> = measured.and_then(|m| nm.iter().map(|&nm| m.at(nm)).collect());
+    let Some(values) = values else {
+        let (first, last) = (nm[0], nm[nm.len() - 1]);
+        let found = measured.map_or("nothing".into(), |m| format!("{:?} nm", m.range_nm()));
+        let allowed = format!("a spectrum that covers {first} to {last} nm, or a colour");
+        return Err(vec![Fault::new(
+            "target.file",
+            found,
+            allowed,
+            "narrow [light] of the base, or give lab",
+        )]);
+    };
+    let colour = Eye::new(study).and_then(|eye| eye.meter.colour(&values));
+    colour.map(|colour| colour.lab).map_err(|error| {
+        let remedy = "give [light] of the base 400 to 700 nm";
+        vec![Fault::new("base.light", error, "wavelengths that carry a colour", remedy)]
+    })
 }
 
 /// Light and observer, and the wavelengths that are summed over.
@@ -105,25 +105,25 @@ impl Eye {
 /// Polynomials for every wavelength and backing.
 pub struct Surfaces {
     coefficients: Mat<f64>,
-    /// Leave-one-out predictions less data: variant → wavelength and backing.
-    left_out: Vec<Vec<f64>>,
+    /// What the surfaces without a variant predict for it less what it has: variant → wavelength and
+    /// backing.
+    pub left_out: Vec<Spectra3>,
 }
 
 impl Surfaces {
-    /// Fits differences from the film at points of the box; `weights` of the points.
-    pub fn new(places: &[Vec<f64>], differences: &[Spectra3], weights: &[f64]) -> Option<Self> {
+    /// Fits differences from the film at points of the box.
+    pub fn new(places: &[Vec<f64>], differences: &[Spectra3]) -> Option<Self> {
         let rows: Vec<Vec<f64>> = places.iter().map(|p| monomials(p)).collect();
         let (count, columns) = (rows.first()?.len(), differences.first()?.len());
         let matrix = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
-        let weighted = Mat::from_fn(rows.len(), count, |i, j| weights[i] * rows[i][j]);
-        let ridge = RIDGE * weights.iter().sum::<f64>();
+        let ridge = RIDGE * rows.len() as f64;
         let ridge = Mat::from_fn(count, count, |i, j| if i == j { ridge } else { 0.0 });
-        let normal = weighted.transpose() * &matrix + ridge;
+        let normal = matrix.transpose() * &matrix + ridge;
         let factors = normal.llt(Side::Lower).ok()?;
         let values = Mat::from_fn(rows.len(), columns, |i, j| differences[i][j]);
-        let coefficients = factors.solve(weighted.transpose() * &values);
+        let coefficients = factors.solve(matrix.transpose() * &values);
         let fitted = &matrix * &coefficients;
-        let influence = &matrix * factors.solve(weighted.transpose());
+        let influence = &matrix * factors.solve(matrix.transpose());
         let left =
             |i: usize, j: usize| (fitted[(i, j)] - values[(i, j)]) / (1.0 - influence[(i, i)]).max(0.05);
         let left_out = (0..rows.len()).map(|i| (0..columns).map(|j| left(i, j)).collect()).collect();
@@ -137,11 +137,6 @@ impl Surfaces {
             .map(|j| row.iter().enumerate().map(|(i, x)| x * self.coefficients[(i, j)]).sum())
             .collect()
     }
-
-    /// What the surfaces without a variant predict for it less what it has.
-    pub fn left_out(&self, variant: usize) -> &[f64] {
-        &self.left_out[variant]
-    }
 }
 
 #[cfg(test)]
@@ -154,11 +149,11 @@ mod tests {
         let places: Vec<Vec<f64>> =
             (0..20).map(|k| vec![(0.618 * f64::from(k)).fract(), (0.755 * f64::from(k)).fract()]).collect();
         let values: Vec<Spectra3> = places.iter().map(|p| f(p)).collect();
-        let surfaces = Surfaces::new(&places, &values, &[1.0; 20]).unwrap();
+        let surfaces = Surfaces::new(&places, &values).unwrap();
         let (here, there) = (surfaces.at(&[0.3, 0.8]), f(&[0.3, 0.8]));
         // the guard against too few data pulls by its weight
         assert!(here.iter().zip(&there).all(|(a, b)| (a - b).abs() < 2e-3), "{here:?} {there:?}");
-        assert!((0..20).all(|i| surfaces.left_out(i).iter().all(|e| e.abs() < 2e-2)));
+        assert!((0..20).all(|i| surfaces.left_out[i].iter().all(|e| e.abs() < 2e-2)));
         assert_eq!(monomials(&[0.1, 0.2, 0.3]).len(), most_coefficients(3));
     }
 }

@@ -53,14 +53,8 @@ fn log_determinant(factors: &Llt<f64>) -> f64 {
     (0..factors.L().nrows()).map(|i| 2.0 * factors.L()[(i, i)].ln()).sum()
 }
 
-fn column(values: impl ExactSizeIterator<Item = f64>) -> Mat<f64> {
-    let values: Vec<f64> = values.collect();
+fn column(values: &[f64]) -> Mat<f64> {
     Mat::from_fn(values.len(), 1, |i, _| values[i])
-}
-
-/// xᵀ M x.
-fn quadratic(matrix: &Mat<f64>, x: &Mat<f64>) -> f64 {
-    (x.transpose() * (matrix * x))[(0, 0)]
 }
 
 impl LinearFit<'_> {
@@ -71,16 +65,16 @@ impl LinearFit<'_> {
         let normal = self.jacobian.transpose() * &weighted + self.precision;
         let factors = cholesky(&normal)?;
         let gain = factors.solve(weighted.transpose()); // H⁻¹ Jᵀ C⁻¹
-        let point = column(self.point.iter().copied());
-        let mean = column(self.mean.iter().copied());
-        let data = column(self.residual.iter().copied()) + self.jacobian * &point;
+        let mean = column(self.mean);
+        let data = column(self.residual) + self.jacobian * column(self.point);
         let right = weighted.transpose() * &data + self.precision * &mean;
         let unknowns = self.bounded(&normal, &right)?;
         let left = &data - self.jacobian * &unknowns;
         let away = &unknowns - &mean;
         let chi_squared = (left.transpose() * covariance.solve(&left))[(0, 0)];
         let occam = log_determinant(&factors) - log_determinant(&cholesky(self.precision)?);
-        let log_evidence = -0.5 * (chi_squared + quadratic(self.precision, &away) + occam);
+        let pull = (away.transpose() * (self.precision * &away))[(0, 0)];
+        let log_evidence = -0.5 * (chi_squared + pull + occam);
         let effective = (&gain * self.jacobian).diagonal().column_vector().iter().sum();
         let unknowns = (0..unknowns.nrows()).map(|i| unknowns[(i, 0)]).collect();
         let posterior = factors.inverse();

@@ -114,12 +114,8 @@ impl FitReading<'_> {
         for (field, [from, to], allowed) in [("fit.n", n, [1.0, 4.0]), ("fit.kappa", kappa, [0.0, 4.0])] {
             if !(allowed[0] <= *from && from < to && *to <= allowed[1]) {
                 let range = format!("[from, to] with {} ≤ from < to ≤ {}", allowed[0], allowed[1]);
-                self.faults.add(
-                    field,
-                    format!("[{from}, {to}]"),
-                    range,
-                    "leave it out: [1.3, 2.0] and [0, 0.6]",
-                );
+                let remedy = "leave it out: [1.3, 2.0] and [0, 0.6]";
+                self.faults.add(field, format!("[{from}, {to}]"), range, remedy);
             }
         }
         self.pigment = self.find_pigment(pigment.as_deref());
@@ -127,24 +123,22 @@ impl FitReading<'_> {
         let placeholder = Table::from_iter([("n".into(), 1.6.into()), ("k".into(), 0.1.into())]);
         // what cannot be set is a fault of the base, which its check names
         let _ = set(&mut self.base, &format!("pigment[{place}].index"), &Value::Table(placeholder));
-        let listed = self.base.get("light").and_then(|light| light.get("wavelengths_nm")).is_some();
-        if !listed {
+        if self.base.get("light").and_then(|light| light.get("wavelengths_nm")).is_none() {
             let _ = set(&mut self.base, "light.sampling", &Value::String("listed".into()));
         }
-        if let Some(Value::Table(light)) = self.base.get_mut("light") {
-            light.remove("per_realisation");
-        }
-        if let Some(Value::Table(run)) = self.base.get_mut("run") {
-            run.remove("target_delta_e");
+        for (table, key) in [("light", "per_realisation"), ("run", "target_delta_e")] {
+            if let Some(Value::Table(table)) = self.base.get_mut(table) {
+                table.remove(key);
+            }
         }
     }
 
     fn find_pigment(&mut self, wanted: Option<&str>) -> usize {
-        let pigments = self.base.get("pigment").and_then(Value::as_array).cloned().unwrap_or_default();
-        let name = |p: &Value| p.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
-        let names: Vec<String> = pigments.iter().map(name).collect();
+        let pigments = self.base.get("pigment").and_then(Value::as_array).into_iter().flatten();
+        let names = pigments.map(|p| p.get("name").and_then(Value::as_str).unwrap_or_default());
+        let names: Vec<&str> = names.collect();
         let found = match wanted {
-            Some(wanted) => names.iter().position(|name| name == wanted),
+            Some(wanted) => names.iter().position(|name| *name == wanted),
             None => (names.len() == 1).then_some(0),
         };
         if found.is_none() {
@@ -217,39 +211,33 @@ impl FitReading<'_> {
 
     /// The study of a drawdown, with its share, thickness and backing.
     fn study(&mut self, field: &str, table: &MeasuredTable) -> Option<Study> {
-        let mut own = self.base.clone();
-        let mut changed = Vec::new();
-        let mut put = |name: String, key: &str, value: Value| {
-            let _ = set(&mut own, &name, &value);
-            changed.push((name, format!("{field}.{key}")));
+        let Some(backing) = &table.backing else {
+            let remedy = "write backing = 0.85 for a white card, backing = 0.04 for a black one";
+            let allowed = "the albedo of the card under the layer";
+            self.faults.add(format!("{field}.backing"), "nothing", allowed, remedy);
+            return None;
         };
-        if let Some(share) = table.volume_fraction {
-            put(format!("pigment[{}].volume_fraction", self.pigment), "volume_fraction", share.into());
-        }
-        if let Some(um) = table.thickness_um {
-            put("layer.thickness_um".into(), "thickness_um", thickness(&self.base, um));
-        }
-        match &table.backing {
-            Some(backing) => {
-                let backing = written(backing, self.folder);
-                put("paper.albedo".into(), "backing", backing);
-            }
-            None => {
-                let remedy = "write backing = 0.85 for a white card, backing = 0.04 for a black one";
-                let allowed = "the albedo of the card under the layer";
-                self.faults.add(format!("{field}.backing"), "nothing", allowed, remedy);
-                return None;
-            }
+        let (share, um) = (table.volume_fraction, table.thickness_um);
+        let share_of_base = format!("pigment[{}].volume_fraction", self.pigment);
+        let changes = [
+            (share_of_base.as_str(), "volume_fraction", share.map(Value::from)),
+            ("layer.thickness_um", "thickness_um", um.map(|um| thickness(&self.base, um))),
+            ("paper.albedo", "backing", Some(written(backing, self.folder))),
+        ];
+        let mut own = self.base.clone();
+        for (name, _, value) in &changes {
+            let _ = value.as_ref().map(|value| set(&mut own, name, value));
         }
         let checked = read::<StudyFile>(own.into());
-        let checked = checked.and_then(|file| check(&file, &self.base_folder, "drawdown"));
-        let faults = match checked {
+        let faults = match checked.and_then(|file| check(&file, &self.base_folder, "drawdown")) {
             Ok(study) => return Some(study),
             Err(faults) => faults,
         };
         for fault in faults {
-            let place = changed.iter().find(|(name, _)| fault.field.starts_with(name.as_str()));
-            let field = place.map_or_else(|| format!("base.{}", fault.field), |(_, own)| own.clone());
+            let mut changed = changes.iter().filter(|(.., value)| value.is_some());
+            let place = changed.find(|(name, ..)| fault.field.starts_with(name));
+            let field =
+                place.map_or_else(|| format!("base.{}", fault.field), |(_, key, _)| format!("{field}.{key}"));
             if !self.faults.0.iter().any(|known| known.field == field && known.found == fault.found) {
                 self.faults.push(Fault { field, ..fault });
             }

@@ -40,6 +40,8 @@ pub struct IndexPrior {
     pub mean: Vec<f64>,
     /// Unknowns that must not be negative.
     pub positive: Vec<bool>,
+    /// Expected sizes of the unknowns, whatever their neighbours are.
+    sizes: Vec<f64>,
     /// Whether the last unknown is the logarithm of a factor on the thicknesses.
     pub thickness: bool,
     /// Rows of differences whose size is the strength of the prior.
@@ -59,18 +61,14 @@ impl IndexPrior {
             prior.n.iter_mut().chain(&mut prior.kappa).for_each(|row| row.push(0.0));
             prior.mean.push(0.0);
             prior.positive.push(false);
+            prior.sizes.push(THICKNESS);
         }
         Self { thickness, ..prior }
     }
 
     /// Number of unknowns.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.mean.len()
-    }
-
-    /// Whether there is no unknown.
-    pub fn is_empty(&self) -> bool {
-        self.mean.is_empty()
     }
 
     /// \[n, κ\] at every wavelength.
@@ -81,7 +79,7 @@ impl IndexPrior {
 
     /// Logarithm of the factor on the thicknesses.
     pub fn log_thickness(&self, unknowns: &[f64]) -> f64 {
-        if self.thickness { unknowns[self.len() - 1] } else { 0.0 }
+        if self.thickness { unknowns[self.count() - 1] } else { 0.0 }
     }
 
     /// This prior with differences in proportion to the κ around them: a line of absorption bends as
@@ -105,9 +103,9 @@ impl IndexPrior {
 
     /// Precision of the unknowns, with differences of the size `strength`.
     pub fn precision(&self, strength: f64) -> Mat<f64> {
-        let mut precision = Mat::zeros(self.len(), self.len());
-        for i in 0..self.len() {
-            precision[(i, i)] = 1.0 / self.size(i).powi(2);
+        let mut precision = Mat::zeros(self.count(), self.count());
+        for i in 0..self.count() {
+            precision[(i, i)] = 1.0 / self.sizes[i].powi(2);
         }
         for row in &self.rough {
             for &(i, a) in row {
@@ -115,17 +113,6 @@ impl IndexPrior {
             }
         }
         precision
-    }
-
-    /// Expected size of an unknown, whatever its neighbours are.
-    fn size(&self, i: usize) -> f64 {
-        let last = usize::from(self.thickness);
-        match self.len() - i {
-            1 if self.thickness => THICKNESS,
-            k if k == 1 + last && self.mean[i] == 0.0 && !self.positive[i] => SIZES[2],
-            _ if self.positive[i] => SIZES[0],
-            _ => SIZES[1],
-        }
     }
 }
 
@@ -158,14 +145,19 @@ fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
         n.push(nodes.clone().map(|nodes| transform(nodes, w)).chain([1.0, pole]).collect());
         kappa.push(nodes.map(|nodes| hat(nodes, w)).chain([0.0; 2]).collect());
     }
-    let mut mean = vec![0.0; hats];
-    mean.extend([binder, 0.0]);
-    let mut positive = vec![true; hats];
-    positive.extend([false; 2]);
     let factor = (STRENGTH_NM * pieces / (to - from)).powf(1.5);
     let rough = second_differences(0, hats, factor);
     let beyond = Some((BEYOND_NM * pieces / (to - from)).round() as usize);
-    IndexPrior { n, kappa, mean, positive, thickness: false, rough, beyond }
+    IndexPrior {
+        n,
+        kappa,
+        mean: [vec![0.0; hats], vec![binder, 0.0]].concat(),
+        positive: [vec![true; hats], vec![false; 2]].concat(),
+        sizes: [vec![SIZES[0]; hats], SIZES[1..].to_vec()].concat(),
+        thickness: false,
+        rough,
+        beyond,
+    }
 }
 
 fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
@@ -180,6 +172,7 @@ fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
         kappa: (count..2 * count).map(unit).collect(),
         mean: [vec![binder; count], vec![0.0; count]].concat(),
         positive: [vec![false; count], vec![true; count]].concat(),
+        sizes: [vec![SIZES[1]; count], vec![SIZES[0]; count]].concat(),
         thickness: false,
         rough,
         beyond: None,
@@ -239,7 +232,7 @@ mod tests {
         for (name, thickness) in [(PriorName::KramersKronig, true), (PriorName::Smooth, false)] {
             let prior = IndexPrior::new(name, &nm, 1.5, thickness);
             let precision = prior.precision(1e9);
-            for i in 0..prior.len() {
+            for i in 0..prior.count() {
                 let size = precision[(i, i)].powf(-0.5);
                 assert!((0.05..0.6).contains(&size), "{name:?} {i}: {size}");
             }

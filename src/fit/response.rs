@@ -9,6 +9,8 @@ use crate::evaluate::seen::{NoInk, film_alone, ink};
 use crate::input::study::Study;
 use crate::run::tangents::Linearised;
 use num_complex::Complex64;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::f64::consts::PI;
 
 /// Angle of the instrument with a sphere, degrees.
@@ -43,55 +45,38 @@ pub enum Origin<'a> {
 impl Origin<'_> {
     /// Every drawdown's values with the pigment's index, changed by `step` in n and κ and by a
     /// factor e^`log` of the thickness.
-    fn spectra(
-        self,
-        task: &FitTask,
-        drawdowns: &[Drawdown],
-        index: &[[f64; 2]],
-        moved: ([f64; 2], f64),
-    ) -> Result<Vec<SpectrumEstimate>, NoInk> {
-        let inks: Vec<Option<InkOnPaper>> = (0..task.coats.len())
-            .map(|c| self.ink(task, (c, drawdowns), index, moved))
-            .collect::<Result<_, _>>()?;
-        let of = |drawdown: &Drawdown| {
-            let ink = inks[drawdown.coat].as_ref().expect("the inks of all drawdowns are made");
-            Ok(spectrum(ink, drawdown)?)
-        };
-        drawdowns.iter().map(of).collect()
-    }
-
-    /// The ink of one layer; none where no drawdown has it.
-    fn ink(
-        self,
-        task: &FitTask,
-        (coat, drawdowns): (usize, &[Drawdown]),
-        index: &[[f64; 2]],
-        (step, log): ([f64; 2], f64),
-    ) -> Result<Option<InkOnPaper>, NoInk> {
-        if drawdowns.iter().all(|drawdown| drawdown.coat != coat) {
-            return Ok(None);
-        }
-        let eta: Vec<Complex64> =
-            index.iter().map(|[n, k]| Complex64::new(n + step[0], k + step[1])).collect();
-        let study = thicker(&task.coats[coat], log.exp()).with_index(task.pigment, &eta);
-        Ok(Some(match self {
-            Self::Film => film_alone(&study)?,
-            Self::Solved(all) => ink(&study, &all[coat].collected(step))?,
-        }))
-    }
-
-    /// Values without derivatives.
     ///
     /// # Errors
     /// The layer on its card gives no spectrum.
-    pub fn values(
+    pub fn spectra(
         self,
         task: &FitTask,
         drawdowns: &[Drawdown],
         index: &[[f64; 2]],
-        log: f64,
+        (step, log): ([f64; 2], f64),
     ) -> Result<Vec<SpectrumEstimate>, NoInk> {
-        self.spectra(task, drawdowns, index, ([0.0; 2], log))
+        let eta = index.iter().map(|[n, k]| Complex64::new(n + step[0], k + step[1]));
+        let eta: Vec<Complex64> = eta.collect();
+        let (mut inks, mut spectra) = (BTreeMap::new(), Vec::new());
+        for drawdown in drawdowns {
+            let ink = match inks.entry(drawdown.coat) {
+                Entry::Occupied(ink) => ink.into_mut(),
+                Entry::Vacant(place) => {
+                    let study = thicker(&task.coats[drawdown.coat], log.exp());
+                    place.insert(self.ink(drawdown.coat, &study.with_index(task.pigment, &eta), step)?)
+                }
+            };
+            spectra.push(spectrum(ink, drawdown)?);
+        }
+        Ok(spectra)
+    }
+
+    /// The ink of one layer.
+    fn ink(self, coat: usize, study: &Study, step: [f64; 2]) -> Result<InkOnPaper, NoInk> {
+        match self {
+            Self::Film => Ok(film_alone(study)?),
+            Self::Solved(all) => ink(study, &all[coat].collected(step)),
+        }
     }
 
     /// Values with derivatives; `log` is the logarithm of a factor on the thicknesses.

@@ -15,7 +15,7 @@ use crate::input::study::Study;
 use crate::run::collected::{RunSettings, Stores};
 use crate::run::error::RunError;
 use crate::run::resolve::{Resolved, resolve};
-use crate::run::tangents::{Linearised, TangentRecord, Tangents};
+use crate::run::tangents::{Linearised, Tangents};
 use crate::run::watch::RunWatch;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::store::Store;
@@ -71,52 +71,36 @@ pub fn points(task: &FitTask) -> [usize; 3] {
 /// A fit in progress.
 pub struct FitRun<'a> {
     task: &'a FitTask,
-    cells: Vec<Tangents<'a>>,
+    cells: Vec<Tangents>,
     resolved: Vec<Resolved>,
     watch: &'a dyn RunWatch,
 }
 
-/// What a fit keeps its solves in.
-pub struct FitStores {
-    stores: Stores,
-    tangents: Store<TangentRecord>,
-}
-
-impl FitStores {
-    /// The stores of a folder.
-    ///
-    /// # Errors
-    /// They cannot be opened.
-    pub fn open(folder: &OutputFolder) -> Result<Self, RunError> {
-        let stores = Stores::open(folder)?;
-        folder.begin()?;
-        let tangents = Store::of(stores.grids.database());
-        Ok(Self { stores, tangents })
-    }
-}
-
 impl<'a> FitRun<'a> {
-    /// Chooses the grids and packs the cells of all layers.
+    /// Chooses the grids and packs the cells of all layers; solves are kept in the folder.
     ///
     /// # Errors
     /// No grid, no packing, or a stop.
     pub fn new(
         task: &'a FitTask,
-        stores: &'a FitStores,
+        folder: &OutputFolder,
         settings: RunSettings,
         watch: &'a dyn RunWatch,
     ) -> Result<Self, RunError> {
+        let grids = Stores::open(folder)?.grids;
+        folder.begin()?;
         let (mut cells, mut resolved) = (Vec::new(), Vec::new());
         let [_, most] = task.settings.kappa;
         let typical = Complex64::new(task.binder_index() + 0.2, 0.25 * most);
         for coat in &task.coats {
             let study = coat.with_index(task.pigment, &vec![typical; coat.wavelengths_nm.len()]);
             let mut packings = crate::run::realisation::Packings::new(&study, watch);
-            let found = resolve(&study, &stores.stores.grids, settings.memory, watch, |r| {
+            let found = resolve(&study, &grids, settings.memory, watch, |r| {
                 packings.get(r).map(|packing| Scene::from_packing(&packing))
             });
             let found = found.map_err(RunError::stopped)?;
-            cells.push(Tangents::new((&study, task.pigment), found, &stores.tangents, settings, watch)?);
+            let tangents = Store::of(grids.database());
+            cells.push(Tangents::new((&study, task.pigment), found, tangents, settings, watch)?);
             resolved.push(found);
         }
         Ok(Self { task, cells, resolved, watch })
@@ -188,25 +172,26 @@ impl<'a> FitRun<'a> {
         let at = |unknowns: &[f64]| {
             surface.response(self.task, &prior.index(unknowns), prior.log_thickness(unknowns))
         };
-        let (mut unknowns, mut strength) = (start, FIRST_STRENGTH);
+        let mut unknowns = start;
         let mut response = at(&unknowns)?;
         for round in 0..ITERATIONS {
             let early = round < ITERATIONS / 3;
             let prior = if early { prior } else { &prior.adapted(&unknowns) };
-            let data = Data::new(self.task, prior, &response, &[TABLE_ERROR]);
-            if !early {
-                strength = data.chosen(prior, &unknowns).ok_or(FitError::Singular)?.0;
-            }
-            let step = data.step(prior, &unknowns, strength).ok_or(FitError::Singular)?;
-            let before = data.cost(prior, &unknowns, strength);
+            let data = Data::new(self.task, (prior, &unknowns), &response, &[TABLE_ERROR]);
+            let chosen = if early {
+                data.step(FIRST_STRENGTH).map(|step| (FIRST_STRENGTH, step))
+            } else {
+                data.chosen()
+            };
+            let (strength, step) = chosen.ok_or(FitError::Singular)?;
+            let before = data.cost(strength);
             let mut share = 1.0;
             let mut moved = None;
             for _ in 0..HALVINGS {
                 let tried = between(&unknowns, &step.unknowns, share);
                 let response = at(&tried)?;
-                let cost =
-                    Data::new(self.task, prior, &response, &[TABLE_ERROR]).cost(prior, &tried, strength);
-                if cost < before {
+                let there = Data::new(self.task, (prior, &tried), &response, &[TABLE_ERROR]);
+                if there.cost(strength) < before {
                     moved = Some((tried, response));
                     break;
                 }
@@ -216,9 +201,9 @@ impl<'a> FitRun<'a> {
             (unknowns, response) = (next, there);
         }
         let prior = prior.adapted(&unknowns);
-        let data = Data::new(self.task, &prior, &response, &[TABLE_ERROR]);
-        let (_, step) = data.chosen(&prior, &unknowns).ok_or(FitError::Singular)?;
-        Ok(Branch { unknowns, cost: -2.0 * step.log_evidence })
+        let data = Data::new(self.task, (&prior, &unknowns), &response, &[TABLE_ERROR]);
+        let cost = -2.0 * data.chosen().ok_or(FitError::Singular)?.1.log_evidence;
+        Ok(Branch { unknowns, cost })
     }
 
     /// Gauss–Newton with solves on all cells.
@@ -236,23 +221,15 @@ impl<'a> FitRun<'a> {
             let source = Origin::Solved(&linearised);
             let log = prior.log_thickness(&unknowns);
             let response = source.response(task, &task.measured, &index, log)?;
-            let data = Data::new(task, &prior, &response, &grid);
-            let (strength, step) = data.chosen(&prior, &unknowns).ok_or(FitError::Singular)?;
-            let moved = data.moved(&unknowns, &step.unknowns) / task.settings.noise;
+            let data = Data::new(task, (&prior, &unknowns), &response, &grid);
+            let (strength, step) = data.chosen().ok_or(FitError::Singular)?;
+            let moved = data.moved(&step.unknowns) / task.settings.noise;
             let share = share_of_step(&prior, &unknowns, &step.unknowns);
             let last = share == 1.0 && moved < SMALL_STEP && rounds >= LINEARISATIONS[0];
             if last || rounds == LINEARISATIONS[1] {
                 let alternative = others.iter().find(|other| other.cost < best.cost + outcome::AS_GOOD);
                 let alternative = alternative.map(|other| prior.index(&other.unknowns));
-                let fitted = outcome::Fitted {
-                    task,
-                    prior: &prior,
-                    data: &data,
-                    step: &step,
-                    strength,
-                    point: &unknowns,
-                };
-                let mut outcome = fitted.outcome(rounds, alternative, moved);
+                let mut outcome = data.outcome((strength, &step), rounds, alternative);
                 outcome.forecasts = self.forecasts(&outcome)?;
                 return Ok(outcome);
             }
@@ -293,7 +270,7 @@ struct Branch {
 
 /// The unknowns whose index is nearest to a path of \[n, κ\].
 fn near(prior: &IndexPrior, path: &[[f64; 2]]) -> Option<Vec<f64>> {
-    let (waves, count) = (path.len(), prior.len());
+    let (waves, count) = (path.len(), prior.count());
     let rows = |i: usize| if i < waves { &prior.n[i] } else { &prior.kappa[i - waves] };
     let jacobian = Mat::from_fn(2 * waves, count, |i, j| rows(i)[j]);
     let own = |i: usize| rows(i).iter().zip(&prior.mean).map(|(a, x)| a * x).sum::<f64>();

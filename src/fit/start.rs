@@ -9,6 +9,7 @@
 use super::load::FitTask;
 use super::response::{Origin, Response, Spectra};
 use crate::evaluate::seen::NoInk;
+use ndarray::Array4;
 use rayon::prelude::*;
 
 /// Nodes of the table in n, and values of √(κ/κ_max) in κ.
@@ -25,7 +26,7 @@ const CHANGE: f64 = 0.04;
 pub struct Surface {
     n: Vec<f64>,
     roots: Vec<f64>,
-    nodes: Vec<Vec<Vec<Vec<[f64; 3]>>>>,
+    nodes: Array4<[f64; 3]>,
 }
 
 impl Surface {
@@ -44,16 +45,13 @@ impl Surface {
     /// The table, from the responses at [`Surface::indices`] and those of the film there.
     pub fn new(task: &FitTask, solved: &[Response], films: &[Response]) -> Self {
         let (n, roots) = Self::axes(task);
-        let (drawdowns, waves) = (task.measured.len(), task.wavelengths_nm().len());
-        let node = |d: usize, w: usize, i: usize, j: usize| {
+        let shape = (task.measured.len(), task.wavelengths_nm().len(), n.len(), roots.len());
+        let nodes = Array4::from_shape_fn(shape, |(d, w, i, j)| {
             let (own, film) = (&solved[i * roots.len() + j], &films[i * roots.len() + j]);
-            let slope = |k: usize| own.slopes[k][d][w] - film.slopes[k][d][w];
-            [own.values[d][w] - film.values[d][w], slope(0), 2.0 * roots[j] * slope(1)]
-        };
-        let table = |d: usize, w: usize| {
-            (0..n.len()).map(|i| (0..roots.len()).map(|j| node(d, w, i, j)).collect()).collect()
-        };
-        Self { nodes: (0..drawdowns).map(|d| (0..waves).map(|w| table(d, w)).collect()).collect(), n, roots }
+            let [along, across] = [0, 1].map(|k| own.slopes[k][d][w] - film.slopes[k][d][w]);
+            [own.values[d][w] - film.values[d][w], along, 2.0 * roots[j] * across]
+        });
+        Self { n, roots, nodes }
     }
 
     /// The difference of a drawdown from its film at an index, with d/dn and d/dκ.
@@ -61,7 +59,7 @@ impl Surface {
         let root = kappa.max(1e-12).sqrt();
         let (j, s) = place(&self.roots, root);
         let ds = self.roots[j + 1] - self.roots[j];
-        let [lower, upper] = [j, j + 1].map(|j| self.row(&self.nodes[drawdown][wave], j, n));
+        let [lower, upper] = [j, j + 1].map(|j| self.row(drawdown, wave, j, n));
         let [mut value, mut across] = hermite([lower[0], upper[0]], [lower[2], upper[2]], s, ds);
         let [along, _] = hermite([lower[1], upper[1]], [lower[3], upper[3]], s, ds);
         if root < self.roots[0] {
@@ -72,10 +70,10 @@ impl Surface {
     }
 
     /// At one node of √κ: value, d/dn, d/d√κ and the derivative of that along n.
-    fn row(&self, table: &[Vec<[f64; 3]>], j: usize, n: f64) -> [f64; 4] {
+    fn row(&self, drawdown: usize, wave: usize, j: usize, n: f64) -> [f64; 4] {
         let (i, t) = place(&self.n, n);
         let dn = self.n[i + 1] - self.n[i];
-        let [a, b] = [table[i][j], table[i + 1][j]];
+        let [a, b] = [i, i + 1].map(|i| self.nodes[[drawdown, wave, i, j]]);
         let [value, along] = hermite([a[0], b[0]], [a[1], b[1]], t, dn);
         [value, along, a[2] + t * (b[2] - a[2]), (b[2] - a[2]) / dn]
     }
@@ -159,7 +157,7 @@ pub fn paths(task: &FitTask, surface: &Surface) -> Result<Vec<Vec<[f64; 2]>>, No
 /// Spectra of the film of one index; none where it has no spectrum.
 fn film(task: &FitTask, eta: [f64; 2]) -> Option<Spectra> {
     let index = vec![eta; task.wavelengths_nm().len()];
-    let all = Origin::Film.values(task, &task.measured, &index, 0.0).ok()?;
+    let all = Origin::Film.spectra(task, &task.measured, &index, ([0.0; 2], 0.0)).ok()?;
     Some(all.into_iter().map(|spectrum| spectrum.values).collect())
 }
 

@@ -30,4 +30,4 @@ pub mod work;
 pub use definition::load::{Sweep, Variant};
 pub use definition::{axes, claims, expand, field, file, folder, load};
 pub use findings::{composed, conclusions, outcome, publish, reported};
-pub use work::{alone, merge, plan, portions, run, units};
+pub use work::{alone, merge, plan, run, units};

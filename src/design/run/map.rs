@@ -3,7 +3,7 @@
 use super::{DesignError, SAME, Verified};
 use crate::appearance::colour::ciede2000;
 use crate::design::recipe::DesignTask;
-use crate::design::surface::{Eye, Surfaces, spectra};
+use crate::design::surface::{Eye, Spectra3, Surfaces, spectra};
 use crate::evaluate::seen::film_alone;
 use crate::input::study::Study;
 use crate::numerics::sequence::Sequence;
@@ -21,8 +21,6 @@ const FOLLOWED: usize = 6;
 const HALVINGS: usize = 7;
 /// Range over which the distance between a run and the surfaces is carried over.
 const CARRIED: f64 = 0.3;
-/// Weight of a missed contrast ratio, ΔE₀₀ for each percent.
-pub(super) const OF_CONTRAST: f64 = 100.0;
 /// Recipes of nearly equal colour that are listed.
 const LISTED: usize = 6;
 
@@ -50,15 +48,13 @@ pub struct DesignAnswer {
     pub(super) places: Vec<f64>,
 }
 
-fn study_at(task: &DesignTask, places: &[f64]) -> Result<Study, DesignError> {
-    task.study(places).map_err(|faults| {
-        let reason = faults.first().map_or_else(String::new, ToString::to_string);
-        DesignError::NoColour { recipe: task.in_words(places), reason }
-    })
+pub(super) fn study_at(task: &DesignTask, places: &[f64]) -> Result<Study, DesignError> {
+    task.study(places).map_err(|faults| DesignError::no_colour(task, places, &faults[0]))
 }
 
-pub(super) fn values(task: &DesignTask, places: &[f64]) -> Vec<f64> {
-    task.variables.iter().zip(places).map(|(variable, &place)| variable.value(place)).collect()
+/// Spectra of the coherent film of a recipe.
+fn film(task: &DesignTask, places: &[f64]) -> Result<Spectra3, DesignError> {
+    Ok(spectra(&film_alone(&study_at(task, places)?)?)?)
 }
 
 /// Point `r` of a sequence that fills the unit box of `count` dimensions evenly, its sides included.
@@ -79,39 +75,36 @@ fn square(one: &[f64], other: &[f64]) -> f64 {
 }
 
 /// Some recipes far from each other, the best one first.
-pub(super) fn spread(mut all: Vec<DesignAnswer>) -> Vec<DesignAnswer> {
-    let mut chosen: Vec<DesignAnswer> = Vec::new();
-    while chosen.len() < LISTED && !all.is_empty() {
+pub(super) fn spread(all: &[DesignAnswer]) -> Vec<DesignAnswer> {
+    let mut chosen: Vec<DesignAnswer> = all.iter().take(1).cloned().collect();
+    while chosen.len() < LISTED {
         let from_chosen = |a: &DesignAnswer| {
             chosen.iter().map(|c| square(&a.places, &c.places)).fold(f64::INFINITY, f64::min)
         };
-        let far = |&a: &usize, &b: &usize| from_chosen(&all[a]).total_cmp(&from_chosen(&all[b]));
-        let place = if chosen.is_empty() { 0 } else { (0..all.len()).max_by(far).unwrap_or(0) };
-        if !chosen.is_empty() && from_chosen(&all[place]) < SAME {
-            break;
-        }
-        chosen.push(all.swap_remove(place));
+        let apart = all.iter().map(|a| (from_chosen(a), a));
+        let farthest = apart.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(apart, _)| *apart >= SAME);
+        let Some((_, next)) = farthest else { break };
+        chosen.push(next.clone());
     }
     chosen
 }
 
 impl<'a> Map<'a> {
-    /// The surfaces through all runs; `found` are those that verified an answer.
-    pub fn new(task: &'a DesignTask, data: &[Verified], found: &[Verified]) -> Result<Self, DesignError> {
+    /// The surfaces through all runs; those from number `variants` on verified an answer.
+    pub fn new(task: &'a DesignTask, data: &[Verified], variants: usize) -> Result<Self, DesignError> {
         let mut differences = Vec::new();
         for run in data {
-            let film = spectra(&film_alone(&study_at(task, &run.places)?)?)?;
+            let film = film(task, &run.places)?;
             differences.push(run.spectra.iter().zip(&film).map(|(a, b)| a - b).collect());
         }
         let places: Vec<Vec<f64>> = data.iter().map(|run| run.places.clone()).collect();
-        let surfaces = Surfaces::new(&places, &differences, &vec![1.0; data.len()]);
-        let surfaces = surfaces.ok_or_else(|| DesignError::NoColour {
+        let surfaces = Surfaces::new(&places, &differences).ok_or_else(|| DesignError::NoColour {
             recipe: task.title.clone(),
             reason: "the surfaces have no solution".to_owned(),
         })?;
         let eye = Eye::new(&study_at(task, &data[0].places)?)?;
         let mut map = Map { task, eye, surfaces, offsets: Vec::new() };
-        for run in found {
+        for run in &data[variants..] {
             let lab = map.surface(&run.places)?.0;
             let offset = std::array::from_fn(|i| run.lab[i] - lab[i]);
             map.offsets.push((run.places.clone(), offset));
@@ -121,20 +114,20 @@ impl<'a> Map<'a> {
 
     /// L*, a*, b* and the contrast ratio by the surfaces alone.
     fn surface(&self, places: &[f64]) -> Result<([f64; 3], f64), DesignError> {
-        let film = spectra(&film_alone(&study_at(self.task, places)?)?)?;
-        let sum: Vec<f64> = film.iter().zip(self.surfaces.at(places)).map(|(a, b)| a + b).collect();
+        let parts = film(self.task, places)?.into_iter().zip(self.surfaces.at(places));
+        let sum: Vec<f64> = parts.map(|(a, b)| a + b).collect();
         Ok(self.eye.sees(&sum)?)
     }
 
     /// L*, a*, b* and the contrast ratio by the surfaces and what runs have shown nearby.
     pub fn at(&self, places: &[f64]) -> Result<([f64; 3], f64), DesignError> {
         let (mut lab, contrast) = self.surface(places)?;
-        let near = |own: &[f64]| (-0.5 * square(own, places) / (CARRIED * CARRIED)).exp();
-        let weights: Vec<f64> = self.offsets.iter().map(|(own, _)| near(own).powi(4)).collect();
-        let sum = weights.iter().sum::<f64>();
-        let most = self.offsets.iter().map(|(own, _)| near(own)).fold(0.0, f64::max);
-        for ((_, offset), weight) in self.offsets.iter().zip(&weights) {
-            (0..3).for_each(|i| lab[i] += most * weight / sum.max(1e-300) * offset[i]);
+        let distances = self.offsets.iter().map(|(own, _)| square(own, places));
+        let near: Vec<f64> = distances.map(|d| (-0.5 * d / (CARRIED * CARRIED)).exp()).collect();
+        let sum: f64 = near.iter().map(|near| near.powi(4)).sum();
+        let most = near.iter().copied().fold(0.0, f64::max);
+        for ((_, offset), near) in self.offsets.iter().zip(&near) {
+            (0..3).for_each(|i| lab[i] += most * near.powi(4) / sum.max(1e-300) * offset[i]);
         }
         Ok((lab, contrast))
     }
@@ -142,14 +135,13 @@ impl<'a> Map<'a> {
     fn answer(&self, places: Vec<f64>) -> Option<DesignAnswer> {
         let (lab, contrast_ratio) = self.at(&places).ok()?;
         let delta_e_2000 = ciede2000(lab, self.task.lab);
-        let (recipe, values) = (self.task.in_words(&places), values(self.task, &places));
+        let (recipe, values) = (self.task.in_words(&places), self.task.values(&places));
         Some(DesignAnswer { recipe, values, delta_e_2000, contrast_ratio, places })
     }
 
     /// What is to be small: the distance, and what is missing in contrast.
     fn miss(&self, answer: &DesignAnswer) -> f64 {
-        let missing = self.task.contrast_ratio.map_or(0.0, |least| (least - answer.contrast_ratio).max(0.0));
-        answer.delta_e_2000 + OF_CONTRAST * missing
+        self.task.miss(answer.delta_e_2000, answer.contrast_ratio)
     }
 
     /// Recipes of the box, or of a region of it, the nearest to the target first.
@@ -198,7 +190,7 @@ impl<'a> Map<'a> {
     pub fn leave_one_out(&self, data: &[Verified]) -> Result<f64, DesignError> {
         let mut all = Vec::new();
         for (i, run) in data.iter().enumerate() {
-            let left = self.surfaces.left_out(i);
+            let left = &self.surfaces.left_out[i];
             let without: Vec<f64> = run.spectra.iter().zip(left).map(|(own, e)| own + e).collect();
             all.push(ciede2000(self.eye.sees(&without)?.0, self.eye.sees(&run.spectra)?.0));
         }

@@ -3,7 +3,7 @@
 
 use super::data::Data;
 use super::near;
-use super::outcome::{FitOutcome, Fitted};
+use super::outcome::FitOutcome;
 use crate::fit::load::{FitTask, load};
 use crate::fit::prior::IndexPrior;
 use crate::fit::response::Origin;
@@ -50,11 +50,10 @@ fn fitted(task: &FitTask, truth: &[[f64; 2]]) -> FitOutcome {
     for round in 1.. {
         let prior = prior.adapted(&point);
         let response = Origin::Film.response(task, &task.measured, &prior.index(&point), 0.0).unwrap();
-        let data = Data::new(task, &prior, &response, &[0.0]);
-        let (strength, step) = data.chosen(&prior, &point).unwrap();
+        let data = Data::new(task, (&prior, &point), &response, &[0.0]);
+        let (strength, step) = data.chosen().unwrap();
         if round == ROUNDS {
-            let last = Fitted { task, prior: &prior, data: &data, step: &step, strength, point: &point };
-            return last.outcome(round, None, 0.0);
+            return data.outcome((strength, &step), round, None);
         }
         point = step.unknowns;
     }
@@ -69,7 +68,7 @@ fn intervals_hold_what_they_promise() {
     let (mut inside, mut chi) = ([0.0; 2], 0.0);
     for _ in 0..PIGMENTS {
         let truth = pigment(&nm, &mut draws);
-        let exact = Origin::Film.values(&task, &task.measured, &truth, 0.0).unwrap();
+        let exact = Origin::Film.spectra(&task, &task.measured, &truth, ([0.0; 2], 0.0)).unwrap();
         for (drawdown, exact) in task.measured.iter_mut().zip(exact) {
             let noisy = exact.values.iter().map(|x| x + 0.003 * draws.normal()).collect();
             drawdown.values = Some(noisy);

@@ -5,7 +5,6 @@ use crate::appearance::colour::Colorimeter;
 use crate::appearance::kubelka_munk::KubelkaMunk;
 use crate::fit::law::{FitStep, rms};
 use crate::fit::load::{Drawdown, FitTask};
-use crate::fit::prior::IndexPrior;
 use crate::fit::response::Response;
 use faer::Mat;
 use serde::Serialize;
@@ -116,94 +115,92 @@ pub struct FitOutcome {
     pub remarks: Vec<String>,
 }
 
-/// The last linearisation of a fit.
-pub(super) struct Fitted<'a> {
-    pub task: &'a FitTask,
-    pub prior: &'a IndexPrior,
-    pub data: &'a Data,
-    pub step: &'a FitStep,
-    pub strength: f64,
-    pub point: &'a [f64],
-}
-
-impl Fitted<'_> {
+impl Data<'_> {
+    /// The numbers of a fit whose last linearisation these are, with the strength chosen and its
+    /// step.
     pub fn outcome(
         &self,
+        (strength, step): (f64, &FitStep),
         linearisations: usize,
         alternative: Option<Vec<[f64; 2]>>,
-        moved: f64,
     ) -> FitOutcome {
-        let data = self.data.residual.len();
-        let freedom = (data as f64 - self.step.effective).max(1.0);
-        let ratio = self.step.chi_squared / freedom;
+        let data = self.residual.len();
+        let freedom = (data as f64 - step.effective).max(1.0);
+        let ratio = step.chi_squared / freedom;
         let limit = ChiSquared::new(freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(UNLIKELY));
         let trust = match () {
-            () if self.step.chi_squared <= limit => Trust::Consistent,
+            () if step.chi_squared <= limit => Trust::Consistent,
             () if ratio <= REFUSED => Trust::Inflated,
             () => Trust::Contradicted,
         };
-        let covariance = self.step.covariance(&self.data.weights, &self.data.errors);
+        let covariance = step.covariance(&self.weights, &self.errors);
         let factor = if trust == Trust::Inflated { ratio } else { 1.0 };
-        let index = self.index((trust != Trust::Contradicted).then_some((&covariance, factor)));
+        let index = self.index(step, (trust != Trust::Contradicted).then_some((&covariance, factor)));
         let n_error = rms(index.iter().filter_map(|row| row.n_error));
         let branches = alternative.filter(|other| {
             let apart = rms(other.iter().zip(&index).map(|(a, b)| a[0] - b.n));
             apart > UNDETERMINED.max(COVERED * n_error)
         });
         let n_is_determined = n_error < UNDETERMINED && branches.is_none();
-        let last = self.prior.len() - 1;
+        let last = self.prior.count() - 1;
         let thickness = self.prior.thickness.then(|| (factor * covariance[(last, last)]).sqrt());
         let mut outcome = FitOutcome {
             trust,
-            chi_squared: self.step.chi_squared,
+            chi_squared: step.chi_squared,
             data,
-            effective_unknowns: self.step.effective,
-            strength: self.strength,
+            effective_unknowns: step.effective,
+            strength,
             linearisations,
             n_is_determined,
-            log_thickness: self.prior.log_thickness(&self.step.unknowns),
+            log_thickness: self.prior.log_thickness(&step.unknowns),
             log_thickness_error: thickness.filter(|_| trust != Trust::Contradicted),
-            per_percent_of_thickness: self.per_percent(),
-            spectra: self.spectra(),
+            per_percent_of_thickness: self.per_percent(step),
+            spectra: self.spectra(step),
             index,
             forecasts: Vec::new(),
             remarks: Vec::new(),
         };
+        let moved = self.moved(&step.unknowns) / self.task.settings.noise;
         outcome.remarks = remarks(&outcome, self.task, branches.as_deref(), (n_error, moved));
         outcome
     }
 
-    fn index(&self, errors: Option<(&Mat<f64>, f64)>) -> Vec<FittedIndex> {
-        let values = self.prior.index(&self.step.unknowns);
+    fn index(&self, step: &FitStep, errors: Option<(&Mat<f64>, f64)>) -> Vec<FittedIndex> {
+        let values = self.prior.index(&step.unknowns);
         let mut all = Vec::new();
         for (w, &wavelength_nm) in self.task.wavelengths_nm().iter().enumerate() {
             let [a, b] = [&self.prior.n[w], &self.prior.kappa[w]];
-            let pairs = [(a, a), (b, b), (a, b)];
-            let variances = pairs.map(|(x, y)| errors.map(|(c, factor)| factor * product(x, y, c)));
-            all.push(FittedIndex::new(wavelength_nm, values[w], variances));
+            let [nn, kk, nk] = [(a, a), (b, b), (a, b)]
+                .map(|(x, y)| errors.map(|(covariance, factor)| factor * product(x, y, covariance)));
+            let [n_error, kappa_error] = [nn, kk].map(|variance| Some(variance?.max(0.0).sqrt()));
+            let correlation = nk.zip(n_error.zip(kappa_error)).map(|(nk, (a, b))| nk / (a * b).max(1e-300));
+            let [n, kappa] = values[w];
+            all.push(FittedIndex { wavelength_nm, n, kappa, n_error, kappa_error, correlation });
         }
         all
     }
 
     /// Root mean square change of n and κ for 1 % more thickness.
-    fn per_percent(&self) -> [f64; 2] {
-        let data = &self.data.thickness;
-        let change = &self.step.gain * Mat::from_fn(data.len(), 1, |i, _| 0.01 * data[i]);
+    fn per_percent(&self, step: &FitStep) -> [f64; 2] {
+        let data = &self.thickness;
+        let change = &step.gain * Mat::from_fn(data.len(), 1, |i, _| 0.01 * data[i]);
         [&self.prior.n, &self.prior.kappa].map(|rows| {
             let moved = rows.iter().map(|row| row.iter().enumerate().map(|(i, a)| a * change[(i, 0)]).sum());
             rms(moved)
         })
     }
 
-    fn spectra(&self) -> Vec<FittedSpectrum> {
-        let left = self.data.left(self.point, &self.step.unknowns);
-        let places: Vec<usize> = (0..left.len()).collect();
-        let parts = places.chunks(self.task.wavelengths_nm().len());
+    fn spectra(&self, step: &FitStep) -> Vec<FittedSpectrum> {
+        let left = self.left(&step.unknowns);
+        let sigma: Vec<f64> = (0..left.len()).map(|i| self.weights[(i, i)].sqrt()).collect();
+        let waves = self.task.wavelengths_nm().len();
         let mut all = Vec::new();
-        for (drawdown, places) in self.task.measured.iter().zip(parts) {
-            let sigma = places.iter().map(|&i| self.data.weights[(i, i)].sqrt()).collect();
-            let left: Vec<f64> = places.iter().map(|&i| left[i]).collect();
-            all.push(FittedSpectrum::new(drawdown, &left, sigma));
+        for ((drawdown, left), sigma) in
+            self.task.measured.iter().zip(left.chunks(waves)).zip(sigma.chunks(waves))
+        {
+            let (name, measured) = (drawdown.name.clone(), drawdown.values.clone().unwrap_or_default());
+            let fitted = measured.iter().zip(left).map(|(m, left)| m - left).collect();
+            all.push(FittedSpectrum { name, measured, fitted, sigma: sigma.to_vec() });
         }
         all
     }
@@ -213,22 +210,6 @@ impl Fitted<'_> {
 fn product(a: &[f64], b: &[f64], covariance: &Mat<f64>) -> f64 {
     let rows = a.iter().enumerate();
     rows.map(|(i, a)| a * (0..b.len()).map(|j| covariance[(i, j)] * b[j]).sum::<f64>()).sum()
-}
-
-impl FittedSpectrum {
-    fn new(drawdown: &Drawdown, left: &[f64], sigma: Vec<f64>) -> Self {
-        let measured = drawdown.values.clone().unwrap_or_default();
-        let fitted = measured.iter().zip(left).map(|(m, left)| m - left).collect();
-        Self { name: drawdown.name.clone(), measured, fitted, sigma }
-    }
-}
-
-impl FittedIndex {
-    fn new(wavelength_nm: f64, [n, kappa]: [f64; 2], [nn, kk, nk]: [Option<f64>; 3]) -> Self {
-        let [n_error, kappa_error] = [nn, kk].map(|variance| variance.map(|v| v.max(0.0).sqrt()));
-        let correlation = nk.zip(n_error.zip(kappa_error)).map(|(nk, (a, b))| nk / (a * b).max(1e-300));
-        Self { wavelength_nm, n, kappa, n_error, kappa_error, correlation }
-    }
 }
 
 fn remarks(

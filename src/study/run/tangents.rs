@@ -124,15 +124,15 @@ struct TangentCell {
 }
 
 /// The cells of a study, kept for all indices of a pigment.
-pub struct Tangents<'a> {
+pub struct Tangents {
     pigment: usize,
     resolved: Resolved,
     cells: Vec<TangentCell>,
-    store: &'a Store<TangentRecord>,
+    store: Store<TangentRecord>,
     settings: RunSettings,
 }
 
-impl<'a> Tangents<'a> {
+impl Tangents {
     /// Packs the study's realisations; those without room are left out.
     ///
     /// # Errors
@@ -140,7 +140,7 @@ impl<'a> Tangents<'a> {
     pub fn new(
         (study, pigment): (&Study, usize),
         resolved: Resolved,
-        store: &'a Store<TangentRecord>,
+        store: Store<TangentRecord>,
         settings: RunSettings,
         watch: &dyn RunWatch,
     ) -> Result<Self, RunError> {

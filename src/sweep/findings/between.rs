@@ -33,15 +33,12 @@ impl Continuous {
         let logarithms = values[0].min(values[values.len() - 1]) > 0.0;
         let coordinates = [false, true].into_iter().filter(|&log| logarithms || !log);
         let judged = coordinates.filter_map(|logarithmic| {
-            let left_out = left_out(&coordinates_of(&values, logarithmic), &lines, &labs);
+            let xs: Vec<f64> = values.iter().map(|&x| if logarithmic { x.ln() } else { x }).collect();
+            let left_out = left_out(&xs, &lines, &labs);
             Some(Self { values: values.clone(), logarithmic, median: median(&left_out)?, left_out })
         });
         judged.min_by(|one, other| one.median.total_cmp(&other.median))
     }
-}
-
-fn coordinates_of(values: &[f64], logarithmic: bool) -> Vec<f64> {
-    values.iter().map(|&x| if logarithmic { x.ln() } else { x }).collect()
 }
 
 /// The numbers of an axis if all labels are numbers with one unit, in order.

@@ -12,7 +12,7 @@ use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::load::Sweep;
-use crate::sweep::work::portions::run_portions;
+use crate::sweep::work::alone::run_portions;
 use std::path::PathBuf;
 
 /// Coefficients that are drawn, by their places.
@@ -127,8 +127,9 @@ fn against(
 
 /// Coefficients and the hiding thickness against the first axis, where that has numbers.
 fn figures(sweep: &Sweep, done: &[LayerDone]) -> Result<Vec<Figure>, PublishError> {
-    let Some(axis) = sweep.outline.axes.first() else { return Ok(Vec::new()) };
-    let Some((_, first)) = done.first() else { return Ok(Vec::new()) };
+    let Some((axis, (_, first))) = sweep.outline.axes.first().zip(done.first()) else {
+        return Ok(Vec::new());
+    };
     let mut charts = Vec::new();
     for place in DRAWN {
         let Some(name) = first.medium.first().map(|row| coefficients(row)[place].0) else { continue };

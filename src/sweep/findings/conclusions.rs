@@ -54,28 +54,27 @@ impl Verdict {
     }
 }
 
+/// Verdict, measured value and remark; or what is missing.
+type Finding = Result<(Verdict, Option<Estimate>, String), String>;
+
 /// Tests a conclusion on the outcomes of all variants.
 pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
-    let (verdict, measured, remark) = match claim.table.range_nm {
+    let found = match claim.table.range_nm {
         Some(range) => spectrum::judge(claim, outcomes, range),
         None => judge_one(claim, outcomes),
     };
+    let (verdict, measured, remark) = found.unwrap_or_else(|missing| (Verdict::Undecided, None, missing));
     let (table, inequality) = (claim.table.clone(), words::inequality(claim, outcomes));
     Judged { table, inequality, measured, verdict, remark }
 }
 
-fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> (Verdict, Option<Estimate>, String) {
-    let measured = measure(claim, outcomes).and_then(|(sum, fewest)| {
-        let place = if claim.among.is_empty() { sum } else { curve::place(claim, outcomes, &sum)? };
-        Ok((place, fewest))
-    });
-    match measured {
-        Err(missing) => (Verdict::Undecided, None, missing),
-        Ok((measured, fewest)) => {
-            let (verdict, remark) = decide(claim, &measured, fewest, QUANTILE);
-            (verdict, Some(measured.estimate), remark)
-        }
+fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> Finding {
+    let (mut measured, fewest) = measure(claim, outcomes)?;
+    if !claim.among.is_empty() {
+        measured = curve::place(claim, outcomes, &measured)?;
     }
+    let (verdict, remark) = decide(claim, &measured, fewest, QUANTILE);
+    Ok((verdict, Some(measured.estimate), remark))
 }
 
 /// Remark for a variant without results.

@@ -2,6 +2,7 @@
 //! pigment absorbs most, and chroma on paper.
 
 use super::outcome::Outcome;
+use super::reported::inks;
 use super::sheets::Sheet;
 use crate::draw::chart::{Chart, Curve};
 use crate::ink::{Orientation, PigmentGrains, SizeDistribution};
@@ -18,8 +19,8 @@ pub(super) const MOST_CURVES: usize = 7;
 /// fractions in millionths, so that equal numbers compare equal.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 struct CurveMaker {
-    share: u64,
-    size: u64,
+    /// Share and size.
+    at: [u64; 2],
     /// Pigments, shapes, orientations, agglomeration; equal for molecular mixtures of the same
     /// pigments.
     kind: String,
@@ -28,12 +29,14 @@ struct CurveMaker {
     others: String,
 }
 
-/// Abscissa of a curve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Abscissa {
-    Share,
-    Size,
-}
+/// Places of the abscissas, share and size, in the lists that follow.
+const SHARE: usize = 0;
+const SIZE: usize = 1;
+/// What one step of an abscissa is, in % and nm.
+const UNITS: [f64; 2] = [1e-4, 1e-2];
+/// Their labels, and their names in titles.
+const LABELS: [&str; 2] = ["pigment volume concentration, %", "effective grain diameter, nm (0: molecular)"];
+const NAMES: [&str; 2] = ["concentration", "grain size"];
 
 /// All curves of a sheet; empty if neither the fraction nor the size varies.
 pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome]) -> Vec<Chart> {
@@ -49,7 +52,7 @@ pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome]) -> Vec<C
     let chroma = |v: usize| Some(outcomes[v].colour.as_ref()?.chroma());
     let of_t = format!("transmittance at {nm:.0} nm");
     let mut plots = Vec::new();
-    for x in [Abscissa::Share, Abscissa::Size] {
+    for x in [SHARE, SIZE] {
         for (label, y) in [(of_t.as_str(), &transmittance as &dyn Fn(usize) -> _), ("chroma C*", &chroma)] {
             plots.extend(plot(sheet, &made, x, label, y));
         }
@@ -72,9 +75,9 @@ fn with_others(sweep: &Sweep, mut made: Vec<(usize, CurveMaker)>) -> Vec<(usize,
 /// Whether an axis distinguishes two variants of the same composition. Variants with grains decide;
 /// molecular mixtures follow.
 fn tells_apart(sweep: &Sweep, made: &[(usize, CurveMaker)], axis: usize) -> bool {
-    let all_dissolved = made.iter().all(|(_, make)| make.size == 0);
+    let all_dissolved = made.iter().all(|(_, make)| make.at[SIZE] == 0);
     let mut seen: HashMap<(Vec<usize>, &CurveMaker), usize> = HashMap::new();
-    made.iter().filter(|(_, make)| all_dissolved || make.size > 0).any(|(v, make)| {
+    made.iter().filter(|(_, make)| all_dissolved || make.at[SIZE] > 0).any(|(v, make)| {
         let mut elsewhere = sweep.outline.variants[*v].place.clone();
         let here = elsewhere.remove(axis);
         *seen.entry((elsewhere, make)).or_insert(here) != here
@@ -84,63 +87,45 @@ fn tells_apart(sweep: &Sweep, made: &[(usize, CurveMaker)], axis: usize) -> bool
 fn plot(
     sheet: &Sheet,
     made: &[(usize, CurveMaker)],
-    x: Abscissa,
+    x: usize,
     y_label: &str,
     y: &dyn Fn(usize) -> Option<Estimate>,
 ) -> Option<Chart> {
     let mut curves: Vec<Curve> = Vec::new();
     for name in names(made, x) {
-        let (mut points, mut asked): (BTreeMap<u64, Estimate>, Vec<f64>) = Default::default();
+        let (mut points, mut asked) = (BTreeMap::new(), Vec::new());
         for (v, make) in made.iter().filter(|(_, make)| make.belongs(&name, x)) {
-            asked.push(in_units(make.at(x), x));
+            asked.push(make.in_units(x));
             if let Some(value) = y(*v) {
-                points.entry(make.at(x)).or_insert(value);
+                points.entry(make.at[x]).or_insert((make.in_units(x), value));
             }
         }
         // a molecular mixture alone is not a curve
         if points.len() > 1 {
-            curves.push(
-                Curve::measured(name.in_words(made), points.into_iter().map(|(k, y)| (in_units(k, x), y)))
-                    .asked_at(&asked),
-            );
+            curves.push(Curve::measured(name.in_words(made), points.into_values()).asked_at(&asked));
         }
     }
     curves.truncate(MOST_CURVES);
     if curves.is_empty() {
         return None;
     }
-    let x_label = match x {
-        Abscissa::Share => "pigment volume concentration, %",
-        Abscissa::Size => "effective grain diameter, nm (0: molecular)",
-    };
     let title = if sheet.title.is_empty() { String::new() } else { format!("{}: ", sheet.title) };
-    let against = if x == Abscissa::Share { "concentration" } else { "grain size" };
-    let title = format!("{title}{y_label} against {against}");
-    Some(Chart { from_zero: true, ..Chart::linear(&title, x_label, y_label, curves) })
+    let title = format!("{title}{y_label} against {}", NAMES[x]);
+    Some(Chart { from_zero: true, ..Chart::linear(&title, LABELS[x], y_label, curves) })
 }
 
 /// Compositions that differ in more than the abscissa, in order of appearance; molecular mixtures
 /// belong to all sizes.
-fn names(made: &[(usize, CurveMaker)], x: Abscissa) -> Vec<CurveMaker> {
+fn names(made: &[(usize, CurveMaker)], x: usize) -> Vec<CurveMaker> {
     let mut names: Vec<CurveMaker> = Vec::new();
-    for (_, make) in made {
-        let name = match x {
-            Abscissa::Share => CurveMaker { share: 0, ..make.clone() },
-            Abscissa::Size if make.size == 0 => continue,
-            Abscissa::Size => CurveMaker { size: 0, ..make.clone() },
-        };
+    for (_, make) in made.iter().filter(|(_, make)| x == SHARE || make.at[SIZE] > 0) {
+        let mut name = make.clone();
+        name.at[x] = 0;
         if !names.contains(&name) {
             names.push(name);
         }
     }
     names
-}
-
-fn in_units(k: u64, x: Abscissa) -> f64 {
-    match x {
-        Abscissa::Share => k as f64 * 1e-4,
-        Abscissa::Size => k as f64 * 1e-2,
-    }
 }
 
 impl CurveMaker {
@@ -155,9 +140,6 @@ impl CurveMaker {
         if share == 0.0 || sizes.iter().any(|&s| s != size) || (size > 0.0 && !study.dissolved.is_empty()) {
             return None;
         }
-        let names = study.pigments.iter().map(|p| p.name.as_str());
-        let mut names: Vec<&str> = names.chain(study.dissolved.iter().map(|d| d.name.as_str())).collect();
-        names.sort_unstable();
         let mut kinds: Vec<String> = grains().map(kind).collect();
         kinds.dedup();
         let relief = if study.packing.relief.is_some() { ", relief" } else { "" };
@@ -167,25 +149,22 @@ impl CurveMaker {
             _ => "",
         };
         Some(Self {
-            share: (share * 1e6).round() as u64,
-            size: (size * 1e2).round() as u64,
+            at: [(share * 1e6).round() as u64, (size * 1e2).round() as u64],
             kind: kinds.join(" and ") + relief + contrast,
-            pigments: names.join(" + "),
+            pigments: inks(study).join(" + "),
             others: String::new(),
         })
     }
 
-    fn at(&self, x: Abscissa) -> u64 {
-        if x == Abscissa::Share { self.share } else { self.size }
+    fn in_units(&self, x: usize) -> f64 {
+        self.at[x] as f64 * UNITS[x]
     }
 
-    fn belongs(&self, name: &Self, x: Abscissa) -> bool {
+    /// Whether it lies on the curve of this name.
+    fn belongs(&self, name: &Self, x: usize) -> bool {
         let same_ink = self.pigments == name.pigments && self.others == name.others;
-        let same_kind = self.kind == name.kind;
-        match x {
-            Abscissa::Share => same_ink && same_kind && self.size == name.size,
-            Abscissa::Size => same_ink && self.share == name.share && (same_kind || self.size == 0),
-        }
+        let same_kind = self.kind == name.kind || x == SIZE && self.at[SIZE] == 0;
+        same_ink && same_kind && self.at[1 - x] == name.at[1 - x]
     }
 
     /// Name of the curve; pigments are named only if they differ.
@@ -194,13 +173,13 @@ impl CurveMaker {
         if made.iter().any(|(_, other)| other.pigments != self.pigments) {
             words.push(self.pigments.clone());
         }
-        if self.share > 0 {
-            words.push(format!("{} %", in_units(self.share, Abscissa::Share)));
+        if self.at[SHARE] > 0 {
+            words.push(format!("{} %", self.in_units(SHARE)));
         }
-        match (self.size, self.kind.is_empty()) {
+        match (self.at[SIZE], self.kind.is_empty()) {
             (0, true) => words.push("molecular".into()),
             (0, false) => words.push(self.kind.clone()),
-            (size, _) => words.push(format!("{} nm {}", in_units(size, Abscissa::Size), self.kind)),
+            _ => words.push(format!("{} nm {}", self.in_units(SIZE), self.kind)),
         }
         words.extend(Some(self.others.clone()).filter(|others| !others.is_empty()));
         words.join(", ")

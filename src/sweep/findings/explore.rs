@@ -7,13 +7,13 @@
 
 use super::between::Continuous;
 use super::outcome::Outcome;
-use super::reported::shown;
+use super::reported::{Reported, shown};
 use super::target;
 use crate::appearance::picture::InkPicture;
 use crate::draw::figure::Bitmap;
-use crate::evaluate::manifest::SpectrumRow;
+use crate::evaluate::manifest::{Count, SpectrumRow};
 use crate::numerics::estimate::Estimate;
-use crate::report::page::hex;
+use crate::report::page::{STYLE, hex, made_by};
 use crate::sweep::definition::load::{AxisOutline, Sweep};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -28,19 +28,16 @@ const NUMBERS: f64 = 1e6;
 /// Code of an unknown value or error.
 const UNKNOWN: u16 = u16::MAX;
 
-/// Names and units of the spectra, in order.
-const SPECTRA: [(&str, &str); 4] = [
-    ("under a uniform sky", "share of a perfect white"),
-    ("lit at 45°, seen at 0°", "share of a perfect white"),
-    ("transmittance of the layer", "share of the light"),
-    ("reflectance of the layer", "share of the light"),
+/// Names, units and values of the spectra, in order.
+const SPECTRA: [(&str, &str, fn(&SpectrumRow) -> Option<Estimate>); 4] = [
+    ("under a uniform sky", "share of a perfect white", |row| row.natural_light),
+    ("lit at 45°, seen at 0°", "share of a perfect white", |row| row.lit_at_45),
+    ("transmittance of the layer", "share of the light", |row| Some(row.transmittance)),
+    ("reflectance of the layer", "share of the light", |row| Some(row.reflectance)),
 ];
 
-const TEMPLATE: &str = include_str!("explore.html");
-const STYLE: &str = crate::report::page::STYLE;
-
 /// The page as HTML.
-pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]) -> String {
+pub fn page(sweep: &Sweep, Reported { outcomes, nearest, .. }: &Reported) -> String {
     let outline = &sweep.outline;
     let wavelengths_nm = wavelengths_nm(outcomes);
     let labs: Vec<Option<[f64; 3]>> = outcomes.iter().map(|o| o.colour.map(|c| c.lab)).collect();
@@ -48,22 +45,22 @@ pub fn page(sweep: &Sweep, outcomes: &[Outcome], pictures: &[Option<InkPicture>]
         let between = Continuous::new(outline, &labs, a);
         json!({ "name": axis.heading(), "labels": axis.labels, "between": between })
     };
-    let numbered = pictures.iter().enumerate();
     let data = json!({
         "title": outline.title,
-        "program": crate::report::page::made_by(),
+        "program": made_by(),
         "reference": outcomes[outline.reference].name,
-        "target": target::nearest(outline, outcomes).map(|near| json!({ "colour": near.target, "nearest": near.summary })),
+        "target": nearest.as_ref().map(|near| json!({ "colour": near.target, "nearest": near.summary })),
         "axes": Vec::from_iter(outline.axes.iter().enumerate().map(axis)),
-        "spectra": SPECTRA.map(|(name, _)| name),
-        "units": SPECTRA.map(|(_, unit)| unit),
+        "spectra": SPECTRA.map(|(name, ..)| name),
+        "units": SPECTRA.map(|(_, unit, _)| unit),
         "steps": STEPS,
         "lowest": LOWEST,
-        "variants": Vec::from_iter(numbered.map(|(v, p)| variant((sweep, outcomes, v), p, &wavelengths_nm))),
+        "variants": Vec::from_iter((0..outcomes.len()).map(|v| variant(sweep, outcomes, v, &wavelengths_nm))),
         "wavelengths_nm": wavelengths_nm,
     });
     // "</script" would end the script element, "<!--<script>" hide its end
-    TEMPLATE.replace("/*style*/", STYLE).replace("/*data*/null", &data.to_string().replace('<', "\\u003c"))
+    let data = data.to_string().replace('<', "\\u003c");
+    include_str!("explore.html").replace("/*style*/", STYLE).replace("/*data*/null", &data)
 }
 
 /// Wavelengths of the variant that has the most, nm.
@@ -76,16 +73,12 @@ fn wavelengths_nm(outcomes: &[Outcome]) -> Vec<f64> {
 /// also ΔE₀₀ to it and the contrast ratio; `spectra` holds u16 in base64, of every spectrum all
 /// values, then all errors; the first column of `picture`, a PNG in base64, is the strip, the rest
 /// the square.
-fn variant(
-    (sweep, outcomes, number): (&Sweep, &[Outcome], usize),
-    picture: &Option<InkPicture>,
-    wavelengths_nm: &[f64],
-) -> Value {
+fn variant(sweep: &Sweep, outcomes: &[Outcome], number: usize, wavelengths_nm: &[f64]) -> Value {
     let outcome = &outcomes[number];
     let to_target = target::numbers(outcome).map(|e| e.map_or([None; 2], in_numbers));
     let to_target = to_target.into_iter().filter(|_| outcome.aim.is_some());
     let numbers = shown(sweep, number, outcomes).map(|all| all.into_iter().map(in_numbers).chain(to_target));
-    let (finished, asked) = (outcome.solves.finished, outcome.solves.asked);
+    let Count { finished, asked } = outcome.solves;
     let missing = if finished < asked { format!("{finished} of {asked} solves") } else { String::new() };
     json!({
         "name": outcome.name,
@@ -95,8 +88,8 @@ fn variant(
         "realisations": outcome.realisations,
         "state": outcome.reason.as_ref().unwrap_or(&missing),
         "spectra": spectra(&outcome.spectra, wavelengths_nm),
-        "angles": picture.as_ref().map_or(0, |p| p.strip.len()),
-        "picture": picture.as_ref().map_or_else(String::new, pixels),
+        "angles": outcome.picture.as_ref().map_or(0, |p| p.strip.len()),
+        "picture": outcome.picture.as_ref().map_or_else(String::new, pixels),
     })
 }
 
@@ -107,10 +100,8 @@ fn in_numbers(e: Estimate) -> [Option<f64>; 2] {
 }
 
 fn spectra(rows: &[SpectrumRow], wavelengths_nm: &[f64]) -> String {
-    let kinds: [fn(&SpectrumRow) -> Option<Estimate>; 4] =
-        [|r| r.natural_light, |r| r.lit_at_45, |r| Some(r.transmittance), |r| Some(r.reflectance)];
     let mut bytes = Vec::new();
-    for kind in kinds {
+    for (.., kind) in SPECTRA {
         let estimates: Vec<Option<Estimate>> = wavelengths_nm
             .iter()
             .map(|&nm| rows.iter().find(|row| (row.wavelength_nm - nm).abs() < 1e-6).and_then(kind))
@@ -146,12 +137,11 @@ mod tests {
     use super::*;
     use crate::appearance::colour::{Colorimeter, Colour};
     use crate::evaluate::ink_maker::Target;
-    use crate::evaluate::manifest::Count;
     use crate::sweep::definition::load::{Outline, Place};
     use ndarray::Array2;
 
     /// A variant with all numbers, and noise in all digits.
-    fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> (Outcome, InkPicture) {
+    fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> Outcome {
         let mut draws = crate::numerics::Draws::new(seed, 0);
         let mut number = || Estimate { value: draws.uniform(), standard_error: Some(0.01 * draws.uniform()) };
         let mut row = |polar_deg: f64, &wavelength_nm: &f64| SpectrumRow {
@@ -188,7 +178,7 @@ mod tests {
             strip: (0..31).map(|y| at(0, y)).collect(),
             square: Array2::from_shape_fn((31, 31), |(y, x)| at(x, y)),
         };
-        let outcome = Outcome {
+        Outcome {
             name,
             labels,
             solves,
@@ -203,8 +193,8 @@ mod tests {
             target: Some(target),
             print_hex: None,
             spectra,
-        };
-        (outcome, picture)
+            picture: Some(picture),
+        }
     }
 
     /// The paper's study: 5 × 4 × 13 variants, 16 wavelengths at two angles, pictures of 31 × 31.
@@ -232,10 +222,11 @@ mod tests {
             variants: (0..260).map(place).collect(),
         };
         let all = (0..260).map(|i| finished(outline.variants[i].name.clone(), &nm, i as u64));
-        let (outcomes, pictures): (Vec<Outcome>, Vec<_>) = all.map(|(o, p)| (o, Some(p))).unzip();
+        let outcomes: Vec<Outcome> = all.collect();
         let sweep = Sweep { outline, variants: Vec::new(), inputs: Vec::new() };
         assert_eq!(wavelengths_nm(&outcomes), nm);
-        let bytes = page(&sweep, &outcomes, &pictures).len();
+        let nearest = target::nearest(&sweep.outline, &outcomes);
+        let bytes = page(&sweep, &Reported { outcomes, conclusions: Vec::new(), nearest }).len();
         assert!((200_000..1_000_000).contains(&bytes), "{bytes} bytes");
     }
 

@@ -1,13 +1,13 @@
 //! The result of one variant, finished or not.
 
 use crate::appearance::colour::Colour;
+use crate::appearance::picture::InkPicture;
 use crate::evaluate::ink_maker::Target;
 use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
 use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
-use crate::run::Refused;
 use crate::sweep::definition::file::Quantity;
 use crate::sweep::definition::load::{Sweep, Variant};
 use std::collections::BTreeMap;
@@ -44,6 +44,8 @@ pub struct Outcome {
     pub print_hex: Option<String>,
     /// One row per wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
+    /// The picture for contact sheets, where there is paper.
+    pub picture: Option<InkPicture>,
 }
 
 impl Outcome {
@@ -67,7 +69,13 @@ impl Outcome {
             target: None,
             print_hex: None,
             spectra: Vec::new(),
+            picture: None,
         }
+    }
+
+    /// Whether every solve is finished.
+    pub fn is_complete(&self) -> bool {
+        self.solves.finished == self.solves.asked
     }
 
     /// Adds the numbers of a variant's manifest.
@@ -89,19 +97,13 @@ impl Outcome {
         }
     }
 
-    /// Adds the packings and grids that failed.
-    pub fn with_failed_stages(self, refused: Vec<Refused>) -> Self {
-        let failures = refused.len();
-        Self { failures, reason: refused.into_iter().next().map(|r| r.reason), ..self }
-    }
-
     /// One number, if available, with its error and the contribution of each realisation. An
     /// unfinished variant counts with its complete realisations; without uncertainty the number is
     /// exact.
     pub fn quantity(&self, quantity: Quantity, wavelength_nm: Option<f64>) -> Option<Linked> {
         let of_lab = |estimate: Estimate, gradient: [f64; 3]| {
-            let moved = |by: &[f64; 3]| (0..3).map(|i| gradient[i] * by[i]).sum();
-            self.linked(estimate, self.lab_deviations.iter().map(|(&r, by)| (r, moved(by))))
+            let deviations = self.lab_deviations.iter();
+            self.linked(estimate, deviations.map(|(&r, by)| (r, (0..3).map(|i| gradient[i] * by[i]).sum())))
         };
         let of_row = |of: fn(&SpectrumRow) -> Estimate, place: usize| {
             let row = self.row(wavelength_nm)?;
@@ -124,8 +126,8 @@ impl Outcome {
     }
 
     fn row(&self, wavelength_nm: Option<f64>) -> Option<&SpectrumRow> {
-        let near = |row: &&SpectrumRow| (row.wavelength_nm - wavelength_nm.unwrap_or(f64::NAN)).abs() < 1e-6;
-        self.spectra.iter().find(near).filter(|_| self.realisations > 0)
+        let nm = wavelength_nm.filter(|_| self.realisations > 0)?;
+        self.spectra.iter().find(|row| (row.wavelength_nm - nm).abs() < 1e-6)
     }
 
     /// ΔE₀₀ to the target colour.
@@ -138,9 +140,7 @@ impl Outcome {
         let standard_error = estimate.standard_error.or(self.certain.then_some(0.0));
         Linked { estimate: Estimate { standard_error, ..estimate }, deviations: deviations.collect() }
     }
-}
 
-impl Outcome {
     /// Rows of the first angle, one per wavelength, as shown by curves.
     pub fn at_first_angle(&self) -> &[SpectrumRow] {
         let first = self.spectra.first().map(|row| row.polar_deg);
@@ -168,11 +168,6 @@ impl Outcome {
             (0..9).for_each(|k| common[k / 3][k % 3] += a[k / 3] * b[k % 3]);
         }
         Some(Linked { estimate: here.delta_e_2000_among(&there, &common), deviations })
-    }
-
-    /// ΔE₀₀ to another outcome, without the contributions of the realisations.
-    pub fn delta_e_2000(&self, other: &Self) -> Option<Estimate> {
-        Some(self.difference(other)?.estimate)
     }
 }
 
@@ -214,6 +209,7 @@ mod tests {
             target: None,
             print_hex: None,
             spectra: Vec::new(),
+            picture: None,
         }
     }
 

@@ -5,10 +5,8 @@ use super::curves;
 use super::outcome::Outcome;
 use super::reported::{Reported, shown};
 use super::sheets::Sheet;
-use super::target;
 use crate::draw::OutputError;
 use crate::draw::chart::{Chart, Curve};
-use crate::evaluate::manifest::Count;
 use crate::report::page::{Picture, hex, made_by, png_data, rendered, svg_data};
 use crate::report::publish::PublishError;
 use crate::report::scalar_error;
@@ -37,7 +35,7 @@ pub(crate) fn page(
         scalar_error => scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
         sheets => Serde(pictures),
         conclusions => conclusions(&reported.conclusions),
-        nearest => Serde(target::nearest(outline, outcomes)),
+        nearest => Serde(&reported.nearest),
         axes => Vec::from_iter(outline.axes.iter().map(AxisOutline::heading)),
         reference => &outcomes[outline.reference].name,
         variants => Vec::from_iter((0..all).map(|v| row(sweep, v, outcomes))),
@@ -48,9 +46,9 @@ pub(crate) fn page(
 }
 
 fn partial(reported: &Reported, complete: usize, all: usize) -> String {
-    let unfinished = |o: &&Outcome| o.solves.finished < o.solves.asked;
-    if reported.outcomes.iter().filter(unfinished).all(|outcome| outcome.reason.is_some()) {
-        let without = reported.outcomes.iter().filter(unfinished).filter(|o| o.colour.is_none()).count();
+    let unfinished: Vec<&Outcome> = reported.outcomes.iter().filter(|o| !o.is_complete()).collect();
+    if unfinished.iter().all(|outcome| outcome.reason.is_some()) {
+        let without = unfinished.iter().filter(|outcome| outcome.colour.is_none()).count();
         return format!(
             "{complete} of {all} variants are complete, {} lack some packings, and {without} have no results, \
              for the reasons in the table. --retry-failed retries them.",
@@ -61,9 +59,8 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
         0 => String::new(),
         failures => format!(" {failures} failures are recorded; --retry-failed retries them."),
     };
-    let solves =
-        |count: fn(&Count) -> usize| reported.outcomes.iter().map(|o| count(&o.solves)).sum::<usize>();
-    let (finished, asked) = (solves(|c| c.finished), solves(|c| c.asked));
+    let finished: usize = reported.outcomes.iter().map(|o| o.solves.finished).sum();
+    let asked: usize = reported.outcomes.iter().map(|o| o.solves.asked).sum();
     format!(
         "{complete} of {all} variants are finished, {finished} of {asked} solves.{failed} A running sweep updates this page \
          regularly; a stopped one resumes when it is run again."
@@ -116,49 +113,33 @@ fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Value {
 /// Curves against concentration and size; then spectra of the layer's transmittance: one figure per
 /// row of each sheet, one curve per column.
 fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, OutputError> {
-    let mut figures = Vec::new();
-    for sheet in sheets {
-        for plot in curves::plots(sweep, sheet, outcomes) {
-            figures.push(drawn(&plot));
-        }
+    let mut charts = Vec::new();
+    'sheets: for sheet in sheets {
+        charts.extend(curves::plots(sweep, sheet, outcomes));
         for (name, row) in sheet.rows.iter().zip(&sheet.cells) {
             let words = [sheet.title.as_str(), &sheet.row_axis, name];
             let caption = words.into_iter().filter(|w| !w.is_empty()).collect::<Vec<_>>().join(" · ");
-            figures.extend(figure((sweep, outcomes), &caption, &sheet.columns, row).transpose());
-            if figures.len() >= MOST_FIGURES {
-                return figures.into_iter().collect();
+            let of_row = sheet.columns.iter().zip(row);
+            let curves = of_row.filter_map(|(name, v)| transmittance(name, sweep, outcomes, (*v)?));
+            let curves: Vec<Curve> = curves.take(curves::MOST_CURVES).collect();
+            if !curves.is_empty() {
+                let chart = Chart::linear(&caption, "wavelength, nm", "transmittance of the layer", curves);
+                charts.push(Chart { from_zero: true, ..chart });
+            }
+            if charts.len() >= MOST_FIGURES {
+                break 'sheets;
             }
         }
     }
-    figures.into_iter().collect()
-}
-
-fn figure(
-    (sweep, outcomes): (&Sweep, &[Outcome]),
-    caption: &str,
-    columns: &[String],
-    row: &[Option<usize>],
-) -> Result<Option<Picture>, OutputError> {
-    let curve = |(name, v): (&String, &Option<usize>)| {
-        let asked = &sweep.variants[(*v)?].study.wavelengths_nm;
-        Some(transmittance(name, &outcomes[(*v)?])?.asked_at(asked))
-    };
-    let curves: Vec<Curve> = columns.iter().zip(row).filter_map(curve).take(curves::MOST_CURVES).collect();
-    if curves.is_empty() {
-        return Ok(None);
-    }
-    let chart = Chart::linear(caption, "wavelength, nm", "transmittance of the layer", curves);
-    drawn(&Chart { from_zero: true, ..chart }).map(Some)
+    charts.iter().map(|chart| Ok(Picture::new(svg_data(&chart.svg()?), &chart.title))).collect()
 }
 
 /// A variant's transmittance against wavelength; `None` without results.
-fn transmittance(name: &str, outcome: &Outcome) -> Option<Curve> {
-    let rows = outcome.at_first_angle();
-    (!rows.is_empty()).then(|| Curve::measured(name, rows.iter().map(|r| (r.wavelength_nm, r.transmittance))))
-}
-
-fn drawn(plot: &Chart) -> Result<Picture, OutputError> {
-    Ok(Picture::new(svg_data(&plot.svg()?), &plot.title))
+fn transmittance(name: &str, sweep: &Sweep, outcomes: &[Outcome], v: usize) -> Option<Curve> {
+    let rows = outcomes[v].at_first_angle();
+    let points = rows.iter().map(|r| (r.wavelength_nm, r.transmittance));
+    let asked = &sweep.variants[v].study.wavelengths_nm;
+    (!rows.is_empty()).then(|| Curve::measured(name, points).asked_at(asked))
 }
 
 #[cfg(test)]

@@ -7,11 +7,9 @@ use super::outcome::Outcome;
 use super::page;
 pub use super::reported::Reported;
 use super::reported::numbers;
-use super::sheets::{Sheet, contact_sheet, sheets};
+use super::sheets::{contact_sheet, sheets};
 use super::target;
 use crate::appearance::picture::InkPicture;
-use crate::draw::OutputError;
-use crate::draw::contact_sheet::ContactSheet;
 use crate::draw::picture::PictureStyle;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
@@ -19,12 +17,10 @@ use crate::input::study::Study;
 use crate::report::cell;
 use crate::report::publish::{PublishError, publish_seen};
 use crate::run::Stores;
-use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::folder::VARIANTS;
 use crate::sweep::definition::load::Sweep;
-use crate::sweep::work::rounds::collect;
-use crate::sweep::work::stored::refused;
+use crate::sweep::work::rounds::{collect, refused};
 
 /// Rows and columns of a picture on a contact sheet.
 const SHEET_ANGLES: usize = 31;
@@ -42,17 +38,14 @@ pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, Publish
 #[derive(Debug)]
 pub struct Publisher<'a> {
     sweep: &'a Sweep,
-    /// Results of the finished variants.
-    finished: Vec<Option<Told>>,
+    outcomes: Vec<Outcome>,
 }
-
-/// The result of a variant, and its picture.
-type Told = (Outcome, Option<InkPicture>);
 
 impl<'a> Publisher<'a> {
     /// Starts without results.
     pub fn new(sweep: &'a Sweep) -> Self {
-        Self { sweep, finished: vec![None; sweep.variants.len()] }
+        let outcomes = (0..sweep.variants.len()).map(|number| Outcome::nothing(sweep, number));
+        Self { sweep, outcomes: outcomes.collect() }
     }
 
     /// Writes all results available now. An existing page is kept until the new one replaces it.
@@ -62,41 +55,29 @@ impl<'a> Publisher<'a> {
     pub fn publish(&mut self, folder: &OutputFolder) -> Result<Reported, PublishError> {
         folder.mark_partial()?;
         let stores = Stores::open(folder)?;
-        let (mut outcomes, mut pictures) = (Vec::new(), Vec::new());
-        for (number, finished) in self.finished.iter_mut().enumerate() {
-            let (outcome, picture) = match finished {
-                Some(told) => told.clone(),
-                None => variant(self.sweep, number, &stores, folder)?,
-            };
-            if outcome.solves.finished == outcome.solves.asked {
-                *finished = Some((outcome.clone(), picture.clone()));
-            }
-            outcomes.push(outcome);
-            pictures.push(picture);
+        for (number, outcome) in self.outcomes.iter_mut().enumerate().filter(|(_, o)| !o.is_complete()) {
+            *outcome = variant(self.sweep, number, &stores, folder)?;
         }
-        report(self.sweep, folder, (outcomes, &pictures), stores.database().damages())
+        report(self.sweep, folder, self.outcomes.clone())
     }
 }
 
 /// Writes the contact sheets, tables and pages of the whole sweep.
-fn report(
-    sweep: &Sweep,
-    folder: &OutputFolder,
-    (outcomes, pictures): (Vec<Outcome>, &[Option<InkPicture>]),
-    damages: Vec<Damage>,
-) -> Result<Reported, PublishError> {
-    let conclusions: Vec<Judged> = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
-    let nearest =
-        target::nearest(&sweep.outline, &outcomes).map(|n| format!("Target {}: {}", n.target, n.summary));
-    let reported = Reported { outcomes, conclusions, nearest, damages };
+fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Result<Reported, PublishError> {
+    let conclusions = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
+    let nearest = target::nearest(&sweep.outline, &outcomes);
+    let reported = Reported { outcomes, conclusions, nearest };
     let sheets = sheets(&sweep.outline);
-    let drawn = draw(&sweep.outline.title, &sheets, pictures, &reported.outcomes)?;
-    for (i, png) in drawn.iter().enumerate() {
-        folder.write(&sheet_name(i, drawn.len()), png)?;
+    let mut drawn = Vec::new();
+    for (i, sheet) in sheets.iter().enumerate() {
+        let sheet = contact_sheet(sheet, &sweep.outline.title, &reported.outcomes);
+        let png = sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])?;
+        folder.write(&sheet_name(i, sheets.len()), &png)?;
+        drawn.push(png);
     }
     folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
     folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
-    folder.write("explore.html", explore::page(sweep, &reported.outcomes, pictures).as_bytes())?;
+    folder.write("explore.html", explore::page(sweep, &reported).as_bytes())?;
     let html = page::page(sweep, &reported, &sheets, &drawn)?;
     folder.write("report.html", html.as_bytes())?;
     if reported.complete() == sweep.variants.len() {
@@ -115,10 +96,12 @@ fn variant(
     number: usize,
     stores: &Stores,
     folder: &OutputFolder,
-) -> Result<(Outcome, Option<InkPicture>), PublishError> {
+) -> Result<Outcome, PublishError> {
     let (study, nothing) = (&sweep.variants[number].study, Outcome::nothing(sweep, number));
     let Some(collected) = collect(study, stores, 0) else {
-        return Ok((nothing.with_failed_stages(refused(study, stores, study.realisations)), None));
+        let refused = refused(study, stores, study.realisations);
+        let reason = refused.first().map(|first| first.reason.clone());
+        return Ok(Outcome { failures: refused.len(), reason, ..nothing });
     };
     let seen = see(study, &collected)?;
     let manifest = summarise(study, &collected, &seen);
@@ -127,9 +110,9 @@ fn variant(
         // a variant without a result does not hold back the others
         Err(none @ (PublishError::Unphysical(_) | PublishError::NoRoom(_))) => {
             let (solves, failures) = (manifest.solves, 1 + manifest.failures.len());
-            Ok((Outcome { solves, failures, reason: Some(none.to_string()), ..nothing }, None))
+            Ok(Outcome { solves, failures, reason: Some(none.to_string()), ..nothing })
         }
-        published => published.map(|_| (nothing.with(&manifest), picture(study, &seen))),
+        published => published.map(|_| Outcome { picture: picture(study, &seen), ..nothing.with(&manifest) }),
     }
 }
 
@@ -137,21 +120,6 @@ fn picture(study: &Study, seen: &Seen) -> Option<InkPicture> {
     let step = study.angles.picture_max_deg / (SHEET_ANGLES - 1) as f64;
     let angles: Vec<f64> = (0..SHEET_ANGLES).map(|i| i as f64 * step).collect();
     seen.ink.as_ref().ok()?.picture(&angles, study.output.mirrored_sky).ok()
-}
-
-/// All contact sheets as PNG.
-fn draw(
-    title: &str,
-    sheets: &[Sheet],
-    pictures: &[Option<InkPicture>],
-    outcomes: &[Outcome],
-) -> Result<Vec<Vec<u8>>, PublishError> {
-    sheets.iter().map(|sheet| Ok(png(&contact_sheet(sheet, title, pictures, outcomes))?)).collect()
-}
-
-/// A contact sheet as PNG, with its title.
-fn png(sheet: &ContactSheet) -> Result<Vec<u8>, OutputError> {
-    sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])
 }
 
 const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
@@ -181,20 +149,9 @@ fn outcome_row(o: &Outcome, reference: &Outcome, aims: usize) -> impl Iterator<I
 
 /// `conclusions.csv`.
 fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
-    let header = [
-        "id",
-        "statement",
-        "inequality",
-        "measured",
-        "standard_error",
-        "verdict",
-        "remark",
-        "source",
-        "quote",
-        "translation",
-        "because",
-    ];
-    cell::table(header, conclusions.iter().map(judged_row))
+    let judged = ["id", "statement", "inequality", "measured", "standard_error", "verdict", "remark"];
+    let words = ["source", "quote", "translation", "because"];
+    cell::table(judged.into_iter().chain(words), conclusions.iter().map(judged_row))
 }
 
 fn judged_row(c: &Judged) -> impl Iterator<Item = String> {

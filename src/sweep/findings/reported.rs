@@ -2,8 +2,9 @@
 
 use super::conclusions::Judged;
 use super::outcome::{Outcome, lab};
+use super::target::Nearest;
+use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
-use crate::store::damage::Damage;
 use crate::sweep::definition::load::Sweep;
 
 /// Summary of a report.
@@ -13,16 +14,14 @@ pub struct Reported {
     pub outcomes: Vec<Outcome>,
     /// The conclusions with their verdicts.
     pub conclusions: Vec<Judged>,
-    /// Description of the variant nearest to the target colour; `None` without a target.
-    pub nearest: Option<String>,
-    /// Damage found in the store.
-    pub damages: Vec<Damage>,
+    /// The variants nearest to the target colour; `None` without a target.
+    pub nearest: Option<Nearest>,
 }
 
 impl Reported {
     /// Number of variants in which every solve is finished.
     pub fn complete(&self) -> usize {
-        self.outcomes.iter().filter(|o| o.solves.finished == o.solves.asked).count()
+        self.outcomes.iter().filter(|o| o.is_complete()).count()
     }
 
     /// Number of failures, over all variants.
@@ -36,18 +35,17 @@ impl Reported {
 pub(crate) fn shown(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Option<[Estimate; 6]> {
     let outline = &sweep.outline;
     let mut numbers = numbers(&outcomes[number], &outcomes[outline.reference])?;
-    if !(outline.reference_asked || inks(sweep, number) == inks(sweep, outline.reference)) {
+    let [own, other] = [number, outline.reference].map(|v| Some(inks(&sweep.variants.get(v)?.study)));
+    if !outline.reference_asked && own != other {
         numbers[5] = Estimate::unknown_error(f64::NAN);
     }
     Some(numbers)
 }
 
-/// Names of a variant's pigments.
-fn inks(sweep: &Sweep, number: usize) -> Vec<&str> {
-    let study = sweep.variants.get(number).map(|variant| &variant.study);
-    let grains = study.iter().flat_map(|s| &s.pigments).map(|p| p.name.as_str());
-    let mut names: Vec<&str> =
-        grains.chain(study.iter().flat_map(|s| &s.dissolved).map(|d| d.name.as_str())).collect();
+/// Names of a study's pigments.
+pub(super) fn inks(study: &Study) -> Vec<&str> {
+    let grains = study.pigments.iter().map(|p| p.name.as_str());
+    let mut names: Vec<&str> = grains.chain(study.dissolved.iter().map(|d| d.name.as_str())).collect();
     names.sort_unstable();
     names
 }
@@ -55,10 +53,10 @@ fn inks(sweep: &Sweep, number: usize) -> Vec<&str> {
 /// L*, a*, b*, C*, h and ΔE₀₀ to the reference; `None` without a colour.
 pub(crate) fn numbers(outcome: &Outcome, reference: &Outcome) -> Option<[Estimate; 6]> {
     let colour = outcome.colour.as_ref()?;
-    let difference = match outcome.delta_e_2000(reference) {
+    let difference = match outcome.difference(reference) {
         // the difference to itself is zero, without an error
         Some(_) if outcome.name == reference.name => Estimate::unknown_error(0.0),
-        difference => difference.unwrap_or(Estimate::unknown_error(f64::NAN)),
+        difference => difference.map_or(Estimate::unknown_error(f64::NAN), |d| d.estimate),
     };
     Some([lab(colour, 0), lab(colour, 1), lab(colour, 2), colour.chroma(), colour.hue_deg(), difference])
 }

@@ -1,9 +1,9 @@
 //! Contact sheets: two axes as rows and columns, one sheet for each combination of the others.
 
 use super::outcome::Outcome;
-use crate::appearance::picture::InkPicture;
 use crate::draw::contact_sheet::ContactSheet;
-use crate::sweep::definition::load::Outline;
+use crate::sweep::definition::load::{AxisOutline, Outline, Place};
+use std::collections::{BTreeMap, BTreeSet};
 
 /// A contact sheet of variants by number, `None` where one is left out; its title names the values
 /// of the axes that it does not show.
@@ -39,70 +39,36 @@ fn others_of(place: &[usize], shown: [Option<usize>; 2]) -> Vec<usize> {
     place.iter().enumerate().map(|(a, &k)| if shown.contains(&Some(a)) { 0 } else { k }).collect()
 }
 
-/// One side of a sheet: its axis, and the values that variants on the sheet have there.
-struct SheetSide {
-    axis: Option<usize>,
-    used: Vec<usize>,
-}
-
-impl SheetSide {
-    fn new(outline: &Outline, axis: Option<usize>, on_sheet: &[usize]) -> Self {
-        let mut side = Self { axis, used: Vec::new() };
-        side.used = on_sheet.iter().map(|&v| side.at(outline, v)).collect();
-        side.used.sort_unstable();
-        side.used.dedup();
-        side
-    }
-
-    /// Value of a variant.
-    fn at(&self, outline: &Outline, variant: usize) -> usize {
-        self.axis.map_or(0, |a| outline.variants[variant].place[a])
-    }
-
-    fn name(&self, outline: &Outline) -> String {
-        self.axis.map_or_else(String::new, |a| outline.axes[a].plain_name().to_owned())
-    }
-
-    fn captions(&self, outline: &Outline) -> Vec<String> {
-        let axis = self.axis.map(|a| &outline.axes[a]);
-        self.used.iter().map(|&k| axis.map_or_else(String::new, |axis| axis.caption(k))).collect()
-    }
-}
-
+/// A sheet whose rows and columns are the values that its variants have on the shown axes.
 fn sheet(outline: &Outline, shown: [Option<usize>; 2], other: &[usize]) -> Sheet {
-    let all = 0..outline.variants.len();
-    let on_sheet: Vec<usize> =
-        all.filter(|&v| others_of(&outline.variants[v].place, shown) == other).collect();
-    let [rows, columns] = shown.map(|axis| SheetSide::new(outline, axis, &on_sheet));
-    let mut cells = vec![vec![None; columns.used.len()]; rows.used.len()];
-    for &v in on_sheet.iter().rev() {
-        let [r, c] = [&rows, &columns].map(|side| side.used.iter().position(|&k| k == side.at(outline, v)));
-        if let (Some(r), Some(c)) = (r, c) {
-            cells[r][c] = Some(v);
-        }
+    let on_sheet = outline.variants.iter().enumerate().filter(|(_, v)| others_of(&v.place, shown) == other);
+    // the first of several variants at one place is shown
+    let mut numbers: BTreeMap<[usize; 2], usize> = BTreeMap::new();
+    for (v, Place { place, .. }) in on_sheet {
+        numbers.entry(shown.map(|axis| axis.map_or(0, |a| place[a]))).or_insert(v);
     }
+    let [rows, columns] = [0, 1].map(|side| BTreeSet::from_iter(numbers.keys().map(|at| at[side])));
+    let cells = rows.iter().map(|&r| columns.iter().map(|&c| numbers.get(&[r, c]).copied()).collect());
+    let [row_axis, column_axis] = shown.map(|axis| axis.map(|a| &outline.axes[a]));
+    let name = |axis: Option<&AxisOutline>| axis.map_or_else(String::new, |a| a.plain_name().to_owned());
+    let caption = |axis: Option<&AxisOutline>, k| axis.map_or_else(String::new, |axis| axis.caption(k));
     let hidden = (0..outline.axes.len()).filter(|&a| !shown.contains(&Some(a)));
     Sheet {
         title: hidden.map(|a| outline.axes[a].named(other[a])).collect::<Vec<_>>().join(", "),
-        row_axis: rows.name(outline),
-        column_axis: columns.name(outline),
-        cells,
-        rows: rows.captions(outline),
-        columns: columns.captions(outline),
+        row_axis: name(row_axis),
+        column_axis: name(column_axis),
+        cells: cells.collect(),
+        rows: rows.iter().map(|&k| caption(row_axis, k)).collect(),
+        columns: columns.iter().map(|&k| caption(column_axis, k)).collect(),
     }
 }
 
 /// A sheet with its pictures, or with the reasons why they are missing.
-pub(crate) fn contact_sheet(
-    sheet: &Sheet,
-    title: &str,
-    pictures: &[Option<InkPicture>],
-    outcomes: &[Outcome],
-) -> ContactSheet {
+pub(crate) fn contact_sheet(sheet: &Sheet, title: &str, outcomes: &[Outcome]) -> ContactSheet {
     let title = if sheet.title.is_empty() { title.to_owned() } else { format!("{title}: {}", sheet.title) };
     sheet.map(title, |v| {
-        let picture = v.and_then(|v| pictures[v].clone());
-        picture.ok_or_else(|| why_blank(v.map(|v| &outcomes[v])))
+        let outcome = v.map(|v| &outcomes[v]);
+        outcome.and_then(|o| o.picture.clone()).ok_or_else(|| why_blank(outcome))
     })
 }
 

@@ -4,7 +4,7 @@ use super::conclusions::{QUANTILE, student};
 use super::outcome::Outcome;
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
-use crate::sweep::definition::load::{Outline, Place};
+use crate::sweep::definition::load::Outline;
 use serde::Serialize;
 
 /// Maximum number of variants in the page's table.
@@ -12,7 +12,7 @@ const MOST_ROWS: usize = 12;
 
 /// The variants nearest to a target colour.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct Nearest {
+pub struct Nearest {
     /// The target colour with its conditions.
     pub target: String,
     /// Names the nearest variant, and how many cannot be distinguished from it.
@@ -23,7 +23,7 @@ pub(crate) struct Nearest {
 
 /// One of the variants nearest to a target colour.
 #[derive(Clone, Debug, Serialize)]
-pub(crate) struct NearRow {
+pub struct NearRow {
     /// Labels of the variant on the axes.
     pub labels: Vec<String>,
     /// The variant's own page.
@@ -42,18 +42,17 @@ pub(crate) struct NearRow {
 struct Near {
     variant: usize,
     /// ΔE₀₀ to its target.
-    to_target: Linked,
-    /// How much farther it is than the nearest variant.
+    distance: Estimate,
+    /// How much farther it is than the nearest variant; half of the 95 % interval is its error, and
+    /// none if that is unknown.
     farther: Estimate,
-    /// Half of the 95 % interval of that difference; `None` if an error is unknown.
-    bar: Option<f64>,
 }
 
 impl Near {
     /// Whether the difference to the nearest variant is within its 95 % interval; `None` if
     /// unknown.
     fn is_tied(&self) -> Option<bool> {
-        Some(self.farther.value <= self.bar?)
+        Some(self.farther.value <= self.farther.standard_error?)
     }
 }
 
@@ -70,34 +69,27 @@ pub(crate) fn numbers(outcome: &Outcome) -> [Option<Estimate>; 2] {
     [target.map(|target| target.delta_e_2000), contrast.map(|(ratio, _)| *ratio)]
 }
 
-/// Describes the target colour; `None` without a target.
-pub(crate) fn in_words(outcomes: &[Outcome]) -> Option<String> {
-    let mut wanted = outcomes.iter().filter_map(|outcome| outcome.aim.as_ref());
-    let first = wanted.next()?;
-    let same = wanted.all(|other| other == first);
-    Some(if same { first.clone() } else { "each variant's own".into() })
-}
-
-/// The part of the page with the nearest variants.
+/// The nearest variants; `None` without a target.
 pub(crate) fn nearest(outline: &Outline, outcomes: &[Outcome]) -> Option<Nearest> {
-    let target = in_words(outcomes)?;
+    let wanted: Vec<&String> = outcomes.iter().filter_map(|outcome| outcome.aim.as_ref()).collect();
+    let first = *wanted.first()?;
+    let target = if wanted.iter().all(|other| *other == first) { first } else { "each variant's own" };
     let order = in_order(outcomes);
-    let tied = order.iter().skip(1).filter(|near| near.is_tied() == Some(true)).count();
-    let unknown = order.iter().skip(1).filter(|near| near.is_tied().is_none()).count();
     let rows = order.iter().enumerate().take(MOST_ROWS);
     Some(Nearest {
-        target,
+        target: target.to_owned(),
         summary: order.first().map_or_else(String::new, |best| {
-            let asked = outcomes.iter().filter(|outcome| outcome.aim.is_some()).count();
-            summary(&outcomes[best.variant], [order.len(), asked], [tied, unknown])
-                + &at_the_edge(outline, best.variant)
+            summary(&outcomes[best.variant], &order, wanted.len()) + &at_the_edge(outline, best.variant)
         }),
         rows: rows.map(|(rank, near)| row(rank, near, outcomes)).collect(),
     })
 }
 
-fn summary(best: &Outcome, [known, all]: [usize; 2], [tied, unknown]: [usize; 2]) -> String {
-    let mut text = format!("{} is nearest.", best.name);
+/// The nearest variant, and how many of all that have a target cannot be told from it.
+fn summary(best: &Outcome, order: &[Near], all: usize) -> String {
+    let [tied, unknown] =
+        [Some(true), None].map(|tie| order.iter().skip(1).filter(|near| near.is_tied() == tie).count());
+    let (known, mut text) = (order.len(), format!("{} is nearest.", best.name));
     match tied {
         0 if unknown == 0 && known > 1 => text += " All others are farther with 95 % confidence.",
         0 => {}
@@ -116,7 +108,7 @@ fn summary(best: &Outcome, [known, all]: [usize; 2], [tied, unknown]: [usize; 2]
 /// Warns if a variant has the smallest or largest number of an axis, because there may be a nearer
 /// one beyond.
 fn at_the_edge(outline: &Outline, variant: usize) -> String {
-    let Some(Place { place, .. }) = outline.variants.get(variant) else { return String::new() };
+    let place = &outline.variants[variant].place;
     let edges: Vec<String> = (0..place.len()).filter_map(|a| edge(outline, a, place[a])).collect();
     if edges.is_empty() {
         return String::new();
@@ -140,46 +132,37 @@ fn in_order(outcomes: &[Outcome]) -> Vec<Near> {
         outcomes.iter().enumerate().filter_map(|(v, outcome)| Some((v, outcome.to_target()?))).collect();
     all.retain(|(_, to_target)| to_target.estimate.value.is_finite());
     all.sort_by(|a, b| a.1.estimate.value.total_cmp(&b.1.estimate.value));
-    let Some((best, least)) = all.first().cloned() else { return Vec::new() };
-    all.into_iter().map(|one| near(outcomes, (best, &least), one)).collect()
-}
-
-/// A variant's distance to the target, compared with that of the nearest.
-fn near(
-    outcomes: &[Outcome],
-    (best, least): (usize, &Linked),
-    (variant, to_target): (usize, Linked),
-) -> Near {
+    let Some((best, least)) = all.first() else { return Vec::new() };
     // common realisations move both distances alike
-    let farther = Linked::sum([(1.0, &to_target), (-1.0, least)]).estimate;
-    let factor = factor_of(&[&outcomes[best], &outcomes[variant]]);
-    let bar = if variant == best { Some(0.0) } else { farther.standard_error.map(|s| factor * s) };
-    Near { variant, to_target, farther, bar }
+    let near = |(variant, to_target): &(usize, Linked)| {
+        let farther = Linked::sum([(1.0, to_target), (-1.0, least)]).estimate;
+        let farther = with_interval(farther, &[&outcomes[*best], &outcomes[*variant]]);
+        Near { variant: *variant, distance: to_target.estimate, farther }
+    };
+    all.iter().map(near).collect()
 }
 
-/// Standard errors in half of a 95 % interval, for the smallest number of realisations.
-fn factor_of(outcomes: &[&Outcome]) -> f64 {
+/// The estimate with half of its 95 % interval as the error, for the smallest number of
+/// realisations.
+fn with_interval(estimate: Estimate, outcomes: &[&Outcome]) -> Estimate {
     let behind = outcomes.iter().filter(|o| !o.certain).map(|o| o.realisations);
-    student(behind.min().unwrap_or(0), QUANTILE)
+    let factor = student(behind.min().unwrap_or(0), QUANTILE);
+    Estimate { standard_error: estimate.standard_error.map(|s| factor * s), ..estimate }
 }
 
 fn row(rank: usize, near: &Near, outcomes: &[Outcome]) -> NearRow {
     let outcome = &outcomes[near.variant];
-    let with_bar = |e: Estimate, half: Option<f64>| Estimate { standard_error: half, ..e }.in_words(2);
-    let estimate = near.to_target.estimate;
-    let half = estimate.standard_error.map(|s| factor_of(&[outcome]) * s);
-    let [_, contrast] = numbers(outcome);
+    let in_words = |e: Estimate| with_interval(e, &[outcome]).in_words(2);
     NearRow {
         labels: outcome.labels.clone(),
         link: format!("variants/{}/report.html", outcome.name),
         hex: outcome.print_hex.clone(),
-        delta_e: with_bar(estimate, half),
-        contrast_ratio: contrast
-            .map_or_else(String::new, |c| with_bar(c, c.standard_error.map(|s| factor_of(&[outcome]) * s))),
+        delta_e: in_words(near.distance),
+        contrast_ratio: numbers(outcome)[1].map_or_else(String::new, in_words),
         verdict: match (rank, near.is_tied()) {
             (0, _) => "nearest".into(),
             (_, Some(true)) => "cannot be distinguished from it".into(),
-            (_, Some(false)) => format!("farther by {}", with_bar(near.farther, near.bar)),
+            (_, Some(false)) => format!("farther by {}", near.farther.in_words(2)),
             (_, None) => "unknown".into(),
         },
     }

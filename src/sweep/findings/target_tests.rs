@@ -1,7 +1,7 @@
 use super::*;
 use crate::evaluate::ink_maker::Target;
 use crate::evaluate::manifest::Count;
-use crate::sweep::definition::load::AxisOutline;
+use crate::sweep::definition::load::{AxisOutline, Place};
 
 /// A variant with three realisations at the given distance from its target.
 fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> Outcome {
@@ -23,6 +23,7 @@ fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> 
         target: Some(target),
         print_hex: Some("#808080".into()),
         spectra: Vec::new(),
+        picture: None,
     }
 }
 

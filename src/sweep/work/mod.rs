@@ -3,8 +3,6 @@
 pub mod alone;
 pub mod merge;
 pub mod plan;
-pub mod portions;
 pub(crate) mod rounds;
 pub mod run;
-pub(crate) mod stored;
 pub mod units;

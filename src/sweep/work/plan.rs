@@ -1,6 +1,5 @@
 //! Estimates the cost of a sweep before it runs, calibrated by a few of its own solves.
 
-mod deadline;
 mod scaled;
 mod trial;
 
@@ -13,12 +12,12 @@ use crate::run::{RunError, RunSettings};
 use crate::solve::demand::memory_in_words;
 use crate::store::identity::Key;
 use crate::sweep::definition::load::Sweep;
-use deadline::Deadline;
+use crate::sweep::definition::load::{Sweep, Variant};
 use scaled::scaled;
 use serde::Serialize;
 use std::collections::HashSet;
 use std::time::Duration;
-use trial::{MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial};
+use trial::{Deadline, MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial};
 
 /// Maximum number of trial variants.
 const TRIALS: usize = 4;
@@ -63,44 +62,45 @@ pub struct Plan {
 /// No trial variant can be packed and solved, or the watch requests a stop.
 pub fn plan(sweep: &Sweep, settings: RunSettings, watch: &dyn RunWatch) -> Result<Plan, RunError> {
     let jobs = settings.jobs.unwrap_or_else(rayon::current_num_threads);
-    let (groups, deadline) = (groups(sweep), Deadline::after(watch, LIMIT));
-    let (mut trials, late) = tried(sweep, representatives(sweep, &groups), jobs, &deadline)?;
-    let mut calibration = in_words(sweep, &trials);
-    if let Some((name, factor)) = at_full_size(sweep, &trials, jobs, &deadline)? {
+    let deadline = Deadline::after(watch, LIMIT);
+    let (mut trials, late) = tried(&representatives(sweep), jobs, &deadline)?;
+    let mut calibration = in_words(&trials);
+    if let Some((name, factor)) = at_full_size(&trials, jobs, &deadline)? {
         calibration += &format!("; {name} at full size costs {factor:.2} times as much per µm³");
         trials.iter_mut().for_each(|t| (t.solve, t.grid) = (t.solve * factor, t.grid * factor));
     }
-    let by_size: Vec<Trial> = late.iter().map(|&v| scaled(v, &sweep.variants[v].study)).collect();
-    calibration += &late_in_words(sweep, &late, trials.is_empty());
-    trials.extend(by_size);
+    calibration += &late_in_words(&late, trials.is_empty());
+    trials.extend(late.into_iter().map(scaled));
     Ok(costed(sweep, &trials, calibration, settings))
 }
 
 /// Estimates the cost from the size alone, without trials.
 pub fn by_size(sweep: &Sweep, settings: RunSettings) -> Plan {
-    let all = representatives(sweep, &groups(sweep));
-    let trials: Vec<Trial> = all.iter().map(|&v| scaled(v, &sweep.variants[v].study)).collect();
-    costed(sweep, &trials, late_in_words(sweep, &all, true), settings)
+    let all = representatives(sweep);
+    let trials: Vec<Trial> = all.iter().copied().map(scaled).collect();
+    costed(sweep, &trials, late_in_words(&all, true), settings)
+}
+
+fn variants_of_groups(sweep: &Sweep) -> Vec<Vec<&Variant>> {
+    groups(sweep).iter().map(|group| group.iter().map(|&v| &sweep.variants[v]).collect()).collect()
 }
 
 /// Trials that finished in time, and the variants whose trials did not.
-fn tried(
-    sweep: &Sweep,
-    variants: Vec<usize>,
+fn tried<'a>(
+    variants: &[&'a Variant],
     jobs: usize,
     deadline: &Deadline,
-) -> Result<(Vec<Trial>, Vec<usize>), RunError> {
+) -> Result<(Vec<Trial<'a>>, Vec<&'a Variant>), RunError> {
     let (mut trials, mut late, mut failure) = (Vec::new(), Vec::new(), None);
-    for (place, &v) in variants.iter().enumerate() {
+    for (place, &variant) in variants.iter().enumerate() {
         // one more part for the solve at full size
         let part = deadline.part(variants.len() - place + 1);
-        part.stage(&format!("calibrating with {} in a small cell", sweep.variants[v].name));
-        let study = &sweep.variants[v].study;
-        let alike = trials.iter().find(|t: &&Trial| t.study.resolution == study.resolution);
-        match trial(v, study, alike, jobs, &part).map_err(RunError::stopped) {
+        part.stage(&format!("calibrating with {} in a small cell", variant.name));
+        let alike = trials.iter().find(|t: &&Trial| t.study.resolution == variant.study.resolution);
+        match trial(variant, alike, jobs, &part).map_err(RunError::stopped) {
             Ok(trial) => trials.push(trial),
-            Err(RunError::Stopped) if deadline.is_called_off() => return Err(RunError::Stopped),
-            Err(RunError::Stopped) => late.push(v),
+            Err(RunError::Stopped) if deadline.watch.stop() => return Err(RunError::Stopped),
+            Err(RunError::Stopped) => late.push(variant),
             Err(error) => failure = Some(error),
         }
     }
@@ -112,19 +112,19 @@ fn tried(
 
 /// The plan based on the trials.
 fn costed(sweep: &Sweep, trials: &[Trial], calibration: String, settings: RunSettings) -> Plan {
-    let groups = groups(sweep);
-    let (solves, core_seconds) = cost(sweep, &groups, trials);
-    let full = |t: &Trial| full_resolution(t, &sweep.variants[t.variant].study);
-    let unknowns = trials.iter().map(full).map(|r| r.nx * r.ny * r.planes()).max().unwrap_or(0);
-    let bytes = |t: &Trial| {
-        let study = &sweep.variants[t.variant].study;
-        size(study, full(t)).bytes(&*study.solver.build())
-    };
-    let most_bytes = trials.iter().map(bytes).fold(0.0, f64::max);
-    let realisations = |g: &Vec<usize>| g.iter().map(|&v| sweep.variants[v].study.realisations).max();
+    let groups = variants_of_groups(sweep);
+    let (solves, core_seconds) = cost(&groups, trials);
+    let (mut unknowns, mut most_bytes) = (0, 0.0_f64);
+    for trial in trials {
+        let study = &trial.variant.study;
+        let r = full_resolution(trial, study);
+        unknowns = unknowns.max(r.nx * r.ny * r.planes());
+        most_bytes = most_bytes.max(size(study, r).bytes(&*study.solver.build()));
+    }
+    let packings = groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max());
     Plan {
         variants: sweep.variants.len(),
-        packings: groups.iter().filter_map(realisations).sum(),
+        packings: packings.sum(),
         solves,
         units: units(sweep).len(),
         unknowns,
@@ -146,70 +146,69 @@ fn out_of_reach(core_seconds: f64, bytes: f64, memory: f64) -> Option<String> {
     (core_seconds / cores > REACH_SECONDS).then(|| format!("estimated {days:.0} days on {cores} cores"))
 }
 
+fn names<'a>(variants: impl IntoIterator<Item = &'a Variant>) -> String {
+    variants.into_iter().map(|variant| variant.name.as_str()).collect::<Vec<_>>().join(", ")
+}
+
 /// Reports the variants whose trials did not finish in time.
-fn late_in_words(sweep: &Sweep, late: &[usize], alone: bool) -> String {
+fn late_in_words(late: &[&Variant], alone: bool) -> String {
     if late.is_empty() {
         return String::new();
     }
-    let names: Vec<&str> = late.iter().map(|&v| sweep.variants[v].name.as_str()).collect();
-    let start = if alone { "" } else { "; " };
-    format!("{start}unknowns × operator applications of {}: no trial finished in time", names.join(", "))
+    let (start, names) = (if alone { "" } else { "; " }, names(late.iter().copied()));
+    format!("{start}unknowns × operator applications of {names}: no trial finished in time")
 }
 
-fn in_words(sweep: &Sweep, trials: &[Trial]) -> String {
+fn in_words(trials: &[Trial]) -> String {
     if trials.is_empty() {
         return String::new();
     }
-    let widest =
-        trials.iter().map(|t| t.study.layer.period_um[0].max(t.study.layer.period_um[1])).fold(0.0, f64::max);
-    let names: Vec<&str> = trials.iter().map(|t| sweep.variants[t.variant].name.as_str()).collect();
-    format!("{} in cells of up to {widest} µm, scaled by volume", names.join(", "))
+    let widest = trials.iter().flat_map(|t| t.study.layer.period_um).fold(0.0, f64::max);
+    let names = names(trials.iter().map(|trial| trial.variant));
+    format!("{names} in cells of up to {widest} µm, scaled by volume")
 }
 
 /// For each requested resolution, variants evenly spread over the densities of grains.
-fn representatives(sweep: &Sweep, groups: &[Vec<usize>]) -> Vec<usize> {
-    let wanted = resolutions(sweep, &(0..sweep.variants.len()).collect::<Vec<_>>());
+fn representatives(sweep: &Sweep) -> Vec<&Variant> {
+    let groups = variants_of_groups(sweep);
+    let wanted = resolutions(&sweep.variants.iter().collect::<Vec<_>>());
     let each = (TRIALS / wanted.len()).max(2);
-    let of_resolution = |(n, wanted): (usize, &WantedResolution)| {
-        let all = one_of_each(sweep, groups, n, wanted);
-        spread(&by_density(sweep, all), each)
-    };
-    wanted.iter().enumerate().flat_map(of_resolution).collect()
+    let mut chosen = Vec::new();
+    for (n, wanted) in wanted.into_iter().enumerate() {
+        let mut all = Vec::new();
+        for (k, group) in groups.iter().enumerate() {
+            let members = with_resolution(group, wanted);
+            // takes the inks of a group in turn, so that the trials do not all use the first
+            all.extend(members.get((k + n) % members.len().max(1)));
+        }
+        chosen.extend(spread(&by_density(all), each));
+    }
+    chosen
 }
 
-/// One variant of each group with the `n`-th requested resolution.
-fn one_of_each(sweep: &Sweep, groups: &[Vec<usize>], n: usize, wanted: &WantedResolution) -> Vec<usize> {
-    // takes the inks of a group in turn, so that the trials do not all use the first
-    let member = |(k, group): (usize, &Vec<usize>)| {
-        let members: Vec<usize> =
-            group.iter().filter(|v| sweep.variants[**v].study.resolution == *wanted).copied().collect();
-        members.get((k + n) % members.len().max(1)).copied()
-    };
-    groups.iter().enumerate().filter_map(member).collect()
+/// Those variants of a group that request this resolution.
+fn with_resolution<'a>(group: &[&'a Variant], wanted: WantedResolution) -> Vec<&'a Variant> {
+    group.iter().copied().filter(|variant| variant.study.resolution == wanted).collect()
 }
 
 /// The variants with grains, ordered by their density; the first variant if none has grains.
-fn by_density(sweep: &Sweep, all: Vec<usize>) -> Vec<usize> {
-    let study = |v: usize| &sweep.variants[v].study;
-    let mut some: Vec<usize> = all.iter().copied().filter(|&v| !study(v).pigments.is_empty()).collect();
-    if some.is_empty() {
-        some = all.into_iter().take(1).collect();
-    }
-    some.sort_by(|&a, &b| density(study(a)).total_cmp(&density(study(b))));
-    some
+fn by_density(all: Vec<&Variant>) -> Vec<&Variant> {
+    let first = all.first().copied();
+    let mut some: Vec<&Variant> = all.into_iter().filter(|v| !v.study.pigments.is_empty()).collect();
+    some.sort_by(|a, b| density(&a.study).total_cmp(&density(&b.study)));
+    if some.is_empty() { first.into_iter().collect() } else { some }
 }
 
 /// At most `most` variants of a list, evenly spread from the first to the last.
-fn spread(list: &[usize], most: usize) -> Vec<usize> {
+fn spread<'a>(list: &[&'a Variant], most: usize) -> Vec<&'a Variant> {
     let (count, last) = (list.len().min(most), list.len().saturating_sub(1));
     (0..count).map(|k| list[k * last / (count - 1).max(1)]).collect()
 }
 
 /// The different requested resolutions of the variants.
-fn resolutions(sweep: &Sweep, variants: &[usize]) -> Vec<WantedResolution> {
-    let mut found: Vec<WantedResolution> = Vec::new();
-    for &v in variants {
-        let wanted = sweep.variants[v].study.resolution;
+fn resolutions(variants: &[&Variant]) -> Vec<WantedResolution> {
+    let mut found = Vec::new();
+    for wanted in variants.iter().map(|variant| variant.study.resolution) {
         if !found.contains(&wanted) {
             found.push(wanted);
         }
@@ -219,21 +218,20 @@ fn resolutions(sweep: &Sweep, variants: &[usize]) -> Vec<WantedResolution> {
 
 /// Solves the variant with the fastest packing at full size; returns its name and the cost per µm³
 /// relative to the small cell.
-fn at_full_size(
-    sweep: &Sweep,
-    trials: &[Trial],
+fn at_full_size<'a>(
+    trials: &[Trial<'a>],
     jobs: usize,
     deadline: &Deadline,
-) -> Result<Option<(String, f64)>, RunError> {
+) -> Result<Option<(&'a str, f64)>, RunError> {
     let Some(trial) = trials.iter().min_by(|a, b| a.packing.total_cmp(&b.packing)) else { return Ok(None) };
-    let variant = &sweep.variants[trial.variant];
-    if variant.study.layer.period_um == trial.study.layer.period_um || grains(&variant.study) > MOST_GRAINS {
+    let Variant { name, study, .. } = trial.variant;
+    if study.layer.period_um == trial.study.layer.period_um || grains(study) > MOST_GRAINS {
         return Ok(None);
     }
-    deadline.stage(&format!("calibrating with {} at full size", variant.name));
-    match full_solve(trial, &variant.study, jobs, deadline).map_err(RunError::stopped) {
-        Ok(solve) => Ok(Some((variant.name.clone(), solve / trial.solve))),
-        Err(RunError::Stopped) if !deadline.is_called_off() => Ok(None),
+    deadline.stage(&format!("calibrating with {name} at full size"));
+    match full_solve(trial, study, jobs, deadline).map_err(RunError::stopped) {
+        Ok(solve) => Ok(Some((name, solve / trial.solve))),
+        Err(RunError::Stopped) if !deadline.watch.stop() => Ok(None),
         Err(error) => Err(error),
     }
 }
@@ -248,23 +246,25 @@ fn full_solve(trial: &Trial, study: &Study, jobs: usize, watch: &dyn RunWatch) -
 
 /// Number of different solves, and core seconds: each group at the rates of the trials with the
 /// nearest density of grains.
-fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) {
+fn cost(groups: &[Vec<&Variant>], trials: &[Trial]) -> (usize, f64) {
     let (mut solves, mut seconds) = (0, 0.0);
     for group in groups {
-        for (n, wanted) in resolutions(sweep, group).iter().enumerate() {
-            let here = |v: &&usize| sweep.variants[**v].study.resolution == *wanted;
-            let studies: Vec<&Study> = group.iter().filter(here).map(|&v| &sweep.variants[v].study).collect();
-            let counts = Counts::of(&studies);
-            solves += counts.solves;
+        for (n, wanted) in resolutions(group).into_iter().enumerate() {
+            let studies: Vec<&Study> =
+                with_resolution(group, wanted).into_iter().map(|variant| &variant.study).collect();
+            let [grids, own] = grids_and_solves(&studies);
+            solves += own;
             let distance = |t: &&Trial| (density(&t.study) / density(studies[0])).ln().abs();
-            let alike = trials.iter().filter(|t| t.study.resolution == *wanted);
+            let alike = trials.iter().filter(|t| t.study.resolution == wanted);
             let nearest = alike.min_by(|a, b| distance(a).total_cmp(&distance(b)));
             // without grains there is no contrast to iterate on
             if let (false, Some(trial)) = (studies[0].pigments.is_empty(), nearest) {
+                let realisations = studies.iter().map(|study| study.realisations);
                 // resolutions share the packings of their group
-                let packings = if n == 0 { counts.packings } else { 0 };
-                let once = trial.packing * packings as f64 + trial.coverage * counts.coverages as f64;
-                let work = once + trial.grid * counts.grids as f64 + trial.solve * counts.solves as f64;
+                let packings = if n == 0 { realisations.clone().max().unwrap_or(0) } else { 0 };
+                let coverages = realisations.sum::<usize>() as f64;
+                let once = trial.packing * packings as f64 + trial.coverage * coverages;
+                let work = once + trial.grid * grids as f64 + trial.solve * own as f64;
                 seconds += studies[0].volume_um3() * work;
             }
         }
@@ -275,35 +275,22 @@ fn cost(sweep: &Sweep, groups: &[Vec<usize>], trials: &[Trial]) -> (usize, f64) 
 /// Solves on the coarse grid that take as long as one on the finer grid.
 const FINER_COST: usize = 2;
 
-/// Work of variants with the same packings and the same requested resolution.
-struct Counts {
-    packings: usize,
-    coverages: usize,
-    grids: usize,
-    solves: usize,
-}
-
-impl Counts {
-    fn of(studies: &[&Study]) -> Self {
-        let (mut solves, mut grids, mut finer) = (HashSet::new(), HashSet::new(), 0);
-        for study in studies {
-            let method = (&study.solver, &study.goal);
-            for r in 0..study.realisations {
-                solves.extend(study.points(r).iter().map(|p| {
-                    let indices = study.indices(p.incidence.wavelength_um);
-                    Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
-                }));
-                finer += study.solves_of(r) - study.solves_each();
-            }
-            let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
-            let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
-            grids.insert(Key::of("grid", &(light, indices, method)));
+/// Numbers of grid searches and of solves of variants with the same packings and the same requested
+/// resolution.
+fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
+    let (mut solves, mut grids, mut finer) = (HashSet::new(), HashSet::new(), 0);
+    for study in studies {
+        let method = (&study.solver, &study.goal);
+        for r in 0..study.realisations {
+            solves.extend(study.points(r).iter().map(|p| {
+                let indices = study.indices(p.incidence.wavelength_um);
+                Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
+            }));
+            finer += study.solves_of(r) - study.solves_each();
         }
-        Self {
-            packings: studies.iter().map(|s| s.realisations).max().unwrap_or(0),
-            coverages: studies.iter().map(|s| s.realisations).sum(),
-            grids: grids.len(),
-            solves: solves.len() + FINER_COST * finer,
-        }
+        let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
+        let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
+        grids.insert(Key::of("grid", &(light, indices, method)));
     }
+    [grids.len(), solves.len() + FINER_COST * finer]
 }

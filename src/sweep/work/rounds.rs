@@ -4,15 +4,17 @@
 //! realisation whichever process runs it. All variants proceed in rounds of this size. A round is
 //! determined by the store alone, so that all processes of a folder agree on it. Without a target
 //! there is a single round.
+//!
+//! What is stored for a variant is read here without computing anything.
 
-use super::stored::{collect_some, stage_key};
-use super::units::{Unit, units, units_within};
+use super::units::{Unit, ends_early, units, units_within};
 use crate::evaluate::summary::enough;
 use crate::input::study::Study;
+use crate::run::point::is_physical;
 use crate::run::realisation::all_point_keys;
-use crate::run::resolve;
-use crate::run::resolve::Resolved;
-use crate::run::{Collected, Stores};
+use crate::run::resolve::{self, Resolved};
+use crate::run::{Collected, Realisation, Refused, Stores};
+use crate::store::identity::Key;
 use crate::sweep::definition::load::{Sweep, Variant};
 use std::ops::Range;
 
@@ -21,26 +23,22 @@ use std::ops::Range;
 const BATCH: usize = 8;
 
 /// Progress of a variant.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Standing {
+#[derive(Clone, Copy, Debug)]
+struct Standing {
     /// Number of realisations up to the next check, or to the end.
-    pub border: usize,
+    border: usize,
     /// Whether some of these realisations are unfinished.
-    pub open: bool,
+    open: bool,
     /// Whether the target is reached with these realisations.
-    pub enough: bool,
+    enough: bool,
 }
 
 impl Standing {
-    /// Reads the progress of a study from the store; its target is known to be missed after `known`
-    /// realisations.
-    pub fn of(study: &Study, stores: &Stores, known: usize) -> Self {
+    /// Reads the progress of a study from the store; its target, if it has one, is known to be
+    /// missed after `known` realisations.
+    fn of(study: &Study, stores: &Stores, known: usize) -> Self {
         let all = study.realisations;
-        let (closed, wants) = (Self { border: all, open: false, enough: false }, study.target_delta_e);
-        if wants.is_none() {
-            return closed;
-        }
-        let first = known / BATCH * BATCH + BATCH;
+        let first = study.target_delta_e.map_or(all, |_| known / BATCH * BATCH + BATCH);
         for border in (first..all).step_by(BATCH).chain([all]) {
             if !has_ended(study, stores, border) {
                 return Self { border, open: true, enough: false };
@@ -54,18 +52,12 @@ impl Standing {
                 return Self { border, open: false, enough: true };
             }
         }
-        closed
+        Self { border: all, open: false, enough: false }
     }
-}
 
-impl Standing {
-    /// Updates the progress of an open variant from the store.
-    fn after(self, study: &Study, stores: &Stores) -> Self {
-        let border = study.realisations;
-        match study.target_delta_e {
-            None => Self { border, open: !has_ended(study, stores, border), enough: false },
-            Some(_) => Self::of(study, stores, self.border.saturating_sub(BATCH)),
-        }
+    /// The number of realisations with which the target is known to be missed.
+    fn known(self) -> usize {
+        self.border.saturating_sub(BATCH)
     }
 
     /// The round that ends at the border.
@@ -79,9 +71,53 @@ impl Standing {
 /// A study with `run.target_delta_e` ends with the realisation that reaches it, even if more are
 /// stored; it is known to miss it with `known` realisations.
 pub(crate) fn collect(study: &Study, stores: &Stores, known: usize) -> Option<Collected> {
-    let standing = Standing::of(study, stores, known);
-    let realisations = if standing.enough { standing.border } else { study.realisations };
-    Some(Collected { enough: standing.enough, ..collect_some(study, stores, realisations)? })
+    let standing = study.target_delta_e.map(|_| Standing::of(study, stores, known));
+    let reached = standing.filter(|standing| standing.enough);
+    let realisations = reached.map_or(study.realisations, |standing| standing.border);
+    Some(Collected { enough: reached.is_some(), ..collect_some(study, stores, realisations)? })
+}
+
+/// Everything stored for the first realisations.
+fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collected> {
+    let resolved = resolve::kept(study, &stores.grids)?;
+    let realisations: Vec<Realisation> =
+        (0..tried).filter_map(|r| collect_one(study, stores, &resolved, r)).collect();
+    let refused = refused(study, stores, tried);
+    let (enough, damages) = (false, Vec::new());
+    (!realisations.is_empty()).then_some(Collected { resolved, realisations, refused, enough, damages })
+}
+
+/// Realisations recorded as having no packing or no grid.
+pub(crate) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refused> {
+    (0..tried)
+        .filter_map(|realisation| {
+            let record = stores.failures.get(stage_key(study, realisation).as_str())?;
+            Some(Refused { realisation, reason: record.reason })
+        })
+        .collect()
+}
+
+/// Everything stored for a realisation; `None` if it is not packed.
+fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) -> Option<Realisation> {
+    let packing = stores.packings.get(Key::of_packing(&study.packing_request(r)).as_str())?;
+    let keyed = all_point_keys(study, resolved, r);
+    let points = keyed.iter().map(|(_, key)| {
+        stores.points.get(key.as_str()).filter(|record| is_physical(record, resolved.grid_error))
+    });
+    let mut points: Vec<_> = points.collect();
+    let missing = keyed.iter().zip(&points).filter(|(_, found)| found.is_none());
+    let failures = missing.filter_map(|(keyed, _)| stores.failure(keyed)).collect();
+    let finer = points.split_off(study.solves_each());
+    Some(Realisation { packing, points, finer, failures })
+}
+
+/// Content hash of everything that a realisation's packing and grid depend on.
+pub(super) fn stage_key(study: &Study, realisation: usize) -> Key {
+    let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
+    let light = (&study.wavelengths_nm, &study.angles, indices);
+    let method = (&study.resolution, &study.solver, &study.goal);
+    let inputs = (resolve::key(study), study.packing_request(realisation), light, method);
+    Key::of_wave("stage", &inputs, study.vector_wave())
 }
 
 fn has_failed(study: &Study, stores: &Stores, realisation: usize) -> bool {
@@ -119,26 +155,22 @@ impl<'a> Rounds<'a> {
 
     /// The number of realisations with which each variant is known to miss its target.
     pub fn known(&self) -> Vec<usize> {
-        self.standings.iter().map(|standing| standing.border.saturating_sub(BATCH)).collect()
-    }
-
-    /// True if some variant has a target.
-    pub fn wanted(sweep: &Sweep) -> bool {
-        sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some())
+        self.standings.iter().map(|standing| standing.known()).collect()
     }
 
     /// Number of the current round, from 1, and its units; `None` if all variants are finished.
     pub fn next(&mut self, stores: &Stores) -> Option<(usize, Vec<Unit>)> {
-        if !Self::wanted(self.sweep) {
+        if !ends_early(self.sweep) {
             return Some((1, units(self.sweep)));
         }
-        for (variant, standing) in self.sweep.variants.iter().zip(&mut self.standings) {
+        let mut open = Vec::new();
+        for (Variant { study, .. }, standing) in self.sweep.variants.iter().zip(&mut self.standings) {
             if standing.open {
-                *standing = standing.after(&variant.study, stores);
+                *standing = Standing::of(study, stores, standing.known());
             }
+            open.extend(standing.open.then(|| standing.round(study)));
         }
-        let of = |(s, v): (&Standing, &Variant)| s.open.then(|| s.round(&v.study));
-        let round = self.standings.iter().zip(&self.sweep.variants).filter_map(of).min()?;
+        let round = open.into_iter().min()?;
         Some((round, units_within(self.sweep, &self.realisations(round))))
     }
 

@@ -6,13 +6,12 @@
 //! `--retry-failed`, and by `inkwave run`.
 
 mod jobs;
-mod named;
 mod news;
 mod room;
 mod work;
 
 use super::rounds::Rounds;
-use super::units::{Shard, Unit, units};
+use super::units::{Shard, Unit, ends_early, units};
 use crate::run::crew::Crew;
 use crate::run::realisation::Packings;
 use crate::run::watch::RunWatch;
@@ -20,18 +19,16 @@ use crate::run::{RunError, RunSettings, Stores};
 use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
-use crate::store::queue::{Assignment, Queue, QueueStanding, QueuedTask};
+use crate::store::queue::{Assignment, Queue, QueueStanding};
 use crate::sweep::definition::load::Sweep;
 use jobs::{Job, jobs};
-use named::NamedWatch;
 use news::News;
 use room::Room;
 use serde::Serialize;
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::{Once, OnceLock};
 use std::time::Duration;
-use work::{Work, is_failure};
+use work::Work;
 
 /// Interval at which an idle worker looks for work again.
 const WAIT: Duration = Duration::from_millis(50);
@@ -43,7 +40,7 @@ const ROUND: usize = 1 << 32;
 const GRIDS_FIRST: f64 = 1e30;
 
 /// Result of running a sweep, over all workers of the folder.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Tally {
     /// Number of solves of the shard; shared solves count once per variant.
     pub asked: usize,
@@ -99,78 +96,61 @@ pub fn run(
     if settings.retry_failed && queue.standing()?.workers == 1 {
         stores.failures.remove_all()?;
     }
-    let (mut rounds, mut waited) = (Rounds::new(sweep), Duration::ZERO);
+    let (mut rounds, mut waits) = (Rounds::new(sweep), 0);
     let (mut before, mut failure) = (None, None);
     while let Some((round, units)) = rounds.next(&stores) {
-        let units = &units[shard.range(units.len())];
+        let jobs = jobs(&units[shard.range(units.len())], scope);
         // If the queue is empty but the round is unfinished, stop: repeating it would not help.
-        let Some(turn) = WorkTurn::new((round, units), scope).filter(|_| before != Some(round)) else {
+        if jobs.is_empty() || before == Some(round) {
             break;
+        }
+        let groups = jobs.iter().filter(|job| job.grids.is_none()).count();
+        // units wait for their grids
+        let crew = Crew::new(settings.jobs, groups.max(jobs.len() - groups))?;
+        let worker = Worker {
+            sweep,
+            folder,
+            begun: Once::new(),
+            stores: &stores,
+            queue: &queue,
+            first: round * ROUND,
+            jobs,
+            settings: RunSettings { jobs: Some(crew.jobs_each), ..settings },
+            room: Room::new(settings.memory, crew.workers()),
+            watch,
+            trouble: OnceLock::new(),
+            failure: OnceLock::new(),
+            waits: AtomicUsize::new(0),
+            overtaken: AtomicBool::new(false),
         };
-        let crew = Crew::new(settings.jobs, turn.at_a_time())?;
-        let room = Room::new(settings.memory, crew.workers());
-        let settings = RunSettings { jobs: Some(crew.jobs_each), ..settings };
-        let worker = Worker::new((sweep, folder), (&stores, &queue), &turn, (settings, room), watch);
-        queue.enlist(turn.first, &turn.tasks(sweep))?;
+        queue.enlist(worker.first, &worker.jobs.iter().map(|job| job.task(sweep)).collect::<Vec<_>>())?;
         // While the only grids are being chosen, nothing else can be done: all threads take part.
-        if turn.groups() == 1
+        if groups == 1
             && let Some(task) = worker.take()
         {
-            worker.note(worker.go(task));
+            worker.go(task);
         }
-        crew.work_off(|| worker.take(), |task| worker.note(worker.go(task)));
-        waited += WAIT * worker.waits.load(Ordering::Relaxed) as u32;
-        before = (!worker.overtaken.load(Ordering::Relaxed)).then_some(round);
-        let Worker { trouble, failure: failed, .. } = worker;
-        taken(trouble).map_or(Ok(()), Err)?;
-        failure = failure.or(taken(failed));
-        if watch.stop() || scope == Scope::Grids || !Rounds::wanted(sweep) {
+        crew.work_off(|| worker.take(), |task| worker.go(task));
+        waits += worker.waits.into_inner();
+        before = (!worker.overtaken.into_inner()).then_some(round);
+        worker.trouble.into_inner().map_or(Ok(()), Err)?;
+        failure = failure.or(worker.failure.into_inner());
+        if watch.stop() || scope == Scope::Grids || !ends_early(sweep) {
             break;
         }
         stores.database().refresh()?;
     }
-    let damages = stores.database().damages();
-    let (asked, known) = (solves(sweep, shard), rounds.known());
-    Ok(Tally { asked, damages, failure, waited, known, ..tally(&queue, watch.stop())? })
-}
-
-fn tally(queue: &Queue, stopped: bool) -> Result<Tally, RunError> {
-    let QueueStanding { workers, solves, failed, .. } = queue.standing()?;
-    let publishes = if stopped { workers == 1 } else { queue.publishes()? };
-    Ok(Tally { finished: solves - failed, failed, publishes, ..Tally::default() })
-}
-
-fn taken<T>(mutex: Mutex<Option<T>>) -> Option<T> {
-    mutex.into_inner().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// The jobs of a round, and the number of its first task.
-struct WorkTurn {
-    first: usize,
-    jobs: Vec<Job>,
-}
-
-impl WorkTurn {
-    /// `None` if there are no jobs.
-    fn new((round, units): (usize, &[Unit]), scope: Scope) -> Option<Self> {
-        let mut jobs = jobs(units);
-        jobs.retain(|job| scope == Scope::Solves || matches!(job, Job::Grids(_)));
-        (!jobs.is_empty()).then_some(Self { first: round * ROUND, jobs })
-    }
-
-    /// Number of groups whose grids are chosen.
-    fn groups(&self) -> usize {
-        self.jobs.iter().filter(|job| matches!(job, Job::Grids(_))).count()
-    }
-
-    /// Maximum number of concurrent tasks: units wait for their grids.
-    fn at_a_time(&self) -> usize {
-        self.groups().max(self.jobs.len() - self.groups())
-    }
-
-    fn tasks(&self, sweep: &Sweep) -> Vec<QueuedTask> {
-        self.jobs.iter().map(|job| job.task(sweep)).collect()
-    }
+    let QueueStanding { workers, solves: processed, failed, .. } = queue.standing()?;
+    Ok(Tally {
+        asked: solves(sweep, shard),
+        finished: processed - failed,
+        failed,
+        publishes: if watch.stop() { workers == 1 } else { queue.publishes()? },
+        damages: stores.database().damages(),
+        failure,
+        waited: WAIT * waits as u32,
+        known: rounds.known(),
+    })
 }
 
 /// Name of the work, so that only processes with the same sweep and shard share it.
@@ -179,186 +159,99 @@ fn name(sweep: &Sweep, shard: Shard, scope: Scope) -> Key {
     Key::of("work", &(studies, shard.index, shard.count, scope))
 }
 
-/// State shared by the threads of a process.
+/// State shared by the threads of a process in one round.
 struct Worker<'a> {
     sweep: &'a Sweep,
-    /// Prefixes of the stages of each variant.
-    prefixes: Vec<String>,
     folder: &'a OutputFolder,
     /// Set when the first solve begins.
     begun: Once,
     stores: &'a Stores,
     queue: &'a Queue,
-    turn: &'a WorkTurn,
+    /// Number of the first task.
+    first: usize,
+    jobs: Vec<Job>,
     settings: RunSettings,
     room: Room,
     watch: &'a dyn RunWatch,
     /// The first error that ends the work.
-    trouble: Mutex<Option<RunError>>,
+    trouble: OnceLock<RunError>,
     /// The first failure of a packing or grid, which does not end the work.
-    failure: Mutex<Option<RunError>>,
+    failure: OnceLock<RunError>,
     /// Number of times that a thread found no work.
     waits: AtomicUsize,
     /// Whether other processes have started another round.
     overtaken: AtomicBool,
 }
 
-impl<'a> Worker<'a> {
-    fn new(
-        (sweep, folder): (&'a Sweep, &'a OutputFolder),
-        (stores, queue): (&'a Stores, &'a Queue),
-        turn: &'a WorkTurn,
-        (settings, room): (RunSettings, Room),
-        watch: &'a dyn RunWatch,
-    ) -> Self {
-        let prefix = |name: &str| if name.is_empty() { String::new() } else { format!("{name}: ") };
-        Self {
-            sweep,
-            prefixes: sweep.variants.iter().map(|variant| prefix(&variant.name)).collect(),
-            folder,
-            begun: Once::new(),
-            stores,
-            queue,
-            turn,
-            settings,
-            room,
-            watch,
-            trouble: Mutex::default(),
-            failure: Mutex::default(),
-            waits: AtomicUsize::new(0),
-            overtaken: AtomicBool::new(false),
-        }
-    }
-
+impl Worker<'_> {
     /// Claims the next task; `None` if there is none, or the run should stop.
     fn take(&self) -> Option<usize> {
-        loop {
-            if self.watch.stop() || self.has_trouble() {
-                return None;
-            }
-            let claim = self
-                .stores
-                .database()
-                .refresh()
-                .map_err(RunError::Store)
-                .and_then(|()| Ok(self.queue.claim()?));
-            match claim {
-                Ok(Assignment::Task(task)) if self.is_of_this_round(task) => return Some(task),
+        while !self.watch.stop() && self.trouble.get().is_none() {
+            let refreshed = self.stores.database().refresh().map_err(RunError::Store);
+            match refreshed.and_then(|()| Ok(self.queue.claim()?)) {
+                Ok(Assignment::Task(task)) if self.job(task).is_some() => return Some(task),
                 Ok(Assignment::Task(task)) => {
                     self.overtaken.store(true, Ordering::Relaxed);
-                    self.note(self.queue.give_back(task).map_err(RunError::from));
+                    self.queue.give_back(task).unwrap_or_else(|error| self.note(error));
                     return None;
                 }
-                Ok(Assignment::Wait) => self.wait(),
+                Ok(Assignment::Wait) => {
+                    std::thread::sleep(WAIT);
+                    self.waits.fetch_add(1, Ordering::Relaxed);
+                }
                 Ok(Assignment::Finished) => return None,
-                Err(error) => self.note(Err(error)),
+                Err(error) => self.note(error),
             }
         }
+        None
     }
 
-    fn is_of_this_round(&self, task: usize) -> bool {
-        (self.turn.first..self.turn.first + self.turn.jobs.len()).contains(&task)
-    }
-
-    fn wait(&self) {
-        std::thread::sleep(WAIT);
-        self.waits.fetch_add(1, Ordering::Relaxed);
+    /// The job of a task; `None` if it is of another round.
+    fn job(&self, task: usize) -> Option<&Job> {
+        self.jobs.get(task.checked_sub(self.first)?)
     }
 
     /// Removes earlier results before the first solve.
     fn begin(&self) {
-        self.begun.call_once(|| self.note(self.folder.begin().map_err(RunError::from)));
+        self.begun.call_once(|| self.folder.begin().unwrap_or_else(|error| self.note(error)));
     }
 
-    fn go(&self, task: usize) -> Result<(), RunError> {
-        match &self.turn.jobs[task - self.turn.first] {
-            Job::Grids(variants) => self.grids(task, variants),
-            Job::Unit(unit, _) => self.unit(task, unit),
+    /// Notes an error that ends the work.
+    fn note(&self, error: impl Into<RunError>) {
+        let _ = self.trouble.set(error.into());
+    }
+
+    fn go(&self, task: usize) {
+        if let Some(Err(error)) = self.job(task).map(|job| self.carry_out(task, job)) {
+            self.note(error);
         }
     }
 
-    fn note(&self, done: Result<(), RunError>) {
-        if let Err(error) = done {
-            self.trouble.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-        }
-    }
-
-    fn has_trouble(&self) -> bool {
-        self.trouble.lock().unwrap_or_else(PoisonError::into_inner).is_some()
-    }
-
-    /// Chooses the grids of a group and sets the cost of its units.
-    fn grids(&self, task: usize, variants: &[usize]) -> Result<(), RunError> {
-        let first = self.named(variants[0], self.watch);
-        let mut packings = Packings::new(&self.sweep.variants[variants[0]].study, &first);
-        let mut cost = 0.0;
-        for &v in variants {
-            let named = self.named(v, self.watch);
-            let work = self.work(v, 0, &named);
-            if work.has_failed() {
-                continue;
-            }
-            match work.resolve(&mut packings).map_err(RunError::stopped) {
-                Ok(resolved) => cost += work.cost(&resolved),
-                Err(RunError::Stopped) => return Ok(self.queue.give_back(task)?),
-                Err(error) if is_failure(&error) => self.failed(&work, 0..work.study.realisations, error)?,
-                Err(error) => return Err(error),
-            }
-        }
-        self.queue.reckon(task, cost)?;
-        Ok(self.queue.finish(task, 0, 0)?)
-    }
-
-    /// Computes a unit.
-    fn unit(&self, task: usize, unit: &Unit) -> Result<(), RunError> {
+    /// Computes a unit; or chooses the grids of a group and sets the cost of its units.
+    fn carry_out(&self, task: usize, Job { unit, grids }: &Job) -> Result<(), RunError> {
         let news = News::new(self, task);
-        let first = self.named(unit.variants[0], &news);
-        let mut packings = Packings::new(&self.sweep.variants[unit.variants[0]].study, &first);
-        let mut failed = 0;
-        for &v in &unit.variants {
-            if self.watch.stop() {
-                break;
-            }
-            let named = self.named(v, &news);
-            let work = self.work(v, unit.realisation, &named);
-            failed += match work.go(&mut packings).map_err(RunError::stopped) {
-                Ok(failed) => failed,
-                Err(RunError::Stopped) => break,
-                Err(error) if is_failure(&error) => {
-                    self.failed(&work, unit.realisation..unit.realisation + 1, error)?;
-                    work.drop_all()
-                }
-                Err(error) => return Err(error),
+        let work = |v: usize| Work::new(self, &self.sweep.variants[v], unit.realisation, &news);
+        let first = work(unit.variants[0]);
+        let mut packings = Packings::new(first.study, &first.watch);
+        let mut sum = 0;
+        for &v in unit.variants.iter().take_while(|_| !self.watch.stop()) {
+            let done = match grids {
+                None => work(v).choose_grid(&mut packings),
+                Some(_) => work(v).solve(&mut packings),
             };
+            match done {
+                Ok(count) => sum += count,
+                Err(RunError::Stopped) => break,
+                Err(error) => return Err(error),
+            }
         }
         if self.watch.stop() {
             return Ok(self.queue.give_back(task)?);
         }
-        Ok(self.queue.finish(task, solves_of(self.sweep, unit), failed)?)
-    }
-
-    /// Records that realisations of a variant have no packing or no grid.
-    fn failed(&self, work: &Work, realisations: Range<usize>, error: RunError) -> Result<(), RunError> {
-        work.note_failure(realisations, &error)?;
-        self.failure.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-        Ok(())
-    }
-
-    fn named<'b>(&'b self, variant: usize, watch: &'b dyn RunWatch) -> NamedWatch<'b> {
-        NamedWatch { prefix: &self.prefixes[variant], watch }
-    }
-
-    fn work<'b>(&'b self, variant: usize, realisation: usize, watch: &'b dyn RunWatch) -> Work<'b> {
-        let variant = &self.sweep.variants[variant];
-        let (name, study) = (&variant.name, &variant.study);
-        Work {
-            name,
-            study,
-            stores: self.stores,
-            settings: self.settings,
-            room: &self.room,
-            watch,
-            realisation,
+        if grids.is_some() {
+            return Ok(self.queue.finish(task, solves_of(self.sweep, unit), sum)?);
         }
+        self.queue.reckon(task, sum as f64)?;
+        Ok(self.queue.finish(task, 0, 0)?)
     }
 }

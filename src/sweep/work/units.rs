@@ -35,17 +35,16 @@ impl Shard {
     /// The whole sweep.
     pub const ALL: Self = Self { index: 1, count: 1 };
 
-    /// Checks that there is a unit for each part; the error is the number of units.
-    pub fn check(self, sweep: &Sweep) -> Result<(), usize> {
-        let most = units(sweep).len();
-        if self.count <= most { Ok(()) } else { Err(most) }
-    }
-
     /// The range of `units` in this shard; may be empty if there are more shards than units.
     pub fn range(self, units: usize) -> Range<usize> {
         let up_to = |index: usize| (index as u128 * units as u128 / self.count as u128) as usize;
         up_to(self.index - 1)..up_to(self.index)
     }
+}
+
+/// Whether `run.target_delta_e` may end some variant before its last realisation.
+pub fn ends_early(sweep: &Sweep) -> bool {
+    sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some())
 }
 
 /// Groups of variants whose packings are equal in all realisations, ordered by the packings'

@@ -12,12 +12,11 @@ use crate::sweep::findings::outcome::Outcome;
 /// Why there is no such place: values are missing, or the curve does not take the value exactly
 /// once.
 pub(super) fn place(claim: &Claim, outcomes: &[Outcome], value: &Linked) -> Result<Linked, String> {
-    let point = |(at, v): (f64, usize)| {
-        let outcome = &outcomes[v];
+    let mut points = Vec::new();
+    for (at, outcome) in claim.curve().map(|(at, v)| (at, &outcomes[v])) {
         let found = outcome.quantity(claim.table.quantity, claim.table.wavelength_nm);
-        found.map(|number| (at, number)).ok_or_else(|| no_value(outcome))
-    };
-    let points: Vec<(f64, Linked)> = claim.curve().map(point).collect::<Result<_, _>>()?;
+        points.push((at, found.ok_or_else(|| no_value(outcome))?));
+    }
     on_curve(&points, value)
 }
 

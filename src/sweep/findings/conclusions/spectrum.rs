@@ -1,14 +1,11 @@
 //! Conclusions about a range of wavelengths, which must hold at every one of them, at some, or for
 //! their mean.
 
-use super::{Claim, QUANTILE, Verdict, decide, margin, measure, no_value};
+use super::{Claim, Finding, QUANTILE, Verdict, decide, margin, measure, no_value};
 use crate::numerics::estimate::Estimate;
 use crate::numerics::linked::Linked;
 use crate::sweep::definition::file::Over;
 use crate::sweep::findings::outcome::Outcome;
-
-/// Verdict, measured value and remark; or what is missing.
-type SpectrumFound = Result<(Verdict, Option<Estimate>, String), String>;
 
 /// The result at one wavelength.
 struct AtWavelength {
@@ -29,16 +26,13 @@ impl AtWavelength {
 }
 
 /// Tests a conclusion on the selected wavelengths of its range.
-pub(super) fn judge(
-    claim: &Claim,
-    outcomes: &[Outcome],
-    range: [f64; 2],
-) -> (Verdict, Option<Estimate>, String) {
-    let found = wavelengths(claim, outcomes, range).and_then(|nm| match claim.table.over {
-        Over::Mean => on_mean(claim, outcomes, &nm),
-        Over::Every | Over::Some => one_by_one(claim, outcomes, &nm, range),
-    });
-    found.unwrap_or_else(|missing| (Verdict::Undecided, None, missing))
+pub(super) fn judge(claim: &Claim, outcomes: &[Outcome], range: [f64; 2]) -> Finding {
+    let nm = wavelengths(claim, outcomes, range)?;
+    if claim.table.over == Over::Mean {
+        return on_mean(claim, outcomes, &nm);
+    }
+    let parts = nm.iter().map(|&one| at_wavelength(claim, outcomes, one, nm.len()));
+    one_by_one(&parts.collect::<Result<Vec<_>, String>>()?, claim.table.over, range)
 }
 
 /// The selected wavelengths: the whole range, or those that a variant absorbs well.
@@ -72,7 +66,7 @@ fn at(claim: &Claim, outcomes: &[Outcome], nm: f64) -> Result<(Linked, usize), S
 }
 
 /// Tests the mean over the wavelengths.
-fn on_mean(claim: &Claim, outcomes: &[Outcome], nm: &[f64]) -> SpectrumFound {
+fn on_mean(claim: &Claim, outcomes: &[Outcome], nm: &[f64]) -> Finding {
     let parts = nm.iter().map(|&one| at(claim, outcomes, one)).collect::<Result<Vec<_>, String>>()?;
     let (Some(first), Some(last)) = (nm.first(), nm.last()) else {
         return Err("no wavelength of the study in the range".into());
@@ -100,15 +94,6 @@ fn mean(numbers: &[Linked]) -> Linked {
     mean
 }
 
-fn one_by_one(claim: &Claim, outcomes: &[Outcome], nm: &[f64], range: [f64; 2]) -> SpectrumFound {
-    let parts: Vec<AtWavelength> =
-        nm.iter().map(|&one| at_wavelength(claim, outcomes, one, nm.len())).collect::<Result<_, String>>()?;
-    Ok(match claim.table.over {
-        Over::Some => some(&parts, range),
-        Over::Every | Over::Mean => every(&parts, range),
-    })
-}
-
 /// Quantile with the Bonferroni correction for this number of wavelengths.
 fn corrected(count: usize) -> f64 {
     1.0 - (1.0 - QUANTILE) / count as f64
@@ -122,56 +107,42 @@ fn at_wavelength(claim: &Claim, outcomes: &[Outcome], nm: f64, count: usize) -> 
     Ok(AtWavelength { nm, measured, verdict, together, margin: margin(claim, measured.value) })
 }
 
-fn none([from, to]: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
-    (Verdict::Undecided, None, format!("no wavelength of the study from {from} to {to} nm"))
-}
-
-/// Confirmed if every wavelength confirms it (an intersection of tests needs no correction),
-/// refuted if one refutes it after the Bonferroni correction. The measured value is the one with
-/// the clearest refutation, or the nearest to it.
-fn every(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
-    let refuted = parts.iter().filter(|part| part.together == Verdict::Refuted);
-    let clearest = refuted.min_by(|a, b| a.clearness().total_cmp(&b.clearness()));
-    let Some(worst) = clearest.or_else(|| parts.iter().min_by(|a, b| a.margin.total_cmp(&b.margin))) else {
-        return none(range);
+/// What is said of every wavelength is confirmed if all confirm it (an intersection of tests needs
+/// no correction), refuted if one refutes it after the Bonferroni correction; what is said of some
+/// is refuted if all refute it, confirmed if one confirms it after the correction. The measured
+/// value is the one that decides most clearly, or the nearest to it.
+fn one_by_one(parts: &[AtWavelength], over: Over, [from, to]: [f64; 2]) -> Finding {
+    let mut order: Vec<&AtWavelength> = parts.iter().collect();
+    let (sign, one, all, otherwise) = match over {
+        Over::Some => (-1.0, Verdict::Confirmed, Verdict::Refuted, "nearest to its bound"),
+        Over::Every | Over::Mean => (1.0, Verdict::Refuted, Verdict::Confirmed, "worst"),
     };
-    let verdict = match clearest {
-        _ if parts.iter().all(|part| part.verdict == Verdict::Confirmed) => Verdict::Confirmed,
-        Some(_) => Verdict::Refuted,
-        None => Verdict::Undecided,
+    if over == Over::Some {
+        order.reverse();
+    }
+    let least = |a: f64, b: f64| (sign * a).total_cmp(&(sign * b));
+    let deciding = order.iter().filter(|part| part.together == one);
+    let clearest = deciding.min_by(|a, b| least(a.clearness(), b.clearness()));
+    let shown = clearest.or_else(|| order.iter().min_by(|a, b| least(a.margin, b.margin)));
+    let shown = shown.ok_or_else(|| format!("no wavelength of the study from {from} to {to} nm"))?;
+    let (verdict, why) = match clearest {
+        Some(_) => (one, format!("{} most clearly", one.name())),
+        None if parts.iter().all(|part| part.verdict == all) => (all, otherwise.to_owned()),
+        None => (Verdict::Undecided, otherwise.to_owned()),
     };
-    let why = if clearest.is_some() { "refuted most clearly" } else { "worst" };
-    let remark = format!("measured at {:.0} nm, where it is {why}", worst.nm);
-    let others = listed(parts, &[("refuted", Verdict::Refuted), ("undecided", Verdict::Undecided)]);
-    (verdict, Some(worst.measured), remark + &others)
-}
-
-/// Confirmed if one wavelength confirms it after the Bonferroni correction, refuted if every one
-/// refutes it. The measured value is the one with the clearest confirmation, or the nearest to it.
-fn some(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
-    let confirmed = parts.iter().filter(|part| part.together == Verdict::Confirmed);
-    let clearest = confirmed.max_by(|a, b| a.clearness().total_cmp(&b.clearness()));
-    let Some(best) = clearest.or_else(|| parts.iter().max_by(|a, b| a.margin.total_cmp(&b.margin))) else {
-        return none(range);
-    };
-    let verdict = match clearest {
-        Some(_) => Verdict::Confirmed,
-        _ if parts.iter().all(|part| part.verdict == Verdict::Refuted) => Verdict::Refuted,
-        None => Verdict::Undecided,
-    };
-    let why = if clearest.is_some() { "confirmed most clearly" } else { "nearest to its bound" };
-    let remark = format!("measured at {:.0} nm, where it is {why}", best.nm);
-    (verdict, Some(best.measured), remark + &listed(parts, &[("confirmed", Verdict::Confirmed)]))
+    let others: &[Verdict] = if over == Over::Some { &[one] } else { &[one, Verdict::Undecided] };
+    let remark = format!("measured at {:.0} nm, where it is {why}{}", shown.nm, listed(parts, others));
+    Ok((verdict, Some(shown.measured), remark))
 }
 
 /// Lists the wavelengths of each verdict that only some of them have: "; refuted at 500, 520 nm".
-fn listed(parts: &[AtWavelength], verdicts: &[(&str, Verdict)]) -> String {
+fn listed(parts: &[AtWavelength], verdicts: &[Verdict]) -> String {
     let mut text = String::new();
-    for (word, which) in verdicts {
+    for which in verdicts {
         let there = parts.iter().filter(|part| part.verdict == *which);
         let there: Vec<String> = there.map(|part| format!("{:.0}", part.nm)).collect();
         if !there.is_empty() && there.len() < parts.len() {
-            text += &format!("; {word} at {} nm", there.join(", "));
+            text += &format!("; {} at {} nm", which.name(), there.join(", "));
         }
     }
     text

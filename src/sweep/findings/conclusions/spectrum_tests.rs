@@ -2,6 +2,14 @@
 
 use super::*;
 
+fn every(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
+    one_by_one(parts, Over::Every, range).unwrap()
+}
+
+fn some(parts: &[AtWavelength], range: [f64; 2]) -> (Verdict, Option<Estimate>, String) {
+    one_by_one(parts, Over::Some, range).unwrap()
+}
+
 fn part(nm: f64, margin: f64, verdict: Verdict) -> AtWavelength {
     let measured = Estimate { value: margin, standard_error: Some(0.1) };
     AtWavelength { nm, measured, verdict, together: verdict, margin }
@@ -20,7 +28,7 @@ fn one_wavelength_refutes_what_others_confirm() {
     assert_eq!(measured.map(|m| m.value), Some(-1.0));
     assert_eq!(every(&parts[..1], [500.0, 500.0]).0, Verdict::Confirmed);
     assert_eq!(every(&[part(500.0, 0.1, Verdict::Undecided)], [500.0, 500.0]).0, Verdict::Undecided);
-    assert_eq!(every(&[], [1.0, 2.0]).0, Verdict::Undecided);
+    assert!(one_by_one(&[], Over::Every, [1.0, 2.0]).is_err());
 }
 
 /// *Planted*: judged as `every`, the first is refuted.
@@ -34,7 +42,7 @@ fn one_wavelength_confirms_what_is_said_of_some() {
     // certain on its own, but not as one of many
     let lucky = AtWavelength { together: Verdict::Undecided, ..part(500.0, 0.21, Verdict::Confirmed) };
     assert_eq!(some(&[lucky, part(520.0, -1.0, Verdict::Refuted)], [500.0, 520.0]).0, Verdict::Undecided);
-    assert_eq!(some(&[], [1.0, 2.0]).0, Verdict::Undecided);
+    assert!(one_by_one(&[], Over::Some, [1.0, 2.0]).is_err());
 }
 
 #[test]

@@ -5,6 +5,7 @@ use super::trial::Trial;
 use crate::input::study::{Study, WantedResolution};
 use crate::run::resolve::size;
 use crate::solve::accuracy::smooth_size;
+use crate::sweep::definition::load::Variant;
 use crate::wave::Resolution;
 use std::f64::consts::TAU;
 
@@ -26,7 +27,8 @@ const SEARCH: f64 = 12.0;
 const PER_WAVE: [f64; 2] = [4.5, 8.0];
 
 /// Estimate for a variant without a trial.
-pub(super) fn scaled(variant: usize, study: &Study) -> Trial {
+pub(super) fn scaled(variant: &Variant) -> Trial<'_> {
+    let study = &variant.study;
     let resolution = grid(study);
     let unknowns = size(study, resolution).unknowns();
     let solve = unknowns * applications(study) * APPLICATION;
@@ -64,11 +66,8 @@ fn grid(study: &Study) -> Resolution {
 
 /// Largest |η| of all media at the shortest wavelength.
 fn densest(study: &Study) -> f64 {
-    indices(study).map(|eta| eta.norm()).fold(1.0, f64::max)
-}
-
-fn indices(study: &Study) -> impl Iterator<Item = num_complex::Complex64> {
-    study.indices(1e-3 * study.wavelengths_nm[0]).into_iter()
+    let indices = study.indices(1e-3 * study.wavelengths_nm[0]);
+    indices.into_iter().map(|eta| eta.norm()).fold(1.0, f64::max)
 }
 
 /// Operator applications per solve: a constant, plus a term proportional to the phase difference

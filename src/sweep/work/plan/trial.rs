@@ -12,14 +12,15 @@ use crate::run::memory;
 use crate::run::point::PointSolver;
 use crate::run::realisation::Packings;
 use crate::run::resolve::resolve;
-use crate::run::watch::RunWatch;
+use crate::run::watch::{Event, RunWatch};
 use crate::solve::Solver;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
 use crate::store::store::Store;
 use crate::wave::{Resolution, Scene};
+use crate::sweep::definition::load::Variant;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// Maximum period of a trial cell, µm, unless the longest grain needs more: then twice its length.
 const TRIAL_PERIOD_UM: f64 = 1.6;
@@ -30,8 +31,8 @@ const MOST_SOLVES: usize = 60;
 pub(super) const MOST_GRAINS: f64 = 5e4;
 
 /// Cost of a trial variant, in core seconds per µm³.
-pub(crate) struct Trial {
-    pub variant: usize,
+pub(crate) struct Trial<'a> {
+    pub variant: &'a Variant,
     /// What was tried: the variant in a small cell.
     pub study: Study,
     pub packing: f64,
@@ -74,14 +75,13 @@ pub(crate) fn grains(study: &Study) -> f64 {
 
 /// Runs the trial of a variant; `alike` is an earlier trial with the same requested resolution,
 /// whose grid is reused.
-pub(crate) fn trial(
-    variant: usize,
-    full: &Study,
+pub(crate) fn trial<'a>(
+    variant: &'a Variant,
     alike: Option<&Trial>,
     jobs: usize,
     watch: &dyn RunWatch,
-) -> Result<Trial, RunError> {
-    let mut study = in_small_cell(full);
+) -> Result<Trial<'a>, RunError> {
+    let mut study = in_small_cell(&variant.study);
     study.realisations = 1;
     if grains(&study) > MOST_GRAINS {
         return Err(RunError::Stopped);
@@ -209,4 +209,34 @@ pub(crate) fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
 fn spread(points: &[Point], count: usize) -> Vec<Point> {
     let count = count.clamp(1, points.len());
     (0..count).map(|k| points[(2 * k + 1) * points.len() / (2 * count)]).collect()
+}
+
+/// Forwards the events of a trial and stops it in time.
+pub(super) struct Deadline<'a> {
+    /// Stops on the user's request alone.
+    pub watch: &'a dyn RunWatch,
+    end: Instant,
+}
+
+impl<'a> Deadline<'a> {
+    /// A deadline after `limit`.
+    pub fn after(watch: &'a dyn RunWatch, limit: Duration) -> Self {
+        Self { watch, end: Instant::now() + limit }
+    }
+
+    /// A deadline after an equal share of the time left, for the next of several trials.
+    pub fn part(&self, trials: usize) -> Self {
+        let left = self.end.saturating_duration_since(Instant::now());
+        Self::after(self.watch, left / trials.max(1) as u32)
+    }
+}
+
+impl RunWatch for Deadline<'_> {
+    fn stop(&self) -> bool {
+        Instant::now() >= self.end || self.watch.stop()
+    }
+
+    fn hear(&self, event: Event) {
+        self.watch.hear(event);
+    }
 }

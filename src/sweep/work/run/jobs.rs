@@ -1,45 +1,44 @@
 //! The tasks of a sweep: choosing the grids of groups, and computing units.
 
 use super::super::units::Unit;
-use super::{GRIDS_FIRST, solves_of};
+use super::{GRIDS_FIRST, Scope, solves_of};
 use crate::store::queue::QueuedTask;
 use crate::sweep::Sweep;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-/// The content of a task.
-pub(super) enum Job {
-    /// Choose the grids of these variants.
-    Grids(Vec<usize>),
-    /// Compute a unit; the index is that of its group's grids.
-    Unit(Unit, usize),
+/// A task: to compute a unit, or to choose the grids of a group.
+pub(super) struct Job {
+    /// The unit; if grids are chosen, all variants of the group in their first realisation.
+    pub unit: Unit,
+    /// Number of the task that chooses the grids; `None` if this one does.
+    pub grids: Option<usize>,
 }
 
 impl Job {
     pub fn task(&self, sweep: &Sweep) -> QueuedTask {
-        match self {
-            Self::Grids(variants) => QueuedTask {
-                cost: GRIDS_FIRST
-                    * variants.iter().map(|v| sweep.variants[*v].study.volume_um3()).sum::<f64>(),
-                after: None,
-            },
+        let studies = self.unit.variants.iter().map(|v| &sweep.variants[*v].study);
+        let cost = match self.grids {
+            None => GRIDS_FIRST * studies.map(|study| study.volume_um3()).sum::<f64>(),
             // an estimate until the grid is known
-            Self::Unit(unit, grids) => {
-                QueuedTask { cost: solves_of(sweep, unit) as f64, after: Some(*grids) }
-            }
-        }
+            Some(_) => solves_of(sweep, &self.unit) as f64,
+        };
+        QueuedTask { cost, after: self.grids }
     }
 }
 
-/// The grids of all groups, followed by the units.
-pub(super) fn jobs(units: &[Unit]) -> Vec<Job> {
-    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+/// The grids of all groups, followed by the units if these are to be solved.
+pub(super) fn jobs(units: &[Unit], scope: Scope) -> Vec<Job> {
+    let mut groups: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
     for unit in units {
-        let group = groups.entry(unit.group).or_default();
-        group.extend(&unit.variants);
-        group.sort_unstable();
-        group.dedup();
+        groups.entry(unit.group).or_default().extend(&unit.variants);
     }
-    let place = |group: usize| groups.keys().position(|&g| g == group).unwrap_or(0);
-    let of_unit: Vec<Job> = units.iter().map(|unit| Job::Unit(unit.clone(), place(unit.group))).collect();
-    groups.into_values().map(Job::Grids).chain(of_unit).collect()
+    let mut jobs = Vec::new();
+    for (&group, variants) in &groups {
+        let unit = Unit { group, variants: variants.iter().copied().collect(), realisation: 0 };
+        jobs.push(Job { unit, grids: None });
+    }
+    for unit in units.iter().filter(|_| scope == Scope::Solves) {
+        jobs.push(Job { unit: unit.clone(), grids: groups.keys().position(|&group| group == unit.group) });
+    }
+    jobs
 }

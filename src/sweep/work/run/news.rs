@@ -2,7 +2,6 @@
 
 use super::{BETWEEN_NEWS, Worker};
 use crate::run::watch::{Event, RunWatch};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
@@ -10,26 +9,26 @@ use std::time::Instant;
 pub(super) struct News<'a> {
     worker: &'a Worker<'a>,
     task: usize,
-    solves: AtomicUsize,
-    told: Mutex<Instant>,
+    /// Number of solves, and when it was last told.
+    told: Mutex<(usize, Instant)>,
 }
 
 impl<'a> News<'a> {
     pub fn new(worker: &'a Worker<'a>, task: usize) -> Self {
-        Self { worker, task, solves: AtomicUsize::new(0), told: Mutex::new(Instant::now()) }
+        Self { worker, task, told: Mutex::new((0, Instant::now())) }
     }
 
     fn advance(&self, solves: usize) {
-        let solves = self.solves.fetch_add(solves, Ordering::Relaxed) + solves;
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        if told.elapsed() < BETWEEN_NEWS {
+        told.0 += solves;
+        if told.1.elapsed() < BETWEEN_NEWS {
             return;
         }
-        *told = Instant::now();
+        told.1 = Instant::now();
         let Worker { queue, watch, .. } = self.worker;
-        match queue.advance(self.task, solves).and_then(|()| queue.standing()) {
+        match queue.advance(self.task, told.0).and_then(|()| queue.standing()) {
             Ok(standing) => watch.hear(Event::Standing(&standing)),
-            Err(error) => self.worker.note(Err(error.into())),
+            Err(error) => self.worker.note(error),
         }
     }
 }

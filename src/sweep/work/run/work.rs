@@ -1,70 +1,94 @@
 //! The work on one realisation of one variant.
 
-use super::super::stored::stage_key;
-use super::room::Room;
+use super::super::rounds::stage_key;
+use super::Worker;
 use crate::input::study::Study;
 use crate::run::realisation::{Packings, RealisationRun};
 use crate::run::resolve::{Resolved, resolve};
 use crate::run::watch::{Event, RunWatch};
-use crate::run::{RunError, RunSettings, Stores};
+use crate::run::{RunError, RunSettings};
 use crate::store::record::FailureRecord;
+use crate::sweep::definition::load::Variant;
 use crate::wave::Scene;
+use std::ops::Range;
 
 /// The work on one realisation of one variant.
 pub(super) struct Work<'a> {
-    pub name: &'a str,
+    worker: &'a Worker<'a>,
     pub study: &'a Study,
-    pub stores: &'a Stores,
-    pub settings: RunSettings,
-    pub room: &'a Room,
+    realisation: usize,
     /// Labels stages with the variant's name.
-    pub watch: &'a dyn RunWatch,
-    pub realisation: usize,
+    pub watch: NamedWatch<'a>,
 }
 
-impl Work<'_> {
-    /// Computes the realisation; returns the number of solves without a result.
-    pub fn go(&self, packings: &mut Packings) -> Result<usize, RunError> {
-        if self.has_failed() {
-            return Ok(self.drop_all());
-        }
-        self.realise(packings)
+impl<'a> Work<'a> {
+    pub fn new(
+        worker: &'a Worker,
+        variant: &'a Variant,
+        realisation: usize,
+        watch: &'a dyn RunWatch,
+    ) -> Self {
+        let watch = NamedWatch { name: &variant.name, watch };
+        Self { worker, study: &variant.study, realisation, watch }
     }
 
-    /// Reports that no solve of the realisation can be computed; returns their number.
-    pub fn drop_all(&self) -> usize {
+    /// Chooses the variant's grid; returns the number of unknowns of the realisation's solves, to
+    /// which its time is proportional.
+    pub fn choose_grid(&self, packings: &mut Packings) -> Result<usize, RunError> {
+        if self.has_failed() {
+            return Ok(0);
+        }
+        match self.resolve(packings) {
+            Ok(Resolved { resolution: r, .. }) => {
+                Ok(r.nx * r.ny * r.planes() * self.study.solves_of(self.realisation))
+            }
+            Err(error) => self.fail(0..self.study.realisations, error).map(|()| 0),
+        }
+    }
+
+    /// Computes the realisation; returns the number of solves without a result.
+    pub fn solve(&self, packings: &mut Packings) -> Result<usize, RunError> {
+        if !self.has_failed() {
+            match self.realise(packings) {
+                Ok(failed) => return Ok(failed),
+                Err(error) => self.fail(self.realisation..self.realisation + 1, error)?,
+            }
+        }
         let solves = self.study.solves_of(self.realisation);
         self.watch.hear(Event::Dropped(solves));
-        solves
+        Ok(solves)
     }
 
     /// Whether the lack of a packing or grid is recorded for this realisation.
-    pub fn has_failed(&self) -> bool {
+    fn has_failed(&self) -> bool {
         let key = stage_key(self.study, self.realisation);
-        self.stores.failures.has(key.as_str())
+        self.worker.stores.failures.has(key.as_str())
     }
 
-    /// Records that realisations have no packing or no grid.
-    pub fn note_failure(
-        &self,
-        realisations: std::ops::Range<usize>,
-        error: &RunError,
-    ) -> Result<(), RunError> {
-        let (variant, reason) = (self.name.to_owned(), error.to_string());
-        if !variant.is_empty() {
-            self.watch.stage(&format!("no result: {reason}"));
+    /// Records that realisations have no packing or no grid; any other failure ends the run.
+    fn fail(&self, realisations: Range<usize>, error: RunError) -> Result<(), RunError> {
+        let error = error.stopped();
+        let (RunError::Packing { .. } | RunError::Resolution(_) | RunError::Wave(_) | RunError::Memory(_)) =
+            error
+        else {
+            return Err(error);
+        };
+        if !self.watch.name.is_empty() {
+            self.watch.stage(&format!("no result: {error}"));
         }
         for realisation in realisations {
-            let (variant, reason) = (variant.clone(), reason.clone());
+            let (variant, reason) = (self.watch.name.to_owned(), error.to_string());
             let record = FailureRecord { variant, realisation, incidence: None, reason };
-            self.stores.failures.put(stage_key(self.study, realisation).as_str(), &record)?;
+            self.worker.stores.failures.put(stage_key(self.study, realisation).as_str(), &record)?;
         }
+        let _ = self.worker.failure.set(error);
         Ok(())
     }
 
-    pub fn resolve(&self, packings: &mut Packings) -> Result<Resolved, RunError> {
-        self.room.within(|memory| {
-            resolve(self.study, &self.stores.grids, memory, self.watch, |r| {
+    fn resolve(&self, packings: &mut Packings) -> Result<Resolved, RunError> {
+        let grids = &self.worker.stores.grids;
+        self.worker.room.within(|memory| {
+            resolve(self.study, grids, memory, &self.watch, |r| {
                 packings.get(r).map(|packing| Scene::from_packing(&packing))
             })
         })
@@ -72,24 +96,59 @@ impl Work<'_> {
 
     fn realise(&self, packings: &mut Packings) -> Result<usize, RunError> {
         let resolved = &self.resolve(packings)?;
-        let Self { study, stores, watch, realisation, .. } = *self;
-        self.room.within(|memory| {
-            let settings = RunSettings { memory, ..self.settings };
+        let Self { worker: &Worker { stores, settings, ref room, .. }, study, realisation, .. } = *self;
+        room.within(|memory| {
+            let (settings, watch) = (RunSettings { memory, ..settings }, &self.watch);
             RealisationRun { study, resolved, stores, settings, watch, realisation }.finish(packings)
         })
     }
+}
 
-    /// Number of unknowns of a realisation's solves, to which its time is proportional.
-    pub fn cost(&self, resolved: &Resolved) -> f64 {
-        let r = resolved.resolution;
-        (r.nx * r.ny * r.planes() * self.study.solves_of(self.realisation)) as f64
+/// Forwards events, with the variant's name before each stage.
+pub(super) struct NamedWatch<'a> {
+    /// Name of the variant; empty if it is the only one.
+    pub name: &'a str,
+    pub watch: &'a dyn RunWatch,
+}
+
+impl RunWatch for NamedWatch<'_> {
+    fn stop(&self) -> bool {
+        self.watch.stop()
+    }
+
+    fn hear(&self, event: Event) {
+        match event {
+            Event::Stage(what) if !self.name.is_empty() => {
+                self.watch.stage(&format!("{}: {what}", self.name))
+            }
+            other => self.watch.hear(other),
+        }
     }
 }
 
-/// Whether the failure belongs to a variant; all others end the run.
-pub(super) fn is_failure(error: &RunError) -> bool {
-    matches!(
-        error,
-        RunError::Packing { .. } | RunError::Resolution(_) | RunError::Wave(_) | RunError::Memory(_)
-    )
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Mutex;
+
+    #[derive(Default)]
+    struct Heard(Mutex<Vec<String>>);
+
+    impl RunWatch for Heard {
+        fn hear(&self, event: Event) {
+            self.0.lock().unwrap().push(format!("{event:?}"));
+        }
+    }
+
+    #[test]
+    fn a_stage_has_the_name_of_its_variant() {
+        let heard = Heard::default();
+        let named = NamedWatch { name: "yellow-0.3", watch: &heard };
+        named.hear(Event::Stage("packing realisation 4/6"));
+        named.hear(Event::Ended);
+        assert_eq!(
+            heard.0.into_inner().unwrap(),
+            [r#"Stage("yellow-0.3: packing realisation 4/6")"#, "Ended"]
+        );
+    }
 }
