@@ -7,7 +7,7 @@ use super::run::{run_report, tell_damages};
 use super::work::opened;
 use inkwave::evaluate::manifest::Status;
 use inkwave::input::study::{Composed, Study};
-use inkwave::report::composed::publish;
+use inkwave::report::composed::{lines, publish};
 use inkwave::run::RunSettings;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
@@ -32,7 +32,7 @@ pub(super) fn run(study: &Study, path: &Path, settings: RunSettings) -> miette::
     let published = publish(study, &solved, &folder).into_diagnostic();
     let published = published.map_err(|error| miette!(help = again.clone(), "{error}"))?;
     published.remarks.iter().for_each(super::say::note);
-    for line in published.lines {
+    for line in lines(&published) {
         say!("{}: {line}", study.title)?;
     }
     say!("Report: {}", folder.path().join("report.html").display())?;

@@ -12,7 +12,7 @@ use crate::input::fault::Faults;
 use crate::solve::Watch;
 use description::ProgramDescription;
 use judge::{ExpectedOrder, ReadAnswer};
-use process::{Limits, ProgramRun};
+use process::ProgramRun;
 use protocol::{ProgramRequest, WaveKind};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -169,13 +169,12 @@ impl ExternalTable {
         input: String,
         watch: &mut dyn Watch,
     ) -> Result<Result<ProgramRun, std::io::Error>, CompareError> {
-        let limits = Limits { seconds: self.time_limit_s, bytes: 1e9 * self.memory_gb };
         let mut command = Command::new(self.program(folder));
         command.args(&self.command[1..]).args(more);
         if !folder.as_os_str().is_empty() {
             command.current_dir(folder);
         }
-        ProgramRun::of(command, input.into_bytes(), limits, watch)
+        ProgramRun::of(command, input.into_bytes(), self, watch)
     }
 
     /// The program to start: a path with folders counts from the folder of the file.

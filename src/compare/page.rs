@@ -3,7 +3,7 @@
 use super::external::description::ProgramDescription;
 use super::machine::Machine;
 use super::reach;
-use super::row::{HEADER, Row, dash, mean_name};
+use super::row::{Row, dash, grouped, mean_name};
 use crate::report::cell::{self, markdown, records};
 use crate::report::page::{made_by, svg_data, templates};
 use crate::report::publish::PublishError;
@@ -93,7 +93,8 @@ impl Comparison {
 
     /// Data of both pages, without the figures.
     fn context(&self) -> Value {
-        let rows = self.rows.iter().map(|row| context!(failed => !row.converged(), cells => row.shown()));
+        let cells = |row: &Row| row.shown().map(|(_, cell)| cell);
+        let rows = self.rows.iter().map(|row| context!(failed => !row.converged(), cells => cells(row)));
         context! {
             title => if self.title.is_empty() { "Comparison of strategies" } else { &self.title },
             made_by => made_by(),
@@ -112,7 +113,7 @@ impl Comparison {
             costs => self.costs(),
             failures_header => ["strategy", "case", "grid", "reason"],
             failures => self.failures(),
-            header => HEADER,
+            header => self.rows.first().map(|row| row.shown().map(|(name, _)| name)),
             rows => rows.collect::<Vec<_>>(),
         }
     }
@@ -160,14 +161,12 @@ impl Comparison {
 
     /// Failures with strategy, case, grid and reason; only the first of several with one reason.
     fn failures(&self) -> Vec<[String; 4]> {
-        let mut failures: Vec<[String; 4]> = Vec::new();
-        for row in self.rows.iter().filter(|row| !row.converged()) {
-            let failure = [row.strategy.clone(), row.case_name(), row.grid(), row.outcome()];
-            if !failures.iter().any(|other| [0, 1, 3].iter().all(|&k| other[k] == failure[k])) {
-                failures.push(failure);
-            }
-        }
-        failures
+        let failed = self.rows.iter().filter(|row| !row.converged());
+        let alike = grouped(failed, |row| (row.strategy.clone(), row.case_name(), row.outcome()));
+        let line = |((strategy, case, reason), rows): ((String, String, String), Vec<&Row>)| {
+            [strategy, case, rows[0].grid(), reason]
+        };
+        alike.into_iter().map(line).collect()
     }
 
     /// Name, program, knob and conventions of programs that describe themselves.

@@ -29,31 +29,28 @@ pub(super) const LABEL_PX: u32 = 15;
 pub(super) const TITLE_PX: u32 = 18;
 const TICKS_DEG: f64 = 20.0;
 
-/// Renders the picture as a bitmap; with labels, `title` is written above it.
+/// Renders the picture as a bitmap.
 ///
 /// # Errors
 /// No angles, a strip or square that does not have their number, sides of 0 or more than 20 000
 /// pixels.
-pub fn render(picture: &InkPicture, style: &PictureStyle, title: &str) -> Result<Bitmap, OutputError> {
-    Painter(picture).render(style, title)
+pub fn render(picture: &InkPicture, style: &PictureStyle) -> Result<Bitmap, OutputError> {
+    let painter = Painter(picture);
+    painter.check()?;
+    let [left, top, right, bottom] = if style.labels { MARGINS } else { [0; 4] };
+    let width = left + style.strip_px + style.gap_px + style.side_px + right;
+    let mut bitmap = Bitmap::white(width, top + style.side_px + bottom)?;
+    painter.paint(&mut bitmap, [left, top], style);
+    if style.labels {
+        painter.label(&mut bitmap, [left, top], style)?;
+    }
+    Ok(bitmap)
 }
 
 /// Draws one picture.
 pub(super) struct Painter<'a>(pub(super) &'a InkPicture);
 
 impl Painter<'_> {
-    fn render(&self, style: &PictureStyle, title: &str) -> Result<Bitmap, OutputError> {
-        self.check()?;
-        let [left, top, right, bottom] = if style.labels { MARGINS } else { [0; 4] };
-        let width = left + style.strip_px + style.gap_px + style.side_px + right;
-        let mut bitmap = Bitmap::white(width, top + style.side_px + bottom)?;
-        self.paint(&mut bitmap, [left, top], style);
-        if style.labels {
-            self.label(&mut bitmap, [left, top], style, title)?;
-        }
-        Ok(bitmap)
-    }
-
     pub(super) fn check(&self) -> Result<(), OutputError> {
         let sides = [self.0.strip.len(), self.0.square.nrows(), self.0.square.ncols()];
         match self.0.angles_deg.len() {
@@ -80,25 +77,14 @@ impl Painter<'_> {
         bitmap: &mut Bitmap,
         [x, y]: [usize; 2],
         style: &PictureStyle,
-        title: &str,
     ) -> Result<(), OutputError> {
         let square = x + style.strip_px + style.gap_px;
         let (bottom, side) = ((y + style.side_px) as i32, style.side_px as i32);
-        bitmap.text(title, [x as i32, 16], TITLE_PX, Anchor::Left)?;
+        let (above, across) = (y as i32 - 14, square as i32 + side / 2);
         let strip_middle = (x + style.strip_px / 2) as i32;
-        bitmap.text("natural light", [strip_middle, y as i32 - 14], LABEL_PX, Anchor::Centre)?;
-        bitmap.text(
-            "π × diffuse BRDF",
-            [square as i32 + side / 2, y as i32 - 14],
-            LABEL_PX,
-            Anchor::Centre,
-        )?;
-        bitmap.text(
-            "illumination angle, °",
-            [square as i32 + side / 2, bottom + 44],
-            LABEL_PX,
-            Anchor::Centre,
-        )?;
+        bitmap.text("natural light", [strip_middle, above], LABEL_PX, Anchor::Centre)?;
+        bitmap.text("π × diffuse BRDF", [across, above], LABEL_PX, Anchor::Centre)?;
+        bitmap.text("illumination angle, °", [across, bottom + 44], LABEL_PX, Anchor::Centre)?;
         bitmap.text("viewing angle, °", [16, y as i32 + side / 2], LABEL_PX, Anchor::Upwards)?;
         for (name, at) in self.ticks(style.side_px) {
             bitmap.fill([x - 6, y + at], [5, 1], [0; 3]);

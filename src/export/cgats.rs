@@ -2,6 +2,7 @@
 //! reads.
 
 use super::print::Print;
+use crate::evaluate::summary::program;
 use std::fmt::Write;
 
 /// Dialect of the file, named in its first line.
@@ -34,7 +35,7 @@ pub fn cgats(print: &Print, dialect: Dialect) -> String {
 
 fn header(out: &mut String, print: &Print, dialect: Dialect) {
     let quoted = |text: &str| text.replace('"', "'").replace(['\n', '\r'], " ");
-    let _ = writeln!(out, "ORIGINATOR \"{} (simulated)\"", quoted(&print.program));
+    let _ = writeln!(out, "ORIGINATOR \"{} (simulated)\"", program());
     let _ = writeln!(out, "DESCRIPTOR \"Simulated, not measured: {}\"", quoted(&print.title));
     let _ = writeln!(out, "CREATED \"{}\"", print.created);
     if dialect == Dialect::Standard {

@@ -275,8 +275,8 @@ impl ComparisonFile {
     /// Its faults; a case instead.
     pub(super) fn packed(&self) -> Result<Packed, CompareError> {
         let missing = || Fault::new("study", "missing", "a study", "name a study file or write [study]");
-        let packed = Packed::read(self.study.as_ref().ok_or_else(missing)?, &self.origin)?;
-        Ok(packed.lit(self.wavelength_nm, self.polar_deg))
+        let study = self.study.as_ref().ok_or_else(missing)?;
+        Packed::read(study, &self.origin, (self.wavelength_nm, self.polar_deg))
     }
 
     pub(super) fn folder(&self) -> &Path {

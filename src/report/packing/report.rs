@@ -74,13 +74,13 @@ pub fn is_of_one_packing(name: &str) -> bool {
 
 fn scalars_csv(statistics: &Statistics) -> csv::Result<Vec<u8>> {
     let row = |(name, unit, value): &(String, String, Estimate)| {
-        [name, unit].map(|words| cell::text(words)).into_iter().chain(cell::numbers(Some(*value)))
+        ([name, unit].map(|words| cell::text(words)), cell::numbers(Some(*value)))
     };
     cell::table(["quantity", "unit", "mean", "standard_error"], statistics.scalars.iter().map(row))
 }
 
 fn curve_csv(curve: &StatisticCurve) -> csv::Result<Vec<u8>> {
-    let point = |(x, y): (&f64, &Estimate)| std::iter::once(x.to_string()).chain(cell::numbers(Some(*y)));
+    let point = |(x, y): (&f64, &Estimate)| (x.to_string(), cell::numbers(Some(*y)));
     cell::table(
         [curve.x_label.as_str(), &curve.y_label, "standard error"],
         curve.x.iter().zip(&curve.y).map(point),

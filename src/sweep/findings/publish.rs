@@ -165,7 +165,8 @@ fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     let columns = cell::with_errors(NUMBERS.into_iter().chain(aims.iter().copied()));
     let header = std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns);
     let reference = &outcomes[sweep.outline.reference];
-    cell::table(header, outcomes.iter().map(|outcome| outcome_row(outcome, reference, aims.len())))
+    let row = |outcome| Vec::from_iter(outcome_row(outcome, reference, aims.len()));
+    cell::table(header, outcomes.iter().map(row))
 }
 
 /// A variant's names, counts and numbers, with the first `aims` of its target's numbers.
@@ -194,7 +195,7 @@ fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
         "translation",
         "because",
     ];
-    cell::table(header, conclusions.iter().map(judged_row))
+    cell::table(header, conclusions.iter().map(|judged| Vec::from_iter(judged_row(judged))))
 }
 
 fn judged_row(c: &Judged) -> impl Iterator<Item = String> {
