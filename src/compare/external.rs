@@ -79,19 +79,15 @@ impl ExternalTable {
 
     /// Reports what cannot be run; `taken` are the names of other rows.
     pub(super) fn check(&self, taken: &[String], faults: &mut Faults) {
+        let positive = "a finite number above 0";
         let usable = |limit: f64| limit.is_finite() && limit > 0.0;
         let named = !self.name.trim().is_empty() && !taken.contains(&self.name);
         let started = self.command.first().is_some_and(|program| !program.is_empty());
         let rules = [
             (named, "name", format!("{:?}", self.name), "a name that no strategy and no other program has"),
             (started, "command", "empty".into(), "a program and its arguments"),
-            (
-                usable(self.time_limit_s),
-                "time_limit_s",
-                self.time_limit_s.to_string(),
-                "a finite number above 0",
-            ),
-            (usable(self.memory_gb), "memory_gb", self.memory_gb.to_string(), "a finite number above 0"),
+            (usable(self.time_limit_s), "time_limit_s", self.time_limit_s.to_string(), positive),
+            (usable(self.memory_gb), "memory_gb", self.memory_gb.to_string(), positive),
             (self.knob.iter().all(|k| k.is_finite()), "knob", format!("{:?}", self.knob), "finite numbers"),
         ];
         for (_, key, found, allowed) in rules.into_iter().filter(|rule| !rule.0) {

@@ -84,10 +84,9 @@ impl Comparison {
         templates.add_template("reach", include_str!("reach.lead"))?;
         templates.add_template("comparison.md", include_str!("comparison.md"))?;
         templates.add_template("comparison.html", include_str!("comparison.html"))?;
-        folder
-            .write("README.md", sealed(&templates.get_template("comparison.md")?.render(&all)?).as_bytes())?;
-        folder
-            .write("comparison.html", templates.get_template("comparison.html")?.render(&all)?.as_bytes())?;
+        let page = |name: &str| templates.get_template(name)?.render(&all);
+        folder.write("README.md", sealed(&page("comparison.md")?).as_bytes())?;
+        folder.write("comparison.html", page("comparison.html")?.as_bytes())?;
         if self.rows.len() == self.asked { Ok(folder.complete()?) } else { Ok(()) }
     }
 

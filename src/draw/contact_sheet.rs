@@ -3,7 +3,7 @@
 use super::error::{OutputError, failed};
 use super::figure::{Anchor, Bitmap};
 use super::leaf::wrapped;
-use super::picture::{LABEL_PX, Painter, PictureStyle, TITLE_PX};
+use super::picture::{LABEL_PX, PictureStyle, TITLE_PX, check, paint};
 use crate::appearance::picture::InkPicture;
 
 /// Many pictures in rows and columns with captions.
@@ -63,7 +63,7 @@ impl ContactSheet {
             for (c, picture) in row.iter().enumerate() {
                 let at = [left + c * cell[0], SHEET_TOP + r * cell[1]];
                 match picture {
-                    Ok(picture) => Painter(picture).paint(&mut bitmap, at, style),
+                    Ok(picture) => paint(picture, &mut bitmap, at, style),
                     Err(reason) => blank(&mut bitmap, at, cell, reason)?,
                 }
             }
@@ -85,7 +85,7 @@ impl ContactSheet {
                 "a contact sheet without a picture in each of {rows} × {columns} places"
             )));
         }
-        self.cells.iter().flatten().flatten().try_for_each(|p| Painter(p).check())
+        self.cells.iter().flatten().flatten().try_for_each(check)
     }
 
     fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> Result<(), OutputError> {

@@ -22,8 +22,7 @@ pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let frame = Frame {
         x: 0.0..lx,
         y: 0.0..ly,
-        x_label: "x, µm".into(),
-        y_label: "y, µm".into(),
+        y_label: "y, µm",
         caption: format!(
             "From the incident side, H = {:.3} µm; deeper grains are paler",
             packing.thickness_um()
@@ -109,8 +108,7 @@ pub fn cut_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let frame = Frame {
         x: 0.0..lx,
         y: height..0.0,
-        x_label: "x, µm".into(),
-        y_label: "z, µm".into(),
+        y_label: "z, µm",
         caption: format!("Cut at y = {:.3} µm (incident side up, exit side down)", 0.5 * ly),
         size: (wide as u32, (wide * height / lx).clamp(90.0, 1200.0) as u32),
     };

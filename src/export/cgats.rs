@@ -52,7 +52,8 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("MEASUREMENT_GEOMETRY", "45:0 and uniform sky:0, simulated");
     own("LAB_CONDITIONS", &print.viewing.name().replace('°', " degree"));
     own("SPECTRA_NOTE", print.spectra_from());
-    own("LAB_NOTE", &lab_note(print));
+    let no_lab = "none: the wavelengths do not suffice for a colour";
+    own("LAB_NOTE", &if has_lab(print) { print.lab_note() } else { no_lab.to_owned() });
     if dialect == Dialect::Argyll {
         own("SPECTRAL_NORM", "100.000000");
         own("MEAS_TYPE", "REFLECTIVE");
@@ -61,14 +62,6 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("SPECTRAL_BANDS", &print.wavelengths_nm.len().to_string());
     own("SPECTRAL_START_NM", &format!("{:.6}", f64::from(first.copied().unwrap_or(0))));
     own("SPECTRAL_END_NM", &format!("{:.6}", f64::from(last.copied().unwrap_or(0))));
-}
-
-/// Note on the origin of the Lab columns.
-fn lab_note(print: &Print) -> String {
-    if !has_lab(print) {
-        return "none: the wavelengths do not suffice for a colour".to_owned();
-    }
-    print.lab_differs().unwrap_or_else(|| "as on the study's page".to_owned())
 }
 
 /// Whether every spectrum has a colour; otherwise there are no Lab columns.

@@ -28,7 +28,7 @@ pub fn cxf(print: &Print) -> Result<String, minijinja::Error> {
         study_hash => &print.study_hash,
         conditions => print.viewing.name(),
         origin => print.spectra_from(),
-        lab_note => print.lab_differs().unwrap_or_else(|| "as on the study's page".to_owned()),
+        lab_note => print.lab_note(),
         start,
         increment => print.wavelengths_nm.get(1).map_or(10, |second| second - start),
         light => print.viewing.illuminant().to_owned(),

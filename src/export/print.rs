@@ -116,22 +116,22 @@ impl Print {
         }
     }
 
-    /// Why Lab of the file differs from that of the study's page, and the page's values; `None` if
+    /// Why Lab of the file differs from that of the study's page, and the page's values; or that
     /// both round alike.
-    pub fn lab_differs(&self) -> Option<String> {
+    pub fn lab_note(&self) -> String {
         let pages: Vec<String> = self.spectra.iter().filter_map(PrintSpectrum::page_lab_if_other).collect();
         if pages.is_empty() {
-            return None;
+            return "as on the study's page".to_owned();
         }
         let sums = match self.interpolated {
             true => "the study's own wavelengths",
             false => "all solves, including what their fitted spectra smooth out,",
         };
-        Some(format!(
+        format!(
             "Lab is computed from the spectrum in this file, every 10 nm, so that other programs find the same; the study's \
              page sums {sums} and has {}",
             pages.join("; ")
-        ))
+        )
     }
 }
 

@@ -119,13 +119,12 @@ fn spectral_line(row: &ComposedRow) -> String {
 fn page(manifest: &ComposedManifest, picture: Option<&(f64, Pictures)>) -> Result<Value, OutputError> {
     let study = manifest.study;
     Ok(context! {
-        summary => sheet::summary(study),
         picture => picture.map(|(_, png)| png_data(&png.labelled)),
         figures => Serde(figures(manifest)?),
         ink_maker => true,
         shown_medium => Serde(shown_medium(manifest)),
         largest => Serde(largest_parts(manifest)),
-        grains => Serde(sheet::grains(study)),
+        shapes => Serde(sheet::shapes(study)),
         wave => study.wave.in_words(),
         ..Value::from(Serde(manifest)),
     })

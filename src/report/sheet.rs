@@ -6,17 +6,15 @@ mod limits;
 mod tables;
 
 use super::page::{hex, png_data};
-use crate::appearance::paper::Coupling;
 use crate::draw::OutputError;
 use crate::evaluate::manifest::Manifest;
 use crate::evaluate::seen::Seen;
 use crate::ink::{PigmentGrains, SizeDistribution};
-use crate::input::study::{Pigment, Study};
+use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 pub(super) use figures::shown_nm;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
-pub(super) use tables::grains;
 
 /// What the page of a run shows; `picture` is the labelled picture as PNG.
 ///
@@ -30,11 +28,10 @@ pub fn sheet(
 ) -> Result<Value, OutputError> {
     let figures = [figures::figures(study, manifest, seen)?, ink_maker::figures(manifest)?].concat();
     let shown = context! {
-        summary => summary(study),
         picture => picture.map(png_data),
         swatch => manifest.colours.first().map(|note| hex(note.colour.srgb8)),
         figures => Serde(figures),
-        grains => Serde(tables::grains(study)),
+        shapes => Serde(shapes(study)),
         packed => tables::packings(study, manifest),
     };
     let [certainty, limits] = [tables::certainty(manifest, seen), limits::limits(study, manifest)];
@@ -42,29 +39,10 @@ pub fn sheet(
     Ok(context!(..shown, ..certainty, ..limits, ..provenance, ..Value::from(Serde(manifest))))
 }
 
-/// Share, name, shape and size of a packed pigment.
-fn packed(pigment: &Pigment) -> String {
-    let (share, shape) = (percent(pigment.grains.volume_fraction), pigment.grains.shape.name());
-    let plural = if shape.ends_with('x') { "es" } else { "s" };
-    format!("{share} % {} ({shape}{plural} of {})", pigment.name, size(&pigment.grains))
-}
-
-pub(super) fn summary(study: &Study) -> String {
-    let shares = study.pigments.iter().map(packed);
-    let dissolved = study
-        .dissolved
-        .iter()
-        .map(|d| format!("{} % {} (molecular mixture)", percent(d.volume_fraction), d.name));
-    let shares: Vec<String> = shares.chain(dissolved).collect();
-    let pigments = if shares.is_empty() { "A clear layer".to_owned() } else { shares.join(" and ") };
-    let paper = match (study.angles.strata, study.paper.coupling) {
-        (0, _) => String::new(),
-        (_, Coupling::Gap) => format!(", on paper of albedo {}", study.paper.source),
-        (_, Coupling::OpticalContact { .. }) => {
-            format!(", in optical contact with paper of albedo {}", study.paper.source)
-        }
-    };
-    format!("{pigments} in a layer {} µm thick{paper}.", study.layer.thickness_um)
+/// Shape and size of the grains of every packed pigment.
+pub(super) fn shapes(study: &Study) -> Vec<[String; 2]> {
+    let grains = study.pigments.iter().map(|pigment| &pigment.grains);
+    grains.map(|grains| [grains.shape.name().to_owned(), size(grains)]).collect()
 }
 
 /// The grains' size: one diameter, or the largest.
@@ -73,10 +51,6 @@ fn size(grains: &PigmentGrains) -> String {
         SizeDistribution::Constant { value_nm, .. } => format!("{value_nm} nm"),
         _ => format!("up to {:.0} nm", grains.size.largest_nm()),
     }
-}
-
-fn percent(share: f64) -> f64 {
-    (share * 1e4).round() / 1e2
 }
 
 /// The first colour in one line.

@@ -250,12 +250,8 @@ impl ComparisonFile {
         for (k, grid) in self.resolutions.iter().flatten().enumerate() {
             let remedy = "a wavelength in the binder needs about 10 points and 8 cells";
             for (side, count) in [("points", grid.points), ("cells", grid.cells)] {
-                faults.whole(
-                    &format!("resolutions[{k}].{side}"),
-                    count,
-                    Whole::between(1, MOST_POINTS),
-                    remedy,
-                );
+                let name = format!("resolutions[{k}].{side}");
+                faults.whole(&name, count, Whole::between(1, MOST_POINTS), remedy);
             }
         }
         let numbers = [

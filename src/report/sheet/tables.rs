@@ -1,10 +1,9 @@
-//! The page's tables: settings and packings, and what those of uncertainty and provenance need.
+//! The page's tables: packings, and what those of uncertainty and provenance need.
 
-use super::percent;
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::ink::Method;
-use crate::input::study::{IndexSpectrum, Pigment, Study, WantedResolution};
+use crate::input::study::{Study, WantedResolution};
 use crate::numerics::vector::norm;
 use crate::store::packing_record::{PackingRecord, ShareRecord};
 use crate::wave::Resolution;
@@ -24,23 +23,6 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Value {
 fn largest_error(rows: &[SpectrumRow]) -> Option<f64> {
     let errors = rows.iter().flat_map(|row| [row.reflectance, row.transmittance]);
     errors.filter_map(|estimate| estimate.standard_error).reduce(f64::max)
-}
-
-/// Name, volume fraction, grains and index of every packed pigment.
-pub(crate) fn grains(study: &Study) -> Vec<[String; 2]> {
-    study.pigments.iter().map(with_grains).collect()
-}
-
-/// A pigment with its volume fraction, its grains and its index.
-fn with_grains(pigment: &Pigment) -> [String; 2] {
-    let (grains, source) = (&pigment.grains, &pigment.material.source);
-    let size = format!("{}, {}", grains.shape.name(), super::size(grains));
-    let share = percent(grains.volume_fraction);
-    let layer = |(nm, own): (&f64, &IndexSpectrum)| format!(", {nm} nm of index {}", own.source);
-    let layers: String = grains.shell_nm.iter().zip(&pigment.shell).map(layer).collect();
-    let layers = if layers.is_empty() { layers } else { format!("; layers from the core outwards{layers}") };
-    let core = if layers.is_empty() { "" } else { " of the core" };
-    [pigment.name.clone(), format!("{share} %, {size}; index{core} {source}{layers}")]
 }
 
 pub(crate) fn packings(study: &Study, manifest: &Manifest<&Study>) -> Vec<Value> {
