@@ -92,8 +92,10 @@ impl Comparison {
 
     /// Data of both pages, without the figures.
     fn context(&self) -> Value {
-        let cells = |row: &Row| row.shown().map(|(_, cell)| cell);
-        let rows = self.rows.iter().map(|row| context!(failed => !row.converged(), cells => cells(row)));
+        let rows = self
+            .rows
+            .iter()
+            .map(|row| context!(failed => !row.converged(), cells => row.shown().map(|(_, cell)| cell)));
         context! {
             title => if self.title.is_empty() { "Comparison of strategies" } else { &self.title },
             made_by => made_by(),
@@ -162,10 +164,10 @@ impl Comparison {
     fn failures(&self) -> Vec<[String; 4]> {
         let failed = self.rows.iter().filter(|row| !row.converged());
         let alike = grouped(failed, |row| (row.strategy.clone(), row.case_name(), row.outcome()));
-        let line = |((strategy, case, reason), rows): ((String, String, String), Vec<&Row>)| {
-            [strategy, case, rows[0].grid(), reason]
-        };
-        alike.into_iter().map(line).collect()
+        let lines = alike
+            .into_iter()
+            .map(|((strategy, case, reason), rows)| [strategy, case, rows[0].grid(), reason]);
+        lines.collect()
     }
 
     /// Name, program, knob and conventions of programs that describe themselves.

@@ -37,8 +37,8 @@ impl Comparison {
     fn of_pigment(&self, pigment: [f64; 2]) -> Chart {
         let rows: Vec<&Row> =
             self.rows.iter().filter(|row| row.case.is_some_and(|case| case.pigment == pigment)).collect();
-        let period = |row: &Row| row.case.map_or(f64::NAN, |case| case.period_um);
-        let curves = self.curves(&rows, |row| [period(row), counted(row)]);
+        let curves =
+            self.curves(&rows, |row| [row.case.map_or(f64::NAN, |case| case.period_um), counted(row)]);
         let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);
         Chart::log_log(&title, "period, µm", "operator applications", curves)
     }
@@ -80,10 +80,9 @@ impl Comparison {
         let finest = self.rows.iter().filter_map(|row| row.unknowns).max();
         let rows: Vec<&Row> = self.rows.iter().filter(|row| row.unknowns == finest).collect();
         // The start, before any application, would not show on a logarithmic axis.
-        let shown = |row: &Row| row.looks().into_iter().filter(|look| look.0 > 0.0).collect::<Vec<_>>();
         let histories = rows.iter().map(|row| {
-            let curve = Curve::new(label(row, &rows), Style::Data, shown(row));
-            self.looking(curve, row, &rows)
+            let shown = row.looks().into_iter().filter(|look| look.0 > 0.0);
+            self.looking(Curve::new(label(row, &rows), Style::Data, shown), row, &rows)
         });
         let histories = histories.filter(|curve| !curve.points.is_empty()).collect();
         let words = ["Residual on the finest grid", "operator applications", "relative residual"];

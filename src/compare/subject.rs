@@ -148,8 +148,8 @@ const INSIDE: &str = "study.";
 
 /// Errors of a study with the text of its file, or without if that can no longer be read.
 fn told(faults: Vec<Fault>, path: &Path, inside: &str) -> StudyError {
-    let named = |fault: Fault| Fault { field: format!("{inside}{}", fault.field), ..fault };
-    let faults = faults.into_iter().map(named).collect();
+    let faults = faults.into_iter();
+    let faults = faults.map(|fault| Fault { field: format!("{inside}{}", fault.field), ..fault }).collect();
     let text = files::read_text(path, files::STUDY).unwrap_or_default();
     StudyError::Values { path: path.to_owned(), text, faults }
 }

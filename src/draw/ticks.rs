@@ -36,8 +36,9 @@ fn logarithmic(range: &Range<f64>, most: usize) -> Vec<f64> {
 
 fn round_numbers(range: &Range<f64>, leading: &[f64]) -> Vec<f64> {
     let (from, to) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
-    let within = |v: &f64| *v >= range.start * (1.0 - ROUNDING) && *v <= range.end * (1.0 + ROUNDING);
-    (from..=to).flat_map(|k| leading.iter().map(move |l| l * 10f64.powi(k))).filter(within).collect()
+    let within = range.start * (1.0 - ROUNDING)..=range.end * (1.0 + ROUNDING);
+    let all = (from..=to).flat_map(|k| leading.iter().map(move |l| l * 10f64.powi(k)));
+    all.filter(|v| within.contains(v)).collect()
 }
 
 /// Widens a logarithmic range until it has at least two ticks, on the side where this adds less.

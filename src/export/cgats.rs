@@ -34,9 +34,9 @@ pub fn cgats(print: &Print, dialect: Dialect) -> String {
 }
 
 fn header(out: &mut String, print: &Print, dialect: Dialect) {
-    let quoted = |text: &str| text.replace('"', "'").replace(['\n', '\r'], " ");
+    let title = print.title.replace('"', "'").replace(['\n', '\r'], " ");
     let _ = writeln!(out, "ORIGINATOR \"{} (simulated)\"", program());
-    let _ = writeln!(out, "DESCRIPTOR \"Simulated, not measured: {}\"", quoted(&print.title));
+    let _ = writeln!(out, "DESCRIPTOR \"Simulated, not measured: {}\"", title);
     let _ = writeln!(out, "CREATED \"{}\"", print.created);
     if dialect == Dialect::Standard {
         // the standard's own words; Argyll takes each keyword once

@@ -137,6 +137,7 @@ fn one_packing(format: &str) -> ExportError {
 
 /// The bars of Lab, as if they were independent.
 fn diagonal(lab: [ErrorParts; 3]) -> [[f64; 3]; 3] {
-    let own = |i: usize, j: usize| if i == j { lab[i].standard_error.powi(2) } else { 0.0 };
-    std::array::from_fn(|i| std::array::from_fn(|j| own(i, j)))
+    let mut covariance = [[0.0; 3]; 3];
+    (0..3).for_each(|i| covariance[i][i] = lab[i].standard_error.powi(2));
+    covariance
 }

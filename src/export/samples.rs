@@ -29,9 +29,8 @@ const STEP_DEG: f64 = 5.0;
 pub fn brdf(ink: &dyn DirectionalPrint) -> csv::Result<Vec<u8>> {
     let header = ["wavelength_nm", "light_polar_deg", "view_polar_deg", "azimuth_deg", "brdf_per_sr"];
     let rows = directions(ink).into_iter().flat_map(|(light_deg, view)| {
-        let waves = ink.wavelengths_nm().iter().enumerate();
-        let value = move |w: usize| ink.brdf(w, light_deg, view);
-        waves.map(move |(w, nm)| (nm, light_deg, view.polar_deg, view.azimuth_deg, value(w)))
+        let (waves, place) = (ink.wavelengths_nm().iter(), (light_deg, view.polar_deg, view.azimuth_deg));
+        waves.enumerate().map(move |(w, nm)| (nm, place, ink.brdf(w, light_deg, view)))
     });
     table(header, rows)
 }

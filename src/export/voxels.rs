@@ -92,8 +92,7 @@ pub fn labels(packing: &Packing, count: Option<[usize; 3]>) -> Array3<u8> {
     let raster = VoxelRaster::new(count, size);
     let marks = raster.marks(packing);
     let [nx, ny, nz] = count;
-    let label = |(x, y, z): (usize, usize, usize)| marks[x + nx * (y + ny * z)].saturating_sub(VACUUM);
-    Array3::from_shape_fn((nx, ny, nz), label)
+    Array3::from_shape_fn((nx, ny, nz), |(x, y, z)| marks[x + nx * (y + ny * z)].saturating_sub(VACUUM))
 }
 
 /// Sides of a layer, µm.

@@ -97,11 +97,11 @@ fn lab(judged: &[ErrorParts; 3]) -> String {
 
 /// The main results in a line each.
 pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
-    let colour = |c: &ComposedColours| {
-        let [seen, ratio] = [lab(&c.natural_light), words(&c.contrast_ratio, 3)];
-        format!("{} µm: {seen} under natural light, contrast ratio {ratio}", c.thickness_um)
-    };
-    let mut lines: Vec<String> = manifest.colours.iter().map(colour).collect();
+    let mut lines = Vec::new();
+    for c in &manifest.colours {
+        let (um, seen, ratio) = (c.thickness_um, lab(&c.natural_light), words(&c.contrast_ratio, 3));
+        lines.push(format!("{um} µm: {seen} under natural light, contrast ratio {ratio}"));
+    }
     if lines.is_empty() {
         lines.extend(manifest.spectra.iter().map(spectral_line));
     }
@@ -166,11 +166,12 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
         let rows = manifest.curve.iter().filter(move |row| row.wavelength_nm == nm);
         Curve::measured(format!("{name}, {nm:.0} nm"), rows.map(|row| (row.thickness_um, of(row).estimate())))
     };
-    let both = |nm: f64| {
-        [curve(nm, "R", |row| row.reflectance_diffuse), curve(nm, "T", |row| row.transmittance_diffuse)]
-    };
-    let shown = sheet::shown_nm(&manifest.study.wavelengths_nm);
-    against_thickness("share of the light", shown.into_iter().flat_map(both).collect())
+    let mut curves = Vec::new();
+    for nm in sheet::shown_nm(&manifest.study.wavelengths_nm) {
+        curves.push(curve(nm, "R", |row| row.reflectance_diffuse));
+        curves.push(curve(nm, "T", |row| row.transmittance_diffuse));
+    }
+    against_thickness("share of the light", curves)
 }
 
 /// A number of the colours against the thickness, over `by`.
@@ -213,11 +214,12 @@ fn depth_chart(manifest: &ComposedManifest) -> Chart {
 }
 
 fn spectra_chart(manifest: &ComposedManifest) -> Chart {
-    let curve = |um: &f64| {
+    let mut curves = Vec::new();
+    for um in &manifest.composed.thicknesses_um {
         let rows = manifest.spectra.iter().filter(|row| row.thickness_um == *um);
-        Curve::measured(format!("{um} µm"), rows.map(|row| (row.wavelength_nm, row.natural_light.estimate())))
-    };
-    let curves = manifest.composed.thicknesses_um.iter().map(curve).collect();
+        let points = rows.map(|row| (row.wavelength_nm, row.natural_light.estimate()));
+        curves.push(Curve::measured(format!("{um} µm"), points));
+    }
     let chart = Chart::linear("", "wavelength, nm", "share of a perfect white", curves);
     Chart { y_range: Some([0.0, 1.0]), ..chart }
 }
@@ -237,7 +239,7 @@ fn shown_medium(manifest: &ComposedManifest) -> Vec<(String, ErrorParts)> {
 
 /// Largest parts of the bars of R and T: chance, model and grid.
 fn largest_parts(manifest: &ComposedManifest) -> [f64; 3] {
-    let all = || manifest.spectra.iter().flat_map(|row| shares(row).into_iter().take(6));
-    let parts: [fn(ErrorParts) -> f64; 3] = [|j| j.chance, |j| j.model, |j| j.grid];
-    parts.map(|of| all().map(|(_, judged)| of(judged)).fold(0.0, f64::max))
+    let all: Vec<_> = manifest.spectra.iter().flat_map(|row| shares(row).into_iter().take(6)).collect();
+    let parts: [fn(&ErrorParts) -> f64; 3] = [|j| j.chance, |j| j.model, |j| j.grid];
+    parts.map(|of| all.iter().map(|(_, judged)| of(judged)).fold(0.0, f64::max))
 }

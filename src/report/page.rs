@@ -66,6 +66,7 @@ pub(crate) fn on_study(layout: &str, data: impl Into<Value>) -> Result<String, m
     templates.add_filter("in_words", in_words);
     templates.add_filter("fixed", |x: f64, decimals: usize| format!("{x:.decimals$}"));
     templates.add_filter("plain", |x: f64| x.to_string());
+    templates.add_filter("percent", |share: f64| format!("{} %", (share * 1e4).round() / 1e2));
     templates.add_filter("power", |x: f64, digits: Option<usize>| format!("{x:.*e}", digits.unwrap_or(1)));
     templates.add_template("page.html", include_str!("page.html"))?;
     templates.add_template("study.html", layout)?;

@@ -56,9 +56,10 @@ fn size(grains: &PigmentGrains) -> String {
 /// The first colour in one line.
 pub(super) fn colour_in_words(manifest: &Manifest<&Study>) -> Option<String> {
     let first = manifest.colours.first()?;
-    let error = |i: usize| first.lab_standard_error.map(|errors| errors[i]);
-    let lab = |i: usize| Estimate { value: first.colour.lab[i], standard_error: error(i) };
-    let [l, a, b] = [0, 1, 2].map(|i| lab(i).in_words(2));
+    let [l, a, b] = [0, 1, 2].map(|i| {
+        let standard_error = first.lab_standard_error.map(|errors| errors[i]);
+        Estimate { value: first.colour.lab[i], standard_error }.in_words(2)
+    });
     let (chroma, conditions) = (first.chroma.in_words(2), &first.conditions);
     Some(format!("L* {l}, a* {a}, b* {b}, C* {chroma} under {conditions}"))
 }

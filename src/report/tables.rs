@@ -22,11 +22,11 @@ const NUMBERS: [(&str, fn(&SpectrumRow) -> Option<Estimate>); 7] = [
 pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
     let place = ["wavelength_nm", "polar_deg"].map(str::to_owned);
     let header = place.into_iter().chain(with_errors(NUMBERS.map(|(name, _)| name)));
-    let line = |row: &SpectrumRow| {
+    let lines = rows.iter().map(|row| {
         let place = [row.wavelength_nm, row.polar_deg].map(|x| x.to_string());
         (place, NUMBERS.map(|(_, of)| numbers(of(row))))
-    };
-    table(header, rows.iter().map(line))
+    });
+    table(header, lines)
 }
 
 /// `kubelka-munk.csv` where K and S are known, and `measured.csv` if there is a measurement.

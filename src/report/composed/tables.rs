@@ -64,11 +64,11 @@ fn rows<const P: usize, const N: usize>(
     let mut rows = rows.peekable();
     let names = rows.peek().map(|(_, values)| values.map(|(name, _)| name));
     let header = place.map(str::to_owned).into_iter().chain(with_errors(names.into_iter().flatten()));
-    let cells = |judged: ErrorParts| numbers(Some(judged.estimate()));
-    let line = |(place, values): ([f64; P], [(&str, ErrorParts); N])| {
-        [place.map(|x| x.to_string()).to_vec(), values.map(|value| cells(value.1)).concat()].concat()
-    };
-    table(header, rows.map(line))
+    let lines = rows.map(|(place, values)| {
+        let values = values.map(|(_, judged)| numbers(Some(judged.estimate())));
+        [place.map(|x| x.to_string()).to_vec(), values.concat()].concat()
+    });
+    table(header, lines)
 }
 
 fn distributions(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {
