@@ -39,8 +39,6 @@ fn main() {
     std::fs::write(folder.join("steps.csv"), table).expect("the table");
     let title = "krylov to 1e-6: work against the cell";
     let plot = Chart::log_log(title, "side of the cell, µm", "operator applications", curves);
-    plot.bitmap()
-        .expect("a plot")
-        .write_png(folder.join("steps.png"), &[("Title", title)])
-        .expect("the plot's file");
+    let png = plot.bitmap().expect("a plot").png(&[("Title", title)]).expect("a bitmap");
+    std::fs::write(folder.join("steps.png"), png).expect("the plot's file");
 }

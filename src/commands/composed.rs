@@ -7,7 +7,7 @@ use super::progress::Progress;
 use super::work::opened;
 use inkwave::evaluate::manifest::Status;
 use inkwave::input::study::{Composed, Study};
-use inkwave::report::composed::publish;
+use inkwave::report::composed::{lines, publish};
 use inkwave::run::RunSettings;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
@@ -27,7 +27,7 @@ pub(super) fn run(study: &Study, path: &Path, settings: RunSettings) -> miette::
     let published = publish(study, &solved, &folder);
     let published = published.map_err(|error| miette!(help = to_resume(), "{error}"))?;
     published.remarks.iter().for_each(super::say::note);
-    for line in published.lines {
+    for line in lines(&published) {
         say!("{}: {line}", study.title)?;
     }
     say!("Report: {}", folder.path().join("report.html").display())?;

@@ -13,7 +13,7 @@ use super::row::Row;
 use crate::solve::Watch;
 use case_slips::CASE_SLIPS;
 pub use cases::{KNOWN, KnownCase};
-use slips::{SLIPS, Slip, changed};
+use slips::{OrderSlip, SLIPS, changed};
 use std::path::Path;
 
 /// Largest amplitude error of a program that conforms: coarse enough for any method's first grid,
@@ -104,7 +104,7 @@ fn verdict(
     if within(&|a| a.expected.clone()) {
         return Ok(if failed { ConformityVerdict::Unknown } else { ConformityVerdict::Conforms });
     }
-    let explains = |slips: &[&Slip]| within(&|a| changed(&a.expected, slips, &a.known.light()));
+    let explains = |slips: &[&OrderSlip]| within(&|a| changed(&a.expected, slips, &a.known.light()));
     let single = SLIPS.iter().filter(|slip| explains(&[slip]));
     let mut found: Vec<[String; 2]> = single.map(|slip| [slip.name.into(), slip.remedy.into()]).collect();
     for slip in &CASE_SLIPS {
@@ -135,7 +135,7 @@ fn explains_case(
 }
 
 /// Pairs of slips that explain the answers together.
-fn pairs(explains: impl Fn(&[&Slip]) -> bool) -> Vec<[String; 2]> {
+fn pairs(explains: impl Fn(&[&OrderSlip]) -> bool) -> Vec<[String; 2]> {
     let mut found = Vec::new();
     for (k, first) in SLIPS.iter().enumerate() {
         for second in SLIPS[k + 1..].iter().filter(|second| explains(&[first, second])) {

@@ -104,17 +104,15 @@ impl ComparisonFile {
         let strategies = self.strategies(registry)?;
         let subjects = self.subjects()?;
         let asked = self.asked(&subjects, &strategies)?;
-        let mut programs = Vec::new();
-        for program in &self.external {
-            programs.push(program.described(self.folder(), watch)?);
-        }
+        let described = self.external.iter().map(|program| program.described(self.folder(), watch));
+        let programs = described.collect::<Result<Vec<_>, _>>()?;
         let mut rows = Vec::new();
         let mut keep = |row: Row| {
             told(&row);
             rows.push(row);
         };
-        let entrants = Entrants { strategies: &strategies, programs: &programs };
-        let end = subjects.iter().try_for_each(|subject| self.on(subject, &entrants, watch, &mut keep));
+        let entrants = (&strategies[..], &programs[..]);
+        let end = subjects.iter().try_for_each(|subject| self.on(subject, entrants, watch, &mut keep));
         Ok(Comparison {
             title: self.title.clone(),
             file: self.origin.clone(),
@@ -132,11 +130,12 @@ impl ComparisonFile {
         })
     }
 
-    /// Computes every row of one case.
+    /// Computes every row of one case with the strategies, and with the programs by their
+    /// descriptions.
     fn on(
         &self,
         subject: &Subject,
-        entrants: &Entrants,
+        (strategies, programs): (&[NamedStrategy], &[Option<ProgramDescription>]),
         watch: &mut dyn Watch,
         keep: &mut dyn FnMut(Row),
     ) -> Result<(), CompareError> {
@@ -149,7 +148,7 @@ impl ComparisonFile {
         let mut keep = |row: Row| keep(Row { named: subject.named.clone(), ..row });
         for trial in &trials {
             for absorbing in [true, false] {
-                for (name, solver) in entrants.strategies {
+                for (name, solver) in strategies {
                     let means = self.means(&**solver, absorbs);
                     if let Some(mean) = means.into_iter().find(|mean| mean.absorbing == absorbing) {
                         keep(bench.row((name, &**solver), mean, trial, watch)?);
@@ -160,7 +159,7 @@ impl ComparisonFile {
         let (inputs, expected) = (subject.inputs(&case), expected(&bench.truth));
         let (varied, wave, folder) = (subject.varied, subject.wave, self.folder());
         let question = CaseAsked { varied, inputs: &inputs, case: &case, wave, expected: &expected, folder };
-        for (program, described) in self.external.iter().zip(entrants.programs) {
+        for (program, described) in self.external.iter().zip(programs) {
             for knob in program.knobs() {
                 keep(program.row(&question, (knob, described.as_ref()), watch)?);
             }
@@ -175,10 +174,4 @@ fn reference_of(subjects: &[Subject]) -> &'static str {
         [first, ..] if first.named.is_none() => first.reference(),
         _ => "the reference of each case",
     }
-}
-
-/// What is compared: strategies, and programs with their descriptions.
-struct Entrants<'a> {
-    strategies: &'a [NamedStrategy],
-    programs: &'a [Option<ProgramDescription>],
 }

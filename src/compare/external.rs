@@ -12,7 +12,7 @@ use crate::input::fault::Faults;
 use crate::solve::Watch;
 use description::ProgramDescription;
 use judge::{ExpectedOrder, ReadAnswer};
-use process::{Limits, ProgramRun};
+use process::ProgramRun;
 use protocol::{ProgramRequest, WaveKind};
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -79,19 +79,15 @@ impl ExternalTable {
 
     /// Reports what cannot be run; `taken` are the names of other rows.
     pub(super) fn check(&self, taken: &[String], faults: &mut Faults) {
+        let positive = "a finite number above 0";
         let usable = |limit: f64| limit.is_finite() && limit > 0.0;
         let named = !self.name.trim().is_empty() && !taken.contains(&self.name);
         let started = self.command.first().is_some_and(|program| !program.is_empty());
         let rules = [
             (named, "name", format!("{:?}", self.name), "a name that no strategy and no other program has"),
             (started, "command", "empty".into(), "a program and its arguments"),
-            (
-                usable(self.time_limit_s),
-                "time_limit_s",
-                self.time_limit_s.to_string(),
-                "a finite number above 0",
-            ),
-            (usable(self.memory_gb), "memory_gb", self.memory_gb.to_string(), "a finite number above 0"),
+            (usable(self.time_limit_s), "time_limit_s", self.time_limit_s.to_string(), positive),
+            (usable(self.memory_gb), "memory_gb", self.memory_gb.to_string(), positive),
             (self.knob.iter().all(|k| k.is_finite()), "knob", format!("{:?}", self.knob), "finite numbers"),
         ];
         for (_, key, found, allowed) in rules.into_iter().filter(|rule| !rule.0) {
@@ -169,13 +165,12 @@ impl ExternalTable {
         input: String,
         watch: &mut dyn Watch,
     ) -> Result<Result<ProgramRun, std::io::Error>, CompareError> {
-        let limits = Limits { seconds: self.time_limit_s, bytes: 1e9 * self.memory_gb };
         let mut command = Command::new(self.program(folder));
         command.args(&self.command[1..]).args(more);
         if !folder.as_os_str().is_empty() {
             command.current_dir(folder);
         }
-        ProgramRun::of(command, input.into_bytes(), limits, watch)
+        ProgramRun::of(command, input.into_bytes(), self, watch)
     }
 
     /// The program to start: a path with folders counts from the folder of the file.

@@ -3,7 +3,7 @@
 use super::external::description::ProgramDescription;
 use super::machine::Machine;
 use super::reach;
-use super::row::{HEADER, Row, dash, mean_name};
+use super::row::{Row, dash, grouped, mean_name};
 use crate::report::cell::{self, markdown, records};
 use crate::report::page::{made_by, svg_data, templates};
 use crate::report::publish::PublishError;
@@ -84,16 +84,18 @@ impl Comparison {
         templates.add_template("reach", include_str!("reach.lead"))?;
         templates.add_template("comparison.md", include_str!("comparison.md"))?;
         templates.add_template("comparison.html", include_str!("comparison.html"))?;
-        folder
-            .write("README.md", sealed(&templates.get_template("comparison.md")?.render(&all)?).as_bytes())?;
-        folder
-            .write("comparison.html", templates.get_template("comparison.html")?.render(&all)?.as_bytes())?;
+        let page = |name: &str| templates.get_template(name)?.render(&all);
+        folder.write("README.md", sealed(&page("comparison.md")?).as_bytes())?;
+        folder.write("comparison.html", page("comparison.html")?.as_bytes())?;
         if self.rows.len() == self.asked { Ok(folder.complete()?) } else { Ok(()) }
     }
 
     /// Data of both pages, without the figures.
     fn context(&self) -> Value {
-        let rows = self.rows.iter().map(|row| context!(failed => !row.converged(), cells => row.shown()));
+        let rows = self
+            .rows
+            .iter()
+            .map(|row| context!(failed => !row.converged(), cells => row.shown().map(|(_, cell)| cell)));
         context! {
             title => if self.title.is_empty() { "Comparison of strategies" } else { &self.title },
             made_by => made_by(),
@@ -112,7 +114,7 @@ impl Comparison {
             costs => self.costs(),
             failures_header => ["strategy", "case", "grid", "reason"],
             failures => self.failures(),
-            header => HEADER,
+            header => self.rows.first().map(|row| row.shown().map(|(name, _)| name)),
             rows => rows.collect::<Vec<_>>(),
         }
     }
@@ -160,14 +162,12 @@ impl Comparison {
 
     /// Failures with strategy, case, grid and reason; only the first of several with one reason.
     fn failures(&self) -> Vec<[String; 4]> {
-        let mut failures: Vec<[String; 4]> = Vec::new();
-        for row in self.rows.iter().filter(|row| !row.converged()) {
-            let failure = [row.strategy.clone(), row.case_name(), row.grid(), row.outcome()];
-            if !failures.iter().any(|other| [0, 1, 3].iter().all(|&k| other[k] == failure[k])) {
-                failures.push(failure);
-            }
-        }
-        failures
+        let failed = self.rows.iter().filter(|row| !row.converged());
+        let alike = grouped(failed, |row| (row.strategy.clone(), row.case_name(), row.outcome()));
+        let lines = alike
+            .into_iter()
+            .map(|((strategy, case, reason), rows)| [strategy, case, rows[0].grid(), reason]);
+        lines.collect()
     }
 
     /// Name, program, knob and conventions of programs that describe themselves.

@@ -2,7 +2,7 @@
 //! against cost for a single case.
 
 use super::page::Comparison;
-use super::row::{Row, Varied, mean_name, scheme_name};
+use super::row::{Row, grouped, mean_name, scheme_name};
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::wave::Scheme;
 
@@ -37,7 +37,8 @@ impl Comparison {
     fn of_pigment(&self, pigment: [f64; 2]) -> Chart {
         let rows: Vec<&Row> =
             self.rows.iter().filter(|row| row.case.is_some_and(|case| case.pigment == pigment)).collect();
-        let curves = self.curves(&rows, |row| [period(row.case), counted(row)]);
+        let curves =
+            self.curves(&rows, |row| [row.case.map_or(f64::NAN, |case| case.period_um), counted(row)]);
         let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);
         Chart::log_log(&title, "period, µm", "operator applications", curves)
     }
@@ -79,10 +80,9 @@ impl Comparison {
         let finest = self.rows.iter().filter_map(|row| row.unknowns).max();
         let rows: Vec<&Row> = self.rows.iter().filter(|row| row.unknowns == finest).collect();
         // The start, before any application, would not show on a logarithmic axis.
-        let shown = |row: &Row| row.looks().into_iter().filter(|look| look.0 > 0.0).collect::<Vec<_>>();
         let histories = rows.iter().map(|row| {
-            let curve = Curve::new(label(row, &rows), Style::Data, shown(row));
-            self.looking(curve, row, &rows)
+            let shown = row.looks().into_iter().filter(|look| look.0 > 0.0);
+            self.looking(Curve::new(label(row, &rows), Style::Data, shown), row, &rows)
         });
         let histories = histories.filter(|curve| !curve.points.is_empty()).collect();
         let words = ["Residual on the finest grid", "operator applications", "relative residual"];
@@ -92,16 +92,12 @@ impl Comparison {
     /// One curve for each strategy, scheme and mean; where a value is not finite, the line is
     /// broken.
     fn curves(&self, rows: &[&Row], point: impl Fn(&Row) -> [f64; 2]) -> Vec<Curve> {
-        let mut curves: Vec<Curve> = Vec::new();
-        for row in rows {
-            let ([x, y], name) = (point(row), label(row, rows));
-            match curves.iter_mut().find(|curve| curve.name == name) {
-                Some(curve) => curve.points.push([x, y, 0.0]),
-                None => curves.push(self.looking(Curve::new(name, Style::Data, [(x, y)]), row, rows)),
-            }
-        }
-        curves.retain(|curve| curve.points.iter().any(|p| p[0] > 0.0 && p[1] > 0.0));
-        curves
+        let groups = grouped(rows.iter().copied(), |row| label(row, rows)).into_iter();
+        let curves = groups.map(|(name, group)| {
+            let points = group.iter().map(|row| point(row).into());
+            self.looking(Curve::new(name, Style::Data, points), group[0], rows)
+        });
+        curves.filter(|curve| curve.points.iter().any(|p| p[0] > 0.0 && p[1] > 0.0)).collect()
     }
 
     /// One colour and one marker for a strategy over the whole page; dashes tell its schemes and
@@ -120,13 +116,7 @@ fn variant(row: &Row) -> MeanVariant {
 
 /// Schemes and means of some rows, in their order.
 fn variants(rows: &[&Row]) -> Vec<MeanVariant> {
-    let mut all: Vec<MeanVariant> = Vec::new();
-    rows.iter().map(|row| variant(row)).for_each(|v| {
-        if !all.contains(&v) {
-            all.push(v)
-        }
-    });
-    all
+    grouped(rows.iter().copied(), variant).into_iter().map(|(variant, _)| variant).collect()
 }
 
 /// The strategy, with scheme and mean where the rows differ in them.
@@ -141,10 +131,6 @@ fn label(row: &Row, rows: &[&Row]) -> String {
         words.push(format!("{} mean", mean_name(absorbing)));
     }
     words.join(", ")
-}
-
-fn period(case: Option<Varied>) -> f64 {
-    case.map_or(f64::NAN, |case| case.period_um)
 }
 
 /// Operator applications of a row with a result; none for a homogeneous layer, which needs no

@@ -1,6 +1,6 @@
 //! The cost of an accuracy: the cheapest row of each strategy and program that reaches it.
 
-use super::row::{Row, dash};
+use super::row::{Row, dash, grouped};
 
 /// Amplitude errors whose cost is tabulated.
 pub(super) const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
@@ -8,25 +8,15 @@ pub(super) const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
 /// One line for each case and each strategy or program on it: case, name, the cost of every target,
 /// the smallest error, and why there is no result at all.
 pub(super) fn table(rows: &[Row]) -> Vec<Vec<String>> {
-    let mut groups: Vec<Vec<&Row>> = Vec::new();
-    for row in rows {
-        match groups
-            .iter_mut()
-            .find(|group| group[0].strategy == row.strategy && group[0].case_name() == row.case_name())
-        {
-            Some(group) => group.push(row),
-            None => groups.push(vec![row]),
-        }
-    }
-    groups.iter().map(|group| line(group)).collect()
+    let groups = grouped(rows, |row| (row.case_name(), row.strategy.clone()));
+    groups.into_iter().map(|((case, strategy), group)| line([case, strategy], &group)).collect()
 }
 
-fn line(group: &[&Row]) -> Vec<String> {
+fn line(before: [String; 2], group: &[&Row]) -> Vec<String> {
     let costs = TARGETS.map(|target| dash(cheapest(group, target).map(cost)));
     let errors = group.iter().filter_map(|row| row.result.as_ref().ok().copied());
     let least = errors.reduce(f64::min).map(|error| format!("{error:.1e}"));
     let reason = if least.is_some() { String::new() } else { group[0].outcome() };
-    let before = [group[0].case_name(), group[0].strategy.clone()];
     before.into_iter().chain(costs).chain([dash(least), reason]).collect()
 }
 

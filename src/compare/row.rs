@@ -61,13 +61,6 @@ pub struct Row {
     pub bytes: usize,
 }
 
-/// Header of the page's table of all rows.
-#[rustfmt::skip]
-pub(super) const HEADER: [&str; 12] = [
-    "strategy", "case", "grid", "unknowns", "error", "estimate", "residual", "applications", "seconds", "CPU seconds",
-    "own seconds", "MB",
-];
-
 impl Row {
     /// A row that has no result yet.
     pub(super) fn new(case: Option<Varied>, strategy: &str, discrete: Option<Discrete>) -> Row {
@@ -140,24 +133,24 @@ impl Row {
         ]
     }
 
-    /// The row of the page's table, in the order of [`HEADER`].
-    pub(super) fn shown(&self) -> [String; 12] {
+    /// The row of the page's table with the names of its columns.
+    pub(super) fn shown(&self) -> [(&'static str, String); 12] {
         let power = |x: Option<f64>| dash(x.map(|x| format!("{x:.1e}")));
         let seconds = |x: Option<f64>| dash(x.map(|x| format!("{x:.3}")));
         let account = self.account.as_ref();
         [
-            self.strategy.clone(),
-            self.case_name(),
-            self.grid(),
-            dash(self.unknowns),
-            power(self.result.clone().ok()),
-            power(self.error_estimate),
-            power(account.map(|a| a.residual)),
-            dash(account.map(|a| a.operator_applications)),
-            seconds(self.seconds),
-            seconds(self.processor_seconds),
-            seconds(self.own_seconds),
-            format!("{:.1}", self.bytes as f64 / 1e6),
+            ("strategy", self.strategy.clone()),
+            ("case", self.case_name()),
+            ("grid", self.grid()),
+            ("unknowns", dash(self.unknowns)),
+            ("error", power(self.result.clone().ok())),
+            ("estimate", power(self.error_estimate)),
+            ("residual", power(account.map(|a| a.residual))),
+            ("applications", dash(account.map(|a| a.operator_applications))),
+            ("seconds", seconds(self.seconds)),
+            ("CPU seconds", seconds(self.processor_seconds)),
+            ("own seconds", seconds(self.own_seconds)),
+            ("MB", format!("{:.1}", self.bytes as f64 / 1e6)),
         ]
     }
 
@@ -179,6 +172,22 @@ impl Row {
         };
         format!("{}\u{a0}×\u{a0}{}\u{a0}×\u{a0}{}, {}", r.nx, r.ny, r.cells, scheme_name(r.scheme))
     }
+}
+
+/// Rows that are alike in something, in the order of their first ones.
+pub(super) fn grouped<'a, K: PartialEq>(
+    rows: impl IntoIterator<Item = &'a Row>,
+    key: impl Fn(&Row) -> K,
+) -> Vec<(K, Vec<&'a Row>)> {
+    let mut groups: Vec<(K, Vec<&Row>)> = Vec::new();
+    for row in rows {
+        let own = key(row);
+        match groups.iter_mut().find(|(other, _)| *other == own) {
+            Some((_, group)) => group.push(row),
+            None => groups.push((own, vec![row])),
+        }
+    }
+    groups
 }
 
 /// A value, or a dash where there is none.

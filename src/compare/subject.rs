@@ -56,25 +56,23 @@ pub(super) struct Packed {
 }
 
 impl Packed {
-    /// A study as written in the comparison `origin`.
-    pub fn read(written: &StudyWritten, origin: &Path) -> Result<Packed, CompareError> {
-        match written {
+    /// A study as written in the comparison `origin`, at a wavelength in nm and a polar angle.
+    pub fn read(
+        written: &StudyWritten,
+        origin: &Path,
+        (wavelength_nm, polar_deg): (Option<f64>, Option<f64>),
+    ) -> Result<Packed, CompareError> {
+        let (file, path, inside) = match written {
             StudyWritten::File(path) => {
                 let path = origin.parent().unwrap_or(Path::new("")).join(path);
-                let file = read_file(&path)?.1;
-                Ok(Packed { file, path, inside: "", wavelength_nm: None, polar_deg: None })
+                (read_file(&path)?.1, path, "")
             }
             StudyWritten::Table(table) => {
                 let file = read(table.clone().into()).map_err(|faults| told(faults, origin, INSIDE))?;
-                let (path, wavelength_nm, polar_deg) = (origin.to_owned(), None, None);
-                Ok(Packed { file, path, inside: INSIDE, wavelength_nm, polar_deg })
+                (file, origin.to_owned(), INSIDE)
             }
-        }
-    }
-
-    /// Replaces the light where one is given.
-    pub fn lit(self, wavelength_nm: Option<f64>, polar_deg: Option<f64>) -> Packed {
-        Packed { wavelength_nm, polar_deg, ..self }
+        };
+        Ok(Packed { file, path, inside, wavelength_nm, polar_deg })
     }
 
     /// Replaces the cell by a square one of the given period, and the index of the first pigment.
@@ -150,8 +148,8 @@ const INSIDE: &str = "study.";
 
 /// Errors of a study with the text of its file, or without if that can no longer be read.
 fn told(faults: Vec<Fault>, path: &Path, inside: &str) -> StudyError {
-    let named = |fault: Fault| Fault { field: format!("{inside}{}", fault.field), ..fault };
-    let faults = faults.into_iter().map(named).collect();
+    let faults = faults.into_iter();
+    let faults = faults.map(|fault| Fault { field: format!("{inside}{}", fault.field), ..fault }).collect();
     let text = files::read_text(path, files::STUDY).unwrap_or_default();
     StudyError::Values { path: path.to_owned(), text, faults }
 }

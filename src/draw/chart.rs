@@ -138,21 +138,21 @@ impl Chart {
     }
 
     fn scale(&self, axis: usize) -> Result<Scale, OutputError> {
-        let range = self.range(axis)?;
-        let ticks = if axis == 0 { self.along(&range) } else { ticks::up(&range, self.log[1]) };
-        Ok(Scale::new(self.log[axis], range, ticks))
+        let (range, log) = (self.range(axis)?, self.log[axis]);
+        let own = if axis == 0 { self.along(&range) } else { None };
+        let ticks = own.unwrap_or_else(|| ticks::round_ticks(&range, axis, log));
+        Ok(Scale::new(log, range, ticks))
     }
 
-    /// Ticks along x with their labels: the given ones as far as they are legible, at the data if
-    /// these are few, or at round numbers.
-    fn along(&self, range: &Range<f64>) -> Vec<(f64, String)> {
+    /// Ticks along x with their labels beside round numbers: the given ones as far as they are
+    /// legible, or at the data if these are few.
+    fn along(&self, range: &Range<f64>) -> Option<Vec<(f64, String)>> {
         if !self.x_ticks.is_empty() {
-            return readable(&self.x_ticks, range.end - range.start);
+            return Some(readable(&self.x_ticks, range.end - range.start));
         }
         let data = self.curves.iter().filter(|curve| curve.style != Style::Guide).flat_map(|c| &c.points);
         let data = data.filter(|p| self.shown(p)).map(|p| p[0]);
-        let own = Some(data).filter(|_| self.log[0]).and_then(|data| ticks::at_data(data, range));
-        own.unwrap_or_else(|| ticks::along(range, self.log[0]))
+        Some(data).filter(|_| self.log[0]).and_then(|data| ticks::at_data(data, range))
     }
 
     fn shown(&self, p: &[f64; 3]) -> bool {

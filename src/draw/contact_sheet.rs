@@ -2,7 +2,8 @@
 
 use super::error::{OutputError, failed};
 use super::figure::{Anchor, Bitmap};
-use super::picture::{LABEL_PX, Painter, PictureStyle, TITLE_PX};
+use super::leaf::wrapped;
+use super::picture::{LABEL_PX, PictureStyle, TITLE_PX, check, paint};
 use crate::appearance::picture::InkPicture;
 
 /// Many pictures in rows and columns with captions.
@@ -62,7 +63,7 @@ impl ContactSheet {
             for (c, picture) in row.iter().enumerate() {
                 let at = [left + c * cell[0], SHEET_TOP + r * cell[1]];
                 match picture {
-                    Ok(picture) => Painter(picture).paint(&mut bitmap, at, style),
+                    Ok(picture) => paint(picture, &mut bitmap, at, style),
                     Err(reason) => blank(&mut bitmap, at, cell, reason)?,
                 }
             }
@@ -84,7 +85,7 @@ impl ContactSheet {
                 "a contact sheet without a picture in each of {rows} × {columns} places"
             )));
         }
-        self.cells.iter().flatten().flatten().try_for_each(|p| Painter(p).check())
+        self.cells.iter().flatten().flatten().try_for_each(check)
     }
 
     fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> Result<(), OutputError> {
@@ -107,7 +108,7 @@ impl ContactSheet {
 fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str) -> Result<(), OutputError> {
     let size = LABEL_PX - 2;
     let letters = ((cell[0] - SHEET_GAP) as f64 / (LETTER * size as f64)) as usize;
-    let lines = wrapped(reason, letters);
+    let lines = wrapped(reason, |line| line.chars().count() <= letters);
     let [middle_x, middle_y] =
         [x + (cell[0] - SHEET_GAP) / 2, y + (cell[1] - SHEET_GAP) / 2].map(|p| p as i32);
     let step = size as i32 + 5;
@@ -116,27 +117,4 @@ fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str
         bitmap.text(line, [middle_x, middle_y + down], size, Anchor::Centre)?;
     }
     Ok(())
-}
-
-/// Breaks a text into lines of at most `letters` characters; longer words stay whole.
-fn wrapped(text: &str, letters: usize) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
-        match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= letters) {
-            Some(line) => *line += &format!(" {word}"),
-            None => lines.push(word.to_owned()),
-        }
-    }
-    lines
-}
-
-#[cfg(test)]
-mod tests {
-    use super::wrapped;
-
-    #[test]
-    fn lines_hold_whole_words() {
-        assert_eq!(wrapped("volume fraction 0.5 not reached", 16), ["volume fraction", "0.5 not reached"]);
-        assert_eq!(wrapped("unbreakable", 4), ["unbreakable"]);
-    }
 }

@@ -62,8 +62,8 @@ impl Curve {
 
     /// A data curve whose error bars are the standard errors, where these are known.
     pub fn measured(name: impl Into<String>, points: impl IntoIterator<Item = (f64, Estimate)>) -> Self {
-        let bar = |(x, y): (f64, Estimate)| [x, y.value, y.standard_error.unwrap_or(0.0)];
-        Self::with_bars(name, Style::Data, points.into_iter().map(bar))
+        let points = points.into_iter().map(|(x, y)| [x, y.value, y.standard_error.unwrap_or(0.0)]);
+        Self::with_bars(name, Style::Data, points)
     }
 
     /// Whether there is anything to show.
@@ -93,8 +93,8 @@ impl Curve {
     /// Guide line C x^slope through the last point of another curve, over its range.
     pub fn guide(name: impl Into<String>, along: &Curve, slope: f64) -> Self {
         let last = along.points.last().copied().unwrap_or([1.0; 3]);
-        let at = |p: &[f64; 3]| (p[0], last[1] * (p[0] / last[0]).powf(slope));
-        Self::new(name, Style::Guide, along.points.iter().map(at))
+        let points = along.points.iter().map(|p| (p[0], last[1] * (p[0] / last[0]).powf(slope)));
+        Self::new(name, Style::Guide, points)
     }
 
     /// Slope of a least-squares line through the logarithms, with its standard error; `None` for

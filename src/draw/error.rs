@@ -13,14 +13,6 @@ pub enum OutputError {
         /// The message of the system.
         source: std::io::Error,
     },
-    /// The file cannot be read.
-    #[error("cannot read {}: {reason}", path.display())]
-    Read {
-        /// The file.
-        path: PathBuf,
-        /// Why.
-        reason: String,
-    },
     /// The content cannot be made.
     #[error("cannot make {what}: {reason}")]
     Make {

@@ -5,7 +5,6 @@ use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use std::path::Path;
 use std::sync::Once;
 
 /// The font of all figures.
@@ -35,9 +34,9 @@ pub const COLOURS: [RGBColor; 7] = [
 /// An RGB bitmap, 8 bits, sRGB.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bitmap {
-    width: usize,
-    height: usize,
-    rgb: Vec<u8>,
+    pub(super) width: usize,
+    pub(super) height: usize,
+    pub(super) rgb: Vec<u8>,
 }
 
 /// Where a text stands relative to its point.
@@ -68,22 +67,6 @@ impl Bitmap {
             }
         }
         Ok(Self { width, height, rgb: vec![255; 3 * width * height] })
-    }
-
-    /// Width, pixels.
-    pub fn width(&self) -> usize {
-        self.width
-    }
-
-    /// Height, pixels.
-    pub fn height(&self) -> usize {
-        self.height
-    }
-
-    /// Colour of a pixel, from the upper left corner; `None` outside.
-    pub fn pixel(&self, x: usize, y: usize) -> Option<[u8; 3]> {
-        let inside = x < self.width && y < self.height;
-        inside.then(|| std::array::from_fn(|c| self.rgb[3 * (y * self.width + x) + c]))
     }
 
     /// Fills a rectangle; what lies outside is cut off.
@@ -130,17 +113,8 @@ impl Bitmap {
         area.present().map_err(failed)
     }
 
-    /// Writes a PNG with the sRGB chunk and text chunks (keyword, text), e.g. provenance.
-    ///
-    /// # Errors
-    /// The path cannot be written; a keyword is not 1–79 Latin-1 characters.
-    pub fn write_png(&self, path: impl AsRef<Path>, text: &[(&str, &str)]) -> Result<(), OutputError> {
-        let path = path.as_ref();
-        std::fs::write(path, self.png(text)?)
-            .map_err(|source| OutputError::Write { path: path.into(), source })
-    }
-
-    /// Encodes the bitmap as the PNG that [`Bitmap::write_png`] writes.
+    /// Encodes the bitmap as PNG with the sRGB chunk and text chunks (keyword, text), e.g.
+    /// provenance.
     ///
     /// # Errors
     /// A keyword is not 1–79 Latin-1 characters.

@@ -27,8 +27,8 @@ pub(super) fn drawn(
 pub(super) struct Frame {
     pub x: Range<f64>,
     pub y: Range<f64>,
-    pub x_label: String,
-    pub y_label: String,
+    /// Along x it is always "x, µm".
+    pub y_label: &'static str,
     pub caption: String,
     /// Pixels of the picture itself.
     pub size: (u32, u32),
@@ -76,7 +76,7 @@ fn draw_framed(
     chart
         .configure_mesh()
         .disable_mesh()
-        .x_desc(frame.x_label)
+        .x_desc("x, µm")
         .y_desc(frame.y_label)
         .y_labels(rows)
         .axis_desc_style((FONT, LABEL))

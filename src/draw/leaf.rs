@@ -36,7 +36,8 @@ impl Leaf {
             names.into_iter().map(|name| KEY as u32 + MARGIN + width(name, WORDS)).collect();
         let widest = widths.iter().copied().max().unwrap_or(WIDTH);
         let columns = ((WIDTH - MARGIN) / widest.max(1)).max(1) as usize;
-        Leaf { title: lines(title), names: widths.len(), columns }
+        let title = wrapped(title, |line| width(line, TITLE) <= WIDTH - 2 * MARGIN);
+        Leaf { title, names: widths.len(), columns }
     }
 
     fn title_height(&self) -> u32 {
@@ -80,14 +81,13 @@ pub(super) fn width(words: &str, px: u32) -> u32 {
     (FONT, px).into_font().box_size(words).map_or(0, |size| size.0)
 }
 
-/// Breaks a title into lines that fit.
-fn lines(title: &str) -> Vec<String> {
+/// Breaks a text into lines that fit; words stay whole.
+pub(super) fn wrapped(text: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in title.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if width(&format!("{line} {word}"), TITLE) <= WIDTH - 2 * MARGIN => {
-                *line += &format!(" {word}");
-            }
+    for word in text.split_whitespace() {
+        let longer = lines.last().map(|line| format!("{line} {word}")).filter(|line| fits(line));
+        match (lines.last_mut(), longer) {
+            (Some(line), Some(longer)) => *line = longer,
             _ => lines.push(word.to_owned()),
         }
     }
@@ -133,6 +133,13 @@ mod tests {
     fn words_are_read_on_a_phone() {
         let shown = f64::from(WORDS) / 1.24 * 358.0 / f64::from(WIDTH);
         assert!(shown >= 9.5, "{shown}");
+    }
+
+    #[test]
+    fn lines_hold_whole_words() {
+        let wrapped = |text, letters| wrapped(text, |line| line.chars().count() <= letters);
+        assert_eq!(wrapped("volume fraction 0.5 not reached", 16), ["volume fraction", "0.5 not reached"]);
+        assert_eq!(wrapped("unbreakable", 4), ["unbreakable"]);
     }
 
     /// *Planted*: without the rules a dark page shows a white sheet.

@@ -7,7 +7,7 @@ use super::frame::{Canvas, Frame, drawn, framed};
 use super::raster::{BACKGROUND, BINDER, Camera, Raster, Rgb, mix, pigment_colour, shade};
 use crate::ink::grains::shape::Template;
 use crate::ink::{Packing, Shape, Solid, Sphere};
-use crate::numerics::vector::{V3, dot, norm};
+use crate::numerics::vector::{dot, norm};
 use plotters::prelude::*;
 
 const WIDE: f64 = 860.0;
@@ -22,8 +22,7 @@ pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let frame = Frame {
         x: 0.0..lx,
         y: 0.0..ly,
-        x_label: "x, µm".into(),
-        y_label: "y, µm".into(),
+        y_label: "y, µm",
         caption: format!(
             "From the incident side, H = {:.3} µm; deeper grains are paler",
             packing.thickness_um()
@@ -109,8 +108,7 @@ pub fn cut_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
     let frame = Frame {
         x: 0.0..lx,
         y: height..0.0,
-        x_label: "x, µm".into(),
-        y_label: "z, µm".into(),
+        y_label: "z, µm",
         caption: format!("Cut at y = {:.3} µm (incident side up, exit side down)", 0.5 * ly),
         size: (wide as u32, (wide * height / lx).clamp(90.0, 1200.0) as u32),
     };
@@ -215,8 +213,8 @@ fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Res
         format!("length {:.2} R", template.length),
         format!("effective diameter {:.3} R", template.effective_diameter()),
     ];
-    let at = |row: usize| (left + 12, (TILE + 26 * row) as i32);
-    lines.into_iter().enumerate().try_for_each(|(row, line)| write_line(canvas, line, at(row), 16))
+    let mut lines = lines.into_iter().zip((TILE as i32..).step_by(26));
+    lines.try_for_each(|(line, y)| write_line(canvas, line, (left + 12, y), 16))
 }
 
 fn paint_shape(template: &Template, colour: usize, side: usize) -> Raster {
@@ -230,9 +228,9 @@ fn paint_shape(template: &Template, colour: usize, side: usize) -> Raster {
         None => spheres.iter().map(Sphere::solid).collect(),
     };
     // Spheres are given with z upwards.
-    let downwards = |[x, y, z]: V3| [x, y, -z];
     for solid in body {
-        let solid = solid.placed(downwards(solid.center_um));
+        let [x, y, z] = solid.center_um;
+        let solid = solid.placed([x, y, -z]);
         camera.solid(&mut raster, &solid, 0.0, pigment_colour(colour));
     }
     raster

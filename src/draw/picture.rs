@@ -29,99 +29,79 @@ pub(super) const LABEL_PX: u32 = 15;
 pub(super) const TITLE_PX: u32 = 18;
 const TICKS_DEG: f64 = 20.0;
 
-/// Renders the picture as a bitmap; with labels, `title` is written above it.
+/// Renders the picture as a bitmap.
 ///
 /// # Errors
 /// No angles, a strip or square that does not have their number, sides of 0 or more than 20 000
 /// pixels.
-pub fn render(picture: &InkPicture, style: &PictureStyle, title: &str) -> Result<Bitmap, OutputError> {
-    Painter(picture).render(style, title)
+pub fn render(picture: &InkPicture, style: &PictureStyle) -> Result<Bitmap, OutputError> {
+    check(picture)?;
+    let [left, top, right, bottom] = if style.labels { MARGINS } else { [0; 4] };
+    let width = left + style.strip_px + style.gap_px + style.side_px + right;
+    let mut bitmap = Bitmap::white(width, top + style.side_px + bottom)?;
+    paint(picture, &mut bitmap, [left, top], style);
+    if style.labels {
+        label(picture, &mut bitmap, [left, top], style)?;
+    }
+    Ok(bitmap)
 }
 
-/// Draws one picture.
-pub(super) struct Painter<'a>(pub(super) &'a InkPicture);
-
-impl Painter<'_> {
-    fn render(&self, style: &PictureStyle, title: &str) -> Result<Bitmap, OutputError> {
-        self.check()?;
-        let [left, top, right, bottom] = if style.labels { MARGINS } else { [0; 4] };
-        let width = left + style.strip_px + style.gap_px + style.side_px + right;
-        let mut bitmap = Bitmap::white(width, top + style.side_px + bottom)?;
-        self.paint(&mut bitmap, [left, top], style);
-        if style.labels {
-            self.label(&mut bitmap, [left, top], style, title)?;
-        }
-        Ok(bitmap)
+pub(super) fn check(picture: &InkPicture) -> Result<(), OutputError> {
+    let sides = [picture.strip.len(), picture.square.nrows(), picture.square.ncols()];
+    match picture.angles_deg.len() {
+        0 => Err(failed("a picture without angles")),
+        count if sides == [count; 3] => Ok(()),
+        count => Err(failed(format!("{sides:?} colours along the sides of a picture of {count} angles"))),
     }
+}
 
-    pub(super) fn check(&self) -> Result<(), OutputError> {
-        let sides = [self.0.strip.len(), self.0.square.nrows(), self.0.square.ncols()];
-        match self.0.angles_deg.len() {
-            0 => Err(failed("a picture without angles")),
-            count if sides == [count; 3] => Ok(()),
-            count => Err(failed(format!("{sides:?} colours along the sides of a picture of {count} angles"))),
-        }
+pub(super) fn paint(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &PictureStyle) {
+    let edge = |k: usize| k * style.side_px / picture.angles_deg.len();
+    let extent = |k: usize| edge(k + 1) - edge(k);
+    for (row, colour) in picture.strip.iter().enumerate() {
+        bitmap.fill([x, y + edge(row)], [style.strip_px, extent(row)], colour.srgb8);
     }
+    let x = x + style.strip_px + style.gap_px;
+    for ((row, column), colour) in picture.square.indexed_iter() {
+        bitmap.fill([x + edge(column), y + edge(row)], [extent(column), extent(row)], colour.srgb8);
+    }
+}
 
-    pub(super) fn paint(&self, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &PictureStyle) {
-        let edge = |k: usize| k * style.side_px / self.0.angles_deg.len();
-        let extent = |k: usize| edge(k + 1) - edge(k);
-        for (row, colour) in self.0.strip.iter().enumerate() {
-            bitmap.fill([x, y + edge(row)], [style.strip_px, extent(row)], colour.srgb8);
-        }
-        let x = x + style.strip_px + style.gap_px;
-        for ((row, column), colour) in self.0.square.indexed_iter() {
-            bitmap.fill([x + edge(column), y + edge(row)], [extent(column), extent(row)], colour.srgb8);
-        }
+fn label(
+    picture: &InkPicture,
+    bitmap: &mut Bitmap,
+    [x, y]: [usize; 2],
+    style: &PictureStyle,
+) -> Result<(), OutputError> {
+    let square = x + style.strip_px + style.gap_px;
+    let (bottom, side) = ((y + style.side_px) as i32, style.side_px as i32);
+    let (above, across) = (y as i32 - 14, square as i32 + side / 2);
+    let strip_middle = (x + style.strip_px / 2) as i32;
+    bitmap.text("natural light", [strip_middle, above], LABEL_PX, Anchor::Centre)?;
+    bitmap.text("π × diffuse BRDF", [across, above], LABEL_PX, Anchor::Centre)?;
+    bitmap.text("illumination angle, °", [across, bottom + 44], LABEL_PX, Anchor::Centre)?;
+    bitmap.text("viewing angle, °", [16, y as i32 + side / 2], LABEL_PX, Anchor::Upwards)?;
+    for (name, at) in ticks(picture, style.side_px) {
+        bitmap.fill([x - 6, y + at], [5, 1], [0; 3]);
+        bitmap.text(&name, [x as i32 - 10, (y + at) as i32], LABEL_PX, Anchor::Right)?;
+        bitmap.fill([square + at, y + style.side_px + 1], [1, 5], [0; 3]);
+        bitmap.text(&name, [(square + at) as i32, bottom + 18], LABEL_PX, Anchor::Centre)?;
     }
+    Ok(())
+}
 
-    fn label(
-        &self,
-        bitmap: &mut Bitmap,
-        [x, y]: [usize; 2],
-        style: &PictureStyle,
-        title: &str,
-    ) -> Result<(), OutputError> {
-        let square = x + style.strip_px + style.gap_px;
-        let (bottom, side) = ((y + style.side_px) as i32, style.side_px as i32);
-        bitmap.text(title, [x as i32, 16], TITLE_PX, Anchor::Left)?;
-        let strip_middle = (x + style.strip_px / 2) as i32;
-        bitmap.text("natural light", [strip_middle, y as i32 - 14], LABEL_PX, Anchor::Centre)?;
-        bitmap.text(
-            "π × diffuse BRDF",
-            [square as i32 + side / 2, y as i32 - 14],
-            LABEL_PX,
-            Anchor::Centre,
-        )?;
-        bitmap.text(
-            "illumination angle, °",
-            [square as i32 + side / 2, bottom + 44],
-            LABEL_PX,
-            Anchor::Centre,
-        )?;
-        bitmap.text("viewing angle, °", [16, y as i32 + side / 2], LABEL_PX, Anchor::Upwards)?;
-        for (name, at) in self.ticks(style.side_px) {
-            bitmap.fill([x - 6, y + at], [5, 1], [0; 3]);
-            bitmap.text(&name, [x as i32 - 10, (y + at) as i32], LABEL_PX, Anchor::Right)?;
-            bitmap.fill([square + at, y + style.side_px + 1], [1, 5], [0; 3]);
-            bitmap.text(&name, [(square + at) as i32, bottom + 18], LABEL_PX, Anchor::Centre)?;
-        }
-        Ok(())
-    }
-
-    /// Every 20° inside the range of angles: label and offset of the cell's centre.
-    fn ticks(&self, side_px: usize) -> Vec<(String, usize)> {
-        let (first, last) = (self.0.angles_deg[0], self.0.angles_deg[self.0.angles_deg.len() - 1]);
-        let cell = side_px as f64 / self.0.angles_deg.len() as f64;
-        let reach = (self.0.angles_deg.len() - 1) as f64 * cell;
-        let offset = |deg: f64| {
-            let share = if last > first { (deg - first) / (last - first) } else { 0.0 };
-            (cell / 2.0 + share * reach) as usize
-        };
-        let multiples = (0..=4).map(|k| TICKS_DEG * f64::from(k));
-        let inside = multiples.filter(|deg| (first..=last).contains(deg));
-        inside.map(|deg| (format!("{deg:.0}"), offset(deg))).collect()
-    }
+/// Every 20° inside the range of angles: label and offset of the cell's centre.
+fn ticks(picture: &InkPicture, side_px: usize) -> Vec<(String, usize)> {
+    let (first, last) = (picture.angles_deg[0], picture.angles_deg[picture.angles_deg.len() - 1]);
+    let cell = side_px as f64 / picture.angles_deg.len() as f64;
+    let reach = (picture.angles_deg.len() - 1) as f64 * cell;
+    let offset = |deg: f64| {
+        let share = if last > first { (deg - first) / (last - first) } else { 0.0 };
+        (cell / 2.0 + share * reach) as usize
+    };
+    let multiples = (0..=4).map(|k| TICKS_DEG * f64::from(k));
+    let inside = multiples.filter(|deg| (first..=last).contains(deg));
+    inside.map(|deg| (format!("{deg:.0}"), offset(deg))).collect()
 }
 
 #[cfg(test)]

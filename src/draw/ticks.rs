@@ -11,17 +11,9 @@ const MOST_UP: [usize; 2] = [8, 12];
 /// Slack of comparisons between round numbers.
 const ROUNDING: f64 = 1e-9;
 
-/// Round ticks of a horizontal axis, with their labels.
-pub(super) fn along(range: &Range<f64>, log: bool) -> Vec<(f64, String)> {
-    round_ticks(range, log, MOST_ALONG)
-}
-
-/// Round ticks of a vertical axis, with their labels.
-pub(super) fn up(range: &Range<f64>, log: bool) -> Vec<(f64, String)> {
-    round_ticks(range, log, MOST_UP[usize::from(log)])
-}
-
-fn round_ticks(range: &Range<f64>, log: bool, most: usize) -> Vec<(f64, String)> {
+/// Round ticks of the horizontal axis, 0, or the vertical one, 1, with their labels.
+pub(super) fn round_ticks(range: &Range<f64>, axis: usize, log: bool) -> Vec<(f64, String)> {
+    let most = if axis == 0 { MOST_ALONG } else { MOST_UP[usize::from(log)] };
     let at = if log {
         logarithmic(range, most)
     } else {
@@ -44,8 +36,9 @@ fn logarithmic(range: &Range<f64>, most: usize) -> Vec<f64> {
 
 fn round_numbers(range: &Range<f64>, leading: &[f64]) -> Vec<f64> {
     let (from, to) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
-    let within = |v: &f64| *v >= range.start * (1.0 - ROUNDING) && *v <= range.end * (1.0 + ROUNDING);
-    (from..=to).flat_map(|k| leading.iter().map(move |l| l * 10f64.powi(k))).filter(within).collect()
+    let within = range.start * (1.0 - ROUNDING)..=range.end * (1.0 + ROUNDING);
+    let all = (from..=to).flat_map(|k| leading.iter().map(move |l| l * 10f64.powi(k)));
+    all.filter(|v| within.contains(v)).collect()
 }
 
 /// Widens a logarithmic range until it has at least two ticks, on the side where this adds less.

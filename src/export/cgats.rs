@@ -2,6 +2,7 @@
 //! reads.
 
 use super::print::Print;
+use crate::evaluate::summary::program;
 use std::fmt::Write;
 
 /// Dialect of the file, named in its first line.
@@ -33,9 +34,9 @@ pub fn cgats(print: &Print, dialect: Dialect) -> String {
 }
 
 fn header(out: &mut String, print: &Print, dialect: Dialect) {
-    let quoted = |text: &str| text.replace('"', "'").replace(['\n', '\r'], " ");
-    let _ = writeln!(out, "ORIGINATOR \"{} (simulated)\"", quoted(&print.program));
-    let _ = writeln!(out, "DESCRIPTOR \"Simulated, not measured: {}\"", quoted(&print.title));
+    let title = print.title.replace('"', "'").replace(['\n', '\r'], " ");
+    let _ = writeln!(out, "ORIGINATOR \"{} (simulated)\"", program());
+    let _ = writeln!(out, "DESCRIPTOR \"Simulated, not measured: {}\"", title);
     let _ = writeln!(out, "CREATED \"{}\"", print.created);
     if dialect == Dialect::Standard {
         // the standard's own words; Argyll takes each keyword once
@@ -51,7 +52,8 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("MEASUREMENT_GEOMETRY", "45:0 and uniform sky:0, simulated");
     own("LAB_CONDITIONS", &print.viewing.name().replace('°', " degree"));
     own("SPECTRA_NOTE", print.spectra_from());
-    own("LAB_NOTE", &lab_note(print));
+    let no_lab = "none: the wavelengths do not suffice for a colour";
+    own("LAB_NOTE", &if has_lab(print) { print.lab_note() } else { no_lab.to_owned() });
     if dialect == Dialect::Argyll {
         own("SPECTRAL_NORM", "100.000000");
         own("MEAS_TYPE", "REFLECTIVE");
@@ -60,14 +62,6 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("SPECTRAL_BANDS", &print.wavelengths_nm.len().to_string());
     own("SPECTRAL_START_NM", &format!("{:.6}", f64::from(first.copied().unwrap_or(0))));
     own("SPECTRAL_END_NM", &format!("{:.6}", f64::from(last.copied().unwrap_or(0))));
-}
-
-/// Note on the origin of the Lab columns.
-fn lab_note(print: &Print) -> String {
-    if !has_lab(print) {
-        return "none: the wavelengths do not suffice for a colour".to_owned();
-    }
-    print.lab_differs().unwrap_or_else(|| "as on the study's page".to_owned())
 }
 
 /// Whether every spectrum has a colour; otherwise there are no Lab columns.

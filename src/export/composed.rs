@@ -11,7 +11,6 @@ use crate::evaluate::composed::view::ComposedView;
 use crate::input::study::Study;
 use crate::report::composed::tables;
 use crate::run::watch::RunWatch;
-use crate::store::record::PointRecord;
 use crate::sweep::work::rounds::collect;
 use std::path::Path;
 
@@ -121,11 +120,9 @@ impl ComposedStored {
     /// The orders of every slab's solves, one file for each kind of slab.
     fn npz(&self, out: &mut Exported) -> Result<(), ExportError> {
         for (study, collected) in &self.solved {
-            let records: Vec<&PointRecord> =
-                collected.realisations.iter().flat_map(|r| r.points.iter().flatten()).collect();
             let kind = study.portion.as_ref().map(|portion| portion.in_words()).unwrap_or_default();
             let name = format!("far-fields-{}.npz", kind.replace(", ", "-").replace(' ', "-"));
-            out.add(&name, npz::far_fields(&records)?, &format!("all propagating orders: {kind}"));
+            out.add(&name, npz::far_fields(collected)?, &format!("all propagating orders: {kind}"));
         }
         Ok(())
     }
@@ -140,6 +137,7 @@ fn one_packing(format: &str) -> ExportError {
 
 /// The bars of Lab, as if they were independent.
 fn diagonal(lab: [ErrorParts; 3]) -> [[f64; 3]; 3] {
-    let own = |i: usize, j: usize| if i == j { lab[i].standard_error.powi(2) } else { 0.0 };
-    std::array::from_fn(|i| std::array::from_fn(|j| own(i, j)))
+    let mut covariance = [[0.0; 3]; 3];
+    (0..3).for_each(|i| covariance[i][i] = lab[i].standard_error.powi(2));
+    covariance
 }

@@ -5,6 +5,8 @@
 //! `Description` and the tags state that the data are simulated.
 
 use super::print::{Print, PrintSpectrum};
+use crate::evaluate::summary::program;
+use crate::report::cell::plain;
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 
@@ -20,13 +22,13 @@ const ILLUMINANTS: [&str; 11] = ["A", "D50", "D65", "E", "F2", "F3", "F7", "F9",
 pub fn cxf(print: &Print) -> Result<String, minijinja::Error> {
     let start = print.wavelengths_nm.first().copied().unwrap_or(0);
     let data = context! {
-        program => plain(&print.program),
+        program => program(),
         created => &print.created,
         title => plain(&print.title),
         study_hash => &print.study_hash,
         conditions => print.viewing.name(),
         origin => print.spectra_from(),
-        lab_note => print.lab_differs().unwrap_or_else(|| "as on the study's page".to_owned()),
+        lab_note => print.lab_note(),
         start,
         increment => print.wavelengths_nm.get(1).map_or(10, |second| second - start),
         light => print.viewing.illuminant().to_owned(),
@@ -37,11 +39,6 @@ pub fn cxf(print: &Print) -> Result<String, minijinja::Error> {
     let mut templates = Environment::new();
     templates.add_template("cxf.xml", include_str!("cxf.xml"))?;
     templates.get_template("cxf.xml")?.render(data)
-}
-
-/// A text without control characters, which XML does not have.
-fn plain(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// Values, errors and colour of a spectrum, with the white that Lab refers to.
@@ -80,7 +77,6 @@ mod tests {
         let print = Print {
             title: "Made up".to_owned(),
             study_hash: "0".to_owned(),
-            program: "inkwave".to_owned(),
             created: "2000-01-01T00:00:00Z".to_owned(),
             viewing: Viewing::new("D50", "2", Summation::Plain).unwrap(),
             interpolated: false,

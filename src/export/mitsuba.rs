@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Points along each axis of the half vector's grid. *Measured* against the formula at cos θ > 0.2,
 /// median and 95th percentile: 32 points 0.7 % and 8 %, 48 points 0.3 % and 4 %, 96 points 0.09 %
 /// and 1.5 %.
-pub const POINTS: usize = 96;
+const POINTS: usize = 96;
 /// The renderer divides by the luminance when it draws directions: never 0, at least this share of
 /// its mean.
 const LEAST_LUMINANCE: f64 = 1e-4;
@@ -29,9 +29,6 @@ const WIDEST_STEP_DEG: f64 = 3.0;
 /// Directions nearer to grazing than this have no orders around them.
 const GRAZING_DEG: f64 = 89.9;
 
-/// f cos θ_o of one angle of incidence: \[wavelength\]\[row φ_m\]\[column θ_m\], flat.
-type TensorSlab = Vec<f64>;
-
 /// Everything that the files hold.
 #[derive(Clone, Debug)]
 pub struct MaterialTable {
@@ -39,71 +36,62 @@ pub struct MaterialTable {
     pub theta_deg: Vec<f64>,
     /// Wavelengths, nm.
     pub wavelengths_nm: Vec<f64>,
-    /// Points along each axis of the half vector's grid.
-    pub points: usize,
-    slabs: Vec<TensorSlab>,
+    /// f cos θ_o of every angle of incidence: \[wavelength\]\[row φ_m\]\[column θ_m\], flat.
+    slabs: Vec<Vec<f64>>,
 }
 
-/// The file with three channels, and how much of it lies outside the gamut.
-#[derive(Clone, Debug)]
-pub struct RgbFile {
-    /// The file's bytes.
-    pub bytes: Vec<u8>,
-    /// Share of the cells with light in which a channel was negative and became 0.
-    pub clipped: f64,
-}
+/// Cells of the half vector's grid.
+const CELLS: usize = POINTS * POINTS;
 
 impl MaterialTable {
-    /// Tabulates the ink on a grid of `points` × `points` half vectors.
-    ///
-    /// # Errors
-    /// What [`DirectionalPrint::brdf`] refuses.
-    pub fn new(ink: &dyn DirectionalPrint, points: usize) -> Result<Self, InkError> {
+    /// Tabulates the ink.
+    pub fn new(ink: &dyn DirectionalPrint) -> Self {
         let theta_deg = incidences(&ink.nodes_deg());
-        let slabs = theta_deg.par_iter().map(|&deg| slab(ink, deg, points)).collect::<Result<_, _>>()?;
-        Ok(Self { theta_deg, wavelengths_nm: ink.wavelengths_nm().to_vec(), points, slabs })
+        let slabs = theta_deg.par_iter().map(|&deg| slab(ink, deg)).collect();
+        Self { theta_deg, wavelengths_nm: ink.wavelengths_nm().to_vec(), slabs }
     }
 
     /// The file for the renderer's spectral variants.
     pub fn spectral(&self, description: &str) -> Vec<u8> {
-        let (angles, waves, n) = (self.theta_deg.len(), self.wavelengths_nm.len(), self.points);
+        let (angles, waves) = (self.theta_deg.len(), self.wavelengths_nm.len());
         let values = self.slabs.iter().flatten().map(|&x| x as f32).collect();
         let wavelengths = self.wavelengths_nm.iter().map(|&nm| nm as f32).collect();
         let mut fields = self.common(description);
         fields.push(TensorField::floats("wavelengths", &[waves], wavelengths));
-        fields.push(TensorField::floats("spectra", &[1, angles, waves, n, n], values));
+        fields.push(TensorField::floats("spectra", &[1, angles, waves, POINTS, POINTS], values));
         tensor_file(&fields)
     }
 
-    /// The file for its RGB variants: linear sRGB, negative channels clipped.
+    /// The file for its RGB variants: linear sRGB, negative channels clipped; and the share of the
+    /// cells with light in which a channel was negative and became 0.
     ///
     /// # Errors
     /// Wavelengths that cannot carry a colour.
-    pub fn rgb(&self, description: &str) -> Result<RgbFile, InkError> {
+    pub fn rgb(&self, description: &str) -> Result<(Vec<u8>, f64), InkError> {
         let meter = Colorimeter::new(&self.wavelengths_nm)?;
-        let (angles, n) = (self.theta_deg.len(), self.points);
-        let cells = n * n;
-        let mut values = vec![0.0_f32; angles * 3 * cells];
+        let angles = self.theta_deg.len();
+        let mut values = vec![0.0_f32; angles * 3 * CELLS];
         let (mut lit, mut clipped) = (0_usize, 0_usize);
-        for (slab, out) in self.slabs.iter().zip(values.chunks_mut(3 * cells)) {
-            for cell in 0..cells {
-                let spectrum: Vec<f64> = slab.iter().skip(cell).step_by(cells).copied().collect();
+        for (slab, out) in self.slabs.iter().zip(values.chunks_mut(3 * CELLS)) {
+            for cell in 0..CELLS {
+                let spectrum: Vec<f64> = spectrum(slab, cell).collect();
                 let rgb = meter.linear_rgb(meter.xyz(&spectrum)?);
                 lit += usize::from(spectrum.iter().any(|&x| x > 0.0));
                 clipped += usize::from(rgb.iter().any(|&x| x < 0.0));
-                (0..3).for_each(|c| out[c * cells + cell] = rgb[c].max(0.0) as f32);
+                (0..3).for_each(|c| out[c * CELLS + cell] = rgb[c].max(0.0) as f32);
             }
         }
         let mut fields = self.common(description);
-        fields.push(TensorField::floats("rgb", &[1, angles, 3, n, n], values));
-        Ok(RgbFile { bytes: tensor_file(&fields), clipped: clipped as f64 / lit.max(1) as f64 })
+        fields.push(TensorField::floats("rgb", &[1, angles, 3, POINTS, POINTS], values));
+        Ok((tensor_file(&fields), clipped as f64 / lit.max(1) as f64))
     }
 
     /// Fields of both files. The microfacet tables are flat, so that the renderer's warps leave (u,
     /// v) as they are.
     fn common(&self, description: &str) -> Vec<TensorField> {
-        let (angles, n) = (self.theta_deg.len(), self.points);
+        let angles = self.theta_deg.len();
         let radians = self.theta_deg.iter().map(|deg| deg.to_radians() as f32).collect();
+        let luminance = self.slabs.iter().flat_map(mean_over_waves).collect();
         let flat = |shape: &[usize]| vec![1.0_f32; shape.iter().product()];
         vec![
             TensorField::bytes("description", description.as_bytes().to_vec()),
@@ -113,22 +101,21 @@ impl MaterialTable {
             TensorField::floats("ndf", &[2, 2], flat(&[2, 2])),
             TensorField::floats("sigma", &[2, 2], flat(&[2, 2])),
             TensorField::floats("vndf", &[1, angles, 2, 2], flat(&[angles, 2, 2])),
-            TensorField::floats("luminance", &[1, angles, n, n], self.luminance()),
+            TensorField::floats("luminance", &[1, angles, POINTS, POINTS], luminance),
         ]
-    }
-
-    /// Mean over the wavelengths: it only steers where the renderer draws its samples.
-    fn luminance(&self) -> Vec<f32> {
-        let cells = self.points * self.points;
-        self.slabs.iter().flat_map(|slab| mean_over_waves(slab, cells)).collect()
     }
 }
 
-fn mean_over_waves(slab: &TensorSlab, cells: usize) -> Vec<f32> {
-    let waves = (slab.len() / cells) as f64;
-    let means: Vec<f64> =
-        (0..cells).map(|cell| slab.iter().skip(cell).step_by(cells).sum::<f64>() / waves).collect();
-    let least = LEAST_LUMINANCE * means.iter().sum::<f64>() / cells as f64;
+/// The values of a cell at all wavelengths.
+fn spectrum(slab: &[f64], cell: usize) -> impl Iterator<Item = f64> {
+    slab.iter().skip(cell).step_by(CELLS).copied()
+}
+
+/// Mean over the wavelengths: it only steers where the renderer draws its samples.
+fn mean_over_waves(slab: &Vec<f64>) -> Vec<f32> {
+    let waves = (slab.len() / CELLS) as f64;
+    let means: Vec<f64> = (0..CELLS).map(|cell| spectrum(slab, cell).sum::<f64>() / waves).collect();
+    let least = LEAST_LUMINANCE * means.iter().sum::<f64>() / CELLS as f64;
     means.iter().map(|&x| x.max(least).max(f64::from(f32::MIN_POSITIVE)) as f32).collect()
 }
 
@@ -143,27 +130,26 @@ fn incidences(nodes_deg: &[f64]) -> Vec<f64> {
 }
 
 /// One angle of incidence; rows v and 1 − v mirror each other.
-fn slab(ink: &dyn DirectionalPrint, light_deg: f64, points: usize) -> Result<TensorSlab, InkError> {
+fn slab(ink: &dyn DirectionalPrint, light_deg: f64) -> Vec<f64> {
     let waves = ink.wavelengths_nm().len();
-    let cells = points * points;
-    let mut slab = vec![0.0; waves * cells];
-    for row in 0..points.div_ceil(2) {
-        for column in 0..points {
-            let Some((view, cosine)) = view(light_deg, [row, column], points) else { continue };
+    let mut slab = vec![0.0; waves * CELLS];
+    for row in 0..POINTS.div_ceil(2) {
+        for column in 0..POINTS {
+            let Some((view, cosine)) = view(light_deg, [row, column]) else { continue };
             for w in 0..waves {
                 let value = cosine * ink.brdf(w, light_deg, view).max(0.0);
-                slab[w * cells + row * points + column] = value;
-                slab[w * cells + (points - 1 - row) * points + column] = value;
+                slab[w * CELLS + row * POINTS + column] = value;
+                slab[w * CELLS + (POINTS - 1 - row) * POINTS + column] = value;
             }
         }
     }
-    Ok(slab)
+    slab
 }
 
 /// The direction that the half vector of a cell mirrors the light into, and its cosine; `None`
 /// below the horizon.
-fn view(light_deg: f64, [row, column]: [usize; 2], points: usize) -> Option<(Direction, f64)> {
-    let share = |i: usize| i as f64 / (points - 1) as f64;
+fn view(light_deg: f64, [row, column]: [usize; 2]) -> Option<(Direction, f64)> {
+    let share = |i: usize| i as f64 / (POINTS - 1) as f64;
     let (theta, phi) = (share(column).powi(2) * FRAC_PI_2, TAU * share(row) - PI);
     let m = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
     let light = [light_deg.to_radians().sin(), 0.0, light_deg.to_radians().cos()];
@@ -182,10 +168,8 @@ fn view(light_deg: f64, [row, column]: [usize; 2], points: usize) -> Option<(Dir
 /// and a pale sky.
 pub fn scene(bsdf_file: &str, title: &str) -> String {
     let title = title.replace("--", "–").replace(['<', '>', '&'], " ");
-    SCENE.replace("{bsdf}", bsdf_file).replace("{title}", &title)
+    include_str!("scene.xml").replace("{bsdf}", bsdf_file).replace("{title}", &title)
 }
-
-const SCENE: &str = include_str!("scene.xml");
 
 #[cfg(test)]
 mod tests {
@@ -193,7 +177,7 @@ mod tests {
 
     #[test]
     fn the_mirror_image_is_where_the_half_vector_is_the_normal() {
-        let (view, cosine) = view(40.0, [10, 0], 96).unwrap();
+        let (view, cosine) = view(40.0, [10, 0]).unwrap();
         // rounding of acos near 40°
         assert!((view.polar_deg - 40.0).abs() < 1e-9 && view.azimuth_deg.abs() < 1e-9);
         assert!((cosine - 40.0_f64.to_radians().cos()).abs() < 1e-12);

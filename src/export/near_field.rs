@@ -22,7 +22,7 @@ pub fn image(problem: &Problem, field: &Field) -> Image {
     let heights = HEIGHTS_PER_CELL * grid.cells() + 1;
     let points = grid.points();
     let mut wave = Vec::with_capacity(heights * points);
-    let mut contrast = Vec::with_capacity(2 * heights * points);
+    let mut contrast = Vec::with_capacity(heights * points);
     for k in 0..heights {
         let (cell, t) = place(k, grid.cells());
         let shares = grid.element.shape_functions(t);
@@ -31,9 +31,8 @@ pub fn image(problem: &Problem, field: &Field) -> Image {
             rows.iter().zip(shares).map(|(&p, s)| values[[p, i]] * s).sum()
         };
         wave.extend((0..points).map(|i| at(&planes, i) * phases[i]));
-        contrast.extend((0..points).map(|i| at(&contrasts, i)).flat_map(|v| [v.re as f32, v.im as f32]));
+        contrast.extend((0..points).map(|i| at(&contrasts, i)));
     }
-    let complex = wave.iter().flat_map(|u| [u.re as f32, u.im as f32]).collect();
     let intensity = wave.iter().map(|u| u.norm_sqr() as f32).collect();
     let [lx, ly] = grid.period_um;
     let height = grid.nodes_um[grid.cells()] / (heights - 1) as f64;
@@ -43,8 +42,8 @@ pub fn image(problem: &Problem, field: &Field) -> Image {
         origin_um: [0.0; 3],
         arrays: vec![
             PointArray { name: "intensity".into(), components: 1, values: intensity },
-            PointArray { name: "u".into(), components: 2, values: complex },
-            PointArray { name: "contrast".into(), components: 2, values: contrast },
+            PointArray::complex("u".into(), wave),
+            PointArray::complex("contrast".into(), contrast),
         ],
     }
 }

@@ -9,9 +9,10 @@
 //! alpha, r = f["order_alpha"][rows], f["order_reflected"][rows]
 //! ```
 
+use crate::run::Collected;
 use crate::store::record::PointRecord;
 use crate::wave::{Order, Side};
-use ndarray::{Array1, Array2};
+use ndarray::{Array1, arr2};
 use ndarray_npy::{NpzWriter, WriteNpzError};
 use num_complex::Complex64;
 use std::io::Cursor;
@@ -20,16 +21,28 @@ use std::io::Cursor;
 ///
 /// # Errors
 /// The archive cannot be made.
-pub fn far_fields(records: &[&PointRecord]) -> Result<Vec<u8>, WriteNpzError> {
+pub fn far_fields(collected: &Collected) -> Result<Vec<u8>, WriteNpzError> {
+    let points = collected.realisations.iter().flat_map(|r| &r.points);
+    let records: Vec<&PointRecord> = points.flatten().collect();
+    archive(|npz| {
+        solves(npz, &records)?;
+        orders(npz, &records)
+    })
+}
+
+/// An archive in memory.
+pub(super) type Archive<'a> = NpzWriter<&'a mut Cursor<Vec<u8>>>;
+
+/// An archive of the arrays that `fill` adds.
+pub(super) fn archive(
+    fill: impl FnOnce(&mut Archive) -> Result<(), WriteNpzError>,
+) -> Result<Vec<u8>, WriteNpzError> {
     let mut bytes = Cursor::new(Vec::new());
     let mut npz = NpzWriter::new(&mut bytes);
-    solves(&mut npz, records)?;
-    orders(&mut npz, records)?;
+    fill(&mut npz)?;
     npz.finish()?;
     Ok(bytes.into_inner())
 }
-
-type Archive<'a> = NpzWriter<&'a mut Cursor<Vec<u8>>>;
 
 fn solves(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzError> {
     let numbers = |f: &dyn Fn(&PointRecord) -> f64| records.iter().map(|r| f(r)).collect::<Array1<f64>>();
@@ -48,8 +61,8 @@ fn solves(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzErr
     // 0: s, 1: p, −1: the scalar wave
     let polarisation: Array1<i8> = records.iter().map(|r| r.polarisation.map_or(-1, |p| p as i8)).collect();
     npz.add_array("solve_polarisation", &polarisation)?;
-    let period = Array2::from_shape_fn((records.len(), 2), |(s, axis)| records[s].period_um[axis]);
-    npz.add_array("solve_period_um", &period)?;
+    let periods: Vec<[f64; 2]> = records.iter().map(|r| r.period_um).collect();
+    npz.add_array("solve_period_um", &arr2(&periods))?;
     npz.add_array("solve_first_order", &Array1::from(first))
 }
 

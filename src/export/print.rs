@@ -4,7 +4,6 @@ use super::error::ExportError;
 use crate::appearance::colour::{Colorimeter, Colour};
 use crate::appearance::tristimulus::lagrange_shares;
 use crate::appearance::viewing::Viewing;
-use crate::evaluate::summary::program;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 
@@ -44,8 +43,6 @@ pub struct Print {
     pub title: String,
     /// Content hash of the study.
     pub study_hash: String,
-    /// Name and version of the program.
-    pub program: String,
     /// Date and time of the export, RFC 3339.
     pub created: String,
     /// Light, observer and rule of summation of the colours.
@@ -101,7 +98,6 @@ impl Print {
         Self {
             title: study.title.clone(),
             study_hash: study.key().to_string(),
-            program: program(),
             created: created.to_owned(),
             viewing: study.judgement.viewing.clone(),
             interpolated,
@@ -120,22 +116,22 @@ impl Print {
         }
     }
 
-    /// Why Lab of the file differs from that of the study's page, and the page's values; `None` if
+    /// Why Lab of the file differs from that of the study's page, and the page's values; or that
     /// both round alike.
-    pub fn lab_differs(&self) -> Option<String> {
+    pub fn lab_note(&self) -> String {
         let pages: Vec<String> = self.spectra.iter().filter_map(PrintSpectrum::page_lab_if_other).collect();
         if pages.is_empty() {
-            return None;
+            return "as on the study's page".to_owned();
         }
         let sums = match self.interpolated {
             true => "the study's own wavelengths",
             false => "all solves, including what their fitted spectra smooth out,",
         };
-        Some(format!(
+        format!(
             "Lab is computed from the spectrum in this file, every 10 nm, so that other programs find the same; the study's \
              page sums {sums} and has {}",
             pages.join("; ")
-        ))
+        )
     }
 }
 
@@ -190,23 +186,6 @@ fn error_between(wavelengths_nm: &[f64], values: &[Estimate], nm: f64) -> Option
     let (lo, hi) = (wavelengths_nm[after - 1], wavelengths_nm[after]);
     let t = ((nm - lo) / (hi - lo)).clamp(0.0, 1.0);
     Some((1.0 - t) * values[after - 1].standard_error? + t * values[after].standard_error?)
-}
-
-/// Text inside an XML element or attribute.
-pub fn xml(text: &str) -> String {
-    text.chars().map(escaped).collect()
-}
-
-/// A character as XML writes it.
-fn escaped(c: char) -> String {
-    match c {
-        '&' => "&amp;".to_owned(),
-        '<' => "&lt;".to_owned(),
-        '>' => "&gt;".to_owned(),
-        '"' => "&quot;".to_owned(),
-        c if c.is_control() => " ".to_owned(),
-        c => c.to_string(),
-    }
 }
 
 #[cfg(test)]

@@ -2,7 +2,6 @@
 //! Data Package.
 
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
 
 /// One exported file.
 #[derive(Clone, Debug)]
@@ -22,12 +21,12 @@ pub struct Run {
     pub title: String,
     /// Content hash of the study.
     pub study_hash: String,
-    /// Version of the program.
-    pub version: String,
     /// Date and time of the export, RFC 3339.
     pub created: String,
 }
 
+/// Version of the program.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// File with the study as it was run.
 pub const STUDY: &str = "study.json";
 const METADATA: &str = "ro-crate-metadata.json";
@@ -62,8 +61,8 @@ pub fn ro_crate(run: &Run, files: &[Described]) -> Value {
             "@id": "#inkwave",
             "@type": "SoftwareApplication",
             "name": "inkwave",
-            "softwareVersion": run.version,
-            "version": run.version,
+            "softwareVersion": VERSION,
+            "version": VERSION,
             "description": env!("CARGO_PKG_DESCRIPTION"),
         }),
         json!({
@@ -100,7 +99,7 @@ pub fn data_package(run: &Run, files: &[Described]) -> Value {
         "title": run.title,
         "id": run.study_hash,
         "created": run.created,
-        "version": run.version,
+        "version": VERSION,
         "resources": files.iter().map(resource).collect::<Vec<_>>(),
     })
 }
@@ -131,16 +130,12 @@ fn columns(table: &[u8]) -> Vec<Value> {
 
 /// Columns that are not plain numbers; all others are.
 fn column_type(name: &str) -> &'static str {
-    let others: BTreeMap<&str, &str> = [
-        ("from", "string"),
-        ("lobe", "string"),
-        ("m", "integer"),
-        ("n", "integer"),
-        ("specular", "boolean"),
-        ("realisations", "integer"),
-    ]
-    .into();
-    others.get(name).copied().unwrap_or("number")
+    match name {
+        "from" | "lobe" => "string",
+        "m" | "n" | "realisations" => "integer",
+        "specular" => "boolean",
+        _ => "number",
+    }
 }
 
 fn media_type(name: &str) -> &'static str {
@@ -162,12 +157,8 @@ mod tests {
 
     #[test]
     fn every_file_is_part_of_the_crate_and_every_column_has_a_type() {
-        let run = Run {
-            title: "Yellow".into(),
-            study_hash: "0f".into(),
-            version: "1.0".into(),
-            created: "2026-01-01T00:00:00Z".into(),
-        };
+        let run =
+            Run { title: "Yellow".into(), study_hash: "0f".into(), created: "2026-01-01T00:00:00Z".into() };
         let file = |name: &str, bytes: &[u8]| Described {
             name: name.into(),
             bytes: bytes.into(),

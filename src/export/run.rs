@@ -22,7 +22,6 @@ use crate::report::packing::grains_csv;
 use crate::report::tables;
 use crate::run::point::{Stopper, pack_realisation};
 use crate::run::watch::RunWatch;
-use crate::store::record::PointRecord;
 use crate::wave::{Coverage, Incidence, Mean, Problem, Scene, Side};
 use ndarray_npy::{WriteNpyExt, WriteNpzError};
 use std::sync::Arc;
@@ -53,7 +52,10 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Resul
             Format::Mitsuba => exporter.mitsuba(&mut out)?,
             Format::Cxf => out.cxf(&exporter.print("cxf")?)?,
             Format::Cgats => out.cgats(&exporter.print("cgats")?),
-            Format::Npz => exporter.npz(&mut out)?,
+            Format::Npz => {
+                let orders = npz::far_fields(&stored.collected)?;
+                out.add("far-fields.npz", orders, "all propagating orders of all solves");
+            }
             Format::Vti => exporter.vti(&mut out)?,
             Format::Positions => exporter.positions(&mut out)?,
             Format::Labels => exporter.labels(&mut out)?,
@@ -85,17 +87,17 @@ impl Exported {
         print: &dyn DirectionalPrint,
         study: &Study,
     ) -> Result<(), ExportError> {
-        let table = MaterialTable::new(print, mitsuba::POINTS)?;
+        let table = MaterialTable::new(print);
         let about = description(study);
         self.add("ink-spectral.bsdf", table.spectral(&about), "material for Mitsuba 3, spectral variants");
         self.add("scene-spectral.xml", mitsuba::scene("ink-spectral.bsdf", &study.title), "a scene with it");
         match table.rgb(&about) {
-            Ok(rgb) => {
-                self.add("ink-rgb.bsdf", rgb.bytes, "material for Mitsuba 3, RGB variants");
+            Ok((bytes, clipped)) => {
+                self.add("ink-rgb.bsdf", bytes, "material for Mitsuba 3, RGB variants");
                 self.add("scene-rgb.xml", mitsuba::scene("ink-rgb.bsdf", &study.title), "a scene with it");
                 self.remarks.push(format!(
                     "ink-rgb.bsdf: {:.1} % of its cells lie outside sRGB; their negative channels are 0",
-                    100.0 * rgb.clipped
+                    100.0 * clipped
                 ));
             }
             Err(reason) => self.remarks.push(format!("no ink-rgb.bsdf: {reason}")),
@@ -124,7 +126,6 @@ impl Exported {
         let run = Run {
             title: study.title.clone(),
             study_hash: study.key().to_string(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
             created: created.to_owned(),
         };
         let [crate_, package] =
@@ -176,14 +177,6 @@ impl Exporter<'_> {
     fn print(&self, format: &'static str) -> Result<Print, ExportError> {
         self.ink(format)?;
         instrument::print(self.stored, format, &self.request.created)
-    }
-
-    fn npz(&self, out: &mut Exported) -> Result<(), ExportError> {
-        let realisations = &self.stored.collected.realisations;
-        let records: Vec<&PointRecord> =
-            realisations.iter().flat_map(|r| r.points.iter().flatten()).collect();
-        out.add("far-fields.npz", npz::far_fields(&records)?, "all propagating orders of all solves");
-        Ok(())
     }
 
     fn vti(&self, out: &mut Exported) -> Result<(), ExportError> {
@@ -258,12 +251,10 @@ impl Exporter<'_> {
         let mut bytes = Vec::new();
         labels.write_npy(&mut bytes).map_err(WriteNpzError::from)?;
         out.add("labels.npy", bytes, "labels of the first packing's voxels, axes x, y, z: 0 is the binder");
-        let [lx, ly] = packing.period_um();
-        let size = [lx, ly, packing.thickness_um()];
+        let size = voxels::size_um(&packing);
         let edges = [0, 1, 2].map(|i| (1e9 * size[i] / labels.shape()[i] as f64).round() / 1e6);
         let names = self.study().material_names().into_iter().enumerate();
-        let names: Vec<String> = names.map(|(k, name)| format!("{} = {name:?}", k + 1)).collect();
-        let names = names.join(", ");
+        let names = names.map(|(k, name)| format!("{} = {name:?}", k + 1)).collect::<Vec<_>>().join(", ");
         out.remarks.push(format!(
             "labels.npy: layer.microstructure = {{ voxels = \"labels.npy\", voxel_nm = {edges:?}, labels = {{ {names} }} }}"
         ));
@@ -271,15 +262,9 @@ impl Exporter<'_> {
     }
 
     fn viewer(&self, out: &mut Exported) -> Result<(), ExportError> {
-        let study = self.study();
-        let packing = self.packing()?;
-        let names = study.material_names();
-        out.add(
-            "packing.html",
-            viewer::page(&packing, &study.title, &names),
-            "interactive view of the first packing",
-        );
-        Ok(())
+        let (study, packing) = (self.study(), self.packing()?);
+        let page = viewer::page(&packing, &study.title, &study.material_names());
+        Ok(out.add("packing.html", page, "interactive view of the first packing"))
     }
 
     fn wavelength(&self, nm: f64) -> Result<usize, ExportError> {

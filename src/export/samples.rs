@@ -3,7 +3,17 @@
 
 use super::error::ExportError;
 use crate::evaluate::directional::{Direction, DirectionalPrint};
+use crate::report::cell::table;
 
+/// Columns of `specular.csv`.
+const SPECULAR: [&str; 6] = [
+    "wavelength_nm",
+    "polar_deg",
+    "specular_reflectance",
+    "albedo_without_specular",
+    "albedo_of_brdf",
+    "difference_standard_error",
+];
 /// Directions in `brdf-samples.csv`.
 const SAMPLES: usize = 256;
 /// Smallest cosines sampled: grazing directions carry little light.
@@ -15,23 +25,14 @@ const STEP_DEG: f64 = 5.0;
 /// forward, where the mirror image lies; the mirror part itself is left out.
 ///
 /// # Errors
-/// What [`DirectionalPrint::brdf`] refuses.
-pub fn brdf(ink: &dyn DirectionalPrint) -> Result<Vec<u8>, ExportError> {
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record([
-        "wavelength_nm",
-        "light_polar_deg",
-        "view_polar_deg",
-        "azimuth_deg",
-        "brdf_per_sr",
-    ])?;
-    for (light_deg, view) in directions(ink) {
-        for (w, nm) in ink.wavelengths_nm().iter().enumerate() {
-            let value = ink.brdf(w, light_deg, view);
-            table.serialize((nm, light_deg, view.polar_deg, view.azimuth_deg, value))?;
-        }
-    }
-    finish(table)
+/// What [`csv`] refuses.
+pub fn brdf(ink: &dyn DirectionalPrint) -> csv::Result<Vec<u8>> {
+    let header = ["wavelength_nm", "light_polar_deg", "view_polar_deg", "azimuth_deg", "brdf_per_sr"];
+    let rows = directions(ink).into_iter().flat_map(|(light_deg, view)| {
+        let (waves, place) = (ink.wavelengths_nm().iter(), (light_deg, view.polar_deg, view.azimuth_deg));
+        waves.enumerate().map(move |(w, nm)| (nm, place, ink.brdf(w, light_deg, view)))
+    });
+    table(header, rows)
 }
 
 /// The Halton sequence in both cosines and the azimuth (0–180°: the other half is its mirror
@@ -66,29 +67,16 @@ fn halton(mut k: usize, base: usize) -> f64 {
 /// What [`DirectionalPrint::disagreement`] refuses.
 pub fn specular(ink: &dyn DirectionalPrint) -> Result<Vec<u8>, ExportError> {
     let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record([
-        "wavelength_nm",
-        "polar_deg",
-        "specular_reflectance",
-        "albedo_without_specular",
-        "albedo_of_brdf",
-        "difference_standard_error",
-    ])?;
+    let mut rows = Vec::new();
     for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {
         let disagreement = ink.disagreement(deg)?;
         for (w, (nm, apart)) in ink.wavelengths_nm().iter().zip(disagreement).enumerate() {
             let (mirrored, albedo) = (ink.specular(w, deg).max(0.0), ink.diffuse_albedo(w, deg).max(0.0));
             let of_brdf = (albedo + apart.value).max(0.0);
-            let row = (nm, deg, mirrored, albedo, of_brdf, apart.standard_error);
-            table.serialize(row)?;
+            rows.push((nm, deg, mirrored, albedo, of_brdf, apart.standard_error));
         }
     }
-    finish(table)
-}
-
-fn finish(table: csv::Writer<Vec<u8>>) -> Result<Vec<u8>, ExportError> {
-    Ok(table.into_inner().map_err(|error| csv::Error::from(error.into_error()))?)
+    Ok(table(SPECULAR, rows)?)
 }
 
 #[cfg(test)]

@@ -43,13 +43,10 @@ impl Stored {
             return Err(ExportError::Folder { reason, remedy });
         }
         let stores = stores(path)?;
-        let (asked, path) = (study.solves(), path.to_owned());
-        let collected = match collect(&study, &stores, 0) {
-            Some(collected) if collected.finished() >= asked => collected,
-            some => {
-                let finished = some.map_or(0, |collected| collected.finished());
-                return Err(ExportError::Unfinished { path, finished, asked });
-            }
+        let (asked, collected) = (study.solves(), collect(&study, &stores, 0));
+        let finished = collected.as_ref().map_or(0, Collected::finished);
+        let Some(collected) = collected.filter(|_| finished >= asked) else {
+            return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });
         };
         let seen = see(&study, &collected)?;
         Ok(Self { study, collected, seen })

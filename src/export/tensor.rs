@@ -8,15 +8,6 @@
 //! The layout was derived from existing files and is checked with Mitsuba itself
 //! (`scripts/check-exports`).
 
-/// What a field holds.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Values {
-    /// Unsigned bytes.
-    Bytes(Vec<u8>),
-    /// Single precision numbers.
-    Floats(Vec<f32>),
-}
-
 /// A named array, last axis fastest.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TensorField {
@@ -24,8 +15,15 @@ pub struct TensorField {
     pub name: &'static str,
     /// Sizes along every axis; their product is the number of values.
     pub shape: Vec<usize>,
-    /// The values themselves.
-    pub values: Values,
+    kind: ValueKind,
+    bytes: Vec<u8>,
+}
+
+/// What a field holds, with the format's number for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum ValueKind {
+    Byte = 1,
+    Float = 10,
 }
 
 const MAGIC: &[u8; 12] = b"tensor_file\0";
@@ -34,64 +32,41 @@ const VERSION: [u8; 2] = [1, 0];
 const ALIGNMENT: usize = 8;
 
 impl TensorField {
-    /// An array of numbers.
+    /// An array of numbers in single precision.
     pub fn floats(name: &'static str, shape: &[usize], values: Vec<f32>) -> Self {
-        Self { name, shape: shape.to_vec(), values: Values::Floats(values) }
+        let bytes = values.iter().flat_map(|x| x.to_le_bytes()).collect();
+        Self { name, shape: shape.to_vec(), kind: ValueKind::Float, bytes }
     }
 
     /// A list of bytes.
-    pub fn bytes(name: &'static str, values: Vec<u8>) -> Self {
-        Self { name, shape: vec![values.len()], values: Values::Bytes(values) }
+    pub fn bytes(name: &'static str, bytes: Vec<u8>) -> Self {
+        Self { name, shape: vec![bytes.len()], kind: ValueKind::Byte, bytes }
     }
 
-    fn type_code(&self) -> u8 {
-        match self.values {
-            Values::Bytes(_) => 1,
-            Values::Floats(_) => 10,
-        }
-    }
-
-    fn size(&self) -> usize {
-        match &self.values {
-            Values::Bytes(values) => values.len(),
-            Values::Floats(values) => 4 * values.len(),
-        }
-    }
-
-    fn header_size(&self) -> usize {
-        2 + self.name.len() + 2 + 1 + 8 + 8 * self.shape.len()
-    }
-
-    fn write_header(&self, out: &mut Vec<u8>, offset: usize) {
-        out.extend((self.name.len() as u16).to_le_bytes());
-        out.extend(self.name.as_bytes());
-        out.extend((self.shape.len() as u16).to_le_bytes());
-        out.push(self.type_code());
-        out.extend((offset as u64).to_le_bytes());
-        self.shape.iter().for_each(|&n| out.extend((n as u64).to_le_bytes()));
+    /// What the file says of the field, whose data begin at `offset`.
+    fn header(&self, offset: usize) -> Vec<u8> {
+        let mut header = (self.name.len() as u16).to_le_bytes().to_vec();
+        header.extend(self.name.as_bytes());
+        header.extend((self.shape.len() as u16).to_le_bytes());
+        header.push(self.kind as u8);
+        let numbers = std::iter::once(&offset).chain(&self.shape);
+        header.extend(numbers.flat_map(|&n| (n as u64).to_le_bytes()));
+        header
     }
 }
 
 /// The complete file.
 pub fn tensor_file(fields: &[TensorField]) -> Vec<u8> {
-    let headers: usize = fields.iter().map(TensorField::header_size).sum();
-    let mut offset = MAGIC.len() + VERSION.len() + 4 + headers;
+    let headers: usize = fields.iter().map(|field| field.header(0).len()).sum();
     let mut out = [MAGIC.as_slice(), &VERSION, &(fields.len() as u32).to_le_bytes()].concat();
-    let mut offsets = Vec::new();
+    let mut data = vec![0; out.len() + headers];
     for field in fields {
-        offset = offset.next_multiple_of(ALIGNMENT);
-        field.write_header(&mut out, offset);
-        offsets.push(offset);
-        offset += field.size();
+        data.resize(data.len().next_multiple_of(ALIGNMENT), 0);
+        out.extend(field.header(data.len()));
+        data.extend(&field.bytes);
     }
-    for (field, offset) in fields.iter().zip(offsets) {
-        out.resize(offset, 0);
-        match &field.values {
-            Values::Bytes(values) => out.extend(values),
-            Values::Floats(values) => out.extend(values.iter().flat_map(|x| x.to_le_bytes())),
-        }
-    }
-    out
+    data[..out.len()].copy_from_slice(&out);
+    data
 }
 
 #[cfg(test)]

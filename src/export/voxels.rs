@@ -37,8 +37,7 @@ pub struct Voxels {
 impl Voxels {
     /// Rasters the union of every grain's spheres.
     pub fn of(packing: &Packing) -> Self {
-        let [lx, ly] = packing.period_um();
-        let size = [lx, ly, packing.thickness_um()];
+        let size = size_um(packing);
         let count = usual(size);
         let fine = count.map(|n| SAMPLES * n);
         let raster = VoxelRaster::new(fine, size);
@@ -71,9 +70,8 @@ impl Voxels {
 
     /// Shares of the materials by name, and the contrast at one wavelength, on the voxels' centres.
     pub fn image(&self, materials: &[String], media: &Media, wavelength_nm: f64) -> Image {
-        let contrast = self.contrast(media).iter().flat_map(|v| [v.re as f32, v.im as f32]).collect();
         let name = format!("contrast_{wavelength_nm:.0}nm");
-        let mut arrays = vec![PointArray { name, components: 2, values: contrast }];
+        let mut arrays = vec![PointArray::complex(name, self.contrast(media))];
         let beyond = "beyond_relief".to_owned();
         for (name, values) in std::iter::once(&beyond).chain(materials).zip(&self.shares) {
             if values.iter().any(|&v| v > 0.0) {
@@ -89,14 +87,18 @@ impl Voxels {
 /// Labels at the centres of voxels, axes x, y, z: 0 is the binder, k + 1 material k of the grains, see
 /// [`Packing::materials`]. `count` voxels, or as many as [`Voxels::of`] takes.
 pub fn labels(packing: &Packing, count: Option<[usize; 3]>) -> Array3<u8> {
-    let [lx, ly] = packing.period_um();
-    let size = [lx, ly, packing.thickness_um()];
+    let size = size_um(packing);
     let count = count.unwrap_or_else(|| usual(size));
     let raster = VoxelRaster::new(count, size);
     let marks = raster.marks(packing);
     let [nx, ny, nz] = count;
-    let label = |(x, y, z): (usize, usize, usize)| marks[x + nx * (y + ny * z)].saturating_sub(VACUUM);
-    Array3::from_shape_fn((nx, ny, nz), label)
+    Array3::from_shape_fn((nx, ny, nz), |(x, y, z)| marks[x + nx * (y + ny * z)].saturating_sub(VACUUM))
+}
+
+/// Sides of a layer, µm.
+pub(super) fn size_um(packing: &Packing) -> [f64; 3] {
+    let [lx, ly] = packing.period_um();
+    [lx, ly, packing.thickness_um()]
 }
 
 /// Voxels along each side of a layer, µm.
@@ -123,8 +125,13 @@ impl VoxelRaster {
 
     fn marks(&self, packing: &Packing) -> Vec<u8> {
         let mut marks = vec![BINDER; self.count.iter().product()];
-        if packing.relief().is_some() {
-            self.mark_vacuum(packing, &mut marks);
+        for (i, mark) in marks.iter_mut().enumerate().filter(|_| packing.relief().is_some()) {
+            let place = self.place(i);
+            let [x, y, z] = [0, 1, 2].map(|a| (place[a] as f64 + 0.5) * self.step_um[a]);
+            let [from, to] = packing.filled_um(x, y);
+            if z < from || z > to {
+                *mark = VACUUM;
+            }
         }
         for grain in packing.grains() {
             for body in packing.nested(grain) {
@@ -134,17 +141,6 @@ impl VoxelRaster {
             }
         }
         marks
-    }
-
-    fn mark_vacuum(&self, packing: &Packing, marks: &mut [u8]) {
-        for (i, mark) in marks.iter_mut().enumerate() {
-            let place = self.place(i);
-            let [x, y, z] = [0, 1, 2].map(|a| (place[a] as f64 + 0.5) * self.step_um[a]);
-            let [from, to] = packing.filled_um(x, y);
-            if z < from || z > to {
-                *mark = VACUUM;
-            }
-        }
     }
 
     /// Marks the points inside a convex body; x and y wrap.

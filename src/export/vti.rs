@@ -1,8 +1,9 @@
 //! VTK images (`.vti`): fields on a uniform grid, as ParaView and pyvista open them.
 
-use super::print::xml;
+use crate::report::cell::plain;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use num_complex::Complex64;
 use std::fmt::Write;
 
 /// A named field: `components` numbers per point, x fastest, then y, then z.
@@ -29,6 +30,14 @@ pub struct Image {
     pub arrays: Vec<PointArray>,
 }
 
+impl PointArray {
+    /// A field of complex numbers.
+    pub fn complex(name: String, values: impl IntoIterator<Item = Complex64>) -> Self {
+        let values = values.into_iter().flat_map(|v| [v.re as f32, v.im as f32]).collect();
+        Self { name, components: 2, values }
+    }
+}
+
 impl Image {
     /// The complete file; arrays are little-endian, base64, preceded by their length in 8 bytes.
     pub fn vti(&self) -> String {
@@ -52,6 +61,11 @@ impl Image {
         }
         out + "</PointData>\n</Piece>\n</ImageData>\n</VTKFile>\n"
     }
+}
+
+/// Text inside an XML element or attribute.
+fn xml(text: &str) -> String {
+    plain(text).replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 fn encode(values: &[f32]) -> String {

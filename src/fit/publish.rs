@@ -129,7 +129,7 @@ fn figures(task: &FitTask, outcome: &FitOutcome) -> Result<Vec<Picture>, OutputE
 }
 
 fn picture(chart: &Chart, caption: &str) -> Result<Picture, OutputError> {
-    Ok(Picture::new(svg_data(&chart.svg()?), caption))
+    Ok(Picture { data: svg_data(&chart.svg()?), caption: caption.to_owned() })
 }
 
 /// Measured less fitted values, in standard deviations.

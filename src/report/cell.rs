@@ -1,12 +1,18 @@
 //! Cells of tables for other programs: free text, and numbers with their errors.
 
 use crate::numerics::estimate::Estimate;
+use serde::Serialize;
 
 /// Text for a CSV cell; what a spreadsheet would take for a formula starts with an apostrophe,
 /// which marks it as text.
 pub fn text(words: &str) -> String {
     let formula = words.starts_with(['=', '+', '-', '@', '\t', '\r']) && words.parse::<f64>().is_err();
     if formula { format!("'{words}") } else { words.to_owned() }
+}
+
+/// A text without control characters.
+pub fn plain(words: &str) -> String {
+    words.chars().map(|c| if c.is_control() { ' ' } else { c }).collect()
 }
 
 /// Escapes text for a line or table cell of Markdown.
@@ -29,14 +35,13 @@ pub fn with_errors<'a>(names: impl IntoIterator<Item = &'a str>) -> impl Iterato
 ///
 /// # Errors
 /// Rows of different lengths.
-pub fn table<H, R>(header: H, rows: impl IntoIterator<Item = R>) -> csv::Result<Vec<u8>>
-where
-    H: IntoIterator<Item: AsRef<[u8]>>,
-    R: IntoIterator<Item: AsRef<[u8]>>,
-{
+pub fn table(
+    header: impl IntoIterator<Item: AsRef<[u8]>>,
+    rows: impl IntoIterator<Item: Serialize>,
+) -> csv::Result<Vec<u8>> {
     let mut writer = csv::Writer::from_writer(Vec::new());
     writer.write_record(header)?;
-    rows.into_iter().try_for_each(|row| writer.write_record(row))?;
+    rows.into_iter().try_for_each(|row| writer.serialize(row))?;
     writer.into_inner().map_err(|error| error.into_error().into())
 }
 

@@ -4,14 +4,13 @@ mod tables;
 
 pub use tables::{coefficients, tables};
 
-use super::page::{FailureRow, Figure, MakerBlock, Meant, Named, Page, Picture, Provenance, png_data};
+use super::page::{Figure, on_study, png_data};
 use super::publish::{Pictures, PublishError, picture_angles};
 use super::sheet;
+use crate::draw::OutputError;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::evaluate::composed::level::SolvedPortion;
-use crate::evaluate::composed::manifest::{
-    ComposedColours, ComposedManifest, ComposedRow, ErrorParts, MediumRow,
-};
+use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, ComposedRow, ErrorParts};
 use crate::evaluate::composed::report::report;
 use crate::evaluate::composed::view::ComposedView;
 use crate::evaluate::ink::InkError;
@@ -20,34 +19,19 @@ use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::run::crew::processor_seconds;
 use crate::store::folder::OutputFolder;
+use minijinja::value::Serde;
+use minijinja::{Value, context};
 use tables::shares;
 
-/// What was published of a composed layer.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PublishedLayer {
-    /// Whether anything is missing.
-    pub status: Status,
-    /// Its main results, one line each.
-    pub lines: Vec<String>,
-    /// The layer at every thickness asked for and wavelength.
-    pub spectra: Vec<ComposedRow>,
-    /// The medium at every wavelength.
-    pub medium: Vec<MediumRow>,
-    /// Thickness that hides, µm.
-    pub hiding_thickness_um: Option<ErrorParts>,
-    /// What to change.
-    pub remarks: Vec<String>,
-}
-
-/// Writes `results.json`, tables and page.
+/// Writes `results.json`, tables and page; returns what is published.
 ///
 /// # Errors
 /// Slabs without a complete realisation; files that cannot be written.
-pub fn publish(
-    study: &Study,
+pub fn publish<'a>(
+    study: &'a Study,
     solved: &[SolvedPortion],
     folder: &OutputFolder,
-) -> Result<PublishedLayer, PublishError> {
+) -> Result<ComposedManifest<'a>, PublishError> {
     let manifest = report(study, solved).map_err(PublishError::Slabs)?;
     let manifest = ComposedManifest { process_seconds: processor_seconds(), ..manifest };
     if let Some(row) = manifest.spectra.iter().find(|row| !is_physical(row)) {
@@ -66,18 +50,11 @@ pub fn publish(
         folder.write(name, &table)?;
     }
     folder.write("results.json", &serde_json::to_vec_pretty(&manifest)?)?;
-    folder.write("report.html", page.html()?.as_bytes())?;
+    folder.write("report.html", on_study(include_str!("composed.html"), page)?.as_bytes())?;
     if manifest.status == Status::Complete {
         folder.complete()?;
     }
-    Ok(PublishedLayer {
-        status: manifest.status,
-        lines: lines(&manifest),
-        spectra: manifest.spectra,
-        medium: manifest.medium,
-        hiding_thickness_um: manifest.hiding_thickness_um,
-        remarks: manifest.remarks,
-    })
+    Ok(manifest)
 }
 
 /// The picture of each thickness asked for, µm; none without a colour.
@@ -118,13 +95,13 @@ fn lab(judged: &[ErrorParts; 3]) -> String {
     format!("L* {l}, a* {a}, b* {b}")
 }
 
-/// The results in a line each.
-fn lines(manifest: &ComposedManifest) -> Vec<String> {
-    let colour = |c: &ComposedColours| {
-        let [seen, ratio] = [lab(&c.natural_light), words(&c.contrast_ratio, 3)];
-        format!("{} µm: {seen} under natural light, contrast ratio {ratio}", c.thickness_um)
-    };
-    let mut lines: Vec<String> = manifest.colours.iter().map(colour).collect();
+/// The main results in a line each.
+pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
+    let mut lines = Vec::new();
+    for c in &manifest.colours {
+        let (um, seen, ratio) = (c.thickness_um, lab(&c.natural_light), words(&c.contrast_ratio, 3));
+        lines.push(format!("{um} µm: {seen} under natural light, contrast ratio {ratio}"));
+    }
     if lines.is_empty() {
         lines.extend(manifest.spectra.iter().map(spectral_line));
     }
@@ -139,63 +116,22 @@ fn spectral_line(row: &ComposedRow) -> String {
     format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {dr}, T {dt}")
 }
 
-fn page(manifest: &ComposedManifest, picture: Option<&(f64, Pictures)>) -> Result<Page, PublishError> {
+fn page(manifest: &ComposedManifest, picture: Option<&(f64, Pictures)>) -> Result<Value, OutputError> {
     let study = manifest.study;
-    let caption = |um: f64| {
-        format!("The layer of {um} µm. {} All are means over the azimuth.", sheet::picture_caption(study))
-    };
-    let picture = picture.map(|(um, png)| Picture { data: png_data(&png.labelled), caption: caption(*um) });
-    let failure = |reason: &String| FailureRow { point: String::new(), reason: reason.clone() };
-    Ok(Page {
-        title: study.title.clone(),
-        summary: summary(manifest),
-        partial: partial(manifest),
-        picture,
-        figures: figures(manifest)?,
-        ink_maker: Some(maker(manifest)),
-        certainty: certainty(manifest),
-        asked: sheet::asked(study),
-        failures: manifest.failures.iter().map(failure).collect(),
-        limits: limits(manifest),
-        provenance: Provenance {
-            program: manifest.program.clone(),
-            rows: vec![
-                Named::code("study", manifest.study_hash.clone()),
-                Named::new("program", format!("{}, method {}", manifest.program, manifest.method_version)),
-                Named::new("solves made by", manifest.builds.iter().cloned().collect::<Vec<_>>().join(", ")),
-                Named::new("seed", manifest.seed.to_string()),
-                Named::new("wave", study.wave.in_words()),
-                Named::new("solves", manifest.solves.finished.to_string()),
-                Named::new("time of all solves", format!("{:.0} s", manifest.solve_seconds)),
-            ],
-        },
-        ..Page::default()
+    Ok(context! {
+        picture => picture.map(|(_, png)| png_data(&png.labelled)),
+        figures => Serde(figures(manifest)?),
+        ink_maker => true,
+        shown_medium => Serde(shown_medium(manifest)),
+        largest => Serde(largest_parts(manifest)),
+        shapes => Serde(sheet::shapes(study)),
+        wave => study.wave.in_words(),
+        ..Value::from(Serde(manifest)),
     })
 }
 
-/// What is missing of an unfinished study.
-fn partial(manifest: &ComposedManifest) -> Option<String> {
-    let solves = manifest.solves;
-    let words = format!(
-        "{} of {} solves are finished. Run the study again to continue.",
-        solves.finished, solves.asked
-    );
-    (manifest.status != Status::Complete).then_some(words)
-}
-
-fn summary(manifest: &ComposedManifest) -> String {
-    let composed = manifest.composed;
-    let all: Vec<String> = composed.thicknesses_um.iter().map(|um| format!("{um}")).collect();
-    let whole = sheet::summary(manifest.study);
-    format!(
-        "{whole} Composed of slabs of {:.3} µm, for thicknesses of {} µm.",
-        composed.slab_um,
-        all.join(", ")
-    )
-}
-
 /// Curves against thickness and depth, and spectra.
-fn figures(manifest: &ComposedManifest) -> Result<Vec<Figure>, PublishError> {
+fn figures(manifest: &ComposedManifest) -> Result<Vec<Figure>, OutputError> {
     let mut all = vec![
         ("Against thickness", shares_chart(manifest), SHARES),
         ("The light's way", depth_chart(manifest), DEPTH),
@@ -205,11 +141,8 @@ fn figures(manifest: &ComposedManifest) -> Result<Vec<Figure>, PublishError> {
         all.insert(1, ("Hiding", hiding_chart(manifest), HIDING));
         all.insert(2, ("Colour", colour_chart(manifest), COLOUR));
     }
-    let mut figures = Vec::new();
-    for (heading, chart, caption) in all {
-        figures.push(Figure::new(heading, &chart, caption.to_owned())?);
-    }
-    Ok(figures)
+    let figures = all.into_iter().map(|(heading, chart, caption)| Figure::new(heading, &chart, caption));
+    figures.collect()
 }
 
 const SHARES: &str = "Diffuse light reflected (R) and transmitted (T) by the layer without paper, against its \
@@ -233,53 +166,42 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
         let rows = manifest.curve.iter().filter(move |row| row.wavelength_nm == nm);
         Curve::measured(format!("{name}, {nm:.0} nm"), rows.map(|row| (row.thickness_um, of(row).estimate())))
     };
-    let both = |nm: f64| {
-        [curve(nm, "R", |row| row.reflectance_diffuse), curve(nm, "T", |row| row.transmittance_diffuse)]
-    };
-    let shown = sheet::shown_nm(&manifest.study.wavelengths_nm);
-    against_thickness("share of the light", shown.into_iter().flat_map(both).collect())
+    let mut curves = Vec::new();
+    for nm in sheet::shown_nm(&manifest.study.wavelengths_nm) {
+        curves.push(curve(nm, "R", |row| row.reflectance_diffuse));
+        curves.push(curve(nm, "T", |row| row.transmittance_diffuse));
+    }
+    against_thickness("share of the light", curves)
 }
 
-/// Points of a number of the colours against the thickness, over `by`.
-fn colour_points(
+/// A number of the colours against the thickness, over `by`.
+fn colour_curve(
     manifest: &ComposedManifest,
+    name: &str,
     of: fn(&ComposedColours) -> ErrorParts,
     by: f64,
-) -> impl Iterator<Item = [f64; 3]> {
-    manifest.curve_colours.iter().map(move |c| {
-        let judged = of(c);
-        [c.thickness_um, judged.value / by, judged.standard_error / by]
-    })
+) -> Curve {
+    let points = manifest.curve_colours.iter().map(|c| (c.thickness_um, of(c)));
+    let points = points.map(|(um, judged)| [um, judged.value / by, judged.standard_error / by]);
+    Curve::with_bars(name, Style::Data, points)
 }
 
 fn hiding_chart(manifest: &ComposedManifest) -> Chart {
     let curves = vec![
-        Curve::with_bars("contrast ratio", Style::Data, colour_points(manifest, |c| c.contrast_ratio, 1.0)),
-        Curve::with_bars(
-            "L*/100 on the paper",
-            Style::Data,
-            colour_points(manifest, |c| c.natural_light[0], 100.0),
-        ),
-        Curve::with_bars(
-            "L*/100 over black",
-            Style::Data,
-            colour_points(manifest, |c| c.over_black[0], 100.0),
-        ),
+        colour_curve(manifest, "contrast ratio", |c| c.contrast_ratio, 1.0),
+        colour_curve(manifest, "L*/100 on the paper", |c| c.natural_light[0], 100.0),
+        colour_curve(manifest, "L*/100 over black", |c| c.over_black[0], 100.0),
     ];
     against_thickness("contrast ratio, L*/100", curves)
 }
 
 fn colour_chart(manifest: &ComposedManifest) -> Chart {
-    let curve = |name: &str, of: fn(&ComposedColours) -> ErrorParts| {
-        Curve::with_bars(name, Style::Data, colour_points(manifest, of, 1.0))
-    };
     let curves = vec![
-        curve("L*", |c| c.natural_light[0]),
-        curve("a*", |c| c.natural_light[1]),
-        curve("b*", |c| c.natural_light[2]),
+        colour_curve(manifest, "L*", |c| c.natural_light[0], 1.0),
+        colour_curve(manifest, "a*", |c| c.natural_light[1], 1.0),
+        colour_curve(manifest, "b*", |c| c.natural_light[2], 1.0),
     ];
-    let chart = Chart::linear("", "thickness, µm", "L*, a*, b*", curves);
-    Chart { log: [true, false], ..chart }
+    Chart { y_range: None, ..against_thickness("L*, a*, b*", curves) }
 }
 
 fn depth_chart(manifest: &ComposedManifest) -> Chart {
@@ -292,98 +214,32 @@ fn depth_chart(manifest: &ComposedManifest) -> Chart {
 }
 
 fn spectra_chart(manifest: &ComposedManifest) -> Chart {
-    let curve = |um: &f64| {
+    let mut curves = Vec::new();
+    for um in &manifest.composed.thicknesses_um {
         let rows = manifest.spectra.iter().filter(|row| row.thickness_um == *um);
-        Curve::measured(format!("{um} µm"), rows.map(|row| (row.wavelength_nm, row.natural_light.estimate())))
-    };
-    let curves = manifest.composed.thicknesses_um.iter().map(curve).collect();
+        let points = rows.map(|row| (row.wavelength_nm, row.natural_light.estimate()));
+        curves.push(Curve::measured(format!("{um} µm"), points));
+    }
     let chart = Chart::linear("", "wavelength, nm", "share of a perfect white", curves);
     Chart { y_range: Some([0.0, 1.0]), ..chart }
 }
 
-/// Colours, hiding and the medium's coefficients.
-fn maker(manifest: &ComposedManifest) -> MakerBlock {
-    let colours = || manifest.colours.iter();
-    let swatches =
-        colours().map(|c| Named::new(format!("{} µm on the paper", c.thickness_um), c.hex.clone()));
-    let mut rows: Vec<Meant> = Vec::new();
-    for c in colours() {
-        let um = c.thickness_um;
-        let lab = [
-            ("natural light", &c.natural_light, "on the paper, seen along the normal"),
-            ("45°:0°", &c.lit_at_45, "on the paper"),
-            ("over black", &c.over_black, "at 45°:0°"),
-        ];
-        rows.extend(lab.map(|(name, of, place)| {
-            let value = of.each_ref().map(|j| words(j, 2)).join(", ");
-            Meant::new(&format!("{um} µm, {name}"), value, format!("L*, a*, b* {place}"))
-        }));
-        let ratio = words(&c.contrast_ratio, 3);
-        rows.push(Meant::new(
-            &format!("{um} µm, contrast ratio"),
-            ratio,
-            "Y over black by Y over white of albedo 0.8",
-        ));
-    }
-    let hiding = manifest.hiding_thickness_um.map_or_else(|| "–".to_owned(), |um| words(&um, 1) + " µm");
-    let meaning =
-        manifest.no_hiding.clone().unwrap_or_else(|| "where the contrast ratio reaches 0.98".to_owned());
-    rows.push(Meant::new("hiding thickness", hiding, meaning));
-    if let Some(rate) = manifest.spreading_rate_m2_per_l {
-        rows.push(Meant::new(
-            "spreading rate",
-            words(&rate, 1) + " m²/l",
-            "area that a litre of the dry layer hides",
-        ));
-    }
-    let nearest = sheet::shown_nm(&manifest.study.wavelengths_nm);
-    for row in manifest.medium.iter().filter(|row| nearest.contains(&row.wavelength_nm)) {
-        let nm = row.wavelength_nm;
-        for (name, j) in coefficients(row) {
+/// Coefficients of the medium at a few wavelengths.
+fn shown_medium(manifest: &ComposedManifest) -> Vec<(String, ErrorParts)> {
+    let shown = sheet::shown_nm(&manifest.study.wavelengths_nm);
+    let mut rows = Vec::new();
+    for row in manifest.medium.iter().filter(|row| shown.contains(&row.wavelength_nm)) {
+        for (name, judged) in coefficients(row) {
             let name = name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ");
-            rows.push(Meant::new(
-                &format!("{name}, {nm:.0} nm"),
-                words(&j, 3),
-                "of the packed layer, surfaces off",
-            ));
+            rows.push((format!("{name}, {:.0} nm", row.wavelength_nm), judged));
         }
     }
-    MakerBlock { swatches: swatches.collect(), rows }
+    rows
 }
 
-/// Largest parts of the bars of R and T.
-fn certainty(manifest: &ComposedManifest) -> Vec<Meant> {
-    let all = || manifest.spectra.iter().flat_map(|row| shares(row).into_iter().take(6).map(|(_, j)| j));
-    let largest = |of: fn(ErrorParts) -> f64| format!("{:.4}", all().map(of).fold(0.0, f64::max));
-    vec![
-        Meant::new(
-            "chance",
-            largest(|j| j.chance),
-            "largest standard error of R and T: jackknife over the realisations of each slab",
-        ),
-        Meant::new(
-            "model",
-            largest(|j| j.model),
-            "largest change of R and T with slabs of half the thickness: the loss of interference between slabs",
-        ),
-        Meant::new(
-            "grid",
-            largest(|j| j.grid),
-            "largest change of R and T when every slab reflects more by the grid's error",
-        ),
-    ]
-}
-
-fn limits(manifest: &ComposedManifest) -> Vec<String> {
-    let mut lines = vec![
-        "The wave equation is solved within slabs; between slabs light is composed incoherently, by flux matrices averaged over \
-         the azimuth and over realisations."
-            .to_owned(),
-        "Distributions are means over the azimuth, between few directions. [compare], targets and polarised natural light are \
-         those of thin layers."
-            .to_owned(),
-    ];
-    lines.extend(manifest.remarks.iter().cloned());
-    lines.extend(manifest.no_colour.iter().map(|reason| format!("There is no colour: {reason}.")));
-    lines
+/// Largest parts of the bars of R and T: chance, model and grid.
+fn largest_parts(manifest: &ComposedManifest) -> [f64; 3] {
+    let all: Vec<_> = manifest.spectra.iter().flat_map(|row| shares(row).into_iter().take(6)).collect();
+    let parts: [fn(&ErrorParts) -> f64; 3] = [|j| j.chance, |j| j.model, |j| j.grid];
+    parts.map(|of| all.iter().map(|(_, judged)| of(judged)).fold(0.0, f64::max))
 }

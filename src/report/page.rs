@@ -1,43 +1,13 @@
-//! The report page of a study: one HTML file with embedded pictures.
+//! Pages: HTML files with embedded pictures.
 
 use crate::draw::OutputError;
 use crate::draw::chart::Chart;
+use crate::numerics::estimate::Estimate;
 use crate::store::identity::METHOD_VERSION;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use minijinja::{Environment, Value, value::Serde};
+use minijinja::{Environment, Value};
 use serde::Serialize;
-
-/// Contents of the page; its template is `page.html`.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Page {
-    /// The study's title.
-    pub title: String,
-    /// The study in one sentence.
-    pub summary: String,
-    /// What is missing if the study is unfinished.
-    pub partial: Option<String>,
-    /// The picture of the ink on paper.
-    pub picture: Option<Picture>,
-    /// Colours in words and numbers.
-    pub colour: Option<Value>,
-    /// Plots.
-    pub figures: Vec<Figure>,
-    /// Hiding power and differences, where there are colours.
-    pub ink_maker: Option<MakerBlock>,
-    /// The parts of the uncertainty.
-    pub certainty: Vec<Meant>,
-    /// The settings of the study.
-    pub asked: Vec<Named>,
-    /// The packings that were made.
-    pub packings: Vec<Value>,
-    /// Solves and packings that failed.
-    pub failures: Vec<FailureRow>,
-    /// What the numbers do not cover.
-    pub limits: Vec<String>,
-    /// What is needed to reproduce the results.
-    pub provenance: Provenance,
-}
 
 /// An embedded image.
 #[derive(Clone, Debug, Serialize)]
@@ -59,104 +29,19 @@ pub struct Figure {
     pub caption: String,
 }
 
-/// Numbers for an ink maker.
-#[derive(Clone, Debug, Serialize)]
-pub struct MakerBlock {
-    /// `#rrggbb` and name of each swatch.
-    pub swatches: Vec<Named>,
-    /// Numbers and what they mean.
-    pub rows: Vec<Meant>,
-}
-
-/// A number and what it means.
-#[derive(Clone, Debug, Serialize)]
-pub struct Meant {
-    /// The quantity.
-    pub name: String,
-    /// Its value.
-    pub value: String,
-    /// What it means.
-    pub meaning: String,
-}
-
-/// A row of name and value; `code` sets the value in a monospaced face.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Named {
-    /// The quantity.
-    pub name: String,
-    /// Its value.
-    pub value: String,
-    /// Whether the value is set as code.
-    pub code: bool,
-}
-
-/// A solve that has no result.
-#[derive(Clone, Debug, Serialize)]
-pub struct FailureRow {
-    /// Which solve.
-    pub point: String,
-    /// The error's message.
-    pub reason: String,
-}
-
-/// Where the numbers come from.
-#[derive(Clone, Debug, Default, Serialize)]
-pub struct Provenance {
-    /// Program and version.
-    pub program: String,
-    /// What is needed to reproduce them.
-    pub rows: Vec<Named>,
-}
-
-impl Picture {
-    /// An image with its caption.
-    pub fn new(data: String, caption: &str) -> Self {
-        Self { data, caption: caption.to_owned() }
-    }
-}
-
 impl Figure {
     /// A chart under a heading.
     ///
     /// # Errors
     /// As [`Chart::svg`].
-    pub fn new(heading: &str, chart: &Chart, caption: String) -> Result<Self, OutputError> {
-        Ok(Self { heading: heading.to_owned(), data: svg_data(&chart.svg()?), caption })
-    }
-}
-
-impl Meant {
-    /// A quantity with its value and what it means.
-    pub fn new(name: &str, value: String, meaning: impl Into<String>) -> Self {
-        Self { name: name.to_owned(), value, meaning: meaning.into() }
-    }
-}
-
-impl Named {
-    /// A row of plain text.
-    pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
-        Self { name: name.into(), value: value.into(), code: false }
-    }
-
-    /// A row whose value is set as code.
-    pub fn code(name: impl Into<String>, value: impl Into<String>) -> Self {
-        Self { code: true, ..Self::new(name, value) }
+    pub fn new(heading: &str, chart: &Chart, caption: impl Into<String>) -> Result<Self, OutputError> {
+        Ok(Self { heading: heading.to_owned(), data: svg_data(&chart.svg()?), caption: caption.into() })
     }
 }
 
 /// Program and method of a page, for its footer.
 pub(crate) fn made_by() -> String {
     format!("{}, method {METHOD_VERSION}", crate::evaluate::summary::program())
-}
-
-impl Page {
-    /// The page as HTML; all text is escaped.
-    ///
-    /// # Errors
-    /// The template does not fit the data, which is a bug.
-    pub fn html(&self) -> Result<String, minijinja::Error> {
-        rendered(include_str!("page.html"), Serde(self))
-    }
 }
 
 /// What all pages begin with: `head.html`, which takes `title`, and `program` and `swatch` if there
@@ -173,6 +58,29 @@ pub(crate) fn rendered(layout: &str, data: impl Into<minijinja::Value>) -> Resul
     let mut templates = templates()?;
     templates.add_template("page.html", layout)?;
     templates.get_template("page.html")?.render(data)
+}
+
+/// Renders a page on a study from its template, which extends `page.html`.
+pub(crate) fn on_study(layout: &str, data: impl Into<Value>) -> Result<String, minijinja::Error> {
+    let mut templates = templates()?;
+    templates.add_filter("in_words", in_words);
+    templates.add_filter("fixed", |x: f64, decimals: usize| format!("{x:.decimals$}"));
+    templates.add_filter("plain", |x: f64| x.to_string());
+    templates.add_filter("percent", |share: f64| format!("{} %", (share * 1e4).round() / 1e2));
+    templates.add_filter("power", |x: f64, digits: Option<usize>| format!("{x:.*e}", digits.unwrap_or(1)));
+    templates.add_template("page.html", include_str!("page.html"))?;
+    templates.add_template("study.html", layout)?;
+    templates.get_template("study.html")?.render(data)
+}
+
+/// A number with its standard error, which it has itself or which stands beside it; errors below
+/// `least` are not shown.
+fn in_words(number: Value, decimals: usize, error: Option<f64>, least: Option<f64>) -> String {
+    let own = |key: &str| number.get_attr(key).ok()?.try_into().ok();
+    let value = own("value").or_else(|| number.clone().try_into().ok()).unwrap_or(f64::NAN);
+    let error = error.or_else(|| own("standard_error"));
+    let standard_error = error.filter(|error| least.is_none_or(|least| *error >= least));
+    Estimate { value, standard_error }.in_words(decimals)
 }
 
 /// A colour as `#rrggbb`.
@@ -196,19 +104,23 @@ pub fn svg_data(svg: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use minijinja::context;
+
+    fn page(status: &str) -> String {
+        let solves = context!(finished => 3, asked => 9);
+        on_study("{% extends \"page.html\" %}", context!(title => "<b>&", status, solves)).unwrap()
+    }
 
     #[test]
     fn text_is_escaped_and_a_partial_run_says_so_first() {
-        let partial = Some("3 of 9 solves are there.".to_owned());
-        let page = Page { title: "<b>&".into(), partial, ..Page::default() };
-        let html = page.html().unwrap();
-        assert!(html.contains("<h1>&lt;b&gt;&amp;</h1>"));
+        let html = page("partial");
+        assert!(html.contains("<h1>&lt;b&gt;&amp;</h1>") && html.contains("3 of 9 solves"));
         let banner = html.find("Partial results").unwrap();
         assert!(banner < html.find("<h2>").unwrap());
     }
 
     #[test]
     fn a_whole_run_has_no_banner() {
-        assert!(!Page::default().html().unwrap().contains("Partial results"));
+        assert!(!page("complete").contains("Partial results"));
     }
 }

@@ -1,5 +1,6 @@
 //! Writes the results of the finished solves: `results.json`, tables, picture and page.
 
+use super::page::on_study;
 use super::sheet::{colour_in_words, sheet};
 use super::tables;
 use crate::appearance::bdf::BdfError;
@@ -126,7 +127,7 @@ pub(crate) fn publish_seen(
         folder.write(name, &table)?;
     }
     folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;
-    folder.write("report.html", page.html()?.as_bytes())?;
+    folder.write("report.html", on_study(include_str!("sheet.html"), page)?.as_bytes())?;
     if manifest.status == Status::Complete {
         folder.complete()?;
     }
@@ -166,7 +167,7 @@ fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError
 }
 
 fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> Result<Vec<u8>, PublishError> {
-    let bitmap: Bitmap = render(picture, style, "")?;
+    let bitmap: Bitmap = render(picture, style)?;
     let (key, program) = (study.key().to_string(), crate::evaluate::summary::program());
     let text = [("Title", study.title.as_str()), ("Software", &program), ("Study", &key)];
     Ok(bitmap.png(&text)?)

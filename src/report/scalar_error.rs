@@ -116,7 +116,7 @@ pub(crate) fn line_of_many<'a>(studies: impl Iterator<Item = &'a Study>) -> Opti
             Some(format!(
                 "Error of the scalar wave: inks similar to {some} of the {all} scalar variants were also solved with Maxwell's equations, \
                  in the same packings; the colour in unpolarised light differed by ΔE₀₀ {} under a uniform sky and by {} lit at \
-                 45° and seen at 0°. An indication, not a correction; {UNLIKE}.",
+                 45° and seen at 0°. An indication, not a correction; for the others it is unknown.",
                 range(|m| m.delta_e_sky),
                 range(|m| m.delta_e_print)
             ))
@@ -126,7 +126,6 @@ pub(crate) fn line_of_many<'a>(studies: impl Iterator<Item = &'a Study>) -> Opti
 
 const UNKNOWN: &str = "Error of the scalar wave: unknown here, as no similar ink has been solved with Maxwell's equations for comparison; \
      light.wave = \"unpolarised\" solves them.";
-const UNLIKE: &str = "for the others it is unknown";
 
 /// The most similar measured ink, if it is similar enough. All were measured flat, in air, on paper
 /// behind an air gap.

@@ -7,26 +7,26 @@ use crate::numerics::estimate::Estimate;
 use crate::report::cell::{numbers, records, table, with_errors};
 use crate::wave::Side;
 
+/// Numbers of a spectrum.
+const NUMBERS: [(&str, fn(&SpectrumRow) -> Option<Estimate>); 7] = [
+    ("reflectance", |row| Some(row.reflectance)),
+    ("specular_reflectance", |row| Some(row.specular_reflectance)),
+    ("transmittance", |row| Some(row.transmittance)),
+    ("specular_transmittance", |row| Some(row.specular_transmittance)),
+    ("absorptance", |row| Some(row.absorptance)),
+    ("natural_light", |row| row.natural_light),
+    ("lit_at_45", |row| row.lit_at_45),
+];
+
 /// Spectra, one row per wavelength; unknown errors and unfinished values are empty.
 pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
-    let names =
-        ["reflectance", "specular_reflectance", "transmittance", "specular_transmittance", "absorptance"];
     let place = ["wavelength_nm", "polar_deg"].map(str::to_owned);
-    let columns = with_errors(names.into_iter().chain(["natural_light", "lit_at_45"]));
-    table(place.into_iter().chain(columns), rows.iter().map(spectrum_row))
-}
-
-fn spectrum_row(row: &SpectrumRow) -> impl Iterator<Item = String> {
-    let layer = [
-        row.reflectance,
-        row.specular_reflectance,
-        row.transmittance,
-        row.specular_transmittance,
-        row.absorptance,
-    ];
-    let all = layer.map(Some).into_iter().chain([row.natural_light, row.lit_at_45]);
-    let place = [row.wavelength_nm.to_string(), row.polar_deg.to_string()];
-    place.into_iter().chain(all.flat_map(numbers))
+    let header = place.into_iter().chain(with_errors(NUMBERS.map(|(name, _)| name)));
+    let lines = rows.iter().map(|row| {
+        let place = [row.wavelength_nm, row.polar_deg].map(|x| x.to_string());
+        (place, NUMBERS.map(|(_, of)| numbers(of(row))))
+    });
+    table(header, lines)
 }
 
 /// `kubelka-munk.csv` where K and S are known, and `measured.csv` if there is a measurement.
@@ -40,8 +40,8 @@ pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<V
             [name.to_owned(), format!("{name}_standard_error"), format!("{name}_half_width_95")]
         });
         let rows = maker.kubelka_munk.iter().map(|row| {
-            let both = [row.absorption_per_um, row.scattering_per_um].into_iter();
-            std::iter::once(row.wavelength_nm.to_string()).chain(both.flat_map(move |e| with_half(e, factor)))
+            let both = [row.absorption_per_um, row.scattering_per_um];
+            (row.wavelength_nm.to_string(), both.map(|e| with_half(e, factor)))
         });
         files.push((
             "kubelka-munk.csv",
@@ -51,8 +51,7 @@ pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<V
     if let Some(measured) = &maker.measured {
         let header = ["wavelength_nm", "measured", "predicted", "predicted_standard_error"];
         let rows = measured.rows.iter().map(|row| {
-            let place = [row.wavelength_nm.to_string(), row.measured.to_string()];
-            place.into_iter().chain(numbers(Some(row.predicted)))
+            ([row.wavelength_nm.to_string(), row.measured.to_string()], numbers(Some(row.predicted)))
         });
         files.push(("measured.csv", table(header, rows)?));
     }
@@ -60,9 +59,9 @@ pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<V
 }
 
 /// A number with its standard error and half the width of its 95 % interval.
-fn with_half(e: Estimate, factor: Option<f64>) -> impl Iterator<Item = String> {
+fn with_half(e: Estimate, factor: Option<f64>) -> ([String; 2], String) {
     let half = e.standard_error.zip(factor).map_or_else(String::new, |(error, f)| (error * f).to_string());
-    numbers(Some(e)).into_iter().chain([half])
+    (numbers(Some(e)), half)
 }
 
 /// Distributions of the layer alone, one row per order: direction cosines, efficiency and BRDF or

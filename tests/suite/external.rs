@@ -1,7 +1,7 @@
 //! Programs of other projects as rows of a comparison, whatever they do.
 
 use inkwave::compare::experiment::ComparisonFile;
-use inkwave::compare::external::judge::judge;
+use inkwave::compare::external::judge::{ReadAnswer, expected};
 use inkwave::compare::row::Row;
 use inkwave::schema::Document;
 use inkwave::solve::{Registry, Silent};
@@ -72,6 +72,11 @@ if mood == "busy":
         pass
 print(json.dumps({"orders": orders, "seconds": 0.25, "case": question["case"]}))
 "#;
+
+/// The largest error of a program's output.
+fn judge(output: &[u8], truth: &[FarField]) -> Result<f64, String> {
+    ReadAnswer::of(output, "")?.error(&expected(truth))
+}
 
 fn rows(mood: &str, more: &str) -> Vec<Row> {
     let folder = tempfile::tempdir().expect("a folder");

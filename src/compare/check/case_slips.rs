@@ -1,51 +1,22 @@
 //! Slips in what a program reads: right answers to another case.
 
+use super::slips::{Slip, slip};
 use serde_json::{Value, json};
 
-/// A slip in what a program reads.
-pub(super) struct CaseSlip {
-    pub name: &'static str,
-    pub remedy: &'static str,
-    pub act: fn(&mut Value),
-}
+/// A change of the case that is read.
+pub(super) type CaseSlip = Slip<fn(&mut Value)>;
 
 /// All of them; the first one that explains the answers is named.
 pub(super) const CASE_SLIPS: [CaseSlip; 7] = [
-    CaseSlip {
-        name: "degrees read as radians",
-        remedy: "`sigma_deg` and `phi_deg` are in degrees",
-        act: both_as_radians,
-    },
-    CaseSlip {
-        name: "polar angle in degrees read as radians",
-        remedy: "`sigma_deg` is in degrees",
-        act: polar_as_radians,
-    },
-    CaseSlip {
-        name: "azimuth in degrees read as radians",
-        remedy: "`phi_deg` is in degrees",
-        act: azimuth_as_radians,
-    },
-    CaseSlip {
-        name: "azimuth ignored",
-        remedy: "kx = k sin σ cos φ and ky = k sin σ sin φ",
-        act: |case| case["phi_deg"] = json!(0.0),
-    },
-    CaseSlip {
-        name: "exit medium ignored",
-        remedy: "`n_out` is the index beyond z = H",
-        act: |case| case["n_out"] = json!(1.0),
-    },
-    CaseSlip {
-        name: "absorption ignored",
-        remedy: "indices are [re, im], and Im η > 0 absorbs",
-        act: without_absorption,
-    },
-    CaseSlip {
-        name: "layer upside down",
-        remedy: "z points from the side of the light into the layer",
-        act: upside_down,
-    },
+    slip("degrees read as radians", "`sigma_deg` and `phi_deg` are in degrees", both_as_radians),
+    slip("polar angle in degrees read as radians", "`sigma_deg` is in degrees", polar_as_radians),
+    slip("azimuth in degrees read as radians", "`phi_deg` is in degrees", azimuth_as_radians),
+    slip("azimuth ignored", "kx = k sin σ cos φ and ky = k sin σ sin φ", |case| {
+        case["phi_deg"] = json!(0.0)
+    }),
+    slip("exit medium ignored", "`n_out` is the index beyond z = H", |case| case["n_out"] = json!(1.0)),
+    slip("absorption ignored", "indices are [re, im], and Im η > 0 absorbs", without_absorption),
+    slip("layer upside down", "z points from the side of the light into the layer", upside_down),
 ];
 
 fn number(value: &Value) -> f64 {

@@ -75,16 +75,11 @@ impl KnownCase {
         let number = |key: &str| self.inputs[key].as_f64().unwrap_or_default();
         let (k0, polar, azimuth) = (TAU / number("wavelength"), number("sigma_deg"), number("phi_deg"));
         let period = [0, 1].map(|axis| self.inputs["L"][axis].as_f64().unwrap_or(1.0));
-        let ([sin, cos], [y, x]) = (sin_cos(polar), sin_cos(azimuth));
+        let ((sin, cos), (y, x)) = (polar.to_radians().sin_cos(), azimuth.to_radians().sin_cos());
         let lateral = [sin * x, sin * y];
         let step = period.map(|um| TAU / um / k0);
         SlipLight { kappa: cos, height: k0 * number("H"), exit: number("n_out"), lateral, step }
     }
-}
-
-fn sin_cos(degrees: f64) -> [f64; 2] {
-    let (sin, cos) = degrees.to_radians().sin_cos();
-    [sin, cos]
 }
 
 /// Two films, the first absorbing, on glass; kx is one step of a lattice of 1 µm.

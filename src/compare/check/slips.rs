@@ -1,7 +1,7 @@
 //! The usual slips of programs, as changes of right answers.
 
 use crate::compare::external::judge::ExpectedOrder;
-use crate::compare::external::protocol::AnsweredSide;
+use crate::compare::external::protocol::AnsweredSide::{self, Reflected, Transmitted};
 use num_complex::Complex64;
 use std::f64::consts::PI;
 
@@ -29,18 +29,25 @@ pub(super) struct SlipOrder {
     index: f64,
 }
 
-/// A slip: what it is called, what to do about it, and what becomes of a right order.
-pub(super) struct Slip {
+/// A slip: what it is called, what to do about it, and what becomes of what is right.
+pub(super) struct Slip<A> {
     pub name: &'static str,
     pub remedy: &'static str,
-    act: fn(&mut SlipOrder, &SlipLight),
+    pub act: A,
 }
 
+/// A change of a right order.
+pub(super) type OrderSlip = Slip<fn(&mut SlipOrder, &SlipLight)>;
+
 /// Right orders as programs with these slips answer them.
-pub(super) fn changed(right: &[ExpectedOrder], slips: &[&Slip], light: &SlipLight) -> Vec<ExpectedOrder> {
+pub(super) fn changed(
+    right: &[ExpectedOrder],
+    slips: &[&OrderSlip],
+    light: &SlipLight,
+) -> Vec<ExpectedOrder> {
     let mut all = Vec::new();
     for order in right {
-        let index = if order.side == AnsweredSide::Reflected { 1.0 } else { light.exit };
+        let index = if order.side == Reflected { 1.0 } else { light.exit };
         let [x, y] =
             [(0, order.m), (1, order.n)].map(|(a, m)| light.lateral[a] + f64::from(m) * light.step[a]);
         let kappa = (index * index - x * x - y * y).max(0.0).sqrt();
@@ -52,10 +59,6 @@ pub(super) fn changed(right: &[ExpectedOrder], slips: &[&Slip], light: &SlipLigh
 }
 
 impl SlipOrder {
-    fn is_transmitted(&self) -> bool {
-        self.order.side == AnsweredSide::Transmitted
-    }
-
     fn each(&mut self, change: impl Fn(Complex64) -> Complex64) {
         self.order.amplitudes.iter_mut().for_each(|a| *a = change(*a));
     }
@@ -78,6 +81,12 @@ impl SlipOrder {
         self.each(|a| a * Complex64::cis(phase));
     }
 
+    fn turn_on(&mut self, side: AnsweredSide, phase: f64) {
+        if self.order.side == side {
+            self.turn(phase);
+        }
+    }
+
     /// Multiplies amplitudes of outgoing p light, and divides those of incident p light.
     fn scale_p(&mut self, outgoing: f64, incident: f64) {
         self.each_pair(|a, [from, to]| {
@@ -96,52 +105,36 @@ impl SlipOrder {
     }
 }
 
-fn transmitted_at_zero(o: &mut SlipOrder, light: &SlipLight) {
-    if o.is_transmitted() {
-        o.turn(-o.kappa * light.height);
-    }
-}
-
-fn reflected_at_the_end(o: &mut SlipOrder, light: &SlipLight) {
-    if !o.is_transmitted() {
-        o.turn(-o.kappa * light.height);
-    }
-}
-
-fn beside_the_incident_wave(o: &mut SlipOrder, light: &SlipLight) {
-    if o.is_transmitted() {
-        o.turn(-light.kappa * light.height);
-    }
-}
-
 fn turn_sides(o: &mut SlipOrder, _: &SlipLight) {
-    o.order.side = if o.is_transmitted() { AnsweredSide::Reflected } else { AnsweredSide::Transmitted };
+    o.order.side = if o.order.side == Transmitted { Reflected } else { Transmitted };
 }
 
 fn whole_field(o: &mut SlipOrder, _: &SlipLight) {
-    if !o.is_transmitted() && (o.order.m, o.order.n) == (0, 0) {
+    if o.order.side == Reflected && (o.order.m, o.order.n) == (0, 0) {
         o.each_pair(|a, [from, to]| if from == to { a + 1.0 } else { a });
     }
 }
 
 fn p_turned(o: &mut SlipOrder, _: &SlipLight) {
-    if !o.is_transmitted() {
+    if o.order.side == Reflected {
         o.scale_p(-1.0, 1.0);
     }
 }
 
-const fn slip(name: &'static str, remedy: &'static str, act: fn(&mut SlipOrder, &SlipLight)) -> Slip {
+pub(super) const fn slip<A: Copy>(name: &'static str, remedy: &'static str, act: A) -> Slip<A> {
     Slip { name, remedy, act }
 }
 
 /// All slips that change answers order by order.
 #[rustfmt::skip]
-pub(super) const SLIPS: [Slip; 23] = [
+pub(super) const SLIPS: [OrderSlip; 23] = [
     slip("complex conjugate", "its time factor is e^(+iωt): conjugate every amplitude", |o, _| o.each(|a| a.conj())),
-    slip("transmitted phases referred to z = 0", "multiply transmitted amplitudes by e^(iκ′H)", transmitted_at_zero),
-    slip("reflected phases referred to z = H", "multiply reflected amplitudes by e^(iκH)", reflected_at_the_end),
+    slip("transmitted phases referred to z = 0", "multiply transmitted amplitudes by e^(iκ′H)",
+        |o, l| o.turn_on(Transmitted, -o.kappa * l.height)),
+    slip("reflected phases referred to z = H", "multiply reflected amplitudes by e^(iκH)",
+        |o, l| o.turn_on(Reflected, -o.kappa * l.height)),
     slip("transmitted phases referred to the incident wave at z = H", "multiply transmitted amplitudes by e^(iκ₀₀H)",
-        beside_the_incident_wave),
+        |o, l| o.turn_on(Transmitted, -l.kappa * l.height)),
     slip("phases referred to the middle of the layer", "multiply amplitudes by e^(i(κ + κ₀₀)H/2)",
         |o, l| o.turn(-0.5 * (o.kappa + l.kappa) * l.height)),
     slip("phases referred to the middle of the cell", "multiply amplitudes by (−1)^(m + n), or set the origin to its corner",

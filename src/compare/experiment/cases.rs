@@ -45,11 +45,6 @@ impl Subject {
         }
     }
 
-    /// Period of a case of a matrix, µm.
-    pub fn period_um(&self) -> Option<f64> {
-        self.varied.map(|varied| varied.period_um)
-    }
-
     /// Name, wave and reference of one of several cases, for the page.
     pub fn shown(&self) -> Option<[String; 3]> {
         Some([self.named.clone()?, self.wave.name().into(), self.reference().into()])
@@ -57,7 +52,7 @@ impl Subject {
 
     /// Whether this case has the packing of the one before.
     pub fn is_packed_like(&self, other: &Subject) -> bool {
-        self.varied.is_some() && self.period_um() == other.period_um()
+        self.varied.zip(other.varied).is_some_and(|(own, other)| own.period_um == other.period_um)
     }
 
     /// Amplitudes of its wave given in a case file.

@@ -250,12 +250,8 @@ impl ComparisonFile {
         for (k, grid) in self.resolutions.iter().flatten().enumerate() {
             let remedy = "a wavelength in the binder needs about 10 points and 8 cells";
             for (side, count) in [("points", grid.points), ("cells", grid.cells)] {
-                faults.whole(
-                    &format!("resolutions[{k}].{side}"),
-                    count,
-                    Whole::between(1, MOST_POINTS),
-                    remedy,
-                );
+                let name = format!("resolutions[{k}].{side}");
+                faults.whole(&name, count, Whole::between(1, MOST_POINTS), remedy);
             }
         }
         let numbers = [
@@ -275,8 +271,8 @@ impl ComparisonFile {
     /// Its faults; a case instead.
     pub(super) fn packed(&self) -> Result<Packed, CompareError> {
         let missing = || Fault::new("study", "missing", "a study", "name a study file or write [study]");
-        let packed = Packed::read(self.study.as_ref().ok_or_else(missing)?, &self.origin)?;
-        Ok(packed.lit(self.wavelength_nm, self.polar_deg))
+        let study = self.study.as_ref().ok_or_else(missing)?;
+        Packed::read(study, &self.origin, (self.wavelength_nm, self.polar_deg))
     }
 
     pub(super) fn folder(&self) -> &Path {

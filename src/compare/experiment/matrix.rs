@@ -21,13 +21,10 @@ pub struct MatrixTable {
 impl MatrixTable {
     /// Reports empty axes, and entries that no study could have.
     pub fn check(&self, faults: &mut Faults) {
-        for (axis, is_empty) in
-            [("pigments", self.pigments.is_empty()), ("periods_um", self.periods_um.is_empty())]
-        {
-            if is_empty {
-                let remedy = "give pigments = [[1.4, 0.1]], periods_um = [1.6]";
-                faults.add(format!("matrix.{axis}"), "empty", "at least one entry", remedy);
-            }
+        let empty = [("pigments", self.pigments.is_empty()), ("periods_um", self.periods_um.is_empty())];
+        for (axis, _) in empty.into_iter().filter(|(_, empty)| *empty) {
+            let remedy = "give pigments = [[1.4, 0.1]], periods_um = [1.6]";
+            faults.add(format!("matrix.{axis}"), "empty", "at least one entry", remedy);
         }
         let remedy = "pigments are pairs [n, κ], periods some µm";
         for (k, [n, kappa]) in self.pigments.iter().enumerate() {

@@ -34,13 +34,12 @@ impl ComparisonFile {
         let mut trials = Vec::new();
         for scheme in self.schemes(subject.wave) {
             let task = Task { scheme, ..task(case, coverages, &solver, self.goal().tolerance) };
-            match (self.listed(), self.searched()) {
-                (Some(listed), _) => {
-                    for points in listed {
-                        trials.push(listed_trial(&task, sized(&case.scene, points, scheme), watch)?);
-                    }
-                }
-                (None, accuracy) => trials.push(searched_trial(&task, accuracy.unwrap_or(1e-2), watch)?),
+            if let Some(accuracy) = self.searched() {
+                trials.push(trial(task.solve_to_accuracy(accuracy, watch), None)?);
+            }
+            for points in self.listed().into_iter().flatten() {
+                let grid = sized(&case.scene, points, scheme);
+                trials.push(trial(task.solve_with_estimate(grid, watch), Some(grid))?);
             }
         }
         Ok(trials)
@@ -98,37 +97,30 @@ pub(super) fn coverages(wave: WaveKind, case: &Case) -> Coverages<'_> {
     Coverages::new(wave.wave(), &case.scene, Precision::EXACT)
 }
 
-/// A listed grid, its error estimated from coarser ones.
+/// A listed grid, or the one that a search found, with its error as estimated from coarser ones.
 ///
 /// # Errors
 /// The user stopped it.
-fn listed_trial(
-    task: &Task,
-    grid: Resolution,
-    watch: &mut dyn Watch,
+fn trial(
+    found: Result<Estimated, AccuracyError>,
+    listed: Option<Resolution>,
 ) -> Result<ReferenceTrial, CompareError> {
-    match task.solve_with_estimate(grid, watch) {
-        Err(stopped) if stopped.is_stop() => Err(stopped.into()),
-        found => Ok(ReferenceTrial { grid: Ok(grid), parts: found.ok().map(|found| found.parts) }),
-    }
+    let found = match found {
+        Err(stopped) if stopped.is_stop() => return Err(stopped.into()),
+        found => found.map(|found| (found.system().grid().resolution, found.parts)),
+    };
+    let parts = found.as_ref().ok().map(|(_, parts)| *parts);
+    let grid = listed.map_or_else(|| found.map(|(grid, _)| grid).map_err(|e| e.to_string()), Ok);
+    Ok(ReferenceTrial { grid, parts })
 }
 
-/// The grid that reaches an accuracy.
-///
-/// # Errors
-/// The user stopped it.
-fn searched_trial(task: &Task, accuracy: f64, watch: &mut dyn Watch) -> Result<ReferenceTrial, CompareError> {
-    match task.solve_to_accuracy(accuracy, watch) {
-        Err(stopped) if stopped.is_stop() => Err(stopped.into()),
-        Err(failed) => Ok(ReferenceTrial { grid: Err(failed.to_string()), parts: None }),
-        Ok(found) => {
-            Ok(ReferenceTrial { grid: Ok(found.system().grid().resolution), parts: Some(found.parts) })
-        }
-    }
-}
-
-/// A solve of the reference strategy, without its grid.
-fn task<'a>(case: &'a Case, coverages: &'a Coverages<'a>, solver: &'a Gmres, tolerance: f64) -> Task<'a> {
+/// A solve without its grid, as the reference is solved.
+pub(super) fn task<'a>(
+    case: &'a Case,
+    coverages: &'a Coverages<'a>,
+    solver: &'a dyn Solver,
+    tolerance: f64,
+) -> Task<'a> {
     Task {
         coverages,
         media: &case.media,

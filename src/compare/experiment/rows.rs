@@ -1,12 +1,11 @@
 //! One row of a comparison: one strategy on one grid of a case.
 
 use super::file::ComparisonFile;
-use super::reference::ReferenceTrial;
+use super::reference::{ReferenceTrial, task};
 use crate::compare::error::CompareError;
 use crate::compare::row::{Discrete, Row, Varied};
 use crate::input::case::Case;
 use crate::run::crew::processor_seconds;
-use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_of_all};
 use crate::solve::{Account, Coverages, Goal, Solution, SolveError, Solver, Watch};
 use crate::wave::{FarField, Mean, Resolution, Scheme, System, TotalErrors};
@@ -37,7 +36,9 @@ impl Bench<'_> {
         };
         let discrete = Discrete { resolution, absorbing_mean: mean.absorbing };
         let mut row = Row::new(self.varied, name, Some(discrete));
-        let task = self.task(solver, mean, resolution.scheme);
+        let goal = self.file.goal();
+        let task = task(self.case, self.coverages, solver, goal.tolerance);
+        let task = Task { mean, goal, scheme: resolution.scheme, ..task };
         match self.measure(&task, (resolution, trial.parts), &mut row, watch) {
             Err(stopped) if stopped.is_stop() => Err(stopped.into()),
             Err(error) => {
@@ -47,19 +48,6 @@ impl Bench<'_> {
                 Ok(Row { result: Err(error.to_string()), ..row })
             }
             Ok(error) => Ok(Row { result: Ok(error), ..row }),
-        }
-    }
-
-    fn task<'a>(&'a self, solver: &'a dyn Solver, mean: Mean, scheme: Scheme) -> Task<'a> {
-        Task {
-            coverages: self.coverages,
-            media: &self.case.media,
-            incidence: &self.case.incidence,
-            mean,
-            scheme,
-            solver,
-            goal: self.file.goal(),
-            memory: memory::usable(),
         }
     }
 

@@ -1,6 +1,7 @@
 //! What an answer is worth: its largest error, or why it has none.
 
 use super::protocol::{Answer, AnsweredAmplitude, AnsweredOrder, AnsweredSide};
+use crate::report::cell::plain;
 use crate::wave::{FarField, Order};
 use num_complex::Complex64;
 use std::collections::HashMap;
@@ -90,7 +91,8 @@ impl ReadAnswer {
     pub fn error(&self, expected: &[ExpectedOrder]) -> Result<f64, String> {
         let mut error = 0.0;
         for order in expected {
-            let name = || format!("the {} order ({}, {})", order.side.name(), order.m, order.n);
+            let side = format!("{:?}", order.side).to_lowercase();
+            let name = || format!("the {side} order ({}, {})", order.m, order.n);
             let found = self.orders.get(&(order.m, order.n, order.side));
             let found = found.ok_or_else(|| format!("{} propagates and is not answered", name()))?;
             let (has, needs) = (found.len(), order.amplitudes.len());
@@ -101,20 +103,6 @@ impl ReadAnswer {
             error = differences.fold(error, f64::max);
         }
         if error < f64::INFINITY { Ok(error) } else { Err("an amplitude is beyond all bounds".into()) }
-    }
-}
-
-/// The largest error of any propagating amplitude in a program's output, or why there is none.
-///
-/// # Errors
-/// As [`ReadAnswer::of`] and [`ReadAnswer::error`].
-pub fn judge(output: &[u8], truth: &[FarField]) -> Result<f64, String> {
-    ReadAnswer::of(output, "")?.error(&expected(truth))
-}
-
-impl AnsweredSide {
-    fn name(self) -> &'static str {
-        if self == Self::Reflected { "reflected" } else { "transmitted" }
     }
 }
 
@@ -145,5 +133,5 @@ pub(super) fn words(output: &[u8]) -> String {
 
 /// The beginning of a text, without what a terminal would act upon.
 pub(super) fn quoted(text: &str) -> String {
-    text.chars().map(|c| if c.is_control() { ' ' } else { c }).take(SAID).collect()
+    plain(text).chars().take(SAID).collect()
 }

@@ -3,6 +3,7 @@
 //! Processor time and memory are those of the program and of all that it starts, as `/proc` tells
 //! them; where there is no `/proc`, only the wall clock is measured.
 
+use super::ExternalTable;
 use super::judge::words;
 use crate::compare::error::CompareError;
 use crate::solve::{Account, SolveError, Step, Watch};
@@ -18,15 +19,6 @@ const MOST_OUTPUT: usize = 64 << 20;
 const LINGER: Duration = Duration::from_secs(1);
 /// Ticks of processor time in a second, the same on every Linux.
 const TICKS: f64 = 100.0;
-
-/// What a run may take.
-#[derive(Clone, Copy)]
-pub struct Limits {
-    /// Wall time, s.
-    pub seconds: f64,
-    /// Memory.
-    pub bytes: f64,
-}
 
 /// A run that has ended.
 pub struct ProgramRun {
@@ -49,7 +41,7 @@ impl ProgramRun {
     pub fn of(
         mut command: Command,
         input: Vec<u8>,
-        limits: Limits,
+        program: &ExternalTable,
         watch: &mut dyn Watch,
     ) -> Result<Result<ProgramRun, std::io::Error>, CompareError> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -74,7 +66,7 @@ impl ProgramRun {
             }
             let printed = output.iter().chain(&complaint).map(PipeOutput::len).max().unwrap_or(0);
             let elapsed = clock.elapsed();
-            if let Some(reason) = beyond(limits, elapsed, usage.bytes, printed) {
+            if let Some(reason) = beyond(program, elapsed, usage.bytes, printed) {
                 break Some(reason);
             }
             if watch.step(&Step { step: 0, applications: 0, residual: 1.0 }).is_break() {
@@ -117,12 +109,13 @@ impl ProgramRun {
 }
 
 /// Why a program is killed, where it is beyond a limit.
-fn beyond(limits: Limits, elapsed: Duration, bytes: f64, printed: usize) -> Option<String> {
-    if elapsed.as_secs_f64() > limits.seconds {
-        return Some(format!("it took longer than time_limit_s = {} s", limits.seconds));
+fn beyond(program: &ExternalTable, elapsed: Duration, bytes: f64, printed: usize) -> Option<String> {
+    let ExternalTable { time_limit_s, memory_gb, .. } = program;
+    if elapsed.as_secs_f64() > *time_limit_s {
+        return Some(format!("it took longer than time_limit_s = {time_limit_s} s"));
     }
-    if bytes > limits.bytes {
-        return Some(format!("it took more than memory_gb = {} GB", 1e-9 * limits.bytes));
+    if bytes > 1e9 * memory_gb {
+        return Some(format!("it took more than memory_gb = {memory_gb} GB"));
     }
     flood(printed)
 }

@@ -13,10 +13,13 @@ type NamedTable = (&'static str, Vec<u8>, &'static str);
 /// # Errors
 /// One that cannot be written.
 pub fn tables(manifest: &ComposedManifest) -> csv::Result<[NamedTable; 3]> {
-    let rows = spectra(manifest.spectra.iter().chain(&manifest.curve))?;
+    let layers = manifest.spectra.iter().chain(&manifest.curve);
+    let layers = layers.map(|row| ([row.thickness_um, row.wavelength_nm], shares(row)));
+    let spectra = rows(["thickness_um", "wavelength_nm"], layers)?;
+    let medium = manifest.medium.iter().map(|row| ([row.wavelength_nm], coefficients(row)));
     Ok([
-        ("spectra.csv", rows, "R, T and what is seen on the paper at every thickness and wavelength"),
-        ("medium.csv", medium(&manifest.medium)?, "what the packed medium is to light"),
+        ("spectra.csv", spectra, "R, T and what is seen on the paper at every thickness and wavelength"),
+        ("medium.csv", rows(["wavelength_nm"], medium)?, "what the packed medium is to light"),
         ("bdf.csv", distributions(&manifest.distributions)?, "where light at 0° goes, layer alone"),
     ])
 }
@@ -39,12 +42,6 @@ pub(super) fn shares(row: &ComposedRow) -> [(&'static str, ErrorParts); 12] {
     ]
 }
 
-fn spectra<'a>(rows: impl Iterator<Item = &'a ComposedRow> + Clone) -> csv::Result<Vec<u8>> {
-    let names = rows.clone().next().map(shares).into_iter().flatten().map(|(name, _)| name);
-    let header = ["thickness_um", "wavelength_nm"].map(str::to_owned).into_iter().chain(with_errors(names));
-    table(header, rows.map(|row| line(&[row.thickness_um, row.wavelength_nm], &shares(row))))
-}
-
 /// Names and values of a medium.
 pub fn coefficients(row: &MediumRow) -> [(&'static str, ErrorParts); 8] {
     [
@@ -59,10 +56,19 @@ pub fn coefficients(row: &MediumRow) -> [(&'static str, ErrorParts); 8] {
     ]
 }
 
-fn medium(rows: &[MediumRow]) -> csv::Result<Vec<u8>> {
-    let names = rows.first().map(coefficients).into_iter().flatten().map(|(name, _)| name);
-    let header = std::iter::once("wavelength_nm".to_owned()).chain(with_errors(names));
-    table(header, rows.iter().map(|row| line(&[row.wavelength_nm], &coefficients(row))))
+/// A table of rows, each a place and values with their errors.
+fn rows<const P: usize, const N: usize>(
+    place: [&str; P],
+    rows: impl Iterator<Item = ([f64; P], [(&'static str, ErrorParts); N])>,
+) -> csv::Result<Vec<u8>> {
+    let mut rows = rows.peekable();
+    let names = rows.peek().map(|(_, values)| values.map(|(name, _)| name));
+    let header = place.map(str::to_owned).into_iter().chain(with_errors(names.into_iter().flatten()));
+    let lines = rows.map(|(place, values)| {
+        let values = values.map(|(_, judged)| numbers(Some(judged.estimate())));
+        [place.map(|x| x.to_string()).to_vec(), values.concat()].concat()
+    });
+    table(header, lines)
 }
 
 fn distributions(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {
@@ -72,16 +78,9 @@ fn distributions(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {
 }
 
 /// A line of the table of light that leaves.
-fn leaving(row: &DistributionRow) -> Vec<String> {
+fn leaving(row: &DistributionRow) -> ([String; 3], &'static str, [String; 2], [String; 2]) {
     let lobe = if row.reflected { "reflected" } else { "transmitted" };
     let place = [row.thickness_um, row.wavelength_nm, 0.0].map(|x| x.to_string());
     let out = [row.polar_out_deg, row.projected_sr].map(|x| x.to_string());
-    let place = place.into_iter().chain([lobe.to_owned()]).chain(out);
-    place.chain(numbers(Some(row.bdf_per_sr.estimate()))).collect()
-}
-
-/// A line of a table: its place, and values with their errors.
-fn line(place: &[f64], values: &[(&str, ErrorParts)]) -> Vec<String> {
-    let values = values.iter().flat_map(|(_, judged)| numbers(Some(judged.estimate())));
-    place.iter().map(f64::to_string).chain(values).collect()
+    (place, lobe, out, numbers(Some(row.bdf_per_sr.estimate())))
 }

@@ -1,9 +1,8 @@
 //! Coordinates of the grains as CSV (one row per sphere) and JSON (with the account of the
 //! packing).
 
-use crate::draw::OutputError;
-use crate::ink::{Grain, Packing, Relief};
-use serde::Deserialize;
+use crate::ink::{Packing, Relief};
+use crate::report::cell;
 use serde_json::json;
 
 const COLUMNS: [&str; 10] =
@@ -12,15 +11,11 @@ const COLUMNS: [&str; 10] =
 /// One row per sphere: grain, pigment, agglomerate (empty if none), centre, radius, axis of the
 /// grain. A convex body has the sphere around it; its form and rotation are in the JSON file.
 pub fn grains_csv(packing: &Packing) -> csv::Result<Vec<u8>> {
-    let mut writer = csv::Writer::from_writer(Vec::new());
-    writer.write_record(COLUMNS)?;
-    for (number, grain) in packing.grains().iter().enumerate() {
-        for sphere in &grain.spheres {
-            let kind = (number, grain.pigment, grain.agglomerate);
-            writer.serialize((kind, sphere.center_um, sphere.radius_um, grain.axis))?;
-        }
-    }
-    writer.into_inner().map_err(|error| error.into_error().into())
+    let spheres = packing.grains().iter().enumerate().flat_map(|(number, grain)| {
+        let kind = (number, grain.pigment, grain.agglomerate);
+        grain.spheres.iter().map(move |sphere| (kind, sphere.center_um, sphere.radius_um, grain.axis))
+    });
+    cell::table(COLUMNS, spheres)
 }
 
 /// Cell, conventions, account, shares, relief and all grains; numbers have every digit of the f64.
@@ -58,31 +53,10 @@ fn relief_json(relief: &Relief) -> serde_json::Value {
     })
 }
 
-#[derive(Deserialize)]
-struct Read {
-    period_um: [f64; 2],
-    thickness_um: f64,
-    walls: bool,
-    #[serde(default)]
-    shells_um: Vec<Vec<f64>>,
-    grains: Vec<Grain>,
-}
-
-/// Reads the grains of a JSON file and checks again that they do not overlap (the account and the
-/// relief are not read back).
-pub fn read_packing_json(path: &std::path::Path) -> Result<Packing, OutputError> {
-    let fail = |reason: String| OutputError::Read { path: path.into(), reason };
-    let text = std::fs::read(path).map_err(|e| fail(e.to_string()))?;
-    let read: Read = serde_json::from_slice(&text).map_err(|e| fail(e.to_string()))?;
-    let packing = Packing::from_grains(read.period_um, read.thickness_um, read.walls, read.grains);
-    let layered = packing.and_then(|packing| packing.with_shells(read.shells_um));
-    layered.map_err(|e| fail(e.to_string()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::Sphere;
+    use crate::ink::{Grain, Sphere};
 
     /// Two spheres side by side along x.
     #[test]

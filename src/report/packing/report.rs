@@ -67,24 +67,22 @@ fn no_table(reason: csv::Error) -> OutputError {
 
 /// Whether a file's name is that of one realisation in a folder of packings.
 pub fn is_of_one_packing(name: &str) -> bool {
-    let number = |text: &str| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit());
     let kinds = [("grains_", ".csv"), ("packing_", ".json"), ("spheres_", ".vtp")];
-    kinds.into_iter().filter_map(|(head, tail)| name.strip_prefix(head)?.strip_suffix(tail)).any(number)
+    let mut numbers =
+        kinds.into_iter().filter_map(|(head, tail)| name.strip_prefix(head)?.strip_suffix(tail));
+    numbers.any(|text| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit()))
 }
 
 fn scalars_csv(statistics: &Statistics) -> csv::Result<Vec<u8>> {
-    let row = |(name, unit, value): &(String, String, Estimate)| {
-        [name, unit].map(|words| cell::text(words)).into_iter().chain(cell::numbers(Some(*value)))
-    };
-    cell::table(["quantity", "unit", "mean", "standard_error"], statistics.scalars.iter().map(row))
+    let rows = statistics.scalars.iter().map(|(name, unit, value)| {
+        ([name, unit].map(|words| cell::text(words)), cell::numbers(Some(*value)))
+    });
+    cell::table(["quantity", "unit", "mean", "standard_error"], rows)
 }
 
 fn curve_csv(curve: &StatisticCurve) -> csv::Result<Vec<u8>> {
-    let point = |(x, y): (&f64, &Estimate)| std::iter::once(x.to_string()).chain(cell::numbers(Some(*y)));
-    cell::table(
-        [curve.x_label.as_str(), &curve.y_label, "standard error"],
-        curve.x.iter().zip(&curve.y).map(point),
-    )
+    let points = curve.x.iter().zip(&curve.y).map(|(x, y)| (x.to_string(), cell::numbers(Some(*y))));
+    cell::table([curve.x_label.as_str(), &curve.y_label, "standard error"], points)
 }
 
 fn html(

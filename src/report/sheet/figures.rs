@@ -1,11 +1,10 @@
 //! The page's plots.
 
-use super::LIT_AT_45;
 use crate::draw::OutputError;
 use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
-use crate::evaluate::summary::NATURAL_LIGHT;
+use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::report::page::Figure;
@@ -30,6 +29,9 @@ pub(crate) fn figures(
     all.into_iter().flatten().map(|(heading, plot, caption)| Figure::new(heading, &plot, caption)).collect()
 }
 
+/// Label of the axis of spectra.
+const WAVELENGTH: &str = "wavelength, nm";
+
 type Drawing = Option<(&'static str, Chart, String)>;
 
 /// A spectrum, broken where a wavelength of the study has no value.
@@ -49,10 +51,6 @@ fn shares(x_label: &str, y_label: &str, mut curves: Vec<Curve>) -> Option<Chart>
     (!chart.curves.is_empty()).then_some(Chart { y_range: Some([0.0, 1.0]), ..chart })
 }
 
-fn against_wavelength(y_label: &str, curves: Vec<Curve>) -> Option<Chart> {
-    shares("wavelength, nm", y_label, curves)
-}
-
 fn seen_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
     let curves = vec![
         spectrum((study, rows), NATURAL_LIGHT, |row| row.natural_light),
@@ -62,7 +60,7 @@ fn seen_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
         "Light that the ink on its paper sends to the eye, as a share of that of a perfect white: under {NATURAL_LIGHT} and at \
          {LIT_AT_45} (π × BRDF). Error bars are standard errors: the spread over realisations, and the grid."
     );
-    Some(("The ink on its paper", against_wavelength("share of a perfect white", curves)?, caption))
+    Some(("The ink on its paper", shares(WAVELENGTH, "share of a perfect white", curves)?, caption))
 }
 
 fn layer_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
@@ -79,7 +77,7 @@ fn layer_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
         "The layer alone, without paper, lit at {angle:.0}°: shares of the light reflected, transmitted and absorbed \
          add up to 1. “Specular” is the part that goes on as a mirror image or straight through."
     );
-    Some(("The layer alone", against_wavelength("share of the light", curves)?, caption))
+    Some(("The layer alone", shares(WAVELENGTH, "share of the light", curves)?, caption))
 }
 
 /// Most curves of one kind in the plot of every angle.
@@ -101,7 +99,7 @@ fn other_angles(study: &Study, rows: &[SpectrumRow]) -> Drawing {
             curves.push(spectrum((study, own), &format!("R, {deg:.0}°"), |row| Some(row.reflectance)));
             curves.push(spectrum((study, own), &format!("T, {deg:.0}°"), |row| Some(row.transmittance)));
         }
-        against_wavelength("share of the light", curves)?
+        shares(WAVELENGTH, "share of the light", curves)?
     } else {
         let wavelengths: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
         let curves =

@@ -1,57 +1,12 @@
-//! The page's part for ink makers.
+//! The page's plots for ink makers.
 
 use crate::draw::OutputError;
 use crate::draw::chart::{Chart, Curve};
-use crate::evaluate::ink_maker::{InkMaker, MeasuredComparison, Swatch};
+use crate::evaluate::ink_maker::{ComparedRow, InkMaker, MeasuredComparison};
 use crate::evaluate::manifest::Manifest;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
-use crate::report::page::{Figure, MakerBlock, Meant, Named};
-
-/// Swatches and numbers.
-pub(crate) fn block(maker: &InkMaker) -> MakerBlock {
-    let swatch = |name: &str, swatch: &Swatch| Named::new(name, swatch.hex.clone());
-    let mut rows = vec![
-        Meant::new(
-            "contrast ratio",
-            maker.contrast_ratio.in_words(3),
-            "Y over black divided by Y over white of albedo 0.8, both at 45:0 (ISO 6504-3): 1 hides everything",
-        ),
-        Meant::new("over black", lab(&maker.over_black), format!("L*, a*, b* at 45:0, {}", maker.conditions)),
-        Meant::new("over white", lab(&maker.over_white), "the same over white"),
-        Meant::new("on its paper", lab(&maker.print), "the same on the study's paper"),
-    ];
-    if let Some(reason) = &maker.no_kubelka_munk {
-        rows.push(Meant::new("Kubelka–Munk K and S", "–".to_owned(), reason.clone()));
-    }
-    if let Some(target) = &maker.target {
-        let [l, a, b] = target.lab;
-        rows.push(Meant::new(
-            "ΔE₀₀ to the target",
-            target.delta_e_2000.in_words(2),
-            format!("L* {l}, a* {a}, b* {b}").replace('-', "−"),
-        ));
-    }
-    if let Some(measured) = &maker.measured {
-        let value = measured.delta_e_2000.map_or_else(|| "–".to_owned(), |e| e.in_words(2));
-        let meaning = format!("{}; root mean square of the residuals {:.4}", measured.source, measured.rms);
-        rows.push(Meant::new("ΔE₀₀ to the measurement", value, meaning));
-    }
-    let swatches = vec![
-        swatch("over black", &maker.over_black),
-        swatch("over white", &maker.over_white),
-        swatch("on its paper", &maker.print),
-    ];
-    MakerBlock { swatches, rows }
-}
-
-fn lab(swatch: &Swatch) -> String {
-    let part = |i: usize| Estimate {
-        value: swatch.colour.lab[i],
-        standard_error: swatch.lab_standard_error.map(|errors| errors[i]),
-    };
-    [0, 1, 2].map(|i| part(i).in_words(2)).join(", ")
-}
+use crate::report::page::Figure;
 
 /// Plots of K and S, and of a measurement with its residuals.
 pub(crate) fn figures(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, OutputError> {
@@ -102,7 +57,7 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure,
 }
 
 fn compared(measured: &MeasuredComparison) -> Result<Vec<Figure>, OutputError> {
-    let of = |value: &dyn Fn(&crate::evaluate::ink_maker::ComparedRow) -> Estimate| {
+    let of = |value: &dyn Fn(&ComparedRow) -> Estimate| {
         measured.rows.iter().map(|row| (row.wavelength_nm, value(row))).collect::<Vec<_>>()
     };
     let both = vec![

@@ -2,24 +2,26 @@
 //! such as the crowding of a pigment against its share.
 
 use crate::draw::chart::{Chart, Curve};
-use crate::evaluate::composed::manifest::MediumRow;
+use crate::evaluate::composed::manifest::{ComposedManifest, MediumRow};
 use crate::numerics::estimate::Estimate;
 use crate::report::cell::{numbers, table, with_errors};
-use crate::report::composed::{PublishedLayer, coefficients, publish as publish_layer};
-use crate::report::page::{Figure, Meant, Page};
+use crate::report::composed::{coefficients, lines, publish as publish_layer};
+use crate::report::page::{Figure, on_study};
 use crate::report::publish::PublishError;
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::load::Sweep;
 use crate::sweep::work::alone::run_portions;
+use minijinja::context;
+use minijinja::value::Serde;
 use std::path::PathBuf;
 
 /// Coefficients that are drawn, by their places.
 const DRAWN: [usize; 3] = [2, 5, 7];
 
 /// A layer of the sweep, by the number of its variant.
-pub type LayerDone = (usize, PublishedLayer);
+pub type LayerDone<'a> = (usize, ComposedManifest<'a>);
 
 /// Whether any variant is a composed layer.
 pub fn is_composed(sweep: &Sweep) -> bool {
@@ -43,12 +45,12 @@ pub fn slabs(sweep: &Sweep) -> Sweep {
 ///
 /// # Errors
 /// As [`run_portions`].
-pub fn run(
-    sweep: &Sweep,
+pub fn run<'a>(
+    sweep: &'a Sweep,
     folder: &OutputFolder,
     settings: RunSettings,
     watch: &dyn RunWatch,
-) -> Result<Vec<LayerDone>, RunError> {
+) -> Result<Vec<LayerDone<'a>>, RunError> {
     let mut done = Vec::new();
     for (k, variant) in sweep.variants.iter().enumerate() {
         let own = folder.inside(&format!("variants/{}", variant.name))?;
@@ -72,17 +74,16 @@ pub fn publish(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> Resu
     folder.write("composed.csv", &rows(sweep, done)?)?;
     let line = |(k, layer): &LayerDone| {
         let name = &sweep.variants[*k].name;
-        layer.lines.iter().map(|line| Meant::new(name, String::new(), line)).collect::<Vec<_>>()
+        lines(layer).into_iter().map(|line| [name.clone(), line]).collect::<Vec<_>>()
     };
-    let page = Page {
-        title: sweep.outline.title.clone(),
-        summary: format!("{} composed layers; each has a page of its own under variants.", done.len()),
-        figures: figures(sweep, done)?,
-        certainty: done.iter().flat_map(line).collect(),
-        limits: vec!["Bars are those of the layers: chance, grid, and the error of composing.".to_owned()],
-        ..Page::default()
+    let page = context! {
+        title => &sweep.outline.title,
+        summary => format!("{} composed layers; each has a page of its own under variants.", done.len()),
+        figures => Serde(figures(sweep, done)?),
+        layers => Serde(done.iter().flat_map(line).collect::<Vec<_>>()),
+        limits => ["Bars are those of the layers: chance, grid, and the error of composing."],
     };
-    folder.write("report.html", page.html()?.as_bytes())?;
+    folder.write("report.html", on_study("{% extends \"page.html\" %}", page)?.as_bytes())?;
     if done.len() == sweep.variants.len() {
         folder.complete()?;
     }
@@ -116,7 +117,7 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
 fn against(
     sweep: &Sweep,
     done: &[LayerDone],
-    of: &dyn Fn(&PublishedLayer) -> Option<Estimate>,
+    of: &dyn Fn(&ComposedManifest) -> Option<Estimate>,
 ) -> Vec<(f64, Estimate)> {
     let at = |k: usize| sweep.outline.axes.first()?.number(*sweep.outline.variants[k].place.first()?);
     let mut points: Vec<(f64, Estimate)> =
@@ -134,7 +135,7 @@ fn figures(sweep: &Sweep, done: &[LayerDone]) -> Result<Vec<Figure>, PublishErro
     for place in DRAWN {
         let Some(name) = first.medium.first().map(|row| coefficients(row)[place].0) else { continue };
         let curve = |(w, row): (usize, &MediumRow)| {
-            let of = |l: &PublishedLayer| Some(coefficients(l.medium.get(w)?)[place].1.estimate());
+            let of = |l: &ComposedManifest| Some(coefficients(l.medium.get(w)?)[place].1.estimate());
             Curve::measured(format!("{:.0} nm", row.wavelength_nm), against(sweep, done, &of))
         };
         charts.push((name, first.medium.iter().enumerate().map(curve).collect::<Vec<_>>()));

@@ -26,7 +26,8 @@ pub(crate) fn page(
 ) -> Result<String, PublishError> {
     let (outline, outcomes) = (&sweep.outline, &reported.outcomes);
     let (complete, all) = (reported.complete(), sweep.variants.len());
-    let pictures = sheets.iter().zip(drawn).map(|(sheet, png)| Picture::new(png_data(png), &sheet.title));
+    let pictures = sheets.iter().zip(drawn);
+    let pictures = pictures.map(|(sheet, png)| Picture { data: png_data(png), caption: sheet.title.clone() });
     let pictures: Vec<Picture> = pictures.collect();
     let data = context! {
         title => &outline.title,

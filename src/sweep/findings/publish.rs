@@ -133,7 +133,8 @@ fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     let columns = cell::with_errors(NUMBERS.into_iter().chain(aims.iter().copied()));
     let header = std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns);
     let reference = &outcomes[sweep.outline.reference];
-    cell::table(header, outcomes.iter().map(|outcome| outcome_row(outcome, reference, aims.len())))
+    let row = |outcome| Vec::from_iter(outcome_row(outcome, reference, aims.len()));
+    cell::table(header, outcomes.iter().map(row))
 }
 
 /// A variant's names, counts and numbers, with the first `aims` of its target's numbers.
@@ -151,7 +152,7 @@ fn outcome_row(o: &Outcome, reference: &Outcome, aims: usize) -> impl Iterator<I
 fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
     let judged = ["id", "statement", "inequality", "measured", "standard_error", "verdict", "remark"];
     let words = ["source", "quote", "translation", "because"];
-    cell::table(judged.into_iter().chain(words), conclusions.iter().map(judged_row))
+    cell::table(judged.into_iter().chain(words), conclusions.iter().map(|c| Vec::from_iter(judged_row(c))))
 }
 
 fn judged_row(c: &Judged) -> impl Iterator<Item = String> {
