@@ -8,7 +8,7 @@ use crate::input::case::Case;
 use crate::run::crew::processor_seconds;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_of_all};
 use crate::solve::{Account, Coverages, Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::{FarField, Mean, Resolution, Scheme, System, TotalErrors};
+use crate::wave::{FarField, Mean, Resolution, System, TotalErrors};
 
 /// A case with all that its rows share.
 pub(super) struct Bench<'a> {

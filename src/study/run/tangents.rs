@@ -220,7 +220,7 @@ impl Tangents {
             let keyed = &keyed[todo[k]];
             let solve = || self.solve(study, cell, keyed, (solver.solver(), watch));
             Ok(_ =
-                attempt((study, self.store, watch), keyed, solve)?.map(|record| found[todo[k]].set(record)))
+                attempt((study, &self.store, watch), keyed, solve)?.map(|record| found[todo[k]].set(record)))
         })?;
         if watch.stop() {
             return Err(RunError::Stopped);

@@ -132,7 +132,8 @@ fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<
             }
         }
     }
-    charts.iter().map(|chart| Ok(Picture::new(svg_data(&chart.svg()?), &chart.title))).collect()
+    let drawn = |chart: &Chart| Ok(Picture { data: svg_data(&chart.svg()?), caption: chart.title.clone() });
+    charts.iter().map(drawn).collect()
 }
 
 /// A variant's transmittance against wavelength; `None` without results.

@@ -11,7 +11,6 @@ use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::solve::demand::memory_in_words;
 use crate::store::identity::Key;
-use crate::sweep::definition::load::Sweep;
 use crate::sweep::definition::load::{Sweep, Variant};
 use scaled::scaled;
 use serde::Serialize;
