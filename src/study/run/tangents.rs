@@ -219,7 +219,7 @@ impl<'a> Tangents<'a> {
         work_through(todo.len(), jobs, watch, |k| {
             let (keyed, found) = todo[k];
             let solve = || self.solve(study, cell, keyed, (solver.solver(), watch));
-            Ok(_ = attempt((study, self.store, watch), keyed, solve)?.map(|record| found.set(record)))
+            Ok(_ = attempt((study, self.store, watch), keyed, solve)?.map(|record| _ = found.set(record)))
         })?;
         if watch.stop() {
             return Err(RunError::Stopped);
