@@ -212,15 +212,17 @@ impl Tangents {
         let stored = |(_, key): &(Point, Key)| self.store.get(key.as_str());
         let found: Vec<OnceLock<TangentRecord>> =
             keyed.iter().map(|keyed| stored(keyed).map_or_else(OnceLock::new, OnceLock::from)).collect();
-        let todo: Vec<usize> = (0..keyed.len()).filter(|&i| found[i].get().is_none()).collect();
+        let todo: Vec<_> = keyed.iter().zip(&found).filter(|(_, found)| found.get().is_none()).collect();
         watch.hear(Event::Kept(keyed.len() - todo.len()));
         let asked = study.solver.build();
         let (solver, jobs) = self.admitted(study, cell, &*asked, watch)?;
         work_through(todo.len(), jobs, watch, |k| {
-            let keyed = &keyed[todo[k]];
+            let (keyed, found) = todo[k];
             let solve = || self.solve(study, cell, keyed, (solver.solver(), watch));
-            Ok(_ =
-                attempt((study, &self.store, watch), keyed, solve)?.map(|record| found[todo[k]].set(record)))
+            if let Some(record) = attempt((study, &self.store, watch), keyed, solve)? {
+                _ = found.set(record);
+            }
+            Ok(())
         })?;
         if watch.stop() {
             return Err(RunError::Stopped);
