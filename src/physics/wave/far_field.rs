@@ -143,8 +143,8 @@ const EVANESCENT_REACH: f64 = 3.0;
 pub(in crate::wave) type Leaving = ([Complex64; 2], f64);
 
 impl Setting {
-    /// The orders listed in a far field. `leaving` evaluates the field on a side in a harmonic, less
-    /// an incident wave of the given amplitude.
+    /// The orders listed in a far field. `leaving` evaluates the field on a side in a harmonic,
+    /// less an incident wave of the given amplitude.
     pub(in crate::wave) fn orders(&self, leaving: impl Fn(usize, usize, f64) -> Leaving) -> Vec<Order> {
         let index = self.media.incident.re.max(self.media.exit.re).max(1.0);
         let reach = EVANESCENT_REACH * index * self.k0;

@@ -211,7 +211,8 @@ impl<'a> Cells<'a> {
         z.iter().flat_map(of_plane).collect()
     }
 
-    /// Cells along one axis that a piece reaches: periodic along x and y, from wall to wall along z.
+    /// Cells along one axis that a piece reaches: periodic along x and y, from wall to wall along
+    /// z.
     fn reach(&self, axis: usize, piece: &Piece) -> Vec<i64> {
         let (count, [low, high]) = (self.count[axis], piece.ranges[axis]);
         if piece.ranges[axis] == ENDLESS {

@@ -91,8 +91,8 @@ pub enum Unphysical {
 }
 
 impl FarField {
-    /// The far field if it has finite numbers only, with R, T and A from 0 to 1 and their sum 1, all
-    /// within the `errors` that its totals may have.
+    /// The far field if it has finite numbers only, with R, T and A from 0 to 1 and their sum 1,
+    /// all within the `errors` that its totals may have.
     ///
     /// # Errors
     /// [`Unphysical`]: the law that is violated.

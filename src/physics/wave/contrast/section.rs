@@ -149,8 +149,8 @@ impl Sampling {
         self.heights([lo, hi - lo], count, round)
     }
 
-    /// Gauss points and weights of a length above `lo`. With `roots`, the substitution s = sin²(πt/2)
-    /// removes square roots at both of its ends.
+    /// Gauss points and weights of a length above `lo`. With `roots`, the substitution
+    /// s = sin²(πt/2) removes square roots at both of its ends.
     pub(super) fn heights(
         &self,
         [lo, length]: [f64; 2],

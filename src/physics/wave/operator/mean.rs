@@ -168,9 +168,9 @@ fn bubble_entry(kz2: Complex64, h: f64, lambda: f64) -> Complex64 {
     kz2 * (h * lambda) - 1.0 / h
 }
 
-/// Reciprocal pivots of the nodes' tridiagonal systems, all harmonics together: from the coupling of
-/// each cell's nodes and its contribution to both diagonals (cells × harmonics); the `ends` are added
-/// to the first and the last diagonal entry.
+/// Reciprocal pivots of the nodes' tridiagonal systems, all harmonics together: from the coupling
+/// of each cell's nodes and its contribution to both diagonals (cells × harmonics); `left` and
+/// `right` are added to the first and the last diagonal entry.
 pub(in crate::wave) fn inverse_pivots(
     off: &Array2<Complex64>,
     diagonal: &Array2<Complex64>,
