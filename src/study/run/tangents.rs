@@ -219,7 +219,7 @@ impl Tangents {
         work_through(todo.len(), jobs, watch, |k| {
             let (keyed, found) = todo[k];
             let solve = || self.solve(study, cell, keyed, (solver.solver(), watch));
-            if let Some(record) = attempt((study, &self.store, watch), keyed, solve)? {
+            if let Ok(record) = attempt((study, &self.store, watch), keyed, solve)? {
                 _ = found.set(record);
             }
             Ok(())
