@@ -91,7 +91,7 @@ impl MaterialTable {
     fn common(&self, description: &str) -> Vec<TensorField> {
         let angles = self.theta_deg.len();
         let radians = self.theta_deg.iter().map(|deg| deg.to_radians() as f32).collect();
-        let luminance = self.slabs.iter().flat_map(mean_over_waves).collect();
+        let luminance = self.slabs.iter().flat_map(|slab| mean_over_waves(slab)).collect();
         let flat = |shape: &[usize]| vec![1.0_f32; shape.iter().product()];
         vec![
             TensorField::bytes("description", description.as_bytes().to_vec()),
@@ -112,7 +112,7 @@ fn spectrum(slab: &[f64], cell: usize) -> impl Iterator<Item = f64> {
 }
 
 /// Mean over the wavelengths: it only steers where the renderer draws its samples.
-fn mean_over_waves(slab: &Vec<f64>) -> Vec<f32> {
+fn mean_over_waves(slab: &[f64]) -> Vec<f32> {
     let waves = (slab.len() / CELLS) as f64;
     let means: Vec<f64> = (0..CELLS).map(|cell| spectrum(slab, cell).sum::<f64>() / waves).collect();
     let least = LEAST_LUMINANCE * means.iter().sum::<f64>() / CELLS as f64;

@@ -219,10 +219,7 @@ impl Tangents {
         work_through(todo.len(), jobs, watch, |k| {
             let (keyed, found) = todo[k];
             let solve = || self.solve(study, cell, keyed, (solver.solver(), watch));
-            if let Ok(record) = attempt((study, &self.store, watch), keyed, solve)? {
-                _ = found.set(record);
-            }
-            Ok(())
+            Ok(keep(attempt((study, &self.store, watch), keyed, solve)?, found))
         })?;
         if watch.stop() {
             return Err(RunError::Stopped);
@@ -276,5 +273,12 @@ impl Tangents {
         }
         let point_solver = PointSolver { study, solver, grid: self.resolved.grid_error, watch };
         Ok(TangentRecord { point: point_solver.record(far, account, point, key.as_str())?, slopes })
+    }
+}
+
+/// Keeps the record of a solve; a failure leaves its place empty.
+fn keep<E>(solved: Result<TangentRecord, E>, place: &OnceLock<TangentRecord>) {
+    if let Ok(record) = solved {
+        place.get_or_init(|| record);
     }
 }
