@@ -228,7 +228,7 @@ mod tests {
 
     fn rises_over_grains(packing: &Packing) {
         let relief = packing.relief().unwrap();
-        let depth = |z: f64| if relief.face == RoughFace::Incident { z } else { -z };
+        let depth = |z: f64| if relief.face == RoughFace::Exit { -z } else { z };
         let centres = packing.grains().iter().map(Grain::centre_um);
         let [x, y, _] = centres.min_by(|a, b| depth(a[2]).total_cmp(&depth(b[2]))).unwrap();
         let above = relief.height_um(x, y) - relief.mean_height_um();
