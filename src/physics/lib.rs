@@ -7,6 +7,7 @@
 pub mod appearance;
 pub mod ink;
 pub mod material;
-pub mod numerics;
 pub mod solve;
 pub mod wave;
+
+pub use inkwave_numerics as numerics;

@@ -6,8 +6,8 @@
 //! regularises the fit where there are fewer samples than functions.
 
 use super::wavelengths::{SpectralBasis, Weights};
+use crate::numerics::dense::{MatrixEntry, cholesky, cholesky_solve};
 use faer::Mat;
-use faer::linalg::solvers::Solve;
 use ndarray::{Array2, s};
 
 /// Penalty on second differences, relative to the mean diagonal of the normal equations: far below
@@ -117,9 +117,9 @@ fn solve(normal: &Normal, basis: &SpectralBasis, width: usize) -> Array2<f64> {
     let a = Mat::from_fn(n, n, |i, j| matrix[[i, j]]);
     let b = Mat::from_fn(n, columns, |i, j| normal.right[[i, j]]);
     // rounding may make a matrix of few samples indefinite; elimination with pivots still works
-    let x = match a.llt(faer::Side::Lower) {
-        Ok(factors) => factors.solve(&b),
-        Err(_) => a.partial_piv_lu().solve(&b),
+    let x = match cholesky(&a) {
+        Some(factors) => cholesky_solve(&factors, b.as_ref()),
+        None => f64::solve(&f64::factors(a.as_ref()), b.as_ref()),
     };
     Array2::from_shape_fn((n, columns), |(i, j)| x[(i, j)])
 }

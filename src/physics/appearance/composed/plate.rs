@@ -1,7 +1,7 @@
 //! Flux matrices of a slab for light from both of its sides, and their composition.
 
+use crate::numerics::dense::MatrixEntry;
 use faer::Mat;
-use faer::linalg::solvers::Solve;
 
 /// Reflection and transmission of a slab with sides a and b. Entry (i, j) is the share of a unit
 /// flux in state j that goes to state i; states are those of the medium on the side concerned.
@@ -89,7 +89,7 @@ fn bounced(a: &Mat<f64>, b: &Mat<f64>, x: &Mat<f64>) -> Mat<f64> {
     let n = a.nrows();
     let product = a * b;
     let matrix = Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) - product[(i, j)]);
-    matrix.partial_piv_lu().solve(x)
+    f64::solve(&f64::factors(matrix.as_ref()), x.as_ref())
 }
 
 /// Sum of all entries.

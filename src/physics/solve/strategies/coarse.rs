@@ -9,11 +9,11 @@
 
 mod cell;
 
+use crate::numerics::dense::MatrixEntry;
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::Problem;
 use crate::wave::grid::element::Element;
 use cell::{CoarseCell, add_product, product};
-use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, c32};
 use num_complex::{Complex, Complex64};
 use std::f64::consts::TAU;
@@ -74,7 +74,7 @@ impl CoarseSpace {
             if let Some([first, ..]) = &next {
                 own += first;
             }
-            self.pivots.push(own.partial_piv_lu().inverse());
+            self.pivots.push(c32::inverse(own.as_ref()));
             before = next.map(|[_, upper, lower, second]| second - lower * (&self.pivots[j] * upper));
         }
     }

@@ -108,12 +108,11 @@ fn by_lapack(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
 /// Solves a system with a column-major matrix by faer.
 #[cfg(any(test, not(feature = "lapack")))]
 fn by_faer(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
-    use faer::linalg::solvers::Solve;
+    use crate::numerics::dense::MatrixEntry;
     use faer::{ColRef, MatRef};
     let n = right.len();
-    let solved =
-        MatRef::from_column_major_slice(matrix, n, n).partial_piv_lu().solve(ColRef::from_slice(right));
-    (0..n).map(|i| solved[i]).collect()
+    let factors = Complex64::factors(MatRef::from_column_major_slice(matrix, n, n));
+    Complex64::solve(&factors, ColRef::from_slice(right).as_mat()).col(0).iter().copied().collect()
 }
 
 #[cfg(all(test, feature = "lapack"))]

@@ -7,11 +7,12 @@
 //! true one (Galerkin coarse correction; V enters by its Fourier coefficients at differences of
 //! harmonics). Q couples only modes of the same harmonic.
 
+use crate::numerics::dense::{MatrixEntry, symmetric_eigen};
 use crate::numerics::fourier::{Real, narrow};
 use crate::solve::demand::Size;
 use crate::wave::Problem;
-use faer::linalg::solvers::{DenseSolveCore, PartialPivLu, Solve};
-use faer::{ColRef, Mat, Side};
+use faer::linalg::solvers::PartialPivLu;
+use faer::{ColRef, Mat};
 use ndarray::{Array2, ArrayView1};
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
@@ -158,20 +159,20 @@ fn modes_of(problem: &Problem, harmonic: usize, limit: f64) -> Vec<Mode> {
         let reach = i.abs_diff(j) <= 1;
         if reach { value / (mass[i] * mass[j]).sqrt() } else { 0.0 }
     };
-    let Ok(eigen) = Mat::from_fn(n, n, scaled).self_adjoint_eigen(Side::Lower) else {
+    let Some((values, vectors)) = symmetric_eigen(&Mat::from_fn(n, n, scaled)) else {
         return Vec::new();
     };
     // A mode that radiates into a half-space is as far from null as its damping.
     let damping = |e: usize| {
-        let [first, last] = [0, n - 1].map(|j| eigen.U()[(j, e)].powi(2) / mass[j]);
+        let [first, last] = [0, n - 1].map(|j| vectors[(j, e)].powi(2) / mass[j]);
         ends[0].im * first + ends[1].im * last
     };
-    let size = |e: usize| eigen.S()[e].hypot(damping(e));
+    let size = |e: usize| values[e].hypot(damping(e));
     let near = (0..n).filter(|&e| size(e) < limit);
     let mode = |e: usize| Mode {
         harmonic,
         eigenvalue: size(e),
-        nodes: (0..n).map(|j| eigen.U()[(j, e)] / mass[j].sqrt()).collect(),
+        nodes: (0..n).map(|j| vectors[(j, e)] / mass[j].sqrt()).collect(),
     };
     near.map(mode).collect()
 }
@@ -188,11 +189,18 @@ impl Correction {
         for group in modes.chunk_by(|a, b| a.harmonic == b.harmonic) {
             let block = Mat::from_fn(group.len(), group.len(), |i, j| mean_block(first + i, first + j));
             galerkin.as_mut().submatrix_mut(first, first, group.len(), group.len()).add_assign(&block);
-            mean_inverses.push((first, block.partial_piv_lu().inverse()));
+            mean_inverses.push((first, Complex64::inverse(block.as_ref())));
             first += group.len();
         }
         let (harmonics, stride) = (problem.harmonics.len(), problem.coverage.grid.element.degree);
-        Correction { galerkin: galerkin.partial_piv_lu(), modes, images, mean_inverses, harmonics, stride }
+        Correction {
+            galerkin: Complex64::factors(galerkin.as_ref()),
+            modes,
+            images,
+            mean_inverses,
+            harmonics,
+            stride,
+        }
     }
 
     /// Memory held, bytes.
@@ -206,12 +214,13 @@ impl Correction {
         let parts = self.modes.iter().zip(&self.images);
         let projected: Vec<Complex64> = parts.map(|(mode, image)| self.product(mode, image, v)).collect();
         let projected = ColRef::from_slice(&projected);
-        let mut change = self.galerkin.solve(projected);
+        let mut change = Complex64::solve(&self.galerkin, projected.as_mat());
         for (first, inverse) in &self.mean_inverses {
-            let part = inverse * projected.subrows(*first, inverse.nrows());
-            part.iter().enumerate().for_each(|(i, p)| change[first + i] -= p);
+            let group = projected.subrows(*first, inverse.nrows());
+            let part = Complex64::product(inverse.as_ref(), group.as_mat());
+            part.col(0).iter().enumerate().for_each(|(i, p)| change[(first + i, 0)] -= p);
         }
-        for (mode, c) in self.modes.iter().zip(change.iter()) {
+        for (mode, c) in self.modes.iter().zip(change.col(0).iter()) {
             for (j, a) in mode.nodes.iter().enumerate() {
                 v[self.place(j, mode.harmonic)] += narrow(a * c);
             }

@@ -7,8 +7,8 @@
 //! The contrast acts at the Gauss–Lobatto points (degree 1: the nodes, "tents"; degree 2: nodes and
 //! midpoints) with moments of V against their Lagrange functions.
 
-use faer::linalg::solvers::DenseSolveCore;
-use faer::{Mat, Side};
+use crate::numerics::dense::{MatrixEntry, symmetric_eigen};
+use faer::Mat;
 use gauss_quad::GaussLegendre;
 
 /// Largest degree supported.
@@ -92,7 +92,7 @@ fn inverse(table: &[Vec<f64>]) -> Vec<Vec<f64>> {
     if n == 0 {
         return Vec::new();
     }
-    let inverse = Mat::from_fn(n, n, |point, bubble| table[bubble][point]).partial_piv_lu().inverse();
+    let inverse = f64::inverse(Mat::from_fn(n, n, |point, bubble| table[bubble][point]).as_ref());
     (0..n).map(|i| (0..n).map(|j| inverse[(i, j)]).collect()).collect()
 }
 
@@ -105,10 +105,8 @@ fn bubble_modes(count: usize, rule: &GaussLegendre) -> (Vec<f64>, Vec<Vec<f64>>)
         return (Vec::new(), Vec::new());
     }
     let matrix = Mat::from_fn(count, count, mass);
-    let eigen = matrix.self_adjoint_eigen(Side::Lower).expect("a small symmetric matrix has eigenvalues");
-    let lambda = (0..count).map(|i| eigen.S()[i]).collect();
-    let modes = (0..count).map(|i| (0..count).map(|r| eigen.U()[(r, i)]).collect()).collect();
-    (lambda, modes)
+    let (lambda, vectors) = symmetric_eigen(&matrix).expect("a small symmetric matrix has eigenvalues");
+    (lambda, vectors.col_iter().map(|vector| vector.iter().copied().collect()).collect())
 }
 
 #[cfg(test)]

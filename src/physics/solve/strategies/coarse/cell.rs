@@ -9,11 +9,10 @@
 //! point out of one dense matrix each, P = (K_kk + T_k − K_k· G K_·k)⁻¹ with G of the points
 //! before; only these are kept.
 
+use crate::numerics::dense::MatrixEntry;
 use crate::numerics::fourier::narrow;
 use crate::wave::Problem;
-use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::DenseSolveCore;
-use faer::{Accum, ColMut, ColRef, Mat, Par, c32};
+use faer::{ColMut, ColRef, Mat, c32};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -148,7 +147,7 @@ fn bordered(
             sides.push((column, row));
         }
         own.diagonal_mut().column_vector_mut().iter_mut().zip(&stiff[k]).for_each(|(d, k)| *d += k);
-        let pivot = own.partial_piv_lu().inverse();
+        let pivot = c32::inverse(own.as_ref());
         for (p, (column, _)) in sides.iter().enumerate() {
             let up = column * &pivot;
             sides.iter().zip(&mut inverse[p]).for_each(|((_, row), block)| *block += &up * row);
@@ -164,7 +163,7 @@ fn bordered(
 /// Adds out ← out + factor · matrix · v.
 pub(super) fn add_product(out: &mut [c32], factor: f32, matrix: &Mat<c32>, v: &[c32]) {
     let (out, v) = (ColMut::from_slice_mut(out), ColRef::from_slice(v));
-    matmul(out.as_mat_mut(), Accum::Add, matrix, v.as_mat(), factor.into(), Par::Seq);
+    c32::add_product(out.as_mat_mut(), factor.into(), matrix.as_ref(), v.as_mat());
 }
 
 /// The contrast of one plane between harmonics: Fourier coefficients of W at their differences.

@@ -1,10 +1,10 @@
 //! The averaging restart: the combination of earlier states with the smallest residual.
 
+use crate::numerics::dense::MatrixEntry;
 use crate::solve::ledger::flat;
 use crate::solve::vectors::{dot, norm};
 use crate::wave::Field;
-use faer::linalg::solvers::Solve;
-use faer::{Col, Mat};
+use faer::Mat;
 use ndarray::Array2;
 use num_complex::Complex64;
 use std::collections::VecDeque;
@@ -88,7 +88,7 @@ fn least_squares(differences: &[Field], residual: &Field) -> Vec<Complex64> {
         let ridge = if i == j { 1e-12 } else { 0.0 };
         dot(flat(&differences[i]), flat(&differences[j])) / (sizes[i] * sizes[j]) + ridge
     });
-    let right = Col::from_fn(n, |i| -dot(flat(&differences[i]), flat(residual)) / sizes[i]);
-    let solved = gram.partial_piv_lu().solve(&right);
-    (0..n).map(|i| solved[i] / sizes[i]).collect()
+    let right = Mat::from_fn(n, 1, |i, _| -dot(flat(&differences[i]), flat(residual)) / sizes[i]);
+    let solved = Complex64::solve(&Complex64::factors(gram.as_ref()), right.as_ref());
+    (0..n).map(|i| solved[(i, 0)] / sizes[i]).collect()
 }

@@ -57,8 +57,8 @@ impl Linked {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::numerics::Draws;
-    use crate::numerics::estimate::jackknife_deviations;
+    use crate::Draws;
+    use crate::estimate::jackknife_deviations;
 
     /// A mean of samples, as an ensemble gives it.
     fn mean(samples: &[f64]) -> Linked {

@@ -4,7 +4,7 @@
 use multiversion::multiversion;
 use num_complex::{Complex, Complex64};
 use rustfft::num_traits::NumAssign;
-use rustfft::{Fft, FftNum, FftPlanner};
+use rustfft::{Fft, FftDirection, FftNum, FftPlanner};
 use std::sync::Arc;
 
 /// Floating-point types of transforms: `f64`, and `f32` where its rounding is far below the
@@ -16,6 +16,8 @@ pub trait Real: FftNum + NumAssign + PartialOrd + Default + bytemuck::Pod {
     fn of(x: f64) -> Self;
     /// Conversion to double precision.
     fn wide(self) -> f64;
+    /// A transform of vectors of this length.
+    fn plan(len: usize, direction: FftDirection) -> Arc<dyn Fft<Self>>;
 }
 
 impl Real for f64 {
@@ -26,6 +28,9 @@ impl Real for f64 {
     fn wide(self) -> f64 {
         self
     }
+    fn plan(len: usize, direction: FftDirection) -> Arc<dyn Fft<f64>> {
+        FftPlanner::new().plan_fft(len, direction)
+    }
 }
 
 impl Real for f32 {
@@ -35,6 +40,9 @@ impl Real for f32 {
     }
     fn wide(self) -> f64 {
         self.into()
+    }
+    fn plan(len: usize, direction: FftDirection) -> Arc<dyn Fft<f32>> {
+        FftPlanner::new().plan_fft(len, direction)
     }
 }
 
@@ -68,10 +76,8 @@ pub struct PlaneScratch<T: Real = f64> {
 impl<T: Real> PlaneFft<T> {
     /// Plans both directions of the transform.
     pub fn new(nx: usize, ny: usize) -> PlaneFft<T> {
-        let mut planner = FftPlanner::new();
-        let forward = [planner.plan_fft_forward(nx), planner.plan_fft_forward(ny)];
-        let inverse = [planner.plan_fft_inverse(nx), planner.plan_fft_inverse(ny)];
-        PlaneFft { nx, ny, forward, inverse }
+        let plans = |direction| [nx, ny].map(|len| T::plan(len, direction));
+        PlaneFft { nx, ny, forward: plans(FftDirection::Forward), inverse: plans(FftDirection::Inverse) }
     }
 
     /// Allocates the work arrays of one thread.

@@ -1,7 +1,8 @@
-//! Mathematics without physics: vectors and rotations, random draws, estimates with their errors,
-//! Fourier planes; and reading of user files, with the allowed ranges of numbers.
+//! Mathematics of `inkwave` without physics: vectors and rotations, random draws, estimates with their errors,
+//! Fourier planes, dense matrices; and reading of user files, with the allowed ranges of numbers.
 
 pub mod allowed;
+pub mod dense;
 pub mod draws;
 pub mod estimate;
 pub mod files;
