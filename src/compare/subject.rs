@@ -8,8 +8,7 @@ use crate::input::check::check;
 use crate::input::fault::{Fault, StudyError};
 use crate::input::file::StudyFile;
 use crate::input::forms::{IndexWritten, Pair};
-use crate::input::load::read_file;
-use crate::input::read::read;
+use crate::input::load::{read_file, read_table};
 use crate::input::study::Study;
 use crate::input::variation::CellRule;
 use crate::numerics::files;
@@ -68,7 +67,7 @@ impl Packed {
                 (read_file(&path)?.1, path, "")
             }
             StudyWritten::Table(table) => {
-                let file = read(table.clone().into()).map_err(|faults| told(faults, origin, INSIDE))?;
+                let file = read_table(table.clone()).map_err(|faults| told(faults, origin, INSIDE))?;
                 (file, origin.to_owned(), INSIDE)
             }
         };

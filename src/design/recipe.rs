@@ -4,10 +4,8 @@ use super::file::{DesignFile, DesignTable, TargetTable, VaryTable};
 use super::surface::most_coefficients;
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
-use crate::input::file::StudyFile;
-use crate::input::load::{read_file, stem};
+use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
-use crate::input::read::read;
 use crate::input::study::Study;
 use crate::numerics::allowed::{Allowed, Whole};
 use crate::sweep::field::set;
@@ -83,7 +81,7 @@ impl DesignTask {
         }
         let name = self.in_words(places);
         table.insert("title".into(), Value::String(name.clone()));
-        check(&read::<StudyFile>(table.into())?, &self.folder, &name)
+        check(&read_table(table)?, &self.folder, &name)
     }
 
     /// Value of every variable of a recipe.

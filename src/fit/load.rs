@@ -3,11 +3,9 @@
 use super::file::{FitFile, FitGeometry, FitTable, MeasuredTable};
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
-use crate::input::file::StudyFile;
 use crate::input::forms::AlbedoWritten;
-use crate::input::load::{read_file, stem};
+use crate::input::load::{read_file, read_table, stem};
 use crate::input::measured::MeasuredSpectrum;
-use crate::input::read::read;
 use crate::input::study::Study;
 use crate::numerics::allowed::Allowed;
 use crate::sweep::field::set;
@@ -228,7 +226,7 @@ impl FitReading<'_> {
         for (name, _, value) in &changes {
             let _ = value.as_ref().map(|value| set(&mut own, name, value));
         }
-        let checked = read::<StudyFile>(own.into());
+        let checked = read_table(own);
         let faults = match checked.and_then(|file| check(&file, &self.base_folder, "drawdown")) {
             Ok(study) => return Some(study),
             Err(faults) => faults,

@@ -39,6 +39,14 @@ fn load_with(path: &Path, check: Check) -> Result<Study, StudyError> {
     })
 }
 
+/// Reads the tables of a study, as they stand in another file.
+///
+/// # Errors
+/// All unknown keys, and the first value that is missing or of the wrong type, each with its path.
+pub fn read_table(table: toml::Table) -> Result<StudyFile, Vec<Fault>> {
+    read(table.into())
+}
+
 /// Name of a file without its extension: the default title.
 pub fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()

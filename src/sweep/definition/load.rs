@@ -7,10 +7,8 @@ use super::expand::{Draft, expand};
 use super::file::{SheetTable, SweepFile, Where};
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
-use crate::input::file::StudyFile;
-use crate::input::load::{read_file, stem};
+use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
-use crate::input::read::read;
 use crate::input::study::Study;
 use crate::numerics::files;
 use serde::{Deserialize, Serialize};
@@ -231,7 +229,7 @@ struct Reading<'a> {
 impl Reading<'_> {
     /// Reads a variant; `None` if it has errors.
     fn variant(&mut self, draft: &Draft, faults: &mut Faults) -> Result<Option<Variant>, StudyError> {
-        let file = read::<StudyFile>(draft.study.clone().into());
+        let file = read_table(draft.study.clone());
         match file.and_then(|file| check(&file, self.folder, &draft.name)) {
             Ok(study) => {
                 let mut written = Value::Table(draft.study.clone());
