@@ -8,7 +8,7 @@ use crate::input::check::check;
 use crate::input::fault::{Fault, StudyError};
 use crate::input::file::StudyFile;
 use crate::input::forms::{IndexWritten, Pair};
-use crate::input::load::{read_file, read_table};
+use crate::input::load::{read_study, read_table};
 use crate::input::study::Study;
 use crate::input::variation::CellRule;
 use crate::numerics::files;
@@ -64,7 +64,7 @@ impl Packed {
         let (file, path, inside) = match written {
             StudyWritten::File(path) => {
                 let path = origin.parent().unwrap_or(Path::new("")).join(path);
-                (read_file(&path)?.1, path, "")
+                (read_study(&path)?.1, path, "")
             }
             StudyWritten::Table(table) => {
                 let file = read_table(table.clone()).map_err(|faults| told(faults, origin, INSIDE))?;

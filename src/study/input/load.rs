@@ -30,13 +30,21 @@ pub fn load_packing(path: &Path) -> Result<Study, StudyError> {
 type Check = fn(&StudyFile, &Path, &str) -> Result<Study, Vec<Fault>>;
 
 fn load_with(path: &Path, check: Check) -> Result<Study, StudyError> {
-    let (text, file): (String, StudyFile) = read_file(path)?;
+    let (text, file) = read_study(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     check(&file, folder, &stem(path)).map_err(|faults| StudyError::Values {
         path: path.to_owned(),
         text,
         faults,
     })
+}
+
+/// Reads a study file without checking it; returns its text and its content.
+///
+/// # Errors
+/// As of [`read_file`].
+pub fn read_study(path: &Path) -> Result<(String, StudyFile), StudyError> {
+    read_file(path)
 }
 
 /// Reads the tables of a study, as they stand in another file.
