@@ -9,7 +9,7 @@
 
 use super::error::PackError;
 use crate::numerics::allowed::Allowed;
-use crate::numerics::periodic::bilinear;
+use crate::numerics::interpolate::bilinear;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -6,12 +6,8 @@ pub mod draws;
 pub mod estimate;
 pub mod files;
 pub mod fourier;
-pub mod lagrange;
-pub mod linked;
-pub mod periodic;
-pub mod sequence;
+pub mod interpolate;
 pub mod vector;
-pub mod written;
 
 pub use draws::Draws;
 pub use estimate::Estimate;

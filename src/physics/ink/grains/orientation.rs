@@ -2,8 +2,8 @@
 
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
+use crate::numerics::files::{also_by_name, no_keys};
 use crate::numerics::vector::{V3, add, cross, dot, scale, unit};
-use crate::numerics::written::{also_by_name, no_keys};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

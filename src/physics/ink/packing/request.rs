@@ -10,7 +10,7 @@ use crate::ink::grains::shape::Shape;
 use crate::ink::grains::size::SizeDistribution;
 use crate::ink::relief::ReliefRequest;
 use crate::numerics::allowed::Allowed;
-use crate::numerics::written::name_or_table;
+use crate::numerics::files::name_or_table;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
