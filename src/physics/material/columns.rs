@@ -3,6 +3,8 @@
 //!
 //! In many countries, spreadsheets write `;` between columns and `,` in numbers. The header line
 //! determines which convention a file uses; a mixed file is rejected with an explanation.
+//!
+//! Also ranges of tables, and gaps between their rows too wide to interpolate without a warning.
 
 use crate::numerics::files::{self, FileError};
 use std::fmt::Arguments;
@@ -62,9 +64,9 @@ impl Columns {
             .from_reader(text.as_bytes());
         let broken = |error: csv::Error| FileError::new(&path, error);
         let names: Vec<String> = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
-        let earlier = |i: usize| !names[i].is_empty() && names[..i].contains(&names[i]);
-        if let Some(i) = (0..names.len()).find(|&i| earlier(i)) {
-            return Err(FileError::new(&path, format!("column {} occurs twice; keep one of them", names[i])));
+        let named = names.iter().enumerate().filter(|(_, name)| !name.is_empty());
+        if let Some((_, name)) = named.clone().find(|(i, name)| names[..*i].contains(name)) {
+            return Err(FileError::new(&path, format!("column {name} occurs twice; keep one of them")));
         }
         let (mut rows, mut lines) = (Vec::new(), Vec::new());
         for record in reader.records() {
@@ -89,15 +91,11 @@ impl Columns {
     /// # Errors
     /// An empty cell.
     pub fn numbers(&self, place: usize) -> Result<Vec<f64>, FileError> {
-        let mut numbers = Vec::with_capacity(self.rows.len());
-        for (row, line) in self.rows.iter().zip(&self.lines) {
-            let Some(number) = row[place] else {
-                let at = format!("{}, line {line}, column {}", self.path, self.names[place]);
-                return Err(FileError::new(at, "an empty cell; enter a number, or remove the line"));
-            };
-            numbers.push(number);
-        }
-        Ok(numbers)
+        let empty = |line| {
+            let at = format!("{}, line {line}, column {}", self.path, self.names[place]);
+            FileError::new(at, "an empty cell; enter a number, or remove the line")
+        };
+        self.rows.iter().zip(&self.lines).map(|(row, line)| row[place].ok_or_else(|| empty(line))).collect()
     }
 
     /// A column of wavelengths without empty cells, nm.
@@ -149,6 +147,27 @@ fn row(
     Ok(numbers)
 }
 
+/// Spectra usually have rows every 5 to 20 nm; a wider gap than this can hide an absorption band,
+/// nm.
+const WORTH_TELLING_NM: f64 = 50.0;
+
+/// The widest gap between increasing `rows_nm` within a range of wavelengths, if wide enough to
+/// report.
+pub fn widest_gap_nm(rows_nm: &[f64], [from, to]: [f64; 2]) -> Option<[f64; 2]> {
+    let gaps = rows_nm.windows(2).map(|pair| [pair[0], pair[1]]);
+    widest(gaps.filter(|gap| gap[0] < to && gap[1] > from && gap[1] - gap[0] > WORTH_TELLING_NM))
+}
+
+/// The widest of some gaps.
+pub(super) fn widest(gaps: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
+    gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+}
+
+/// The range common to all ranges.
+pub(super) fn common(ranges: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+    ranges.fold([0.0, f64::INFINITY], |[lo, hi], [a, b]| [f64::max(lo, a), f64::min(hi, b)])
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -197,5 +216,15 @@ mod tests {
         let table = parse("wavelength_nm,kappa\n0.4,0.1\n0.7,0.2\n").unwrap();
         let message = table.wavelengths_nm(0).unwrap_err().to_string();
         assert!(message.contains("0.7: these look like µm; the column must be in nm"), "{message}");
+    }
+
+    #[test]
+    fn the_widest_gap_inside_the_range_counts() {
+        let rows = [300.0, 400.0, 450.0, 530.0, 590.0, 900.0];
+        assert_eq!(widest_gap_nm(&rows, [400.0, 590.0]), Some([450.0, 530.0]));
+        assert_eq!(widest_gap_nm(&rows, [400.0, 450.0]), None);
+        assert_eq!(widest_gap_nm(&rows, [500.0, 500.0]), Some([450.0, 530.0]));
+        assert_eq!(widest_gap_nm(&rows, [450.0, 450.0]), None, "a wavelength on a row");
+        assert_eq!(widest_gap_nm(&[400.0, 700.0], [420.0, 680.0]), Some([400.0, 700.0]));
     }
 }
