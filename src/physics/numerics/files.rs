@@ -107,6 +107,11 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for NameOrTable<T> {
 #[serde(deny_unknown_fields)]
 struct NoKeys {}
 
+/// The default N/D of a key.
+pub fn ratio<const N: u32, const D: u32>() -> f64 {
+    f64::from(N) / f64::from(D)
+}
+
 /// Reads a choice that has no keys but `kind`: serde by itself passes over any others.
 pub fn no_keys<'de, D: Deserializer<'de>>(from: D) -> Result<(), D::Error> {
     NoKeys::deserialize(from).map(|_| ())

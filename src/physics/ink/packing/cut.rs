@@ -3,7 +3,7 @@
 use super::grain::Grain;
 use super::placed::Packing;
 use crate::ink::Sphere;
-use crate::ink::grains::slices;
+use crate::ink::grains::volume::in_slices;
 
 impl Grain {
     /// The grain moved along z.
@@ -21,7 +21,7 @@ impl Grain {
             return self.volume_um3;
         }
         let solid = self.solid.as_ref();
-        let within = slices::volumes(&self.spheres, solid, height_um, 1)[0];
+        let within = in_slices(&self.spheres, solid, height_um, 1)[0];
         let whole: f64 = self.spheres.iter().map(Sphere::volume_um3).sum();
         // Overlapping spheres of a union are scaled to its volume, as in profiles.
         if solid.is_some() { within } else { self.volume_um3 * within / whole }

@@ -1,6 +1,6 @@
 //! Volume fractions across the layer.
 
-use crate::ink::grains::slices;
+use crate::ink::grains::volume::in_slices;
 use crate::ink::{Layered, Packing};
 
 /// Columns per side for what is beyond a relief.
@@ -17,7 +17,7 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
     for grain in packing.grains() {
         let mut around: Option<usize> = None;
         for Layered { material, spheres, solid } in packing.nested(grain) {
-            let volumes = slices::volumes(&spheres, solid.as_ref(), height, slices);
+            let volumes = in_slices(&spheres, solid.as_ref(), height, slices);
             for (slice, volume) in fractions.iter_mut().zip(volumes) {
                 slice[material] += volume;
                 around.iter().for_each(|&outer| slice[outer] -= volume);
