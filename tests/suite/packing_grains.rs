@@ -1,5 +1,6 @@
 //! Clusters, mixtures, orientation, agglomerates, walls: what every kind of grain must keep.
 
+use inkwave::ink::grains::agglomeration::GrainCount;
 use inkwave::ink::grains::shape::Template;
 use inkwave::ink::pack;
 use inkwave::ink::statistics::{orientation_tensor, section_statistics};
@@ -12,6 +13,11 @@ use rayon::prelude::*;
 
 fn request(pigments: Vec<PigmentGrains>) -> PackingRequest {
     PackingRequest { period_um: [3.0, 3.0], thickness_um: 1.0, pigments, seed: 4, ..Default::default() }
+}
+
+/// Agglomerates of exactly `grains` grains.
+pub fn agglomerates(grains: usize, degree: f64) -> Agglomeration {
+    Agglomeration { degree, grains: GrainCount::Constant(grains), fractal: None }
 }
 
 /// Smallest gap between spheres of different grains and to the walls, by the plainest loop.
@@ -191,7 +197,7 @@ fn a_finite_field_gives_the_watson_order() {
 #[test]
 fn agglomerates_are_glued_counted_and_never_overlap() {
     let sticky = |degree| PigmentGrains {
-        agglomeration: Some(Agglomeration::of(4, degree)),
+        agglomeration: Some(agglomerates(4, degree)),
         ..PigmentGrains::spheres(150.0, 0.25)
     };
     for degree in [0.0, 0.5, 1.0] {
@@ -209,10 +215,8 @@ fn agglomerates_are_glued_counted_and_never_overlap() {
 
 #[test]
 fn mono_layers_of_grains_too_large_to_glue_are_refused() {
-    let sticky = PigmentGrains {
-        agglomeration: Some(Agglomeration::of(60, 1.0)),
-        ..PigmentGrains::spheres(250.0, 0.25)
-    };
+    let sticky =
+        PigmentGrains { agglomeration: Some(agglomerates(60, 1.0)), ..PigmentGrains::spheres(250.0, 0.25) };
     let text = pack(&request(vec![sticky]), &mut ()).unwrap_err().to_string();
     assert!(text.contains("agglomeration.grains") && text.contains("fewer or smaller grains"), "{text}");
 }

@@ -1,4 +1,6 @@
-//! Errors of packing.
+//! Errors of packing, its progress and its cancellation.
+
+use std::ops::ControlFlow;
 
 /// All failures of a packing; the fields carry what is needed to correct them.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -119,5 +121,47 @@ impl PackError {
         remedy: impl ToString,
     ) -> Result<(), Self> {
         if sound { Ok(()) } else { Err(Self::input(field, found, allowed, remedy)) }
+    }
+}
+
+/// Progress of a packing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PackProgress {
+    /// "sequential addition", "relaxation" or "equilibration".
+    pub stage: &'static str,
+    /// Steps, attempts or sweeps so far.
+    pub step: u64,
+    /// Grains in place so far.
+    pub grains_placed: usize,
+    /// Grains of the request.
+    pub grains_wanted: usize,
+    /// Volume fraction of the grains placed so far.
+    pub fraction: f64,
+    /// Overlap energy ½ Σ L² in µm² (relaxation; zero otherwise).
+    pub overlap_energy: f64,
+    /// Largest overlap in µm (relaxation; zero otherwise).
+    pub largest_overlap_um: f64,
+}
+
+impl PackProgress {
+    /// Reports to a watch; the error is that it asks to stop.
+    pub(crate) fn report(&self, watch: &mut dyn PackWatch) -> Result<(), PackError> {
+        match watch.progress(self) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(PackError::Stopped { stage: self.stage, steps: self.step }),
+        }
+    }
+}
+
+/// Receives progress reports and may stop the packing by returning `Break`.
+pub trait PackWatch {
+    /// Called at intervals; `Break` stops the packing with [`PackError::Stopped`].
+    fn progress(&mut self, progress: &PackProgress) -> ControlFlow<()>;
+}
+
+/// Ignores progress and never stops.
+impl PackWatch for () {
+    fn progress(&mut self, _: &PackProgress) -> ControlFlow<()> {
+        ControlFlow::Continue(())
     }
 }

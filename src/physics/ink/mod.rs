@@ -11,7 +11,7 @@ pub mod packing;
 pub mod relief;
 pub mod statistics;
 
-pub use error::PackError;
+pub use error::{PackError, PackProgress, PackWatch};
 pub use grains::agglomeration::Agglomeration;
 pub use grains::orientation::Orientation;
 pub use grains::shape::Shape;
@@ -26,5 +26,4 @@ pub use packing::request::{
     SequentialSettings, ShareRule,
 };
 pub use packing::voxels::VoxelCut;
-pub use packing::watch::{PackProgress, PackWatch};
 pub use relief::{Relief, ReliefRequest, ReliefRule, RoughFace};

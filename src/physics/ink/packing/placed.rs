@@ -148,13 +148,23 @@ impl Packing {
         let share = |pigment| Share::of_given(&grains, pigment, lx * ly * thickness_um);
         let shares = (0..request.pigments.len()).map(share).collect();
         let account = PackingAccount::new(method, request.seed, request.stream);
-        let parts = (shares, account);
-        let packing = Self::proven([lx, ly], thickness_um, request.walls, grains, parts);
-        Some(packing.and_then(|packing| packing.with_shells(request.shells_um())))
+        Some(Self::proven_of(request, grains, shares, account))
+    }
+
+    /// Grains placed on request, with their layers.
+    pub(super) fn proven_of(
+        request: &PackingRequest,
+        grains: Vec<Grain>,
+        shares: Vec<Share>,
+        account: PackingAccount,
+    ) -> Result<Self, PackError> {
+        let (period_um, thickness_um) = (request.period_um, request.thickness_um);
+        let packing = Self::proven(period_um, thickness_um, request.walls, grains, (shares, account))?;
+        packing.with_shells(request.shells_um())
     }
 
     /// The only constructor: checks every pair.
-    pub(crate) fn proven(
+    fn proven(
         period_um: [f64; 2],
         thickness_um: f64,
         walls: bool,

@@ -5,9 +5,8 @@ use super::placed::Share;
 use super::request::{PackingRequest, PigmentGrains};
 use super::shell;
 use super::sizes::{check_presence, draw_sizes, unlike};
-use super::watch::PackProgress;
-use crate::ink::error::{PackError, Reached};
-use crate::ink::grains::agglomeration::{Agglomeration, GrainCount, PlacedGrain};
+use crate::ink::error::{PackError, PackProgress, Reached};
+use crate::ink::grains::agglomeration::{Agglomeration, PlacedGrain};
 use crate::ink::grains::orientation::AxisField;
 use crate::ink::grains::shape::Template;
 use crate::ink::grains::solid::Solid;
@@ -96,7 +95,8 @@ impl PackingPlan {
     /// Volume fraction and number of the grains of the first `placed` bodies.
     pub fn reached(&self, placed: usize) -> Reached {
         let bodies = &self.bodies[..placed];
-        let volume = bodies.iter().fold(0.0, |sum, body| sum + body.volume_um3());
+        let volumes = bodies.iter().map(|body| body.parts.iter().map(|p| p.volume_um3).sum::<f64>());
+        let volume = volumes.fold(0.0, |sum, own| sum + own);
         let grains = bodies.iter().map(|b| b.parts.len()).sum();
         Reached { fraction: volume / self.cell.size.iter().product::<f64>(), grains }
     }
@@ -104,17 +104,13 @@ impl PackingPlan {
     /// What the watch hears when the first `placed` bodies are in place.
     pub fn progress(&self, stage: &'static str, step: u64, placed: usize) -> PackProgress {
         let Reached { fraction, grains: grains_placed } = self.reached(placed);
-        let (grains_wanted, rest) = (self.grains(), PackProgress::default());
+        let (grains_wanted, rest) = (self.whole().grains, PackProgress::default());
         PackProgress { stage, step, grains_placed, grains_wanted, fraction, ..rest }
     }
 
-    pub fn grains(&self) -> usize {
-        self.reached(self.bodies.len()).grains
-    }
-
-    /// Total pigment volume over cell volume.
-    pub fn fraction(&self) -> f64 {
-        self.reached(self.bodies.len()).fraction
+    /// Total pigment volume over cell volume, and number of all grains.
+    pub fn whole(&self) -> Reached {
+        self.reached(self.bodies.len())
     }
 }
 
@@ -133,10 +129,6 @@ impl GrainSpheres {
         let radii = spheres.iter().map(|s: &Sphere| s.radius_um);
         let thin = radii.chain(solids.iter().map(|s: &Solid| s.form.thin_um())).fold(f64::MAX, f64::min);
         Self { pigment, reach: reach_um(&spheres, [0.0; 3]), spheres, solids, thin, parts }
-    }
-
-    pub fn volume_um3(&self) -> f64 {
-        self.parts.iter().map(|p| p.volume_um3).sum()
     }
 
     /// Extent along the unit vector n.
@@ -188,9 +180,8 @@ fn check_size(request: &PackingRequest, k: usize, p: &PigmentGrains, t: &Templat
     };
     let found = format!("{:.1} nm thick for the largest grain", 1e3 * thin);
     let allowed = format!("at most the layer, {:.1} nm", 1e3 * request.thickness_um);
-    let (sound, remedy) =
-        (!request.walls || thin <= request.thickness_um, "thicken the layer or take smaller grains");
-    PackError::unless(sound, field, found, allowed, remedy)
+    let sound = !request.walls || thin <= request.thickness_um;
+    PackError::unless(sound, field, found, allowed, "thicken the layer or take smaller grains")
 }
 
 /// Number of directions sampled for the smallest extent.
@@ -260,11 +251,4 @@ fn agglomerate(
     let allowed = format!("agglomerates at most {limit:.3} µm across");
     let remedy = "take fewer or smaller grains per agglomerate, or a larger cell";
     Err(PackError::input(format!("pigment[{k}].agglomeration.grains"), found, allowed, remedy))
-}
-
-impl Agglomeration {
-    /// Agglomerates of exactly `grains` grains.
-    pub fn of(grains: usize, degree: f64) -> Self {
-        Self { degree, grains: GrainCount::Constant(grains), fractal: None }
-    }
 }

@@ -10,16 +10,14 @@ mod forces;
 mod steps;
 
 use super::bodies::Bodies;
-use super::loads::{FoundLoads, OverlapLoads};
-use super::neighbours::Neighbours;
+use super::hard_bodies::scatter;
+use super::neighbours::{Neighbours, strain};
 use super::plan::{GrainSpheres, PackingPlan};
 use super::request::RelaxationSettings;
-use super::sequential::scatter;
-use super::strain::strain;
-use super::watch::{PackProgress, PackWatch};
-use crate::ink::error::PackError;
+use crate::ink::error::{PackError, PackProgress, PackWatch};
 use crate::numerics::Draws;
 use crate::numerics::vector::{V3, dot};
+use forces::{FoundLoads, OverlapLoads};
 
 /// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed
 /// length (the time of 10 × 10 × 1 µm cases is constant between 0.7 and 1.0).

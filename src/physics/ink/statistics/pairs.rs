@@ -1,8 +1,7 @@
 //! Pairs of grain centres: pair correlation g(r) and nearest neighbours.
 
 use crate::ink::Packing;
-use crate::ink::packing::buckets::Buckets;
-use crate::ink::packing::cell::CellBox;
+use crate::ink::packing::cell::{Buckets, CellBox};
 use crate::numerics::vector::{V3, norm};
 use std::f64::consts::PI;
 
