@@ -16,7 +16,7 @@ fn request(pigments: Vec<PigmentGrains>) -> PackingRequest {
 }
 
 /// Agglomerates of exactly `grains` grains.
-pub fn agglomerates(grains: usize, degree: f64) -> Agglomeration {
+pub fn agglomeration_of(grains: usize, degree: f64) -> Agglomeration {
     Agglomeration { degree, grains: GrainCount::Constant(grains), fractal: None }
 }
 
@@ -197,7 +197,7 @@ fn a_finite_field_gives_the_watson_order() {
 #[test]
 fn agglomerates_are_glued_counted_and_never_overlap() {
     let sticky = |degree| PigmentGrains {
-        agglomeration: Some(agglomerates(4, degree)),
+        agglomeration: Some(agglomeration_of(4, degree)),
         ..PigmentGrains::spheres(150.0, 0.25)
     };
     for degree in [0.0, 0.5, 1.0] {
@@ -215,8 +215,10 @@ fn agglomerates_are_glued_counted_and_never_overlap() {
 
 #[test]
 fn mono_layers_of_grains_too_large_to_glue_are_refused() {
-    let sticky =
-        PigmentGrains { agglomeration: Some(agglomerates(60, 1.0)), ..PigmentGrains::spheres(250.0, 0.25) };
+    let sticky = PigmentGrains {
+        agglomeration: Some(agglomeration_of(60, 1.0)),
+        ..PigmentGrains::spheres(250.0, 0.25)
+    };
     let text = pack(&request(vec![sticky]), &mut ()).unwrap_err().to_string();
     assert!(text.contains("agglomeration.grains") && text.contains("fewer or smaller grains"), "{text}");
 }

@@ -1,7 +1,7 @@
 //! Packings of convex bodies: no overlap by dense points of their surfaces, sizes, walls, order and
 //! agglomerates.
 
-use super::packing_grains::agglomerates;
+use super::packing_grains::agglomeration_of;
 use inkwave::ink::grains::agglomeration::Fractal;
 use inkwave::ink::grains::contact::{contains, proven_gap_um};
 use inkwave::ink::statistics::{orientation_tensor, profile, section_statistics};
@@ -132,7 +132,7 @@ fn platelets_follow_the_field_that_aligns_their_axes() {
 /// A share of the grains in agglomerates of three, in a cell with room for them.
 fn glued(shape: Shape, share: f64, method: MethodChoice, degree: f64) -> PackingRequest {
     let mut asked = PackingRequest { period_um: [1.5, 1.45], ..request(shape, share, method) };
-    asked.pigments[0].agglomeration = Some(agglomerates(3, degree));
+    asked.pigments[0].agglomeration = Some(agglomeration_of(3, degree));
     asked
 }
 
@@ -243,7 +243,7 @@ fn the_proof_judges_members_of_one_agglomerate_like_any_grains() {
 fn fractal_agglomerates_of_convex_bodies_are_refused() {
     let mut asked = request(shapes()[1].clone(), 0.1, MethodChoice::Auto);
     let fractal = Some(Fractal { dimension: 1.78, prefactor: 1.3 });
-    asked.pigments[0].agglomeration = Some(Agglomeration { fractal, ..agglomerates(3, 1.0) });
+    asked.pigments[0].agglomeration = Some(Agglomeration { fractal, ..agglomeration_of(3, 1.0) });
     let said = pack(&asked, &mut ()).unwrap_err().to_string();
     assert!(said.contains("pigment[0].agglomeration.fractal") && said.contains("beaded_ellipsoid"), "{said}");
 }

@@ -65,9 +65,8 @@ pub fn section_statistics(
     let weight = 1.0 / planes as f64;
     for plane in 0..planes {
         let discs = discs(packing, found.z_um[plane]);
-        for pigment in 0..found.profile.len() {
-            let own = Lines::new(&discs, Some(pigment), period, spacing_um, 0);
-            found.profile[pigment][plane] = own.covered();
+        for (pigment, profile) in found.profile.iter_mut().enumerate() {
+            profile[plane] = Lines::new(&discs, Some(pigment), period, spacing_um, 0).covered();
         }
         for axis in 0..2 {
             let lines = Lines::new(&discs, None, period, spacing_um, axis);
@@ -76,8 +75,7 @@ pub fn section_statistics(
             s2.iter_mut().zip(&found.r_um).for_each(|(s, r)| *s += weight * lines.both_ends(*r));
         }
     }
-    let squares = found.total_profile().iter().map(|p| p * p).sum::<f64>();
-    found.mean_square_profile = squares * weight;
+    found.mean_square_profile = found.total_profile().iter().map(|p| p * p).sum::<f64>() * weight;
     found
 }
 
@@ -92,8 +90,7 @@ pub(crate) struct Disc<'a> {
 }
 
 pub(crate) fn discs(packing: &Packing, z: f64) -> Vec<Disc<'_>> {
-    let height = packing.thickness_um();
-    let mut discs = Vec::new();
+    let (height, mut discs) = (packing.thickness_um(), Vec::new());
     for grain in packing.grains() {
         for s in &grain.spheres {
             let off = z - s.center_um[2];
