@@ -55,7 +55,7 @@ fn convex_bodies_pack_without_overlap_by_either_method() {
             // The nearest whole number of grains of 0.0042 µm³ in 0.88 µm³.
             assert!((packing.achieved_fraction(0) - share).abs() < 0.003, "{}", shape.name());
             assert_eq!(overlapping_pairs(&packing), 0, "{}", shape.name());
-            let outside = |g: &Grain| g.extent_z_um()[0] < 0.0 || g.extent_z_um()[1] > 0.8;
+            let outside = |g: &Grain| g.extent_um(2)[0] < 0.0 || g.extent_um(2)[1] > 0.8;
             assert!(!packing.grains().iter().any(outside), "{}", shape.name());
         }
     }
@@ -172,7 +172,7 @@ fn glued_bodies_touch_and_keep_their_volume_and_share() {
             // A last grain that is alone is no agglomerate.
             assert_eq!(bodies.iter().map(Vec::len).sum::<usize>(), stuck - usize::from(stuck % 3 == 1));
             assert_eq!(overlapping_pairs(&packing), 0, "{}", shape.name());
-            let outside = |g: &Grain| g.extent_z_um()[0] < 0.0 || g.extent_z_um()[1] > 0.8;
+            let outside = |g: &Grain| g.extent_um(2)[0] < 0.0 || g.extent_um(2)[1] > 0.8;
             assert!(!packing.grains().iter().any(outside), "{}", shape.name());
             bodies.iter().for_each(|members| assert_in_one_piece(&packing, members));
         }

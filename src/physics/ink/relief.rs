@@ -107,9 +107,9 @@ impl ReliefRequest {
 
     fn check_random(&self, rms_um: f64, correlation_um: f64, period_um: f64) -> Result<(), PackError> {
         let highest = self.depth_um / HEADROOM;
-        let (field, sound) = ("relief.rule.rms_um", (0.0..=highest).contains(&rms_um));
+        let sound = (0.0..=highest).contains(&rms_um);
         let allowed = format!("0 … {highest} µm, half of the depth above which grains end");
-        PackError::unless(sound, field, rms_um, allowed, "raise relief.depth_um")?;
+        PackError::unless(sound, "relief.rule.rms_um", rms_um, allowed, "raise relief.depth_um")?;
         let [least, most] = [std::f64::consts::SQRT_2 * rms_um / STEEPEST, period_um / LENGTHS];
         let sound = (least..=most).contains(&correlation_um) && correlation_um > 0.0;
         let allowed = format!("{least:.4} … {most:.4} µm, for slopes up to 45° and cells of 5 lengths");
@@ -119,8 +119,7 @@ impl ReliefRequest {
 }
 
 fn check_following(follow: f64, smoothing_um: f64) -> Result<(), PackError> {
-    let sound = FOLLOW.holds(follow);
-    PackError::unless(sound, "relief.rule.follow", follow, "0 (flat) to 1", "lower it")?;
+    PackError::unless(FOLLOW.holds(follow), "relief.rule.follow", follow, "0 (flat) to 1", "lower it")?;
     let (field, sound) = ("relief.rule.smoothing_um", LENGTH_UM.holds(smoothing_um));
     PackError::unless(sound, field, smoothing_um, "finite, at least 0", "about one grain radius")
 }

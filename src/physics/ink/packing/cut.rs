@@ -16,7 +16,7 @@ impl Grain {
 
     /// Volume of the grain between z = 0 and z = `height_um`, µm³.
     fn volume_below(&self, height_um: f64) -> f64 {
-        let [low, high] = self.extent_z_um();
+        let [low, high] = self.extent_um(2);
         if low >= 0.0 && high <= height_um {
             return self.volume_um3;
         }
@@ -36,7 +36,7 @@ impl Packing {
         let images = if self.walls() { &[0.0][..] } else { &[-1.0, 0.0, 1.0] };
         let of = |grain: &Grain| -> Vec<Grain> {
             let lifted = images.iter().map(|image| grain.lifted(image * period - from));
-            lifted.filter(|g| g.extent_z_um()[0] < thickness_um && g.extent_z_um()[1] > 0.0).collect()
+            lifted.filter(|g| g.extent_um(2)[0] < thickness_um && g.extent_um(2)[1] > 0.0).collect()
         };
         let grains: Vec<Grain> = self.grains().iter().flat_map(of).collect();
         let box_um3 = self.period_um()[0] * self.period_um()[1] * thickness_um;

@@ -60,11 +60,6 @@ impl Grain {
         Self { spheres, solid, pigment, axis, agglomerate: None, volume_um3 }
     }
 
-    /// Lowest and highest z, µm.
-    pub fn extent_z_um(&self) -> [f64; 2] {
-        self.extent_um(2)
-    }
-
     /// Lowest and highest coordinate along an axis, µm.
     pub fn extent_um(&self, axis: usize) -> [f64; 2] {
         if let Some(solid) = &self.solid {

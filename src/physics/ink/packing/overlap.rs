@@ -41,7 +41,8 @@ pub fn smallest_gap(
     let largest = entries.iter().map(|e| e.sphere.radius_um).fold(0.0, f64::max);
     for (i, a) in entries.iter().enumerate() {
         if walls {
-            let [low, high] = grains[a.grain].solid.as_ref().map_or(a.ends(), |solid| solid.extent_um(2));
+            let ends = [-1.0, 1.0].map(|side| a.sphere.center_um[2] + side * a.sphere.radius_um);
+            let [low, high] = grains[a.grain].solid.as_ref().map_or(ends, |solid| solid.extent_um(2));
             let to_wall = low.min(thickness - high);
             if to_wall < worst.0 {
                 worst = (to_wall, a.grain, None);
@@ -77,11 +78,6 @@ pub fn smallest_gap(
 }
 
 impl GridEntry {
-    /// Lowest and highest z of the sphere.
-    fn ends(&self) -> [f64; 2] {
-        [-1.0, 1.0].map(|side| self.sphere.center_um[2] + side * self.sphere.radius_um)
-    }
-
     /// The convex body that the sphere is around, or the sphere as one.
     fn solid(&self, grains: &[Grain]) -> Solid {
         let round = || Sphere { center_um: [0.0; 3], ..self.sphere }.solid();
@@ -105,17 +101,14 @@ fn gap([a, b]: [&GridEntry; 2], cell: [f64; 3], grains: &[Grain], known: f64) ->
     // Long bodies may meet in another image than that with the nearest centre.
     let shifts = cell.map(|length| if 2.0 * reach > length { -1..=1 } else { 0..=0 });
     let shifted = |axis: usize, k: i32| near[axis] + if k == 0 { 0.0 } else { f64::from(k) * cell[axis] };
-    let mut least = f64::INFINITY;
-    for i in shifts[0].clone() {
-        for j in shifts[1].clone() {
-            for k in shifts[2].clone() {
-                let apart = [shifted(0, i), shifted(1, j), shifted(2, k)];
-                let bound = boxes_gap(&one, &two, apart);
-                least = least.min(if bound >= known { bound } else { proven_gap_um(&one, &two, apart) });
-            }
-        }
-    }
-    least
+    let [xs, ys, zs] = shifts;
+    let in_plane = xs.flat_map(|i| ys.clone().map(move |j| [i, j]));
+    let all = in_plane.flat_map(|[i, j]| zs.clone().map(move |k| [i, j, k]));
+    let gaps = all.map(|[i, j, k]| [shifted(0, i), shifted(1, j), shifted(2, k)]).map(|apart| {
+        let bound = boxes_gap(&one, &two, apart);
+        if bound >= known { bound } else { proven_gap_um(&one, &two, apart) }
+    });
+    gaps.fold(f64::INFINITY, f64::min)
 }
 
 /// Gap between the upright boxes around two bodies, along the axis where it is widest.

@@ -37,7 +37,7 @@ impl Method {
 /// Volume fraction of one pigment: as requested and as achieved with whole grains.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Requested volume fraction.
+    /// Requested volume fraction; see [`crate::ink::Relief`] for its reference volume.
     pub requested_fraction: f64,
     /// Volume fraction of the placed grains.
     pub achieved_fraction: f64,
@@ -238,8 +238,8 @@ impl Packing {
     /// The nested bodies of a grain from the outside inwards; each lies in the one before it.
     pub fn nested(&self, grain: &Grain) -> Vec<Layered> {
         let shell = &self.shells_um[grain.pigment];
-        let before: usize = self.shells_um[..grain.pigment].iter().map(Vec::len).sum();
-        let first = self.shells_um.len() + before;
+        let first =
+            self.shells_um.len() + self.shells_um[..grain.pigment].iter().map(Vec::len).sum::<usize>();
         let layers = shell.iter().enumerate().rev().map(|(i, &thickness)| (first + i, thickness));
         let (mut depth, mut bodies) = (0.0, Vec::with_capacity(shell.len() + 1));
         for (material, thickness) in layers.chain([(grain.pigment, 0.0)]) {
@@ -254,13 +254,7 @@ impl Packing {
         bodies
     }
 
-    /// Requested volume fraction of a pigment (0 for an unknown one); see [`crate::ink::Relief`]
-    /// for its reference volume.
-    pub fn requested_fraction(&self, pigment: usize) -> f64 {
-        self.shares.get(pigment).map_or(0.0, |s| s.requested_fraction)
-    }
-
-    /// Volume fraction achieved with whole grains of a pigment.
+    /// Volume fraction achieved with whole grains of a pigment (0 for an unknown one).
     pub fn achieved_fraction(&self, pigment: usize) -> f64 {
         self.shares.get(pigment).map_or(0.0, |s| s.achieved_fraction)
     }

@@ -123,12 +123,12 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
     /// Clears the forces of the last evaluation; bodies still in (inflated) contact stay on the
     /// moving list.
     fn rest(&mut self) {
+        self.loads.clear();
         self.moves.fill(false);
-        for b in self.loads.joined.iter().map(|b| *b as usize) {
-            (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
+        self.moving = std::mem::take(&mut self.loads.joined);
+        for b in self.moving.iter().map(|b| *b as usize) {
             (self.loads.touched[b], self.moves[b]) = (false, true);
         }
-        self.moving = std::mem::take(&mut self.loads.joined);
     }
 
     /// Steps until no overlap is left (`None`), or until it stalls or reaches the limit (returns
@@ -195,17 +195,13 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
             }
         }
         // Forces at the old positions must not move the bodies at their new ones.
-        for k in 0..self.loads.joined.len() {
-            let b = self.loads.joined[k] as usize;
-            (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
-        }
+        self.loads.clear();
         self.list.remake(self.bodies, self.inflation);
     }
 
     fn progress(&self, found: &FoundLoads) -> PackProgress {
-        let (overlap_energy, largest_overlap_um) = (found.energy, found.overlap);
         let progress = self.plan.progress("relaxation", self.steps, self.bodies.placed);
-        PackProgress { overlap_energy, largest_overlap_um, ..progress }
+        PackProgress { overlap_energy: found.energy, largest_overlap_um: found.overlap, ..progress }
     }
 
     /// Puts all placed bodies on the moving list.

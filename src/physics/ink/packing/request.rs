@@ -282,12 +282,12 @@ impl PackingRequest {
         let Some([from, to]) = self.cut_um else { return Ok(()) };
         // heights of slabs are sums: rounding
         let sound = from >= 0.0 && from < to && to <= self.thickness_um * (1.0 + 1e-9);
-        let (found, allowed) =
-            (format!("{from} to {to} µm"), format!("0 ≤ from < to ≤ {} µm", self.thickness_um));
+        let found = format!("{from} to {to} µm");
+        let allowed = format!("0 ≤ from < to ≤ {} µm", self.thickness_um);
         let remedy = "give two heights of the packing, the lower one first";
         PackError::unless(sound, "cut_um", found, allowed, remedy)?;
-        let (plane, remedy) = (self.relief.is_none(), "leave one of them out");
-        PackError::unless(plane, "cut_um", "with a relief", "plane surfaces", remedy)
+        let remedy = "leave one of them out";
+        PackError::unless(self.relief.is_none(), "cut_um", "with a relief", "plane surfaces", remedy)
     }
 }
 
@@ -332,10 +332,8 @@ impl RelaxationSettings {
             ("relaxation.rotational_viscosity", self.rotational_viscosity, VISCOSITY),
             ("relaxation.aligning_deg_per_step", self.aligning_deg_per_step, ALIGNING_DEG),
         ];
-        let remedy = "leave it out for the default";
-        for (field, value, allowed) in ranges {
-            PackError::unless(allowed.holds(value), field, value, allowed, remedy)?;
-        }
-        Ok(())
+        ranges.into_iter().try_for_each(|(field, value, allowed)| {
+            PackError::unless(allowed.holds(value), field, value, allowed, "leave it out for the default")
+        })
     }
 }

@@ -38,8 +38,8 @@ pub(super) fn check(
     size: &SizeDistribution,
 ) -> Result<(), PackError> {
     for (i, thickness) in shell_nm.iter().enumerate() {
-        let (field, sound) =
-            (format!("pigment[{k}].shell[{i}].thickness_nm"), thickness.is_finite() && *thickness > 0.0);
+        let field = format!("pigment[{k}].shell[{i}].thickness_nm");
+        let sound = thickness.is_finite() && *thickness > 0.0;
         let remedy = "give the thickness of the layer in nm, or leave the layer out";
         PackError::unless(sound, field, thickness, "above 0", remedy)?;
     }
@@ -78,11 +78,8 @@ pub(super) fn shares(shell_nm: &[f64], shape: &Shape, size: &SizeDistribution) -
         return vec![1.0];
     }
     let template = shape.template();
-    let count = match (size.has_spread(), template.spheres.len()) {
-        (false, _) => 1,
-        (true, 1) => SIZES[0],
-        (true, _) => SIZES[1],
-    };
+    let most = SIZES[usize::from(template.spheres.len() > 1)];
+    let count = if size.has_spread() { most } else { 1 };
     let mut volumes = vec![0.0; shell_nm.len() + 1];
     for i in 0..count {
         let nm = size.quantile_nm((i as f64 + 0.5) / count as f64);

@@ -44,14 +44,13 @@ pub(super) fn draw_sizes(
     let target = pigment.volume_fraction * volume;
     let drawn = if pigment.size.has_spread() { of_a_law } else { alike };
     let mut radii = drawn(pigment, template, target, draws)?;
-    let sum = radii.iter().map(|radius| template.volume.um3 * radius.powi(3)).fold(0.0, |sum, own| sum + own);
+    let sum = radii.iter().fold(0.0, |sum, radius| sum + template.volume.um3 * radius.powi(3));
     let scaled = pigment.share == ShareRule::ScaleSizes && sum > 0.0;
     let size_factor = if scaled { (target / sum).cbrt() } else { 1.0 };
     radii.iter_mut().for_each(|r| *r *= size_factor);
     let achieved_fraction = sum * size_factor.powi(3) / volume;
     let fraction_error = achieved_fraction * template.volume.error_um3 / template.volume.um3;
-    let grains = radii.len();
-    let requested_fraction = pigment.volume_fraction;
+    let (grains, requested_fraction) = (radii.len(), pigment.volume_fraction);
     Ok((radii, Share { requested_fraction, achieved_fraction, fraction_error, grains, size_factor }))
 }
 
@@ -62,8 +61,7 @@ fn alike(
     target: f64,
     draws: &mut Draws,
 ) -> Result<Vec<f64>, PackError> {
-    let mut radii: Vec<f64> = Vec::new();
-    let mut sum = 0.0;
+    let (mut radii, mut sum) = (Vec::new(), 0.0);
     while sum < target {
         let radius = pigment.size.radius_um(pigment.size.draw_nm(draws), template);
         let own = template.volume.um3 * radius.powi(3);

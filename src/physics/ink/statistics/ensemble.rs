@@ -143,7 +143,11 @@ impl Statistics {
         for k in 0..packings[0].shares().len() {
             let achieved = packings.iter().map(|p| p.achieved_fraction(k));
             let grains = with_grains.iter().map(|p| p.shares()[k].grains as f64);
-            self.put(format!("requested fraction of pigment {k}"), "1", [packings[0].requested_fraction(k)]);
+            self.put(
+                format!("requested fraction of pigment {k}"),
+                "1",
+                [packings[0].shares()[k].requested_fraction],
+            );
             self.put(format!("achieved fraction of pigment {k}"), "1", achieved);
             self.put(format!("grains of pigment {k}"), "1", grains);
         }

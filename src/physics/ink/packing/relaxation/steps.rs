@@ -8,9 +8,8 @@ impl OverlapRelaxation<'_, '_> {
     /// One Euler step of all bodies under load, which then form the new moving list.
     pub(super) fn advance(&mut self) {
         let h = self.step / self.settings.translational_viscosity;
-        let ramp = self.ramp();
+        let (ramp, mut outrun) = (self.ramp(), false);
         let aligning = self.aligning(ramp);
-        let mut outrun = false;
         for k in 0..self.loads.joined.len() {
             let b = self.loads.joined[k] as usize;
             self.loads.touched[b] = false;
@@ -48,10 +47,7 @@ impl OverlapRelaxation<'_, '_> {
         let body = &self.plan.bodies[b];
         let (length, limit) =
             (norm(by) + norm(turn) * body.reach, self.settings.step_limit_radii * body.thin);
-        if length > limit {
-            return [by, turn].map(|part| scale(part, limit / length));
-        }
-        [by, turn]
+        if length > limit { [by, turn].map(|part| scale(part, limit / length)) } else { [by, turn] }
     }
 
     /// Strength of the aligning torque at this step of the batch: 1 falling linearly to 0.
