@@ -38,8 +38,7 @@ impl Draws {
 
     /// Standard normal (Box–Muller, the cosine branch).
     pub fn normal(&mut self) -> f64 {
-        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
-        radius * (TAU * self.uniform()).cos()
+        (-2.0 * (1.0 - self.uniform()).ln()).sqrt() * (TAU * self.uniform()).cos()
     }
 
     /// Uniform on the unit sphere.
@@ -52,8 +51,13 @@ impl Draws {
 
     /// A uniform rotation about the z axis followed by the rotation of z onto `axis`.
     pub fn rotation_with_axis(&mut self, axis: V3) -> Rotation {
-        let spin = Rotation::by([0.0, 0.0, self.between(-PI, PI)]);
-        spin.then(Rotation::from_z_to(axis))
+        Rotation::by([0.0, 0.0, self.between(-PI, PI)]).then(Rotation::from_z_to(axis))
+    }
+
+    /// A uniform rotation.
+    pub fn rotation(&mut self) -> Rotation {
+        let axis = self.direction();
+        self.rotation_with_axis(axis)
     }
 
     /// Shuffles the items, each order equally likely (Fisher–Yates).

@@ -64,8 +64,7 @@ const MOST_DECIMALS: i32 = 12;
 /// The number with a true minus sign, and none before zero.
 fn signed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
-    let zero = text.chars().all(|c| "-0.".contains(c));
-    if zero { text.replace('-', "") } else { text.replace('-', "−") }
+    if text.chars().all(|c| "-0.".contains(c)) { text.replace('-', "") } else { text.replace('-', "−") }
 }
 
 /// Factor that turns a standard error of `degrees` degrees of freedom into a 95 % interval

@@ -3,8 +3,7 @@
 /// Weights of the values at `points` in the polynomial through them, at `x`.
 pub fn lagrange(points: &[f64], x: f64) -> Vec<f64> {
     let weight = |(i, own): (usize, &f64)| {
-        let others = points.iter().enumerate().filter(|&(j, _)| j != i);
-        others.map(|(_, p)| (x - p) / (own - p)).product()
+        points.iter().enumerate().filter(|&(j, _)| j != i).map(|(_, p)| (x - p) / (own - p)).product()
     };
     points.iter().enumerate().map(weight).collect()
 }

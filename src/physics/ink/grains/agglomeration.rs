@@ -181,17 +181,10 @@ impl Agglomeration {
 fn glue(grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
     let mut placed: Vec<PlacedGrain> = Vec::with_capacity(grains.len());
     for grain in grains {
-        let first = placed_first(grain, draws);
-        let landed = if placed.is_empty() { first } else { landed(&placed, first, draws) };
-        placed.push(landed);
+        let first = grain.turned(draws.rotation());
+        placed.push(if placed.is_empty() { first } else { landed(&placed, first, draws) });
     }
     placed
-}
-
-/// A grain alone, randomly rotated.
-fn placed_first(grain: &PlacedGrain, draws: &mut Draws) -> PlacedGrain {
-    let axis = draws.direction();
-    grain.turned(draws.rotation_with_axis(axis))
 }
 
 /// The incoming grain in first contact.

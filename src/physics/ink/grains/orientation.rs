@@ -94,9 +94,8 @@ impl AxisField {
     /// An axis drawn from exp(κ (u·n)²).
     pub fn draw_axis(&self, draws: &mut Draws) -> V3 {
         let cosine = self.draw_cosine(draws);
-        let turn = draws.rotation_with_axis(self.axis);
         let planar = (1.0 - cosine * cosine).max(0.0).sqrt();
-        turn.turn([planar, 0.0, cosine])
+        draws.rotation_with_axis(self.axis).turn([planar, 0.0, cosine])
     }
 
     fn draw_cosine(&self, draws: &mut Draws) -> f64 {

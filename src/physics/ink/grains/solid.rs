@@ -105,8 +105,7 @@ impl Form {
             Form::Ellipsoid { semi_axes_um } => semi_axes_um.iter().copied().fold(0.0, f64::max),
             Form::Disc { radius_um, half_length_um } => radius_um.hypot(*half_length_um),
             Form::Prism { corners_um, half_length_um } => {
-                let across = corners_um.iter().map(|c| c[0].hypot(c[1])).fold(0.0, f64::max);
-                across.hypot(*half_length_um)
+                corners_um.iter().map(|c| c[0].hypot(c[1])).fold(0.0, f64::max).hypot(*half_length_um)
             }
         }
     }
@@ -234,9 +233,8 @@ impl Solid {
     /// Triangles of the surface, corners in µm; round surfaces in `steps` parts per half turn.
     pub fn triangles(&self, steps: usize) -> Vec<[V3; 3]> {
         let place = |p: V3| add(self.center_um, self.rotation.turn(p));
-        let rings = self.rings(steps);
         let mut triangles = Vec::new();
-        for pair in rings.windows(2) {
+        for pair in self.rings(steps).windows(2) {
             for (i, next) in (0..pair[0].len()).zip((1..pair[0].len()).chain([0])) {
                 let [a, b, c, d] = [pair[0][i], pair[0][next], pair[1][i], pair[1][next]].map(place);
                 triangles.extend([[a, b, d], [a, d, c]]);

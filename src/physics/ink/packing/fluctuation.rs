@@ -146,8 +146,7 @@ fn relaxed(fraction: f64, smallness: f64) -> f64 {
 
 /// S(0) of hard spheres in equilibrium (Percus and Yevick 1958, by compressibility).
 fn percus_yevick(fraction: f64) -> f64 {
-    let free = (1.0 - fraction).powi(4);
-    free / ((1.0 + 2.0 * fraction).powi(2) - 4.0 * fraction.powi(3) + fraction.powi(4))
+    (1.0 - fraction).powi(4) / ((1.0 + 2.0 * fraction).powi(2) - 4.0 * fraction.powi(3) + fraction.powi(4))
 }
 
 /// Relative covariance of the pigments' volumes, where all bodies' places have the structure factor

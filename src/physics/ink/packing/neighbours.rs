@@ -127,8 +127,7 @@ pub(crate) fn strain(bodies: &Bodies) -> Vec<f64> {
             push(-2.0 * (p[2] + low).min(bodies.cell.size[2] - p[2] - high));
         }
         for t in list.of(s).iter().map(|t| *t as usize) {
-            let contact = bodies.contact(s, t, bodies.cell.delta(p, bodies.at[t]), 0.0);
-            push(contact.map_or(0.0, |c| -c.gap_um));
+            push(bodies.contact(s, t, bodies.cell.delta(p, bodies.at[t]), 0.0).map_or(0.0, |c| -c.gap_um));
         }
     }
     strain

@@ -99,9 +99,8 @@ fn gap([a, b]: [&GridEntry; 2], cell: [f64; 3], grains: &[Grain], known: f64) ->
     }
     let (one, two) = (a.solid(grains), b.solid(grains));
     // Long bodies may meet in another image than that with the nearest centre.
-    let shifts = cell.map(|length| if 2.0 * reach > length { -1..=1 } else { 0..=0 });
     let shifted = |axis: usize, k: i32| near[axis] + if k == 0 { 0.0 } else { f64::from(k) * cell[axis] };
-    let [xs, ys, zs] = shifts;
+    let [xs, ys, zs] = cell.map(|length| if 2.0 * reach > length { -1..=1 } else { 0..=0 });
     let in_plane = xs.flat_map(|i| ys.clone().map(move |j| [i, j]));
     let all = in_plane.flat_map(|[i, j]| zs.clone().map(move |k| [i, j, k]));
     let gaps = all.map(|[i, j, k]| [shifted(0, i), shifted(1, j), shifted(2, k)]).map(|apart| {

@@ -139,8 +139,7 @@ fn finish(request: &PackingRequest, bodies: &Bodies, account: PackingAccount) ->
 /// Automatic choice of the method by the volume fraction accessible to centres: walls exclude part
 /// of the layer for large grains.
 fn suited(request: &PackingRequest, plan: &PackingPlan) -> Method {
-    let spheres = plan.bodies.iter().flat_map(|b| &b.spheres);
-    let widest = spheres.map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
+    let widest = plan.bodies.iter().flat_map(|b| &b.spheres).map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
     let crowding = request.accessible(request.usual_fraction.unwrap_or(plan.whole().fraction), widest);
     if crowding <= AUTO_LIMIT { Method::SequentialAddition } else { Method::Relaxation }
 }

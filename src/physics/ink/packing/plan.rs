@@ -191,8 +191,7 @@ const DIRECTIONS: usize = 400;
 /// hold the grain.
 fn thinnest(body: &GrainSpheres) -> f64 {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let directions = (0..DIRECTIONS).map(direction).chain(axes);
-    directions.map(|n| body.extent(n)).fold(f64::MAX, f64::min)
+    (0..DIRECTIONS).map(direction).chain(axes).map(|n| body.extent(n)).fold(f64::MAX, f64::min)
 }
 
 /// Unit vector i of a golden spiral on the half sphere z > 0.

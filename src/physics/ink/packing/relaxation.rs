@@ -47,8 +47,7 @@ pub(crate) fn relax_all(
     let batches = settings.batches.min(count.max(1));
     for batch in 1..=batches {
         relaxation.insert(count * batch / batches, draws);
-        let limit = settings.max_steps.saturating_sub(relaxation.steps);
-        let left = relaxation.settle(limit, draws, watch)?;
+        let left = relaxation.settle(settings.max_steps.saturating_sub(relaxation.steps), draws, watch)?;
         if left.is_some() {
             return Ok((relaxation.steps, left));
         }
@@ -218,8 +217,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
 fn scattered(bodies: &Bodies, n: usize, draws: &mut Draws) -> Vec<V3> {
     let mut places: Vec<V3> = (0..n).map(|_| bodies.cell.draw_place(draws)).collect();
     let side = (bodies.cell.size.iter().product::<f64>() / n.max(1) as f64).cbrt() * 2.0;
-    let region = |p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64);
-    places.sort_by_cached_key(region);
+    places.sort_by_cached_key(|p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64));
     places
 }
 

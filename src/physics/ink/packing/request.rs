@@ -269,9 +269,8 @@ impl PackingRequest {
         let allowed = "a sum of at most 0.74 (the densest packing of equal spheres)";
         PackError::unless(sound, "sum of volume_fraction", total, allowed, "lower the shares")?;
         if let Some(usual) = self.usual_fraction {
-            let sound = (0.0..=FCC).contains(&usual);
             let remedy = "give the volume fraction of the whole layer, or leave it out";
-            PackError::unless(sound, "usual_fraction", usual, "0 to 0.74", remedy)?;
+            PackError::unless((0.0..=FCC).contains(&usual), "usual_fraction", usual, "0 to 0.74", remedy)?;
         }
         self.relaxation.check()?;
         self.check_cut()?;

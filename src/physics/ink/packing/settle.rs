@@ -30,8 +30,7 @@ impl HeightColumns {
         let height = |z: f64| if face == RoughFace::Incident { thickness - z } else { z };
         for s in spheres() {
             let [x, y, z] = s.center_um;
-            let extents = [x, y].map(|c| [c - s.radius_um, c + s.radius_um]);
-            columns.add(extents, period, |at| {
+            columns.add([x, y].map(|c| [c - s.radius_um, c + s.radius_um]), period, |at| {
                 let (dx, dy) = (at[0] - x, at[1] - y);
                 let square = s.radius_um * s.radius_um - dx * dx - dy * dy;
                 (square > 0.0).then(|| [height(z) - square.sqrt(), height(z) + square.sqrt()])

@@ -39,9 +39,8 @@ pub(super) fn check(
 ) -> Result<(), PackError> {
     for (i, thickness) in shell_nm.iter().enumerate() {
         let field = format!("pigment[{k}].shell[{i}].thickness_nm");
-        let sound = thickness.is_finite() && *thickness > 0.0;
         let remedy = "give the thickness of the layer in nm, or leave the layer out";
-        PackError::unless(sound, field, thickness, "above 0", remedy)?;
+        PackError::unless(thickness.is_finite() && *thickness > 0.0, field, thickness, "above 0", remedy)?;
     }
     if shell_nm.is_empty() {
         return Ok(());
@@ -134,8 +133,7 @@ impl Form {
 fn shifts(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let normals: Vec<V3> = edges(corners).map(|(a, b)| outward(a, b)).collect();
     let before = normals.iter().cycle().skip(normals.len() - 1);
-    let pairs = before.zip(&normals);
-    pairs.map(|(p, q)| [0, 1].map(|axis| -(p[axis] + q[axis]) / (1.0 + dot(*p, *q)))).collect()
+    before.zip(&normals).map(|(p, q)| [0, 1].map(|axis| -(p[axis] + q[axis]) / (1.0 + dot(*p, *q)))).collect()
 }
 
 impl Solid {

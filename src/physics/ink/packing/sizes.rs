@@ -98,8 +98,7 @@ fn of_a_law(
         w if w < 1.0 => 1,
         w => w as usize + usize::from(draws.uniform() < w.fract()),
     };
-    let sizes = size.strata_nm(count, draws);
-    Ok(sizes.into_iter().map(|nm| size.radius_um(nm, template)).collect())
+    Ok(size.strata_nm(count, draws).into_iter().map(|nm| size.radius_um(nm, template)).collect())
 }
 
 fn too_many(found: String) -> PackError {

@@ -64,8 +64,7 @@ pub fn gather(packings: &[Packing]) -> Statistics {
 
 /// Mean and standard error of the i-th entry over realisations.
 fn pointwise<T>(of: &[T], n: usize, entry: impl Fn(&T, usize) -> f64) -> Vec<Estimate> {
-    let at = |i| Estimate::of_mean(&of.iter().map(|p| entry(p, i)).collect::<Vec<_>>());
-    (0..n).map(at).collect()
+    (0..n).map(|i| Estimate::of_mean(&of.iter().map(|p| entry(p, i)).collect::<Vec<_>>())).collect()
 }
 
 /// Pair correlation g(r). Its error is the scatter of the realisations, at least the counting

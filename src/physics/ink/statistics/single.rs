@@ -30,8 +30,7 @@ impl OrientationTensor {
 pub fn orientation_tensor(packing: &Packing, pigment: Option<usize>) -> Option<OrientationTensor> {
     let own = packing.grains().iter().filter(|g| pigment.is_none_or(|k| k == g.pigment));
     let axes: Vec<[f64; 3]> = own.filter(|g| g.is_elongated()).map(|g| g.axis).collect();
-    let n = axes.len() as f64;
-    let mean = |a: usize, b: usize| axes.iter().map(|u| u[a] * u[b]).sum::<f64>() / n;
+    let mean = |a: usize, b: usize| axes.iter().map(|u| u[a] * u[b]).sum::<f64>() / axes.len() as f64;
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let q = from_fn(|a| from_fn(|b| 1.5 * mean(a, b) - 0.5 * unit[a][b]));
     (!axes.is_empty()).then_some(OrientationTensor { q, grains: axes.len() })

@@ -7,7 +7,7 @@
 //! whose distance is nearest to Γ is taken. Soot and diffusion-limited clusters have D = 1.78 and k
 //! = 1.3 (C. M. Sorensen, Aerosol Sci. Technol. 45, 765–779, 2011).
 
-use super::{PlacedGrain, about_centre, all_spheres, first_contact, placed_first};
+use super::{PlacedGrain, about_centre, all_spheres, first_contact};
 use crate::ink::grains::sphere::{Sphere, centre_of_mass, reach_um};
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
@@ -51,7 +51,7 @@ impl Fractal {
     /// Joins grains: each half becomes a cluster, then both become one.
     pub(crate) fn aggregate(&self, grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
         if let [grain] = grains {
-            return vec![placed_first(grain, draws)];
+            return vec![grain.turned(draws.rotation())];
         }
         let (one, other) = grains.split_at(grains.len() / 2);
         let (one, other) = (self.aggregate(one, draws), self.aggregate(other, draws));
@@ -67,8 +67,7 @@ impl Fractal {
         let mut trials = 0;
         while trials < TRIALS || best.is_none() {
             trials += 1;
-            let axis = draws.direction();
-            let turn = draws.rotation_with_axis(axis);
+            let turn = draws.rotation();
             let turned: Vec<PlacedGrain> = other.iter().map(|g| g.turned(turn)).collect();
             let from = draws.direction();
             let paths = turned.iter().filter_map(|g| first_contact(&one, g, scale(from, far), from));

@@ -35,9 +35,8 @@ impl OverlapRelaxation<'_, '_> {
 
     /// Translation and rotation of a body in one step; clears its forces.
     fn motion(&mut self, b: usize, h: f64, ramp: f64, aligning: &[bool]) -> [V3; 2] {
-        let force = std::mem::take(&mut self.loads.force[b]);
         let torque = std::mem::take(&mut self.loads.torque[b]);
-        let by = scale(force, h); // Δx = F Δt/μ
+        let by = scale(std::mem::take(&mut self.loads.force[b]), h); // Δx = F Δt/μ
         let mut turn = [0.0; 3];
         if self.loads.inertia[b] > 0.0 {
             // Δφ = M Δt/J, plus the rotation by the aligning field
