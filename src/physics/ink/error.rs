@@ -1,5 +1,6 @@
 //! Errors of packing, its progress and its cancellation.
 
+use crate::numerics::Draws;
 use std::ops::ControlFlow;
 
 /// All failures of a packing; the fields carry what is needed to correct them.
@@ -144,13 +145,19 @@ pub struct PackProgress {
 }
 
 impl PackProgress {
-    /// Reports to a watch; the error is that it asks to stop.
-    pub(crate) fn report(&self, watch: &mut dyn PackWatch) -> Result<(), PackError> {
-        match watch.progress(self) {
+    /// Reports to the watch; the error is that it asks to stop.
+    pub(crate) fn report(&self, course: &mut Course) -> Result<(), PackError> {
+        match course.watch.progress(self) {
             ControlFlow::Continue(()) => Ok(()),
             ControlFlow::Break(()) => Err(PackError::Stopped { stage: self.stage, steps: self.step }),
         }
     }
+}
+
+/// What a packing goes on with: its random draws, and the watch that hears of its progress.
+pub(crate) struct Course<'w> {
+    pub draws: Draws,
+    pub watch: &'w mut dyn PackWatch,
 }
 
 /// Receives progress reports and may stop the packing by returning `Break`.

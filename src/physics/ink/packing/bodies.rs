@@ -13,7 +13,7 @@ use std::ops::Range;
 /// belong to body b.
 pub(crate) struct Bodies<'a> {
     pub cell: CellBox,
-    pub plan: &'a PackingPlan,
+    pub plan: &'a PackingPlan<'a>,
     pub placed: usize,
     pub centre: Vec<V3>,
     pub rotation: Vec<Rotation>,
@@ -29,7 +29,7 @@ pub(crate) struct Bodies<'a> {
 }
 
 impl<'a> Bodies<'a> {
-    pub fn new(plan: &'a PackingPlan) -> Self {
+    pub fn new(plan: &'a PackingPlan<'a>) -> Self {
         let bodies = &plan.bodies;
         let mut first = vec![0];
         let mut owner = Vec::new();

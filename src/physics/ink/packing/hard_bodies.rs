@@ -10,7 +10,7 @@
 
 use super::bodies::Bodies;
 use super::cell::Buckets;
-use crate::ink::error::{PackError, PackWatch, Reached};
+use crate::ink::error::{Course, PackError, Reached};
 use crate::numerics::Draws;
 use crate::numerics::vector::{Rotation, V3, add, dot, scale};
 
@@ -22,27 +22,21 @@ pub(crate) const MARGIN: f64 = 1e-10;
 const REPORT: u64 = 100_000;
 
 /// Places all bodies of the plan in order; returns the number of attempts.
-pub(crate) fn add_all(
-    bodies: &mut Bodies,
-    attempts_per_grain: u64,
-    draws: &mut Draws,
-    watch: &mut dyn PackWatch,
-) -> Result<u64, PackError> {
+pub(crate) fn add_all(bodies: &mut Bodies, course: &mut Course) -> Result<u64, PackError> {
     let plan = bodies.plan;
-    let mut grid = grid(bodies);
-    let mut attempts = 0;
+    let (mut grid, mut attempts) = (grid(bodies), 0);
     for b in 0..plan.bodies.len() {
-        let limit = attempts + attempts_per_grain;
+        let limit = attempts + plan.request.sequential.attempts_per_grain;
         loop {
             attempts += 1;
             // A uniform position between the walls and a random orientation.
-            let rotation = plan.draw_rotation(b, draws);
-            bodies.put(b, bodies.cell.draw_place(draws), rotation);
+            let rotation = plan.draw_rotation(b, &mut course.draws);
+            bodies.put(b, bodies.cell.draw_place(&mut course.draws), rotation);
             if is_free(bodies, &grid, b) {
                 break;
             }
             if attempts % REPORT == 0 {
-                plan.progress("sequential addition", attempts, b).report(watch)?;
+                plan.progress("sequential addition", attempts, b).report(course)?;
             }
             if attempts >= limit {
                 let Reached { fraction: reached, grains: placed } = plan.reached(b);
@@ -114,18 +108,13 @@ const TARGET_ACCEPTANCE: f64 = 0.4;
 const TUNING: f64 = 0.2;
 
 /// Runs `sweeps` sweeps of one trial move per body; returns the acceptance rate after tuning.
-pub(crate) fn equilibrate(
-    bodies: &mut Bodies,
-    sweeps: u64,
-    draws: &mut Draws,
-    watch: &mut dyn PackWatch,
-) -> Result<f64, PackError> {
+pub(crate) fn equilibrate(bodies: &mut Bodies, sweeps: u64, course: &mut Course) -> Result<f64, PackError> {
     let (plan, n) = (bodies.plan, bodies.placed);
     let mut walk = Walk { grid: grid(bodies), bodies, step: 0.2 };
     let tuned = (TUNING * sweeps as f64).ceil() as u64;
     let (mut accepted, mut tried) = (0, 0);
     for sweep in 0..sweeps {
-        let hits = (0..n).filter(|_| walk.trial(draws)).count();
+        let hits = (0..n).filter(|_| walk.trial(&mut course.draws)).count();
         if sweep < tuned {
             let rate = hits as f64 / n.max(1) as f64;
             walk.step = (walk.step * (1.0 + 0.5 * (rate - TARGET_ACCEPTANCE))).clamp(1e-4, 1.0);
@@ -134,7 +123,7 @@ pub(crate) fn equilibrate(
             tried += n;
         }
         if sweep % 10 == 0 {
-            plan.progress("equilibration", sweep, n).report(watch)?;
+            plan.progress("equilibration", sweep, n).report(course)?;
         }
     }
     Ok(accepted as f64 / tried.max(1) as f64)

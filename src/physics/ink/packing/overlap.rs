@@ -28,22 +28,17 @@ struct GridEntry {
 ///
 /// Fails with [`PackError::Overlap`] on the worst overlap, and with [`PackError::BadInput`] on
 /// non-finite numbers or grains wider than the period.
-pub fn smallest_gap(
-    period: [f64; 2],
-    thickness: f64,
-    walls: bool,
-    grains: &[Grain],
-) -> Result<Option<f64>, PackError> {
-    check_numbers(period, thickness, walls, grains)?;
+pub fn smallest_gap(size: [f64; 3], walls: bool, grains: &[Grain]) -> Result<Option<f64>, PackError> {
+    check_numbers(size, walls, grains)?;
     // The smallest gap, and the grains that it is between; none is a wall.
     let mut worst = (f64::INFINITY, 0, None);
-    let entries = sorted(period, grains);
+    let entries = sorted(size, grains);
     let largest = entries.iter().map(|e| e.sphere.radius_um).fold(0.0, f64::max);
     for (i, a) in entries.iter().enumerate() {
         if walls {
             let ends = [-1.0, 1.0].map(|side| a.sphere.center_um[2] + side * a.sphere.radius_um);
             let [low, high] = grains[a.grain].solid.as_ref().map_or(ends, |solid| solid.extent_um(2));
-            let to_wall = low.min(thickness - high);
+            let to_wall = low.min(size[2] - high);
             if to_wall < worst.0 {
                 worst = (to_wall, a.grain, None);
             }
@@ -52,16 +47,16 @@ pub fn smallest_gap(
         for step in 1..entries.len() {
             let wrapped = i + step >= entries.len();
             let b = &entries[(i + step) % entries.len()];
-            if b.x + if wrapped { period[0] } else { 0.0 } - a.x > window {
+            if b.x + if wrapped { size[0] } else { 0.0 } - a.x > window {
                 break;
             }
             // Too far apart in y or z to be closer than the closest pair found.
             let reach = a.sphere.radius_um + b.sphere.radius_um + worst.0;
             let dy = (a.y - b.y).abs();
             let dz = (a.sphere.center_um[2] - b.sphere.center_um[2]).abs();
-            let far = dy.min(period[1] - dy) > reach || (walls && dz > reach);
+            let far = dy.min(size[1] - dy) > reach || (walls && dz > reach);
             if !far && a.grain != b.grain {
-                let cell = [period[0], period[1], if walls { f64::INFINITY } else { thickness }];
+                let cell = [size[0], size[1], if walls { f64::INFINITY } else { size[2] }];
                 let gap = gap([a, b], cell, grains, worst.0);
                 if gap < worst.0 {
                     worst = (gap, a.grain, Some(b.grain));
@@ -70,7 +65,7 @@ pub fn smallest_gap(
         }
     }
     let (gap, first, second) = worst;
-    if gap < -ROUNDING * period[0].max(period[1]).max(thickness) {
+    if gap < -ROUNDING * size[0].max(size[1]).max(size[2]) {
         let second = second.map_or("a wall".to_string(), |grain| format!("grain {grain}"));
         return Err(PackError::Overlap { first: format!("grain {first}"), second, overlap_um: -gap });
     }
@@ -119,10 +114,10 @@ fn boxes_gap(one: &Solid, two: &Solid, apart: [f64; 3]) -> f64 {
     along(0).max(along(1)).max(along(2))
 }
 
-fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<GridEntry> {
+fn sorted(size: [f64; 3], grains: &[Grain]) -> Vec<GridEntry> {
     let spheres = grains.iter().enumerate().flat_map(|(grain, g)| g.spheres.iter().map(move |s| (grain, *s)));
     let entry = |(grain, sphere): (usize, Sphere)| {
-        let [x, y] = [0, 1].map(|i| sphere.center_um[i].rem_euclid(period[i]));
+        let [x, y] = [0, 1].map(|i| sphere.center_um[i].rem_euclid(size[i]));
         GridEntry { x, y, grain, sphere }
     };
     let mut entries: Vec<GridEntry> = spheres.map(entry).collect();
@@ -130,8 +125,7 @@ fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<GridEntry> {
     entries
 }
 
-fn check_numbers(period: [f64; 2], thickness: f64, walls: bool, grains: &[Grain]) -> Result<(), PackError> {
-    let lengths = [period[0], period[1], thickness];
+fn check_numbers(lengths: [f64; 3], walls: bool, grains: &[Grain]) -> Result<(), PackError> {
     let (sound, found) = (are_lengths(lengths), format!("{lengths:?} µm"));
     PackError::unless(sound, "period and thickness", found, "finite and above 0", "check the cell")?;
     for (k, grain) in grains.iter().enumerate() {

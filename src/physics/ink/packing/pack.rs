@@ -6,9 +6,9 @@ use super::neighbours::strain;
 use super::placed::{Method, Packing, PackingAccount};
 use super::plan::PackingPlan;
 use super::relaxation::{OverlapRelaxation, relax_all};
-use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest, RelaxationSettings};
+use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest};
 use super::settle::settle;
-use crate::ink::error::{PackError, PackWatch, Reached};
+use crate::ink::error::{Course, PackError, PackWatch, Reached};
 use crate::numerics::Draws;
 use crate::numerics::vector::{Rotation, V3};
 
@@ -71,7 +71,7 @@ fn attempt(
 ) -> Result<Packing, PackError> {
     let mut draws = Draws::new(request.seed, request.stream);
     let mut plan = PackingPlan::new(request, &mut draws)?;
-    let method = method.unwrap_or_else(|| suited(request, &plan));
+    let method = method.unwrap_or_else(|| suited(&plan));
     // Sequential addition places large bodies first (the order of equal ones is irrelevant);
     // relaxation shuffles them so that every batch holds the same mixture.
     match method {
@@ -79,35 +79,28 @@ fn attempt(
         _ => draws.shuffle(&mut plan.bodies),
     }
     let notes = std::mem::take(&mut plan.notes);
-    let mut account = PackingAccount { notes, ..PackingAccount::new(method, request.seed, request.stream) };
-    let mut bodies = Bodies::new(&plan);
+    let mut account = PackingAccount { notes, ..PackingAccount::new(method, request) };
+    let (mut bodies, mut course) = (Bodies::new(&plan), Course { draws, watch });
     if !plan.bodies.is_empty() {
-        account.steps = if method == Method::SequentialAddition {
-            add_all(&mut bodies, request.sequential.attempts_per_grain, &mut draws, watch)?
-        } else {
-            relax(&mut bodies, &request.relaxation, &mut draws, watch)?
+        account.steps = match method {
+            Method::SequentialAddition => add_all(&mut bodies, &mut course)?,
+            _ => relax(&mut bodies, &mut course)?,
         };
         if let Some(settings) = &request.equilibration {
             account.sweeps = settings.sweeps;
-            account.acceptance = Some(equilibrate(&mut bodies, settings.sweeps, &mut draws, watch)?);
+            account.acceptance = Some(equilibrate(&mut bodies, settings.sweeps, &mut course)?);
         }
     }
-    finish(request, &bodies, account)
+    finish(&bodies, account)
 }
 
 /// Relaxes all grains, from other places if they jam; returns the number of steps. If they do not
 /// fit, the error states how many would.
-fn relax(
-    bodies: &mut Bodies,
-    settings: &RelaxationSettings,
-    draws: &mut Draws,
-    watch: &mut dyn PackWatch,
-) -> Result<u64, PackError> {
-    let plan = bodies.plan;
-    let mut steps = 0;
+fn relax(bodies: &mut Bodies, course: &mut Course) -> Result<u64, PackError> {
+    let (plan, mut steps) = (bodies.plan, 0);
     let mut again = (BODIES_OF_ALL_STARTS / plan.bodies.len()).clamp(1, MOST_STARTS);
     let left = loop {
-        let (taken, left) = relax_all(bodies, settings, draws, watch)?;
+        let (taken, left) = relax_all(bodies, course)?;
         steps += taken;
         again -= 1;
         match left {
@@ -119,7 +112,7 @@ fn relax(
     let Reached { fraction: requested, grains: wanted } = plan.whole();
     Err(PackError::NotReached {
         requested,
-        reached: fit_fewer(bodies, settings, draws, watch)?,
+        reached: fit_fewer(bodies, course)?,
         wanted,
         steps,
         largest_overlap_um: left.overlap,
@@ -128,8 +121,9 @@ fn relax(
 }
 
 /// Checks for overlap, and computes the binder's surface if requested.
-fn finish(request: &PackingRequest, bodies: &Bodies, account: PackingAccount) -> Result<Packing, PackError> {
-    let mut packing = Packing::proven_of(request, bodies.grains(), bodies.plan.shares.clone(), account)?;
+fn finish(bodies: &Bodies, account: PackingAccount) -> Result<Packing, PackError> {
+    let request = bodies.plan.request;
+    let mut packing = Packing::proven(request, bodies.grains(), bodies.plan.shares.clone(), account)?;
     if let Some(asked) = request.relief.filter(|_| !packing.grains.is_empty()) {
         packing.relief = Some(settle(&packing, &asked));
     }
@@ -138,9 +132,10 @@ fn finish(request: &PackingRequest, bodies: &Bodies, account: PackingAccount) ->
 
 /// Automatic choice of the method by the volume fraction accessible to centres: walls exclude part
 /// of the layer for large grains.
-fn suited(request: &PackingRequest, plan: &PackingPlan) -> Method {
+fn suited(plan: &PackingPlan) -> Method {
     let widest = plan.bodies.iter().flat_map(|b| &b.spheres).map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
-    let crowding = request.accessible(request.usual_fraction.unwrap_or(plan.whole().fraction), widest);
+    let fraction = plan.request.usual_fraction.unwrap_or(plan.whole().fraction);
+    let crowding = plan.request.accessible(fraction, widest);
     if crowding <= AUTO_LIMIT { Method::SequentialAddition } else { Method::Relaxation }
 }
 
@@ -153,12 +148,7 @@ const ROUNDS: usize = 60;
 /// The highest volume fraction reached from a stuck arrangement: the bodies with the largest
 /// overlap are removed, a hundredth at a time, and the rest relaxes again until nothing overlaps.
 /// `None` if that takes more than [`ROUNDS`].
-fn fit_fewer(
-    stuck: &Bodies,
-    settings: &RelaxationSettings,
-    draws: &mut Draws,
-    watch: &mut dyn PackWatch,
-) -> Result<Option<Reached>, PackError> {
+fn fit_fewer(stuck: &Bodies, course: &mut Course) -> Result<Option<Reached>, PackError> {
     let mut kept: Vec<(usize, V3, Rotation)> =
         (0..stuck.placed).map(|b| (b, stuck.centre[b], stuck.rotation[b])).collect();
     for _ in 0..ROUNDS {
@@ -166,10 +156,10 @@ fn fit_fewer(
         let mut bodies = Bodies::new(&plan);
         kept.iter().enumerate().for_each(|(b, (_, centre, rotation))| bodies.put(b, *centre, *rotation));
         bodies.placed = kept.len();
-        let mut relaxation = OverlapRelaxation::new(&mut bodies, settings);
-        relaxation.inflation = settings.inflation.min(1e-3);
+        let mut relaxation = OverlapRelaxation::new(&mut bodies);
+        relaxation.inflation = relaxation.inflation.min(1e-3);
         relaxation.start_all();
-        if relaxation.settle(STEPS, draws, watch)?.is_none() {
+        if relaxation.settle(STEPS, course)?.is_none() {
             return Ok(Some(plan.reached(kept.len())));
         }
         let strain = strain(&bodies);

@@ -82,9 +82,10 @@ pub struct PackingAccount {
 }
 
 impl PackingAccount {
-    pub(crate) fn new(method: Method, seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(method: Method, request: &PackingRequest) -> Self {
+        let (seed, stream, notes) = (request.seed, request.stream, Vec::new());
         let (acceptance, smallest_gap_um) = (None, None);
-        Self { method, seed, stream, steps: 0, sweeps: 0, acceptance, smallest_gap_um, notes: Vec::new() }
+        Self { method, seed, stream, steps: 0, sweeps: 0, acceptance, smallest_gap_um, notes }
     }
 }
 
@@ -130,51 +131,47 @@ impl Packing {
         walls: bool,
         grains: Vec<Grain>,
     ) -> Result<Self, PackError> {
+        let request = PackingRequest { period_um, thickness_um, walls, seed: 0, ..Default::default() };
         let kinds = grains.iter().map(|g| g.pigment + 1).max().unwrap_or(0);
-        let box_um3 = period_um[0] * period_um[1] * thickness_um;
-        let shares = (0..kinds).map(|pigment| Share::of_given(&grains, pigment, box_um3)).collect();
-        let account = PackingAccount::new(Method::Given, 0, 0);
-        Self::proven(period_um, thickness_um, walls, grains, (shares, account))
+        Self::placed_before(&request, grains, kinds, Method::Given)
     }
 
     /// The given grains of a request's realisation, if it has any.
     pub(crate) fn given(request: &PackingRequest) -> Option<Result<Self, PackError>> {
-        let cut = usize::try_from(request.stream).ok()?;
-        let ([lx, ly], thickness_um) = (request.period_um, request.thickness_um);
+        let (cut, [lx, ly]) = (usize::try_from(request.stream).ok()?, request.period_um);
         let (grains, method) = match request.voxels.get(cut) {
-            Some(voxels) => (voxels.grains([lx, ly, thickness_um]), Method::Voxels),
+            Some(voxels) => (voxels.grains([lx, ly, request.thickness_um]), Method::Voxels),
             None => (request.given.get(cut)?.clone(), Method::Given),
         };
-        let share = |pigment| Share::of_given(&grains, pigment, lx * ly * thickness_um);
-        let shares = (0..request.pigments.len()).map(share).collect();
-        let account = PackingAccount::new(method, request.seed, request.stream);
-        Some(Self::proven_of(request, grains, shares, account))
+        Some(Self::placed_before(request, grains, request.pigments.len(), method))
     }
 
-    /// Grains placed on request, with their layers.
-    pub(super) fn proven_of(
+    /// Given grains of `kinds` pigments in a request's cell.
+    fn placed_before(
+        request: &PackingRequest,
+        grains: Vec<Grain>,
+        kinds: usize,
+        method: Method,
+    ) -> Result<Self, PackError> {
+        let box_um3 = request.period_um[0] * request.period_um[1] * request.thickness_um;
+        let shares = (0..kinds).map(|pigment| Share::of_given(&grains, pigment, box_um3)).collect();
+        Self::proven(request, grains, shares, PackingAccount::new(method, request))
+    }
+
+    /// The only constructor: checks every pair, and that the layers leave a core in every grain.
+    pub(super) fn proven(
         request: &PackingRequest,
         grains: Vec<Grain>,
         shares: Vec<Share>,
-        account: PackingAccount,
+        mut account: PackingAccount,
     ) -> Result<Self, PackError> {
-        let (period_um, thickness_um) = (request.period_um, request.thickness_um);
-        let packing = Self::proven(period_um, thickness_um, request.walls, grains, (shares, account))?;
+        let (period_um, thickness_um, walls) = (request.period_um, request.thickness_um, request.walls);
+        let size_um = [period_um[0], period_um[1], thickness_um];
+        account.smallest_gap_um = overlap::smallest_gap(size_um, walls, &grains)?;
+        let (cut, relief, shells_um) = (false, None, Vec::new());
+        let packing =
+            Self { period_um, thickness_um, walls, cut, grains, shares, account, relief, shells_um };
         packing.with_shells(request.shells_um())
-    }
-
-    /// The only constructor: checks every pair.
-    fn proven(
-        period_um: [f64; 2],
-        thickness_um: f64,
-        walls: bool,
-        grains: Vec<Grain>,
-        (shares, mut account): (Vec<Share>, PackingAccount),
-    ) -> Result<Self, PackError> {
-        account.smallest_gap_um = overlap::smallest_gap(period_um, thickness_um, walls, &grains)?;
-        let shells_um = vec![Vec::new(); shares.len()];
-        let (cut, relief) = (false, None);
-        Ok(Self { period_um, thickness_um, walls, cut, grains, shares, account, relief, shells_um })
     }
 
     /// The packing with layers in its grains: per pigment, their thicknesses from the core

@@ -3,8 +3,6 @@
 use super::cell::CellBox;
 use super::placed::Share;
 use super::request::{PackingRequest, PigmentGrains};
-use super::shell;
-use super::sizes::{check_presence, draw_sizes, unlike};
 use crate::ink::error::{PackError, PackProgress, Reached};
 use crate::ink::grains::agglomeration::{Agglomeration, PlacedGrain};
 use crate::ink::grains::orientation::AxisField;
@@ -39,7 +37,8 @@ pub(crate) struct Part {
 }
 
 /// Bodies, cell and settings, as the packing methods need them.
-pub(crate) struct PackingPlan {
+pub(crate) struct PackingPlan<'r> {
+    pub request: &'r PackingRequest,
     pub cell: CellBox,
     pub bodies: Vec<GrainSpheres>,
     pub fields: Vec<Option<AxisField>>,
@@ -48,25 +47,26 @@ pub(crate) struct PackingPlan {
     pub notes: Vec<String>,
 }
 
-impl PackingPlan {
+impl<'r> PackingPlan<'r> {
     /// Checks the request and draws the grains.
-    pub fn new(request: &PackingRequest, draws: &mut Draws) -> Result<Self, PackError> {
+    pub fn new(request: &'r PackingRequest, draws: &mut Draws) -> Result<Self, PackError> {
         request.check()?;
         let cell = CellBox::new(request.period_um, request.thickness_um, request.walls);
         let fields = request.pigments.iter().map(|p| p.orientation.field()).collect();
-        let mut plan = Self { cell, bodies: Vec::new(), fields, shares: Vec::new(), notes: Vec::new() };
+        let (bodies, shares, notes) = (Vec::new(), Vec::new(), Vec::new());
+        let mut plan = Self { request, cell, bodies, fields, shares, notes };
         let room_um3 = request.window_um3();
         for (k, pigment) in request.pigments.iter().enumerate() {
             let template = pigment.shape.template();
             check_size(request, k, pigment, &template)?;
-            let (sizes, share) = draw_sizes(pigment, &template, room_um3, draws)?;
-            check_presence(k, pigment, room_um3, &sizes)?;
+            let (sizes, share) = pigment.draw_sizes(&template, room_um3, draws)?;
+            pigment.check_presence(k, room_um3, &sizes)?;
             if !pigment.shell_nm.is_empty() {
-                sizes.iter().try_for_each(|&r| shell::check_core(k, &pigment.shell_nm, &template, r))?;
+                sizes.iter().try_for_each(|&radius| pigment.check_core(k, &template, radius))?;
             }
             let grains = sizes.into_iter().map(|radius| template.grain(radius)).collect();
             plan.bodies.extend(group(k, request, grains, draws)?);
-            plan.notes.extend(unlike(k, pigment, &share));
+            plan.notes.extend(pigment.unlike(k, &share));
             plan.shares.push(share);
         }
         Ok(plan)
@@ -76,7 +76,7 @@ impl PackingPlan {
     pub fn subset(&self, kept: impl Iterator<Item = usize>) -> Self {
         let bodies = kept.map(|b| self.bodies[b].clone()).collect();
         let (fields, shares) = (self.fields.clone(), self.shares.clone());
-        Self { cell: self.cell, bodies, fields, shares, notes: Vec::new() }
+        Self { request: self.request, cell: self.cell, bodies, fields, shares, notes: Vec::new() }
     }
 
     /// A random rotation of body b, in its field if it has one.

@@ -14,7 +14,7 @@ use super::hard_bodies::scatter;
 use super::neighbours::{Neighbours, strain};
 use super::plan::{GrainSpheres, PackingPlan};
 use super::request::RelaxationSettings;
-use crate::ink::error::{PackError, PackProgress, PackWatch};
+use crate::ink::error::{Course, PackError, PackProgress};
 use crate::numerics::Draws;
 use crate::numerics::vector::{V3, dot};
 use forces::{FoundLoads, OverlapLoads};
@@ -36,18 +36,14 @@ const REPORT: u64 = 20;
 /// Places all bodies of the plan in batches; stops at the first batch whose overlaps cannot be
 /// removed. Returns the number of steps, and the overlaps left if the relaxation stalled or reached
 /// its limit of steps.
-pub(crate) fn relax_all(
-    bodies: &mut Bodies,
-    settings: &RelaxationSettings,
-    draws: &mut Draws,
-    watch: &mut dyn PackWatch,
-) -> Result<(u64, Option<FoundLoads>), PackError> {
+pub fn relax_all(bodies: &mut Bodies, course: &mut Course) -> Result<(u64, Option<FoundLoads>), PackError> {
     let count = bodies.plan.bodies.len();
-    let mut relaxation = OverlapRelaxation::new(bodies, settings);
+    let mut relaxation = OverlapRelaxation::new(bodies);
+    let settings = relaxation.settings;
     let batches = settings.batches.min(count.max(1));
     for batch in 1..=batches {
-        relaxation.insert(count * batch / batches, draws);
-        let left = relaxation.settle(settings.max_steps.saturating_sub(relaxation.steps), draws, watch)?;
+        relaxation.insert(count * batch / batches, &mut course.draws);
+        let left = relaxation.settle(settings.max_steps.saturating_sub(relaxation.steps), course)?;
         if left.is_some() {
             return Ok((relaxation.steps, left));
         }
@@ -57,8 +53,8 @@ pub(crate) fn relax_all(
 
 pub(crate) struct OverlapRelaxation<'r, 'a> {
     bodies: &'r mut Bodies<'a>,
-    plan: &'a PackingPlan,
-    settings: &'r RelaxationSettings,
+    plan: &'a PackingPlan<'a>,
+    settings: &'a RelaxationSettings,
     list: Neighbours,
     moving: Vec<u32>,
     moves: Vec<bool>,
@@ -76,8 +72,8 @@ pub(crate) struct OverlapRelaxation<'r, 'a> {
 }
 
 impl<'r, 'a> OverlapRelaxation<'r, 'a> {
-    pub fn new(bodies: &'r mut Bodies<'a>, settings: &'r RelaxationSettings) -> Self {
-        let plan = bodies.plan;
+    pub fn new(bodies: &'r mut Bodies<'a>) -> Self {
+        let (plan, settings) = (bodies.plan, &bodies.plan.request.relaxation);
         let mean = bodies.radius.iter().sum::<f64>() / bodies.radius.len().max(1) as f64;
         let arm2 = |b: &GrainSpheres| {
             let farthest = b.spheres.iter().map(|s| dot(s.center_um, s.center_um)).fold(0.0, f64::max);
@@ -132,21 +128,16 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
 
     /// Steps until no overlap is left (`None`), or until it stalls or reaches the limit (returns
     /// the overlaps left).
-    pub fn settle(
-        &mut self,
-        limit: u64,
-        draws: &mut Draws,
-        watch: &mut dyn PackWatch,
-    ) -> Result<Option<FoundLoads>, PackError> {
+    pub fn settle(&mut self, limit: u64, course: &mut Course) -> Result<Option<FoundLoads>, PackError> {
         let start = self.steps;
         let (mut before, mut milestone, mut mark) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         loop {
-            let found = self.forces(draws);
+            let found = self.forces(&mut course.draws);
             if found.overlap <= 0.0 {
                 return Ok(None);
             }
             if self.steps.is_multiple_of(REPORT) {
-                self.progress(&found).report(watch)?;
+                self.progress(&found).report(course)?;
             }
             if self.steps - start >= limit {
                 return Ok(Some(found));
@@ -162,7 +153,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
             }
             if self.clusters && (self.steps - self.batch_start + 1).is_multiple_of(TANGLE_PATIENCE) {
                 if found.energy > 0.5 * mark {
-                    self.untangle(draws);
+                    self.untangle(&mut course.draws);
                 }
                 mark = found.energy;
             }
@@ -229,16 +220,11 @@ mod tests {
     use crate::numerics::vector::Rotation;
 
     /// Energy, and force and torque on body `b`, of bodies in given places.
-    fn loads(
-        request: &PackingRequest,
-        plan: &PackingPlan,
-        places: &[(V3, Rotation)],
-        b: usize,
-    ) -> (f64, [V3; 2]) {
+    fn loads(plan: &PackingPlan, places: &[(V3, Rotation)], b: usize) -> (f64, [V3; 2]) {
         let mut bodies = Bodies::new(plan);
         places.iter().enumerate().for_each(|(b, (centre, rotation))| bodies.put(b, *centre, *rotation));
         bodies.placed = places.len();
-        let mut relaxation = OverlapRelaxation::new(&mut bodies, &request.relaxation);
+        let mut relaxation = OverlapRelaxation::new(&mut bodies);
         relaxation.start_all();
         let found = relaxation.forces(&mut Draws::new(1, 1));
         (found.energy, [relaxation.loads.force[b], relaxation.loads.torque[b]])
@@ -265,7 +251,7 @@ mod tests {
             let h = 1e-6;
             let mut wrong = 0;
             for b in 0..12 {
-                let (_, [force, torque]) = loads(&request, &plan, &places, b);
+                let (_, [force, torque]) = loads(&plan, &places, b);
                 let scale = force.iter().chain(&torque).fold(0.0, |m: f64, x| m.max(x.abs()));
                 for axis in 0..6 {
                     let energy = |by: f64| {
@@ -276,7 +262,7 @@ mod tests {
                             true => moved[b].0[axis] += by,
                             false => moved[b].1 = moved[b].1.then(Rotation::by(along)),
                         }
-                        loads(&request, &plan, &moved, b).0
+                        loads(&plan, &moved, b).0
                     };
                     let slope = (energy(h) - energy(-h)) / (2.0 * h);
                     let own = if axis < 3 { force[axis] } else { torque[axis - 3] };

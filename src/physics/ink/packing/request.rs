@@ -1,7 +1,6 @@
 //! The request for a packing: cell, pigments and method.
 
 use super::grain::Grain;
-use super::shell;
 use super::voxels::VoxelCut;
 use crate::ink::error::PackError;
 use crate::ink::grains::agglomeration::Agglomeration;
@@ -128,11 +127,6 @@ impl PigmentGrains {
             agglomeration: None,
             share: ShareRule::NearestGrain,
         }
-    }
-
-    /// Shares of the grains' volume: the core, then the layers from the core outwards.
-    pub fn layer_shares(&self) -> Vec<f64> {
-        shell::shares(&self.shell_nm, &self.shape, &self.size)
     }
 }
 
@@ -312,7 +306,7 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
     let defects =
         [pigment.shape.defect(), pigment.size.defect(), pigment.orientation.defect(), agglomeration];
     match defects.into_iter().flatten().next() {
-        None => shell::check(k, &pigment.shell_nm, &pigment.shape, &pigment.size),
+        None => pigment.check_layers(k),
         Some((field, found, allowed)) => {
             Err(PackError::input(format!("pigment[{k}].{field}"), found, allowed, "correct this entry"))
         }

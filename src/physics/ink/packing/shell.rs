@@ -7,9 +7,9 @@
 //! of an ellipsoid longer by it: the whole is then a form of the same kind, to which sizes refer.
 //! (The points within a given distance of an ellipsoid or of a body with edges are no such form.)
 
+use super::request::PigmentGrains;
 use crate::ink::error::PackError;
-use crate::ink::grains::shape::{Shape, Template};
-use crate::ink::grains::size::SizeDistribution;
+use crate::ink::grains::shape::Template;
 use crate::ink::grains::solid::{Form, Solid, edges, outward};
 use crate::ink::grains::sphere::Sphere;
 use crate::ink::grains::volume::union_volume;
@@ -30,79 +30,71 @@ pub(super) fn deepest_um(spheres: &[Sphere], form: Option<&Form>) -> f64 {
     form.map_or_else(thinnest, Form::deepest_um)
 }
 
-/// Checks the thicknesses, and that a core remains in the smallest grain of the distribution.
-pub(super) fn check(
-    k: usize,
-    shell_nm: &[f64],
-    shape: &Shape,
-    size: &SizeDistribution,
-) -> Result<(), PackError> {
-    for (i, thickness) in shell_nm.iter().enumerate() {
-        let field = format!("pigment[{k}].shell[{i}].thickness_nm");
-        let remedy = "give the thickness of the layer in nm, or leave the layer out";
-        PackError::unless(thickness.is_finite() && *thickness > 0.0, field, thickness, "above 0", remedy)?;
+impl PigmentGrains {
+    /// Checks the thicknesses, and that a core remains in the smallest grain of the distribution.
+    pub(super) fn check_layers(&self, k: usize) -> Result<(), PackError> {
+        for (i, thickness) in self.shell_nm.iter().enumerate() {
+            let field = format!("pigment[{k}].shell[{i}].thickness_nm");
+            let sound = thickness.is_finite() && *thickness > 0.0;
+            let remedy = "give the thickness of the layer in nm, or leave the layer out";
+            PackError::unless(sound, field, thickness, "above 0", remedy)?;
+        }
+        if self.shell_nm.is_empty() {
+            return Ok(());
+        }
+        let template = self.shape.template();
+        self.check_core(k, &template, self.size.radius_um(self.size.smallest_nm(), &template))
     }
-    if shell_nm.is_empty() {
-        return Ok(());
-    }
-    let template = shape.template();
-    check_core(k, shell_nm, &template, size.radius_um(size.smallest_nm(), &template))
-}
 
-/// Checks that a core remains in the grain of this thickest radius.
-pub(super) fn check_core(
-    k: usize,
-    shell_nm: &[f64],
-    template: &Template,
-    radius_um: f64,
-) -> Result<(), PackError> {
-    let deepest = deepest_um(&template.spheres, template.form.as_ref());
-    let (layers, most) = (shell_nm.iter().sum::<f64>(), 1e3 * radius_um * deepest);
-    if layers < most {
-        return Ok(());
+    /// Checks that a core remains in the grain of this thickest radius.
+    pub(super) fn check_core(&self, k: usize, template: &Template, radius_um: f64) -> Result<(), PackError> {
+        let deepest = deepest_um(&template.spheres, template.form.as_ref());
+        let (layers, most) = (self.shell_nm.iter().sum::<f64>(), 1e3 * radius_um * deepest);
+        if layers < most {
+            return Ok(());
+        }
+        let found = format!("layers of {layers} nm in all");
+        let what = match template.form {
+            None => "the smallest radius in the smallest grain",
+            Some(_) => "at which a face or axis of the smallest grain's core vanishes",
+        };
+        let allowed = format!("less than {most:.3} nm, {what}");
+        let remedy = "take thinner layers or larger grains; sizes are outer ones, which include the layers";
+        Err(PackError::input(format!("pigment[{k}].shell"), found, allowed, remedy))
     }
-    let found = format!("layers of {layers} nm in all");
-    let what = match template.form {
-        None => "the smallest radius in the smallest grain",
-        Some(_) => "at which a face or axis of the smallest grain's core vanishes",
-    };
-    let allowed = format!("less than {most:.3} nm, {what}");
-    let remedy = "take thinner layers or larger grains; sizes are outer ones, which include the layers";
-    Err(PackError::input(format!("pigment[{k}].shell"), found, allowed, remedy))
-}
 
-/// Shares of the grains' volume: the core, then the layers from the core outwards.
-pub(super) fn shares(shell_nm: &[f64], shape: &Shape, size: &SizeDistribution) -> Vec<f64> {
-    if shell_nm.is_empty() {
-        return vec![1.0];
+    /// Shares of the grains' volume: the core, then the layers from the core outwards.
+    pub fn layer_shares(&self) -> Vec<f64> {
+        if self.shell_nm.is_empty() {
+            return vec![1.0];
+        }
+        let template = self.shape.template();
+        let most = SIZES[usize::from(template.spheres.len() > 1)];
+        let count = if self.size.has_spread() { most } else { 1 };
+        let mut volumes = vec![0.0; self.shell_nm.len() + 1];
+        for i in 0..count {
+            let nm = self.size.quantile_nm((i as f64 + 0.5) / count as f64);
+            self.add_volumes(&template, self.size.radius_um(nm, &template), &mut volumes);
+        }
+        let total: f64 = volumes.iter().sum();
+        volumes.iter().map(|v| v / total).collect()
     }
-    let template = shape.template();
-    let most = SIZES[usize::from(template.spheres.len() > 1)];
-    let count = if size.has_spread() { most } else { 1 };
-    let mut volumes = vec![0.0; shell_nm.len() + 1];
-    for i in 0..count {
-        let nm = size.quantile_nm((i as f64 + 0.5) / count as f64);
-        add_volumes(shell_nm, &template, size.radius_um(nm, &template), &mut volumes);
-    }
-    let total: f64 = volumes.iter().sum();
-    volumes.iter().map(|v| v / total).collect()
-}
 
-/// Adds the volumes of the core and the layers of a grain of this thickest radius.
-fn add_volumes(shell_nm: &[f64], template: &Template, radius_um: f64, volumes: &mut [f64]) {
-    let grain = template.grain(radius_um);
-    let volume = |depth: f64| match &grain.solid {
-        Some(solid) => solid.form.inset(depth).volume_um3(),
-        None => union_volume(&inside(&grain.spheres, depth)).um3,
-    };
-    let (mut outer, mut depth) = (grain.volume_um3, 0.0);
-    for (i, thickness) in shell_nm.iter().enumerate().rev() {
-        depth += 1e-3 * thickness;
-        let inner = volume(depth);
-        volumes[i + 1] += outer - inner;
-        outer = inner;
+    /// Adds the volumes of the core and the layers of a grain of this thickest radius.
+    fn add_volumes(&self, template: &Template, radius_um: f64, volumes: &mut [f64]) {
+        let grain = template.grain(radius_um);
+        let (mut outer, mut depth) = (grain.volume_um3, 0.0);
+        for (i, thickness) in self.shell_nm.iter().enumerate().rev() {
+            depth += 1e-3 * thickness;
+            let inner = match &grain.solid {
+                Some(solid) => solid.form.inset(depth).volume_um3(),
+                None => union_volume(&inside(&grain.spheres, depth)).um3,
+            };
+            volumes[i + 1] += outer - inner;
+            outer = inner;
+        }
+        volumes[0] += outer;
     }
-    volumes[0] += outer;
 }
 
 impl Form {
@@ -146,12 +138,8 @@ impl Solid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::{Measure, PigmentGrains};
+    use crate::ink::{Measure, Shape, SizeDistribution};
     use crate::numerics::vector::{norm, sub};
-
-    fn check_grains(k: usize, grains: &PigmentGrains) -> Result<(), PackError> {
-        check(k, &grains.shell_nm, &grains.shape, &grains.size)
-    }
 
     #[test]
     fn shares_are_those_of_the_spheres() {
@@ -182,15 +170,15 @@ mod tests {
     #[test]
     fn a_layer_thicker_than_the_thinnest_sphere_is_refused() {
         let grains = |shape, shell_nm| PigmentGrains { shell_nm, ..PigmentGrains::of(shape, 200.0, 0.2) };
-        assert!(check_grains(0, &grains(Shape::Sphere, vec![40.0, 59.9])).is_ok());
-        let error = check_grains(2, &grains(Shape::Sphere, vec![40.0, 60.0])).unwrap_err().to_string();
+        assert!(grains(Shape::Sphere, vec![40.0, 59.9]).check_layers(0).is_ok());
+        let error = grains(Shape::Sphere, vec![40.0, 60.0]).check_layers(2).unwrap_err().to_string();
         assert!(error.contains("pigment[2].shell") && error.contains("100"), "{error}");
-        assert!(check_grains(0, &grains(Shape::RICE_GRAIN, vec![60.0])).is_err(), "its ends are thinner");
-        assert!(check_grains(0, &grains(Shape::Sphere, vec![-1.0])).is_err());
+        assert!(grains(Shape::RICE_GRAIN, vec![60.0]).check_layers(0).is_err(), "its ends are thinner");
+        assert!(grains(Shape::Sphere, vec![-1.0]).check_layers(0).is_err());
         // A plate of 200 nm by volume, five times as wide as thick, is 59.8 nm thick.
         let plate = Shape::Disc { diameter: 1.0, thickness: 0.2 };
-        assert!(check_grains(0, &grains(plate.clone(), vec![29.0])).is_ok());
-        let error = check_grains(0, &grains(plate, vec![30.0])).unwrap_err().to_string();
+        assert!(grains(plate.clone(), vec![29.0]).check_layers(0).is_ok());
+        let error = grains(plate, vec![30.0]).check_layers(0).unwrap_err().to_string();
         assert!(error.contains("less than 29.8") && error.contains("face"), "{error}");
     }
 
