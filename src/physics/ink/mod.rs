@@ -18,12 +18,11 @@ pub use grains::shape::Shape;
 pub use grains::size::{By, Measure, SizeDistribution};
 pub use grains::solid::{Form, Solid};
 pub use grains::sphere::Sphere;
-pub use packing::grain::{Grain, Layered};
+pub use packing::grain::{Grain, Layered, VoxelCut};
 pub use packing::pack::pack;
 pub use packing::placed::{Method, Packing, PackingAccount, Share};
 pub use packing::request::{
     EquilibrationSettings, MethodChoice, PackingRequest, PigmentGrains, RelaxationSettings,
     SequentialSettings, ShareRule,
 };
-pub use packing::voxels::VoxelCut;
 pub use relief::{Relief, ReliefRequest, ReliefRule, RoughFace};

@@ -93,7 +93,12 @@ impl ReliefRequest {
         PackError::unless(sound, "relief.depth_um", self.depth_um, allowed, "lower the depth")?;
         match self.rule {
             ReliefRule::Flat => Ok(()),
-            ReliefRule::Following { follow, smoothing_um } => check_following(follow, smoothing_um),
+            ReliefRule::Following { follow, smoothing_um } => {
+                let (field, sound) = ("relief.rule.follow", FOLLOW.holds(follow));
+                PackError::unless(sound, field, follow, "0 (flat) to 1", "lower it")?;
+                let (field, sound) = ("relief.rule.smoothing_um", LENGTH_UM.holds(smoothing_um));
+                PackError::unless(sound, field, smoothing_um, "finite, at least 0", "about one grain radius")
+            }
             ReliefRule::Random { rms_um, correlation_um } => {
                 self.check_random(rms_um, correlation_um, period_um[0].min(period_um[1]))
             }
@@ -116,12 +121,6 @@ impl ReliefRequest {
         let remedy = "lower rms_um, or raise layer.period_um";
         PackError::unless(sound, "relief.rule.correlation_um", correlation_um, allowed, remedy)
     }
-}
-
-fn check_following(follow: f64, smoothing_um: f64) -> Result<(), PackError> {
-    PackError::unless(FOLLOW.holds(follow), "relief.rule.follow", follow, "0 (flat) to 1", "lower it")?;
-    let (field, sound) = ("relief.rule.smoothing_um", LENGTH_UM.holds(smoothing_um));
-    PackError::unless(sound, field, smoothing_um, "finite, at least 0", "about one grain radius")
 }
 
 /// The binder's surface as heights above the opposite face on a periodic grid, with its volume

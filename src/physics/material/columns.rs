@@ -7,7 +7,7 @@
 //! Also ranges of tables, and gaps between their rows too wide to interpolate without a warning.
 
 use crate::numerics::files::{self, FileError};
-use std::fmt::Arguments;
+use csv::StringRecord;
 use std::path::Path;
 
 /// Shortest plausible wavelength in a table of optical constants, nm; smaller numbers are probably
@@ -62,23 +62,44 @@ impl Columns {
             .trim(csv::Trim::All)
             .flexible(true)
             .from_reader(text.as_bytes());
-        let broken = |error: csv::Error| FileError::new(&path, error);
-        let names: Vec<String> = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
-        let named = names.iter().enumerate().filter(|(_, name)| !name.is_empty());
-        if let Some((_, name)) = named.clone().find(|(i, name)| names[..*i].contains(name)) {
+        let headers = reader.headers().map_err(|error| FileError::new(&path, error))?;
+        let names: Vec<String> = headers.iter().map(str::to_lowercase).collect();
+        let twice = |(i, name): &(usize, &String)| !name.is_empty() && names[..*i].contains(name);
+        if let Some((_, name)) = names.iter().enumerate().find(twice) {
             return Err(FileError::new(&path, format!("column {name} occurs twice; keep one of them")));
         }
-        let (mut rows, mut lines) = (Vec::new(), Vec::new());
+        let mut table = Self { path, names, rows: Vec::new(), lines: Vec::new() };
         for record in reader.records() {
-            let record = record.map_err(broken)?;
+            let record = record.map_err(|error| FileError::new(&table.path, error))?;
             // Spreadsheets append lines of separators only.
             if record.iter().any(|cell| !cell.is_empty()) {
                 let line = line_of(text, &record);
-                rows.push(row(format_args!("{path}, line {line}"), &names, separator, &record)?);
-                lines.push(line);
+                table.rows.push(table.row(line, separator, &record)?);
+                table.lines.push(line);
             }
         }
-        Ok(Self { path, names, rows, lines })
+        Ok(table)
+    }
+
+    fn row(&self, line: u64, separator: u8, record: &StringRecord) -> Result<Vec<Option<f64>>, FileError> {
+        let (place, found) = (format!("{}, line {line}", self.path), record.len());
+        if found != self.names.len() {
+            let mut reason = format!("{found} cells under {} columns", self.names.len());
+            if separator == b',' && found > self.names.len() {
+                reason += "; numbers with a decimal comma need a semicolon between columns (";
+                reason += &(self.names.join(";") + ")");
+            }
+            return Err(FileError::new(place, reason));
+        }
+        let mut numbers = Vec::with_capacity(found);
+        for (cell, column) in record.iter().zip(&self.names) {
+            // a decimal comma, where commas do not separate columns
+            let text = if separator == b',' { cell.to_owned() } else { cell.replace(',', ".") };
+            let reason = format_args!("found {cell:?} where a number is needed");
+            let wrong = |_| FileError::new(format_args!("{place}, column {column}"), reason);
+            numbers.push((!text.is_empty()).then(|| text.parse().map_err(wrong)).transpose()?);
+        }
+        Ok(numbers)
     }
 
     /// Index of the first of these names among the columns.
@@ -114,37 +135,11 @@ impl Columns {
 
 /// Line number of a record, from 1; the reader's position is before the empty lines and comments
 /// that it skips.
-fn line_of(text: &str, record: &csv::StringRecord) -> u64 {
+fn line_of(text: &str, record: &StringRecord) -> u64 {
     let Some(place) = record.position() else { return 0 };
     let rest = text.get(place.byte() as usize..).unwrap_or("");
     let skipped = rest.lines().take_while(|line| line.trim().is_empty() || line.starts_with('#'));
     place.line() + skipped.count() as u64
-}
-
-fn row(
-    place: Arguments,
-    names: &[String],
-    separator: u8,
-    record: &csv::StringRecord,
-) -> Result<Vec<Option<f64>>, FileError> {
-    let found = record.len();
-    if found != names.len() {
-        let mut reason = format!("{found} cells under {} columns", names.len());
-        if separator == b',' && found > names.len() {
-            reason += "; numbers with a decimal comma need a semicolon between columns (";
-            reason += &(names.join(";") + ")");
-        }
-        return Err(FileError::new(place, reason));
-    }
-    let mut numbers = Vec::with_capacity(found);
-    for (cell, column) in record.iter().zip(names) {
-        // a decimal comma, where commas do not separate columns
-        let text = if separator == b',' { cell.to_owned() } else { cell.replace(',', ".") };
-        let reason = format_args!("found {cell:?} where a number is needed");
-        let wrong = |_| FileError::new(format_args!("{place}, column {column}"), reason);
-        numbers.push((!text.is_empty()).then(|| text.parse().map_err(wrong)).transpose()?);
-    }
-    Ok(numbers)
 }
 
 /// Spectra usually have rows every 5 to 20 nm; a wider gap than this can hide an absorption band,

@@ -5,9 +5,8 @@ mod law;
 pub use law::By;
 
 use super::shape::Template;
-use crate::numerics::Draws;
 use crate::numerics::allowed::{Allowed, Each};
-use crate::numerics::draws::{are_weights, weighted};
+use crate::numerics::draws::{Draws, are_weights, weighted};
 use crate::numerics::files::ratio;
 use law::{CUT_AT, LogNormalLaw, TENTH};
 use schemars::JsonSchema;

@@ -1,8 +1,7 @@
 //! The volume of a union of spheres, exact for centres on a line and integrated with a standard
 //! error otherwise; and volumes of grains between horizontal planes.
 
-use super::solid::Solid;
-use super::sphere::Sphere;
+use crate::ink::{Solid, Sphere};
 use crate::numerics::Draws;
 use crate::numerics::vector::{V3, cross, dot, norm, scale, sub};
 use std::f64::consts::PI;

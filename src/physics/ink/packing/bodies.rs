@@ -1,11 +1,9 @@
 //! Bodies in the cell: positions, rotations and the spheres they carry.
 
 use super::cell::CellBox;
-use super::grain::Grain;
 use super::plan::PackingPlan;
 use crate::ink::grains::contact::{self, Contact};
-use crate::ink::grains::solid::Solid;
-use crate::ink::grains::sphere::Sphere;
+use crate::ink::{Grain, Solid, Sphere};
 use crate::numerics::vector::{Rotation, V3, add, norm, scale, sub, unit};
 use std::ops::Range;
 

@@ -1,9 +1,7 @@
 //! A layer cut out of a packing by two horizontal planes.
 
-use super::grain::Grain;
-use super::placed::Packing;
-use crate::ink::Sphere;
 use crate::ink::grains::volume::in_slices;
+use crate::ink::{Grain, Packing, Sphere};
 
 impl Grain {
     /// The grain moved along z.

@@ -21,4 +21,3 @@ pub mod request;
 mod settle;
 mod shell;
 pub mod sizes;
-pub mod voxels;

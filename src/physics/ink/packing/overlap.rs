@@ -4,12 +4,9 @@
 //! Shares nothing with the packing methods: no grid, no neighbour list, no wrapped copy of
 //! positions; a separating direction is judged by the widths of the forms alone.
 
-use super::grain::Grain;
 use super::request::are_lengths;
-use crate::ink::error::PackError;
 use crate::ink::grains::contact::proven_gap_um;
-use crate::ink::grains::solid::Solid;
-use crate::ink::grains::sphere::Sphere;
+use crate::ink::{Grain, PackError, Solid, Sphere};
 use crate::numerics::vector::norm;
 
 /// Overlap by the rounding of coordinates where faces touch, in lengths of the cell.

@@ -1,11 +1,7 @@
 //! Placed grains: a packing exists only if an independent check has found no overlap in it.
 
-use super::grain::{Grain, Layered};
-use super::request::PackingRequest;
 use super::{overlap, shell};
-use crate::ink::error::PackError;
-use crate::ink::grains::sphere::Sphere;
-use crate::ink::relief::{Relief, RoughFace};
+use crate::ink::{Grain, Layered, PackError, PackingRequest, Relief, RoughFace, Sphere};
 use serde::{Deserialize, Serialize};
 
 /// Method of placement.

@@ -1,14 +1,12 @@
 //! The list of rigid bodies to place: number, sizes and agglomerates of the grains.
 
 use super::cell::CellBox;
-use super::placed::Share;
-use super::request::{PackingRequest, PigmentGrains};
 use crate::ink::error::{PackError, PackProgress, Reached};
 use crate::ink::grains::agglomeration::{Agglomeration, PlacedGrain};
 use crate::ink::grains::orientation::AxisField;
 use crate::ink::grains::shape::Template;
-use crate::ink::grains::solid::Solid;
 use crate::ink::grains::sphere::{Sphere, reach_um};
+use crate::ink::{PackingRequest, PigmentGrains, Share, Solid};
 use crate::numerics::Draws;
 use crate::numerics::vector::{Rotation, V3, dot, scale};
 use std::ops::Range;

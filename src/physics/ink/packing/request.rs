@@ -1,13 +1,8 @@
 //! The request for a packing: cell, pigments and method.
 
-use super::grain::Grain;
-use super::voxels::VoxelCut;
-use crate::ink::error::PackError;
-use crate::ink::grains::agglomeration::Agglomeration;
-use crate::ink::grains::orientation::Orientation;
-use crate::ink::grains::shape::Shape;
-use crate::ink::grains::size::SizeDistribution;
-use crate::ink::relief::ReliefRequest;
+use crate::ink::{
+    Agglomeration, Grain, Orientation, PackError, ReliefRequest, Shape, SizeDistribution, VoxelCut,
+};
 use crate::numerics::allowed::Allowed;
 use crate::numerics::files::name_or_table;
 use schemars::JsonSchema;

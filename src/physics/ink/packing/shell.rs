@@ -7,12 +7,10 @@
 //! of an ellipsoid longer by it: the whole is then a form of the same kind, to which sizes refer.
 //! (The points within a given distance of an ellipsoid or of a body with edges are no such form.)
 
-use super::request::PigmentGrains;
-use crate::ink::error::PackError;
 use crate::ink::grains::shape::Template;
 use crate::ink::grains::solid::{Form, Solid, edges, outward};
-use crate::ink::grains::sphere::Sphere;
 use crate::ink::grains::volume::union_volume;
+use crate::ink::{PackError, PigmentGrains, Sphere};
 use crate::numerics::vector::{V3, dot};
 
 /// Sizes over which shares are averaged: spheres, chains and convex bodies have a closed volume,

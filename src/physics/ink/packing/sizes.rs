@@ -1,9 +1,7 @@
 //! Number and sizes of a pigment's grains in the cell.
 
-use super::placed::Share;
-use super::request::{PigmentGrains, ShareRule};
-use crate::ink::error::PackError;
 use crate::ink::grains::shape::Template;
+use crate::ink::{PackError, PigmentGrains, Share, ShareRule};
 use crate::numerics::Draws;
 
 /// Larger numbers of grains suggest a mistake in the units.

@@ -29,7 +29,8 @@ impl OrientationTensor {
 /// The tensor of one pigment, or of all for `None`; the result is `None` without elongated grains.
 pub fn orientation_tensor(packing: &Packing, pigment: Option<usize>) -> Option<OrientationTensor> {
     let own = packing.grains().iter().filter(|g| pigment.is_none_or(|k| k == g.pigment));
-    let axes: Vec<[f64; 3]> = own.filter(|g| g.is_elongated()).map(|g| g.axis).collect();
+    let elongated = own.filter(|g| g.solid.is_some() || g.spheres.len() > 1);
+    let axes: Vec<[f64; 3]> = elongated.map(|g| g.axis).collect();
     let mean = |a: usize, b: usize| axes.iter().map(|u| u[a] * u[b]).sum::<f64>() / axes.len() as f64;
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let q = from_fn(|a| from_fn(|b| 1.5 * mean(a, b) - 0.5 * unit[a][b]));
