@@ -31,11 +31,6 @@ impl SectionStatistics {
         let planes = 0..self.z_um.len();
         planes.map(|k| self.profile.iter().map(|p| p[k]).sum()).collect()
     }
-
-    /// Mean over planes and lines: the volume fraction as sampled.
-    pub fn fraction(&self) -> f64 {
-        self.total_profile().iter().sum::<f64>() / self.z_um.len().max(1) as f64
-    }
 }
 
 /// Sections at `planes` heights, lines `spacing_um` apart, S2 at multiples of `step_um` up to
@@ -209,7 +204,8 @@ mod tests {
         let found = section_statistics(&packing, 200, 0.005, 0.1, 0.3);
         let volume = sphere.volume_um3();
         // Order: midpoint sums of a disc over 120 lines and 120 planes are exact to a few 1e-4.
-        assert!((found.fraction() - volume).abs() < 5e-4 * volume);
+        let fraction = found.total_profile().iter().sum::<f64>() / 200.0;
+        assert!((fraction - volume).abs() < 5e-4 * volume);
         // The volume common to two spheres r apart: v_int = V (1 − r/2R)² (1 + r/4R); L = 1 and A =
         // 1.
         for (r, s2) in found.r_um.iter().zip(&found.s2_x) {

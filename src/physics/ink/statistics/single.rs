@@ -18,14 +18,6 @@ pub struct OrientationTensor {
     pub grains: usize,
 }
 
-impl OrientationTensor {
-    /// Order parameter S = ⟨3 cos²θ − 1⟩/2 about a unit axis.
-    pub fn along(&self, axis: [f64; 3]) -> f64 {
-        let row = |r: &[f64; 3]| r.iter().zip(&axis).map(|(q, a)| q * a).sum::<f64>();
-        self.q.iter().zip(&axis).map(|(r, a)| row(r) * a).sum()
-    }
-}
-
 /// The tensor of one pigment, or of all for `None`; the result is `None` without elongated grains.
 pub fn orientation_tensor(packing: &Packing, pigment: Option<usize>) -> Option<OrientationTensor> {
     let own = packing.grains().iter().filter(|g| pigment.is_none_or(|k| k == g.pigment));
