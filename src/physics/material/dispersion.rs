@@ -141,9 +141,8 @@ impl Dispersion {
 
     /// n + iκ at a wavelength in µm inside the range; NaN without n, transparent without k.
     pub fn index(&self, wavelength_um: f64) -> Complex64 {
-        let value =
-            |part: &Option<DataSource>, default| part.as_ref().map_or(default, |s| s.value(wavelength_um));
-        Complex64::new(value(&self.n, f64::NAN), value(&self.kappa, 0.0))
+        let value = |part: &Option<DataSource>| Some(part.as_ref()?.value(wavelength_um));
+        Complex64::new(value(&self.n).unwrap_or(f64::NAN), value(&self.kappa).unwrap_or(0.0))
     }
 }
 

@@ -229,12 +229,9 @@ impl Shape {
         }
         let spheres = match self {
             Self::Sphere => vec![bead(0.0, 1.0)],
-            Self::Cylinder { length_in_radii, spheres } => {
-                chain(*spheres, 0.5 * length_in_radii - 1.0, |_| 1.0)
-            }
-            Self::RiceGrain { length_in_radii, tip_in_radii, spheres } => {
-                let reach = 0.5 * length_in_radii - tip_in_radii;
-                chain(*spheres, reach, |t| 1.0 - (1.0 - tip_in_radii) * t * t)
+            Self::Cylinder { length_in_radii: l, spheres } => chain(*spheres, 0.5 * l - 1.0, |_| 1.0),
+            Self::RiceGrain { length_in_radii: l, tip_in_radii: tip, spheres } => {
+                chain(*spheres, 0.5 * l - tip, |t| 1.0 - (1.0 - tip) * t * t)
             }
             Self::BeadedEllipsoid { aspect_ratio: a, spheres } => inscribed(*a, *spheres),
             Self::Cluster { spheres } => centred(spheres),

@@ -6,7 +6,7 @@ pub use law::By;
 
 use super::shape::Template;
 use crate::numerics::allowed::{Allowed, Each};
-use crate::numerics::draws::{Draws, are_weights, weighted};
+use crate::numerics::draws::{Draws, are_weights};
 use crate::numerics::files::ratio;
 use law::{CUT_AT, LogNormalLaw, TENTH};
 use schemars::JsonSchema;
@@ -191,9 +191,7 @@ impl SizeDistribution {
     pub fn largest_nm(&self) -> f64 {
         match self {
             Self::Constant { value_nm, .. } => *value_nm,
-            Self::Normal { mean_nm, standard_deviation_nm, cut_at_sigmas, .. } => {
-                mean_nm + cut_at_sigmas * standard_deviation_nm
-            }
+            Self::Normal { mean_nm, standard_deviation_nm: s, cut_at_sigmas: c, .. } => mean_nm + c * s,
             Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().largest_nm(),
             Self::List { values_nm, .. } => values_nm.iter().copied().fold(0.0, f64::max),
         }
@@ -217,10 +215,7 @@ impl SizeDistribution {
             Self::LogNormal { median_nm, sigma, cut_at_sigmas, by: By::Number, .. } => {
                 median_nm * (sigma * cut_normal(draws, *cut_at_sigmas)).exp()
             }
-            Self::LogNormal { .. } | Self::Percentiles { .. } => {
-                self.log_normal().quantile_nm(draws.uniform())
-            }
-            Self::List { values_nm, weights, .. } => weighted(values_nm, weights, draws.uniform()),
+            law => law.quantile_nm(draws.uniform()),
         }
     }
 

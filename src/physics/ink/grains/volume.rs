@@ -36,7 +36,7 @@ fn on_one_line(spheres: &[Sphere]) -> Option<Vec<(f64, f64)>> {
     let origin = spheres.first()?.center_um;
     let arm = |s: &Sphere| sub(s.center_um, origin);
     let farthest: V3 =
-        spheres.iter().map(arm).max_by(|a, b| norm(*a).total_cmp(&norm(*b))).unwrap_or([0.0; 3]);
+        spheres.iter().map(arm).max_by(|a, b| norm(*a).total_cmp(&norm(*b))).unwrap_or_default();
     let length = norm(farthest);
     if length == 0.0 {
         return Some(spheres.iter().map(|s| (0.0, s.radius_um)).collect());

@@ -67,8 +67,7 @@ impl Grain {
         if let Some(solid) = &self.solid {
             return solid.extent_um(axis);
         }
-        let ends =
-            self.spheres.iter().map(|s| [-1.0, 1.0].map(|side| s.center_um[axis] + side * s.radius_um));
+        let ends = self.spheres.iter().map(|s| [-1.0, 1.0].map(|end| s.center_um[axis] + end * s.radius_um));
         ends.fold([f64::MAX, f64::MIN], |e, [low, high]| [e[0].min(low), e[1].max(high)])
     }
 

@@ -165,9 +165,8 @@ impl Packing {
         let size_um = [period_um[0], period_um[1], thickness_um];
         account.smallest_gap_um = overlap::smallest_gap(size_um, walls, &grains)?;
         let (cut, relief, shells_um) = (false, None, Vec::new());
-        let packing =
-            Self { period_um, thickness_um, walls, cut, grains, shares, account, relief, shells_um };
-        packing.with_shells(request.shells_um())
+        let bare = Self { period_um, thickness_um, walls, cut, grains, shares, account, relief, shells_um };
+        bare.with_shells(request.shells_um())
     }
 
     /// The packing with layers in its grains: per pigment, their thicknesses from the core

@@ -131,8 +131,7 @@ impl GrainSpheres {
 
     /// Extent along the unit vector n.
     fn extent(&self, n: V3) -> f64 {
-        let arm =
-            |i: usize, n: V3| self.solids.get(i).map_or(self.spheres[i].radius_um, |s| dot(s.arm(n), n));
+        let arm = |i: usize, n| self.solids.get(i).map_or(self.spheres[i].radius_um, |s| dot(s.arm(n), n));
         let end = |n: V3| self.spheres.iter().enumerate().map(move |(i, s)| dot(s.center_um, n) + arm(i, n));
         end(n).fold(f64::MIN, f64::max) + end(scale(n, -1.0)).fold(f64::MIN, f64::max)
     }

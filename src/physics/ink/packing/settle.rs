@@ -149,19 +149,18 @@ fn bisect(f: impl Fn(f64) -> f64, target: f64, mut low: f64, mut high: f64) -> f
 }
 
 /// Periodic Gaussian filter along one axis of `n` points with stride `along`, for `lines` lines
-/// `across` apart.
-fn smoothed(values: &[f64], [n, along]: [usize; 2], [lines, across]: [usize; 2], sigma: f64) -> Vec<f64> {
+/// `apart` from each other.
+fn smoothed(values: &[f64], [n, along]: [usize; 2], [lines, apart]: [usize; 2], sigma: f64) -> Vec<f64> {
     let reach = ((4.0 * sigma).ceil() as usize).min(n / 2);
     let weight = |k: usize| if k == 0 { 1.0 } else { (-0.5 * (k as f64 / sigma).powi(2)).exp() };
     let weights: Vec<f64> = (0..=reach).map(weight).collect();
     let total = weights[0] + 2.0 * weights[1..].iter().sum::<f64>();
     let mut out = vec![0.0; values.len()];
     for line in 0..lines {
-        let at = |i: usize| values[line * across + (i % n) * along];
+        let at = |i: usize| values[line * apart + (i % n) * along];
         for i in 0..n {
             let both = |k: usize| weights[k] * (at(i + k) + at(i + n - k));
-            out[line * across + i * along] =
-                (weights[0] * at(i) + (1..=reach).map(both).sum::<f64>()) / total;
+            out[line * apart + i * along] = (weights[0] * at(i) + (1..=reach).map(both).sum::<f64>()) / total;
         }
     }
     out

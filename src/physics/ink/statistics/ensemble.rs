@@ -41,8 +41,7 @@ pub fn gather(packings: &[Packing]) -> Statistics {
     let d = mean_diameter_um(first);
     // Boxes of voxels have no centres that mean anything.
     let grains = if first.method() == Method::Voxels { &[] } else { packings };
-    let pairs: Vec<PairStatistics> =
-        grains.par_iter().map(|p| pair_statistics(p, 0.02 * d, 5.0 * d)).collect();
+    let pairs: Vec<_> = grains.par_iter().map(|p| pair_statistics(p, 0.02 * d, 5.0 * d)).collect();
     // Grains align with the walls, so the planes must be close together; in the plane, lines sample
     // at random.
     let planes = ((24.0 * first.thickness_um() / d).round() as usize).clamp(20, 400);
@@ -155,12 +154,11 @@ impl Statistics {
     /// Percentiles d10, d50 and d90 of every pigment's grains.
     fn add_sizes(&mut self, packings: &[Packing]) {
         for k in 0..packings[0].shares().len() {
-            let reached: Vec<_> = packings.iter().filter_map(|p| ReachedSizes::of(p, k)).collect();
+            let all: Vec<_> = packings.iter().filter_map(|p| ReachedSizes::of(p, k)).collect();
             for (i, name) in ["d10", "d50", "d90"].into_iter().enumerate() {
-                let [number, volume] =
-                    ["number", "volume"].map(|by| format!("{name} by {by} of pigment {k}"));
-                self.put(number, "nm", reached.iter().map(|r| r.by_number_nm[i]));
-                self.put(volume, "nm", reached.iter().map(|r| r.by_volume_nm[i]));
+                let said = |by: &str| format!("{name} by {by} of pigment {k}");
+                self.put(said("number"), "nm", all.iter().map(|r| r.by_number_nm[i]));
+                self.put(said("volume"), "nm", all.iter().map(|r| r.by_volume_nm[i]));
             }
         }
     }

@@ -85,12 +85,12 @@ pub(crate) struct Disc<'a> {
 }
 
 pub(crate) fn discs(packing: &Packing, z: f64) -> Vec<Disc<'_>> {
-    let (height, mut discs) = (packing.thickness_um(), Vec::new());
+    let (height, ends) = (packing.thickness_um(), packing.walls() || packing.is_cut());
+    let mut discs = Vec::new();
     for grain in packing.grains() {
         for s in &grain.spheres {
             let off = z - s.center_um[2];
-            let off =
-                if packing.walls() || packing.is_cut() { off } else { off - height * (off / height).round() };
+            let off = if ends { off } else { off - height * (off / height).round() };
             let square = s.radius_um * s.radius_um - off * off;
             if square > 0.0 {
                 let centre = [s.center_um[0], s.center_um[1]];
@@ -155,9 +155,8 @@ impl Lines {
     /// A chord that crosses the edge of the cell is stored in two pieces but is one chord.
     fn chords_per_um(&self) -> f64 {
         let count = |line: &Vec<[f64; 2]>| {
-            let split =
-                line.first().zip(line.last()).is_some_and(|(a, b)| a[0] <= 0.0 && b[1] >= self.length);
-            line.len() - usize::from(split)
+            let cut = line.first().zip(line.last()).is_some_and(|(a, b)| a[0] <= 0.0 && b[1] >= self.length);
+            line.len() - usize::from(cut)
         };
         self.chords.iter().map(count).sum::<usize>() as f64 / (self.length * self.chords.len() as f64)
     }

@@ -124,9 +124,8 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
 
 /// Fraction of each slice beyond the binder's surface, without regard to grains.
 fn beyond_surface(packing: &Packing, slices: usize, height: f64) -> Vec<f64> {
-    let places =
+    let [xs, ys] =
         packing.period_um().map(|l| (0..COLUMNS).map(move |i| l * (i as f64 + 0.5) / COLUMNS as f64));
-    let [xs, ys] = places;
     let filled: Vec<[f64; 2]> = ys.flat_map(|y| xs.clone().map(move |x| packing.filled_um(x, y))).collect();
     let share = |slice: usize| {
         let above = |z: f64| ((z - slice as f64 * height) / height).clamp(0.0, 1.0);

@@ -44,9 +44,8 @@ impl OverlapRelaxation<'_, '_> {
         }
         // No point of the body moves by more than the limit per step.
         let body = &self.plan.bodies[b];
-        let (length, limit) =
-            (norm(by) + norm(turn) * body.reach, self.settings.step_limit_radii * body.thin);
-        if length > limit { [by, turn].map(|part| scale(part, limit / length)) } else { [by, turn] }
+        let (path, limit) = (norm(by) + norm(turn) * body.reach, self.settings.step_limit_radii * body.thin);
+        if path > limit { [by, turn].map(|part| scale(part, limit / path)) } else { [by, turn] }
     }
 
     /// Strength of the aligning torque at this step of the batch: 1 falling linearly to 0.
