@@ -176,10 +176,7 @@ impl Shape {
     /// The first invalid number, if any: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
         let bad = |field, value: f64, allowed| Some((field, value.to_string(), allowed));
-        let count =
-            |n: usize| (!SPHERES.holds(n)).then(|| ("shape.spheres", n.to_string(), "2 to 200 spheres"));
         match *self {
-            Self::Sphere => None,
             Self::Cylinder { length_in_radii: l, .. } | Self::RiceGrain { length_in_radii: l, .. }
                 if !LENGTH_IN_RADII.holds(l) =>
             {
@@ -191,9 +188,12 @@ impl Shape {
             Self::BeadedEllipsoid { aspect_ratio: a, .. } if !ASPECT_RATIO.holds(a) => {
                 bad("shape.aspect_ratio", a, "above 1 (a sphere) up to 20")
             }
-            Self::Cylinder { spheres, .. }
-            | Self::RiceGrain { spheres, .. }
-            | Self::BeadedEllipsoid { spheres, .. } => count(spheres),
+            Self::Cylinder { spheres: n, .. }
+            | Self::RiceGrain { spheres: n, .. }
+            | Self::BeadedEllipsoid { spheres: n, .. } => {
+                (!SPHERES.holds(n)).then(|| ("shape.spheres", n.to_string(), "2 to 200 spheres"))
+            }
+            Self::Sphere => None,
             Self::Cluster { ref spheres } => cluster_defect(spheres),
             Self::Ellipsoid { ref axes } => lengths_defect("shape.axes", axes),
             Self::Box { ref edges } => lengths_defect("shape.edges", edges),

@@ -80,8 +80,7 @@ impl Buckets {
     }
 
     pub fn cell_of(&self, p: V3) -> usize {
-        let index = |a: usize| ((p[a] * self.scale[a]) as usize).min(self.count[a] - 1);
-        (index(2) * self.count[1] + index(1)) * self.count[0] + index(0)
+        grid_cell(p, self.scale, self.count)
     }
 
     pub fn insert(&mut self, sphere: usize, at: V3) {
@@ -113,6 +112,13 @@ pub(crate) fn grid_count(cell: &CellBox, reach: f64, points: usize) -> [usize; 3
     let volume: f64 = cell.size.iter().product();
     let wide = reach.max((volume / most).cbrt());
     std::array::from_fn(|a| (cell.size[a] / wide).floor().clamp(1.0, most) as usize)
+}
+
+/// Number of the grid cell that holds a place; `scale` is the number of cells per length.
+#[inline]
+pub(crate) fn grid_cell(p: V3, scale: V3, count: [usize; 3]) -> usize {
+    let [x, y, z] = [0, 1, 2].map(|a| ((p[a] * scale[a]) as usize).min(count[a] - 1));
+    (z * count[1] + y) * count[0] + x
 }
 
 /// Indices adjacent to `place` along an axis of `count` cells, including itself, ascending and

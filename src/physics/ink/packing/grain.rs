@@ -1,5 +1,5 @@
-//! A placed grain; and microstructures of voxels: equal voxels are merged to boxes, which are placed
-//! as grains.
+//! A placed grain; and microstructures of voxels: equal voxels are merged to boxes, which are
+//! placed as grains.
 
 use crate::ink::grains::solid::{Form, Solid};
 use crate::ink::grains::sphere::{Sphere, centre_of_mass};

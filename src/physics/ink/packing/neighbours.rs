@@ -1,7 +1,7 @@
 //! Verlet neighbour lists of spheres, with a skin that keeps them valid over many small steps.
 
 use super::bodies::Bodies;
-use super::cell::{grid_count, neighbours};
+use super::cell::{grid_cell, grid_count, neighbours};
 use crate::numerics::vector::{V3, dot};
 
 /// For each sphere, the spheres of other bodies within reach × (1 + inflation) + skin when the list
@@ -95,10 +95,8 @@ impl Sorted {
         }
         let n = bodies.spheres();
         let scale: V3 = std::array::from_fn(|a| count[a] as f64 / bodies.cell.size[a]);
-        let index = |p: V3, a: usize| ((p[a] * scale[a]) as usize).min(count[a] - 1);
-        let cell_of = |p: &V3| ((index(*p, 2) * count[1] + index(*p, 1)) * count[0] + index(*p, 0)) as u32;
         self.cell.clear();
-        self.cell.extend(bodies.at[..n].iter().map(cell_of));
+        self.cell.extend(bodies.at[..n].iter().map(|p| grid_cell(*p, scale, count) as u32));
         self.start.clear();
         self.start.resize(cells + 1, 0);
         self.cell.iter().for_each(|c| self.start[*c as usize + 1] += 1);

@@ -1,5 +1,5 @@
-//! Statistics of single grains: the orientation tensor of elongated ones, achieved sizes as particle
-//! sizers report them, and volume fractions across the layer.
+//! Statistics of single grains: the orientation tensor of elongated ones, achieved sizes as
+//! particle sizers report them, and volume fractions across the layer.
 
 use crate::ink::grains::volume::in_slices;
 use crate::ink::{Layered, Method, Packing};
