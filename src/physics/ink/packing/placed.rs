@@ -175,8 +175,7 @@ impl Packing {
         shells_um.resize(shells_um.len().max(self.shares.len()), Vec::new());
         let depth = |g: &Grain| shells_um[g.pigment].iter().sum::<f64>();
         let deepest = |g: &Grain| shell::deepest_um(&g.spheres, g.solid.as_ref().map(|s| &s.form));
-        let filled = |g: &&Grain| depth(g) > 0.0 && depth(g) >= deepest(g);
-        match self.grains.iter().find(filled) {
+        match self.grains.iter().find(|g| depth(g) > 0.0 && depth(g) >= deepest(g)) {
             None => Ok(Self { shells_um, ..self }),
             Some(grain) => {
                 let found = format!("layers of {} µm in a grain of pigment {}", depth(grain), grain.pigment);

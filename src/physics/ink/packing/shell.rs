@@ -24,8 +24,7 @@ pub(super) fn inside(spheres: &[Sphere], depth_um: f64) -> Vec<Sphere> {
 
 /// Thickness of layers below which a core remains in a grain, µm.
 pub(super) fn deepest_um(spheres: &[Sphere], form: Option<&Form>) -> f64 {
-    let thinnest = || spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min);
-    form.map_or_else(thinnest, Form::deepest_um)
+    form.map_or_else(|| spheres.iter().map(|s| s.radius_um).fold(f64::MAX, f64::min), Form::deepest_um)
 }
 
 impl PigmentGrains {

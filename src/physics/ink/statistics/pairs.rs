@@ -33,9 +33,8 @@ impl PairStatistics {
 
 /// Mean diameter of the spheres of equal volume, µm: the length unit of the shells.
 pub fn mean_diameter_um(packing: &Packing) -> f64 {
-    let diameter = |v: f64| (6.0 * v / PI).cbrt();
     let n = packing.grains().len().max(1) as f64;
-    packing.grains().iter().map(|g| diameter(g.volume_um3)).sum::<f64>() / n
+    packing.grains().iter().map(|g| (6.0 * g.volume_um3 / PI).cbrt()).sum::<f64>() / n
 }
 
 /// Pair statistics in shells of `width` up to `furthest`, both in mean diameters, at most half the

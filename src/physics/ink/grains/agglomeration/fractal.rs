@@ -87,9 +87,8 @@ impl Fractal {
     /// clusters are too open already.
     fn distance(&self, one: &[PlacedGrain], other: &[PlacedGrain]) -> f64 {
         let ([m1, s1], [m2, s2]) = (mass_and_inertia(one), mass_and_inertia(other));
-        let all = || one.iter().chain(other);
         let count = (one.len() + other.len()) as f64;
-        let radius = all().map(|g| mass(&g.spheres).cbrt()).sum::<f64>() / count;
+        let radius = one.iter().chain(other).map(|g| mass(&g.spheres).cbrt()).sum::<f64>() / count;
         let gyration = radius * (count / self.prefactor).powf(1.0 / self.dimension);
         let m = m1 + m2;
         ((m * gyration * gyration - s1 - s2) * m / (m1 * m2)).max(0.0).sqrt()
