@@ -5,8 +5,7 @@
 use inkwave::appearance::tristimulus::Colorimeter;
 use inkwave::evaluate::manifest::SpectrumRow;
 use inkwave::input::study::Study;
-use inkwave::numerics::estimate::Estimate;
-use inkwave::numerics::linked::Linked;
+use inkwave::numerics::estimate::{Estimate, Linked};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::file::Quantity;

@@ -5,6 +5,8 @@ use multiversion::multiversion;
 use num_complex::{Complex, Complex64};
 use rustfft::num_traits::NumAssign;
 use rustfft::{Fft, FftDirection, FftNum, FftPlanner};
+use std::iter::once;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Floating-point types of transforms: `f64`, and `f32` where its rounding is far below the
@@ -91,7 +93,7 @@ impl<T: Real> PlaneFft<T> {
 
     /// `plane` → `spectrum`; rows of the spectrum outside `used` (ranges of m mod nx) are
     /// undefined.
-    pub fn forward(&self, s: &mut PlaneScratch<T>, used: &[std::ops::Range<usize>]) {
+    pub fn forward(&self, s: &mut PlaneScratch<T>, used: &[Range<usize>]) {
         self.forward[0].process_with_scratch(&mut s.plane, &mut s.work);
         transpose(&s.plane, &mut s.spectrum, self.nx);
         for rows in used {
@@ -101,7 +103,7 @@ impl<T: Real> PlaneFft<T> {
     }
 
     /// `spectrum` → `plane`; rows of the spectrum outside `used` must be zero.
-    pub fn inverse(&self, s: &mut PlaneScratch<T>, used: &[std::ops::Range<usize>]) {
+    pub fn inverse(&self, s: &mut PlaneScratch<T>, used: &[Range<usize>]) {
         for rows in used {
             let part = &mut s.spectrum[rows.start * self.ny..rows.end * self.ny];
             self.inverse[1].process_with_scratch(part, &mut s.work);
@@ -123,8 +125,7 @@ fn transpose<T: Real>(from: &[Complex<T>], to: &mut [Complex<T>], width: usize) 
         let first = band * TOGETHER;
         let columns = to.chunks_exact_mut(height).enumerate();
         if rows.len() == TOGETHER * width {
-            let [a, b, c, d]: [&[Complex<T>]; TOGETHER] =
-                std::array::from_fn(|i| &rows[i * width..][..width]);
+            let [a, b, c, d]: [_; TOGETHER] = std::array::from_fn(|i| &rows[i * width..][..width]);
             columns
                 .for_each(|(x, to)| to[first..first + TOGETHER].copy_from_slice(&[a[x], b[x], c[x], d[x]]));
         } else {
@@ -143,17 +144,17 @@ pub struct Harmonics {
     /// Contiguous runs (position in the spectrum, compact index, length).
     runs: Vec<[usize; 3]>,
     /// What lies between the runs in the spectrum.
-    gaps: Vec<std::ops::Range<usize>>,
+    gaps: Vec<Range<usize>>,
     /// Rows (m mod nx) of the transposed spectrum that hold harmonics.
-    pub rows: Vec<std::ops::Range<usize>>,
+    pub rows: Vec<Range<usize>>,
 }
 
 impl Harmonics {
     /// The harmonics of a grid of nx × ny points.
     pub fn new(nx: usize, ny: usize) -> Harmonics {
         let (mmax, nmax) = ((nx as i32 - 1) / 2, (ny as i32 - 1) / 2);
-        let (orders, rows) = (Vec::new(), used_rows(nx, mmax));
-        let mut harmonics = Harmonics { orders, runs: Vec::new(), gaps: Vec::new(), rows };
+        let rows = once(0..mmax as usize + 1).chain((mmax > 0).then(|| nx - mmax as usize..nx)).collect();
+        let mut harmonics = Harmonics { orders: Vec::new(), runs: Vec::new(), gaps: Vec::new(), rows };
         for m in (0..=mmax).chain(-mmax..0) {
             let row = m.rem_euclid(nx as i32) as usize * ny;
             harmonics.push_run(row, m, 0..nmax + 1);
@@ -161,18 +162,17 @@ impl Harmonics {
         }
         let mut starts: Vec<[usize; 2]> = harmonics.runs.iter().map(|&[at, _, len]| [at, len]).collect();
         starts.sort_unstable();
-        let ends = std::iter::once(0).chain(starts.iter().map(|[at, len]| at + len));
+        let ends = once(0).chain(starts.iter().map(|[at, len]| at + len));
         let next = starts.iter().map(|[at, _]| *at).chain([nx * ny]);
         harmonics.gaps = ends.zip(next).map(|(end, next)| end..next).filter(|gap| !gap.is_empty()).collect();
         harmonics
     }
 
-    fn push_run(&mut self, position: usize, m: i32, n: std::ops::Range<i32>) {
-        if n.is_empty() {
-            return;
+    fn push_run(&mut self, position: usize, m: i32, n: Range<i32>) {
+        if !n.is_empty() {
+            self.runs.push([position, self.orders.len(), n.len()]);
+            self.orders.extend(n.map(|n| [m, n]));
         }
-        self.runs.push([position, self.orders.len(), n.len()]);
-        self.orders.extend(n.map(|n| [m, n]));
     }
 
     /// Number of harmonics in use.
@@ -204,11 +204,6 @@ impl Harmonics {
             compact[index..index + len].copy_from_slice(&spectrum[position..position + len]);
         }
     }
-}
-
-fn used_rows(nx: usize, mmax: i32) -> Vec<std::ops::Range<usize>> {
-    let m = mmax as usize;
-    std::iter::once(0..m + 1).chain((m > 0).then(|| nx - m..nx)).collect()
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
-//! Mathematics of `inkwave` without physics: vectors and rotations, random draws, estimates with their errors,
-//! Fourier planes, dense matrices; and reading of user files, with the allowed ranges of numbers.
+//! Mathematics of `inkwave` without physics: vectors and rotations, random draws, estimates with
+//! their errors, Fourier planes, dense matrices; and reading of user files, with the allowed ranges
+//! of numbers.
 
 pub mod allowed;
 pub mod dense;
@@ -7,12 +8,8 @@ pub mod draws;
 pub mod estimate;
 pub mod files;
 pub mod fourier;
-pub mod lagrange;
-pub mod linked;
-pub mod periodic;
-pub mod sequence;
+pub mod interpolate;
 pub mod vector;
-pub mod written;
 
 pub use draws::Draws;
 pub use estimate::Estimate;

@@ -1,6 +1,7 @@
 //! Packings of convex bodies: no overlap by dense points of their surfaces, sizes, walls, order and
 //! agglomerates.
 
+use super::packing_grains::agglomeration_of;
 use inkwave::ink::grains::agglomeration::Fractal;
 use inkwave::ink::grains::contact::{contains, proven_gap_um};
 use inkwave::ink::statistics::{orientation_tensor, profile, section_statistics};
@@ -54,7 +55,7 @@ fn convex_bodies_pack_without_overlap_by_either_method() {
             // The nearest whole number of grains of 0.0042 µm³ in 0.88 µm³.
             assert!((packing.achieved_fraction(0) - share).abs() < 0.003, "{}", shape.name());
             assert_eq!(overlapping_pairs(&packing), 0, "{}", shape.name());
-            let outside = |g: &Grain| g.extent_z_um()[0] < 0.0 || g.extent_z_um()[1] > 0.8;
+            let outside = |g: &Grain| g.extent_um(2)[0] < 0.0 || g.extent_um(2)[1] > 0.8;
             assert!(!packing.grains().iter().any(outside), "{}", shape.name());
         }
     }
@@ -109,7 +110,8 @@ fn statistics_see_the_bodies_themselves() {
     let packing = pack(&request, &mut ()).expect("20 % of discs");
     let found = section_statistics(&packing, 60, 0.004, 0.02, 0.1);
     // Sampling: 60 planes and 250 lines, some 10⁻² of a share with 40 grains.
-    assert!((found.fraction() - packing.achieved_fraction(0)).abs() < 0.01 * 0.2, "{}", found.fraction());
+    let fraction = found.total_profile().iter().sum::<f64>() / found.z_um.len() as f64;
+    assert!((fraction - packing.achieved_fraction(0)).abs() < 0.01 * 0.2, "{fraction}");
     let mean = profile(&packing, 16).iter().map(|slice| slice[0]).sum::<f64>() / 16.0;
     assert!((mean - packing.achieved_fraction(0)).abs() < 1e-12);
 }
@@ -120,7 +122,7 @@ fn platelets_follow_the_field_that_aligns_their_axes() {
         let mut request = request(Shape::Disc { diameter: 3.0, thickness: 1.0 }, 0.2, MethodChoice::Auto);
         request.pigments[0].orientation = orientation;
         let packing = pack(&request, &mut ()).expect("20 % of discs");
-        orientation_tensor(&packing, Some(0)).expect("discs have an axis").along([0.0, 0.0, 1.0])
+        orientation_tensor(&packing, Some(0)).expect("discs have an axis").q[2][2]
     };
     let flat = order(Orientation::Perpendicular { strength: Some(10.0) });
     let upright = order(Orientation::InPlane { strength: Some(10.0) });
@@ -131,7 +133,7 @@ fn platelets_follow_the_field_that_aligns_their_axes() {
 /// A share of the grains in agglomerates of three, in a cell with room for them.
 fn glued(shape: Shape, share: f64, method: MethodChoice, degree: f64) -> PackingRequest {
     let mut asked = PackingRequest { period_um: [1.5, 1.45], ..request(shape, share, method) };
-    asked.pigments[0].agglomeration = Some(Agglomeration::of(3, degree));
+    asked.pigments[0].agglomeration = Some(agglomeration_of(3, degree));
     asked
 }
 
@@ -171,7 +173,7 @@ fn glued_bodies_touch_and_keep_their_volume_and_share() {
             // A last grain that is alone is no agglomerate.
             assert_eq!(bodies.iter().map(Vec::len).sum::<usize>(), stuck - usize::from(stuck % 3 == 1));
             assert_eq!(overlapping_pairs(&packing), 0, "{}", shape.name());
-            let outside = |g: &Grain| g.extent_z_um()[0] < 0.0 || g.extent_z_um()[1] > 0.8;
+            let outside = |g: &Grain| g.extent_um(2)[0] < 0.0 || g.extent_um(2)[1] > 0.8;
             assert!(!packing.grains().iter().any(outside), "{}", shape.name());
             bodies.iter().for_each(|members| assert_in_one_piece(&packing, members));
         }
@@ -242,7 +244,7 @@ fn the_proof_judges_members_of_one_agglomerate_like_any_grains() {
 fn fractal_agglomerates_of_convex_bodies_are_refused() {
     let mut asked = request(shapes()[1].clone(), 0.1, MethodChoice::Auto);
     let fractal = Some(Fractal { dimension: 1.78, prefactor: 1.3 });
-    asked.pigments[0].agglomeration = Some(Agglomeration { fractal, ..Agglomeration::of(3, 1.0) });
+    asked.pigments[0].agglomeration = Some(Agglomeration { fractal, ..agglomeration_of(3, 1.0) });
     let said = pack(&asked, &mut ()).unwrap_err().to_string();
     assert!(said.contains("pigment[0].agglomeration.fractal") && said.contains("beaded_ellipsoid"), "{said}");
 }

@@ -6,7 +6,7 @@ pub use super::error::ColourError;
 pub use beyond::{COLOUR_RANGE_NM, MOST_OUTSIDE};
 
 use super::viewing::{Summation, Viewing};
-use crate::numerics::lagrange::lagrange;
+use crate::numerics::interpolate::lagrange;
 use beyond::SpectrumEnd;
 
 /// Range of the CIE tables, nm.

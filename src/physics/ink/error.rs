@@ -1,4 +1,7 @@
-//! Errors of packing.
+//! Errors of packing, its progress and its cancellation.
+
+use crate::numerics::Draws;
+use std::ops::ControlFlow;
 
 /// All failures of a packing; the fields carry what is needed to correct them.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -119,5 +122,53 @@ impl PackError {
         remedy: impl ToString,
     ) -> Result<(), Self> {
         if sound { Ok(()) } else { Err(Self::input(field, found, allowed, remedy)) }
+    }
+}
+
+/// Progress of a packing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PackProgress {
+    /// "sequential addition", "relaxation" or "equilibration".
+    pub stage: &'static str,
+    /// Steps, attempts or sweeps so far.
+    pub step: u64,
+    /// Grains in place so far.
+    pub grains_placed: usize,
+    /// Grains of the request.
+    pub grains_wanted: usize,
+    /// Volume fraction of the grains placed so far.
+    pub fraction: f64,
+    /// Overlap energy ½ Σ L² in µm² (relaxation; zero otherwise).
+    pub overlap_energy: f64,
+    /// Largest overlap in µm (relaxation; zero otherwise).
+    pub largest_overlap_um: f64,
+}
+
+impl PackProgress {
+    /// Reports to the watch; the error is that it asks to stop.
+    pub(crate) fn report(&self, course: &mut Course) -> Result<(), PackError> {
+        match course.watch.progress(self) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(PackError::Stopped { stage: self.stage, steps: self.step }),
+        }
+    }
+}
+
+/// What a packing goes on with: its random draws, and the watch that hears of its progress.
+pub(crate) struct Course<'w> {
+    pub draws: Draws,
+    pub watch: &'w mut dyn PackWatch,
+}
+
+/// Receives progress reports and may stop the packing by returning `Break`.
+pub trait PackWatch {
+    /// Called at intervals; `Break` stops the packing with [`PackError::Stopped`].
+    fn progress(&mut self, progress: &PackProgress) -> ControlFlow<()>;
+}
+
+/// Ignores progress and never stops.
+impl PackWatch for () {
+    fn progress(&mut self, _: &PackProgress) -> ControlFlow<()> {
+        ControlFlow::Continue(())
     }
 }

@@ -11,20 +11,18 @@ pub mod packing;
 pub mod relief;
 pub mod statistics;
 
-pub use error::PackError;
+pub use error::{PackError, PackProgress, PackWatch};
 pub use grains::agglomeration::Agglomeration;
 pub use grains::orientation::Orientation;
 pub use grains::shape::Shape;
 pub use grains::size::{By, Measure, SizeDistribution};
 pub use grains::solid::{Form, Solid};
 pub use grains::sphere::Sphere;
-pub use packing::grain::{Grain, Layered};
+pub use packing::grain::{Grain, Layered, VoxelCut};
 pub use packing::pack::pack;
 pub use packing::placed::{Method, Packing, PackingAccount, Share};
 pub use packing::request::{
     EquilibrationSettings, MethodChoice, PackingRequest, PigmentGrains, RelaxationSettings,
     SequentialSettings, ShareRule,
 };
-pub use packing::voxels::VoxelCut;
-pub use packing::watch::{PackProgress, PackWatch};
 pub use relief::{Relief, ReliefRequest, ReliefRule, RoughFace};

@@ -9,7 +9,7 @@
 
 use super::error::PackError;
 use crate::numerics::allowed::Allowed;
-use crate::numerics::periodic::bilinear;
+use crate::numerics::interpolate::bilinear;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -93,7 +93,12 @@ impl ReliefRequest {
         PackError::unless(sound, "relief.depth_um", self.depth_um, allowed, "lower the depth")?;
         match self.rule {
             ReliefRule::Flat => Ok(()),
-            ReliefRule::Following { follow, smoothing_um } => check_following(follow, smoothing_um),
+            ReliefRule::Following { follow, smoothing_um } => {
+                let (field, sound) = ("relief.rule.follow", FOLLOW.holds(follow));
+                PackError::unless(sound, field, follow, "0 (flat) to 1", "lower it")?;
+                let (field, sound) = ("relief.rule.smoothing_um", LENGTH_UM.holds(smoothing_um));
+                PackError::unless(sound, field, smoothing_um, "finite, at least 0", "about one grain radius")
+            }
             ReliefRule::Random { rms_um, correlation_um } => {
                 self.check_random(rms_um, correlation_um, period_um[0].min(period_um[1]))
             }
@@ -107,22 +112,15 @@ impl ReliefRequest {
 
     fn check_random(&self, rms_um: f64, correlation_um: f64, period_um: f64) -> Result<(), PackError> {
         let highest = self.depth_um / HEADROOM;
-        let (field, sound) = ("relief.rule.rms_um", (0.0..=highest).contains(&rms_um));
+        let sound = (0.0..=highest).contains(&rms_um);
         let allowed = format!("0 … {highest} µm, half of the depth above which grains end");
-        PackError::unless(sound, field, rms_um, allowed, "raise relief.depth_um")?;
+        PackError::unless(sound, "relief.rule.rms_um", rms_um, allowed, "raise relief.depth_um")?;
         let [least, most] = [std::f64::consts::SQRT_2 * rms_um / STEEPEST, period_um / LENGTHS];
         let sound = (least..=most).contains(&correlation_um) && correlation_um > 0.0;
         let allowed = format!("{least:.4} … {most:.4} µm, for slopes up to 45° and cells of 5 lengths");
         let remedy = "lower rms_um, or raise layer.period_um";
         PackError::unless(sound, "relief.rule.correlation_um", correlation_um, allowed, remedy)
     }
-}
-
-fn check_following(follow: f64, smoothing_um: f64) -> Result<(), PackError> {
-    let sound = FOLLOW.holds(follow);
-    PackError::unless(sound, "relief.rule.follow", follow, "0 (flat) to 1", "lower it")?;
-    let (field, sound) = ("relief.rule.smoothing_um", LENGTH_UM.holds(smoothing_um));
-    PackError::unless(sound, field, smoothing_um, "finite, at least 0", "about one grain radius")
 }
 
 /// The binder's surface as heights above the opposite face on a periodic grid, with its volume

@@ -3,9 +3,11 @@
 //!
 //! In many countries, spreadsheets write `;` between columns and `,` in numbers. The header line
 //! determines which convention a file uses; a mixed file is rejected with an explanation.
+//!
+//! Also ranges of tables, and gaps between their rows too wide to interpolate without a warning.
 
 use crate::numerics::files::{self, FileError};
-use std::fmt::Arguments;
+use csv::StringRecord;
 use std::path::Path;
 
 /// Shortest plausible wavelength in a table of optical constants, nm; smaller numbers are probably
@@ -60,23 +62,44 @@ impl Columns {
             .trim(csv::Trim::All)
             .flexible(true)
             .from_reader(text.as_bytes());
-        let broken = |error: csv::Error| FileError::new(&path, error);
-        let names: Vec<String> = reader.headers().map_err(broken)?.iter().map(str::to_lowercase).collect();
-        let earlier = |i: usize| !names[i].is_empty() && names[..i].contains(&names[i]);
-        if let Some(i) = (0..names.len()).find(|&i| earlier(i)) {
-            return Err(FileError::new(&path, format!("column {} occurs twice; keep one of them", names[i])));
+        let headers = reader.headers().map_err(|error| FileError::new(&path, error))?;
+        let names: Vec<String> = headers.iter().map(str::to_lowercase).collect();
+        let twice = |(i, name): &(usize, &String)| !name.is_empty() && names[..*i].contains(name);
+        if let Some((_, name)) = names.iter().enumerate().find(twice) {
+            return Err(FileError::new(&path, format!("column {name} occurs twice; keep one of them")));
         }
-        let (mut rows, mut lines) = (Vec::new(), Vec::new());
+        let mut table = Self { path, names, rows: Vec::new(), lines: Vec::new() };
         for record in reader.records() {
-            let record = record.map_err(broken)?;
+            let record = record.map_err(|error| FileError::new(&table.path, error))?;
             // Spreadsheets append lines of separators only.
             if record.iter().any(|cell| !cell.is_empty()) {
                 let line = line_of(text, &record);
-                rows.push(row(format_args!("{path}, line {line}"), &names, separator, &record)?);
-                lines.push(line);
+                table.rows.push(table.row(line, separator, &record)?);
+                table.lines.push(line);
             }
         }
-        Ok(Self { path, names, rows, lines })
+        Ok(table)
+    }
+
+    fn row(&self, line: u64, separator: u8, record: &StringRecord) -> Result<Vec<Option<f64>>, FileError> {
+        let (place, found) = (format!("{}, line {line}", self.path), record.len());
+        if found != self.names.len() {
+            let mut reason = format!("{found} cells under {} columns", self.names.len());
+            if separator == b',' && found > self.names.len() {
+                reason += "; numbers with a decimal comma need a semicolon between columns (";
+                reason += &(self.names.join(";") + ")");
+            }
+            return Err(FileError::new(place, reason));
+        }
+        let mut numbers = Vec::with_capacity(found);
+        for (cell, column) in record.iter().zip(&self.names) {
+            // a decimal comma, where commas do not separate columns
+            let text = if separator == b',' { cell.to_owned() } else { cell.replace(',', ".") };
+            let reason = format_args!("found {cell:?} where a number is needed");
+            let wrong = |_| FileError::new(format_args!("{place}, column {column}"), reason);
+            numbers.push((!text.is_empty()).then(|| text.parse().map_err(wrong)).transpose()?);
+        }
+        Ok(numbers)
     }
 
     /// Index of the first of these names among the columns.
@@ -89,15 +112,11 @@ impl Columns {
     /// # Errors
     /// An empty cell.
     pub fn numbers(&self, place: usize) -> Result<Vec<f64>, FileError> {
-        let mut numbers = Vec::with_capacity(self.rows.len());
-        for (row, line) in self.rows.iter().zip(&self.lines) {
-            let Some(number) = row[place] else {
-                let at = format!("{}, line {line}, column {}", self.path, self.names[place]);
-                return Err(FileError::new(at, "an empty cell; enter a number, or remove the line"));
-            };
-            numbers.push(number);
-        }
-        Ok(numbers)
+        let empty = |line| {
+            let at = format!("{}, line {line}, column {}", self.path, self.names[place]);
+            FileError::new(at, "an empty cell; enter a number, or remove the line")
+        };
+        self.rows.iter().zip(&self.lines).map(|(row, line)| row[place].ok_or_else(|| empty(line))).collect()
     }
 
     /// A column of wavelengths without empty cells, nm.
@@ -116,37 +135,32 @@ impl Columns {
 
 /// Line number of a record, from 1; the reader's position is before the empty lines and comments
 /// that it skips.
-fn line_of(text: &str, record: &csv::StringRecord) -> u64 {
+fn line_of(text: &str, record: &StringRecord) -> u64 {
     let Some(place) = record.position() else { return 0 };
     let rest = text.get(place.byte() as usize..).unwrap_or("");
     let skipped = rest.lines().take_while(|line| line.trim().is_empty() || line.starts_with('#'));
     place.line() + skipped.count() as u64
 }
 
-fn row(
-    place: Arguments,
-    names: &[String],
-    separator: u8,
-    record: &csv::StringRecord,
-) -> Result<Vec<Option<f64>>, FileError> {
-    let found = record.len();
-    if found != names.len() {
-        let mut reason = format!("{found} cells under {} columns", names.len());
-        if separator == b',' && found > names.len() {
-            reason += "; numbers with a decimal comma need a semicolon between columns (";
-            reason += &(names.join(";") + ")");
-        }
-        return Err(FileError::new(place, reason));
-    }
-    let mut numbers = Vec::with_capacity(found);
-    for (cell, column) in record.iter().zip(names) {
-        // a decimal comma, where commas do not separate columns
-        let text = if separator == b',' { cell.to_owned() } else { cell.replace(',', ".") };
-        let reason = format_args!("found {cell:?} where a number is needed");
-        let wrong = |_| FileError::new(format_args!("{place}, column {column}"), reason);
-        numbers.push((!text.is_empty()).then(|| text.parse().map_err(wrong)).transpose()?);
-    }
-    Ok(numbers)
+/// Spectra usually have rows every 5 to 20 nm; a wider gap than this can hide an absorption band,
+/// nm.
+const WORTH_TELLING_NM: f64 = 50.0;
+
+/// The widest gap between increasing `rows_nm` within a range of wavelengths, if wide enough to
+/// report.
+pub fn widest_gap_nm(rows_nm: &[f64], [from, to]: [f64; 2]) -> Option<[f64; 2]> {
+    let gaps = rows_nm.windows(2).map(|pair| [pair[0], pair[1]]);
+    widest(gaps.filter(|gap| gap[0] < to && gap[1] > from && gap[1] - gap[0] > WORTH_TELLING_NM))
+}
+
+/// The widest of some gaps.
+pub(super) fn widest(gaps: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
+    gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
+}
+
+/// The range common to all ranges.
+pub(super) fn common(ranges: impl Iterator<Item = [f64; 2]>) -> [f64; 2] {
+    ranges.fold([0.0, f64::INFINITY], |[lo, hi], [a, b]| [f64::max(lo, a), f64::min(hi, b)])
 }
 
 #[cfg(test)]
@@ -197,5 +211,15 @@ mod tests {
         let table = parse("wavelength_nm,kappa\n0.4,0.1\n0.7,0.2\n").unwrap();
         let message = table.wavelengths_nm(0).unwrap_err().to_string();
         assert!(message.contains("0.7: these look like µm; the column must be in nm"), "{message}");
+    }
+
+    #[test]
+    fn the_widest_gap_inside_the_range_counts() {
+        let rows = [300.0, 400.0, 450.0, 530.0, 590.0, 900.0];
+        assert_eq!(widest_gap_nm(&rows, [400.0, 590.0]), Some([450.0, 530.0]));
+        assert_eq!(widest_gap_nm(&rows, [400.0, 450.0]), None);
+        assert_eq!(widest_gap_nm(&rows, [500.0, 500.0]), Some([450.0, 530.0]));
+        assert_eq!(widest_gap_nm(&rows, [450.0, 450.0]), None, "a wavelength on a row");
+        assert_eq!(widest_gap_nm(&[400.0, 700.0], [420.0, 680.0]), Some([400.0, 700.0]));
     }
 }

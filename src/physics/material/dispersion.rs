@@ -16,7 +16,7 @@
 //! | 8 | (n² − 1)/(n² + 2) = C₁ + C₂λ²/(λ² − C₃) + C₄λ² |
 //! | 9 | n² = C₁ + C₂/(λ² − C₃) + C₄(λ − C₅)/((λ − C₅)² + C₆) |
 
-use super::gaps;
+use super::columns::{common, widest, widest_gap_nm};
 use crate::numerics::files::{self, FileError};
 use num_complex::Complex64;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -28,7 +28,7 @@ const MOST_OPEN: usize = 200;
 
 /// Source of n or κ over a range of wavelengths.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-enum DataSource {
+pub(super) enum DataSource {
     /// Rows (λ in µm, value), increasing; linear between them.
     Table(Vec<[f64; 2]>),
     /// A formula by number, with its range in µm and its coefficients.
@@ -39,7 +39,7 @@ enum DataSource {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Dispersion {
     pub(super) name: String,
-    n: Option<DataSource>,
+    pub(super) n: Option<DataSource>,
     kappa: Option<DataSource>,
 }
 
@@ -53,13 +53,6 @@ pub struct RecordText {
     /// What was measured and how.
     #[serde(rename = "COMMENTS", deserialize_with = "plain")]
     pub comment: String,
-}
-
-impl RecordText {
-    /// The texts in a record's YAML.
-    pub fn of(text: &str) -> Self {
-        serde_norway::from_str(text).unwrap_or_default()
-    }
 }
 
 /// Text without tags, on one line.
@@ -101,12 +94,7 @@ impl Dispersion {
             .map_err(|reason| FileError::new(&name, format_args!("{reason}; {expected}")))
     }
 
-    /// A record shipped with the program; tests read every one.
-    pub(super) fn shipped(name: &str, text: &str) -> Self {
-        Self::parse(name, text).expect("a record of the program's own")
-    }
-
-    fn parse(name: &str, text: &str) -> Result<Self, String> {
+    pub(super) fn parse(name: &str, text: &str) -> Result<Self, String> {
         if let Some(depth) = too_deep(text) {
             return Err(format!("{depth} brackets are open at once; a record has a few"));
         }
@@ -115,23 +103,19 @@ impl Dispersion {
         for entry in &record.data {
             found.take(entry)?;
         }
-        match (&found.n, &found.kappa) {
-            (None, None) => Err("it has neither n nor k".into()),
-            _ => Ok(found),
-        }
+        let either = found.n.is_some() || found.kappa.is_some();
+        either.then_some(found).ok_or_else(|| "it has neither n nor k".into())
     }
 
     fn take(&mut self, entry: &DataEntry) -> Result<(), String> {
         let words: Vec<&str> = entry.kind.split_whitespace().collect();
         match words.as_slice() {
             ["tabulated", "nk"] => {
-                let rows = rows(entry, 3)?;
-                let column = |i: usize| rows.iter().map(|row| [row[0], row[i]]).collect();
-                put(&mut self.n, DataSource::Table(column(1)), "n")?;
-                put(&mut self.kappa, DataSource::Table(column(2)), "k")
+                put(&mut self.n, table(entry, 3, 1)?, "n")?;
+                put(&mut self.kappa, table(entry, 3, 2)?, "k")
             }
-            ["tabulated", "n"] => put(&mut self.n, table(entry)?, "n"),
-            ["tabulated", "k"] => put(&mut self.kappa, table(entry)?, "k"),
+            ["tabulated", "n"] => put(&mut self.n, table(entry, 2, 1)?, "n"),
+            ["tabulated", "k"] => put(&mut self.kappa, table(entry, 2, 1)?, "k"),
             ["formula", number] => put(&mut self.n, formula(entry, number)?, "n"),
             _ => Err(format!("type {:?} is not known", entry.kind)),
         }
@@ -139,19 +123,13 @@ impl Dispersion {
 
     /// First and last wavelength at which every part is known, nm.
     pub fn range_nm(&self) -> [f64; 2] {
-        gaps::common([&self.n, &self.kappa].into_iter().flatten().map(DataSource::range_um))
-            .map(|um| 1e3 * um)
+        common([&self.n, &self.kappa].into_iter().flatten().map(DataSource::range_um)).map(|um| 1e3 * um)
     }
 
     /// The widest gap between rows within a range of wavelengths, nm, if wide enough to report.
     pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
         let parts = [&self.n, &self.kappa].into_iter().flatten();
-        gaps::widest(parts.filter_map(|part| gaps::widest_gap_nm(&part.rows_nm(), range_nm)))
-    }
-
-    /// Whether the record has a real part.
-    pub fn has_n(&self) -> bool {
-        self.n.is_some()
+        widest(parts.filter_map(|part| widest_gap_nm(&part.rows_nm(), range_nm)))
     }
 
     /// The record with a constant real part.
@@ -163,9 +141,8 @@ impl Dispersion {
 
     /// n + iκ at a wavelength in µm inside the range; NaN without n, transparent without k.
     pub fn index(&self, wavelength_um: f64) -> Complex64 {
-        let value =
-            |part: &Option<DataSource>, default| part.as_ref().map_or(default, |s| s.value(wavelength_um));
-        Complex64::new(value(&self.n, f64::NAN), value(&self.kappa, 0.0))
+        let value = |part: &Option<DataSource>| Some(part.as_ref()?.value(wavelength_um));
+        Complex64::new(value(&self.n).unwrap_or(f64::NAN), value(&self.kappa).unwrap_or(0.0))
     }
 }
 
@@ -206,10 +183,10 @@ fn between(rows: &[[f64; 2]], um: f64) -> f64 {
 fn evaluate(number: u8, c: &[f64], um: f64) -> f64 {
     let at = |i: usize| c.get(i).copied().unwrap_or(0.0);
     let square = um * um;
-    let pairs = |from: usize| {
-        c.get(from..).unwrap_or(&[]).chunks(2).map(|p| (p[0], p.get(1).copied().unwrap_or(0.0)))
+    let sum = |from: usize, term: &dyn Fn(f64, f64) -> f64| {
+        let pairs = c.get(from..).unwrap_or(&[]).chunks(2);
+        pairs.map(|p| term(p[0], p.get(1).copied().unwrap_or(0.0))).sum::<f64>()
     };
-    let sum = |from: usize, term: &dyn Fn(f64, f64) -> f64| pairs(from).map(|(a, b)| term(a, b)).sum::<f64>();
     match number {
         1 => (1.0 + at(0) + sum(1, &|a, b| a * square / (square - b * b))).sqrt(),
         2 => (1.0 + at(0) + sum(1, &|a, b| a * square / (square - b))).sqrt(),
@@ -256,25 +233,20 @@ fn too_deep(text: &str) -> Option<usize> {
 }
 
 fn put(place: &mut Option<DataSource>, source: DataSource, part: &str) -> Result<(), String> {
-    match place.replace(source) {
-        Some(_) => Err(format!("it has {part} twice; keep one of them")),
-        None => Ok(()),
-    }
+    place.replace(source).map_or(Ok(()), |_| Err(format!("it has {part} twice; keep one of them")))
 }
 
-fn table(entry: &DataEntry) -> Result<DataSource, String> {
-    Ok(DataSource::Table(rows(entry, 2)?.iter().map(|row| [row[0], row[1]]).collect()))
-}
-
-fn rows(entry: &DataEntry, columns: usize) -> Result<Vec<Vec<f64>>, String> {
+/// One column of a table of at least `columns` columns, beside the wavelengths in the first.
+fn table(entry: &DataEntry, columns: usize, column: usize) -> Result<DataSource, String> {
     let lines = entry.data.as_deref().unwrap_or("").lines().filter(|line| !line.trim().is_empty());
-    let rows = lines.map(|line| numbers(line, columns)).collect::<Result<Vec<_>, _>>()?;
+    let rows = lines.map(|line| numbers(line, columns).map(|row| [row[0], row[column]]));
+    let rows: Vec<[f64; 2]> = rows.collect::<Result<_, _>>()?;
     if rows.is_empty() {
         return Err(format!("type {:?} has no data", entry.kind));
     }
     match rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
         Some(pair) => Err(format!("wavelengths do not increase: {} µm after {} µm", pair[1][0], pair[0][0])),
-        None => Ok(rows),
+        None => Ok(DataSource::Table(rows)),
     }
 }
 

@@ -2,8 +2,6 @@
 
 pub mod columns;
 pub mod dispersion;
-pub mod gaps;
 pub mod mixing;
 pub mod named;
 pub mod spectra;
-pub mod synthetic;

@@ -1,11 +1,16 @@
 //! Named materials: measured indices shipped with the program, from the refractiveindex.info
-//! database (CC0 1.0).
+//! database (CC0 1.0); and the built-in pigments.
 //!
 //! The grains of a birefringent crystal have random orientations in a layer; the waves here use one
 //! scalar index, that of the orientation average ε̄ = (2ε_o + ε_e)/3.
+//!
+//! P1 fixes Re η = 1.4 for every pigment and shows Im η of red, yellow, blue and an artificial
+//! green only as a plot (Fig. 5). The built-in pigments are therefore **synthetic**: smooth sums of
+//! Gaussians made for this project (`validation/data/pigments.json`), not measured data. Measured
+//! spectra come from a CSV file.
 
+use super::columns::{common, widest};
 use super::dispersion::{Dispersion, RecordText};
-use super::gaps;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -68,13 +73,15 @@ impl NamedMaterial {
 
     /// Index of the material against wavelength.
     pub fn index(&self) -> NamedIndex {
-        let parts = self.records.iter().map(|&(weight, text)| (weight, Dispersion::shipped(self.name, text)));
-        NamedIndex { name: self.name.into(), parts: parts.collect() }
+        // Tests read every record.
+        let read = |text| Dispersion::parse(self.name, text).expect("a record of the program's own");
+        let parts = self.records.iter().map(|&(weight, text)| (weight, read(text))).collect();
+        NamedIndex { name: self.name.into(), parts }
     }
 
     /// References and comments of the measurements, one per record.
     pub fn sources(&self) -> Vec<RecordText> {
-        self.records.iter().map(|(_, text)| RecordText::of(text)).collect()
+        self.records.iter().map(|(_, text)| serde_norway::from_str(text).unwrap_or_default()).collect()
     }
 }
 
@@ -89,12 +96,12 @@ pub struct NamedIndex {
 impl NamedIndex {
     /// Wavelength range common to all records, nm.
     pub fn range_nm(&self) -> [f64; 2] {
-        gaps::common(self.parts.iter().map(|(_, record)| record.range_nm()))
+        common(self.parts.iter().map(|(_, record)| record.range_nm()))
     }
 
     /// The widest gap between the records' rows within a range of wavelengths, nm.
     pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
-        gaps::widest(self.parts.iter().filter_map(|(_, record)| record.widest_gap_nm(range_nm)))
+        widest(self.parts.iter().filter_map(|(_, record)| record.widest_gap_nm(range_nm)))
     }
 
     /// √ε̄ at a wavelength in µm inside the range.
@@ -106,6 +113,50 @@ impl NamedIndex {
                 parts.iter().map(permittivity).sum::<Complex64>().sqrt()
             }
         }
+    }
+}
+
+/// The built-in synthetic pigments (κ(λ) of `validation/data/pigments.json`, Re η = 1.4).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Synthetic {
+    /// Absorbs green.
+    Red,
+    /// Absorbs blue.
+    Yellow,
+    /// Absorbs red.
+    Blue,
+    /// P1's artificial green: absorbs blue and red alike.
+    Green,
+}
+
+/// Range of the synthetic formulas: that of the CIE tables.
+pub(super) const SYNTHETIC_RANGE_NM: [f64; 2] = [380.0, 780.0];
+
+impl Synthetic {
+    /// All synthetic pigments.
+    pub const ALL: [Self; 4] = [Self::Red, Self::Yellow, Self::Blue, Self::Green];
+
+    /// Name in study files: red, yellow, blue or green.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Red => "red",
+            Self::Yellow => "yellow",
+            Self::Blue => "blue",
+            Self::Green => "green",
+        }
+    }
+
+    /// κ(λ) = 0.30 (Σ a exp(−((λ − c)/s)²/2) + floor), λ in nm.
+    pub fn kappa(self, wavelength_nm: f64) -> f64 {
+        let (bands, floor): (&[[f64; 3]], f64) = match self {
+            Self::Red => (&[[0.58, 516., 30.], [0.77, 549., 21.], [0.20, 360., 45.]], 0.015),
+            Self::Yellow => (&[[0.55, 412., 34.], [0.74, 457., 23.]], 0.008),
+            Self::Blue => (&[[0.80, 618., 36.], [1.00, 705., 40.], [0.18, 345., 45.]], 0.010),
+            Self::Green => (&[[1.00, 430., 32.], [1.00, 655., 38.]], 0.008),
+        };
+        let gauss = |[a, c, s]: &[f64; 3]| a * (-((wavelength_nm - c) / s).powi(2) / 2.0).exp();
+        0.30 * (bands.iter().map(gauss).sum::<f64>() + floor)
     }
 }
 
@@ -152,6 +203,20 @@ mod tests {
             for source in material.sources() {
                 assert!(source.reference.contains("(19") || source.reference.contains("(20"), "{source:?}");
                 assert!(!source.reference.contains('<'), "{source:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn synthetic_pigments_are_those_of_the_reference_table() {
+        let text = include_str!("../../../validation/data/pigments.json");
+        let json: serde_json::Value = serde_json::from_str(text).unwrap();
+        for pigment in Synthetic::ALL {
+            let table = &json["pigments"][pigment.name()];
+            let column = |key: &str| -> Vec<f64> { serde_json::from_value(table[key].clone()).unwrap() };
+            for (nm, kappa) in column("l").into_iter().zip(column("kappa")) {
+                // rounding: the table has 8 significant digits
+                approx::assert_relative_eq!(pigment.kappa(nm), kappa, max_relative = 1e-7);
             }
         }
     }

@@ -4,11 +4,9 @@ mod error;
 
 pub use error::SpectrumError;
 
-use super::columns::Columns;
+use super::columns::{Columns, widest_gap_nm};
 use super::dispersion::Dispersion;
-use super::gaps;
-use super::named::{MATERIALS, NamedIndex, NamedMaterial};
-use super::synthetic::{SYNTHETIC_RANGE_NM, Synthetic};
+use super::named::{MATERIALS, NamedIndex, NamedMaterial, SYNTHETIC_RANGE_NM, Synthetic};
 use crate::numerics::files::FileError;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -116,7 +114,7 @@ impl Spectrum {
     /// Unreadable files, files that are no such record, n nowhere or twice.
     pub fn from_yaml(path: impl AsRef<Path>, n: Option<f64>) -> Result<Self, SpectrumError> {
         let record = Dispersion::read(path.as_ref())?;
-        Ok(Self::Recorded(match the_other(path.as_ref(), record.has_n(), n)? {
+        Ok(Self::Recorded(match the_other(path.as_ref(), record.n.is_some(), n)? {
             Some(n) => record.with_n(n),
             None => record,
         }))
@@ -151,11 +149,11 @@ impl Spectrum {
         if !(nm.is_finite() && nm > 0.0) {
             return Err(SpectrumError::BadWavelength { value: nm });
         }
-        if let Some([lo, hi]) = self.range_nm() {
-            // 0.38 µm · 1000 may differ from 380 by rounding
-            if nm < lo * (1.0 - 1e-12) || nm > hi * (1.0 + 1e-12) {
-                return Err(SpectrumError::OutOfRange { name: self.name(), value: nm, lo, hi });
-            }
+        // 0.38 µm · 1000 may differ from 380 by rounding
+        if let Some([lo, hi]) = self.range_nm()
+            && (nm < lo * (1.0 - 1e-12) || nm > hi * (1.0 + 1e-12))
+        {
+            return Err(SpectrumError::OutOfRange { name: self.name(), value: nm, lo, hi });
         }
         Ok(match self {
             Self::Constant { n, kappa } => Complex64::new(*n, *kappa),
@@ -173,9 +171,7 @@ impl Spectrum {
             Self::Synthetic(_) => Some(SYNTHETIC_RANGE_NM),
             Self::Recorded(record) => Some(record.range_nm()),
             Self::Named(material) => Some(material.range_nm()),
-            Self::Tabulated(t) => {
-                Some([t.samples[0].wavelength_nm, t.samples[t.samples.len() - 1].wavelength_nm])
-            }
+            Self::Tabulated(t) => Some([0, t.samples.len() - 1].map(|i| t.samples[i].wavelength_nm)),
         }
     }
 
@@ -188,7 +184,7 @@ impl Spectrum {
             Self::Named(material) => material.widest_gap_nm(range_nm),
             Self::Tabulated(table) => {
                 let rows: Vec<f64> = table.samples.iter().map(|sample| sample.wavelength_nm).collect();
-                gaps::widest_gap_nm(&rows, range_nm)
+                widest_gap_nm(&rows, range_nm)
             }
         }
     }
@@ -242,11 +238,6 @@ fn samples(columns: &Columns, places: [usize; 2], n: Option<f64>) -> Result<Vec<
 }
 
 impl Table {
-    /// The rows, increasing in wavelength.
-    pub fn samples(&self) -> &[Sample] {
-        &self.samples
-    }
-
     /// Linear interpolation between the rows, n and κ separately.
     fn interpolate(&self, nm: f64) -> Complex64 {
         let after = self.samples.partition_point(|s| s.wavelength_nm < nm).clamp(1, self.samples.len() - 1);

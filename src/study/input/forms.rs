@@ -1,8 +1,7 @@
 //! Values that can be written in several forms.
 
 use super::limits::{ABOVE_ZERO, ABSORPTION, ALBEDO, INDEX, NOT_NEGATIVE, THICKNESS_UM};
-use crate::material::named::MATERIALS;
-use crate::material::synthetic::Synthetic;
+use crate::material::named::{MATERIALS, Synthetic};
 use crate::solve::{Registry, SolverChoice};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor, value::MapAccessDeserializer};

@@ -5,8 +5,7 @@ mod spectrum;
 mod words;
 
 use super::outcome::Outcome;
-use crate::numerics::estimate::Estimate;
-use crate::numerics::linked::Linked;
+use crate::numerics::estimate::{Estimate, Linked};
 use crate::sweep::definition::claims::Claim;
 use crate::sweep::definition::file::{ConclusionTable, Quantity};
 use serde::Serialize;

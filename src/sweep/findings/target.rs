@@ -2,8 +2,7 @@
 
 use super::conclusions::{QUANTILE, student};
 use super::outcome::Outcome;
-use crate::numerics::estimate::Estimate;
-use crate::numerics::linked::Linked;
+use crate::numerics::estimate::{Estimate, Linked};
 use crate::sweep::definition::load::Outline;
 use serde::Serialize;
 

@@ -15,7 +15,7 @@
 
 use super::flux::{Coherent, Hemisphere};
 use super::ordinates::gauss;
-use crate::numerics::lagrange::lagrange;
+use crate::numerics::interpolate::lagrange;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::sync::OnceLock;

@@ -6,7 +6,7 @@
 //! direction is shared among the zone's nodes by Lagrange polynomials in v, which keeps its flux.
 //! In air, v = cos θ.
 
-use crate::numerics::lagrange::lagrange;
+use crate::numerics::interpolate::lagrange;
 use gauss_quad::GaussLegendre;
 
 /// Zones narrower than this in s are part of their neighbour.

@@ -7,12 +7,12 @@ pub use fractal::Fractal;
 use super::contact::{contact, proven_gap_um};
 use super::solid::Solid;
 use super::sphere::{Sphere, centre_of_mass, reach_um};
-use crate::numerics::Draws;
 use crate::numerics::allowed::{Allowed, Each, Whole};
-use crate::numerics::draws::{are_weights, weighted};
+use crate::numerics::draws::{Draws, are_weights, weighted};
 use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale, sub};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::iter;
 
 /// Fraction of grains in agglomerates.
 const DEGREE: Allowed = Allowed::between(0.0, 1.0, "");
@@ -84,14 +84,12 @@ impl Agglomeration {
             return Some(("agglomeration.degree", self.degree.to_string(), "0 to 1"));
         }
         let allowed = "2 to 500 grains; weights of at least 0, one per value, with a sum above 0";
-        let fits = |n: usize| GRAINS.holds(n);
         let sound = match &self.grains {
-            GrainCount::Constant(n) => fits(*n),
-            GrainCount::Uniform(r) => fits(r.from) && fits(r.to) && r.from <= r.to,
-            GrainCount::List(list) => {
-                list.weights.len() == list.values.len()
-                    && list.values.iter().all(|n| fits(*n))
-                    && are_weights(&list.weights)
+            GrainCount::Constant(n) => GRAINS.holds(*n),
+            GrainCount::Uniform(Range { from, to }) => GRAINS.holds(*from) && GRAINS.holds(*to) && from <= to,
+            GrainCount::List(CountList { values, weights }) => {
+                let fit = weights.len() == values.len() && values.iter().all(|n| GRAINS.holds(*n));
+                fit && are_weights(weights)
             }
         };
         let wrong = (!sound).then(|| ("agglomeration.grains", format!("{:?}", self.grains), allowed));
@@ -103,9 +101,7 @@ impl Agglomeration {
         let together = match &self.grains {
             GrainCount::Constant(n) => *n as f64,
             GrainCount::Uniform(r) => weighted_mean((r.from..=r.to).map(|n| (n, 1.0))),
-            GrainCount::List(list) => {
-                weighted_mean(list.values.iter().copied().zip(list.weights.iter().copied()))
-            }
+            GrainCount::List(list) => weighted_mean(iter::zip(list.values.clone(), list.weights.clone())),
         };
         1.0 + self.degree * (together - 1.0)
     }
@@ -121,11 +117,10 @@ impl Agglomeration {
 
 /// Mean of numbers n, each weighted by n and its own weight.
 fn weighted_mean(numbers: impl Iterator<Item = (usize, f64)>) -> f64 {
-    let add = |(sum, squares): (f64, f64), (n, weight): (usize, f64)| {
-        (sum + weight * n as f64, squares + weight * (n * n) as f64)
-    };
-    let (sum, squares) = numbers.fold((0.0, 0.0), add);
-    squares / sum
+    let sums = numbers.fold([0.0; 2], |[sum, squares], (n, weight)| {
+        [sum + weight * n as f64, squares + weight * (n * n) as f64]
+    });
+    sums[1] / sums[0]
 }
 
 /// One grain of an agglomerate, in the agglomerate's frame.
@@ -145,14 +140,9 @@ impl PlacedGrain {
     }
 
     fn turned(&self, turn: Rotation) -> Self {
-        let sphere = |s: &Sphere| Sphere { center_um: turn.turn(s.center_um), ..*s };
+        let spheres = self.spheres.iter().map(|s| Sphere { center_um: turn.turn(s.center_um), ..*s });
         let solid = self.solid.clone().map(|s| Solid { rotation: s.rotation.then(turn), ..s });
-        Self {
-            spheres: self.spheres.iter().map(sphere).collect(),
-            solid,
-            axis: turn.turn(self.axis),
-            ..*self
-        }
+        Self { spheres: spheres.collect(), solid, axis: turn.turn(self.axis), ..*self }
     }
 
     fn moved(mut self, by: V3) -> Self {
@@ -190,17 +180,10 @@ impl Agglomeration {
 fn glue(grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
     let mut placed: Vec<PlacedGrain> = Vec::with_capacity(grains.len());
     for grain in grains {
-        let first = placed_first(grain, draws);
-        let landed = if placed.is_empty() { first } else { landed(&placed, first, draws) };
-        placed.push(landed);
+        let first = grain.turned(draws.rotation());
+        placed.push(if placed.is_empty() { first } else { landed(&placed, first, draws) });
     }
     placed
-}
-
-/// A grain alone, randomly rotated.
-fn placed_first(grain: &PlacedGrain, draws: &mut Draws) -> PlacedGrain {
-    let axis = draws.direction();
-    grain.turned(draws.rotation_with_axis(axis))
 }
 
 /// The incoming grain in first contact.
@@ -233,12 +216,8 @@ fn centre_of(spheres: &[Sphere]) -> V3 {
 }
 
 fn about_centre(grains: Vec<PlacedGrain>) -> Vec<PlacedGrain> {
-    let centre = centre_of_mass(&all_spheres(&grains));
-    moved(grains, scale(centre, -1.0))
-}
-
-fn moved(grains: Vec<PlacedGrain>, by: V3) -> Vec<PlacedGrain> {
-    grains.into_iter().map(|g| g.moved(by)).collect()
+    let back = scale(centre_of_mass(&all_spheres(&grains)), -1.0);
+    grains.into_iter().map(|g| g.moved(back)).collect()
 }
 
 /// A sphere of a grain, and the convex body that it is around.

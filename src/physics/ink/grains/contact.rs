@@ -54,8 +54,7 @@ pub fn proven_gap_um(first: &Solid, second: &Solid, apart: V3) -> f64 {
     let far = first.form.reach_um() + second.form.reach_um() + dot(apart, apart).sqrt();
     let found = contact(first, second, apart, far).map(|c| c.normal);
     let flat = [first, second].into_iter().flat_map(normals).flat_map(|n| [n, scale(n, -1.0)]);
-    let directions = flat.chain(found).chain([unit(apart)]);
-    directions.map(|n| between(unit(n))).fold(f64::NEG_INFINITY, f64::max)
+    flat.chain(found).chain([unit(apart)]).map(|n| between(unit(n))).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Largest coordinate of a body along the unit vector n, relative to its centre, µm.
@@ -95,8 +94,7 @@ pub fn excess_um(inner: &Solid, outer: &Solid, apart: V3) -> f64 {
         let path = std::iter::successors(Some(start), |&p| Some(farthest(outer.normal(p))));
         path.take(ASCENTS).map(|p| depth_um(&outer, p)).fold(f64::NEG_INFINITY, f64::max)
     };
-    let starts = flat.chain(inner.triangles(4).into_iter().flatten());
-    starts.map(ascended).fold(f64::NEG_INFINITY, f64::max)
+    flat.chain(inner.triangles(4).into_iter().flatten()).map(ascended).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Signed distance of a point from the farthest face of a body about the origin.

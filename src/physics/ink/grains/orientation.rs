@@ -2,8 +2,8 @@
 
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
+use crate::numerics::files::{also_by_name, no_keys};
 use crate::numerics::vector::{V3, add, cross, dot, scale, unit};
-use crate::numerics::written::{also_by_name, no_keys};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -94,20 +94,18 @@ impl AxisField {
     /// An axis drawn from exp(κ (u·n)²).
     pub fn draw_axis(&self, draws: &mut Draws) -> V3 {
         let cosine = self.draw_cosine(draws);
-        let turn = draws.rotation_with_axis(self.axis);
         let planar = (1.0 - cosine * cosine).max(0.0).sqrt();
-        turn.turn([planar, 0.0, cosine])
+        draws.rotation_with_axis(self.axis).turn([planar, 0.0, cosine])
     }
 
     fn draw_cosine(&self, draws: &mut Draws) -> f64 {
         let sign = if draws.uniform() < 0.5 { -1.0 } else { 1.0 };
-        let cosine = match self.kappa {
-            f64::INFINITY => 1.0,
-            f64::NEG_INFINITY => return 0.0,
-            kappa if kappa > 0.0 => near_pole(kappa, draws),
-            kappa => near_plane(-kappa, draws),
-        };
-        sign * cosine
+        match self.kappa {
+            f64::INFINITY => sign,
+            f64::NEG_INFINITY => 0.0,
+            kappa if kappa > 0.0 => sign * near_pole(kappa, draws),
+            kappa => sign * near_plane(-kappa, draws),
+        }
     }
 
     /// ⟨(u·n)²⟩ of the distribution: the order of a finite strength (midpoint rule, 1e-6).
@@ -115,14 +113,10 @@ impl AxisField {
         if self.kappa.is_infinite() {
             return if self.kappa > 0.0 { 1.0 } else { 0.0 };
         }
-        let (mut top, mut bottom) = (0.0, 0.0);
-        for i in 0..10_000 {
-            let square = ((f64::from(i) + 0.5) * 1e-4).powi(2);
-            // Relative to the maximum of the exponent, so that a strong field cannot overflow.
-            let weight = (self.kappa * square - self.kappa.max(0.0)).exp();
-            top += weight * square;
-            bottom += weight;
-        }
+        let squares = (0..10_000).map(|i| ((f64::from(i) + 0.5) * 1e-4).powi(2));
+        // Relative to the maximum of the exponent, so that a strong field cannot overflow.
+        let weights = squares.map(|square| (square, (self.kappa * square - self.kappa.max(0.0)).exp()));
+        let [top, bottom] = weights.fold([0.0; 2], |[top, bottom], (q, w)| [top + w * q, bottom + w]);
         top / bottom
     }
 
@@ -147,12 +141,9 @@ impl AxisField {
 /// − c)).
 fn near_pole(kappa: f64, draws: &mut Draws) -> f64 {
     loop {
-        let c = if kappa > 1e-9 {
-            1.0 + (draws.uniform() * (1.0 - (-kappa).exp()) + (-kappa).exp()).ln() / kappa
-        } else {
-            draws.uniform()
-        };
-        let c = c.clamp(0.0, 1.0);
+        let u = draws.uniform();
+        let steep = || 1.0 + (u * (1.0 - (-kappa).exp()) + (-kappa).exp()).ln() / kappa;
+        let c = if kappa > 1e-9 { steep() } else { u }.clamp(0.0, 1.0);
         if draws.uniform() < (kappa * (c * c - c)).exp() {
             return c;
         }

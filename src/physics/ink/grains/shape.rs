@@ -2,13 +2,12 @@
 //! section 3, "Форма").
 
 use super::agglomeration::PlacedGrain;
-use super::beads::{bead, centred, chain, inscribed};
 use super::solid::{self, Form, Solid};
+use super::sphere::{Sphere, bead, centred, chain, inscribed};
 use super::volume::{Volume, union_volume};
-use crate::ink::Sphere;
 use crate::numerics::allowed::{Allowed, Whole};
+use crate::numerics::files::{also_by_name, no_keys, ratio};
 use crate::numerics::vector::scale;
-use crate::numerics::written::{also_by_name, no_keys};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
@@ -46,7 +45,7 @@ pub enum Shape {
     /// length 6 R.
     Cylinder {
         /// Tip-to-tip length over R, above 2.
-        #[serde(default = "whole::<6>")]
+        #[serde(default = "ratio::<6, 1>")]
         #[schemars(transform = LENGTH_IN_RADII.mark())]
         length_in_radii: f64,
         /// Number of spheres on the axis, 2 to 200.
@@ -58,11 +57,11 @@ pub enum Shape {
     /// ends.
     RiceGrain {
         /// Tip-to-tip length over R, above 2.
-        #[serde(default = "whole::<6>")]
+        #[serde(default = "ratio::<6, 1>")]
         #[schemars(transform = LENGTH_IN_RADII.mark())]
         length_in_radii: f64,
         /// Radius of the end spheres over R, above 0 up to 1.
-        #[serde(default = "half")]
+        #[serde(default = "ratio::<1, 2>")]
         #[schemars(transform = TIP_IN_RADII.mark())]
         tip_in_radii: f64,
         /// Number of spheres on the axis, 2 to 200.
@@ -73,25 +72,25 @@ pub enum Shape {
     /// Ellipsoid with three axes; bare: the third twice as long as the others.
     Ellipsoid {
         /// Lengths of the axes, tip to tip, along x, y and z: z is the grain's axis.
-        #[serde(default = "prolate")]
+        #[serde(default = "lengths::<2>")]
         #[schemars(inner(range(min = 0)))]
         axes: [f64; 3],
     },
     /// Box with three edges; bare: a cube.
     Box {
         /// Lengths of the edges along x, y and z: z is the grain's axis.
-        #[serde(default = "cube")]
+        #[serde(default = "lengths::<1>")]
         #[schemars(inner(range(min = 0)))]
         edges: [f64; 3],
     },
     /// Circular disc, platelet or rod with flat ends; bare: five times as wide as thick.
     Disc {
         /// Diameter of the ends.
-        #[serde(default = "whole::<1>")]
+        #[serde(default = "ratio::<1, 1>")]
         #[schemars(transform = LENGTH.mark())]
         diameter: f64,
         /// Distance between the ends along z, the grain's axis.
-        #[serde(default = "fifth")]
+        #[serde(default = "ratio::<1, 5>")]
         #[schemars(transform = LENGTH.mark())]
         thickness: f64,
     },
@@ -102,7 +101,7 @@ pub enum Shape {
         #[schemars(length(min = 3, max = 64))]
         corners: Vec<[f64; 2]>,
         /// Distance between the ends along z, the grain's axis.
-        #[serde(default = "whole::<1>")]
+        #[serde(default = "ratio::<1, 1>")]
         #[schemars(transform = LENGTH.mark())]
         length: f64,
     },
@@ -110,7 +109,7 @@ pub enum Shape {
     /// unlike `ellipsoid` it can make fractals.
     BeadedEllipsoid {
         /// Length over width, above 1.
-        #[serde(default = "whole::<2>")]
+        #[serde(default = "ratio::<2, 1>")]
         #[schemars(transform = ASPECT_RATIO.mark())]
         aspect_ratio: f64,
         /// Number of spheres on the axis, 2 to 200.
@@ -129,24 +128,13 @@ pub enum Shape {
 fn count<const N: usize>() -> usize {
     N
 }
-fn whole<const N: u32>() -> f64 {
-    N.into()
-}
-fn fifth() -> f64 {
-    0.2
-}
-fn prolate() -> [f64; 3] {
-    [1.0, 1.0, 2.0]
-}
-fn cube() -> [f64; 3] {
-    [1.0; 3]
+/// Two lengths of 1, and a third.
+fn lengths<const N: u32>() -> [f64; 3] {
+    [1.0, 1.0, N.into()]
 }
 fn hexagon() -> Vec<[f64; 2]> {
     let h = 0.75f64.sqrt();
     vec![[1.0, 0.0], [0.5, h], [-0.5, h], [-1.0, 0.0], [-0.5, -h], [0.5, -h]]
-}
-fn half() -> f64 {
-    0.5
 }
 
 /// Spheres in the body frame (centre of mass at the origin, symmetry axis along z), thickest radius
@@ -188,10 +176,7 @@ impl Shape {
     /// The first invalid number, if any: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
         let bad = |field, value: f64, allowed| Some((field, value.to_string(), allowed));
-        let count =
-            |n: usize| (!SPHERES.holds(n)).then(|| ("shape.spheres", n.to_string(), "2 to 200 spheres"));
         match *self {
-            Self::Sphere => None,
             Self::Cylinder { length_in_radii: l, .. } | Self::RiceGrain { length_in_radii: l, .. }
                 if !LENGTH_IN_RADII.holds(l) =>
             {
@@ -203,9 +188,12 @@ impl Shape {
             Self::BeadedEllipsoid { aspect_ratio: a, .. } if !ASPECT_RATIO.holds(a) => {
                 bad("shape.aspect_ratio", a, "above 1 (a sphere) up to 20")
             }
-            Self::Cylinder { spheres, .. }
-            | Self::RiceGrain { spheres, .. }
-            | Self::BeadedEllipsoid { spheres, .. } => count(spheres),
+            Self::Cylinder { spheres: n, .. }
+            | Self::RiceGrain { spheres: n, .. }
+            | Self::BeadedEllipsoid { spheres: n, .. } => {
+                (!SPHERES.holds(n)).then(|| ("shape.spheres", n.to_string(), "2 to 200 spheres"))
+            }
+            Self::Sphere => None,
             Self::Cluster { ref spheres } => cluster_defect(spheres),
             Self::Ellipsoid { ref axes } => lengths_defect("shape.axes", axes),
             Self::Box { ref edges } => lengths_defect("shape.edges", edges),
@@ -241,12 +229,9 @@ impl Shape {
         }
         let spheres = match self {
             Self::Sphere => vec![bead(0.0, 1.0)],
-            Self::Cylinder { length_in_radii, spheres } => {
-                chain(*spheres, 0.5 * length_in_radii - 1.0, |_| 1.0)
-            }
-            Self::RiceGrain { length_in_radii, tip_in_radii, spheres } => {
-                let reach = 0.5 * length_in_radii - tip_in_radii;
-                chain(*spheres, reach, |t| 1.0 - (1.0 - tip_in_radii) * t * t)
+            Self::Cylinder { length_in_radii: l, spheres } => chain(*spheres, 0.5 * l - 1.0, |_| 1.0),
+            Self::RiceGrain { length_in_radii: l, tip_in_radii: tip, spheres } => {
+                chain(*spheres, 0.5 * l - tip, |t| 1.0 - (1.0 - tip) * t * t)
             }
             Self::BeadedEllipsoid { aspect_ratio: a, spheres } => inscribed(*a, *spheres),
             Self::Cluster { spheres } => centred(spheres),

@@ -38,7 +38,7 @@ fn a_cluster_is_centred_and_turned_to_its_long_axis() {
 fn shapes_read_as_names_and_tables_and_refuse_unknown_keys() {
     #[derive(Deserialize)]
     struct Line {
-        #[serde(deserialize_with = "crate::numerics::written::name_or_table")]
+        #[serde(deserialize_with = "crate::numerics::files::name_or_table")]
         shape: Shape,
     }
     let read = |text: &str| toml::from_str::<Line>(text).map(|l| l.shape);

@@ -1,11 +1,14 @@
 //! Size distributions of grains, truncated so that the size of the largest grain is known.
 
-pub use super::log_normal::By;
-use super::log_normal::{CUT_AT, LogNormalLaw, TENTH};
+mod law;
+
+pub use law::By;
+
 use super::shape::Template;
-use crate::numerics::Draws;
 use crate::numerics::allowed::{Allowed, Each};
-use crate::numerics::draws::{are_weights, weighted};
+use crate::numerics::draws::{Draws, are_weights};
+use crate::numerics::files::ratio;
+use law::{CUT_AT, LogNormalLaw, TENTH};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -61,7 +64,7 @@ pub enum SizeDistribution {
         #[schemars(transform = SPREAD_NM.mark(), example = 30)]
         standard_deviation_nm: f64,
         /// Truncation in standard deviations, above 0 up to 10.
-        #[serde(default = "three")]
+        #[serde(default = "ratio::<3, 1>")]
         #[schemars(transform = CUT.mark())]
         cut_at_sigmas: f64,
         /// Length that the size specifies.
@@ -81,7 +84,7 @@ pub enum SizeDistribution {
         #[schemars(transform = SIGMA.mark(), example = 0.2)]
         sigma: f64,
         /// Truncation in standard deviations of ln(size), above 0 up to 10.
-        #[serde(default = "three")]
+        #[serde(default = "ratio::<3, 1>")]
         #[schemars(transform = CUT.mark())]
         cut_at_sigmas: f64,
         /// Length that the size specifies.
@@ -102,7 +105,7 @@ pub enum SizeDistribution {
         d90_nm: f64,
         /// Whether the percentiles refer to the grains' volume, as particle sizers report, or to
         /// their number.
-        #[serde(default = "volume")]
+        #[serde(default)]
         by: By,
         /// Length that the size specifies.
         #[serde(default)]
@@ -121,14 +124,6 @@ pub enum SizeDistribution {
         #[serde(default)]
         of: Measure,
     },
-}
-
-fn three() -> f64 {
-    3.0
-}
-
-fn volume() -> By {
-    By::Volume
 }
 
 impl SizeDistribution {
@@ -150,9 +145,8 @@ impl SizeDistribution {
 
     /// The first invalid number, if any: field, value found, allowed range.
     pub fn defect(&self) -> Option<(&'static str, String, &'static str)> {
-        let positive = |x: f64| SIZE_NM.holds(x);
         match self {
-            Self::Constant { value_nm: v, .. } if !positive(*v) => {
+            Self::Constant { value_nm: v, .. } if !SIZE_NM.holds(*v) => {
                 Some(("size.value_nm", v.to_string(), "a finite size above 0"))
             }
             Self::Normal { cut_at_sigmas: c, .. } | Self::LogNormal { cut_at_sigmas: c, .. }
@@ -161,12 +155,14 @@ impl SizeDistribution {
                 Some(("size.cut_at_sigmas", c.to_string(), "above 0 up to 10"))
             }
             Self::Normal { mean_nm, standard_deviation_nm: s, cut_at_sigmas, .. }
-                if !(positive(*mean_nm) && SPREAD_NM.holds(*s) && mean_nm - cut_at_sigmas * s > 0.0) =>
+                if !(SIZE_NM.holds(*mean_nm) && SPREAD_NM.holds(*s) && mean_nm - cut_at_sigmas * s > 0.0) =>
             {
                 let found = format!("mean {mean_nm}, deviation {s}, cut at {cut_at_sigmas} sigmas");
                 Some(("size", found, "mean − cut × deviation above 0: a normal law has mass at zero"))
             }
-            Self::LogNormal { median_nm, sigma, .. } if !(positive(*median_nm) && SIGMA.holds(*sigma)) => {
+            Self::LogNormal { median_nm, sigma, .. }
+                if !(SIZE_NM.holds(*median_nm) && SIGMA.holds(*sigma)) =>
+            {
                 let found = format!("median {median_nm}, sigma {sigma}");
                 Some(("size", found, "a median above 0 and sigma from 0 to 2"))
             }
@@ -179,7 +175,7 @@ impl SizeDistribution {
     }
 
     /// The underlying log-normal distribution; NaN sizes for all other distributions.
-    pub(super) fn log_normal(&self) -> LogNormalLaw {
+    fn log_normal(&self) -> LogNormalLaw {
         match *self {
             Self::LogNormal { median_nm, sigma, by, cut_at_sigmas, .. } => {
                 LogNormalLaw::new(median_nm, sigma, by, cut_at_sigmas)
@@ -195,9 +191,7 @@ impl SizeDistribution {
     pub fn largest_nm(&self) -> f64 {
         match self {
             Self::Constant { value_nm, .. } => *value_nm,
-            Self::Normal { mean_nm, standard_deviation_nm, cut_at_sigmas, .. } => {
-                mean_nm + cut_at_sigmas * standard_deviation_nm
-            }
+            Self::Normal { mean_nm, standard_deviation_nm: s, cut_at_sigmas: c, .. } => mean_nm + c * s,
             Self::LogNormal { .. } | Self::Percentiles { .. } => self.log_normal().largest_nm(),
             Self::List { values_nm, .. } => values_nm.iter().copied().fold(0.0, f64::max),
         }
@@ -221,10 +215,7 @@ impl SizeDistribution {
             Self::LogNormal { median_nm, sigma, cut_at_sigmas, by: By::Number, .. } => {
                 median_nm * (sigma * cut_normal(draws, *cut_at_sigmas)).exp()
             }
-            Self::LogNormal { .. } | Self::Percentiles { .. } => {
-                self.log_normal().quantile_nm(draws.uniform())
-            }
-            Self::List { values_nm, weights, .. } => weighted(values_nm, weights, draws.uniform()),
+            law => law.quantile_nm(draws.uniform()),
         }
     }
 
@@ -242,25 +233,21 @@ impl SizeDistribution {
 fn percentiles_defect([d10, d50, d90]: [f64; 3]) -> Option<(&'static str, String, &'static str)> {
     let found = format!("d10 {d10}, d50 {d50}, d90 {d90} nm");
     if ![d10, d50, d90].iter().all(|d| SIZE_NM.holds(*d)) || d10 >= d50 || d50 >= d90 {
-        return Some((
-            "size",
-            found,
-            "d10_nm below d50_nm below d90_nm, all above 0; kind = \"constant\" for one size",
-        ));
+        let allowed = "d10_nm below d50_nm below d90_nm, all above 0; kind = \"constant\" for one size";
+        return Some(("size", found, allowed));
     }
     let sigma = LogNormalLaw::sigma_of([d10, d90]);
     if !SIGMA.holds(sigma) {
         return Some(("size", found, "a deviation ln(d90/d10)/2.56 of up to 2"));
     }
     let through = [d50 * (-TENTH * sigma).exp(), d50 * (TENTH * sigma).exp()];
-    let off = (through[0] / d10 - 1.0).abs();
     let said = format!("{found}; the log-normal law has d10 {:.1}, d90 {:.1} nm", through[0], through[1]);
     let allowed = "d10 and d90 within 5 % of the log-normal law through d50 (d50 = √(d10 d90)); for other laws kind = \"list\"";
-    (off > SKEW).then_some(("size", said, allowed))
+    ((through[0] / d10 - 1.0).abs() > SKEW).then_some(("size", said, allowed))
 }
 
 fn list_defect(values: &[f64], weights: &[f64]) -> Option<(&'static str, String, &'static str)> {
-    if values.is_empty() || values.iter().any(|v| !(v.is_finite() && *v > 0.0)) {
+    if values.is_empty() || !values.iter().all(|v| SIZE_NM.holds(*v)) {
         return Some(("size.values_nm", format!("{values:?}"), "one or more finite sizes above 0"));
     }
     let fits = weights.is_empty() || (weights.len() == values.len() && are_weights(weights));
@@ -278,70 +265,5 @@ fn cut_normal(draws: &mut Draws, cut: f64) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn draws_follow_their_moments_and_never_leave_the_cut() {
-        let law = SizeDistribution::LogNormal {
-            median_nm: 200.0,
-            sigma: 0.3,
-            by: By::Number,
-            cut_at_sigmas: 3.0,
-            of: Measure::EffectiveDiameter,
-        };
-        let mut draws = Draws::new(3, 0);
-        let logs: Vec<f64> = (0..40_000).map(|_| law.draw_nm(&mut draws).ln()).collect();
-        let mean = logs.iter().sum::<f64>() / 4e4;
-        // Significance: four standard errors 0.3/√40000 = 0.0015 of the mean.
-        assert!((mean - 200f64.ln()).abs() < 4.0 * 0.0015);
-        let widest = logs.iter().map(|l| (l - 200f64.ln()).abs()).fold(0.0, f64::max);
-        assert!(widest <= 0.9 + 1e-12 && law.largest_nm() >= 200.0 * widest.exp() * (1.0 - 1e-12));
-    }
-
-    /// Percentiles out of order, or of no log-normal distribution, are rejected; a slight skew is
-    /// accepted.
-    #[test]
-    fn percentiles_have_to_be_those_of_a_log_normal_law() {
-        let law = |[d10_nm, d50_nm, d90_nm]: [f64; 3]| SizeDistribution::Percentiles {
-            d10_nm,
-            d50_nm,
-            d90_nm,
-            by: By::Volume,
-            of: Measure::EffectiveDiameter,
-        };
-        assert_eq!(law([100.0, 200.0, 400.0]).defect(), None);
-        assert_eq!(law([104.0, 200.0, 400.0]).defect(), None);
-        for unordered in
-            [[200.0, 100.0, 400.0], [100.0, 100.0, 100.0], [f64::NAN, 1.0, 2.0], [-1.0, 1.0, 2.0]]
-        {
-            assert!(law(unordered).defect().unwrap().2.contains("d10_nm below d50_nm"), "{unordered:?}");
-        }
-        let (_, found, allowed) = law([150.0, 200.0, 400.0]).defect().unwrap();
-        assert!(found.contains("the log-normal law has d10 122.5, d90 326.6 nm"), "{found}");
-        assert!(allowed.contains("within 5 %"), "{allowed}");
-        assert!(law([1.0, 1000.0, 1e6]).defect().is_some());
-    }
-
-    #[test]
-    fn list_weights_set_the_frequencies() {
-        let values_nm = vec![100.0, 300.0];
-        let law = SizeDistribution::List { values_nm, weights: vec![1.0, 3.0], of: Measure::Radius };
-        let mut draws = Draws::new(3, 0);
-        let large = (0..10_000).filter(|_| law.draw_nm(&mut draws) == 300.0).count() as f64;
-        // Significance: four standard deviations √(n p q) = 43.
-        assert!((large - 7500.0).abs() < 4.0 * 43.4, "{large}");
-    }
-
-    #[test]
-    fn mass_at_zero_is_refused() {
-        let law = |standard_deviation_nm| SizeDistribution::Normal {
-            mean_nm: 100.0,
-            standard_deviation_nm,
-            cut_at_sigmas: 3.0,
-            of: Measure::Radius,
-        };
-        assert!(law(40.0).defect().is_some());
-        assert!(law(30.0).defect().is_none());
-    }
-}
+#[path = "size_tests.rs"]
+mod tests;

@@ -61,7 +61,7 @@ impl Form {
     }
 
     /// A form of the same kind with other semi-axes, radius and length, and other corners.
-    pub(super) fn resized(
+    pub(in crate::ink) fn resized(
         &self,
         length: impl Fn(f64) -> f64,
         corners: impl Fn(&[[f64; 2]]) -> Vec<[f64; 2]>,
@@ -105,8 +105,7 @@ impl Form {
             Form::Ellipsoid { semi_axes_um } => semi_axes_um.iter().copied().fold(0.0, f64::max),
             Form::Disc { radius_um, half_length_um } => radius_um.hypot(*half_length_um),
             Form::Prism { corners_um, half_length_um } => {
-                let across = corners_um.iter().map(|c| c[0].hypot(c[1])).fold(0.0, f64::max);
-                across.hypot(*half_length_um)
+                corners_um.iter().map(|c| c[0].hypot(c[1])).fold(0.0, f64::max).hypot(*half_length_um)
             }
         }
     }
@@ -135,12 +134,8 @@ impl Form {
                 roots(dot(d, d), dot(p, d), dot(p, p) - 1.0)?
             }
             Form::Disc { radius_um, half_length_um } => {
-                let round = roots(
-                    d[0] * d[0] + d[1] * d[1],
-                    p[0] * d[0] + p[1] * d[1],
-                    p[0] * p[0] + p[1] * p[1] - radius_um * radius_um,
-                )?;
-                clipped(round, p, d, ends(*half_length_um))
+                let [dd, pd, pp] = [(d, d), (p, d), (p, p)].map(|(a, b)| a[0] * b[0] + a[1] * b[1]);
+                clipped(roots(dd, pd, pp - radius_um * radius_um)?, p, d, ends(*half_length_um))
             }
             Form::Prism { corners_um, half_length_um } => {
                 let sides = edges(corners_um).map(|(a, b)| {
@@ -203,11 +198,6 @@ impl Solid {
         Solid { center_um, ..self.clone() }
     }
 
-    /// The core inside layers of this thickness, see [`Form::inset`].
-    pub fn inset(&self, depth_um: f64) -> Solid {
-        Solid { form: self.form.inset(depth_um), ..self.clone() }
-    }
-
     /// Lowest and highest coordinate along axis 0, 1 or 2, µm.
     pub fn extent_um(&self, axis: usize) -> [f64; 2] {
         let mut direction = [0.0; 3];
@@ -243,13 +233,10 @@ impl Solid {
     /// Triangles of the surface, corners in µm; round surfaces in `steps` parts per half turn.
     pub fn triangles(&self, steps: usize) -> Vec<[V3; 3]> {
         let place = |p: V3| add(self.center_um, self.rotation.turn(p));
-        let rings = self.rings(steps);
         let mut triangles = Vec::new();
-        for pair in rings.windows(2) {
-            let n = pair[0].len();
-            for i in 0..n {
-                let [a, b] = [pair[0][i], pair[0][(i + 1) % n]].map(place);
-                let [c, d] = [pair[1][i], pair[1][(i + 1) % n]].map(place);
+        for pair in self.rings(steps).windows(2) {
+            for (i, next) in (0..pair[0].len()).zip((1..pair[0].len()).chain([0])) {
+                let [a, b, c, d] = [pair[0][i], pair[0][next], pair[1][i], pair[1][next]].map(place);
                 triangles.extend([[a, b, d], [a, d, c]]);
             }
         }

@@ -1,7 +1,7 @@
 //! The volume of a union of spheres, exact for centres on a line and integrated with a standard
-//! error otherwise.
+//! error otherwise; and volumes of grains between horizontal planes.
 
-use crate::ink::Sphere;
+use crate::ink::{Solid, Sphere};
 use crate::numerics::Draws;
 use crate::numerics::vector::{V3, cross, dot, norm, scale, sub};
 use std::f64::consts::PI;
@@ -36,7 +36,7 @@ fn on_one_line(spheres: &[Sphere]) -> Option<Vec<(f64, f64)>> {
     let origin = spheres.first()?.center_um;
     let arm = |s: &Sphere| sub(s.center_um, origin);
     let farthest: V3 =
-        spheres.iter().map(arm).max_by(|a, b| norm(*a).total_cmp(&norm(*b))).unwrap_or([0.0; 3]);
+        spheres.iter().map(arm).max_by(|a, b| norm(*a).total_cmp(&norm(*b))).unwrap_or_default();
     let length = norm(farthest);
     if length == 0.0 {
         return Some(spheres.iter().map(|s| (0.0, s.radius_um)).collect());
@@ -127,16 +127,51 @@ fn chord_length(spheres: &[Sphere], at: [f64; 2], chords: &mut Vec<[f64; 2]>) ->
 /// Sorts intervals and merges those that overlap or touch.
 pub fn merge(intervals: &mut Vec<[f64; 2]>) {
     intervals.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let mut kept = 0;
-    for i in 1..intervals.len() {
-        if intervals[i][0] <= intervals[kept][1] {
-            intervals[kept][1] = intervals[kept][1].max(intervals[i][1]);
-        } else {
-            kept += 1;
-            intervals[kept] = intervals[i];
+    intervals.dedup_by(|next, kept| {
+        let joined = next[0] <= kept[1];
+        kept[1] = if joined { kept[1].max(next[1]) } else { kept[1] };
+        joined
+    });
+}
+
+/// Lines per side on which a convex body is sampled.
+const LINES: usize = 24;
+
+/// Volume of a grain, µm³, in `slices` of equal height from z = 0: of the convex body where there
+/// is one, else of the spheres, each counted by itself.
+pub fn in_slices(spheres: &[Sphere], solid: Option<&Solid>, height: f64, slices: usize) -> Vec<f64> {
+    if let Some(solid) = solid {
+        return of_solid(solid, height, slices);
+    }
+    let within = |k: usize| {
+        let [from, to] = [k, k + 1].map(|k| k as f64 * height);
+        spheres.iter().map(|s| between(s, from, to)).sum()
+    };
+    (0..slices).map(within).collect()
+}
+
+/// Volume of a convex body in every slice, µm³, from its chords along z.
+fn of_solid(solid: &Solid, height: f64, slices: usize) -> Vec<f64> {
+    let extents = [0, 1].map(|axis| solid.extent_um(axis));
+    let step = extents.map(|[low, high]| (high - low) / LINES as f64);
+    let mut volumes = vec![0.0; slices];
+    for line in 0..LINES * LINES {
+        let at = |axis: usize, i: usize| extents[axis][0] + (i as f64 + 0.5) * step[axis];
+        let from = [at(0, line % LINES), at(1, line / LINES), 0.0];
+        let Some([low, high]) = solid.chord(from, [0.0, 0.0, 1.0]) else { continue };
+        for (k, volume) in volumes.iter_mut().enumerate() {
+            let [bottom, top] = [k, k + 1].map(|k| k as f64 * height);
+            *volume += step[0] * step[1] * (high.min(top) - low.max(bottom)).max(0.0);
         }
     }
-    intervals.truncate(if intervals.is_empty() { 0 } else { kept + 1 });
+    volumes
+}
+
+/// Volume of a sphere between two heights, µm³.
+fn between(sphere: &Sphere, from: f64, to: f64) -> f64 {
+    let (z, r) = (sphere.center_um[2], sphere.radius_um);
+    let [low, high] = [from, to].map(|height| (height - z).clamp(-r, r));
+    PI * (r * r * (high - low) - (high.powi(3) - low.powi(3)) / 3.0)
 }
 
 #[cfg(test)]

@@ -1,11 +1,9 @@
 //! Bodies in the cell: positions, rotations and the spheres they carry.
 
 use super::cell::CellBox;
-use super::grain::Grain;
 use super::plan::PackingPlan;
 use crate::ink::grains::contact::{self, Contact};
-use crate::ink::grains::solid::Solid;
-use crate::ink::grains::sphere::Sphere;
+use crate::ink::{Grain, Solid, Sphere};
 use crate::numerics::vector::{Rotation, V3, add, norm, scale, sub, unit};
 use std::ops::Range;
 
@@ -13,7 +11,7 @@ use std::ops::Range;
 /// belong to body b.
 pub(crate) struct Bodies<'a> {
     pub cell: CellBox,
-    pub plan: &'a PackingPlan,
+    pub plan: &'a PackingPlan<'a>,
     pub placed: usize,
     pub centre: Vec<V3>,
     pub rotation: Vec<Rotation>,
@@ -29,7 +27,7 @@ pub(crate) struct Bodies<'a> {
 }
 
 impl<'a> Bodies<'a> {
-    pub fn new(plan: &'a PackingPlan) -> Self {
+    pub fn new(plan: &'a PackingPlan<'a>) -> Self {
         let bodies = &plan.bodies;
         let mut first = vec![0];
         let mut owner = Vec::new();

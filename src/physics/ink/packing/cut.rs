@@ -1,9 +1,7 @@
 //! A layer cut out of a packing by two horizontal planes.
 
-use super::grain::Grain;
-use super::placed::Packing;
-use crate::ink::Sphere;
-use crate::ink::grains::slices;
+use crate::ink::grains::volume::in_slices;
+use crate::ink::{Grain, Packing, Sphere};
 
 impl Grain {
     /// The grain moved along z.
@@ -16,12 +14,12 @@ impl Grain {
 
     /// Volume of the grain between z = 0 and z = `height_um`, µm³.
     fn volume_below(&self, height_um: f64) -> f64 {
-        let [low, high] = self.extent_z_um();
+        let [low, high] = self.extent_um(2);
         if low >= 0.0 && high <= height_um {
             return self.volume_um3;
         }
         let solid = self.solid.as_ref();
-        let within = slices::volumes(&self.spheres, solid, height_um, 1)[0];
+        let within = in_slices(&self.spheres, solid, height_um, 1)[0];
         let whole: f64 = self.spheres.iter().map(Sphere::volume_um3).sum();
         // Overlapping spheres of a union are scaled to its volume, as in profiles.
         if solid.is_some() { within } else { self.volume_um3 * within / whole }
@@ -36,7 +34,7 @@ impl Packing {
         let images = if self.walls() { &[0.0][..] } else { &[-1.0, 0.0, 1.0] };
         let of = |grain: &Grain| -> Vec<Grain> {
             let lifted = images.iter().map(|image| grain.lifted(image * period - from));
-            lifted.filter(|g| g.extent_z_um()[0] < thickness_um && g.extent_z_um()[1] > 0.0).collect()
+            lifted.filter(|g| g.extent_um(2)[0] < thickness_um && g.extent_um(2)[1] > 0.0).collect()
         };
         let grains: Vec<Grain> = self.grains().iter().flat_map(of).collect();
         let box_um3 = self.period_um()[0] * self.period_um()[1] * thickness_um;

@@ -102,21 +102,18 @@ impl PackingRequest {
     /// window: the variance of their number over its mean.
     fn structure_factor(&self, bodies: &[PigmentInWindow]) -> f64 {
         let (fraction, diameter) = self.crowd(bodies);
-        let side = (self.period_um[0] * self.period_um[1]).sqrt();
+        let dilute = self.method == MethodChoice::Auto && self.accessible(fraction, diameter) <= AUTO_LIMIT;
         if self.equilibration.is_some() {
-            return percus_yevick(fraction);
-        }
-        match self.method {
-            MethodChoice::SequentialAddition => (1.0 - fraction).powf(SEQUENTIAL),
-            MethodChoice::Auto if self.accessible(fraction, diameter) <= AUTO_LIMIT => {
-                (1.0 - fraction).powf(SEQUENTIAL)
-            }
-            _ => relaxed(fraction, diameter / side),
+            percus_yevick(fraction)
+        } else if dilute || self.method == MethodChoice::SequentialAddition {
+            (1.0 - fraction).powf(SEQUENTIAL)
+        } else {
+            relaxed(fraction, diameter / (self.period_um[0] * self.period_um[1]).sqrt())
         }
     }
 
     /// Volume fraction where centres may lie, by which the method is chosen.
-    fn accessible(&self, fraction: f64, diameter_um: f64) -> f64 {
+    pub(super) fn accessible(&self, fraction: f64, diameter_um: f64) -> f64 {
         fraction / (1.0 - if self.walls { 0.5 * diameter_um / self.thickness_um } else { 0.0 })
     }
 
@@ -149,8 +146,7 @@ fn relaxed(fraction: f64, smallness: f64) -> f64 {
 
 /// S(0) of hard spheres in equilibrium (Percus and Yevick 1958, by compressibility).
 fn percus_yevick(fraction: f64) -> f64 {
-    let free = (1.0 - fraction).powi(4);
-    free / ((1.0 + 2.0 * fraction).powi(2) - 4.0 * fraction.powi(3) + fraction.powi(4))
+    (1.0 - fraction).powi(4) / ((1.0 + 2.0 * fraction).powi(2) - 4.0 * fraction.powi(3) + fraction.powi(4))
 }
 
 /// Relative covariance of the pigments' volumes, where all bodies' places have the structure factor

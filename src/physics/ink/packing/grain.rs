@@ -1,10 +1,12 @@
-//! A placed grain.
+//! A placed grain; and microstructures of voxels: equal voxels are merged to boxes, which are
+//! placed as grains.
 
-use crate::ink::grains::solid::Solid;
+use crate::ink::grains::solid::{Form, Solid};
 use crate::ink::grains::sphere::{Sphere, centre_of_mass};
 use crate::ink::grains::volume::union_volume;
 use crate::numerics::vector::{V3, sub, unit};
-use serde::{Deserialize, Serialize};
+use ndarray::{Array3, s};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// A rigid union of spheres, or a convex body. The coordinates of a grain are contiguous (not
 /// wrapped individually), and its first centre lies in the cell.
@@ -60,28 +62,94 @@ impl Grain {
         Self { spheres, solid, pigment, axis, agglomerate: None, volume_um3 }
     }
 
-    /// Lowest and highest z, µm.
-    pub fn extent_z_um(&self) -> [f64; 2] {
-        self.extent_um(2)
-    }
-
     /// Lowest and highest coordinate along an axis, µm.
     pub fn extent_um(&self, axis: usize) -> [f64; 2] {
         if let Some(solid) = &self.solid {
             return solid.extent_um(axis);
         }
-        let ends =
-            self.spheres.iter().map(|s| [-1.0, 1.0].map(|side| s.center_um[axis] + side * s.radius_um));
+        let ends = self.spheres.iter().map(|s| [-1.0, 1.0].map(|end| s.center_um[axis] + end * s.radius_um));
         ends.fold([f64::MAX, f64::MIN], |e, [low, high]| [e[0].min(low), e[1].max(high)])
-    }
-
-    /// Whether the grain has an axis: it is not a single sphere.
-    pub fn is_elongated(&self) -> bool {
-        self.solid.is_some() || self.spheres.len() > 1
     }
 
     /// Centre of mass of the spheres, each weighted by its volume; not wrapped.
     pub fn centre_um(&self) -> V3 {
         centre_of_mass(&self.spheres)
     }
+}
+
+/// The voxels of one cut that belong to pigments, merged to boxes that touch and do not overlap.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VoxelCut {
+    /// Voxels along x, y and z, from the lit face down; they divide the cell evenly.
+    pub count: [usize; 3],
+    /// Whether the cut was mirrored along x and y, which made it periodic.
+    pub mirrored: bool,
+    /// First voxel along x, y, z, the first one beyond the box, and the pigment.
+    #[serde(serialize_with = "as_text", deserialize_with = "from_text")]
+    pub boxes: Vec<[usize; 7]>,
+}
+
+impl VoxelCut {
+    /// Merges the voxels of `labels`, with axes x, y, z: 0 is the binder, k + 1 pigment k.
+    pub fn new(labels: &Array3<u8>, mirrored: bool) -> VoxelCut {
+        let (nx, ny, nz) = labels.dim();
+        let mut left = labels.clone();
+        let mut boxes = Vec::new();
+        for ((x, y, z), &label) in labels.indexed_iter() {
+            if left[[x, y, z]] > 0 {
+                let [x1, y1, z1] = grown(&left, [x, y, z]);
+                left.slice_mut(s![x..x1, y..y1, z..z1]).fill(0);
+                boxes.push([x, y, z, x1, y1, z1, usize::from(label) - 1]);
+            }
+        }
+        VoxelCut { count: [nx, ny, nz], mirrored, boxes }
+    }
+
+    /// Voxels of a pigment.
+    pub fn volume(&self, pigment: usize) -> usize {
+        let own = self.boxes.iter().filter(|b| b[6] == pigment);
+        own.map(|b| (0..3).map(|axis| b[axis + 3] - b[axis]).product::<usize>()).sum()
+    }
+
+    /// The boxes in a cell of this size, µm.
+    pub fn grains(&self, cell_um: [f64; 3]) -> Vec<Grain> {
+        let um = |axis: usize, voxels: usize| cell_um[axis] * voxels as f64 / self.count[axis] as f64;
+        let grain = |b: &[usize; 7]| {
+            let edges = [0, 1, 2].map(|axis| um(axis, b[axis + 3] - b[axis]));
+            let center = [0, 1, 2].map(|axis| 0.5 * um(axis, b[axis + 3] + b[axis]));
+            Grain::convex(Solid::upright(Form::cuboid(edges), center), b[6])
+        };
+        self.boxes.iter().map(grain).collect()
+    }
+}
+
+/// The end of the largest box of one label that begins at `low`, grown along x, then y, then z.
+fn grown(left: &Array3<u8>, low: [usize; 3]) -> [usize; 3] {
+    let mut high = low.map(|i| i + 1);
+    for axis in 0..3 {
+        while high[axis] < left.shape()[axis] {
+            let (mut from, mut to) = (low, high);
+            from[axis] = high[axis];
+            to[axis] += 1;
+            let next = left.slice(s![from[0]..to[0], from[1]..to[1], from[2]..to[2]]);
+            if next.iter().any(|&label| label != left[low]) {
+                break;
+            }
+            high = to;
+        }
+    }
+    high
+}
+
+/// One text instead of a line per number.
+fn as_text<S: Serializer>(boxes: &[[usize; 7]], to: S) -> Result<S::Ok, S::Error> {
+    let words: Vec<String> = boxes.iter().flatten().map(usize::to_string).collect();
+    to.serialize_str(&words.join(" "))
+}
+
+fn from_text<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<[usize; 7]>, D::Error> {
+    let text = String::deserialize(from)?;
+    let numbers: Result<Vec<usize>, _> = text.split_whitespace().map(str::parse).collect();
+    let numbers = numbers.map_err(serde::de::Error::custom)?;
+    Ok(numbers.chunks_exact(7).map(|b| std::array::from_fn(|i| b[i])).collect())
 }

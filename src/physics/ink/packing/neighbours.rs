@@ -1,7 +1,7 @@
 //! Verlet neighbour lists of spheres, with a skin that keeps them valid over many small steps.
 
 use super::bodies::Bodies;
-use super::buckets::{grid_count, neighbours};
+use super::cell::{grid_cell, grid_count, neighbours};
 use crate::numerics::vector::{V3, dot};
 
 /// For each sphere, the spheres of other bodies within reach × (1 + inflation) + skin when the list
@@ -95,10 +95,8 @@ impl Sorted {
         }
         let n = bodies.spheres();
         let scale: V3 = std::array::from_fn(|a| count[a] as f64 / bodies.cell.size[a]);
-        let index = |p: V3, a: usize| ((p[a] * scale[a]) as usize).min(count[a] - 1);
-        let cell_of = |p: &V3| ((index(*p, 2) * count[1] + index(*p, 1)) * count[0] + index(*p, 0)) as u32;
         self.cell.clear();
-        self.cell.extend(bodies.at[..n].iter().map(cell_of));
+        self.cell.extend(bodies.at[..n].iter().map(|p| grid_cell(*p, scale, count) as u32));
         self.start.clear();
         self.start.resize(cells + 1, 0);
         self.cell.iter().for_each(|c| self.start[*c as usize + 1] += 1);
@@ -113,4 +111,22 @@ impl Sorted {
             *slot += 1;
         }
     }
+}
+
+/// Overlap energy of each body.
+pub(crate) fn strain(bodies: &Bodies) -> Vec<f64> {
+    let list = Neighbours::new(bodies, 0.0, 0.0);
+    let mut strain = vec![0.0; bodies.placed];
+    for s in 0..bodies.spheres() {
+        let p = bodies.at[s];
+        let mut push = |depth: f64| strain[bodies.owner[s] as usize] += depth.max(0.0).powi(2);
+        if bodies.cell.walls {
+            let [low, high] = bodies.extent_z(s);
+            push(-2.0 * (p[2] + low).min(bodies.cell.size[2] - p[2] - high));
+        }
+        for t in list.of(s).iter().map(|t| *t as usize) {
+            push(bodies.contact(s, t, bodies.cell.delta(p, bodies.at[t]), 0.0).map_or(0.0, |c| -c.gap_um));
+        }
+    }
+    strain
 }

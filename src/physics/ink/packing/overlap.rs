@@ -4,12 +4,9 @@
 //! Shares nothing with the packing methods: no grid, no neighbour list, no wrapped copy of
 //! positions; a separating direction is judged by the widths of the forms alone.
 
-use super::grain::Grain;
 use super::request::are_lengths;
-use crate::ink::error::PackError;
 use crate::ink::grains::contact::proven_gap_um;
-use crate::ink::grains::solid::Solid;
-use crate::ink::grains::sphere::Sphere;
+use crate::ink::{Grain, PackError, Solid, Sphere};
 use crate::numerics::vector::norm;
 
 /// Overlap by the rounding of coordinates where faces touch, in lengths of the cell.
@@ -28,21 +25,17 @@ struct GridEntry {
 ///
 /// Fails with [`PackError::Overlap`] on the worst overlap, and with [`PackError::BadInput`] on
 /// non-finite numbers or grains wider than the period.
-pub fn smallest_gap(
-    period: [f64; 2],
-    thickness: f64,
-    walls: bool,
-    grains: &[Grain],
-) -> Result<Option<f64>, PackError> {
-    check_numbers(period, thickness, walls, grains)?;
+pub fn smallest_gap(size: [f64; 3], walls: bool, grains: &[Grain]) -> Result<Option<f64>, PackError> {
+    check_numbers(size, walls, grains)?;
     // The smallest gap, and the grains that it is between; none is a wall.
     let mut worst = (f64::INFINITY, 0, None);
-    let entries = sorted(period, grains);
+    let entries = sorted(size, grains);
     let largest = entries.iter().map(|e| e.sphere.radius_um).fold(0.0, f64::max);
     for (i, a) in entries.iter().enumerate() {
         if walls {
-            let [low, high] = grains[a.grain].solid.as_ref().map_or(a.ends(), |solid| solid.extent_um(2));
-            let to_wall = low.min(thickness - high);
+            let ends = [-1.0, 1.0].map(|side| a.sphere.center_um[2] + side * a.sphere.radius_um);
+            let [low, high] = grains[a.grain].solid.as_ref().map_or(ends, |solid| solid.extent_um(2));
+            let to_wall = low.min(size[2] - high);
             if to_wall < worst.0 {
                 worst = (to_wall, a.grain, None);
             }
@@ -51,16 +44,16 @@ pub fn smallest_gap(
         for step in 1..entries.len() {
             let wrapped = i + step >= entries.len();
             let b = &entries[(i + step) % entries.len()];
-            if b.x + if wrapped { period[0] } else { 0.0 } - a.x > window {
+            if b.x + if wrapped { size[0] } else { 0.0 } - a.x > window {
                 break;
             }
             // Too far apart in y or z to be closer than the closest pair found.
             let reach = a.sphere.radius_um + b.sphere.radius_um + worst.0;
             let dy = (a.y - b.y).abs();
             let dz = (a.sphere.center_um[2] - b.sphere.center_um[2]).abs();
-            let far = dy.min(period[1] - dy) > reach || (walls && dz > reach);
+            let far = dy.min(size[1] - dy) > reach || (walls && dz > reach);
             if !far && a.grain != b.grain {
-                let cell = [period[0], period[1], if walls { f64::INFINITY } else { thickness }];
+                let cell = [size[0], size[1], if walls { f64::INFINITY } else { size[2] }];
                 let gap = gap([a, b], cell, grains, worst.0);
                 if gap < worst.0 {
                     worst = (gap, a.grain, Some(b.grain));
@@ -69,7 +62,7 @@ pub fn smallest_gap(
         }
     }
     let (gap, first, second) = worst;
-    if gap < -ROUNDING * period[0].max(period[1]).max(thickness) {
+    if gap < -ROUNDING * size[0].max(size[1]).max(size[2]) {
         let second = second.map_or("a wall".to_string(), |grain| format!("grain {grain}"));
         return Err(PackError::Overlap { first: format!("grain {first}"), second, overlap_um: -gap });
     }
@@ -77,11 +70,6 @@ pub fn smallest_gap(
 }
 
 impl GridEntry {
-    /// Lowest and highest z of the sphere.
-    fn ends(&self) -> [f64; 2] {
-        [-1.0, 1.0].map(|side| self.sphere.center_um[2] + side * self.sphere.radius_um)
-    }
-
     /// The convex body that the sphere is around, or the sphere as one.
     fn solid(&self, grains: &[Grain]) -> Solid {
         let round = || Sphere { center_um: [0.0; 3], ..self.sphere }.solid();
@@ -103,19 +91,15 @@ fn gap([a, b]: [&GridEntry; 2], cell: [f64; 3], grains: &[Grain], known: f64) ->
     }
     let (one, two) = (a.solid(grains), b.solid(grains));
     // Long bodies may meet in another image than that with the nearest centre.
-    let shifts = cell.map(|length| if 2.0 * reach > length { -1..=1 } else { 0..=0 });
     let shifted = |axis: usize, k: i32| near[axis] + if k == 0 { 0.0 } else { f64::from(k) * cell[axis] };
-    let mut least = f64::INFINITY;
-    for i in shifts[0].clone() {
-        for j in shifts[1].clone() {
-            for k in shifts[2].clone() {
-                let apart = [shifted(0, i), shifted(1, j), shifted(2, k)];
-                let bound = boxes_gap(&one, &two, apart);
-                least = least.min(if bound >= known { bound } else { proven_gap_um(&one, &two, apart) });
-            }
-        }
-    }
-    least
+    let [xs, ys, zs] = cell.map(|length| if 2.0 * reach > length { -1..=1 } else { 0..=0 });
+    let in_plane = xs.flat_map(|i| ys.clone().map(move |j| [i, j]));
+    let all = in_plane.flat_map(|[i, j]| zs.clone().map(move |k| [i, j, k]));
+    let gaps = all.map(|[i, j, k]| [shifted(0, i), shifted(1, j), shifted(2, k)]).map(|apart| {
+        let bound = boxes_gap(&one, &two, apart);
+        if bound >= known { bound } else { proven_gap_um(&one, &two, apart) }
+    });
+    gaps.fold(f64::INFINITY, f64::min)
 }
 
 /// Gap between the upright boxes around two bodies, along the axis where it is widest.
@@ -127,10 +111,10 @@ fn boxes_gap(one: &Solid, two: &Solid, apart: [f64; 3]) -> f64 {
     along(0).max(along(1)).max(along(2))
 }
 
-fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<GridEntry> {
+fn sorted(size: [f64; 3], grains: &[Grain]) -> Vec<GridEntry> {
     let spheres = grains.iter().enumerate().flat_map(|(grain, g)| g.spheres.iter().map(move |s| (grain, *s)));
     let entry = |(grain, sphere): (usize, Sphere)| {
-        let [x, y] = [0, 1].map(|i| sphere.center_um[i].rem_euclid(period[i]));
+        let [x, y] = [0, 1].map(|i| sphere.center_um[i].rem_euclid(size[i]));
         GridEntry { x, y, grain, sphere }
     };
     let mut entries: Vec<GridEntry> = spheres.map(entry).collect();
@@ -138,8 +122,7 @@ fn sorted(period: [f64; 2], grains: &[Grain]) -> Vec<GridEntry> {
     entries
 }
 
-fn check_numbers(period: [f64; 2], thickness: f64, walls: bool, grains: &[Grain]) -> Result<(), PackError> {
-    let lengths = [period[0], period[1], thickness];
+fn check_numbers(lengths: [f64; 3], walls: bool, grains: &[Grain]) -> Result<(), PackError> {
     let (sound, found) = (are_lengths(lengths), format!("{lengths:?} µm"));
     PackError::unless(sound, "period and thickness", found, "finite and above 0", "check the cell")?;
     for (k, grain) in grains.iter().enumerate() {

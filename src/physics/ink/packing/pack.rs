@@ -1,13 +1,16 @@
 //! Packing of a request, with the final check for overlap.
 
 use super::bodies::Bodies;
+use super::hard_bodies::{add_all, equilibrate};
+use super::neighbours::strain;
 use super::placed::{Method, Packing, PackingAccount};
 use super::plan::PackingPlan;
-use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest, RelaxationSettings};
-use super::watch::PackWatch;
-use super::{fewer, monte_carlo, relaxation, sequential, settle};
-use crate::ink::error::PackError;
-use crate::numerics::draws::Draws;
+use super::relaxation::{OverlapRelaxation, relax_all};
+use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest};
+use super::settle::settle;
+use crate::ink::error::{Course, PackError, PackWatch, Reached};
+use crate::numerics::Draws;
+use crate::numerics::vector::{Rotation, V3};
 
 /// Whether a small crowded cell jams is a matter of chance: of 50 % of upright cylinders, 18 of 40
 /// cells with 90–160 bodies do, and 7 of 40 with 220–370. They start anew elsewhere. Cells with
@@ -68,39 +71,36 @@ fn attempt(
 ) -> Result<Packing, PackError> {
     let mut draws = Draws::new(request.seed, request.stream);
     let mut plan = PackingPlan::new(request, &mut draws)?;
-    let method = method.unwrap_or_else(|| suited(request, &plan));
-    arrange(&mut plan, method, &mut draws);
-    let mut account = PackingAccount::new(method, request.seed, request.stream);
-    account.notes.append(&mut plan.notes);
-    let mut bodies = Bodies::new(&plan);
+    let method = method.unwrap_or_else(|| suited(&plan));
+    // Sequential addition places large bodies first (the order of equal ones is irrelevant);
+    // relaxation shuffles them so that every batch holds the same mixture.
+    match method {
+        Method::SequentialAddition => plan.bodies.sort_by(|a, b| b.reach.total_cmp(&a.reach)),
+        _ => draws.shuffle(&mut plan.bodies),
+    }
+    let notes = std::mem::take(&mut plan.notes);
+    let mut account = PackingAccount { notes, ..PackingAccount::new(method, request) };
+    let (mut bodies, mut course) = (Bodies::new(&plan), Course { draws, watch });
     if !plan.bodies.is_empty() {
-        account.steps = if method == Method::SequentialAddition {
-            sequential::add_all(&mut bodies, request.sequential.attempts_per_grain, &mut draws, watch)?
-        } else {
-            relax(&mut bodies, &request.relaxation, &mut draws, watch)?
+        account.steps = match method {
+            Method::SequentialAddition => add_all(&mut bodies, &mut course)?,
+            _ => relax(&mut bodies, &mut course)?,
         };
         if let Some(settings) = &request.equilibration {
             account.sweeps = settings.sweeps;
-            let rate = monte_carlo::equilibrate(&mut bodies, settings.sweeps, &mut draws, watch)?;
-            account.acceptance = Some(rate);
+            account.acceptance = Some(equilibrate(&mut bodies, settings.sweeps, &mut course)?);
         }
     }
-    finish(request, &bodies, account)
+    finish(&bodies, account)
 }
 
 /// Relaxes all grains, from other places if they jam; returns the number of steps. If they do not
 /// fit, the error states how many would.
-fn relax(
-    bodies: &mut Bodies,
-    settings: &RelaxationSettings,
-    draws: &mut Draws,
-    watch: &mut dyn PackWatch,
-) -> Result<u64, PackError> {
-    let plan = bodies.plan;
-    let mut steps = 0;
+fn relax(bodies: &mut Bodies, course: &mut Course) -> Result<u64, PackError> {
+    let (plan, mut steps) = (bodies.plan, 0);
     let mut again = (BODIES_OF_ALL_STARTS / plan.bodies.len()).clamp(1, MOST_STARTS);
     let left = loop {
-        let (taken, left) = relaxation::relax_all(bodies, settings, draws, watch)?;
+        let (taken, left) = relax_all(bodies, course)?;
         steps += taken;
         again -= 1;
         match left {
@@ -109,10 +109,11 @@ fn relax(
             Some(_) => *bodies = Bodies::new(plan),
         }
     };
+    let Reached { fraction: requested, grains: wanted } = plan.whole();
     Err(PackError::NotReached {
-        requested: plan.fraction(),
-        reached: fewer::fit_fewer(bodies, settings, draws, watch)?,
-        wanted: plan.grains(),
+        requested,
+        reached: fit_fewer(bodies, course)?,
+        wanted,
         steps,
         largest_overlap_um: left.overlap,
         relative_overlap: left.relative,
@@ -120,32 +121,53 @@ fn relax(
 }
 
 /// Checks for overlap, and computes the binder's surface if requested.
-fn finish(request: &PackingRequest, bodies: &Bodies, account: PackingAccount) -> Result<Packing, PackError> {
-    let (period, thickness) = (request.period_um, request.thickness_um);
-    let parts = (bodies.plan.shares.clone(), account);
-    let packing = Packing::proven(period, thickness, request.walls, bodies.grains(), parts)?;
-    let mut packing = packing.with_shells(request.shells_um())?;
+fn finish(bodies: &Bodies, account: PackingAccount) -> Result<Packing, PackError> {
+    let request = bodies.plan.request;
+    let mut packing = Packing::proven(request, bodies.grains(), bodies.plan.shares.clone(), account)?;
     if let Some(asked) = request.relief.filter(|_| !packing.grains.is_empty()) {
-        packing.relief = Some(settle::settle(&packing, &asked));
+        packing.relief = Some(settle(&packing, &asked));
     }
     Ok(packing)
 }
 
 /// Automatic choice of the method by the volume fraction accessible to centres: walls exclude part
 /// of the layer for large grains.
-fn suited(request: &PackingRequest, plan: &PackingPlan) -> Method {
-    let spheres = plan.bodies.iter().flat_map(|b| &b.spheres);
-    let widest = spheres.map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
-    let lost = if request.walls { 0.5 * widest / request.thickness_um } else { 0.0 };
-    let crowding = request.usual_fraction.unwrap_or(plan.fraction()) / (1.0 - lost);
+fn suited(plan: &PackingPlan) -> Method {
+    let widest = plan.bodies.iter().flat_map(|b| &b.spheres).map(|s| 2.0 * s.radius_um).fold(0.0, f64::max);
+    let fraction = plan.request.usual_fraction.unwrap_or(plan.whole().fraction);
+    let crowding = plan.request.accessible(fraction, widest);
     if crowding <= AUTO_LIMIT { Method::SequentialAddition } else { Method::Relaxation }
 }
 
-/// Order of placement. Sequential addition places large bodies first (the order of equal ones is
-/// irrelevant); relaxation shuffles them so that every batch holds the same mixture.
-fn arrange(plan: &mut PackingPlan, method: Method, draws: &mut Draws) {
-    match method {
-        Method::SequentialAddition => plan.bodies.sort_by(|a, b| b.reach.total_cmp(&a.reach)),
-        _ => draws.shuffle(&mut plan.bodies),
+/// Relaxation steps of each round.
+const STEPS: u64 = 400;
+/// Fraction of the bodies removed per round.
+const TAKEN_OUT: f64 = 0.01;
+const ROUNDS: usize = 60;
+
+/// The highest volume fraction reached from a stuck arrangement: the bodies with the largest
+/// overlap are removed, a hundredth at a time, and the rest relaxes again until nothing overlaps.
+/// `None` if that takes more than [`ROUNDS`].
+fn fit_fewer(stuck: &Bodies, course: &mut Course) -> Result<Option<Reached>, PackError> {
+    let mut kept: Vec<(usize, V3, Rotation)> =
+        (0..stuck.placed).map(|b| (b, stuck.centre[b], stuck.rotation[b])).collect();
+    for _ in 0..ROUNDS {
+        let plan = stuck.plan.subset(kept.iter().map(|(b, ..)| *b));
+        let mut bodies = Bodies::new(&plan);
+        kept.iter().enumerate().for_each(|(b, (_, centre, rotation))| bodies.put(b, *centre, *rotation));
+        bodies.placed = kept.len();
+        let mut relaxation = OverlapRelaxation::new(&mut bodies);
+        relaxation.inflation = relaxation.inflation.min(1e-3);
+        relaxation.start_all();
+        if relaxation.settle(STEPS, course)?.is_none() {
+            return Ok(Some(plan.reached(kept.len())));
+        }
+        let strain = strain(&bodies);
+        let mut order: Vec<usize> = (0..kept.len()).collect();
+        order.sort_by(|a, b| strain[*b].total_cmp(&strain[*a]));
+        let mut left = order.split_off((TAKEN_OUT * kept.len() as f64).ceil() as usize);
+        left.sort_unstable();
+        kept = left.into_iter().map(|b| (kept[b].0, bodies.centre[b], bodies.rotation[b])).collect();
     }
+    Ok(None)
 }

@@ -1,11 +1,7 @@
 //! Placed grains: a packing exists only if an independent check has found no overlap in it.
 
-use super::grain::{Grain, Layered};
-use super::request::PackingRequest;
 use super::{overlap, shell};
-use crate::ink::error::PackError;
-use crate::ink::grains::sphere::Sphere;
-use crate::ink::relief::{Relief, RoughFace};
+use crate::ink::{Grain, Layered, PackError, PackingRequest, Relief, RoughFace, Sphere};
 use serde::{Deserialize, Serialize};
 
 /// Method of placement.
@@ -37,7 +33,7 @@ impl Method {
 /// Volume fraction of one pigment: as requested and as achieved with whole grains.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Share {
-    /// Requested volume fraction.
+    /// Requested volume fraction; see [`crate::ink::Relief`] for its reference volume.
     pub requested_fraction: f64,
     /// Volume fraction of the placed grains.
     pub achieved_fraction: f64,
@@ -82,9 +78,10 @@ pub struct PackingAccount {
 }
 
 impl PackingAccount {
-    pub(crate) fn new(method: Method, seed: u64, stream: u64) -> Self {
+    pub(crate) fn new(method: Method, request: &PackingRequest) -> Self {
+        let (seed, stream, notes) = (request.seed, request.stream, Vec::new());
         let (acceptance, smallest_gap_um) = (None, None);
-        Self { method, seed, stream, steps: 0, sweeps: 0, acceptance, smallest_gap_um, notes: Vec::new() }
+        Self { method, seed, stream, steps: 0, sweeps: 0, acceptance, smallest_gap_um, notes }
     }
 }
 
@@ -130,41 +127,46 @@ impl Packing {
         walls: bool,
         grains: Vec<Grain>,
     ) -> Result<Self, PackError> {
+        let request = PackingRequest { period_um, thickness_um, walls, seed: 0, ..Default::default() };
         let kinds = grains.iter().map(|g| g.pigment + 1).max().unwrap_or(0);
-        let box_um3 = period_um[0] * period_um[1] * thickness_um;
-        let shares = (0..kinds).map(|pigment| Share::of_given(&grains, pigment, box_um3)).collect();
-        let account = PackingAccount::new(Method::Given, 0, 0);
-        Self::proven(period_um, thickness_um, walls, grains, (shares, account))
+        Self::placed_before(&request, grains, kinds, Method::Given)
     }
 
     /// The given grains of a request's realisation, if it has any.
     pub(crate) fn given(request: &PackingRequest) -> Option<Result<Self, PackError>> {
-        let cut = usize::try_from(request.stream).ok()?;
-        let ([lx, ly], thickness_um) = (request.period_um, request.thickness_um);
+        let (cut, [lx, ly]) = (usize::try_from(request.stream).ok()?, request.period_um);
         let (grains, method) = match request.voxels.get(cut) {
-            Some(voxels) => (voxels.grains([lx, ly, thickness_um]), Method::Voxels),
+            Some(voxels) => (voxels.grains([lx, ly, request.thickness_um]), Method::Voxels),
             None => (request.given.get(cut)?.clone(), Method::Given),
         };
-        let share = |pigment| Share::of_given(&grains, pigment, lx * ly * thickness_um);
-        let shares = (0..request.pigments.len()).map(share).collect();
-        let account = PackingAccount::new(method, request.seed, request.stream);
-        let parts = (shares, account);
-        let packing = Self::proven([lx, ly], thickness_um, request.walls, grains, parts);
-        Some(packing.and_then(|packing| packing.with_shells(request.shells_um())))
+        Some(Self::placed_before(request, grains, request.pigments.len(), method))
     }
 
-    /// The only constructor: checks every pair.
-    pub(crate) fn proven(
-        period_um: [f64; 2],
-        thickness_um: f64,
-        walls: bool,
+    /// Given grains of `kinds` pigments in a request's cell.
+    fn placed_before(
+        request: &PackingRequest,
         grains: Vec<Grain>,
-        (shares, mut account): (Vec<Share>, PackingAccount),
+        kinds: usize,
+        method: Method,
     ) -> Result<Self, PackError> {
-        account.smallest_gap_um = overlap::smallest_gap(period_um, thickness_um, walls, &grains)?;
-        let shells_um = vec![Vec::new(); shares.len()];
-        let (cut, relief) = (false, None);
-        Ok(Self { period_um, thickness_um, walls, cut, grains, shares, account, relief, shells_um })
+        let box_um3 = request.period_um[0] * request.period_um[1] * request.thickness_um;
+        let shares = (0..kinds).map(|pigment| Share::of_given(&grains, pigment, box_um3)).collect();
+        Self::proven(request, grains, shares, PackingAccount::new(method, request))
+    }
+
+    /// The only constructor: checks every pair, and that the layers leave a core in every grain.
+    pub(super) fn proven(
+        request: &PackingRequest,
+        grains: Vec<Grain>,
+        shares: Vec<Share>,
+        mut account: PackingAccount,
+    ) -> Result<Self, PackError> {
+        let (period_um, thickness_um, walls) = (request.period_um, request.thickness_um, request.walls);
+        let size_um = [period_um[0], period_um[1], thickness_um];
+        account.smallest_gap_um = overlap::smallest_gap(size_um, walls, &grains)?;
+        let (cut, relief, shells_um) = (false, None, Vec::new());
+        let bare = Self { period_um, thickness_um, walls, cut, grains, shares, account, relief, shells_um };
+        bare.with_shells(request.shells_um())
     }
 
     /// The packing with layers in its grains: per pigment, their thicknesses from the core
@@ -173,8 +175,7 @@ impl Packing {
         shells_um.resize(shells_um.len().max(self.shares.len()), Vec::new());
         let depth = |g: &Grain| shells_um[g.pigment].iter().sum::<f64>();
         let deepest = |g: &Grain| shell::deepest_um(&g.spheres, g.solid.as_ref().map(|s| &s.form));
-        let filled = |g: &&Grain| depth(g) > 0.0 && depth(g) >= deepest(g);
-        match self.grains.iter().find(filled) {
+        match self.grains.iter().find(|g| depth(g) > 0.0 && depth(g) >= deepest(g)) {
             None => Ok(Self { shells_um, ..self }),
             Some(grain) => {
                 let found = format!("layers of {} µm in a grain of pigment {}", depth(grain), grain.pigment);
@@ -228,8 +229,8 @@ impl Packing {
     /// The nested bodies of a grain from the outside inwards; each lies in the one before it.
     pub fn nested(&self, grain: &Grain) -> Vec<Layered> {
         let shell = &self.shells_um[grain.pigment];
-        let before: usize = self.shells_um[..grain.pigment].iter().map(Vec::len).sum();
-        let first = self.shells_um.len() + before;
+        let first =
+            self.shells_um.len() + self.shells_um[..grain.pigment].iter().map(Vec::len).sum::<usize>();
         let layers = shell.iter().enumerate().rev().map(|(i, &thickness)| (first + i, thickness));
         let (mut depth, mut bodies) = (0.0, Vec::with_capacity(shell.len() + 1));
         for (material, thickness) in layers.chain([(grain.pigment, 0.0)]) {
@@ -244,13 +245,7 @@ impl Packing {
         bodies
     }
 
-    /// Requested volume fraction of a pigment (0 for an unknown one); see [`crate::ink::Relief`]
-    /// for its reference volume.
-    pub fn requested_fraction(&self, pigment: usize) -> f64 {
-        self.shares.get(pigment).map_or(0.0, |s| s.requested_fraction)
-    }
-
-    /// Volume fraction achieved with whole grains of a pigment.
+    /// Volume fraction achieved with whole grains of a pigment (0 for an unknown one).
     pub fn achieved_fraction(&self, pigment: usize) -> f64 {
         self.shares.get(pigment).map_or(0.0, |s| s.achieved_fraction)
     }

@@ -1,17 +1,12 @@
 //! The list of rigid bodies to place: number, sizes and agglomerates of the grains.
 
 use super::cell::CellBox;
-use super::placed::Share;
-use super::request::{PackingRequest, PigmentGrains};
-use super::shell;
-use super::sizes::{check_presence, draw_sizes, unlike};
-use super::watch::PackProgress;
-use crate::ink::error::{PackError, Reached};
-use crate::ink::grains::agglomeration::{Agglomeration, GrainCount, PlacedGrain};
+use crate::ink::error::{PackError, PackProgress, Reached};
+use crate::ink::grains::agglomeration::{Agglomeration, PlacedGrain};
 use crate::ink::grains::orientation::AxisField;
 use crate::ink::grains::shape::Template;
-use crate::ink::grains::solid::Solid;
 use crate::ink::grains::sphere::{Sphere, reach_um};
+use crate::ink::{PackingRequest, PigmentGrains, Share, Solid};
 use crate::numerics::Draws;
 use crate::numerics::vector::{Rotation, V3, dot, scale};
 use std::ops::Range;
@@ -40,7 +35,8 @@ pub(crate) struct Part {
 }
 
 /// Bodies, cell and settings, as the packing methods need them.
-pub(crate) struct PackingPlan {
+pub(crate) struct PackingPlan<'r> {
+    pub request: &'r PackingRequest,
     pub cell: CellBox,
     pub bodies: Vec<GrainSpheres>,
     pub fields: Vec<Option<AxisField>>,
@@ -49,25 +45,26 @@ pub(crate) struct PackingPlan {
     pub notes: Vec<String>,
 }
 
-impl PackingPlan {
+impl<'r> PackingPlan<'r> {
     /// Checks the request and draws the grains.
-    pub fn new(request: &PackingRequest, draws: &mut Draws) -> Result<Self, PackError> {
+    pub fn new(request: &'r PackingRequest, draws: &mut Draws) -> Result<Self, PackError> {
         request.check()?;
         let cell = CellBox::new(request.period_um, request.thickness_um, request.walls);
         let fields = request.pigments.iter().map(|p| p.orientation.field()).collect();
-        let mut plan = Self { cell, bodies: Vec::new(), fields, shares: Vec::new(), notes: Vec::new() };
+        let (bodies, shares, notes) = (Vec::new(), Vec::new(), Vec::new());
+        let mut plan = Self { request, cell, bodies, fields, shares, notes };
         let room_um3 = request.window_um3();
         for (k, pigment) in request.pigments.iter().enumerate() {
             let template = pigment.shape.template();
             check_size(request, k, pigment, &template)?;
-            let (sizes, share) = draw_sizes(pigment, &template, room_um3, draws)?;
-            check_presence(k, pigment, room_um3, &sizes)?;
+            let (sizes, share) = pigment.draw_sizes(&template, room_um3, draws)?;
+            pigment.check_presence(k, room_um3, &sizes)?;
             if !pigment.shell_nm.is_empty() {
-                sizes.iter().try_for_each(|&r| shell::check_core(k, &pigment.shell_nm, &template, r))?;
+                sizes.iter().try_for_each(|&radius| pigment.check_core(k, &template, radius))?;
             }
             let grains = sizes.into_iter().map(|radius| template.grain(radius)).collect();
             plan.bodies.extend(group(k, request, grains, draws)?);
-            plan.notes.extend(unlike(k, pigment, &share));
+            plan.notes.extend(pigment.unlike(k, &share));
             plan.shares.push(share);
         }
         Ok(plan)
@@ -77,7 +74,7 @@ impl PackingPlan {
     pub fn subset(&self, kept: impl Iterator<Item = usize>) -> Self {
         let bodies = kept.map(|b| self.bodies[b].clone()).collect();
         let (fields, shares) = (self.fields.clone(), self.shares.clone());
-        Self { cell: self.cell, bodies, fields, shares, notes: Vec::new() }
+        Self { request: self.request, cell: self.cell, bodies, fields, shares, notes: Vec::new() }
     }
 
     /// A random rotation of body b, in its field if it has one.
@@ -96,7 +93,8 @@ impl PackingPlan {
     /// Volume fraction and number of the grains of the first `placed` bodies.
     pub fn reached(&self, placed: usize) -> Reached {
         let bodies = &self.bodies[..placed];
-        let volume = bodies.iter().fold(0.0, |sum, body| sum + body.volume_um3());
+        let volumes = bodies.iter().map(|body| body.parts.iter().map(|p| p.volume_um3).sum::<f64>());
+        let volume = volumes.fold(0.0, |sum, own| sum + own);
         let grains = bodies.iter().map(|b| b.parts.len()).sum();
         Reached { fraction: volume / self.cell.size.iter().product::<f64>(), grains }
     }
@@ -104,17 +102,13 @@ impl PackingPlan {
     /// What the watch hears when the first `placed` bodies are in place.
     pub fn progress(&self, stage: &'static str, step: u64, placed: usize) -> PackProgress {
         let Reached { fraction, grains: grains_placed } = self.reached(placed);
-        let (grains_wanted, rest) = (self.grains(), PackProgress::default());
+        let (grains_wanted, rest) = (self.whole().grains, PackProgress::default());
         PackProgress { stage, step, grains_placed, grains_wanted, fraction, ..rest }
     }
 
-    pub fn grains(&self) -> usize {
-        self.reached(self.bodies.len()).grains
-    }
-
-    /// Total pigment volume over cell volume.
-    pub fn fraction(&self) -> f64 {
-        self.reached(self.bodies.len()).fraction
+    /// Total pigment volume over cell volume, and number of all grains.
+    pub fn whole(&self) -> Reached {
+        self.reached(self.bodies.len())
     }
 }
 
@@ -135,14 +129,9 @@ impl GrainSpheres {
         Self { pigment, reach: reach_um(&spheres, [0.0; 3]), spheres, solids, thin, parts }
     }
 
-    pub fn volume_um3(&self) -> f64 {
-        self.parts.iter().map(|p| p.volume_um3).sum()
-    }
-
     /// Extent along the unit vector n.
     fn extent(&self, n: V3) -> f64 {
-        let arm =
-            |i: usize, n: V3| self.solids.get(i).map_or(self.spheres[i].radius_um, |s| dot(s.arm(n), n));
+        let arm = |i: usize, n| self.solids.get(i).map_or(self.spheres[i].radius_um, |s| dot(s.arm(n), n));
         let end = |n: V3| self.spheres.iter().enumerate().map(move |(i, s)| dot(s.center_um, n) + arm(i, n));
         end(n).fold(f64::MIN, f64::max) + end(scale(n, -1.0)).fold(f64::MIN, f64::max)
     }
@@ -188,9 +177,8 @@ fn check_size(request: &PackingRequest, k: usize, p: &PigmentGrains, t: &Templat
     };
     let found = format!("{:.1} nm thick for the largest grain", 1e3 * thin);
     let allowed = format!("at most the layer, {:.1} nm", 1e3 * request.thickness_um);
-    let (sound, remedy) =
-        (!request.walls || thin <= request.thickness_um, "thicken the layer or take smaller grains");
-    PackError::unless(sound, field, found, allowed, remedy)
+    let sound = !request.walls || thin <= request.thickness_um;
+    PackError::unless(sound, field, found, allowed, "thicken the layer or take smaller grains")
 }
 
 /// Number of directions sampled for the smallest extent.
@@ -200,8 +188,7 @@ const DIRECTIONS: usize = 400;
 /// hold the grain.
 fn thinnest(body: &GrainSpheres) -> f64 {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    let directions = (0..DIRECTIONS).map(direction).chain(axes);
-    directions.map(|n| body.extent(n)).fold(f64::MAX, f64::min)
+    (0..DIRECTIONS).map(direction).chain(axes).map(|n| body.extent(n)).fold(f64::MAX, f64::min)
 }
 
 /// Unit vector i of a golden spiral on the half sphere z > 0.
@@ -260,11 +247,4 @@ fn agglomerate(
     let allowed = format!("agglomerates at most {limit:.3} µm across");
     let remedy = "take fewer or smaller grains per agglomerate, or a larger cell";
     Err(PackError::input(format!("pigment[{k}].agglomeration.grains"), found, allowed, remedy))
-}
-
-impl Agglomeration {
-    /// Agglomerates of exactly `grains` grains.
-    pub fn of(grains: usize, degree: f64) -> Self {
-        Self { degree, grains: GrainCount::Constant(grains), fractal: None }
-    }
 }

@@ -10,16 +10,14 @@ mod forces;
 mod steps;
 
 use super::bodies::Bodies;
-use super::loads::{FoundLoads, OverlapLoads};
-use super::neighbours::Neighbours;
+use super::hard_bodies::scatter;
+use super::neighbours::{Neighbours, strain};
 use super::plan::{GrainSpheres, PackingPlan};
 use super::request::RelaxationSettings;
-use super::sequential::scatter;
-use super::strain::strain;
-use super::watch::{PackProgress, PackWatch};
-use crate::ink::error::PackError;
+use crate::ink::error::{Course, PackError, PackProgress};
 use crate::numerics::Draws;
 use crate::numerics::vector::{V3, dot};
+use forces::{FoundLoads, OverlapLoads};
 
 /// Skin of the neighbour lists in mean radii: wide enough for a few steps of the largest allowed
 /// length (the time of 10 × 10 × 1 µm cases is constant between 0.7 and 1.0).
@@ -38,19 +36,14 @@ const REPORT: u64 = 20;
 /// Places all bodies of the plan in batches; stops at the first batch whose overlaps cannot be
 /// removed. Returns the number of steps, and the overlaps left if the relaxation stalled or reached
 /// its limit of steps.
-pub(crate) fn relax_all(
-    bodies: &mut Bodies,
-    settings: &RelaxationSettings,
-    draws: &mut Draws,
-    watch: &mut dyn PackWatch,
-) -> Result<(u64, Option<FoundLoads>), PackError> {
+pub fn relax_all(bodies: &mut Bodies, course: &mut Course) -> Result<(u64, Option<FoundLoads>), PackError> {
     let count = bodies.plan.bodies.len();
-    let mut relaxation = OverlapRelaxation::new(bodies, settings);
+    let mut relaxation = OverlapRelaxation::new(bodies);
+    let settings = relaxation.settings;
     let batches = settings.batches.min(count.max(1));
     for batch in 1..=batches {
-        relaxation.insert(count * batch / batches, draws);
-        let limit = settings.max_steps.saturating_sub(relaxation.steps);
-        let left = relaxation.settle(limit, draws, watch)?;
+        relaxation.insert(count * batch / batches, &mut course.draws);
+        let left = relaxation.settle(settings.max_steps.saturating_sub(relaxation.steps), course)?;
         if left.is_some() {
             return Ok((relaxation.steps, left));
         }
@@ -60,8 +53,8 @@ pub(crate) fn relax_all(
 
 pub(crate) struct OverlapRelaxation<'r, 'a> {
     bodies: &'r mut Bodies<'a>,
-    plan: &'a PackingPlan,
-    settings: &'r RelaxationSettings,
+    plan: &'a PackingPlan<'a>,
+    settings: &'a RelaxationSettings,
     list: Neighbours,
     moving: Vec<u32>,
     moves: Vec<bool>,
@@ -79,8 +72,8 @@ pub(crate) struct OverlapRelaxation<'r, 'a> {
 }
 
 impl<'r, 'a> OverlapRelaxation<'r, 'a> {
-    pub fn new(bodies: &'r mut Bodies<'a>, settings: &'r RelaxationSettings) -> Self {
-        let plan = bodies.plan;
+    pub fn new(bodies: &'r mut Bodies<'a>) -> Self {
+        let (plan, settings) = (bodies.plan, &bodies.plan.request.relaxation);
         let mean = bodies.radius.iter().sum::<f64>() / bodies.radius.len().max(1) as f64;
         let arm2 = |b: &GrainSpheres| {
             let farthest = b.spheres.iter().map(|s| dot(s.center_um, s.center_um)).fold(0.0, f64::max);
@@ -125,31 +118,26 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
     /// Clears the forces of the last evaluation; bodies still in (inflated) contact stay on the
     /// moving list.
     fn rest(&mut self) {
+        self.loads.clear();
         self.moves.fill(false);
-        for b in self.loads.joined.iter().map(|b| *b as usize) {
-            (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
+        self.moving = std::mem::take(&mut self.loads.joined);
+        for b in self.moving.iter().map(|b| *b as usize) {
             (self.loads.touched[b], self.moves[b]) = (false, true);
         }
-        self.moving = std::mem::take(&mut self.loads.joined);
     }
 
     /// Steps until no overlap is left (`None`), or until it stalls or reaches the limit (returns
     /// the overlaps left).
-    pub fn settle(
-        &mut self,
-        limit: u64,
-        draws: &mut Draws,
-        watch: &mut dyn PackWatch,
-    ) -> Result<Option<FoundLoads>, PackError> {
+    pub fn settle(&mut self, limit: u64, course: &mut Course) -> Result<Option<FoundLoads>, PackError> {
         let start = self.steps;
         let (mut before, mut milestone, mut mark) = (f64::INFINITY, f64::INFINITY, f64::INFINITY);
         loop {
-            let found = self.forces(draws);
+            let found = self.forces(&mut course.draws);
             if found.overlap <= 0.0 {
                 return Ok(None);
             }
             if self.steps.is_multiple_of(REPORT) {
-                self.progress(&found).report(watch)?;
+                self.progress(&found).report(course)?;
             }
             if self.steps - start >= limit {
                 return Ok(Some(found));
@@ -165,7 +153,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
             }
             if self.clusters && (self.steps - self.batch_start + 1).is_multiple_of(TANGLE_PATIENCE) {
                 if found.energy > 0.5 * mark {
-                    self.untangle(draws);
+                    self.untangle(&mut course.draws);
                 }
                 mark = found.energy;
             }
@@ -197,17 +185,13 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
             }
         }
         // Forces at the old positions must not move the bodies at their new ones.
-        for k in 0..self.loads.joined.len() {
-            let b = self.loads.joined[k] as usize;
-            (self.loads.force[b], self.loads.torque[b]) = ([0.0; 3], [0.0; 3]);
-        }
+        self.loads.clear();
         self.list.remake(self.bodies, self.inflation);
     }
 
     fn progress(&self, found: &FoundLoads) -> PackProgress {
-        let (overlap_energy, largest_overlap_um) = (found.energy, found.overlap);
         let progress = self.plan.progress("relaxation", self.steps, self.bodies.placed);
-        PackProgress { overlap_energy, largest_overlap_um, ..progress }
+        PackProgress { overlap_energy: found.energy, largest_overlap_um: found.overlap, ..progress }
     }
 
     /// Puts all placed bodies on the moving list.
@@ -224,8 +208,7 @@ impl<'r, 'a> OverlapRelaxation<'r, 'a> {
 fn scattered(bodies: &Bodies, n: usize, draws: &mut Draws) -> Vec<V3> {
     let mut places: Vec<V3> = (0..n).map(|_| bodies.cell.draw_place(draws)).collect();
     let side = (bodies.cell.size.iter().product::<f64>() / n.max(1) as f64).cbrt() * 2.0;
-    let region = |p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64);
-    places.sort_by_cached_key(region);
+    places.sort_by_cached_key(|p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64));
     places
 }
 
@@ -237,16 +220,11 @@ mod tests {
     use crate::numerics::vector::Rotation;
 
     /// Energy, and force and torque on body `b`, of bodies in given places.
-    fn loads(
-        request: &PackingRequest,
-        plan: &PackingPlan,
-        places: &[(V3, Rotation)],
-        b: usize,
-    ) -> (f64, [V3; 2]) {
+    fn loads(plan: &PackingPlan, places: &[(V3, Rotation)], b: usize) -> (f64, [V3; 2]) {
         let mut bodies = Bodies::new(plan);
         places.iter().enumerate().for_each(|(b, (centre, rotation))| bodies.put(b, *centre, *rotation));
         bodies.placed = places.len();
-        let mut relaxation = OverlapRelaxation::new(&mut bodies, &request.relaxation);
+        let mut relaxation = OverlapRelaxation::new(&mut bodies);
         relaxation.start_all();
         let found = relaxation.forces(&mut Draws::new(1, 1));
         (found.energy, [relaxation.loads.force[b], relaxation.loads.torque[b]])
@@ -273,7 +251,7 @@ mod tests {
             let h = 1e-6;
             let mut wrong = 0;
             for b in 0..12 {
-                let (_, [force, torque]) = loads(&request, &plan, &places, b);
+                let (_, [force, torque]) = loads(&plan, &places, b);
                 let scale = force.iter().chain(&torque).fold(0.0, |m: f64, x| m.max(x.abs()));
                 for axis in 0..6 {
                     let energy = |by: f64| {
@@ -284,7 +262,7 @@ mod tests {
                             true => moved[b].0[axis] += by,
                             false => moved[b].1 = moved[b].1.then(Rotation::by(along)),
                         }
-                        loads(&request, &plan, &moved, b).0
+                        loads(&plan, &moved, b).0
                     };
                     let slope = (energy(h) - energy(-h)) / (2.0 * h);
                     let own = if axis < 3 { force[axis] } else { torque[axis - 3] };

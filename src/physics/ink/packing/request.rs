@@ -1,16 +1,10 @@
 //! The request for a packing: cell, pigments and method.
 
-use super::grain::Grain;
-use super::shell;
-use super::voxels::VoxelCut;
-use crate::ink::error::PackError;
-use crate::ink::grains::agglomeration::Agglomeration;
-use crate::ink::grains::orientation::Orientation;
-use crate::ink::grains::shape::Shape;
-use crate::ink::grains::size::SizeDistribution;
-use crate::ink::relief::ReliefRequest;
+use crate::ink::{
+    Agglomeration, Grain, Orientation, PackError, ReliefRequest, Shape, SizeDistribution, VoxelCut,
+};
 use crate::numerics::allowed::Allowed;
-use crate::numerics::written::name_or_table;
+use crate::numerics::files::name_or_table;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -128,11 +122,6 @@ impl PigmentGrains {
             agglomeration: None,
             share: ShareRule::NearestGrain,
         }
-    }
-
-    /// Shares of the grains' volume: the core, then the layers from the core outwards.
-    pub fn layer_shares(&self) -> Vec<f64> {
-        shell::shares(&self.shell_nm, &self.shape, &self.size)
     }
 }
 
@@ -269,9 +258,8 @@ impl PackingRequest {
         let allowed = "a sum of at most 0.74 (the densest packing of equal spheres)";
         PackError::unless(sound, "sum of volume_fraction", total, allowed, "lower the shares")?;
         if let Some(usual) = self.usual_fraction {
-            let sound = (0.0..=FCC).contains(&usual);
             let remedy = "give the volume fraction of the whole layer, or leave it out";
-            PackError::unless(sound, "usual_fraction", usual, "0 to 0.74", remedy)?;
+            PackError::unless((0.0..=FCC).contains(&usual), "usual_fraction", usual, "0 to 0.74", remedy)?;
         }
         self.relaxation.check()?;
         self.check_cut()?;
@@ -282,12 +270,12 @@ impl PackingRequest {
         let Some([from, to]) = self.cut_um else { return Ok(()) };
         // heights of slabs are sums: rounding
         let sound = from >= 0.0 && from < to && to <= self.thickness_um * (1.0 + 1e-9);
-        let (found, allowed) =
-            (format!("{from} to {to} µm"), format!("0 ≤ from < to ≤ {} µm", self.thickness_um));
+        let found = format!("{from} to {to} µm");
+        let allowed = format!("0 ≤ from < to ≤ {} µm", self.thickness_um);
         let remedy = "give two heights of the packing, the lower one first";
         PackError::unless(sound, "cut_um", found, allowed, remedy)?;
-        let (plane, remedy) = (self.relief.is_none(), "leave one of them out");
-        PackError::unless(plane, "cut_um", "with a relief", "plane surfaces", remedy)
+        let remedy = "leave one of them out";
+        PackError::unless(self.relief.is_none(), "cut_um", "with a relief", "plane surfaces", remedy)
     }
 }
 
@@ -313,7 +301,7 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
     let defects =
         [pigment.shape.defect(), pigment.size.defect(), pigment.orientation.defect(), agglomeration];
     match defects.into_iter().flatten().next() {
-        None => shell::check(k, &pigment.shell_nm, &pigment.shape, &pigment.size),
+        None => pigment.check_layers(k),
         Some((field, found, allowed)) => {
             Err(PackError::input(format!("pigment[{k}].{field}"), found, allowed, "correct this entry"))
         }
@@ -332,10 +320,8 @@ impl RelaxationSettings {
             ("relaxation.rotational_viscosity", self.rotational_viscosity, VISCOSITY),
             ("relaxation.aligning_deg_per_step", self.aligning_deg_per_step, ALIGNING_DEG),
         ];
-        let remedy = "leave it out for the default";
-        for (field, value, allowed) in ranges {
-            PackError::unless(allowed.holds(value), field, value, allowed, remedy)?;
-        }
-        Ok(())
+        ranges.into_iter().try_for_each(|(field, value, allowed)| {
+            PackError::unless(allowed.holds(value), field, value, allowed, "leave it out for the default")
+        })
     }
 }

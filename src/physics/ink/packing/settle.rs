@@ -14,31 +14,31 @@ const SURFACES: u64 = 0x5375_7266;
 /// Pigment along vertical lines: intervals of height above the face opposite to the rough one.
 struct HeightColumns {
     count: [usize; 2],
+    period_um: [f64; 2],
     pigment: Vec<Vec<[f64; 2]>>,
 }
 
 impl HeightColumns {
     fn new(packing: &Packing, face: RoughFace) -> Self {
-        let period = packing.period_um();
+        let period_um = packing.period_um();
         let spheres = || packing.grains().iter().filter(|g| g.solid.is_none()).flat_map(|g| &g.spheres);
         let solids = || packing.grains().iter().filter_map(|g| g.solid.as_ref());
         let radii = spheres().map(|s| s.radius_um).chain(solids().map(|s| s.form.thin_um()));
         let thinnest = radii.fold(f64::MAX, f64::min);
-        let count = period.map(|l| ((PER_RADIUS * l / thinnest).ceil() as usize).clamp(8, MOST));
-        let mut columns = Self { count, pigment: vec![Vec::new(); count[0] * count[1]] };
+        let count = period_um.map(|l| ((PER_RADIUS * l / thinnest).ceil() as usize).clamp(8, MOST));
+        let mut columns = Self { count, period_um, pigment: vec![Vec::new(); count[0] * count[1]] };
         let thickness = packing.thickness_um();
         let height = |z: f64| if face == RoughFace::Incident { thickness - z } else { z };
         for s in spheres() {
             let [x, y, z] = s.center_um;
-            let extents = [x, y].map(|c| [c - s.radius_um, c + s.radius_um]);
-            columns.add(extents, period, |at| {
+            columns.add([x, y].map(|c| [c - s.radius_um, c + s.radius_um]), |at| {
                 let (dx, dy) = (at[0] - x, at[1] - y);
                 let square = s.radius_um * s.radius_um - dx * dx - dy * dy;
                 (square > 0.0).then(|| [height(z) - square.sqrt(), height(z) + square.sqrt()])
             });
         }
         for solid in solids() {
-            columns.add([0, 1].map(|axis| solid.extent_um(axis)), period, |[x, y]| {
+            columns.add([0, 1].map(|axis| solid.extent_um(axis)), |[x, y]| {
                 let [a, b] = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0])?.map(height);
                 Some([a.min(b), a.max(b)])
             });
@@ -48,14 +48,9 @@ impl HeightColumns {
     }
 
     /// Adds a grain of the given extents along x and y, with its interval of height at a position.
-    fn add(
-        &mut self,
-        extents_um: [[f64; 2]; 2],
-        period_um: [f64; 2],
-        interval: impl Fn([f64; 2]) -> Option<[f64; 2]>,
-    ) {
+    fn add(&mut self, extents_um: [[f64; 2]; 2], interval: impl Fn([f64; 2]) -> Option<[f64; 2]>) {
         let count = self.count;
-        let pitch = [0, 1].map(|axis| period_um[axis] / count[axis] as f64);
+        let pitch = [0, 1].map(|axis| self.period_um[axis] / count[axis] as f64);
         let [columns, rows] = [0, 1].map(|axis| {
             let [low, high] = extents_um[axis].map(|end| end / pitch[axis]);
             low.ceil() as i64..=high.floor() as i64
@@ -70,10 +65,10 @@ impl HeightColumns {
     }
 
     /// Periodic Gaussian filter of a function on the columns.
-    fn smoothed(&self, values: &[f64], period_um: [f64; 2], sigma_um: f64) -> Vec<f64> {
-        let [nx, ny] = self.count;
-        let in_x = smoothed(values, [nx, 1], [ny, nx], sigma_um * nx as f64 / period_um[0]);
-        smoothed(&in_x, [ny, nx], [nx, 1], sigma_um * ny as f64 / period_um[1])
+    fn smoothed(&self, values: &[f64], sigma_um: f64) -> Vec<f64> {
+        let ([nx, ny], [lx, ly]) = (self.count, self.period_um);
+        let in_x = smoothed(values, [nx, 1], [ny, nx], sigma_um * nx as f64 / lx);
+        smoothed(&in_x, [ny, nx], [nx, 1], sigma_um * ny as f64 / ly)
     }
 
     /// Gaussian heights of standard deviation `rms_um` with the autocorrelation exp(−r²/ℓ²) and no
@@ -83,12 +78,12 @@ impl HeightColumns {
         let mut draws = Draws::new(seed.wrapping_add(SURFACES), stream);
         let count = self.count[0] * self.count[1];
         let independent: Vec<f64> = (0..count).map(|_| draws.normal()).collect();
-        let filter = |values: &[f64]| self.smoothed(values, packing.period_um(), 0.5 * correlation_um);
         let mut point = vec![0.0; count];
         point[0] = 1.0;
         // What the filter leaves of the variance 1, less that of the mean.
-        let left = filter(&point).iter().map(|w| w * w).sum::<f64>() - 1.0 / count as f64;
-        let heights = filter(&independent);
+        let left = self.smoothed(&point, 0.5 * correlation_um).iter().map(|w| w * w).sum::<f64>()
+            - 1.0 / count as f64;
+        let heights = self.smoothed(&independent, 0.5 * correlation_um);
         let centre = mean(&heights);
         heights.iter().map(|h| rms_um / left.sqrt() * (h - centre)).collect()
     }
@@ -112,7 +107,7 @@ pub(crate) fn settle(packing: &Packing, request: &ReliefRequest) -> Relief {
     let shape = match request.rule {
         ReliefRule::Flat => vec![0.0; tops.len()],
         ReliefRule::Following { follow, smoothing_um } => {
-            let smooth = columns.smoothed(&tops, packing.period_um(), smoothing_um);
+            let smooth = columns.smoothed(&tops, smoothing_um);
             let centre = mean(&smooth);
             smooth.iter().map(|t| follow * (t - centre)).collect()
         }
@@ -138,7 +133,7 @@ pub(crate) fn settle(packing: &Packing, request: &ReliefRequest) -> Relief {
         heights_um,
         surface_um,
         count: columns.count,
-        period_um: packing.period_um(),
+        period_um: columns.period_um,
         rule: request.rule,
         face: request.face,
     }
@@ -154,19 +149,18 @@ fn bisect(f: impl Fn(f64) -> f64, target: f64, mut low: f64, mut high: f64) -> f
 }
 
 /// Periodic Gaussian filter along one axis of `n` points with stride `along`, for `lines` lines
-/// `across` apart.
-fn smoothed(values: &[f64], [n, along]: [usize; 2], [lines, across]: [usize; 2], sigma: f64) -> Vec<f64> {
+/// `apart` from each other.
+fn smoothed(values: &[f64], [n, along]: [usize; 2], [lines, apart]: [usize; 2], sigma: f64) -> Vec<f64> {
     let reach = ((4.0 * sigma).ceil() as usize).min(n / 2);
     let weight = |k: usize| if k == 0 { 1.0 } else { (-0.5 * (k as f64 / sigma).powi(2)).exp() };
     let weights: Vec<f64> = (0..=reach).map(weight).collect();
     let total = weights[0] + 2.0 * weights[1..].iter().sum::<f64>();
     let mut out = vec![0.0; values.len()];
     for line in 0..lines {
-        let at = |i: usize| values[line * across + (i % n) * along];
+        let at = |i: usize| values[line * apart + (i % n) * along];
         for i in 0..n {
             let both = |k: usize| weights[k] * (at(i + k) + at(i + n - k));
-            out[line * across + i * along] =
-                (weights[0] * at(i) + (1..=reach).map(both).sum::<f64>()) / total;
+            out[line * apart + i * along] = (weights[0] * at(i) + (1..=reach).map(both).sum::<f64>()) / total;
         }
     }
     out

@@ -1,9 +1,7 @@
 //! Number and sizes of a pigment's grains in the cell.
 
-use super::placed::Share;
-use super::request::{PigmentGrains, ShareRule};
-use crate::ink::error::PackError;
 use crate::ink::grains::shape::Template;
+use crate::ink::{PackError, PigmentGrains, Share, ShareRule};
 use crate::numerics::Draws;
 
 /// Larger numbers of grains suggest a mistake in the units.
@@ -19,89 +17,104 @@ impl PigmentGrains {
     /// Number of grains that hold the fraction of a layer's volume (µm³) in the mean of their
     /// sizes.
     pub fn expected(&self, volume_um3: f64) -> f64 {
-        self.volume_fraction * volume_um3 / mean_um3(self, &self.shape.template())
+        self.volume_fraction * volume_um3 / self.mean_um3(&self.shape.template())
     }
 
     /// The smallest fraction of a volume (µm³) that rounds to one grain rather than none.
     pub fn least_share(&self, volume_um3: f64) -> f64 {
-        LEAST_GRAINS * mean_um3(self, &self.shape.template()) / volume_um3
+        LEAST_GRAINS * self.mean_um3(&self.shape.template()) / volume_um3
     }
-}
 
-/// Mean volume of a grain, µm³.
-fn mean_um3(pigment: &PigmentGrains, template: &Template) -> f64 {
-    let size = &pigment.size;
-    template.volume.um3 * size.radius_um(1.0, template).powi(3) * size.mean_cube_nm3()
-}
+    /// Mean volume of a grain, µm³.
+    fn mean_um3(&self, template: &Template) -> f64 {
+        template.volume.um3 * self.size.radius_um(1.0, template).powi(3) * self.size.mean_cube_nm3()
+    }
 
-/// Thickest radii (µm) of the grains that hold the fraction of `volume`, by [`ShareRule`].
-pub(super) fn draw_sizes(
-    pigment: &PigmentGrains,
-    template: &Template,
-    volume: f64,
-    draws: &mut Draws,
-) -> Result<(Vec<f64>, Share), PackError> {
-    let target = pigment.volume_fraction * volume;
-    let drawn = if pigment.size.has_spread() { of_a_law } else { alike };
-    let mut radii = drawn(pigment, template, target, draws)?;
-    let sum = radii.iter().map(|radius| template.volume.um3 * radius.powi(3)).fold(0.0, |sum, own| sum + own);
-    let scaled = pigment.share == ShareRule::ScaleSizes && sum > 0.0;
-    let size_factor = if scaled { (target / sum).cbrt() } else { 1.0 };
-    radii.iter_mut().for_each(|r| *r *= size_factor);
-    let achieved_fraction = sum * size_factor.powi(3) / volume;
-    let fraction_error = achieved_fraction * template.volume.error_um3 / template.volume.um3;
-    let grains = radii.len();
-    let requested_fraction = pigment.volume_fraction;
-    Ok((radii, Share { requested_fraction, achieved_fraction, fraction_error, grains, size_factor }))
-}
+    /// Thickest radii (µm) of the grains that hold the fraction of `volume`, by [`ShareRule`].
+    pub(super) fn draw_sizes(
+        &self,
+        template: &Template,
+        volume: f64,
+        draws: &mut Draws,
+    ) -> Result<(Vec<f64>, Share), PackError> {
+        let (requested_fraction, target) = (self.volume_fraction, self.volume_fraction * volume);
+        let drawn = if self.size.has_spread() { Self::of_a_law } else { Self::alike };
+        let mut radii = drawn(self, template, target, draws)?;
+        let sum = radii.iter().fold(0.0, |sum, radius| sum + template.volume.um3 * radius.powi(3));
+        let scaled = self.share == ShareRule::ScaleSizes && sum > 0.0;
+        let size_factor = if scaled { (target / sum).cbrt() } else { 1.0 };
+        radii.iter_mut().for_each(|r| *r *= size_factor);
+        let achieved_fraction = sum * size_factor.powi(3) / volume;
+        let fraction_error = achieved_fraction * template.volume.error_um3 / template.volume.um3;
+        let grains = radii.len();
+        Ok((radii, Share { requested_fraction, achieved_fraction, fraction_error, grains, size_factor }))
+    }
 
-/// Grains of one size: the number nearest to the volume.
-fn alike(
-    pigment: &PigmentGrains,
-    template: &Template,
-    target: f64,
-    draws: &mut Draws,
-) -> Result<Vec<f64>, PackError> {
-    let mut radii: Vec<f64> = Vec::new();
-    let mut sum = 0.0;
-    while sum < target {
-        let radius = pigment.size.radius_um(pigment.size.draw_nm(draws), template);
-        let own = template.volume.um3 * radius.powi(3);
-        if sum + own - target > target - sum {
-            break;
+    /// Grains of one size: the number nearest to the volume.
+    fn alike(&self, template: &Template, target: f64, draws: &mut Draws) -> Result<Vec<f64>, PackError> {
+        let (mut radii, mut sum) = (Vec::new(), 0.0);
+        while sum < target {
+            let radius = self.size.radius_um(self.size.draw_nm(draws), template);
+            let own = template.volume.um3 * radius.powi(3);
+            if sum + own - target > target - sum {
+                break;
+            }
+            radii.push(radius);
+            sum += own;
+            if radii.len() > MOST_GRAINS {
+                return Err(too_many(format!("radius {radius} µm")));
+            }
         }
-        radii.push(radius);
-        sum += own;
-        if radii.len() > MOST_GRAINS {
-            return Err(too_many(format!("radius {radius} µm")));
-        }
+        Ok(radii)
     }
-    Ok(radii)
-}
 
-/// Grains with a spread of sizes: the number follows from the mean volume of the distribution.
-/// Stopping at the grain that overshoots would reject large grains: for a log-normal distribution
-/// with σ = 0.5, the mean volume at 5 grains per cell would be 0.69 of the distribution's.
-fn of_a_law(
-    pigment: &PigmentGrains,
-    template: &Template,
-    target: f64,
-    draws: &mut Draws,
-) -> Result<Vec<f64>, PackError> {
-    let size = &pigment.size;
-    let wanted = target / mean_um3(pigment, template);
-    if wanted.is_nan() || wanted > MOST_GRAINS as f64 {
-        return Err(too_many(format!("{wanted:.1e} grains")));
+    /// Grains with a spread of sizes: the number follows from the mean volume of the distribution.
+    /// Stopping at the grain that overshoots would reject large grains: for a log-normal
+    /// distribution with σ = 0.5, the mean volume at 5 grains per cell would be 0.69 of the
+    /// distribution's.
+    fn of_a_law(&self, template: &Template, target: f64, draws: &mut Draws) -> Result<Vec<f64>, PackError> {
+        let wanted = target / self.mean_um3(template);
+        if wanted.is_nan() || wanted > MOST_GRAINS as f64 {
+            return Err(too_many(format!("{wanted:.1e} grains")));
+        }
+        // The fraction is met in the mean over cells; only a fraction of one grain is rounded, as
+        // for grains of one size.
+        let count = match wanted {
+            w if w < LEAST_GRAINS => 0,
+            w if w < 1.0 => 1,
+            w => w as usize + usize::from(draws.uniform() < w.fract()),
+        };
+        let sizes = self.size.strata_nm(count, draws);
+        Ok(sizes.into_iter().map(|nm| self.size.radius_um(nm, template)).collect())
     }
-    // The fraction is met in the mean over cells; only a fraction of one grain is rounded, as for
-    // grains of one size.
-    let count = match wanted {
-        w if w < LEAST_GRAINS => 0,
-        w if w < 1.0 => 1,
-        w => w as usize + usize::from(draws.uniform() < w.fract()),
-    };
-    let sizes = size.strata_nm(count, draws);
-    Ok(sizes.into_iter().map(|nm| size.radius_um(nm, template)).collect())
+
+    /// Rejects pigments that rounding to whole grains would remove.
+    pub(super) fn check_presence(&self, k: usize, volume_um3: f64, sizes: &[f64]) -> Result<(), PackError> {
+        if !sizes.is_empty() || self.volume_fraction == 0.0 {
+            return Ok(());
+        }
+        let (field, found) = (format!("pigment[{k}].volume_fraction"), format!("{:?}", self.volume_fraction));
+        let allowed = too_few_grains(self.least_share(volume_um3), "the cell");
+        Err(PackError::input(field, found, allowed, MORE_ROOM))
+    }
+
+    /// Note on a cell too small for its size distribution: the drawn sizes hold far more or less
+    /// than the fraction.
+    pub(super) fn unlike(&self, k: usize, share: &Share) -> Option<String> {
+        let Share { requested_fraction, achieved_fraction, grains, size_factor, .. } = share;
+        let drawn = achieved_fraction / requested_fraction / size_factor.powi(3);
+        if !self.size.has_spread() || drawn.is_nan() || (drawn - 1.0).abs() <= UNLIKE {
+            return None;
+        }
+        let effect = match self.share {
+            ShareRule::NearestGrain => format!("{drawn:.2} of the requested volume is in this cell"),
+            ShareRule::ScaleSizes => format!("all sizes are multiplied by {size_factor:.2}"),
+        };
+        Some(format!(
+            "pigment[{k}]: {grains} grains cannot represent their size distribution, {effect}; the mean over many cells is right, \
+             and a larger period_um brings every cell near it"
+        ))
+    }
 }
 
 fn too_many(found: String) -> PackError {
@@ -115,39 +128,6 @@ pub const MORE_ROOM: &str = "widen period_um, take smaller grains, or let the ce
 /// Allowed range if the volume fraction is less than a grain.
 pub fn too_few_grains(least_share: f64, cell: &str) -> String {
     format!("from {least_share:.1e}, which is half a grain in {cell}")
-}
-
-/// Rejects pigments that rounding to whole grains would remove.
-pub(super) fn check_presence(
-    k: usize,
-    pigment: &PigmentGrains,
-    volume_um3: f64,
-    sizes: &[f64],
-) -> Result<(), PackError> {
-    if !sizes.is_empty() || pigment.volume_fraction == 0.0 {
-        return Ok(());
-    }
-    let (field, found) = (format!("pigment[{k}].volume_fraction"), format!("{:?}", pigment.volume_fraction));
-    let allowed = too_few_grains(pigment.least_share(volume_um3), "the cell");
-    Err(PackError::input(field, found, allowed, MORE_ROOM))
-}
-
-/// Note on a cell too small for its size distribution: the drawn sizes hold far more or less than
-/// the fraction.
-pub(super) fn unlike(k: usize, pigment: &PigmentGrains, share: &Share) -> Option<String> {
-    let Share { requested_fraction, achieved_fraction, grains, size_factor, .. } = share;
-    let drawn = achieved_fraction / requested_fraction / size_factor.powi(3);
-    if !pigment.size.has_spread() || drawn.is_nan() || (drawn - 1.0).abs() <= UNLIKE {
-        return None;
-    }
-    let effect = match pigment.share {
-        ShareRule::NearestGrain => format!("{drawn:.2} of the requested volume is in this cell"),
-        ShareRule::ScaleSizes => format!("all sizes are multiplied by {size_factor:.2}"),
-    };
-    Some(format!(
-        "pigment[{k}]: {grains} grains cannot represent their size distribution, {effect}; the mean over many cells is right, \
-         and a larger period_um brings every cell near it"
-    ))
 }
 
 #[cfg(test)]
@@ -198,8 +178,8 @@ mod tests {
         };
         for grains in [1.5, 5.3, 20.0] {
             let sigmas = |e: Estimate| e.value / e.standard_error.unwrap();
-            let ours = deviations(drawn(of_a_law), grains).map(sigmas);
-            let old = deviations(drawn(alike), grains).map(sigmas);
+            let ours = deviations(drawn(PigmentGrains::of_a_law), grains).map(sigmas);
+            let old = deviations(drawn(PigmentGrains::alike), grains).map(sigmas);
             println!("{grains} grains: {ours:.1?}, turning large ones away {old:.1?}");
             // Significance: four standard errors of 20 000 cells, in each of twelve numbers.
             assert!(ours.iter().all(|z| z.abs() < 4.0), "{grains}: {ours:?}");
@@ -224,7 +204,7 @@ mod tests {
             assert!(!same.has_spread());
             let pigment = PigmentGrains { size: same, ..PigmentGrains::spheres(200.0, 0.3) };
             // 0.3 µm³ hold 71.6 grains of π/6 · 0.2³ µm³.
-            let (radii, _) = draw_sizes(&pigment, &template, 1.0, &mut Draws::new(1, 0)).unwrap();
+            let (radii, _) = pigment.draw_sizes(&template, 1.0, &mut Draws::new(1, 0)).unwrap();
             assert_eq!(radii.len(), 72);
         }
         let pigment = PigmentGrains { size: law(0.5), ..PigmentGrains::spheres(200.0, 0.3) };
@@ -233,15 +213,15 @@ mod tests {
         for (cells, empty) in [(0.49, true), (0.51, false), (1.0, false)] {
             let lone = |stream| {
                 let (radii, share) =
-                    draw_sizes(&pigment, &template, cells * whole, &mut Draws::new(1, stream)).unwrap();
-                (radii.is_empty(), unlike(0, &pigment, &share).is_some())
+                    pigment.draw_sizes(&template, cells * whole, &mut Draws::new(1, stream)).unwrap();
+                (radii.is_empty(), pigment.unlike(0, &share).is_some())
             };
             let all: Vec<_> = (0..20).map(lone).collect();
             assert!(all.iter().all(|(none, _)| *none == empty), "{cells}");
             assert!(empty || all.iter().any(|(_, told)| *told), "{cells}");
         }
         let slip = PigmentGrains { size: law(0.5), ..PigmentGrains::spheres(200.0, 0.7) };
-        let error = draw_sizes(&slip, &template, 1e9, &mut Draws::new(1, 0)).unwrap_err().to_string();
+        let error = slip.draw_sizes(&template, 1e9, &mut Draws::new(1, 0)).unwrap_err().to_string();
         assert!(error.contains("5000000") && error.contains("units"), "{error}");
     }
 }

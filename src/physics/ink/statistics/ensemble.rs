@@ -1,10 +1,9 @@
 //! Averages over realisations with their standard errors.
 
-use super::orientation::orientation_tensor;
 use super::pairs::{PairStatistics, mean_diameter_um, pair_statistics};
-use super::reached::ReachedSizes;
 use super::sections::{SectionStatistics, section_statistics};
-use crate::ink::{Method, Packing, Relief};
+use super::single::{ReachedSizes, orientation_tensor};
+use crate::ink::{Grain, Method, Packing, Relief, Solid, Sphere};
 use crate::numerics::estimate::Estimate;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -42,16 +41,14 @@ pub fn gather(packings: &[Packing]) -> Statistics {
     let d = mean_diameter_um(first);
     // Boxes of voxels have no centres that mean anything.
     let grains = if first.method() == Method::Voxels { &[] } else { packings };
-    let pairs: Vec<PairStatistics> =
-        grains.par_iter().map(|p| pair_statistics(p, 0.02 * d, 5.0 * d)).collect();
+    let pairs: Vec<_> = grains.par_iter().map(|p| pair_statistics(p, 0.02 * d, 5.0 * d)).collect();
     // Grains align with the walls, so the planes must be close together; in the plane, lines sample
     // at random.
     let planes = ((24.0 * first.thickness_um() / d).round() as usize).clamp(20, 400);
     let section = |p: &Packing| section_statistics(p, planes, d / 6.0, d / 20.0, 3.0 * d);
     let sections: Vec<SectionStatistics> = packings.par_iter().map(section).collect();
     if !pairs.is_empty() {
-        all.curves.push(pair_correlation(&pairs));
-        all.curves.push(nearest(&pairs));
+        all.curves.extend([pair_correlation(&pairs), nearest(&pairs)]);
     }
     all.curves.extend(two_point(&sections));
     all.curves.extend(profiles(&sections));
@@ -66,8 +63,7 @@ pub fn gather(packings: &[Packing]) -> Statistics {
 
 /// Mean and standard error of the i-th entry over realisations.
 fn pointwise<T>(of: &[T], n: usize, entry: impl Fn(&T, usize) -> f64) -> Vec<Estimate> {
-    let at = |i| Estimate::of_mean(&of.iter().map(|p| entry(p, i)).collect::<Vec<_>>());
-    (0..n).map(at).collect()
+    (0..n).map(|i| Estimate::of_mean(&of.iter().map(|p| entry(p, i)).collect::<Vec<_>>())).collect()
 }
 
 /// Pair correlation g(r). Its error is the scatter of the realisations, at least the counting
@@ -86,8 +82,7 @@ fn pair_correlation(pairs: &[PairStatistics]) -> StatisticCurve {
 }
 
 fn curve(name: &str, x_label: &str, y_label: &str, x: Vec<f64>, y: Vec<Estimate>) -> StatisticCurve {
-    let (name, x_label, y_label) = (name.into(), x_label.into(), y_label.into());
-    StatisticCurve { name, x_label, y_label, x, y }
+    StatisticCurve { name: name.into(), x_label: x_label.into(), y_label: y_label.into(), x, y }
 }
 
 /// Density of the distance to the nearest centre, in 40 classes from the smallest to the largest
@@ -144,10 +139,13 @@ impl Statistics {
 
     fn add_fractions(&mut self, packings: &[Packing], with_grains: &[Packing]) {
         for k in 0..packings[0].shares().len() {
-            let requested = packings[0].requested_fraction(k);
             let achieved = packings.iter().map(|p| p.achieved_fraction(k));
             let grains = with_grains.iter().map(|p| p.shares()[k].grains as f64);
-            self.put(format!("requested fraction of pigment {k}"), "1", [requested]);
+            self.put(
+                format!("requested fraction of pigment {k}"),
+                "1",
+                [packings[0].shares()[k].requested_fraction],
+            );
             self.put(format!("achieved fraction of pigment {k}"), "1", achieved);
             self.put(format!("grains of pigment {k}"), "1", grains);
         }
@@ -156,12 +154,11 @@ impl Statistics {
     /// Percentiles d10, d50 and d90 of every pigment's grains.
     fn add_sizes(&mut self, packings: &[Packing]) {
         for k in 0..packings[0].shares().len() {
-            let reached: Vec<_> = packings.iter().filter_map(|p| ReachedSizes::of(p, k)).collect();
+            let all: Vec<_> = packings.iter().filter_map(|p| ReachedSizes::of(p, k)).collect();
             for (i, name) in ["d10", "d50", "d90"].into_iter().enumerate() {
-                let (number, volume) =
-                    (reached.iter().map(|r| r.by_number_nm[i]), reached.iter().map(|r| r.by_volume_nm[i]));
-                self.put(format!("{name} by number of pigment {k}"), "nm", number);
-                self.put(format!("{name} by volume of pigment {k}"), "nm", volume);
+                let said = |by: &str| format!("{name} by {by} of pigment {k}");
+                self.put(said("number"), "nm", all.iter().map(|r| r.by_number_nm[i]));
+                self.put(said("volume"), "nm", all.iter().map(|r| r.by_volume_nm[i]));
             }
         }
     }
@@ -172,23 +169,20 @@ impl Statistics {
         pairs: &[PairStatistics],
         sections: &[SectionStatistics],
     ) {
-        let gaps = packings.iter().filter_map(|p| p.account().smallest_gap_um);
         let slopes = sections.iter().map(|s| -0.5 * (s.chords_per_um[0] + s.chords_per_um[1]));
-        let ends = sections.iter().map(|s| 0.5 * (s.s2_x[0] + s.s2_y[0]));
-        let squares = sections.iter().map(|s| s.mean_square_profile);
         self.put("mean nearest-neighbour distance", "µm", pairs.iter().map(PairStatistics::mean_nearest_um));
-        self.put("smallest gap", "µm", gaps);
-        self.put("S2(0) from chords", "1", ends);
+        self.put("smallest gap", "µm", packings.iter().filter_map(|p| p.account().smallest_gap_um));
+        self.put("S2(0) from chords", "1", sections.iter().map(|s| 0.5 * (s.s2_x[0] + s.s2_y[0])));
         self.put("slope of S2 at 0 (= −s/4)", "1/µm", slopes);
-        self.put("mean of φ(z)², the limit of S2", "1", squares);
+        self.put("mean of φ(z)², the limit of S2", "1", sections.iter().map(|s| s.mean_square_profile));
     }
 
     fn add_tensors(&mut self, packings: &[Packing]) {
-        const NAMES: [&str; 3] = ["x", "y", "z"];
         for k in 0..packings.first().map_or(0, |p| p.shares().len()) {
             let tensors: Vec<_> = packings.iter().filter_map(|p| orientation_tensor(p, Some(k))).collect();
-            for (a, b) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)] {
-                let name = format!("orientation tensor Q_{}{} of pigment {k}", NAMES[a], NAMES[b]);
+            let axes = [("xx", 0, 0), ("yy", 1, 1), ("zz", 2, 2), ("xy", 0, 1), ("xz", 0, 2), ("yz", 1, 2)];
+            for (name, a, b) in axes {
+                let name = format!("orientation tensor Q_{name} of pigment {k}");
                 self.put(name, "1", tensors.iter().map(|t| t.q[a][b]));
             }
         }
@@ -214,16 +208,13 @@ impl Statistics {
 /// Grains per µm² with a sphere closer than a hundredth of its radius to the wall z = 0 (`top`) or
 /// z = H.
 fn touching(packing: &Packing, top: bool) -> f64 {
-    let near = |s: &crate::ink::Sphere| {
-        let z = if top { s.center_um[2] } else { packing.thickness_um() - s.center_um[2] };
-        z < 1.01 * s.radius_um
-    };
-    let edge = |solid: &crate::ink::Solid| {
+    let depth = |low: f64, high: f64| if top { low } else { packing.thickness_um() - high };
+    let near = |s: &Sphere| depth(s.center_um[2], s.center_um[2]) < 1.01 * s.radius_um;
+    let edge = |solid: &Solid| {
         let [low, high] = solid.extent_um(2);
-        let gap = if top { low } else { packing.thickness_um() - high };
-        gap < 0.01 * solid.form.thin_um()
+        depth(low, high) < 0.01 * solid.form.thin_um()
     };
-    let touch = |g: &&crate::ink::Grain| g.solid.as_ref().map_or_else(|| g.spheres.iter().any(near), edge);
+    let touch = |g: &&Grain| g.solid.as_ref().map_or_else(|| g.spheres.iter().any(near), edge);
     let touches = packing.grains().iter().filter(touch).count();
     touches as f64 / (packing.period_um()[0] * packing.period_um()[1])
 }
@@ -231,7 +222,6 @@ fn touching(packing: &Packing, top: bool) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::{Grain, Sphere};
 
     /// Cells of varied size: the curves reach as far as the smallest cell lets them, whichever
     /// comes first.

@@ -1,15 +1,11 @@
 //! Statistics of packings, each with a standard error over realisations.
 
 mod ensemble;
-mod orientation;
 mod pairs;
-mod profile;
-mod reached;
 mod sections;
+mod single;
 
 pub use ensemble::{StatisticCurve, Statistics, gather};
-pub use orientation::{OrientationTensor, orientation_tensor};
 pub use pairs::{PairStatistics, pair_statistics, pair_statistics_to};
-pub use profile::profile;
-pub use reached::ReachedSizes;
 pub use sections::{SectionStatistics, section_statistics};
+pub use single::{OrientationTensor, ReachedSizes, orientation_tensor, profile};

@@ -1,8 +1,7 @@
 //! Pairs of grain centres: pair correlation g(r) and nearest neighbours.
 
-use crate::ink::Packing;
-use crate::ink::packing::buckets::Buckets;
-use crate::ink::packing::cell::CellBox;
+use crate::ink::packing::cell::{Buckets, CellBox};
+use crate::ink::{Grain, Packing};
 use crate::numerics::vector::{V3, norm};
 use std::f64::consts::PI;
 
@@ -34,9 +33,8 @@ impl PairStatistics {
 
 /// Mean diameter of the spheres of equal volume, µm: the length unit of the shells.
 pub fn mean_diameter_um(packing: &Packing) -> f64 {
-    let diameter = |v: f64| (6.0 * v / PI).cbrt();
     let n = packing.grains().len().max(1) as f64;
-    packing.grains().iter().map(|g| diameter(g.volume_um3)).sum::<f64>() / n
+    packing.grains().iter().map(|g| (6.0 * g.volume_um3 / PI).cbrt()).sum::<f64>() / n
 }
 
 /// Pair statistics in shells of `width` up to `furthest`, both in mean diameters, at most half the
@@ -97,27 +95,25 @@ fn ideal_share(packing: &Packing, edges: &[f64]) -> Vec<f64> {
         let volume = area * packing.thickness_um();
         return edges.iter().map(|r| 4.0 / 3.0 * PI * r.powi(3) / volume).collect();
     }
-    let widest = |g: &crate::ink::Grain| g.spheres.iter().map(|s| s.radius_um).fold(0.0, f64::max);
-    let thickest = |g: &crate::ink::Grain| g.solid.as_ref().map_or_else(|| widest(g), |s| s.form.thin_um());
+    let widest = |g: &Grain| g.spheres.iter().map(|s| s.radius_um).fold(0.0, f64::max);
+    let thickest = |g: &Grain| g.solid.as_ref().map_or_else(|| widest(g), |s| s.form.thin_um());
     let margin = packing.grains().iter().map(thickest).fold(f64::MAX, f64::min);
     let w = packing.thickness_um() - 2.0 * margin;
     if w <= 1e-9 * packing.thickness_um() {
         return edges.iter().map(|r| PI * r * r / area).collect();
     }
-    edges.iter().map(|r| share_between_walls(*r, w, area)).collect()
-}
-
-/// ∫₀^min(r,w) 2(w − u)/w² · π(r² − u²)/A du.
-fn share_between_walls(r: f64, w: f64, area: f64) -> f64 {
-    let m = r.min(w);
-    let integral = w * (r * r * m - m.powi(3) / 3.0) - (0.5 * r * r * m * m - 0.25 * m.powi(4));
-    2.0 * PI / (area * w * w) * integral
+    let share = |r: &f64| {
+        let m = r.min(w);
+        let integral = w * (r * r * m - m.powi(3) / 3.0) - (0.5 * r * r * m * m - 0.25 * m.powi(4));
+        2.0 * PI / (area * w * w) * integral
+    };
+    edges.iter().map(share).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::{Grain, Sphere};
+    use crate::ink::Sphere;
     use crate::numerics::Draws;
 
     /// Uniform random points between walls have g = 1: a test of the normalisation.

@@ -9,7 +9,7 @@ use super::cell::{CellCoefficients, CellColumns};
 use super::section::extents;
 use crate::ink::Solid;
 use crate::numerics::fourier::{PlaneFft, Real};
-use crate::numerics::periodic::bilinear;
+use crate::numerics::interpolate::bilinear;
 use crate::wave::scene::{Ball, HeightField};
 use gauss_quad::GaussLegendre;
 

@@ -16,7 +16,7 @@ use crate::evaluate::directional::{Direction, DirectionalPrint};
 use crate::evaluate::ink::InkError;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
-use crate::numerics::lagrange::lagrange;
+use crate::numerics::interpolate::lagrange;
 use crate::wave::Wave;
 use faer::Mat;
 use std::f64::consts::PI;

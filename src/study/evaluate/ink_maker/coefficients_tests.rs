@@ -8,8 +8,8 @@ use crate::evaluate::layer::LayerEnsemble;
 use crate::evaluate::levels::GridPart;
 use crate::evaluate::wavelengths::SpectralBasis;
 use crate::numerics::Draws;
+use crate::numerics::draws::Sequence;
 use crate::numerics::estimate::coverage_factor_95;
-use crate::numerics::sequence::Sequence;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::wave::Wave;
 

@@ -1,7 +1,7 @@
 //! Warns of measured files whose rows are far apart, which may be intended.
 
 use crate::input::study::Study;
-use crate::material::gaps::widest_gap_nm;
+use crate::material::columns::widest_gap_nm;
 use std::collections::BTreeSet;
 
 /// One remark for every file with a wide gap within the study's wavelengths.

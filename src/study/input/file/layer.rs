@@ -9,7 +9,7 @@ use crate::input::contrast::ContrastPart;
 use crate::input::forms::{Diameter, IndexForms, IndexWritten, Pair, ThicknessWritten, index};
 use crate::input::{limits, variation};
 use crate::material::mixing::MixingRule;
-use crate::numerics::written::name_or_table;
+use crate::numerics::files::name_or_table;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

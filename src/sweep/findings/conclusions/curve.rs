@@ -2,7 +2,7 @@
 //! spheres that act like an agglomerate.
 
 use super::{Claim, no_value};
-use crate::numerics::linked::Linked;
+use crate::numerics::estimate::Linked;
 use crate::sweep::findings::outcome::Outcome;
 
 /// Abscissa of the value on the curve, interpolated linearly, with the errors of the value and of

@@ -2,8 +2,7 @@
 //! their mean.
 
 use super::{Claim, Finding, QUANTILE, Verdict, decide, margin, measure, no_value};
-use crate::numerics::estimate::Estimate;
-use crate::numerics::linked::Linked;
+use crate::numerics::estimate::{Estimate, Linked};
 use crate::sweep::definition::file::Over;
 use crate::sweep::findings::outcome::Outcome;
 

@@ -7,10 +7,11 @@
 //! whose distance is nearest to Γ is taken. Soot and diffusion-limited clusters have D = 1.78 and k
 //! = 1.3 (C. M. Sorensen, Aerosol Sci. Technol. 45, 765–779, 2011).
 
-use super::{PlacedGrain, about_centre, all_spheres, first_contact, moved, placed_first};
+use super::{PlacedGrain, about_centre, all_spheres, first_contact};
 use crate::ink::grains::sphere::{Sphere, centre_of_mass, reach_um};
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
+use crate::numerics::files::ratio;
 use crate::numerics::vector::{dot, scale};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -28,13 +29,9 @@ pub struct Fractal {
     #[schemars(transform = DIMENSION.mark(), example = 1.78)]
     pub dimension: f64,
     /// Prefactor k.
-    #[serde(default = "usual")]
+    #[serde(default = "ratio::<13, 10>")]
     #[schemars(transform = PREFACTOR.mark())]
     pub prefactor: f64,
-}
-
-fn usual() -> f64 {
-    1.3
 }
 
 /// Contacts tried for one pair of clusters, and the relative distance to Γ that ends the search.
@@ -54,7 +51,7 @@ impl Fractal {
     /// Joins grains: each half becomes a cluster, then both become one.
     pub(crate) fn aggregate(&self, grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
         if let [grain] = grains {
-            return vec![placed_first(grain, draws)];
+            return vec![grain.turned(draws.rotation())];
         }
         let (one, other) = grains.split_at(grains.len() / 2);
         let (one, other) = (self.aggregate(one, draws), self.aggregate(other, draws));
@@ -70,28 +67,28 @@ impl Fractal {
         let mut trials = 0;
         while trials < TRIALS || best.is_none() {
             trials += 1;
-            let (turned, from) = (turned(&other, draws), draws.direction());
+            let turn = draws.rotation();
+            let turned: Vec<PlacedGrain> = other.iter().map(|g| g.turned(turn)).collect();
+            let from = draws.direction();
             let paths = turned.iter().filter_map(|g| first_contact(&one, g, scale(from, far), from));
             let Some(path) = paths.reduce(f64::min) else { continue };
             let miss = (far - path - wanted).abs();
             if best.as_ref().is_none_or(|(least, _)| miss < *least) {
-                best = Some((miss, moved(turned, scale(from, far - path))));
+                best = Some((miss, turned.into_iter().map(|g| g.moved(scale(from, far - path))).collect()));
             }
             if miss < NEAR * wanted {
                 break;
             }
         }
-        let joined = best.map_or_else(Vec::new, |(_, other)| other);
-        one.into_iter().chain(joined).collect()
+        one.into_iter().chain(best.into_iter().flat_map(|(_, other)| other)).collect()
     }
 
     /// Distance Γ of the centres of mass that gives the union its radius of gyration; 0 if the
     /// clusters are too open already.
     fn distance(&self, one: &[PlacedGrain], other: &[PlacedGrain]) -> f64 {
         let ([m1, s1], [m2, s2]) = (mass_and_inertia(one), mass_and_inertia(other));
-        let all = || one.iter().chain(other);
         let count = (one.len() + other.len()) as f64;
-        let radius = all().map(|g| mass(&g.spheres).cbrt()).sum::<f64>() / count;
+        let radius = one.iter().chain(other).map(|g| mass(&g.spheres).cbrt()).sum::<f64>() / count;
         let gyration = radius * (count / self.prefactor).powf(1.0 / self.dimension);
         let m = m1 + m2;
         ((m * gyration * gyration - s1 - s2) * m / (m1 * m2)).max(0.0).sqrt()
@@ -106,12 +103,6 @@ fn mass(spheres: &[Sphere]) -> f64 {
 fn mass_and_inertia(grains: &[PlacedGrain]) -> [f64; 2] {
     let of = |g: &PlacedGrain| (mass(&g.spheres), centre_of_mass(&g.spheres));
     grains.iter().map(of).fold([0.0; 2], |[m, s], (own, at)| [m + own, s + own * dot(at, at)])
-}
-
-fn turned(grains: &[PlacedGrain], draws: &mut Draws) -> Vec<PlacedGrain> {
-    let axis = draws.direction();
-    let turn = draws.rotation_with_axis(axis);
-    grains.iter().map(|g| g.turned(turn)).collect()
 }
 
 #[cfg(test)]

@@ -1,10 +1,70 @@
-//! Repulsion between overlapping spheres or convex bodies, and from the walls.
+//! Repulsion between overlapping spheres or convex bodies, and from the walls: forces and torques,
+//! with overlap statistics collected during their summation.
 
 use super::OverlapRelaxation;
-use crate::ink::packing::loads::FoundLoads;
-use crate::ink::packing::sequential::{CONVEX_MARGIN, MARGIN};
+use crate::ink::packing::hard_bodies::{CONVEX_MARGIN, MARGIN};
 use crate::numerics::Draws;
-use crate::numerics::vector::{V3, add, dot, scale, sub};
+use crate::numerics::vector::{V3, add, cross, dot, scale, sub};
+
+/// Overlap statistics of one evaluation of the forces.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FoundLoads {
+    pub energy: f64,
+    pub overlap: f64,
+    pub relative: f64,
+}
+
+/// Forces and torques of one step, and the bodies on which they act.
+pub(crate) struct OverlapLoads {
+    pub force: Vec<V3>,
+    pub torque: Vec<V3>,
+    pub touched: Vec<bool>,
+    pub joined: Vec<u32>,
+    /// Squared lever arm that represents J/μ; zero for single spheres.
+    pub inertia: Vec<f64>,
+}
+
+impl OverlapLoads {
+    pub fn new(inertia: Vec<f64>) -> Self {
+        let n = inertia.len();
+        let (force, torque) = (vec![[0.0; 3]; n], vec![[0.0; 3]; n]);
+        Self { force, torque, touched: vec![false; n], joined: Vec::new(), inertia }
+    }
+
+    /// Takes all forces and torques away.
+    pub fn clear(&mut self) {
+        for b in self.joined.iter().map(|b| *b as usize) {
+            (self.force[b], self.torque[b]) = ([0.0; 3], [0.0; 3]);
+        }
+    }
+
+    /// Applies a force at a point relative to the centre of body b.
+    #[inline(always)]
+    pub fn act(&mut self, b: usize, arm: V3, force: V3) {
+        self.force[b] = add(self.force[b], force);
+        if self.inertia[b] > 0.0 {
+            self.torque[b] = add(self.torque[b], cross(arm, force));
+        }
+        self.touch(b);
+    }
+
+    #[inline(always)]
+    pub fn touch(&mut self, b: usize) {
+        if !self.touched[b] {
+            self.touched[b] = true;
+            self.joined.push(b as u32);
+        }
+    }
+}
+
+impl FoundLoads {
+    #[inline(always)]
+    pub fn hear(&mut self, energy: f64, overlap: f64, sum: f64) {
+        self.energy += energy;
+        self.overlap = self.overlap.max(overlap);
+        self.relative = self.relative.max(overlap / sum);
+    }
+}
 
 impl OverlapRelaxation<'_, '_> {
     /// Forces and torques on the bodies of the moving list and on the bodies they push.
@@ -22,8 +82,7 @@ impl OverlapRelaxation<'_, '_> {
 
     fn pairs(&mut self, b: usize, s: usize, found: &mut FoundLoads, draws: &mut Draws) {
         let (p, r, wider) = (self.bodies.at[s], self.bodies.radius[s], 1.0 + self.inflation);
-        let mut push = [0.0; 3];
-        let mut pushed = false;
+        let (mut push, mut pushed) = ([0.0; 3], false);
         for k in 0..self.list.of(s).len() {
             let (t, bodies) = (self.list.of(s)[k] as usize, &*self.bodies);
             let d = bodies.cell.delta(p, bodies.at[t]);
@@ -44,10 +103,9 @@ impl OverlapRelaxation<'_, '_> {
             let distance = d2.sqrt();
             let depth = reach - distance; // L = (1 + ε)(R₁ + R₂) − distance
             // Coincident centres define no direction: any will do.
-            let away = if distance > 1e-9 * sum {
-                scale(d, depth / distance)
-            } else {
-                scale(draws.direction(), depth)
+            let away = match distance > 1e-9 * sum {
+                true => scale(d, depth / distance),
+                false => scale(draws.direction(), depth),
             };
             push = sub(push, away); // F = −L on this sphere, summed over its neighbours
             pushed = true;
@@ -67,14 +125,12 @@ impl OverlapRelaxation<'_, '_> {
         let gap = (self.inflation * thin).max(2.0 * CONVEX_MARGIN * thin);
         let Some(contact) = self.bodies.contact(s, t, d, gap) else { return };
         let depth = gap - contact.gap_um;
-        if depth <= 0.0 {
-            return;
+        if depth > 0.0 {
+            let push = scale(contact.normal, depth);
+            self.loads.act(own, add(self.bodies.arm[s], contact.arms[0]), scale(push, -1.0));
+            self.loads.act(other, add(self.bodies.arm[t], contact.arms[1]), push);
+            found.hear(0.5 * depth * depth, 1.5 * CONVEX_MARGIN * thin - contact.gap_um, thin);
         }
-        let push = scale(contact.normal, depth);
-        let arms = [s, t].map(|s| self.bodies.arm[s]);
-        self.loads.act(own, add(arms[0], contact.arms[0]), scale(push, -1.0));
-        self.loads.act(other, add(arms[1], contact.arms[1]), push);
-        found.hear(0.5 * depth * depth, 1.5 * CONVEX_MARGIN * thin - contact.gap_um, thin);
     }
 
     /// Repulsion from a wall as from the mirror image, L = 2 (R (1 + ε) − distance to the wall),

@@ -8,9 +8,8 @@ impl OverlapRelaxation<'_, '_> {
     /// One Euler step of all bodies under load, which then form the new moving list.
     pub(super) fn advance(&mut self) {
         let h = self.step / self.settings.translational_viscosity;
-        let ramp = self.ramp();
+        let (ramp, mut outrun) = (self.ramp(), false);
         let aligning = self.aligning(ramp);
-        let mut outrun = false;
         for k in 0..self.loads.joined.len() {
             let b = self.loads.joined[k] as usize;
             self.loads.touched[b] = false;
@@ -36,9 +35,8 @@ impl OverlapRelaxation<'_, '_> {
 
     /// Translation and rotation of a body in one step; clears its forces.
     fn motion(&mut self, b: usize, h: f64, ramp: f64, aligning: &[bool]) -> [V3; 2] {
-        let force = std::mem::take(&mut self.loads.force[b]);
         let torque = std::mem::take(&mut self.loads.torque[b]);
-        let by = scale(force, h); // Δx = F Δt/μ
+        let by = scale(std::mem::take(&mut self.loads.force[b]), h); // Δx = F Δt/μ
         let mut turn = [0.0; 3];
         if self.loads.inertia[b] > 0.0 {
             // Δφ = M Δt/J, plus the rotation by the aligning field
@@ -46,12 +44,8 @@ impl OverlapRelaxation<'_, '_> {
         }
         // No point of the body moves by more than the limit per step.
         let body = &self.plan.bodies[b];
-        let (length, limit) =
-            (norm(by) + norm(turn) * body.reach, self.settings.step_limit_radii * body.thin);
-        if length > limit {
-            return [by, turn].map(|part| scale(part, limit / length));
-        }
-        [by, turn]
+        let (path, limit) = (norm(by) + norm(turn) * body.reach, self.settings.step_limit_radii * body.thin);
+        if path > limit { [by, turn].map(|part| scale(part, limit / path)) } else { [by, turn] }
     }
 
     /// Strength of the aligning torque at this step of the batch: 1 falling linearly to 0.

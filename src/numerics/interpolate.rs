@@ -1,4 +1,12 @@
-//! Values on a periodic grid of a rectangle.
+//! Interpolation: polynomials through points, and values on a periodic grid of a rectangle.
+
+/// Weights of the values at `points` in the polynomial through them, at `x`.
+pub fn lagrange(points: &[f64], x: f64) -> Vec<f64> {
+    let weight = |(i, own): (usize, &f64)| {
+        points.iter().enumerate().filter(|&(j, _)| j != i).map(|(_, p)| (x - p) / (own - p)).product()
+    };
+    points.iter().enumerate().map(weight).collect()
+}
 
 /// The value at a place, interpolated bilinearly between `count` points (x fastest) of a rectangle
 /// with the given periods.
