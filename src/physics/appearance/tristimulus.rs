@@ -2,7 +2,7 @@
 
 mod beyond;
 
-pub use super::error::ColourError;
+pub use super::viewing::ColourError;
 pub use beyond::{COLOUR_RANGE_NM, MOST_OUTSIDE};
 
 use super::viewing::{Summation, Viewing};

@@ -12,14 +12,13 @@ pub mod demand;
 pub mod gradient;
 pub mod ledger;
 pub mod registry;
-pub mod size;
 pub mod solver;
 pub mod strategies;
 pub mod vectors;
 
 pub use crate::wave::System;
 pub use account::{Account, Goal, GridTrial, Silent, Solution, SolveError, Step, Watch};
-pub use accuracy::coverages::Coverages;
+pub use accuracy::Coverages;
 pub use ledger::Ledger;
 pub use registry::{Registry, SolverChoice};
 pub use solver::Solver;

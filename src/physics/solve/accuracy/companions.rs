@@ -4,14 +4,13 @@
 //! fifth fewer cells in z; the expected orders of convergence turn the differences into an estimate
 //! of the finer result's error.
 
-use super::difference::largest_of_all;
 use super::error::AccuracyError;
-use super::resolution::{error_share, scaled_cells, scaled_plane};
+use super::search::{error_share, scaled_cells, scaled_plane};
 use super::task::{Estimated, Solved, Task};
 use crate::solve::account::{SolveError, Watch};
 use crate::wave::grid::share_cells;
 use crate::wave::physical::largest;
-use crate::wave::{BodyShape, FarField, Grid, Resolution, TotalErrors, WaveError};
+use crate::wave::{BodyShape, FarField, Grid, Order, Resolution, TotalErrors, WaveError};
 
 /// Ratio of the number of points or cells of a coarser companion to that of the result.
 const COMPANION: f64 = 0.8;
@@ -204,4 +203,23 @@ impl Task<'_> {
 /// the residual.
 pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
     SAFETY * (parts[0] + parts[1]) + 1e-13 + RESIDUAL_WEIGHT * residual
+}
+
+/// Largest difference of any propagating amplitude in any polarisation, or of a neighbour of the
+/// specular order.
+///
+/// The amplitudes of other evanescent orders exist within a fraction of a wavelength of the faces,
+/// carry no power, and converge more slowly.
+pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
+    let counts =
+        |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
+    let pairs = a.orders.iter().filter(counts);
+    let pairs = pairs.filter_map(|a| Some((a, b.orders.iter().find(|b| (a.m, a.n) == (b.m, b.n))?)));
+    let amplitudes = pairs.flat_map(|(a, b)| a.amplitudes().zip(b.amplitudes()));
+    largest(amplitudes.flat_map(|(a, b)| [(a[0] - b[0]).norm(), (a[1] - b[1]).norm()]))
+}
+
+/// Maximum of [`largest_difference`] over all polarisations.
+pub fn largest_of_all(a: &[FarField], b: &[FarField]) -> f64 {
+    largest(a.iter().zip(b).map(|(a, b)| largest_difference(a, b)))
 }

@@ -8,7 +8,7 @@
 //! uncertainty of the ensemble means.
 
 use super::error::AccuracyError;
-use super::resolution::{raised, scaled_cells, scaled_points};
+use super::search::{raised, scaled_cells, scaled_points};
 use super::task::Task;
 use crate::numerics::estimate::Estimate;
 use crate::solve::Watch;

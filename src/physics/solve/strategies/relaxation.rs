@@ -8,7 +8,6 @@
 //! undamped; replacing the state by its mean over a window ("averaging restart") removes them.
 
 mod march;
-mod memory;
 
 pub(crate) use march::contrasts;
 
@@ -18,8 +17,7 @@ use crate::solve::ledger::{Ledger, flat};
 use crate::solve::solver::{Fit, Solver};
 use crate::solve::vectors::norm;
 use crate::wave::{Field, Mean, Problem};
-use march::March;
-use memory::Memory;
+use march::{March, Memory};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -7,11 +7,11 @@
 
 mod cell_sum;
 
-pub use super::channel::Channel;
+pub use crate::wave::grid::Channel;
 
-use super::cell::{CellCoefficients, CellColumns};
-use super::folding::{Folding, Planes, REACH};
+use super::folding::{CellCoefficients, Folding, Planes, REACH};
 use super::nufft::{SourceTransform, Spreading};
+use super::relief::CellColumns;
 use super::section::{Demands, GaussRules, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneFft, Real};
 use crate::wave::{Body, Grid, Layout, Material, Resolution, Scene, WaveError};

@@ -8,7 +8,6 @@
 //! nothing per step, keeps energy balance and reciprocity, and raises the observed order of
 //! convergence in the plane from 3 to about 5.
 
-use super::cell::CellTable;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
 use crate::wave::operator::sharing::by_row;
 use crate::wave::{Grid, Resolution};
@@ -20,6 +19,16 @@ use std::f64::consts::TAU;
 /// Ratio of the highest folded harmonic to the grid's; a larger one changes the error by a few per
 /// cent only.
 pub(super) const REACH: usize = 2;
+
+/// Coefficients of one channel in one cell: plane of the cell → wide harmonics, and their means in
+/// full precision.
+pub(crate) struct CellCoefficients<T: Real> {
+    pub spectra: Vec<Vec<Complex<T>>>,
+    pub means: Vec<f64>,
+}
+
+/// Coefficients in all cells of all channels, where they are present.
+pub(crate) type CellTable<T> = [Vec<Option<CellCoefficients<T>>>];
 
 /// The grid's harmonics, the wider set around them, and the transforms of both.
 pub struct Folding<T: Real> {

@@ -5,13 +5,23 @@
 //! exact in every column, so the sampled function is continuous and the raster's aliasing decays
 //! fast.
 
-use super::cell::{CellCoefficients, CellColumns};
+use super::folding::CellCoefficients;
 use super::section::extents;
 use crate::ink::Solid;
 use crate::numerics::fourier::{PlaneFft, Real};
 use crate::numerics::periodic::bilinear;
+use crate::wave::grid::element::Element;
 use crate::wave::scene::{Ball, HeightField};
 use gauss_quad::GaussLegendre;
+
+/// Geometry and grid of one cell for the integration over columns.
+pub(crate) struct CellColumns<'a> {
+    pub range_um: [f64; 2],
+    pub element: &'a Element,
+    pub orders: &'a [[i32; 2]],
+    /// Largest |m| and |n| of the harmonics.
+    pub widest: [usize; 2],
+}
 
 /// Balls and convex bodies that a surface leaves bare.
 type Grains<'a> = (&'a [Ball], &'a [Solid]);
@@ -154,7 +164,6 @@ fn add_stretch(moments: &mut [f64], cell: &CellColumns, rule: &GaussLegendre, [f
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wave::grid::element::Element;
 
     /// A ridge along y. The shape functions add up to 1, so the moments of a column add up to the
     /// depth of its vacuum: cubic polynomials are exact with four nodes, rounding remains.

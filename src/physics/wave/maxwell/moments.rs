@@ -5,8 +5,7 @@
 //! plane. They are real and independent of wavelength and angle, computed once per scene and grid
 //! and shared by both polarisations.
 
-use super::layers::{self, Core};
-use super::solid_sources;
+use super::solid_sources::{self, Core};
 use super::sources::{self, FIELDS, NormalField, Slab, Source, VALUES};
 use crate::ink::Solid;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
@@ -118,7 +117,7 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
             remedy: "leave --scheme out",
         });
     }
-    if !layers::are_convex(scene) {
+    if !solid_sources::are_convex(scene) {
         return Err(WaveError::NotInVectorMode {
             what: "layers of a cluster of spheres, or another body inside or around one",
             reason: "the normal-field tensor between them is not implemented",
@@ -146,7 +145,7 @@ impl<'a> MomentBuilder<'a> {
         let spreading = Spreading { points_per_order: 4, ..Spreading::within(error) };
         MomentBuilder {
             scene,
-            cores: layers::cores(scene),
+            cores: solid_sources::cores(scene),
             grid,
             channels,
             harmonics: Harmonics::new(nx, ny),

@@ -3,18 +3,16 @@
 //!
 //! Unknowns are harmonics of the nodes and of the bubbles in each cell; see [`super::mean`].
 
-mod contrast;
-mod gradient;
 mod points;
+mod related;
 
-pub use super::mean_medium::Mean;
-pub use gradient::{DIRECTIONS, Medium};
+pub use super::setting::Mean;
+pub use related::{DIRECTIONS, Medium};
 
 use super::cell::decaying_root;
 use super::mean::MeanOperator;
-use super::mean_medium::plane_offsets;
 use super::scattering::{Scatter, Scattering};
-use super::setting::Setting;
+use super::setting::{Setting, plane_offsets};
 use crate::numerics::fourier::PlaneFft;
 use crate::wave::{Coverage, Incidence, Media, Scene, WaveError};
 use ndarray::{Array2, ArrayView2};
@@ -98,7 +96,7 @@ impl Problem {
         let lateral_k2 = setting.lateral.iter().map(|[x, y]| x * x + y * y).collect();
         let kappa = setting.kappa.each_ref().map(Vec::as_slice);
         Ok(Problem {
-            contrasts: contrast::strengths(coverage, media, setting.k0),
+            contrasts: points::strengths(coverage, media, setting.k0),
             offsets: plane_offsets(coverage, media, setting.k0, &mean_k2),
             mean: MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa),
             fft: coverage.fft.clone(),

@@ -4,7 +4,7 @@
 use super::Builder;
 use crate::ink::Solid;
 use crate::numerics::fourier::{PlaneScratch, Real, narrow};
-use crate::wave::contrast::cell::CellCoefficients;
+use crate::wave::contrast::folding::CellCoefficients;
 use crate::wave::contrast::nufft::Sources;
 use crate::wave::contrast::relief;
 use crate::wave::contrast::section::{self, EdgePoint, extents};
