@@ -9,8 +9,8 @@
 //! convergence in the plane from 3 to about 5.
 
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
+use crate::wave::Grid;
 use crate::wave::operator::sharing::by_row;
-use crate::wave::{Grid, Resolution};
 use ndarray::{Array2, ArrayViewMut1};
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -31,7 +31,8 @@ pub(crate) struct CellCoefficients<T: Real> {
 pub(crate) type CellTable<T> = [Vec<Option<CellCoefficients<T>>>];
 
 /// The grid's harmonics, the wider set around them, and the transforms of both.
-pub struct Folding<T: Real> {
+pub struct Folding<'a, T: Real> {
+    grid: &'a Grid,
     /// All harmonics that the coverage is computed for.
     pub harmonics: Harmonics,
     inner: Harmonics,
@@ -44,16 +45,6 @@ pub struct Folding<T: Real> {
     wide_points: usize,
 }
 
-/// Fields on the grid's points, planes × points, in µm (moments) and µm³ (folded).
-pub struct Planes {
-    /// ∫ ψ_p χ dz of every channel.
-    pub moments: Vec<Array2<f64>>,
-    /// The channels of every folded field.
-    pub pairs: Vec<[usize; 2]>,
-    /// Fields contributed by the outer harmonics of each pair.
-    pub folded: Vec<Array2<f64>>,
-}
-
 /// Work arrays of one thread.
 struct Buffers<T: Real> {
     wide: PlaneScratch<T>,
@@ -64,45 +55,47 @@ struct Buffers<T: Real> {
     compact: Vec<Complex<T>>,
 }
 
-impl<T: Real> Folding<T> {
-    /// Plans the transforms of a grid of `period_um`.
-    pub fn new(resolution: &Resolution, period_um: [f64; 2]) -> Folding<T> {
-        let [nx, ny] = [resolution.nx, resolution.ny];
+impl<'a, T: Real> Folding<'a, T> {
+    /// Plans the transforms of a grid.
+    pub fn new(grid: &'a Grid) -> Self {
+        let [nx, ny] = [grid.resolution.nx, grid.resolution.ny];
         let [wx, wy] = [nx, ny].map(|n| if n == 1 { 1 } else { REACH * n });
         let (harmonics, inner) = (Harmonics::new(wx, wy), Harmonics::new(nx, ny));
         let [mmax, nmax] = [nx, ny].map(|n| (n as i32 - 1) / 2);
         let is_inner = |o: &[i32; 2]| o[0].abs() <= mmax && o[1].abs() <= nmax;
         let kept = (0..harmonics.len()).filter(|&i| is_inner(&harmonics.orders[i])).collect();
         let inverse = |o: &[i32; 2]| {
-            let q2: f64 = (0..2).map(|i| (TAU * f64::from(o[i]) / period_um[i]).powi(2)).sum();
+            let q2: f64 = (0..2).map(|i| (TAU * f64::from(o[i]) / grid.period_um[i]).powi(2)).sum();
             T::of(if is_inner(o) { 0.0 } else { 1.0 / q2 })
         };
         let inverse_q2 = harmonics.orders.iter().map(inverse).collect();
         let (wide, narrow) = (PlaneFft::new(wx, wy), PlaneFft::new(nx, ny));
-        Folding { harmonics, inner, kept, inverse_q2, wide, narrow, wide_points: wx * wy }
+        Folding { grid, harmonics, inner, kept, inverse_q2, wide, narrow, wide_points: wx * wy }
     }
 
     /// Sums the cells' contributions to each plane, transforms them to points and folds every pair
-    /// of channels.
-    pub(crate) fn planes(&self, grid: &Grid, cells: &CellTable<T>, channels: usize) -> Planes {
-        let pairs: Vec<[usize; 2]> = (0..channels).flat_map(|a| (a..channels).map(move |b| [a, b])).collect();
-        let mut moments = vec![Array2::zeros((grid.planes(), grid.points())); channels + pairs.len()];
-        by_row(&mut moments, grid.planes()).into_par_iter().enumerate().for_each_init(
+    /// of channels: on the grid's points (planes × points), ∫ ψ_p χ dz of every channel in µm, and
+    /// the fields contributed by the outer harmonics of each pair in µm³.
+    pub(super) fn planes(&self, cells: &CellTable<T>, pairs: &[[usize; 2]]) -> [Vec<Array2<f64>>; 2] {
+        let channels = cells[0].len();
+        let (planes, points) = (self.grid.planes(), self.grid.points());
+        let mut moments = vec![Array2::zeros((planes, points)); channels + pairs.len()];
+        by_row(&mut moments, planes).into_par_iter().enumerate().for_each_init(
             || self.buffers(channels),
             |buffers, (plane, rows)| {
-                self.spectra(grid, cells, plane, buffers);
-                let weight = plane_weight(grid, plane) * self.wide_points as f64;
-                self.fold(&pairs, T::of(weight), rows, buffers);
+                self.spectra(cells, plane, buffers);
+                let weight = self.plane_weight(plane) * self.wide_points as f64;
+                self.fold(pairs, T::of(weight), rows, buffers);
             },
         );
         let folded = moments.split_off(channels);
-        Planes { moments, pairs, folded }
+        [moments, folded]
     }
 
     /// Computes one plane's wide spectrum and outer fields of every channel in `buffers`.
-    fn spectra(&self, grid: &Grid, cells: &CellTable<T>, plane: usize, buffers: &mut Buffers<T>) {
+    fn spectra(&self, cells: &CellTable<T>, plane: usize, buffers: &mut Buffers<T>) {
         for c in 0..buffers.spectra.len() {
-            plane_spectrum(grid, cells, [plane, c], &mut buffers.spectra[c]);
+            self.plane_spectrum(cells, [plane, c], &mut buffers.spectra[c]);
             self.outer_fields(c, buffers);
         }
     }
@@ -183,33 +176,28 @@ impl<T: Real> Folding<T> {
             out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.re.wide());
         }
     }
-}
 
-/// One plane's wide spectrum of a channel, the sum over the cells it touches.
-fn plane_spectrum<T: Real>(
-    grid: &Grid,
-    cells: &CellTable<T>,
-    [plane, channel]: [usize; 2],
-    sum: &mut [Complex<T>],
-) {
-    sum.fill(Complex::default());
-    let degree = grid.element.degree;
-    // A plane belongs to the cell in which it starts or lies, and a node also to the previous
-    // cell.
-    let before = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
-    for cell in before.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
-        if let Some(part) = &cells[cell][channel] {
-            sum.iter_mut().zip(&part.spectra[plane - degree * cell]).for_each(|(s, p)| *s += p);
+    /// One plane's wide spectrum of a channel, the sum over the cells it touches.
+    fn plane_spectrum(&self, cells: &CellTable<T>, [plane, channel]: [usize; 2], sum: &mut [Complex<T>]) {
+        sum.fill(Complex::default());
+        let degree = self.grid.element.degree;
+        // A plane belongs to the cell in which it starts or lies, and a node also to the previous
+        // cell.
+        let before = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
+        for cell in before.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
+            if let Some(part) = &cells[cell][channel] {
+                sum.iter_mut().zip(&part.spectra[plane - degree * cell]).for_each(|(s, p)| *s += p);
+            }
         }
     }
-}
 
-/// Integral of the plane's shape functions over the cells it touches.
-fn plane_weight(grid: &Grid, plane: usize) -> f64 {
-    let degree = grid.element.degree;
-    let in_cell = |j: usize| {
-        let point = plane.checked_sub(degree * j)?;
-        Some(grid.height_um(j) * grid.element.weights.get(point)?)
-    };
-    (0..grid.cells()).filter_map(in_cell).sum()
+    /// Integral of the plane's shape functions over the cells it touches.
+    fn plane_weight(&self, plane: usize) -> f64 {
+        let (grid, degree) = (self.grid, self.grid.element.degree);
+        let in_cell = |j: usize| {
+            let point = plane.checked_sub(degree * j)?;
+            Some(grid.height_um(j) * grid.element.weights.get(point)?)
+        };
+        (0..grid.cells()).filter_map(in_cell).sum()
+    }
 }

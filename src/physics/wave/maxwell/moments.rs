@@ -11,7 +11,7 @@ use crate::ink::Solid;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::contrast::coverage::{Channel, Precision, find_channels, overlap};
 use crate::wave::contrast::nufft::{SourceTransform, Sources, Spreading};
-use crate::wave::contrast::section::{Demands, GaussRules, Sampling, extents};
+use crate::wave::contrast::section::{Demands, Sampling, extents};
 use crate::wave::{Ball, Body, BodyShape, Grid, Layout, Resolution, Scene, Scheme, WaveError};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -151,11 +151,7 @@ impl<'a> MomentBuilder<'a> {
             harmonics: Harmonics::new(nx, ny),
             transform: SourceTransform::new(mmax, nmax, spreading),
             fft: PlaneFft::new(nx, ny),
-            sampling: Sampling {
-                demands: Demands([(kmax, error); 2]),
-                degree: 3,
-                rules: GaussRules::default(),
-            },
+            sampling: Sampling { demands: Demands([(kmax, error); 2]), degree: 3 },
         }
     }
 

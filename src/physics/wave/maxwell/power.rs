@@ -5,7 +5,9 @@
 //! meet.
 
 use crate::wave::Ball;
-use crate::wave::contrast::section::{EdgePoint, Sampling, breakpoints, free_arcs};
+use crate::wave::contrast::section::{
+    Edge, EdgePoint, Sampling, breakpoints, free_arcs, gauss_of_degree, gauss_rule,
+};
 
 /// Calls `edge(z, weight, points)` for heights within a range on the edge of ball `i`'s share.
 pub(super) fn share_edges(
@@ -13,12 +15,12 @@ pub(super) fn share_edges(
     i: usize,
     range: [f64; 2],
     sampling: &Sampling,
-    edge: &mut impl FnMut(f64, f64, &[EdgePoint]),
+    edge: &mut impl FnMut(f64, f64, &Edge),
 ) {
     let mut points = Vec::new();
     for part in breakpoints(balls, i, range).windows(2) {
         let (lo, length) = (part[0], part[1] - part[0]);
-        for &(x, w) in sampling.rules.of(sampling.height_count(length, false) + 2) {
+        for &(x, w) in gauss_rule(sampling.height_count(length, false) + 2) {
             // z = lo + length sin²t removes the square roots with which edges appear and vanish.
             let t = std::f64::consts::FRAC_PI_4 * (x + 1.0);
             let (z, dz) = (lo + length * t.sin().powi(2), length * (2.0 * t).sin());
@@ -75,8 +77,7 @@ fn push_chord(balls: &[Ball], [i, j]: [usize; 2], z: f64, sampling: &Sampling, p
         return;
     }
     let half = 0.5 * (to - from);
-    let degree = sampling.demands.degree(half) + 3.0;
-    for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
+    for &(x, w) in gauss_of_degree(sampling.demands.degree(half) + 3.0) {
         let t = from + half * (1.0 + x);
         let position = [0, 1].map(|k| foot[k] + t * tangent[k]);
         points.push(EdgePoint { position, normal: normal.map(|n| n * half * w) });

@@ -6,11 +6,11 @@
 //! tensor: the fields are joined there exactly. Bodies inside others may be single spheres and
 //! convex bodies.
 
-use super::sources::{FIELDS, NormalField, Slab, Source, VALUES};
+use super::sources::{FIELDS, NormalField, Slab, Source, VALUES, fan};
 use crate::ink::grains::solid::{edges, outward};
 use crate::ink::{Form, Solid};
 use crate::numerics::vector::{Rotation, V3, dot, scale, sub};
-use crate::wave::contrast::section::{EdgePoint, Sampling};
+use crate::wave::contrast::section::{Edge, Sampling};
 use crate::wave::{Ball, Body, BodyShape, Scene};
 
 /// Components xx, xy, yy, xz, yz, zz of n nᵀ.
@@ -45,30 +45,24 @@ pub(super) fn of_bodies(bodies: &[Solid], nodes: &[f64], slab: &Slab, push: &mut
         let sign = if i == 0 { 1.0 } else { -1.0 };
         slab.sampling.cuts(solid, slab.range_um, TENSOR_DEGREE, &mut |z, weight, edge| {
             let shares = slab.point(z, weight, z).map(|[share, ..]| sign * share);
-            fan(&surfaces, edge, slab.sampling, (z, shares), push);
+            push_cut(&surfaces, edge, slab.sampling, (z, shares), push);
         });
     }
 }
 
-/// A cut as a fan of triangles from a point inside it to its edge.
-fn fan(
+/// Pushes the sources of a cut at height z with shares in both Gauss planes.
+fn push_cut(
     surfaces: &[SolidSurface],
-    edge: &[EdgePoint],
+    edge: &Edge,
     sampling: &Sampling,
     (z, shares): (f64, [f64; 2]),
     push: &mut impl FnMut(Source),
 ) {
     let inside = [0, 1].map(|i| edge.iter().map(|p| p.position[i]).sum::<f64>() / edge.len() as f64);
-    for point in edge {
-        let to = [0, 1].map(|i| point.position[i] - inside[i]);
-        let cone = to[0] * point.normal[0] + to[1] * point.normal[1];
-        let degree = sampling.demands.degree(0.5 * to[0].hypot(to[1])) + TENSOR_DEGREE;
-        for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
-            let s = 0.5 * (1.0 + x);
-            let position = [0, 1].map(|i| inside[i] + s * to[i]);
-            let tensor = tensor(surfaces, [position[0], position[1], z]);
-            push(Source { position, values: values(&tensor, shares.map(|m| 0.5 * w * s * cone * m)) });
-        }
+    for ([x, y], area) in fan(inside, edge, sampling, TENSOR_DEGREE) {
+        let position = [inside[0] + x, inside[1] + y];
+        let tensor = tensor(surfaces, [position[0], position[1], z]);
+        push(Source { position, values: values(&tensor, shares.map(|m| area * m)) });
     }
 }
 

@@ -10,7 +10,7 @@
 
 use super::power::share_edges;
 use crate::wave::Ball;
-use crate::wave::contrast::section::{EdgePoint, Sampling};
+use crate::wave::contrast::section::{Edge, Sampling, gauss_of_degree, gauss_rule};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Number of fields: χ, and the components xx, xy, yy, xz, yz, zz of χN.
@@ -174,7 +174,7 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
         // the half-range.
         let reach = 0.5 * radius * (pair[1].sin() - pair[0].sin());
         let degree = slab.sampling.demands.degree(reach) + PROFILE_DEGREE * half;
-        let rule = slab.sampling.rules.of((0.5 * degree).ceil() as usize + 2);
+        let rule = gauss_rule((0.5 * degree).ceil() as usize + 2);
         nodes.extend(rule.iter().map(|&(x, w)| (middle + half * x, half * w)));
     }
     nodes
@@ -182,33 +182,33 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
 
 /// Cuts at heights; a ball's part of a cut is a fan of cones from its centre to the part's edge.
 fn of_share(balls: &[Ball], i: usize, slab: &Slab, push: &mut impl FnMut(Source)) {
+    let [x, y, z_center] = balls[i].center_um;
     share_edges(balls, i, slab.range_um, slab.sampling, &mut |z, weight, edge| {
-        let heights = slab.point(z, weight, balls[i].center_um[2]);
-        fan(&balls[i], edge, slab.sampling, &heights, push);
+        let heights = slab.point(z, weight, z_center);
+        // The cone's Jacobian and N increase the degree by three.
+        let points = fan([x, y], edge, slab.sampling, 3.0).into_iter();
+        points.for_each(|(at, area)| push(ball_source(&balls[i], at, &heights, area)));
     });
 }
 
-fn fan(
-    ball: &Ball,
-    edge: &[EdgePoint],
-    sampling: &Sampling,
-    heights: &HeightMoments,
-    push: &mut impl FnMut(Source),
-) {
-    let center = [ball.center_um[0], ball.center_um[1]];
+/// A source of a ball at a place relative to its centre.
+fn ball_source(ball: &Ball, [x, y]: [f64; 2], heights: &HeightMoments, weight: f64) -> Source {
+    let values = ball_values([x, y], NormalField::of_ball(ball.radius_um), heights, weight);
+    Source { position: [ball.center_um[0] + x, ball.center_um[1] + y], values }
+}
+
+/// A cut as a fan of triangles from a point inside it to its edge: places relative to that point,
+/// µm, and areas, µm². What is integrated is of the degree `extra` besides the wave.
+pub(super) fn fan(inside: [f64; 2], edge: &Edge, sampling: &Sampling, extra: f64) -> Vec<([f64; 2], f64)> {
+    let mut points = Vec::new();
     for point in edge {
-        let to = [0, 1].map(|i| point.position[i] - center[i]);
+        let to = [0, 1].map(|i| point.position[i] - inside[i]);
         let cone = to[0] * point.normal[0] + to[1] * point.normal[1];
-        // The cone's Jacobian and N increase the degree by three.
-        let degree = sampling.demands.degree(0.5 * to[0].hypot(to[1])) + 3.0;
-        for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
-            let s = 0.5 * (1.0 + x);
-            let from_center = to.map(|t| s * t);
-            let normal = NormalField::of_ball(ball.radius_um);
-            let values = ball_values(from_center, normal, heights, 0.5 * w * s * cone);
-            push(Source { position: [0, 1].map(|i| center[i] + from_center[i]), values });
-        }
+        let rule = gauss_of_degree(sampling.demands.degree(0.5 * to[0].hypot(to[1])) + extra).iter();
+        let halves = rule.map(|&(x, w)| (0.5 * (1.0 + x), 0.5 * w));
+        points.extend(halves.map(|(s, half)| (to.map(|t| s * t), half * s * cone)));
     }
+    points
 }
 
 /// Lines of a cylinder along y: x relative to its axis with a weight in µm, and all fields.
