@@ -132,7 +132,7 @@ pub fn adjoint(
     for (side, row) in [(0, 0), (1, last)] {
         for (i, kappa) in problem.kappa[side].iter().enumerate() {
             let weight = weights[side ^ exit_first] * kappa.re / problem.incident_kappa();
-            let lit = side == exit_first && i == problem.incident_harmonic();
+            let lit = side == exit_first && i == problem.incident_harmonic;
             source[[row, i]] += weight * (u[[row, i]] - if lit { 1.0 } else { 0.0 }).conj();
         }
     }

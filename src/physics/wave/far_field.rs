@@ -148,7 +148,7 @@ impl Setting {
     pub(in crate::wave) fn orders(&self, leaving: impl Fn(usize, usize, f64) -> Leaving) -> Vec<Order> {
         let index = self.media.incident.re.max(self.media.exit.re).max(1.0);
         let reach = EVANESCENT_REACH * index * self.k0;
-        let specular = self.harmonics.orders[self.incident_harmonic()];
+        let specular = self.harmonics.orders[self.incident_harmonic];
         let orders = self.harmonics.orders.iter();
         let labelled = orders.map(|[m, n]| [m - specular[0], n - specular[1]]).enumerate();
         let listed = |&(i, [m, n]): &(usize, [i32; 2])| {
@@ -163,7 +163,7 @@ impl Setting {
     /// The order (m, n), which is harmonic `i`.
     fn order(&self, i: usize, [m, n]: [i32; 2], leaving: &impl Fn(usize, usize, f64) -> Leaving) -> Order {
         let [back, onward] = [self.entry_side(), 1 - self.entry_side()];
-        let incident = if i == self.incident_harmonic() { 1.0 } else { 0.0 };
+        let incident = if i == self.incident_harmonic { 1.0 } else { 0.0 };
         let ([reflected, crossed_back], reflected_efficiency) = leaving(back, i, incident);
         let ([transmitted, crossed_onward], transmitted_efficiency) = leaving(onward, i, 0.0);
         Order {

@@ -89,13 +89,8 @@ impl Grid {
             background.extend(std::iter::repeat_n(stratum.background, cells));
             start += stratum.thickness_um;
         }
-        Ok(Grid {
-            resolution,
-            period_um: scene.period_um,
-            nodes_um,
-            background,
-            element: Element::new(resolution.scheme.degree()),
-        })
+        let (period_um, element) = (scene.period_um, Element::new(resolution.scheme.degree()));
+        Ok(Grid { resolution, period_um, nodes_um, background, element })
     }
 
     /// Height of a cell, µm.

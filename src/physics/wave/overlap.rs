@@ -5,7 +5,7 @@
 //! cannot crowd a cell, so the work is proportional to their number. Nothing here is shared with
 //! the packing methods but the proof that two convex bodies are apart.
 
-use super::{Body, BodyShape, Scene, WaveError};
+use super::{Ball, Body, BodyShape, Scene, WaveError};
 use crate::ink::grains::contact::{excess_um, proven_gap_um};
 use crate::ink::{Form, Solid};
 use crate::numerics::Rotation;
@@ -38,8 +38,7 @@ impl Scene {
         if let Some((body, overlap_um)) = images.into_iter().find(|&(_, overlap)| overlap > slack) {
             return Err(WaveError::OverlapsImage { body, overlap_um });
         }
-        let pieces: Vec<Piece> =
-            self.bodies.iter().enumerate().flat_map(|body| pieces_of(body, ly)).collect();
+        let pieces: Vec<_> = self.bodies.iter().enumerate().flat_map(|body| pieces_of(body, ly)).collect();
         let mut cells = Cells::new(self, &pieces);
         pieces.iter().try_for_each(|piece| cells.enter(piece, slack))?;
         let within = self.bodies.iter().map(|body| body.within).enumerate();
@@ -71,10 +70,9 @@ fn pieces_of((body, of): (usize, &Body), ly: f64) -> Vec<Piece> {
     let piece = |ranges, radius, solid, whole| vec![Piece { body, ranges, radius, solid, whole }];
     match &of.shape {
         BodyShape::Balls(balls) => {
-            let pieces = balls.iter().flat_map(|b| {
-                piece(b.center_um.map(|c| [c; 2]), b.radius_um, Some(b.solid()), balls.len() == 1)
-            });
-            pieces.collect()
+            let whole = balls.len() == 1;
+            let of = |b: &Ball| piece(b.center_um.map(|c| [c; 2]), b.radius_um, Some(b.solid()), whole);
+            balls.iter().flat_map(of).collect()
         }
         BodyShape::Solid(solid) => {
             let ranges = [0, 1, 2].map(|axis| solid.extent_um(axis));
@@ -157,10 +155,9 @@ impl<'a> Cells<'a> {
         let length = [lx, ly, scene.thickness_um()];
         let number = pieces.len().max(1) as f64;
         let flat = pieces.iter().all(|piece| piece.ranges[1] == ENDLESS);
-        let side = if flat {
-            (length[0] * length[2] / number).sqrt()
-        } else {
-            (length.iter().product::<f64>() / number).cbrt()
+        let side = match flat {
+            true => (length[0] * length[2] / number).sqrt(),
+            false => (length.iter().product::<f64>() / number).cbrt(),
         };
         let cells = |l: f64| ((l / side) as i64).clamp(1, pieces.len().max(1) as i64);
         let count = [cells(lx), if flat { 1 } else { cells(ly) }, cells(length[2])];

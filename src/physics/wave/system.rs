@@ -118,7 +118,7 @@ impl System for Problem {
     }
 
     fn mean_k2(&self) -> &[Complex64] {
-        self.mean.mean_k2()
+        &self.mean.mean_k2
     }
 
     fn far_field(&self, u: &Field) -> FarField {

@@ -139,7 +139,7 @@ impl GuidedModes {
 /// matrix over their masses sum to at most −2κ tanh(κh/2)/h with κ² = kx² + ky² − max k̄², which
 /// decreases with the height of the cells.
 fn may_be_near_null(problem: &Problem, harmonic: usize, limit: f64) -> bool {
-    let highest = problem.mean.mean_k2().iter().map(|k2| k2.re).fold(f64::NEG_INFINITY, f64::max);
+    let highest = problem.mean.mean_k2.iter().map(|k2| k2.re).fold(f64::NEG_INFINITY, f64::max);
     let lateral: f64 = problem.lateral[harmonic].iter().map(|k| k * k).sum();
     let grid = &problem.coverage.grid;
     let h = (0..grid.cells()).map(|j| grid.height_um(j)).fold(0.0, f64::max);

@@ -47,8 +47,7 @@ pub(super) fn tensors(
     averaging: Averaging,
 ) -> Result<Vec<Vec<Symmetric>>, WaveError> {
     let (grid, square) = (&moments.grid, |eta: Complex64| eta * eta);
-    let epsilons: Vec<Complex64> =
-        moments.channels.iter().map(|c| square(media.index_of(c.material))).collect();
+    let epsilons: Vec<_> = moments.channels.iter().map(|c| square(media.index_of(c.material))).collect();
     let planes = moments.planes.par_iter().enumerate().map(|(plane, present)| Plane {
         present,
         epsilons: &epsilons,
@@ -90,10 +89,9 @@ impl Plane<'_> {
     /// Tensor V at one of `points` points, divided by their number.
     fn tensor(&self, point: usize, points: f64) -> Result<Symmetric, WaveError> {
         let inclusions = self.present.iter().map(|own| (self.epsilons[own.channel], &own.fields[point]));
-        let mut contrast =
-            effective(self.background, inclusions, self.averaging)?.map(|e| e * self.k2 / points);
-        [0, 2, 5].into_iter().for_each(|i| contrast[i] -= self.mean / points);
-        Ok(contrast)
+        let mut own = effective(self.background, inclusions, self.averaging)?.map(|e| e * self.k2 / points);
+        [0, 2, 5].into_iter().for_each(|i| own[i] -= self.mean / points);
+        Ok(own)
     }
 }
 

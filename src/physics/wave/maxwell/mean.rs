@@ -13,7 +13,7 @@ use super::cell::cell_functions;
 use super::kernels::{BLOCK, NodeSystem};
 use super::kernels::{Constants, Tables, across, add_loads, within};
 use crate::numerics::fourier::{Real, narrow};
-use crate::wave::operator::inverse::row_of;
+use crate::wave::operator::inverse::{row, row_of};
 use crate::wave::operator::sharing::{Idle, tabulated};
 use crate::wave::{Field, Grid};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
@@ -171,9 +171,7 @@ impl<T: Real> VectorMean<T> {
         u.fill(Complex::default());
         w.fill(Complex::default());
         for (j, (&h, &k2)) in self.heights.iter().zip(&self.mean_k2).enumerate() {
-            let rows = std::array::from_fn(|r| {
-                y.row(CELL_ROWS * j + r).to_slice().expect("rows of a block are contiguous")
-            });
+            let rows = std::array::from_fn(|r| row(y, CELL_ROWS * j + r));
             let (u0, u1) = u[j * width..(j + 2) * width].split_at_mut(width);
             let (w0, w1) = w[j * width..(j + 2) * width].split_at_mut(width);
             add_loads(&Constants::new(h, k2), &self.tables(j, first, width), &rows, u0, u1, w0, w1);

@@ -73,11 +73,7 @@ impl NormalMoments {
     ///
     /// # Errors
     /// [`WaveError::Stopped`]; errors of [`Grid::new`]; rough surfaces.
-    pub fn with(
-        scene: &Scene,
-        resolution: Resolution,
-        precision: Precision,
-    ) -> Result<NormalMoments, WaveError> {
+    pub fn with(scene: &Scene, resolution: Resolution, precision: Precision) -> Result<Self, WaveError> {
         let stop = precision.stop;
         check(scene, resolution)?;
         let grid = Grid::new(scene, resolution)?;
@@ -161,13 +157,8 @@ impl<'a> MomentBuilder<'a> {
     }
 
     /// Adds the harmonics of sources on a fine grid, which is overwritten.
-    fn add_sources(
-        &self,
-        sources: &mut Vec<Complex64>,
-        scratch: &mut PlaneScratch,
-        spectrum: &mut [Complex64],
-    ) {
-        std::mem::swap(sources, &mut scratch.plane);
+    fn add_sources(&self, fine: &mut Vec<Complex64>, scratch: &mut PlaneScratch, spectrum: &mut [Complex64]) {
+        std::mem::swap(fine, &mut scratch.plane);
         self.transform.transform(scratch);
         let area = self.grid.period_um[0] * self.grid.period_um[1];
         for (value, &[m, n]) in spectrum.iter_mut().zip(&self.harmonics.orders) {
@@ -282,10 +273,8 @@ impl<'a> MomentSum<'a> {
     /// one complex transform.
     fn finish(mut self) -> CellFields {
         let builder = self.builder;
-        let mut narrow = builder.fft.scratch();
-        let mut wide = builder.transform.scratch();
-        let points = builder.grid.points();
-        let mut planes = [vec![[0.0; FIELDS]; points], vec![[0.0; FIELDS]; points]];
+        let (mut narrow, mut wide) = (builder.fft.scratch(), builder.transform.scratch());
+        let mut planes = [(); 2].map(|()| vec![[0.0; FIELDS]; builder.grid.points()]);
         for (f, spectrum) in self.direct.iter_mut().enumerate() {
             if let Some(sources) = self.sources.grids.get_mut(f) {
                 builder.add_sources(sources, &mut wide, spectrum);

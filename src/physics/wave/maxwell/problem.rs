@@ -13,6 +13,7 @@ use super::moments::NormalMoments;
 use super::scattering::VectorScattering;
 use crate::numerics::fourier::{Harmonics, PlaneFft};
 use crate::wave::far_field::Leaving;
+use crate::wave::grid::Channel;
 use crate::wave::operator::cell::decaying_root;
 use crate::wave::operator::scattering::Scatter;
 use crate::wave::operator::setting::Setting;
@@ -93,15 +94,14 @@ impl VectorProblem {
     /// Right-hand sides at the node of the illuminated face: TE 2iκ, TM 2iκ/k (a_p = 1 is h = k,
     /// over k²).
     fn entry(&self, polarisation: Polarisation) -> MeanEntry {
-        let side = self.entry_side();
-        let node = if side == 0 { 0 } else { self.moments.grid.cells() };
-        let strength = 2.0 * Complex64::I * self.kappa[side][self.incident_harmonic()];
-        let zero = Complex64::default();
+        let (side, harmonic) = (self.entry_side(), self.incident_harmonic);
+        let node = side * self.moments.grid.cells();
+        let strength = 2.0 * Complex64::I * self.kappa[side][harmonic];
         let source = match polarisation {
-            Polarisation::S => [strength, zero],
-            Polarisation::P => [zero, strength / self.k[side]],
+            Polarisation::S => [strength, Complex64::ZERO],
+            Polarisation::P => [Complex64::ZERO, strength / self.k[side]],
         };
-        MeanEntry { node, harmonic: self.incident_harmonic(), source }
+        MeanEntry { node, harmonic, source }
     }
 
     /// Fields E_s and h of every harmonic at the nodes, from a solution's moments, and the absorbed
@@ -185,12 +185,8 @@ fn direction([x, y]: [f64; 2], k0: f64, azimuth: f64) -> [f64; 2] {
 
 /// Metals may be films, whose mean is exact; beside grains the tensor may have no inverse.
 fn check_metals(moments: &NormalMoments, media: &Media) -> Result<(), WaveError> {
-    let metal = |eta: Complex64| (eta * eta).re < 0.0;
-    let found = moments
-        .channels
-        .iter()
-        .any(|c| metal(media.index_of(c.material)) || metal(media.backgrounds[c.background]));
-    if !found {
+    let indices = |c: &Channel| [media.index_of(c.material), media.backgrounds[c.background]];
+    if !moments.channels.iter().flat_map(indices).any(|eta| (eta * eta).re < 0.0) {
         return Ok(());
     }
     Err(WaveError::NotInVectorMode {
@@ -207,19 +203,12 @@ impl VectorProblem {
     /// contain both.
     pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
         let (nodes, absorptance) = self.leaving(field, polarisation);
-        let orders =
-            self.orders(|side, i, incident| self.leaving_order(&nodes, polarisation, [side, i], incident));
+        let orders = self.orders(|side, i, incident| self.emitted(&nodes, polarisation, [side, i], incident));
         FarField::of_orders(self.incidence, self.moments.grid.period_um, orders, absorptance)
     }
 
     /// What leaves through a side in harmonic i, less the incident wave.
-    fn leaving_order(
-        &self,
-        nodes: &Nodes,
-        own: Polarisation,
-        [side, i]: [usize; 2],
-        incident: f64,
-    ) -> Leaving {
+    fn emitted(&self, nodes: &Nodes, own: Polarisation, [side, i]: [usize; 2], incident: f64) -> Leaving {
         let face = side * self.moments.grid.cells();
         let mut amplitudes = [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]];
         amplitudes[own as usize] -= incident;

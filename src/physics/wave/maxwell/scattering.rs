@@ -8,6 +8,7 @@
 use super::contrast::Symmetric;
 use super::mean::VectorMean;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real, narrow};
+use crate::wave::operator::inverse::{Entries, row};
 use crate::wave::operator::scattering::Scatter;
 use crate::wave::operator::sharing::Idle;
 use multiversion::multiversion;
@@ -89,7 +90,7 @@ impl<T: Real> VectorScattering<T> {
         if self.contrast[plane].is_empty() {
             return out.fill(Complex::default());
         }
-        let rows = [0, 1, 2].map(|c| e.row(3 * plane + c).to_slice().expect("rows are contiguous"));
+        let rows = [0, 1, 2].map(|c| row(&e, 3 * plane + c));
         work.to_points(self, rows);
         let [x, y, z] = &mut work.scratch;
         let tensors = self.contrast[plane].as_slice().expect("tensors are contiguous");
@@ -146,10 +147,10 @@ impl<T: Real> PlaneWork<T> {
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn rotate<T: Real>(
     directions: &[[T; 2]],
-    s: &[Complex<T>],
-    p: &[Complex<T>],
-    x: &mut [Complex<T>],
-    y: &mut [Complex<T>],
+    s: &Entries<T>,
+    p: &Entries<T>,
+    x: &mut Entries<T>,
+    y: &mut Entries<T>,
 ) {
     let inputs = directions.iter().zip(s.iter().zip(p));
     for ((x, y), (&[px, py], (s, p))) in x.iter_mut().zip(y.iter_mut()).zip(inputs) {
@@ -162,10 +163,10 @@ fn rotate<T: Real>(
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn rotate_back<T: Real>(
     directions: &[[T; 2]],
-    x: &[Complex<T>],
-    y: &[Complex<T>],
-    s: &mut [Complex<T>],
-    p: &mut [Complex<T>],
+    x: &Entries<T>,
+    y: &Entries<T>,
+    s: &mut Entries<T>,
+    p: &mut Entries<T>,
 ) {
     let inputs = directions.iter().zip(x.iter().zip(y));
     for ((s, p), (&[px, py], (x, y))) in s.iter_mut().zip(p.iter_mut()).zip(inputs) {
@@ -176,12 +177,7 @@ fn rotate_back<T: Real>(
 
 /// Multiplies E ← V E; the tensor's components xx, xy, yy, xz, yz, zz are stored consecutively.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn multiply<T: Real>(
-    tensors: &[Complex<T>],
-    x: &mut [Complex<T>],
-    y: &mut [Complex<T>],
-    z: &mut [Complex<T>],
-) {
+fn multiply<T: Real>(tensors: &Entries<T>, x: &mut Entries<T>, y: &mut Entries<T>, z: &mut Entries<T>) {
     let points = x.len();
     let (y, z) = (&mut y[..points], &mut z[..points]);
     let component = |k: usize| &tensors[k * points..(k + 1) * points];

@@ -13,6 +13,9 @@ use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, s};
 use num_complex::Complex;
 use std::ops::Range;
 
+/// Numbers of all harmonics or points of a row.
+pub(in crate::wave) type Entries<T> = [Complex<T>];
+
 /// Harmonics processed together by one thread: a column of some 50 planes stays in the second-level
 /// cache.
 const BLOCK: usize = 192;
@@ -177,7 +180,7 @@ fn nodes<'a, T>(y: &'a mut ArrayViewMut2<T>, degree: usize, cell: usize) -> [&'a
     })
 }
 
-pub(super) fn row<'a, T>(u: &'a ArrayView2<T>, index: usize) -> &'a [T] {
+pub(in crate::wave) fn row<'a, T>(u: &'a ArrayView2<T>, index: usize) -> &'a [T] {
     u.row(index).to_slice().expect("rows are contiguous")
 }
 
@@ -218,11 +221,11 @@ fn subtract_product<T: Real>(y: &mut [Complex<T>], w: &[Complex<T>], x: &[Comple
 /// Adds the load to both: first ← first + left load, last ← last + right load.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2"))]
 fn share_load<T: Real>(
-    first: &mut [Complex<T>],
-    left: &[Complex<T>],
-    last: &mut [Complex<T>],
-    right: &[Complex<T>],
-    load: &[Complex<T>],
+    first: &mut Entries<T>,
+    left: &Entries<T>,
+    last: &mut Entries<T>,
+    right: &Entries<T>,
+    load: &Entries<T>,
 ) {
     let nodes = first.iter_mut().zip(left).zip(last.iter_mut().zip(right));
     nodes.zip(load).for_each(|(((first, left), (last, right)), load)| {

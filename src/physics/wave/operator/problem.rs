@@ -97,7 +97,7 @@ impl Problem {
         let kappa = setting.kappa.each_ref().map(Vec::as_slice);
         Ok(Problem {
             contrasts: points::strengths(coverage, media, setting.k0),
-            offsets: plane_offsets(coverage, media, setting.k0, &mean_k2),
+            offsets: plane_offsets(&coverage.grid, media, setting.k0, &mean_k2),
             mean: MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa),
             fft: coverage.fft.clone(),
             double: OnceLock::new(),
@@ -147,7 +147,7 @@ impl Problem {
     /// Source b: 2iκ₀₀ in the row of the illuminated face, in the incident harmonic (P2 (3.4)).
     pub fn source(&self) -> Field {
         let mut b = Field::zeros(self.shape());
-        b[[self.entry_row(), self.incident_harmonic()]] = 2.0 * Complex64::I * self.incident_kappa();
+        b[[self.entry_row(), self.incident_harmonic]] = 2.0 * Complex64::I * self.incident_kappa();
         b
     }
 
@@ -158,7 +158,7 @@ impl Problem {
     /// Background wave u₀ = A⁻¹ b in the mean medium.
     pub fn background_wave(&self) -> Field {
         let mut b = self.source();
-        self.mean.inverse.solve_column(&mut b, self.incident_harmonic());
+        self.mean.inverse.solve_column(&mut b, self.incident_harmonic);
         b
     }
 

@@ -4,7 +4,7 @@
 
 use crate::numerics::fourier::Harmonics;
 use crate::wave::bloch::BlochVector;
-use crate::wave::{Coverage, Grid, Incidence, Layout, Media, Side, WaveError};
+use crate::wave::{Grid, Incidence, Layout, Media, Side, WaveError};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
@@ -24,8 +24,8 @@ pub struct Setting {
     pub lateral: Vec<[f64; 2]>,
     /// Normal wavenumbers of every harmonic in the half-spaces (incident side, exit side), 1/µm.
     pub kappa: [Vec<Complex64>; 2],
-    /// Compact index of the incident harmonic.
-    incident: usize,
+    /// Compact index of the incident harmonic, which is the specular order.
+    pub incident_harmonic: usize,
 }
 
 impl Setting {
@@ -49,23 +49,18 @@ impl Setting {
         let lateral: Vec<[f64; 2]> = harmonics.orders.iter().map(|&o| bloch.lateral(o)).collect();
         let mean_k2 = mean_wavenumbers(layout, media, k0, mean);
         let [m, n] = bloch.incident;
-        let incident = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
-        let [x, y] = lateral[incident];
+        let incident_harmonic = harmonics.find(m, n).expect("the incident order propagates, so it is in use");
+        let [x, y] = lateral[incident_harmonic];
         check_phase(layout, &mean_k2, x * x + y * y)?;
         let kappa = [media.incident, media.exit]
             .map(|eta| lateral.iter().map(|&lateral| normal(k0, eta, lateral)).collect());
         let (harmonics, incidence, media) = (harmonics.clone(), *incidence, media.clone());
-        Ok((Setting { incidence, media, k0, harmonics, lateral, kappa, incident }, mean_k2))
-    }
-
-    /// Compact index of the incident harmonic, which is the specular order.
-    pub fn incident_harmonic(&self) -> usize {
-        self.incident
+        Ok((Setting { incidence, media, k0, harmonics, lateral, kappa, incident_harmonic }, mean_k2))
     }
 
     /// Normal wavenumber κ₀₀ in the half-space of incidence, 1/µm.
     pub fn incident_kappa(&self) -> f64 {
-        self.kappa[self.entry_side()][self.incident].re
+        self.kappa[self.entry_side()][self.incident_harmonic].re
     }
 
     /// Illuminated side: 0 at z = 0, 1 at z = H.
@@ -96,8 +91,7 @@ impl Default for Mean {
 /// Mean k̄² of every cell: k² of the background plus the contrasts weighted by coverage.
 pub(super) fn mean_wavenumbers(layout: &Layout, media: &Media, k0: f64, mean: Mean) -> Vec<Complex64> {
     let grid = &layout.grid;
-    let mut values: Vec<Complex64> =
-        (0..grid.cells()).map(|j| mean_wavenumber(layout, media, k0, j)).collect();
+    let mut values: Vec<_> = (0..grid.cells()).map(|j| mean_wavenumber(layout, media, k0, j)).collect();
     if !mean.depends_on_z {
         let weighted = values.iter().enumerate().map(|(j, v)| v * grid.height_um(j)).sum::<Complex64>();
         values.fill(weighted / grid.nodes_um[grid.cells()]);
@@ -119,13 +113,7 @@ fn mean_wavenumber(layout: &Layout, media: &Media, k0: f64, cell: usize) -> Comp
 }
 
 /// Moments of k²_background − ⟨k²⟩ on each plane, divided by the number of its points.
-pub(super) fn plane_offsets(
-    coverage: &Coverage,
-    media: &Media,
-    k0: f64,
-    mean_k2: &[Complex64],
-) -> Vec<Complex64> {
-    let grid = &coverage.grid;
+pub(super) fn plane_offsets(grid: &Grid, media: &Media, k0: f64, mean_k2: &[Complex64]) -> Vec<Complex64> {
     let mut offsets = vec![Complex64::default(); grid.planes()];
     for j in 0..grid.cells() {
         let eta = media.backgrounds[grid.background[j]] * k0;
