@@ -7,6 +7,7 @@
 //! In air, v = cos θ.
 
 use crate::numerics::lagrange::lagrange;
+use crate::wave::grid::element::legendre;
 use gauss_quad::GaussLegendre;
 
 /// Zones narrower than this in s are part of their neighbour.
@@ -149,16 +150,6 @@ fn root(f: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2]) -> f64 {
         *(if f(a) * f(middle) <= 0.0 { &mut b } else { &mut a }) = middle;
     }
     0.5 * (a + b)
-}
-
-/// Legendre polynomial P_n(x).
-pub fn legendre(degree: usize, x: f64) -> f64 {
-    let (mut previous, mut own) = (0.0, 1.0);
-    for k in 0..degree {
-        let k = k as f64;
-        (previous, own) = (own, ((2.0 * k + 1.0) * x * own - k * previous) / (k + 1.0));
-    }
-    own
 }
 
 #[cfg(test)]

@@ -11,7 +11,6 @@ pub use crate::wave::grid::Channel;
 
 use super::folding::{CellCoefficients, Folding, REACH};
 use super::nufft::{SourceTransform, Spreading};
-use super::relief::CellColumns;
 use super::section::{Demands, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneFft, Real};
 use crate::wave::{Body, Grid, Layout, Material, Resolution, Scene, WaveError};
@@ -218,15 +217,6 @@ impl<'a, T: Real> Builder<'a, T> {
         let transform = SourceTransform::new(widest[0], widest[1], Spreading::within(error));
         let sampling = Sampling { demands, degree: grid.element.degree };
         Builder { scene, grid, channels, harmonics, widest, transform, sampling, stop: precision.stop }
-    }
-
-    fn columns(&self, cell: usize) -> CellColumns<'_> {
-        CellColumns {
-            range_um: [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]],
-            element: &self.grid.element,
-            orders: &self.harmonics.orders,
-            widest: self.widest,
-        }
     }
 
     /// Moments of every channel within one cell; `None` for channels absent from it.

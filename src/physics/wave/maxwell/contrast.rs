@@ -130,15 +130,9 @@ fn effective<'a>(
 
 /// Adjugate and determinant of a symmetric tensor.
 fn adjugate(&[xx, xy, yy, xz, yz, zz]: &Symmetric) -> (Symmetric, Complex64) {
-    let adjugate = [
-        yy * zz - yz * yz,
-        xz * yz - xy * zz,
-        xx * zz - xz * xz,
-        xy * yz - xz * yy,
-        xy * xz - xx * yz,
-        xx * yy - xy * xy,
-    ];
-    (adjugate, xx * adjugate[0] + xy * adjugate[1] + xz * adjugate[3])
+    let [a, b, c] = [yy * zz - yz * yz, xz * yz - xy * zz, xx * zz - xz * xz];
+    let [d, e, f] = [xy * yz - xz * yy, xy * xz - xx * yz, xx * yy - xy * xy];
+    ([a, b, c, d, e, f], xx * a + xy * b + xz * d)
 }
 
 /// Symmetric part of A B.

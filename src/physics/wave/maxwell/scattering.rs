@@ -8,7 +8,7 @@
 use super::contrast::Symmetric;
 use super::mean::VectorMean;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real, narrow};
-use crate::wave::operator::inverse::{Entries, row};
+use crate::wave::operator::inverse::{Line, row};
 use crate::wave::operator::scattering::Scatter;
 use crate::wave::operator::sharing::Idle;
 use multiversion::multiversion;
@@ -145,13 +145,7 @@ impl<T: Real> PlaneWork<T> {
 
 /// Components (x, y) from (s, p): s = ẑ × p̂.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn rotate<T: Real>(
-    directions: &[[T; 2]],
-    s: &Entries<T>,
-    p: &Entries<T>,
-    x: &mut Entries<T>,
-    y: &mut Entries<T>,
-) {
+fn rotate<T: Real>(directions: &[[T; 2]], s: &Line<T>, p: &Line<T>, x: &mut Line<T>, y: &mut Line<T>) {
     let inputs = directions.iter().zip(s.iter().zip(p));
     for ((x, y), (&[px, py], (s, p))) in x.iter_mut().zip(y.iter_mut()).zip(inputs) {
         *x = p.scale(px) - s.scale(py);
@@ -161,13 +155,7 @@ fn rotate<T: Real>(
 
 /// Components (s, p) from (x, y).
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn rotate_back<T: Real>(
-    directions: &[[T; 2]],
-    x: &Entries<T>,
-    y: &Entries<T>,
-    s: &mut Entries<T>,
-    p: &mut Entries<T>,
-) {
+fn rotate_back<T: Real>(directions: &[[T; 2]], x: &Line<T>, y: &Line<T>, s: &mut Line<T>, p: &mut Line<T>) {
     let inputs = directions.iter().zip(x.iter().zip(y));
     for ((s, p), (&[px, py], (x, y))) in s.iter_mut().zip(p.iter_mut()).zip(inputs) {
         *s = y.scale(px) - x.scale(py);
@@ -177,7 +165,7 @@ fn rotate_back<T: Real>(
 
 /// Multiplies E ← V E; the tensor's components xx, xy, yy, xz, yz, zz are stored consecutively.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn multiply<T: Real>(tensors: &Entries<T>, x: &mut Entries<T>, y: &mut Entries<T>, z: &mut Entries<T>) {
+fn multiply<T: Real>(tensors: &Line<T>, x: &mut Line<T>, y: &mut Line<T>, z: &mut Line<T>) {
     let points = x.len();
     let (y, z) = (&mut y[..points], &mut z[..points]);
     let component = |k: usize| &tensors[k * points..(k + 1) * points];

@@ -102,15 +102,8 @@ fn ball_values([x, y]: [f64; 2], normal: NormalField, heights: &HeightMoments, w
     let mut values = [0.0; VALUES];
     for (q, [m0, m1, m2, m3, m4]) in heights.iter().enumerate() {
         let of = |factor: f64, m: &f64, beyond: &f64| factor * at * m - factor * slope * beyond;
-        let fields = [
-            *m0,
-            of(x * x, m0, m2),
-            of(x * y, m0, m2),
-            of(y * y, m0, m2),
-            of(x, m1, m3),
-            of(y, m1, m3),
-            of(1.0, m2, m4),
-        ];
+        let [xx, xy, yy] = [x * x, x * y, y * y].map(|factor| of(factor, m0, m2));
+        let fields = [*m0, xx, xy, yy, of(x, m1, m3), of(y, m1, m3), of(1.0, m2, m4)];
         fields.iter().enumerate().for_each(|(f, v)| values[2 * f + q] = weight * v);
     }
     values

@@ -13,8 +13,8 @@ use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, s};
 use num_complex::Complex;
 use std::ops::Range;
 
-/// Numbers of all harmonics or points of a row.
-pub(in crate::wave) type Entries<T> = [Complex<T>];
+/// A line of a field or table: numbers of all harmonics or points.
+pub(in crate::wave) type Line<T> = [Complex<T>];
 
 /// Harmonics processed together by one thread: a column of some 50 planes stays in the second-level
 /// cache.
@@ -78,14 +78,11 @@ impl<T: Real> MeanInverse<T> {
     /// Converts loads y_p on planes to right-hand sides of nodes and bubbles, in place (transpose
     /// of the plane values).
     pub fn load(&self, y: &mut Array2<Complex<T>>) {
-        in_chunks(y, Axis(1), BLOCK, |b, block| self.load_block(block, b * BLOCK));
-    }
-
-    fn load_block(&self, mut y: ArrayViewMut2<Complex<T>>, first: usize) {
-        let (columns, mut loads) = (first..first + y.ncols(), empty_loads());
-        for cell in 0..self.factor.nrows() {
-            self.load_cell(&mut y, cell, columns.clone(), &mut loads);
-        }
+        in_chunks(y, Axis(1), BLOCK, |b, mut block| {
+            let (columns, mut loads) = (b * BLOCK..b * BLOCK + block.ncols(), empty_loads());
+            let cells = 0..self.factor.nrows();
+            cells.for_each(|cell| self.load_cell(&mut block, cell, columns.clone(), &mut loads));
+        });
     }
 
     /// Applies A⁻¹ in place to rows of nodes and bubbles.
@@ -153,7 +150,7 @@ impl<T: Real> MeanInverse<T> {
             let [left, right] =
                 [point, degree - point].map(|q| &row_of(&self.left_share[q - 1], cell)[columns.clone()]);
             // y_j += y_p sin(kz h (1−t))/sin(kz h), y_{j+1} += y_p sin(kz h t)/sin(kz h)
-            share_load(first, left, last, right, &loads[point - 1]);
+            share(first, left, last, right, &loads[point - 1]);
         }
         for (b, bubble) in self.bubbles.iter().enumerate() {
             let mut row = y.row_mut(degree * cell + 1 + b);
@@ -220,13 +217,7 @@ fn subtract_product<T: Real>(y: &mut [Complex<T>], w: &[Complex<T>], x: &[Comple
 
 /// Adds the load to both: first ← first + left load, last ← last + right load.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2"))]
-fn share_load<T: Real>(
-    first: &mut Entries<T>,
-    left: &Entries<T>,
-    last: &mut Entries<T>,
-    right: &Entries<T>,
-    load: &Entries<T>,
-) {
+fn share<T: Real>(first: &mut Line<T>, left: &Line<T>, last: &mut Line<T>, right: &Line<T>, load: &Line<T>) {
     let nodes = first.iter_mut().zip(left).zip(last.iter_mut().zip(right));
     nodes.zip(load).for_each(|(((first, left), (last, right)), load)| {
         *first += left * load;
