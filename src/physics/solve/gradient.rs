@@ -5,10 +5,8 @@
 //! and for the vector wave. *Adjoint*: M(−q) w̃ = J g gives a weighted sum of efficiencies its
 //! derivative with respect to any number of media.
 
-use super::account::{Goal, SolveError, Watch};
 use super::accuracy::AccuracyError;
-use super::ledger::Ledger;
-use super::solver::Solver;
+use super::{Goal, Ledger, SolveError, Solver, Watch};
 use crate::wave::{FarField, Field, Medium, Order, Problem, Side, System, WaveError};
 use num_complex::Complex64;
 

@@ -113,9 +113,8 @@ impl<'a> Ledger<'a> {
         self.account.residual = residual;
         self.account.history.push(residual);
         self.account.seconds = self.clock.elapsed().as_secs_f64();
-        let step =
-            Step { step: self.account.steps, applications: self.account.operator_applications, residual };
-        if self.watch.step(&step).is_break() {
+        let Account { steps: step, operator_applications: applications, .. } = self.account;
+        if self.watch.step(&Step { step, applications, residual }).is_break() {
             return Err(SolveError::Cancelled { account: Box::new(self.account.clone()) });
         }
         Ok(())

@@ -1,7 +1,6 @@
 //! Interface of the strategies, and the size of a solve with the memory of its parts.
 
-use super::account::{Goal, Solution, SolveError, Watch};
-use super::ledger::Ledger;
+use super::{Goal, Ledger, Solution, SolveError, Watch};
 use crate::wave::{Field, Mean, Media, Resolution, Scene, System, Wave};
 use std::f64::consts::PI;
 
@@ -121,9 +120,8 @@ const VECTOR_MOMENTS: f64 = 7.0 * 8.0;
 impl Size {
     /// Size of a scene on a grid; guided modes are treated for the scalar wave only.
     pub fn new(wave: Wave, scene: &Scene, media: &Media, wavelength_um: f64, resolution: Resolution) -> Size {
-        let (mut backgrounds, mut materials) = (Vec::new(), Vec::new());
-        scene.strata.iter().for_each(|s| note(&mut backgrounds, s.background));
-        scene.bodies.iter().for_each(|b| note(&mut materials, b.material));
+        let backgrounds = distinct(scene.strata.iter().map(|s| s.background));
+        let materials = distinct(scene.bodies.iter().map(|b| b.material));
         let k0 = 2.0 * PI / wavelength_um;
         let indices = media.backgrounds.iter().chain(&media.inclusions);
         let densest = indices.map(|eta| eta.re).fold(1.0, f64::max);
@@ -131,7 +129,7 @@ impl Size {
         let layer_um = [lx, ly, scene.thickness_um()];
         Size {
             resolution,
-            channels: backgrounds.len() * materials.len(),
+            channels: backgrounds * materials,
             layer_um,
             wavenumbers: if wave.is_vector() { [0.0; 2] } else { [k0 * densest, k0] },
             vector: wave.is_vector(),
@@ -196,9 +194,13 @@ impl Size {
     }
 }
 
-/// Adds an item unless the list contains it.
-fn note<T: PartialEq>(list: &mut Vec<T>, item: T) {
-    if !list.contains(&item) {
-        list.push(item);
-    }
+/// Number of different items.
+fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> usize {
+    let mut found = Vec::new();
+    items.for_each(|item| {
+        if !found.contains(&item) {
+            found.push(item)
+        }
+    });
+    found.len()
 }

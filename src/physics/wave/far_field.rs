@@ -1,7 +1,6 @@
 //! The far field: complex amplitudes and efficiencies of all orders.
 
-use super::operator::setting::Setting;
-use super::{Field, Incidence, Problem};
+use super::{Field, Incidence, Problem, Setting};
 use num_complex::Complex64;
 
 /// One diffraction order (m, n), counted from the specular order.

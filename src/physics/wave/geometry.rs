@@ -1,13 +1,10 @@
 //! The scene of a packing, and a scene on a grid: everything independent of wavelength and
 //! direction, for either wave.
 
-use super::contrast::coverage::Precision;
 use super::maxwell::{Averaging, NormalMoments, VectorProblem};
-use super::scene::HeightField;
-use super::system::System;
 use super::{
-    Body, BodyShape, Coverage, Grid, Incidence, Material, Mean, Media, Polarisation, Problem, Resolution,
-    Scene, Wave, WaveError,
+    Body, BodyShape, Coverage, Grid, HeightField, Incidence, Material, Mean, Media, Polarisation, Precision,
+    Problem, Resolution, Scene, System, Wave, WaveError,
 };
 use crate::ink::{Layered, Packing, Relief, RoughFace};
 use std::sync::Arc;

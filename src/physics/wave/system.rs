@@ -5,9 +5,8 @@
 //! polarisation, with unknowns of the same shape. Strategies that only apply the operator work on
 //! every system; those that treat A and V separately use [`System::split`].
 
-use super::operator::scattering::Scatter;
 use super::operator::setting::cells_needed;
-use super::{FarField, Field, Grid, Polarisation, Problem};
+use super::{FarField, Field, Grid, Polarisation, Problem, Scatter};
 use ndarray::ArrayView2;
 use num_complex::Complex64;
 

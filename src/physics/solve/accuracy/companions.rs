@@ -4,7 +4,7 @@
 //! fifth fewer cells in z; the expected orders of convergence turn the differences into an estimate
 //! of the finer result's error.
 
-use super::error::AccuracyError;
+use super::error::{AccuracyError, Result};
 use super::search::{error_share, scaled_cells, scaled_plane};
 use super::task::{Estimated, Solved, Task};
 use crate::solve::account::{SolveError, Watch};
@@ -34,11 +34,7 @@ const SAFETY: f64 = 1.4;
 
 impl Task<'_> {
     /// Solves on one grid and estimates the error from two companions.
-    pub fn solve_with_estimate(
-        &self,
-        resolution: Resolution,
-        watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    pub fn solve_with_estimate(&self, resolution: Resolution, watch: &mut dyn Watch) -> Result<Estimated> {
         self.estimated_from(None, resolution, watch)
     }
 
@@ -47,7 +43,7 @@ impl Task<'_> {
         guess: Option<&[Solved]>,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    ) -> Result<Estimated> {
         let (solved, seconds_setup) = self.solve_from(guess, resolution, watch)?;
         let far_fields: Vec<FarField> = solved.iter().map(Solved::far_field).collect();
         let clock = std::time::Instant::now();
@@ -69,7 +65,7 @@ impl Task<'_> {
         known: &[Solved],
         far: &[FarField],
         watch: &mut dyn Watch,
-    ) -> Result<[f64; 2], AccuracyError> {
+    ) -> Result<[f64; 2]> {
         let system = &known[0].system;
         if !system.has_contrast() {
             return Ok([0.0; 2]);
@@ -127,7 +123,7 @@ impl Task<'_> {
         far: &[FarField],
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
-    ) -> Result<f64, AccuracyError> {
+    ) -> Result<f64> {
         let own = finer[0].system.grid().resolution;
         let [coarse, fine] = companions;
         let (solved, _) = match self.solve_coarser(coarse, finer, watch)? {
@@ -177,7 +173,7 @@ impl Task<'_> {
         coarser: Resolution,
         finer: &[Solved],
         watch: &mut dyn Watch,
-    ) -> Result<Option<(Vec<Solved>, f64)>, AccuracyError> {
+    ) -> Result<Option<(Vec<Solved>, f64)>> {
         let own = finer[0].system.grid().resolution;
         let cells = finer[0].system.cells_needed(&Grid::new(self.coverages.scene, coarser)?);
         let coarser = Resolution { cells, ..coarser };

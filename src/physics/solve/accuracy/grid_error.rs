@@ -7,7 +7,7 @@
 //! it averages out over several packings, and the mean difference with its standard error is the
 //! uncertainty of the ensemble means.
 
-use super::error::AccuracyError;
+use super::error::{AccuracyError, Result};
 use super::search::{raised, scaled_cells, scaled_points};
 use super::task::Task;
 use crate::numerics::estimate::Estimate;
@@ -50,11 +50,7 @@ impl GridError {
 
     /// Differences \[R, T\] of the probes on one packing, for each polarisation: the result at
     /// `own` less that on a coarser grid, or on a finer one if the coarser grid is rejected.
-    pub fn differences(
-        tasks: &[Task],
-        own: Resolution,
-        watch: &mut dyn Watch,
-    ) -> Result<Vec<[f64; 2]>, AccuracyError> {
+    pub fn differences(tasks: &[Task], own: Resolution, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>> {
         let Some(coverages) = tasks.first().map(|task| task.coverages) else { return Ok(Vec::new()) };
         let mut differences = Vec::new();
         let coarser = coverages.at(scaled(own, COARSER)).map_err(AccuracyError::from);
@@ -86,11 +82,7 @@ fn probe_error(differences: &[Vec<[f64; 2]>], probe: usize, i: usize) -> f64 {
 
 /// R and T of one probe for each polarisation on a grid, with more cells if these are too high for
 /// the wave, as in [`crate::run`].
-fn totals_on(
-    task: &Task,
-    mut resolution: Resolution,
-    watch: &mut dyn Watch,
-) -> Result<Vec<[f64; 2]>, AccuracyError> {
+fn totals_on(task: &Task, mut resolution: Resolution, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>> {
     loop {
         let found = totals(task, &task.coverages.at(resolution)?, watch);
         let Err(AccuracyError::Wave(refusal @ WaveError::CellTooHigh { .. })) = &found else { return found };
@@ -100,7 +92,7 @@ fn totals_on(
 }
 
 /// R and T of one probe for each polarisation.
-fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>, AccuracyError> {
+fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>> {
     let admitted = task.admitted(geometry.grid().resolution).ok();
     let solver = admitted.as_ref().map_or(task.solver, |admitted| admitted.solver());
     let mut totals = Vec::new();

@@ -1,7 +1,7 @@
 //! Search for the grid that reaches a requested accuracy, and resolutions related to a given one:
 //! companions for error estimates, and refinements.
 
-use super::error::AccuracyError;
+use super::error::{AccuracyError, Result};
 use super::task::{Estimated, Task};
 use crate::solve::account::{GridTrial, Watch};
 use crate::solve::demand::TooLarge;
@@ -23,11 +23,7 @@ impl Task<'_> {
     /// # Errors
     /// An accuracy out of range, insufficient memory for the next grid, or an error that does not
     /// decrease.
-    pub fn solve_to_accuracy(
-        &self,
-        accuracy: f64,
-        watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    pub fn solve_to_accuracy(&self, accuracy: f64, watch: &mut dyn Watch) -> Result<Estimated> {
         if !(1e-9..=0.5).contains(&accuracy) {
             return Err(AccuracyError::Accuracy(accuracy));
         }
@@ -47,7 +43,7 @@ impl Task<'_> {
     ///
     /// # Errors
     /// The layer is more wavelengths thick or wide than any grid can resolve.
-    fn start(&self, accuracy: f64) -> Result<Resolution, AccuracyError> {
+    fn start(&self, accuracy: f64) -> Result<Resolution> {
         let finer = (1e-2 / accuracy).max(1.0);
         let (scene, waves) = (self.coverages.scene, self.waves_per_um());
         let [per_wave, planes_per_wave] = START[usize::from(self.coverages.wave.is_vector())];
@@ -78,7 +74,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// The result on the next grid if it is accurate enough; otherwise chooses a finer grid.
-    fn try_grid(&mut self, watch: &mut dyn Watch) -> Result<Option<Estimated>, AccuracyError> {
+    fn try_grid(&mut self, watch: &mut dyn Watch) -> Result<Option<Estimated>> {
         let (resolution, accuracy) = (self.resolution, self.accuracy);
         self.task.admitted(resolution).map_err(|refusal| self.beyond_memory(refusal))?;
         let clock = std::time::Instant::now();
@@ -101,7 +97,7 @@ impl Search<'_> {
     }
 
     /// Chooses a finer grid if that can resolve the rejection.
-    fn raise(&mut self, refusal: AccuracyError) -> Result<(), AccuracyError> {
+    fn raise(&mut self, refusal: AccuracyError) -> Result<()> {
         let finer = match &refusal {
             AccuracyError::Wave(too_coarse) => raised(self.resolution, too_coarse),
             // A grid too coarse for its contrast rings; refinement reduces the ringing.
@@ -133,7 +129,7 @@ impl Search<'_> {
 }
 
 /// A number of points or cells along one axis, if a grid may have that many.
-fn possible(asked: f64, need: f64) -> Result<usize, AccuracyError> {
+fn possible(asked: f64, need: f64) -> Result<usize> {
     if need <= MOST_POINTS as f64 {
         Ok(need.ceil() as usize)
     } else {

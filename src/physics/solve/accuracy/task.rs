@@ -1,10 +1,9 @@
 //! One solve of a search: inputs and results, and a cache of the coverages of its scene on several
 //! grids.
 
-use super::error::AccuracyError;
-use crate::solve::account::{Account, Goal, Solution, Watch};
-use crate::solve::demand::{Admitted, Size, TooLarge};
-use crate::solve::solver::Solver;
+use super::error::Result;
+use crate::solve::demand::{Admitted, TooLarge};
+use crate::solve::{Account, Goal, Size, Solution, Solver, Watch};
 use crate::wave::{
     FarField, Geometry, Incidence, Mean, Media, Precision, Resolution, Scene, Scheme, System, Wave, WaveError,
 };
@@ -104,11 +103,7 @@ impl Task<'_> {
     }
 
     /// Solves on one grid; returns the solutions and the time for coverage and factorisation, s.
-    pub fn solve(
-        &self,
-        resolution: Resolution,
-        watch: &mut dyn Watch,
-    ) -> Result<(Vec<Solved>, f64), AccuracyError> {
+    pub fn solve(&self, resolution: Resolution, watch: &mut dyn Watch) -> Result<(Vec<Solved>, f64)> {
         self.solve_from(None, resolution, watch)
     }
 
@@ -118,7 +113,7 @@ impl Task<'_> {
         guess: Option<&[Solved]>,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<(Vec<Solved>, f64), AccuracyError> {
+    ) -> Result<(Vec<Solved>, f64)> {
         let clock = std::time::Instant::now();
         let solver = self.admitted(resolution)?;
         let systems = self.systems(resolution)?;

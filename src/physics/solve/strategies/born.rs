@@ -9,10 +9,8 @@
 //! and the step shortened (Vettenburg and Vellekoop 2022).
 
 use super::relaxation::contrasts;
-use crate::solve::account::{Solution, SolveError};
-use crate::solve::demand::Size;
-use crate::solve::ledger::{Ledger, ratio_of_terms};
-use crate::solve::solver::{Fit, Solver};
+use crate::solve::ledger::ratio_of_terms;
+use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver};
 use crate::wave::operator::banded::ShiftedMean;
 use crate::wave::{Field, Problem};
 use ndarray::Array2;

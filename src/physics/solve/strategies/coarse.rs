@@ -11,7 +11,6 @@ mod cell;
 
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::Problem;
-use crate::wave::grid::element::Element;
 use cell::{CoarseCell, add_product, product};
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, c32};
@@ -44,23 +43,6 @@ pub(super) struct CoarseSpace {
 }
 
 impl CoarseSpace {
-    /// The operator on given columns of a field.
-    pub fn of(problem: &Problem, columns: Vec<usize>) -> Self {
-        let (diagonal, off) = node_tables(problem, &columns);
-        let mut space = Self {
-            harmonics: problem.harmonics.len(),
-            bubbles: from_bubbles(&problem.mean.element),
-            amplitudes: problem.mean.element.amplitudes.clone(),
-            diagonal,
-            off,
-            cells: Vec::new(),
-            pivots: Vec::new(),
-            columns,
-        };
-        space.eliminate(problem);
-        space
-    }
-
     /// Eliminates cells and nodes from the illuminated face on.
     fn eliminate(&mut self, problem: &Problem) {
         let mut before = None;
@@ -181,8 +163,8 @@ impl CoarseSpace {
 
 /// The harmonics below the cut, with what solving them exactly costs.
 pub(super) struct CoarsePlan<'a> {
-    problem: &'a Problem,
-    columns: Vec<usize>,
+    pub problem: &'a Problem,
+    pub columns: Vec<usize>,
 }
 
 impl<'a> CoarsePlan<'a> {
@@ -215,7 +197,23 @@ impl<'a> CoarsePlan<'a> {
 
     /// Eliminates.
     pub fn carried_out(self) -> CoarseSpace {
-        CoarseSpace::of(self.problem, self.columns)
+        let Self { problem, columns } = self;
+        let node = |&i: &usize| problem.mean.node_matrix(i, problem.end_conditions(i));
+        let (diagonal, off): (Vec<_>, Vec<_>) = columns.iter().map(node).unzip();
+        let element = &problem.mean.element;
+        let value = |p: usize| element.bubbles.iter().map(|bubble| bubble[p - 1]).collect();
+        let mut space = CoarseSpace {
+            harmonics: problem.harmonics.len(),
+            bubbles: (1..element.degree).map(value).collect(),
+            amplitudes: element.amplitudes.clone(),
+            diagonal: transposed(&diagonal),
+            off: transposed(&off),
+            cells: Vec::new(),
+            pivots: Vec::new(),
+            columns,
+        };
+        space.eliminate(problem);
+        space
     }
 
     /// Number of cells, and of inner points of each.
@@ -224,20 +222,9 @@ impl<'a> CoarsePlan<'a> {
     }
 }
 
-/// Diagonal and coupling of the nodes' mean operator: node or cell → column.
-fn node_tables(problem: &Problem, columns: &[usize]) -> (Vec<Vec<c32>>, Vec<Vec<c32>>) {
-    let own = columns.iter().map(|&i| problem.mean.node_matrix(i, problem.end_conditions(i)));
-    let (diagonal, off): (Vec<_>, Vec<_>) = own.unzip();
-    (transposed(&diagonal), transposed(&off))
-}
-
+/// Node or cell → column.
 fn transposed(table: &[Vec<Complex64>]) -> Vec<Vec<c32>> {
     (0..table[0].len()).map(|j| table.iter().map(|column| narrow(column[j])).collect()).collect()
-}
-
-/// The bubbles' values by inner points.
-fn from_bubbles(element: &Element) -> Vec<Vec<f64>> {
-    (1..element.degree).map(|p| element.bubbles.iter().map(|bubble| bubble[p - 1]).collect()).collect()
 }
 
 /// Sums of rows with the factors of each row of a table.

@@ -1,9 +1,6 @@
 //! The dense reference: the assembled matrix 1 + A⁻¹V by LU, for tiny grids only.
 
-use crate::solve::account::{Solution, SolveError};
-use crate::solve::demand::Size;
-use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Solver};
+use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::{Field, System};
 use num_complex::Complex64;
 use schemars::JsonSchema;
@@ -39,7 +36,7 @@ impl Solver for Direct {
         if n > self.max_unknowns {
             let allowed = format!("at most {}", self.max_unknowns);
             let remedy = "use a coarser grid, another solver, or raise direct.max_unknowns";
-            return Err(SolveError::setting("unknowns for strategy = \"direct\"", n, allowed, remedy));
+            return Err(SolveError::setting("unknowns for strategy = \"direct\"", n, &allowed, remedy));
         }
         let matrix = assemble(problem, &mut ledger);
         ledger.account.bytes = 2 * n * n * size_of::<Complex64>();
@@ -111,9 +108,8 @@ fn by_faer(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
     use faer::linalg::solvers::Solve;
     use faer::{ColRef, MatRef};
     let n = right.len();
-    let solved =
-        MatRef::from_column_major_slice(matrix, n, n).partial_piv_lu().solve(ColRef::from_slice(right));
-    (0..n).map(|i| solved[i]).collect()
+    let x = MatRef::from_column_major_slice(matrix, n, n).partial_piv_lu().solve(ColRef::from_slice(right));
+    (0..n).map(|i| x[i]).collect()
 }
 
 #[cfg(all(test, feature = "lapack"))]

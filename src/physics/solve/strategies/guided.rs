@@ -126,8 +126,7 @@ impl GuidedModes {
         if near.len() < self.least_harmonics {
             return None;
         }
-        let mut modes: Vec<Mode> =
-            near.into_par_iter().flat_map_iter(|i| modes_of(problem, i, limit)).collect();
+        let mut modes: Vec<_> = near.into_par_iter().flat_map_iter(|i| modes_of(problem, i, limit)).collect();
         modes.sort_by(|a, b| a.eigenvalue.total_cmp(&b.eigenvalue));
         modes.truncate(self.most);
         modes.sort_by_key(|m| m.harmonic);
@@ -158,9 +157,7 @@ fn modes_of(problem: &Problem, harmonic: usize, limit: f64) -> Vec<Mode> {
         let reach = i.abs_diff(j) <= 1;
         if reach { value / (mass[i] * mass[j]).sqrt() } else { 0.0 }
     };
-    let Ok(eigen) = Mat::from_fn(n, n, scaled).self_adjoint_eigen(Side::Lower) else {
-        return Vec::new();
-    };
+    let Ok(eigen) = Mat::from_fn(n, n, scaled).self_adjoint_eigen(Side::Lower) else { return Vec::new() };
     // A mode that radiates into a half-space is as far from null as its damping.
     let damping = |e: usize| {
         let [first, last] = [0, n - 1].map(|j| eigen.U()[(j, e)].powi(2) / mass[j]);

@@ -5,11 +5,8 @@
 
 mod recurrence;
 
-use crate::solve::account::{Solution, SolveError};
-use crate::solve::demand::Size;
-use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Solver};
 use crate::solve::vectors::norm;
+use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::Field;
 use crate::wave::system::Double;
 use recurrence::Recurrence;

@@ -5,10 +5,7 @@ mod run;
 
 use super::guided::GuidedModes;
 use super::idr::Idr;
-use crate::solve::account::{Solution, SolveError};
-use crate::solve::demand::Size;
-use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Solver};
+use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::Field;
 use crate::wave::system::Double;
 use run::{KrylovRun, RightFactor};

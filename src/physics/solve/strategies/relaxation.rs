@@ -11,11 +11,8 @@ mod march;
 
 pub(crate) use march::contrasts;
 
-use crate::solve::account::{Solution, SolveError};
-use crate::solve::demand::Size;
-use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Solver};
 use crate::solve::vectors::norm;
+use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::{Field, Mean, Problem};
 use march::{March, Memory};
 use schemars::JsonSchema;

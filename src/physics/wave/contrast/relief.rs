@@ -10,8 +10,7 @@ use super::section::extents;
 use crate::ink::Solid;
 use crate::numerics::fourier::{PlaneFft, Real};
 use crate::numerics::periodic::bilinear;
-use crate::wave::grid::element::Element;
-use crate::wave::scene::{Ball, HeightField};
+use crate::wave::{Ball, Element, HeightField};
 use gauss_quad::GaussLegendre;
 
 /// The space between a surface and a face of the layer in one cell of the grid, around the grains

@@ -12,9 +12,8 @@
 //! everything.
 
 use super::mean::{CELL_ROWS, Nodes, VectorMean};
-use crate::wave::Field;
 use crate::wave::contrast::section::gauss_rule;
-use crate::wave::operator::cell::decaying_root;
+use crate::wave::{Field, decaying_root};
 use num_complex::Complex64;
 use rayon::prelude::*;
 

@@ -10,8 +10,7 @@
 //! in cell j is row 6j + 3q + c; columns are harmonics. Neither kz nor q is used as a divisor.
 
 use super::cell::cell_functions;
-use super::kernels::{BLOCK, NodeSystem};
-use super::kernels::{Constants, Tables, across, add_loads, within};
+use super::kernels::{BLOCK, Constants, NodeSystem, Tables, across, add_loads, within};
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::operator::inverse::{row, row_of};
 use crate::wave::operator::sharing::{Idle, tabulated};

@@ -13,12 +13,10 @@ use super::moments::NormalMoments;
 use super::scattering::VectorScattering;
 use crate::numerics::fourier::{Harmonics, PlaneFft};
 use crate::wave::far_field::Leaving;
-use crate::wave::grid::Channel;
-use crate::wave::operator::cell::decaying_root;
-use crate::wave::operator::scattering::Scatter;
-use crate::wave::operator::setting::Setting;
-use crate::wave::system::System;
-use crate::wave::{FarField, Field, Grid, Incidence, Mean, Media, Polarisation, Resolution, WaveError};
+use crate::wave::{
+    Channel, FarField, Field, Grid, Incidence, Mean, Media, Polarisation, Resolution, Scatter, Setting,
+    System, WaveError, decaying_root,
+};
 use ndarray::ArrayView2;
 use num_complex::Complex64;
 use std::ops::Deref;

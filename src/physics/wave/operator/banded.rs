@@ -7,8 +7,7 @@
 //! both uses the real or imaginary part is definite.
 
 use super::cell::NodeCoefficients;
-use crate::wave::grid::element::MAX_DEGREE;
-use crate::wave::{Field, Problem};
+use crate::wave::{Field, MAX_DEGREE, Problem};
 use ndarray::{Array2, Array3, ArrayView3, ArrayViewMut1, ArrayViewMut2, Axis, s};
 use num_complex::Complex64;
 use rayon::prelude::*;

@@ -9,12 +9,11 @@ mod related;
 pub use super::setting::Mean;
 pub use related::{DIRECTIONS, Medium};
 
-use super::cell::decaying_root;
 use super::mean::MeanOperator;
-use super::scattering::{Scatter, Scattering};
-use super::setting::{Setting, plane_offsets};
+use super::scattering::Scattering;
+use super::setting::plane_offsets;
 use crate::numerics::fourier::PlaneFft;
-use crate::wave::{Coverage, Incidence, Media, Scene, WaveError};
+use crate::wave::{Coverage, Incidence, Media, Scatter, Scene, Setting, WaveError, decaying_root};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 use std::ops::Deref;

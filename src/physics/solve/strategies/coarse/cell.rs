@@ -42,8 +42,8 @@ impl CoarseCell {
         let contrast =
             |k: usize| contrast_matrix(problem, columns, problem.mean.element.degree * cell + 1 + k);
         let (pivots, inverse) = bordered(&stiffness, contrast);
-        let left: Vec<Vec<c32>> =
-            problem.mean.inverse.left_share.iter().map(|table| chosen(table, cell, columns)).collect();
+        let chosen = |table: &Array2<Complex64>| columns.iter().map(|&i| narrow(table[[cell, i]])).collect();
+        let left: Vec<Vec<c32>> = problem.mean.inverse.left_share.iter().map(chosen).collect();
         let shares = [left.concat(), left.into_iter().rev().collect::<Vec<_>>().concat()];
         let loads = shares.each_ref().map(|share| stiff(&stiffness, share));
         let own = Self { count: columns.len(), pivots, stiffness, shares, loads };
@@ -191,11 +191,6 @@ fn stiffness(problem: &Problem, columns: &[usize], cell: usize) -> Blocks<Vec<c3
         }
     }
     sums.iter().map(|row| row.iter().map(|own| own.iter().map(|&z| narrow(z)).collect()).collect()).collect()
-}
-
-/// The chosen columns of one row of a table.
-fn chosen(table: &Array2<Complex64>, row: usize, columns: &[usize]) -> Vec<c32> {
-    columns.iter().map(|&i| narrow(table[[row, i]])).collect()
 }
 
 /// Products entry by entry.

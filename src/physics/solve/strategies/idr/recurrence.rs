@@ -4,11 +4,9 @@
 //! correction any more.
 
 use crate::numerics::Draws;
-use crate::solve::account::SolveError;
 use crate::solve::basis::{add_combination, dot, scaled, split_dot};
-use crate::solve::ledger::Ledger;
-use crate::wave::Field;
-use crate::wave::operator::scattering::Scatter;
+use crate::solve::{Ledger, SolveError};
+use crate::wave::{Field, Scatter};
 use num_complex::Complex64;
 
 /// Cosine of the angle between a residual and its image below which the step into the next space is

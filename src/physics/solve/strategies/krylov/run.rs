@@ -3,15 +3,13 @@
 
 use super::Growing;
 use crate::numerics::fourier::Real;
-use crate::solve::account::SolveError;
 use crate::solve::basis::Basis;
-use crate::solve::ledger::{Ledger, flat};
 use crate::solve::strategies::coarse::{CoarsePlan, CoarseSpace};
 use crate::solve::strategies::guided::Correction;
 use crate::solve::strategies::idr::Idr;
 use crate::solve::vectors::norm;
-use crate::wave::Field;
-use crate::wave::operator::scattering::Scatter;
+use crate::solve::{Ledger, SolveError, flat};
+use crate::wave::{Field, Scatter};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
 
@@ -32,7 +30,7 @@ const PATIENCE: f64 = 0.5;
 /// with n = 2 in 1.558 (1.6) short recurrences cost 1.7 times as much, with 2.65 (4.6) a tenth.
 const STRONG: f64 = 2.5;
 /// What to do with strong scatterers that short recurrences do not solve either.
-const STRONG_ADVICE: &str = "take a finer grid, allow more applications (solver.max_applications), or compose the layer of \
+const ADVICE: &str = "take a finer grid, allow more applications (solver.max_applications), or compose the layer of \
                              thinner slabs ([layer.composed])";
 /// Growth factor on `restart` for a solve that the first cycle has not brought to its goal, memory
 /// permitting: restarts cost more applications than a longer basis costs work (5 % of n = 2.6, 250
@@ -100,8 +98,7 @@ impl KrylovRun<'_> {
         let left = whole.saturating_sub(used);
         let patience = alternative.map_or(left, |cost| (left / 2).min((PATIENCE * cost) as usize));
         self.ledger.goal.max_applications = used + patience;
-        let tried =
-            Idr::default().advance(&mut self.ledger, [&mut self.field, &mut self.work], STRONG_ADVICE);
+        let tried = Idr::default().advance(&mut self.ledger, [&mut self.field, &mut self.work], ADVICE);
         self.ledger.goal.max_applications = whole;
         let now = self.ledger.account.residual;
         if now.is_nan() || now > residual {

@@ -8,8 +8,7 @@ use crate::wave::contrast::folding::CellCoefficients;
 use crate::wave::contrast::nufft::Sources;
 use crate::wave::contrast::relief::{OpenSpace, raster};
 use crate::wave::contrast::section::{self, EdgePoint, extents};
-use crate::wave::grid::element::MAX_DEGREE;
-use crate::wave::{Ball, Body, BodyShape};
+use crate::wave::{Ball, Body, BodyShape, MAX_DEGREE};
 use num_complex::{Complex, Complex64};
 use std::f64::consts::TAU;
 

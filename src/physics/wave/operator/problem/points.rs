@@ -1,10 +1,9 @@
 //! The points of the planes: the contrast V as weights W_p divided by their number, and fields
 //! converted between harmonics and points.
 
-use super::Problem;
 use crate::numerics::fourier::PlaneScratch;
 use crate::wave::contrast::coverage::Channel;
-use crate::wave::{Coverage, Field, Media};
+use crate::wave::{Coverage, Field, Media, Problem};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;

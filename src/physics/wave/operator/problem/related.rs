@@ -6,8 +6,7 @@
 //! With J the exchange of every harmonic and its opposite, M(q)ᵀ = J M(−q) J: the transposed
 //! problem is the ordinary one of the opposite lateral direction.
 
-use super::Problem;
-use crate::wave::{Field, Incidence, Media, WaveError};
+use crate::wave::{Field, Incidence, Media, Problem, WaveError};
 use ndarray::Array2;
 use num_complex::Complex64;
 
