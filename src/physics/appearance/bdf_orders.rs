@@ -65,10 +65,9 @@ pub(super) struct View {
 }
 
 pub(super) fn view(order: &Order, lobe: Lobe) -> View {
-    let (propagates, side, efficiency) = match lobe {
-        Lobe::Reflected => (order.reflected_propagates, 0, order.reflected_efficiency),
-        Lobe::Transmitted => (order.transmitted_propagates, 1, order.transmitted_efficiency),
-    };
+    let side = lobe as usize;
+    let propagates = [order.reflected_propagates, order.transmitted_propagates][side];
+    let efficiency = [order.reflected_efficiency, order.transmitted_efficiency][side];
     let mut amplitudes = [Complex64::ZERO; 1 + FURTHER];
     amplitudes.iter_mut().zip(order.amplitudes()).for_each(|(own, pair)| *own = pair[side]);
     View { propagates, amplitudes, efficiency }

@@ -56,8 +56,7 @@ impl Colorimeter {
     /// Colour of tristimulus values scaled so that white has Y = 100 on this grid, uncertainty
     /// unknown.
     pub fn colour_of(&self, xyz: [f64; 3]) -> Colour {
-        let white_xyz = self.white_xyz();
-        let linear_rgb = self.linear_rgb(xyz);
+        let (white_xyz, linear_rgb) = (self.white_xyz, self.linear_rgb(xyz));
         let srgb = linear_rgb.map(|c| srgb_curve(c.clamp(0.0, 1.0)));
         Colour {
             xyz,
@@ -160,10 +159,8 @@ impl Colour {
 
     /// Derivatives of ΔE₀₀ with respect to Lab of `self` and of `other`.
     pub fn delta_e_2000_gradients(&self, other: &Self) -> [[f64; 3]; 2] {
-        [
-            gradient(|lab| ciede2000(lab, other.lab), self.lab),
-            gradient(|lab| ciede2000(self.lab, lab), other.lab),
-        ]
+        let (own, others) = (self.lab, other.lab);
+        [gradient(|lab| ciede2000(lab, others), own), gradient(|lab| ciede2000(own, lab), others)]
     }
 }
 

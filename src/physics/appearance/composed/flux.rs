@@ -284,10 +284,9 @@ impl Sides {
     fn balance(&self, all: &mut Mat<f64>, absorbed: &[f64], coherent: [[f64; 2]; 2]) {
         let (n, weights) = (self.states(), self.weights());
         let nodes: Vec<usize> = (0..n).filter(|&i| weights[i] > 0.0).collect();
-        let symmetric = |i: usize, j: usize| 0.5 * (all[(i, j)] / weights[i] + all[(j, i)] / weights[j]);
+        let mean = |i: usize, j: usize| 0.5 * (all[(i, j)] / weights[i] + all[(j, i)] / weights[j]);
         let mut scales = vec![1.0_f64; n];
-        let matrix =
-            Mat::from_fn(n, n, |i, j| if weights[i] * weights[j] > 0.0 { symmetric(i, j) } else { 0.0 });
+        let matrix = Mat::from_fn(n, n, |i, j| if weights[i] * weights[j] > 0.0 { mean(i, j) } else { 0.0 });
         for _ in 0..ROUNDS {
             let mut largest = 0.0_f64;
             for &j in &nodes {

@@ -85,8 +85,7 @@ impl CoherentFilm {
         let ordinates = &self.media[0].ordinates;
         let nodes = (0..ordinates.escaping()).map(|i| ordinates.cosine(i));
         let points: Vec<f64> = [1.0].into_iter().chain(nodes).collect();
-        let mut slow: Vec<Slow> =
-            points.iter().enumerate().map(|(d, mu)| self.slow(d, polarisation, *mu)).collect();
+        let mut slow: Vec<Slow> = (0..).zip(&points).map(|(d, mu)| self.slow(d, polarisation, *mu)).collect();
         unwrap(&points, &mut slow);
         (points, slow)
     }

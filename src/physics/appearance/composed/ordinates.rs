@@ -122,8 +122,7 @@ type Rule = fn(usize) -> Vec<(f64, f64)>;
 /// Zeros of Legendre polynomials on 0 < v < 1 with weights 2v dv, rising.
 pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let rule = GaussLegendre::new(count.max(2)).expect("two nodes or more");
-    let mut pairs: Vec<(f64, f64)> =
-        rule.iter().map(|&(x, w)| (0.5 * (1.0 + x), 0.5 * (1.0 + x) * w)).collect();
+    let mut pairs: Vec<_> = rule.iter().map(|&(x, w)| (0.5 * (1.0 + x), 0.5 * (1.0 + x) * w)).collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     pairs
 }
