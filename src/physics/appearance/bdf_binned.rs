@@ -91,8 +91,7 @@ impl Lattice {
         let efficiencies = Array2::from_shape_fn((fields.len(), columns.len()), |(r, k)| columns[k].1[r]);
         let specular = columns.iter().position(|(place, _)| *place == (0, 0));
         let straight: Vec<View> = fields.iter().map(|f| view(f.specular(), lobe)).collect();
-        let totals = totals(&efficiencies, specular, &straight);
-        LobeData { orders, efficiencies, totals }
+        LobeData { orders, totals: totals(&efficiencies, specular, &straight), efficiencies }
     }
 }
 

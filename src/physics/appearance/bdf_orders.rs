@@ -85,8 +85,7 @@ impl OrderMean {
         let efficiency = Estimate::of_mean(samples);
         let standard_error = efficiency.standard_error.map(|s| s * density);
         let bdf = Estimate { value: efficiency.value * density, standard_error };
-        let diffuse = coherent.map(|c| efficiency.value - c);
-        Self { m, n, direction, efficiency, coherent, diffuse, bdf }
+        Self { m, n, direction, efficiency, coherent, diffuse: coherent.map(|c| efficiency.value - c), bdf }
     }
 }
 

@@ -176,8 +176,7 @@ pub fn srgb_curve(c: f64) -> f64 {
 }
 
 fn lab_of(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
-    let white = XYZ::new(white, Observer::Cie1931);
-    CieLab::from_rxyz(RelXYZ::new(xyz, white)).to_array()
+    CieLab::from_rxyz(RelXYZ::new(xyz, XYZ::new(white, Observer::Cie1931))).to_array()
 }
 
 /// ΔE₀₀ (CIEDE2000) between two colours L*, a*, b*.

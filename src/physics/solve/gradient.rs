@@ -137,8 +137,7 @@ pub fn adjoint(
     let mut background = problem.opposite(&source);
     reversed.mean.inverse.solve(&mut background);
     let ledger = Ledger::new(solver.name(), &reversed, goal, watch).with_source(background);
-    let solution = solver.run(ledger, None)?;
-    Ok(problem.opposite(&solution.field))
+    Ok(problem.opposite(&solver.run(ledger, None)?.field))
 }
 
 /// Derivatives with respect to n and κ of one medium from the [`adjoint`] field of a functional.

@@ -165,8 +165,7 @@ impl<'a> Ledger<'a> {
 pub fn ratio_of_terms(history: &[f64], window: usize) -> Option<f64> {
     let window = window.max(1);
     let last = history.len().checked_sub(1)?;
-    let first = last.checked_sub(window)?;
-    Some((history[last] / history[first]).powf(1.0 / window as f64))
+    Some((history[last] / history[last.checked_sub(window)?]).powf(1.0 / window as f64))
 }
 
 /// A field as one long vector.

@@ -123,8 +123,7 @@ impl Size {
         let backgrounds = distinct(scene.strata.iter().map(|s| s.background));
         let materials = distinct(scene.bodies.iter().map(|b| b.material));
         let k0 = 2.0 * PI / wavelength_um;
-        let indices = media.backgrounds.iter().chain(&media.inclusions);
-        let densest = indices.map(|eta| eta.re).fold(1.0, f64::max);
+        let densest = media.backgrounds.iter().chain(&media.inclusions).map(|eta| eta.re).fold(1.0, f64::max);
         let [lx, ly] = scene.period_um;
         let layer_um = [lx, ly, scene.thickness_um()];
         Size {

@@ -174,8 +174,7 @@ fn nearest_within(whole: [f64; 2], step: [f64; 2], reach: f64) -> [i32; 2] {
     // Rounding must not decide between equally near ones.
     found.sort_by(|&a, &b| length(a).total_cmp(&length(b)));
     let slack = TIE * step[wide];
-    let nearer = |a, b| if distance(b) < distance(a) - slack { b } else { a };
-    found.into_iter().reduce(nearer).unwrap_or_default()
+    found.into_iter().reduce(|a, b| if distance(b) < distance(a) - slack { b } else { a }).unwrap_or_default()
 }
 
 /// The vector nearest to `whole` among those with `row` along the axis `wide` that are no longer

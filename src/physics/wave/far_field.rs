@@ -108,8 +108,7 @@ impl FarField {
 
     /// The specular order (0, 0).
     pub fn specular(&self) -> &Order {
-        let is_specular = |o: &&Order| o.m == 0 && o.n == 0;
-        self.orders.iter().find(is_specular).expect("order (0, 0) is always kept")
+        self.orders.iter().find(|o| o.m == 0 && o.n == 0).expect("order (0, 0) is always kept")
     }
 }
 

@@ -146,8 +146,7 @@ pub(crate) fn share_cells(scene: &Scene, cells: usize) -> Result<Vec<usize>, Wav
     while shares.iter().sum::<usize>() != cells {
         let short = shares.iter().sum::<usize>() < cells;
         let need = |i: &usize| ideal[*i] / shares[*i] as f64;
-        let candidates = (0..shares.len()).filter(|&i| short || shares[i] > 1);
-        let best = candidates.max_by(|a, b| {
+        let best = (0..shares.len()).filter(|&i| short || shares[i] > 1).max_by(|a, b| {
             let order = need(a).total_cmp(&need(b));
             if short { order } else { order.reverse() }
         });

@@ -75,8 +75,7 @@ fn pieces_of((body, of): (usize, &Body), ly: f64) -> Vec<Piece> {
             balls.iter().flat_map(of).collect()
         }
         BodyShape::Solid(solid) => {
-            let ranges = [0, 1, 2].map(|axis| solid.extent_um(axis));
-            piece(ranges, 0.0, Some(solid.clone()), true)
+            piece([0, 1, 2].map(|axis| solid.extent_um(axis)), 0.0, Some(solid.clone()), true)
         }
         &BodyShape::CylinderY { x_um, z_um, radius_um } => {
             let rod = Solid {
@@ -114,12 +113,10 @@ impl Piece {
             return false;
         }
         if self.radius > 0.0 && other.radius > 0.0 {
-            let larger = self.radius > other.radius + slack;
-            return larger && length(apart) + other.radius <= self.radius + slack;
+            return self.radius > other.radius + slack && length(apart) + other.radius <= self.radius + slack;
         }
         let (Some(a), Some(b)) = (&self.solid, &other.solid) else { return false };
-        let larger = a.form.volume_um3() > b.form.volume_um3() * (1.0 + ROUNDING);
-        larger && excess_um(b, a, apart) <= slack
+        a.form.volume_um3() > b.form.volume_um3() * (1.0 + ROUNDING) && excess_um(b, a, apart) <= slack
     }
 
     /// Depth by which two pieces overlap in their nearest images, µm; negative if they are apart.

@@ -138,8 +138,7 @@ fn finite(far: &FarField, errors: &TotalErrors) -> Result<(), Unphysical> {
 
 /// The largest of some numbers, NaN if any of them is NaN; 0 if there are none.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
-    values.into_iter().fold(0.0, larger)
+    values.into_iter().fold(0.0, |a: f64, b: f64| if a.is_nan() || a > b { a } else { b })
 }
 
 #[cfg(test)]

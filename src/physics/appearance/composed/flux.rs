@@ -27,8 +27,7 @@ pub struct Hemisphere {
 impl Hemisphere {
     /// Number of states.
     pub fn states(&self) -> usize {
-        let oblique = usize::from(self.oblique_deg.is_some());
-        1 + self.polarisations * (self.ordinates.count() + oblique)
+        1 + self.polarisations * (self.ordinates.count() + usize::from(self.oblique_deg.is_some()))
     }
 
     /// Angles that light comes from, degrees: 0°, the nodes, the oblique beam.

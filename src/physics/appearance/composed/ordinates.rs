@@ -104,8 +104,7 @@ impl Ordinates {
     /// may be negative.
     pub fn shares(&self, sine: f64) -> Vec<(usize, f64)> {
         let last = self.zones.len() - 1;
-        let place = self.zones.iter().position(|zone| sine < zone.to).unwrap_or(last);
-        let zone = &self.zones[place];
+        let zone = &self.zones[self.zones.iter().position(|zone| sine < zone.to).unwrap_or(last)];
         let v = (zone.to * zone.to - sine * sine).max(0.0).sqrt();
         (zone.first..).zip(lagrange(&zone.nodes, v)).collect()
     }

@@ -41,8 +41,7 @@ impl Plate {
         let down = bounced(rb, sa, tab);
         let up = bounced(sa, rb, uba);
         let back = tba * (sa * &down);
-        let onward = uab * (rb * &up);
-        Self { reflection: [ra + back, sb + onward], transmission: [uab * down, tba * up] }
+        Self { reflection: [ra + back, sb + uab * (rb * &up)], transmission: [uab * down, tba * up] }
     }
 
     /// With `by` more of the light reflected and less transmitted, as far as there is any.
@@ -88,8 +87,7 @@ impl Plate {
 fn bounced(a: &Mat<f64>, b: &Mat<f64>, x: &Mat<f64>) -> Mat<f64> {
     let n = a.nrows();
     let product = a * b;
-    let matrix = Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) - product[(i, j)]);
-    matrix.partial_piv_lu().solve(x)
+    Mat::from_fn(n, n, |i, j| f64::from(u8::from(i == j)) - product[(i, j)]).partial_piv_lu().solve(x)
 }
 
 /// Sum of all entries.

@@ -82,8 +82,7 @@ impl Task<'_> {
             _ => across(COMPANION)?,
         };
         let mut lateral = |share: f64| {
-            let plane = [share, 1.0 / share].map(|f| scaled_plane(own, f, uniform));
-            companion.compare(known, far, plane, watch)
+            companion.compare(known, far, [share, 1.0 / share].map(|f| scaled_plane(own, f, uniform)), watch)
         };
         let in_plane = match uniform {
             [true, _] => 0.0,

@@ -56,8 +56,7 @@ impl GridError {
         let coarser = coverages.at(scaled(own, COARSER)).map_err(AccuracyError::from);
         for task in tasks {
             let one = totals_on(task, own, watch)?;
-            let coarse = coarser.as_ref().ok().map(|coarser| totals(task, coarser, watch));
-            let (other, share) = match coarse {
+            let (other, share) = match coarser.as_ref().ok().map(|coarser| totals(task, coarser, watch)) {
                 Some(Ok(other)) => (other, 1.0),
                 Some(Err(stopped)) if stopped.is_stop() => return Err(stopped),
                 _ => (totals(task, &coverages.at(scaled(own, 1.0 / COARSER))?, watch)?, OF_FINER),

@@ -54,8 +54,7 @@ impl Task<'_> {
         let ny = if scene.uniform_in_y() { 1 } else { points(1)? };
         let planes = planes_per_wave * finer.powf(0.2) * waves * scene.thickness_um();
         let cells = possible(accuracy, planes / self.scheme.degree() as f64)?;
-        let cells = cells.max(scene.strata.len()).max(2);
-        Ok(Resolution { nx, ny, cells, scheme: self.scheme })
+        Ok(Resolution { nx, ny, cells: cells.max(scene.strata.len()).max(2), scheme: self.scheme })
     }
 }
 

@@ -111,8 +111,7 @@ impl CoarseSpace {
         for (j, (cell, inner)) in self.cells.iter().zip(inner).enumerate() {
             let values = cell.expanded(inner, [&nodes[j], &nodes[j + 1]]);
             let values: Vec<_> = values.chunks(self.columns.len()).map(<[c32]>::to_vec).collect();
-            let bubbles = combined(&self.amplitudes, &values);
-            field[degree * j + 1..degree * (j + 1)].clone_from_slice(&bubbles);
+            field[degree * j + 1..degree * (j + 1)].clone_from_slice(&combined(&self.amplitudes, &values));
         }
         nodes.into_iter().enumerate().for_each(|(j, row)| field[degree * j] = row);
     }
@@ -124,8 +123,7 @@ impl CoarseSpace {
             self.diagonal.iter().enumerate().map(|(j, own)| product(own, node(j))).collect();
         for (j, off) in self.off.iter().enumerate() {
             for (to, from) in [(j, j + 1), (j + 1, j)] {
-                let sums = out[to].iter_mut().zip(off.iter().zip(node(from)));
-                sums.for_each(|(out, (o, w))| *out += o * w);
+                out[to].iter_mut().zip(off.iter().zip(node(from))).for_each(|(out, (o, w))| *out += o * w);
             }
         }
         out
@@ -152,8 +150,7 @@ impl CoarseSpace {
     /// Subtracts from the load of one node of a cell what the other couples into it.
     fn couple(&self, cell: usize, [from, to]: [usize; 2], node: &[c32], load: &mut [c32]) {
         self.cells[cell].unload(to, &self.cells[cell].reached(from, node), load);
-        let direct = load.iter_mut().zip(self.off[cell].iter().zip(node));
-        direct.for_each(|(load, (off, x))| *load -= off * x);
+        load.iter_mut().zip(self.off[cell].iter().zip(node)).for_each(|(load, (off, x))| *load -= off * x);
     }
 
     fn none(&self) -> Vec<c32> {

@@ -98,14 +98,12 @@ impl GuidedModes {
         }
         let modes = size.near_null_modes(self.threshold).min(self.most as f64);
         // Profiles, images and values on planes for every mode; spectra of every plane.
-        let profiles = 48.0 * modes * size.planes();
-        BLOCKS * 16.0 * modes * modes + profiles + size.fields(1.0)
+        BLOCKS * 16.0 * modes * modes + 48.0 * modes * size.planes() + size.fields(1.0)
     }
 
     /// Settings for hard solves, where the correction pays off in small cells too.
     pub(super) fn of_hard_solves(self) -> Self {
-        let most = self.most.min(MOST_HARD);
-        Self { threshold: HARD * self.threshold, most, least_harmonics: 0, ..self }
+        Self { threshold: HARD * self.threshold, most: self.most.min(MOST_HARD), least_harmonics: 0, ..self }
     }
 
     /// Settings whose dense block takes at most `bytes`.
@@ -154,8 +152,7 @@ fn modes_of(problem: &Problem, harmonic: usize, limit: f64) -> Vec<Mode> {
     let n = diagonal.len();
     let scaled = |i: usize, j: usize| {
         let value = if i == j { diagonal[i].re } else { off[i.min(j)].re };
-        let reach = i.abs_diff(j) <= 1;
-        if reach { value / (mass[i] * mass[j]).sqrt() } else { 0.0 }
+        if i.abs_diff(j) <= 1 { value / (mass[i] * mass[j]).sqrt() } else { 0.0 }
     };
     let Ok(eigen) = Mat::from_fn(n, n, scaled).self_adjoint_eigen(Side::Lower) else { return Vec::new() };
     // A mode that radiates into a half-space is as far from null as its damping.

@@ -139,8 +139,7 @@ impl Gmres {
 
     /// Largest memory of the guided modes in bytes, for solves of any difficulty.
     fn bytes_of_modes(&self, size: &Size) -> f64 {
-        let hard = self.guided_modes.of_hard_solves();
-        self.guided_modes.most_bytes(size).max(hard.most_bytes(size))
+        self.guided_modes.most_bytes(size).max(self.guided_modes.of_hard_solves().most_bytes(size))
     }
 }
 

@@ -110,8 +110,7 @@ impl<'a, T: Real> Folding<'a, T> {
         buffers: &mut Buffers<T>,
     ) {
         // A channel's moments and a folded field are both real and share a transform.
-        let folded = moments.split_off(buffers.spectra.len());
-        for (p, mut out) in folded.into_iter().enumerate() {
+        for (p, mut out) in moments.split_off(buffers.spectra.len()).into_iter().enumerate() {
             self.product(pairs[p], weight, buffers);
             let own = moments.get_mut(p).map(|view| (buffers.spectra[p].as_slice(), view));
             self.to_grid(own, &mut out, &buffers.compact, &mut buffers.narrow);
@@ -165,8 +164,7 @@ impl<'a, T: Real> Folding<'a, T> {
     ) {
         let turned = |z: Complex<T>| Complex::new(-z.im, z.re);
         let value = |&i: &usize| {
-            let own = moments.as_ref().map_or(Complex::default(), |(spectrum, _)| spectrum[i]);
-            own + turned(compact[i])
+            moments.as_ref().map_or(Complex::default(), |(spectrum, _)| spectrum[i]) + turned(compact[i])
         };
         let kept: Vec<Complex<T>> = self.kept.iter().map(value).collect();
         self.inner.scatter(&kept, &mut narrow.spectrum);

@@ -67,8 +67,7 @@ impl OpenSpace<'_> {
         let mut rest = chords.as_slice();
         let mut all = vec![0.0; count[0] * count[1] * planes];
         for (column, moments) in all.chunks_exact_mut(planes).enumerate() {
-            let here = rest.partition_point(|(k, _)| *k == column);
-            let (blocked, after) = rest.split_at(here);
+            let (blocked, after) = rest.split_at(rest.partition_point(|(k, _)| *k == column));
             rest = after;
             let [x, y] = self.place(column);
             let z = bilinear(&surface.z_um, surface.count, surface.period_um, [x, y]);

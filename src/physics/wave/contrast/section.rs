@@ -50,8 +50,7 @@ static RULES: [OnceLock<GaussLegendre>; MOST_NODES + 1] = [const { OnceLock::new
 /// Nodes on (−1, 1) and weights.
 pub fn gauss_rule(nodes: usize) -> &'static [(f64, f64)] {
     let nodes = nodes.clamp(2, MOST_NODES);
-    let rule = || GaussLegendre::new(nodes).expect("at least two nodes");
-    RULES[nodes].get_or_init(rule).as_node_weight_pairs()
+    RULES[nodes].get_or_init(|| GaussLegendre::new(nodes).expect("at least two nodes")).as_node_weight_pairs()
 }
 
 /// The rule that integrates polynomials of a degree, with a node to spare.
@@ -81,7 +80,7 @@ impl Sampling {
             if middle.is_empty() {
                 continue;
             }
-            let whole = is_whole(&middle);
+            let whole = matches!(middle[..], [[start, end]] if end - start >= TAU);
             for (z, weight) in self.heights([lo, length], self.height_count(length, whole), !whole) {
                 points.clear();
                 let arcs = if whole { middle.clone() } else { free_arcs(balls, i, z) };
@@ -206,10 +205,6 @@ fn disc_of(ball: &Ball, z: f64) -> Option<SectionDisc> {
     let square = ball.radius_um.powi(2) - (z - ball.center_um[2]).powi(2);
     (square > 0.0)
         .then(|| SectionDisc { center: [ball.center_um[0], ball.center_um[1]], radius: square.sqrt() })
-}
-
-fn is_whole(arcs: &[[f64; 2]]) -> bool {
-    matches!(arcs, [[start, end]] if end - start >= TAU)
 }
 
 /// Intervals [start, end] of ball `i`'s edge at height `z` that lie outside all other balls.

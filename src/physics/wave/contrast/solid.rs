@@ -110,8 +110,7 @@ fn stretches(solid: &Solid, [lo, hi]: [f64; 2]) -> Vec<Stretch> {
     heights.extend([lo, hi]);
     heights.sort_by(f64::total_cmp);
     heights.dedup_by(|a, b| (*a - *b).abs() < 1e-12 * solid.form.reach_um());
-    let pairs = heights.windows(2).filter(|_| hi > lo);
-    pairs.map(|pair| stretch(solid, [pair[0], pair[1]])).collect()
+    heights.windows(2).filter(|_| hi > lo).map(|pair| stretch(solid, [pair[0], pair[1]])).collect()
 }
 
 fn stretch(solid: &Solid, range: [f64; 2]) -> Stretch {

@@ -80,8 +80,7 @@ impl Plane<'_> {
             // A difference of the size of rounding is set to zero: homogeneous layers then need no
             // iteration at all.
             let exact = shift.norm() < 1e-14 * self.mean.norm();
-            let own = diagonal(shift / points as f64);
-            return Ok(if exact { Vec::new() } else { vec![own; points] });
+            return Ok(if exact { Vec::new() } else { vec![diagonal(shift / points as f64); points] });
         }
         (0..points).map(|point| self.tensor(point, points as f64)).collect()
     }

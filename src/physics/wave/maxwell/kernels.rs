@@ -232,13 +232,11 @@ impl<T: Real> NodeSystem<T> {
 /// Forward elimination y ← (y − o b) p.
 #[multiversion(targets("x86_64+avx2"))]
 fn forward<T: Real>(y: &mut [Complex<T>], b: &[Complex<T>], off: &[Complex<T>], pivot: &[Complex<T>]) {
-    let rows = y.iter_mut().zip(b).zip(off.iter().zip(pivot));
-    rows.for_each(|((y, b), (o, p))| *y = (*y - o * b) * p);
+    y.iter_mut().zip(b).zip(off.iter().zip(pivot)).for_each(|((y, b), (o, p))| *y = (*y - o * b) * p);
 }
 
 /// Back substitution y ← y − o p a.
 #[multiversion(targets("x86_64+avx2"))]
 fn backward<T: Real>(y: &mut [Complex<T>], a: &[Complex<T>], off: &[Complex<T>], pivot: &[Complex<T>]) {
-    let rows = y.iter_mut().zip(a).zip(off.iter().zip(pivot));
-    rows.for_each(|((y, a), (o, p))| *y -= o * a * p);
+    y.iter_mut().zip(a).zip(off.iter().zip(pivot)).for_each(|((y, a), (o, p))| *y -= o * a * p);
 }

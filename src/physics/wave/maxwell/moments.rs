@@ -163,8 +163,7 @@ impl<'a> MomentBuilder<'a> {
         let area = self.grid.period_um[0] * self.grid.period_um[1];
         for (value, &[m, n]) in spectrum.iter_mut().zip(&self.harmonics.orders) {
             let row = self.transform.row(scratch, m);
-            let coefficient = row[n.rem_euclid(row.len() as i32) as usize];
-            *value += coefficient * (self.transform.correction(m, n) / area);
+            *value += row[n.rem_euclid(row.len() as i32) as usize] * (self.transform.correction(m, n) / area);
         }
     }
 
@@ -176,8 +175,7 @@ impl<'a> MomentBuilder<'a> {
             return None;
         }
         let range_um = [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]];
-        let slab = Slab { range_um, sampling: &self.sampling };
-        let mut sum = MomentSum::new(self, slab);
+        let mut sum = MomentSum::new(self, Slab { range_um, sampling: &self.sampling });
         present.iter().for_each(|(body, core)| sum.add_body(&body.shape, core.as_ref()));
         Some(sum.finish())
     }

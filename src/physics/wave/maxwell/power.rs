@@ -68,8 +68,7 @@ fn push_chord(balls: &[Ball], [i, j]: [usize; 2], z: f64, sampling: &Sampling, p
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         // Power of the third ball minus that of this one along the line: start + slope t, which
         // must be positive.
-        let to_foot = normal.map(|n| along * n);
-        let start = dot(apart, apart) - 2.0 * dot(apart, to_foot) - square + own_square;
+        let start = dot(apart, apart) - 2.0 * dot(apart, normal.map(|n| along * n)) - square + own_square;
         clip(&mut stretch, start, -2.0 * dot(apart, tangent), balls[i].radius_um, k < j);
     }
     let [from, to] = stretch;

@@ -77,11 +77,9 @@ impl VectorProblem {
         let directions = setting.lateral.iter().map(|&l| direction(l, setting.k0, azimuth)).collect();
         let k = [media.incident, media.exit].map(|eta| setting.k0 * eta);
         let contrast = tensors(moments, media, setting.k0, &mean_k2, averaging)?;
-        let kappa = setting.kappa.each_ref().map(Vec::as_slice);
-        let mean = VectorMean::new(&moments.grid, mean_k2, q, kappa, k);
+        let mean = VectorMean::new(&moments.grid, mean_k2, q, setting.kappa.each_ref().map(Vec::as_slice), k);
         let double = VectorScattering::new(mean, harmonics, directions, PlaneFft::new(nx, ny), &contrast);
-        let moments = moments.clone();
-        Ok(Arc::new(VectorProblem { moments, setting, k, double, single: OnceLock::new() }))
+        Ok(Arc::new(VectorProblem { moments: moments.clone(), setting, k, double, single: OnceLock::new() }))
     }
 
     /// The problem for light of one polarisation.
@@ -210,8 +208,7 @@ impl VectorProblem {
         let face = side * self.moments.grid.cells();
         let mut amplitudes = [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]];
         amplitudes[own as usize] -= incident;
-        let crossed = amplitudes[1 - own as usize];
-        ([amplitudes[own as usize], crossed], self.efficiency(side, i, amplitudes))
+        ([amplitudes[own as usize], amplitudes[1 - own as usize]], self.efficiency(side, i, amplitudes))
     }
 
     /// Flux relative to the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h are

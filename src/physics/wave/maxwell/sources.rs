@@ -68,12 +68,6 @@ impl Slab<'_> {
         0.5 * (self.range_um[0] + self.range_um[1])
     }
 
-    /// Shape functions ψ_q at z: ½ ∓ √3 (t − ½).
-    fn shape_functions(&self, z: f64) -> [f64; 2] {
-        let slope = 3f64.sqrt() * (z - self.middle()) / self.height();
-        [0.5 - slope, 0.5 + slope]
-    }
-
     /// Moments over an interval ζ₀ … ζ₁ of a column, heights relative to `origin`.
     fn stretch(&self, [from, to]: [f64; 2], origin: f64) -> HeightMoments {
         let (h, middle) = (self.height(), self.middle() - origin);
@@ -87,10 +81,10 @@ impl Slab<'_> {
         [-1.0, 1.0].map(|sign| [0, 1, 2, 3, 4].map(|k| of(sign, k)))
     }
 
-    /// Moments of one height z with a quadrature weight in µm.
+    /// Moments of one height z with a quadrature weight in µm: ψ_q is ½ ∓ √3 (t − ½).
     pub(super) fn point(&self, z: f64, weight: f64, origin: f64) -> HeightMoments {
-        let zeta = z - origin;
-        self.shape_functions(z)
+        let (zeta, slope) = (z - origin, 3f64.sqrt() * (z - self.middle()) / self.height());
+        [0.5 - slope, 0.5 + slope]
             .map(|psi| [0, 1, 2, 3, 4].map(|k| 2.0 * weight * psi * zeta.powi(k) / self.height()))
     }
 }
@@ -125,7 +119,9 @@ pub fn of_single(ball: &Ball, normal: NormalField, slab: &Slab, push: &mut impl 
         let r = ball.radius_um * sine;
         let Some(chord) = chord(ball.radius_um * cosine, cz, slab) else { continue };
         let heights = slab.stretch(chord, cz);
-        let count = angles(slab.sampling.demands.degree(r));
+        // The trapezoidal rule with a multiple of four points, so that quarter turns change nothing;
+        // N increases the degree by two.
+        let count = 4 * ((slab.sampling.demands.degree(r) + 3.0) / 4.0).ceil() as usize;
         let area = weight * ball.radius_um * cosine * r * TAU / count as f64;
         for k in 0..count {
             let (s, c) = (TAU * k as f64 / count as f64).sin_cos();
@@ -133,12 +129,6 @@ pub fn of_single(ball: &Ball, normal: NormalField, slab: &Slab, push: &mut impl 
             push(Source { position: [cx + r * c, cy + r * s], values });
         }
     }
-}
-
-/// Points of the trapezoidal rule on a circle, a multiple of four so that quarter turns change
-/// nothing; N increases the degree by two.
-fn angles(degree: f64) -> usize {
-    4 * ((degree + 3.0) / 4.0).ceil() as usize
 }
 
 /// The part of a column ±`half` about the centre that lies in the cell, relative to the centre.

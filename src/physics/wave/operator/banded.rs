@@ -182,8 +182,7 @@ impl super::mean::MeanOperator {
     pub fn to_unknowns(&self, planes: &mut Field) {
         let degree = self.element.degree;
         for cell in (0..self.heights.len()).filter(|_| degree > 1) {
-            let rows = s![degree * cell..=degree * (cell + 1), ..];
-            let mut part = planes.slice_mut(rows);
+            let mut part = planes.slice_mut(s![degree * cell..=degree * (cell + 1), ..]);
             let columns = part.axis_iter_mut(Axis(1)).into_par_iter().enumerate().with_min_len(256);
             columns.for_each(|(i, u)| self.cell_to_unknowns(cell, i, u));
         }

@@ -12,9 +12,10 @@ pub use related::{DIRECTIONS, Medium};
 use super::mean::MeanOperator;
 use super::scattering::Scattering;
 use super::setting::plane_offsets;
+use super::sharing::Idle;
 use crate::numerics::fourier::PlaneFft;
 use crate::wave::{Coverage, Incidence, Media, Scatter, Scene, Setting, WaveError, decaying_root};
-use ndarray::{Array2, ArrayView2};
+use ndarray::Array2;
 use num_complex::Complex64;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
@@ -166,16 +167,12 @@ impl Problem {
         self.double().scatter(u.view(), out);
     }
 
-    /// Applies out ← V u as loads y_p on planes (one inverse and one forward transform per plane).
-    pub fn contrast_loads(&self, u: ArrayView2<Complex64>, out: &mut Field) {
-        self.double().contrast_loads(u, out);
-    }
-
     /// The operator A⁻¹V as tables, built on first use.
     pub fn double(&self) -> &Scattering<f64> {
         self.double.get_or_init(|| {
-            let (mean, harmonics) = (self.mean.inverse.clone(), self.harmonics.clone());
-            Scattering::new(mean, harmonics, self.fft.clone(), self.weights())
+            let (harmonics, fft, mean) =
+                (self.harmonics.clone(), self.fft.clone(), self.mean.inverse.clone());
+            Scattering { harmonics, fft, mean, weights: self.weights(), idle: Idle::default() }
         })
     }
 
@@ -192,7 +189,7 @@ impl Problem {
     /// Absorbed fraction of the incident flux, Im⟨u, (A_interior + V) u⟩/κ₀₀.
     pub fn absorptance(&self, u: &Field) -> f64 {
         let mut product = Field::zeros(self.shape());
-        self.contrast_loads(u.view(), &mut product);
+        self.double().contrast_loads(u.view(), &mut product);
         self.mean.inverse.load(&mut product);
         self.mean.add_product(u, None, &mut product);
         let rows = u.outer_iter().zip(product.outer_iter());

@@ -82,8 +82,7 @@ impl<B: Send> Idle<B> {
 
     /// Lends `work` an array from the pool, or a new one.
     fn lend(&self, new: impl FnOnce() -> B, work: impl FnOnce(&mut B)) {
-        let waiting = self.lock().pop();
-        let mut buffer = waiting.unwrap_or_else(new);
+        let mut buffer = self.lock().pop().unwrap_or_else(new);
         work(&mut buffer);
         self.lock().push(buffer);
     }

@@ -123,8 +123,7 @@ impl Recurrence {
         let s = self.shadow.s;
         let c = self.forward(k, f);
         // d_k ← ω (r − Σ c_i g_i) + Σ c_i d_i, i ≥ k
-        let shares = c.iter().map(|c| -self.omega * c);
-        let factors: Vec<Complex64> = shares.chain(c.iter().copied()).collect();
+        let factors: Vec<Complex64> = c.iter().map(|c| -self.omega * c).chain(c.iter().copied()).collect();
         let vectors: Vec<&Vec<f64>> = self.images[k..].iter().chain(&self.directions[k..]).collect();
         let mut direction = vec![0.0; self.r.len()];
         add_combination(&mut direction, &[self.omega], &[&self.r]);

@@ -51,13 +51,11 @@ impl<'a> March<'a> {
     /// The state whose fixed point a solution u is: s = (1 + cV/D)u − cD⁻¹b at the points,
     /// including what V scatters beyond the harmonics.
     fn take_up(&mut self, field: &Field) {
-        let planes = self.problem.mean.to_planes(field);
-        self.problem.planes_to_points(&planes, &mut self.state);
+        self.problem.planes_to_points(&self.problem.mean.to_planes(field), &mut self.state);
         self.state *= &self.factors[0];
         let (row, source) = &self.source;
         // The source is stored divided by 1 − cV/D and doubled.
-        let state = self.state.row_mut(*row);
-        let terms = state.into_iter().zip(source).zip(self.factors[1].row(*row));
+        let terms = self.state.row_mut(*row).into_iter().zip(source).zip(self.factors[1].row(*row));
         terms.for_each(|((s, b), f)| *s -= 0.5 * b / f);
     }
 
@@ -114,8 +112,7 @@ impl<'a> March<'a> {
 pub(crate) fn contrasts(problem: &Problem) -> Array2<Complex64> {
     let (mass, points) = (problem.mean.plane_mass(), problem.coverage.grid.points());
     let mut all = Array2::zeros((mass.len(), points));
-    let rows = all.outer_iter_mut().into_par_iter().enumerate();
-    rows.for_each(|(p, mut row)| {
+    all.outer_iter_mut().into_par_iter().enumerate().for_each(|(p, mut row)| {
         row.iter_mut().zip(problem.contrast_per_mass(p, mass[p])).for_each(|(out, v)| *out = v);
     });
     all

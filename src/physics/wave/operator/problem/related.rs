@@ -18,7 +18,7 @@ impl Problem {
     /// Product M u = (A + V) u, in the rows of nodes and bubbles.
     pub fn applied(&self, u: &Field) -> Field {
         let mut loads = Field::zeros(self.shape());
-        self.contrast_loads(u.view(), &mut loads);
+        self.double().contrast_loads(u.view(), &mut loads);
         self.mean.inverse.load(&mut loads);
         self.mean.add_product(u, Some([&self.kappa[0], &self.kappa[1]]), &mut loads);
         loads
@@ -31,8 +31,7 @@ impl Problem {
     pub fn derivative(&self, u: &Field, medium: Medium) -> Result<Field, WaveError> {
         let mut sum = Field::zeros(self.shape());
         for direction in DIRECTIONS {
-            let moved = self.moved(medium, STEP * direction)?.applied(u);
-            sum.scaled_add(0.25 / (STEP * direction), &moved);
+            sum.scaled_add(0.25 / (STEP * direction), &self.moved(medium, STEP * direction)?.applied(u));
         }
         Ok(sum)
     }
@@ -50,8 +49,7 @@ impl Problem {
     /// # Errors
     /// As [`Problem::new`].
     pub fn reversed(&self) -> Result<Problem, WaveError> {
-        let azimuth_deg = self.incidence.azimuth_deg + 180.0;
-        let incidence = Incidence { azimuth_deg, ..self.incidence };
+        let incidence = Incidence { azimuth_deg: self.incidence.azimuth_deg + 180.0, ..self.incidence };
         Problem::new(&self.coverage, &self.media, &incidence, self.choice)
     }
 
@@ -133,8 +131,7 @@ impl Problem {
         let grid = &self.coverage.grid;
         let degree = grid.element.degree;
         let cell = grid.nodes_um.partition_point(|&node| node <= z_um).clamp(1, grid.cells()) - 1;
-        let t = (z_um - grid.nodes_um[cell]) / grid.height_um(cell);
-        let shares = grid.element.shape_functions(t);
+        let shares = grid.element.shape_functions((z_um - grid.nodes_um[cell]) / grid.height_um(cell));
         (0..=degree).map(|q| (degree * cell + q, shares[q])).collect()
     }
 }
