@@ -61,7 +61,7 @@ impl Colorimeter {
         Colour {
             xyz,
             white_xyz,
-            lab: lab_of(xyz, white_xyz),
+            lab: CieLab::from_rxyz(RelXYZ::new(xyz, XYZ::new(white_xyz, Observer::Cie1931))).to_array(),
             linear_rgb,
             srgb,
             srgb8: srgb.map(|c| (255.0 * c).round() as u8),
@@ -173,10 +173,6 @@ const INDEPENDENT: [[f64; 3]; 3] = [[0.0; 3]; 3];
 /// IEC 61966-2-1 transfer curve for 0 ≤ c ≤ 1.
 pub fn srgb_curve(c: f64) -> f64 {
     if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
-}
-
-fn lab_of(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
-    CieLab::from_rxyz(RelXYZ::new(xyz, XYZ::new(white, Observer::Cie1931))).to_array()
 }
 
 /// ΔE₀₀ (CIEDE2000) between two colours L*, a*, b*.

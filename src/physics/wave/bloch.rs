@@ -166,7 +166,7 @@ fn nearest_within(whole: [f64; 2], step: [f64; 2], reach: f64) -> [i32; 2] {
     // diagonal away: at most √2 rows along the axis of the wider step. In each row it is the
     // nearest one inside the circle.
     let wide = usize::from(step[1] > step[0]);
-    let in_row = |row: i32| nearest_in_row([wide, 1 - wide], row, whole, step, reach);
+    let in_row = |row: i32| nearest_in_row(wide, row, whole, step, reach);
     let length = |v: [i32; 2]| lateral(v, step)[0].hypot(lateral(v, step)[1]);
     let distance = |v: [i32; 2]| (lateral(v, step)[0] - whole[0]).hypot(lateral(v, step)[1] - whole[1]);
     let middle = nearest_order(whole[wide] / step[wide]);
@@ -179,14 +179,8 @@ fn nearest_within(whole: [f64; 2], step: [f64; 2], reach: f64) -> [i32; 2] {
 
 /// The vector nearest to `whole` among those with `row` along the axis `wide` that are no longer
 /// than `reach`, if any.
-fn nearest_in_row(
-    [wide, other]: [usize; 2],
-    row: i32,
-    whole: [f64; 2],
-    step: [f64; 2],
-    reach: f64,
-) -> Option<[i32; 2]> {
-    let height = step[wide] * f64::from(row);
+fn nearest_in_row(wide: usize, row: i32, whole: [f64; 2], step: [f64; 2], reach: f64) -> Option<[i32; 2]> {
+    let (other, height) = (1 - wide, step[wide] * f64::from(row));
     let chord = (reach * reach - height * height).sqrt();
     let most = (chord / step[other]) as i32;
     let mut vector = [row; 2];

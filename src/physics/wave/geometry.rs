@@ -23,15 +23,10 @@ impl Geometry {
     ///
     /// # Errors
     /// Invalid grids and bodies; [`WaveError::Stopped`].
-    pub fn new(
-        wave: Wave,
-        scene: &Scene,
-        resolution: Resolution,
-        precision: Precision,
-    ) -> Result<Geometry, WaveError> {
+    pub fn new(wave: Wave, scene: &Scene, grid: Resolution, precision: Precision) -> Result<Self, WaveError> {
         Ok(match wave {
-            Wave::Scalar => Geometry::Scalar(Coverage::with(scene, resolution, precision)?.into()),
-            _ => Geometry::Vector(NormalMoments::with(scene, resolution, precision)?.into()),
+            Wave::Scalar => Geometry::Scalar(Coverage::with(scene, grid, precision)?.into()),
+            _ => Geometry::Vector(NormalMoments::with(scene, grid, precision)?.into()),
         })
     }
 

@@ -47,7 +47,7 @@ impl Task<'_> {
         let (solved, seconds_setup) = self.solve_from(guess, resolution, watch)?;
         let far_fields: Vec<FarField> = solved.iter().map(Solved::far_field).collect();
         let clock = std::time::Instant::now();
-        let parts = self.estimate_parts(&solved, &far_fields, watch)?;
+        let parts = self.error_parts(&solved, &far_fields, watch)?;
         let residual = largest(solved.iter().map(|s| s.solution.account.residual));
         let error_estimate = error_estimate(parts, residual);
         let errors = TotalErrors::of_amplitudes(error_estimate, residual);
@@ -60,12 +60,7 @@ impl Task<'_> {
     ///
     /// # Errors
     /// Neither a coarser nor a finer companion can be solved.
-    pub fn estimate_parts(
-        &self,
-        known: &[Solved],
-        far: &[FarField],
-        watch: &mut dyn Watch,
-    ) -> Result<[f64; 2]> {
+    pub fn error_parts(&self, known: &[Solved], far: &[FarField], watch: &mut dyn Watch) -> Result<[f64; 2]> {
         let system = &known[0].system;
         if !system.has_contrast() {
             return Ok([0.0; 2]);
@@ -194,7 +189,7 @@ impl Task<'_> {
     }
 }
 
-/// Largest expected error of any amplitude, from the parts given by [`Task::estimate_parts`] and
+/// Largest expected error of any amplitude, from the parts given by [`Task::error_parts`] and
 /// the residual.
 pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
     SAFETY * (parts[0] + parts[1]) + 1e-13 + RESIDUAL_WEIGHT * residual

@@ -67,7 +67,7 @@ impl Idr {
             }
             let size = norm(flat(r));
             let mut recurrence = Recurrence::new(self.shadow_space, r, size);
-            recurrence.run(&Double(ledger.problem), ledger, size)?;
+            recurrence.run(&Double(ledger.problem), ledger)?;
             u.iter_mut().zip(recurrence.correction()).for_each(|(u, e)| *u += size * e);
             ledger.measure(u, r);
             if !ledger.reached() {

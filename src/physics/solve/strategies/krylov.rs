@@ -60,7 +60,8 @@ impl Solver for Gmres {
     }
 
     fn fit(&self, size: &Size, bytes: f64) -> Fit {
-        let needs = |settings: &Gmres| settings.vectors_bytes(size) + settings.bytes_of_modes(size);
+        let vectors = |settings: &Gmres| size.fields(settings.restart as f64 + OTHER_VECTORS);
+        let needs = |settings: &Gmres| vectors(settings) + settings.bytes_of_modes(size);
         let mut settings = *self;
         if needs(self) > bytes {
             settings.guided_modes = self.guided_modes.within(GUIDED_SHARE * bytes);
@@ -127,10 +128,6 @@ impl Solver for Growing {
 }
 
 impl Gmres {
-    fn vectors_bytes(&self, size: &Size) -> f64 {
-        size.fields(self.restart as f64 + OTHER_VECTORS)
-    }
-
     /// Number of basis vectors that fit into `bytes` besides everything else.
     fn most_vectors(&self, size: &Size, bytes: f64) -> usize {
         let vectors = (bytes - self.bytes_of_modes(size)) / size.fields(1.0) - OTHER_VECTORS;

@@ -81,7 +81,7 @@ impl Sampling {
                 continue;
             }
             let whole = matches!(middle[..], [[start, end]] if end - start >= TAU);
-            for (z, weight) in self.heights([lo, length], self.height_count(length, whole), !whole) {
+            for (z, weight) in heights([lo, length], self.height_count(length, whole), !whole) {
                 points.clear();
                 let arcs = if whole { middle.clone() } else { free_arcs(balls, i, z) };
                 arcs.iter().for_each(|arc| self.push_arc(&balls[i], z, *arc, &mut points));
@@ -130,26 +130,21 @@ impl Sampling {
     pub fn strip_heights(&self, shape: &BodyShape, [lo, hi]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
         let round = matches!(shape, BodyShape::CylinderY { .. });
         let count = if round { self.height_count(hi - lo, false) } else { self.degree };
-        self.heights([lo, hi - lo], count, round)
+        heights([lo, hi - lo], count, round)
     }
+}
 
-    /// Gauss points and weights of a length above `lo`. With `roots`, the substitution
-    /// s = sin²(πt/2) removes square roots at both of its ends.
-    pub(super) fn heights(
-        &self,
-        [lo, length]: [f64; 2],
-        count: usize,
-        roots: bool,
-    ) -> impl Iterator<Item = (f64, f64)> {
-        let share = move |t: f64| match roots {
-            true => ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()),
-            false => (t, 1.0),
-        };
-        gauss_rule(count).iter().map(move |&(x, w)| {
-            let (s, ds) = share(0.5 * (x + 1.0));
-            (lo + length * s, 0.5 * w * length * ds)
-        })
-    }
+/// Gauss points and weights of a length above `lo`. With `roots`, the substitution s = sin²(πt/2)
+/// removes square roots at both of its ends.
+pub(super) fn heights([lo, length]: [f64; 2], count: usize, roots: bool) -> impl Iterator<Item = (f64, f64)> {
+    let share = move |t: f64| match roots {
+        true => ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()),
+        false => (t, 1.0),
+    };
+    gauss_rule(count).iter().map(move |&(x, w)| {
+        let (s, ds) = share(0.5 * (x + 1.0));
+        (lo + length * s, 0.5 * w * length * ds)
+    })
 }
 
 /// Lateral extents of a ball, µm.

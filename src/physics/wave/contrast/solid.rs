@@ -5,7 +5,7 @@
 //! entire function of the height, a polygon is linear in it, and the arcs of a disc have square
 //! roots at the ends, which z = lo + (hi − lo) sin²t removes.
 
-use super::section::{Edge, EdgePoint, Sampling, gauss_of_degree};
+use super::section::{Edge, EdgePoint, Sampling, gauss_of_degree, heights};
 use crate::ink::grains::solid::{Form, Solid};
 use crate::numerics::vector::{V3, cross, dot, norm, scale, unit};
 use std::f64::consts::{PI, TAU};
@@ -45,7 +45,7 @@ impl Sampling {
             let more =
                 self.degree as f64 + extra + if stretch.roots { 4.0 + self.degree as f64 } else { 2.0 };
             let count = (0.5 * (self.demands.degree(stretch.reach) + more)).ceil() as usize + 1;
-            for (z, weight) in self.heights([lo, length], count, stretch.roots) {
+            for (z, weight) in heights([lo, length], count, stretch.roots) {
                 points.clear();
                 sides(solid, z).iter().for_each(|side| self.push_side(side, extra, &mut points));
                 cut(z, weight, &points);

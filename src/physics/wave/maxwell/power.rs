@@ -5,9 +5,7 @@
 //! meet.
 
 use crate::wave::Ball;
-use crate::wave::contrast::section::{
-    Edge, EdgePoint, Sampling, breakpoints, free_arcs, gauss_of_degree, gauss_rule,
-};
+use crate::wave::contrast::section::{self, Edge, EdgePoint, Sampling, breakpoints, free_arcs};
 
 /// Calls `edge(z, weight, points)` for heights within a range on the edge of ball `i`'s share.
 pub(super) fn share_edges(
@@ -20,7 +18,7 @@ pub(super) fn share_edges(
     let mut points = Vec::new();
     for part in breakpoints(balls, i, range).windows(2) {
         let (lo, length) = (part[0], part[1] - part[0]);
-        for &(x, w) in gauss_rule(sampling.height_count(length, false) + 2) {
+        for &(x, w) in section::gauss_rule(sampling.height_count(length, false) + 2) {
             // z = lo + length sin²t removes the square roots with which edges appear and vanish.
             let t = std::f64::consts::FRAC_PI_4 * (x + 1.0);
             let (z, dz) = (lo + length * t.sin().powi(2), length * (2.0 * t).sin());
@@ -76,7 +74,7 @@ fn push_chord(balls: &[Ball], [i, j]: [usize; 2], z: f64, sampling: &Sampling, p
         return;
     }
     let half = 0.5 * (to - from);
-    for &(x, w) in gauss_of_degree(sampling.demands.degree(half) + 3.0) {
+    for &(x, w) in section::gauss_of_degree(sampling.demands.degree(half) + 3.0) {
         let t = from + half * (1.0 + x);
         let position = [0, 1].map(|k| foot[k] + t * tangent[k]);
         points.push(EdgePoint { position, normal: normal.map(|n| n * half * w) });

@@ -42,10 +42,7 @@ pub(in crate::wave) fn tabulated<const N: usize>(
 }
 
 /// The rows of tables with `count` rows each: of each row, those of all tables.
-pub(in crate::wave) fn by_row<'a, T>(
-    tables: impl IntoIterator<Item = &'a mut Array2<T>>,
-    count: usize,
-) -> Vec<Vec<ArrayViewMut1<'a, T>>> {
+pub(in crate::wave) fn by_row<T>(tables: &mut [Array2<T>], count: usize) -> Vec<Vec<ArrayViewMut1<'_, T>>> {
     let mut rows: Vec<Vec<_>> = (0..count).map(|_| Vec::new()).collect();
     for table in tables {
         rows.iter_mut().zip(table.outer_iter_mut()).for_each(|(row, part)| row.push(part));

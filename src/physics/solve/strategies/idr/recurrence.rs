@@ -60,6 +60,8 @@ pub(super) struct Recurrence {
     /// ⟨p_i, g_k⟩, zero for i < k.
     small: Vec<Vec<Complex64>>,
     omega: Complex64,
+    /// Norm of the first residual.
+    size: f64,
     /// What the operator reads and writes.
     work: [Field; 2],
 }
@@ -76,6 +78,7 @@ impl Recurrence {
             images: zeros(),
             small: (0..s).map(|i| (0..s).map(|k| f64::from(i == k).into()).collect()).collect(),
             omega: Complex64::ONE,
+            size,
             work: [Field::zeros(residual.dim()), Field::zeros(residual.dim())],
             r,
         }
@@ -88,13 +91,8 @@ impl Recurrence {
     }
 
     /// Iterates until the recursive residual meets the goal, breaks down, or the applications are
-    /// used up. `size`: norm of the first residual.
-    pub fn run(
-        &mut self,
-        operator: &dyn Scatter<f64>,
-        ledger: &mut Ledger,
-        size: f64,
-    ) -> Result<(), SolveError> {
+    /// used up.
+    pub fn run(&mut self, operator: &dyn Scatter<f64>, ledger: &mut Ledger) -> Result<(), SolveError> {
         loop {
             let mut f = self.shadow.products(&self.r);
             for k in 0..=self.shadow.s {
@@ -105,7 +103,7 @@ impl Recurrence {
                 ledger.account.operator_applications += 1;
                 let Some(norm) = norm else { return Ok(()) };
                 ledger.account.steps += 1;
-                let residual = norm * size / ledger.scale();
+                let residual = norm * self.size / ledger.scale();
                 ledger.note(residual)?;
                 // Slightly below the goal, so that the true residual, measured next, meets it too.
                 let reached = residual <= 0.9 * ledger.goal.tolerance;

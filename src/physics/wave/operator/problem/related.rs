@@ -9,6 +9,7 @@
 use crate::wave::{Field, Incidence, Media, Problem, WaveError};
 use ndarray::Array2;
 use num_complex::Complex64;
+use std::collections::HashMap;
 
 /// Step of the differences in an index: the error of four points is its fourth power, and rounding
 /// grows with its reciprocal.
@@ -96,25 +97,21 @@ impl Problem {
     /// each cell's Lagrange functions interpolate. A guess saves about half of the applications.
     pub fn transferred(&self, field: &Field, other: &Problem) -> Field {
         let planes = self.mean.to_planes(field);
-        let columns = self.columns_of(other);
+        let places: HashMap<[i32; 2], usize> =
+            self.harmonics.orders.iter().enumerate().map(|(i, &order)| (order, i)).collect();
+        // Column in this problem of each harmonic of the other.
+        let columns: Vec<_> = other.harmonics.orders.iter().map(|order| places.get(order)).collect();
         let mut values: Field = Array2::zeros(other.shape());
         for (plane, mut row) in values.outer_iter_mut().enumerate() {
             for (source, share) in self.planes_around(other.plane_height_um(plane)) {
                 let here = planes.row(source);
                 for (value, column) in row.iter_mut().zip(&columns) {
-                    *value += column.map_or(Complex64::default(), |i| here[i] * share);
+                    *value += column.map_or(Complex64::default(), |&i| here[i] * share);
                 }
             }
         }
         other.mean.to_unknowns(&mut values);
         values
-    }
-
-    /// Column in this problem of each harmonic of `other`.
-    fn columns_of(&self, other: &Problem) -> Vec<Option<usize>> {
-        let here: std::collections::HashMap<[i32; 2], usize> =
-            self.harmonics.orders.iter().enumerate().map(|(i, &order)| (order, i)).collect();
-        other.harmonics.orders.iter().map(|order| here.get(order).copied()).collect()
     }
 
     /// Height of a plane, µm.
