@@ -144,13 +144,10 @@ impl Bdf {
         for (index, field) in fields.iter().enumerate() {
             check(index, first, field)?;
         }
-        let density = first.period_um[0] * first.period_um[1] / first.incidence.wavelength_um.powi(2);
-        Ok(Self {
-            incidence: first.incidence,
-            period_um: first.period_um,
-            realisations: fields.len(),
-            lobes: [Lobe::Reflected, Lobe::Transmitted].map(|lobe| LobeData::new(fields, density, lobe)),
-        })
+        let FarField { incidence, period_um, .. } = *first;
+        let density = period_um[0] * period_um[1] / incidence.wavelength_um.powi(2);
+        let lobes = [Lobe::Reflected, Lobe::Transmitted].map(|lobe| LobeData::new(fields, density, lobe));
+        Ok(Self { incidence, period_um, realisations: fields.len(), lobes })
     }
 
     /// Orders that propagate on one side.

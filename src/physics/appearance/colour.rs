@@ -58,16 +58,10 @@ impl Colorimeter {
     pub fn colour_of(&self, xyz: [f64; 3]) -> Colour {
         let (white_xyz, linear_rgb) = (self.white_xyz, self.linear_rgb(xyz));
         let srgb = linear_rgb.map(|c| srgb_curve(c.clamp(0.0, 1.0)));
-        Colour {
-            xyz,
-            white_xyz,
-            lab: CieLab::from_rxyz(RelXYZ::new(xyz, XYZ::new(white_xyz, Observer::Cie1931))).to_array(),
-            linear_rgb,
-            srgb,
-            srgb8: srgb.map(|c| (255.0 * c).round() as u8),
-            out_of_gamut: linear_rgb.iter().any(|c| !(-GAMUT_SLACK..=1.0 + GAMUT_SLACK).contains(c)),
-            lab_covariance: None,
-        }
+        let lab = CieLab::from_rxyz(RelXYZ::new(xyz, XYZ::new(white_xyz, Observer::Cie1931))).to_array();
+        let srgb8 = srgb.map(|c| (255.0 * c).round() as u8);
+        let out_of_gamut = linear_rgb.iter().any(|c| !(-GAMUT_SLACK..=1.0 + GAMUT_SLACK).contains(c));
+        Colour { xyz, white_xyz, lab, linear_rgb, srgb, srgb8, out_of_gamut, lab_covariance: None }
     }
 
     /// Colour of the ensemble's spectrum with the jackknife covariance of Lab. `replicates` are the

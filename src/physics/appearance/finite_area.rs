@@ -168,12 +168,9 @@ impl FiniteArea {
             return Err(FiniteAreaError::Absorber { side, eta });
         }
         let k0 = TAU / far.incidence.wavelength_um;
-        Ok(FiniteArea {
-            side_um,
-            k: k0 * eta.re,
-            incident_kappa: k0 * from.re * far.incidence.polar_deg.to_radians().cos(),
-            rows: rows(&far.orders, lobe, k0)?,
-        })
+        let (k, rows) = (k0 * eta.re, rows(&far.orders, lobe, k0)?);
+        let incident_kappa = k0 * from.re * far.incidence.polar_deg.to_radians().cos();
+        Ok(FiniteArea { side_um, k, incident_kappa, rows })
     }
 
     /// Rejects a side shorter than a period or longer than a thousand wavelengths (all in µm): P2

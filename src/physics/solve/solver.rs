@@ -126,13 +126,9 @@ impl Size {
         let densest = media.backgrounds.iter().chain(&media.inclusions).map(|eta| eta.re).fold(1.0, f64::max);
         let [lx, ly] = scene.period_um;
         let layer_um = [lx, ly, scene.thickness_um()];
-        Size {
-            resolution,
-            channels: backgrounds * materials,
-            layer_um,
-            wavenumbers: if wave.is_vector() { [0.0; 2] } else { [k0 * densest, k0] },
-            vector: wave.is_vector(),
-        }
+        let vector = wave.is_vector();
+        let wavenumbers = if vector { [0.0; 2] } else { [k0 * densest, k0] };
+        Size { resolution, channels: backgrounds * materials, layer_um, wavenumbers, vector }
     }
 
     /// Number of points of a plane.

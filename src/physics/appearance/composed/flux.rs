@@ -155,8 +155,8 @@ impl Sides {
 
     fn add(&self, fluxes: &mut Fluxes, lit: &Lit) {
         let side = usize::from(lit.from == Side::Exit);
-        let (own, other) = (&self.media[side], &self.media[1 - side]);
-        let mut columns = [vec![0.0; own.states()], vec![0.0; other.states()]];
+        let own = &self.media[side];
+        let mut column = vec![0.0; self.states()];
         // unpolarised light at 0° is the mean of two solves
         let part = if lit.direction == 0 { 1.0 / own.polarisations as f64 } else { 1.0 };
         for order in lit.orders {
@@ -168,18 +168,14 @@ impl Sides {
                     continue;
                 }
             }
-            for (k, medium) in [own, other].into_iter().enumerate() {
-                if powers[k] > 0.0 {
-                    medium.spread(&mut columns[k], sine, shared(order, k, powers[k], lit.polarisation));
-                }
+            for (k, to) in [side, 1 - side].into_iter().enumerate().filter(|(k, _)| powers[*k] > 0.0) {
+                let fluxes = shared(order, k, powers[k], lit.polarisation);
+                self.media[to].spread(&mut column[self.first(to)..], sine, fluxes);
             }
         }
         let state = self.first(side) + own.state(lit.direction, lit.polarisation.min(own.polarisations - 1));
         fluxes.absorbed[state] += part * lit.absorptance;
-        for (k, column) in columns.iter().enumerate() {
-            let first = self.first(if k == 0 { side } else { 1 - side });
-            column.iter().enumerate().for_each(|(i, flux)| fluxes.all[(first + i, state)] += part * flux);
-        }
+        column.iter().enumerate().for_each(|(i, flux)| fluxes.all[(i, state)] += part * flux);
     }
 
     /// The ensemble's mean, with or without one of its realisations: reciprocal, and R + T = 1 − A

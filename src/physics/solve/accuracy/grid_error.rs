@@ -94,12 +94,11 @@ fn totals_on(task: &Task, mut resolution: Resolution, watch: &mut dyn Watch) -> 
 fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>> {
     let admitted = task.admitted(geometry.grid().resolution).ok();
     let solver = admitted.as_ref().map_or(task.solver, |admitted| admitted.solver());
-    let mut totals = Vec::new();
-    for system in geometry.systems(task.media, task.incidence, task.mean)? {
+    let totals = geometry.systems(task.media, task.incidence, task.mean)?.into_iter().map(|system| {
         let far = system.far_field(&solver.solve(&*system, task.goal, watch)?.field);
-        totals.push([far.reflectance, far.transmittance]);
-    }
-    Ok(totals)
+        Ok([far.reflectance, far.transmittance])
+    });
+    totals.collect()
 }
 
 /// A grid with about `factor` times the points and cells, different from `r` along every axis with

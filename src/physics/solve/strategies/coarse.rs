@@ -199,16 +199,11 @@ impl<'a> CoarsePlan<'a> {
         let (diagonal, off): (Vec<_>, Vec<_>) = columns.iter().map(node).unzip();
         let element = &problem.mean.element;
         let value = |p: usize| element.bubbles.iter().map(|bubble| bubble[p - 1]).collect();
-        let mut space = CoarseSpace {
-            harmonics: problem.harmonics.len(),
-            bubbles: (1..element.degree).map(value).collect(),
-            amplitudes: element.amplitudes.clone(),
-            diagonal: transposed(&diagonal),
-            off: transposed(&off),
-            cells: Vec::new(),
-            pivots: Vec::new(),
-            columns,
-        };
+        let (harmonics, amplitudes) = (problem.harmonics.len(), element.amplitudes.clone());
+        let bubbles = (1..element.degree).map(value).collect();
+        let [diagonal, off] = [diagonal, off].map(|table| transposed(&table));
+        let (cells, pivots) = (Vec::new(), Vec::new());
+        let mut space = CoarseSpace { columns, harmonics, bubbles, amplitudes, diagonal, off, cells, pivots };
         space.eliminate(problem);
         space
     }

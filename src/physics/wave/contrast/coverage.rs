@@ -149,15 +149,11 @@ impl Coverage {
         let [moments, folded] = folding.planes(&cells, &pairs);
         let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
         let mean = |j: usize, c: usize| Some(cells[j][c].as_ref()?.means.iter().sum::<f64>() / heights[j]);
-        Ok(Coverage {
-            layout: Layout::new(scene, grid, channels, mean),
-            moments,
-            pairs,
-            folded,
-            harmonics: Arc::new(Harmonics::new(resolution.nx, resolution.ny)),
-            fft: PlaneFft::new(resolution.nx, resolution.ny),
-            fft_single: PlaneFft::new(resolution.nx, resolution.ny),
-        })
+        let layout = Layout::new(scene, grid, channels, mean);
+        let (nx, ny) = (resolution.nx, resolution.ny);
+        let (fft, fft_single) = (PlaneFft::new(nx, ny), PlaneFft::new(nx, ny));
+        let harmonics = Arc::new(Harmonics::new(nx, ny));
+        Ok(Coverage { layout, moments, pairs, folded, harmonics, fft, fft_single })
     }
 
     /// Memory held, bytes.

@@ -119,13 +119,9 @@ impl<'a, T: Real> Folding<'a, T> {
 
     fn buffers(&self, channels: usize) -> Buffers<T> {
         let zeros = |count: usize| vec![vec![Complex::default(); count]; channels];
-        Buffers {
-            wide: self.wide.scratch(),
-            narrow: self.narrow.scratch(),
-            spectra: zeros(self.harmonics.len()),
-            outer: zeros(self.wide_points),
-            compact: vec![Complex::default(); self.harmonics.len()],
-        }
+        let (wide, narrow) = (self.wide.scratch(), self.narrow.scratch());
+        let (spectra, outer) = (zeros(self.harmonics.len()), zeros(self.wide_points));
+        Buffers { wide, narrow, spectra, outer, compact: vec![Complex::default(); self.harmonics.len()] }
     }
 
     /// Outer part of a channel's spectrum, plain and over q², on the wide set's points, as real and

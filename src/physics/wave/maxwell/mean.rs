@@ -85,15 +85,11 @@ impl VectorMean {
 
     /// The operator in another precision.
     pub fn narrowed<T: Real>(&self) -> VectorMean<T> {
-        VectorMean {
-            heights: self.heights.clone(),
-            mean_k2: self.mean_k2.clone(),
-            lateral: self.lateral.iter().map(|&q| T::of(q)).collect(),
-            electric: self.electric.narrowed(),
-            magnetic: self.magnetic.narrowed(),
-            functions: [0, 1].map(|k| self.functions[k].mapv(narrow)),
-            idle: Idle::default(),
-        }
+        let (heights, mean_k2) = (self.heights.clone(), self.mean_k2.clone());
+        let (electric, magnetic) = (self.electric.narrowed(), self.magnetic.narrowed());
+        let lateral = self.lateral.iter().map(|&q| T::of(q)).collect();
+        let functions = self.functions.each_ref().map(|table| table.mapv(narrow));
+        VectorMean { heights, mean_k2, lateral, electric, magnetic, functions, idle: Idle::default() }
     }
 
     /// The wave in the mean medium for the incident wave `entry`.

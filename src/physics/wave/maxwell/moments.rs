@@ -139,16 +139,10 @@ impl<'a> MomentBuilder<'a> {
         // All harmonics count, unlike those folded by the scalar scheme: twice as many points as
         // orders.
         let spreading = Spreading { points_per_order: 4, ..Spreading::within(error) };
-        MomentBuilder {
-            scene,
-            cores: solid_sources::cores(scene),
-            grid,
-            channels,
-            harmonics: Harmonics::new(nx, ny),
-            transform: SourceTransform::new(mmax, nmax, spreading),
-            fft: PlaneFft::new(nx, ny),
-            sampling: Sampling { demands: Demands([(kmax, error); 2]), degree: 3 },
-        }
+        let (harmonics, fft) = (Harmonics::new(nx, ny), PlaneFft::new(nx, ny));
+        let (cores, transform) = (solid_sources::cores(scene), SourceTransform::new(mmax, nmax, spreading));
+        let sampling = Sampling { demands: Demands([(kmax, error); 2]), degree: 3 };
+        MomentBuilder { scene, cores, grid, channels, harmonics, transform, fft, sampling }
     }
 
     fn cell(&self, cell: usize) -> Vec<Option<CellFields>> {

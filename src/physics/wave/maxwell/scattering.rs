@@ -50,14 +50,10 @@ impl VectorScattering<f64> {
 
     /// The operator in single precision.
     pub fn narrowed(&self, fft: PlaneFft<f32>) -> VectorScattering<f32> {
-        VectorScattering {
-            mean: self.mean.narrowed(),
-            harmonics: self.harmonics.clone(),
-            directions: self.directions.iter().map(|d| d.map(|x| x as f32)).collect(),
-            fft,
-            contrast: self.contrast.par_iter().map(|plane| plane.mapv(narrow)).collect(),
-            idle: Idle::default(),
-        }
+        let (mean, harmonics) = (self.mean.narrowed(), self.harmonics.clone());
+        let directions = self.directions.iter().map(|d| d.map(|x| x as f32)).collect();
+        let contrast = self.contrast.par_iter().map(|plane| plane.mapv(narrow)).collect();
+        VectorScattering { mean, harmonics, directions, fft, contrast, idle: Idle::default() }
     }
 }
 

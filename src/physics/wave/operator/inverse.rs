@@ -37,13 +37,11 @@ pub struct MeanInverse<T: Real = f64> {
 impl MeanInverse {
     /// The inverse in another precision.
     pub fn narrowed<T: Real>(&self) -> MeanInverse<T> {
-        MeanInverse {
-            bubbles: self.bubbles.iter().map(|row| row.iter().map(|&x| T::of(x)).collect()).collect(),
-            left_share: self.left_share.iter().map(|share| share.mapv(narrow)).collect(),
-            factor: self.factor.mapv(narrow),
-            inverse_pivot: self.inverse_pivot.mapv(narrow),
-            inverse_bubble: self.inverse_bubble.mapv(narrow),
-        }
+        let bubbles = self.bubbles.iter().map(|row| row.iter().map(|&x| T::of(x)).collect()).collect();
+        let left_share = self.left_share.iter().map(|share| share.mapv(narrow)).collect();
+        let [factor, inverse_pivot, inverse_bubble] =
+            [&self.factor, &self.inverse_pivot, &self.inverse_bubble].map(|table| table.mapv(narrow));
+        MeanInverse { bubbles, left_share, factor, inverse_pivot, inverse_bubble }
     }
 }
 

@@ -95,17 +95,12 @@ impl Problem {
             })?;
         let lateral_k2 = setting.lateral.iter().map(|[x, y]| x * x + y * y).collect();
         let kappa = setting.kappa.each_ref().map(Vec::as_slice);
-        Ok(Problem {
-            contrasts: points::strengths(coverage, media, setting.k0),
-            offsets: plane_offsets(&coverage.grid, media, setting.k0, &mean_k2),
-            mean: MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa),
-            fft: coverage.fft.clone(),
-            double: OnceLock::new(),
-            single: OnceLock::new(),
-            coverage: coverage.clone(),
-            setting,
-            choice: mean,
-        })
+        let contrasts = points::strengths(coverage, media, setting.k0);
+        let offsets = plane_offsets(&coverage.grid, media, setting.k0, &mean_k2);
+        let (choice, mean) = (mean, MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa));
+        let (coverage, fft) = (coverage.clone(), coverage.fft.clone());
+        let (double, single) = (OnceLock::new(), OnceLock::new());
+        Ok(Problem { coverage, setting, mean, fft, contrasts, offsets, double, single, choice })
     }
 
     /// Coverage and problem in one step, for a scene that is solved once.

@@ -71,17 +71,11 @@ impl Recurrence {
     pub fn new(s: usize, residual: &Field, size: f64) -> Self {
         let r = scaled(residual.as_slice().expect("fields are contiguous"), size);
         let zeros = || vec![vec![0.0; r.len()]; s];
-        Self {
-            shadow: Shadow::new(s, r.len() / 2),
-            e: vec![0.0; r.len()],
-            directions: zeros(),
-            images: zeros(),
-            small: (0..s).map(|i| (0..s).map(|k| f64::from(i == k).into()).collect()).collect(),
-            omega: Complex64::ONE,
-            size,
-            work: [Field::zeros(residual.dim()), Field::zeros(residual.dim())],
-            r,
-        }
+        let (directions, images) = (zeros(), zeros());
+        let (shadow, e) = (Shadow::new(s, r.len() / 2), vec![0.0; r.len()]);
+        let small = (0..s).map(|i| (0..s).map(|k| f64::from(i == k).into()).collect()).collect();
+        let work = [(); 2].map(|()| Field::zeros(residual.dim()));
+        Self { shadow, r, e, directions, images, small, omega: Complex64::ONE, size, work }
     }
 
     /// The correction of the field, in the units of the first residual.
