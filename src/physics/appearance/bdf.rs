@@ -214,10 +214,9 @@ impl Bdf {
         if !(at[0].hypot(at[1]) < 1.0 && sum > 0.0) {
             return Err(BdfError::NothingThere { alpha: at[0], beta: at[1], bandwidth });
         }
-        let mean = |row: ndarray::ArrayView1<f64>| {
-            row.iter().zip(&weights).map(|(e, w)| e * w).sum::<f64>() / sum / (dx * dy)
-        };
-        let values: Vec<f64> = data.efficiencies.outer_iter().map(mean).collect();
+        let rows = data.efficiencies.outer_iter();
+        let sums = rows.map(|row| row.iter().zip(&weights).map(|(e, w)| e * w).sum::<f64>());
+        let values: Vec<f64> = sums.map(|own| own / sum / (dx * dy)).collect();
         Ok(Smoothed { bdf: Estimate::of_mean(&values), effective_orders: sum * sum / squares })
     }
 }

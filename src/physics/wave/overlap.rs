@@ -78,11 +78,9 @@ fn pieces_of((body, of): (usize, &Body), ly: f64) -> Vec<Piece> {
             piece([0, 1, 2].map(|axis| solid.extent_um(axis)), 0.0, Some(solid.clone()), true)
         }
         &BodyShape::CylinderY { x_um, z_um, radius_um } => {
-            let rod = Solid {
-                form: Form::Disc { radius_um, half_length_um: 1.5 * ly },
-                center_um: [x_um, 0.0, z_um],
-                rotation: Rotation::from_z_to([0.0, 1.0, 0.0]),
-            };
+            let form = Form::Disc { radius_um, half_length_um: 1.5 * ly };
+            let rotation = Rotation::from_z_to([0.0, 1.0, 0.0]);
+            let rod = Solid { form, center_um: [x_um, 0.0, z_um], rotation };
             piece([[x_um; 2], ENDLESS, [z_um; 2]], radius_um, Some(rod), false)
         }
         &BodyShape::BarY { x_um, z_um } => {

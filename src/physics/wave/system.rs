@@ -109,7 +109,7 @@ impl System for Problem {
     }
 
     fn single(&self) -> Option<&dyn Scatter<f32>> {
-        Some(self.single())
+        Some(self.single.get_or_init(|| self.double().narrowed(self.coverage.fft_single.clone())))
     }
 
     fn split(&self) -> Option<&Problem> {

@@ -36,7 +36,10 @@ impl Task<'_> {
                 return Ok(found);
             }
         }
-        Err(search.given_up())
+        let reached = search.last.map(|last| last.error_estimate);
+        let given_up =
+            reached.map(|reached| AccuracyError::GivenUp { levels: LEVELS, asked: accuracy, reached });
+        Err(given_up.or(search.refused).unwrap_or(AccuracyError::Accuracy(accuracy)))
     }
 
     /// First resolution of the search.
@@ -117,23 +120,12 @@ impl Search<'_> {
         let (reached, last) = (last.error_estimate, last.system().grid().resolution);
         AccuracyError::NotReached { asked, reached, last, next, tried }
     }
-
-    fn given_up(self) -> AccuracyError {
-        let asked = self.accuracy;
-        match self.last {
-            Some(last) => AccuracyError::GivenUp { levels: LEVELS, asked, reached: last.error_estimate },
-            None => self.refused.unwrap_or(AccuracyError::Accuracy(asked)),
-        }
-    }
 }
 
 /// A number of points or cells along one axis, if a grid may have that many.
 fn possible(asked: f64, need: f64) -> Result<usize> {
-    if need <= MOST_POINTS as f64 {
-        Ok(need.ceil() as usize)
-    } else {
-        Err(AccuracyError::TooManyWaves { asked, need })
-    }
+    let count = (need <= MOST_POINTS as f64).then(|| need.ceil() as usize);
+    count.ok_or(AccuracyError::TooManyWaves { asked, need })
 }
 
 /// The scheme that reaches an accuracy with the fewest planes: higher-order cells pay off once
@@ -210,8 +202,6 @@ pub(crate) fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolutio
     }
     // Neither exceeds its half, but their sum with the safety factor does: the direction with the
     // larger error is refined.
-    match parts[0] > parts[1] {
-        true => refine(r, [accuracy, 0.0], accuracy),
-        false => refine(r, [0.0, accuracy], accuracy),
-    }
+    let larger = if parts[0] > parts[1] { [accuracy, 0.0] } else { [0.0, accuracy] };
+    refine(r, larger, accuracy)
 }

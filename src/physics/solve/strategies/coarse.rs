@@ -45,17 +45,13 @@ pub(super) struct CoarseSpace {
 impl CoarseSpace {
     /// Eliminates cells and nodes from the illuminated face on.
     fn eliminate(&mut self, problem: &Problem) {
-        let mut before = None;
+        let mut before: Option<Mat<c32>> = None;
         for j in 0..self.diagonal.len() {
             let mut own = cell::contrast_matrix(problem, &self.columns, self.degree() * j);
             add_diagonal(&mut own, &self.diagonal[j]);
-            if let Some(taken) = before.take() {
-                own += taken;
-            }
+            before.take().into_iter().for_each(|taken| own += taken);
             let next = self.eliminate_cell(problem, j);
-            if let Some([first, ..]) = &next {
-                own += first;
-            }
+            next.iter().for_each(|[first, ..]| own += first);
             self.pivots.push(own.partial_piv_lu().inverse());
             before = next.map(|[_, upper, lower, second]| second - lower * (&self.pivots[j] * upper));
         }

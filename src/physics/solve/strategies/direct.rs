@@ -42,8 +42,7 @@ impl Solver for Direct {
         ledger.account.bytes = 2 * n * n * size_of::<Complex64>();
         let solved = dense_solve(&matrix, flat(&ledger.background));
         let field = Field::from_shape_vec(problem.shape(), solved).expect("as many values as unknowns");
-        let mut scratch = Field::zeros(problem.shape());
-        let residual = ledger.measure(&field, &mut scratch);
+        let residual = ledger.measure(&field, &mut Field::zeros(problem.shape()));
         ledger.account.steps = 1;
         ledger.note(residual)?;
         if !ledger.reached() {

@@ -161,13 +161,11 @@ fn modes_of(problem: &Problem, harmonic: usize, limit: f64) -> Vec<Mode> {
         ends[0].im * first + ends[1].im * last
     };
     let size = |e: usize| eigen.S()[e].hypot(damping(e));
-    let near = (0..n).filter(|&e| size(e) < limit);
-    let mode = |e: usize| Mode {
-        harmonic,
-        eigenvalue: size(e),
-        nodes: (0..n).map(|j| eigen.U()[(j, e)] / mass[j].sqrt()).collect(),
-    };
-    near.map(mode).collect()
+    let near = (0..n).filter(|&e| size(e) < limit).map(|e| {
+        let nodes = (0..n).map(|j| eigen.U()[(j, e)] / mass[j].sqrt()).collect();
+        Mode { harmonic, eigenvalue: size(e), nodes }
+    });
+    near.collect()
 }
 
 impl Correction {
@@ -221,11 +219,11 @@ impl Correction {
     /// Product (Aφ)ᵀ v for one mode φ; `image` is Aφ.
     #[inline]
     fn product<T: Real>(&self, mode: &Mode, image: &[Complex64], v: &[Complex<T>]) -> Complex64 {
-        let value = |j: usize| {
+        let products = image.iter().enumerate().map(|(j, a)| {
             let z = v[self.place(j, mode.harmonic)];
-            Complex64::new(z.re.wide(), z.im.wide())
-        };
-        image.iter().enumerate().map(|(j, a)| a * value(j)).sum::<Complex64>()
+            a * Complex64::new(z.re.wide(), z.im.wide())
+        });
+        products.sum()
     }
 }
 

@@ -66,8 +66,8 @@ impl Solver for Relaxation {
         loop {
             let before = ledger.account.residual;
             let mean = march.window(self.window, &mut ledger);
-            memory.add(march.candidate_of(mean, &mut ledger));
-            memory.add(march.candidate(&mut ledger));
+            memory.recent.push_back(march.candidate_of(mean, &mut ledger));
+            memory.recent.push_back(march.candidate(&mut ledger));
             // A NaN residual counts as grown.
             let after = ledger.account.residual;
             if (after.is_nan() || after > GROWTH * before) && 0.5 * tau >= self.tau * SHORTEST {

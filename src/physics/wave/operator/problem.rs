@@ -64,7 +64,8 @@ pub struct Problem {
     /// Uniform part of each plane's moment, divided in the same way.
     offsets: Vec<Complex64>,
     double: OnceLock<Scattering<f64>>,
-    single: OnceLock<Scattering<f32>>,
+    /// The operator A⁻¹V in single precision, built on first use.
+    pub(in crate::wave) single: OnceLock<Scattering<f32>>,
     /// Choice of the mean medium.
     choice: Mean,
 }
@@ -169,11 +170,6 @@ impl Problem {
                 (self.harmonics.clone(), self.fft.clone(), self.mean.inverse.clone());
             Scattering { harmonics, fft, mean, weights: self.weights(), idle: Idle::default() }
         })
-    }
-
-    /// The operator A⁻¹V in single precision, built on first use.
-    pub fn single(&self) -> &Scattering<f32> {
-        self.single.get_or_init(|| self.double().narrowed(self.coverage.fft_single.clone()))
     }
 
     /// End conditions iκ of both half-spaces for one harmonic.

@@ -201,8 +201,8 @@ pub(super) fn product(a: &[c32], b: &[c32]) -> Vec<c32> {
 /// K v.
 fn stiff(stiffness: &Blocks<Vec<c32>>, v: &[c32]) -> Vec<c32> {
     let count = (v.len() / stiffness.len().max(1)).max(1);
-    let entry = |r: usize| {
+    let entries = (0..v.len()).map(|r| {
         stiffness[r / count].iter().zip(v.chunks(count)).map(|(k, v)| k[r % count] * v[r % count]).sum()
-    };
-    (0..v.len()).map(entry).collect()
+    });
+    entries.collect()
 }

@@ -18,12 +18,12 @@ pub(super) struct March<'a> {
     /// Shifted mean operator D − cÃ.
     pub shifted: ShiftedMean,
     /// (1 + cV/D) and 1/(1 − cV/D) at the points.
-    factors: [Array2<Complex64>; 2],
+    factors: [Field; 2],
     /// Row of the illuminated face, and 2c b/D/(1 − cV/D) at its points.
     source: (usize, Vec<Complex64>),
-    pub state: Array2<Complex64>,
+    pub state: Field,
     harmonics: Field,
-    values: Array2<Complex64>,
+    values: Field,
 }
 
 impl<'a> March<'a> {
@@ -59,23 +59,15 @@ impl<'a> March<'a> {
         terms.for_each(|((s, b), f)| *s -= 0.5 * b / f);
     }
 
-    /// Nodes and bubbles of the field of a state.
-    fn unknowns(&self, state: &Array2<Complex64>) -> Field {
-        let mut planes = Field::zeros(self.problem.shape());
-        self.shifted.solve_points(self.problem, state, &mut planes);
-        self.problem.mean.to_unknowns(&mut planes);
-        planes
-    }
-
     /// The present state with its field and residual.
-    pub fn candidate(&mut self, ledger: &mut Ledger) -> Candidate {
-        let state = self.state.clone();
-        self.candidate_of(state, ledger)
+    pub fn candidate(&self, ledger: &mut Ledger) -> Candidate {
+        self.candidate_of(self.state.clone(), ledger)
     }
 
-    pub fn candidate_of(&mut self, state: Array2<Complex64>, ledger: &mut Ledger) -> Candidate {
-        let field = self.unknowns(&state);
-        let mut residual = Field::zeros(self.problem.shape());
+    pub fn candidate_of(&self, state: Field, ledger: &mut Ledger) -> Candidate {
+        let [mut field, mut residual] = [(); 2].map(|()| Field::zeros(self.problem.shape()));
+        self.shifted.solve_points(self.problem, &state, &mut field);
+        self.problem.mean.to_unknowns(&mut field);
         ledger.measure(&field, &mut residual);
         Candidate { state, field, residual }
     }
@@ -95,7 +87,7 @@ impl<'a> March<'a> {
     }
 
     /// Advances by a window and returns the mean of its states.
-    pub fn window(&mut self, steps: usize, ledger: &mut Ledger) -> Array2<Complex64> {
+    pub fn window(&mut self, steps: usize, ledger: &mut Ledger) -> Field {
         let mut mean = Array2::zeros(self.state.dim());
         for _ in 0..steps {
             self.step();
@@ -109,7 +101,7 @@ impl<'a> March<'a> {
 }
 
 /// V/D at the points of all planes.
-pub(crate) fn contrasts(problem: &Problem) -> Array2<Complex64> {
+pub(crate) fn contrasts(problem: &Problem) -> Field {
     let (mass, points) = (problem.mean.plane_mass(), problem.coverage.grid.points());
     let mut all = Array2::zeros((mass.len(), points));
     all.outer_iter_mut().into_par_iter().enumerate().for_each(|(p, mut row)| {
@@ -121,16 +113,12 @@ pub(crate) fn contrasts(problem: &Problem) -> Array2<Complex64> {
 /// A state of the march with its field and residual.
 #[derive(Clone)]
 pub(super) struct Candidate {
-    pub state: Array2<Complex64>,
+    pub state: Field,
     pub field: Field,
     pub residual: Field,
 }
 
 impl Candidate {
-    fn bytes(&self) -> usize {
-        (self.state.len() + self.field.len() + self.residual.len()) * size_of::<Complex64>()
-    }
-
     /// The affine combination last + Σ w (other − last) with the smallest residual: states, fields
     /// and residuals depend affinely on each other.
     fn blend(others: &[&Candidate], last: &Candidate) -> Candidate {
@@ -147,7 +135,7 @@ impl Candidate {
 }
 
 /// Adds out ← out + w (a − b).
-fn add_difference(out: &mut Array2<Complex64>, w: Complex64, a: &Array2<Complex64>, b: &Array2<Complex64>) {
+fn add_difference(out: &mut Field, w: Complex64, a: &Field, b: &Field) {
     ndarray::Zip::from(out).and(a).and(b).par_for_each(|o, &a, &b| *o += w * (a - b));
 }
 
@@ -156,7 +144,7 @@ fn add_difference(out: &mut Array2<Complex64>, w: Complex64, a: &Array2<Complex6
 pub(super) struct Memory {
     pub base: Candidate,
     /// Two per window, the mean of its states and its last state; oldest first.
-    recent: VecDeque<Candidate>,
+    pub recent: VecDeque<Candidate>,
     /// Largest number of candidates between two windows, including the base.
     most: usize,
 }
@@ -164,10 +152,6 @@ pub(super) struct Memory {
 impl Memory {
     pub fn new(base: Candidate, most: usize) -> Memory {
         Memory { base, recent: VecDeque::new(), most: most.max(1) }
-    }
-
-    pub fn add(&mut self, candidate: Candidate) {
-        self.recent.push_back(candidate);
     }
 
     /// Makes the best combination the base and drops the oldest candidates beyond the limit.
@@ -184,8 +168,8 @@ impl Memory {
     /// Memory in bytes of all candidates, two more from a window, and the differences of their
     /// residuals during a combination.
     pub fn most_bytes(&self) -> usize {
-        let each = self.base.bytes() + self.base.residual.len() * size_of::<Complex64>();
-        (self.most + 2) * each
+        let Candidate { state, field, residual } = &self.base;
+        (self.most + 2) * (state.len() + field.len() + 2 * residual.len()) * size_of::<Complex64>()
     }
 }
 
