@@ -76,22 +76,6 @@ fn nearest_order(x: f64) -> i32 {
     (x.signum() * (x.abs() - 0.5 - TIE).ceil()) as i32
 }
 
-impl Incidence {
-    /// Lateral wavevector (kx, ky) of the incident wave, 1/µm.
-    fn lateral_wavevector(&self, media: &Media) -> Result<[f64; 2], WaveError> {
-        let eta = if self.from == Side::Incident { media.incident } else { media.exit };
-        if eta.im != 0.0 {
-            let field = "imaginary part of the index of the half-space that the light comes from";
-            let remedy =
-                "light cannot arrive from infinity through an absorber: make that half-space transparent";
-            return Err(WaveError::range(field, eta.im, "0", remedy));
-        }
-        let k = TAU / self.wavelength_um * eta.re * self.polar_deg.to_radians().sin();
-        let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();
-        Ok([k * cos, k * sin])
-    }
-}
-
 /// Longest lateral wavevector of a snapped direction, in units of k: 89.9° from the normal. Solves
 /// reject light closer to grazing.
 const REACH: f64 = 1.0 - 1e-6;
@@ -108,6 +92,20 @@ pub struct Snapped {
 }
 
 impl Incidence {
+    /// Lateral wavevector (kx, ky) of the incident wave, 1/µm.
+    fn lateral_wavevector(&self, media: &Media) -> Result<[f64; 2], WaveError> {
+        let eta = if self.from == Side::Incident { media.incident } else { media.exit };
+        if eta.im != 0.0 {
+            let field = "imaginary part of the index of the half-space that the light comes from";
+            let remedy =
+                "light cannot arrive from infinity through an absorber: make that half-space transparent";
+            return Err(WaveError::range(field, eta.im, "0", remedy));
+        }
+        let k = TAU / self.wavelength_um * eta.re * self.polar_deg.to_radians().sin();
+        let (sin, cos) = self.azimuth_deg.to_radians().sin_cos();
+        Ok([k * cos, k * sin])
+    }
+
     /// The light whose lateral wavevector is the lattice vector 2π (m/Lx, n/Ly) nearest to this
     /// one's, among those that propagate in the half-space of incidence (P2, after (3.13)). Of
     /// equally near ones the closest to the normal is taken; the azimuth of light along the normal

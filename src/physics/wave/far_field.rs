@@ -76,18 +76,6 @@ pub struct FarField {
 }
 
 impl FarField {
-    /// The far field of all orders and the absorbed fraction; R and T are their sums.
-    pub(in crate::wave) fn of_orders(
-        incidence: Incidence,
-        period_um: [f64; 2],
-        orders: Vec<Order>,
-        absorptance: f64,
-    ) -> FarField {
-        let reflectance = orders.iter().map(|o| o.reflected_efficiency).sum();
-        let transmittance = orders.iter().map(|o| o.transmitted_efficiency).sum();
-        FarField { incidence, period_um, orders, reflectance, transmittance, absorptance }
-    }
-
     /// Energy error R + T + A − 1: zero to the solver's residual at any resolution.
     pub fn energy_error(&self) -> f64 {
         self.reflectance + self.transmittance + self.absorptance - 1.0
@@ -141,9 +129,15 @@ const EVANESCENT_REACH: f64 = 3.0;
 pub(in crate::wave) type Leaving = ([Complex64; 2], f64);
 
 impl Setting {
-    /// The orders listed in a far field. `leaving` evaluates the field on a side in a harmonic,
-    /// less an incident wave of the given amplitude.
-    pub(in crate::wave) fn orders(&self, leaving: impl Fn(usize, usize, f64) -> Leaving) -> Vec<Order> {
+    /// The far field with the absorbed fraction `absorptance`; R and T are sums over the orders.
+    /// `leaving` evaluates the field on a side in a harmonic, less an incident wave of the given
+    /// amplitude.
+    pub(in crate::wave) fn far_field_of(
+        &self,
+        period_um: [f64; 2],
+        absorptance: f64,
+        leaving: impl Fn(usize, usize, f64) -> Leaving,
+    ) -> FarField {
         let index = self.media.incident.re.max(self.media.exit.re).max(1.0);
         let reach = EVANESCENT_REACH * index * self.k0;
         let specular = self.harmonics.orders[self.incident_harmonic];
@@ -155,7 +149,9 @@ impl Setting {
         let mut orders: Vec<Order> =
             labelled.filter(listed).map(|(i, label)| self.order(i, label, &leaving)).collect();
         orders.sort_by_key(|o| (o.m, o.n));
-        orders
+        let reflectance = orders.iter().map(|o| o.reflected_efficiency).sum();
+        let transmittance = orders.iter().map(|o| o.transmitted_efficiency).sum();
+        FarField { incidence: self.incidence, period_um, orders, reflectance, transmittance, absorptance }
     }
 
     /// The order (m, n), which is harmonic `i`.
@@ -184,11 +180,10 @@ impl Problem {
     /// balance.
     pub fn far_field(&self, u: &Field) -> FarField {
         let faces = [0, self.shape().0 - 1];
-        let orders = self.orders(|side, i, incident| {
+        self.far_field_of(self.coverage.grid.period_um, self.absorptance(u), |side, i, incident| {
             let amplitude = u[[faces[side], i]] - incident;
             let efficiency = self.kappa[side][i].re / self.incident_kappa() * amplitude.norm_sqr();
             ([amplitude, Complex64::ZERO], efficiency)
-        });
-        FarField::of_orders(self.incidence, self.coverage.grid.period_um, orders, self.absorptance(u))
+        })
     }
 }

@@ -114,11 +114,8 @@ impl Incidence {
             ("polar angle (degrees)", polar, (0.0..90.0).contains(&polar), "0 ≤ σ < 90", grazing),
             ("azimuth (degrees)", azimuth, true, "any finite angle", "give it in degrees"),
         ];
-        for (field, value, is_allowed, allowed, remedy) in rules {
-            if !(value.is_finite() && is_allowed) {
-                return Err(super::WaveError::range(field, value, allowed, remedy));
-            }
-        }
-        Ok(())
+        let wrong = rules.into_iter().find(|&(_, value, is_allowed, ..)| !(value.is_finite() && is_allowed));
+        let Some((field, value, _, allowed, remedy)) = wrong else { return Ok(()) };
+        Err(super::WaveError::range(field, value, allowed, remedy))
     }
 }

@@ -196,11 +196,8 @@ impl<'a> Cells<'a> {
 
     fn cells_of(&self, piece: &Piece) -> Vec<[i64; 3]> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.reach(axis, piece));
-        let of_plane = |&cz: &i64| {
-            let rows = y.iter().flat_map(|&cy| x.iter().map(move |&cx| [cx, cy]));
-            rows.map(move |[cx, cy]| [cx, cy, cz]).collect::<Vec<_>>()
-        };
-        z.iter().flat_map(of_plane).collect()
+        let columns: Vec<[i64; 2]> = y.iter().flat_map(|&cy| x.iter().map(move |&cx| [cx, cy])).collect();
+        z.iter().flat_map(|&cz| columns.iter().map(move |&[cx, cy]| [cx, cy, cz])).collect()
     }
 
     /// Cells along one axis that a piece reaches: periodic along x and y, from wall to wall along

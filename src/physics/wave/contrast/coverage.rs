@@ -144,8 +144,8 @@ impl Coverage {
         if (precision.stop)() {
             return Err(WaveError::Stopped);
         }
-        let pairs: Vec<[usize; 2]> =
-            (0..channels.len()).flat_map(|a| (a..channels.len()).map(move |b| [a, b])).collect();
+        let count = channels.len();
+        let pairs: Vec<[usize; 2]> = (0..count).flat_map(|a| (a..count).map(move |b| [a, b])).collect();
         let [moments, folded] = folding.planes(&cells, &pairs);
         let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
         let mean = |j: usize, c: usize| Some(cells[j][c].as_ref()?.means.iter().sum::<f64>() / heights[j]);

@@ -112,8 +112,16 @@ impl<'a, T: Real> Folding<'a, T> {
         // A channel's moments and a folded field are both real and share a transform.
         for (p, mut out) in moments.split_off(buffers.spectra.len()).into_iter().enumerate() {
             self.product(pairs[p], weight, buffers);
-            let own = moments.get_mut(p).map(|view| (buffers.spectra[p].as_slice(), view));
-            self.to_grid(own, &mut out, &buffers.compact, &mut buffers.narrow);
+            let Buffers { narrow, spectra, compact, .. } = &mut *buffers;
+            let own = |i: usize| spectra.get(p).map_or(Complex::default(), |spectrum| spectrum[i]);
+            let both = |&i: &usize| own(i) + Complex::new(-compact[i].im, compact[i].re);
+            let kept: Vec<Complex<T>> = self.kept.iter().map(both).collect();
+            self.inner.scatter(&kept, &mut narrow.spectrum);
+            self.narrow.inverse(narrow, &self.inner.rows);
+            out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.im.wide());
+            if let Some(out) = moments.get_mut(p) {
+                out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.re.wide());
+            }
         }
     }
 
@@ -147,28 +155,6 @@ impl<'a, T: Real> Folding<'a, T> {
         }
         self.wide.forward(&mut buffers.wide, &self.harmonics.rows);
         self.harmonics.gather(&buffers.wide.spectrum, &mut buffers.compact);
-    }
-
-    /// Restricts the folded spectrum in `compact` to the grid, together with a channel's moments if
-    /// there are any: both fields are real and share a transform.
-    fn to_grid(
-        &self,
-        moments: Option<(&[Complex<T>], &mut ArrayViewMut1<f64>)>,
-        folded: &mut ArrayViewMut1<f64>,
-        compact: &[Complex<T>],
-        narrow: &mut PlaneScratch<T>,
-    ) {
-        let turned = |z: Complex<T>| Complex::new(-z.im, z.re);
-        let value = |&i: &usize| {
-            moments.as_ref().map_or(Complex::default(), |(spectrum, _)| spectrum[i]) + turned(compact[i])
-        };
-        let kept: Vec<Complex<T>> = self.kept.iter().map(value).collect();
-        self.inner.scatter(&kept, &mut narrow.spectrum);
-        self.narrow.inverse(narrow, &self.inner.rows);
-        folded.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.im.wide());
-        if let Some((_, out)) = moments {
-            out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.re.wide());
-        }
     }
 
     /// One plane's wide spectrum of a channel, the sum over the cells it touches.

@@ -57,9 +57,8 @@ impl Sampling {
         match *side {
             Boundary::Line([from, to]) => {
                 let step = [to[0] - from[0], to[1] - from[1]];
-                for &(x, w) in
-                    gauss_of_degree(self.demands.degree(0.5 * step[0].hypot(step[1])) + 1.0 + extra)
-                {
+                let degree = self.demands.degree(0.5 * step[0].hypot(step[1])) + 1.0 + extra;
+                for &(x, w) in gauss_of_degree(degree) {
                     let t = 0.5 * (x + 1.0);
                     let position = [from[0] + t * step[0], from[1] + t * step[1]];
                     points.push(EdgePoint { position, normal: [0.5 * w * step[1], -0.5 * w * step[0]] });

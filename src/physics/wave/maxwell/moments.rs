@@ -79,10 +79,9 @@ impl NormalMoments {
         let grid = Grid::new(scene, resolution)?;
         let channels = find_channels(scene, &grid);
         let builder = MomentBuilder::new(scene, &grid, &channels, precision.bounded_error());
-        let cells: Vec<Vec<Option<CellFields>>> = (0..grid.cells())
-            .into_par_iter()
-            .map(|j| if stop() { Vec::new() } else { builder.cell(j) })
-            .collect();
+        let cells = (0..grid.cells()).into_par_iter();
+        let cells: Vec<Vec<Option<CellFields>>> =
+            cells.map(|j| if stop() { Vec::new() } else { builder.cell(j) }).collect();
         if stop() {
             return Err(WaveError::Stopped);
         }
@@ -200,7 +199,9 @@ impl<'a> MomentSum<'a> {
             }
             (_, Some(Core::Bodies(bodies))) => self.add_solid(bodies),
             (BodyShape::Balls(balls), _) => {
-                (0..balls.len()).for_each(|i| self.add_ball(balls, i));
+                for (i, ball) in balls.iter().enumerate() {
+                    self.spread(extents(ball), |mut push| sources::of_ball(balls, i, &slab, &mut push));
+                }
             }
             (BodyShape::Solid(solid), _) => self.add_solid(std::slice::from_ref(solid)),
             (BodyShape::CylinderY { x_um, z_um, radius_um }, _) => {
@@ -218,11 +219,6 @@ impl<'a> MomentSum<'a> {
             }
             (BodyShape::Open { .. }, _) => unreachable!("rough surfaces are refused first"),
         }
-    }
-
-    fn add_ball(&mut self, balls: &[Ball], i: usize) {
-        let slab = self.slab;
-        self.spread(extents(&balls[i]), |mut push| sources::of_ball(balls, i, &slab, &mut push));
     }
 
     /// Adds a ball less the core inside it.

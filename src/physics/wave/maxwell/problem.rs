@@ -127,6 +127,29 @@ impl VectorProblem {
         let rows = e.outer_iter().zip(product.outer_iter()).enumerate();
         rows.map(|(r, (e, v))| weight(r) * e.iter().zip(v).map(|(e, v)| (e.conj() * v).im).sum::<f64>()).sum()
     }
+
+    /// Evaluates the orders at both faces of the solution for one incident polarisation. The first
+    /// amplitude of an order has the incident polarisation, the crossed one follows; efficiencies
+    /// contain both.
+    pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
+        let (nodes, absorptance) = self.leaving(field, polarisation);
+        self.far_field_of(self.moments.grid.period_um, absorptance, |side, i, incident| {
+            self.emitted(&nodes, polarisation, [side, i], incident)
+        })
+    }
+
+    /// What leaves through a side in harmonic i, less the incident wave.
+    fn emitted(&self, nodes: &Nodes, own: Polarisation, [side, i]: [usize; 2], incident: f64) -> Leaving {
+        let face = side * self.moments.grid.cells();
+        let mut amplitudes = [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]];
+        amplitudes[own as usize] -= incident;
+        let ([s, p], kappa, k) = (amplitudes, self.kappa[side][i], self.k[side]);
+        // Flux relative to the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h are
+        // out of phase).
+        let parallel = (kappa * k.conj() / k).re;
+        let efficiency = (kappa.re * s.norm_sqr() + parallel * p.norm_sqr()) / self.incident_kappa();
+        ([amplitudes[own as usize], amplitudes[1 - own as usize]], efficiency)
+    }
 }
 
 impl System for Polarised {
@@ -191,33 +214,6 @@ fn check_metals(moments: &NormalMoments, media: &Media) -> Result<(), WaveError>
         remedy: "use Re η > Im η; metals are solved as homogeneous films alone, and the scalar wave is no way out: it does not \
                  describe metals",
     })
-}
-
-impl VectorProblem {
-    /// Evaluates the orders at both faces of the solution for one incident polarisation. The first
-    /// amplitude of an order has the incident polarisation, the crossed one follows; efficiencies
-    /// contain both.
-    pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
-        let (nodes, absorptance) = self.leaving(field, polarisation);
-        let orders = self.orders(|side, i, incident| self.emitted(&nodes, polarisation, [side, i], incident));
-        FarField::of_orders(self.incidence, self.moments.grid.period_um, orders, absorptance)
-    }
-
-    /// What leaves through a side in harmonic i, less the incident wave.
-    fn emitted(&self, nodes: &Nodes, own: Polarisation, [side, i]: [usize; 2], incident: f64) -> Leaving {
-        let face = side * self.moments.grid.cells();
-        let mut amplitudes = [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]];
-        amplitudes[own as usize] -= incident;
-        ([amplitudes[own as usize], amplitudes[1 - own as usize]], self.efficiency(side, i, amplitudes))
-    }
-
-    /// Flux relative to the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h are
-    /// out of phase).
-    fn efficiency(&self, side: usize, harmonic: usize, [s, p]: [Complex64; 2]) -> f64 {
-        let (kappa, k) = (self.kappa[side][harmonic], self.k[side]);
-        let parallel = (kappa * k.conj() / k).re;
-        (kappa.re * s.norm_sqr() + parallel * p.norm_sqr()) / self.incident_kappa()
-    }
 }
 
 #[cfg(test)]

@@ -58,9 +58,7 @@ impl Problem {
         let scale = Complex64::from(self.coverage.grid.points() as f64 / mass);
         self.contrast_weights(plane).into_iter().map(|w| scale * w).collect()
     }
-}
 
-impl Problem {
     /// Row of the illuminated face, and b at its points.
     pub fn source_at_points(&self) -> (usize, Vec<Complex64>) {
         let (row, mut scratch) = (self.entry_row(), self.fft.scratch());

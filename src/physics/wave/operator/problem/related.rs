@@ -62,34 +62,7 @@ impl Problem {
         // a selection of columns is laid out by columns, the tables' loops need rows
         moved.as_standard_layout().into_owned()
     }
-}
 
-/// Directions of four points around an index: the mean of f(η + s)/s over them is f′ up to s⁴.
-pub const DIRECTIONS: [Complex64; 4] =
-    [Complex64::ONE, Complex64::I, Complex64::new(-1.0, 0.0), Complex64::new(0.0, -1.0)];
-
-/// A medium of the layer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Medium {
-    /// Number of a background, such as the binder.
-    Background(usize),
-    /// Number of an inclusion, such as a pigment.
-    Inclusion(usize),
-}
-
-impl Media {
-    /// These media with one index changed by `step`.
-    pub fn moved(&self, medium: Medium, step: Complex64) -> Media {
-        let mut moved = self.clone();
-        match medium {
-            Medium::Background(i) => moved.backgrounds[i] += step,
-            Medium::Inclusion(i) => moved.inclusions[i] += step,
-        }
-        moved
-    }
-}
-
-impl Problem {
     /// The solution `field` of this problem on the grid of `other`, which is the same problem at
     /// another resolution.
     ///
@@ -130,5 +103,30 @@ impl Problem {
         let cell = grid.nodes_um.partition_point(|&node| node <= z_um).clamp(1, grid.cells()) - 1;
         let shares = grid.element.shape_functions((z_um - grid.nodes_um[cell]) / grid.height_um(cell));
         (0..=degree).map(|q| (degree * cell + q, shares[q])).collect()
+    }
+}
+
+/// Directions of four points around an index: the mean of f(η + s)/s over them is f′ up to s⁴.
+pub const DIRECTIONS: [Complex64; 4] =
+    [Complex64::ONE, Complex64::I, Complex64::new(-1.0, 0.0), Complex64::new(0.0, -1.0)];
+
+/// A medium of the layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Medium {
+    /// Number of a background, such as the binder.
+    Background(usize),
+    /// Number of an inclusion, such as a pigment.
+    Inclusion(usize),
+}
+
+impl Media {
+    /// These media with one index changed by `step`.
+    pub fn moved(&self, medium: Medium, step: Complex64) -> Media {
+        let mut moved = self.clone();
+        match medium {
+            Medium::Background(i) => moved.backgrounds[i] += step,
+            Medium::Inclusion(i) => moved.inclusions[i] += step,
+        }
+        moved
     }
 }
