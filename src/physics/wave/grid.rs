@@ -6,8 +6,13 @@ pub mod element;
 
 use super::{Material, Scene, WaveError};
 use element::Element;
+use ndarray::Array2;
+use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+/// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
+pub type Field = Array2<Complex64>;
 
 /// The discretisation in z (all share the exact boundary conditions of P2 (3.4)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]

@@ -14,14 +14,10 @@ use super::scattering::Scattering;
 use super::setting::plane_offsets;
 use super::sharing::Idle;
 use crate::numerics::fourier::PlaneFft;
-use crate::wave::{Coverage, Incidence, Media, Scatter, Scene, Setting, WaveError, decaying_root};
-use ndarray::Array2;
+use crate::wave::{Coverage, Field, Incidence, Media, Scatter, Scene, Setting, WaveError, decaying_root};
 use num_complex::Complex64;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
-
-/// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
-pub type Field = Array2<Complex64>;
 
 /// One wave problem (A + V) u = b: immutable and shared between threads. A is the operator of the
 /// mean medium ⟨k²⟩ with the boundary conditions of P2 (3.4), V = k² − ⟨k²⟩ the contrast, u the
