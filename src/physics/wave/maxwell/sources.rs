@@ -166,9 +166,9 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
 /// Cuts at heights; a ball's part of a cut is a fan of cones from its centre to the part's edge.
 fn of_share(balls: &[Ball], i: usize, slab: &Slab, push: &mut impl FnMut(Source)) {
     let [x, y, z_center] = balls[i].center_um;
+    // The cone's Jacobian and N increase the degree by three.
     share_edges(balls, i, slab.range_um, slab.sampling, &mut |z, weight, edge| {
         let heights = slab.point(z, weight, z_center);
-        // The cone's Jacobian and N increase the degree by three.
         let points = fan([x, y], edge, slab.sampling, 3.0).into_iter();
         points.for_each(|(at, area)| push(ball_source(&balls[i], at, &heights, area)));
     });
