@@ -38,7 +38,8 @@ pub(crate) fn raster(widest: [usize; 2]) -> [usize; 2] {
 }
 
 impl OpenSpace<'_> {
-    /// Adds the moments of the space to `sum`, harmonics of the grid's widest set, which are `orders`.
+    /// Adds the moments of the space to `sum`, harmonics of the grid's widest set, which are
+    /// `orders`.
     pub fn add_to<T: Real>(&self, sum: &mut CellCoefficients<T>, orders: &[[i32; 2]]) {
         let count = self.count;
         let fft = PlaneFft::new(count[0], count[1]);

@@ -144,8 +144,8 @@ impl VectorProblem {
         let mut amplitudes = [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]];
         amplitudes[own as usize] -= incident;
         let ([s, p], kappa, k) = (amplitudes, self.kappa[side][i], self.k[side]);
-        // Flux relative to the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h are
-        // out of phase).
+        // Flux relative to the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h
+        // are out of phase).
         let parallel = (kappa * k.conj() / k).re;
         let efficiency = (kappa.re * s.norm_sqr() + parallel * p.norm_sqr()) / self.incident_kappa();
         ([amplitudes[own as usize], amplitudes[1 - own as usize]], efficiency)

@@ -119,8 +119,8 @@ pub fn of_single(ball: &Ball, normal: NormalField, slab: &Slab, push: &mut impl 
         let r = ball.radius_um * sine;
         let Some(chord) = chord(ball.radius_um * cosine, cz, slab) else { continue };
         let heights = slab.stretch(chord, cz);
-        // The trapezoidal rule with a multiple of four points, so that quarter turns change nothing;
-        // N increases the degree by two.
+        // The trapezoidal rule with a multiple of four points, so that quarter turns change
+        // nothing; N increases the degree by two.
         let count = 4 * ((slab.sampling.demands.degree(r) + 3.0) / 4.0).ceil() as usize;
         let area = weight * ball.radius_um * cosine * r * TAU / count as f64;
         for k in 0..count {
