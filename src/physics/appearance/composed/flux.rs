@@ -212,11 +212,10 @@ impl Sides {
             let to = if lobe == 0 { side } else { 1 - side };
             let state = self.first(side);
             let [mean, power] = self.beam_mean(side, lobe, kept.clone());
-            let (medium, first) = (&self.media[to], self.first(to));
-            let mut column = vec![0.0; medium.states()];
-            let each = (power - mean) / medium.polarisations as f64;
-            medium.spread(&mut column, 0.0, [each; 2]);
-            column.iter().enumerate().for_each(|(i, flux)| all[(first + i, state)] += flux);
+            let mut column = vec![0.0; self.states()];
+            let each = (power - mean) / self.media[to].polarisations as f64;
+            self.media[to].spread(&mut column[self.first(to)..], 0.0, [each; 2]);
+            column.iter().enumerate().for_each(|(i, flux)| all[(i, state)] += flux);
             coherent[side][lobe] = mean;
         }
         coherent

@@ -135,27 +135,17 @@ impl<T: Real> PlaneWork<T> {
             operator.harmonics.gather(&scratch.spectrum, spectrum);
         }
         let (s, p) = plane.split_at_mut(count);
-        rotate_back(&operator.directions, x, y, s, p);
+        rotate(&operator.directions, x, y, s, p);
     }
 }
 
-/// Components (x, y) from (s, p): s = ẑ × p̂.
+/// Components (x, y) from (s, p): s = ẑ × p̂. This is a reflection, which is its own inverse.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn rotate<T: Real>(directions: &[[T; 2]], s: &Line<T>, p: &Line<T>, x: &mut Line<T>, y: &mut Line<T>) {
     let inputs = directions.iter().zip(s.iter().zip(p));
     for ((x, y), (&[px, py], (s, p))) in x.iter_mut().zip(y.iter_mut()).zip(inputs) {
         *x = p.scale(px) - s.scale(py);
         *y = p.scale(py) + s.scale(px);
-    }
-}
-
-/// Components (s, p) from (x, y).
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn rotate_back<T: Real>(directions: &[[T; 2]], x: &Line<T>, y: &Line<T>, s: &mut Line<T>, p: &mut Line<T>) {
-    let inputs = directions.iter().zip(x.iter().zip(y));
-    for ((s, p), (&[px, py], (x, y))) in s.iter_mut().zip(p.iter_mut()).zip(inputs) {
-        *s = y.scale(px) - x.scale(py);
-        *p = x.scale(px) + y.scale(py);
     }
 }
 
