@@ -36,7 +36,7 @@ fn main() {
     let solve_s = median(|| drop(Gmres::default().solve(&problem, goal, &mut Silent)));
     let applications = solution.account.operator_applications as f64;
     let mut out = Field::zeros(problem.shape());
-    let loads_s = median(|| problem.contrast_loads(solution.field.view(), &mut out)) * applications;
+    let loads_s = median(|| problem.double().contrast_loads(solution.field.view(), &mut out)) * applications;
     let (fft, planes) = (PlaneFft::new(n, n), problem.shape().0);
     let floor_s = median(|| support::transforms(&fft, n, planes)) * applications;
     let mean_s = median(|| problem.mean.inverse.solve_loads(&mut out)) * applications;

@@ -64,7 +64,7 @@ fn media(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
     let k0 = TAU / problem.incidence.wavelength_um;
     let k2 = |eta: Complex64| (k0 * eta) * (k0 * eta);
     let backgrounds = coverage.grid.background.iter().map(|&b| k2(media.backgrounds[b]));
-    npz.add_array("mean_k2", &arr1(problem.mean.mean_k2()))?;
+    npz.add_array("mean_k2", &arr1(&problem.mean.mean_k2))?;
     npz.add_array("background_k2", &backgrounds.collect::<Array1<_>>())?;
     let channels = coverage.channels.iter();
     let contrasts = channels.map(|c| k2(media.index_of(c.material)) - k2(media.backgrounds[c.background]));

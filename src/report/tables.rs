@@ -87,7 +87,7 @@ fn row(
     amplitude_error: f64,
     index_out: f64,
 ) -> [(&'static str, String); 16] {
-    let incidence = bdf.incidence();
+    let incidence = bdf.incidence;
     let (from, here, beyond) = match incidence.from {
         Side::Incident => ("incident", 1.0, index_out),
         Side::Exit => ("exit", index_out, 1.0),
@@ -117,7 +117,7 @@ fn row(
         ("efficiency_standard_error", efficiency_error),
         ("bdf_per_sr", per_sr),
         ("bdf_standard_error", per_sr_error),
-        ("realisations", bdf.realisations().to_string()),
+        ("realisations", bdf.realisations.to_string()),
         ("efficiency_grid_error", grid_error.to_string()),
     ]
 }

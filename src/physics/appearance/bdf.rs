@@ -110,18 +110,21 @@ pub(super) struct LobeData {
 /// };
 /// let bdf = Bdf::from_ensemble(&[solved(0.15)?, solved(0.25)?])?;
 /// let totals = bdf.totals(Lobe::Transmitted);
-/// assert_eq!(bdf.realisations(), 2);
+/// assert_eq!(bdf.realisations, 2);
 /// assert!((totals.total.value - totals.specular.value - totals.diffuse.value).abs() < 1e-12);
 /// assert!(totals.total.standard_error.is_some());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bdf {
-    pub(super) incidence: Incidence,
-    pub(super) period_um: [f64; 2],
-    pub(super) realisations: usize,
-    pub(super) reflected: LobeData,
-    pub(super) transmitted: LobeData,
+    /// Wavelength, direction and side of the light.
+    pub incidence: Incidence,
+    /// Lateral periods, µm.
+    pub period_um: [f64; 2],
+    /// Number of far fields averaged.
+    pub realisations: usize,
+    /// Reflected and transmitted light.
+    pub(super) lobes: [LobeData; 2],
 }
 
 /// A bandwidth (direction cosines) that always reaches the eight neighbours of an order: 1.5
@@ -141,34 +144,15 @@ impl Bdf {
         for (index, field) in fields.iter().enumerate() {
             check(index, first, field)?;
         }
-        let density = first.period_um[0] * first.period_um[1] / first.incidence.wavelength_um.powi(2);
-        Ok(Self {
-            incidence: first.incidence,
-            period_um: first.period_um,
-            realisations: fields.len(),
-            reflected: LobeData::new(fields, density, Lobe::Reflected),
-            transmitted: LobeData::new(fields, density, Lobe::Transmitted),
-        })
-    }
-
-    /// Wavelength, direction and side of the light.
-    pub fn incidence(&self) -> Incidence {
-        self.incidence
-    }
-
-    /// Lateral periods, µm.
-    pub fn period_um(&self) -> [f64; 2] {
-        self.period_um
-    }
-
-    /// Number of far fields averaged.
-    pub fn realisations(&self) -> usize {
-        self.realisations
+        let FarField { incidence, period_um, .. } = *first;
+        let density = period_um[0] * period_um[1] / incidence.wavelength_um.powi(2);
+        let lobes = [Lobe::Reflected, Lobe::Transmitted].map(|lobe| LobeData::new(fields, density, lobe));
+        Ok(Self { incidence, period_um, realisations: fields.len(), lobes })
     }
 
     /// Orders that propagate on one side.
     pub fn orders(&self, lobe: Lobe) -> &[OrderMean] {
-        &self.lobe(lobe).orders
+        &self.lobes[lobe as usize].orders
     }
 
     /// Whether any order other than the specular one propagates; none does if the period is shorter
@@ -179,7 +163,7 @@ impl Bdf {
 
     /// Totals over all orders of one side.
     pub fn totals(&self, lobe: Lobe) -> Totals {
-        self.lobe(lobe).totals
+        self.lobes[lobe as usize].totals
     }
 
     /// Distance between neighbouring orders in direction cosines: [λ/Lx, λ/Ly].
@@ -208,13 +192,6 @@ impl Bdf {
         self.smooth(lobe, [sin, 0.0], bandwidth, |[a, b]| a.hypot(b) - sin)
     }
 
-    fn lobe(&self, lobe: Lobe) -> &LobeData {
-        match lobe {
-            Lobe::Reflected => &self.reflected,
-            Lobe::Transmitted => &self.transmitted,
-        }
-    }
-
     /// Kernel-weighted BDF, with the effective number of orders of one realisation.
     fn smooth(
         &self,
@@ -227,20 +204,19 @@ impl Bdf {
         if !(bandwidth.is_finite() && bandwidth > 0.0) {
             return Err(BdfError::Bandwidth { value: bandwidth, spacing: dx.max(dy) });
         }
-        let data = self.lobe(lobe);
-        let kernel = |o: &OrderMean| {
-            let specular = o.m == 0 && o.n == 0;
-            if specular { 0.0 } else { (1.0 - (distance(o.direction) / bandwidth).powi(2)).max(0.0) }
+        let data = &self.lobes[lobe as usize];
+        let kernel = |o: &OrderMean| match (o.m, o.n) {
+            (0, 0) => 0.0,
+            _ => (1.0 - (distance(o.direction) / bandwidth).powi(2)).max(0.0),
         };
         let weights: Vec<f64> = data.orders.iter().map(kernel).collect();
         let (sum, squares) = weights.iter().fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
         if !(at[0].hypot(at[1]) < 1.0 && sum > 0.0) {
             return Err(BdfError::NothingThere { alpha: at[0], beta: at[1], bandwidth });
         }
-        let mean = |row: ndarray::ArrayView1<f64>| {
-            row.iter().zip(&weights).map(|(e, w)| e * w).sum::<f64>() / sum / (dx * dy)
-        };
-        let values: Vec<f64> = data.efficiencies.outer_iter().map(mean).collect();
+        let rows = data.efficiencies.outer_iter();
+        let sums = rows.map(|row| row.iter().zip(&weights).map(|(e, w)| e * w).sum::<f64>());
+        let values: Vec<f64> = sums.map(|own| own / sum / (dx * dy)).collect();
         Ok(Smoothed { bdf: Estimate::of_mean(&values), effective_orders: sum * sum / squares })
     }
 }
@@ -284,10 +260,8 @@ fn check(index: usize, first: &FarField, field: &FarField) -> Result<(), BdfErro
         let amplitudes = o.amplitudes().flatten().all(Complex64::is_finite);
         amplitudes && o.reflected_efficiency.is_finite() && o.transmitted_efficiency.is_finite()
     };
-    match field.orders.iter().find(|o| !finite(o)) {
-        Some(o) => Err(BdfError::NotFinite { index, m: o.m, n: o.n }),
-        None => Ok(()),
-    }
+    let Some(o) = field.orders.iter().find(|o| !finite(o)) else { return Ok(()) };
+    Err(BdfError::NotFinite { index, m: o.m, n: o.n })
 }
 
 #[cfg(test)]

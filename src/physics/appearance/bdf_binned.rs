@@ -8,7 +8,7 @@
 
 use super::bdf::{Bdf, BdfError, LobeData};
 use super::bdf_orders::{Lobe, OrderMean, View, totals, view};
-use crate::wave::{FarField, Incidence, Order};
+use crate::wave::{FarField, Incidence};
 use ndarray::Array2;
 use std::collections::BTreeMap;
 
@@ -24,20 +24,18 @@ impl Bdf {
     /// No far fields, or fields at different polar angles or lit from different sides.
     pub fn from_varied_cells(fields: &[FarField], period_um: [f64; 2]) -> Result<Self, BdfError> {
         let first = fields.first().ok_or(BdfError::Empty)?;
-        let same = |f: &FarField| {
-            (f.incidence.polar_deg - first.incidence.polar_deg).abs() < 1e-9
-                && f.incidence.from == first.incidence.from
-        };
-        if let Some(index) = fields.iter().position(|f| !same(f)) {
+        let Incidence { polar_deg, from, .. } = first.incidence;
+        let same = |i: Incidence| (i.polar_deg - polar_deg).abs() < 1e-9 && i.from == from;
+        if let Some(index) = fields.iter().position(|f| !same(f.incidence)) {
             return Err(BdfError::Mixed { index, field: "incidence" });
         }
         let count = fields.len() as f64;
         let wavelength_um = fields.iter().map(|f| f.incidence.wavelength_um).sum::<f64>() / count;
         let incidence = Incidence { wavelength_um, azimuth_deg: 0.0, ..first.incidence };
-        let lattice = Lattice::new(&incidence, first, period_um);
-        let [reflected, transmitted] =
-            [Lobe::Reflected, Lobe::Transmitted].map(|lobe| lattice.collect(fields, lobe));
-        Ok(Self { incidence, period_um, realisations: fields.len(), reflected, transmitted })
+        let [x, y] = first.specular().direction;
+        let lattice = Lattice { centre: [x.hypot(y), 0.0], step: period_um.map(|l| wavelength_um / l) };
+        let lobes = [Lobe::Reflected, Lobe::Transmitted].map(|lobe| lattice.collect(fields, lobe));
+        Ok(Self { incidence, period_um, realisations: fields.len(), lobes })
     }
 }
 
@@ -48,11 +46,6 @@ struct Lattice {
 }
 
 impl Lattice {
-    fn new(incidence: &Incidence, first: &FarField, period_um: [f64; 2]) -> Self {
-        let [x, y] = first.specular().direction;
-        Self { centre: [x.hypot(y), 0.0], step: period_um.map(|period| incidence.wavelength_um / period) }
-    }
-
     fn direction(&self, (m, n): BinPlace) -> [f64; 2] {
         [self.centre[0] + f64::from(m) * self.step[0], self.centre[1] + f64::from(n) * self.step[1]]
     }
@@ -72,8 +65,8 @@ impl Lattice {
     }
 
     fn collect(&self, fields: &[FarField], lobe: Lobe) -> LobeData {
-        let reach = fields.iter().flat_map(|f| &f.orders).filter(|o| view(o, lobe).propagates).map(radius);
-        let reach = reach.fold(0.0, f64::max).max(1.0);
+        let present = fields.iter().flat_map(|f| &f.orders).filter(|o| view(o, lobe).propagates);
+        let reach = present.map(|o| o.direction[0].hypot(o.direction[1])).fold(0.0, f64::max).max(1.0);
         let mut cells: BTreeMap<BinPlace, Vec<f64>> = BTreeMap::new();
         for (r, field) in fields.iter().enumerate() {
             for order in field.orders.iter().filter(|o| view(o, lobe).propagates) {
@@ -98,13 +91,8 @@ impl Lattice {
         let efficiencies = Array2::from_shape_fn((fields.len(), columns.len()), |(r, k)| columns[k].1[r]);
         let specular = columns.iter().position(|(place, _)| *place == (0, 0));
         let straight: Vec<View> = fields.iter().map(|f| view(f.specular(), lobe)).collect();
-        let totals = totals(&efficiencies, specular, &straight);
-        LobeData { orders, efficiencies, totals }
+        LobeData { orders, totals: totals(&efficiencies, specular, &straight), efficiencies }
     }
-}
-
-fn radius(order: &Order) -> f64 {
-    order.direction[0].hypot(order.direction[1])
 }
 
 fn turned([x, y]: [f64; 2], by_deg: f64) -> [f64; 2] {

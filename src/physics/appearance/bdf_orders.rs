@@ -65,10 +65,9 @@ pub(super) struct View {
 }
 
 pub(super) fn view(order: &Order, lobe: Lobe) -> View {
-    let (propagates, side, efficiency) = match lobe {
-        Lobe::Reflected => (order.reflected_propagates, 0, order.reflected_efficiency),
-        Lobe::Transmitted => (order.transmitted_propagates, 1, order.transmitted_efficiency),
-    };
+    let side = lobe as usize;
+    let propagates = [order.reflected_propagates, order.transmitted_propagates][side];
+    let efficiency = [order.reflected_efficiency, order.transmitted_efficiency][side];
     let mut amplitudes = [Complex64::ZERO; 1 + FURTHER];
     amplitudes.iter_mut().zip(order.amplitudes()).for_each(|(own, pair)| *own = pair[side]);
     View { propagates, amplitudes, efficiency }
@@ -86,8 +85,7 @@ impl OrderMean {
         let efficiency = Estimate::of_mean(samples);
         let standard_error = efficiency.standard_error.map(|s| s * density);
         let bdf = Estimate { value: efficiency.value * density, standard_error };
-        let diffuse = coherent.map(|c| efficiency.value - c);
-        Self { m, n, direction, efficiency, coherent, diffuse, bdf }
+        Self { m, n, direction, efficiency, coherent, diffuse: coherent.map(|c| efficiency.value - c), bdf }
     }
 }
 
@@ -114,12 +112,8 @@ pub(super) fn totals(efficiencies: &Array2<f64>, specular: Option<usize>, column
     let sums: Vec<f64> = efficiencies.outer_iter().map(|row| row.sum()).collect();
     let mirrored: Vec<f64> = efficiencies.outer_iter().map(|row| specular.map_or(0.0, |k| row[k])).collect();
     let scattered: Vec<f64> = sums.iter().zip(&mirrored).map(|(s, m)| s - m).collect();
-    Totals {
-        total: Estimate::of_mean(&sums),
-        specular: Estimate::of_mean(&mirrored),
-        diffuse: Estimate::of_mean(&scattered),
-        coherent: coherent_total(column),
-    }
+    let [total, specular, diffuse] = [sums, mirrored, scattered].map(|all| Estimate::of_mean(&all));
+    Totals { total, specular, diffuse, coherent: coherent_total(column) }
 }
 
 /// The coherent part of the specular order; a jackknife error needs at least three realisations.

@@ -56,19 +56,12 @@ impl Colorimeter {
     /// Colour of tristimulus values scaled so that white has Y = 100 on this grid, uncertainty
     /// unknown.
     pub fn colour_of(&self, xyz: [f64; 3]) -> Colour {
-        let white_xyz = self.white_xyz();
-        let linear_rgb = self.linear_rgb(xyz);
+        let (white_xyz, linear_rgb) = (self.white_xyz, self.linear_rgb(xyz));
         let srgb = linear_rgb.map(|c| srgb_curve(c.clamp(0.0, 1.0)));
-        Colour {
-            xyz,
-            white_xyz,
-            lab: lab_of(xyz, white_xyz),
-            linear_rgb,
-            srgb,
-            srgb8: srgb.map(|c| (255.0 * c).round() as u8),
-            out_of_gamut: linear_rgb.iter().any(|c| !(-GAMUT_SLACK..=1.0 + GAMUT_SLACK).contains(c)),
-            lab_covariance: None,
-        }
+        let lab = CieLab::from_rxyz(RelXYZ::new(xyz, XYZ::new(white_xyz, Observer::Cie1931))).to_array();
+        let srgb8 = srgb.map(|c| (255.0 * c).round() as u8);
+        let out_of_gamut = linear_rgb.iter().any(|c| !(-GAMUT_SLACK..=1.0 + GAMUT_SLACK).contains(c));
+        Colour { xyz, white_xyz, lab, linear_rgb, srgb, srgb8, out_of_gamut, lab_covariance: None }
     }
 
     /// Colour of the ensemble's spectrum with the jackknife covariance of Lab. `replicates` are the
@@ -160,10 +153,8 @@ impl Colour {
 
     /// Derivatives of ΔE₀₀ with respect to Lab of `self` and of `other`.
     pub fn delta_e_2000_gradients(&self, other: &Self) -> [[f64; 3]; 2] {
-        [
-            gradient(|lab| ciede2000(lab, other.lab), self.lab),
-            gradient(|lab| ciede2000(self.lab, lab), other.lab),
-        ]
+        let (own, others) = (self.lab, other.lab);
+        [gradient(|lab| ciede2000(lab, others), own), gradient(|lab| ciede2000(own, lab), others)]
     }
 }
 
@@ -176,11 +167,6 @@ const INDEPENDENT: [[f64; 3]; 3] = [[0.0; 3]; 3];
 /// IEC 61966-2-1 transfer curve for 0 ≤ c ≤ 1.
 pub fn srgb_curve(c: f64) -> f64 {
     if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
-}
-
-fn lab_of(xyz: [f64; 3], white: [f64; 3]) -> [f64; 3] {
-    let white = XYZ::new(white, Observer::Cie1931);
-    CieLab::from_rxyz(RelXYZ::new(xyz, white)).to_array()
 }
 
 /// ΔE₀₀ (CIEDE2000) between two colours L*, a*, b*.

@@ -159,25 +159,18 @@ impl FiniteArea {
     /// amplitudes that are not finite.
     pub fn new(far: &FarField, media: &Media, lobe: Lobe, side_um: f64) -> Result<Self, FiniteAreaError> {
         Self::check_side(side_um, far.period_um, far.incidence.wavelength_um)?;
-        let [from, to] = if far.incidence.from == Side::Incident {
-            [media.incident, media.exit]
-        } else {
-            [media.exit, media.incident]
+        let (from, to) = match far.incidence.from {
+            Side::Incident => (media.incident, media.exit),
+            Side::Exit => (media.exit, media.incident),
         };
-        let (eta, side) = match lobe {
-            Lobe::Reflected => (from, "reflected"),
-            Lobe::Transmitted => (to, "transmitted"),
-        };
+        let (eta, side) = [(from, "reflected"), (to, "transmitted")][lobe as usize];
         if eta.im != 0.0 || eta.re <= 0.0 {
             return Err(FiniteAreaError::Absorber { side, eta });
         }
         let k0 = TAU / far.incidence.wavelength_um;
-        Ok(FiniteArea {
-            side_um,
-            k: k0 * eta.re,
-            incident_kappa: k0 * from.re * far.incidence.polar_deg.to_radians().cos(),
-            rows: rows(&far.orders, lobe, k0)?,
-        })
+        let (k, rows) = (k0 * eta.re, rows(&far.orders, lobe, k0)?);
+        let incident_kappa = k0 * from.re * far.incidence.polar_deg.to_radians().cos();
+        Ok(FiniteArea { side_um, k, incident_kappa, rows })
     }
 
     /// Rejects a side shorter than a period or longer than a thousand wavelengths (all in µm): P2
@@ -218,9 +211,9 @@ impl FiniteArea {
         let (sin, cos) = polar_deg.to_radians().sin_cos();
         let (y, x) = azimuth_deg.to_radians().sin_cos();
         // s = Σ_n sinc(l (ky_n − ky)/2) Σ_m α_mn sinc(l (kx_m − kx)/2)
-        let in_row =
-            |row: &LobeRow| self.sinc(row.ky - self.k * sin * y) * self.along_x(row, self.k * sin * x);
-        let s: Complex64 = self.rows.values().map(in_row).sum();
+        let rows = self.rows.values();
+        let s: Complex64 =
+            rows.map(|row| self.sinc(row.ky - self.k * sin * y) * self.along_x(row, self.k * sin * x)).sum();
         // G = l²/(4π²) · k³ cos²ϑ / κ₀ · |s|²
         Ok(self.aperture() * self.k.powi(3) * cos * cos / self.incident_kappa * s.norm_sqr())
     }
@@ -280,10 +273,8 @@ impl FiniteArea {
 fn rows(orders: &[Order], lobe: Lobe, k0: f64) -> Result<BTreeMap<i32, LobeRow>, FiniteAreaError> {
     let mut rows = BTreeMap::new();
     for o in orders {
-        let (propagates, amplitude) = match lobe {
-            Lobe::Reflected => (o.reflected_propagates, o.reflected),
-            Lobe::Transmitted => (o.transmitted_propagates, o.transmitted),
-        };
+        let propagates = [o.reflected_propagates, o.transmitted_propagates][lobe as usize];
+        let amplitude = [o.reflected, o.transmitted][lobe as usize];
         if o.further.as_flattened().iter().any(|a| a.norm_sqr() > 0.0) {
             return Err(FiniteAreaError::Polarised);
         }

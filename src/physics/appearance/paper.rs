@@ -33,10 +33,51 @@
 //! R, T and A are those of the light that was solved: the scalar wave (s-polarised light), s, p, or
 //! unpolarised. Light returned by the paper is unpolarised.
 
-pub use super::error::PaperError;
-pub use super::substrate::{Albedo, Coupling, Substrate};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::cmp::Ordering;
+use thiserror::Error;
+
+/// Invalid paper, or an invalid angle.
+#[derive(Debug, Error, PartialEq)]
+pub enum PaperError {
+    /// An angle outside the hemisphere.
+    #[error("polar angle {value}°: allowed are 0° to below 90°")]
+    AngleOutOfRange {
+        /// The angle, degrees.
+        value: f64,
+    },
+    /// An albedo outside 0–1.
+    #[error("paper albedo = {value}: allowed 0 to 1")]
+    Albedo {
+        /// The albedo.
+        value: f64,
+    },
+    /// A wavelength outside the table.
+    #[error("paper albedo is given from {lo} to {hi} nm, requested at {value} nm; extend the table")]
+    AlbedoRange {
+        /// The wavelength, nm.
+        value: f64,
+        /// First wavelength of the table, nm.
+        lo: f64,
+        /// Last wavelength of the table, nm.
+        hi: f64,
+    },
+    /// A table that does not increase in wavelength.
+    #[error("paper albedo table: wavelength_nm = {value} does not increase, or fewer than 2 rows")]
+    AlbedoTable {
+        /// The wavelength, nm.
+        value: f64,
+    },
+    /// A lossless closed cavity.
+    #[error(
+        "the layer reflects all light from the exit side (R̄_b = {mean}) on paper of albedo 1: the light never leaves; lower the albedo"
+    )]
+    TrapsAllLight {
+        /// R̄_b, the mean reflectance from the exit side.
+        mean: f64,
+    },
+}
 
 /// Angle of incidence in print measurement (ISO 13655: 45°:0°), degrees; every colour needs it
 /// besides 0°.
@@ -73,6 +114,79 @@ pub fn returned(albedo: f64, transmitted: f64, absorbed: f64, index: f64) -> Res
         return Err(PaperError::TrapsAllLight { mean: reflected });
     }
     Ok(albedo / lost / (index * index))
+}
+
+/// What is between the layer and the paper.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Coupling {
+    /// A thin gap of vacuum, wide enough to be incoherent (P1).
+    #[default]
+    Gap,
+    /// The paper's scatterers sit in a medium of this index that touches the layer.
+    OpticalContact {
+        /// Real index of the paper's medium, at least 1.
+        index: f64,
+    },
+}
+
+impl Coupling {
+    /// Index of the exit half-space required in the solves.
+    pub fn index_out(self) -> f64 {
+        match self {
+            Self::Gap => 1.0,
+            Self::OpticalContact { index } => index,
+        }
+    }
+}
+
+/// Albedo ρ of the paper, 0–1: the same at every wavelength, or (wavelength_nm, ρ) rows, linear in
+/// between.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Albedo {
+    /// One albedo for all wavelengths, 0 to 1.
+    Constant(f64),
+    /// Rows of wavelength in nm and albedo, linear between.
+    Spectral(Vec<[f64; 2]>),
+}
+
+impl Albedo {
+    /// The albedo ρ(λ) at a wavelength in nm.
+    ///
+    /// # Errors
+    /// Values outside 0–1, tables that do not increase, wavelengths outside the table.
+    pub fn at(&self, wavelength_nm: f64) -> Result<f64, PaperError> {
+        let value = match self {
+            Self::Constant(value) => *value,
+            Self::Spectral(rows) => interpolate(rows, wavelength_nm)?,
+        };
+        if (0.0..=1.0).contains(&value) { Ok(value) } else { Err(PaperError::Albedo { value }) }
+    }
+}
+
+fn interpolate(rows: &[[f64; 2]], nm: f64) -> Result<f64, PaperError> {
+    let unordered = rows.windows(2).find(|w| w[1][0].partial_cmp(&w[0][0]) != Some(Ordering::Greater));
+    if rows.len() < 2 || unordered.is_some() {
+        return Err(PaperError::AlbedoTable { value: unordered.map_or(nm, |w| w[1][0]) });
+    }
+    let (lo, hi) = (rows[0][0], rows[rows.len() - 1][0]);
+    if !(lo..=hi).contains(&nm) {
+        return Err(PaperError::AlbedoRange { value: nm, lo, hi });
+    }
+    let after = rows.partition_point(|r| r[0] < nm).clamp(1, rows.len() - 1);
+    let ([x0, y0], [x1, y1]) = (rows[after - 1], rows[after]);
+    Ok(y0 + (nm - x0) / (x1 - x0) * (y1 - y0))
+}
+
+/// The paper under the layer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Substrate {
+    /// Share of the light that the paper returns.
+    pub albedo: Albedo,
+    /// What is between ink and paper.
+    #[serde(default)]
+    pub coupling: Coupling,
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 mod beyond;
 
-pub use super::error::ColourError;
+pub use super::viewing::ColourError;
 pub use beyond::{COLOUR_RANGE_NM, MOST_OUTSIDE};
 
 use super::viewing::{Summation, Viewing};
@@ -43,7 +43,8 @@ pub struct Colorimeter {
     /// Normalisation of light times observer that makes Y of white 100, per nm.
     scale_per_nm: f64,
     weights: Vec<[f64; 3]>,
-    white_xyz: [f64; 3],
+    /// XYZ of the perfect white diffuser on this grid; Y = 100.
+    pub white_xyz: [f64; 3],
     white_rgb: [f64; 3],
     viewing: Viewing,
     /// Spectral range beyond either end of the grid.
@@ -93,17 +94,9 @@ impl Colorimeter {
         let white_rgb = rgb_of(adapted(&adaptation, white_xyz));
         let ends = ends.map(|end| end.scaled(scale));
         check_white(wavelengths_nm, white_xyz, &ends)?;
-        let (wavelengths_nm, viewing) = (wavelengths_nm.to_vec(), viewing.clone());
-        Ok(Self {
-            wavelengths_nm,
-            scale_per_nm: scale / step_nm,
-            weights,
-            white_xyz,
-            white_rgb,
-            viewing,
-            ends,
-            adaptation,
-        })
+        let (wavelengths_nm, viewing, scale_per_nm) =
+            (wavelengths_nm.to_vec(), viewing.clone(), scale / step_nm);
+        Ok(Self { wavelengths_nm, scale_per_nm, weights, white_xyz, white_rgb, viewing, ends, adaptation })
     }
 
     /// The wavelengths, nm, increasing.
@@ -117,11 +110,6 @@ impl Colorimeter {
         light_times_observer(nm, &self.viewing).map(|w| self.scale_per_nm * w)
     }
 
-    /// XYZ of the perfect white diffuser on this grid; Y = 100.
-    pub fn white_xyz(&self) -> [f64; 3] {
-        self.white_xyz
-    }
-
     /// XYZ of a spectrum of reflectance factors (white = 1), one value per wavelength.
     ///
     /// # Errors
@@ -130,12 +118,11 @@ impl Colorimeter {
         if values.len() != self.weights.len() {
             return Err(ColourError::WrongLength { count: values.len(), expected: self.weights.len() });
         }
-        match values.iter().position(|v| !v.is_finite()) {
-            Some(i) => {
-                Err(ColourError::NotFinite { wavelength_nm: self.wavelengths_nm[i], value: values[i] })
-            }
-            None => Ok(weighted_sum(&self.weights, values)),
+        let mut places = self.wavelengths_nm.iter().zip(values);
+        if let Some((&wavelength_nm, &value)) = places.find(|(_, v)| !v.is_finite()) {
+            return Err(ColourError::NotFinite { wavelength_nm, value });
         }
+        Ok(weighted_sum(&self.weights, values))
     }
 
     /// Linear sRGB, divided per channel by the value of white, so that white is exactly (1, 1, 1);
@@ -186,25 +173,19 @@ fn check_grid(grid: &[f64]) -> Result<(), ColourError> {
         return Err(ColourError::TooFewWavelengths { count: grid.len() });
     }
     let [lo, hi] = TABLE_RANGE_NM;
-    let bad = |i: usize| !(lo..=hi).contains(&grid[i]) || (i > 0 && grid[i] <= grid[i - 1]);
-    match (0..grid.len()).find(|&i| bad(i)) {
-        Some(index) => Err(ColourError::BadWavelength { index, value: grid[index], lo, hi }),
-        None => Ok(()),
-    }
+    let bad = |&i: &usize| !(lo..=hi).contains(&grid[i]) || (i > 0 && grid[i] <= grid[i - 1]);
+    let Some(index) = (0..grid.len()).find(bad) else { return Ok(()) };
+    Err(ColourError::BadWavelength { index, value: grid[index], lo, hi })
 }
 
 fn check_white(grid: &[f64], white: [f64; 3], ends: &[SpectrumEnd; 2]) -> Result<(), ColourError> {
     let [below, above] = ends.each_ref().map(SpectrumEnd::white);
-    let inside = |c: usize| 1.0 - (below[c] + above[c]) / white[c];
     let least = 1.0 - MOST_OUTSIDE;
-    let lost = |c: &usize| inside(*c).is_nan() || inside(*c) < least;
-    match (0..3).find(lost) {
-        Some(c) => {
-            let (first, last, name) = (grid[0], grid[grid.len() - 1], ["X", "Y", "Z"][c]);
-            Err(ColourError::WhiteNotCovered { first, last, name, channel: inside(c), least })
-        }
-        None => Ok(()),
-    }
+    let mut inside = (0..3).map(|c| (["X", "Y", "Z"][c], 1.0 - (below[c] + above[c]) / white[c]));
+    let lost = inside.find(|(_, channel)| channel.is_nan() || *channel < least);
+    let Some((name, channel)) = lost else { return Ok(()) };
+    let (first, last) = (grid[0], grid[grid.len() - 1]);
+    Err(ColourError::WhiteNotCovered { first, last, name, channel, least })
 }
 
 fn mean_step(grid: &[f64]) -> f64 {

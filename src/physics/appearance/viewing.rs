@@ -1,10 +1,77 @@
-//! Illuminant and observer of a colour.
+//! Illuminant and observer of a colour, and why there is none.
 
-use super::error::ColourError;
 use colorimetry::illuminant::CieIlluminant;
 use colorimetry::observer::Observer;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// Why a spectrum has no colour.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ColourError {
+    /// Fewer wavelengths than an integral needs.
+    #[error("wavelengths_nm has {count} entries; a colour needs at least 3, spread over 400 to 700 nm")]
+    TooFewWavelengths {
+        /// Wavelengths given.
+        count: usize,
+    },
+    /// An unknown illuminant or observer.
+    #[error("{what} = {value:?}: allowed are {allowed}")]
+    UnknownName {
+        /// Illuminant or observer.
+        what: &'static str,
+        /// The name found.
+        value: String,
+        /// The known names.
+        allowed: String,
+    },
+    /// A wavelength outside the observer's table, or not increasing.
+    #[error(
+        "wavelengths_nm[{index}] = {value}: must increase and lie in {lo} to {hi} nm (CIE tables); leave it out of the colour"
+    )]
+    BadWavelength {
+        /// Index in the list.
+        index: usize,
+        /// The wavelength, nm.
+        value: f64,
+        /// Shortest allowed, nm.
+        lo: f64,
+        /// Longest allowed, nm.
+        hi: f64,
+    },
+    /// Wavelengths that cover too little of the visible range for a reliable colour.
+    #[error(
+        "wavelengths_nm from {first} to {last} nm leave white with {channel:.3} of its {name}, at least {least} needed: with less, the colour would be a guess; cover 400 to 700 nm (about 440 to 610 nm is the least), with tables that reach as far"
+    )]
+    WhiteNotCovered {
+        /// First wavelength, nm.
+        first: f64,
+        /// Last wavelength, nm.
+        last: f64,
+        /// The tristimulus value that is not covered.
+        name: &'static str,
+        /// Fraction of it that the wavelengths cover.
+        channel: f64,
+        /// Smallest fraction allowed.
+        least: f64,
+    },
+    /// A spectrum whose length differs from that of the list of wavelengths.
+    #[error("the spectrum has {count} values for {expected} wavelengths")]
+    WrongLength {
+        /// Values given.
+        count: usize,
+        /// Values expected.
+        expected: usize,
+    },
+    /// A value that is not finite.
+    #[error("spectrum value at {wavelength_nm} nm = {value}: must be finite")]
+    NotFinite {
+        /// Wavelength of the value, nm.
+        wavelength_nm: f64,
+        /// The value.
+        value: f64,
+    },
+}
 
 /// The illuminants of CIE 15:2018, which are known by these names.
 const ILLUMINANTS: [CieIlluminant; 39] = {
@@ -166,7 +233,7 @@ mod tests {
             // Lines summed at every tenth nm are off by 40.
             let plain = Viewing::new(name, observer, Summation::Plain).unwrap();
             let meter = Colorimeter::under(&grid, &plain).unwrap();
-            for (have, want) in meter.white_xyz().iter().zip(list("white_1nm")) {
+            for (have, want) in meter.white_xyz.iter().zip(list("white_1nm")) {
                 assert!((have - want).abs() < 1.5, "white {name} {observer} {step}: {have} {want}");
             }
         }

@@ -165,14 +165,9 @@ pub enum SolveError {
 
 impl SolveError {
     /// The error of a setting.
-    pub(in crate::solve) fn setting(
-        field: &'static str,
-        value: impl ToString,
-        allowed: impl Into<String>,
-        remedy: impl Into<String>,
-    ) -> SolveError {
-        let (value, allowed, remedy) = (value.to_string(), allowed.into(), remedy.into());
-        SolveError::Setting { field, value, allowed, remedy }
+    pub(super) fn setting(field: &'static str, value: impl ToString, allowed: &str, remedy: &str) -> Self {
+        let [allowed, remedy] = [allowed, remedy].map(String::from);
+        SolveError::Setting { field, value: value.to_string(), allowed, remedy }
     }
 
     /// Account up to the failure, if there is one.

@@ -120,8 +120,7 @@ pub(super) fn add_combination<T: Real, V: AsRef<[T]> + Sync>(
     factors: &[Complex64],
     vectors: &[V],
 ) -> f64 {
-    let length = w.len() / 2;
-    let (re, im) = w.split_at_mut(length);
+    let (re, im) = w.split_at_mut(w.len() / 2);
     let chunks = re.par_chunks_mut(CHUNK).zip(im.par_chunks_mut(CHUNK)).with_min_len(FEW).enumerate();
     let parts: Vec<f64> =
         chunks.map(|(c, (re, im))| add_to_chunk([re, im], factors, vectors, c * CHUNK)).collect();

@@ -5,10 +5,8 @@
 //! and for the vector wave. *Adjoint*: M(−q) w̃ = J g gives a weighted sum of efficiencies its
 //! derivative with respect to any number of media.
 
-use super::account::{Goal, SolveError, Watch};
 use super::accuracy::AccuracyError;
-use super::ledger::Ledger;
-use super::solver::Solver;
+use super::{Goal, Ledger, SolveError, Solver, Watch};
 use crate::wave::{FarField, Field, Medium, Order, Problem, Side, System, WaveError};
 use num_complex::Complex64;
 
@@ -132,15 +130,14 @@ pub fn adjoint(
     for (side, row) in [(0, 0), (1, last)] {
         for (i, kappa) in problem.kappa[side].iter().enumerate() {
             let weight = weights[side ^ exit_first] * kappa.re / problem.incident_kappa();
-            let lit = side == exit_first && i == problem.incident_harmonic();
+            let lit = side == exit_first && i == problem.incident_harmonic;
             source[[row, i]] += weight * (u[[row, i]] - if lit { 1.0 } else { 0.0 }).conj();
         }
     }
     let mut background = problem.opposite(&source);
     reversed.mean.inverse.solve(&mut background);
     let ledger = Ledger::new(solver.name(), &reversed, goal, watch).with_source(background);
-    let solution = solver.run(ledger, None)?;
-    Ok(problem.opposite(&solution.field))
+    Ok(problem.opposite(&solver.run(ledger, None)?.field))
 }
 
 /// Derivatives with respect to n and κ of one medium from the [`adjoint`] field of a functional.

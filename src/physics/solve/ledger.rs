@@ -113,9 +113,8 @@ impl<'a> Ledger<'a> {
         self.account.residual = residual;
         self.account.history.push(residual);
         self.account.seconds = self.clock.elapsed().as_secs_f64();
-        let step =
-            Step { step: self.account.steps, applications: self.account.operator_applications, residual };
-        if self.watch.step(&step).is_break() {
+        let Account { steps: step, operator_applications: applications, .. } = self.account;
+        if self.watch.step(&Step { step, applications, residual }).is_break() {
             return Err(SolveError::Cancelled { account: Box::new(self.account.clone()) });
         }
         Ok(())
@@ -166,8 +165,7 @@ impl<'a> Ledger<'a> {
 pub fn ratio_of_terms(history: &[f64], window: usize) -> Option<f64> {
     let window = window.max(1);
     let last = history.len().checked_sub(1)?;
-    let first = last.checked_sub(window)?;
-    Some((history[last] / history[first]).powf(1.0 / window as f64))
+    Some((history[last] / history[last.checked_sub(window)?]).powf(1.0 / window as f64))
 }
 
 /// A field as one long vector.

@@ -12,15 +12,14 @@ pub mod demand;
 pub mod gradient;
 pub mod ledger;
 pub mod registry;
-pub mod size;
 pub mod solver;
 pub mod strategies;
 pub mod vectors;
 
 pub use crate::wave::System;
 pub use account::{Account, Goal, GridTrial, Silent, Solution, SolveError, Step, Watch};
-pub use accuracy::coverages::Coverages;
-pub use ledger::Ledger;
+pub use accuracy::Coverages;
+pub use ledger::{Ledger, flat};
 pub use registry::{Registry, SolverChoice};
-pub use solver::Solver;
+pub use solver::{Fit, Size, Solver};
 pub use strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, GuidedModes, Idr, Relaxation};

@@ -4,9 +4,8 @@
 //! in study files ([`SolverChoice`]) and the registry used by comparisons, the dense reference and
 //! the claims. Strategies of other crates are added with [`Registry::with`].
 
-use super::account::SolveError;
-use super::solver::Solver;
 use super::strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, Idr, Relaxation};
+use super::{SolveError, Solver};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -58,7 +57,7 @@ impl Registry {
     ) -> Result<Registry, SolveError> {
         if name.trim().is_empty() || self.entries.iter().any(|e| e.name == name) {
             let (value, allowed) = (format!("{name:?}"), format!("any but {}", self.list()));
-            return Err(SolveError::setting("name of the strategy", value, allowed, "choose another name"));
+            return Err(SolveError::setting("name of the strategy", value, &allowed, "choose another name"));
         }
         self.entries.push(Entry { name: name.into(), description: description.into(), make: Box::new(make) });
         Ok(self)
@@ -89,7 +88,7 @@ impl Registry {
 }
 
 fn unknown(name: &str, known: String) -> SolveError {
-    SolveError::setting("solver", name, known, "choose one of these")
+    SolveError::setting("solver", name, &known, "choose one of these")
 }
 
 /// Generates the choice, its names and the registry from the list of built-in strategies.

@@ -84,7 +84,7 @@ fn grids_without_a_harmonic_for_a_propagating_order_are_refused_by_its_label() {
     assert!(message.contains("order (1, 0)") && message.contains("at least 7"), "{message}");
     assert_eq!(refused(7), None);
     let problem = Problem::new(&coverage([7, 9], grain()), &media(), &light, Mean::default()).expect("valid");
-    assert_eq!(problem.harmonics.orders[problem.incident_harmonic()], [2, 0]);
+    assert_eq!(problem.harmonics.orders[problem.incident_harmonic], [2, 0]);
     let far = problem.far_field(&problem.background_wave());
     let along_x: Vec<i32> =
         far.orders.iter().filter(|o| o.n == 0 && o.transmitted_propagates).map(|o| o.m).collect();

@@ -1,7 +1,6 @@
 //! The far field: complex amplitudes and efficiencies of all orders.
 
-use super::operator::setting::Setting;
-use super::{Field, Incidence, Problem};
+use super::{Field, Incidence, Problem, Setting};
 use num_complex::Complex64;
 
 /// One diffraction order (m, n), counted from the specular order.
@@ -77,18 +76,6 @@ pub struct FarField {
 }
 
 impl FarField {
-    /// The far field of all orders and the absorbed fraction; R and T are their sums.
-    pub(in crate::wave) fn of_orders(
-        incidence: Incidence,
-        period_um: [f64; 2],
-        orders: Vec<Order>,
-        absorptance: f64,
-    ) -> FarField {
-        let reflectance = orders.iter().map(|o| o.reflected_efficiency).sum();
-        let transmittance = orders.iter().map(|o| o.transmitted_efficiency).sum();
-        FarField { incidence, period_um, orders, reflectance, transmittance, absorptance }
-    }
-
     /// Energy error R + T + A − 1: zero to the solver's residual at any resolution.
     pub fn energy_error(&self) -> f64 {
         self.reflectance + self.transmittance + self.absorptance - 1.0
@@ -109,8 +96,7 @@ impl FarField {
 
     /// The specular order (0, 0).
     pub fn specular(&self) -> &Order {
-        let is_specular = |o: &&Order| o.m == 0 && o.n == 0;
-        self.orders.iter().find(is_specular).expect("order (0, 0) is always kept")
+        self.orders.iter().find(|o| o.m == 0 && o.n == 0).expect("order (0, 0) is always kept")
     }
 }
 
@@ -143,12 +129,18 @@ const EVANESCENT_REACH: f64 = 3.0;
 pub(in crate::wave) type Leaving = ([Complex64; 2], f64);
 
 impl Setting {
-    /// The orders listed in a far field. `leaving` evaluates the field on a side in a harmonic,
-    /// less an incident wave of the given amplitude.
-    pub(in crate::wave) fn orders(&self, leaving: impl Fn(usize, usize, f64) -> Leaving) -> Vec<Order> {
+    /// The far field with the absorbed fraction `absorptance`; R and T are sums over the orders.
+    /// `leaving` evaluates the field on a side in a harmonic, less an incident wave of the given
+    /// amplitude.
+    pub(in crate::wave) fn far_field_of(
+        &self,
+        period_um: [f64; 2],
+        absorptance: f64,
+        leaving: impl Fn(usize, usize, f64) -> Leaving,
+    ) -> FarField {
         let index = self.media.incident.re.max(self.media.exit.re).max(1.0);
         let reach = EVANESCENT_REACH * index * self.k0;
-        let specular = self.harmonics.orders[self.incident_harmonic()];
+        let specular = self.harmonics.orders[self.incident_harmonic];
         let orders = self.harmonics.orders.iter();
         let labelled = orders.map(|[m, n]| [m - specular[0], n - specular[1]]).enumerate();
         let listed = |&(i, [m, n]): &(usize, [i32; 2])| {
@@ -157,13 +149,15 @@ impl Setting {
         let mut orders: Vec<Order> =
             labelled.filter(listed).map(|(i, label)| self.order(i, label, &leaving)).collect();
         orders.sort_by_key(|o| (o.m, o.n));
-        orders
+        let reflectance = orders.iter().map(|o| o.reflected_efficiency).sum();
+        let transmittance = orders.iter().map(|o| o.transmitted_efficiency).sum();
+        FarField { incidence: self.incidence, period_um, orders, reflectance, transmittance, absorptance }
     }
 
     /// The order (m, n), which is harmonic `i`.
     fn order(&self, i: usize, [m, n]: [i32; 2], leaving: &impl Fn(usize, usize, f64) -> Leaving) -> Order {
         let [back, onward] = [self.entry_side(), 1 - self.entry_side()];
-        let incident = if i == self.incident_harmonic() { 1.0 } else { 0.0 };
+        let incident = if i == self.incident_harmonic { 1.0 } else { 0.0 };
         let ([reflected, crossed_back], reflected_efficiency) = leaving(back, i, incident);
         let ([transmitted, crossed_onward], transmitted_efficiency) = leaving(onward, i, 0.0);
         Order {
@@ -186,11 +180,10 @@ impl Problem {
     /// balance.
     pub fn far_field(&self, u: &Field) -> FarField {
         let faces = [0, self.shape().0 - 1];
-        let orders = self.orders(|side, i, incident| {
+        self.far_field_of(self.coverage.grid.period_um, self.absorptance(u), |side, i, incident| {
             let amplitude = u[[faces[side], i]] - incident;
             let efficiency = self.kappa[side][i].re / self.incident_kappa() * amplitude.norm_sqr();
             ([amplitude, Complex64::ZERO], efficiency)
-        });
-        FarField::of_orders(self.incidence, self.coverage.grid.period_um, orders, self.absorptance(u))
+        })
     }
 }

@@ -5,7 +5,7 @@
 //! cannot crowd a cell, so the work is proportional to their number. Nothing here is shared with
 //! the packing methods but the proof that two convex bodies are apart.
 
-use super::{Body, BodyShape, Scene, WaveError};
+use super::{Ball, Body, BodyShape, Scene, WaveError};
 use crate::ink::grains::contact::{excess_um, proven_gap_um};
 use crate::ink::{Form, Solid};
 use crate::numerics::Rotation;
@@ -38,8 +38,7 @@ impl Scene {
         if let Some((body, overlap_um)) = images.into_iter().find(|&(_, overlap)| overlap > slack) {
             return Err(WaveError::OverlapsImage { body, overlap_um });
         }
-        let pieces: Vec<Piece> =
-            self.bodies.iter().enumerate().flat_map(|body| pieces_of(body, ly)).collect();
+        let pieces: Vec<_> = self.bodies.iter().enumerate().flat_map(|body| pieces_of(body, ly)).collect();
         let mut cells = Cells::new(self, &pieces);
         pieces.iter().try_for_each(|piece| cells.enter(piece, slack))?;
         let within = self.bodies.iter().map(|body| body.within).enumerate();
@@ -71,21 +70,17 @@ fn pieces_of((body, of): (usize, &Body), ly: f64) -> Vec<Piece> {
     let piece = |ranges, radius, solid, whole| vec![Piece { body, ranges, radius, solid, whole }];
     match &of.shape {
         BodyShape::Balls(balls) => {
-            let pieces = balls.iter().flat_map(|b| {
-                piece(b.center_um.map(|c| [c; 2]), b.radius_um, Some(b.solid()), balls.len() == 1)
-            });
-            pieces.collect()
+            let whole = balls.len() == 1;
+            let of = |b: &Ball| piece(b.center_um.map(|c| [c; 2]), b.radius_um, Some(b.solid()), whole);
+            balls.iter().flat_map(of).collect()
         }
         BodyShape::Solid(solid) => {
-            let ranges = [0, 1, 2].map(|axis| solid.extent_um(axis));
-            piece(ranges, 0.0, Some(solid.clone()), true)
+            piece([0, 1, 2].map(|axis| solid.extent_um(axis)), 0.0, Some(solid.clone()), true)
         }
         &BodyShape::CylinderY { x_um, z_um, radius_um } => {
-            let rod = Solid {
-                form: Form::Disc { radius_um, half_length_um: 1.5 * ly },
-                center_um: [x_um, 0.0, z_um],
-                rotation: Rotation::from_z_to([0.0, 1.0, 0.0]),
-            };
+            let form = Form::Disc { radius_um, half_length_um: 1.5 * ly };
+            let rotation = Rotation::from_z_to([0.0, 1.0, 0.0]);
+            let rod = Solid { form, center_um: [x_um, 0.0, z_um], rotation };
             piece([[x_um; 2], ENDLESS, [z_um; 2]], radius_um, Some(rod), false)
         }
         &BodyShape::BarY { x_um, z_um } => {
@@ -116,12 +111,10 @@ impl Piece {
             return false;
         }
         if self.radius > 0.0 && other.radius > 0.0 {
-            let larger = self.radius > other.radius + slack;
-            return larger && length(apart) + other.radius <= self.radius + slack;
+            return self.radius > other.radius + slack && length(apart) + other.radius <= self.radius + slack;
         }
         let (Some(a), Some(b)) = (&self.solid, &other.solid) else { return false };
-        let larger = a.form.volume_um3() > b.form.volume_um3() * (1.0 + ROUNDING);
-        larger && excess_um(b, a, apart) <= slack
+        a.form.volume_um3() > b.form.volume_um3() * (1.0 + ROUNDING) && excess_um(b, a, apart) <= slack
     }
 
     /// Depth by which two pieces overlap in their nearest images, µm; negative if they are apart.
@@ -157,10 +150,9 @@ impl<'a> Cells<'a> {
         let length = [lx, ly, scene.thickness_um()];
         let number = pieces.len().max(1) as f64;
         let flat = pieces.iter().all(|piece| piece.ranges[1] == ENDLESS);
-        let side = if flat {
-            (length[0] * length[2] / number).sqrt()
-        } else {
-            (length.iter().product::<f64>() / number).cbrt()
+        let side = match flat {
+            true => (length[0] * length[2] / number).sqrt(),
+            false => (length.iter().product::<f64>() / number).cbrt(),
         };
         let cells = |l: f64| ((l / side) as i64).clamp(1, pieces.len().max(1) as i64);
         let count = [cells(lx), if flat { 1 } else { cells(ly) }, cells(length[2])];
@@ -204,11 +196,8 @@ impl<'a> Cells<'a> {
 
     fn cells_of(&self, piece: &Piece) -> Vec<[i64; 3]> {
         let [x, y, z] = [0, 1, 2].map(|axis| self.reach(axis, piece));
-        let of_plane = |&cz: &i64| {
-            let rows = y.iter().flat_map(|&cy| x.iter().map(move |&cx| [cx, cy]));
-            rows.map(move |[cx, cy]| [cx, cy, cz]).collect::<Vec<_>>()
-        };
-        z.iter().flat_map(of_plane).collect()
+        let columns: Vec<[i64; 2]> = y.iter().flat_map(|&cy| x.iter().map(move |&cx| [cx, cy])).collect();
+        z.iter().flat_map(|&cz| columns.iter().map(move |&[cx, cy]| [cx, cy, cz])).collect()
     }
 
     /// Cells along one axis that a piece reaches: periodic along x and y, from wall to wall along

@@ -99,15 +99,11 @@ impl FarField {
     pub fn judged(self, errors: TotalErrors) -> Result<FarField, Unphysical> {
         finite(&self, &errors)?;
         let TotalErrors { reflectance, transmittance, balance } = errors;
-        let absorptance = (reflectance + transmittance).min(LARGEST);
-        for (quantity, value, error) in [
-            ("R", self.reflectance, reflectance),
-            ("T", self.transmittance, transmittance),
-            ("A", self.absorptance, absorptance),
-        ] {
-            if !(-error..=1.0 + error).contains(&value) {
-                return Err(Unphysical::OutOfRange { quantity, value, error });
-            }
+        let errors = [reflectance, transmittance, (reflectance + transmittance).min(LARGEST)];
+        let mut totals = self.totals().into_iter().zip(errors);
+        let wrong = totals.find(|((_, value), error)| !(-error..=1.0 + error).contains(value));
+        if let Some(((quantity, value), error)) = wrong {
+            return Err(Unphysical::OutOfRange { quantity, value, error });
         }
         let sum = 1.0 + self.energy_error();
         if (sum - 1.0).abs() > balance {
@@ -115,19 +111,21 @@ impl FarField {
         }
         Ok(self)
     }
+
+    fn totals(&self) -> [(&'static str, f64); 3] {
+        [("R", self.reflectance), ("T", self.transmittance), ("A", self.absorptance)]
+    }
 }
 
 fn finite(far: &FarField, errors: &TotalErrors) -> Result<(), Unphysical> {
-    let amplitude = |quantity, z: num_complex::Complex64| [(quantity, z.re), (quantity, z.im)];
-    let of_pair = move |[r, t]: [num_complex::Complex64; 2]| {
-        [amplitude("an amplitude R", r), amplitude("an amplitude T", t)].into_iter().flatten()
+    let of_pair = |pair: [num_complex::Complex64; 2]| {
+        ["an amplitude R", "an amplitude T"].into_iter().zip(pair).flat_map(|(q, z)| [(q, z.re), (q, z.im)])
     };
     let of_order = move |o: &super::Order| {
         let efficiencies = [o.reflected_efficiency, o.transmitted_efficiency].map(|e| ("an efficiency", e));
         o.amplitudes().flat_map(of_pair).chain(efficiencies)
     };
-    let totals = [("R", far.reflectance), ("T", far.transmittance), ("A", far.absorptance)];
-    let mut all = totals.into_iter().chain(far.orders.iter().flat_map(of_order));
+    let mut all = far.totals().into_iter().chain(far.orders.iter().flat_map(of_order));
     if let Some((quantity, value)) = all.find(|(_, value)| !value.is_finite()) {
         return Err(Unphysical::NotFinite { quantity, value });
     }
@@ -140,8 +138,7 @@ fn finite(far: &FarField, errors: &TotalErrors) -> Result<(), Unphysical> {
 
 /// The largest of some numbers, NaN if any of them is NaN; 0 if there are none.
 pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
-    values.into_iter().fold(0.0, larger)
+    values.into_iter().fold(0.0, |a: f64, b: f64| if a.is_nan() || a > b { a } else { b })
 }
 
 #[cfg(test)]

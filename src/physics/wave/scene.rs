@@ -303,10 +303,8 @@ impl Media {
             return Err(WaveError::Unsound(sentence));
         }
         let named = |name: &'static str| move |(i, &eta): (usize, &Complex64)| (format!("{name} {i}"), eta);
-        let all = [
-            ("half-space of the incident side".to_string(), self.incident),
-            ("half-space of the exit side".to_string(), self.exit),
-        ];
+        let all = [("incident", self.incident), ("exit", self.exit)]
+            .map(|(side, eta)| (format!("half-space of the {side} side"), eta));
         let inner = self.backgrounds.iter().enumerate().map(named("background"));
         let inner = inner.chain(self.inclusions.iter().enumerate().map(named("inclusion")));
         all.into_iter().chain(inner).try_for_each(|(name, eta)| check_index(&name, eta))

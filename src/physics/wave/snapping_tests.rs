@@ -1,6 +1,6 @@
 //! The nearest vector against a search of all of them; what stays, and what is refused.
 
-use super::*;
+use crate::wave::bloch::*;
 use proptest::prelude::*;
 
 fn media(index: f64) -> Media {

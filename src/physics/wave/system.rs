@@ -5,9 +5,8 @@
 //! polarisation, with unknowns of the same shape. Strategies that only apply the operator work on
 //! every system; those that treat A and V separately use [`System::split`].
 
-use super::operator::mean_medium::cells_needed;
-use super::operator::scattering::Scatter;
-use super::{FarField, Field, Grid, Polarisation, Problem};
+use super::operator::setting::cells_needed;
+use super::{FarField, Field, Grid, Polarisation, Problem, Scatter};
 use ndarray::ArrayView2;
 use num_complex::Complex64;
 
@@ -110,7 +109,7 @@ impl System for Problem {
     }
 
     fn single(&self) -> Option<&dyn Scatter<f32>> {
-        Some(self.single())
+        Some(self.single.get_or_init(|| self.double().narrowed(self.coverage.fft_single.clone())))
     }
 
     fn split(&self) -> Option<&Problem> {
@@ -118,7 +117,7 @@ impl System for Problem {
     }
 
     fn mean_k2(&self) -> &[Complex64] {
-        self.mean.mean_k2()
+        &self.mean.mean_k2
     }
 
     fn far_field(&self, u: &Field) -> FarField {

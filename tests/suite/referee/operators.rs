@@ -36,7 +36,7 @@ fn contrast_matrix(problem: &Problem) -> Mat<Complex64> {
     assemble(problem, |mut planes| {
         problem.mean.to_unknowns(&mut planes);
         let mut loads = Field::zeros(problem.shape());
-        problem.contrast_loads(planes.view(), &mut loads);
+        problem.double().contrast_loads(planes.view(), &mut loads);
         loads.outer_iter_mut().zip(&mass).for_each(|(mut row, m)| row.mapv_inplace(|z| z / m));
         loads
     })

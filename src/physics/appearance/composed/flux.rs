@@ -27,8 +27,7 @@ pub struct Hemisphere {
 impl Hemisphere {
     /// Number of states.
     pub fn states(&self) -> usize {
-        let oblique = usize::from(self.oblique_deg.is_some());
-        1 + self.polarisations * (self.ordinates.count() + oblique)
+        1 + self.polarisations * (self.ordinates.count() + usize::from(self.oblique_deg.is_some()))
     }
 
     /// Angles that light comes from, degrees: 0°, the nodes, the oblique beam.
@@ -156,8 +155,8 @@ impl Sides {
 
     fn add(&self, fluxes: &mut Fluxes, lit: &Lit) {
         let side = usize::from(lit.from == Side::Exit);
-        let (own, other) = (&self.media[side], &self.media[1 - side]);
-        let mut columns = [vec![0.0; own.states()], vec![0.0; other.states()]];
+        let own = &self.media[side];
+        let mut column = vec![0.0; self.states()];
         // unpolarised light at 0° is the mean of two solves
         let part = if lit.direction == 0 { 1.0 / own.polarisations as f64 } else { 1.0 };
         for order in lit.orders {
@@ -169,18 +168,14 @@ impl Sides {
                     continue;
                 }
             }
-            for (k, medium) in [own, other].into_iter().enumerate() {
-                if powers[k] > 0.0 {
-                    medium.spread(&mut columns[k], sine, shared(order, k, powers[k], lit.polarisation));
-                }
+            for (k, to) in [side, 1 - side].into_iter().enumerate().filter(|(k, _)| powers[*k] > 0.0) {
+                let fluxes = shared(order, k, powers[k], lit.polarisation);
+                self.media[to].spread(&mut column[self.first(to)..], sine, fluxes);
             }
         }
         let state = self.first(side) + own.state(lit.direction, lit.polarisation.min(own.polarisations - 1));
         fluxes.absorbed[state] += part * lit.absorptance;
-        for (k, column) in columns.iter().enumerate() {
-            let first = self.first(if k == 0 { side } else { 1 - side });
-            column.iter().enumerate().for_each(|(i, flux)| fluxes.all[(first + i, state)] += part * flux);
-        }
+        column.iter().enumerate().for_each(|(i, flux)| fluxes.all[(i, state)] += part * flux);
     }
 
     /// The ensemble's mean, with or without one of its realisations: reciprocal, and R + T = 1 − A
@@ -217,11 +212,10 @@ impl Sides {
             let to = if lobe == 0 { side } else { 1 - side };
             let state = self.first(side);
             let [mean, power] = self.beam_mean(side, lobe, kept.clone());
-            let (medium, first) = (&self.media[to], self.first(to));
-            let mut column = vec![0.0; medium.states()];
-            let each = (power - mean) / medium.polarisations as f64;
-            medium.spread(&mut column, 0.0, [each; 2]);
-            column.iter().enumerate().for_each(|(i, flux)| all[(first + i, state)] += flux);
+            let mut column = vec![0.0; self.states()];
+            let each = (power - mean) / self.media[to].polarisations as f64;
+            self.media[to].spread(&mut column[self.first(to)..], 0.0, [each; 2]);
+            column.iter().enumerate().for_each(|(i, flux)| all[(i, state)] += flux);
             coherent[side][lobe] = mean;
         }
         coherent
@@ -284,10 +278,9 @@ impl Sides {
     fn balance(&self, all: &mut Mat<f64>, absorbed: &[f64], coherent: [[f64; 2]; 2]) {
         let (n, weights) = (self.states(), self.weights());
         let nodes: Vec<usize> = (0..n).filter(|&i| weights[i] > 0.0).collect();
-        let symmetric = |i: usize, j: usize| 0.5 * (all[(i, j)] / weights[i] + all[(j, i)] / weights[j]);
+        let mean = |i: usize, j: usize| 0.5 * (all[(i, j)] / weights[i] + all[(j, i)] / weights[j]);
         let mut scales = vec![1.0_f64; n];
-        let matrix =
-            Mat::from_fn(n, n, |i, j| if weights[i] * weights[j] > 0.0 { symmetric(i, j) } else { 0.0 });
+        let matrix = Mat::from_fn(n, n, |i, j| if weights[i] * weights[j] > 0.0 { mean(i, j) } else { 0.0 });
         for _ in 0..ROUNDS {
             let mut largest = 0.0_f64;
             for &j in &nodes {

@@ -56,12 +56,8 @@ impl CoherentFilm {
         oblique: f64,
     ) -> [[f64; 2]; 3] {
         let (points, slow) = self.solved(polarisation);
-        let shares: Vec<[f64; 2]> = points
-            .iter()
-            .zip(&slow)
-            .zip(composed)
-            .map(|((mu, slow), composed)| shares(self.film(count, *mu, slow)[1], *composed))
-            .collect();
+        let own = points.iter().zip(&slow).map(|(mu, slow)| self.film(count, *mu, slow)[1]);
+        let shares: Vec<_> = own.zip(composed).map(|(own, all)| shares(own, *all)).collect();
         let at = |mu: f64| self.correction(count, mu, (&points, &slow, &shares));
         let mut diffuse = [0.0; 2];
         for &(mu, weight) in hemisphere() {
@@ -85,8 +81,7 @@ impl CoherentFilm {
         let ordinates = &self.media[0].ordinates;
         let nodes = (0..ordinates.escaping()).map(|i| ordinates.cosine(i));
         let points: Vec<f64> = [1.0].into_iter().chain(nodes).collect();
-        let mut slow: Vec<Slow> =
-            points.iter().enumerate().map(|(d, mu)| self.slow(d, polarisation, *mu)).collect();
+        let mut slow: Vec<Slow> = (0..).zip(&points).map(|(d, mu)| self.slow(d, polarisation, *mu)).collect();
         unwrap(&points, &mut slow);
         (points, slow)
     }

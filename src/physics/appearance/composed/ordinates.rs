@@ -7,6 +7,7 @@
 //! In air, v = cos θ.
 
 use crate::numerics::interpolate::lagrange;
+use crate::wave::grid::element::legendre;
 use gauss_quad::GaussLegendre;
 
 /// Zones narrower than this in s are part of their neighbour.
@@ -103,8 +104,7 @@ impl Ordinates {
     /// may be negative.
     pub fn shares(&self, sine: f64) -> Vec<(usize, f64)> {
         let last = self.zones.len() - 1;
-        let place = self.zones.iter().position(|zone| sine < zone.to).unwrap_or(last);
-        let zone = &self.zones[place];
+        let zone = &self.zones[self.zones.iter().position(|zone| sine < zone.to).unwrap_or(last)];
         let v = (zone.to * zone.to - sine * sine).max(0.0).sqrt();
         (zone.first..).zip(lagrange(&zone.nodes, v)).collect()
     }
@@ -121,8 +121,7 @@ type Rule = fn(usize) -> Vec<(f64, f64)>;
 /// Zeros of Legendre polynomials on 0 < v < 1 with weights 2v dv, rising.
 pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let rule = GaussLegendre::new(count.max(2)).expect("two nodes or more");
-    let mut pairs: Vec<(f64, f64)> =
-        rule.iter().map(|&(x, w)| (0.5 * (1.0 + x), 0.5 * (1.0 + x) * w)).collect();
+    let mut pairs: Vec<_> = rule.iter().map(|&(x, w)| (0.5 * (1.0 + x), 0.5 * (1.0 + x) * w)).collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     pairs
 }
@@ -149,16 +148,6 @@ fn root(f: impl Fn(f64) -> f64, [mut a, mut b]: [f64; 2]) -> f64 {
         *(if f(a) * f(middle) <= 0.0 { &mut b } else { &mut a }) = middle;
     }
     0.5 * (a + b)
-}
-
-/// Legendre polynomial P_n(x).
-pub fn legendre(degree: usize, x: f64) -> f64 {
-    let (mut previous, mut own) = (0.0, 1.0);
-    for k in 0..degree {
-        let k = k as f64;
-        (previous, own) = (own, ((2.0 * k + 1.0) * x * own - k * previous) / (k + 1.0));
-    }
-    own
 }
 
 #[cfg(test)]

@@ -41,8 +41,7 @@ impl Plate {
         let down = bounced(rb, sa, tab);
         let up = bounced(sa, rb, uba);
         let back = tba * (sa * &down);
-        let onward = uab * (rb * &up);
-        Self { reflection: [ra + back, sb + onward], transmission: [uab * down, tba * up] }
+        Self { reflection: [ra + back, sb + uab * (rb * &up)], transmission: [uab * down, tba * up] }
     }
 
     /// With `by` more of the light reflected and less transmitted, as far as there is any.

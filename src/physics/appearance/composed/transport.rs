@@ -1,9 +1,10 @@
 //! Radiative transfer in an even medium, and the coefficients of transport that describe a slab.
 
 use super::flux::Hemisphere;
-use super::ordinates::{Ordinates, legendre};
+use super::ordinates::Ordinates;
 use super::plate::{Plate, total};
 use crate::appearance::kubelka_munk::KubelkaMunk;
+use crate::wave::grid::element::legendre;
 use faer::Mat;
 
 /// Nodes of a zone for the medium that a slab is compared with.

@@ -79,7 +79,7 @@ fn the_ends_stand_for_what_lies_beyond_them() {
             [grid(400.0, 700.0), grid(420.0, 660.0)].map(|g| Colorimeter::under(&g, &viewing).unwrap());
         for c in 0..3 {
             // rounding of two sums of 300 terms
-            assert!((whole.white_xyz()[c] - cut.white_xyz()[c]).abs() < 1e-9, "{}", viewing.name());
+            assert!((whole.white_xyz[c] - cut.white_xyz[c]).abs() < 1e-9, "{}", viewing.name());
         }
         let values = vec![0.5; whole.wavelengths_nm().len()];
         assert_eq!(whole.beyond(&values, whole.xyz(&values).unwrap()), [[0.0; 3]; 2]);

@@ -4,14 +4,13 @@
 //! fifth fewer cells in z; the expected orders of convergence turn the differences into an estimate
 //! of the finer result's error.
 
-use super::difference::largest_of_all;
-use super::error::AccuracyError;
-use super::resolution::{error_share, scaled_cells, scaled_plane};
+use super::error::{AccuracyError, Result};
+use super::search::{error_share, scaled_cells, scaled_plane};
 use super::task::{Estimated, Solved, Task};
 use crate::solve::account::{SolveError, Watch};
 use crate::wave::grid::share_cells;
 use crate::wave::physical::largest;
-use crate::wave::{BodyShape, FarField, Grid, Resolution, TotalErrors, WaveError};
+use crate::wave::{BodyShape, FarField, Grid, Order, Resolution, TotalErrors, WaveError};
 
 /// Ratio of the number of points or cells of a coarser companion to that of the result.
 const COMPANION: f64 = 0.8;
@@ -35,11 +34,7 @@ const SAFETY: f64 = 1.4;
 
 impl Task<'_> {
     /// Solves on one grid and estimates the error from two companions.
-    pub fn solve_with_estimate(
-        &self,
-        resolution: Resolution,
-        watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    pub fn solve_with_estimate(&self, resolution: Resolution, watch: &mut dyn Watch) -> Result<Estimated> {
         self.estimated_from(None, resolution, watch)
     }
 
@@ -48,11 +43,11 @@ impl Task<'_> {
         guess: Option<&[Solved]>,
         resolution: Resolution,
         watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    ) -> Result<Estimated> {
         let (solved, seconds_setup) = self.solve_from(guess, resolution, watch)?;
         let far_fields: Vec<FarField> = solved.iter().map(Solved::far_field).collect();
         let clock = std::time::Instant::now();
-        let parts = self.estimate_parts(&solved, &far_fields, watch)?;
+        let parts = self.error_parts(&solved, &far_fields, watch)?;
         let residual = largest(solved.iter().map(|s| s.solution.account.residual));
         let error_estimate = error_estimate(parts, residual);
         let errors = TotalErrors::of_amplitudes(error_estimate, residual);
@@ -65,12 +60,7 @@ impl Task<'_> {
     ///
     /// # Errors
     /// Neither a coarser nor a finer companion can be solved.
-    pub fn estimate_parts(
-        &self,
-        known: &[Solved],
-        far: &[FarField],
-        watch: &mut dyn Watch,
-    ) -> Result<[f64; 2], AccuracyError> {
+    pub fn error_parts(&self, known: &[Solved], far: &[FarField], watch: &mut dyn Watch) -> Result<[f64; 2]> {
         let system = &known[0].system;
         if !system.has_contrast() {
             return Ok([0.0; 2]);
@@ -87,8 +77,7 @@ impl Task<'_> {
             _ => across(COMPANION)?,
         };
         let mut lateral = |share: f64| {
-            let plane = [share, 1.0 / share].map(|f| scaled_plane(own, f, uniform));
-            companion.compare(known, far, plane, watch)
+            companion.compare(known, far, [share, 1.0 / share].map(|f| scaled_plane(own, f, uniform)), watch)
         };
         let in_plane = match uniform {
             [true, _] => 0.0,
@@ -128,7 +117,7 @@ impl Task<'_> {
         far: &[FarField],
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
-    ) -> Result<f64, AccuracyError> {
+    ) -> Result<f64> {
         let own = finer[0].system.grid().resolution;
         let [coarse, fine] = companions;
         let (solved, _) = match self.solve_coarser(coarse, finer, watch)? {
@@ -178,7 +167,7 @@ impl Task<'_> {
         coarser: Resolution,
         finer: &[Solved],
         watch: &mut dyn Watch,
-    ) -> Result<Option<(Vec<Solved>, f64)>, AccuracyError> {
+    ) -> Result<Option<(Vec<Solved>, f64)>> {
         let own = finer[0].system.grid().resolution;
         let cells = finer[0].system.cells_needed(&Grid::new(self.coverages.scene, coarser)?);
         let coarser = Resolution { cells, ..coarser };
@@ -200,8 +189,27 @@ impl Task<'_> {
     }
 }
 
-/// Largest expected error of any amplitude, from the parts given by [`Task::estimate_parts`] and
+/// Largest expected error of any amplitude, from the parts given by [`Task::error_parts`] and
 /// the residual.
 pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
     SAFETY * (parts[0] + parts[1]) + 1e-13 + RESIDUAL_WEIGHT * residual
+}
+
+/// Largest difference of any propagating amplitude in any polarisation, or of a neighbour of the
+/// specular order.
+///
+/// The amplitudes of other evanescent orders exist within a fraction of a wavelength of the faces,
+/// carry no power, and converge more slowly.
+pub fn largest_difference(a: &FarField, b: &FarField) -> f64 {
+    let counts =
+        |o: &&Order| o.reflected_propagates || o.transmitted_propagates || (o.m.abs() <= 1 && o.n.abs() <= 1);
+    let pairs = a.orders.iter().filter(counts);
+    let pairs = pairs.filter_map(|a| Some((a, b.orders.iter().find(|b| (a.m, a.n) == (b.m, b.n))?)));
+    let amplitudes = pairs.flat_map(|(a, b)| a.amplitudes().zip(b.amplitudes()));
+    largest(amplitudes.flat_map(|(a, b)| [(a[0] - b[0]).norm(), (a[1] - b[1]).norm()]))
+}
+
+/// Maximum of [`largest_difference`] over all polarisations.
+pub fn largest_of_all(a: &[FarField], b: &[FarField]) -> f64 {
+    largest(a.iter().zip(b).map(|(a, b)| largest_difference(a, b)))
 }

@@ -6,6 +6,9 @@ use crate::wave::grid::MOST_POINTS;
 use crate::wave::{Resolution, Unphysical, WaveError};
 use thiserror::Error;
 
+/// Results of solves with an error estimate.
+pub type Result<T, E = AccuracyError> = std::result::Result<T, E>;
+
 /// Why no result of the requested accuracy exists.
 #[derive(Debug, Error)]
 pub enum AccuracyError {

@@ -7,8 +7,8 @@
 //! it averages out over several packings, and the mean difference with its standard error is the
 //! uncertainty of the ensemble means.
 
-use super::error::AccuracyError;
-use super::resolution::{raised, scaled_cells, scaled_points};
+use super::error::{AccuracyError, Result};
+use super::search::{raised, scaled_cells, scaled_points};
 use super::task::Task;
 use crate::numerics::estimate::Estimate;
 use crate::solve::Watch;
@@ -50,18 +50,13 @@ impl GridError {
 
     /// Differences \[R, T\] of the probes on one packing, for each polarisation: the result at
     /// `own` less that on a coarser grid, or on a finer one if the coarser grid is rejected.
-    pub fn differences(
-        tasks: &[Task],
-        own: Resolution,
-        watch: &mut dyn Watch,
-    ) -> Result<Vec<[f64; 2]>, AccuracyError> {
+    pub fn differences(tasks: &[Task], own: Resolution, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>> {
         let Some(coverages) = tasks.first().map(|task| task.coverages) else { return Ok(Vec::new()) };
         let mut differences = Vec::new();
         let coarser = coverages.at(scaled(own, COARSER)).map_err(AccuracyError::from);
         for task in tasks {
             let one = totals_on(task, own, watch)?;
-            let coarse = coarser.as_ref().ok().map(|coarser| totals(task, coarser, watch));
-            let (other, share) = match coarse {
+            let (other, share) = match coarser.as_ref().ok().map(|coarser| totals(task, coarser, watch)) {
                 Some(Ok(other)) => (other, 1.0),
                 Some(Err(stopped)) if stopped.is_stop() => return Err(stopped),
                 _ => (totals(task, &coverages.at(scaled(own, 1.0 / COARSER))?, watch)?, OF_FINER),
@@ -86,11 +81,7 @@ fn probe_error(differences: &[Vec<[f64; 2]>], probe: usize, i: usize) -> f64 {
 
 /// R and T of one probe for each polarisation on a grid, with more cells if these are too high for
 /// the wave, as in [`crate::run`].
-fn totals_on(
-    task: &Task,
-    mut resolution: Resolution,
-    watch: &mut dyn Watch,
-) -> Result<Vec<[f64; 2]>, AccuracyError> {
+fn totals_on(task: &Task, mut resolution: Resolution, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>> {
     loop {
         let found = totals(task, &task.coverages.at(resolution)?, watch);
         let Err(AccuracyError::Wave(refusal @ WaveError::CellTooHigh { .. })) = &found else { return found };
@@ -100,15 +91,14 @@ fn totals_on(
 }
 
 /// R and T of one probe for each polarisation.
-fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>, AccuracyError> {
+fn totals(task: &Task, geometry: &Geometry, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>> {
     let admitted = task.admitted(geometry.grid().resolution).ok();
     let solver = admitted.as_ref().map_or(task.solver, |admitted| admitted.solver());
-    let mut totals = Vec::new();
-    for system in geometry.systems(task.media, task.incidence, task.mean)? {
+    let totals = geometry.systems(task.media, task.incidence, task.mean)?.into_iter().map(|system| {
         let far = system.far_field(&solver.solve(&*system, task.goal, watch)?.field);
-        totals.push([far.reflectance, far.transmittance]);
-    }
-    Ok(totals)
+        Ok([far.reflectance, far.transmittance])
+    });
+    totals.collect()
 }
 
 /// A grid with about `factor` times the points and cells, different from `r` along every axis with

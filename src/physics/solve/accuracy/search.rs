@@ -1,12 +1,13 @@
-//! Search for the grid that reaches a requested accuracy.
+//! Search for the grid that reaches a requested accuracy, and resolutions related to a given one:
+//! companions for error estimates, and refinements.
 
-use super::error::AccuracyError;
-use super::resolution::{raised, refine, smooth_size};
+use super::error::{AccuracyError, Result};
 use super::task::{Estimated, Task};
 use crate::solve::account::{GridTrial, Watch};
 use crate::solve::demand::TooLarge;
+use crate::wave::contrast::nufft::is_smooth;
 use crate::wave::grid::MOST_POINTS;
-use crate::wave::{Resolution, Scheme, Unphysical};
+use crate::wave::{Resolution, Scheme, Unphysical, WaveError};
 
 /// Error assigned to a result that violates a physical law when the grid is refined.
 const UNPHYSICAL: f64 = 1.0;
@@ -22,11 +23,7 @@ impl Task<'_> {
     /// # Errors
     /// An accuracy out of range, insufficient memory for the next grid, or an error that does not
     /// decrease.
-    pub fn solve_to_accuracy(
-        &self,
-        accuracy: f64,
-        watch: &mut dyn Watch,
-    ) -> Result<Estimated, AccuracyError> {
+    pub fn solve_to_accuracy(&self, accuracy: f64, watch: &mut dyn Watch) -> Result<Estimated> {
         if !(1e-9..=0.5).contains(&accuracy) {
             return Err(AccuracyError::Accuracy(accuracy));
         }
@@ -39,14 +36,17 @@ impl Task<'_> {
                 return Ok(found);
             }
         }
-        Err(search.given_up())
+        let reached = search.last.map(|last| last.error_estimate);
+        let given_up =
+            reached.map(|reached| AccuracyError::GivenUp { levels: LEVELS, asked: accuracy, reached });
+        Err(given_up.or(search.refused).unwrap_or(AccuracyError::Accuracy(accuracy)))
     }
 
     /// First resolution of the search.
     ///
     /// # Errors
     /// The layer is more wavelengths thick or wide than any grid can resolve.
-    fn start(&self, accuracy: f64) -> Result<Resolution, AccuracyError> {
+    fn start(&self, accuracy: f64) -> Result<Resolution> {
         let finer = (1e-2 / accuracy).max(1.0);
         let (scene, waves) = (self.coverages.scene, self.waves_per_um());
         let [per_wave, planes_per_wave] = START[usize::from(self.coverages.wave.is_vector())];
@@ -57,8 +57,7 @@ impl Task<'_> {
         let ny = if scene.uniform_in_y() { 1 } else { points(1)? };
         let planes = planes_per_wave * finer.powf(0.2) * waves * scene.thickness_um();
         let cells = possible(accuracy, planes / self.scheme.degree() as f64)?;
-        let cells = cells.max(scene.strata.len()).max(2);
-        Ok(Resolution { nx, ny, cells, scheme: self.scheme })
+        Ok(Resolution { nx, ny, cells: cells.max(scene.strata.len()).max(2), scheme: self.scheme })
     }
 }
 
@@ -77,7 +76,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     /// The result on the next grid if it is accurate enough; otherwise chooses a finer grid.
-    fn try_grid(&mut self, watch: &mut dyn Watch) -> Result<Option<Estimated>, AccuracyError> {
+    fn try_grid(&mut self, watch: &mut dyn Watch) -> Result<Option<Estimated>> {
         let (resolution, accuracy) = (self.resolution, self.accuracy);
         self.task.admitted(resolution).map_err(|refusal| self.beyond_memory(refusal))?;
         let clock = std::time::Instant::now();
@@ -100,7 +99,7 @@ impl Search<'_> {
     }
 
     /// Chooses a finer grid if that can resolve the rejection.
-    fn raise(&mut self, refusal: AccuracyError) -> Result<(), AccuracyError> {
+    fn raise(&mut self, refusal: AccuracyError) -> Result<()> {
         let finer = match &refusal {
             AccuracyError::Wave(too_coarse) => raised(self.resolution, too_coarse),
             // A grid too coarse for its contrast rings; refinement reduces the ringing.
@@ -121,27 +120,88 @@ impl Search<'_> {
         let (reached, last) = (last.error_estimate, last.system().grid().resolution);
         AccuracyError::NotReached { asked, reached, last, next, tried }
     }
-
-    fn given_up(self) -> AccuracyError {
-        let asked = self.accuracy;
-        match self.last {
-            Some(last) => AccuracyError::GivenUp { levels: LEVELS, asked, reached: last.error_estimate },
-            None => self.refused.unwrap_or(AccuracyError::Accuracy(asked)),
-        }
-    }
 }
 
 /// A number of points or cells along one axis, if a grid may have that many.
-fn possible(asked: f64, need: f64) -> Result<usize, AccuracyError> {
-    if need <= MOST_POINTS as f64 {
-        Ok(need.ceil() as usize)
-    } else {
-        Err(AccuracyError::TooManyWaves { asked, need })
-    }
+fn possible(asked: f64, need: f64) -> Result<usize> {
+    let count = (need <= MOST_POINTS as f64).then(|| need.ceil() as usize);
+    count.ok_or(AccuracyError::TooManyWaves { asked, need })
 }
 
 /// The scheme that reaches an accuracy with the fewest planes: higher-order cells pay off once
 /// their planes are needed anyway.
 pub fn suited_scheme(accuracy: f64) -> Scheme {
     if accuracy < 3e-3 { Scheme::Quartic } else { Scheme::Cubic }
+}
+
+/// Lower limit on the own error as a fraction of the difference, however coarse the companion.
+const LEAST_SHARE: f64 = 0.3;
+
+/// Own error as a fraction of the difference to a companion, from the ratios of refinement in the
+/// plane and across z; 1.5 for a finer companion.
+pub(crate) fn error_share([plane, across]: [f64; 2], [in_plane, in_z]: [i32; 2]) -> f64 {
+    if plane < 1.0 || across < 1.0 {
+        return 1.5;
+    }
+    (1.0 / (plane.powi(in_plane) * across.powi(in_z) - 1.0)).max(LEAST_SHARE)
+}
+
+/// The coarsest sufficient resolution if a grid was rejected as too coarse.
+pub fn raised(r: Resolution, refusal: &WaveError) -> Option<Resolution> {
+    match *refusal {
+        WaveError::CellTooHigh { needed, .. } => Some(Resolution { cells: needed.max(r.cells + 1), ..r }),
+        WaveError::GridTooCoarse { need, .. } => {
+            let raise = |n: usize| if n == 1 { 1 } else { n.max(smooth_size(need)) };
+            Some(Resolution { nx: raise(r.nx), ny: raise(r.ny), ..r })
+        }
+        _ => None,
+    }
+}
+
+/// Smallest product of 2, 3 and 5 that is at least `n`.
+pub fn smooth_size(n: usize) -> usize {
+    (n.max(2)..).find(|&n| is_smooth(n)).expect("smooth numbers are unbounded")
+}
+
+/// Points scaled by `factor`, rounded away from the present number to sizes with a fast transform.
+pub(crate) fn scaled_plane(r: Resolution, factor: f64, uniform: [bool; 2]) -> Resolution {
+    let scale = |n: usize, uniform: bool| if uniform { n } else { scaled_points(n, factor) };
+    Resolution { nx: scale(r.nx, uniform[0]), ny: scale(r.ny, uniform[1]), ..r }
+}
+
+/// Points along one axis scaled by `factor`; see [`scaled_plane`].
+pub(crate) fn scaled_points(n: usize, factor: f64) -> usize {
+    match n {
+        1 if factor > 1.0 => 3,
+        n if factor > 1.0 => smooth_size((n as f64 * factor).ceil() as usize),
+        n => (2..n).rev().find(|&k| (k as f64) <= n as f64 * factor && is_smooth(k)).unwrap_or(n),
+    }
+}
+
+/// Cells scaled by `factor`, rounded away from the present number.
+pub(crate) fn scaled_cells(r: Resolution, factor: f64) -> Resolution {
+    let cells = r.cells as f64 * factor;
+    let cells = if factor > 1.0 { cells.ceil() } else { cells.floor() };
+    Resolution { cells: (cells as usize).max(1), ..r }
+}
+
+/// Refines each direction whose error exceeds half of the accuracy, as far as the fast convergence
+/// of coarse grids suggests.
+pub(crate) fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolution {
+    let factor = |part: f64| (part / (0.4 * accuracy)).powf(1.0 / 6.0).clamp(1.1, 1.7);
+    let mut next = r;
+    if parts[0] > 0.45 * accuracy {
+        let grow = |n: usize| if n == 1 { 1 } else { scaled_points(n, factor(parts[0])) };
+        (next.nx, next.ny) = (grow(r.nx), grow(r.ny));
+    }
+    if parts[1] > 0.45 * accuracy {
+        next.cells = ((r.cells as f64 * factor(parts[1])).round() as usize).max(r.cells + 1);
+    }
+    if next != r {
+        return next;
+    }
+    // Neither exceeds its half, but their sum with the safety factor does: the direction with the
+    // larger error is refined.
+    let larger = if parts[0] > parts[1] { [accuracy, 0.0] } else { [0.0, accuracy] };
+    refine(r, larger, accuracy)
 }

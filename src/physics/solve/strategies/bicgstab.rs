@@ -4,11 +4,8 @@
 //! neither be cancelled nor observed. Convergence is erratic without absorption, where GMRES is the
 //! better choice.
 
-use crate::solve::account::{Solution, SolveError};
-use crate::solve::demand::Size;
-use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Solver};
 use crate::solve::vectors::{dot, norm};
+use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::Field;
 use num_complex::Complex64;
 use schemars::JsonSchema;
@@ -60,10 +57,8 @@ impl Solver for Bicgstab {
 /// Iterates until the recursive residual meets the goal, breaks down, or the applications are used
 /// up.
 fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), SolveError> {
-    let shadow = r.clone();
-    let shape = r.dim();
-    let (mut p, mut v, mut s, mut t) =
-        (r.clone(), Field::zeros(shape), Field::zeros(shape), Field::zeros(shape));
+    let (shadow, mut p) = (r.clone(), r.clone());
+    let [mut v, mut s, mut t] = [(); 3].map(|()| Field::zeros(r.dim()));
     let mut rho = dot(flat(&shadow), flat(r));
     while !ledger.exhausted() {
         apply(ledger, &p, &mut v); // v = M p
@@ -90,14 +85,11 @@ fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), S
         if residual <= 0.9 * ledger.goal.tolerance || residual > 1e4 {
             return Ok(());
         }
-        let next = dot(flat(&shadow), flat(r));
-        let beta = next / rho * (alpha / omega); // β = ⟨r̃, r⟩ / ⟨r̃, r⟩_previous · α/ω
-        rho = next;
+        let before = std::mem::replace(&mut rho, dot(flat(&shadow), flat(r)));
+        let beta = rho / before * (alpha / omega); // β = ⟨r̃, r⟩ / ⟨r̃, r⟩_previous · α/ω
         // p ← r + β (p − ω v)
-        ndarray::Zip::from(&mut p)
-            .and(&*r)
-            .and(&v)
-            .par_for_each(|p, &r, &v| *p = r + beta * (*p - omega * v));
+        let next = ndarray::Zip::from(&mut p).and(&*r).and(&v);
+        next.par_for_each(|p, &r, &v| *p = r + beta * (*p - omega * v));
     }
     Ok(())
 }

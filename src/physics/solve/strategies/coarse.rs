@@ -12,7 +12,6 @@ mod cell;
 use crate::numerics::dense::MatrixEntry;
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::Problem;
-use crate::wave::grid::element::Element;
 use cell::{CoarseCell, add_product, product};
 use faer::{Mat, c32};
 use num_complex::{Complex, Complex64};
@@ -44,26 +43,9 @@ pub(super) struct CoarseSpace {
 }
 
 impl CoarseSpace {
-    /// The operator on given columns of a field.
-    pub fn of(problem: &Problem, columns: Vec<usize>) -> Self {
-        let (diagonal, off) = node_tables(problem, &columns);
-        let mut space = Self {
-            harmonics: problem.harmonics.len(),
-            bubbles: from_bubbles(&problem.mean.element),
-            amplitudes: problem.mean.element.amplitudes.clone(),
-            diagonal,
-            off,
-            cells: Vec::new(),
-            pivots: Vec::new(),
-            columns,
-        };
-        space.eliminate(problem);
-        space
-    }
-
     /// Eliminates cells and nodes from the illuminated face on.
     fn eliminate(&mut self, problem: &Problem) {
-        let mut before = None;
+        let mut before: Option<Mat<c32>> = None;
         for j in 0..self.diagonal.len() {
             let mut own = cell::contrast_matrix(problem, &self.columns, self.degree() * j);
             add_diagonal(&mut own, &self.diagonal[j]);
@@ -129,8 +111,7 @@ impl CoarseSpace {
         for (j, (cell, inner)) in self.cells.iter().zip(inner).enumerate() {
             let values = cell.expanded(inner, [&nodes[j], &nodes[j + 1]]);
             let values: Vec<_> = values.chunks(self.columns.len()).map(<[c32]>::to_vec).collect();
-            let bubbles = combined(&self.amplitudes, &values);
-            field[degree * j + 1..degree * (j + 1)].clone_from_slice(&bubbles);
+            field[degree * j + 1..degree * (j + 1)].clone_from_slice(&combined(&self.amplitudes, &values));
         }
         nodes.into_iter().enumerate().for_each(|(j, row)| field[degree * j] = row);
     }
@@ -142,8 +123,7 @@ impl CoarseSpace {
             self.diagonal.iter().enumerate().map(|(j, own)| product(own, node(j))).collect();
         for (j, off) in self.off.iter().enumerate() {
             for (to, from) in [(j, j + 1), (j + 1, j)] {
-                let sums = out[to].iter_mut().zip(off.iter().zip(node(from)));
-                sums.for_each(|(out, (o, w))| *out += o * w);
+                out[to].iter_mut().zip(off.iter().zip(node(from))).for_each(|(out, (o, w))| *out += o * w);
             }
         }
         out
@@ -170,8 +150,7 @@ impl CoarseSpace {
     /// Subtracts from the load of one node of a cell what the other couples into it.
     fn couple(&self, cell: usize, [from, to]: [usize; 2], node: &[c32], load: &mut [c32]) {
         self.cells[cell].unload(to, &self.cells[cell].reached(from, node), load);
-        let direct = load.iter_mut().zip(self.off[cell].iter().zip(node));
-        direct.for_each(|(load, (off, x))| *load -= off * x);
+        load.iter_mut().zip(self.off[cell].iter().zip(node)).for_each(|(load, (off, x))| *load -= off * x);
     }
 
     fn none(&self) -> Vec<c32> {
@@ -181,8 +160,8 @@ impl CoarseSpace {
 
 /// The harmonics below the cut, with what solving them exactly costs.
 pub(super) struct CoarsePlan<'a> {
-    problem: &'a Problem,
-    columns: Vec<usize>,
+    pub problem: &'a Problem,
+    pub columns: Vec<usize>,
 }
 
 impl<'a> CoarsePlan<'a> {
@@ -215,7 +194,18 @@ impl<'a> CoarsePlan<'a> {
 
     /// Eliminates.
     pub fn carried_out(self) -> CoarseSpace {
-        CoarseSpace::of(self.problem, self.columns)
+        let Self { problem, columns } = self;
+        let node = |&i: &usize| problem.mean.node_matrix(i, problem.end_conditions(i));
+        let (diagonal, off): (Vec<_>, Vec<_>) = columns.iter().map(node).unzip();
+        let element = &problem.mean.element;
+        let value = |p: usize| element.bubbles.iter().map(|bubble| bubble[p - 1]).collect();
+        let (harmonics, amplitudes) = (problem.harmonics.len(), element.amplitudes.clone());
+        let bubbles = (1..element.degree).map(value).collect();
+        let [diagonal, off] = [diagonal, off].map(|table| transposed(&table));
+        let (cells, pivots) = (Vec::new(), Vec::new());
+        let mut space = CoarseSpace { columns, harmonics, bubbles, amplitudes, diagonal, off, cells, pivots };
+        space.eliminate(problem);
+        space
     }
 
     /// Number of cells, and of inner points of each.
@@ -224,20 +214,9 @@ impl<'a> CoarsePlan<'a> {
     }
 }
 
-/// Diagonal and coupling of the nodes' mean operator: node or cell → column.
-fn node_tables(problem: &Problem, columns: &[usize]) -> (Vec<Vec<c32>>, Vec<Vec<c32>>) {
-    let own = columns.iter().map(|&i| problem.mean.node_matrix(i, problem.end_conditions(i)));
-    let (diagonal, off): (Vec<_>, Vec<_>) = own.unzip();
-    (transposed(&diagonal), transposed(&off))
-}
-
+/// Node or cell → column.
 fn transposed(table: &[Vec<Complex64>]) -> Vec<Vec<c32>> {
     (0..table[0].len()).map(|j| table.iter().map(|column| narrow(column[j])).collect()).collect()
-}
-
-/// The bubbles' values by inner points.
-fn from_bubbles(element: &Element) -> Vec<Vec<f64>> {
-    (1..element.degree).map(|p| element.bubbles.iter().map(|bubble| bubble[p - 1]).collect()).collect()
 }
 
 /// Sums of rows with the factors of each row of a table.

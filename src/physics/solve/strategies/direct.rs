@@ -1,9 +1,6 @@
 //! The dense reference: the assembled matrix 1 + A⁻¹V by LU, for tiny grids only.
 
-use crate::solve::account::{Solution, SolveError};
-use crate::solve::demand::Size;
-use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Solver};
+use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::{Field, System};
 use num_complex::Complex64;
 use schemars::JsonSchema;
@@ -39,14 +36,13 @@ impl Solver for Direct {
         if n > self.max_unknowns {
             let allowed = format!("at most {}", self.max_unknowns);
             let remedy = "use a coarser grid, another solver, or raise direct.max_unknowns";
-            return Err(SolveError::setting("unknowns for strategy = \"direct\"", n, allowed, remedy));
+            return Err(SolveError::setting("unknowns for strategy = \"direct\"", n, &allowed, remedy));
         }
         let matrix = assemble(problem, &mut ledger);
         ledger.account.bytes = 2 * n * n * size_of::<Complex64>();
         let solved = dense_solve(&matrix, flat(&ledger.background));
         let field = Field::from_shape_vec(problem.shape(), solved).expect("as many values as unknowns");
-        let mut scratch = Field::zeros(problem.shape());
-        let residual = ledger.measure(&field, &mut scratch);
+        let residual = ledger.measure(&field, &mut Field::zeros(problem.shape()));
         ledger.account.steps = 1;
         ledger.note(residual)?;
         if !ledger.reached() {

@@ -99,14 +99,12 @@ impl GuidedModes {
         }
         let modes = size.near_null_modes(self.threshold).min(self.most as f64);
         // Profiles, images and values on planes for every mode; spectra of every plane.
-        let profiles = 48.0 * modes * size.planes();
-        BLOCKS * 16.0 * modes * modes + profiles + size.fields(1.0)
+        BLOCKS * 16.0 * modes * modes + 48.0 * modes * size.planes() + size.fields(1.0)
     }
 
     /// Settings for hard solves, where the correction pays off in small cells too.
     pub(super) fn of_hard_solves(self) -> Self {
-        let most = self.most.min(MOST_HARD);
-        Self { threshold: HARD * self.threshold, most, least_harmonics: 0, ..self }
+        Self { threshold: HARD * self.threshold, most: self.most.min(MOST_HARD), least_harmonics: 0, ..self }
     }
 
     /// Settings whose dense block takes at most `bytes`.
@@ -127,8 +125,7 @@ impl GuidedModes {
         if near.len() < self.least_harmonics {
             return None;
         }
-        let mut modes: Vec<Mode> =
-            near.into_par_iter().flat_map_iter(|i| modes_of(problem, i, limit)).collect();
+        let mut modes: Vec<_> = near.into_par_iter().flat_map_iter(|i| modes_of(problem, i, limit)).collect();
         modes.sort_by(|a, b| a.eigenvalue.total_cmp(&b.eigenvalue));
         modes.truncate(self.most);
         modes.sort_by_key(|m| m.harmonic);
@@ -140,7 +137,7 @@ impl GuidedModes {
 /// matrix over their masses sum to at most −2κ tanh(κh/2)/h with κ² = kx² + ky² − max k̄², which
 /// decreases with the height of the cells.
 fn may_be_near_null(problem: &Problem, harmonic: usize, limit: f64) -> bool {
-    let highest = problem.mean.mean_k2().iter().map(|k2| k2.re).fold(f64::NEG_INFINITY, f64::max);
+    let highest = problem.mean.mean_k2.iter().map(|k2| k2.re).fold(f64::NEG_INFINITY, f64::max);
     let lateral: f64 = problem.lateral[harmonic].iter().map(|k| k * k).sum();
     let grid = &problem.coverage.grid;
     let h = (0..grid.cells()).map(|j| grid.height_um(j)).fold(0.0, f64::max);
@@ -156,25 +153,20 @@ fn modes_of(problem: &Problem, harmonic: usize, limit: f64) -> Vec<Mode> {
     let n = diagonal.len();
     let scaled = |i: usize, j: usize| {
         let value = if i == j { diagonal[i].re } else { off[i.min(j)].re };
-        let reach = i.abs_diff(j) <= 1;
-        if reach { value / (mass[i] * mass[j]).sqrt() } else { 0.0 }
+        if i.abs_diff(j) <= 1 { value / (mass[i] * mass[j]).sqrt() } else { 0.0 }
     };
-    let Some((values, vectors)) = symmetric_eigen(&Mat::from_fn(n, n, scaled)) else {
-        return Vec::new();
-    };
+    let Some((values, vectors)) = symmetric_eigen(&Mat::from_fn(n, n, scaled)) else { return Vec::new() };
     // A mode that radiates into a half-space is as far from null as its damping.
     let damping = |e: usize| {
         let [first, last] = [0, n - 1].map(|j| vectors[(j, e)].powi(2) / mass[j]);
         ends[0].im * first + ends[1].im * last
     };
     let size = |e: usize| values[e].hypot(damping(e));
-    let near = (0..n).filter(|&e| size(e) < limit);
-    let mode = |e: usize| Mode {
-        harmonic,
-        eigenvalue: size(e),
-        nodes: (0..n).map(|j| vectors[(j, e)] / mass[j].sqrt()).collect(),
-    };
-    near.map(mode).collect()
+    let near = (0..n).filter(|&e| size(e) < limit).map(|e| {
+        let nodes = (0..n).map(|j| vectors[(j, e)] / mass[j].sqrt()).collect();
+        Mode { harmonic, eigenvalue: size(e), nodes }
+    });
+    near.collect()
 }
 
 impl Correction {
@@ -236,11 +228,11 @@ impl Correction {
     /// Product (Aφ)ᵀ v for one mode φ; `image` is Aφ.
     #[inline]
     fn product<T: Real>(&self, mode: &Mode, image: &[Complex64], v: &[Complex<T>]) -> Complex64 {
-        let value = |j: usize| {
+        let products = image.iter().enumerate().map(|(j, a)| {
             let z = v[self.place(j, mode.harmonic)];
-            Complex64::new(z.re.wide(), z.im.wide())
-        };
-        image.iter().enumerate().map(|(j, a)| a * value(j)).sum::<Complex64>()
+            a * Complex64::new(z.re.wide(), z.im.wide())
+        });
+        products.sum()
     }
 }
 

@@ -5,11 +5,8 @@
 
 mod recurrence;
 
-use crate::solve::account::{Solution, SolveError};
-use crate::solve::demand::Size;
-use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Solver};
 use crate::solve::vectors::norm;
+use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::Field;
 use crate::wave::system::Double;
 use recurrence::Recurrence;
@@ -70,7 +67,7 @@ impl Idr {
             }
             let size = norm(flat(r));
             let mut recurrence = Recurrence::new(self.shadow_space, r, size);
-            recurrence.run(&Double(ledger.problem), ledger, size)?;
+            recurrence.run(&Double(ledger.problem), ledger)?;
             u.iter_mut().zip(recurrence.correction()).for_each(|(u, e)| *u += size * e);
             ledger.measure(u, r);
             if !ledger.reached() {

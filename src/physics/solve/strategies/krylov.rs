@@ -5,10 +5,7 @@ mod run;
 
 use super::guided::GuidedModes;
 use super::idr::Idr;
-use crate::solve::account::{Solution, SolveError};
-use crate::solve::demand::Size;
-use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Solver};
+use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::Field;
 use crate::wave::system::Double;
 use run::{KrylovRun, RightFactor};
@@ -63,7 +60,8 @@ impl Solver for Gmres {
     }
 
     fn fit(&self, size: &Size, bytes: f64) -> Fit {
-        let needs = |settings: &Gmres| settings.vectors_bytes(size) + settings.bytes_of_modes(size);
+        let vectors = |settings: &Gmres| size.fields(settings.restart as f64 + OTHER_VECTORS);
+        let needs = |settings: &Gmres| vectors(settings) + settings.bytes_of_modes(size);
         let mut settings = *self;
         if needs(self) > bytes {
             settings.guided_modes = self.guided_modes.within(GUIDED_SHARE * bytes);
@@ -130,10 +128,6 @@ impl Solver for Growing {
 }
 
 impl Gmres {
-    fn vectors_bytes(&self, size: &Size) -> f64 {
-        size.fields(self.restart as f64 + OTHER_VECTORS)
-    }
-
     /// Number of basis vectors that fit into `bytes` besides everything else.
     fn most_vectors(&self, size: &Size, bytes: f64) -> usize {
         let vectors = (bytes - self.bytes_of_modes(size)) / size.fields(1.0) - OTHER_VECTORS;
@@ -142,8 +136,7 @@ impl Gmres {
 
     /// Largest memory of the guided modes in bytes, for solves of any difficulty.
     fn bytes_of_modes(&self, size: &Size) -> f64 {
-        let hard = self.guided_modes.of_hard_solves();
-        self.guided_modes.most_bytes(size).max(hard.most_bytes(size))
+        self.guided_modes.most_bytes(size).max(self.guided_modes.of_hard_solves().most_bytes(size))
     }
 }
 

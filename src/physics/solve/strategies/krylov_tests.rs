@@ -1,6 +1,6 @@
 //! GMRES and Born against a dense solve of the same, assembled system on tiny awkward grids.
 
-use super::super::coarse::{CoarsePlan, CoarseSpace};
+use super::super::coarse::CoarsePlan;
 use super::*;
 use crate::solve::vectors::norm;
 use crate::solve::{Born, Direct, Goal, Idr, Silent, Step, System, Watch};
@@ -61,7 +61,8 @@ fn the_lowest_harmonics_are_solved_exactly() {
         for (i, scheme) in SCHEMES.into_iter().enumerate() {
             let side = if i % 2 == 0 { Side::Incident } else { Side::Exit };
             let problem = problem(size, scheme, Complex64::new(2.1, 0.1), side);
-            let space = CoarseSpace::of(&problem, (0..problem.harmonics.len()).collect());
+            let columns = (0..problem.harmonics.len()).collect();
+            let space = CoarsePlan { problem: &problem, columns }.carried_out();
             let mut field = problem.background_wave();
             space.apply(field.as_slice_mut().expect("contiguous"));
             // single precision, times condition numbers of up to a hundred

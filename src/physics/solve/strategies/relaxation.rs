@@ -8,18 +8,13 @@
 //! undamped; replacing the state by its mean over a window ("averaging restart") removes them.
 
 mod march;
-mod memory;
 
 pub(crate) use march::contrasts;
 
-use crate::solve::account::{Solution, SolveError};
-use crate::solve::demand::Size;
-use crate::solve::ledger::{Ledger, flat};
-use crate::solve::solver::{Fit, Solver};
 use crate::solve::vectors::norm;
+use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::{Field, Mean, Problem};
-use march::March;
-use memory::Memory;
+use march::{March, Memory};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -71,8 +66,8 @@ impl Solver for Relaxation {
         loop {
             let before = ledger.account.residual;
             let mean = march.window(self.window, &mut ledger);
-            memory.add(march.candidate_of(mean, &mut ledger));
-            memory.add(march.candidate(&mut ledger));
+            memory.recent.push_back(march.candidate_of(mean, &mut ledger));
+            memory.recent.push_back(march.candidate(&mut ledger));
             // A NaN residual counts as grown.
             let after = ledger.account.residual;
             if (after.is_nan() || after > GROWTH * before) && 0.5 * tau >= self.tau * SHORTEST {

@@ -7,12 +7,11 @@
 
 mod cell_sum;
 
-pub use super::channel::Channel;
+pub use crate::wave::grid::Channel;
 
-use super::cell::{CellCoefficients, CellColumns};
-use super::folding::{Folding, Planes, REACH};
+use super::folding::{CellCoefficients, Folding, REACH};
 use super::nufft::{SourceTransform, Spreading};
-use super::section::{Demands, GaussRules, Sampling};
+use super::section::{Demands, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneFft, Real};
 use crate::wave::{Body, Grid, Layout, Material, Resolution, Scene, WaveError};
 use cell_sum::CellSum;
@@ -130,43 +129,37 @@ impl Coverage {
     /// [`WaveError::Stopped`], and the errors of [`Grid::new`].
     pub fn with(scene: &Scene, resolution: Resolution, precision: Precision) -> Result<Coverage, WaveError> {
         if precision.bounded_error() < SINGLE {
-            build::<f64>(scene, resolution, precision)
+            Coverage::of::<f64>(scene, resolution, precision)
         } else {
-            build::<f32>(scene, resolution, precision)
+            Coverage::of::<f32>(scene, resolution, precision)
         }
+    }
+
+    fn of<T: Real>(scene: &Scene, resolution: Resolution, precision: Precision) -> Result<Self, WaveError> {
+        let grid = Grid::new(scene, resolution)?;
+        let channels = find_channels(scene, &grid);
+        let folding = Folding::<T>::new(&grid);
+        let builder = Builder::<T>::new(scene, &grid, &channels, &folding.harmonics, precision);
+        let cells: Vec<_> = (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
+        if (precision.stop)() {
+            return Err(WaveError::Stopped);
+        }
+        let count = channels.len();
+        let pairs: Vec<[usize; 2]> = (0..count).flat_map(|a| (a..count).map(move |b| [a, b])).collect();
+        let [moments, folded] = folding.planes(&cells, &pairs);
+        let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
+        let mean = |j: usize, c: usize| Some(cells[j][c].as_ref()?.means.iter().sum::<f64>() / heights[j]);
+        let layout = Layout::new(scene, grid, channels, mean);
+        let (nx, ny) = (resolution.nx, resolution.ny);
+        let (fft, fft_single) = (PlaneFft::new(nx, ny), PlaneFft::new(nx, ny));
+        let harmonics = Arc::new(Harmonics::new(nx, ny));
+        Ok(Coverage { layout, moments, pairs, folded, harmonics, fft, fft_single })
     }
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         self.moments.iter().chain(&self.folded).map(|m| m.len() * size_of::<f64>()).sum()
     }
-}
-
-fn build<T: Real>(
-    scene: &Scene,
-    resolution: Resolution,
-    precision: Precision,
-) -> Result<Coverage, WaveError> {
-    let grid = Grid::new(scene, resolution)?;
-    let channels = find_channels(scene, &grid);
-    let folding = Folding::<T>::new(&resolution, grid.period_um);
-    let builder = Builder::<T>::new(scene, &grid, &channels, &folding.harmonics, precision);
-    let cells: Vec<_> = (0..grid.cells()).into_par_iter().map(|j| builder.cell(j)).collect();
-    if (precision.stop)() {
-        return Err(WaveError::Stopped);
-    }
-    let Planes { moments, pairs, folded } = folding.planes(&grid, &cells, channels.len());
-    let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
-    let mean = |j: usize, c: usize| Some(cells[j][c].as_ref()?.means.iter().sum::<f64>() / heights[j]);
-    Ok(Coverage {
-        layout: Layout::new(scene, grid, channels, mean),
-        moments,
-        pairs,
-        folded,
-        harmonics: Arc::new(Harmonics::new(resolution.nx, resolution.ny)),
-        fft: PlaneFft::new(resolution.nx, resolution.ny),
-        fft_single: PlaneFft::new(resolution.nx, resolution.ny),
-    })
 }
 
 /// All (background, material) pairs that share a cell.
@@ -218,17 +211,8 @@ impl<'a, T: Real> Builder<'a, T> {
         let loose = (OUTER * error).min(1e-2);
         let demands = Demands([(corner(1.0 / REACH as f64), error), (corner(1.0), loose)]);
         let transform = SourceTransform::new(widest[0], widest[1], Spreading::within(error));
-        let sampling = Sampling { demands, degree: grid.element.degree, rules: GaussRules::default() };
+        let sampling = Sampling { demands, degree: grid.element.degree };
         Builder { scene, grid, channels, harmonics, widest, transform, sampling, stop: precision.stop }
-    }
-
-    fn columns(&self, cell: usize) -> CellColumns<'_> {
-        CellColumns {
-            range_um: [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]],
-            element: &self.grid.element,
-            orders: &self.harmonics.orders,
-            widest: self.widest,
-        }
     }
 
     /// Moments of every channel within one cell; `None` for channels absent from it.

@@ -8,10 +8,9 @@
 //! nothing per step, keeps energy balance and reciprocity, and raises the observed order of
 //! convergence in the plane from 3 to about 5.
 
-use super::cell::CellTable;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real};
+use crate::wave::Grid;
 use crate::wave::operator::sharing::by_row;
-use crate::wave::{Grid, Resolution};
 use ndarray::{Array2, ArrayViewMut1};
 use num_complex::Complex;
 use rayon::prelude::*;
@@ -21,8 +20,19 @@ use std::f64::consts::TAU;
 /// cent only.
 pub(super) const REACH: usize = 2;
 
+/// Coefficients of one channel in one cell: plane of the cell → wide harmonics, and their means in
+/// full precision.
+pub(crate) struct CellCoefficients<T: Real> {
+    pub spectra: Vec<Vec<Complex<T>>>,
+    pub means: Vec<f64>,
+}
+
+/// Coefficients in all cells of all channels, where they are present.
+pub(crate) type CellTable<T> = [Vec<Option<CellCoefficients<T>>>];
+
 /// The grid's harmonics, the wider set around them, and the transforms of both.
-pub struct Folding<T: Real> {
+pub struct Folding<'a, T: Real> {
+    grid: &'a Grid,
     /// All harmonics that the coverage is computed for.
     pub harmonics: Harmonics,
     inner: Harmonics,
@@ -35,16 +45,6 @@ pub struct Folding<T: Real> {
     wide_points: usize,
 }
 
-/// Fields on the grid's points, planes × points, in µm (moments) and µm³ (folded).
-pub struct Planes {
-    /// ∫ ψ_p χ dz of every channel.
-    pub moments: Vec<Array2<f64>>,
-    /// The channels of every folded field.
-    pub pairs: Vec<[usize; 2]>,
-    /// Fields contributed by the outer harmonics of each pair.
-    pub folded: Vec<Array2<f64>>,
-}
-
 /// Work arrays of one thread.
 struct Buffers<T: Real> {
     wide: PlaneScratch<T>,
@@ -55,45 +55,47 @@ struct Buffers<T: Real> {
     compact: Vec<Complex<T>>,
 }
 
-impl<T: Real> Folding<T> {
-    /// Plans the transforms of a grid of `period_um`.
-    pub fn new(resolution: &Resolution, period_um: [f64; 2]) -> Folding<T> {
-        let [nx, ny] = [resolution.nx, resolution.ny];
+impl<'a, T: Real> Folding<'a, T> {
+    /// Plans the transforms of a grid.
+    pub fn new(grid: &'a Grid) -> Self {
+        let [nx, ny] = [grid.resolution.nx, grid.resolution.ny];
         let [wx, wy] = [nx, ny].map(|n| if n == 1 { 1 } else { REACH * n });
         let (harmonics, inner) = (Harmonics::new(wx, wy), Harmonics::new(nx, ny));
         let [mmax, nmax] = [nx, ny].map(|n| (n as i32 - 1) / 2);
         let is_inner = |o: &[i32; 2]| o[0].abs() <= mmax && o[1].abs() <= nmax;
         let kept = (0..harmonics.len()).filter(|&i| is_inner(&harmonics.orders[i])).collect();
         let inverse = |o: &[i32; 2]| {
-            let q2: f64 = (0..2).map(|i| (TAU * f64::from(o[i]) / period_um[i]).powi(2)).sum();
+            let q2: f64 = (0..2).map(|i| (TAU * f64::from(o[i]) / grid.period_um[i]).powi(2)).sum();
             T::of(if is_inner(o) { 0.0 } else { 1.0 / q2 })
         };
         let inverse_q2 = harmonics.orders.iter().map(inverse).collect();
         let (wide, narrow) = (PlaneFft::new(wx, wy), PlaneFft::new(nx, ny));
-        Folding { harmonics, inner, kept, inverse_q2, wide, narrow, wide_points: wx * wy }
+        Folding { grid, harmonics, inner, kept, inverse_q2, wide, narrow, wide_points: wx * wy }
     }
 
     /// Sums the cells' contributions to each plane, transforms them to points and folds every pair
-    /// of channels.
-    pub(crate) fn planes(&self, grid: &Grid, cells: &CellTable<T>, channels: usize) -> Planes {
-        let pairs: Vec<[usize; 2]> = (0..channels).flat_map(|a| (a..channels).map(move |b| [a, b])).collect();
-        let mut moments = vec![Array2::zeros((grid.planes(), grid.points())); channels + pairs.len()];
-        by_row(&mut moments, grid.planes()).into_par_iter().enumerate().for_each_init(
+    /// of channels: on the grid's points (planes × points), ∫ ψ_p χ dz of every channel in µm, and
+    /// the fields contributed by the outer harmonics of each pair in µm³.
+    pub(super) fn planes(&self, cells: &CellTable<T>, pairs: &[[usize; 2]]) -> [Vec<Array2<f64>>; 2] {
+        let channels = cells[0].len();
+        let (planes, points) = (self.grid.planes(), self.grid.points());
+        let mut moments = vec![Array2::zeros((planes, points)); channels + pairs.len()];
+        by_row(&mut moments, planes).into_par_iter().enumerate().for_each_init(
             || self.buffers(channels),
             |buffers, (plane, rows)| {
-                self.spectra(grid, cells, plane, buffers);
-                let weight = plane_weight(grid, plane) * self.wide_points as f64;
-                self.fold(&pairs, T::of(weight), rows, buffers);
+                self.spectra(cells, plane, buffers);
+                let weight = self.plane_weight(plane) * self.wide_points as f64;
+                self.fold(pairs, T::of(weight), rows, buffers);
             },
         );
         let folded = moments.split_off(channels);
-        Planes { moments, pairs, folded }
+        [moments, folded]
     }
 
     /// Computes one plane's wide spectrum and outer fields of every channel in `buffers`.
-    fn spectra(&self, grid: &Grid, cells: &CellTable<T>, plane: usize, buffers: &mut Buffers<T>) {
+    fn spectra(&self, cells: &CellTable<T>, plane: usize, buffers: &mut Buffers<T>) {
         for c in 0..buffers.spectra.len() {
-            plane_spectrum(grid, cells, [plane, c], &mut buffers.spectra[c]);
+            self.plane_spectrum(cells, [plane, c], &mut buffers.spectra[c]);
             self.outer_fields(c, buffers);
         }
     }
@@ -108,23 +110,26 @@ impl<T: Real> Folding<T> {
         buffers: &mut Buffers<T>,
     ) {
         // A channel's moments and a folded field are both real and share a transform.
-        let folded = moments.split_off(buffers.spectra.len());
-        for (p, mut out) in folded.into_iter().enumerate() {
+        for (p, mut out) in moments.split_off(buffers.spectra.len()).into_iter().enumerate() {
             self.product(pairs[p], weight, buffers);
-            let own = moments.get_mut(p).map(|view| (buffers.spectra[p].as_slice(), view));
-            self.to_grid(own, &mut out, &buffers.compact, &mut buffers.narrow);
+            let Buffers { narrow, spectra, compact, .. } = &mut *buffers;
+            let own = |i: usize| spectra.get(p).map_or(Complex::default(), |spectrum| spectrum[i]);
+            let both = |&i: &usize| own(i) + Complex::new(-compact[i].im, compact[i].re);
+            let kept: Vec<Complex<T>> = self.kept.iter().map(both).collect();
+            self.inner.scatter(&kept, &mut narrow.spectrum);
+            self.narrow.inverse(narrow, &self.inner.rows);
+            out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.im.wide());
+            if let Some(out) = moments.get_mut(p) {
+                out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.re.wide());
+            }
         }
     }
 
     fn buffers(&self, channels: usize) -> Buffers<T> {
         let zeros = |count: usize| vec![vec![Complex::default(); count]; channels];
-        Buffers {
-            wide: self.wide.scratch(),
-            narrow: self.narrow.scratch(),
-            spectra: zeros(self.harmonics.len()),
-            outer: zeros(self.wide_points),
-            compact: vec![Complex::default(); self.harmonics.len()],
-        }
+        let (wide, narrow) = (self.wide.scratch(), self.narrow.scratch());
+        let (spectra, outer) = (zeros(self.harmonics.len()), zeros(self.wide_points));
+        Buffers { wide, narrow, spectra, outer, compact: vec![Complex::default(); self.harmonics.len()] }
     }
 
     /// Outer part of a channel's spectrum, plain and over q², on the wide set's points, as real and
@@ -152,55 +157,27 @@ impl<T: Real> Folding<T> {
         self.harmonics.gather(&buffers.wide.spectrum, &mut buffers.compact);
     }
 
-    /// Restricts the folded spectrum in `compact` to the grid, together with a channel's moments if
-    /// there are any: both fields are real and share a transform.
-    fn to_grid(
-        &self,
-        moments: Option<(&[Complex<T>], &mut ArrayViewMut1<f64>)>,
-        folded: &mut ArrayViewMut1<f64>,
-        compact: &[Complex<T>],
-        narrow: &mut PlaneScratch<T>,
-    ) {
-        let turned = |z: Complex<T>| Complex::new(-z.im, z.re);
-        let value = |&i: &usize| {
-            let own = moments.as_ref().map_or(Complex::default(), |(spectrum, _)| spectrum[i]);
-            own + turned(compact[i])
+    /// One plane's wide spectrum of a channel, the sum over the cells it touches.
+    fn plane_spectrum(&self, cells: &CellTable<T>, [plane, channel]: [usize; 2], sum: &mut [Complex<T>]) {
+        sum.fill(Complex::default());
+        let degree = self.grid.element.degree;
+        // A plane belongs to the cell in which it starts or lies, and a node also to the previous
+        // cell.
+        let before = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
+        for cell in before.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
+            if let Some(part) = &cells[cell][channel] {
+                sum.iter_mut().zip(&part.spectra[plane - degree * cell]).for_each(|(s, p)| *s += p);
+            }
+        }
+    }
+
+    /// Integral of the plane's shape functions over the cells it touches.
+    fn plane_weight(&self, plane: usize) -> f64 {
+        let (grid, degree) = (self.grid, self.grid.element.degree);
+        let in_cell = |j: usize| {
+            let point = plane.checked_sub(degree * j)?;
+            Some(grid.height_um(j) * grid.element.weights.get(point)?)
         };
-        let kept: Vec<Complex<T>> = self.kept.iter().map(value).collect();
-        self.inner.scatter(&kept, &mut narrow.spectrum);
-        self.narrow.inverse(narrow, &self.inner.rows);
-        folded.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.im.wide());
-        if let Some((_, out)) = moments {
-            out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.re.wide());
-        }
+        (0..grid.cells()).filter_map(in_cell).sum()
     }
-}
-
-/// One plane's wide spectrum of a channel, the sum over the cells it touches.
-fn plane_spectrum<T: Real>(
-    grid: &Grid,
-    cells: &CellTable<T>,
-    [plane, channel]: [usize; 2],
-    sum: &mut [Complex<T>],
-) {
-    sum.fill(Complex::default());
-    let degree = grid.element.degree;
-    // A plane belongs to the cell in which it starts or lies, and a node also to the previous
-    // cell.
-    let before = plane.is_multiple_of(degree).then(|| (plane / degree).checked_sub(1)).flatten();
-    for cell in before.into_iter().chain([plane / degree]).filter(|&j| j < cells.len()) {
-        if let Some(part) = &cells[cell][channel] {
-            sum.iter_mut().zip(&part.spectra[plane - degree * cell]).for_each(|(s, p)| *s += p);
-        }
-    }
-}
-
-/// Integral of the plane's shape functions over the cells it touches.
-fn plane_weight(grid: &Grid, plane: usize) -> f64 {
-    let degree = grid.element.degree;
-    let in_cell = |j: usize| {
-        let point = plane.checked_sub(degree * j)?;
-        Some(grid.height_um(j) * grid.element.weights.get(point)?)
-    };
-    (0..grid.cells()).filter_map(in_cell).sum()
 }

@@ -4,8 +4,6 @@
 //! [`coverage`] combines the cuts of bodies with planes ([`section`]), the transform of their edges
 //! ([`nufft`]), the space beyond a relief and the harmonics beyond the grid ([`folding`]).
 
-pub(crate) mod cell;
-pub mod channel;
 pub mod coverage;
 pub mod folding;
 pub mod nufft;

@@ -151,10 +151,8 @@ impl<'a, T: Real> Sources<'a, T> {
     #[inline]
     pub fn spread(&mut self, position_um: [f64; 2], value: &[T]) {
         let SourceTransform { kernel, fine, .. } = self.transform;
-        let [x, y] = [0, 1].map(|axis| {
-            let position = position_um[axis] / self.period_um[axis];
-            kernel.footprint(position * fine[axis] as f64)
-        });
+        let [x, y] =
+            [0, 1].map(|axis| kernel.footprint(position_um[axis] / self.period_um[axis] * fine[axis] as f64));
         let (column, row) = ((x.first - self.origin[0]) as usize, (y.first - self.origin[1]) as usize);
         let stride = self.size[0] * self.fields;
         let part = &mut self.patch[row * stride + column * self.fields..];
@@ -200,8 +198,7 @@ impl<T: Real> Kernel<T> {
     fn footprint(&self, x: f64) -> Footprint<T> {
         let edge = x - self.width as f64 / 2.0;
         let first = edge.ceil();
-        let t = T::of(2.0 * (first - edge) - 1.0);
-        Footprint { first: first as i64, weight: horner(&self.powers, t) }
+        Footprint { first: first as i64, weight: horner(&self.powers, T::of(2.0 * (first - edge) - 1.0)) }
     }
 }
 
@@ -239,8 +236,7 @@ fn polynomial(degree: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
 }
 
 fn kernel(t: f64, width: usize) -> f64 {
-    let inside = (1.0 - t * t).max(0.0);
-    (SHAPE * width as f64 * (inside.sqrt() - 1.0)).exp()
+    (SHAPE * width as f64 * ((1.0 - t * t).max(0.0).sqrt() - 1.0)).exp()
 }
 
 /// Smallest product of 2, 3 and 5 that holds the harmonics with the requested oversampling, and the

@@ -19,6 +19,9 @@ pub struct EdgePoint {
     pub normal: [f64; 2],
 }
 
+/// The edge of a cut.
+pub type Edge = [EdgePoint];
+
 /// Required resolution of e^{−ik·x} by rings and heights: wavenumbers, 1/µm, each with its relative
 /// error.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,25 +41,21 @@ impl Demands {
     }
 }
 
-/// Gauss–Legendre rules, each computed on first use.
-pub struct GaussRules(Vec<OnceLock<GaussLegendre>>);
-
 /// Number of nodes of the largest rule, which resolves some 600 wavelengths.
 const MOST_NODES: usize = 2048;
 
-impl Default for GaussRules {
-    fn default() -> GaussRules {
-        GaussRules((0..=MOST_NODES).map(|_| OnceLock::new()).collect())
-    }
+/// Gauss–Legendre rules by their number of nodes, each computed on first use.
+static RULES: [OnceLock<GaussLegendre>; MOST_NODES + 1] = [const { OnceLock::new() }; MOST_NODES + 1];
+
+/// Nodes on (−1, 1) and weights.
+pub fn gauss_rule(nodes: usize) -> &'static [(f64, f64)] {
+    let nodes = nodes.clamp(2, MOST_NODES);
+    RULES[nodes].get_or_init(|| GaussLegendre::new(nodes).expect("at least two nodes")).as_node_weight_pairs()
 }
 
-impl GaussRules {
-    /// Nodes on (−1, 1) and weights.
-    pub fn of(&self, nodes: usize) -> &[(f64, f64)] {
-        let nodes = nodes.clamp(2, MOST_NODES);
-        let rule = || GaussLegendre::new(nodes).expect("at least two nodes");
-        self.0[nodes].get_or_init(rule).as_node_weight_pairs()
-    }
+/// The rule that integrates polynomials of a degree, with a node to spare.
+pub fn gauss_of_degree(degree: f64) -> &'static [(f64, f64)] {
+    gauss_rule((0.5 * degree).ceil() as usize + 1)
 }
 
 /// Sampling of surfaces.
@@ -65,8 +64,6 @@ pub struct Sampling {
     pub demands: Demands,
     /// Degree of the polynomials ψ in z.
     pub degree: usize,
-    /// Shared quadrature rules.
-    pub rules: GaussRules,
 }
 
 impl Sampling {
@@ -75,13 +72,7 @@ impl Sampling {
     ///
     /// The range is divided where arcs appear and vanish. Whole rings are entire functions of z;
     /// for arcs z = lo + (hi − lo) sin²t removes the square roots at their ends.
-    pub fn rings(
-        &self,
-        balls: &[Ball],
-        i: usize,
-        range: [f64; 2],
-        ring: &mut impl FnMut(f64, f64, &[EdgePoint]),
-    ) {
+    pub fn rings(&self, balls: &[Ball], i: usize, range: [f64; 2], ring: &mut impl FnMut(f64, f64, &Edge)) {
         let mut points = Vec::new();
         for part in breakpoints(balls, i, range).windows(2) {
             let (lo, length) = (part[0], part[1] - part[0]);
@@ -89,8 +80,8 @@ impl Sampling {
             if middle.is_empty() {
                 continue;
             }
-            let whole = is_whole(&middle);
-            for (z, weight) in self.heights([lo, length], self.height_count(length, whole), !whole) {
+            let whole = matches!(middle[..], [[start, end]] if end - start >= TAU);
+            for (z, weight) in heights([lo, length], self.height_count(length, whole), !whole) {
                 points.clear();
                 let arcs = if whole { middle.clone() } else { free_arcs(balls, i, z) };
                 arcs.iter().for_each(|arc| self.push_arc(&balls[i], z, *arc, &mut points));
@@ -100,7 +91,7 @@ impl Sampling {
     }
 
     /// Number of Gauss points over a height: the degree integrated is 2n − 1.
-    pub(in crate::wave) fn height_count(&self, length: f64, whole: bool) -> usize {
+    pub fn height_count(&self, length: f64, whole: bool) -> usize {
         // Along sin²t the phase changes at up to π/2 times the mean rate.
         let reach = if whole { 0.5 * length } else { 0.25 * PI * length };
         let extra = if whole { self.degree } else { 2 * self.degree + 4 };
@@ -109,13 +100,7 @@ impl Sampling {
 
     /// Adds points along an arc: the trapezoidal rule on a whole circle, Gauss–Legendre on a part;
     /// both converge geometrically once they resolve e^{−ik·x}.
-    pub(in crate::wave) fn push_arc(
-        &self,
-        ball: &Ball,
-        z: f64,
-        [start, end]: [f64; 2],
-        points: &mut Vec<EdgePoint>,
-    ) {
+    pub fn push_arc(&self, ball: &Ball, z: f64, [start, end]: [f64; 2], points: &mut Vec<EdgePoint>) {
         let radius = (ball.radius_um.powi(2) - (z - ball.center_um[2]).powi(2)).max(0.0).sqrt();
         let mut push = |[c, s]: [f64; 2], weight: f64| {
             let position = [ball.center_um[0] + radius * c, ball.center_um[1] + radius * s];
@@ -135,8 +120,7 @@ impl Sampling {
             return;
         }
         let half = 0.5 * (end - start);
-        let degree = self.demands.degree(radius * half) + 4.0 * half + 2.0;
-        for &(x, w) in self.rules.of((0.5 * degree).ceil() as usize + 1) {
+        for &(x, w) in gauss_of_degree(self.demands.degree(radius * half) + 4.0 * half + 2.0) {
             let (s, c) = (start + half * (1.0 + x)).sin_cos();
             push([c, s], half * w);
         }
@@ -146,26 +130,21 @@ impl Sampling {
     pub fn strip_heights(&self, shape: &BodyShape, [lo, hi]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
         let round = matches!(shape, BodyShape::CylinderY { .. });
         let count = if round { self.height_count(hi - lo, false) } else { self.degree };
-        self.heights([lo, hi - lo], count, round)
+        heights([lo, hi - lo], count, round)
     }
+}
 
-    /// Gauss points and weights of a length above `lo`. With `roots`, the substitution
-    /// s = sin²(πt/2) removes square roots at both of its ends.
-    pub(super) fn heights(
-        &self,
-        [lo, length]: [f64; 2],
-        count: usize,
-        roots: bool,
-    ) -> impl Iterator<Item = (f64, f64)> {
-        let share = move |t: f64| match roots {
-            true => ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()),
-            false => (t, 1.0),
-        };
-        self.rules.of(count).iter().map(move |&(x, w)| {
-            let (s, ds) = share(0.5 * (x + 1.0));
-            (lo + length * s, 0.5 * w * length * ds)
-        })
-    }
+/// Gauss points and weights of a length above `lo`. With `roots`, the substitution s = sin²(πt/2)
+/// removes square roots at both of its ends.
+pub(super) fn heights([lo, length]: [f64; 2], count: usize, roots: bool) -> impl Iterator<Item = (f64, f64)> {
+    let share = move |t: f64| match roots {
+        true => ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()),
+        false => (t, 1.0),
+    };
+    gauss_rule(count).iter().map(move |&(x, w)| {
+        let (s, ds) = share(0.5 * (x + 1.0));
+        (lo + length * s, 0.5 * w * length * ds)
+    })
 }
 
 /// Lateral extents of a ball, µm.
@@ -221,10 +200,6 @@ fn disc_of(ball: &Ball, z: f64) -> Option<SectionDisc> {
     let square = ball.radius_um.powi(2) - (z - ball.center_um[2]).powi(2);
     (square > 0.0)
         .then(|| SectionDisc { center: [ball.center_um[0], ball.center_um[1]], radius: square.sqrt() })
-}
-
-fn is_whole(arcs: &[[f64; 2]]) -> bool {
-    matches!(arcs, [[start, end]] if end - start >= TAU)
 }
 
 /// Intervals [start, end] of ball `i`'s edge at height `z` that lie outside all other balls.

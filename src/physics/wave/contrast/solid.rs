@@ -5,7 +5,7 @@
 //! entire function of the height, a polygon is linear in it, and the arcs of a disc have square
 //! roots at the ends, which z = lo + (hi − lo) sin²t removes.
 
-use super::section::{EdgePoint, Sampling};
+use super::section::{Edge, EdgePoint, Sampling, gauss_of_degree, heights};
 use crate::ink::grains::solid::{Form, Solid};
 use crate::numerics::vector::{V3, cross, dot, norm, scale, unit};
 use std::f64::consts::{PI, TAU};
@@ -37,21 +37,15 @@ const LYING: f64 = 1e-8;
 impl Sampling {
     /// Calls `cut(z, weight, points)` for the edges of the cuts within a range of heights. `extra`
     /// is the degree that the integrand has in addition to the wave and ψ.
-    pub fn cuts(
-        &self,
-        solid: &Solid,
-        range: [f64; 2],
-        extra: f64,
-        cut: &mut impl FnMut(f64, f64, &[EdgePoint]),
-    ) {
+    pub fn cuts(&self, solid: &Solid, range: [f64; 2], extra: f64, cut: &mut impl FnMut(f64, f64, &Edge)) {
         let mut points = Vec::new();
         let [low, high] = solid.extent_um(2);
         for stretch in stretches(solid, [range[0].max(low), range[1].min(high)]) {
             let (lo, length) = (stretch.range[0], stretch.range[1] - stretch.range[0]);
-            let along =
+            let more =
                 self.degree as f64 + extra + if stretch.roots { 4.0 + self.degree as f64 } else { 2.0 };
-            let count = (0.5 * (self.demands.degree(stretch.reach) + along)).ceil() as usize + 1;
-            for (z, weight) in self.heights([lo, length], count, stretch.roots) {
+            let count = (0.5 * (self.demands.degree(stretch.reach) + more)).ceil() as usize + 1;
+            for (z, weight) in heights([lo, length], count, stretch.roots) {
                 points.clear();
                 sides(solid, z).iter().for_each(|side| self.push_side(side, extra, &mut points));
                 cut(z, weight, &points);
@@ -64,7 +58,7 @@ impl Sampling {
             Boundary::Line([from, to]) => {
                 let step = [to[0] - from[0], to[1] - from[1]];
                 let degree = self.demands.degree(0.5 * step[0].hypot(step[1])) + 1.0 + extra;
-                for &(x, w) in self.rules.of((0.5 * degree).ceil() as usize + 1) {
+                for &(x, w) in gauss_of_degree(degree) {
                     let t = 0.5 * (x + 1.0);
                     let position = [from[0] + t * step[0], from[1] + t * step[1]];
                     points.push(EdgePoint { position, normal: [0.5 * w * step[1], -0.5 * w * step[0]] });
@@ -81,7 +75,7 @@ impl Sampling {
                 }
                 let half = 0.5 * (end - start);
                 let degree = self.demands.degree(longest * half) + 4.0 * half + 2.0 + extra;
-                for &(x, w) in self.rules.of((0.5 * degree).ceil() as usize + 1) {
+                for &(x, w) in gauss_of_degree(degree) {
                     push(start + half * (1.0 + x), half * w);
                 }
             }
@@ -115,8 +109,7 @@ fn stretches(solid: &Solid, [lo, hi]: [f64; 2]) -> Vec<Stretch> {
     heights.extend([lo, hi]);
     heights.sort_by(f64::total_cmp);
     heights.dedup_by(|a, b| (*a - *b).abs() < 1e-12 * solid.form.reach_um());
-    let pairs = heights.windows(2).filter(|_| hi > lo);
-    pairs.map(|pair| stretch(solid, [pair[0], pair[1]])).collect()
+    heights.windows(2).filter(|_| hi > lo).map(|pair| stretch(solid, [pair[0], pair[1]])).collect()
 }
 
 fn stretch(solid: &Solid, range: [f64; 2]) -> Stretch {
@@ -213,12 +206,9 @@ impl Ellipse {
         let first = unit(std::array::from_fn(|i| across[i] - dot(across, up) * up[i]));
         let [top, first, second] = [up, first, cross(up, first)].map(image);
         let flip = (first[0] * second[1] - first[1] * second[0]).signum();
-        let drift = scale(top, 1.0 / half);
-        Ellipse {
-            half,
-            drift: [drift[0], drift[1]],
-            axes: [[first[0], first[1]], [flip * second[0], flip * second[1]]],
-        }
+        let [x, y, _] = scale(top, 1.0 / half);
+        let axes = [[first[0], first[1]], [flip * second[0], flip * second[1]]];
+        Ellipse { half, drift: [x, y], axes }
     }
 
     fn widest(&self) -> f64 {

@@ -43,8 +43,7 @@ impl Element {
         };
         let bubbles: Vec<Vec<f64>> =
             modes.iter().map(|m| points[1..degree].iter().map(|&t| value(m, t)).collect()).collect();
-        let amplitudes = inverse(&bubbles);
-        Element { degree, points, weights, lambda, bubbles, amplitudes }
+        Element { degree, points, weights, lambda, amplitudes: inverse(&bubbles), bubbles }
     }
 
     /// Values of all Lagrange functions at t.
@@ -68,11 +67,11 @@ fn lobatto_points(degree: usize) -> Vec<f64> {
 }
 
 fn lagrange(points: &[f64], q: usize, t: f64) -> f64 {
-    let others = points.iter().enumerate().filter(|&(i, _)| i != q);
-    others.map(|(_, &p)| (t - p) / (points[q] - p)).product()
+    points.iter().enumerate().filter(|&(i, _)| i != q).map(|(_, &p)| (t - p) / (points[q] - p)).product()
 }
 
-fn legendre(n: usize, x: f64) -> f64 {
+/// Legendre polynomial P_n(x).
+pub(crate) fn legendre(n: usize, x: f64) -> f64 {
     let (mut a, mut b) = (1.0, x);
     for k in 1..=n {
         (a, b) = (b, ((2 * k + 1) as f64 * x * b - k as f64 * a) / (k + 1) as f64);

@@ -12,9 +12,8 @@
 //! everything.
 
 use super::mean::{CELL_ROWS, Nodes, VectorMean};
-use crate::wave::Field;
-use crate::wave::contrast::section::GaussRules;
-use crate::wave::operator::cell::decaying_root;
+use crate::wave::contrast::section::gauss_rule;
+use crate::wave::{Field, decaying_root};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -38,27 +37,24 @@ struct Waves {
 }
 
 /// One cell.
-struct AbsorbingCell<'a> {
+struct AbsorbingCell {
     index: usize,
     height: f64,
     k2: Complex64,
-    rules: &'a GaussRules,
 }
 
 impl VectorMean {
     /// Loss Σ Im k̄² ∫|E|² dz over cells and harmonics, 1/µm, of the field with these node values
     /// and the source V E = −`y`.
     pub(super) fn loss(&self, y: &Field, nodes: &Nodes) -> f64 {
-        let rules = GaussRules::default();
-        let (heights, mean_k2) = (&self.heights, &self.mean_k2);
-        let cell = |index| AbsorbingCell { index, height: heights[index], k2: mean_k2[index], rules: &rules };
-        let cells = (0..heights.len()).into_par_iter();
+        let cell = |index| AbsorbingCell { index, height: self.heights[index], k2: self.mean_k2[index] };
+        let cells = (0..self.heights.len()).into_par_iter();
         let losses: Vec<f64> = cells.map(|index| cell(index).loss(&self.lateral, y, nodes)).collect();
         losses.iter().sum()
     }
 }
 
-impl AbsorbingCell<'_> {
+impl AbsorbingCell {
     fn loss(&self, lateral: &[f64], y: &Field, nodes: &Nodes) -> f64 {
         if self.k2.im == 0.0 {
             return 0.0;
@@ -73,13 +69,12 @@ impl AbsorbingCell<'_> {
         let x = decaying_root(x2);
         let sources = [0, 1, 2].map(|component| self.source(harmonic, component, y));
         let [s, p, z] = sources;
-        let at_nodes = |k: usize| [0, 1].map(|side| nodes[k][[self.index + side, harmonic]]);
-        let electric = Driven { nodes: at_nodes(0), source: s };
+        let ends = |k: usize| [0, 1].map(|side| nodes[k][[self.index + side, harmonic]]);
+        let electric = Driven { nodes: ends(0), source: s };
         // h'' + kz² h = q J_z + i J_p'.
-        let magnetic =
-            Driven { nodes: at_nodes(1), source: [-(q * z[0] + I * p[1] / self.height), -q * z[1]] };
+        let magnetic = Driven { nodes: ends(1), source: [-(q * z[0] + I * p[1] / self.height), -q * z[1]] };
         let waves = Waves { q, electric, magnetic, sources };
-        let rule = self.rules.of(points(x)).iter();
+        let rule = gauss_rule(points(x)).iter();
         rule.map(|&(t, weight)| 0.5 * weight * self.square(&waves, &CellBasis::new(x, x2, 0.5 * t))).sum()
     }
 

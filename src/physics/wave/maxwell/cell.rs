@@ -44,8 +44,7 @@ pub fn cell_functions(kz2: Complex64, h: f64) -> (CellFunctions, NodeCoefficient
     }
     let ikz = Complex64::I * decaying_root(kz2);
     let step = (ikz * h).exp();
-    let x = -Complex64::I * ikz * h;
-    (CellFunctions::of_step(x2, x, step), NodeCoefficients::of_step(ikz, step))
+    (CellFunctions::of_step(x2, -Complex64::I * ikz * h, step), NodeCoefficients::of_step(ikz, step))
 }
 
 impl CellFunctions {
@@ -71,24 +70,17 @@ impl CellFunctions {
 }
 
 /// Series b = Σ 2(4ⁿ−1)ζ(2n)/(π²ⁿ 4ⁿ⁻¹) x^{2n−4}, n ≥ 2, from that of tan y.
-static B: LazyLock<[f64; TERMS]> = LazyLock::new(|| std::array::from_fn(b_coefficient));
+static B: LazyLock<[f64; TERMS]> = LazyLock::new(|| {
+    let order = std::array::from_fn(|i| i as i32 + 2);
+    order.map(|n| 2.0 * (4f64.powi(n) - 1.0) * zeta(2 * n) / PI.powi(2 * n) / 4f64.powi(n - 1))
+});
 
 /// Series of c from y cot y = 1 − 2Σζ(2n)(y/π)²ⁿ: 3(1 − y cot y)/y² = 6Σζ(2n) y^{2n−2}/π²ⁿ, in
 /// powers of x².
-static C: LazyLock<[f64; TERMS]> = LazyLock::new(|| std::array::from_fn(c_coefficient));
-
-/// Coefficient of x^{2i} in b.
-fn b_coefficient(i: usize) -> f64 {
-    let n = i as i32 + 2;
-    let tangent = 2.0 * (4f64.powi(n) - 1.0) * zeta(2 * n) / PI.powi(2 * n);
-    tangent / 4f64.powi(n - 1)
-}
-
-/// Coefficient of x^{2i} in c.
-fn c_coefficient(i: usize) -> f64 {
-    let n = i as i32 + 2;
-    6.0 * zeta(2 * n) / PI.powi(2 * n) / 4f64.powi(n - 1)
-}
+static C: LazyLock<[f64; TERMS]> = LazyLock::new(|| {
+    let order = std::array::from_fn(|i| i as i32 + 2);
+    order.map(|n| 6.0 * zeta(2 * n) / PI.powi(2 * n) / 4f64.powi(n - 1))
+});
 
 fn series(terms: &[f64; TERMS], x2: Complex64) -> Complex64 {
     terms.iter().rev().fold(Complex64::default(), |sum, &t| sum * x2 + t)

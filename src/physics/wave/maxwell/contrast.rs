@@ -47,8 +47,7 @@ pub(super) fn tensors(
     averaging: Averaging,
 ) -> Result<Vec<Vec<Symmetric>>, WaveError> {
     let (grid, square) = (&moments.grid, |eta: Complex64| eta * eta);
-    let epsilons: Vec<Complex64> =
-        moments.channels.iter().map(|c| square(media.index_of(c.material))).collect();
+    let epsilons: Vec<_> = moments.channels.iter().map(|c| square(media.index_of(c.material))).collect();
     let planes = moments.planes.par_iter().enumerate().map(|(plane, present)| Plane {
         present,
         epsilons: &epsilons,
@@ -81,8 +80,7 @@ impl Plane<'_> {
             // A difference of the size of rounding is set to zero: homogeneous layers then need no
             // iteration at all.
             let exact = shift.norm() < 1e-14 * self.mean.norm();
-            let own = diagonal(shift / points as f64);
-            return Ok(if exact { Vec::new() } else { vec![own; points] });
+            return Ok(if exact { Vec::new() } else { vec![diagonal(shift / points as f64); points] });
         }
         (0..points).map(|point| self.tensor(point, points as f64)).collect()
     }
@@ -90,10 +88,9 @@ impl Plane<'_> {
     /// Tensor V at one of `points` points, divided by their number.
     fn tensor(&self, point: usize, points: f64) -> Result<Symmetric, WaveError> {
         let inclusions = self.present.iter().map(|own| (self.epsilons[own.channel], &own.fields[point]));
-        let mut contrast =
-            effective(self.background, inclusions, self.averaging)?.map(|e| e * self.k2 / points);
-        [0, 2, 5].into_iter().for_each(|i| contrast[i] -= self.mean / points);
-        Ok(contrast)
+        let mut own = effective(self.background, inclusions, self.averaging)?.map(|e| e * self.k2 / points);
+        [0, 2, 5].into_iter().for_each(|i| own[i] -= self.mean / points);
+        Ok(own)
     }
 }
 
@@ -132,15 +129,9 @@ fn effective<'a>(
 
 /// Adjugate and determinant of a symmetric tensor.
 fn adjugate(&[xx, xy, yy, xz, yz, zz]: &Symmetric) -> (Symmetric, Complex64) {
-    let adjugate = [
-        yy * zz - yz * yz,
-        xz * yz - xy * zz,
-        xx * zz - xz * xz,
-        xy * yz - xz * yy,
-        xy * xz - xx * yz,
-        xx * yy - xy * xy,
-    ];
-    (adjugate, xx * adjugate[0] + xy * adjugate[1] + xz * adjugate[3])
+    let [a, b, c] = [yy * zz - yz * yz, xz * yz - xy * zz, xx * zz - xz * xz];
+    let [d, e, f] = [xy * yz - xz * yy, xy * xz - xx * yz, xx * yy - xy * xy];
+    ([a, b, c, d, e, f], xx * a + xy * b + xz * d)
 }
 
 /// Symmetric part of A B.

@@ -10,10 +10,9 @@
 //! in cell j is row 6j + 3q + c; columns are harmonics. Neither kz nor q is used as a divisor.
 
 use super::cell::cell_functions;
-use super::kernels::{Constants, Tables, across, add_loads, within};
-use super::nodes::{BLOCK, NodeSystem};
+use super::kernels::{BLOCK, Constants, NodeSystem, Tables, across, add_loads, within};
 use crate::numerics::fourier::{Real, narrow};
-use crate::wave::operator::inverse::row_of;
+use crate::wave::operator::inverse::{row, row_of};
 use crate::wave::operator::sharing::{Idle, tabulated};
 use crate::wave::{Field, Grid};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
@@ -86,15 +85,11 @@ impl VectorMean {
 
     /// The operator in another precision.
     pub fn narrowed<T: Real>(&self) -> VectorMean<T> {
-        VectorMean {
-            heights: self.heights.clone(),
-            mean_k2: self.mean_k2.clone(),
-            lateral: self.lateral.iter().map(|&q| T::of(q)).collect(),
-            electric: self.electric.narrowed(),
-            magnetic: self.magnetic.narrowed(),
-            functions: [0, 1].map(|k| self.functions[k].mapv(narrow)),
-            idle: Idle::default(),
-        }
+        let (heights, mean_k2) = (self.heights.clone(), self.mean_k2.clone());
+        let (electric, magnetic) = (self.electric.narrowed(), self.magnetic.narrowed());
+        let lateral = self.lateral.iter().map(|&q| T::of(q)).collect();
+        let functions = self.functions.each_ref().map(|table| table.mapv(narrow));
+        VectorMean { heights, mean_k2, lateral, electric, magnetic, functions, idle: Idle::default() }
     }
 
     /// The wave in the mean medium for the incident wave `entry`.
@@ -171,9 +166,7 @@ impl<T: Real> VectorMean<T> {
         u.fill(Complex::default());
         w.fill(Complex::default());
         for (j, (&h, &k2)) in self.heights.iter().zip(&self.mean_k2).enumerate() {
-            let rows = std::array::from_fn(|r| {
-                y.row(CELL_ROWS * j + r).to_slice().expect("rows of a block are contiguous")
-            });
+            let rows = std::array::from_fn(|r| row(y, CELL_ROWS * j + r));
             let (u0, u1) = u[j * width..(j + 2) * width].split_at_mut(width);
             let (w0, w1) = w[j * width..(j + 2) * width].split_at_mut(width);
             add_loads(&Constants::new(h, k2), &self.tables(j, first, width), &rows, u0, u1, w0, w1);

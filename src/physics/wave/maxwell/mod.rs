@@ -10,12 +10,9 @@
 mod absorption;
 pub mod cell;
 pub mod contrast;
-mod far_field;
 mod kernels;
-mod layers;
 pub mod mean;
 pub mod moments;
-mod nodes;
 mod power;
 pub mod problem;
 pub mod scattering;

@@ -5,14 +5,13 @@
 //! plane. They are real and independent of wavelength and angle, computed once per scene and grid
 //! and shared by both polarisations.
 
-use super::layers::{self, Core};
-use super::solid_sources;
+use super::solid_sources::{self, Core};
 use super::sources::{self, FIELDS, NormalField, Slab, Source, VALUES};
 use crate::ink::Solid;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::contrast::coverage::{Channel, Precision, find_channels, overlap};
 use crate::wave::contrast::nufft::{SourceTransform, Sources, Spreading};
-use crate::wave::contrast::section::{Demands, GaussRules, Sampling, extents};
+use crate::wave::contrast::section::{Demands, Sampling, extents};
 use crate::wave::{Ball, Body, BodyShape, Grid, Layout, Resolution, Scene, Scheme, WaveError};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -74,20 +73,15 @@ impl NormalMoments {
     ///
     /// # Errors
     /// [`WaveError::Stopped`]; errors of [`Grid::new`]; rough surfaces.
-    pub fn with(
-        scene: &Scene,
-        resolution: Resolution,
-        precision: Precision,
-    ) -> Result<NormalMoments, WaveError> {
+    pub fn with(scene: &Scene, resolution: Resolution, precision: Precision) -> Result<Self, WaveError> {
         let stop = precision.stop;
         check(scene, resolution)?;
         let grid = Grid::new(scene, resolution)?;
         let channels = find_channels(scene, &grid);
         let builder = MomentBuilder::new(scene, &grid, &channels, precision.bounded_error());
-        let cells: Vec<Vec<Option<CellFields>>> = (0..grid.cells())
-            .into_par_iter()
-            .map(|j| if stop() { Vec::new() } else { builder.cell(j) })
-            .collect();
+        let cells = (0..grid.cells()).into_par_iter();
+        let cells: Vec<Vec<Option<CellFields>>> =
+            cells.map(|j| if stop() { Vec::new() } else { builder.cell(j) }).collect();
         if stop() {
             return Err(WaveError::Stopped);
         }
@@ -118,7 +112,7 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
             remedy: "leave --scheme out",
         });
     }
-    if !layers::are_convex(scene) {
+    if !solid_sources::are_convex(scene) {
         return Err(WaveError::NotInVectorMode {
             what: "layers of a cluster of spheres, or another body inside or around one",
             reason: "the normal-field tensor between them is not implemented",
@@ -144,20 +138,10 @@ impl<'a> MomentBuilder<'a> {
         // All harmonics count, unlike those folded by the scalar scheme: twice as many points as
         // orders.
         let spreading = Spreading { points_per_order: 4, ..Spreading::within(error) };
-        MomentBuilder {
-            scene,
-            cores: layers::cores(scene),
-            grid,
-            channels,
-            harmonics: Harmonics::new(nx, ny),
-            transform: SourceTransform::new(mmax, nmax, spreading),
-            fft: PlaneFft::new(nx, ny),
-            sampling: Sampling {
-                demands: Demands([(kmax, error); 2]),
-                degree: 3,
-                rules: GaussRules::default(),
-            },
-        }
+        let (harmonics, fft) = (Harmonics::new(nx, ny), PlaneFft::new(nx, ny));
+        let (cores, transform) = (solid_sources::cores(scene), SourceTransform::new(mmax, nmax, spreading));
+        let sampling = Sampling { demands: Demands([(kmax, error); 2]), degree: 3 };
+        MomentBuilder { scene, cores, grid, channels, harmonics, transform, fft, sampling }
     }
 
     fn cell(&self, cell: usize) -> Vec<Option<CellFields>> {
@@ -166,19 +150,13 @@ impl<'a> MomentBuilder<'a> {
     }
 
     /// Adds the harmonics of sources on a fine grid, which is overwritten.
-    fn add_sources(
-        &self,
-        sources: &mut Vec<Complex64>,
-        scratch: &mut PlaneScratch,
-        spectrum: &mut [Complex64],
-    ) {
-        std::mem::swap(sources, &mut scratch.plane);
+    fn add_sources(&self, fine: &mut Vec<Complex64>, scratch: &mut PlaneScratch, spectrum: &mut [Complex64]) {
+        std::mem::swap(fine, &mut scratch.plane);
         self.transform.transform(scratch);
         let area = self.grid.period_um[0] * self.grid.period_um[1];
         for (value, &[m, n]) in spectrum.iter_mut().zip(&self.harmonics.orders) {
             let row = self.transform.row(scratch, m);
-            let coefficient = row[n.rem_euclid(row.len() as i32) as usize];
-            *value += coefficient * (self.transform.correction(m, n) / area);
+            *value += row[n.rem_euclid(row.len() as i32) as usize] * (self.transform.correction(m, n) / area);
         }
     }
 
@@ -190,8 +168,7 @@ impl<'a> MomentBuilder<'a> {
             return None;
         }
         let range_um = [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]];
-        let slab = Slab { range_um, sampling: &self.sampling };
-        let mut sum = MomentSum::new(self, slab);
+        let mut sum = MomentSum::new(self, Slab { range_um, sampling: &self.sampling });
         present.iter().for_each(|(body, core)| sum.add_body(&body.shape, core.as_ref()));
         Some(sum.finish())
     }
@@ -222,7 +199,9 @@ impl<'a> MomentSum<'a> {
             }
             (_, Some(Core::Bodies(bodies))) => self.add_solid(bodies),
             (BodyShape::Balls(balls), _) => {
-                (0..balls.len()).for_each(|i| self.add_ball(balls, i));
+                for (i, ball) in balls.iter().enumerate() {
+                    self.spread(extents(ball), |mut push| sources::of_ball(balls, i, &slab, &mut push));
+                }
             }
             (BodyShape::Solid(solid), _) => self.add_solid(std::slice::from_ref(solid)),
             (BodyShape::CylinderY { x_um, z_um, radius_um }, _) => {
@@ -240,11 +219,6 @@ impl<'a> MomentSum<'a> {
             }
             (BodyShape::Open { .. }, _) => unreachable!("rough surfaces are refused first"),
         }
-    }
-
-    fn add_ball(&mut self, balls: &[Ball], i: usize) {
-        let slab = self.slab;
-        self.spread(extents(&balls[i]), |mut push| sources::of_ball(balls, i, &slab, &mut push));
     }
 
     /// Adds a ball less the core inside it.
@@ -287,10 +261,8 @@ impl<'a> MomentSum<'a> {
     /// one complex transform.
     fn finish(mut self) -> CellFields {
         let builder = self.builder;
-        let mut narrow = builder.fft.scratch();
-        let mut wide = builder.transform.scratch();
-        let points = builder.grid.points();
-        let mut planes = [vec![[0.0; FIELDS]; points], vec![[0.0; FIELDS]; points]];
+        let (mut narrow, mut wide) = (builder.fft.scratch(), builder.transform.scratch());
+        let mut planes = [(); 2].map(|()| vec![[0.0; FIELDS]; builder.grid.points()]);
         for (f, spectrum) in self.direct.iter_mut().enumerate() {
             if let Some(sources) = self.sources.grids.get_mut(f) {
                 builder.add_sources(sources, &mut wide, spectrum);

@@ -5,7 +5,7 @@
 //! meet.
 
 use crate::wave::Ball;
-use crate::wave::contrast::section::{EdgePoint, Sampling, breakpoints, free_arcs};
+use crate::wave::contrast::section::{self, Edge, EdgePoint, Sampling, breakpoints, free_arcs};
 
 /// Calls `edge(z, weight, points)` for heights within a range on the edge of ball `i`'s share.
 pub(super) fn share_edges(
@@ -13,12 +13,12 @@ pub(super) fn share_edges(
     i: usize,
     range: [f64; 2],
     sampling: &Sampling,
-    edge: &mut impl FnMut(f64, f64, &[EdgePoint]),
+    edge: &mut impl FnMut(f64, f64, &Edge),
 ) {
     let mut points = Vec::new();
     for part in breakpoints(balls, i, range).windows(2) {
         let (lo, length) = (part[0], part[1] - part[0]);
-        for &(x, w) in sampling.rules.of(sampling.height_count(length, false) + 2) {
+        for &(x, w) in section::gauss_rule(sampling.height_count(length, false) + 2) {
             // z = lo + length sin²t removes the square roots with which edges appear and vanish.
             let t = std::f64::consts::FRAC_PI_4 * (x + 1.0);
             let (z, dz) = (lo + length * t.sin().powi(2), length * (2.0 * t).sin());
@@ -66,8 +66,7 @@ fn push_chord(balls: &[Ball], [i, j]: [usize; 2], z: f64, sampling: &Sampling, p
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         // Power of the third ball minus that of this one along the line: start + slope t, which
         // must be positive.
-        let to_foot = normal.map(|n| along * n);
-        let start = dot(apart, apart) - 2.0 * dot(apart, to_foot) - square + own_square;
+        let start = dot(apart, apart) - 2.0 * dot(apart, normal.map(|n| along * n)) - square + own_square;
         clip(&mut stretch, start, -2.0 * dot(apart, tangent), balls[i].radius_um, k < j);
     }
     let [from, to] = stretch;
@@ -75,8 +74,7 @@ fn push_chord(balls: &[Ball], [i, j]: [usize; 2], z: f64, sampling: &Sampling, p
         return;
     }
     let half = 0.5 * (to - from);
-    let degree = sampling.demands.degree(half) + 3.0;
-    for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
+    for &(x, w) in section::gauss_of_degree(sampling.demands.degree(half) + 3.0) {
         let t = from + half * (1.0 + x);
         let position = [0, 1].map(|k| foot[k] + t * tangent[k]);
         points.push(EdgePoint { position, normal: normal.map(|n| n * half * w) });

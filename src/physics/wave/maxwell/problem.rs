@@ -1,16 +1,22 @@
 //! The discrete vector problem e + A⁻¹V e = e₀: mean solve, contrast product, incident waves of
-//! both polarisations.
+//! both polarisations, and the far field of each: complex amplitudes and efficiencies of both
+//! outgoing ones.
+//!
+//! With p̂ = k_par/q and s = ẑ × p̂ (p̂ = (cos φ, sin φ) if q = 0) in a half-space of wavenumber k:
+//! P(±) = (±κ p̂ − q ẑ)/k for light towards ±z, a_s = E·s, a_p = h/k for both directions of
+//! propagation. Reflected amplitudes refer to the illuminated face, transmitted ones to the
+//! opposite face, at x = y = 0.
 
 use super::contrast::{Averaging, tensors};
 use super::mean::{CELL_ROWS, MeanEntry, Nodes, VectorMean};
 use super::moments::NormalMoments;
 use super::scattering::VectorScattering;
 use crate::numerics::fourier::{Harmonics, PlaneFft};
-use crate::wave::operator::cell::decaying_root;
-use crate::wave::operator::scattering::Scatter;
-use crate::wave::operator::setting::Setting;
-use crate::wave::system::System;
-use crate::wave::{FarField, Field, Grid, Incidence, Mean, Media, Polarisation, Resolution, WaveError};
+use crate::wave::far_field::Leaving;
+use crate::wave::{
+    Channel, FarField, Field, Grid, Incidence, Mean, Media, Polarisation, Resolution, Scatter, Setting,
+    System, WaveError, decaying_root,
+};
 use ndarray::ArrayView2;
 use num_complex::Complex64;
 use std::ops::Deref;
@@ -71,11 +77,9 @@ impl VectorProblem {
         let directions = setting.lateral.iter().map(|&l| direction(l, setting.k0, azimuth)).collect();
         let k = [media.incident, media.exit].map(|eta| setting.k0 * eta);
         let contrast = tensors(moments, media, setting.k0, &mean_k2, averaging)?;
-        let kappa = setting.kappa.each_ref().map(Vec::as_slice);
-        let mean = VectorMean::new(&moments.grid, mean_k2, q, kappa, k);
+        let mean = VectorMean::new(&moments.grid, mean_k2, q, setting.kappa.each_ref().map(Vec::as_slice), k);
         let double = VectorScattering::new(mean, harmonics, directions, PlaneFft::new(nx, ny), &contrast);
-        let moments = moments.clone();
-        Ok(Arc::new(VectorProblem { moments, setting, k, double, single: OnceLock::new() }))
+        Ok(Arc::new(VectorProblem { moments: moments.clone(), setting, k, double, single: OnceLock::new() }))
     }
 
     /// The problem for light of one polarisation.
@@ -86,15 +90,14 @@ impl VectorProblem {
     /// Right-hand sides at the node of the illuminated face: TE 2iκ, TM 2iκ/k (a_p = 1 is h = k,
     /// over k²).
     fn entry(&self, polarisation: Polarisation) -> MeanEntry {
-        let side = self.entry_side();
-        let node = if side == 0 { 0 } else { self.moments.grid.cells() };
-        let strength = 2.0 * Complex64::I * self.kappa[side][self.incident_harmonic()];
-        let zero = Complex64::default();
+        let (side, harmonic) = (self.entry_side(), self.incident_harmonic);
+        let node = side * self.moments.grid.cells();
+        let strength = 2.0 * Complex64::I * self.kappa[side][harmonic];
         let source = match polarisation {
-            Polarisation::S => [strength, zero],
-            Polarisation::P => [zero, strength / self.k[side]],
+            Polarisation::S => [strength, Complex64::ZERO],
+            Polarisation::P => [Complex64::ZERO, strength / self.k[side]],
         };
-        MeanEntry { node, harmonic: self.incident_harmonic(), source }
+        MeanEntry { node, harmonic, source }
     }
 
     /// Fields E_s and h of every harmonic at the nodes, from a solution's moments, and the absorbed
@@ -123,6 +126,29 @@ impl VectorProblem {
         let weight = |row: usize| 0.5 * self.moments.grid.height_um(row / CELL_ROWS);
         let rows = e.outer_iter().zip(product.outer_iter()).enumerate();
         rows.map(|(r, (e, v))| weight(r) * e.iter().zip(v).map(|(e, v)| (e.conj() * v).im).sum::<f64>()).sum()
+    }
+
+    /// Evaluates the orders at both faces of the solution for one incident polarisation. The first
+    /// amplitude of an order has the incident polarisation, the crossed one follows; efficiencies
+    /// contain both.
+    pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
+        let (nodes, absorptance) = self.leaving(field, polarisation);
+        self.far_field_of(self.moments.grid.period_um, absorptance, |side, i, incident| {
+            self.emitted(&nodes, polarisation, [side, i], incident)
+        })
+    }
+
+    /// What leaves through a side in harmonic i, less the incident wave.
+    fn emitted(&self, nodes: &Nodes, own: Polarisation, [side, i]: [usize; 2], incident: f64) -> Leaving {
+        let face = side * self.moments.grid.cells();
+        let mut amplitudes = [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]];
+        amplitudes[own as usize] -= incident;
+        let ([s, p], kappa, k) = (amplitudes, self.kappa[side][i], self.k[side]);
+        // Flux relative to the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h
+        // are out of phase).
+        let parallel = (kappa * k.conj() / k).re;
+        let efficiency = (kappa.re * s.norm_sqr() + parallel * p.norm_sqr()) / self.incident_kappa();
+        ([amplitudes[own as usize], amplitudes[1 - own as usize]], efficiency)
     }
 }
 
@@ -178,12 +204,8 @@ fn direction([x, y]: [f64; 2], k0: f64, azimuth: f64) -> [f64; 2] {
 
 /// Metals may be films, whose mean is exact; beside grains the tensor may have no inverse.
 fn check_metals(moments: &NormalMoments, media: &Media) -> Result<(), WaveError> {
-    let metal = |eta: Complex64| (eta * eta).re < 0.0;
-    let found = moments
-        .channels
-        .iter()
-        .any(|c| metal(media.index_of(c.material)) || metal(media.backgrounds[c.background]));
-    if !found {
+    let indices = |c: &Channel| [media.index_of(c.material), media.backgrounds[c.background]];
+    if !moments.channels.iter().flat_map(indices).any(|eta| (eta * eta).re < 0.0) {
         return Ok(());
     }
     Err(WaveError::NotInVectorMode {

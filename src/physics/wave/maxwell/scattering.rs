@@ -8,6 +8,7 @@
 use super::contrast::Symmetric;
 use super::mean::VectorMean;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real, narrow};
+use crate::wave::operator::inverse::{Line, row};
 use crate::wave::operator::scattering::Scatter;
 use crate::wave::operator::sharing::Idle;
 use multiversion::multiversion;
@@ -49,14 +50,10 @@ impl VectorScattering<f64> {
 
     /// The operator in single precision.
     pub fn narrowed(&self, fft: PlaneFft<f32>) -> VectorScattering<f32> {
-        VectorScattering {
-            mean: self.mean.narrowed(),
-            harmonics: self.harmonics.clone(),
-            directions: self.directions.iter().map(|d| d.map(|x| x as f32)).collect(),
-            fft,
-            contrast: self.contrast.par_iter().map(|plane| plane.mapv(narrow)).collect(),
-            idle: Idle::default(),
-        }
+        let (mean, harmonics) = (self.mean.narrowed(), self.harmonics.clone());
+        let directions = self.directions.iter().map(|d| d.map(|x| x as f32)).collect();
+        let contrast = self.contrast.par_iter().map(|plane| plane.mapv(narrow)).collect();
+        VectorScattering { mean, harmonics, directions, fft, contrast, idle: Idle::default() }
     }
 }
 
@@ -89,7 +86,7 @@ impl<T: Real> VectorScattering<T> {
         if self.contrast[plane].is_empty() {
             return out.fill(Complex::default());
         }
-        let rows = [0, 1, 2].map(|c| e.row(3 * plane + c).to_slice().expect("rows are contiguous"));
+        let rows = [0, 1, 2].map(|c| row(&e, 3 * plane + c));
         work.to_points(self, rows);
         let [x, y, z] = &mut work.scratch;
         let tensors = self.contrast[plane].as_slice().expect("tensors are contiguous");
@@ -138,19 +135,13 @@ impl<T: Real> PlaneWork<T> {
             operator.harmonics.gather(&scratch.spectrum, spectrum);
         }
         let (s, p) = plane.split_at_mut(count);
-        rotate_back(&operator.directions, x, y, s, p);
+        rotate(&operator.directions, x, y, s, p);
     }
 }
 
-/// Components (x, y) from (s, p): s = ẑ × p̂.
+/// Components (x, y) from (s, p): s = ẑ × p̂. This is a reflection, which is its own inverse.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn rotate<T: Real>(
-    directions: &[[T; 2]],
-    s: &[Complex<T>],
-    p: &[Complex<T>],
-    x: &mut [Complex<T>],
-    y: &mut [Complex<T>],
-) {
+fn rotate<T: Real>(directions: &[[T; 2]], s: &Line<T>, p: &Line<T>, x: &mut Line<T>, y: &mut Line<T>) {
     let inputs = directions.iter().zip(s.iter().zip(p));
     for ((x, y), (&[px, py], (s, p))) in x.iter_mut().zip(y.iter_mut()).zip(inputs) {
         *x = p.scale(px) - s.scale(py);
@@ -158,30 +149,9 @@ fn rotate<T: Real>(
     }
 }
 
-/// Components (s, p) from (x, y).
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn rotate_back<T: Real>(
-    directions: &[[T; 2]],
-    x: &[Complex<T>],
-    y: &[Complex<T>],
-    s: &mut [Complex<T>],
-    p: &mut [Complex<T>],
-) {
-    let inputs = directions.iter().zip(x.iter().zip(y));
-    for ((s, p), (&[px, py], (x, y))) in s.iter_mut().zip(p.iter_mut()).zip(inputs) {
-        *s = y.scale(px) - x.scale(py);
-        *p = x.scale(px) + y.scale(py);
-    }
-}
-
 /// Multiplies E ← V E; the tensor's components xx, xy, yy, xz, yz, zz are stored consecutively.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
-fn multiply<T: Real>(
-    tensors: &[Complex<T>],
-    x: &mut [Complex<T>],
-    y: &mut [Complex<T>],
-    z: &mut [Complex<T>],
-) {
+fn multiply<T: Real>(tensors: &Line<T>, x: &mut Line<T>, y: &mut Line<T>, z: &mut Line<T>) {
     let points = x.len();
     let (y, z) = (&mut y[..points], &mut z[..points]);
     let component = |k: usize| &tensors[k * points..(k + 1) * points];

@@ -3,13 +3,15 @@
 //! N is n nᵀ on every face. Inside it is the mean of the faces' tensors, weighted by the inverse
 //! square of the distance to each: smooth everywhere but on the edges, where no normal exists. In a
 //! layer the faces of the bodies inside count too. A horizontal face on a node of the grid needs no
-//! tensor: the fields are joined there exactly.
+//! tensor: the fields are joined there exactly. Bodies inside others may be single spheres and
+//! convex bodies.
 
-use super::sources::{FIELDS, Slab, Source, VALUES};
+use super::sources::{FIELDS, NormalField, Slab, Source, VALUES, fan};
 use crate::ink::grains::solid::{edges, outward};
 use crate::ink::{Form, Solid};
 use crate::numerics::vector::{Rotation, V3, dot, scale, sub};
-use crate::wave::contrast::section::{EdgePoint, Sampling};
+use crate::wave::contrast::section::{Edge, Sampling};
+use crate::wave::{Ball, Body, BodyShape, Scene};
 
 /// Components xx, xy, yy, xz, yz, zz of n nᵀ.
 type Square = [f64; FIELDS - 1];
@@ -43,30 +45,24 @@ pub(super) fn of_bodies(bodies: &[Solid], nodes: &[f64], slab: &Slab, push: &mut
         let sign = if i == 0 { 1.0 } else { -1.0 };
         slab.sampling.cuts(solid, slab.range_um, TENSOR_DEGREE, &mut |z, weight, edge| {
             let shares = slab.point(z, weight, z).map(|[share, ..]| sign * share);
-            fan(&surfaces, edge, slab.sampling, (z, shares), push);
+            push_cut(&surfaces, edge, slab.sampling, (z, shares), push);
         });
     }
 }
 
-/// A cut as a fan of triangles from a point inside it to its edge.
-fn fan(
+/// Pushes the sources of a cut at height z with shares in both Gauss planes.
+fn push_cut(
     surfaces: &[SolidSurface],
-    edge: &[EdgePoint],
+    edge: &Edge,
     sampling: &Sampling,
     (z, shares): (f64, [f64; 2]),
     push: &mut impl FnMut(Source),
 ) {
     let inside = [0, 1].map(|i| edge.iter().map(|p| p.position[i]).sum::<f64>() / edge.len() as f64);
-    for point in edge {
-        let to = [0, 1].map(|i| point.position[i] - inside[i]);
-        let cone = to[0] * point.normal[0] + to[1] * point.normal[1];
-        let degree = sampling.demands.degree(0.5 * to[0].hypot(to[1])) + TENSOR_DEGREE;
-        for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
-            let s = 0.5 * (1.0 + x);
-            let position = [0, 1].map(|i| inside[i] + s * to[i]);
-            let tensor = tensor(surfaces, [position[0], position[1], z]);
-            push(Source { position, values: values(&tensor, shares.map(|m| 0.5 * w * s * cone * m)) });
-        }
+    for ([x, y], area) in fan(inside, edge, sampling, TENSOR_DEGREE) {
+        let position = [inside[0] + x, inside[1] + y];
+        let tensor = tensor(surfaces, [position[0], position[1], z]);
+        push(Source { position, values: values(&tensor, shares.map(|m| area * m)) });
     }
 }
 
@@ -169,6 +165,68 @@ impl Face {
 
 fn square([x, y, z]: V3) -> Square {
     [x * x, x * y, y * y, x * z, y * z, z * z]
+}
+
+/// Largest distance between centres that counts as none, in radii of the inner sphere.
+const ROUNDING: f64 = 1e-9;
+
+/// What lies directly inside a body.
+pub(super) enum Core {
+    /// One sphere about the centre of the sphere around it, with N between them.
+    Concentric(Ball, NormalField),
+    /// The convex bodies, beginning with the outer one.
+    Bodies(Vec<Solid>),
+}
+
+/// Whether every body inside another one and every body around one is convex.
+pub(super) fn are_convex(scene: &Scene) -> bool {
+    let mut inner = scene.bodies.iter().filter_map(|body| Some((body, body.within?)));
+    inner.all(|(body, host)| convex(body).is_some() && convex(&scene.bodies[host]).is_some())
+}
+
+/// What lies directly inside every body; `None` where nothing does.
+pub(super) fn cores(scene: &Scene) -> Vec<Option<Core>> {
+    let mut inner: Vec<Vec<&Body>> = vec![Vec::new(); scene.bodies.len()];
+    scene.bodies.iter().for_each(|body| body.within.iter().for_each(|&host| inner[host].push(body)));
+    scene.bodies.iter().zip(inner).map(|(host, inner)| core_of(host, &inner, scene.period_um)).collect()
+}
+
+fn core_of(host: &Body, inner: &[&Body], period_um: [f64; 2]) -> Option<Core> {
+    let mut bodies: Vec<Solid> = [host].into_iter().chain(inner.iter().copied()).filter_map(convex).collect();
+    let (outer, cores) = bodies.split_first_mut()?;
+    // Distances are those within one cell: of every core the image inside its host.
+    for core in cores {
+        for (axis, period) in period_um.into_iter().enumerate() {
+            let apart = core.center_um[axis] - outer.center_um[axis];
+            core.center_um[axis] -= period * (apart / period).round();
+        }
+    }
+    (!inner.is_empty()).then(|| concentric(host, inner, period_um).unwrap_or(Core::Bodies(bodies)))
+}
+
+fn concentric(host: &Body, inner: &[&Body], period_um: [f64; 2]) -> Option<Core> {
+    let (outer, &[core]) = (sphere(host)?, inner) else { return None };
+    let core = sphere(core)?;
+    let apart = |axis: usize| {
+        let d = core.center_um[axis] - outer.center_um[axis];
+        period_um.get(axis).map_or(d, |period| d - period * (d / period).round())
+    };
+    let same = (0..3).all(|axis| apart(axis).abs() <= ROUNDING * core.radius_um);
+    same.then(|| Core::Concentric(core, NormalField::of_layer(core.radius_um, outer.radius_um)))
+}
+
+fn sphere(body: &Body) -> Option<Ball> {
+    match &body.shape {
+        BodyShape::Balls(balls) if balls.len() == 1 => Some(balls[0]),
+        _ => None,
+    }
+}
+
+fn convex(body: &Body) -> Option<Solid> {
+    match &body.shape {
+        BodyShape::Solid(solid) => Some(solid.clone()),
+        _ => sphere(body).map(|ball| ball.solid()),
+    }
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@
 
 use super::power::share_edges;
 use crate::wave::Ball;
-use crate::wave::contrast::section::{EdgePoint, Sampling};
+use crate::wave::contrast::section::{Edge, Sampling, gauss_of_degree, gauss_rule};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// Number of fields: χ, and the components xx, xy, yy, xz, yz, zz of χN.
@@ -68,12 +68,6 @@ impl Slab<'_> {
         0.5 * (self.range_um[0] + self.range_um[1])
     }
 
-    /// Shape functions ψ_q at z: ½ ∓ √3 (t − ½).
-    fn shape_functions(&self, z: f64) -> [f64; 2] {
-        let slope = 3f64.sqrt() * (z - self.middle()) / self.height();
-        [0.5 - slope, 0.5 + slope]
-    }
-
     /// Moments over an interval ζ₀ … ζ₁ of a column, heights relative to `origin`.
     fn stretch(&self, [from, to]: [f64; 2], origin: f64) -> HeightMoments {
         let (h, middle) = (self.height(), self.middle() - origin);
@@ -87,10 +81,10 @@ impl Slab<'_> {
         [-1.0, 1.0].map(|sign| [0, 1, 2, 3, 4].map(|k| of(sign, k)))
     }
 
-    /// Moments of one height z with a quadrature weight in µm.
+    /// Moments of one height z with a quadrature weight in µm: ψ_q is ½ ∓ √3 (t − ½).
     pub(super) fn point(&self, z: f64, weight: f64, origin: f64) -> HeightMoments {
-        let zeta = z - origin;
-        self.shape_functions(z)
+        let (zeta, slope) = (z - origin, 3f64.sqrt() * (z - self.middle()) / self.height());
+        [0.5 - slope, 0.5 + slope]
             .map(|psi| [0, 1, 2, 3, 4].map(|k| 2.0 * weight * psi * zeta.powi(k) / self.height()))
     }
 }
@@ -102,15 +96,8 @@ fn ball_values([x, y]: [f64; 2], normal: NormalField, heights: &HeightMoments, w
     let mut values = [0.0; VALUES];
     for (q, [m0, m1, m2, m3, m4]) in heights.iter().enumerate() {
         let of = |factor: f64, m: &f64, beyond: &f64| factor * at * m - factor * slope * beyond;
-        let fields = [
-            *m0,
-            of(x * x, m0, m2),
-            of(x * y, m0, m2),
-            of(y * y, m0, m2),
-            of(x, m1, m3),
-            of(y, m1, m3),
-            of(1.0, m2, m4),
-        ];
+        let [xx, xy, yy] = [x * x, x * y, y * y].map(|factor| of(factor, m0, m2));
+        let fields = [*m0, xx, xy, yy, of(x, m1, m3), of(y, m1, m3), of(1.0, m2, m4)];
         fields.iter().enumerate().for_each(|(f, v)| values[2 * f + q] = weight * v);
     }
     values
@@ -132,7 +119,9 @@ pub fn of_single(ball: &Ball, normal: NormalField, slab: &Slab, push: &mut impl 
         let r = ball.radius_um * sine;
         let Some(chord) = chord(ball.radius_um * cosine, cz, slab) else { continue };
         let heights = slab.stretch(chord, cz);
-        let count = angles(slab.sampling.demands.degree(r));
+        // The trapezoidal rule with a multiple of four points, so that quarter turns change
+        // nothing; N increases the degree by two.
+        let count = 4 * ((slab.sampling.demands.degree(r) + 3.0) / 4.0).ceil() as usize;
         let area = weight * ball.radius_um * cosine * r * TAU / count as f64;
         for k in 0..count {
             let (s, c) = (TAU * k as f64 / count as f64).sin_cos();
@@ -140,12 +129,6 @@ pub fn of_single(ball: &Ball, normal: NormalField, slab: &Slab, push: &mut impl 
             push(Source { position: [cx + r * c, cy + r * s], values });
         }
     }
-}
-
-/// Points of the trapezoidal rule on a circle, a multiple of four so that quarter turns change
-/// nothing; N increases the degree by two.
-fn angles(degree: f64) -> usize {
-    4 * ((degree + 3.0) / 4.0).ceil() as usize
 }
 
 /// The part of a column ±`half` about the centre that lies in the cell, relative to the centre.
@@ -174,7 +157,7 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
         // the half-range.
         let reach = 0.5 * radius * (pair[1].sin() - pair[0].sin());
         let degree = slab.sampling.demands.degree(reach) + PROFILE_DEGREE * half;
-        let rule = slab.sampling.rules.of((0.5 * degree).ceil() as usize + 2);
+        let rule = gauss_rule((0.5 * degree).ceil() as usize + 2);
         nodes.extend(rule.iter().map(|&(x, w)| (middle + half * x, half * w)));
     }
     nodes
@@ -182,33 +165,33 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
 
 /// Cuts at heights; a ball's part of a cut is a fan of cones from its centre to the part's edge.
 fn of_share(balls: &[Ball], i: usize, slab: &Slab, push: &mut impl FnMut(Source)) {
+    let [x, y, z_center] = balls[i].center_um;
+    // The cone's Jacobian and N increase the degree by three.
     share_edges(balls, i, slab.range_um, slab.sampling, &mut |z, weight, edge| {
-        let heights = slab.point(z, weight, balls[i].center_um[2]);
-        fan(&balls[i], edge, slab.sampling, &heights, push);
+        let heights = slab.point(z, weight, z_center);
+        let points = fan([x, y], edge, slab.sampling, 3.0).into_iter();
+        points.for_each(|(at, area)| push(ball_source(&balls[i], at, &heights, area)));
     });
 }
 
-fn fan(
-    ball: &Ball,
-    edge: &[EdgePoint],
-    sampling: &Sampling,
-    heights: &HeightMoments,
-    push: &mut impl FnMut(Source),
-) {
-    let center = [ball.center_um[0], ball.center_um[1]];
+/// A source of a ball at a place relative to its centre.
+fn ball_source(ball: &Ball, [x, y]: [f64; 2], heights: &HeightMoments, weight: f64) -> Source {
+    let values = ball_values([x, y], NormalField::of_ball(ball.radius_um), heights, weight);
+    Source { position: [ball.center_um[0] + x, ball.center_um[1] + y], values }
+}
+
+/// A cut as a fan of triangles from a point inside it to its edge: places relative to that point,
+/// µm, and areas, µm². What is integrated is of the degree `extra` besides the wave.
+pub(super) fn fan(inside: [f64; 2], edge: &Edge, sampling: &Sampling, extra: f64) -> Vec<([f64; 2], f64)> {
+    let mut points = Vec::new();
     for point in edge {
-        let to = [0, 1].map(|i| point.position[i] - center[i]);
+        let to = [0, 1].map(|i| point.position[i] - inside[i]);
         let cone = to[0] * point.normal[0] + to[1] * point.normal[1];
-        // The cone's Jacobian and N increase the degree by three.
-        let degree = sampling.demands.degree(0.5 * to[0].hypot(to[1])) + 3.0;
-        for &(x, w) in sampling.rules.of((0.5 * degree).ceil() as usize + 1) {
-            let s = 0.5 * (1.0 + x);
-            let from_center = to.map(|t| s * t);
-            let normal = NormalField::of_ball(ball.radius_um);
-            let values = ball_values(from_center, normal, heights, 0.5 * w * s * cone);
-            push(Source { position: [0, 1].map(|i| center[i] + from_center[i]), values });
-        }
+        let rule = gauss_of_degree(sampling.demands.degree(0.5 * to[0].hypot(to[1])) + extra).iter();
+        let halves = rule.map(|&(x, w)| (0.5 * (1.0 + x), 0.5 * w));
+        points.extend(halves.map(|(s, half)| (to.map(|t| s * t), half * s * cone)));
     }
+    points
 }
 
 /// Lines of a cylinder along y: x relative to its axis with a weight in µm, and all fields.

@@ -7,8 +7,7 @@
 //! both uses the real or imaginary part is definite.
 
 use super::cell::NodeCoefficients;
-use crate::wave::Problem;
-use crate::wave::grid::element::MAX_DEGREE;
+use crate::wave::{Field, MAX_DEGREE, Problem};
 use ndarray::{Array2, Array3, ArrayView3, ArrayViewMut1, ArrayViewMut2, Axis, s};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -42,7 +41,7 @@ impl ShiftedMean {
     }
 
     /// Solves in place; rows are planes, columns harmonics.
-    pub fn solve(&self, y: &mut Array2<Complex64>) {
+    pub fn solve(&self, y: &mut Field) {
         y.axis_chunks_iter_mut(Axis(1), BLOCK).into_par_iter().enumerate().for_each(|(b, mut y)| {
             let factors = self.factors.slice(s![.., .., b * BLOCK..b * BLOCK + y.ncols()]);
             self.forward_substitution(&factors, &mut y);
@@ -77,12 +76,7 @@ impl ShiftedMean {
     }
 
     /// Applies planes ← (a D + b Ã)⁻¹ D f to values f at the points of all planes.
-    pub fn solve_points(
-        &self,
-        problem: &Problem,
-        points: &Array2<Complex64>,
-        planes: &mut Array2<Complex64>,
-    ) {
+    pub fn solve_points(&self, problem: &Problem, points: &Field, planes: &mut Field) {
         problem.points_to_planes(points, planes);
         for (mut row, &mass) in planes.outer_iter_mut().zip(&self.mass) {
             row.iter_mut().for_each(|z| *z *= mass); // D f
@@ -98,12 +92,7 @@ impl ShiftedMean {
 
 /// Factors L D Lᵀ of a D + b Ã in one harmonic, as a band; `mass` is D, and a and b are the two
 /// factors.
-fn shifted_factors(
-    problem: &Problem,
-    harmonic: usize,
-    mass: &[f64],
-    [a, b]: [Complex64; 2],
-) -> Array2<Complex64> {
+fn shifted_factors(problem: &Problem, harmonic: usize, mass: &[f64], [a, b]: [Complex64; 2]) -> Field {
     let mut band = problem.mean.plane_band(harmonic, problem.end_conditions(harmonic));
     band.iter_mut().for_each(|z| *z *= b);
     band.column_mut(0).iter_mut().zip(mass).for_each(|(z, &m)| *z += a * m);
@@ -112,7 +101,7 @@ fn shifted_factors(
 }
 
 /// Factorises in place: column 0 becomes 1/pivot, column k the factor L(r, r − k).
-fn factorise(band: &mut Array2<Complex64>, degree: usize) {
+fn factorise(band: &mut Field, degree: usize) {
     for r in 0..band.nrows() {
         let reach = degree.min(r);
         // Entries from the leftmost: products L(r, j) d_j first, divided by d_c afterwards.
@@ -145,7 +134,7 @@ impl super::mean::MeanOperator {
 
     /// The operator Ã of one harmonic as a band: rows × (degree + 1), column k the entry (r, r −
     /// k).
-    pub fn plane_band(&self, harmonic: usize, ends: [Complex64; 2]) -> Array2<Complex64> {
+    pub fn plane_band(&self, harmonic: usize, ends: [Complex64; 2]) -> Field {
         let degree = self.element.degree;
         let rows = degree * self.heights.len() + 1;
         let mut band = Array2::zeros((rows, degree + 1));
@@ -190,11 +179,10 @@ impl super::mean::MeanOperator {
     }
 
     /// Converts plane values to nodes and bubbles, in place (E⁻¹).
-    pub fn to_unknowns(&self, planes: &mut Array2<Complex64>) {
+    pub fn to_unknowns(&self, planes: &mut Field) {
         let degree = self.element.degree;
         for cell in (0..self.heights.len()).filter(|_| degree > 1) {
-            let rows = s![degree * cell..=degree * (cell + 1), ..];
-            let mut part = planes.slice_mut(rows);
+            let mut part = planes.slice_mut(s![degree * cell..=degree * (cell + 1), ..]);
             let columns = part.axis_iter_mut(Axis(1)).into_par_iter().enumerate().with_min_len(256);
             columns.for_each(|(i, u)| self.cell_to_unknowns(cell, i, u));
         }
@@ -212,7 +200,7 @@ impl super::mean::MeanOperator {
     }
 
     /// Converts nodes and bubbles to plane values (E).
-    pub fn to_planes(&self, unknowns: &Array2<Complex64>) -> Array2<Complex64> {
+    pub fn to_planes(&self, unknowns: &Field) -> Field {
         let mut planes = Array2::zeros(unknowns.dim());
         planes.outer_iter_mut().into_par_iter().enumerate().for_each(|(p, mut row)| {
             self.inverse.plane_values(&unknowns.view(), p, row.as_slice_mut().expect("rows are contiguous"));

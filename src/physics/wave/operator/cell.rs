@@ -5,8 +5,7 @@
 //! (3.5) has o = 1/h instead. Only decaying exponentials occur, so strongly evanescent harmonics
 //! cannot overflow (as they do in P2 (2.10)).
 
-use crate::wave::Scheme;
-use crate::wave::grid::element::MAX_DEGREE;
+use crate::wave::{MAX_DEGREE, Scheme};
 use num_complex::Complex64;
 
 /// Threshold of |kz h|² below which Taylor series avoid the cancellation of exponentials.

@@ -13,6 +13,9 @@ use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis, s};
 use num_complex::Complex;
 use std::ops::Range;
 
+/// A line of a field or table: numbers of all harmonics or points.
+pub(in crate::wave) type Line<T> = [Complex<T>];
+
 /// Harmonics processed together by one thread: a column of some 50 planes stays in the second-level
 /// cache.
 const BLOCK: usize = 192;
@@ -34,13 +37,11 @@ pub struct MeanInverse<T: Real = f64> {
 impl MeanInverse {
     /// The inverse in another precision.
     pub fn narrowed<T: Real>(&self) -> MeanInverse<T> {
-        MeanInverse {
-            bubbles: self.bubbles.iter().map(|row| row.iter().map(|&x| T::of(x)).collect()).collect(),
-            left_share: self.left_share.iter().map(|share| share.mapv(narrow)).collect(),
-            factor: self.factor.mapv(narrow),
-            inverse_pivot: self.inverse_pivot.mapv(narrow),
-            inverse_bubble: self.inverse_bubble.mapv(narrow),
-        }
+        let bubbles = self.bubbles.iter().map(|row| row.iter().map(|&x| T::of(x)).collect()).collect();
+        let left_share = self.left_share.iter().map(|share| share.mapv(narrow)).collect();
+        let [factor, inverse_pivot, inverse_bubble] =
+            [&self.factor, &self.inverse_pivot, &self.inverse_bubble].map(|table| table.mapv(narrow));
+        MeanInverse { bubbles, left_share, factor, inverse_pivot, inverse_bubble }
     }
 }
 
@@ -75,14 +76,11 @@ impl<T: Real> MeanInverse<T> {
     /// Converts loads y_p on planes to right-hand sides of nodes and bubbles, in place (transpose
     /// of the plane values).
     pub fn load(&self, y: &mut Array2<Complex<T>>) {
-        in_chunks(y, Axis(1), BLOCK, |b, block| self.load_block(block, b * BLOCK));
-    }
-
-    fn load_block(&self, mut y: ArrayViewMut2<Complex<T>>, first: usize) {
-        let (columns, mut loads) = (first..first + y.ncols(), empty_loads());
-        for cell in 0..self.factor.nrows() {
-            self.load_cell(&mut y, cell, columns.clone(), &mut loads);
-        }
+        in_chunks(y, Axis(1), BLOCK, |b, mut block| {
+            let (columns, mut loads) = (b * BLOCK..b * BLOCK + block.ncols(), empty_loads());
+            let cells = 0..self.factor.nrows();
+            cells.for_each(|cell| self.load_cell(&mut block, cell, columns.clone(), &mut loads));
+        });
     }
 
     /// Applies A⁻¹ in place to rows of nodes and bubbles.
@@ -150,7 +148,7 @@ impl<T: Real> MeanInverse<T> {
             let [left, right] =
                 [point, degree - point].map(|q| &row_of(&self.left_share[q - 1], cell)[columns.clone()]);
             // y_j += y_p sin(kz h (1−t))/sin(kz h), y_{j+1} += y_p sin(kz h t)/sin(kz h)
-            share_load(first, left, last, right, &loads[point - 1]);
+            share(first, left, last, right, &loads[point - 1]);
         }
         for (b, bubble) in self.bubbles.iter().enumerate() {
             let mut row = y.row_mut(degree * cell + 1 + b);
@@ -177,7 +175,7 @@ fn nodes<'a, T>(y: &'a mut ArrayViewMut2<T>, degree: usize, cell: usize) -> [&'a
     })
 }
 
-pub(super) fn row<'a, T>(u: &'a ArrayView2<T>, index: usize) -> &'a [T] {
+pub(in crate::wave) fn row<'a, T>(u: &'a ArrayView2<T>, index: usize) -> &'a [T] {
     u.row(index).to_slice().expect("rows are contiguous")
 }
 
@@ -217,13 +215,7 @@ fn subtract_product<T: Real>(y: &mut [Complex<T>], w: &[Complex<T>], x: &[Comple
 
 /// Adds the load to both: first ← first + left load, last ← last + right load.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2", "x86_64+avx2"))]
-fn share_load<T: Real>(
-    first: &mut [Complex<T>],
-    left: &[Complex<T>],
-    last: &mut [Complex<T>],
-    right: &[Complex<T>],
-    load: &[Complex<T>],
-) {
+fn share<T: Real>(first: &mut Line<T>, left: &Line<T>, last: &mut Line<T>, right: &Line<T>, load: &Line<T>) {
     let nodes = first.iter_mut().zip(left).zip(last.iter_mut().zip(right));
     nodes.zip(load).for_each(|(((first, left), (last, right)), load)| {
         *first += left * load;

@@ -9,8 +9,7 @@ pub use super::cell::{NodeCoefficients, decaying_root, left_share};
 use super::cell::cell_factors;
 use super::inverse::{MeanInverse, row_of};
 use super::sharing::tabulated;
-use crate::wave::grid::element::Element;
-use crate::wave::{Grid, Scheme};
+use crate::wave::{Element, Field, Grid, Scheme};
 use ndarray::{Array2, s};
 use num_complex::Complex64;
 use std::sync::Arc;
@@ -21,7 +20,7 @@ pub struct MeanOperator {
     pub(crate) element: Element,
     pub(crate) heights: Vec<f64>,
     /// Mean k̄² of each cell, 1/µm².
-    mean_k2: Vec<Complex64>,
+    pub mean_k2: Vec<Complex64>,
     /// Squared lateral wavenumber kx² + ky² of each harmonic, 1/µm².
     lateral_k2: Vec<f64>,
     off: Array2<Complex64>,
@@ -34,12 +33,7 @@ pub struct MeanOperator {
 impl MeanOperator {
     /// Factorises the operator; `kappa` are the normal wavenumbers of the half-spaces (incident
     /// side, exit side) for each harmonic.
-    pub fn new(
-        grid: &Grid,
-        mean_k2: Vec<Complex64>,
-        lateral_k2: Vec<f64>,
-        kappa: [&[Complex64]; 2],
-    ) -> MeanOperator {
+    pub fn new(grid: &Grid, mean_k2: Vec<Complex64>, lateral_k2: Vec<f64>, kappa: [&[Complex64]; 2]) -> Self {
         let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
         let scheme = grid.resolution.scheme;
         let (element, shape) = (grid.element.clone(), (heights.len(), lateral_k2.len()));
@@ -76,12 +70,7 @@ impl MeanOperator {
 
     /// Adds out ← out + A u, from the coefficients themselves; `kappa` as in
     /// [`MeanOperator::new`], `None` for the interior part.
-    pub fn add_product(
-        &self,
-        u: &Array2<Complex64>,
-        kappa: Option<[&[Complex64]; 2]>,
-        out: &mut Array2<Complex64>,
-    ) {
+    pub fn add_product(&self, u: &Field, kappa: Option<[&[Complex64]; 2]>, out: &mut Field) {
         let faces = [0, self.element.degree * self.heights.len()];
         for (kappa, face) in kappa.into_iter().flatten().zip(faces) {
             let values = out.row_mut(face).into_iter().zip(u.row(face)).zip(kappa);
@@ -93,7 +82,7 @@ impl MeanOperator {
     }
 
     /// Adds out ← out + A u of cell j.
-    fn add_cell(&self, j: usize, u: &Array2<Complex64>, out: &mut Array2<Complex64>) {
+    fn add_cell(&self, j: usize, u: &Field, out: &mut Field) {
         let first = self.element.degree * j;
         let last = first + self.element.degree;
         let [own, off] = [&self.diagonal, &self.off].map(|table| row_of(table, j));
@@ -109,11 +98,6 @@ impl MeanOperator {
         }
     }
 
-    /// Mean k̄² of each cell, 1/µm².
-    pub fn mean_k2(&self) -> &[Complex64] {
-        &self.mean_k2
-    }
-
     /// Largest Im k̄² of any cell, 1/µm².
     pub fn mean_absorption(&self) -> f64 {
         self.mean_k2.iter().map(|k2| k2.im).fold(0.0, f64::max)
@@ -124,13 +108,11 @@ impl MeanOperator {
         let cells = self.heights.len();
         let mut diagonal = vec![Complex64::default(); cells + 1];
         (diagonal[0], diagonal[cells]) = (ends[0], ends[1]);
-        let mut off = Vec::with_capacity(cells);
-        for j in 0..cells {
-            diagonal[j] += self.diagonal[[j, harmonic]];
-            diagonal[j + 1] += self.diagonal[[j, harmonic]];
-            off.push(self.off[[j, harmonic]]);
+        for (j, own) in self.diagonal.column(harmonic).iter().enumerate() {
+            diagonal[j] += own;
+            diagonal[j + 1] += own;
         }
-        (diagonal, off)
+        (diagonal, self.off.column(harmonic).to_vec())
     }
 
     /// Lumped mass of each node: half of both cells it touches.

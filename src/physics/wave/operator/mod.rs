@@ -5,11 +5,9 @@ pub mod banded;
 pub mod cell;
 pub mod inverse;
 pub mod mean;
-pub(in crate::wave) mod mean_medium;
 pub mod problem;
 pub mod scattering;
 pub mod setting;
 pub(in crate::wave) mod sharing;
-mod transfer;
 
 pub use problem::Problem;

@@ -3,27 +3,21 @@
 //!
 //! Unknowns are harmonics of the nodes and of the bubbles in each cell; see [`super::mean`].
 
-mod contrast;
-mod gradient;
 mod points;
+mod related;
 
-pub use super::mean_medium::Mean;
-pub use gradient::{DIRECTIONS, Medium};
+pub use super::setting::Mean;
+pub use related::{DIRECTIONS, Medium};
 
-use super::cell::decaying_root;
 use super::mean::MeanOperator;
-use super::mean_medium::plane_offsets;
-use super::scattering::{Scatter, Scattering};
-use super::setting::Setting;
+use super::scattering::Scattering;
+use super::setting::plane_offsets;
+use super::sharing::Idle;
 use crate::numerics::fourier::PlaneFft;
-use crate::wave::{Coverage, Incidence, Media, Scene, WaveError};
-use ndarray::{Array2, ArrayView2};
+use crate::wave::{Coverage, Field, Incidence, Media, Scatter, Scene, Setting, WaveError, decaying_root};
 use num_complex::Complex64;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
-
-/// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
-pub type Field = Array2<Complex64>;
 
 /// One wave problem (A + V) u = b: immutable and shared between threads. A is the operator of the
 /// mean medium ⟨k²⟩ with the boundary conditions of P2 (3.4), V = k² − ⟨k²⟩ the contrast, u the
@@ -66,7 +60,8 @@ pub struct Problem {
     /// Uniform part of each plane's moment, divided in the same way.
     offsets: Vec<Complex64>,
     double: OnceLock<Scattering<f64>>,
-    single: OnceLock<Scattering<f32>>,
+    /// The operator A⁻¹V in single precision, built on first use.
+    pub(in crate::wave) single: OnceLock<Scattering<f32>>,
     /// Choice of the mean medium.
     choice: Mean,
 }
@@ -97,17 +92,12 @@ impl Problem {
             })?;
         let lateral_k2 = setting.lateral.iter().map(|[x, y]| x * x + y * y).collect();
         let kappa = setting.kappa.each_ref().map(Vec::as_slice);
-        Ok(Problem {
-            contrasts: contrast::strengths(coverage, media, setting.k0),
-            offsets: plane_offsets(coverage, media, setting.k0, &mean_k2),
-            mean: MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa),
-            fft: coverage.fft.clone(),
-            double: OnceLock::new(),
-            single: OnceLock::new(),
-            coverage: coverage.clone(),
-            setting,
-            choice: mean,
-        })
+        let contrasts = points::strengths(coverage, media, setting.k0);
+        let offsets = plane_offsets(&coverage.grid, media, setting.k0, &mean_k2);
+        let (choice, mean) = (mean, MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa));
+        let (coverage, fft) = (coverage.clone(), coverage.fft.clone());
+        let (double, single) = (OnceLock::new(), OnceLock::new());
+        Ok(Problem { coverage, setting, mean, fft, contrasts, offsets, double, single, choice })
     }
 
     /// Coverage and problem in one step, for a scene that is solved once.
@@ -149,7 +139,7 @@ impl Problem {
     /// Source b: 2iκ₀₀ in the row of the illuminated face, in the incident harmonic (P2 (3.4)).
     pub fn source(&self) -> Field {
         let mut b = Field::zeros(self.shape());
-        b[[self.entry_row(), self.incident_harmonic()]] = 2.0 * Complex64::I * self.incident_kappa();
+        b[[self.entry_row(), self.incident_harmonic]] = 2.0 * Complex64::I * self.incident_kappa();
         b
     }
 
@@ -160,7 +150,7 @@ impl Problem {
     /// Background wave u₀ = A⁻¹ b in the mean medium.
     pub fn background_wave(&self) -> Field {
         let mut b = self.source();
-        self.mean.inverse.solve_column(&mut b, self.incident_harmonic());
+        self.mean.inverse.solve_column(&mut b, self.incident_harmonic);
         b
     }
 
@@ -169,22 +159,13 @@ impl Problem {
         self.double().scatter(u.view(), out);
     }
 
-    /// Applies out ← V u as loads y_p on planes (one inverse and one forward transform per plane).
-    pub fn contrast_loads(&self, u: ArrayView2<Complex64>, out: &mut Field) {
-        self.double().contrast_loads(u, out);
-    }
-
     /// The operator A⁻¹V as tables, built on first use.
     pub fn double(&self) -> &Scattering<f64> {
         self.double.get_or_init(|| {
-            let (mean, harmonics) = (self.mean.inverse.clone(), self.harmonics.clone());
-            Scattering::new(mean, harmonics, self.fft.clone(), self.weights())
+            let (harmonics, fft, mean) =
+                (self.harmonics.clone(), self.fft.clone(), self.mean.inverse.clone());
+            Scattering { harmonics, fft, mean, weights: self.weights(), idle: Idle::default() }
         })
-    }
-
-    /// The operator A⁻¹V in single precision, built on first use.
-    pub fn single(&self) -> &Scattering<f32> {
-        self.single.get_or_init(|| self.double().narrowed(self.coverage.fft_single.clone()))
     }
 
     /// End conditions iκ of both half-spaces for one harmonic.
@@ -195,7 +176,7 @@ impl Problem {
     /// Absorbed fraction of the incident flux, Im⟨u, (A_interior + V) u⟩/κ₀₀.
     pub fn absorptance(&self, u: &Field) -> f64 {
         let mut product = Field::zeros(self.shape());
-        self.contrast_loads(u.view(), &mut product);
+        self.double().contrast_loads(u.view(), &mut product);
         self.mean.inverse.load(&mut product);
         self.mean.add_product(u, None, &mut product);
         let rows = u.outer_iter().zip(product.outer_iter());

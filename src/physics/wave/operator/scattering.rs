@@ -20,34 +20,23 @@ pub trait Scatter<T: Real>: Sync {
 
 /// The operator A⁻¹V as tables.
 pub struct Scattering<T: Real> {
-    harmonics: Arc<Harmonics>,
-    fft: PlaneFft<T>,
-    mean: Arc<MeanInverse<T>>,
+    pub(super) harmonics: Arc<Harmonics>,
+    pub(super) fft: PlaneFft<T>,
+    pub(super) mean: Arc<MeanInverse<T>>,
     /// Weights W_p divided by the number of points of a plane: planes × points.
-    weights: Array2<Complex<T>>,
-    idle: Idle<PlaneScratch<T>>,
+    pub(super) weights: Array2<Complex<T>>,
+    pub(super) idle: Idle<PlaneScratch<T>>,
 }
 
 impl Scattering<f64> {
     /// The operator in another precision, with its own transforms.
     pub fn narrowed<T: Real>(&self, fft: PlaneFft<T>) -> Scattering<T> {
         let (mean, weights) = (self.mean.narrowed().into(), self.weights.mapv(narrow));
-        Scattering::new(mean, self.harmonics.clone(), fft, weights)
+        Scattering { harmonics: self.harmonics.clone(), fft, mean, weights, idle: Idle::default() }
     }
 }
 
 impl<T: Real> Scattering<T> {
-    /// Built from the mean operator's inverse; `weights` are W_p divided by the number of points of
-    /// a plane, planes × points.
-    pub fn new(
-        mean: Arc<MeanInverse<T>>,
-        harmonics: Arc<Harmonics>,
-        fft: PlaneFft<T>,
-        weights: Array2<Complex<T>>,
-    ) -> Self {
-        Scattering { harmonics, fft, mean, weights, idle: Idle::default() }
-    }
-
     /// Memory held including the mean operator's inverse, bytes.
     pub fn bytes(&self) -> usize {
         self.mean.bytes() + self.weights.len() * size_of::<Complex<T>>()

@@ -42,10 +42,7 @@ pub(in crate::wave) fn tabulated<const N: usize>(
 }
 
 /// The rows of tables with `count` rows each: of each row, those of all tables.
-pub(in crate::wave) fn by_row<'a, T>(
-    tables: impl IntoIterator<Item = &'a mut Array2<T>>,
-    count: usize,
-) -> Vec<Vec<ArrayViewMut1<'a, T>>> {
+pub(in crate::wave) fn by_row<T>(tables: &mut [Array2<T>], count: usize) -> Vec<Vec<ArrayViewMut1<'_, T>>> {
     let mut rows: Vec<Vec<_>> = (0..count).map(|_| Vec::new()).collect();
     for table in tables {
         rows.iter_mut().zip(table.outer_iter_mut()).for_each(|(row, part)| row.push(part));
@@ -82,8 +79,7 @@ impl<B: Send> Idle<B> {
 
     /// Lends `work` an array from the pool, or a new one.
     fn lend(&self, new: impl FnOnce() -> B, work: impl FnOnce(&mut B)) {
-        let waiting = self.lock().pop();
-        let mut buffer = waiting.unwrap_or_else(new);
+        let mut buffer = self.lock().pop().unwrap_or_else(new);
         work(&mut buffer);
         self.lock().push(buffer);
     }

@@ -1,7 +1,6 @@
 //! What the prediction is compared with: conditions, a target colour, a measured spectrum.
 
-use crate::appearance::error::ColourError;
-use crate::appearance::viewing::{Summation, Viewing};
+use crate::appearance::viewing::{ColourError, Summation, Viewing};
 use crate::input::fault::{Fault, Faults};
 use crate::input::file::StudyFile;
 use crate::input::measured::MeasuredSpectrum;

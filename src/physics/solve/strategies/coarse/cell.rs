@@ -41,8 +41,8 @@ impl CoarseCell {
         let contrast =
             |k: usize| contrast_matrix(problem, columns, problem.mean.element.degree * cell + 1 + k);
         let (pivots, inverse) = bordered(&stiffness, contrast);
-        let left: Vec<Vec<c32>> =
-            problem.mean.inverse.left_share.iter().map(|table| chosen(table, cell, columns)).collect();
+        let chosen = |table: &Array2<Complex64>| columns.iter().map(|&i| narrow(table[[cell, i]])).collect();
+        let left: Vec<Vec<c32>> = problem.mean.inverse.left_share.iter().map(chosen).collect();
         let shares = [left.concat(), left.into_iter().rev().collect::<Vec<_>>().concat()];
         let loads = shares.each_ref().map(|share| stiff(&stiffness, share));
         let own = Self { count: columns.len(), pivots, stiffness, shares, loads };
@@ -192,11 +192,6 @@ fn stiffness(problem: &Problem, columns: &[usize], cell: usize) -> Blocks<Vec<c3
     sums.iter().map(|row| row.iter().map(|own| own.iter().map(|&z| narrow(z)).collect()).collect()).collect()
 }
 
-/// The chosen columns of one row of a table.
-fn chosen(table: &Array2<Complex64>, row: usize, columns: &[usize]) -> Vec<c32> {
-    columns.iter().map(|&i| narrow(table[[row, i]])).collect()
-}
-
 /// Products entry by entry.
 pub(super) fn product(a: &[c32], b: &[c32]) -> Vec<c32> {
     a.iter().zip(b).map(|(a, b)| a * b).collect()
@@ -205,9 +200,8 @@ pub(super) fn product(a: &[c32], b: &[c32]) -> Vec<c32> {
 /// K v.
 fn stiff(stiffness: &Blocks<Vec<c32>>, v: &[c32]) -> Vec<c32> {
     let count = (v.len() / stiffness.len().max(1)).max(1);
-    let entry = |r: usize| {
-        let terms = stiffness[r / count].iter().zip(v.chunks(count));
-        terms.map(|(k, v)| k[r % count] * v[r % count]).sum()
-    };
-    (0..v.len()).map(entry).collect()
+    let entries = (0..v.len()).map(|r| {
+        stiffness[r / count].iter().zip(v.chunks(count)).map(|(k, v)| k[r % count] * v[r % count]).sum()
+    });
+    entries.collect()
 }

@@ -4,11 +4,9 @@
 //! correction any more.
 
 use crate::numerics::Draws;
-use crate::solve::account::SolveError;
 use crate::solve::basis::{add_combination, dot, scaled, split_dot};
-use crate::solve::ledger::Ledger;
-use crate::wave::Field;
-use crate::wave::operator::scattering::Scatter;
+use crate::solve::{Ledger, SolveError};
+use crate::wave::{Field, Scatter};
 use num_complex::Complex64;
 
 /// Cosine of the angle between a residual and its image below which the step into the next space is
@@ -62,6 +60,8 @@ pub(super) struct Recurrence {
     /// ⟨p_i, g_k⟩, zero for i < k.
     small: Vec<Vec<Complex64>>,
     omega: Complex64,
+    /// Norm of the first residual.
+    size: f64,
     /// What the operator reads and writes.
     work: [Field; 2],
 }
@@ -71,16 +71,11 @@ impl Recurrence {
     pub fn new(s: usize, residual: &Field, size: f64) -> Self {
         let r = scaled(residual.as_slice().expect("fields are contiguous"), size);
         let zeros = || vec![vec![0.0; r.len()]; s];
-        Self {
-            shadow: Shadow::new(s, r.len() / 2),
-            e: vec![0.0; r.len()],
-            directions: zeros(),
-            images: zeros(),
-            small: (0..s).map(|i| (0..s).map(|k| f64::from(i == k).into()).collect()).collect(),
-            omega: Complex64::ONE,
-            work: [Field::zeros(residual.dim()), Field::zeros(residual.dim())],
-            r,
-        }
+        let (directions, images) = (zeros(), zeros());
+        let (shadow, e) = (Shadow::new(s, r.len() / 2), vec![0.0; r.len()]);
+        let small = (0..s).map(|i| (0..s).map(|k| f64::from(i == k).into()).collect()).collect();
+        let work = [(); 2].map(|()| Field::zeros(residual.dim()));
+        Self { shadow, r, e, directions, images, small, omega: Complex64::ONE, size, work }
     }
 
     /// The correction of the field, in the units of the first residual.
@@ -90,13 +85,8 @@ impl Recurrence {
     }
 
     /// Iterates until the recursive residual meets the goal, breaks down, or the applications are
-    /// used up. `size`: norm of the first residual.
-    pub fn run(
-        &mut self,
-        operator: &dyn Scatter<f64>,
-        ledger: &mut Ledger,
-        size: f64,
-    ) -> Result<(), SolveError> {
+    /// used up.
+    pub fn run(&mut self, operator: &dyn Scatter<f64>, ledger: &mut Ledger) -> Result<(), SolveError> {
         loop {
             let mut f = self.shadow.products(&self.r);
             for k in 0..=self.shadow.s {
@@ -107,7 +97,7 @@ impl Recurrence {
                 ledger.account.operator_applications += 1;
                 let Some(norm) = norm else { return Ok(()) };
                 ledger.account.steps += 1;
-                let residual = norm * size / ledger.scale();
+                let residual = norm * self.size / ledger.scale();
                 ledger.note(residual)?;
                 // Slightly below the goal, so that the true residual, measured next, meets it too.
                 let reached = residual <= 0.9 * ledger.goal.tolerance;
@@ -125,8 +115,7 @@ impl Recurrence {
         let s = self.shadow.s;
         let c = self.forward(k, f);
         // d_k ← ω (r − Σ c_i g_i) + Σ c_i d_i, i ≥ k
-        let shares = c.iter().map(|c| -self.omega * c);
-        let factors: Vec<Complex64> = shares.chain(c.iter().copied()).collect();
+        let factors: Vec<Complex64> = c.iter().map(|c| -self.omega * c).chain(c.iter().copied()).collect();
         let vectors: Vec<&Vec<f64>> = self.images[k..].iter().chain(&self.directions[k..]).collect();
         let mut direction = vec![0.0; self.r.len()];
         add_combination(&mut direction, &[self.omega], &[&self.r]);

@@ -1,17 +1,15 @@
-//! A solve by GMRES in progress: its cycles, and what follows a cycle that is not enough.
+//! A solve by GMRES in progress: its cycles with their small least-squares problems, and what
+//! follows a cycle that is not enough.
 
-use super::super::coarse::{CoarsePlan, CoarseSpace};
-use super::super::guided::Correction;
-use super::super::idr::Idr;
-use super::super::least_squares::LeastSquares;
 use super::Growing;
 use crate::numerics::fourier::Real;
-use crate::solve::account::SolveError;
 use crate::solve::basis::Basis;
-use crate::solve::ledger::{Ledger, flat};
+use crate::solve::strategies::coarse::{CoarsePlan, CoarseSpace};
+use crate::solve::strategies::guided::Correction;
+use crate::solve::strategies::idr::Idr;
 use crate::solve::vectors::norm;
-use crate::wave::Field;
-use crate::wave::operator::scattering::Scatter;
+use crate::solve::{Ledger, SolveError, flat};
+use crate::wave::{Field, Scatter};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
 
@@ -32,7 +30,7 @@ const PATIENCE: f64 = 0.5;
 /// with n = 2 in 1.558 (1.6) short recurrences cost 1.7 times as much, with 2.65 (4.6) a tenth.
 const STRONG: f64 = 2.5;
 /// What to do with strong scatterers that short recurrences do not solve either.
-const STRONG_ADVICE: &str = "take a finer grid, allow more applications (solver.max_applications), or compose the layer of \
+const ADVICE: &str = "take a finer grid, allow more applications (solver.max_applications), or compose the layer of \
                              thinner slabs ([layer.composed])";
 /// Growth factor on `restart` for a solve that the first cycle has not brought to its goal, memory
 /// permitting: restarts cost more applications than a longer basis costs work (5 % of n = 2.6, 250
@@ -100,8 +98,7 @@ impl KrylovRun<'_> {
         let left = whole.saturating_sub(used);
         let patience = alternative.map_or(left, |cost| (left / 2).min((PATIENCE * cost) as usize));
         self.ledger.goal.max_applications = used + patience;
-        let tried =
-            Idr::default().advance(&mut self.ledger, [&mut self.field, &mut self.work], STRONG_ADVICE);
+        let tried = Idr::default().advance(&mut self.ledger, [&mut self.field, &mut self.work], ADVICE);
         self.ledger.goal.max_applications = whole;
         let now = self.ledger.account.residual;
         if now.is_nan() || now > residual {
@@ -194,4 +191,53 @@ impl KrylovRun<'_> {
 
 fn entries<T>(field: &Array2<T>) -> &[T] {
     field.as_slice().expect("fields are contiguous")
+}
+
+/// Solves min ‖β e₁ − H y‖ by Givens rotations, one column at a time.
+struct LeastSquares {
+    columns: Vec<Vec<Complex64>>,
+    rotations: Vec<(f64, Complex64)>,
+    right: Vec<Complex64>,
+}
+
+impl LeastSquares {
+    pub fn new(beta: f64) -> LeastSquares {
+        LeastSquares { columns: Vec::new(), rotations: Vec::new(), right: vec![beta.into()] }
+    }
+
+    /// Adds a Hessenberg column (its last entry the new norm) and returns the residual's norm.
+    pub fn add_column(&mut self, mut column: Vec<Complex64>) -> f64 {
+        for (i, &(c, s)) in self.rotations.iter().enumerate() {
+            // [h_i; h_{i+1}] ← [[c, s], [−s̄, c]] [h_i; h_{i+1}]
+            let (a, b) = (column[i], column[i + 1]);
+            column[i] = c * a + s * b;
+            column[i + 1] = -s.conj() * a + c * b;
+        }
+        let k = self.rotations.len();
+        let below = column.pop().expect("a column ends with its norm");
+        let diagonal = column[k];
+        let length = diagonal.norm().hypot(below.norm());
+        let (c, s) = match diagonal.norm() {
+            0.0 => (0.0, Complex64::ONE),
+            d => (d / length, diagonal / d * below.conj() / length),
+        };
+        column[k] = c * diagonal + s * below; // the rotation that eliminates h_{k+1,k}
+        self.rotations.push((c, s));
+        let last = self.right[k];
+        self.right[k] = c * last;
+        self.right.push(-s.conj() * last);
+        self.columns.push(column);
+        self.right[k + 1].norm() // the minimum of ‖β e₁ − H y‖
+    }
+
+    pub fn solve(&self) -> Vec<Complex64> {
+        let n = self.columns.len();
+        let mut y = self.right[..n].to_vec();
+        for i in (0..n).rev() {
+            y[i] /= self.columns[i][i]; // R y = Qᴴ β e₁ by back substitution
+            let yi = y[i];
+            (0..i).for_each(|r| y[r] -= self.columns[i][r] * yi);
+        }
+        y
+    }
 }

@@ -4,12 +4,11 @@
 use super::Builder;
 use crate::ink::Solid;
 use crate::numerics::fourier::{PlaneScratch, Real, narrow};
-use crate::wave::contrast::cell::CellCoefficients;
+use crate::wave::contrast::folding::CellCoefficients;
 use crate::wave::contrast::nufft::Sources;
-use crate::wave::contrast::relief;
+use crate::wave::contrast::relief::{OpenSpace, raster};
 use crate::wave::contrast::section::{self, EdgePoint, extents};
-use crate::wave::grid::element::MAX_DEGREE;
-use crate::wave::{Ball, Body, BodyShape};
+use crate::wave::{Ball, Body, BodyShape, MAX_DEGREE};
 use num_complex::{Complex, Complex64};
 use std::f64::consts::TAU;
 
@@ -41,8 +40,11 @@ impl<'a, T: Real> CellSum<'a, T> {
             BodyShape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
             BodyShape::Solid(solid) => self.add_solid(solid, range),
             BodyShape::Open { surface, face_um, balls, solids } => {
-                let columns = self.builder.columns(self.cell);
-                relief::add_open((surface, *face_um), (balls, solids), &columns, &mut self.direct);
+                let (grid, count) = (self.builder.grid, raster(self.builder.widest));
+                let range_um = [grid.nodes_um[self.cell], grid.nodes_um[self.cell + 1]];
+                let (face_um, element) = (*face_um, &grid.element);
+                let space = OpenSpace { surface, face_um, balls, solids, range_um, element, count };
+                space.add_to(&mut self.direct, &self.builder.harmonics.orders);
             }
             shape => {
                 for (z, weight) in self.builder.sampling.strip_heights(shape, range) {

@@ -1,9 +1,18 @@
 //! The grid: points in the plane, cells in z, and the discretisation along z.
+//!
+//! A [`Layout`] is what a scene's mean medium and Bloch vector follow from.
 
-use super::element::Element;
-use crate::wave::{Scene, WaveError};
+pub mod element;
+
+use super::{Material, Scene, WaveError};
+use element::Element;
+use ndarray::Array2;
+use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+/// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
+pub type Field = Array2<Complex64>;
 
 /// The discretisation in z (all share the exact boundary conditions of P2 (3.4)).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
@@ -85,13 +94,8 @@ impl Grid {
             background.extend(std::iter::repeat_n(stratum.background, cells));
             start += stratum.thickness_um;
         }
-        Ok(Grid {
-            resolution,
-            period_um: scene.period_um,
-            nodes_um,
-            background,
-            element: Element::new(resolution.scheme.degree()),
-        })
+        let (period_um, element) = (scene.period_um, Element::new(resolution.scheme.degree()));
+        Ok(Grid { resolution, period_um, nodes_um, background, element })
     }
 
     /// Height of a cell, µm.
@@ -147,8 +151,7 @@ pub(crate) fn share_cells(scene: &Scene, cells: usize) -> Result<Vec<usize>, Wav
     while shares.iter().sum::<usize>() != cells {
         let short = shares.iter().sum::<usize>() < cells;
         let need = |i: &usize| ideal[*i] / shares[*i] as f64;
-        let candidates = (0..shares.len()).filter(|&i| short || shares[i] > 1);
-        let best = candidates.max_by(|a, b| {
+        let best = (0..shares.len()).filter(|&i| short || shares[i] > 1).max_by(|a, b| {
             let order = need(a).total_cmp(&need(b));
             if short { order } else { order.reverse() }
         });
@@ -156,4 +159,39 @@ pub(crate) fn share_cells(scene: &Scene, cells: usize) -> Result<Vec<usize>, Wav
         shares[i] = if short { shares[i] + 1 } else { shares[i] - 1 };
     }
     Ok(shares)
+}
+
+/// Geometry without fields, common to the scalar wave and Maxwell's equations.
+pub struct Layout {
+    /// Points and cells.
+    pub grid: Grid,
+    /// Pairs of materials that share a cell.
+    pub channels: Vec<Channel>,
+    /// Per channel, mean of its indicator over each cell.
+    pub fractions: Vec<Vec<f64>>,
+    /// Axes along which the scene is uniform, so that one point suffices.
+    pub uniform: [bool; 2],
+}
+
+impl Layout {
+    /// The layout of a scene whose channels have the given mean in each cell, if they are in it.
+    pub(super) fn new(
+        scene: &Scene,
+        grid: Grid,
+        channels: Vec<Channel>,
+        mean: impl Fn(usize, usize) -> Option<f64>,
+    ) -> Layout {
+        let of_channel = |c| (0..grid.cells()).map(|cell| mean(cell, c).unwrap_or(0.0)).collect();
+        let fractions = (0..channels.len()).map(of_channel).collect();
+        Layout { grid, channels, fractions, uniform: [scene.uniform_in_plane(), scene.uniform_in_y()] }
+    }
+}
+
+/// A pair of materials: that of a body inside a background.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Channel {
+    /// Index into [`crate::wave::Media::backgrounds`].
+    pub background: usize,
+    /// Material of the bodies.
+    pub material: Material,
 }
