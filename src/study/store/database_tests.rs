@@ -1,7 +1,7 @@
 //! Tests with several processes, damage and copies.
 
 use super::*;
-use crate::store::damage::RecordFault;
+use crate::store::seal::RecordFault;
 
 fn open(folder: &tempfile::TempDir) -> Database {
     Database::open(folder.path()).unwrap()

@@ -8,12 +8,9 @@
 //! ```
 
 use super::database::{Database, RECORDS};
-use super::marker::{Holds, MARKER, Marker};
-use super::partial;
-use super::partial::PARTIAL;
-use super::presence::Presence;
+use super::marker::{Holds, MARKER, Marker, PARTIAL, partial};
 use super::safely;
-use super::slot::Slot;
+use super::slot::{Presence, Slot};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -164,7 +161,7 @@ impl OutputFolder {
 
     /// Marks the folder as partial and keeps its files.
     pub fn mark_partial(&self) -> Result<(), FolderError> {
-        self.write(PARTIAL, partial::text(self.go_on.as_deref()).as_bytes())
+        self.write(PARTIAL, partial(self.go_on.as_deref()).as_bytes())
     }
 
     /// Writes a file atomically.

@@ -83,7 +83,7 @@ impl Queue {
     pub fn join(folder: &Path, slot: &Slot, name: &str) -> Result<Self, QueueError> {
         let failed = |source| QueueError::File { folder: folder.to_owned(), source };
         let connection = Mutex::new(open(folder, slot).map_err(failed)?);
-        let queue = Self { folder: folder.to_owned(), worker: slot.number(), connection };
+        let queue = Self { folder: folder.to_owned(), worker: slot.number, connection };
         match queue.turn(|transaction| join(transaction, (folder, slot), name))? {
             true => Ok(queue),
             false => Err(QueueError::OtherWork { folder: folder.to_owned() }),
@@ -136,8 +136,7 @@ impl Queue {
     /// # Errors
     /// The queue's file cannot be used.
     pub fn advance(&self, task: usize, solves: usize) -> Result<(), QueueError> {
-        let sql = "update tasks set solves = ?2 where id = ?1 and not done";
-        self.change(sql, params![task, solves])
+        self.change("update tasks set solves = ?2 where id = ?1 and not done", params![task, solves])
     }
 
     /// Sets the cost of the tasks that wait for this one, once it is known.
@@ -145,8 +144,7 @@ impl Queue {
     /// # Errors
     /// The queue's file cannot be used.
     pub fn reckon(&self, after: usize, cost: f64) -> Result<(), QueueError> {
-        let sql = "update tasks set cost = ?2 where after = ?1";
-        self.change(sql, params![after, cost])
+        self.change("update tasks set cost = ?2 where after = ?1", params![after, cost])
     }
 
     /// Releases an unfinished task.
@@ -154,8 +152,7 @@ impl Queue {
     /// # Errors
     /// The queue's file cannot be used.
     pub fn give_back(&self, task: usize) -> Result<(), QueueError> {
-        let sql = "update tasks set worker = null, solves = 0 where id = ?1 and not done";
-        self.change(sql, [task])
+        self.change("update tasks set worker = null, solves = 0 where id = ?1 and not done", [task])
     }
 
     /// Progress of all workers together.

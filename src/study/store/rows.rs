@@ -24,7 +24,8 @@ const COLUMNS: &str =
 /// An open record file.
 #[derive(Debug)]
 pub struct Rows {
-    path: PathBuf,
+    /// Path of the file; empty if in memory.
+    pub(super) path: PathBuf,
     connection: Connection,
 }
 
@@ -54,10 +55,7 @@ impl Rows {
         let connection = Connection::open_with_flags(path, flags)?;
         connection.busy_timeout(PATIENCE)?;
         let readable = connection.query_row("select count(*) from sqlite_master", [], |_| Ok(()));
-        let connection = match readable {
-            Ok(()) => connection,
-            Err(_) => Self::as_it_is(path)?,
-        };
+        let connection = if readable.is_ok() { connection } else { Self::as_it_is(path)? };
         Ok(Self { path: path.to_owned(), connection })
     }
 
@@ -66,15 +64,8 @@ impl Rows {
     fn as_it_is(path: &Path) -> rusqlite::Result<Connection> {
         let name = path.display().to_string().replace('%', "%25").replace('?', "%3f").replace('#', "%23");
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
-        Connection::open_with_flags(
-            format!("file:{name}?immutable=1"),
-            flags | OpenFlags::SQLITE_OPEN_NO_MUTEX,
-        )
-    }
-
-    /// Path of the file; empty if in memory.
-    pub fn path(&self) -> &Path {
-        &self.path
+        let flags = flags | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        Connection::open_with_flags(format!("file:{name}?immutable=1"), flags)
     }
 
     /// The record with this key, damaged or not.
@@ -146,11 +137,8 @@ impl Rows {
         if self.connection.is_readonly("main").unwrap_or(true) {
             return Some("the file cannot be written to".into());
         }
-        match self.connection.query_row("pragma integrity_check(1)", [], |row| row.get::<_, String>(0)) {
-            Ok(told) if told == "ok" => None,
-            Ok(told) => Some(told),
-            Err(error) => Some(error.to_string()),
-        }
+        let checked = self.connection.query_row("pragma integrity_check(1)", [], |row| row.get(0));
+        Some(checked.unwrap_or_else(|error| error.to_string())).filter(|told| told != "ok")
     }
 
     /// Runs `work` in one transaction.

@@ -3,11 +3,10 @@
 use crate::run::Stores;
 use crate::run::realisation::all_point_keys;
 use crate::run::resolve::{Resolved, kept};
-use crate::store::damage::Damage;
 use crate::store::database::Database;
 use crate::store::folder::{FolderError, OutputFolder};
 use crate::store::record::{FailureRecord, PointRecord};
-use crate::store::seal::Sealed;
+use crate::store::seal::{Damage, Sealed};
 use crate::store::store::Record;
 use crate::store::{PackingRecord, same};
 use crate::sweep::Sweep;

@@ -36,7 +36,7 @@ fn connect(path: &Path) -> rusqlite::Result<Connection> {
 fn reopen(folder: &Path, slot: &Slot, error: rusqlite::Error) -> rusqlite::Result<Connection> {
     let damaged =
         matches!(error.sqlite_error_code(), Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase));
-    let others = (1..slot.number() + 64).any(|n| n != slot.number() && Slot::is_held(folder, n));
+    let others = (1..slot.number + 64).any(|n| n != slot.number && Slot::is_held(folder, n));
     if others || !damaged {
         return Err(error);
     }
@@ -65,9 +65,9 @@ pub(super) fn join(
     if under_way.is_some_and(|other| other != name) {
         return Ok(false);
     }
-    free(transaction, slot.number())?;
-    let sign_in = "insert or replace into workers values (?1, ?2)";
-    transaction.execute(sign_in, params![slot.number(), slot.holder()])?;
+    free(transaction, slot.number)?;
+    transaction
+        .execute("insert or replace into workers values (?1, ?2)", params![slot.number, slot.holder])?;
     Ok(true)
 }
 
