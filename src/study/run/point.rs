@@ -43,8 +43,7 @@ pub fn pack_realisation(
     realisation: usize,
     watch: &dyn RunWatch,
 ) -> Result<Packing, PackError> {
-    let request = study.packing_request(realisation);
-    pack(&request, &mut Stopper(watch))
+    pack(&study.packing_request(realisation), &mut Stopper(watch))
 }
 
 /// Safety factor: other solves may have errors of R and T this many times those of the test solves.
@@ -144,8 +143,7 @@ pub fn systems_of(
     geometry: &Geometry,
     point: &Point,
 ) -> Result<Vec<Box<dyn System>>, WaveError> {
-    let media = study.media(point.incidence.wavelength_um);
-    geometry.systems(&media, &point.incidence, Mean::default())
+    geometry.systems(&study.media(point.incidence.wavelength_um), &point.incidence, Mean::default())
 }
 
 /// Forwards the run's request to stop to packings and solvers.

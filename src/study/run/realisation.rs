@@ -2,12 +2,10 @@
 
 use super::collected::{RunSettings, Stores};
 use super::crew::work_through;
-use super::error::RunError;
 use super::grids::Grids;
 use super::point::{PointSolver, attempt, is_physical, pack_realisation};
-use super::resolve;
-use super::resolve::Resolved;
-use super::watch::{Event, RunWatch};
+use super::resolve::{self, Resolved};
+use super::watch::{Event, RunError, RunWatch};
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};
 use crate::solve::Solver;
@@ -73,14 +71,12 @@ pub fn all_point_keys(study: &Study, resolved: &Resolved, realisation: usize) ->
 
 /// The grids on which a realisation is solved: the study's, and a finer one if it is checked.
 fn levels(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<Resolved> {
-    let finer = study.is_checked(realisation).then(|| resolved.finer());
-    [*resolved].into_iter().chain(finer).collect()
+    [*resolved].into_iter().chain(study.is_checked(realisation).then(|| resolved.finer())).collect()
 }
 
 /// Content hash of everything that one solve depends on.
 fn point_key(study: &Study, packing: &Key, resolution: &Resolution, point: &Point) -> Key {
-    let error = study.resolution.coverage_error();
-    let method = (resolution, Mean::default(), &study.solver, &study.goal, error);
+    let method = (resolution, Mean::default(), &study.solver, &study.goal, study.resolution.coverage_error());
     let indices = study.indices(point.incidence.wavelength_um);
     Key::of_wave("point", &(packing, indices, &point.incidence, method), point.polarisation)
 }
@@ -125,8 +121,7 @@ impl RealisationRun<'_> {
         let (grids, asked) = (packings.on_grids(self.realisation)?, self.study.solver.build());
         let record = PackingRecord::new(self.realisation, &grids.packing);
         self.stores.packings.put(packing_key.as_str(), &record)?;
-        let finest = self.resolved.for_cell(&self.study.draw(self.realisation));
-        let size = resolve::size(self.study, finest);
+        let size = resolve::size(self.study, self.resolved.for_cell(&self.study.draw(self.realisation)));
         let (solver, jobs) = self.settings.admit(&size, (&*asked, 1.0), self.watch)?;
         for (point, _) in &todo {
             grids.geometry(self.study, self.grid(point), self.watch)?;
@@ -136,8 +131,7 @@ impl RealisationRun<'_> {
 
     /// The grid of a point's wave.
     fn grid(&self, point: &Point) -> Resolution {
-        let draw = self.study.draw(self.realisation);
-        self.resolved.for_wave(self.study, &draw, point.incidence.wavelength_um)
+        self.resolved.for_wave(self.study, &self.study.draw(self.realisation), point.incidence.wavelength_um)
     }
 
     /// Reports the solves that need no work; returns the number of those without a result.
@@ -166,8 +160,7 @@ impl RealisationRun<'_> {
         let groups: Vec<&[&(Point, Key)]> =
             todo.chunk_by(|(a, _), (b, _)| a.incidence == b.incidence).collect();
         work_through(groups.len(), jobs, self.watch, |g| {
-            let more = self.solve_group(solver, grids, groups[g])?;
-            Ok(_ = failed.fetch_add(more, Ordering::Relaxed))
+            Ok(_ = failed.fetch_add(self.solve_group(solver, grids, groups[g])?, Ordering::Relaxed))
         })?;
         Ok(failed.into_inner())
     }

@@ -7,10 +7,9 @@
 
 mod probed;
 
-use super::error::RunError;
 use super::longer_waves::{self, coarsened, largest_contrast, probed_angles_deg};
 use super::point::Stopper;
-use super::watch::RunWatch;
+use super::watch::{RunError, RunWatch};
 use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::Draw;
 use crate::solve::accuracy::grid_error::{GridError, JUDGEMENT, scaled};
@@ -257,8 +256,7 @@ fn grid_differences(
     let mut found = differences(&probes(on.study, realisation), resolved.for_cell(&on.draw))?;
     let longest = longer_waves::probes(on.study, realisation);
     if let (Some(first), true) = (longest.first(), resolved.longer_waves > 0.0) {
-        let own = resolved.for_wave(on.study, &on.draw, first.wavelength_um);
-        found.extend(differences(&longest, own)?);
+        found.extend(differences(&longest, resolved.for_wave(on.study, &on.draw, first.wavelength_um))?);
     }
     Ok(found)
 }

@@ -5,12 +5,11 @@
 
 use super::collected::{Collected, Realisation, RunSettings};
 use super::crew::{processor_seconds, work_through};
-use super::error::RunError;
 use super::grids::Grids;
 use super::point::{PointError, PointSolver, Stopper, attempt, own, systems_of};
 use super::realisation::Packings;
 use super::resolve::{Resolved, size, with_room};
-use super::watch::{Event, RunWatch};
+use super::watch::{Event, RunError, RunWatch};
 use crate::input::study::{Point, Study};
 use crate::material::mixing::MixingRule;
 use crate::material::spectra::{Sample, Spectrum};
