@@ -106,8 +106,7 @@ impl<'a> DirectionalInk<'a> {
 
     /// g T(i) T(o)/π: light returned by the paper, 1/sr.
     pub fn paper_brdf(&self, wavelength: usize, light_deg: f64, view_deg: f64) -> f64 {
-        let back = self.tabulated(wavelength, view_deg)[3];
-        let passes = self.transmittance(wavelength, light_deg) * back;
+        let passes = self.transmittance(wavelength, light_deg) * self.tabulated(wavelength, view_deg)[3];
         self.ink.layers()[wavelength].return_factor() * passes / PI
     }
 

@@ -26,8 +26,7 @@ impl Profile {
     /// η² of every slice: Σ φ η² of the inclusions, and of the background for the rest.
     pub fn squared_indices(&self, background: Complex64, inclusions: &[Complex64]) -> Vec<Complex64> {
         let base = background * background;
-        let slices = self.fractions.iter();
-        slices.map(|fractions| mean_squared_index(base, fractions, inclusions)).collect()
+        self.fractions.iter().map(|fractions| mean_squared_index(base, fractions, inclusions)).collect()
     }
 }
 

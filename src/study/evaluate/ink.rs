@@ -193,8 +193,7 @@ impl InkOnPaper {
     fn layer_at(&self, node: usize, left_out: Option<usize>) -> Result<LayerOnPaper, PaperError> {
         let weights = &self.nodes.weights[node];
         let at = |fits: &Fits, row: usize, width: usize, column: usize| {
-            let coefficients = fits.coefficients(left_out);
-            SpectralBasis::at(weights, |i| coefficients[[i * width + row, column]])
+            SpectralBasis::at(weights, |i| fits.coefficients(left_out)[[i * width + row, column]])
         };
         let measured = self.measured(|layer, column| layer.fitted(left_out, weights, column));
         let bends =
@@ -226,8 +225,7 @@ impl InkOnPaper {
 
     /// The faces as they act on diffuse light, at every wavelength of the spectra.
     pub(super) fn faces(&self) -> Vec<DiffuseFaces> {
-        let films = &self.nodes.films[self.places.outputs.clone()];
-        films.iter().map(|film| film.returned().faces()).collect()
+        self.nodes.films[self.places.outputs.clone()].iter().map(|film| film.returned().faces()).collect()
     }
 
     /// The ensemble mean at every wavelength of the spectra.

@@ -145,8 +145,7 @@ impl LayerEnsemble {
 
     /// Fitted difference from the film.
     pub fn fitted(&self, without: Option<usize>, weights: &Weights, column: usize) -> f64 {
-        let coefficients = self.fits.coefficients(without);
-        SpectralBasis::at(weights, |i| coefficients[[i, column]])
+        SpectralBasis::at(weights, |i| self.fits.coefficients(without)[[i, column]])
     }
 }
 

@@ -65,8 +65,7 @@ impl Measured {
     /// All numbers, totals first.
     fn all(&mut self) -> impl Iterator<Item = &mut f64> {
         let Self { anchors, returned, straight_on, transmittance, absorptance } = self;
-        let totals = anchors.iter_mut().chain(returned).flatten();
-        totals.chain([straight_on, transmittance, absorptance])
+        anchors.iter_mut().chain(returned).flatten().chain([straight_on, transmittance, absorptance])
     }
 
     /// As a list, totals first.
@@ -224,8 +223,7 @@ impl LayerOnPaper {
     /// T(θ) of the layer without paper for the light returned by the paper, which is unpolarised;
     /// equal to T(θ) unless the incident light is polarised.
     pub fn transmittance_returned(&self, at: &PolarAngle) -> f64 {
-        let beyond_film = self.returned((at.between, at.bends), TRANSMITTANCE);
-        (at.film_returned[self.node] + beyond_film).clamp(0.0, 1.0)
+        (at.film_returned[self.node] + self.returned((at.between, at.bends), TRANSMITTANCE)).clamp(0.0, 1.0)
     }
 
     /// Specular part of R(θ): that of the cells' specular order.
@@ -242,8 +240,7 @@ impl LayerOnPaper {
     /// The layer's diffuse f(i, o) for cosines of the polar angles, 1/sr, azimuthal mean. Symmetric
     /// in i and o unless the incident light is polarised.
     pub fn diffuse_brdf_at(&self, illumination: f64, viewing: f64) -> f64 {
-        let functions = diffuse_functions(illumination, viewing);
-        functions.iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
+        diffuse_functions(illumination, viewing).iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
     }
 
     /// Dependence of [`LayerOnPaper::diffuse_brdf_at`] on the azimuth between the planes of

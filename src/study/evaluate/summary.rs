@@ -205,9 +205,8 @@ fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
         return None;
     }
     let index = layer.film(0.0).index_out();
-    let realisations = 0..ensemble.realisations();
-    let samples: Vec<f64> = realisations.map(|r| exit_difference(ensemble, index, r)).collect();
-    Some(Estimate::of_mean(&samples))
+    let samples = (0..ensemble.realisations()).map(|r| exit_difference(ensemble, index, r));
+    Some(Estimate::of_mean(&samples.collect::<Vec<_>>()))
 }
 
 /// Mean over the wavelengths of R̄ + T̄/n² + Ā of one realisation, all relative to the film.

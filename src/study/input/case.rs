@@ -30,8 +30,7 @@ impl Case {
         let name = path.display().to_string();
         let text = files::read_text(path, files::CASE)
             .map_err(|cause| CaseError::Read { path: name.clone(), cause })?;
-        let toml = path.extension().is_some_and(|e| e == "toml");
-        Case::parse(&text, toml).map_err(|error| match error {
+        Case::parse(&text, path.extension().is_some_and(|e| e == "toml")).map_err(|error| match error {
             CaseError::Refused { reason, .. } => CaseError::Refused { path: name, reason },
             other => other,
         })
@@ -42,8 +41,7 @@ impl Case {
         let document = if toml { parse_toml(text).map(Node::from) } else { parse_json(text) };
         let document = document
             .map_err(|fault| CaseError::refused(format!("{}; {}", fault.in_words(text), fault.remedy)))?;
-        let inputs = document.get("inputs").cloned().unwrap_or(document);
-        Case::from_inputs(&read(inputs).map_err(Faults)?)
+        Case::from_inputs(&read(document.get("inputs").cloned().unwrap_or(document)).map_err(Faults)?)
     }
 
     /// Checks the inputs and builds the scene.
@@ -78,8 +76,7 @@ impl Case {
         scene.check(&media).map_err(|error| with_names(error, &names))?;
         incidence.check()?;
         check_thickness(inputs, &scene)?;
-        let scene = scene.nested().map_err(|error| with_names(error, &names))?;
-        Ok(Case { scene, media, incidence })
+        Ok(Case { scene: scene.nested().map_err(|error| with_names(error, &names))?, media, incidence })
     }
 }
 
@@ -106,9 +103,8 @@ fn strata(inputs: &CaseInputs, backgrounds: &mut Vec<Complex64>) -> Result<Vec<S
         return Err(Fault::new("layers_from_z0", "none", "at least one", "add a layer").into());
     }
     // a film of zero thickness has no effect, and would need a cell of zero height
-    let solid = parts.into_iter().filter(|p| p.0 != 0.0);
     let stratum = |(thickness_um, eta)| Stratum { thickness_um, background: index_of(backgrounds, eta) };
-    let strata: Vec<Stratum> = solid.map(stratum).collect();
+    let strata: Vec<Stratum> = parts.into_iter().filter(|p| p.0 != 0.0).map(stratum).collect();
     if strata.is_empty() {
         let remedy = "give the layer a thickness above 0";
         return Err(Fault::new("thickness", "0 everywhere", "above 0", remedy).into());

@@ -101,8 +101,7 @@ fn bodies(inputs: &CaseInputs, faults: &mut Faults) {
     for (i, body) in inputs.bodies.iter().flatten().enumerate() {
         let shape = format!("bodies[{i}].shape");
         if let Some((key, found, allowed)) = body.shape.defect() {
-            let field = key.replacen("shape", &shape, 1);
-            faults.add(field, found, allowed, "give lengths in µm");
+            faults.add(key.replacen("shape", &shape, 1), found, allowed, "give lengths in µm");
         } else if body.shape.form().is_none() {
             let allowed = "`ellipsoid`, `box`, `disc` or `prism`";
             faults.add(shape, body.shape.name(), allowed, "give single spheres as `spheres`");
@@ -114,8 +113,7 @@ fn bodies(inputs: &CaseInputs, faults: &mut Faults) {
         let length = body.axis.map_or(1.0, norm);
         if !(length.is_finite() && length > 0.0) {
             let found = format!("{:?}", body.axis.unwrap_or_default());
-            let field = format!("bodies[{i}].axis");
-            faults.add(field, found, "a direction of finite length", "give [x, y, z]");
+            faults.add(format!("bodies[{i}].axis"), found, "a direction of finite length", "give [x, y, z]");
         }
     }
 }

@@ -9,10 +9,9 @@ pub(super) fn with_names(error: WaveError, names: &[String]) -> CaseError {
     let name = |body: usize| names.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
     match error {
         WaveError::Overlap { first, second, overlap_um } => {
-            let found = format!("an overlap by {overlap_um:.3e} µm");
             let both = format!("{} and {}", name(first), name(second));
             let allowed = "bodies apart, or a sphere wholly inside another";
-            Fault::new(both, found, allowed, "move them apart").into()
+            Fault::new(both, format!("an overlap by {overlap_um:.3e} µm"), allowed, "move them apart").into()
         }
         WaveError::OverlapsImage { body, overlap_um } => {
             let found = format!("an overlap with its own periodic image by {overlap_um:.3e} µm");

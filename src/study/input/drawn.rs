@@ -81,8 +81,7 @@ impl Study {
 
     /// The area nearest to `area` (µm²) in which whole grains give the requested volume fractions.
     fn whole_grains(&self, area: f64, thickness_um: f64) -> f64 {
-        let relief_um = self.packing.relief.as_ref().map_or(0.0, |relief| relief.depth_um);
-        let dry_um = thickness_um - relief_um;
+        let dry_um = thickness_um - self.packing.relief.as_ref().map_or(0.0, |relief| relief.depth_um);
         let quanta = self.pigments.iter().filter_map(|p| area_of_a_grain(&p.grains, dry_um));
         let quanta: Vec<f64> = quanta.collect();
         let Some(largest) = quanta.iter().copied().reduce(f64::max) else { return area };

@@ -59,8 +59,7 @@ fn from_cgats(text: &str, patch: Option<&str>) -> Result<Option<MeasuredColour>,
 /// The text after a word, up to the closing quote or the unit: `2` in `WEIGHTING_FUNCTION
 /// "OBSERVER, 2 degree"`.
 fn after(text: &str, word: &str) -> Option<String> {
-    let rest = text.lines().find_map(|line| line.split_once(word))?.1;
-    let value = rest.trim_start_matches([' ', '\t', '"']);
+    let value = text.lines().find_map(|line| line.split_once(word))?.1.trim_start_matches([' ', '\t', '"']);
     let value = value.split(['"', '\t', '°']).next()?.replace("degree", "").replace("2015, ", "2015_");
     value.split_whitespace().next().map(str::to_owned)
 }

@@ -90,8 +90,7 @@ impl Set<'_> {
 
 /// The lines between two others.
 fn between<'a>(text: &'a str, from: &str, to: &str) -> impl Iterator<Item = &'a str> {
-    let lines = text.lines().map(str::trim);
-    lines.skip_while(move |l| *l != from).skip(1).take_while(move |l| *l != to)
+    text.lines().map(str::trim).skip_while(move |l| *l != from).skip(1).take_while(move |l| *l != to)
 }
 
 /// Names of the fields of a CGATS.17 file; none for other files.
@@ -101,8 +100,7 @@ pub(super) fn cgats_fields(text: &str) -> Vec<&str> {
 
 /// Wavelength given by the name of a field, nm.
 pub(super) fn band(name: &str) -> Option<f64> {
-    let prefixes = ["SPEC_", "SPECTRAL_NM", "nm"];
-    let digits = prefixes.iter().find_map(|prefix| name.strip_prefix(prefix))?;
+    let digits = ["SPEC_", "SPECTRAL_NM", "nm"].iter().find_map(|prefix| name.strip_prefix(prefix))?;
     digits.trim_start_matches('_').parse::<f64>().ok()
 }
 

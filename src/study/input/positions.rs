@@ -104,9 +104,8 @@ impl PositionColumns {
         let unstated = "its sizes may be radii or diameters: add size = \"radius\" or \"diameter\"";
         let factor = if meaning.size.ok_or(unstated)? == SizeColumn::Radius { 1.0 } else { 0.5 };
         let [x, y, z] = axes.map(|all| find(all).ok_or_else(|| format!("no column {}", all[0])));
-        let lengths = [(x?, um), (y?, um), (z?, um), (size, um * factor)];
         let (pigment, grain) = (find(&["type", "species"]), find(&["mol", "grain"]));
-        Ok(Self { lengths, pigment, grain })
+        Ok(Self { lengths: [(x?, um), (y?, um), (z?, um), (size, um * factor)], pigment, grain })
     }
 }
 
@@ -185,10 +184,8 @@ fn xyz_frame(lines: &mut NumberedLines, meaning: &MicrostructureTable) -> Result
         names.extend(std::iter::repeat_n(part[0], width));
     }
     let place = names.iter().position(|n| *n == "pos").ok_or_else(|| wrong("no property pos"))?;
-    let axes = ["x", "y", "z"];
-    names.iter_mut().skip(place).take(3).zip(axes).for_each(|(name, axis)| *name = axis);
-    let table = PositionColumns::named(&names, [&["x"], &["y"], &["z"]], meaning)?;
-    let positions = rows(lines, count, &table)?;
+    names.iter_mut().skip(place).take(3).zip(["x", "y", "z"]).for_each(|(name, axis)| *name = axis);
+    let positions = rows(lines, count, &PositionColumns::named(&names, [&["x"], &["y"], &["z"]], meaning)?)?;
     let box_um = keys.get("Lattice").map(|text| lattice(text)).transpose().map_err(|e| wrong(&e))?;
     Ok(Positions { box_um, ..positions })
 }

@@ -54,8 +54,7 @@ impl<'a> Reader<'a> {
     fn keep_known(&mut self, known: &'static [&'static str]) {
         if let Node::Table(entries) = &mut self.node {
             let strangers = entries.extract_if(.., |(key, _)| !known.contains(&key.as_str()));
-            let faults = strangers.map(|(key, _)| unknown_key(&self.place, &key, known));
-            self.faults.borrow_mut().extend(faults);
+            self.faults.borrow_mut().extend(strangers.map(|(key, _)| unknown_key(&self.place, &key, known)));
         }
     }
 }

@@ -163,8 +163,7 @@ impl Study {
     /// Materials of the grains in the order of [`Media::inclusions`]: the pigments' own (the core's
     /// in grains with layers), then all layers, from the core outwards.
     pub fn materials(&self) -> impl Iterator<Item = &IndexSpectrum> {
-        let cores = self.pigments.iter().map(|p| &p.material);
-        cores.chain(self.pigments.iter().flat_map(|p| &p.shell))
+        self.pigments.iter().map(|p| &p.material).chain(self.pigments.iter().flat_map(|p| &p.shell))
     }
 
     /// Fractions of the layer's volume of these materials.

@@ -151,8 +151,7 @@ fn seen(slabs: &Slabs, count: usize, wave: Wave, albedo: f64) -> Vec<f64> {
         let [all_light, r, t] =
             [0, 1, 2].map(|k| weights.iter().zip(&totals).map(|(w, x)| w * x[k]).sum::<f64>());
         let [moved_r, moved_t] = fringes(slabs, count, &layer, (wave, cosine)).0[1];
-        let returned = (all_light - r) * (1.0 + moved_t / t.max(f64::MIN_POSITIVE));
-        let whole = r + moved_r + returned;
+        let whole = r + moved_r + (all_light - r) * (1.0 + moved_t / t.max(f64::MIN_POSITIVE));
         all.extend([whole, (mirrored(cosine) + bias).min(whole).max(0.0)]);
     }
     all

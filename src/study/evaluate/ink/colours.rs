@@ -69,8 +69,7 @@ impl InkOnPaper {
     ) -> Result<(Colour, Vec<[f64; 3]>), InkError> {
         let labs: Vec<[f64; 3]> = self.replicates_of(sight, &quantity)?.iter().map(|c| c.lab).collect();
         let whole = self.colour_of_mean(sight, &quantity)?;
-        let colour = Colour { lab_covariance: jackknife_covariance(&labs), ..whole };
-        Ok((colour, jackknife_deviations(&labs)))
+        Ok((Colour { lab_covariance: jackknife_covariance(&labs), ..whole }, jackknife_deviations(&labs)))
     }
 
     /// The colours of all leave-one-out ensembles.
@@ -150,9 +149,8 @@ impl InkOnPaper {
 
     /// Error of T̄ at one wavelength due to the choice of directions.
     fn angle_error(&self, node: usize, solved: &[SolvedRealisation]) -> f64 {
-        let nm = self.nodes.wavelengths_nm[node];
         let error = |realisation: &SolvedRealisation| {
-            let strata = &nearest_solved(realisation, nm).strata;
+            let strata = &nearest_solved(realisation, self.nodes.wavelengths_nm[node]).strata;
             self.whole[node].quadrature_error(strata, self.layer.exit).transmittance
         };
         let errors: Vec<f64> = solved.iter().map(error).collect();

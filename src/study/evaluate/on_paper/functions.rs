@@ -42,8 +42,7 @@ pub fn diffuse_functions(lit: f64, seen: f64) -> [f64; DIFFUSE] {
 /// under exchange of the directions: cos Δφ with first-order corrections, and cos 2Δφ. The powers
 /// of the sines keep f smooth at the normal.
 pub fn azimuthal(x: f64, y: f64, s: f64) -> [f64; AZIMUTHAL] {
-    let sines_squared = (1.0 - x * x) * (1.0 - y * y);
-    [s, s * (x + y), s * x * y, 2.0 * s * s - sines_squared]
+    [s, s * (x + y), s * x * y, 2.0 * s * s - (1.0 - x * x) * (1.0 - y * y)]
 }
 
 #[cfg(test)]

@@ -69,8 +69,7 @@ fn over_hemisphere(file: &StudyFile, exact_deg: Vec<f64>, strata: usize, couplin
     // A layer between two plane walls with vacuum on both sides is statistically the same from both
     // sides: solves from the incident side give Ā_b. A relief or another medium on the exit side
     // breaks this symmetry.
-    let same_from_both_sides = coupling == Coupling::Gap && file.layer.relief.is_none();
-    let exit_strata = if same_from_both_sides { 0 } else { strata };
+    let exit_strata = if coupling == Coupling::Gap && file.layer.relief.is_none() { 0 } else { strata };
     Angles { strata, exit_strata, no_paper: None, ..alone(&file.angles, exact_deg, String::new()) }
 }
 

@@ -26,9 +26,8 @@ pub fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
         }
         _ => {
             let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm, or step_nm alone from 400 to 700 nm";
-            let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
             let found = keys_in_words(light, &["wavelengths_nm", "from_nm", "to_nm", "step_nm"]);
-            faults.add("light", found, allowed, remedy);
+            faults.add("light", found, allowed, "write for example from_nm = 400, to_nm = 700, step_nm = 20");
             Vec::new()
         }
     }
@@ -63,8 +62,7 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
     faults.number("light.step_nm", step, limits::STEP_NM, "20 is usual");
     faults.number("light.from_nm", from, limits::WAVELENGTH_NM, "400 is usual");
     if !(to >= from && to <= 1e4) {
-        let allowed = format!("from from_nm = {from} to 10000 nm");
-        faults.add("light.to_nm", to, allowed, "700 is usual");
+        faults.add("light.to_nm", to, format!("from from_nm = {from} to 10000 nm"), "700 is usual");
     }
     let count = ((to - from) / step + 1e-9).floor();
     if faults.0.len() == before && count >= LONGEST_LIST as f64 {
@@ -73,9 +71,8 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
     }
     // a range with a single wavelength is a mistake
     if faults.0.len() == before && to > from && count == 0.0 {
-        let allowed = format!("at most to_nm - from_nm = {} nm", to - from);
         let remedy = "20 is usual; for one wavelength write wavelengths_nm = [550]";
-        faults.add("light.step_nm", step, allowed, remedy);
+        faults.add("light.step_nm", step, format!("at most to_nm - from_nm = {} nm", to - from), remedy);
     }
     if faults.0.len() > before {
         return Vec::new();
@@ -89,8 +86,7 @@ pub fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, fau
         let found = format!("{} entries", list.len());
         faults.add(field, found, format!("1 to {LONGEST_LIST} entries, each {allowed}"), remedy);
     }
-    let wrong = list.iter().position(|&value| !allowed.holds(value));
-    if let Some(i) = wrong {
+    if let Some(i) = list.iter().position(|&value| !allowed.holds(value)) {
         faults.number(&format!("{field}[{i}]"), list[i], allowed, remedy);
     } else if let Some(i) = (1..list.len()).find(|&i| list[i] <= list[i - 1]) {
         let found = format!("{} after {}", list[i], list[i - 1]);

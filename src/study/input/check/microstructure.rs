@@ -155,13 +155,11 @@ fn grains(file: &StudyFile, (path, cut): &(String, Positions), cell: V3, faults:
     for (i, sphere) in cut.spheres.iter().enumerate() {
         let center_um = [0, 1, 2].map(|axis| sphere.center_um[axis] - moved[axis]);
         spheres.push(near(Sphere { center_um, ..*sphere }, spheres.first(), cell));
-        let last = cut.grains.get(i).is_none_or(|own| cut.grains.get(i + 1) != Some(own));
-        if last {
+        if cut.grains.get(i).is_none_or(|own| cut.grains.get(i + 1) != Some(own)) {
             let Some(pigment) = pigment(file, cut.pigments.get(i), cut.counted_from) else {
-                let found = format!("pigment {:?}", cut.pigments[i]);
                 let allowed =
                     "names of the study's pigments, or numbers, from 0 in CSV and from 1 in other files";
-                return refuse(found, allowed, "name it in [[pigment]]");
+                return refuse(format!("pigment {:?}", cut.pigments[i]), allowed, "name it in [[pigment]]");
             };
             grains.push(Grain::new(std::mem::take(&mut spheres), pigment));
         }

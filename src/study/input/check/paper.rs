@@ -72,8 +72,7 @@ fn read(path: &Path, faults: &mut Faults) -> Option<Vec<[f64; 2]>> {
     let allowed = "a readable table with the header wavelength_nm,albedo";
     let remedy = "correct the table; its path is relative to the study file";
     let rows = rows.map_err(|error| {
-        let found = format!("{} ({error})", path.display());
-        faults.add("paper.albedo.csv", found, allowed, remedy);
+        faults.add("paper.albedo.csv", format!("{} ({error})", path.display()), allowed, remedy);
     });
     Some(rows.ok()?.iter().map(|row| [row.wavelength_nm, row.albedo]).collect())
 }

@@ -218,8 +218,7 @@ fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
     match table.volume_fraction {
         Some(share) => faults.number(&of(i, "volume_fraction"), share, limits::VOLUME_FRACTION, remedy),
         None => {
-            let allowed = limits::VOLUME_FRACTION.to_string();
-            faults.add(of(i, "volume_fraction"), "nothing", allowed, remedy);
+            faults.add(of(i, "volume_fraction"), "nothing", limits::VOLUME_FRACTION.to_string(), remedy);
         }
     }
 }
@@ -239,8 +238,7 @@ fn fits(field: &str, grains: &PigmentGrains, (layer, period_um): NominalCell, fa
         return;
     }
     if let Some((_, found, allowed)) = grains.size.defect() {
-        let remedy = "correct these numbers; pigment grains measure 50 to 500 nm";
-        faults.add(field, found, allowed, remedy);
+        faults.add(field, found, allowed, "correct these numbers; pigment grains measure 50 to 500 nm");
         return;
     }
     let (thickest, longest) = largest_extents_nm(grains);

@@ -26,8 +26,7 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     if file.layer.relief.is_some() {
         let allowed =
             "none with Maxwell's equations: the slope of a rough surface has no normal-field tensor yet";
-        let remedy = format!("remove [layer.relief], {scalar}");
-        faults.add("layer.relief", "a rough surface", allowed, remedy);
+        faults.add("layer.relief", "a rough surface", allowed, format!("remove [layer.relief], {scalar}"));
     }
     if let SolverChoice::ConvergentBorn(_) | SolverChoice::Relaxation(_) = study.solver {
         let allowed = "\"krylov\", \"bicgstab\", \"idr\", \"born\" or \"direct\" with Maxwell's equations: their unknowns are no values at points";

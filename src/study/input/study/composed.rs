@@ -124,8 +124,7 @@ impl Study {
         let both = [false, true].into_iter().flat_map(|halved| all.map(|position| (position, halved)));
         let both = both.filter(|(position, _)| needed(position)).enumerate();
         both.map(|(k, (position, halved))| {
-            let portion = Portion { position, halved, directions: composed.directions };
-            self.portion(portion, composed, k as u64)
+            self.portion(Portion { position, halved, directions: composed.directions }, composed, k as u64)
         })
         .collect()
     }

@@ -187,8 +187,7 @@ fn faces(labels: &Array3<u8>, own: u8, axis: usize) -> usize {
 
 /// Ends of the runs of a label along one line of voxels.
 fn ends(lane: ArrayView1<u8>, own: u8, periodic: bool) -> usize {
-    let pairs = lane.iter().zip(lane.iter().skip(1));
-    let inside = pairs.filter(|(a, b)| (**a == own) != (**b == own)).count();
+    let inside = lane.iter().zip(lane.iter().skip(1)).filter(|(a, b)| (**a == own) != (**b == own)).count();
     let [first, last] = [lane[0], lane[lane.len() - 1]].map(|end| end == own);
     let outer = if periodic { usize::from(first != last) } else { usize::from(first) + usize::from(last) };
     inside + outer
