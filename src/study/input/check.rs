@@ -1,8 +1,6 @@
 //! Checks a study file and turns it into a [`Study`]; reports all errors at once.
 
-mod angles;
 mod composed;
-mod gaps;
 mod grain_count;
 mod index;
 mod judgement;
@@ -10,7 +8,6 @@ mod light;
 mod microstructure;
 mod paper;
 mod pigments;
-mod wave;
 
 pub use pigments::largest_extents_nm;
 
@@ -75,11 +72,11 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     let grains = pigments::grains(file, period_um, &mut faults);
     let pigments = pigments::pigments(file, grains, &indices, &mut optics);
     let dissolved = pigments::dissolved(file, &indices, &mut optics);
-    pigments::dissolve(&mut layer, &dissolved, &pigments, wave::mixing(file));
+    pigments::dissolve(&mut layer, &dissolved, &pigments, light::mixing(file));
     let mut packing = pigments::packing(file, &layer, &pigments, &mut faults);
     (packing.given, packing.voxels) = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
-    let angles = angles::angles(file, paper.coupling, &mut optics);
+    let angles = paper::angles(file, paper.coupling, &mut optics);
     let resolution = resolution(file, &mut optics);
     let goal = goal(&file.solver, &resolution, &mut optics);
     counts(file, &mut faults);
@@ -117,11 +114,11 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
         portion: None,
         remarks: remarks.into_iter().flatten().collect(),
     };
-    study.remarks.extend(gaps::bridged(&study));
+    study.remarks.extend(index::bridged(&study));
     if study.angles.no_paper.is_none() {
         study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
     }
-    wave::refusals(file, &study, &mut optics);
+    light::refusals(file, &study, &mut optics);
     if let Some(composed) = composed {
         composed::refusals(file, &study, &mut optics);
         composed::complete(&mut study, composed);

@@ -1,7 +1,6 @@
 //! Measured colours: Lab without a spectrum in a CxF3 or CGATS.17 file, which is a target.
 
-use super::patches::{CXF, band, cgats_fields, cgats_set, elements, object_name, parsed, place};
-use super::xml_limits::too_large;
+use super::patches::{CXF, band, cgats_fields, cgats_set, elements, object_name, parsed, place, too_large};
 use crate::appearance::viewing::{Summation, Viewing};
 
 /// L*, a*, b* of a sample, with the illuminant and the observer stated in its file.

@@ -6,7 +6,6 @@
 pub mod case;
 mod case_checks;
 pub mod case_inputs;
-mod case_names;
 pub mod check;
 pub mod contrast;
 mod drawn;
@@ -26,6 +25,5 @@ pub mod study;
 pub mod tree;
 pub mod variation;
 pub mod voxels;
-mod xml_limits;
 
 pub use study::Study;

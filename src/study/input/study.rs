@@ -1,13 +1,11 @@
 //! A checked study: the only input of a run.
 
 mod composed;
-mod layer;
-mod wanted;
+mod parts;
 
 pub use super::file::TargetColour;
 pub use composed::{Composed, Portion, Position};
-pub use layer::{Dissolved, IndexSpectrum, Layer, Paper, Pigment};
-pub use wanted::{Angles, Judgement, WantedResolution};
+pub use parts::{Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, WantedResolution};
 
 use super::file::OutputTable;
 use super::variation::{CellRule, Draw, Variation, signs, stratified_deg};

@@ -1,11 +1,18 @@
-//! The wavelengths and their sampling.
+//! The wavelengths and their sampling; studies with Maxwell's equations that cannot be solved are
+//! refused before anything is packed.
 
+use super::pigments::packed;
 use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter};
-use crate::input::fault::{Allowed, Faults, keys_in_words};
-use crate::input::file::{LightTable, SamplingName};
+use crate::input::fault::{Allowed, Fault, Faults, keys_in_words};
+use crate::input::file::{LightTable, SamplingName, StudyFile};
 use crate::input::limits::{self, LONGEST_LIST};
+use crate::input::study::Study;
 use crate::input::variation::LightRule;
+use crate::material::mixing::MixingRule;
 use crate::numerics::allowed::shown;
+use crate::solve::SolverChoice;
+use crate::wave::Media;
+use num_complex::Complex64;
 
 /// Tolerance of wavelengths, nm, for rounding.
 const SLACK_NM: f64 = 1e-6;
@@ -111,4 +118,52 @@ pub fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Fault
     }
     let strata = light.per_realisation.unwrap_or(last).max(1);
     LightRule::Shifted { range_nm: [wavelengths_nm[0], wavelengths_nm[last]], strata }
+}
+
+/// The mixing rule: that of vanishing grains for the chosen wave, unless the file sets another.
+pub(super) fn mixing(file: &StudyFile) -> MixingRule {
+    file.layer.mixing.unwrap_or(match file.light.wave.is_vector() {
+        true => MixingRule::MaxwellGarnett,
+        false => MixingRule::VolumeAverage,
+    })
+}
+
+/// Reports features that are not available with Maxwell's equations.
+pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
+    if !study.wave.is_vector() {
+        return;
+    }
+    let scalar = "or take light.wave = \"scalar\"";
+    if file.layer.relief.is_some() {
+        let allowed =
+            "none with Maxwell's equations: the slope of a rough surface has no normal-field tensor yet";
+        faults.add("layer.relief", "a rough surface", allowed, format!("remove [layer.relief], {scalar}"));
+    }
+    if let SolverChoice::ConvergentBorn(_) | SolverChoice::Relaxation(_) = study.solver {
+        let allowed = "\"krylov\", \"bicgstab\", \"idr\", \"born\" or \"direct\" with Maxwell's equations: their unknowns are no values at points";
+        let found = study.solver.build().name().to_owned();
+        faults.add("solver.strategy", found, allowed, format!("leave it out, {scalar}"));
+    }
+    if study.pigments.is_empty() {
+        // metal films are exact
+        return;
+    }
+    let media: Vec<(f64, Media)> =
+        study.wavelengths_nm.iter().map(|&nm| (nm, study.media(1e-3 * nm))).collect();
+    for (place, (i, _)) in packed(file).enumerate() {
+        let index = media.iter().map(|(nm, media)| (*nm, media.inclusions[place]));
+        faults.0.extend(metal(format!("pigment[{i}].index"), index, scalar));
+    }
+    let binder = media.iter().map(|(nm, media)| (*nm, media.backgrounds[0]));
+    faults.0.extend(metal("layer.binder.index".to_owned(), binder, scalar));
+}
+
+/// Refuses metals, Re η² ≤ 0: the normal-field tensor may be singular there, and has not been
+/// tested.
+fn metal(field: String, mut index: impl Iterator<Item = (f64, Complex64)>, scalar: &str) -> Option<Fault> {
+    let (nm, eta) = index.find(|(_, eta)| (eta * eta).re <= 0.0)?;
+    let found = format!("{} + {}i at {nm} nm, a metal", eta.re, eta.im);
+    let allowed =
+        "n greater than k with Maxwell's equations: the field across a metal's surface is not resolved";
+    Some(Fault::new(field, found, allowed, format!("give another pigment, {scalar}")))
 }
