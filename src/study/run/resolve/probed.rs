@@ -12,6 +12,7 @@ use crate::wave::{Incidence, Mean, Media, Precision, Resolution, Scene, Scheme};
 /// One packing for test solves.
 pub(super) struct Probing<'a> {
     pub study: &'a Study,
+    pub realisation: usize,
     pub draw: Draw,
     pub scene: &'a Scene,
     /// Maximum memory of one solve, bytes.
