@@ -73,12 +73,8 @@ fn all_functions(lit: f64, seen: f64, s: f64) -> [f64; SYMMETRIC + AZIMUTHAL] {
 
 /// Fits the layer's diffuse BRDF to all orders of all solves from the incident side: its azimuthal
 /// mean, for colours, or its dependence on the azimuth, for renderers.
-fn diffuse<const N: usize>(
-    layer: &LayerEnsemble,
-    solved: &[SolvedRealisation],
-    functions: &Functions<N>,
-) -> Fits {
-    let samples = |at: &SolvedWavelength| (at.wavelength_nm, of_orders(at, functions));
+fn diffuse<const N: usize>(layer: &LayerEnsemble, solved: &[SolvedRealisation], of: &Functions<N>) -> Fits {
+    let samples = |at: &SolvedWavelength| (at.wavelength_nm, of_orders(at, of));
     Fits::new(solved.iter().map(|r| r.wavelengths.iter().map(samples)), &layer.basis, [N, 1])
 }
 

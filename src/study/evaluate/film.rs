@@ -26,14 +26,14 @@ impl Profile {
     /// η² of every slice: Σ φ η² of the inclusions, and of the background for the rest.
     pub fn squared_indices(&self, background: Complex64, inclusions: &[Complex64]) -> Vec<Complex64> {
         let base = background * background;
-        self.fractions.iter().map(|fractions| mean_squared_index(base, fractions, inclusions)).collect()
+        let slices = self.fractions.iter().map(|fractions| {
+            fractions
+                .iter()
+                .zip(inclusions)
+                .fold(base, |sum, (&share, &eta)| sum + share * (eta * eta - base))
+        });
+        slices.collect()
     }
-}
-
-/// η² of one slice whose background has η² = `base`.
-fn mean_squared_index(base: Complex64, fractions: &[f64], inclusions: &[Complex64]) -> Complex64 {
-    let each = fractions.iter().zip(inclusions);
-    each.fold(base, |sum, (&share, &eta)| sum + share * (eta * eta - base))
 }
 
 /// A stack of equal slices at one wavelength.
@@ -56,12 +56,7 @@ impl Film {
     /// With admittances y, the normal index b for s and b/η² for p (where the amplitude is that of
     /// the magnetic field), from the far face backwards: Γ = (r + Γ′ e^{2ibh})/(1 + r Γ′ e^{2ibh})
     /// with r = (y_a − y_b)/(y_a + y_b); only decaying exponentials occur.
-    pub fn reflectance_transmittance(
-        &self,
-        side: Side,
-        polar_deg: f64,
-        polarisation: Polarisation,
-    ) -> (f64, f64) {
+    pub fn reflectance_transmittance(&self, side: Side, polar_deg: f64, light: Polarisation) -> (f64, f64) {
         let (from, to) = match side {
             Side::Incident => (1.0, self.index_out),
             Side::Exit => (self.index_out, 1.0),
@@ -73,7 +68,7 @@ impl Film {
         }
         let along = from * sin;
         let normal = |squared: Complex64| nonzero((squared - along * along).sqrt());
-        let admittance = |b: Complex64, squared: Complex64| match polarisation {
+        let admittance = |b: Complex64, squared: Complex64| match light {
             Polarisation::S => b,
             Polarisation::P => b / squared,
         };

@@ -122,8 +122,7 @@ impl SpectrumRow {
             ("absorptance", self.absorptance),
         ];
         let outside = |e: &Estimate| !(-BEYOND..=1.0 + BEYOND).contains(&e.value);
-        let no_number =
-            |e: &Estimate| !e.value.is_finite() || e.standard_error.is_some_and(|s| !s.is_finite());
+        let no_number = |e: &Estimate| !(e.value.is_finite() && e.standard_error.is_none_or(f64::is_finite));
         let seen = [("natural_light", self.natural_light), ("lit_at_45", self.lit_at_45)];
         let seen = seen.into_iter().filter_map(|(name, e)| Some((name, e?))).find(|(_, e)| no_number(e));
         let wrong = totals.into_iter().find(|(_, e)| no_number(e) || outside(e)).or(seen);

@@ -147,7 +147,8 @@ pub struct LayerOnPaper {
     /// The film's T̄ and Ā from the exit side.
     film_means: [f64; 2],
     albedo: f64,
-    index_out: f64,
+    /// Index of the half-space on the exit side: that of the paper in optical contact.
+    pub(super) index_out: f64,
 }
 
 impl LayerOnPaper {
@@ -190,17 +191,11 @@ impl LayerOnPaper {
         straight / self.transmittance(normal) - self.curve.order_area / PI
     }
 
-    /// Index of the half-space on the exit side: that of the paper in optical contact.
-    pub fn index_out(&self) -> f64 {
-        self.index_out
-    }
-
     /// g = ρ/(1 − ρ R̄_b), over n² in optical contact.
     pub fn return_factor(&self) -> f64 {
-        let back =
-            returned(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out);
         // checked in `new`; noise alone cannot make it a result
-        back.unwrap_or(f64::NAN)
+        returned(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out)
+            .unwrap_or(f64::NAN)
     }
 
     /// The layer over another backing of the given albedo.
@@ -247,8 +242,11 @@ impl LayerOnPaper {
     /// illumination and viewing, with a mean of 0. `cosine` is that of the azimuth, 1 forward.
     pub fn azimuthal_brdf(&self, illumination: f64, viewing: f64, cosine: f64) -> f64 {
         let sines = ((1.0 - illumination * illumination) * (1.0 - viewing * viewing)).max(0.0).sqrt();
-        let functions = azimuthal(illumination, viewing, sines * cosine);
-        functions.iter().zip(&self.curve.azimuthal).map(|(f, c)| f * c).sum()
+        azimuthal(illumination, viewing, sines * cosine)
+            .iter()
+            .zip(&self.curve.azimuthal)
+            .map(|(f, c)| f * c)
+            .sum()
     }
 
     /// The layer's diffuse f(i, o) with its dependence on the azimuth, reduced where f would become

@@ -40,7 +40,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     let finished = collected.finished();
     let asked = if collected.enough { finished } else { study.solves() };
     let grid = seen.grid.largest(&study.wavelengths_nm);
-    let certainty = certainty(collected, records().collect(), (seen, grid));
+    let certainty = certainty(collected, &records().collect::<Vec<_>>(), (seen, grid));
     let survivors = Survivors { packed: collected.realisations.len(), refused: collected.refused.len() };
     let uncertainty = Uncertainty {
         grid: seen.grid.clone(),
@@ -147,11 +147,7 @@ fn failures(collected: &Collected) -> Vec<FailureNote> {
     packings.chain(solves).collect()
 }
 
-fn certainty(
-    collected: &Collected,
-    records: Vec<&PointRecord>,
-    (seen, grid): (&Seen, GridError),
-) -> Certainty {
+fn certainty(collected: &Collected, records: &[&PointRecord], (seen, grid): (&Seen, GridError)) -> Certainty {
     let count = records.len().max(1) as f64;
     let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
     let steps: usize = records.iter().map(|r| r.account.steps).sum();

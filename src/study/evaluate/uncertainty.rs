@@ -200,7 +200,7 @@ impl Conditions {
 /// Error of g T₁ T₂, where dg = n² g² dR̄_b and R̄_b has the same error as R.
 fn through_paper(layer: &LayerOnPaper, [inwards, outwards]: [f64; 2], [r, t]: Shift) -> f64 {
     let factor = layer.return_factor();
-    let moved_factor = (layer.index_out() * factor).powi(2) * r;
+    let moved_factor = (layer.index_out * factor).powi(2) * r;
     factor * (inwards + outwards) * t + moved_factor * inwards * outwards
 }
 

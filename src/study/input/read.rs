@@ -5,12 +5,12 @@
 //! continues. Its error type separates what was found from what is allowed.
 
 use super::fault::Fault;
-use super::misfit::{Misfit, join, quoted, said, unknown_key};
+use super::misfit::{Misfit, Names, join, quoted, said, unknown_key};
 use super::tree::Node;
 use serde::de::value::StringDeserializer;
 use serde::de::{
-    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess,
-    SeqAccess, Unexpected, VariantAccess, Visitor,
+    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, MapAccess, SeqAccess, Unexpected,
+    VariantAccess, Visitor,
 };
 use std::cell::RefCell;
 
@@ -51,7 +51,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Removes and records the keys of a table that are not `known`.
-    fn keep_known(&mut self, known: &'static [&'static str]) {
+    fn keep_known(&mut self, known: Names) {
         if let Node::Table(entries) = &mut self.node {
             let strangers = entries.extract_if(.., |(key, _)| !known.contains(&key.as_str()));
             self.faults.borrow_mut().extend(strangers.map(|(key, _)| unknown_key(&self.place, &key, known)));
@@ -117,7 +117,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     fn deserialize_struct<V: Visitor<'de>>(
         mut self,
         _: &'static str,
-        known: &'static [&'static str],
+        known: Names,
         visitor: V,
     ) -> Result<V::Value, Misfit> {
         // derived code would assign the values of a list to the keys in order
@@ -133,7 +133,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     fn deserialize_enum<V: Visitor<'de>>(
         self,
         _: &'static str,
-        variants: &'static [&'static str],
+        variants: Names,
         visitor: V,
     ) -> Result<V::Value, Misfit> {
         let (key, settings, is_bare) = match self.node {
@@ -181,8 +181,7 @@ impl<'de> MapAccess<'de> for &mut Children<'_> {
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Misfit> {
         let Some((key, _)) = self.left.as_slice().first() else { return Ok(None) };
-        let key: StringDeserializer<Misfit> = key.clone().into_deserializer();
-        seed.deserialize(key).map(Some)
+        seed.deserialize(StringDeserializer::new(key.clone())).map(Some)
     }
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Misfit> {
@@ -203,8 +202,7 @@ impl<'de> EnumAccess<'de> for Content<'_> {
     type Variant = Self;
 
     fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), Misfit> {
-        let name: StringDeserializer<Misfit> = self.key.clone().into_deserializer();
-        Ok((seed.deserialize(name)?, self))
+        Ok((seed.deserialize(StringDeserializer::new(self.key.clone()))?, self))
     }
 }
 
@@ -228,11 +226,7 @@ impl<'de> VariantAccess<'de> for Content<'_> {
         self.settings.recorded(|reader| reader.deserialize_any(visitor))
     }
 
-    fn struct_variant<V: Visitor<'de>>(
-        self,
-        known: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Misfit> {
+    fn struct_variant<V: Visitor<'de>>(self, known: Names, visitor: V) -> Result<V::Value, Misfit> {
         self.settings.recorded(|reader| reader.deserialize_struct("", known, visitor))
     }
 }

@@ -1,15 +1,15 @@
 //! One packing on the grids that its waves need.
 
-use super::point::systems_of;
+use super::point::{Systems, systems_of};
 use super::watch::RunWatch;
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::raised;
-use crate::wave::{Geometry, Precision, Resolution, Scene, System, WaveError};
+use crate::wave::{Geometry, Precision, Resolution, Scene, WaveError};
 use std::sync::{Mutex, PoisonError};
 
 /// The problems of a wave, one per polarisation, with the geometry that they share.
-pub type Problems = (Vec<Box<dyn System>>, Geometry);
+pub type Problems = (Systems, Geometry);
 
 /// A packing on grids.
 ///

@@ -134,15 +134,14 @@ pub(super) fn attempt<R: Record>(
     Ok(Err(reason))
 }
 
-/// The problems of a point, one per polarisation.
+/// Problems of a point, one per polarisation.
+pub type Systems = Vec<Box<dyn System>>;
+
+/// The problems of a point.
 ///
 /// # Errors
 /// The scene cannot be discretised on the grid.
-pub fn systems_of(
-    study: &Study,
-    geometry: &Geometry,
-    point: &Point,
-) -> Result<Vec<Box<dyn System>>, WaveError> {
+pub fn systems_of(study: &Study, geometry: &Geometry, point: &Point) -> Result<Systems, WaveError> {
     geometry.systems(&study.media(point.incidence.wavelength_um), &point.incidence, Mean::default())
 }
 

@@ -16,15 +16,11 @@ const LOG: &str = "-wal";
 
 /// Renames damaged files that no other process holds and closes those in `open`; returns the new
 /// names and what is wrong.
-pub(super) fn put_aside(
-    folder: &Path,
-    slot: &Slot,
-    open: &mut Vec<Rows>,
-) -> io::Result<Vec<(PathBuf, String)>> {
+pub(super) fn put_aside(folder: &Path, own: u32, open: &mut Vec<Rows>) -> io::Result<Vec<(PathBuf, String)>> {
     let mut reasons = Vec::new();
     for path in files_of(folder, ROWS)? {
         let Some(number) = path.file_stem().and_then(|stem| stem.to_str()?.parse().ok()) else { continue };
-        if number != slot.number && Slot::is_held(folder, number) {
+        if number != own && Slot::is_held(folder, number) {
             continue;
         }
         let trouble = Rows::read(&path).map_or_else(|error| Some(error.to_string()), |rows| rows.trouble());

@@ -40,6 +40,9 @@ struct Own {
     slot: Option<Slot>,
 }
 
+/// Whether two contents of a kind agree.
+type Agreement<'a> = dyn Fn(&str, &[u8], &[u8]) -> bool + 'a;
+
 /// Why a copy ended early.
 enum Interruption {
     /// The target file cannot be written.
@@ -174,12 +177,7 @@ impl Database {
     }
 
     /// Copies an intact record into a file that lacks it; a damaged one is noted.
-    fn hand_over(
-        &self,
-        row: Sealed,
-        into: &Rows,
-        same: &dyn Fn(&str, &[u8], &[u8]) -> bool,
-    ) -> Result<(), Interruption> {
+    fn hand_over(&self, row: Sealed, into: &Rows, same: &Agreement) -> Result<(), Interruption> {
         if let Err(fault) = row.check() {
             return Ok(self.note(Damage::Record { kind: row.kind, key: row.key, fault }));
         }
@@ -245,7 +243,7 @@ impl Database {
         std::fs::create_dir_all(folder)?;
         let slot = Slot::first_free(folder)?;
         let path = folder.join(format!("{}.{ROWS}", slot.number));
-        let reasons = put_aside(folder, &slot, &mut files.others)?;
+        let reasons = put_aside(folder, slot.number, &mut files.others)?;
         files.others.retain(|rows| rows.path != path);
         let rows = Rows::create(&path).map_err(|error| failed(&path, &error))?;
         for damaged in files_of(folder, DAMAGED)? {
