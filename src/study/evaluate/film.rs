@@ -26,13 +26,8 @@ impl Profile {
     /// η² of every slice: Σ φ η² of the inclusions, and of the background for the rest.
     pub fn squared_indices(&self, background: Complex64, inclusions: &[Complex64]) -> Vec<Complex64> {
         let base = background * background;
-        let slices = self.fractions.iter().map(|fractions| {
-            fractions
-                .iter()
-                .zip(inclusions)
-                .fold(base, |sum, (&share, &eta)| sum + share * (eta * eta - base))
-        });
-        slices.collect()
+        let add = |sum, (&share, &eta): (&f64, &Complex64)| sum + share * (eta * eta - base);
+        self.fractions.iter().map(|slice| slice.iter().zip(inclusions).fold(base, add)).collect()
     }
 }
 

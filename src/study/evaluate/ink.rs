@@ -5,9 +5,9 @@ mod colours;
 
 pub use colours::Sight;
 
-use super::curves::{curves, fits};
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
+use super::on_paper::curves::{curves, fits};
 use super::on_paper::{
     AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, PolarAngle, SYMMETRIC,
 };

@@ -1,9 +1,9 @@
 //! The layer on its paper at one wavelength: the formulas of [`crate::appearance::paper`] applied
 //! to fitted values.
 
-mod functions;
+pub(super) mod curves;
 
-pub use functions::{
+pub use curves::{
     AZIMUTHAL, BENDS, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions, symmetric,
 };
 
@@ -114,7 +114,7 @@ pub struct PolarAngle {
 impl PolarAngle {
     /// The part of a curve with these coefficients.
     pub fn bent(&self, coefficients: &[f64; BENDS]) -> f64 {
-        self.bends.iter().zip(coefficients).map(|(b, c)| b * c).sum()
+        weighted(&self.bends, coefficients)
     }
 
     /// Evaluates the films at an angle.
@@ -235,18 +235,14 @@ impl LayerOnPaper {
     /// The layer's diffuse f(i, o) for cosines of the polar angles, 1/sr, azimuthal mean. Symmetric
     /// in i and o unless the incident light is polarised.
     pub fn diffuse_brdf_at(&self, illumination: f64, viewing: f64) -> f64 {
-        diffuse_functions(illumination, viewing).iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
+        weighted(&diffuse_functions(illumination, viewing), &self.curve.diffuse)
     }
 
     /// Dependence of [`LayerOnPaper::diffuse_brdf_at`] on the azimuth between the planes of
     /// illumination and viewing, with a mean of 0. `cosine` is that of the azimuth, 1 forward.
     pub fn azimuthal_brdf(&self, illumination: f64, viewing: f64, cosine: f64) -> f64 {
         let sines = ((1.0 - illumination * illumination) * (1.0 - viewing * viewing)).max(0.0).sqrt();
-        azimuthal(illumination, viewing, sines * cosine)
-            .iter()
-            .zip(&self.curve.azimuthal)
-            .map(|(f, c)| f * c)
-            .sum()
+        weighted(&azimuthal(illumination, viewing, sines * cosine), &self.curve.azimuthal)
     }
 
     /// The layer's diffuse f(i, o) with its dependence on the azimuth, reduced where f would become
@@ -365,7 +361,13 @@ fn curve(
     total: usize,
 ) -> f64 {
     let anchored: f64 = between.iter().zip(anchors).map(|(w, a)| w * a[total]).sum();
-    anchored + bends.iter().zip(coefficients).map(|(b, c)| b * c).sum::<f64>()
+    anchored + weighted(&bends, coefficients)
+}
+
+/// The sum of functions times their coefficients.
+#[inline]
+fn weighted(functions: &[f64], coefficients: &[f64]) -> f64 {
+    functions.iter().zip(coefficients).map(|(f, c)| f * c).sum()
 }
 
 #[cfg(test)]

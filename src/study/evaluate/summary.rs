@@ -14,7 +14,7 @@ use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty};
 use crate::appearance::colour::Colour;
 use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
-use crate::run::{Collected, Failure, Refused};
+use crate::run::Collected;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
@@ -132,19 +132,15 @@ pub fn aimed_at<'a>(study: &Study, manifest: &'a Manifest<&Study>) -> impl Itera
 }
 
 fn failures(collected: &Collected) -> Vec<FailureNote> {
-    let packings = collected.refused.iter().map(|Refused { realisation, reason }| FailureNote {
-        realisation: *realisation,
-        wavelength_nm: None,
-        polar_deg: None,
+    let packings = collected.refused.iter().map(|r| (r.realisation, None, &r.reason));
+    let solves = collected.failures().map(|f| (f.point.realisation, Some(f.point.incidence), &f.reason));
+    let notes = packings.chain(solves).map(|(realisation, light, reason)| FailureNote {
+        realisation,
+        wavelength_nm: light.map(|light| 1e3 * light.wavelength_um),
+        polar_deg: light.map(|light| light.polar_deg),
         reason: reason.clone(),
     });
-    let solves = collected.failures().map(|Failure { point, reason }| FailureNote {
-        realisation: point.realisation,
-        wavelength_nm: Some(1e3 * point.incidence.wavelength_um),
-        polar_deg: Some(point.incidence.polar_deg),
-        reason: reason.clone(),
-    });
-    packings.chain(solves).collect()
+    notes.collect()
 }
 
 fn certainty(collected: &Collected, records: &[&PointRecord], (seen, grid): (&Seen, GridError)) -> Certainty {

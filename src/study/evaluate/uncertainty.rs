@@ -72,9 +72,8 @@ impl Uncertainty {
         let shared = |i: usize, j: usize| moved.iter().map(|by| by[i] * by[j]).sum::<f64>();
         // packings without room shift the mean in any direction
         let scale = 1.0 + self.missing_cells * self.missing_cells;
-        chance
-            .or(none)
-            .map(|c| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] * scale + shared(i, j))))
+        let c = chance.or(none)?;
+        Some(std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] * scale + shared(i, j))))
     }
 
     /// Adds a shared error; if the random error is unknown, so is the sum.

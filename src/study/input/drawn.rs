@@ -72,11 +72,9 @@ impl Study {
 
     /// Equally probable thicknesses of the layer, µm; only the mean if the thickness is uniform.
     pub fn thicknesses_um(&self) -> Vec<f64> {
-        let count = if self.variation.thickness_std_um > 0.0 { 32 } else { 1 };
-        let share = |k: usize| (k as f64 + 0.5) / count as f64;
-        (0..count)
-            .map(|k| thickness_um(self.layer.thickness_um, self.variation.thickness_std_um, share(k)))
-            .collect()
+        let (mean, std) = (self.layer.thickness_um, self.variation.thickness_std_um);
+        let count = if std > 0.0 { 32 } else { 1 };
+        (0..count).map(|k| thickness_um(mean, std, (k as f64 + 0.5) / count as f64)).collect()
     }
 
     /// The area nearest to `area` (µm²) in which whole grains give the requested volume fractions.

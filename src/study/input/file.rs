@@ -23,7 +23,9 @@ mod microstructure;
 
 pub use calculation::{AnglesTable, LightTable, SamplingName};
 pub use calculation::{ResolutionTable, RunTable, SolverTable, TargetColour};
-pub use layer::{BinderTable, ComposedTable, LayerTable, PackingTable, PigmentTable, ShellTable};
+pub use layer::{
+    BinderTable, ComposedTable, ContrastPart, LayerTable, PackingTable, PigmentTable, ShellTable,
+};
 pub use microstructure::{Continuation, FileNames, LengthUnit, MicrostructureTable, SizeColumn, VoxelEdges};
 
 use super::forms::AlbedoWritten;

@@ -7,7 +7,6 @@ pub mod case;
 mod case_checks;
 pub mod case_inputs;
 pub mod check;
-pub mod contrast;
 mod drawn;
 pub mod fault;
 pub mod file;

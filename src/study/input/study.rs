@@ -196,9 +196,6 @@ impl Study {
     pub(super) fn binder_and_pigments(&self, wavelength_um: f64) -> (Complex64, Vec<Complex64>) {
         let binder = self.layer.binder.index_at(wavelength_um);
         let grains: Vec<_> = self.materials().map(|material| material.index_at(wavelength_um)).collect();
-        if self.layer.contrast.is_full() {
-            return (binder, grains);
-        }
         self.layer.contrast.of(binder, &self.material_shares(), &grains)
     }
 

@@ -130,22 +130,13 @@ impl Database {
         rows.put(&Sealed::new(kind, key, content)).map_err(|error| failed(&rows.path, &error))
     }
 
-    /// Deletes a record from all files.
+    /// Deletes a record from all files, or all records of a kind.
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn remove(&self, kind: &str, key: &str) -> io::Result<()> {
+    pub fn remove(&self, kind: &str, key: Option<&str>) -> io::Result<()> {
         let files = lock(&self.files);
         files.all().try_for_each(|rows| rows.remove(kind, key).map_err(|error| failed(&rows.path, &error)))
-    }
-
-    /// Deletes all records of a kind from all files.
-    ///
-    /// # Errors
-    /// A file cannot be written.
-    pub fn remove_all(&self, kind: &str) -> io::Result<()> {
-        let files = lock(&self.files);
-        files.all().try_for_each(|rows| rows.remove_all(kind).map_err(|error| failed(&rows.path, &error)))
     }
 
     /// Copies the intact records of `kinds` (of all kinds if empty) that this store lacks, in one

@@ -82,14 +82,10 @@ impl Rows {
         statement.execute(params![kind, key, method, program, seal, content]).map(drop)
     }
 
-    /// Deletes a record if it exists.
-    pub fn remove(&self, kind: &str, key: &str) -> rusqlite::Result<()> {
-        self.connection.execute("delete from records where kind = ?1 and key = ?2", [kind, key]).map(drop)
-    }
-
-    /// Deletes all records of a kind.
-    pub fn remove_all(&self, kind: &str) -> rusqlite::Result<()> {
-        self.connection.execute("delete from records where kind = ?1", [kind]).map(drop)
+    /// Deletes a record if it exists, or all records of a kind.
+    pub fn remove(&self, kind: &str, key: Option<&str>) -> rusqlite::Result<()> {
+        let sql = "delete from records where kind = ?1 and (?2 is null or key = ?2)";
+        self.connection.execute(sql, params![kind, key]).map(drop)
     }
 
     /// Passes all records to `each`, starting with the oldest or the newest, until it fails. What
@@ -190,7 +186,9 @@ mod tests {
             rows.scan::<()>(newest_first, |row| Ok(keys.push(row.key))).unwrap().unwrap();
             assert!(keys.len() == 3 && keys[0] == first, "{keys:?}");
         }
-        rows.remove_all("point").unwrap();
+        rows.remove("point", Some("a")).unwrap();
+        assert_eq!(rows.get("point", "a").unwrap(), None);
+        rows.remove("point", None).unwrap();
         assert_eq!(rows.get("point", "b").unwrap(), None);
         assert_eq!(rows.trouble(), None);
     }

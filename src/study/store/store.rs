@@ -82,7 +82,7 @@ impl<R: Record> Store<R> {
     /// # Errors
     /// The store cannot be written.
     pub fn remove(&self, key: &str) -> io::Result<()> {
-        self.database.remove(R::KIND, key)
+        self.database.remove(R::KIND, Some(key))
     }
 
     /// Deletes all records of this kind.
@@ -90,7 +90,7 @@ impl<R: Record> Store<R> {
     /// # Errors
     /// The store cannot be written.
     pub fn remove_all(&self) -> io::Result<()> {
-        self.database.remove_all(R::KIND)
+        self.database.remove(R::KIND, None)
     }
 
     /// The database that holds these records.

@@ -51,15 +51,13 @@ fn of_plane_layer(ink: &InkOnPaper, uncertainty: &Uncertainty, thickness_um: f64
     let (straight, faces) = (straight_on(ink)?, &ink.faces());
     let part = |get| Coefficient { thickness_um, faces, get }.estimates(ink, uncertainty);
     let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
-    let places = 0..straight.len();
-    let rows = places.filter(|&i| straight[i] <= STRAIGHT_ON && is_known(&k[i]) && is_known(&s[i]));
-    let rows: Vec<KubelkaMunkRow> = rows
-        .map(|i| KubelkaMunkRow {
-            wavelength_nm: ink.wavelengths_nm()[i],
-            absorption_per_um: k[i],
-            scattering_per_um: s[i],
-        })
-        .collect();
+    let mut rows = Vec::new();
+    for (i, &wavelength_nm) in ink.wavelengths_nm().iter().enumerate() {
+        let (absorption_per_um, scattering_per_um) = (k[i], s[i]);
+        if straight[i] <= STRAIGHT_ON && is_known(&k[i]) && is_known(&s[i]) {
+            rows.push(KubelkaMunkRow { wavelength_nm, absorption_per_um, scattering_per_um });
+        }
+    }
     let reason = rows.is_empty().then(|| in_words(&straight));
     Ok((rows, reason))
 }

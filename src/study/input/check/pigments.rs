@@ -68,13 +68,12 @@ fn shell(i: usize, table: &PigmentTable, indices: &Tabulation, faults: &mut Faul
 /// The pigments without grains.
 pub fn dissolved(file: &StudyFile, indices: &Tabulation, faults: &mut Faults) -> Vec<Dissolved> {
     let tables = file.pigments.iter().enumerate().filter(|(_, table)| is_molecular(table));
-    tables
-        .map(|(i, table)| Dissolved {
-            name: name(i, table),
-            volume_fraction: table.volume_fraction.unwrap_or(0.0),
-            material: indices.tabulate(&of(i, "index"), &table.index, faults),
-        })
-        .collect()
+    let dissolved = tables.map(|(i, table)| Dissolved {
+        name: name(i, table),
+        volume_fraction: table.volume_fraction.unwrap_or(0.0),
+        material: indices.tabulate(&of(i, "index"), &table.index, faults),
+    });
+    dissolved.collect()
 }
 
 /// Dissolves pigments in the binder; their fractions refer to the volume without grains.

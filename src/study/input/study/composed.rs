@@ -80,12 +80,8 @@ impl Study {
     /// n_eff = √Re⟨η²⟩ at a vacuum wavelength.
     pub fn effective_index(&self, wavelength_um: f64) -> f64 {
         let (binder, pigments) = self.binder_and_pigments(wavelength_um);
-        let base = (binder * binder).re;
-        let each = self
-            .material_shares()
-            .into_iter()
-            .zip(&pigments)
-            .map(|(share, eta)| share * ((eta * eta).re - base));
+        let (base, shares) = ((binder * binder).re, self.material_shares());
+        let each = shares.iter().zip(&pigments).map(|(share, eta)| share * ((eta * eta).re - base));
         (base + each.sum::<f64>()).max(0.0).sqrt()
     }
 

@@ -4,7 +4,7 @@ use super::composed::Composed;
 use crate::appearance::paper::{Albedo, Coupling};
 use crate::appearance::viewing::Viewing;
 use crate::ink::PigmentGrains;
-use crate::input::contrast::ContrastPart;
+use crate::input::file::ContrastPart;
 use crate::input::measured::MeasuredSpectrum;
 use crate::material::mixing::MixingRule;
 use crate::material::spectra::Spectrum;

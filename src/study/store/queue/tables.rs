@@ -66,8 +66,8 @@ pub(super) fn join(
         return Ok(false);
     }
     free(transaction, slot.number)?;
-    transaction
-        .execute("insert or replace into workers values (?1, ?2)", params![slot.number, slot.holder])?;
+    let sign_in = "insert or replace into workers values (?1, ?2)";
+    transaction.execute(sign_in, params![slot.number, slot.holder])?;
     Ok(true)
 }
 
