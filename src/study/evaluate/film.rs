@@ -52,10 +52,7 @@ impl Film {
     /// the magnetic field), from the far face backwards: Γ = (r + Γ′ e^{2ibh})/(1 + r Γ′ e^{2ibh})
     /// with r = (y_a − y_b)/(y_a + y_b); only decaying exponentials occur.
     pub fn reflectance_transmittance(&self, side: Side, polar_deg: f64, light: Polarisation) -> (f64, f64) {
-        let (from, to) = match side {
-            Side::Incident => (1.0, self.index_out),
-            Side::Exit => (self.index_out, 1.0),
-        };
+        let (from, to) = if side == Side::Incident { (1.0, self.index_out) } else { (self.index_out, 1.0) };
         let k0 = TAU / self.wavelength_um;
         let (sin, cos) = polar_deg.to_radians().sin_cos();
         if cos < 1e-12 {

@@ -104,10 +104,7 @@ impl GridPart {
 
     /// Number of packings that were solved on two grids.
     pub fn checked(&self) -> usize {
-        match self {
-            Self::Estimated(_) => 0,
-            Self::Corrected(correction) => correction.incident.without.len(),
-        }
+        if let Self::Corrected(correction) = self { correction.incident.without.len() } else { 0 }
     }
 
     /// Standard errors of R and T at one wavelength due to one of the independent errors, signed

@@ -301,10 +301,7 @@ impl LayerOnPaper {
     /// For polarised light: as seen through a polariser under an unpolarised sky, relative to white
     /// paper seen through the same.
     pub fn natural_light(&self, viewing: &PolarAngle, sky: MirroredSky) -> f64 {
-        let mirrored = match sky {
-            MirroredSky::Included => 0.0,
-            MirroredSky::Excluded => self.specular(viewing),
-        };
+        let mirrored = if sky == MirroredSky::Excluded { self.specular(viewing) } else { 0.0 };
         self.albedo(viewing) - mirrored
     }
 

@@ -117,10 +117,8 @@ fn solve(normal: &Normal, basis: &SpectralBasis, width: usize) -> Array2<f64> {
     let a = Mat::from_fn(n, n, |i, j| matrix[[i, j]]);
     let b = Mat::from_fn(n, columns, |i, j| normal.right[[i, j]]);
     // rounding may make a matrix of few samples indefinite; elimination with pivots still works
-    let x = match a.llt(faer::Side::Lower) {
-        Ok(factors) => factors.solve(&b),
-        Err(_) => a.partial_piv_lu().solve(&b),
-    };
+    let x =
+        a.llt(faer::Side::Lower).map_or_else(|_| a.partial_piv_lu().solve(&b), |factors| factors.solve(&b));
     Array2::from_shape_fn((n, columns), |(i, j)| x[(i, j)])
 }
 

@@ -51,11 +51,9 @@ impl Case {
         }
         let (mut backgrounds, mut inclusions) = (Vec::new(), Vec::new());
         let strata = strata(inputs, &mut backgrounds)?;
-        let (mut names, mut bodies) = (Vec::new(), Vec::new());
-        for (name, shape, eta) in inputs.bodies() {
-            names.push(name);
-            bodies.push(Body::new(shape, index_of(&mut inclusions, eta)));
-        }
+        let named = inputs.bodies().into_iter();
+        let named = named.map(|(name, shape, eta)| (name, Body::new(shape, index_of(&mut inclusions, eta))));
+        let (names, bodies): (Vec<String>, Vec<Body>) = named.unzip();
         let bars = inputs.sublayers_from_z0.iter().flatten().flat_map(|sublayer| &sublayer.bars);
         bars.into_iter().try_for_each(|bar| check_bar(bar, inputs.period_um()[0]))?;
         let strata = split_at_flat_faces(strata, &bodies);

@@ -64,9 +64,10 @@ impl Study {
 
     /// Number of wavelengths of a realisation.
     pub fn solved_wavelengths(&self) -> usize {
-        match self.variation.light {
-            LightRule::Listed => self.wavelengths_nm.len(),
-            LightRule::Shifted { strata, .. } => strata,
+        if let LightRule::Shifted { strata, .. } = self.variation.light {
+            strata
+        } else {
+            self.wavelengths_nm.len()
         }
     }
 

@@ -60,10 +60,7 @@ impl ThicknessWritten {
 
     /// Standard deviation, µm.
     pub fn std(&self) -> f64 {
-        match self {
-            Self::Uneven { std, .. } => *std,
-            Self::Even(_) | Self::Several(_) => 0.0,
-        }
+        if let Self::Uneven { std, .. } = self { *std } else { 0.0 }
     }
 
     /// All thicknesses, µm.

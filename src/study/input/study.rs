@@ -103,20 +103,15 @@ impl Study {
     /// The packing of a realisation, with its own cell and its own random stream.
     pub fn packing_request(&self, realisation: usize) -> PackingRequest {
         let draw = self.draw(realisation);
-        let request = PackingRequest {
+        let whole = PackingRequest {
             stream: realisation as u64,
             period_um: draw.period_um,
             thickness_um: draw.thickness_um,
             ..self.packing.clone()
         };
-        let request = match &self.portion {
-            Some(portion) => portion.packed(request),
-            None => request,
-        };
-        match self.partner(realisation) {
-            Some(_) => request.fluctuating(&signs(realisation, self.pigments.len())),
-            None => request,
-        }
+        let request = if let Some(portion) = &self.portion { portion.packed(whole) } else { whole };
+        let paired = self.partner(realisation).is_some();
+        if paired { request.fluctuating(&signs(realisation, self.pigments.len())) } else { request }
     }
 
     /// The other realisation in the same cell, whose pigment volumes deviate from the requested

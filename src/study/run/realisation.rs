@@ -100,11 +100,8 @@ pub struct RealisationRun<'a> {
 impl RealisationRun<'_> {
     /// Computes the solves missing in the store; returns the number of solves without a result.
     pub fn finish(&self, packings: &mut Packings) -> Result<usize, RunError> {
-        let mut failed = 0;
-        for resolved in &levels(self.study, self.resolved, self.realisation) {
-            failed += RealisationRun { resolved, ..*self }.finish_level(packings)?;
-        }
-        Ok(failed)
+        let levels = levels(self.study, self.resolved, self.realisation);
+        levels.iter().map(|resolved| RealisationRun { resolved, ..*self }.finish_level(packings)).sum()
     }
 
     /// Computes the missing solves on one grid.

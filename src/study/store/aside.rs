@@ -1,6 +1,7 @@
 //! Quarantines damaged record files and salvages their intact records.
 
 use super::rows::Rows;
+use super::safely;
 use super::seal::Sealed;
 use super::slot::Slot;
 use std::collections::HashSet;
@@ -72,11 +73,5 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 
 /// Removes a file, if it exists, and what SQLite keeps beside it.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
-    for path in [path.to_owned(), with_suffix(path, LOG), with_suffix(path, "-shm")] {
-        match std::fs::remove_file(path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
-    }
-    Ok(())
+    ["", LOG, "-shm"].into_iter().try_for_each(|suffix| safely::remove(&with_suffix(path, suffix)))
 }

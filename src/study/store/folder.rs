@@ -173,10 +173,7 @@ impl OutputFolder {
     /// Removes a file if it exists.
     pub fn remove(&self, name: &str) -> Result<(), FolderError> {
         let path = self.path.join(name);
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(FolderError::at(&path)(source)),
-            _ => Ok(()),
-        }
+        safely::remove(&path).map_err(FolderError::at(&path))
     }
 
     /// Removes files whose names satisfy `ours`: leftovers of earlier work of another extent.
@@ -205,9 +202,7 @@ impl OutputFolder {
         let _ = std::fs::remove_dir_all(self.path.join(RECORDS));
         let _ = self.complete();
         let _ = self.remove(MARKER);
-        for folder in &self.made {
-            let _ = std::fs::remove_dir(folder);
-        }
+        self.made.iter().for_each(|folder| _ = std::fs::remove_dir(folder));
     }
 }
 

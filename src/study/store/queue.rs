@@ -84,10 +84,8 @@ impl Queue {
         let failed = |source| QueueError::File { folder: folder.to_owned(), source };
         let connection = Mutex::new(open(folder, slot).map_err(failed)?);
         let queue = Self { folder: folder.to_owned(), worker: slot.number, connection };
-        match queue.turn(|transaction| join(transaction, (folder, slot), name))? {
-            true => Ok(queue),
-            false => Err(QueueError::OtherWork { folder: folder.to_owned() }),
-        }
+        let joined = queue.turn(|transaction| join(transaction, (folder, slot), name))?;
+        if joined { Ok(queue) } else { Err(QueueError::OtherWork { folder: folder.to_owned() }) }
     }
 
     /// Adds tasks numbered from `first`; tasks that another worker has already added are left

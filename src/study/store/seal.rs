@@ -117,9 +117,7 @@ pub fn in_words(damages: &[Damage]) -> Option<String> {
     let what = [counted(records, "record"), counted(files, "file")];
     let what = what.into_iter().flatten().collect::<Vec<_>>().join(" and ");
     let mut text = format!("{what} of the store damaged or outdated; they count as absent:");
-    for damage in damages.iter().take(NAMED) {
-        text += &format!("\n  {damage}");
-    }
+    text.extend(damages.iter().take(NAMED).map(|damage| format!("\n  {damage}")));
     if damages.len() > NAMED {
         text += &format!("\n  and {} more", damages.len() - NAMED);
     }

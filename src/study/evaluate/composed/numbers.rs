@@ -75,9 +75,7 @@ impl<'a> LayerTask<'a> {
                 numbers.extend(colours);
             }
         }
-        for slabs in &slabs {
-            numbers.extend(coefficients(slabs, level.slab_um));
-        }
+        numbers.extend(slabs.iter().flat_map(|slabs| coefficients(slabs, level.slab_um)));
         for &thickness_um in &self.composed.thicknesses_um {
             let of = |slabs| self.between(thickness_um, |count| distribution(slabs, count * per_h));
             numbers.extend(slabs.iter().flat_map(of));

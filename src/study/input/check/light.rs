@@ -122,10 +122,8 @@ pub fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Fault
 
 /// The mixing rule: that of vanishing grains for the chosen wave, unless the file sets another.
 pub(super) fn mixing(file: &StudyFile) -> MixingRule {
-    file.layer.mixing.unwrap_or(match file.light.wave.is_vector() {
-        true => MixingRule::MaxwellGarnett,
-        false => MixingRule::VolumeAverage,
-    })
+    let vector = file.light.wave.is_vector();
+    file.layer.mixing.unwrap_or(if vector { MixingRule::MaxwellGarnett } else { MixingRule::VolumeAverage })
 }
 
 /// Reports features that are not available with Maxwell's equations.

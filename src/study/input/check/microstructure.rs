@@ -119,9 +119,8 @@ fn beside(file: &StudyFile, own: &MicrostructureTable, faults: &mut Faults) {
 /// The period: of the files, or as written; both must agree.
 fn period(file: &StudyFile, cuts: &[(String, Positions)], faults: &mut Faults) -> Option<[f64; 2]> {
     let written = file.layer.period_um.map(|pair| pair.xy());
-    let boxes = cuts.iter().filter_map(|(path, cut)| Some((path, cut.box_um?)));
     let sides = |b: [[f64; 2]; 3]| [b[0][1] - b[0][0], b[1][1] - b[1][0]];
-    let own: Vec<_> = boxes.map(|(path, b)| (path, sides(b))).collect();
+    let own: Vec<_> = cuts.iter().filter_map(|(path, cut)| Some((path, sides(cut.box_um?)))).collect();
     let Some(period) = written.or(own.first().map(|(_, sides)| *sides)) else {
         let allowed = "one number or [x, y], µm: these files have no box";
         faults.add("layer.period_um", "nothing", allowed, "give the period of the positions");

@@ -160,10 +160,7 @@ impl WantedResolution {
     /// Relative error of the contrast's Fourier coefficients that is negligible compared with that
     /// of the grid; a given grid may be arbitrarily fine.
     pub fn coverage_error(&self) -> f64 {
-        match *self {
-            Self::Accuracy { amplitude, .. } => error_for(amplitude),
-            Self::Grid { .. } => EXACT,
-        }
+        if let Self::Accuracy { amplitude, .. } = *self { error_for(amplitude) } else { EXACT }
     }
 }
 
