@@ -200,13 +200,12 @@ impl InkOnPaper {
             |fits: &Fits| std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
         let width = self.diffuse_width;
         let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
+        let azimuthal = |k: usize| at(&self.directional, SYMMETRIC + k, SYMMETRIC + AZIMUTHAL, 0);
         let curve = AngleCurve {
             bends: bends(&self.curves),
             returned: bends(self.returned.as_ref().map_or(&self.curves, |(_, fits)| fits)),
             diffuse: std::array::from_fn(diffuse),
-            azimuthal: std::array::from_fn(|k| {
-                at(&self.directional, SYMMETRIC + k, SYMMETRIC + AZIMUTHAL, 0)
-            }),
+            azimuthal: std::array::from_fn(azimuthal),
             order_area: self.orders_per_um2 * (1e-3 * self.nodes.wavelengths_nm[node]).powi(2),
         };
         let paper = [self.nodes.albedos[node], self.index_out];

@@ -81,9 +81,7 @@ impl GridCorrection {
     fn shift(&self, fit: &Array2<f64>, nm: f64, polar_deg: f64) -> [f64; TOTALS] {
         let (weights, functions) = (self.basis.weights(nm), functions(polar_deg));
         let of = |total: usize, k: usize| SpectralBasis::at(&weights, |i| fit[[i * WIDTH + k, total]]);
-        std::array::from_fn(|total| {
-            self.factor * (0..WIDTH).map(|k| functions[k] * of(total, k)).sum::<f64>()
-        })
+        std::array::from_fn(|t| self.factor * (0..WIDTH).map(|k| functions[k] * of(t, k)).sum::<f64>())
     }
 }
 

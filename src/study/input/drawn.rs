@@ -43,12 +43,10 @@ impl Study {
     /// Varied cells are rotated between wavelengths, so that no two of them share a Bloch vector
     /// and their errors are as independent as one packing allows.
     pub(super) fn turn(&self, draw: &Draw, j: usize) -> (f64, f64) {
-        match self.variation.cell {
-            CellRule::Fixed => (draw.azimuth_deg, draw.direction),
-            CellRule::Varied => {
-                (draw.azimuth_deg + turned_deg(j), (draw.direction + j as f64 * GOLDEN).fract())
-            }
+        if self.variation.cell == CellRule::Fixed {
+            return (draw.azimuth_deg, draw.direction);
         }
+        (draw.azimuth_deg + turned_deg(j), (draw.direction + j as f64 * GOLDEN).fract())
     }
 
     /// Wavelengths of a realisation, nm, increasing.
@@ -64,10 +62,9 @@ impl Study {
 
     /// Number of wavelengths of a realisation.
     pub fn solved_wavelengths(&self) -> usize {
-        if let LightRule::Shifted { strata, .. } = self.variation.light {
-            strata
-        } else {
-            self.wavelengths_nm.len()
+        match self.variation.light {
+            LightRule::Listed => self.wavelengths_nm.len(),
+            LightRule::Shifted { strata, .. } => strata,
         }
     }
 

@@ -216,9 +216,7 @@ fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
     let remedy = "a share of the layer's volume, such as 0.3 for 30 %";
     match table.volume_fraction {
         Some(share) => faults.number(&of(i, "volume_fraction"), share, limits::VOLUME_FRACTION, remedy),
-        None => {
-            faults.add(of(i, "volume_fraction"), "nothing", limits::VOLUME_FRACTION.to_string(), remedy);
-        }
+        None => faults.add(of(i, "volume_fraction"), "nothing", limits::VOLUME_FRACTION.to_string(), remedy),
     }
 }
 
