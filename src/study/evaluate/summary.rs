@@ -16,8 +16,7 @@ use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
 use crate::run::Collected;
 use crate::solve::accuracy::grid_error::GridError;
-use crate::store::identity::METHOD_VERSION;
-use crate::store::record::PointRecord;
+use crate::store::{METHOD_VERSION, PointRecord};
 use crate::wave::physical::largest;
 
 /// Name of the standard geometry of print measurement, lit at 45° and viewed along the normal.

@@ -25,4 +25,8 @@ pub mod tree;
 pub mod variation;
 pub mod voxels;
 
+pub use fault::{Allowed, Fault, Faults, keys_in_words};
+pub use file::StudyFile;
+pub use measured::MeasuredSpectrum;
 pub use study::Study;
+pub use variation::{CellRule, LightRule};

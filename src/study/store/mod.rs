@@ -23,7 +23,10 @@ pub mod slot;
 #[allow(clippy::module_inception)]
 pub mod store;
 
-pub use identity::set_build;
+pub use database::Database;
+pub use folder::OutputFolder;
+pub use identity::{Key, METHOD_VERSION, set_build};
 pub use packing_record::PackingRecord;
-pub use record::{PointRecord, SolveAccount};
+pub use record::{FailureRecord, PointRecord, SolveAccount};
+pub use seal::Damage;
 pub use store::{Record, Store, same};

@@ -1,10 +1,9 @@
 //! Refractive indices: evaluates a number, a built-in spectrum or a table at every wavelength, and
 //! warns of files whose rows are far apart, which may be intended.
 
-use crate::input::fault::{Fault, Faults, keys_in_words};
 use crate::input::forms::{INDEX_KEYS, IndexWritten};
-use crate::input::limits;
 use crate::input::study::{IndexSpectrum, Study};
+use crate::input::{Fault, Faults, keys_in_words, limits};
 use crate::material::gaps::widest_gap_nm;
 use crate::material::mixing::MixingRule;
 use crate::material::named::MATERIALS;

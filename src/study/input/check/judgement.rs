@@ -2,11 +2,9 @@
 
 use crate::appearance::error::ColourError;
 use crate::appearance::viewing::{Summation, Viewing};
-use crate::input::fault::{Fault, Faults};
-use crate::input::file::StudyFile;
-use crate::input::measured::MeasuredSpectrum;
 use crate::input::measured_colour::MeasuredColour;
 use crate::input::study::Judgement;
+use crate::input::{Fault, Faults, MeasuredSpectrum, StudyFile};
 use crate::numerics::files;
 use std::path::Path;
 

@@ -3,11 +3,9 @@
 
 use super::pigments::packed;
 use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter};
-use crate::input::fault::{Allowed, Fault, Faults, keys_in_words};
 use crate::input::file::{LightTable, SamplingName, StudyFile};
 use crate::input::limits::{self, LONGEST_LIST};
-use crate::input::study::Study;
-use crate::input::variation::LightRule;
+use crate::input::{Allowed, Fault, Faults, LightRule, Study, keys_in_words};
 use crate::material::mixing::MixingRule;
 use crate::numerics::allowed::shown;
 use crate::solve::SolverChoice;

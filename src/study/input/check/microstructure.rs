@@ -4,11 +4,10 @@ mod voxels;
 
 use super::pigments::{is_molecular, packed};
 use crate::ink::{Grain, Measure, PackError, Packing, Shape, SizeDistribution, Sphere, VoxelCut};
-use crate::input::fault::{Faults, keys_in_words};
 use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
 use crate::input::forms::Pair;
 use crate::input::positions::{Positions, read_positions};
-use crate::input::variation::CellRule;
+use crate::input::{CellRule, Faults, keys_in_words};
 use crate::numerics::vector::V3;
 use std::path::Path;
 

@@ -3,11 +3,10 @@
 
 use super::light::check_list;
 use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG};
-use crate::input::fault::Faults;
 use crate::input::file::{AnglesTable, CouplingName, StudyFile};
 use crate::input::forms::AlbedoWritten;
-use crate::input::limits;
 use crate::input::study::{Angles, Paper};
+use crate::input::{Faults, limits};
 use crate::material::columns::micrometres;
 use crate::numerics::files;
 use serde::Deserialize;

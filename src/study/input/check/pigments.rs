@@ -4,12 +4,11 @@
 use super::grain_count;
 use super::index::Tabulation;
 use crate::ink::{Measure, PackError, PackingRequest, PigmentGrains, SizeDistribution};
-use crate::input::fault::{Fault, Faults};
 use crate::input::file::{LayerTable, PigmentTable, StudyFile};
 use crate::input::forms::Diameter;
-use crate::input::limits;
 use crate::input::study::{Dissolved, IndexSpectrum, Layer, Pigment};
 use crate::input::variation::{CellRule, THICKNESS_CUT, shortest_side_um};
+use crate::input::{Fault, Faults, limits};
 use crate::material::mixing::MixingRule;
 use num_complex::Complex64;
 

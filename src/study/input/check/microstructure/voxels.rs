@@ -3,10 +3,9 @@
 use super::{FIELD, Given, GrainFiles};
 use crate::ink::{Measure, SizeDistribution, VoxelCut};
 use crate::input::check::pigments::packed_names;
-use crate::input::fault::{Fault, Faults};
 use crate::input::file::{Continuation, MicrostructureTable, StudyFile, VoxelEdges};
-use crate::input::limits;
 use crate::input::voxels::read_labels;
+use crate::input::{Fault, Faults, limits};
 use ndarray::{Array3, ArrayView1, Axis, concatenate, s};
 use std::collections::BTreeMap;
 use std::path::Path;
