@@ -357,8 +357,7 @@ fn curve(
     (between, bends): ([f64; 2], [f64; BENDS]),
     total: usize,
 ) -> f64 {
-    let anchored: f64 = between.iter().zip(anchors).map(|(w, a)| w * a[total]).sum();
-    anchored + weighted(&bends, coefficients)
+    between.iter().zip(anchors).map(|(w, a)| w * a[total]).sum::<f64>() + weighted(&bends, coefficients)
 }
 
 /// The sum of functions times their coefficients.

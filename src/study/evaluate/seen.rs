@@ -174,9 +174,8 @@ impl<'a> Cells<'a> {
     /// The solves of every cell in one light, corrected by those on a finer grid as far as there are
     /// any.
     fn solved(&self, wave: Wave) -> (Vec<SolvedRealisation>, GridPart) {
-        let own = |r: &&Realisation| solved(self.study, r, &r.points, wave);
         let mean = |cell: &Vec<&Realisation>| {
-            let packings = cell.iter().map(own);
+            let packings = cell.iter().map(|r| solved(self.study, r, &r.points, wave));
             packings.reduce(|first, second| first.mean_with(&second)).expect("a cell has a packing")
         };
         let mut solved: Vec<SolvedRealisation> = self.cells.iter().map(mean).collect();
@@ -225,9 +224,8 @@ impl<'a> Cells<'a> {
     /// realisations.
     fn distributions(&self) -> Result<Vec<Bdf>, BdfError> {
         let Study { variation, angles, .. } = self.study;
-        let complete = self.cells.iter().flatten();
-        let fields: Vec<Vec<FarField>> =
-            complete.map(|r| far_fields(self.study, &r.points, self.study.wave)).collect();
+        let fields = self.cells.iter().flatten().map(|r| far_fields(self.study, &r.points, self.study.wave));
+        let fields: Vec<Vec<FarField>> = fields.collect();
         let alike = variation.cell == CellRule::Fixed
             && variation.light == LightRule::Listed
             && variation.thickness_std_um == 0.0;

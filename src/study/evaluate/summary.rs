@@ -183,8 +183,7 @@ fn alternating_mean(layer: &LayerSeen, r: usize, w: &SolvedWavelength) -> f64 {
     let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
     let film = layer.film(w.wavelength_nm);
     let difference = |s: &SolvedDirection| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
-    let sum: f64 = w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum();
-    sum / w.strata.len() as f64
+    w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum::<f64>() / w.strata.len() as f64
 }
 
 /// Difference between the two estimates of R̄ from the exit side, realisation by realisation; for

@@ -180,8 +180,7 @@ fn built_in_names(_: &mut SchemaGenerator) -> Schema {
 }
 
 fn material_names(_: &mut SchemaGenerator) -> Schema {
-    let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
-    json_schema!({ "enum": names })
+    json_schema!({ "enum": MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>() })
 }
 
 /// The keys of [`IndexWritten`].

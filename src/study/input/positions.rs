@@ -154,8 +154,7 @@ fn dump_frame(lines: &mut NumberedLines, meaning: &MicrostructureTable) -> Resul
 
 fn bound(lines: &mut NumberedLines) -> Result<[f64; 2], String> {
     let (i, line) = next(lines, "the box")?;
-    let numbers: Vec<f64> = line.split_whitespace().filter_map(|w| w.parse().ok()).collect();
-    match numbers[..] {
+    match line.split_whitespace().filter_map(|w| w.parse().ok()).collect::<Vec<f64>>()[..] {
         [low, high] => Ok([low, high]),
         _ => Err(format!("line {}: an upright box has two numbers per axis, not {line:?}", i + 1)),
     }
@@ -177,9 +176,8 @@ fn xyz_frame(lines: &mut NumberedLines, meaning: &MicrostructureTable) -> Result
     let wrong = |what: &str| format!("line {}: {what}", i + 1);
     let keys = quoted_keys(comment);
     let properties = keys.get("Properties").ok_or_else(|| wrong("no Properties=…"))?;
-    let parts: Vec<&str> = properties.split(':').collect();
     let mut names: Vec<&str> = Vec::new();
-    for part in parts.chunks_exact(3) {
+    for part in properties.split(':').collect::<Vec<&str>>().chunks_exact(3) {
         let width: usize = part[2].parse().map_err(|_| wrong("Properties are name:type:columns"))?;
         names.extend(std::iter::repeat_n(part[0], width));
     }
@@ -192,8 +190,7 @@ fn xyz_frame(lines: &mut NumberedLines, meaning: &MicrostructureTable) -> Result
 
 /// An upright box at the origin from nine numbers.
 fn lattice(text: &str) -> Result<[[f64; 2]; 3], String> {
-    let numbers: Vec<f64> = text.split_whitespace().filter_map(|w| w.parse().ok()).collect();
-    match numbers[..] {
+    match text.split_whitespace().filter_map(|w| w.parse().ok()).collect::<Vec<f64>>()[..] {
         [x, a, b, c, y, d, e, f, z] if [a, b, c, d, e, f] == [0.0; 6] => Ok([x, y, z].map(|l| [0.0, l])),
         _ => Err(format!("Lattice {text:?} is no upright box")),
     }

@@ -189,9 +189,8 @@ impl Study {
 
     /// Indices within the layer at one wavelength.
     pub(super) fn binder_and_pigments(&self, wavelength_um: f64) -> (Complex64, Vec<Complex64>) {
-        let binder = self.layer.binder.index_at(wavelength_um);
         let grains: Vec<_> = self.materials().map(|material| material.index_at(wavelength_um)).collect();
-        self.layer.contrast.of(binder, &self.material_shares(), &grains)
+        self.layer.contrast.of(self.layer.binder.index_at(wavelength_um), &self.material_shares(), &grains)
     }
 
     /// Indices of all media for a content hash: incident side, exit side, binder, pigments.

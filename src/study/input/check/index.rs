@@ -102,9 +102,8 @@ fn not_found(field: &str, key: &str, (said, path): (&str, &Path), error: &Spectr
     let (found, allowed, remedy) = match key {
         "built_in" => (named, Synthetic::ALL.map(Synthetic::name).join(", "), take.to_owned()),
         "material" => {
-            let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
             let remedy = format!("{take}; organic pigments are in no open collection of indices");
-            (named, names.join(", "), remedy)
+            (named, MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", "), remedy)
         }
         "csv" => {
             let allowed =

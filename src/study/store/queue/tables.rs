@@ -53,10 +53,9 @@ pub(super) fn join(
     (folder, slot): (&Path, &Slot),
     name: &str,
 ) -> rusqlite::Result<bool> {
-    let at_work = "select name from work";
     let under_way: Option<String> = match living(transaction, folder)?[..] {
         [] => None,
-        _ => transaction.query_row(at_work, [], |row| row.get(0)).optional()?,
+        _ => transaction.query_row("select name from work", [], |row| row.get(0)).optional()?,
     };
     if under_way.is_none() {
         transaction.execute_batch("delete from work; delete from workers; delete from tasks")?;
