@@ -50,13 +50,17 @@ impl<'a> Packings<'a> {
     }
 }
 
-/// The solves of a realisation with the content hashes of their inputs.
+/// The solves of a realisation with content hashes of everything that each depends on.
 pub fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
     let packing = Key::of_packing(&study.packing_request(realisation));
-    let (draw, mut keyed) = (study.draw(realisation), Vec::new());
+    let (draw, error) = (study.draw(realisation), study.resolution.coverage_error());
+    let mut keyed = Vec::new();
     for point in study.points(realisation) {
         let resolution = resolved.for_wave(study, &draw, point.incidence.wavelength_um);
-        keyed.push((point, point_key(study, &packing, &resolution, &point)));
+        let method = (resolution, Mean::default(), &study.solver, &study.goal, error);
+        let indices = study.indices(point.incidence.wavelength_um);
+        let inputs = (&packing, indices, &point.incidence, method);
+        keyed.push((point, Key::of_wave("point", &inputs, point.polarisation)));
     }
     keyed
 }
@@ -70,13 +74,6 @@ pub fn all_point_keys(study: &Study, resolved: &Resolved, realisation: usize) ->
 /// The grids on which a realisation is solved: the study's, and a finer one if it is checked.
 fn levels(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<Resolved> {
     [*resolved].into_iter().chain(study.is_checked(realisation).then(|| resolved.finer())).collect()
-}
-
-/// Content hash of everything that one solve depends on.
-fn point_key(study: &Study, packing: &Key, resolution: &Resolution, point: &Point) -> Key {
-    let method = (resolution, Mean::default(), &study.solver, &study.goal, study.resolution.coverage_error());
-    let indices = study.indices(point.incidence.wavelength_um);
-    Key::of_wave("point", &(packing, indices, &point.incidence, method), point.polarisation)
 }
 
 /// The work on one realisation.

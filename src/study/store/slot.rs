@@ -44,7 +44,9 @@ impl Slot {
     /// The lock file cannot be created.
     pub fn take(folder: &Path, number: u32) -> io::Result<Option<Self>> {
         let Some(mut lock) = locked(&lock_file(folder, number), true)? else { return Ok(None) };
-        let holder = name_of_this_process();
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        // the process number and the time, because process numbers are reused
+        let holder = format!("{} {}", std::process::id(), since.as_nanos());
         lock.set_len(0)?;
         lock.write_all(holder.as_bytes())?;
         Ok(Some(Self { number, holder, _lock: lock }))
@@ -96,12 +98,6 @@ fn refuse_what_is_no_lock(path: &Path) -> io::Result<()> {
     }
     let reason = "is not a lock file of inkwave, and is not overwritten: remove it if it is not needed";
     Err(io::Error::other(format!("{} {reason}", path.display())))
-}
-
-/// The process number and the time, because process numbers are reused.
-fn name_of_this_process() -> String {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    format!("{} {}", std::process::id(), since.as_nanos())
 }
 
 fn lock_file(folder: &Path, number: u32) -> PathBuf {
