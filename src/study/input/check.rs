@@ -61,8 +61,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     let composed = composed::composed(file, &mut faults);
     let slab = composed.as_ref().map(|composed| composed::slab_file(file, composed));
     let file = slab.as_ref().unwrap_or(file);
-    let given = microstructure::given(file, folder, &mut faults);
-    let (filled, given) = given.unzip();
+    let (filled, given) = microstructure::given(file, folder, &mut faults).unzip();
     let file = filled.as_ref().unwrap_or(file);
     let wavelengths_nm = light::wavelengths(&file.light, &mut optics);
     let period_um = period(file, &mut faults);

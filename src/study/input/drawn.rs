@@ -78,8 +78,8 @@ impl Study {
     /// The area nearest to `area` (µm²) in which whole grains give the requested volume fractions.
     fn whole_grains(&self, area: f64, thickness_um: f64) -> f64 {
         let dry_um = thickness_um - self.packing.relief.as_ref().map_or(0.0, |relief| relief.depth_um);
-        let quanta = self.pigments.iter().filter_map(|p| area_of_a_grain(&p.grains, dry_um));
-        let quanta: Vec<f64> = quanta.collect();
+        let areas = self.pigments.iter().filter_map(|p| area_of_a_grain(&p.grains, dry_um));
+        let quanta: Vec<f64> = areas.collect();
         let Some(largest) = quanta.iter().copied().reduce(f64::max) else { return area };
         let grains = |share: f64| (area * share / largest).round().max(1.0) as usize;
         let nearest = grains(1.0);

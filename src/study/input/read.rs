@@ -36,11 +36,7 @@ struct Reader<'a> {
     faults: &'a RefCell<Vec<Fault>>,
 }
 
-impl<'a> Reader<'a> {
-    fn child(&self, node: Node, step: &str) -> Reader<'a> {
-        Reader { node, place: join(&self.place, step), faults: self.faults }
-    }
-
+impl Reader<'_> {
     /// Reads the node and records an error with its path, of which serde knows the end alone.
     fn recorded<T>(self, read: impl FnOnce(Self) -> Result<T, Misfit>) -> Result<T, Misfit> {
         let (place, found, faults) = (self.place.clone(), described(&self.node), self.faults);
@@ -93,7 +89,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
                 let count = items.len();
                 let steps = items.into_iter().enumerate().map(|(i, node)| (format!("[{i}]"), node));
                 let left = steps.collect::<Vec<_>>().into_iter();
-                let mut items = Children { left, parent: Reader { node: Node::Null, ..self } };
+                let mut items = Children { left, place: self.place, faults: self.faults };
                 let value = visitor.visit_seq(&mut items)?;
                 match count - items.left.len() {
                     read if read == count => Ok(value),
@@ -101,8 +97,8 @@ impl<'de> Deserializer<'de> for Reader<'_> {
                 }
             }
             Node::Table(entries) => {
-                let parent = Reader { node: Node::Null, ..self };
-                visitor.visit_map(&mut Children { left: entries.into_iter(), parent })
+                let (left, place) = (entries.into_iter(), self.place);
+                visitor.visit_map(&mut Children { left, place, faults: self.faults })
             }
         }
     }
@@ -154,14 +150,16 @@ impl<'de> Deserializer<'de> for Reader<'_> {
 /// What is left of a list or a table, in order.
 struct Children<'a> {
     left: std::vec::IntoIter<(String, Node)>,
-    /// The list or table, without its node.
-    parent: Reader<'a>,
+    /// Path of the list or table.
+    place: String,
+    faults: &'a RefCell<Vec<Fault>>,
 }
 
 impl Children<'_> {
     fn value<'de, T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Misfit> {
-        let next = self.left.next().map(|(step, node)| self.parent.child(node, &step));
-        next.map(|reader| reader.recorded(|reader| seed.deserialize(reader))).transpose()
+        let Some((step, node)) = self.left.next() else { return Ok(None) };
+        let reader = Reader { node, place: join(&self.place, &step), faults: self.faults };
+        reader.recorded(|reader| seed.deserialize(reader)).map(Some)
     }
 }
 

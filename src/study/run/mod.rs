@@ -3,7 +3,6 @@
 
 pub mod collected;
 pub mod crew;
-pub mod grids;
 pub mod longer_waves;
 pub mod memory;
 pub mod point;

@@ -2,8 +2,7 @@
 
 use super::collected::{RunSettings, Stores};
 use super::crew::work_through;
-use super::grids::Grids;
-use super::point::{PointSolver, attempt, is_physical, pack_realisation};
+use super::point::{Grids, PointSolver, attempt, is_physical, pack_realisation};
 use super::resolve::{self, Resolved};
 use super::watch::{Event, RunError, RunWatch};
 use crate::ink::Packing;

@@ -5,12 +5,11 @@
 
 use super::collected::{Collected, Realisation, RunSettings};
 use super::crew::{processor_seconds, work_through};
-use super::grids::Grids;
-use super::point::{PointError, PointSolver, Stopper, attempt, own, systems_of};
+use super::point::{Grids, PointError, PointSolver, Stopper, attempt, own, systems_of};
 use super::realisation::Packings;
 use super::resolve::{Resolved, size, with_room};
 use super::watch::{Event, RunError, RunWatch};
-use crate::input::study::{Point, Study};
+use crate::input::study::{IndexSpectrum, Point, Study};
 use crate::material::mixing::MixingRule;
 use crate::material::spectra::{Sample, Spectrum};
 use crate::solve::demand::{Admitted, TooLarge};
@@ -96,19 +95,14 @@ impl Study {
         let rows = self.wavelengths_nm.iter().zip(index);
         let samples: Vec<Sample> =
             rows.map(|(&wavelength_nm, eta)| Sample { wavelength_nm, n: eta.re, kappa: eta.im }).collect();
-        let material = &mut study.pigments[pigment].material;
         // n and κ of a fit are positive and finite; a single wavelength is a constant
         let spectrum = match samples[..] {
             [only] => Spectrum::Constant { n: only.n, kappa: only.kappa },
             _ => Spectrum::tabulated("fitted", samples).unwrap_or(Spectrum::VACUUM),
         };
-        *material = crate::input::study::IndexSpectrum {
-            source: "fitted".into(),
-            index: index.to_vec(),
-            spectrum,
-            dissolved: Vec::new(),
-            mixing: MixingRule::default(),
-        };
+        let (source, index, dissolved) = ("fitted".into(), index.to_vec(), Vec::new());
+        study.pigments[pigment].material =
+            IndexSpectrum { source, index, spectrum, dissolved, mixing: MixingRule::default() };
         study
     }
 }

@@ -99,8 +99,6 @@ impl RunError {
 
     /// True if the grains of one realisation found no room, which does not affect the others.
     pub fn has_no_room(&self) -> bool {
-        let no_room =
-            |source: &PackError| matches!(source, PackError::Blocked { .. } | PackError::NotReached { .. });
-        matches!(self, Self::Packing { source, .. } if no_room(source))
+        matches!(self, Self::Packing { source: PackError::Blocked { .. } | PackError::NotReached { .. }, .. })
     }
 }

@@ -198,8 +198,8 @@ impl Queue {
     fn turn<T>(&self, work: impl FnOnce(&Transaction) -> rusqlite::Result<T>) -> Result<T, QueueError> {
         let failed = |source| QueueError::File { folder: self.folder.clone(), source };
         let mut connection = self.connection.lock().unwrap_or_else(PoisonError::into_inner);
-        let transaction = Transaction::new(&mut connection, TransactionBehavior::Immediate);
-        let transaction = transaction.map_err(failed)?;
+        let transaction =
+            Transaction::new(&mut connection, TransactionBehavior::Immediate).map_err(failed)?;
         let done = work(&transaction).map_err(failed)?;
         transaction.commit().map_err(failed)?;
         Ok(done)
