@@ -1,7 +1,7 @@
 //! Checks a study file and turns it into a [`Study`]; reports all errors at once.
 
 mod composed;
-mod grain_count;
+mod grains;
 mod index;
 mod judgement;
 mod light;
@@ -9,7 +9,7 @@ mod microstructure;
 mod paper;
 mod pigments;
 
-pub use pigments::largest_extents_nm;
+pub use grains::largest_extents_nm;
 
 use super::fault::{Allowed, Fault, Faults, keys_in_words};
 use super::file::{LayerTable, SolverTable, StudyFile};
@@ -168,7 +168,7 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
             let allowed = "one number or [x, y], µm, for cell = \"fixed\"";
             faults.add("layer.period_um", "nothing", allowed, "write period_um = 2.4, or let cells vary");
         }
-        return [pigments::nominal_period_um(file); 2];
+        return [grains::nominal_period_um(file); 2];
     };
     let remedy = "1.6 µm is usual, larger cells cost more; leave it out, and it follows from the grains";
     for period in written.xy() {
