@@ -3,6 +3,7 @@
 use super::ink_maker::InkMaker;
 use super::survivors::Survivors;
 pub use super::uncertainty::Budget;
+use super::uncertainty::nothing;
 use crate::appearance::colour::Colour;
 use crate::numerics::estimate::Estimate;
 use crate::store::packing_record::PackingRecord;
@@ -81,10 +82,6 @@ pub struct Manifest<Study: Serialize> {
     pub process_seconds: Option<f64>,
     /// The study with all defaults filled in.
     pub study: Study,
-}
-
-fn is_none(count: &usize) -> bool {
-    *count == 0
 }
 
 /// Totals outside 0–1 by more than this are invalid; every single solve has passed a stricter
@@ -182,7 +179,7 @@ pub struct Certainty {
     pub transmittance_grid_error: f64,
     /// Number of packings solved on a finer grid as well, by which the numbers are corrected and
     /// from which the grid's errors of R and T are then estimated; absent if there are none.
-    #[serde(skip_serializing_if = "is_none")]
+    #[serde(skip_serializing_if = "nothing")]
     pub packings_on_finer_grid: usize,
     /// Degrees of freedom of the standard errors: number of realisations minus one; 0 without
     /// randomness.

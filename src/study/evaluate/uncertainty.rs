@@ -164,9 +164,9 @@ pub struct Budget {
     pub beyond_range: f64,
 }
 
-/// Whether a part is absent from the error.
-fn nothing(part: &f64) -> bool {
-    *part == 0.0
+/// Whether a number is zero, and so is left out of the results.
+pub(super) fn nothing<T: Default + PartialEq>(number: &T) -> bool {
+    *number == T::default()
 }
 
 /// The two standard conditions, viewed along the normal.
