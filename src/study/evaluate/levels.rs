@@ -44,17 +44,12 @@ pub struct GridCorrection {
 }
 
 impl GridCorrection {
-    /// Fits the difference between the grids, whose mesh widths have the ratio `refinement`; `None`
+    /// Fits the difference between the grids, whose mesh widths have this ratio; `None`
     /// for fewer than two realisations, whose scatter is unknown.
-    pub fn new(
-        checked: &[Checked],
-        basis: &SpectralBasis,
-        refinement: f64,
-        angles_deg: &[f64],
-    ) -> Option<Self> {
+    pub fn new(checked: &[Checked], basis: &SpectralBasis, ratio: f64, angles_deg: &[f64]) -> Option<Self> {
         (checked.len() > 1).then(|| Self {
             basis: basis.clone(),
-            factor: 1.0 / (1.0 - refinement.powi(-ORDER)),
+            factor: 1.0 / (1.0 - ratio.powi(-ORDER)),
             incident: fits(checked, basis, |at| at.exact.iter().chain(&at.strata).collect()),
             exit: fits(checked, basis, |at| at.exit.iter().collect()),
             angles_deg: angles_deg.to_vec(),

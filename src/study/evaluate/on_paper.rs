@@ -266,10 +266,8 @@ impl LayerOnPaper {
 
     /// ∫ f cos θ_o dω of the layer's diffuse f, over angles with the weights of 2∫₀¹ f μ dμ. It
     /// equals R minus the mirror reflection as far as the fits of f and of R agree.
-    pub fn own_albedo(&self, illumination: &PolarAngle, hemisphere: &[(PolarAngle, f64)]) -> f64 {
-        let own =
-            |(at, weight): &(PolarAngle, f64)| PI * weight * self.diffuse_brdf_at(illumination.mu, at.mu);
-        hemisphere.iter().map(own).sum()
+    pub fn own_albedo(&self, light: &PolarAngle, hemisphere: &[(PolarAngle, f64)]) -> f64 {
+        hemisphere.iter().map(|(at, weight)| PI * weight * self.diffuse_brdf_at(light.mu, at.mu)).sum()
     }
 
     /// Smallest coefficients to add to T(θ) of the returned light so that its mean over these

@@ -245,8 +245,7 @@ fn note(
 fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
     let Some(layer) = &seen.layer else { return Vec::new() };
     let angles = 0..layer.ensemble.exact_deg.len();
-    let mut rows: Vec<SpectrumRow> =
-        angles.flat_map(|angle| rows_of(layer, angle, &seen.cells, uncertainty)).collect();
+    let mut rows: Vec<_> = angles.flat_map(|angle| rows_of(layer, angle, &seen.cells, uncertainty)).collect();
     let Ok(ink) = &seen.ink else { return rows };
     let Ok(conditions) = Conditions::new(ink, study.output.mirrored_sky) else { return rows };
     let natural = ink.spectrum(|l| conditions.natural_light(l, UNMOVED)).estimates();
@@ -273,8 +272,7 @@ fn rows_of(layer: &LayerSeen, angle: usize, cells: &[usize], uncertainty: &Uncer
     for (i, &wavelength_nm) in layer.wavelengths_nm.iter().enumerate() {
         let widened =
             |k: usize| gate::bounded(uncertainty.widen_by(estimates[k][i], wavelength_nm, moved[k]));
-        let replicates: Vec<[f64; 2]> =
-            r.replicates.iter().zip(&t.replicates).map(|(r, t)| [r[i], t[i]]).collect();
+        let replicates: Vec<_> = r.replicates.iter().zip(&t.replicates).map(|(r, t)| [r[i], t[i]]).collect();
         rows.push(SpectrumRow {
             wavelength_nm,
             polar_deg: layer.ensemble.exact_deg[angle],

@@ -148,8 +148,7 @@ impl RealisationRun<'_> {
         todo: &[&(Point, Key)],
     ) -> Result<usize, RunError> {
         let failed = AtomicUsize::new(0);
-        let groups: Vec<&[&(Point, Key)]> =
-            todo.chunk_by(|(a, _), (b, _)| a.incidence == b.incidence).collect();
+        let groups: Vec<_> = todo.chunk_by(|(a, _), (b, _)| a.incidence == b.incidence).collect();
         work_through(groups.len(), jobs, self.watch, |g| {
             Ok(_ = failed.fetch_add(self.solve_group(solver, grids, groups[g])?, Ordering::Relaxed))
         })?;

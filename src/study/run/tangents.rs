@@ -204,8 +204,7 @@ impl CellTask<'_> {
         let Self { of, study, watch, .. } = *self;
         let keyed = self.keyed();
         let stored = keyed.iter().map(|(_, key)| of.store.get(key.as_str()));
-        let found: Vec<OnceLock<TangentRecord>> =
-            stored.map(|record| record.map_or_else(OnceLock::new, OnceLock::from)).collect();
+        let found: Vec<_> = stored.map(|record| record.map_or_else(OnceLock::new, OnceLock::from)).collect();
         let todo: Vec<_> = keyed.iter().zip(&found).filter(|(_, found)| found.get().is_none()).collect();
         watch.hear(Event::Kept(keyed.len() - todo.len()));
         let asked = study.solver.build();
@@ -254,8 +253,7 @@ impl CellTask<'_> {
         let far = system.far_field(&field);
         let kept = far.orders.iter().zip(&slopes.orders);
         let kept = kept.filter(|(order, _)| order.reflected_propagates || order.transmitted_propagates);
-        let slopes: Vec<[Slopes; 2]> =
-            kept.map(|(_, slopes)| [slopes.reflected, slopes.transmitted]).collect();
+        let slopes: Vec<_> = kept.map(|(_, slopes)| [slopes.reflected, slopes.transmitted]).collect();
         if !slopes.iter().flatten().flatten().all(|slope| slope.is_finite()) {
             return Err(NotFinite.into());
         }

@@ -41,7 +41,7 @@ struct Own {
 }
 
 /// Whether two contents of a kind agree.
-type Agreement<'a> = dyn Fn(&str, &[u8], &[u8]) -> bool + 'a;
+pub type Agreement<'a> = dyn Fn(&str, &[u8], &[u8]) -> bool + 'a;
 
 /// Why a copy ended early.
 enum Interruption {
@@ -145,16 +145,11 @@ impl Database {
     ///
     /// # Errors
     /// This store cannot be written.
-    pub fn adopt(
-        &self,
-        from: &Self,
-        kinds: &[&str],
-        same: impl Fn(&str, &[u8], &[u8]) -> bool,
-    ) -> io::Result<Option<[Sealed; 2]>> {
+    pub fn adopt(&self, from: &Self, kinds: &[&str], same: &Agreement) -> io::Result<Option<[Sealed; 2]>> {
         let mut files = lock(&self.files);
         let into = &self.own(&mut files)?.rows;
         let wanted = |row: &Sealed| kinds.is_empty() || kinds.contains(&row.kind.as_str());
-        let mut adopt = |row: Sealed| if wanted(&row) { from.hand_over(row, into, &same) } else { Ok(()) };
+        let mut adopt = |row: Sealed| if wanted(&row) { from.hand_over(row, into, same) } else { Ok(()) };
         let mut adopt_all = |rows: &Rows| {
             let unreadable = |error| Ok(from.note_file(&rows.path, error));
             rows.scan(false, &mut adopt).unwrap_or_else(unreadable)

@@ -229,8 +229,7 @@ fn refuse_foreign(path: &Path, wanted: Holds) -> Result<bool, FolderError> {
         };
     }
     let Ok(entries) = std::fs::read_dir(path) else { return Ok(false) };
-    let names: Vec<String> =
-        entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
+    let names: Vec<_> = entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
     match names.into_iter().find(|name| !name.starts_with('.')) {
         // Another process may have marked the folder in the meantime: then its files are ours.
         Some(_) if Marker::read(path).is_some() => refuse_foreign(path, wanted),

@@ -82,7 +82,7 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
     let mut found = Vec::new();
     for shard in shards {
         let from = Database::open(shard).map_err(failed(shard))?;
-        let contradiction = into.adopt(&from, &[], same_numbers).map_err(failed(shard))?;
+        let contradiction = into.adopt(&from, &[], &same_numbers).map_err(failed(shard))?;
         if let Some([one, other]) = contradiction {
             let what = describe(&sweep, folder, &other);
             let builds = format!("{} and {}", one.program, other.program);

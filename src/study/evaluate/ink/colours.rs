@@ -133,12 +133,8 @@ impl InkOnPaper {
     }
 
     /// A quantity at the wavelengths that are summed.
-    pub(in crate::evaluate) fn values(
-        &self,
-        sight: &Sight,
-        quantity: &impl Fn(&LayerOnPaper) -> f64,
-    ) -> Vec<f64> {
-        sight.values(&self.whole, quantity)
+    pub(in crate::evaluate) fn values(&self, sight: &Sight, of: &impl Fn(&LayerOnPaper) -> f64) -> Vec<f64> {
+        sight.values(&self.whole, of)
     }
 
     /// Error of T̄ at each wavelength of the spectra due to the choice of directions: standard

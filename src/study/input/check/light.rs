@@ -9,7 +9,6 @@ use crate::input::{Allowed, Fault, Faults, LightRule, Study, keys_in_words};
 use crate::material::mixing::MixingRule;
 use crate::numerics::allowed::shown;
 use crate::solve::SolverChoice;
-use crate::wave::Media;
 use num_complex::Complex64;
 
 /// Tolerance of wavelengths, nm, for rounding.
@@ -144,8 +143,7 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
         // metal films are exact
         return;
     }
-    let media: Vec<(f64, Media)> =
-        study.wavelengths_nm.iter().map(|&nm| (nm, study.media(1e-3 * nm))).collect();
+    let media: Vec<_> = study.wavelengths_nm.iter().map(|&nm| (nm, study.media(1e-3 * nm))).collect();
     for (place, (i, _)) in packed(file).enumerate() {
         let index = media.iter().map(|(nm, media)| (*nm, media.inclusions[place]));
         faults.0.extend(metal(format!("pigment[{i}].index"), index, scalar));

@@ -48,8 +48,7 @@ pub fn voxels(
     }
     let mut given = reader.given(file, edges_nm, pigments.len());
     let [lx, ly, h] = given.cell_um;
-    let other =
-        |written: &[f64; 2]| (written[0] - lx).abs() > 1e-6 * lx || (written[1] - ly).abs() > 1e-6 * ly;
+    let other = |[x, y]: &[f64; 2]| (x - lx).abs() > 1e-6 * lx || (y - ly).abs() > 1e-6 * ly;
     if let Some([x, y]) = file.layer.period_um.map(|pair| pair.xy()).filter(other) {
         let allowed = format!("{lx} × {ly} µm, the width of a cut");
         faults.add("layer.period_um", format!("{x} × {y} µm"), allowed, "leave it out");
