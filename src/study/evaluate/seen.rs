@@ -90,7 +90,7 @@ impl LayerSeen {
 /// # Errors
 /// None is complete, or as [`NoInk`] says.
 pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
-    Cells::new(study, collected).appearance().ink
+    CompleteCells::new(study, collected).appearance().ink
 }
 
 /// The ink as its coherent film, with the volume fractions asked for in every plane.
@@ -124,7 +124,7 @@ fn substrate(study: &Study) -> Substrate {
 /// # Errors
 /// The records do not match, because of a bug or a damaged store.
 pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
-    let cells = Cells::new(study, collected);
+    let cells = CompleteCells::new(study, collected);
     let mut seen = cells.appearance();
     if !cells.cells.is_empty() {
         seen.bdfs = cells.distributions()?;
@@ -133,13 +133,13 @@ pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
 }
 
 /// The complete realisations of a study, cell by cell.
-struct Cells<'a> {
+struct CompleteCells<'a> {
     study: &'a Study,
     collected: &'a Collected,
     cells: Vec<Vec<&'a Realisation>>,
 }
 
-impl<'a> Cells<'a> {
+impl<'a> CompleteCells<'a> {
     fn new(study: &'a Study, collected: &'a Collected) -> Self {
         Self { study, collected, cells: complete_cells(study, collected) }
     }

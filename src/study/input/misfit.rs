@@ -11,8 +11,8 @@ use std::fmt;
 #[error("{0:?}")]
 pub struct Misfit(Option<Fault>);
 
-/// Names of keys or variants.
-pub(super) type Names = &'static [&'static str];
+/// KeyNames of keys or variants.
+pub(super) type KeyNames = &'static [&'static str];
 
 /// Maximum length of a value in a message, characters.
 const LONGEST_FOUND: usize = 200;
@@ -69,12 +69,12 @@ impl de::Error for Misfit {
         Self::new(format!("{found} entries"), allowed.to_string())
     }
 
-    fn unknown_variant(found: &str, allowed: Names) -> Self {
+    fn unknown_variant(found: &str, allowed: KeyNames) -> Self {
         let remedy = meant(found, allowed, "write one of these");
         Self(Some(Fault::new("", format!("`{found}`"), quoted(allowed), remedy)))
     }
 
-    fn unknown_field(found: &str, allowed: Names) -> Self {
+    fn unknown_field(found: &str, allowed: KeyNames) -> Self {
         Self(Some(unknown_key("", found, allowed)))
     }
 
@@ -122,7 +122,7 @@ pub(super) fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
-pub(super) fn unknown_key(place: &str, key: &str, known: Names) -> Fault {
+pub(super) fn unknown_key(place: &str, key: &str, known: KeyNames) -> Fault {
     Fault::new(join(place, key), "an unknown key", quoted(known), meant(key, known, "remove it"))
 }
 

@@ -5,7 +5,7 @@
 //! continues. Its error type separates what was found from what is allowed.
 
 use super::fault::Fault;
-use super::misfit::{Misfit, Names, join, quoted, said, unknown_key};
+use super::misfit::{KeyNames, Misfit, join, quoted, said, unknown_key};
 use super::tree::Node;
 use serde::de::value::StringDeserializer;
 use serde::de::{
@@ -47,7 +47,7 @@ impl Reader<'_> {
     }
 
     /// Removes and records the keys of a table that are not `known`.
-    fn keep_known(&mut self, known: Names) {
+    fn keep_known(&mut self, known: KeyNames) {
         if let Node::Table(entries) = &mut self.node {
             let strangers = entries.extract_if(.., |(key, _)| !known.contains(&key.as_str()));
             self.faults.borrow_mut().extend(strangers.map(|(key, _)| unknown_key(&self.place, &key, known)));
@@ -110,7 +110,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     fn deserialize_struct<V: Visitor<'de>>(
         mut self,
         _: &'static str,
-        known: Names,
+        known: KeyNames,
         visitor: V,
     ) -> Result<V::Value, Misfit> {
         // derived code would assign the values of a list to the keys in order
@@ -126,7 +126,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     fn deserialize_enum<V: Visitor<'de>>(
         self,
         _: &'static str,
-        variants: Names,
+        variants: KeyNames,
         visitor: V,
     ) -> Result<V::Value, Misfit> {
         let (key, settings, is_bare) = match self.node {
@@ -221,7 +221,7 @@ impl<'de> VariantAccess<'de> for Content<'_> {
         self.settings.recorded(|reader| reader.deserialize_any(visitor))
     }
 
-    fn struct_variant<V: Visitor<'de>>(self, known: Names, visitor: V) -> Result<V::Value, Misfit> {
+    fn struct_variant<V: Visitor<'de>>(self, known: KeyNames, visitor: V) -> Result<V::Value, Misfit> {
         self.settings.recorded(|reader| reader.deserialize_struct("", known, visitor))
     }
 }

@@ -1,5 +1,5 @@
-//! Functions fitted over the angles (of one cosine, of two, and of the azimuth between their planes),
-//! and their fits over all solves of an ensemble, to the difference from the coherent film.
+//! Functions fitted over the angles: of one cosine, of two, and of the azimuth between their planes.
+//! Their fits over all solves of an ensemble, to the difference from the coherent film.
 
 use super::{Anchors, CURVES};
 use crate::evaluate::films::{FilmAt, Films};

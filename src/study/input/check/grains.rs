@@ -1,17 +1,37 @@
 //! Grains that fit into the layer: their sizes, their number, and the nominal period that they
 //! require.
 
-use super::pigments::{fraction, of, packed};
 use crate::ink::packing::sizes::{MORE_ROOM, MOST_GRAINS, too_few_grains};
 use crate::ink::{Measure, PigmentGrains, SizeDistribution};
 use crate::input::file::{LayerTable, PigmentTable};
 use crate::input::forms::Diameter;
 use crate::input::variation::{AREA, THICKNESS_CUT, shortest_side_um};
-use crate::input::{CellRule, Faults, StudyFile};
+use crate::input::{CellRule, Faults, StudyFile, limits};
 
 /// Maximum area of a cell that is enlarged to hold a grain: sides of 1000 µm are the largest
 /// allowed.
 const WIDEST_UM2: f64 = 1e6;
+
+/// The pigments with grains and their places in the file.
+pub(super) fn packed(file: &StudyFile) -> impl Iterator<Item = (usize, &PigmentTable)> {
+    file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table))
+}
+
+pub(super) fn is_molecular(table: &PigmentTable) -> bool {
+    matches!(table.diameter_nm, Some(Diameter::Vanishing(_)))
+}
+
+pub(super) fn of(pigment: usize, key: &str) -> String {
+    format!("pigment[{pigment}].{key}")
+}
+
+pub(super) fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
+    let remedy = "a share of the layer's volume, such as 0.3 for 30 %";
+    match table.volume_fraction {
+        Some(share) => faults.number(&of(i, "volume_fraction"), share, limits::VOLUME_FRACTION, remedy),
+        None => faults.add(of(i, "volume_fraction"), "nothing", limits::VOLUME_FRACTION.to_string(), remedy),
+    }
+}
 
 /// A layer and the nominal period of its cells.
 pub(super) type NominalCell<'a> = (&'a LayerTable, [f64; 2]);

@@ -1,7 +1,7 @@
 //! The wavelengths and their sampling; studies with Maxwell's equations that cannot be solved are
 //! refused before anything is packed.
 
-use super::pigments::packed;
+use super::grains::packed;
 use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter};
 use crate::input::file::{LightTable, SamplingName, StudyFile};
 use crate::input::limits::{self, LONGEST_LIST};

@@ -2,7 +2,7 @@
 
 mod voxels;
 
-use super::pigments::{is_molecular, packed};
+use super::grains::{is_molecular, packed};
 use crate::ink::{Grain, Measure, PackError, Packing, Shape, SizeDistribution, Sphere, VoxelCut};
 use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
 use crate::input::forms::Pair;

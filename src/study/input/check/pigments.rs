@@ -1,10 +1,9 @@
 //! Pigments: names, volume fractions, indices, and the requested packing.
 
-use super::grains::{as_written, grains_of, size};
+use super::grains::{as_written, fraction, grains_of, is_molecular, of, packed, size};
 use super::index::Tabulation;
 use crate::ink::{PackError, PackingRequest, PigmentGrains};
 use crate::input::file::{PigmentTable, StudyFile};
-use crate::input::forms::Diameter;
 use crate::input::study::{Dissolved, IndexSpectrum, Layer, Pigment};
 use crate::input::{Fault, Faults, limits};
 use crate::material::mixing::MixingRule;
@@ -98,15 +97,6 @@ pub(super) fn packed_names(file: &StudyFile) -> Vec<String> {
     packed(file).map(|(i, table)| name(i, table)).collect()
 }
 
-/// The pigments with grains and their places in the file.
-pub(super) fn packed(file: &StudyFile) -> impl Iterator<Item = (usize, &PigmentTable)> {
-    file.pigments.iter().enumerate().filter(|(_, table)| !is_molecular(table))
-}
-
-pub(super) fn is_molecular(table: &PigmentTable) -> bool {
-    matches!(table.diameter_nm, Some(Diameter::Vanishing(_)))
-}
-
 /// The packing of the nominal cell; its own check is made only if there are no other errors.
 pub fn packing(file: &StudyFile, layer: &Layer, pigments: &[Pigment], faults: &mut Faults) -> PackingRequest {
     let request = PackingRequest {
@@ -137,18 +127,6 @@ fn packing_fault(request: &PackingRequest) -> Option<Fault> {
         _ => format!("packing.{field}"),
     };
     Some(Fault::new(field, found, allowed, remedy))
-}
-
-pub(super) fn of(pigment: usize, key: &str) -> String {
-    format!("pigment[{pigment}].{key}")
-}
-
-pub(super) fn fraction(i: usize, table: &PigmentTable, faults: &mut Faults) {
-    let remedy = "a share of the layer's volume, such as 0.3 for 30 %";
-    match table.volume_fraction {
-        Some(share) => faults.number(&of(i, "volume_fraction"), share, limits::VOLUME_FRACTION, remedy),
-        None => faults.add(of(i, "volume_fraction"), "nothing", limits::VOLUME_FRACTION.to_string(), remedy),
-    }
 }
 
 fn names(file: &StudyFile, faults: &mut Faults) {
