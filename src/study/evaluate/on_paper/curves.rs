@@ -1,4 +1,4 @@
-//! Functions fitted over the angles: of one cosine, of two, and of the azimuth between their planes.
+//! Functions fitted over the angles: of one cosine, of two, and of the azimuth between the planes.
 //! Their fits over all solves of an ensemble, to the difference from the coherent film.
 
 use super::{Anchors, CURVES};
