@@ -171,8 +171,8 @@ impl<'a> CompleteCells<'a> {
         seen
     }
 
-    /// The solves of every cell in one light, corrected by those on a finer grid as far as there are
-    /// any.
+    /// The solves of every cell in one light, corrected by those on a finer grid as far as there
+    /// are any.
     fn solved(&self, wave: Wave) -> (Vec<SolvedRealisation>, GridPart) {
         let mean = |cell: &Vec<&Realisation>| {
             let packings = cell.iter().map(|r| solved(self.study, r, &r.points, wave));
@@ -220,8 +220,8 @@ impl<'a> CompleteCells<'a> {
         Ok(InkOnPaper::new((ensemble.clone(), solved), returned, &inputs)?)
     }
 
-    /// Distributions at every exact angle, one per stratum of wavelengths, from the far fields in all
-    /// realisations.
+    /// Distributions at every exact angle, one per stratum of wavelengths, from the far fields in
+    /// all realisations.
     fn distributions(&self) -> Result<Vec<Bdf>, BdfError> {
         let Study { variation, angles, .. } = self.study;
         let fields = self.cells.iter().flatten().map(|r| far_fields(self.study, &r.points, self.study.wave));

@@ -1,4 +1,5 @@
-//! The layer with its materials, the paper, and what is requested: directions, accuracy, comparison.
+//! The layer with its materials, the paper, and what is requested: directions, accuracy and what
+//! to compare with.
 
 use super::composed::Composed;
 use crate::appearance::paper::{Albedo, Coupling};
