@@ -4,14 +4,11 @@ use super::gate;
 use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::ink_maker;
 use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
-use super::manifest::{
-    Budget, Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld,
-};
+use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
 use super::seen::{LayerSeen, NoInk, Seen, see};
 use super::survivors::Survivors;
-use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty};
-use crate::appearance::colour::Colour;
+use super::uncertainty::{ColourParts, Conditions, Shift, UNMOVED, Uncertainty};
 use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
 use crate::run::Collected;
@@ -223,11 +220,7 @@ fn colours(
     Ok(vec![note(NATURAL_LIGHT, sky, seen), note(LIT_AT_45, print, seen)])
 }
 
-fn note(
-    conditions: &str,
-    (colour, budget, deviations): (Colour, Budget, Vec<[f64; 3]>),
-    seen: &Seen,
-) -> ColourNote {
+fn note(conditions: &str, (colour, budget, deviations): ColourParts, seen: &Seen) -> ColourNote {
     let factor = coverage_factor_95(seen.cells.len().saturating_sub(1));
     ColourNote {
         conditions: conditions.to_owned(),

@@ -34,6 +34,8 @@ pub(super) struct Uncertainty {
 pub(super) type Shift = [f64; 2];
 /// No error of R and T.
 pub(super) const UNMOVED: Shift = [0.0; 2];
+/// A colour, the contributions to its error, and the contribution of each realisation to Lab.
+pub(super) type ColourParts = (Colour, Budget, Vec<[f64; 3]>);
 /// A quantity of the layer on paper, shifted by errors of R and T.
 type PaperQuantity<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
 
@@ -106,7 +108,7 @@ impl Uncertainty {
         ink: &InkOnPaper,
         solved: &[SolvedRealisation],
         of: &PaperQuantity,
-    ) -> Result<(Colour, Budget, Vec<[f64; 3]>), InkError> {
+    ) -> Result<ColourParts, InkError> {
         let Widened { colour, chance, shared, deviations } = self.widened(ink, &ink.daylight()?, of)?;
         let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
         let lengths: Vec<f64> = shared.into_iter().map(length).collect();

@@ -31,11 +31,8 @@ type Check = fn(&StudyFile, &Path, &str) -> Result<Study, Vec<Fault>>;
 
 fn load_with(path: &Path, check: Check) -> Result<Study, StudyError> {
     let (text, file): (String, StudyFile) = read_file(path)?;
-    check(&file, path.parent().unwrap_or(Path::new("")), &stem(path)).map_err(|faults| StudyError::Values {
-        path: path.to_owned(),
-        text,
-        faults,
-    })
+    let checked = check(&file, path.parent().unwrap_or(Path::new("")), &stem(path));
+    checked.map_err(|faults| StudyError::Values { path: path.to_owned(), text, faults })
 }
 
 /// Name of a file without its extension: the default title.

@@ -61,9 +61,7 @@ pub fn voxels(
 
 /// The pigment of every label.
 fn known_labels(table: &MicrostructureTable, pigments: &[String], faults: &mut Faults) -> BTreeMap<i64, u8> {
-    let Some(labels) = &table.labels else {
-        return (1..).zip(1..).take(pigments.len()).collect();
-    };
+    let Some(labels) = &table.labels else { return (1..).zip(1..).take(pigments.len()).collect() };
     let mut known = BTreeMap::new();
     for (label, name) in labels {
         let field = format!("layer.microstructure.labels.{label}");
