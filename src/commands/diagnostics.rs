@@ -10,8 +10,8 @@ use inkwave::input::tree::parse_toml;
 use inkwave::run::RunError;
 use inkwave::solve::SolveError;
 use inkwave::solve::accuracy::AccuracyError;
-use inkwave::store::damage::{Damage, in_words};
 use inkwave::store::folder::FolderError;
+use inkwave::store::seal::{Damage, in_words};
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, miette};
 use std::sync::Arc;
 

@@ -10,8 +10,7 @@ use inkwave::export::error::ExportError;
 use inkwave::export::run::{Exported, Format, NearField, Request, export};
 use inkwave::export::stored::Stored;
 use inkwave::store::folder::OutputFolder;
-use inkwave::store::marker::Holds;
-use inkwave::store::partial;
+use inkwave::store::marker::{self, Holds};
 use miette::{MietteDiagnostic, miette};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -77,7 +76,7 @@ fn refusal(error: &ExportError, folder: &Path) -> miette::Report {
 /// The command that resumes an unfinished folder: the recorded one, or else its general form.
 fn to_go_on(folder: &Path) -> String {
     let sweep = folder.parent().and_then(Path::parent);
-    let marked = partial::go_on(folder).or_else(|| partial::go_on(sweep?));
+    let marked = marker::go_on(folder).or_else(|| marker::go_on(sweep?));
     marked.unwrap_or_else(|| format!("inkwave run STUDY.toml --output {}", quoted(&folder.to_string_lossy())))
 }
 

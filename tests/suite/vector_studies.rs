@@ -130,7 +130,7 @@ fn a_finished_run_in_unpolarised_light_has_everything_and_resumes() {
     let lost = keys.iter().next().unwrap();
     let polarised = store.get(lost).unwrap();
     assert!(polarised.polarisation.is_some() && polarised.orders.iter().all(|o| o.crossed.is_some()));
-    store.database().remove(PointRecord::KIND, lost).unwrap();
+    store.database().remove(PointRecord::KIND, Some(lost)).unwrap();
     drop(store);
     let again = results(folder.path(), &text);
     assert_eq!(again["solves"]["finished"], 48);

@@ -104,20 +104,17 @@ impl<'a> DirectionalInk<'a> {
         self.tabulated(wavelength, polar_deg)[0]
     }
 
-    /// g T(i) T(o)/π: light returned by the paper, 1/sr.
-    pub fn paper_brdf(&self, wavelength: usize, light_deg: f64, view_deg: f64) -> f64 {
-        let back = self.tabulated(wavelength, view_deg)[3];
-        let passes = self.transmittance(wavelength, light_deg) * back;
-        self.ink.layers()[wavelength].return_factor() * passes / PI
-    }
-
     fn tabulated(&self, wavelength: usize, polar_deg: f64) -> [f64; 4] {
-        let table = &self.tables[wavelength];
-        let place = (polar_deg / STEP_DEG).clamp(0.0, (table.len() - 1) as f64);
-        let before = (place as usize).min(table.len() - 2);
-        let t = place - before as f64;
-        std::array::from_fn(|i| (1.0 - t) * table[before][i] + t * table[before + 1][i])
+        interpolated(&self.tables[wavelength], polar_deg / STEP_DEG)
     }
+}
+
+/// The rows of a table, of two or more, at a place between them.
+pub(super) fn interpolated<const N: usize>(table: &[[f64; N]], place: f64) -> [f64; N] {
+    let place = place.clamp(0.0, (table.len() - 1) as f64);
+    let before = (place as usize).min(table.len() - 2);
+    let t = place - before as f64;
+    std::array::from_fn(|i| (1.0 - t) * table[before][i] + t * table[before + 1][i])
 }
 
 impl DirectionalPrint for DirectionalInk<'_> {
@@ -129,7 +126,9 @@ impl DirectionalPrint for DirectionalInk<'_> {
         let cosine = |deg: f64| deg.to_radians().cos();
         let (layer, lit, seen) = (&self.ink.layers()[wavelength], cosine(light_deg), cosine(view.polar_deg));
         let own = layer.directional_brdf(lit, seen, cosine(view.azimuth_deg));
-        own + self.paper_brdf(wavelength, light_deg, view.polar_deg)
+        let back = self.tabulated(wavelength, view.polar_deg)[3];
+        // g T(i) T(o)/π: light returned by the paper, 1/sr
+        own + layer.return_factor() * (self.transmittance(wavelength, light_deg) * back) / PI
     }
 
     fn specular(&self, wavelength: usize, polar_deg: f64) -> f64 {

@@ -26,15 +26,9 @@ impl Profile {
     /// η² of every slice: Σ φ η² of the inclusions, and of the background for the rest.
     pub fn squared_indices(&self, background: Complex64, inclusions: &[Complex64]) -> Vec<Complex64> {
         let base = background * background;
-        let slices = self.fractions.iter();
-        slices.map(|fractions| mean_squared_index(base, fractions, inclusions)).collect()
+        let add = |sum, (&share, &eta): (&f64, &Complex64)| sum + share * (eta * eta - base);
+        self.fractions.iter().map(|slice| slice.iter().zip(inclusions).fold(base, add)).collect()
     }
-}
-
-/// η² of one slice whose background has η² = `base`.
-fn mean_squared_index(base: Complex64, fractions: &[f64], inclusions: &[Complex64]) -> Complex64 {
-    let each = fractions.iter().zip(inclusions);
-    each.fold(base, |sum, (&share, &eta)| sum + share * (eta * eta - base))
 }
 
 /// A stack of equal slices at one wavelength.
@@ -57,16 +51,8 @@ impl Film {
     /// With admittances y, the normal index b for s and b/η² for p (where the amplitude is that of
     /// the magnetic field), from the far face backwards: Γ = (r + Γ′ e^{2ibh})/(1 + r Γ′ e^{2ibh})
     /// with r = (y_a − y_b)/(y_a + y_b); only decaying exponentials occur.
-    pub fn reflectance_transmittance(
-        &self,
-        side: Side,
-        polar_deg: f64,
-        polarisation: Polarisation,
-    ) -> (f64, f64) {
-        let (from, to) = match side {
-            Side::Incident => (1.0, self.index_out),
-            Side::Exit => (self.index_out, 1.0),
-        };
+    pub fn reflectance_transmittance(&self, side: Side, polar_deg: f64, light: Polarisation) -> (f64, f64) {
+        let (from, to) = if side == Side::Incident { (1.0, self.index_out) } else { (self.index_out, 1.0) };
         let k0 = TAU / self.wavelength_um;
         let (sin, cos) = polar_deg.to_radians().sin_cos();
         if cos < 1e-12 {
@@ -74,7 +60,7 @@ impl Film {
         }
         let along = from * sin;
         let normal = |squared: Complex64| nonzero((squared - along * along).sqrt());
-        let admittance = |b: Complex64, squared: Complex64| match polarisation {
+        let admittance = |b: Complex64, squared: Complex64| match light {
             Polarisation::S => b,
             Polarisation::P => b / squared,
         };

@@ -131,17 +131,15 @@ impl FilmAt {
             let [r, t] = self.from(Side::Exit, polar_deg);
             1.0 - r - t
         };
-        let rule = GaussLegendre::new(MEAN_ANGLES).expect("a positive number of nodes");
         let (critical, mut sum) = ((1.0 - 1.0 / (index * index)).max(0.0).sqrt(), 0.0);
-        for (x, weight) in rule.iter() {
+        for (x, weight) in GaussLegendre::new(MEAN_ANGLES).expect("a positive number of nodes").iter() {
             let share = 0.5 * (1.0 + x);
             let inside = ((1.0 - share * share).sqrt() / index).asin();
             sum += weight * share / (index * index) * absorbed(inside.to_degrees());
             if critical > 0.0 {
                 let t = FRAC_PI_2 * share;
-                let beyond = (critical * t.cos()).acos();
                 let measure = weight * 0.5 * FRAC_PI_2 * critical * critical * (2.0 * t).sin();
-                sum += measure * absorbed(beyond.to_degrees());
+                sum += measure * absorbed((critical * t.cos()).acos().to_degrees());
             }
         }
         sum

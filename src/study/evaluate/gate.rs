@@ -52,16 +52,14 @@ pub(super) fn ink_maker(maker: &InkMaker) -> Option<Withheld> {
         Some(Withheld { number: format!("colour {name}"), reason })
     });
     colour.or_else(|| {
-        let reason = impossible_share(maker.contrast_ratio)?;
-        Some(Withheld { number: "contrast ratio".into(), reason })
+        Some(Withheld { number: "contrast ratio".into(), reason: impossible_share(maker.contrast_ratio)? })
     })
 }
 
 /// Removes impossible reflectance factors and gives the reason for the first of each kind.
 pub(super) fn spectra(rows: &mut [SpectrumRow]) -> Vec<Withheld> {
     let natural = first("reflectance factor under natural light", rows, |row| &mut row.natural_light);
-    let lit = first("reflectance factor at 45°:0°", rows, |row| &mut row.lit_at_45);
-    natural.into_iter().chain(lit).collect()
+    natural.into_iter().chain(first("reflectance factor at 45°:0°", rows, |row| &mut row.lit_at_45)).collect()
 }
 
 fn first(

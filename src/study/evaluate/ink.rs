@@ -5,9 +5,9 @@ mod colours;
 
 pub use colours::Sight;
 
-use super::curves::{curves, fits};
 use super::films::{FilmAt, Films};
 use super::layer::{LayerEnsemble, SpectrumEstimate, film_means};
+use super::on_paper::curves::{curves, fits};
 use super::on_paper::{
     AZIMUTHAL, AngleCurve, AngleNodes, BENDS, DIFFUSE, LayerOnPaper, PolarAngle, SYMMETRIC,
 };
@@ -193,21 +193,19 @@ impl InkOnPaper {
     fn layer_at(&self, node: usize, left_out: Option<usize>) -> Result<LayerOnPaper, PaperError> {
         let weights = &self.nodes.weights[node];
         let at = |fits: &Fits, row: usize, width: usize, column: usize| {
-            let coefficients = fits.coefficients(left_out);
-            SpectralBasis::at(weights, |i| coefficients[[i * width + row, column]])
+            SpectralBasis::at(weights, |i| fits.coefficients(left_out)[[i * width + row, column]])
         };
         let measured = self.measured(|layer, column| layer.fitted(left_out, weights, column));
         let bends =
             |fits: &Fits| std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
         let width = self.diffuse_width;
         let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
+        let azimuthal = |k: usize| at(&self.directional, SYMMETRIC + k, SYMMETRIC + AZIMUTHAL, 0);
         let curve = AngleCurve {
             bends: bends(&self.curves),
             returned: bends(self.returned.as_ref().map_or(&self.curves, |(_, fits)| fits)),
             diffuse: std::array::from_fn(diffuse),
-            azimuthal: std::array::from_fn(|k| {
-                at(&self.directional, SYMMETRIC + k, SYMMETRIC + AZIMUTHAL, 0)
-            }),
+            azimuthal: std::array::from_fn(azimuthal),
             order_area: self.orders_per_um2 * (1e-3 * self.nodes.wavelengths_nm[node]).powi(2),
         };
         let paper = [self.nodes.albedos[node], self.index_out];
@@ -226,8 +224,7 @@ impl InkOnPaper {
 
     /// The faces as they act on diffuse light, at every wavelength of the spectra.
     pub(super) fn faces(&self) -> Vec<DiffuseFaces> {
-        let films = &self.nodes.films[self.places.outputs.clone()];
-        films.iter().map(|film| film.returned().faces()).collect()
+        self.nodes.films[self.places.outputs.clone()].iter().map(|film| film.returned().faces()).collect()
     }
 
     /// The ensemble mean at every wavelength of the spectra.

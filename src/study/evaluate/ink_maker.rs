@@ -10,6 +10,7 @@ use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::LayerOnPaper;
 use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty, Widened};
 use crate::appearance::colour::{Colorimeter, Colour};
+use crate::appearance::viewing::Viewing;
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
 use crate::numerics::estimate::{Estimate, jackknife_deviations};
@@ -108,7 +109,12 @@ struct Question<'a> {
     ink: &'a InkOnPaper,
     uncertainty: &'a Uncertainty,
     seen: Conditions,
+    viewing: &'a Viewing,
+    sight: Sight,
 }
+
+/// A colour, and the contribution of each realisation to its Lab.
+type Painted = (Swatch, Vec<[f64; 3]>);
 
 impl Question<'_> {
     /// The reflectance factor, shifted by errors of R and T.
@@ -117,43 +123,35 @@ impl Question<'_> {
     }
 
     /// The ink over a backing.
-    fn over(
-        &self,
-        sight: &Sight,
-        backing: &dyn Fn(&LayerOnPaper) -> LayerOnPaper,
-    ) -> Result<(Swatch, Vec<[f64; 3]>), InkError> {
-        self.swatch(sight, &|layer, by| self.factor(&backing(layer), by))
+    fn over(&self, backing: impl Fn(&LayerOnPaper) -> LayerOnPaper) -> Result<Painted, InkError> {
+        self.swatch(&|layer, by| self.factor(&backing(layer), by))
     }
 
     /// Lab with all uncertainty (randomness, grid and residual), and the contribution of each
     /// realisation.
-    fn swatch(
-        &self,
-        sight: &Sight,
-        moved_factor: &dyn Fn(&LayerOnPaper, Shift) -> f64,
-    ) -> Result<(Swatch, Vec<[f64; 3]>), InkError> {
-        let Widened { colour, deviations, .. } = self.uncertainty.widened(self.ink, sight, moved_factor)?;
+    fn swatch(&self, moved: &dyn Fn(&LayerOnPaper, Shift) -> f64) -> Result<Painted, InkError> {
+        let Widened { colour, deviations, .. } = self.uncertainty.widened(self.ink, &self.sight, moved)?;
         let [r, g, b] = colour.srgb8;
         let hex = format!("#{r:02x}{g:02x}{b:02x}");
         Ok((Swatch { hex, lab_standard_error: colour.lab_standard_error(), colour }, deviations))
     }
 
     /// Y over black relative to Y over white, shifted by errors.
-    fn luminance_ratio(&self, sight: &Sight, by: &dyn Fn(&LayerOnPaper) -> Shift) -> Result<f64, InkError> {
+    fn luminance_ratio(&self, by: &dyn Fn(&LayerOnPaper) -> Shift) -> Result<f64, InkError> {
         let over = |albedo| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), by(layer));
-        let [black, white] = [BLACK, WHITE].map(|albedo| self.ink.colour_of_mean(sight, over(albedo)));
+        let [black, white] = [BLACK, WHITE].map(|albedo| self.ink.colour_of_mean(&self.sight, over(albedo)));
         Ok(black?.xyz[1] / white?.xyz[1])
     }
 
     /// Contrast ratio, and the contribution of each realisation.
-    fn contrast_ratio(&self, sight: &Sight) -> Result<(Estimate, Vec<f64>), InkError> {
+    fn contrast_ratio(&self) -> Result<(Estimate, Vec<f64>), InkError> {
+        let sight = &self.sight;
         let over = |albedo: f64| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), UNMOVED);
-        let ratio = |by: &dyn Fn(&LayerOnPaper) -> Shift| self.luminance_ratio(sight, by);
         let [black, white] = [BLACK, WHITE].map(|albedo| self.ink.replicates_of(sight, over(albedo)));
         let (black, white) = (black?, white?);
         let replicates: Vec<f64> = black.iter().zip(&white).map(|(b, w)| b.xyz[1] / w.xyz[1]).collect();
-        let estimate = Estimate::jackknife(ratio(&|_| UNMOVED)?, &replicates);
-        let moved = self.uncertainty.moved(self.ink, ratio)?;
+        let estimate = Estimate::jackknife(self.luminance_ratio(&|_| UNMOVED)?, &replicates);
+        let moved = self.uncertainty.moved(self.ink, |by| self.luminance_ratio(by))?;
         let beyond = |albedo| sight.meter.beyond_luminance(&self.ink.values(sight, &over(albedo)));
         let white = self.ink.colour_of_mean(sight, over(WHITE))?.xyz[1];
         let beyond = beyond(BLACK).hypot(estimate.value * beyond(WHITE)) / white;
@@ -164,16 +162,16 @@ impl Question<'_> {
     }
 
     /// Compares a measured spectrum with the prediction.
-    fn compare(&self, study: &Study, measured: &MeasuredSpectrum) -> MeasuredComparison {
+    fn compare(&self, measured: &MeasuredSpectrum) -> MeasuredComparison {
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
         let predicted = predicted.estimates().into_iter().enumerate();
         let rows: Vec<ComparedRow> =
-            predicted.filter_map(|(i, by_chance)| self.compared_row(measured, i, by_chance)).collect();
+            predicted.filter_map(|(i, by_chance)| self.compared(measured, i, by_chance)).collect();
         let square: f64 = rows.iter().map(|r| (r.measured - r.predicted.value).powi(2)).sum();
         MeasuredComparison {
             source: measured.source.clone(),
             // with too few common wavelengths there is no colour, but there are residuals
-            delta_e_2000: self.difference(study, measured, &rows).ok(),
+            delta_e_2000: self.difference(measured, &rows).ok(),
             rms: (square / rows.len().max(1) as f64).sqrt(),
             rows,
         }
@@ -181,12 +179,7 @@ impl Question<'_> {
 
     /// The `i`-th wavelength of the spectra, if it is within the measured range; the prediction
     /// includes its shared errors.
-    fn compared_row(
-        &self,
-        measured: &MeasuredSpectrum,
-        i: usize,
-        by_chance: Estimate,
-    ) -> Option<ComparedRow> {
+    fn compared(&self, measured: &MeasuredSpectrum, i: usize, by_chance: Estimate) -> Option<ComparedRow> {
         let (layer, wavelength_nm) = (&self.ink.layers()[i], self.ink.wavelengths_nm()[i]);
         let moved = |by: Shift| self.factor(layer, by) - self.factor(layer, UNMOVED);
         let predicted = self.uncertainty.widen_by(by_chance, wavelength_nm, moved);
@@ -194,16 +187,11 @@ impl Question<'_> {
     }
 
     /// ΔE₀₀ at the wavelengths common to prediction and measurement.
-    fn difference(
-        &self,
-        study: &Study,
-        measured: &MeasuredSpectrum,
-        rows: &[ComparedRow],
-    ) -> Result<Estimate, InkError> {
+    fn difference(&self, measured: &MeasuredSpectrum, rows: &[ComparedRow]) -> Result<Estimate, InkError> {
         let nm = self.ink.wavelengths_nm();
         let common: Vec<usize> = (0..nm.len()).filter(|&i| measured.at(nm[i]).is_some()).collect();
         let pick = |values: &[f64]| common.iter().map(|&i| values[i]).collect::<Vec<f64>>();
-        let meter = Colorimeter::under(&pick(nm), &study.judgement.viewing)?;
+        let meter = Colorimeter::under(&pick(nm), self.viewing)?;
         let there = meter.colour(&rows.iter().map(|r| r.measured).collect::<Vec<_>>())?;
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
         let replicates: Vec<Vec<f64>> = predicted.replicates.iter().map(|r| pick(r)).collect();
@@ -231,23 +219,23 @@ pub(super) fn ink_maker(
     realisations: &[usize],
 ) -> Result<InkMaker, InkError> {
     let Judgement { viewing, target_lab, measured } = &study.judgement;
-    let question = Question { ink, uncertainty, seen: Conditions::new(ink, study.output.mirrored_sky)? };
-    let sight = ink.sight(viewing)?;
-    let (print, deviations) = question.over(&sight, &|layer| *layer)?;
+    let seen = Conditions::new(ink, study.output.mirrored_sky)?;
+    let question = Question { ink, uncertainty, seen, viewing, sight: ink.sight(viewing)? };
+    let (print, deviations) = question.over(|layer| *layer)?;
     let by = realisations.iter().copied().zip(deviations).collect::<Vec<_>>();
-    let (contrast_ratio, moved) = question.contrast_ratio(&sight)?;
+    let (contrast_ratio, moved) = question.contrast_ratio()?;
     let (kubelka_munk, no_kubelka_munk) = coefficients::kubelka_munk(ink, uncertainty, study)?;
     Ok(InkMaker {
         conditions: viewing.name(),
-        natural_light: question.swatch(&sight, &|layer, by| question.seen.natural_light(layer, by))?.0,
-        over_black: question.over(&sight, &|layer| layer.over(BLACK))?.0,
-        over_white: question.over(&sight, &|layer| layer.over(WHITE))?.0,
+        natural_light: question.swatch(&|layer, by| question.seen.natural_light(layer, by))?.0,
+        over_black: question.over(|layer| layer.over(BLACK))?.0,
+        over_white: question.over(|layer| layer.over(WHITE))?.0,
         contrast_ratio,
         contrast_deviations: realisations.iter().copied().zip(moved).collect(),
         kubelka_munk,
         no_kubelka_munk,
         target: target_lab.map(|lab| target(&print.colour, &by, lab)),
-        measured: measured.as_ref().map(|m| question.compare(study, m)),
+        measured: measured.as_ref().map(|m| question.compare(m)),
         print,
     })
 }

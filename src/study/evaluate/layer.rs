@@ -88,13 +88,8 @@ pub struct LayerEnsemble {
 impl LayerEnsemble {
     /// Fits the ensemble; realisations must be complete and have the same angles. Without any the
     /// layer equals its film.
-    pub fn new(
-        realisations: &[SolvedRealisation],
-        basis: SpectralBasis,
-        films: &Films,
-        exact_deg: &[f64],
-    ) -> Self {
-        let first = realisations.first().and_then(|r| r.wavelengths.first());
+    pub fn new(solved: &[SolvedRealisation], basis: SpectralBasis, films: &Films, exact_deg: &[f64]) -> Self {
+        let first = solved.first().and_then(|r| r.wavelengths.first());
         let strata = first.map_or(1, |w| w.strata.len());
         let exit = first.map_or(films.index_out != 1.0, |w| !w.exit.is_empty());
         let columns = exact_deg.len() * TOTALS + if strata > 0 { MEANS } else { 0 };
@@ -102,7 +97,7 @@ impl LayerEnsemble {
             let film = |w: &SolvedWavelength| films.of_thickness(w.wavelength_nm, r.thickness_um);
             r.wavelengths.iter().map(|w| (w.wavelength_nm, differences(w, &film(w), exact_deg))).collect()
         };
-        let differences: Vec<_> = realisations.iter().map(of).collect();
+        let differences: Vec<_> = solved.iter().map(of).collect();
         let samples = |(nm, values): &(f64, Vec<f64>)| (*nm, Normal::plain(values));
         let fits = Fits::new(differences.iter().map(|own| own.iter().map(samples)), &basis, [1, columns]);
         Self { fits, basis, exact_deg: exact_deg.to_vec(), strata, exit, differences }
@@ -145,8 +140,7 @@ impl LayerEnsemble {
 
     /// Fitted difference from the film.
     pub fn fitted(&self, without: Option<usize>, weights: &Weights, column: usize) -> f64 {
-        let coefficients = self.fits.coefficients(without);
-        SpectralBasis::at(weights, |i| coefficients[[i, column]])
+        SpectralBasis::at(weights, |i| self.fits.coefficients(without)[[i, column]])
     }
 }
 

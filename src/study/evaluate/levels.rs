@@ -44,17 +44,12 @@ pub struct GridCorrection {
 }
 
 impl GridCorrection {
-    /// Fits the difference between the grids, whose mesh widths have the ratio `refinement`; `None`
+    /// Fits the difference between the grids, whose mesh widths have this ratio; `None`
     /// for fewer than two realisations, whose scatter is unknown.
-    pub fn new(
-        checked: &[Checked],
-        basis: &SpectralBasis,
-        refinement: f64,
-        angles_deg: &[f64],
-    ) -> Option<Self> {
+    pub fn new(checked: &[Checked], basis: &SpectralBasis, ratio: f64, angles_deg: &[f64]) -> Option<Self> {
         (checked.len() > 1).then(|| Self {
             basis: basis.clone(),
-            factor: 1.0 / (1.0 - refinement.powi(-ORDER)),
+            factor: 1.0 / (1.0 - ratio.powi(-ORDER)),
             incident: fits(checked, basis, |at| at.exact.iter().chain(&at.strata).collect()),
             exit: fits(checked, basis, |at| at.exit.iter().collect()),
             angles_deg: angles_deg.to_vec(),
@@ -81,9 +76,7 @@ impl GridCorrection {
     fn shift(&self, fit: &Array2<f64>, nm: f64, polar_deg: f64) -> [f64; TOTALS] {
         let (weights, functions) = (self.basis.weights(nm), functions(polar_deg));
         let of = |total: usize, k: usize| SpectralBasis::at(&weights, |i| fit[[i * WIDTH + k, total]]);
-        std::array::from_fn(|total| {
-            self.factor * (0..WIDTH).map(|k| functions[k] * of(total, k)).sum::<f64>()
-        })
+        std::array::from_fn(|t| self.factor * (0..WIDTH).map(|k| functions[k] * of(t, k)).sum::<f64>())
     }
 }
 
@@ -104,10 +97,7 @@ impl GridPart {
 
     /// Number of packings that were solved on two grids.
     pub fn checked(&self) -> usize {
-        match self {
-            Self::Estimated(_) => 0,
-            Self::Corrected(correction) => correction.incident.without.len(),
-        }
+        if let Self::Corrected(correction) = self { correction.incident.without.len() } else { 0 }
     }
 
     /// Standard errors of R and T at one wavelength due to one of the independent errors, signed

@@ -3,6 +3,7 @@
 use super::ink_maker::InkMaker;
 use super::survivors::Survivors;
 pub use super::uncertainty::Budget;
+use super::uncertainty::nothing;
 use crate::appearance::colour::Colour;
 use crate::numerics::estimate::Estimate;
 use crate::store::packing_record::PackingRecord;
@@ -83,10 +84,6 @@ pub struct Manifest<Study: Serialize> {
     pub study: Study,
 }
 
-fn is_none(count: &usize) -> bool {
-    *count == 0
-}
-
 /// Totals outside 0–1 by more than this are invalid; every single solve has passed a stricter
 /// check.
 const BEYOND: f64 = 0.03;
@@ -122,8 +119,7 @@ impl SpectrumRow {
             ("absorptance", self.absorptance),
         ];
         let outside = |e: &Estimate| !(-BEYOND..=1.0 + BEYOND).contains(&e.value);
-        let no_number =
-            |e: &Estimate| !e.value.is_finite() || e.standard_error.is_some_and(|s| !s.is_finite());
+        let no_number = |e: &Estimate| !(e.value.is_finite() && e.standard_error.is_none_or(f64::is_finite));
         let seen = [("natural_light", self.natural_light), ("lit_at_45", self.lit_at_45)];
         let seen = seen.into_iter().filter_map(|(name, e)| Some((name, e?))).find(|(_, e)| no_number(e));
         let wrong = totals.into_iter().find(|(_, e)| no_number(e) || outside(e)).or(seen);
@@ -183,7 +179,7 @@ pub struct Certainty {
     pub transmittance_grid_error: f64,
     /// Number of packings solved on a finer grid as well, by which the numbers are corrected and
     /// from which the grid's errors of R and T are then estimated; absent if there are none.
-    #[serde(skip_serializing_if = "is_none")]
+    #[serde(skip_serializing_if = "nothing")]
     pub packings_on_finer_grid: usize,
     /// Degrees of freedom of the standard errors: number of realisations minus one; 0 without
     /// randomness.

@@ -8,7 +8,6 @@
 //! which contains the layer's interference fringes.
 
 pub mod composed;
-mod curves;
 pub mod directional;
 pub mod film;
 pub mod films;

@@ -1,9 +1,9 @@
 //! The layer on its paper at one wavelength: the formulas of [`crate::appearance::paper`] applied
 //! to fitted values.
 
-mod functions;
+pub(super) mod curves;
 
-pub use functions::{
+pub use curves::{
     AZIMUTHAL, BENDS, DIFFUSE, SYMMETRIC, anchor_weights, azimuthal, diffuse_functions, symmetric,
 };
 
@@ -65,8 +65,7 @@ impl Measured {
     /// All numbers, totals first.
     fn all(&mut self) -> impl Iterator<Item = &mut f64> {
         let Self { anchors, returned, straight_on, transmittance, absorptance } = self;
-        let totals = anchors.iter_mut().chain(returned).flatten();
-        totals.chain([straight_on, transmittance, absorptance])
+        anchors.iter_mut().chain(returned).flatten().chain([straight_on, transmittance, absorptance])
     }
 
     /// As a list, totals first.
@@ -115,7 +114,7 @@ pub struct PolarAngle {
 impl PolarAngle {
     /// The part of a curve with these coefficients.
     pub fn bent(&self, coefficients: &[f64; BENDS]) -> f64 {
-        self.bends.iter().zip(coefficients).map(|(b, c)| b * c).sum()
+        weighted(&self.bends, coefficients)
     }
 
     /// Evaluates the films at an angle.
@@ -148,7 +147,8 @@ pub struct LayerOnPaper {
     /// The film's T̄ and Ā from the exit side.
     film_means: [f64; 2],
     albedo: f64,
-    index_out: f64,
+    /// Index of the half-space on the exit side: that of the paper in optical contact.
+    pub(super) index_out: f64,
 }
 
 impl LayerOnPaper {
@@ -191,17 +191,11 @@ impl LayerOnPaper {
         straight / self.transmittance(normal) - self.curve.order_area / PI
     }
 
-    /// Index of the half-space on the exit side: that of the paper in optical contact.
-    pub fn index_out(&self) -> f64 {
-        self.index_out
-    }
-
     /// g = ρ/(1 − ρ R̄_b), over n² in optical contact.
     pub fn return_factor(&self) -> f64 {
-        let back =
-            returned(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out);
         // checked in `new`; noise alone cannot make it a result
-        back.unwrap_or(f64::NAN)
+        returned(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out)
+            .unwrap_or(f64::NAN)
     }
 
     /// The layer over another backing of the given albedo.
@@ -224,8 +218,7 @@ impl LayerOnPaper {
     /// T(θ) of the layer without paper for the light returned by the paper, which is unpolarised;
     /// equal to T(θ) unless the incident light is polarised.
     pub fn transmittance_returned(&self, at: &PolarAngle) -> f64 {
-        let beyond_film = self.returned((at.between, at.bends), TRANSMITTANCE);
-        (at.film_returned[self.node] + beyond_film).clamp(0.0, 1.0)
+        (at.film_returned[self.node] + self.returned((at.between, at.bends), TRANSMITTANCE)).clamp(0.0, 1.0)
     }
 
     /// Specular part of R(θ): that of the cells' specular order.
@@ -242,16 +235,14 @@ impl LayerOnPaper {
     /// The layer's diffuse f(i, o) for cosines of the polar angles, 1/sr, azimuthal mean. Symmetric
     /// in i and o unless the incident light is polarised.
     pub fn diffuse_brdf_at(&self, illumination: f64, viewing: f64) -> f64 {
-        let functions = diffuse_functions(illumination, viewing);
-        functions.iter().zip(&self.curve.diffuse).map(|(f, c)| f * c).sum()
+        weighted(&diffuse_functions(illumination, viewing), &self.curve.diffuse)
     }
 
     /// Dependence of [`LayerOnPaper::diffuse_brdf_at`] on the azimuth between the planes of
     /// illumination and viewing, with a mean of 0. `cosine` is that of the azimuth, 1 forward.
     pub fn azimuthal_brdf(&self, illumination: f64, viewing: f64, cosine: f64) -> f64 {
         let sines = ((1.0 - illumination * illumination) * (1.0 - viewing * viewing)).max(0.0).sqrt();
-        let functions = azimuthal(illumination, viewing, sines * cosine);
-        functions.iter().zip(&self.curve.azimuthal).map(|(f, c)| f * c).sum()
+        weighted(&azimuthal(illumination, viewing, sines * cosine), &self.curve.azimuthal)
     }
 
     /// The layer's diffuse f(i, o) with its dependence on the azimuth, reduced where f would become
@@ -275,10 +266,8 @@ impl LayerOnPaper {
 
     /// ∫ f cos θ_o dω of the layer's diffuse f, over angles with the weights of 2∫₀¹ f μ dμ. It
     /// equals R minus the mirror reflection as far as the fits of f and of R agree.
-    pub fn own_albedo(&self, illumination: &PolarAngle, hemisphere: &[(PolarAngle, f64)]) -> f64 {
-        let own =
-            |(at, weight): &(PolarAngle, f64)| PI * weight * self.diffuse_brdf_at(illumination.mu, at.mu);
-        hemisphere.iter().map(own).sum()
+    pub fn own_albedo(&self, light: &PolarAngle, hemisphere: &[(PolarAngle, f64)]) -> f64 {
+        hemisphere.iter().map(|(at, weight)| PI * weight * self.diffuse_brdf_at(light.mu, at.mu)).sum()
     }
 
     /// Smallest coefficients to add to T(θ) of the returned light so that its mean over these
@@ -310,10 +299,7 @@ impl LayerOnPaper {
     /// For polarised light: as seen through a polariser under an unpolarised sky, relative to white
     /// paper seen through the same.
     pub fn natural_light(&self, viewing: &PolarAngle, sky: MirroredSky) -> f64 {
-        let mirrored = match sky {
-            MirroredSky::Included => 0.0,
-            MirroredSky::Excluded => self.specular(viewing),
-        };
+        let mirrored = if sky == MirroredSky::Excluded { self.specular(viewing) } else { 0.0 };
         self.albedo(viewing) - mirrored
     }
 
@@ -369,8 +355,13 @@ fn curve(
     (between, bends): ([f64; 2], [f64; BENDS]),
     total: usize,
 ) -> f64 {
-    let anchored: f64 = between.iter().zip(anchors).map(|(w, a)| w * a[total]).sum();
-    anchored + bends.iter().zip(coefficients).map(|(b, c)| b * c).sum::<f64>()
+    between.iter().zip(anchors).map(|(w, a)| w * a[total]).sum::<f64>() + weighted(&bends, coefficients)
+}
+
+/// The sum of functions times their coefficients.
+#[inline]
+fn weighted(functions: &[f64], coefficients: &[f64]) -> f64 {
+    functions.iter().zip(coefficients).map(|(f, c)| f * c).sum()
 }
 
 #[cfg(test)]

@@ -42,6 +42,11 @@ impl From<&FarField> for SolvedDirection {
         let cosine = |[x, y]: [f64; 2]| (1.0 - x * x - y * y).max(0.0).sqrt();
         let azimuth = field.incidence.azimuth_deg.to_radians();
         let forward = [azimuth.cos(), azimuth.sin()];
+        let scattered = diffuse.map(|o| Scattered {
+            cosine: cosine(o.direction),
+            along: o.direction[0] * forward[0] + o.direction[1] * forward[1],
+            density: density * o.reflected_efficiency,
+        });
         Self {
             polar_deg: field.incidence.polar_deg,
             reflectance: field.reflectance,
@@ -50,13 +55,7 @@ impl From<&FarField> for SolvedDirection {
             specular_transmittance: specular.transmitted_efficiency,
             absorptance: field.absorptance,
             order_area: 1.0 / density,
-            scattered: diffuse
-                .map(|o| Scattered {
-                    cosine: cosine(o.direction),
-                    along: o.direction[0] * forward[0] + o.direction[1] * forward[1],
-                    density: density * o.reflected_efficiency,
-                })
-                .collect(),
+            scattered: scattered.collect(),
         }
     }
 }

@@ -90,7 +90,7 @@ impl LayerSeen {
 /// # Errors
 /// None is complete, or as [`NoInk`] says.
 pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
-    appearance(study, collected, &complete_cells(study, collected)).ink
+    CompleteCells::new(study, collected).appearance().ink
 }
 
 /// The ink as its coherent film, with the volume fractions asked for in every plane.
@@ -124,47 +124,126 @@ fn substrate(study: &Study) -> Substrate {
 /// # Errors
 /// The records do not match, because of a bug or a damaged store.
 pub fn see(study: &Study, collected: &Collected) -> Result<Seen, BdfError> {
-    let cells = complete_cells(study, collected);
-    let mut seen = appearance(study, collected, &cells);
-    if !cells.is_empty() {
-        seen.bdfs = distributions(study, &cells.concat())?;
+    let cells = CompleteCells::new(study, collected);
+    let mut seen = cells.appearance();
+    if !cells.cells.is_empty() {
+        seen.bdfs = cells.distributions()?;
     }
     Ok(seen)
 }
 
-/// The appearance without the distributions.
-fn appearance(study: &Study, collected: &Collected, cells: &[Vec<&Realisation>]) -> Seen {
-    let (solved, grid) = by_cell(study, collected, cells, study.wave);
-    let complete = cells.concat();
-    let mut seen = Seen {
-        realisations: complete.iter().map(|r| r.packing.realisation).collect(),
-        cells: cells.iter().map(|cell| cell[0].packing.realisation).collect(),
-        solved,
-        grid,
-        layer: None,
-        bdfs: Vec::new(),
-        ink: Err(NoInk::Unfinished),
-    };
-    if complete.is_empty() {
-        return seen;
+/// The complete realisations of a study, cell by cell.
+struct CompleteCells<'a> {
+    study: &'a Study,
+    collected: &'a Collected,
+    cells: Vec<Vec<&'a Realisation>>,
+}
+
+impl<'a> CompleteCells<'a> {
+    fn new(study: &'a Study, collected: &'a Collected) -> Self {
+        Self { study, collected, cells: complete_cells(study, collected) }
     }
-    let indices = |nm: f64| indices(study, nm);
-    let films = films(study, mean_profile(&complete), &indices);
-    let basis = basis(study, cells.len());
-    let ensemble = LayerEnsemble::new(&seen.solved, basis, &films, &study.angles.exact_deg);
-    seen.ink = on_paper(study, (collected, cells), (&ensemble, &seen.solved), &films);
-    let wavelengths_nm = study.wavelengths_nm.clone();
-    let films = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
-    seen.layer = Some(LayerSeen { ensemble, films, wavelengths_nm });
-    seen
+
+    /// The appearance without the distributions.
+    fn appearance(&self) -> Seen {
+        let (study, complete) = (self.study, self.cells.concat());
+        let (solved, grid) = self.solved(study.wave);
+        let mut seen = Seen {
+            realisations: complete.iter().map(|r| r.packing.realisation).collect(),
+            cells: self.cells.iter().map(|cell| cell[0].packing.realisation).collect(),
+            solved,
+            grid,
+            layer: None,
+            bdfs: Vec::new(),
+            ink: Err(NoInk::Unfinished),
+        };
+        if complete.is_empty() {
+            return seen;
+        }
+        let indices = |nm: f64| indices(study, nm);
+        let films = films(study, mean_profile(&complete), &indices);
+        let basis = basis(study, self.cells.len());
+        let ensemble = LayerEnsemble::new(&seen.solved, basis, &films, &study.angles.exact_deg);
+        seen.ink = self.on_paper(&ensemble, &seen.solved, &films);
+        let wavelengths_nm = study.wavelengths_nm.clone();
+        let films = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
+        seen.layer = Some(LayerSeen { ensemble, films, wavelengths_nm });
+        seen
+    }
+
+    /// The solves of every cell in one light, corrected by those on a finer grid as far as there
+    /// are any.
+    fn solved(&self, wave: Wave) -> (Vec<SolvedRealisation>, GridPart) {
+        let mean = |cell: &Vec<&Realisation>| {
+            let packings = cell.iter().map(|r| solved(self.study, r, &r.points, wave));
+            packings.reduce(|first, second| first.mean_with(&second)).expect("a cell has a packing")
+        };
+        let mut solved: Vec<SolvedRealisation> = self.cells.iter().map(mean).collect();
+        let (resolved, angles_deg) = (&self.collected.resolved, &self.study.angles.exact_deg);
+        let (checked, basis) = (self.checked(wave), basis(self.study, 1));
+        let Some(correction) = GridCorrection::new(&checked, &basis, resolved.refinement(), angles_deg)
+        else {
+            return (solved, GridPart::Estimated(resolved.grid_error));
+        };
+        solved.iter_mut().for_each(|cell| correction.apply(cell));
+        (solved, GridPart::Corrected(Box::new(correction)))
+    }
+
+    /// The realisations with all solves on both grids.
+    fn checked(&self, wave: Wave) -> Vec<Checked> {
+        let complete = |r: &&&Realisation| !r.finer.is_empty() && r.finer.iter().all(Option::is_some);
+        let both = |r: &&Realisation| {
+            let [coarse, finer] = [&r.points, &r.finer].map(|points| solved(self.study, r, points, wave));
+            Checked { coarse, finer }
+        };
+        self.cells.iter().flatten().filter(complete).map(both).collect()
+    }
+
+    /// The ink on its paper. Where polarised light comes in, the paper gives back other light.
+    fn on_paper(
+        &self,
+        ensemble: &LayerEnsemble,
+        solved: &[SolvedRealisation],
+        films: &Films,
+    ) -> Result<InkOnPaper, NoInk> {
+        let study = self.study;
+        if let Some(reason) = &study.angles.no_paper {
+            return Err(NoInk::Angles(reason.clone()));
+        }
+        let inputs = InkInputs { films, substrate: &substrate(study), outputs_nm: &study.wavelengths_nm };
+        let wave = study.wave.returned();
+        let back = (wave != study.wave).then(|| self.solved(wave).0);
+        let returned = back.as_ref().map(|solved| {
+            let (basis, exact_deg) = (ensemble.basis.clone(), &study.angles.exact_deg);
+            (LayerEnsemble::new(solved, basis, &films.returned(), exact_deg), solved.as_slice())
+        });
+        Ok(InkOnPaper::new((ensemble.clone(), solved), returned, &inputs)?)
+    }
+
+    /// Distributions at every exact angle, one per stratum of wavelengths, from the far fields in
+    /// all realisations.
+    fn distributions(&self) -> Result<Vec<Bdf>, BdfError> {
+        let Study { variation, angles, .. } = self.study;
+        let fields = self.cells.iter().flatten().map(|r| far_fields(self.study, &r.points, self.study.wave));
+        let fields: Vec<Vec<FarField>> = fields.collect();
+        let alike = variation.cell == CellRule::Fixed
+            && variation.light == LightRule::Listed
+            && variation.thickness_std_um == 0.0;
+        let (exact, each, mut all) = (angles.exact_deg.len(), angles.count(), Vec::new());
+        for place in (0..self.study.solved_wavelengths() * exact).map(|k| k / exact * each + k % exact) {
+            let ensemble: Vec<FarField> = fields.iter().map(|fields| fields[place].clone()).collect();
+            all.push(match alike {
+                true => Bdf::from_ensemble(&ensemble)?,
+                false => Bdf::from_varied_cells(&ensemble, self.study.layer.period_um)?,
+            });
+        }
+        Ok(all)
+    }
 }
 
 /// The realisations of which every solve is there, cell by cell. One of a pair alone holds too much
 /// pigment or too little, and is left out.
-pub(in crate::evaluate) fn complete_cells<'a>(
-    study: &Study,
-    collected: &'a Collected,
-) -> Vec<Vec<&'a Realisation>> {
+pub(super) fn complete_cells<'a>(study: &Study, collected: &'a Collected) -> Vec<Vec<&'a Realisation>> {
     let all: Vec<&Realisation> = collected.complete().collect();
     let find = |number: usize| all.iter().copied().find(|r| r.packing.realisation == number);
     let cell = |r: &&'a Realisation| match study.partner(r.packing.realisation) {
@@ -173,38 +252,6 @@ pub(in crate::evaluate) fn complete_cells<'a>(
         None => Some(vec![*r]),
     };
     all.iter().filter_map(cell).collect()
-}
-
-/// The solves of every cell in one light, corrected by those on a finer grid as far as there are
-/// any.
-fn by_cell(
-    study: &Study,
-    collected: &Collected,
-    cells: &[Vec<&Realisation>],
-    wave: Wave,
-) -> (Vec<SolvedRealisation>, GridPart) {
-    let own = |r: &&Realisation| solved(study, r, &r.points, wave);
-    let mean = |cell: &Vec<&Realisation>| {
-        cell.iter().map(own).reduce(|first, second| first.mean_with(&second)).expect("a cell has a packing")
-    };
-    let mut solved: Vec<SolvedRealisation> = cells.iter().map(mean).collect();
-    let (checked, refinement) = (checked(study, cells, wave), collected.resolved.refinement());
-    let angles_deg = &study.angles.exact_deg;
-    let Some(correction) = GridCorrection::new(&checked, &basis(study, 1), refinement, angles_deg) else {
-        return (solved, GridPart::Estimated(collected.resolved.grid_error));
-    };
-    solved.iter_mut().for_each(|cell| correction.apply(cell));
-    (solved, GridPart::Corrected(Box::new(correction)))
-}
-
-/// The realisations with all solves on both grids.
-fn checked(study: &Study, cells: &[Vec<&Realisation>], wave: Wave) -> Vec<Checked> {
-    let complete = |r: &&&Realisation| !r.finer.is_empty() && r.finer.iter().all(Option::is_some);
-    let both = |r: &&Realisation| {
-        let [coarse, finer] = [&r.points, &r.finer].map(|points| solved(study, r, points, wave));
-        Checked { coarse, finer }
-    };
-    cells.iter().flatten().filter(complete).map(both).collect()
 }
 
 /// Far fields of complete solves for one polarisation of the light, direction by direction.
@@ -233,17 +280,10 @@ fn basis(study: &Study, cells: usize) -> SpectralBasis {
 
 /// The solves of a realisation in their order: wavelength; exact angles, strata, strata from the
 /// exit side.
-fn solved(
-    study: &Study,
-    realisation: &Realisation,
-    points: &[Option<PointRecord>],
-    wave: Wave,
-) -> SolvedRealisation {
+fn solved(study: &Study, r: &Realisation, points: &[Option<PointRecord>], wave: Wave) -> SolvedRealisation {
     let (angles, fields) = (&study.angles, far_fields(study, points, wave));
-    SolvedRealisation {
-        thickness_um: realisation.packing.thickness_um,
-        wavelengths: fields.chunks(angles.count()).map(|fields| solved_at(angles, fields)).collect(),
-    }
+    let wavelengths = fields.chunks(angles.count()).map(|fields| solved_at(angles, fields)).collect();
+    SolvedRealisation { thickness_um: r.packing.thickness_um, wavelengths }
 }
 
 /// The solves of one wavelength: exact angles, strata, strata from the exit side.
@@ -274,46 +314,6 @@ fn mean_profile(complete: &[&Realisation]) -> Profile {
     }
     fractions.iter_mut().flatten().for_each(|share| *share /= complete.len() as f64);
     Profile { fractions }
-}
-
-/// The ink on its paper. Where polarised light comes in, the paper gives back other light.
-fn on_paper(
-    study: &Study,
-    (collected, cells): (&Collected, &[Vec<&Realisation>]),
-    (ensemble, solved): (&LayerEnsemble, &[SolvedRealisation]),
-    films: &Films,
-) -> Result<InkOnPaper, NoInk> {
-    if let Some(reason) = &study.angles.no_paper {
-        return Err(NoInk::Angles(reason.clone()));
-    }
-    let inputs = InkInputs { films, substrate: &substrate(study), outputs_nm: &study.wavelengths_nm };
-    let wave = study.wave.returned();
-    let back = (wave != study.wave).then(|| by_cell(study, collected, cells, wave).0);
-    let returned = back.as_ref().map(|solved| {
-        let basis = ensemble.basis.clone();
-        (LayerEnsemble::new(solved, basis, &films.returned(), &study.angles.exact_deg), solved.as_slice())
-    });
-    Ok(InkOnPaper::new((ensemble.clone(), solved), returned, &inputs)?)
-}
-
-/// Distributions at every exact angle, one per stratum of wavelengths, from the far fields in all
-/// realisations.
-fn distributions(study: &Study, complete: &[&Realisation]) -> Result<Vec<Bdf>, BdfError> {
-    let fields: Vec<Vec<FarField>> =
-        complete.iter().map(|r| far_fields(study, &r.points, study.wave)).collect();
-    let (fixed, each) = (study.variation.cell == CellRule::Fixed, study.angles.count());
-    let alike =
-        fixed && study.variation.light == LightRule::Listed && study.variation.thickness_std_um == 0.0;
-    let mut all = Vec::new();
-    let angles = study.angles.exact_deg.len();
-    for place in (0..study.solved_wavelengths() * angles).map(|k| k / angles * each + k % angles) {
-        let ensemble: Vec<FarField> = fields.iter().map(|fields| fields[place].clone()).collect();
-        all.push(match alike {
-            true => Bdf::from_ensemble(&ensemble)?,
-            false => Bdf::from_varied_cells(&ensemble, study.layer.period_um)?,
-        });
-    }
-    Ok(all)
 }
 
 #[cfg(test)]

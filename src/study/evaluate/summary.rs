@@ -4,20 +4,16 @@ use super::gate;
 use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::ink_maker;
 use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
-use super::manifest::{
-    Budget, Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld,
-};
+use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
 use super::seen::{LayerSeen, NoInk, Seen, see};
 use super::survivors::Survivors;
-use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty};
-use crate::appearance::colour::Colour;
+use super::uncertainty::{ColourParts, Conditions, Shift, UNMOVED, Uncertainty};
 use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
-use crate::run::{Collected, Failure, Refused};
+use crate::run::Collected;
 use crate::solve::accuracy::grid_error::GridError;
-use crate::store::identity::METHOD_VERSION;
-use crate::store::record::PointRecord;
+use crate::store::{METHOD_VERSION, PointRecord};
 use crate::wave::physical::largest;
 
 /// Name of the standard geometry of print measurement, lit at 45° and viewed along the normal.
@@ -40,7 +36,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     let finished = collected.finished();
     let asked = if collected.enough { finished } else { study.solves() };
     let grid = seen.grid.largest(&study.wavelengths_nm);
-    let certainty = certainty(collected, records().collect(), (seen, grid));
+    let certainty = certainty(collected, &records().collect::<Vec<_>>(), (seen, grid));
     let survivors = Survivors { packed: collected.realisations.len(), refused: collected.refused.len() };
     let uncertainty = Uncertainty {
         grid: seen.grid.clone(),
@@ -132,26 +128,18 @@ pub fn aimed_at<'a>(study: &Study, manifest: &'a Manifest<&Study>) -> impl Itera
 }
 
 fn failures(collected: &Collected) -> Vec<FailureNote> {
-    let packings = collected.refused.iter().map(|Refused { realisation, reason }| FailureNote {
-        realisation: *realisation,
-        wavelength_nm: None,
-        polar_deg: None,
+    let packings = collected.refused.iter().map(|r| (r.realisation, None, &r.reason));
+    let solves = collected.failures().map(|f| (f.point.realisation, Some(f.point.incidence), &f.reason));
+    let notes = packings.chain(solves).map(|(realisation, light, reason)| FailureNote {
+        realisation,
+        wavelength_nm: light.map(|light| 1e3 * light.wavelength_um),
+        polar_deg: light.map(|light| light.polar_deg),
         reason: reason.clone(),
     });
-    let solves = collected.failures().map(|Failure { point, reason }| FailureNote {
-        realisation: point.realisation,
-        wavelength_nm: Some(1e3 * point.incidence.wavelength_um),
-        polar_deg: Some(point.incidence.polar_deg),
-        reason: reason.clone(),
-    });
-    packings.chain(solves).collect()
+    notes.collect()
 }
 
-fn certainty(
-    collected: &Collected,
-    records: Vec<&PointRecord>,
-    (seen, grid): (&Seen, GridError),
-) -> Certainty {
+fn certainty(collected: &Collected, records: &[&PointRecord], (seen, grid): (&Seen, GridError)) -> Certainty {
     let count = records.len().max(1) as f64;
     let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
     let steps: usize = records.iter().map(|r| r.account.steps).sum();
@@ -192,8 +180,7 @@ fn alternating_mean(layer: &LayerSeen, r: usize, w: &SolvedWavelength) -> f64 {
     let sign = |k: usize| if (k + r).is_multiple_of(2) { 1.0 } else { -1.0 };
     let film = layer.film(w.wavelength_nm);
     let difference = |s: &SolvedDirection| s.transmittance - film.reflectance_transmittance(s.polar_deg)[1];
-    let sum: f64 = w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum();
-    sum / w.strata.len() as f64
+    w.strata.iter().enumerate().map(|(k, s)| sign(k) * difference(s)).sum::<f64>() / w.strata.len() as f64
 }
 
 /// Difference between the two estimates of R̄ from the exit side, realisation by realisation; for
@@ -205,9 +192,8 @@ fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
         return None;
     }
     let index = layer.film(0.0).index_out();
-    let realisations = 0..ensemble.realisations();
-    let samples: Vec<f64> = realisations.map(|r| exit_difference(ensemble, index, r)).collect();
-    Some(Estimate::of_mean(&samples))
+    let samples = (0..ensemble.realisations()).map(|r| exit_difference(ensemble, index, r));
+    Some(Estimate::of_mean(&samples.collect::<Vec<_>>()))
 }
 
 /// Mean over the wavelengths of R̄ + T̄/n² + Ā of one realisation, all relative to the film.
@@ -234,11 +220,7 @@ fn colours(
     Ok(vec![note(NATURAL_LIGHT, sky, seen), note(LIT_AT_45, print, seen)])
 }
 
-fn note(
-    conditions: &str,
-    (colour, budget, deviations): (Colour, Budget, Vec<[f64; 3]>),
-    seen: &Seen,
-) -> ColourNote {
+fn note(conditions: &str, (colour, budget, deviations): ColourParts, seen: &Seen) -> ColourNote {
     let factor = coverage_factor_95(seen.cells.len().saturating_sub(1));
     ColourNote {
         conditions: conditions.to_owned(),
@@ -256,8 +238,7 @@ fn note(
 fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
     let Some(layer) = &seen.layer else { return Vec::new() };
     let angles = 0..layer.ensemble.exact_deg.len();
-    let mut rows: Vec<SpectrumRow> =
-        angles.flat_map(|angle| rows_of(layer, angle, &seen.cells, uncertainty)).collect();
+    let mut rows: Vec<_> = angles.flat_map(|angle| rows_of(layer, angle, &seen.cells, uncertainty)).collect();
     let Ok(ink) = &seen.ink else { return rows };
     let Ok(conditions) = Conditions::new(ink, study.output.mirrored_sky) else { return rows };
     let natural = ink.spectrum(|l| conditions.natural_light(l, UNMOVED)).estimates();
@@ -284,8 +265,7 @@ fn rows_of(layer: &LayerSeen, angle: usize, cells: &[usize], uncertainty: &Uncer
     for (i, &wavelength_nm) in layer.wavelengths_nm.iter().enumerate() {
         let widened =
             |k: usize| gate::bounded(uncertainty.widen_by(estimates[k][i], wavelength_nm, moved[k]));
-        let replicates: Vec<[f64; 2]> =
-            r.replicates.iter().zip(&t.replicates).map(|(r, t)| [r[i], t[i]]).collect();
+        let replicates: Vec<_> = r.replicates.iter().zip(&t.replicates).map(|(r, t)| [r[i], t[i]]).collect();
         rows.push(SpectrumRow {
             wavelength_nm,
             polar_deg: layer.ensemble.exact_deg[angle],

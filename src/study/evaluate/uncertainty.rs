@@ -34,6 +34,8 @@ pub(super) struct Uncertainty {
 pub(super) type Shift = [f64; 2];
 /// No error of R and T.
 pub(super) const UNMOVED: Shift = [0.0; 2];
+/// A colour, the contributions to its error, and the contribution of each realisation to Lab.
+pub(super) type ColourParts = (Colour, Budget, Vec<[f64; 3]>);
 /// A quantity of the layer on paper, shifted by errors of R and T.
 type PaperQuantity<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
 
@@ -72,9 +74,8 @@ impl Uncertainty {
         let shared = |i: usize, j: usize| moved.iter().map(|by| by[i] * by[j]).sum::<f64>();
         // packings without room shift the mean in any direction
         let scale = 1.0 + self.missing_cells * self.missing_cells;
-        chance
-            .or(none)
-            .map(|c| std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] * scale + shared(i, j))))
+        let c = chance.or(none)?;
+        Some(std::array::from_fn(|i| std::array::from_fn(|j| c[i][j] * scale + shared(i, j))))
     }
 
     /// Adds a shared error; if the random error is unknown, so is the sum.
@@ -107,7 +108,7 @@ impl Uncertainty {
         ink: &InkOnPaper,
         solved: &[SolvedRealisation],
         of: &PaperQuantity,
-    ) -> Result<(Colour, Budget, Vec<[f64; 3]>), InkError> {
+    ) -> Result<ColourParts, InkError> {
         let Widened { colour, chance, shared, deviations } = self.widened(ink, &ink.daylight()?, of)?;
         let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
         let lengths: Vec<f64> = shared.into_iter().map(length).collect();
@@ -165,9 +166,9 @@ pub struct Budget {
     pub beyond_range: f64,
 }
 
-/// Whether a part is absent from the error.
-fn nothing(part: &f64) -> bool {
-    *part == 0.0
+/// Whether a number is zero, and so is left out of the results.
+pub(super) fn nothing<T: Default + PartialEq>(number: &T) -> bool {
+    *number == T::default()
 }
 
 /// The two standard conditions, viewed along the normal.
@@ -200,7 +201,7 @@ impl Conditions {
 /// Error of g T₁ T₂, where dg = n² g² dR̄_b and R̄_b has the same error as R.
 fn through_paper(layer: &LayerOnPaper, [inwards, outwards]: [f64; 2], [r, t]: Shift) -> f64 {
     let factor = layer.return_factor();
-    let moved_factor = (layer.index_out() * factor).powi(2) * r;
+    let moved_factor = (layer.index_out * factor).powi(2) * r;
     factor * (inwards + outwards) * t + moved_factor * inwards * outwards
 }
 

@@ -68,12 +68,8 @@ impl SpectralBasis {
     /// Second differences of neighbouring coefficients, to be kept small (Eilers and Marx 1996):
     /// rows of (function, factor).
     pub fn roughness(&self) -> Vec<[(usize, f64); 3]> {
-        match self {
-            Self::Listed(_) => Vec::new(),
-            Self::Splines { .. } => {
-                (2..self.count()).map(|i| [(i - 2, 1.0), (i - 1, -2.0), (i, 1.0)]).collect()
-            }
-        }
+        let count = if let Self::Splines { .. } = self { self.count() } else { 0 };
+        (2..count).map(|i| [(i - 2, 1.0), (i - 1, -2.0), (i, 1.0)]).collect()
     }
 }
 

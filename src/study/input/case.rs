@@ -3,13 +3,12 @@
 
 pub use super::case_inputs::CaseError;
 use super::case_inputs::{BarInput, CaseInputs, IndexInput, SublayerInput};
-use super::case_names::with_names;
 use super::fault::{Fault, Faults};
 use super::read::read;
 use super::tree::{Node, parse_json, parse_toml};
 use crate::ink::Form;
 use crate::numerics::files;
-use crate::wave::{Body, BodyShape, Incidence, Media, Scene, Stratum};
+use crate::wave::{Body, BodyShape, Incidence, Media, Scene, Stratum, WaveError};
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -30,8 +29,7 @@ impl Case {
         let name = path.display().to_string();
         let text = files::read_text(path, files::CASE)
             .map_err(|cause| CaseError::Read { path: name.clone(), cause })?;
-        let toml = path.extension().is_some_and(|e| e == "toml");
-        Case::parse(&text, toml).map_err(|error| match error {
+        Case::parse(&text, path.extension().is_some_and(|e| e == "toml")).map_err(|error| match error {
             CaseError::Refused { reason, .. } => CaseError::Refused { path: name, reason },
             other => other,
         })
@@ -42,8 +40,7 @@ impl Case {
         let document = if toml { parse_toml(text).map(Node::from) } else { parse_json(text) };
         let document = document
             .map_err(|fault| CaseError::refused(format!("{}; {}", fault.in_words(text), fault.remedy)))?;
-        let inputs = document.get("inputs").cloned().unwrap_or(document);
-        Case::from_inputs(&read(inputs).map_err(Faults)?)
+        Case::from_inputs(&read(document.get("inputs").cloned().unwrap_or(document)).map_err(Faults)?)
     }
 
     /// Checks the inputs and builds the scene.
@@ -54,11 +51,9 @@ impl Case {
         }
         let (mut backgrounds, mut inclusions) = (Vec::new(), Vec::new());
         let strata = strata(inputs, &mut backgrounds)?;
-        let (mut names, mut bodies) = (Vec::new(), Vec::new());
-        for (name, shape, eta) in inputs.bodies() {
-            names.push(name);
-            bodies.push(Body::new(shape, index_of(&mut inclusions, eta)));
-        }
+        let named = inputs.bodies().into_iter();
+        let named = named.map(|(name, shape, eta)| (name, Body::new(shape, index_of(&mut inclusions, eta))));
+        let (names, bodies): (Vec<String>, Vec<Body>) = named.unzip();
         let bars = inputs.sublayers_from_z0.iter().flatten().flat_map(|sublayer| &sublayer.bars);
         bars.into_iter().try_for_each(|bar| check_bar(bar, inputs.period_um()[0]))?;
         let strata = split_at_flat_faces(strata, &bodies);
@@ -78,8 +73,7 @@ impl Case {
         scene.check(&media).map_err(|error| with_names(error, &names))?;
         incidence.check()?;
         check_thickness(inputs, &scene)?;
-        let scene = scene.nested().map_err(|error| with_names(error, &names))?;
-        Ok(Case { scene, media, incidence })
+        Ok(Case { scene: scene.nested().map_err(|error| with_names(error, &names))?, media, incidence })
     }
 }
 
@@ -106,9 +100,8 @@ fn strata(inputs: &CaseInputs, backgrounds: &mut Vec<Complex64>) -> Result<Vec<S
         return Err(Fault::new("layers_from_z0", "none", "at least one", "add a layer").into());
     }
     // a film of zero thickness has no effect, and would need a cell of zero height
-    let solid = parts.into_iter().filter(|p| p.0 != 0.0);
     let stratum = |(thickness_um, eta)| Stratum { thickness_um, background: index_of(backgrounds, eta) };
-    let strata: Vec<Stratum> = solid.map(stratum).collect();
+    let strata: Vec<Stratum> = parts.into_iter().filter(|p| p.0 != 0.0).map(stratum).collect();
     if strata.is_empty() {
         let remedy = "give the layer a thickness above 0";
         return Err(Fault::new("thickness", "0 everywhere", "above 0", remedy).into());
@@ -185,5 +178,53 @@ fn check_thickness(inputs: &CaseInputs, scene: &Scene) -> Result<(), CaseError> 
             Err(Fault::new("H", format!("{h} µm"), allowed, "make them agree or leave H out").into())
         }
         _ => Ok(()),
+    }
+}
+
+/// Replaces the numbers of bodies in a scene's error by their names in the file.
+fn with_names(error: WaveError, names: &[String]) -> CaseError {
+    let name = |body: usize| names.get(body).cloned().unwrap_or_else(|| format!("body {body}"));
+    match error {
+        WaveError::Overlap { first, second, overlap_um } => {
+            let both = format!("{} and {}", name(first), name(second));
+            let allowed = "bodies apart, or a sphere wholly inside another";
+            Fault::new(both, format!("an overlap by {overlap_um:.3e} µm"), allowed, "move them apart").into()
+        }
+        WaveError::OverlapsImage { body, overlap_um } => {
+            let found = format!("an overlap with its own periodic image by {overlap_um:.3e} µm");
+            let remedy = "make the period L larger or the body smaller";
+            Fault::new(name(body), found, "a body apart from its image", remedy).into()
+        }
+        WaveError::OutsideLayer { body, low_um, high_um, thickness_um } => {
+            let found = format!("a body from z = {low_um} to {high_um} µm");
+            let remedy = "move it, make it smaller, or make the layer thicker";
+            Fault::new(name(body), found, format!("0 … {thickness_um} µm, the layer"), remedy).into()
+        }
+        other => other.into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(bodies: &str) -> String {
+        let text = format!("wavelength = 0.5\nL = 1.0\n{bodies}");
+        Case::parse(&text, true).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn bodies_are_called_as_in_the_file() {
+        let binder = "H = 1.0\neta_binder = [1.5, 0]\n";
+        let cylinder = "[[cylinders]]\nx = 0.5\nz = 0.5\nradius = 0.2\neta = [1.4, 0]\n";
+        let sphere = "[[spheres]]\ncenter = [0.6, 0.5, 0.5]\nradius = 0.2\neta = [1.4, 0]\n";
+        let said = refusal(&format!("{binder}{sphere}{cylinder}"));
+        assert!(said.contains("spheres[0] and cylinders[0]: found an overlap by 3.000e-1 µm"), "{said}");
+        let film = "[[sublayers_from_z0]]\nthickness = 0\neta_background = [1.5, 0]\n\
+            bars = [{ x0 = 0, x1 = 0.5, eta = [1.4, 0] }]\n";
+        let bars = "[[sublayers_from_z0]]\nthickness = 0.5\neta_background = [1.5, 0]\n\
+            bars = [{ x0 = 0, x1 = 0.5, eta = [1.4, 0] }, { x0 = 0.25, x1 = 0.7, eta = [1.4, 0] }]\n";
+        let said = refusal(&format!("{film}{bars}"));
+        assert!(said.contains("sublayers_from_z0[1].bars[0] and sublayers_from_z0[1].bars[1]:"), "{said}");
     }
 }

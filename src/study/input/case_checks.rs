@@ -20,9 +20,7 @@ pub fn check(inputs: &CaseInputs) -> Faults {
     faults.number("sigma_deg", inputs.sigma_deg, POLAR_DEG, grazing);
     faults.number("phi_deg", inputs.phi_deg, FINITE, "give it in degrees");
     lengths(inputs, &mut faults);
-    for (field, eta) in indices(inputs) {
-        index(&field, eta, &mut faults);
-    }
+    indices(inputs).iter().for_each(|(field, eta)| index(field, *eta, &mut faults));
     grains(inputs, &mut faults);
     bodies(inputs, &mut faults);
     faults
@@ -59,14 +57,13 @@ fn indices(inputs: &CaseInputs) -> Vec<(String, [f64; 2])> {
         ("eta_out", inputs.eta_out),
         ("eta_binder", inputs.eta_binder),
     ];
-    let mut all: Vec<_> =
-        single.into_iter().filter_map(|(name, eta)| Some((name.to_owned(), eta?))).collect();
+    let single = single.into_iter().filter_map(|(name, eta)| Some((name.to_owned(), eta?)));
+    let mut all: Vec<_> = single.collect();
     all.extend(inputs.bodies().into_iter().map(|(name, _, eta)| (format!("{name}.eta"), eta)));
     let layers = inputs.layers_from_z0.iter().flatten().enumerate();
     all.extend(layers.map(|(i, l)| (format!("layers_from_z0[{i}].eta"), l.eta)));
-    for (i, l) in inputs.sublayers_from_z0.iter().flatten().enumerate() {
-        all.push((format!("sublayers_from_z0[{i}].eta_background"), l.eta_background));
-    }
+    let layers = inputs.sublayers_from_z0.iter().flatten().enumerate();
+    all.extend(layers.map(|(i, l)| (format!("sublayers_from_z0[{i}].eta_background"), l.eta_background)));
     all
 }
 
@@ -101,8 +98,7 @@ fn bodies(inputs: &CaseInputs, faults: &mut Faults) {
     for (i, body) in inputs.bodies.iter().flatten().enumerate() {
         let shape = format!("bodies[{i}].shape");
         if let Some((key, found, allowed)) = body.shape.defect() {
-            let field = key.replacen("shape", &shape, 1);
-            faults.add(field, found, allowed, "give lengths in µm");
+            faults.add(key.replacen("shape", &shape, 1), found, allowed, "give lengths in µm");
         } else if body.shape.form().is_none() {
             let allowed = "`ellipsoid`, `box`, `disc` or `prism`";
             faults.add(shape, body.shape.name(), allowed, "give single spheres as `spheres`");
@@ -114,8 +110,7 @@ fn bodies(inputs: &CaseInputs, faults: &mut Faults) {
         let length = body.axis.map_or(1.0, norm);
         if !(length.is_finite() && length > 0.0) {
             let found = format!("{:?}", body.axis.unwrap_or_default());
-            let field = format!("bodies[{i}].axis");
-            faults.add(field, found, "a direction of finite length", "give [x, y, z]");
+            faults.add(format!("bodies[{i}].axis"), found, "a direction of finite length", "give [x, y, z]");
         }
     }
 }

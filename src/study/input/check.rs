@@ -1,18 +1,15 @@
 //! Checks a study file and turns it into a [`Study`]; reports all errors at once.
 
-mod angles;
 mod composed;
-mod gaps;
-mod grain_count;
+mod grains;
 mod index;
 mod judgement;
 mod light;
 mod microstructure;
 mod paper;
 mod pigments;
-mod wave;
 
-pub use pigments::largest_extents_nm;
+pub use grains::largest_extents_nm;
 
 use super::fault::{Allowed, Fault, Faults, keys_in_words};
 use super::file::{LayerTable, SolverTable, StudyFile};
@@ -64,8 +61,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     let composed = composed::composed(file, &mut faults);
     let slab = composed.as_ref().map(|composed| composed::slab_file(file, composed));
     let file = slab.as_ref().unwrap_or(file);
-    let given = microstructure::given(file, folder, &mut faults);
-    let (filled, given) = given.unzip();
+    let (filled, given) = microstructure::given(file, folder, &mut faults).unzip();
     let file = filled.as_ref().unwrap_or(file);
     let wavelengths_nm = light::wavelengths(&file.light, &mut optics);
     let period_um = period(file, &mut faults);
@@ -75,11 +71,11 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     let grains = pigments::grains(file, period_um, &mut faults);
     let pigments = pigments::pigments(file, grains, &indices, &mut optics);
     let dissolved = pigments::dissolved(file, &indices, &mut optics);
-    pigments::dissolve(&mut layer, &dissolved, &pigments, wave::mixing(file));
+    pigments::dissolve(&mut layer, &dissolved, &pigments, light::mixing(file));
     let mut packing = pigments::packing(file, &layer, &pigments, &mut faults);
     (packing.given, packing.voxels) = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
-    let angles = angles::angles(file, paper.coupling, &mut optics);
+    let angles = paper::angles(file, paper.coupling, &mut optics);
     let resolution = resolution(file, &mut optics);
     let goal = goal(&file.solver, &resolution, &mut optics);
     counts(file, &mut faults);
@@ -117,11 +113,11 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
         portion: None,
         remarks: remarks.into_iter().flatten().collect(),
     };
-    study.remarks.extend(gaps::bridged(&study));
+    study.remarks.extend(index::bridged(&study));
     if study.angles.no_paper.is_none() {
         study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
     }
-    wave::refusals(file, &study, &mut optics);
+    light::refusals(file, &study, &mut optics);
     if let Some(composed) = composed {
         composed::refusals(file, &study, &mut optics);
         composed::complete(&mut study, composed);
@@ -172,7 +168,7 @@ fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
             let allowed = "one number or [x, y], µm, for cell = \"fixed\"";
             faults.add("layer.period_um", "nothing", allowed, "write period_um = 2.4, or let cells vary");
         }
-        return [pigments::nominal_period_um(file); 2];
+        return [grains::nominal_period_um(file); 2];
     };
     let remedy = "1.6 µm is usual, larger cells cost more; leave it out, and it follows from the grains";
     for period in written.xy() {

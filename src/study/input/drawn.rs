@@ -43,12 +43,10 @@ impl Study {
     /// Varied cells are rotated between wavelengths, so that no two of them share a Bloch vector
     /// and their errors are as independent as one packing allows.
     pub(super) fn turn(&self, draw: &Draw, j: usize) -> (f64, f64) {
-        match self.variation.cell {
-            CellRule::Fixed => (draw.azimuth_deg, draw.direction),
-            CellRule::Varied => {
-                (draw.azimuth_deg + turned_deg(j), (draw.direction + j as f64 * GOLDEN).fract())
-            }
+        if self.variation.cell == CellRule::Fixed {
+            return (draw.azimuth_deg, draw.direction);
         }
+        (draw.azimuth_deg + turned_deg(j), (draw.direction + j as f64 * GOLDEN).fract())
     }
 
     /// Wavelengths of a realisation, nm, increasing.
@@ -72,19 +70,16 @@ impl Study {
 
     /// Equally probable thicknesses of the layer, µm; only the mean if the thickness is uniform.
     pub fn thicknesses_um(&self) -> Vec<f64> {
-        let count = if self.variation.thickness_std_um > 0.0 { 32 } else { 1 };
-        let share = |k: usize| (k as f64 + 0.5) / count as f64;
-        (0..count)
-            .map(|k| thickness_um(self.layer.thickness_um, self.variation.thickness_std_um, share(k)))
-            .collect()
+        let (mean, std) = (self.layer.thickness_um, self.variation.thickness_std_um);
+        let count = if std > 0.0 { 32 } else { 1 };
+        (0..count).map(|k| thickness_um(mean, std, (k as f64 + 0.5) / count as f64)).collect()
     }
 
     /// The area nearest to `area` (µm²) in which whole grains give the requested volume fractions.
     fn whole_grains(&self, area: f64, thickness_um: f64) -> f64 {
-        let relief_um = self.packing.relief.as_ref().map_or(0.0, |relief| relief.depth_um);
-        let dry_um = thickness_um - relief_um;
-        let quanta = self.pigments.iter().filter_map(|p| area_of_a_grain(&p.grains, dry_um));
-        let quanta: Vec<f64> = quanta.collect();
+        let dry_um = thickness_um - self.packing.relief.as_ref().map_or(0.0, |relief| relief.depth_um);
+        let areas = self.pigments.iter().filter_map(|p| area_of_a_grain(&p.grains, dry_um));
+        let quanta: Vec<f64> = areas.collect();
         let Some(largest) = quanta.iter().copied().reduce(f64::max) else { return area };
         let grains = |share: f64| (area * share / largest).round().max(1.0) as usize;
         let nearest = grains(1.0);

@@ -113,8 +113,7 @@ impl fmt::Display for Faults {
 /// Lists those of some keys that are present in a table.
 pub fn keys_in_words(table: &impl Serialize, keys: &[&str]) -> String {
     let table = toml::Table::try_from(table).unwrap_or_default();
-    let there: Vec<&str> = keys.iter().copied().filter(|key| table.contains_key(*key)).collect();
-    match there.split_last() {
+    match keys.iter().copied().filter(|key| table.contains_key(*key)).collect::<Vec<_>>().split_last() {
         None => "none of them".into(),
         Some((only, [])) => format!("{only} alone"),
         Some((last, others)) => format!("{} and {last}", others.join(", ")),

@@ -17,18 +17,22 @@
 //! step_nm = 30
 //! ```
 
-mod appearance;
 mod calculation;
 mod layer;
-mod light;
 mod microstructure;
 
-pub use appearance::{ColourTable, CompareTable, CouplingName, OutputTable, PaperTable};
+pub use calculation::{AnglesTable, LightTable, SamplingName};
 pub use calculation::{ResolutionTable, RunTable, SolverTable, TargetColour};
-pub use layer::{BinderTable, ComposedTable, LayerTable, PackingTable, PigmentTable, ShellTable};
-pub use light::{AnglesTable, LightTable, SamplingName};
+pub use layer::{
+    BinderTable, ComposedTable, ContrastPart, LayerTable, PackingTable, PigmentTable, ShellTable,
+};
 pub use microstructure::{Continuation, FileNames, LengthUnit, MicrostructureTable, SizeColumn, VoxelEdges};
 
+use super::forms::AlbedoWritten;
+use super::limits;
+use super::measured::MeasuredUnit;
+use crate::appearance::paper::MirroredSky;
+use crate::appearance::viewing::{Summation, illuminants, observers};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -74,4 +78,89 @@ pub struct StudyFile {
     /// What the prediction is compared with.
     #[serde(default)]
     pub compare: CompareTable,
+}
+
+/// `[paper]`: the Lambertian substrate.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PaperTable {
+    /// Albedo, 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{
+    /// csv = "paper.csv" }` with the columns wavelength_nm and albedo.
+    pub albedo: AlbedoWritten,
+    /// Contact between ink and paper.
+    pub coupling: CouplingName,
+}
+
+impl Default for PaperTable {
+    fn default() -> Self {
+        Self { albedo: AlbedoWritten::Constant(0.9), coupling: CouplingName::Gap }
+    }
+}
+
+/// Contact between layer and paper; see [`crate::appearance::paper::Coupling`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum CouplingName {
+    /// The model of the source paper (P1 section 5): a thin air gap, across which light is
+    /// exchanged incoherently.
+    #[default]
+    Gap,
+    /// The paper's scatterers are embedded in a medium of `layer.index_out` that touches the layer.
+    OpticalContact,
+}
+
+/// `[colour]`: conditions of the numbers for ink makers; everything else uses D65 and the 2°
+/// observer.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ColourTable {
+    /// Illuminant (default: `"D65"`), such as `"D50"`, `"A"`, `"F11"`, `"LED_B3"`.
+    #[schemars(schema_with = "illuminants", example = &"D65")]
+    pub illuminant: Option<String>,
+    /// Observer (default: `"2"`): `"10"`, `"2015_2"` or `"2015_10"`.
+    #[schemars(schema_with = "observers", example = &"2")]
+    pub observer: Option<String>,
+    /// Summation: `"plain"` (default), or `"e308"` for the weights of ASTM E308.
+    pub summation: Summation,
+    /// Target L*, a*, b* of the print under these conditions, at 45:0.
+    #[schemars(inner(range(min = -300, max = 300)), example = (85, -10, 80))]
+    pub target_lab: Option<[f64; 3]>,
+}
+
+/// `[compare]`: what the prediction is compared with.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct CompareTable {
+    /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17. A CxF3 or
+    /// CGATS.17 file with Lab but no spectrum is a target, if it states the illuminant and the
+    /// observer of `[colour]`.
+    #[schemars(example = &"measured.csv")]
+    pub measured: Option<String>,
+    /// Name of the sample in a CxF3 or CGATS.17 file with several (default: the first).
+    #[schemars(example = &"yellow 100 %")]
+    pub patch: Option<String>,
+    /// Value of a perfect white in the file: 1 (`"factor"`) or 100 (`"percent"`). By default values
+    /// up to 1 are factors and values above 3 percentages; in between the unit is required.
+    #[schemars(example = &"percent")]
+    pub unit: Option<MeasuredUnit>,
+}
+
+/// `[output]`
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutputTable {
+    /// Folder of the results, relative to the working directory (default: `out/<study name>`).
+    #[schemars(example = &"out/yellow")]
+    pub folder: Option<String>,
+    /// Side of the picture's square, pixels.
+    #[schemars(transform = limits::PICTURE_PIXELS.mark())]
+    pub picture_pixels: usize,
+    /// Whether the picture's strip includes the sky reflected by the layer.
+    pub mirrored_sky: MirroredSky,
+}
+
+impl Default for OutputTable {
+    fn default() -> Self {
+        Self { folder: None, picture_pixels: 360, mirrored_sky: MirroredSky::default() }
+    }
 }

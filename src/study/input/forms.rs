@@ -59,10 +59,7 @@ impl ThicknessWritten {
 
     /// Standard deviation, µm.
     pub fn std(&self) -> f64 {
-        match self {
-            Self::Uneven { std, .. } => *std,
-            Self::Even(_) | Self::Several(_) => 0.0,
-        }
+        if let Self::Uneven { std, .. } = self { *std } else { 0.0 }
     }
 
     /// All thicknesses, µm.
@@ -182,8 +179,7 @@ fn built_in_names(_: &mut SchemaGenerator) -> Schema {
 }
 
 fn material_names(_: &mut SchemaGenerator) -> Schema {
-    let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
-    json_schema!({ "enum": names })
+    json_schema!({ "enum": MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>() })
 }
 
 /// The keys of [`IndexWritten`].

@@ -31,12 +31,8 @@ type Check = fn(&StudyFile, &Path, &str) -> Result<Study, Vec<Fault>>;
 
 fn load_with(path: &Path, check: Check) -> Result<Study, StudyError> {
     let (text, file) = read_study(path)?;
-    let folder = path.parent().unwrap_or(Path::new(""));
-    check(&file, folder, &stem(path)).map_err(|faults| StudyError::Values {
-        path: path.to_owned(),
-        text,
-        faults,
-    })
+    let checked = check(&file, path.parent().unwrap_or(Path::new("")), &stem(path));
+    checked.map_err(|faults| StudyError::Values { path: path.to_owned(), text, faults })
 }
 
 /// Reads a study file without checking it; returns its text and its content.
@@ -67,8 +63,7 @@ pub fn stem(path: &Path) -> String {
 pub fn read_file<T: DeserializeOwned>(path: &Path) -> Result<(String, T), StudyError> {
     let text = files::read_text(path, files::STUDY)
         .map_err(|source| StudyError::Unreadable { path: path.to_owned(), source })?;
-    let table = parse_toml(&text).map_err(|fault| fault.in_file(path, &text))?;
-    match read(table.into()) {
+    match read(parse_toml(&text).map_err(|fault| fault.in_file(path, &text))?.into()) {
         Ok(value) => Ok((text, value)),
         Err(faults) => Err(StudyError::Values { path: path.to_owned(), text, faults }),
     }

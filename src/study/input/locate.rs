@@ -34,10 +34,7 @@ pub fn steps(field: &str) -> impl Iterator<Item = &str> {
 
 /// Position of a value; for a table, which may be spread over the file, that of its name.
 fn outline(key: Range<usize>, value: &Spanned<DeValue>) -> Range<usize> {
-    match value.get_ref() {
-        DeValue::Table(_) => key,
-        _ => value.span(),
-    }
+    if let DeValue::Table(_) = value.get_ref() { key } else { value.span() }
 }
 
 #[cfg(test)]

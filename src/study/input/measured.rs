@@ -58,10 +58,8 @@ impl MeasuredSpectrum {
             let columns = Columns::read(path).map_err(|error| error.to_string())?;
             let [nm, value] = places(&columns).map_err(named)?;
             let (nm, values) = (columns.wavelengths_nm(nm), columns.numbers(value));
-            let rows =
-                nm.and_then(|nm| Ok(nm.into_iter().zip(values?).map(|(nm, value)| [nm, value]).collect()));
-            let rows = rows.map_err(|error| error.to_string())?;
-            Ok(Taken { rows, names: vec![String::new()], place: 0 })
+            let rows = nm.and_then(|nm| Ok(nm.into_iter().zip(values?).map(<[f64; 2]>::from).collect()));
+            Ok(Taken { rows: rows.map_err(|error| error.to_string())?, names: vec![String::new()], place: 0 })
         };
         let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let Taken { rows, names, place } = taken.map_err(named)?;

@@ -1,7 +1,6 @@
 //! Measured colours: Lab without a spectrum in a CxF3 or CGATS.17 file, which is a target.
 
-use super::patches::{CXF, band, cgats_fields, cgats_set, elements, object_name, parsed, place};
-use super::xml_limits::too_large;
+use super::patches::{CXF, band, cgats_fields, cgats_set, elements, object_name, parsed, place, too_large};
 use crate::appearance::viewing::{Summation, Viewing};
 
 /// L*, a*, b* of a sample, with the illuminant and the observer stated in its file.
@@ -59,8 +58,7 @@ fn from_cgats(text: &str, patch: Option<&str>) -> Result<Option<MeasuredColour>,
 /// The text after a word, up to the closing quote or the unit: `2` in `WEIGHTING_FUNCTION
 /// "OBSERVER, 2 degree"`.
 fn after(text: &str, word: &str) -> Option<String> {
-    let rest = text.lines().find_map(|line| line.split_once(word))?.1;
-    let value = rest.trim_start_matches([' ', '\t', '"']);
+    let value = text.lines().find_map(|line| line.split_once(word))?.1.trim_start_matches([' ', '\t', '"']);
     let value = value.split(['"', '\t', '°']).next()?.replace("degree", "").replace("2015, ", "2015_");
     value.split_whitespace().next().map(str::to_owned)
 }

@@ -11,6 +11,9 @@ use std::fmt;
 #[error("{0:?}")]
 pub struct Misfit(Option<Fault>);
 
+/// KeyNames of keys or variants.
+pub(super) type KeyNames = &'static [&'static str];
+
 /// Maximum length of a value in a message, characters.
 const LONGEST_FOUND: usize = 200;
 
@@ -66,12 +69,12 @@ impl de::Error for Misfit {
         Self::new(format!("{found} entries"), allowed.to_string())
     }
 
-    fn unknown_variant(found: &str, allowed: &'static [&'static str]) -> Self {
+    fn unknown_variant(found: &str, allowed: KeyNames) -> Self {
         let remedy = meant(found, allowed, "write one of these");
         Self(Some(Fault::new("", format!("`{found}`"), quoted(allowed), remedy)))
     }
 
-    fn unknown_field(found: &str, allowed: &'static [&'static str]) -> Self {
+    fn unknown_field(found: &str, allowed: KeyNames) -> Self {
         Self(Some(unknown_key("", found, allowed)))
     }
 
@@ -119,7 +122,7 @@ pub(super) fn quoted(names: &[&str]) -> String {
     names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
-pub(super) fn unknown_key(place: &str, key: &str, known: &'static [&'static str]) -> Fault {
+pub(super) fn unknown_key(place: &str, key: &str, known: KeyNames) -> Fault {
     Fault::new(join(place, key), "an unknown key", quoted(known), meant(key, known, "remove it"))
 }
 

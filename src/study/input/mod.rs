@@ -6,9 +6,7 @@
 pub mod case;
 mod case_checks;
 pub mod case_inputs;
-mod case_names;
 pub mod check;
-pub mod contrast;
 mod drawn;
 pub mod fault;
 pub mod file;
@@ -26,6 +24,9 @@ pub mod study;
 pub mod tree;
 pub mod variation;
 pub mod voxels;
-mod xml_limits;
 
+pub use fault::{Allowed, Fault, Faults, keys_in_words};
+pub use file::StudyFile;
+pub use measured::MeasuredSpectrum;
 pub use study::Study;
+pub use variation::{CellRule, LightRule};

@@ -1,11 +1,17 @@
-//! Selects a sample of a CxF3 or CGATS.17 file.
+//! Selects a sample of a CxF3 or CGATS.17 file, and refuses XML whose sizes would make the parser
+//! slow: its time grows with their squares.
 
-use super::xml_limits::too_large;
 use roxmltree::{Document, Node};
 
 pub(super) const CXF: &str = "http://colorexchangeformat.com/CxF3-core";
 /// Maximum number of names in a message.
 const MOST_NAMES: usize = 12;
+/// Maximum number of attributes of one element.
+const MOST_ATTRIBUTES: usize = 256;
+/// Maximum nesting depth of elements.
+const DEEPEST: usize = 64;
+/// Maximum number of namespace declarations in the whole file.
+const MOST_NAMESPACES: usize = 4096;
 
 /// The rows of a sample, and its place among the samples of the file.
 pub(super) struct Taken {
@@ -90,8 +96,7 @@ impl Set<'_> {
 
 /// The lines between two others.
 fn between<'a>(text: &'a str, from: &str, to: &str) -> impl Iterator<Item = &'a str> {
-    let lines = text.lines().map(str::trim);
-    lines.skip_while(move |l| *l != from).skip(1).take_while(move |l| *l != to)
+    text.lines().map(str::trim).skip_while(move |l| *l != from).skip(1).take_while(move |l| *l != to)
 }
 
 /// Names of the fields of a CGATS.17 file; none for other files.
@@ -101,8 +106,7 @@ pub(super) fn cgats_fields(text: &str) -> Vec<&str> {
 
 /// Wavelength given by the name of a field, nm.
 pub(super) fn band(name: &str) -> Option<f64> {
-    let prefixes = ["SPEC_", "SPECTRAL_NM", "nm"];
-    let digits = prefixes.iter().find_map(|prefix| name.strip_prefix(prefix))?;
+    let digits = ["SPEC_", "SPECTRAL_NM", "nm"].iter().find_map(|prefix| name.strip_prefix(prefix))?;
     digits.trim_start_matches('_').parse::<f64>().ok()
 }
 
@@ -150,4 +154,77 @@ fn words_of_piece((i, piece): (usize, &str)) -> Vec<&str> {
 
 pub(super) fn parsed(word: &str) -> Result<f64, String> {
     word.parse().map_err(|_| format!("found {word:?} where a number is needed"))
+}
+
+/// Describes what is too large, if anything. The text need not be well formed.
+pub(super) fn too_large(text: &str) -> Option<String> {
+    let namespaces = text.matches("xmlns").count();
+    if namespaces > MOST_NAMESPACES {
+        return Some(format!("{namespaces} declarations of namespaces; at most {MOST_NAMESPACES} are read"));
+    }
+    let (mut rest, mut depth) = (text, 0usize);
+    while let Some(start) = rest.find('<') {
+        rest = &rest[start + 1..];
+        let (tag, after) = tag(rest);
+        rest = after;
+        depth = match tag.as_bytes().first() {
+            Some(b'!' | b'?') => depth,
+            Some(b'/') => depth.saturating_sub(1),
+            _ if tag.ends_with('/') => depth,
+            _ => depth + 1,
+        };
+        let attributes =
+            tag.split(['"', '\'']).step_by(2).map(|part| part.matches('=').count()).sum::<usize>();
+        if !tag.starts_with('!') && attributes > MOST_ATTRIBUTES {
+            return Some(format!(
+                "{attributes} attributes of one element; at most {MOST_ATTRIBUTES} are read"
+            ));
+        }
+        if depth > DEEPEST {
+            return Some(format!("more than {DEEPEST} elements inside one another"));
+        }
+    }
+    None
+}
+
+/// The text between `<` and its end, and the rest; comments and character data have their own ends.
+fn tag(rest: &str) -> (&str, &str) {
+    let end =
+        |words: &str| rest.find(words).map_or((rest, ""), |at| (&rest[..at], &rest[at + words.len()..]));
+    if rest.starts_with("!--") {
+        return end("-->");
+    }
+    if rest.starts_with("![CDATA[") {
+        return end("]]>");
+    }
+    let mut quote = None;
+    for (at, c) in rest.char_indices() {
+        match (quote, c) {
+            (None, '>') => return (&rest[..at], &rest[at + 1..]),
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(open), c) if c == open => quote = None,
+            _ => {}
+        }
+    }
+    (rest, "")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::too_large;
+
+    #[test]
+    fn what_would_take_a_parser_long_is_refused_and_the_usual_is_not() {
+        let usual = "<?xml version=\"1.0\"?><!-- < a = 'b' --><c:CxF xmlns:c=\"x\"><c:O Name=\"a > b = c\" Id='1'/></c:CxF>";
+        assert_eq!(too_large(usual), None);
+        let many: String = (0..60_000).map(|i| format!(" a{i}=\"1\"")).collect();
+        assert!(too_large(&format!("<CxF{many}/>")).unwrap().contains("60000 attributes"));
+        let nested: String = (0..3000).map(|i| format!("<a xmlns:n{i}=\"u{i}\">")).collect();
+        assert!(too_large(&nested).unwrap().contains("inside one another"));
+        let side_by_side: String = (0..5000).map(|i| format!("<a xmlns:n{i}=\"u{i}\"/>")).collect();
+        assert!(too_large(&side_by_side).unwrap().contains("5000 declarations"));
+        for unfinished in ["<", "<a b=\"", "<!-- ", "<![CDATA[ <a>", "a < b"] {
+            assert_eq!(too_large(unfinished), None, "{unfinished}");
+        }
+    }
 }

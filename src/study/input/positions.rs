@@ -104,9 +104,8 @@ impl PositionColumns {
         let unstated = "its sizes may be radii or diameters: add size = \"radius\" or \"diameter\"";
         let factor = if meaning.size.ok_or(unstated)? == SizeColumn::Radius { 1.0 } else { 0.5 };
         let [x, y, z] = axes.map(|all| find(all).ok_or_else(|| format!("no column {}", all[0])));
-        let lengths = [(x?, um), (y?, um), (z?, um), (size, um * factor)];
         let (pigment, grain) = (find(&["type", "species"]), find(&["mol", "grain"]));
-        Ok(Self { lengths, pigment, grain })
+        Ok(Self { lengths: [(x?, um), (y?, um), (z?, um), (size, um * factor)], pigment, grain })
     }
 }
 
@@ -155,8 +154,7 @@ fn dump_frame(lines: &mut NumberedLines, meaning: &MicrostructureTable) -> Resul
 
 fn bound(lines: &mut NumberedLines) -> Result<[f64; 2], String> {
     let (i, line) = next(lines, "the box")?;
-    let numbers: Vec<f64> = line.split_whitespace().filter_map(|w| w.parse().ok()).collect();
-    match numbers[..] {
+    match line.split_whitespace().filter_map(|w| w.parse().ok()).collect::<Vec<f64>>()[..] {
         [low, high] => Ok([low, high]),
         _ => Err(format!("line {}: an upright box has two numbers per axis, not {line:?}", i + 1)),
     }
@@ -178,25 +176,21 @@ fn xyz_frame(lines: &mut NumberedLines, meaning: &MicrostructureTable) -> Result
     let wrong = |what: &str| format!("line {}: {what}", i + 1);
     let keys = quoted_keys(comment);
     let properties = keys.get("Properties").ok_or_else(|| wrong("no Properties=…"))?;
-    let parts: Vec<&str> = properties.split(':').collect();
     let mut names: Vec<&str> = Vec::new();
-    for part in parts.chunks_exact(3) {
+    for part in properties.split(':').collect::<Vec<&str>>().chunks_exact(3) {
         let width: usize = part[2].parse().map_err(|_| wrong("Properties are name:type:columns"))?;
         names.extend(std::iter::repeat_n(part[0], width));
     }
     let place = names.iter().position(|n| *n == "pos").ok_or_else(|| wrong("no property pos"))?;
-    let axes = ["x", "y", "z"];
-    names.iter_mut().skip(place).take(3).zip(axes).for_each(|(name, axis)| *name = axis);
-    let table = PositionColumns::named(&names, [&["x"], &["y"], &["z"]], meaning)?;
-    let positions = rows(lines, count, &table)?;
+    names.iter_mut().skip(place).take(3).zip(["x", "y", "z"]).for_each(|(name, axis)| *name = axis);
+    let positions = rows(lines, count, &PositionColumns::named(&names, [&["x"], &["y"], &["z"]], meaning)?)?;
     let box_um = keys.get("Lattice").map(|text| lattice(text)).transpose().map_err(|e| wrong(&e))?;
     Ok(Positions { box_um, ..positions })
 }
 
 /// An upright box at the origin from nine numbers.
 fn lattice(text: &str) -> Result<[[f64; 2]; 3], String> {
-    let numbers: Vec<f64> = text.split_whitespace().filter_map(|w| w.parse().ok()).collect();
-    match numbers[..] {
+    match text.split_whitespace().filter_map(|w| w.parse().ok()).collect::<Vec<f64>>()[..] {
         [x, a, b, c, y, d, e, f, z] if [a, b, c, d, e, f] == [0.0; 6] => Ok([x, y, z].map(|l| [0.0, l])),
         _ => Err(format!("Lattice {text:?} is no upright box")),
     }

@@ -5,12 +5,12 @@
 //! continues. Its error type separates what was found from what is allowed.
 
 use super::fault::Fault;
-use super::misfit::{Misfit, join, quoted, said, unknown_key};
+use super::misfit::{KeyNames, Misfit, join, quoted, said, unknown_key};
 use super::tree::Node;
 use serde::de::value::StringDeserializer;
 use serde::de::{
-    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, IntoDeserializer, MapAccess,
-    SeqAccess, Unexpected, VariantAccess, Visitor,
+    self, DeserializeOwned, DeserializeSeed, Deserializer, EnumAccess, MapAccess, SeqAccess, Unexpected,
+    VariantAccess, Visitor,
 };
 use std::cell::RefCell;
 
@@ -36,11 +36,7 @@ struct Reader<'a> {
     faults: &'a RefCell<Vec<Fault>>,
 }
 
-impl<'a> Reader<'a> {
-    fn child(&self, node: Node, step: &str) -> Reader<'a> {
-        Reader { node, place: join(&self.place, step), faults: self.faults }
-    }
-
+impl Reader<'_> {
     /// Reads the node and records an error with its path, of which serde knows the end alone.
     fn recorded<T>(self, read: impl FnOnce(Self) -> Result<T, Misfit>) -> Result<T, Misfit> {
         let (place, found, faults) = (self.place.clone(), described(&self.node), self.faults);
@@ -51,11 +47,10 @@ impl<'a> Reader<'a> {
     }
 
     /// Removes and records the keys of a table that are not `known`.
-    fn keep_known(&mut self, known: &'static [&'static str]) {
+    fn keep_known(&mut self, known: KeyNames) {
         if let Node::Table(entries) = &mut self.node {
             let strangers = entries.extract_if(.., |(key, _)| !known.contains(&key.as_str()));
-            let faults = strangers.map(|(key, _)| unknown_key(&self.place, &key, known));
-            self.faults.borrow_mut().extend(faults);
+            self.faults.borrow_mut().extend(strangers.map(|(key, _)| unknown_key(&self.place, &key, known)));
         }
     }
 }
@@ -94,7 +89,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
                 let count = items.len();
                 let steps = items.into_iter().enumerate().map(|(i, node)| (format!("[{i}]"), node));
                 let left = steps.collect::<Vec<_>>().into_iter();
-                let mut items = Children { left, parent: Reader { node: Node::Null, ..self } };
+                let mut items = Children { left, place: self.place, faults: self.faults };
                 let value = visitor.visit_seq(&mut items)?;
                 match count - items.left.len() {
                     read if read == count => Ok(value),
@@ -102,23 +97,20 @@ impl<'de> Deserializer<'de> for Reader<'_> {
                 }
             }
             Node::Table(entries) => {
-                let parent = Reader { node: Node::Null, ..self };
-                visitor.visit_map(&mut Children { left: entries.into_iter(), parent })
+                let (left, place) = (entries.into_iter(), self.place);
+                visitor.visit_map(&mut Children { left, place, faults: self.faults })
             }
         }
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Misfit> {
-        match self.node {
-            Node::Null => visitor.visit_none(),
-            _ => visitor.visit_some(self),
-        }
+        if let Node::Null = self.node { visitor.visit_none() } else { visitor.visit_some(self) }
     }
 
     fn deserialize_struct<V: Visitor<'de>>(
         mut self,
         _: &'static str,
-        known: &'static [&'static str],
+        known: KeyNames,
         visitor: V,
     ) -> Result<V::Value, Misfit> {
         // derived code would assign the values of a list to the keys in order
@@ -134,7 +126,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     fn deserialize_enum<V: Visitor<'de>>(
         self,
         _: &'static str,
-        variants: &'static [&'static str],
+        variants: KeyNames,
         visitor: V,
     ) -> Result<V::Value, Misfit> {
         let (key, settings, is_bare) = match self.node {
@@ -158,14 +150,16 @@ impl<'de> Deserializer<'de> for Reader<'_> {
 /// What is left of a list or a table, in order.
 struct Children<'a> {
     left: std::vec::IntoIter<(String, Node)>,
-    /// The list or table, without its node.
-    parent: Reader<'a>,
+    /// Path of the list or table.
+    place: String,
+    faults: &'a RefCell<Vec<Fault>>,
 }
 
 impl Children<'_> {
     fn value<'de, T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Misfit> {
-        let next = self.left.next().map(|(step, node)| self.parent.child(node, &step));
-        next.map(|reader| reader.recorded(|reader| seed.deserialize(reader))).transpose()
+        let Some((step, node)) = self.left.next() else { return Ok(None) };
+        let reader = Reader { node, place: join(&self.place, &step), faults: self.faults };
+        reader.recorded(|reader| seed.deserialize(reader)).map(Some)
     }
 }
 
@@ -182,8 +176,7 @@ impl<'de> MapAccess<'de> for &mut Children<'_> {
 
     fn next_key_seed<K: DeserializeSeed<'de>>(&mut self, seed: K) -> Result<Option<K::Value>, Misfit> {
         let Some((key, _)) = self.left.as_slice().first() else { return Ok(None) };
-        let key: StringDeserializer<Misfit> = key.clone().into_deserializer();
-        seed.deserialize(key).map(Some)
+        seed.deserialize(StringDeserializer::new(key.clone())).map(Some)
     }
 
     fn next_value_seed<V: DeserializeSeed<'de>>(&mut self, seed: V) -> Result<V::Value, Misfit> {
@@ -204,8 +197,7 @@ impl<'de> EnumAccess<'de> for Content<'_> {
     type Variant = Self;
 
     fn variant_seed<V: DeserializeSeed<'de>>(self, seed: V) -> Result<(V::Value, Self), Misfit> {
-        let name: StringDeserializer<Misfit> = self.key.clone().into_deserializer();
-        Ok((seed.deserialize(name)?, self))
+        Ok((seed.deserialize(StringDeserializer::new(self.key.clone()))?, self))
     }
 }
 
@@ -229,11 +221,7 @@ impl<'de> VariantAccess<'de> for Content<'_> {
         self.settings.recorded(|reader| reader.deserialize_any(visitor))
     }
 
-    fn struct_variant<V: Visitor<'de>>(
-        self,
-        known: &'static [&'static str],
-        visitor: V,
-    ) -> Result<V::Value, Misfit> {
+    fn struct_variant<V: Visitor<'de>>(self, known: KeyNames, visitor: V) -> Result<V::Value, Misfit> {
         self.settings.recorded(|reader| reader.deserialize_struct("", known, visitor))
     }
 }

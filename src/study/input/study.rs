@@ -1,13 +1,11 @@
 //! A checked study: the only input of a run.
 
 mod composed;
-mod layer;
-mod wanted;
+mod parts;
 
 pub use super::file::TargetColour;
 pub use composed::{Composed, Portion, Position};
-pub use layer::{Dissolved, IndexSpectrum, Layer, Paper, Pigment};
-pub use wanted::{Angles, Judgement, WantedResolution};
+pub use parts::{Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, WantedResolution};
 
 use super::file::OutputTable;
 use super::variation::{CellRule, Draw, Variation, signs, stratified_deg};
@@ -105,20 +103,15 @@ impl Study {
     /// The packing of a realisation, with its own cell and its own random stream.
     pub fn packing_request(&self, realisation: usize) -> PackingRequest {
         let draw = self.draw(realisation);
-        let request = PackingRequest {
+        let whole = PackingRequest {
             stream: realisation as u64,
             period_um: draw.period_um,
             thickness_um: draw.thickness_um,
             ..self.packing.clone()
         };
-        let request = match &self.portion {
-            Some(portion) => portion.packed(request),
-            None => request,
-        };
-        match self.partner(realisation) {
-            Some(_) => request.fluctuating(&signs(realisation, self.pigments.len())),
-            None => request,
-        }
+        let request = if let Some(portion) = &self.portion { portion.packed(whole) } else { whole };
+        let paired = self.partner(realisation).is_some();
+        if paired { request.fluctuating(&signs(realisation, self.pigments.len())) } else { request }
     }
 
     /// The other realisation in the same cell, whose pigment volumes deviate from the requested
@@ -163,8 +156,7 @@ impl Study {
     /// Materials of the grains in the order of [`Media::inclusions`]: the pigments' own (the core's
     /// in grains with layers), then all layers, from the core outwards.
     pub fn materials(&self) -> impl Iterator<Item = &IndexSpectrum> {
-        let cores = self.pigments.iter().map(|p| &p.material);
-        cores.chain(self.pigments.iter().flat_map(|p| &p.shell))
+        self.pigments.iter().map(|p| &p.material).chain(self.pigments.iter().flat_map(|p| &p.shell))
     }
 
     /// Fractions of the layer's volume of these materials.
@@ -197,12 +189,8 @@ impl Study {
 
     /// Indices within the layer at one wavelength.
     pub(super) fn binder_and_pigments(&self, wavelength_um: f64) -> (Complex64, Vec<Complex64>) {
-        let binder = self.layer.binder.index_at(wavelength_um);
         let grains: Vec<_> = self.materials().map(|material| material.index_at(wavelength_um)).collect();
-        if self.layer.contrast.is_full() {
-            return (binder, grains);
-        }
-        self.layer.contrast.of(binder, &self.material_shares(), &grains)
+        self.layer.contrast.of(self.layer.binder.index_at(wavelength_um), &self.material_shares(), &grains)
     }
 
     /// Indices of all media for a content hash: incident side, exit side, binder, pigments.

@@ -29,10 +29,8 @@ pub enum Node {
 impl Node {
     /// The value of a key; `None` if there is none, or if this is not a table.
     pub fn get(&self, key: &str) -> Option<&Node> {
-        match self {
-            Node::Table(entries) => entries.iter().find(|(k, _)| k == key).map(|(_, node)| node),
-            _ => None,
-        }
+        let Node::Table(entries) = self else { return None };
+        entries.iter().find(|(k, _)| k == key).map(|(_, node)| node)
     }
 }
 

@@ -5,13 +5,7 @@ use super::watch::RunWatch;
 use crate::input::study::Point;
 use crate::solve::Solver;
 use crate::solve::demand::{Admitted, Size, TooLarge};
-use crate::store::Store;
-use crate::store::damage::Damage;
-use crate::store::database::Database;
-use crate::store::folder::OutputFolder;
-use crate::store::identity::Key;
-use crate::store::packing_record::PackingRecord;
-use crate::store::record::{FailureRecord, PointRecord};
+use crate::store::{Damage, Database, FailureRecord, Key, OutputFolder, PackingRecord, PointRecord, Store};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -156,8 +150,7 @@ impl Stores {
 
     /// The recorded failure of a solve; `None` if it has not failed.
     pub fn failure(&self, (point, key): &(Point, Key)) -> Option<Failure> {
-        let record = self.failures.get(key.as_str())?;
-        Some(Failure { point: *point, reason: record.reason })
+        Some(Failure { point: *point, reason: self.failures.get(key.as_str())?.reason })
     }
 
     /// The database that holds all stores.

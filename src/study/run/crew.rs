@@ -4,8 +4,7 @@
 //! at most `jobs` solves hold memory at a time. Results depend neither on the worker nor on the
 //! number of threads.
 
-use super::error::RunError;
-use super::watch::RunWatch;
+use super::watch::{RunError, RunWatch};
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 use std::io;
 use std::sync::OnceLock;

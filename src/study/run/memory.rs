@@ -51,8 +51,7 @@ fn read(path: impl AsRef<Path>) -> String {
 
 /// The number after a word at the start of a line.
 fn after(text: &str, word: &str) -> Option<f64> {
-    let rest = text.lines().find_map(|line| line.strip_prefix(word))?;
-    rest.split_whitespace().next()?.parse().ok()
+    text.lines().find_map(|line| line.strip_prefix(word))?.split_whitespace().next()?.parse().ok()
 }
 
 /// Bytes left of a limit of the process; `None` if it is "unlimited".
@@ -63,8 +62,7 @@ fn left_of_limit(limits: &str, limit: &str, status: &str, used: &str) -> f64 {
 
 /// Bytes left by the process's cgroup and its ancestors.
 fn left_of_cgroups() -> f64 {
-    let groups = read("/proc/self/cgroup");
-    groups.lines().map(left_of_hierarchy).fold(f64::INFINITY, f64::min)
+    read("/proc/self/cgroup").lines().map(left_of_hierarchy).fold(f64::INFINITY, f64::min)
 }
 
 /// Bytes left in one hierarchy, given as `number:controllers:path`: version 2 names no controllers,

@@ -3,8 +3,6 @@
 
 pub mod collected;
 pub mod crew;
-pub mod error;
-pub mod grids;
 pub mod longer_waves;
 pub mod memory;
 pub mod point;
@@ -14,4 +12,4 @@ pub mod tangents;
 pub mod watch;
 
 pub use collected::{Collected, Failure, Realisation, Refused, RunSettings, Stores};
-pub use error::RunError;
+pub use watch::RunError;

@@ -1,17 +1,21 @@
-//! The physics of a run, step by step: packing → scene → coverage → solve → far field.
+//! The physics of a run, step by step: packing → scene → coverage → solve → far field, and one
+//! packing on the grids that its waves need.
 
 use super::watch::{Event, RunWatch};
 use crate::ink::pack;
 use crate::ink::{PackError, PackProgress, PackWatch, Packing};
 use crate::input::study::{Point, Study};
 use crate::solve::accuracy::grid_error::GridError;
+use crate::solve::accuracy::raised;
 use crate::solve::{Account, GridTrial, SolveError, Solver, Step, Watch};
-use crate::store::identity::Key;
 use crate::store::record::{NotFinite, PointRecord, SolveAccount};
-use crate::store::{Record, Store};
-use crate::wave::{FarField, Geometry, Mean, System, TotalErrors, Unphysical, WaveError};
+use crate::store::{Key, Record, Store};
+use crate::wave::{
+    FarField, Geometry, Mean, Precision, Resolution, Scene, System, TotalErrors, Unphysical, WaveError,
+};
 use std::io;
 use std::ops::ControlFlow;
+use std::sync::{Mutex, PoisonError};
 
 /// Why a point has no result.
 #[derive(Debug, thiserror::Error)]
@@ -43,8 +47,7 @@ pub fn pack_realisation(
     realisation: usize,
     watch: &dyn RunWatch,
 ) -> Result<Packing, PackError> {
-    let request = study.packing_request(realisation);
-    pack(&request, &mut Stopper(watch))
+    pack(&study.packing_request(realisation), &mut Stopper(watch))
 }
 
 /// Safety factor: other solves may have errors of R and T this many times those of the test solves.
@@ -135,17 +138,15 @@ pub(super) fn attempt<R: Record>(
     Ok(Err(reason))
 }
 
-/// The problems of a point, one per polarisation.
+/// Problems of a point, one per polarisation.
+pub type Systems = Vec<Box<dyn System>>;
+
+/// The problems of a point.
 ///
 /// # Errors
 /// The scene cannot be discretised on the grid.
-pub fn systems_of(
-    study: &Study,
-    geometry: &Geometry,
-    point: &Point,
-) -> Result<Vec<Box<dyn System>>, WaveError> {
-    let media = study.media(point.incidence.wavelength_um);
-    geometry.systems(&media, &point.incidence, Mean::default())
+pub fn systems_of(study: &Study, geometry: &Geometry, point: &Point) -> Result<Systems, WaveError> {
+    geometry.systems(&study.media(point.incidence.wavelength_um), &point.incidence, Mean::default())
 }
 
 /// Forwards the run's request to stop to packings and solvers.
@@ -170,6 +171,74 @@ impl Watch for Stopper<'_> {
 impl PackWatch for Stopper<'_> {
     fn progress(&mut self, _: &PackProgress) -> ControlFlow<()> {
         self.go_on()
+    }
+}
+
+/// The problems of a wave, one per polarisation, with the geometry that they share.
+pub type Problems = (Systems, Geometry);
+
+/// A packing on grids.
+///
+/// The grid of a wave was chosen on other packings and at the probed wavelengths. A cell of this
+/// packing may contain more pigment, and a wavelength between the probes may meet a larger index,
+/// for which the cells of the chosen grid are too high.
+pub struct Grids {
+    /// The packing.
+    pub packing: Packing,
+    /// By wave (vector or not), grid and error: inks that share a packing share them, and so do the
+    /// polarisations.
+    geometries: Mutex<Vec<((bool, Resolution, f64), Geometry)>>,
+}
+
+impl Grids {
+    /// A packing on no grid yet.
+    pub fn new(packing: Packing) -> Self {
+        Self { packing, geometries: Mutex::default() }
+    }
+
+    /// The packing on a grid, computed once.
+    ///
+    /// # Errors
+    /// The grid or the packing is refused, or a stop.
+    pub fn geometry(
+        &self,
+        study: &Study,
+        resolution: Resolution,
+        watch: &dyn RunWatch,
+    ) -> Result<Geometry, WaveError> {
+        let (error, stop) = (study.resolution.coverage_error(), || watch.stop());
+        let asked = (study.wave.is_vector(), resolution, error);
+        let mut all = self.geometries.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, geometry)) = all.iter().find(|(kept, _)| *kept == asked) {
+            return Ok(geometry.clone());
+        }
+        let scene = Scene::from_packing(&self.packing);
+        let geometry = Geometry::new(study.wave, &scene, resolution, Precision { error, stop: &stop })?;
+        all.push((asked, geometry.clone()));
+        Ok(geometry)
+    }
+
+    /// The problems of a point on the coarsest grid that can represent its wave, from `resolution`
+    /// on; the choice depends on the point alone.
+    ///
+    /// # Errors
+    /// The scene cannot be discretised, or a stop.
+    pub fn problems(
+        &self,
+        study: &Study,
+        mut resolution: Resolution,
+        point: &Point,
+        watch: &dyn RunWatch,
+    ) -> Result<Problems, WaveError> {
+        loop {
+            let geometry = self.geometry(study, resolution, watch)?;
+            match systems_of(study, &geometry, point) {
+                Err(refusal @ WaveError::CellTooHigh { .. }) => {
+                    resolution = raised(resolution, &refusal).ok_or(refusal)?;
+                }
+                made => return Ok((made?, geometry)),
+            }
+        }
     }
 }
 

@@ -2,18 +2,13 @@
 
 use super::collected::{RunSettings, Stores};
 use super::crew::work_through;
-use super::error::RunError;
-use super::grids::Grids;
-use super::point::{PointSolver, attempt, is_physical, pack_realisation};
-use super::resolve;
-use super::resolve::Resolved;
-use super::watch::{Event, RunWatch};
+use super::point::{Grids, PointSolver, attempt, is_physical, pack_realisation};
+use super::resolve::{self, Resolved};
+use super::watch::{Event, RunError, RunWatch};
 use crate::ink::Packing;
 use crate::input::study::{Point, Study};
 use crate::solve::Solver;
-use crate::store::identity::Key;
-use crate::store::packing_record::PackingRecord;
-use crate::store::record::FailureRecord;
+use crate::store::{FailureRecord, Key, PackingRecord};
 use crate::wave::{Mean, Resolution};
 use std::cell::OnceCell;
 use std::io;
@@ -54,13 +49,17 @@ impl<'a> Packings<'a> {
     }
 }
 
-/// The solves of a realisation with the content hashes of their inputs.
+/// The solves of a realisation with content hashes of everything that each depends on.
 pub fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
     let packing = Key::of_packing(&study.packing_request(realisation));
-    let (draw, mut keyed) = (study.draw(realisation), Vec::new());
+    let (draw, error) = (study.draw(realisation), study.resolution.coverage_error());
+    let mut keyed = Vec::new();
     for point in study.points(realisation) {
         let resolution = resolved.for_wave(study, &draw, point.incidence.wavelength_um);
-        keyed.push((point, point_key(study, &packing, &resolution, &point)));
+        let method = (resolution, Mean::default(), &study.solver, &study.goal, error);
+        let indices = study.indices(point.incidence.wavelength_um);
+        let inputs = (&packing, indices, &point.incidence, method);
+        keyed.push((point, Key::of_wave("point", &inputs, point.polarisation)));
     }
     keyed
 }
@@ -73,16 +72,7 @@ pub fn all_point_keys(study: &Study, resolved: &Resolved, realisation: usize) ->
 
 /// The grids on which a realisation is solved: the study's, and a finer one if it is checked.
 fn levels(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<Resolved> {
-    let finer = study.is_checked(realisation).then(|| resolved.finer());
-    [*resolved].into_iter().chain(finer).collect()
-}
-
-/// Content hash of everything that one solve depends on.
-fn point_key(study: &Study, packing: &Key, resolution: &Resolution, point: &Point) -> Key {
-    let error = study.resolution.coverage_error();
-    let method = (resolution, Mean::default(), &study.solver, &study.goal, error);
-    let indices = study.indices(point.incidence.wavelength_um);
-    Key::of_wave("point", &(packing, indices, &point.incidence, method), point.polarisation)
+    [*resolved].into_iter().chain(study.is_checked(realisation).then(|| resolved.finer())).collect()
 }
 
 /// The work on one realisation.
@@ -104,11 +94,8 @@ pub struct RealisationRun<'a> {
 impl RealisationRun<'_> {
     /// Computes the solves missing in the store; returns the number of solves without a result.
     pub fn finish(&self, packings: &mut Packings) -> Result<usize, RunError> {
-        let mut failed = 0;
-        for resolved in &levels(self.study, self.resolved, self.realisation) {
-            failed += RealisationRun { resolved, ..*self }.finish_level(packings)?;
-        }
-        Ok(failed)
+        let levels = levels(self.study, self.resolved, self.realisation);
+        levels.iter().map(|resolved| RealisationRun { resolved, ..*self }.finish_level(packings)).sum()
     }
 
     /// Computes the missing solves on one grid.
@@ -125,8 +112,7 @@ impl RealisationRun<'_> {
         let (grids, asked) = (packings.on_grids(self.realisation)?, self.study.solver.build());
         let record = PackingRecord::new(self.realisation, &grids.packing);
         self.stores.packings.put(packing_key.as_str(), &record)?;
-        let finest = self.resolved.for_cell(&self.study.draw(self.realisation));
-        let size = resolve::size(self.study, finest);
+        let size = resolve::size(self.study, self.resolved.for_cell(&self.study.draw(self.realisation)));
         let (solver, jobs) = self.settings.admit(&size, (&*asked, 1.0), self.watch)?;
         for (point, _) in &todo {
             grids.geometry(self.study, self.grid(point), self.watch)?;
@@ -136,8 +122,7 @@ impl RealisationRun<'_> {
 
     /// The grid of a point's wave.
     fn grid(&self, point: &Point) -> Resolution {
-        let draw = self.study.draw(self.realisation);
-        self.resolved.for_wave(self.study, &draw, point.incidence.wavelength_um)
+        self.resolved.for_wave(self.study, &self.study.draw(self.realisation), point.incidence.wavelength_um)
     }
 
     /// Reports the solves that need no work; returns the number of those without a result.
@@ -163,11 +148,9 @@ impl RealisationRun<'_> {
         todo: &[&(Point, Key)],
     ) -> Result<usize, RunError> {
         let failed = AtomicUsize::new(0);
-        let groups: Vec<&[&(Point, Key)]> =
-            todo.chunk_by(|(a, _), (b, _)| a.incidence == b.incidence).collect();
+        let groups: Vec<_> = todo.chunk_by(|(a, _), (b, _)| a.incidence == b.incidence).collect();
         work_through(groups.len(), jobs, self.watch, |g| {
-            let more = self.solve_group(solver, grids, groups[g])?;
-            Ok(_ = failed.fetch_add(more, Ordering::Relaxed))
+            Ok(_ = failed.fetch_add(self.solve_group(solver, grids, groups[g])?, Ordering::Relaxed))
         })?;
         Ok(failed.into_inner())
     }

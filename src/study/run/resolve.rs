@@ -7,17 +7,15 @@
 
 mod probed;
 
-use super::error::RunError;
 use super::longer_waves::{self, coarsened, largest_contrast, probed_angles_deg};
 use super::point::Stopper;
-use super::watch::RunWatch;
+use super::watch::{RunError, RunWatch};
 use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::Draw;
 use crate::solve::accuracy::grid_error::{GridError, JUDGEMENT, scaled};
 use crate::solve::accuracy::{AccuracyError, Task, smooth_size};
 use crate::solve::demand::Size;
-use crate::store::identity::Key;
-use crate::store::{Record, Store};
+use crate::store::{Key, Record, Store};
 use crate::wave::physical::largest;
 use crate::wave::{Incidence, Mean, Resolution, Scene, Side};
 use probed::{Probing, grid};
@@ -134,13 +132,13 @@ pub fn resolve(
     let enough = if study.has_two_levels() { 1 } else { GRID_PACKINGS };
     let scenes = with_room(0..compared(study), enough, scene)?;
     watch.stage("estimating the error of the grid");
-    let on =
-        |realisation: usize, scene| Probing { study, draw: study.draw(realisation), scene, memory, watch };
-    let (first, scene) = &scenes[0];
-    let mut resolved = settle(&on(*first, scene), *first)?;
-    let differences = scenes.iter().map(|(r, scene)| grid_differences(&on(*r, scene), *r, &resolved));
-    let differences: Vec<Vec<[f64; 2]>> = differences.collect::<Result<_, _>>()?;
-    resolved.grid_error = GridError::from_differences(&differences);
+    let on = |realisation: usize, scene| {
+        let draw = study.draw(realisation);
+        Probing { study, realisation, draw, scene, memory, watch }
+    };
+    let mut resolved = settle(&on(scenes[0].0, &scenes[0].1))?;
+    let differences = scenes.iter().map(|(r, scene)| grid_differences(&on(*r, scene), &resolved));
+    resolved.grid_error = GridError::from_differences(&differences.collect::<Result<Vec<_>, _>>()?);
     store.put(key(study).as_str(), &resolved)?;
     Ok(resolved)
 }
@@ -215,13 +213,13 @@ fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     probes
 }
 
-fn settle(on: &Probing, realisation: usize) -> Result<Resolved, AccuracyError> {
-    let (resolution, error_estimate) =
-        on.with_tasks(&probes(on.study, realisation), |tasks| on.grid(tasks))?;
+fn settle(on: &Probing) -> Result<Resolved, AccuracyError> {
+    let probes = probes(on.study, on.realisation);
+    let (resolution, error_estimate) = on.with_tasks(&probes, |tasks| on.grid(tasks))?;
     let Draw { period_um, thickness_um, .. } = on.draw;
     let (grid_error, longer_waves) = (GridError::default(), 0.0);
     let one = Resolved { resolution, period_um, thickness_um, error_estimate, grid_error, longer_waves };
-    on.with_tasks(&longer_waves::probes(on.study, realisation), |longest| coarsen(on, longest, one))
+    on.with_tasks(&longer_waves::probes(on.study, on.realisation), |longest| coarsen(on, longest, one))
 }
 
 /// Uses the largest coarsening that keeps the accuracy at the longest wavelength.
@@ -246,19 +244,14 @@ fn coarsen(on: &Probing, longest: &[Task], one: Resolved) -> Result<Resolved, Ac
 }
 
 /// Changes of R and T due to the grid, for the test solves on one packing.
-fn grid_differences(
-    on: &Probing,
-    realisation: usize,
-    resolved: &Resolved,
-) -> Result<Vec<[f64; 2]>, AccuracyError> {
+fn grid_differences(on: &Probing, resolved: &Resolved) -> Result<Vec<[f64; 2]>, AccuracyError> {
     let differences = |probes: &[Incidence], own: Resolution| {
         on.with_tasks(probes, |tasks| GridError::differences(tasks, own, &mut Stopper(on.watch)))
     };
-    let mut found = differences(&probes(on.study, realisation), resolved.for_cell(&on.draw))?;
-    let longest = longer_waves::probes(on.study, realisation);
+    let mut found = differences(&probes(on.study, on.realisation), resolved.for_cell(&on.draw))?;
+    let longest = longer_waves::probes(on.study, on.realisation);
     if let (Some(first), true) = (longest.first(), resolved.longer_waves > 0.0) {
-        let own = resolved.for_wave(on.study, &on.draw, first.wavelength_um);
-        found.extend(differences(&longest, own)?);
+        found.extend(differences(&longest, resolved.for_wave(on.study, &on.draw, first.wavelength_um))?);
     }
     Ok(found)
 }

@@ -5,22 +5,18 @@
 
 use super::collected::{Collected, Realisation, RunSettings};
 use super::crew::{processor_seconds, work_through};
-use super::error::RunError;
-use super::grids::Grids;
-use super::point::{PointError, PointSolver, Stopper, attempt, own, systems_of};
+use super::point::{Grids, PointError, PointSolver, Stopper, attempt, own, systems_of};
 use super::realisation::Packings;
 use super::resolve::{Resolved, size, with_room};
-use super::watch::{Event, RunWatch};
-use crate::input::study::{Point, Study};
+use super::watch::{Event, RunError, RunWatch};
+use crate::input::study::{IndexSpectrum, Point, Study};
 use crate::material::mixing::MixingRule;
 use crate::material::spectra::{Sample, Spectrum};
 use crate::solve::demand::{Admitted, TooLarge};
 use crate::solve::gradient::{Neighbour, Slopes, tangent};
 use crate::solve::{Solution, Solver};
-use crate::store::identity::Key;
-use crate::store::packing_record::PackingRecord;
 use crate::store::record::{NotFinite, PointRecord};
-use crate::store::{Record, Store};
+use crate::store::{Key, PackingRecord, Record, Store};
 use crate::wave::{Resolution, WaveError};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -99,19 +95,14 @@ impl Study {
         let rows = self.wavelengths_nm.iter().zip(index);
         let samples: Vec<Sample> =
             rows.map(|(&wavelength_nm, eta)| Sample { wavelength_nm, n: eta.re, kappa: eta.im }).collect();
-        let material = &mut study.pigments[pigment].material;
         // n and κ of a fit are positive and finite; a single wavelength is a constant
         let spectrum = match samples[..] {
             [only] => Spectrum::Constant { n: only.n, kappa: only.kappa },
             _ => Spectrum::tabulated("fitted", samples).unwrap_or(Spectrum::VACUUM),
         };
-        *material = crate::input::study::IndexSpectrum {
-            source: "fitted".into(),
-            index: index.to_vec(),
-            spectrum,
-            dissolved: Vec::new(),
-            mixing: MixingRule::default(),
-        };
+        let (source, index, dissolved) = ("fitted".into(), index.to_vec(), Vec::new());
+        study.pigments[pigment].material =
+            IndexSpectrum { source, index, spectrum, dissolved, mixing: MixingRule::default() };
         study
     }
 }
@@ -165,8 +156,9 @@ impl Tangents {
         most: usize,
         watch: &dyn RunWatch,
     ) -> Result<Linearised, RunError> {
-        let solved = |cell: &TangentCell| Ok((cell.record.clone(), self.of_cell(study, cell, watch)?));
-        let realisations = self.cells.iter().take(most).map(solved).collect::<Result<_, RunError>>()?;
+        let cells = self.cells.iter().take(most).map(|cell| CellTask { of: self, study, cell, watch });
+        let solved = cells.map(|task| Ok((task.cell.record.clone(), task.solve_all()?)));
+        let realisations = solved.collect::<Result<_, RunError>>()?;
         Ok(Linearised { resolved: self.resolved, realisations })
     }
 
@@ -175,51 +167,52 @@ impl Tangents {
     /// # Errors
     /// The grid does not fit into memory.
     pub fn trial(&self, study: &Study, watch: &dyn RunWatch) -> Result<f64, RunError> {
-        let cell = &self.cells[0];
-        let keyed = self.keyed(study, cell);
-        let asked = study.solver.build();
-        let solver = self.admitted(study, cell, &*asked, watch)?.0;
+        let task = CellTask { of: self, study, cell: &self.cells[0], watch };
+        let (keyed, asked) = (task.keyed(), study.solver.build());
+        let solver = task.admitted(&*asked)?.0;
         let chosen = keyed.iter().step_by(keyed.len().div_ceil(TRIED));
         let clock = std::time::Instant::now();
         let busy = || processor_seconds().unwrap_or_else(|| clock.elapsed().as_secs_f64());
         let before = busy();
         for keyed in chosen.clone() {
             // a solve that fails takes its time as well
-            let _ = self.solve(study, cell, keyed, (solver.solver(), watch));
+            let _ = task.solve(keyed, solver.solver());
         }
         Ok((busy() - before) / chosen.count().max(1) as f64)
     }
+}
 
+/// The solves of one study in one cell.
+#[derive(Clone, Copy)]
+struct CellTask<'a> {
+    of: &'a Tangents,
+    study: &'a Study,
+    cell: &'a TangentCell,
+    watch: &'a dyn RunWatch,
+}
+
+impl CellTask<'_> {
     /// The strategy with its share of the memory, and the number of solves at a time.
-    fn admitted<'s>(
-        &self,
-        study: &Study,
-        cell: &TangentCell,
-        asked: &'s dyn Solver,
-        watch: &dyn RunWatch,
-    ) -> Result<(Admitted<'s>, usize), TooLarge> {
-        let size = size(study, self.resolved.for_cell(&study.draw(cell.record.realisation)));
-        self.settings.admit(&size, (asked, SYSTEMS), watch)
+    fn admitted<'s>(&self, asked: &'s dyn Solver) -> Result<(Admitted<'s>, usize), TooLarge> {
+        let draw = self.study.draw(self.cell.record.realisation);
+        let size = size(self.study, self.of.resolved.for_cell(&draw));
+        self.of.settings.admit(&size, (asked, SYSTEMS), self.watch)
     }
 
-    fn of_cell(
-        &self,
-        study: &Study,
-        cell: &TangentCell,
-        watch: &dyn RunWatch,
-    ) -> Result<Vec<Option<TangentRecord>>, RunError> {
-        let keyed = self.keyed(study, cell);
-        let stored = |(_, key): &(Point, Key)| self.store.get(key.as_str());
-        let found: Vec<OnceLock<TangentRecord>> =
-            keyed.iter().map(|keyed| stored(keyed).map_or_else(OnceLock::new, OnceLock::from)).collect();
+    /// Solves what the store lacks.
+    fn solve_all(&self) -> Result<Vec<Option<TangentRecord>>, RunError> {
+        let Self { of, study, watch, .. } = *self;
+        let keyed = self.keyed();
+        let stored = keyed.iter().map(|(_, key)| of.store.get(key.as_str()));
+        let found: Vec<_> = stored.map(|record| record.map_or_else(OnceLock::new, OnceLock::from)).collect();
         let todo: Vec<_> = keyed.iter().zip(&found).filter(|(_, found)| found.get().is_none()).collect();
         watch.hear(Event::Kept(keyed.len() - todo.len()));
         let asked = study.solver.build();
-        let (solver, jobs) = self.admitted(study, cell, &*asked, watch)?;
+        let (solver, jobs) = self.admitted(&*asked)?;
         work_through(todo.len(), jobs, watch, |k| {
             let (keyed, found) = todo[k];
-            let solve = || self.solve(study, cell, keyed, (solver.solver(), watch));
-            Ok(keep(attempt((study, &self.store, watch), keyed, solve)?, found))
+            let solved = attempt((study, &of.store, watch), keyed, || self.solve(keyed, solver.solver()))?;
+            Ok(keep(solved, found))
         })?;
         if watch.stop() {
             return Err(RunError::Stopped);
@@ -228,50 +221,43 @@ impl Tangents {
     }
 
     /// The solves in a cell, with content hashes of all that they and their derivatives depend on.
-    fn keyed(&self, study: &Study, cell: &TangentCell) -> Vec<(Point, Key)> {
-        let (error, mut keyed) = (study.resolution.coverage_error(), Vec::new());
-        for point in study.points(cell.record.realisation) {
-            let method = (self.grid(study, cell, &point), &study.solver, &study.goal, error, STEP);
+    fn keyed(&self) -> Vec<(Point, Key)> {
+        let (study, mut keyed) = (self.study, Vec::new());
+        let error = study.resolution.coverage_error();
+        for point in study.points(self.cell.record.realisation) {
+            let method = (self.grid(&point), &study.solver, &study.goal, error, STEP);
             let indices = study.indices(point.incidence.wavelength_um);
-            let inputs = (&cell.key, indices, &point.incidence, method, self.pigment);
+            let inputs = (&self.cell.key, indices, &point.incidence, method, self.of.pigment);
             keyed.push((point, Key::of_wave("tangent", &inputs, point.polarisation)));
         }
         keyed
     }
 
-    fn grid(&self, study: &Study, cell: &TangentCell, point: &Point) -> Resolution {
-        self.resolved.for_wave(study, &study.draw(cell.record.realisation), point.incidence.wavelength_um)
+    fn grid(&self, point: &Point) -> Resolution {
+        let draw = self.study.draw(self.cell.record.realisation);
+        self.of.resolved.for_wave(self.study, &draw, point.incidence.wavelength_um)
     }
 
-    fn solve(
-        &self,
-        study: &Study,
-        cell: &TangentCell,
-        (point, key): &(Point, Key),
-        (solver, watch): (&dyn Solver, &dyn RunWatch),
-    ) -> Result<TangentRecord, PointError> {
-        let grid = self.grid(study, cell, point);
-        let (systems, geometry) = cell.grids.problems(study, grid, point, watch)?;
+    fn solve(&self, (point, key): &(Point, Key), solver: &dyn Solver) -> Result<TangentRecord, PointError> {
+        let Self { of: &Tangents { pigment, resolved, .. }, study, cell, watch } = *self;
+        let (systems, geometry) = cell.grids.problems(study, self.grid(point), point, watch)?;
         let system = own(&systems, point);
         let Solution { field, account } = solver.solve(&**system, study.goal, &mut Stopper(watch))?;
         let neighbour = |step: f64| -> Result<Neighbour, WaveError> {
-            let eta = study.pigments[self.pigment].material.index_at(point.incidence.wavelength_um);
-            let count = study.wavelengths_nm.len();
-            let moved = study.with_index(self.pigment, &vec![eta + step; count]);
-            let system = own(systems_of(&moved, &geometry, point)?, point);
-            Ok(Neighbour { step: step.into(), system })
+            let eta = study.pigments[pigment].material.index_at(point.incidence.wavelength_um);
+            let moved = study.with_index(pigment, &vec![eta + step; study.wavelengths_nm.len()]);
+            Ok(Neighbour { step: step.into(), system: own(systems_of(&moved, &geometry, point)?, point) })
         };
         let neighbours = [neighbour(STEP)?, neighbour(-STEP)?];
         let slopes = tangent((&**system, &field), &neighbours, (solver, study.goal), &mut Stopper(watch))?;
         let far = system.far_field(&field);
         let kept = far.orders.iter().zip(&slopes.orders);
         let kept = kept.filter(|(order, _)| order.reflected_propagates || order.transmitted_propagates);
-        let slopes: Vec<[Slopes; 2]> =
-            kept.map(|(_, slopes)| [slopes.reflected, slopes.transmitted]).collect();
+        let slopes: Vec<_> = kept.map(|(_, slopes)| [slopes.reflected, slopes.transmitted]).collect();
         if !slopes.iter().flatten().flatten().all(|slope| slope.is_finite()) {
             return Err(NotFinite.into());
         }
-        let point_solver = PointSolver { study, solver, grid: self.resolved.grid_error, watch };
+        let point_solver = PointSolver { study, solver, grid: resolved.grid_error, watch };
         Ok(TangentRecord { point: point_solver.record(far, account, point, key.as_str())?, slopes })
     }
 }

@@ -1,6 +1,7 @@
 //! Quarantines damaged record files and salvages their intact records.
 
 use super::rows::Rows;
+use super::safely;
 use super::seal::Sealed;
 use super::slot::Slot;
 use std::collections::HashSet;
@@ -11,32 +12,26 @@ use std::path::{Path, PathBuf};
 pub(super) const ROWS: &str = "sqlite";
 /// Extension of damaged files whose records are being salvaged.
 pub(super) const DAMAGED: &str = "damaged";
+/// Suffix of SQLite's write-ahead log beside a file.
+const LOG: &str = "-wal";
 
 /// Renames damaged files that no other process holds and closes those in `open`; returns the new
 /// names and what is wrong.
-pub(super) fn put_aside(
-    folder: &Path,
-    slot: &Slot,
-    open: &mut Vec<Rows>,
-) -> io::Result<Vec<(PathBuf, String)>> {
+pub(super) fn put_aside(folder: &Path, own: u32, open: &mut Vec<Rows>) -> io::Result<Vec<(PathBuf, String)>> {
     let mut reasons = Vec::new();
     for path in files_of(folder, ROWS)? {
-        let number = path.file_stem().and_then(|stem| stem.to_str()?.parse().ok());
-        let Some(number) = number else { continue };
-        if number != slot.number() && Slot::is_held(folder, number) {
+        let Some(number) = path.file_stem().and_then(|stem| stem.to_str()?.parse().ok()) else { continue };
+        if number != own && Slot::is_held(folder, number) {
             continue;
         }
-        let trouble = match Rows::read(&path) {
-            Ok(rows) => rows.trouble(),
-            Err(error) => Some(error.to_string()),
-        };
+        let trouble = Rows::read(&path).map_or_else(|error| Some(error.to_string()), |rows| rows.trouble());
         let Some(reason) = trouble else { continue };
-        open.retain(|rows| rows.path() != path);
+        open.retain(|rows| rows.path != path);
         let aside = path.with_extension(DAMAGED);
         std::fs::rename(&path, &aside)?;
-        let log = log_of(&path);
+        let [log, log_aside] = [&path, &aside].map(|path| with_suffix(path, LOG));
         if log.exists() {
-            std::fs::rename(log, log_of(&aside))?;
+            std::fs::rename(log, log_aside)?;
         }
         remove(&path)?;
         reasons.push((aside, reason));
@@ -64,16 +59,10 @@ pub(super) fn files_of(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
         entries => entries?,
     };
-    let paths = entries.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<_>>>()?;
-    let mut paths: Vec<PathBuf> =
-        paths.into_iter().filter(|path| path.extension().is_some_and(|e| e == extension)).collect();
+    let mut paths = entries.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<_>>>()?;
+    paths.retain(|path| path.extension().is_some_and(|e| e == extension));
     paths.sort_by_key(|path| (path.as_os_str().len(), path.clone()));
     Ok(paths)
-}
-
-/// SQLite's write-ahead log beside a file.
-fn log_of(path: &Path) -> PathBuf {
-    with_suffix(path, "-wal")
 }
 
 fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
@@ -84,11 +73,5 @@ fn with_suffix(path: &Path, suffix: &str) -> PathBuf {
 
 /// Removes a file, if it exists, and what SQLite keeps beside it.
 pub(super) fn remove(path: &Path) -> io::Result<()> {
-    for path in [path.to_owned(), log_of(path), with_suffix(path, "-shm")] {
-        match std::fs::remove_file(path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
-    }
-    Ok(())
+    ["", LOG, "-shm"].into_iter().try_for_each(|suffix| safely::remove(&with_suffix(path, suffix)))
 }

@@ -5,10 +5,9 @@
 //! counts as absent.
 
 use super::aside::{DAMAGED, ROWS, files_of, put_aside, remove, take_over};
-use super::damage::Damage;
 use super::queue::{Queue, QueueError};
 use super::rows::Rows;
-use super::seal::Sealed;
+use super::seal::{Damage, Sealed};
 use super::slot::Slot;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
@@ -40,6 +39,9 @@ struct Own {
     rows: Rows,
     slot: Option<Slot>,
 }
+
+/// Whether two contents of a kind agree.
+pub type Agreement<'a> = dyn Fn(&str, &[u8], &[u8]) -> bool + 'a;
 
 /// Why a copy ended early.
 enum Interruption {
@@ -77,8 +79,7 @@ impl Database {
     /// SQLite cannot be started.
     pub fn in_memory() -> io::Result<Self> {
         let own = Own { rows: Rows::in_memory().map_err(io::Error::other)?, slot: None };
-        let files = Mutex::new(Files { own: Some(own), others: Vec::new() });
-        Ok(Self { files, ..Self::default() })
+        Ok(Self { files: Mutex::new(Files { own: Some(own), others: Vec::new() }), ..Self::default() })
     }
 
     /// Opens files that other processes have created since.
@@ -89,7 +90,7 @@ impl Database {
         let Some(folder) = &self.folder else { return Ok(()) };
         let mut files = lock(&self.files);
         for path in files_of(folder, ROWS)? {
-            if files.all().any(|rows| rows.path() == path) {
+            if files.all().any(|rows| rows.path == path) {
                 continue;
             }
             match Rows::read(&path) {
@@ -102,16 +103,15 @@ impl Database {
 
     /// The intact record with this key; damaged ones are noted and count as absent.
     pub fn get(&self, kind: &str, key: &str) -> Option<Vec<u8>> {
-        let files = lock(&self.files);
         let mut fault = None;
-        for rows in files.all() {
+        for rows in lock(&self.files).all() {
             match rows.get(kind, key) {
                 Ok(None) => {}
                 Ok(Some(sealed)) => match sealed.check() {
                     Ok(()) => return Some(sealed.content),
                     Err(found) => fault = Some(found),
                 },
-                Err(error) => self.note_file(rows.path(), error),
+                Err(error) => self.note_file(&rows.path, error),
             }
         }
         if let Some(fault) = fault {
@@ -127,25 +127,16 @@ impl Database {
     pub fn put(&self, kind: &str, key: &str, content: Vec<u8>) -> io::Result<()> {
         let mut files = lock(&self.files);
         let rows = &self.own(&mut files)?.rows;
-        rows.put(&Sealed::new(kind, key, content)).map_err(|error| failed(rows.path(), &error))
+        rows.put(&Sealed::new(kind, key, content)).map_err(|error| failed(&rows.path, &error))
     }
 
-    /// Deletes a record from all files.
+    /// Deletes a record from all files, or all records of a kind.
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn remove(&self, kind: &str, key: &str) -> io::Result<()> {
+    pub fn remove(&self, kind: &str, key: Option<&str>) -> io::Result<()> {
         let files = lock(&self.files);
-        files.all().try_for_each(|rows| rows.remove(kind, key).map_err(|error| failed(rows.path(), &error)))
-    }
-
-    /// Deletes all records of a kind from all files.
-    ///
-    /// # Errors
-    /// A file cannot be written.
-    pub fn remove_all(&self, kind: &str) -> io::Result<()> {
-        let files = lock(&self.files);
-        files.all().try_for_each(|rows| rows.remove_all(kind).map_err(|error| failed(rows.path(), &error)))
+        files.all().try_for_each(|rows| rows.remove(kind, key).map_err(|error| failed(&rows.path, &error)))
     }
 
     /// Copies the intact records of `kinds` (of all kinds if empty) that this store lacks, in one
@@ -154,35 +145,25 @@ impl Database {
     ///
     /// # Errors
     /// This store cannot be written.
-    pub fn adopt(
-        &self,
-        from: &Self,
-        kinds: &[&str],
-        same: impl Fn(&str, &[u8], &[u8]) -> bool,
-    ) -> io::Result<Option<[Sealed; 2]>> {
+    pub fn adopt(&self, from: &Self, kinds: &[&str], same: &Agreement) -> io::Result<Option<[Sealed; 2]>> {
         let mut files = lock(&self.files);
         let into = &self.own(&mut files)?.rows;
         let wanted = |row: &Sealed| kinds.is_empty() || kinds.contains(&row.kind.as_str());
-        let mut adopt = |row: Sealed| if wanted(&row) { from.hand_over(row, into, &same) } else { Ok(()) };
+        let mut adopt = |row: Sealed| if wanted(&row) { from.hand_over(row, into, same) } else { Ok(()) };
         let mut adopt_all = |rows: &Rows| {
-            let unreadable = |error| Ok(from.note_file(rows.path(), error));
+            let unreadable = |error| Ok(from.note_file(&rows.path, error));
             rows.scan(false, &mut adopt).unwrap_or_else(unreadable)
         };
         let others = lock(&from.files);
         match into.at_once(|| others.all().try_for_each(&mut adopt_all)) {
             Ok(()) => Ok(None),
             Err(Interruption::Contradiction(both)) => Ok(Some(*both)),
-            Err(Interruption::Unwritable(error)) => Err(failed(into.path(), &error)),
+            Err(Interruption::Unwritable(error)) => Err(failed(&into.path, &error)),
         }
     }
 
     /// Copies an intact record into a file that lacks it; a damaged one is noted.
-    fn hand_over(
-        &self,
-        row: Sealed,
-        into: &Rows,
-        same: &dyn Fn(&str, &[u8], &[u8]) -> bool,
-    ) -> Result<(), Interruption> {
+    fn hand_over(&self, row: Sealed, into: &Rows, same: &Agreement) -> Result<(), Interruption> {
         if let Err(fault) = row.check() {
             return Ok(self.note(Damage::Record { kind: row.kind, key: row.key, fault }));
         }
@@ -195,12 +176,11 @@ impl Database {
 
     /// Sorted keys of all records of a kind, damaged ones included.
     pub fn keys(&self, kind: &str) -> BTreeSet<String> {
-        let files = lock(&self.files);
         let mut keys = BTreeSet::new();
-        for rows in files.all() {
+        for rows in lock(&self.files).all() {
             match rows.keys(kind) {
                 Ok(found) => keys.extend(found),
-                Err(error) => self.note_file(rows.path(), error),
+                Err(error) => self.note_file(&rows.path, error),
             }
         }
         keys
@@ -248,9 +228,9 @@ impl Database {
         let folder = self.folder.as_deref().unwrap_or(Path::new("."));
         std::fs::create_dir_all(folder)?;
         let slot = Slot::first_free(folder)?;
-        let path = folder.join(format!("{}.{ROWS}", slot.number()));
-        let reasons = put_aside(folder, &slot, &mut files.others)?;
-        files.others.retain(|rows| rows.path() != path);
+        let path = folder.join(format!("{}.{ROWS}", slot.number));
+        let reasons = put_aside(folder, slot.number, &mut files.others)?;
+        files.others.retain(|rows| rows.path != path);
         let rows = Rows::create(&path).map_err(|error| failed(&path, &error))?;
         for damaged in files_of(folder, DAMAGED)? {
             let saved = take_over(&damaged, &rows).map_err(|error| failed(&path, &error))?;

@@ -1,7 +1,7 @@
 //! Tests with several processes, damage and copies.
 
 use super::*;
-use crate::store::damage::RecordFault;
+use crate::store::seal::RecordFault;
 
 fn open(folder: &tempfile::TempDir) -> Database {
     Database::open(folder.path()).unwrap()
@@ -93,14 +93,14 @@ fn a_copy_takes_what_is_sound_and_stops_at_contradictions() {
     let equal = |_: &str, a: &[u8], b: &[u8]| a == b;
     for shard in [&one, &two] {
         let from = open(shard);
-        assert_eq!(merged.adopt(&from, &[], equal).unwrap(), None);
+        assert_eq!(merged.adopt(&from, &[], &equal).unwrap(), None);
         assert_eq!(from.damages().len(), usize::from(std::ptr::eq(shard, &one)));
     }
     assert_eq!(merged.get("point", "a"), Some(vec![1; 5000]));
     let other = tempfile::tempdir().unwrap();
     open(&other).put("point", "c", vec![4]).unwrap();
     open(&other).put("point", "b", vec![3]).unwrap();
-    let [here, there] = merged.adopt(&open(&other), &["point"], equal).unwrap().unwrap();
+    let [here, there] = merged.adopt(&open(&other), &["point"], &equal).unwrap().unwrap();
     assert_eq!((here.content, there.key.as_str()), (vec![2], "b"));
     assert_eq!(merged.get("point", "c"), None, "all or nothing");
 }

@@ -8,12 +8,9 @@
 //! ```
 
 use super::database::{Database, RECORDS};
-use super::marker::{Holds, MARKER, Marker};
-use super::partial;
-use super::partial::PARTIAL;
-use super::presence::Presence;
+use super::marker::{Holds, MARKER, Marker, PARTIAL, partial};
 use super::safely;
-use super::slot::Slot;
+use super::slot::{Presence, Slot};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -164,7 +161,7 @@ impl OutputFolder {
 
     /// Marks the folder as partial and keeps its files.
     pub fn mark_partial(&self) -> Result<(), FolderError> {
-        self.write(PARTIAL, partial::text(self.go_on.as_deref()).as_bytes())
+        self.write(PARTIAL, partial(self.go_on.as_deref()).as_bytes())
     }
 
     /// Writes a file atomically.
@@ -176,10 +173,7 @@ impl OutputFolder {
     /// Removes a file if it exists.
     pub fn remove(&self, name: &str) -> Result<(), FolderError> {
         let path = self.path.join(name);
-        match std::fs::remove_file(&path) {
-            Err(source) if source.kind() != io::ErrorKind::NotFound => Err(FolderError::at(&path)(source)),
-            _ => Ok(()),
-        }
+        safely::remove(&path).map_err(FolderError::at(&path))
     }
 
     /// Removes files whose names satisfy `ours`: leftovers of earlier work of another extent.
@@ -208,9 +202,7 @@ impl OutputFolder {
         let _ = std::fs::remove_dir_all(self.path.join(RECORDS));
         let _ = self.complete();
         let _ = self.remove(MARKER);
-        for folder in &self.made {
-            let _ = std::fs::remove_dir(folder);
-        }
+        self.made.iter().for_each(|folder| _ = std::fs::remove_dir(folder));
     }
 }
 
@@ -237,8 +229,7 @@ fn refuse_foreign(path: &Path, wanted: Holds) -> Result<bool, FolderError> {
         };
     }
     let Ok(entries) = std::fs::read_dir(path) else { return Ok(false) };
-    let names: Vec<String> =
-        entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
+    let names: Vec<_> = entries.flatten().map(|e| e.file_name().to_string_lossy().into_owned()).collect();
     match names.into_iter().find(|name| !name.starts_with('.')) {
         // Another process may have marked the folder in the meantime: then its files are ours.
         Some(_) if Marker::read(path).is_some() => refuse_foreign(path, wanted),

@@ -1,4 +1,4 @@
-//! Content hashes that identify results by everything they depend on.
+//! Content hashes that identify results by everything they depend on, and the build that made them.
 //!
 //! A key hashes the inputs as compact JSON (fields in declaration order, floats in their shortest
 //! form that reads back exactly) together with [`METHOD_VERSION`]. Nothing is computed twice, and a
@@ -7,6 +7,7 @@
 use crate::ink::PackingRequest;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::sync::OnceLock;
 
 /// Version of the numerical method, increased whenever the same inputs give different numbers, so
 /// that results of older methods are not reused.
@@ -56,6 +57,19 @@ impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(&self.0)
     }
+}
+
+static BUILD: OnceLock<&str> = OnceLock::new();
+
+/// Name, version and, where known, commit of this build, such as `inkwave 0.1.0 (7207559)`. A `+`
+/// after the commit marks uncommitted changes.
+pub fn build() -> &'static str {
+    BUILD.get().copied().unwrap_or(concat!("inkwave ", env!("CARGO_PKG_VERSION")))
+}
+
+/// Sets the build, once, before anything is stored: a library on its own does not know the commit.
+pub fn set_build(build: &'static str) {
+    _ = BUILD.set(build);
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The marker file that identifies folders written by this program, so that no other folder is
-//! overwritten.
+//! overwritten; and the mark of unfinished work, with the command that resumes it.
 
-use super::build::build;
+use super::identity::build;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::Path;
@@ -10,6 +10,10 @@ use std::path::Path;
 pub const MARKER: &str = "inkwave.json";
 /// Version of the folder layout, increased when older programs can no longer read it.
 const LAYOUT: u32 = 2;
+/// File that marks a folder as unfinished.
+pub const PARTIAL: &str = "PARTIAL";
+/// Precedes the command.
+const INDENT: &str = "    ";
 
 /// What a folder holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -70,5 +74,36 @@ impl Marker {
     /// Whether this program can read the folder.
     pub fn is_readable(&self) -> bool {
         self.layout == LAYOUT
+    }
+}
+
+/// Text of the mark of unfinished work.
+pub(super) fn partial(go_on: Option<&str>) -> String {
+    let begun =
+        "The work here is unfinished, and files may be from an earlier run. The same command resumes it";
+    match go_on {
+        Some(command) => format!("{begun}:\n\n{INDENT}{command}\n"),
+        None => format!("{begun}.\n"),
+    }
+}
+
+/// The command that resumes the work in a folder, if its mark contains one.
+pub fn go_on(folder: &Path) -> Option<String> {
+    let text = std::fs::read_to_string(folder.join(PARTIAL)).ok()?;
+    text.lines().find_map(|line| line.strip_prefix(INDENT)).map(str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_mark_tells_how_to_go_on() {
+        let folder = tempfile::tempdir().unwrap();
+        assert_eq!(go_on(folder.path()), None);
+        for command in [None, Some("inkwave run yellow.toml --output 'my ink'")] {
+            std::fs::write(folder.path().join(PARTIAL), partial(command)).unwrap();
+            assert_eq!(go_on(folder.path()).as_deref(), command);
+        }
     }
 }

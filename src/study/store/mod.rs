@@ -3,21 +3,17 @@
 //!
 //! A [`database`] keeps sealed records ([`seal`]) in one SQLite file per worker ([`rows`],
 //! [`slot`]); [`store`] is the typed interface to it, [`mod@record`] and [`packing_record`] define
-//! the records. Damaged records count as absent and are reported ([`damage`]). The workers of a
+//! the records. Damaged records count as absent and are reported. The workers of a
 //! folder share tasks through a [`queue`]. [`folder`] holds everything a run writes: it is
-//! identified by its [`marker`], `presence` tracks the processes in it, and [`safely`] writes files
-//! atomically. [`identity`] defines the content hash, [`build`](mod@build) the name of the program.
+//! identified by its [`marker`], and [`safely`] writes files atomically. [`identity`] defines the
+//! content hash and the name of the program.
 
 mod aside;
-pub mod build;
-pub mod damage;
 pub mod database;
 pub mod folder;
 pub mod identity;
 pub mod marker;
 pub mod packing_record;
-pub mod partial;
-mod presence;
 pub mod queue;
 pub mod record;
 pub mod rows;
@@ -27,7 +23,10 @@ pub mod slot;
 #[allow(clippy::module_inception)]
 pub mod store;
 
-pub use build::set_build;
+pub use database::Database;
+pub use folder::OutputFolder;
+pub use identity::{Key, METHOD_VERSION, set_build};
 pub use packing_record::PackingRecord;
-pub use record::{PointRecord, SolveAccount};
+pub use record::{FailureRecord, PointRecord, SolveAccount};
+pub use seal::Damage;
 pub use store::{Record, Store, same};

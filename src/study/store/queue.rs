@@ -83,11 +83,9 @@ impl Queue {
     pub fn join(folder: &Path, slot: &Slot, name: &str) -> Result<Self, QueueError> {
         let failed = |source| QueueError::File { folder: folder.to_owned(), source };
         let connection = Mutex::new(open(folder, slot).map_err(failed)?);
-        let queue = Self { folder: folder.to_owned(), worker: slot.number(), connection };
-        match queue.turn(|transaction| join(transaction, (folder, slot), name))? {
-            true => Ok(queue),
-            false => Err(QueueError::OtherWork { folder: folder.to_owned() }),
-        }
+        let queue = Self { folder: folder.to_owned(), worker: slot.number, connection };
+        let joined = queue.turn(|transaction| join(transaction, (folder, slot), name))?;
+        if joined { Ok(queue) } else { Err(QueueError::OtherWork { folder: folder.to_owned() }) }
     }
 
     /// Adds tasks numbered from `first`; tasks that another worker has already added are left
@@ -136,8 +134,7 @@ impl Queue {
     /// # Errors
     /// The queue's file cannot be used.
     pub fn advance(&self, task: usize, solves: usize) -> Result<(), QueueError> {
-        let sql = "update tasks set solves = ?2 where id = ?1 and not done";
-        self.change(sql, params![task, solves])
+        self.change("update tasks set solves = ?2 where id = ?1 and not done", params![task, solves])
     }
 
     /// Sets the cost of the tasks that wait for this one, once it is known.
@@ -145,8 +142,7 @@ impl Queue {
     /// # Errors
     /// The queue's file cannot be used.
     pub fn reckon(&self, after: usize, cost: f64) -> Result<(), QueueError> {
-        let sql = "update tasks set cost = ?2 where after = ?1";
-        self.change(sql, params![after, cost])
+        self.change("update tasks set cost = ?2 where after = ?1", params![after, cost])
     }
 
     /// Releases an unfinished task.
@@ -154,8 +150,7 @@ impl Queue {
     /// # Errors
     /// The queue's file cannot be used.
     pub fn give_back(&self, task: usize) -> Result<(), QueueError> {
-        let sql = "update tasks set worker = null, solves = 0 where id = ?1 and not done";
-        self.change(sql, [task])
+        self.change("update tasks set worker = null, solves = 0 where id = ?1 and not done", [task])
     }
 
     /// Progress of all workers together.
@@ -203,8 +198,8 @@ impl Queue {
     fn turn<T>(&self, work: impl FnOnce(&Transaction) -> rusqlite::Result<T>) -> Result<T, QueueError> {
         let failed = |source| QueueError::File { folder: self.folder.clone(), source };
         let mut connection = self.connection.lock().unwrap_or_else(PoisonError::into_inner);
-        let transaction = Transaction::new(&mut connection, TransactionBehavior::Immediate);
-        let transaction = transaction.map_err(failed)?;
+        let transaction =
+            Transaction::new(&mut connection, TransactionBehavior::Immediate).map_err(failed)?;
         let done = work(&transaction).map_err(failed)?;
         transaction.commit().map_err(failed)?;
         Ok(done)

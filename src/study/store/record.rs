@@ -156,7 +156,7 @@ impl PointRecord {
         let kept = far_field.orders.iter().filter(|o| o.reflected_propagates || o.transmitted_propagates);
         let record = Self {
             key,
-            build: super::build::build().to_owned(),
+            build: super::identity::build().to_owned(),
             realisation,
             incidence: far_field.incidence,
             period_um: far_field.period_um,

@@ -24,7 +24,8 @@ const COLUMNS: &str =
 /// An open record file.
 #[derive(Debug)]
 pub struct Rows {
-    path: PathBuf,
+    /// Path of the file; empty if in memory.
+    pub(super) path: PathBuf,
     connection: Connection,
 }
 
@@ -54,10 +55,7 @@ impl Rows {
         let connection = Connection::open_with_flags(path, flags)?;
         connection.busy_timeout(PATIENCE)?;
         let readable = connection.query_row("select count(*) from sqlite_master", [], |_| Ok(()));
-        let connection = match readable {
-            Ok(()) => connection,
-            Err(_) => Self::as_it_is(path)?,
-        };
+        let connection = if readable.is_ok() { connection } else { Self::as_it_is(path)? };
         Ok(Self { path: path.to_owned(), connection })
     }
 
@@ -66,15 +64,8 @@ impl Rows {
     fn as_it_is(path: &Path) -> rusqlite::Result<Connection> {
         let name = path.display().to_string().replace('%', "%25").replace('?', "%3f").replace('#', "%23");
         let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI;
-        Connection::open_with_flags(
-            format!("file:{name}?immutable=1"),
-            flags | OpenFlags::SQLITE_OPEN_NO_MUTEX,
-        )
-    }
-
-    /// Path of the file; empty if in memory.
-    pub fn path(&self) -> &Path {
-        &self.path
+        let flags = flags | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+        Connection::open_with_flags(format!("file:{name}?immutable=1"), flags)
     }
 
     /// The record with this key, damaged or not.
@@ -91,14 +82,10 @@ impl Rows {
         statement.execute(params![kind, key, method, program, seal, content]).map(drop)
     }
 
-    /// Deletes a record if it exists.
-    pub fn remove(&self, kind: &str, key: &str) -> rusqlite::Result<()> {
-        self.connection.execute("delete from records where kind = ?1 and key = ?2", [kind, key]).map(drop)
-    }
-
-    /// Deletes all records of a kind.
-    pub fn remove_all(&self, kind: &str) -> rusqlite::Result<()> {
-        self.connection.execute("delete from records where kind = ?1", [kind]).map(drop)
+    /// Deletes a record if it exists, or all records of a kind.
+    pub fn remove(&self, kind: &str, key: Option<&str>) -> rusqlite::Result<()> {
+        let sql = "delete from records where kind = ?1 and (?2 is null or key = ?2)";
+        self.connection.execute(sql, params![kind, key]).map(drop)
     }
 
     /// Passes all records to `each`, starting with the oldest or the newest, until it fails. What
@@ -146,11 +133,8 @@ impl Rows {
         if self.connection.is_readonly("main").unwrap_or(true) {
             return Some("the file cannot be written to".into());
         }
-        match self.connection.query_row("pragma integrity_check(1)", [], |row| row.get::<_, String>(0)) {
-            Ok(told) if told == "ok" => None,
-            Ok(told) => Some(told),
-            Err(error) => Some(error.to_string()),
-        }
+        let checked = self.connection.query_row("pragma integrity_check(1)", [], |row| row.get(0));
+        Some(checked.unwrap_or_else(|error| error.to_string())).filter(|told| told != "ok")
     }
 
     /// Runs `work` in one transaction.
@@ -202,7 +186,9 @@ mod tests {
             rows.scan::<()>(newest_first, |row| Ok(keys.push(row.key))).unwrap().unwrap();
             assert!(keys.len() == 3 && keys[0] == first, "{keys:?}");
         }
-        rows.remove_all("point").unwrap();
+        rows.remove("point", Some("a")).unwrap();
+        assert_eq!(rows.get("point", "a").unwrap(), None);
+        rows.remove("point", None).unwrap();
         assert_eq!(rows.get("point", "b").unwrap(), None);
         assert_eq!(rows.trouble(), None);
     }

@@ -1,8 +1,11 @@
-//! Numbered slots for the processes that work in one folder.
+//! Processes in a folder: numbered slots for those that work there, and the presence of all.
 //!
 //! A process holds the lock on the file of its slot. The system releases the lock however the
 //! process ends, so the slot and the tasks of a killed worker are free at once. The file names its
 //! holder, so that a later process in the same slot is not mistaken for an earlier one.
+//!
+//! Each process also holds a shared lock on the folder itself, so that a failing process knows
+//! whether others rely on it.
 
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Write};
@@ -17,8 +20,10 @@ const LONGEST_HOLDER: u64 = 64;
 /// A slot, held for the lifetime of the value.
 #[derive(Debug)]
 pub struct Slot {
-    number: u32,
-    holder: String,
+    /// Number of the slot, from 1.
+    pub(super) number: u32,
+    /// Unique name of the holding process.
+    pub(super) holder: String,
     _lock: File,
 }
 
@@ -39,7 +44,9 @@ impl Slot {
     /// The lock file cannot be created.
     pub fn take(folder: &Path, number: u32) -> io::Result<Option<Self>> {
         let Some(mut lock) = locked(&lock_file(folder, number), true)? else { return Ok(None) };
-        let holder = name_of_this_process();
+        let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        // the process number and the time, because process numbers are reused
+        let holder = format!("{} {}", std::process::id(), since.as_nanos());
         lock.set_len(0)?;
         lock.write_all(holder.as_bytes())?;
         Ok(Some(Self { number, holder, _lock: lock }))
@@ -65,16 +72,6 @@ impl Slot {
     pub fn is_held_by(folder: &Path, number: u32, holder: &str) -> bool {
         let told = std::fs::read_to_string(lock_file(folder, number));
         told.is_ok_and(|told| told == holder) && Self::is_held(folder, number)
-    }
-
-    /// Number of the slot, from 1.
-    pub fn number(&self) -> u32 {
-        self.number
-    }
-
-    /// Unique name of the holding process.
-    pub fn holder(&self) -> &str {
-        &self.holder
     }
 }
 
@@ -103,14 +100,50 @@ fn refuse_what_is_no_lock(path: &Path) -> io::Result<()> {
     Err(io::Error::other(format!("{} {reason}", path.display())))
 }
 
-/// The process number and the time, because process numbers are reused.
-fn name_of_this_process() -> String {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    format!("{} {}", std::process::id(), since.as_nanos())
-}
-
 fn lock_file(folder: &Path, number: u32) -> PathBuf {
     folder.join(format!("{number}.lock"))
+}
+
+/// Presence of this process in a folder, for the lifetime of the value; `None` on systems that
+/// cannot lock folders.
+#[derive(Debug, Default)]
+pub struct Presence(Option<File>);
+
+impl Presence {
+    /// Creates the folder if necessary and enters it.
+    ///
+    /// # Errors
+    /// The folder cannot be created.
+    pub fn enter(path: &Path) -> io::Result<Self> {
+        loop {
+            std::fs::create_dir_all(path)?;
+            let Some(folder) = File::open(path).ok().filter(|folder| folder.lock_shared().is_ok()) else {
+                return Ok(Self(None));
+            };
+            // Another process may have removed the folder before it was locked.
+            if is_at(&folder, path) {
+                return Ok(Self(Some(folder)));
+            }
+        }
+    }
+
+    /// Whether no other process is present; if so, none can enter during the lifetime of the value.
+    pub fn is_alone(&self) -> bool {
+        self.0.as_ref().is_some_and(|folder| folder.try_lock().is_ok())
+    }
+}
+
+/// Whether the open folder is still the one at `path`.
+#[cfg(unix)]
+fn is_at(folder: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let identity = |metadata: io::Result<std::fs::Metadata>| metadata.ok().map(|m| (m.dev(), m.ino()));
+    identity(folder.metadata()) == identity(std::fs::metadata(path))
+}
+
+#[cfg(not(unix))]
+fn is_at(_folder: &File, path: &Path) -> bool {
+    path.exists()
 }
 
 #[cfg(test)]
@@ -121,14 +154,14 @@ mod tests {
     fn places_are_held_by_one_and_free_again() {
         let folder = tempfile::tempdir().unwrap();
         let (one, two) = (Slot::first_free(folder.path()).unwrap(), Slot::first_free(folder.path()).unwrap());
-        assert_eq!((one.number(), two.number()), (1, 2));
+        assert_eq!((one.number, two.number), (1, 2));
         assert!(Slot::is_held(folder.path(), 1) && !Slot::is_held(folder.path(), 3));
-        let holder = one.holder().to_owned();
+        let holder = one.holder.clone();
         assert!(Slot::is_held_by(folder.path(), 1, &holder) && !Slot::is_held_by(folder.path(), 2, &holder));
         drop(one);
         assert!(!Slot::is_held(folder.path(), 1));
         let later = Slot::first_free(folder.path()).unwrap();
-        assert!(later.number() == 1 && !Slot::is_held_by(folder.path(), 1, &holder));
+        assert!(later.number == 1 && !Slot::is_held_by(folder.path(), 1, &holder));
     }
 
     #[cfg(unix)]

@@ -1,7 +1,7 @@
 //! Records of one kind in a [`Database`].
 
-use super::damage::{Damage, RecordFault};
 use super::database::Database;
+use super::seal::{Damage, RecordFault};
 use serde::{Serialize, de::DeserializeOwned};
 use std::io;
 use std::marker::PhantomData;
@@ -56,8 +56,7 @@ impl<R: Record> Store<R> {
 
     /// The record with this key; `None` if it is missing or damaged, which is noted.
     pub fn get(&self, key: &str) -> Option<R> {
-        let content = self.database.get(R::KIND, key)?;
-        let fault = match rmp_serde::from_slice(&content) {
+        let fault = match rmp_serde::from_slice(&self.database.get(R::KIND, key)?) {
             Ok(record) => return Some(record),
             Err(error) => RecordFault::Form(error.to_string()),
         };
@@ -75,8 +74,7 @@ impl<R: Record> Store<R> {
     /// # Errors
     /// The record cannot be written.
     pub fn put(&self, key: &str, record: &R) -> io::Result<()> {
-        let content = rmp_serde::to_vec_named(record).map_err(io::Error::other)?;
-        self.database.put(R::KIND, key, content)
+        self.database.put(R::KIND, key, rmp_serde::to_vec_named(record).map_err(io::Error::other)?)
     }
 
     /// Deletes a record if it exists.
@@ -84,7 +82,7 @@ impl<R: Record> Store<R> {
     /// # Errors
     /// The store cannot be written.
     pub fn remove(&self, key: &str) -> io::Result<()> {
-        self.database.remove(R::KIND, key)
+        self.database.remove(R::KIND, Some(key))
     }
 
     /// Deletes all records of this kind.
@@ -92,7 +90,7 @@ impl<R: Record> Store<R> {
     /// # Errors
     /// The store cannot be written.
     pub fn remove_all(&self) -> io::Result<()> {
-        self.database.remove_all(R::KIND)
+        self.database.remove(R::KIND, None)
     }
 
     /// The database that holds these records.

@@ -125,7 +125,7 @@ pub fn take_grids(from: &Path, folder: &OutputFolder) -> io::Result<usize> {
     }
     let (from, into) = (Database::open(from)?, Database::open(folder.path())?);
     let wanted = [Resolved::KIND, FailureRecord::KIND];
-    into.adopt(&from, &wanted, |_, _, _| true)?;
+    into.adopt(&from, &wanted, &|_, _, _| true)?;
     Ok(from.keys(Resolved::KIND).len())
 }
 

@@ -6,7 +6,7 @@ use super::reported::inks;
 use super::sheets::Sheet;
 use crate::draw::chart::{Chart, Curve};
 use crate::ink::{Orientation, PigmentGrains, SizeDistribution};
-use crate::input::contrast::ContrastPart;
+use crate::input::file::ContrastPart;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::sweep::definition::load::Sweep;

@@ -3,11 +3,10 @@
 use crate::run::Stores;
 use crate::run::realisation::all_point_keys;
 use crate::run::resolve::{Resolved, kept};
-use crate::store::damage::Damage;
 use crate::store::database::Database;
 use crate::store::folder::{FolderError, OutputFolder};
 use crate::store::record::{FailureRecord, PointRecord};
-use crate::store::seal::Sealed;
+use crate::store::seal::{Damage, Sealed};
 use crate::store::store::Record;
 use crate::store::{PackingRecord, same};
 use crate::sweep::Sweep;
@@ -83,7 +82,7 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
     let mut found = Vec::new();
     for shard in shards {
         let from = Database::open(shard).map_err(failed(shard))?;
-        let contradiction = into.adopt(&from, &[], same_numbers).map_err(failed(shard))?;
+        let contradiction = into.adopt(&from, &[], &same_numbers).map_err(failed(shard))?;
         if let Some([one, other]) = contradiction {
             let what = describe(&sweep, folder, &other);
             let builds = format!("{} and {}", one.program, other.program);

@@ -151,8 +151,7 @@ fn fluxes(sides: &Sides, realisation: &Realisation, wavelength_um: f64) -> Fluxe
     let polarisations = sides.media[0].polarisations;
     let first_behind = sides.media[0].directions_deg().len();
     let place = |k: usize, from: Side| k / polarisations - if from == Side::Exit { first_behind } else { 0 };
-    let each = records.iter().zip(&orders).enumerate();
-    sides.fluxes(each.map(|(k, (record, orders))| Lit {
+    sides.fluxes(records.iter().zip(&orders).enumerate().map(|(k, (record, orders))| Lit {
         from: record.incidence.from,
         direction: place(k, record.incidence.from),
         polarisation: usize::from(record.polarisation == Some(Polarisation::P)),

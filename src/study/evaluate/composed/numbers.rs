@@ -75,9 +75,7 @@ impl<'a> LayerTask<'a> {
                 numbers.extend(colours);
             }
         }
-        for slabs in &slabs {
-            numbers.extend(coefficients(slabs, level.slab_um));
-        }
+        numbers.extend(slabs.iter().flat_map(|slabs| coefficients(slabs, level.slab_um)));
         for &thickness_um in &self.composed.thicknesses_um {
             let of = |slabs| self.between(thickness_um, |count| distribution(slabs, count * per_h));
             numbers.extend(slabs.iter().flat_map(of));
@@ -106,9 +104,8 @@ impl<'a> LayerTask<'a> {
         let first = (whole.floor() as usize).saturating_sub(POINTS / 2 - 1).max(2);
         let mut sum: Vec<f64> = Vec::new();
         for i in 0..POINTS {
-            let others = (0..POINTS).filter(|&j| j != i);
             let factor = |j: usize| (whole - (first + j) as f64) / (i as f64 - j as f64);
-            let weight: f64 = others.map(factor).product();
+            let weight: f64 = (0..POINTS).filter(|&j| j != i).map(factor).product();
             let values = at(first + i);
             sum.resize(values.len(), 0.0);
             values.iter().zip(&mut sum).for_each(|(value, sum)| *sum += weight * value);
@@ -161,8 +158,7 @@ fn spectral(slabs: &Slabs, count: usize, study: &Study, albedo: f64) -> Vec<f64>
     (0..6).for_each(|k| all[k] += moved[k / 2][k % 2]);
     let mirrored = layer.reflection[0][(0, 0)] + beam[0];
     all.extend([layer.transmission[0][(0, 0)] + beam[1], mirrored]);
-    let seen = study.output.mirrored_sky == MirroredSky::Excluded;
-    all.push(natural - if seen { mirrored } else { 0.0 });
+    all.push(natural - if study.output.mirrored_sky == MirroredSky::Excluded { mirrored } else { 0.0 });
     let through = |lit_on: f64| lit[1] + passes[0] * passes[1] * (lit_on - lit[1]);
     all.extend([through(lit[0]), lit[1], through(lit[2])]);
     all

@@ -159,8 +159,7 @@ fn layers(
 ) -> (Vec<ComposedRow>, Vec<ComposedColours>) {
     let (mut rows, mut all_colours) = (Vec::new(), Vec::new());
     for &um in thicknesses_um {
-        let own: Vec<ComposedRow> =
-            question.study.wavelengths_nm.iter().map(|&nm| row(um, nm, &take(all))).collect();
+        let own: Vec<_> = question.study.wavelengths_nm.iter().map(|&nm| row(um, nm, &take(all))).collect();
         all_colours.extend(question.colorimeter.as_ref().map(|eye| colours(eye, &own, &take(all))));
         rows.extend(own);
     }

@@ -12,7 +12,7 @@ use crate::appearance::composed::plate::Plate;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
 use crate::appearance::tristimulus::{Colorimeter, ColourError};
-use crate::evaluate::directional::{Direction, DirectionalPrint};
+use crate::evaluate::directional::{Direction, DirectionalPrint, interpolated};
 use crate::evaluate::ink::InkError;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
@@ -76,10 +76,7 @@ impl ComposedView {
     /// R of a uniform sky's light, and its mirrored part.
     fn tabulated(&self, wavelength: usize, polar_deg: f64) -> [f64; 2] {
         let table = &self.numbers[wavelength][self.media[wavelength].ordinates.count().pow(2)..];
-        let place = (polar_deg / STEP_DEG).clamp(0.0, STEPS as f64);
-        let before = (place as usize).min(STEPS - 1);
-        let t = place - before as f64;
-        [0, 1].map(|k| (1.0 - t) * table[2 * before + k] + t * table[2 * before + 2 + k])
+        interpolated(table.as_chunks().0, polar_deg / STEP_DEG)
     }
 
     /// Nodes in light or view of a direction, with their shares.
@@ -151,8 +148,7 @@ fn seen(slabs: &Slabs, count: usize, wave: Wave, albedo: f64) -> Vec<f64> {
         let [all_light, r, t] =
             [0, 1, 2].map(|k| weights.iter().zip(&totals).map(|(w, x)| w * x[k]).sum::<f64>());
         let [moved_r, moved_t] = fringes(slabs, count, &layer, (wave, cosine)).0[1];
-        let returned = (all_light - r) * (1.0 + moved_t / t.max(f64::MIN_POSITIVE));
-        let whole = r + moved_r + returned;
+        let whole = r + moved_r + (all_light - r) * (1.0 + moved_t / t.max(f64::MIN_POSITIVE));
         all.extend([whole, (mirrored(cosine) + bias).min(whole).max(0.0)]);
     }
     all

@@ -5,8 +5,8 @@ use crate::appearance::colour::{Colorimeter, Colour, ColourError};
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
 use crate::appearance::viewing::{Summation, Viewing};
-use crate::evaluate::curves::anchors;
 use crate::evaluate::layer::{EnsembleMean, LayerEnsemble, Total};
+use crate::evaluate::on_paper::curves::anchors;
 use crate::evaluate::on_paper::{LayerOnPaper, MEASURED, Measured, PolarAngle};
 use crate::evaluate::samples::{SolvedRealisation, SolvedWavelength};
 use crate::evaluate::wavelengths::nearest;
@@ -69,8 +69,7 @@ impl InkOnPaper {
     ) -> Result<(Colour, Vec<[f64; 3]>), InkError> {
         let labs: Vec<[f64; 3]> = self.replicates_of(sight, &quantity)?.iter().map(|c| c.lab).collect();
         let whole = self.colour_of_mean(sight, &quantity)?;
-        let colour = Colour { lab_covariance: jackknife_covariance(&labs), ..whole };
-        Ok((colour, jackknife_deviations(&labs)))
+        Ok((Colour { lab_covariance: jackknife_covariance(&labs), ..whole }, jackknife_deviations(&labs)))
     }
 
     /// The colours of all leave-one-out ensembles.
@@ -134,12 +133,8 @@ impl InkOnPaper {
     }
 
     /// A quantity at the wavelengths that are summed.
-    pub(in crate::evaluate) fn values(
-        &self,
-        sight: &Sight,
-        quantity: &impl Fn(&LayerOnPaper) -> f64,
-    ) -> Vec<f64> {
-        sight.values(&self.whole, quantity)
+    pub(in crate::evaluate) fn values(&self, sight: &Sight, of: &impl Fn(&LayerOnPaper) -> f64) -> Vec<f64> {
+        sight.values(&self.whole, of)
     }
 
     /// Error of T̄ at each wavelength of the spectra due to the choice of directions: standard
@@ -150,9 +145,8 @@ impl InkOnPaper {
 
     /// Error of T̄ at one wavelength due to the choice of directions.
     fn angle_error(&self, node: usize, solved: &[SolvedRealisation]) -> f64 {
-        let nm = self.nodes.wavelengths_nm[node];
         let error = |realisation: &SolvedRealisation| {
-            let strata = &nearest_solved(realisation, nm).strata;
+            let strata = &nearest_solved(realisation, self.nodes.wavelengths_nm[node]).strata;
             self.whole[node].quadrature_error(strata, self.layer.exit).transmittance
         };
         let errors: Vec<f64> = solved.iter().map(error).collect();

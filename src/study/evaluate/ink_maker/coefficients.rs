@@ -29,12 +29,11 @@ pub struct KubelkaMunkRow {
     pub scattering_per_um: Estimate,
 }
 
+/// Coefficients, and the reason if there are none.
+type RowsOrReason = Result<(Vec<KubelkaMunkRow>, Option<String>), InkError>;
+
 /// K and S at the wavelengths at which they are determined; otherwise the reason.
-pub(super) fn kubelka_munk(
-    ink: &InkOnPaper,
-    uncertainty: &Uncertainty,
-    study: &Study,
-) -> Result<(Vec<KubelkaMunkRow>, Option<String>), InkError> {
+pub(super) fn kubelka_munk(ink: &InkOnPaper, uncertainty: &Uncertainty, study: &Study) -> RowsOrReason {
     if let Coupling::OpticalContact { .. } = study.paper.coupling {
         let reason = "K and S are defined for a layer between two equal half-spaces, but this one is in contact with its paper";
         return Ok((Vec::new(), Some(reason.to_owned())));
@@ -48,23 +47,17 @@ pub(super) fn kubelka_munk(
 }
 
 /// Coefficients of a layer with plane faces between equal half-spaces.
-fn of_plane_layer(
-    ink: &InkOnPaper,
-    uncertainty: &Uncertainty,
-    thickness_um: f64,
-) -> Result<(Vec<KubelkaMunkRow>, Option<String>), InkError> {
+fn of_plane_layer(ink: &InkOnPaper, uncertainty: &Uncertainty, thickness_um: f64) -> RowsOrReason {
     let (straight, faces) = (straight_on(ink)?, &ink.faces());
     let part = |get| Coefficient { thickness_um, faces, get }.estimates(ink, uncertainty);
     let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
-    let places = 0..straight.len();
-    let rows = places.filter(|&i| straight[i] <= STRAIGHT_ON && is_known(&k[i]) && is_known(&s[i]));
-    let rows: Vec<KubelkaMunkRow> = rows
-        .map(|i| KubelkaMunkRow {
-            wavelength_nm: ink.wavelengths_nm()[i],
-            absorption_per_um: k[i],
-            scattering_per_um: s[i],
-        })
-        .collect();
+    let mut rows = Vec::new();
+    for (i, &wavelength_nm) in ink.wavelengths_nm().iter().enumerate() {
+        let (absorption_per_um, scattering_per_um) = (k[i], s[i]);
+        if straight[i] <= STRAIGHT_ON && is_known(&k[i]) && is_known(&s[i]) {
+            rows.push(KubelkaMunkRow { wavelength_nm, absorption_per_um, scattering_per_um });
+        }
+    }
     let reason = rows.is_empty().then(|| in_words(&straight));
     Ok((rows, reason))
 }
@@ -96,6 +89,9 @@ fn in_words(straight: &[f64]) -> String {
         100.0 * STRAIGHT_ON
     )
 }
+
+/// K and S from R, T and the thickness.
+type TwoFluxFormula = fn(f64, f64, f64) -> Option<KubelkaMunk>;
 
 /// K or S of a layer of known thickness.
 struct Coefficient<'a> {
@@ -141,12 +137,7 @@ impl Coefficient<'_> {
     /// The coefficient by a formula for R and T of the layer without its faces, from R̄ and T̄ of
     /// the whole (the diffuse fluxes exchanged with the paper), shifted by errors; NaN if these do
     /// not determine it.
-    fn of(
-        &self,
-        layer: &LayerOnPaper,
-        [r, t]: Shift,
-        formula: fn(f64, f64, f64) -> Option<KubelkaMunk>,
-    ) -> f64 {
+    fn of(&self, layer: &LayerOnPaper, [r, t]: Shift, formula: TwoFluxFormula) -> f64 {
         let (r, t) = (layer.mean_reflectance_exit() + r, layer.mean_transmittance() + t);
         let bare = self.faces[layer.node].taken_off(r, t);
         bare.and_then(|[r, t]| formula(r, t, self.thickness_um)).map_or(f64::NAN, self.get)

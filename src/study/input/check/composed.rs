@@ -1,11 +1,8 @@
 //! Composed layers: the slabs they are cut into, and what they cannot hold.
 
-use crate::input::fault::Faults;
-use crate::input::file::StudyFile;
 use crate::input::forms::ThicknessWritten;
-use crate::input::limits;
 use crate::input::study::{Composed, Study};
-use crate::input::variation::LightRule;
+use crate::input::{Faults, LightRule, StudyFile, limits};
 use crate::numerics::allowed::Whole;
 
 /// Directions of a zone.

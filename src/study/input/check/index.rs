@@ -1,14 +1,16 @@
-//! Refractive indices: evaluates a number, a built-in spectrum or a table at every wavelength.
+//! Refractive indices: evaluates a number, a built-in spectrum or a table at every wavelength, and
+//! warns of files whose rows are far apart, which may be intended.
 
-use crate::input::fault::{Fault, Faults, keys_in_words};
 use crate::input::forms::{INDEX_KEYS, IndexWritten};
-use crate::input::limits;
-use crate::input::study::IndexSpectrum;
+use crate::input::study::{IndexSpectrum, Study};
+use crate::input::{Fault, Faults, keys_in_words, limits};
+use crate::material::columns::widest_gap_nm;
 use crate::material::mixing::MixingRule;
 use crate::material::named::{MATERIALS, Synthetic};
 use crate::material::spectra::{Spectrum, SpectrumError};
 use crate::numerics::allowed::shown;
 use num_complex::Complex64;
+use std::collections::BTreeSet;
 use std::path::Path;
 
 /// Wavelengths at which indices are needed, and where to find their tables.
@@ -99,9 +101,8 @@ fn not_found(field: &str, key: &str, (said, path): (&str, &Path), error: &Spectr
     let (found, allowed, remedy) = match key {
         "built_in" => (named, Synthetic::ALL.map(Synthetic::name).join(", "), take.to_owned()),
         "material" => {
-            let names: Vec<&str> = MATERIALS.iter().map(|material| material.name).collect();
             let remedy = format!("{take}; organic pigments are in no open collection of indices");
-            (named, names.join(", "), remedy)
+            (named, MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", "), remedy)
         }
         "csv" => {
             let allowed =
@@ -130,4 +131,27 @@ fn outside(field: &str, spectrum: &Spectrum, wavelengths_nm: &[f64]) -> Option<F
     let remedy = "give a table that covers 400 to 700 nm; with [light] inside the table's range spectra lack nothing, but colours \
                   have wider error bars, and need 440 to 610 nm at least";
     Some(Fault::new(field, format!("no value at {nm} nm"), allowed, remedy))
+}
+
+/// One remark for every file with a wide gap within the study's wavelengths.
+pub fn bridged(study: &Study) -> BTreeSet<String> {
+    let (Some(&from), Some(&to)) = (study.wavelengths_nm.first(), study.wavelengths_nm.last()) else {
+        return BTreeSet::new();
+    };
+    let dissolved = study.dissolved.iter().map(|dissolved| &dissolved.material);
+    let spectra = study.materials().chain(dissolved).chain([&study.layer.binder]).map(|m| &m.spectrum);
+    let of_spectra = spectra.filter_map(|s| Some(words(&s.name(), s.widest_gap_nm([from, to])?)));
+    let of_measured = study.judgement.measured.as_ref().and_then(|measured| {
+        let rows: Vec<f64> = measured.rows.iter().map(|row| row[0]).collect();
+        Some(words(&measured.source, widest_gap_nm(&rows, [from, to])?))
+    });
+    of_spectra.chain(of_measured).collect()
+}
+
+fn words(file: &str, [from, to]: [f64; 2]) -> String {
+    let width = to - from;
+    format!(
+        "{file}: no row between {from} and {to} nm; these {width} nm are interpolated linearly: \
+         add rows every 10 or 20 nm if the spectrum bends there"
+    )
 }

@@ -1,11 +1,9 @@
 //! What the prediction is compared with: conditions, a target colour, a measured spectrum.
 
 use crate::appearance::viewing::{ColourError, Summation, Viewing};
-use crate::input::fault::{Fault, Faults};
-use crate::input::file::StudyFile;
-use crate::input::measured::MeasuredSpectrum;
 use crate::input::measured_colour::MeasuredColour;
 use crate::input::study::Judgement;
+use crate::input::{Fault, Faults, MeasuredSpectrum, StudyFile};
 use crate::numerics::files;
 use std::path::Path;
 
@@ -98,8 +96,7 @@ fn is_lab(lab: [f64; 3]) -> bool {
 /// The colour in a measured file without spectra; other errors of the file are reported when its
 /// spectrum is read.
 fn measured_colour(file: &StudyFile, folder: &Path) -> Option<Result<MeasuredColour, String>> {
-    let path = folder.join(file.compare.measured.as_ref()?);
-    let bytes = files::read_bytes(&path, files::TABLE).ok()?;
+    let bytes = files::read_bytes(&folder.join(file.compare.measured.as_ref()?), files::TABLE).ok()?;
     MeasuredColour::parse(&String::from_utf8_lossy(&bytes), file.compare.patch.as_deref()).transpose()
 }
 
@@ -113,8 +110,7 @@ fn wanted(
     let allowed = format!("Lab under the conditions of [colour], {}, and stated", viewing.name());
     let remedy = "write these as [colour] illuminant and observer; where the file does not state them, write its values as \
                   colour.target_lab instead of the file";
-    let stated = colour.and_then(|colour| Ok((colour.lab, colour.viewing(viewing.summation)?)));
-    let found = match stated {
+    let found = match colour.and_then(|colour| Ok((colour.lab, colour.viewing(viewing.summation)?))) {
         Ok((lab, own)) if own == *viewing && is_lab(lab) && target_lab.is_none() => return Some(lab),
         Ok((_, own)) if own != *viewing => format!("Lab under {}", own.name()),
         Ok((lab, _)) if !is_lab(lab) => format!("Lab {lab:?}; allowed are {LAB}"),

@@ -1,11 +1,15 @@
-//! The wavelengths and their sampling.
+//! The wavelengths and their sampling; studies with Maxwell's equations that cannot be solved are
+//! refused before anything is packed.
 
+use super::grains::packed;
 use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter};
-use crate::input::fault::{Allowed, Faults, keys_in_words};
-use crate::input::file::{LightTable, SamplingName};
+use crate::input::file::{LightTable, SamplingName, StudyFile};
 use crate::input::limits::{self, LONGEST_LIST};
-use crate::input::variation::LightRule;
+use crate::input::{Allowed, Fault, Faults, LightRule, Study, keys_in_words};
+use crate::material::mixing::MixingRule;
 use crate::numerics::allowed::shown;
+use crate::solve::SolverChoice;
+use num_complex::Complex64;
 
 /// Tolerance of wavelengths, nm, for rounding.
 const SLACK_NM: f64 = 1e-6;
@@ -26,9 +30,8 @@ pub fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
         }
         _ => {
             let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm, or step_nm alone from 400 to 700 nm";
-            let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
             let found = keys_in_words(light, &["wavelengths_nm", "from_nm", "to_nm", "step_nm"]);
-            faults.add("light", found, allowed, remedy);
+            faults.add("light", found, allowed, "write for example from_nm = 400, to_nm = 700, step_nm = 20");
             Vec::new()
         }
     }
@@ -63,8 +66,7 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
     faults.number("light.step_nm", step, limits::STEP_NM, "20 is usual");
     faults.number("light.from_nm", from, limits::WAVELENGTH_NM, "400 is usual");
     if !(to >= from && to <= 1e4) {
-        let allowed = format!("from from_nm = {from} to 10000 nm");
-        faults.add("light.to_nm", to, allowed, "700 is usual");
+        faults.add("light.to_nm", to, format!("from from_nm = {from} to 10000 nm"), "700 is usual");
     }
     let count = ((to - from) / step + 1e-9).floor();
     if faults.0.len() == before && count >= LONGEST_LIST as f64 {
@@ -73,9 +75,8 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
     }
     // a range with a single wavelength is a mistake
     if faults.0.len() == before && to > from && count == 0.0 {
-        let allowed = format!("at most to_nm - from_nm = {} nm", to - from);
         let remedy = "20 is usual; for one wavelength write wavelengths_nm = [550]";
-        faults.add("light.step_nm", step, allowed, remedy);
+        faults.add("light.step_nm", step, format!("at most to_nm - from_nm = {} nm", to - from), remedy);
     }
     if faults.0.len() > before {
         return Vec::new();
@@ -89,8 +90,7 @@ pub fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, fau
         let found = format!("{} entries", list.len());
         faults.add(field, found, format!("1 to {LONGEST_LIST} entries, each {allowed}"), remedy);
     }
-    let wrong = list.iter().position(|&value| !allowed.holds(value));
-    if let Some(i) = wrong {
+    if let Some(i) = list.iter().position(|&value| !allowed.holds(value)) {
         faults.number(&format!("{field}[{i}]"), list[i], allowed, remedy);
     } else if let Some(i) = (1..list.len()).find(|&i| list[i] <= list[i - 1]) {
         let found = format!("{} after {}", list[i], list[i - 1]);
@@ -115,4 +115,49 @@ pub fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Fault
     }
     let strata = light.per_realisation.unwrap_or(last).max(1);
     LightRule::Shifted { range_nm: [wavelengths_nm[0], wavelengths_nm[last]], strata }
+}
+
+/// The mixing rule: that of vanishing grains for the chosen wave, unless the file sets another.
+pub(super) fn mixing(file: &StudyFile) -> MixingRule {
+    let vector = file.light.wave.is_vector();
+    file.layer.mixing.unwrap_or(if vector { MixingRule::MaxwellGarnett } else { MixingRule::VolumeAverage })
+}
+
+/// Reports features that are not available with Maxwell's equations.
+pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
+    if !study.wave.is_vector() {
+        return;
+    }
+    let scalar = "or take light.wave = \"scalar\"";
+    if file.layer.relief.is_some() {
+        let allowed =
+            "none with Maxwell's equations: the slope of a rough surface has no normal-field tensor yet";
+        faults.add("layer.relief", "a rough surface", allowed, format!("remove [layer.relief], {scalar}"));
+    }
+    if let SolverChoice::ConvergentBorn(_) | SolverChoice::Relaxation(_) = study.solver {
+        let allowed = "\"krylov\", \"bicgstab\", \"idr\", \"born\" or \"direct\" with Maxwell's equations: their unknowns are no values at points";
+        let found = study.solver.build().name().to_owned();
+        faults.add("solver.strategy", found, allowed, format!("leave it out, {scalar}"));
+    }
+    if study.pigments.is_empty() {
+        // metal films are exact
+        return;
+    }
+    let media: Vec<_> = study.wavelengths_nm.iter().map(|&nm| (nm, study.media(1e-3 * nm))).collect();
+    for (place, (i, _)) in packed(file).enumerate() {
+        let index = media.iter().map(|(nm, media)| (*nm, media.inclusions[place]));
+        faults.0.extend(metal(format!("pigment[{i}].index"), index, scalar));
+    }
+    let binder = media.iter().map(|(nm, media)| (*nm, media.backgrounds[0]));
+    faults.0.extend(metal("layer.binder.index".to_owned(), binder, scalar));
+}
+
+/// Refuses metals, Re η² ≤ 0: the normal-field tensor may be singular there, and has not been
+/// tested.
+fn metal(field: String, mut index: impl Iterator<Item = (f64, Complex64)>, scalar: &str) -> Option<Fault> {
+    let (nm, eta) = index.find(|(_, eta)| (eta * eta).re <= 0.0)?;
+    let found = format!("{} + {}i at {nm} nm, a metal", eta.re, eta.im);
+    let allowed =
+        "n greater than k with Maxwell's equations: the field across a metal's surface is not resolved";
+    Some(Fault::new(field, found, allowed, format!("give another pigment, {scalar}")))
 }

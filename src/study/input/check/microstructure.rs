@@ -2,13 +2,12 @@
 
 mod voxels;
 
-use super::pigments::{is_molecular, packed};
+use super::grains::{is_molecular, packed};
 use crate::ink::{Grain, Measure, PackError, Packing, Shape, SizeDistribution, Sphere, VoxelCut};
-use crate::input::fault::{Faults, keys_in_words};
 use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
 use crate::input::forms::Pair;
 use crate::input::positions::{Positions, read_positions};
-use crate::input::variation::CellRule;
+use crate::input::{CellRule, Faults, keys_in_words};
 use crate::numerics::vector::V3;
 use std::path::Path;
 
@@ -119,9 +118,8 @@ fn beside(file: &StudyFile, own: &MicrostructureTable, faults: &mut Faults) {
 /// The period: of the files, or as written; both must agree.
 fn period(file: &StudyFile, cuts: &[(String, Positions)], faults: &mut Faults) -> Option<[f64; 2]> {
     let written = file.layer.period_um.map(|pair| pair.xy());
-    let boxes = cuts.iter().filter_map(|(path, cut)| Some((path, cut.box_um?)));
     let sides = |b: [[f64; 2]; 3]| [b[0][1] - b[0][0], b[1][1] - b[1][0]];
-    let own: Vec<_> = boxes.map(|(path, b)| (path, sides(b))).collect();
+    let own: Vec<_> = cuts.iter().filter_map(|(path, cut)| Some((path, sides(cut.box_um?)))).collect();
     let Some(period) = written.or(own.first().map(|(_, sides)| *sides)) else {
         let allowed = "one number or [x, y], µm: these files have no box";
         faults.add("layer.period_um", "nothing", allowed, "give the period of the positions");
@@ -155,13 +153,11 @@ fn grains(file: &StudyFile, (path, cut): &(String, Positions), cell: V3, faults:
     for (i, sphere) in cut.spheres.iter().enumerate() {
         let center_um = [0, 1, 2].map(|axis| sphere.center_um[axis] - moved[axis]);
         spheres.push(near(Sphere { center_um, ..*sphere }, spheres.first(), cell));
-        let last = cut.grains.get(i).is_none_or(|own| cut.grains.get(i + 1) != Some(own));
-        if last {
+        if cut.grains.get(i).is_none_or(|own| cut.grains.get(i + 1) != Some(own)) {
             let Some(pigment) = pigment(file, cut.pigments.get(i), cut.counted_from) else {
-                let found = format!("pigment {:?}", cut.pigments[i]);
                 let allowed =
                     "names of the study's pigments, or numbers, from 0 in CSV and from 1 in other files";
-                return refuse(found, allowed, "name it in [[pigment]]");
+                return refuse(format!("pigment {:?}", cut.pigments[i]), allowed, "name it in [[pigment]]");
             };
             grains.push(Grain::new(std::mem::take(&mut spheres), pigment));
         }

@@ -80,12 +80,8 @@ impl Study {
     /// n_eff = √Re⟨η²⟩ at a vacuum wavelength.
     pub fn effective_index(&self, wavelength_um: f64) -> f64 {
         let (binder, pigments) = self.binder_and_pigments(wavelength_um);
-        let base = (binder * binder).re;
-        let each = self
-            .material_shares()
-            .into_iter()
-            .zip(&pigments)
-            .map(|(share, eta)| share * ((eta * eta).re - base));
+        let (base, shares) = ((binder * binder).re, self.material_shares());
+        let each = shares.iter().zip(&pigments).map(|(share, eta)| share * ((eta * eta).re - base));
         (base + each.sum::<f64>()).max(0.0).sqrt()
     }
 
@@ -124,8 +120,7 @@ impl Study {
         let both = [false, true].into_iter().flat_map(|halved| all.map(|position| (position, halved)));
         let both = both.filter(|(position, _)| needed(position)).enumerate();
         both.map(|(k, (position, halved))| {
-            let portion = Portion { position, halved, directions: composed.directions };
-            self.portion(portion, composed, k as u64)
+            self.portion(Portion { position, halved, directions: composed.directions }, composed, k as u64)
         })
         .collect()
     }

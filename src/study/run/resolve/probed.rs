@@ -12,6 +12,7 @@ use crate::wave::{Incidence, Mean, Media, Precision, Resolution, Scene, Scheme};
 /// One packing for test solves.
 pub(super) struct Probing<'a> {
     pub study: &'a Study,
+    pub realisation: usize,
     pub draw: Draw,
     pub scene: &'a Scene,
     /// Maximum memory of one solve, bytes.
@@ -84,7 +85,6 @@ impl Probing<'_> {
 /// transforms.
 pub(super) fn grid(draw: &Draw, points_per_um: f64, planes_per_um: f64, scheme: Scheme) -> Resolution {
     let points = draw.period_um.map(|period| smooth_size((points_per_um * period).ceil() as usize));
-    let planes = planes_per_um * draw.thickness_um;
-    let cells = (planes / scheme.degree() as f64).ceil().max(1.0) as usize;
+    let cells = (planes_per_um * draw.thickness_um / scheme.degree() as f64).ceil().max(1.0) as usize;
     Resolution { nx: points[0], ny: points[1], cells, scheme }
 }

@@ -36,7 +36,7 @@ fn connect(path: &Path) -> rusqlite::Result<Connection> {
 fn reopen(folder: &Path, slot: &Slot, error: rusqlite::Error) -> rusqlite::Result<Connection> {
     let damaged =
         matches!(error.sqlite_error_code(), Some(ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase));
-    let others = (1..slot.number() + 64).any(|n| n != slot.number() && Slot::is_held(folder, n));
+    let others = (1..slot.number + 64).any(|n| n != slot.number && Slot::is_held(folder, n));
     if others || !damaged {
         return Err(error);
     }
@@ -53,10 +53,9 @@ pub(super) fn join(
     (folder, slot): (&Path, &Slot),
     name: &str,
 ) -> rusqlite::Result<bool> {
-    let at_work = "select name from work";
     let under_way: Option<String> = match living(transaction, folder)?[..] {
         [] => None,
-        _ => transaction.query_row(at_work, [], |row| row.get(0)).optional()?,
+        _ => transaction.query_row("select name from work", [], |row| row.get(0)).optional()?,
     };
     if under_way.is_none() {
         transaction.execute_batch("delete from work; delete from workers; delete from tasks")?;
@@ -65,9 +64,9 @@ pub(super) fn join(
     if under_way.is_some_and(|other| other != name) {
         return Ok(false);
     }
-    free(transaction, slot.number())?;
+    free(transaction, slot.number)?;
     let sign_in = "insert or replace into workers values (?1, ?2)";
-    transaction.execute(sign_in, params![slot.number(), slot.holder()])?;
+    transaction.execute(sign_in, params![slot.number, slot.holder])?;
     Ok(true)
 }
 

@@ -3,10 +3,9 @@
 use super::{FIELD, Given, GrainFiles};
 use crate::ink::{Measure, SizeDistribution, VoxelCut};
 use crate::input::check::pigments::packed_names;
-use crate::input::fault::{Fault, Faults};
 use crate::input::file::{Continuation, MicrostructureTable, StudyFile, VoxelEdges};
-use crate::input::limits;
 use crate::input::voxels::read_labels;
+use crate::input::{Fault, Faults, limits};
 use ndarray::{Array3, ArrayView1, Axis, concatenate, s};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -49,8 +48,7 @@ pub fn voxels(
     }
     let mut given = reader.given(file, edges_nm, pigments.len());
     let [lx, ly, h] = given.cell_um;
-    let other =
-        |written: &[f64; 2]| (written[0] - lx).abs() > 1e-6 * lx || (written[1] - ly).abs() > 1e-6 * ly;
+    let other = |[x, y]: &[f64; 2]| (x - lx).abs() > 1e-6 * lx || (y - ly).abs() > 1e-6 * ly;
     if let Some([x, y]) = file.layer.period_um.map(|pair| pair.xy()).filter(other) {
         let allowed = format!("{lx} × {ly} µm, the width of a cut");
         faults.add("layer.period_um", format!("{x} × {y} µm"), allowed, "leave it out");
@@ -63,9 +61,7 @@ pub fn voxels(
 
 /// The pigment of every label.
 fn known_labels(table: &MicrostructureTable, pigments: &[String], faults: &mut Faults) -> BTreeMap<i64, u8> {
-    let Some(labels) = &table.labels else {
-        return (1..).zip(1..).take(pigments.len()).collect();
-    };
+    let Some(labels) = &table.labels else { return (1..).zip(1..).take(pigments.len()).collect() };
     let mut known = BTreeMap::new();
     for (label, name) in labels {
         let field = format!("layer.microstructure.labels.{label}");
@@ -187,8 +183,7 @@ fn faces(labels: &Array3<u8>, own: u8, axis: usize) -> usize {
 
 /// Ends of the runs of a label along one line of voxels.
 fn ends(lane: ArrayView1<u8>, own: u8, periodic: bool) -> usize {
-    let pairs = lane.iter().zip(lane.iter().skip(1));
-    let inside = pairs.filter(|(a, b)| (**a == own) != (**b == own)).count();
+    let inside = lane.iter().zip(lane.iter().skip(1)).filter(|(a, b)| (**a == own) != (**b == own)).count();
     let [first, last] = [lane[0], lane[lane.len() - 1]].map(|end| end == own);
     let outer = if periodic { usize::from(first != last) } else { usize::from(first) + usize::from(last) };
     inside + outer
