@@ -1,7 +1,7 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
 use super::diagnostics::{folder_report, study_report};
-use super::stop::StopFlag;
+use super::terminal::StopFlag;
 use super::work::opened;
 use clap::Args;
 use inkwave::compare::check::{Conformity, ConformityVerdict, TOLERANCE, check};

@@ -1,9 +1,8 @@
 //! `inkwave export FOLDER`: files for renderers, colour programs, NumPy, ParaView and archives.
 
-use super::again::quoted;
 use super::diagnostics::folder_report;
 use super::progress::Progress;
-use super::say::say;
+use super::terminal::{quoted, say};
 use clap::Args;
 use inkwave::export::composed::ComposedStored;
 use inkwave::export::error::ExportError;

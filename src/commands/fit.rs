@@ -2,7 +2,7 @@
 
 use super::diagnostics::{folder_report, run_report, step_report, study_report};
 use super::progress::Progress;
-use super::say::note;
+use super::terminal::note;
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::fit::load::{FitTask, load};

@@ -1,11 +1,10 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
 use super::progress::style;
-use super::say::say;
-use super::solve_gradient::{Gradient, gradients};
-use super::solve_light::LightArgs;
+use super::solve_options::{LightArgs, StudyPoint};
 use super::solve_report;
-use super::solve_study::StudyPoint;
+use super::solve_report::{Gradient, gradients};
+use super::terminal::say;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use inkwave::compare::external::protocol::WaveKind;
@@ -157,7 +156,7 @@ fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Est
         scheme: scheme(args),
         solver: &*solver,
         goal: Goal { tolerance: tolerance(args), ..Goal::default() },
-        memory: super::memory::bytes(args.memory_gb)?,
+        memory: super::work::bytes(args.memory_gb)?,
     };
     // cleared when it is dropped
     let mut bar = Bar::new();
@@ -191,7 +190,7 @@ fn check(args: &SolveArgs) -> Result<()> {
     if args.export_operator.is_some() && args.wave == WaveKind::Vector {
         miette::bail!("--export-operator writes the operator of the scalar wave: leave out --wave vector");
     }
-    super::memory::bytes(args.memory_gb).map(drop)
+    super::work::bytes(args.memory_gb).map(drop)
 }
 
 /// Residual to reach; the amplitude error that it causes may be three times as large.

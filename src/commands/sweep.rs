@@ -1,10 +1,8 @@
 //! `inkwave sweep SWEEP.toml`: a study of many variants, on one machine or many.
 
-use super::again::{this_command, to_resume};
 use super::diagnostics::{folder_report, mixed_up_report, run_report, tell_damages};
-use super::live::Live;
-use super::progress::Progress;
-use super::say::note;
+use super::progress::{Live, Progress};
+use super::terminal::{note, this_command, to_resume};
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::run::RunSettings;
