@@ -75,8 +75,7 @@ fn refusal(error: &ExportError, folder: &Path) -> miette::Report {
 
 /// The command that resumes an unfinished folder: the recorded one, or else its general form.
 fn to_go_on(folder: &Path) -> String {
-    let sweep = folder.parent().and_then(Path::parent);
-    let marked = partial::go_on(folder).or_else(|| partial::go_on(sweep?));
+    let marked = partial::go_on(folder).or_else(|| partial::go_on(folder.parent().and_then(Path::parent)?));
     marked.unwrap_or_else(|| format!("inkwave run STUDY.toml --output {}", quoted(&folder.to_string_lossy())))
 }
 

@@ -61,8 +61,7 @@ pub fn report(args: &ReportArgs) -> miette::Result<()> {
         *place = option.clone().or(place.take());
     }
     let folder = OutputFolder::open(&args.folder, Holds::Sweep).map_err(folder_report)?;
-    let reported = publish(&sweep, &folder).into_diagnostic()?;
-    tell(&reported, &folder, false, "run the sweep again with its file")
+    tell(&publish(&sweep, &folder).into_diagnostic()?, &folder, false, "run the sweep again with its file")
 }
 
 fn open_report(error: OpenError) -> miette::Report {

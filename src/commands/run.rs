@@ -103,9 +103,8 @@ fn tell(
     folder: &OutputFolder,
     stopped: bool,
 ) -> miette::Result<()> {
-    let report = folder.path().join("report.html");
     tell_colour(study, published)?;
-    say!("Report: {}", report.display())?;
+    say!("Report: {}", folder.path().join("report.html").display())?;
     if let (Some(target), false) = (study.target_delta_e.filter(|_| study.realisations > 1), stopped)
         && !summary::enough(study, collected)
     {

@@ -147,14 +147,13 @@ fn export_operator(solved: &Estimated, path: &Path) -> Result<()> {
 
 /// Solves on the grid given, or searches for one; with the derivatives that were asked for.
 fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Estimated, Vec<Gradient>)> {
-    let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let task = Task {
         coverages,
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },
         scheme: scheme(args),
-        solver: &*solver,
+        solver: &*SolverChoice::named(&args.solver).into_diagnostic()?.build(),
         goal: Goal { tolerance: tolerance(args), ..Goal::default() },
         memory: super::work::bytes(args.memory_gb)?,
     };

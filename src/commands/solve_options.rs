@@ -122,10 +122,9 @@ impl LightArgs {
     /// 0, step, 2 step, … up to `end`, which is included if `closed`.
     fn angles(&self, end: f64, closed: bool) -> Vec<f64> {
         let step = self.step_deg();
-        let angles = (0..).map(|i| step * f64::from(i));
         // Rounding of the step must not add or lose the last direction.
         let slack = if closed { 1e-9 } else { -1e-9 };
-        angles.take_while(|a| *a < end + slack).map(|a| a.min(end)).collect()
+        (0..).map(|i| step * f64::from(i)).take_while(|a| *a < end + slack).map(|a| a.min(end)).collect()
     }
 }
 

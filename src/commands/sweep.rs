@@ -96,8 +96,7 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     if !tally.publishes {
         return tell_others(&folder);
     }
-    let reported = publish(&sweep, &folder).into_diagnostic()?;
-    tell(&reported, &folder, progress.stopped(), &this_command())
+    tell(&publish(&sweep, &folder).into_diagnostic()?, &folder, progress.stopped(), &this_command())
 }
 
 /// Says that other processes continue here.
@@ -123,8 +122,7 @@ fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> mie
     let progress = Progress::new();
     let done = progress.during(|| composed::run(sweep, &folder, settings, &progress));
     let done = done.map_err(run_report)?;
-    let page = composed::publish(sweep, &done, &folder).into_diagnostic()?;
-    say!("Report: {}", page.display())?;
+    say!("Report: {}", composed::publish(sweep, &done, &folder).into_diagnostic()?.display())?;
     if done.len() < sweep.variants.len() {
         let (there, all) = (done.len(), sweep.variants.len());
         return Err(miette!(help = to_resume(), "{there} of {all} layers are there"));

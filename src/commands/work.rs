@@ -51,8 +51,7 @@ impl WorkArgs {
 /// # Errors
 /// The folder cannot be written, or holds something else.
 pub fn opened(path: &Path, holds: Holds) -> Result<OutputFolder> {
-    let folder = OutputFolder::open(path, holds).map_err(folder_report)?;
-    Ok(folder.going_on_with(this_command()))
+    Ok(OutputFolder::open(path, holds).map_err(folder_report)?.going_on_with(this_command()))
 }
 
 /// Converts GB to bytes, capped by the process's limits.

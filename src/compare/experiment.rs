@@ -68,15 +68,13 @@ impl ComparisonFile {
 
     /// Number of rows; errors of every case are found on the way.
     fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> Result<usize, CompareError> {
-        let grids = self.listed().map_or(1, |points| points.len());
         let mut rows = 0;
         for subject in subjects {
             let (absorbs, schemes) = (absorbs(&subject.media()?), self.schemes(subject.wave).len());
             let means = strategies.iter().map(|(_, s)| self.means(&**s, absorbs).len()).sum::<usize>();
-            rows += means * grids * schemes;
+            rows += means * self.listed().map_or(1, |points| points.len()) * schemes;
         }
-        let programs = self.external.iter().map(|program| program.knobs().len()).sum::<usize>();
-        Ok(rows + subjects.len() * programs)
+        Ok(rows + subjects.len() * self.external.iter().map(|program| program.knobs().len()).sum::<usize>())
     }
 
     /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can
@@ -141,7 +139,6 @@ impl ComparisonFile {
     ) -> Result<(), CompareError> {
         let case = subject.case()?;
         let coverages = coverages(subject.wave, &case);
-        let absorbs = absorbs(&case.media);
         let trials = self.trials(subject, &case, &coverages, watch)?;
         let truth = self.truth(subject, &case, &trials, watch)?;
         let bench = Bench { file: self, varied: subject.varied, case: &case, coverages: &coverages, truth };
@@ -149,7 +146,7 @@ impl ComparisonFile {
         for trial in &trials {
             for absorbing in [true, false] {
                 for (name, solver) in strategies {
-                    let means = self.means(&**solver, absorbs);
+                    let means = self.means(&**solver, absorbs(&case.media));
                     if let Some(mean) = means.into_iter().find(|mean| mean.absorbing == absorbing) {
                         keep(bench.row((name, &**solver), mean, trial, watch)?);
                     }

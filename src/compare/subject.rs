@@ -93,8 +93,7 @@ impl Packed {
     /// # Errors
     /// Errors of the study; a study with a wave of its own.
     fn study(&self) -> Result<Study, CompareError> {
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        let checked = check(&self.file, folder, "study");
+        let checked = check(&self.file, self.path.parent().unwrap_or(Path::new("")), "study");
         let study = checked.map_err(|faults| told(faults, &self.path, self.inside))?;
         if study.wave.is_vector() {
             let allowed = "scalar: the comparison's own `wave` says which equation is solved";

@@ -207,8 +207,7 @@ impl DesignRun<'_> {
             return Err(RunError::Stopped.into());
         }
         let seen = see(&study, &collected).map_err(|error| no_colour(error.to_string()))?;
-        let ink = seen.ink.as_ref().map_err(|error| no_colour(error.to_string()))?;
-        let spectra = spectra(ink)?;
+        let spectra = spectra(seen.ink.as_ref().map_err(|error| no_colour(error.to_string()))?)?;
         let manifest = summarise(&study, &collected, &seen);
         let none = || manifest.no_colour.clone().or(manifest.no_ink_maker.clone()).unwrap_or_default();
         let maker = manifest.ink_maker.as_ref().ok_or_else(|| no_colour(none()))?;

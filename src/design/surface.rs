@@ -118,8 +118,7 @@ impl Surfaces {
         let matrix = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
         let ridge = RIDGE * rows.len() as f64;
         let ridge = Mat::from_fn(count, count, |i, j| if i == j { ridge } else { 0.0 });
-        let normal = matrix.transpose() * &matrix + ridge;
-        let factors = normal.llt(Side::Lower).ok()?;
+        let factors = (matrix.transpose() * &matrix + ridge).llt(Side::Lower).ok()?;
         let values = Mat::from_fn(rows.len(), columns, |i, j| differences[i][j]);
         let coefficients = factors.solve(matrix.transpose() * &values);
         let fitted = &matrix * &coefficients;

@@ -121,12 +121,11 @@ impl Chart {
             .y_label_area_size(72)
             .build_cartesian_2d(self.scale(0)?, self.scale(1)?)
             .map_err(failed)?;
-        let words = fitting(&self.x_label, ROOM[0]).min(fitting(&self.y_label, ROOM[1]));
         axes.configure_mesh()
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
             .label_style((FONT, WORDS))
-            .axis_desc_style((FONT, words))
+            .axis_desc_style((FONT, fitting(&self.x_label, ROOM[0]).min(fitting(&self.y_label, ROOM[1]))))
             .max_light_lines(0)
             .draw()
             .map_err(failed)?;
@@ -252,8 +251,7 @@ fn name<B: DrawingBackend>(
     curve: &Curve,
     pen: Pen,
 ) -> Result<(), OutputError> {
-    let text = Text::new(curve.name.clone(), (x + KEY, y - 8), (FONT, WORDS).into_font());
-    area.draw(&text).map_err(failed)?;
+    area.draw(&Text::new(curve.name.clone(), (x + KEY, y - 8), (FONT, WORDS).into_font())).map_err(failed)?;
     let [dash, gap] = if curve.style == Style::Guide { DASHES } else { dashes(curve) }.map(|px| px as i32);
     let dash = if dash == 0 { SAMPLE } else { dash };
     for a in (0..SAMPLE).step_by((dash + gap) as usize).filter(|_| curve.style != Style::Points) {

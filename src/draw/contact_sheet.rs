@@ -97,8 +97,7 @@ impl ContactSheet {
             bitmap.text(name, [middle(c, cell[0], left), 84], LABEL_PX, Anchor::Centre)?;
         }
         for (r, name) in self.rows.iter().enumerate() {
-            let at = [left as i32 - 14, middle(r, cell[1], SHEET_TOP)];
-            bitmap.text(name, at, LABEL_PX, Anchor::Right)?;
+            bitmap.text(name, [left as i32 - 14, middle(r, cell[1], SHEET_TOP)], LABEL_PX, Anchor::Right)?;
         }
         Ok(())
     }
@@ -111,9 +110,8 @@ fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str
     let lines = wrapped(reason, |line| line.chars().count() <= letters);
     let [middle_x, middle_y] =
         [x + (cell[0] - SHEET_GAP) / 2, y + (cell[1] - SHEET_GAP) / 2].map(|p| p as i32);
-    let step = size as i32 + 5;
     for (k, line) in lines.iter().enumerate() {
-        let down = (2 * k as i32 - lines.len() as i32 + 1) * step / 2;
+        let down = (2 * k as i32 - lines.len() as i32 + 1) * (size as i32 + 5) / 2;
         bitmap.text(line, [middle_x, middle_y + down], size, Anchor::Centre)?;
     }
     Ok(())

@@ -66,8 +66,7 @@ fn paint_top_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut R
             if let Some([z, _]) = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0]) {
                 let lit = dot(solid.normal([x, y, z]), [-0.4, 0.4, -1.0]) / 1.15;
                 let below = (z - packing.filled_um(x, y)[0]).max(0.0) / packing.thickness_um();
-                let lit = shade(colour, 0.45 + 0.55 * lit.max(0.0));
-                raster.set(i, j, z, mix(lit, BINDER, 0.85 * below));
+                raster.set(i, j, z, mix(shade(colour, 0.45 + 0.55 * lit.max(0.0)), BINDER, 0.85 * below));
             }
         }
     }
@@ -161,8 +160,7 @@ fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> Res
 
 /// Writes a line with its upper left corner at `at`, its letters `height` pixels high.
 fn write_line(canvas: &Canvas, line: String, at: (i32, i32), height: i32) -> Result<(), OutputError> {
-    let text = Text::new(line, at, (FONT, height).into_font());
-    canvas.draw(&text).map_err(failed)
+    canvas.draw(&Text::new(line, at, (FONT, height).into_font())).map_err(failed)
 }
 
 /// Puts a picture with its upper left corner at `at`.
@@ -205,9 +203,8 @@ pub fn shape_sheet(shapes: &[(String, Shape)]) -> Result<Vec<u8>, OutputError> {
 /// The grain of pigment `k` in its place on the sheet, with its name and figures beneath.
 fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Result<(), OutputError> {
     let template = shape.template();
-    let raster = paint_shape(&template, k, 2 * TILE).halved();
     let left = (k * TILE) as i32;
-    place(canvas, &raster, (left, 0), (TILE as u32, TILE as u32))?;
+    place(canvas, &paint_shape(&template, k, 2 * TILE).halved(), (left, 0), (TILE as u32, TILE as u32))?;
     let lines = [
         format!("{name}: {}{}", shape.name(), made_of(&template)),
         format!("length {:.2} R", template.length),
@@ -230,8 +227,7 @@ fn paint_shape(template: &Template, colour: usize, side: usize) -> Raster {
     // Spheres are given with z upwards.
     for solid in body {
         let [x, y, z] = solid.center_um;
-        let solid = solid.placed([x, y, -z]);
-        camera.solid(&mut raster, &solid, 0.0, pigment_colour(colour));
+        camera.solid(&mut raster, &solid.placed([x, y, -z]), 0.0, pigment_colour(colour));
     }
     raster
 }

@@ -76,8 +76,7 @@ fn label(
     let square = x + style.strip_px + style.gap_px;
     let (bottom, side) = ((y + style.side_px) as i32, style.side_px as i32);
     let (above, across) = (y as i32 - 14, square as i32 + side / 2);
-    let strip_middle = (x + style.strip_px / 2) as i32;
-    bitmap.text("natural light", [strip_middle, above], LABEL_PX, Anchor::Centre)?;
+    bitmap.text("natural light", [(x + style.strip_px / 2) as i32, above], LABEL_PX, Anchor::Centre)?;
     bitmap.text("π × diffuse BRDF", [across, above], LABEL_PX, Anchor::Centre)?;
     bitmap.text("illumination angle, °", [across, bottom + 44], LABEL_PX, Anchor::Centre)?;
     bitmap.text("viewing angle, °", [16, y as i32 + side / 2], LABEL_PX, Anchor::Upwards)?;
@@ -99,8 +98,7 @@ fn ticks(picture: &InkPicture, side_px: usize) -> Vec<(String, usize)> {
         let share = if last > first { (deg - first) / (last - first) } else { 0.0 };
         (cell / 2.0 + share * reach) as usize
     };
-    let multiples = (0..=4).map(|k| TICKS_DEG * f64::from(k));
-    let inside = multiples.filter(|deg| (first..=last).contains(deg));
+    let inside = (0..=4).map(|k| TICKS_DEG * f64::from(k)).filter(|deg| (first..=last).contains(deg));
     inside.map(|deg| (format!("{deg:.0}"), offset(deg))).collect()
 }
 

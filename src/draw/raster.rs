@@ -104,8 +104,7 @@ impl Camera {
     }
 
     fn ray(&self, x: f64, y: f64) -> V3 {
-        let side = add(scale(self.right, x / self.focal), scale(self.up, -y / self.focal));
-        unit(add(self.forward, side))
+        unit(add(self.forward, add(scale(self.right, x / self.focal), scale(self.up, -y / self.focal))))
     }
 
     /// Draws a convex body given with z downwards from `top`, lit from over the left shoulder.

@@ -160,8 +160,7 @@ fn view(light_deg: f64, [row, column]: [usize; 2]) -> Option<(Direction, f64)> {
     }
     let polar_deg = out[2].min(1.0).acos().to_degrees().min(GRAZING_DEG);
     // the renderer's ω_o against this program's direction cosines: turned by half a turn
-    let azimuth_deg = (-out[1]).atan2(-out[0]).to_degrees();
-    Some((Direction { polar_deg, azimuth_deg }, out[2]))
+    Some((Direction { polar_deg, azimuth_deg: (-out[1]).atan2(-out[0]).to_degrees() }, out[2]))
 }
 
 /// A scene that renders at once: a ball and a flat patch of the ink on a grey table, lit by a lamp

@@ -44,8 +44,7 @@ fn grid(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
     npz.add_array("period_um", &arr1(&grid.period_um))?;
     npz.add_array("nodes_um", &arr1(&grid.nodes_um))?;
     // 1 where a cell's waves are exact, 0 for second differences.
-    let exact = grid.resolution.scheme != Scheme::SecondDifference;
-    npz.add_array("exact_cells", &arr1(&[i8::from(exact)]))?;
+    npz.add_array("exact_cells", &arr1(&[i8::from(grid.resolution.scheme != Scheme::SecondDifference)]))?;
     npz.add_array("element_points", &arr1(&element.points))?;
     npz.add_array("element_weights", &arr1(&element.weights))?;
     npz.add_array("bubble_lambda", &arr1(&element.lambda))?;

@@ -42,8 +42,7 @@ impl Stored {
             let remedy = "spectra.csv, medium.csv and results.json have its numbers";
             return Err(ExportError::Folder { reason, remedy });
         }
-        let stores = stores(path)?;
-        let (asked, collected) = (study.solves(), collect(&study, &stores, 0));
+        let (asked, collected) = (study.solves(), collect(&study, &stores(path)?, 0));
         let finished = collected.as_ref().map_or(0, Collected::finished);
         let Some(collected) = collected.filter(|_| finished >= asked) else {
             return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });

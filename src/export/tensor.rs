@@ -49,8 +49,7 @@ impl TensorField {
         header.extend(self.name.as_bytes());
         header.extend((self.shape.len() as u16).to_le_bytes());
         header.push(self.kind as u8);
-        let numbers = std::iter::once(&offset).chain(&self.shape);
-        header.extend(numbers.flat_map(|&n| (n as u64).to_le_bytes()));
+        header.extend(std::iter::once(&offset).chain(&self.shape).flat_map(|&n| (n as u64).to_le_bytes()));
         header
     }
 }

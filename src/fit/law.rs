@@ -77,8 +77,7 @@ impl LinearFit<'_> {
         let log_evidence = -0.5 * (chi_squared + pull + occam);
         let effective = (&gain * self.jacobian).diagonal().column_vector().iter().sum();
         let unknowns = (0..unknowns.nrows()).map(|i| unknowns[(i, 0)]).collect();
-        let posterior = factors.inverse();
-        Some(FitStep { unknowns, chi_squared, log_evidence, effective, gain, posterior })
+        Some(FitStep { unknowns, chi_squared, log_evidence, effective, gain, posterior: factors.inverse() })
     }
 
     /// Solves H x = g with x ≥ 0 where that is required, by an active set.
@@ -95,14 +94,12 @@ impl LinearFit<'_> {
                 free.iter().copied().filter(|i| self.positive[*i] && x[(*i, 0)] < 0.0).collect::<Vec<_>>();
             if worst.is_empty() {
                 let pull = normal * &x - right;
-                let wrong = (0..count).find(|&i| held[i] && pull[(i, 0)] < -1e-9);
-                let Some(i) = wrong else { return Some(x) };
+                let Some(i) = (0..count).find(|&i| held[i] && pull[(i, 0)] < -1e-9) else { return Some(x) };
                 held[i] = false;
             }
             worst.into_iter().for_each(|i| held[i] = true);
         }
-        let factors = cholesky(normal)?;
-        let mut x = factors.solve(right);
+        let mut x = cholesky(normal)?.solve(right);
         (0..count).filter(|&i| self.positive[i]).for_each(|i| x[(i, 0)] = x[(i, 0)].max(0.0));
         Some(x)
     }
@@ -111,8 +108,7 @@ impl LinearFit<'_> {
 impl FitStep {
     /// Covariance of the unknowns for data of another covariance than the one that weighted them.
     pub fn covariance(&self, assumed: &Mat<f64>, true_one: &Mat<f64>) -> Mat<f64> {
-        let change = true_one - assumed;
-        &self.posterior + &self.gain * change * self.gain.transpose()
+        &self.posterior + &self.gain * (true_one - assumed) * self.gain.transpose()
     }
 }
 

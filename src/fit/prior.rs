@@ -146,8 +146,6 @@ fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
         kappa.push(nodes.map(|nodes| hat(nodes, w)).chain([0.0; 2]).collect());
     }
     let factor = (STRENGTH_NM * pieces / (to - from)).powf(1.5);
-    let rough = second_differences(0, hats, factor);
-    let beyond = Some((BEYOND_NM * pieces / (to - from)).round() as usize);
     IndexPrior {
         n,
         kappa,
@@ -155,8 +153,8 @@ fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
         positive: [vec![true; hats], vec![false; 2]].concat(),
         sizes: [vec![SIZES[0]; hats], SIZES[1..].to_vec()].concat(),
         thickness: false,
-        rough,
-        beyond,
+        rough: second_differences(0, hats, factor),
+        beyond: Some((BEYOND_NM * pieces / (to - from)).round() as usize),
     }
 }
 

@@ -144,9 +144,7 @@ fn forecast_chart(nm: &[f64], forecast: &Forecast) -> Chart {
     let own = nm.iter().zip(bars).map(|(&nm, (&value, &error))| [nm, value, HALF_95 * error]);
     let mut curves = vec![Curve::with_bars("from the index, 95 %", Style::Data, own)];
     let line = |values: &Vec<f64>| nm.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
-    let measured = forecast.measured.iter().map(|v| Curve::new("measured", Style::Points, line(v)));
-    curves.extend(measured);
-    let munk = forecast.kubelka_munk.iter();
-    curves.extend(munk.map(|v| Curve::new("Kubelka–Munk", Style::Data, line(v))));
+    curves.extend(forecast.measured.iter().map(|v| Curve::new("measured", Style::Points, line(v))));
+    curves.extend(forecast.kubelka_munk.iter().map(|v| Curve::new("Kubelka–Munk", Style::Data, line(v))));
     Chart::linear(&forecast.name, "wavelength, nm", "reflectance factor", curves)
 }

@@ -78,10 +78,8 @@ const CERTAIN: f64 = 1e-6;
 const BEYOND: f64 = 0.03;
 
 fn is_physical(row: &ComposedRow) -> bool {
-    let shares = shares(row).into_iter().take(6);
-    shares
-        .into_iter()
-        .all(|(_, j)| (-BEYOND..=1.0 + BEYOND).contains(&j.value) && j.standard_error.is_finite())
+    let mut shares = shares(row).into_iter().take(6);
+    shares.all(|(_, j)| (-BEYOND..=1.0 + BEYOND).contains(&j.value) && j.standard_error.is_finite())
 }
 
 fn words(judged: &ErrorParts, decimals: usize) -> String {
@@ -141,8 +139,7 @@ fn figures(manifest: &ComposedManifest) -> Result<Vec<Figure>, OutputError> {
         all.insert(1, ("Hiding", hiding_chart(manifest), HIDING));
         all.insert(2, ("Colour", colour_chart(manifest), COLOUR));
     }
-    let figures = all.into_iter().map(|(heading, chart, caption)| Figure::new(heading, &chart, caption));
-    figures.collect()
+    all.into_iter().map(|(heading, chart, caption)| Figure::new(heading, &chart, caption)).collect()
 }
 
 const SHARES: &str = "Diffuse light reflected (R) and transmitted (T) by the layer without paper, against its \

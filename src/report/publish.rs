@@ -169,6 +169,5 @@ fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError
 fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> Result<Vec<u8>, PublishError> {
     let bitmap: Bitmap = render(picture, style)?;
     let (key, program) = (study.key().to_string(), crate::evaluate::summary::program());
-    let text = [("Title", study.title.as_str()), ("Software", &program), ("Study", &key)];
-    Ok(bitmap.png(&text)?)
+    Ok(bitmap.png(&[("Title", study.title.as_str()), ("Software", &program), ("Study", &key)])?)
 }

@@ -21,12 +21,10 @@ const NUMBERS: [(&str, fn(&SpectrumRow) -> Option<Estimate>); 7] = [
 /// Spectra, one row per wavelength; unknown errors and unfinished values are empty.
 pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
     let place = ["wavelength_nm", "polar_deg"].map(str::to_owned);
-    let header = place.into_iter().chain(with_errors(NUMBERS.map(|(name, _)| name)));
     let lines = rows.iter().map(|row| {
-        let place = [row.wavelength_nm, row.polar_deg].map(|x| x.to_string());
-        (place, NUMBERS.map(|(_, of)| numbers(of(row))))
+        ([row.wavelength_nm, row.polar_deg].map(|x| x.to_string()), NUMBERS.map(|(_, of)| numbers(of(row))))
     });
-    table(header, lines)
+    table(place.into_iter().chain(with_errors(NUMBERS.map(|(name, _)| name))), lines)
 }
 
 /// `kubelka-munk.csv` where K and S are known, and `measured.csv` if there is a measurement.

@@ -56,9 +56,8 @@ impl KnownCase {
     /// The user stopped it.
     pub fn orders(&self, watch: &mut dyn Watch) -> Result<Vec<ExpectedOrder>, CompareError> {
         let (case, wave) = (self.case()?, self.wave.wave());
-        let coverages = Coverages::new(wave, &case.scene, Precision::of(error_for(ACCURACY)));
         let task = Task {
-            coverages: &coverages,
+            coverages: &Coverages::new(wave, &case.scene, Precision::of(error_for(ACCURACY))),
             media: &case.media,
             incidence: &case.incidence,
             mean: Mean { depends_on_z: true, absorbing: true },
@@ -74,10 +73,9 @@ impl KnownCase {
     pub(super) fn light(&self) -> SlipLight {
         let number = |key: &str| self.inputs[key].as_f64().unwrap_or_default();
         let (k0, polar, azimuth) = (TAU / number("wavelength"), number("sigma_deg"), number("phi_deg"));
-        let period = [0, 1].map(|axis| self.inputs["L"][axis].as_f64().unwrap_or(1.0));
         let ((sin, cos), (y, x)) = (polar.to_radians().sin_cos(), azimuth.to_radians().sin_cos());
         let lateral = [sin * x, sin * y];
-        let step = period.map(|um| TAU / um / k0);
+        let step = [0, 1].map(|axis| self.inputs["L"][axis].as_f64().unwrap_or(1.0)).map(|um| TAU / um / k0);
         SlipLight { kappa: cos, height: k0 * number("H"), exit: number("n_out"), lateral, step }
     }
 }

@@ -126,8 +126,7 @@ impl ComparisonFile {
         let json =
             serde_json::from_str(&text).or_else(|_| toml::from_str::<Value>(&text)).unwrap_or_default();
         let Some(id) = id else { return Ok(CaseGeometry::Written(Box::new(Case::read(&path)?), json)) };
-        let found = json["cases"].as_array().into_iter().flatten().find(|case| case["id"] == id);
-        let Some(case) = found else {
+        let Some(case) = json["cases"].as_array().into_iter().flatten().find(|case| case["id"] == id) else {
             let allowed = format!("an `id` among the `cases` of {}", path.display());
             let remedy = "leave `id` out for a file with one case";
             return Err(Fault::new("cases.id", format!("{id:?}"), allowed, remedy).into());

@@ -179,8 +179,7 @@ impl ComparisonFile {
 
     /// The accuracy that grids are searched for; `None` if they are listed.
     pub(super) fn searched(&self) -> Option<f64> {
-        let usual = self.matrix.is_some() && self.resolutions.is_none();
-        self.accuracy.or(usual.then_some(1e-2))
+        self.accuracy.or((self.matrix.is_some() && self.resolutions.is_none()).then_some(1e-2))
     }
 
     /// Discretisations along z; the vector wave has one only.

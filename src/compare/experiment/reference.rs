@@ -30,8 +30,7 @@ impl ComparisonFile {
         coverages: &Coverages,
         watch: &mut dyn Watch,
     ) -> Result<Vec<ReferenceTrial>, CompareError> {
-        let solver = Gmres::default();
-        let mut trials = Vec::new();
+        let (solver, mut trials) = (Gmres::default(), Vec::new());
         for scheme in self.schemes(subject.wave) {
             let task = Task { scheme, ..task(case, coverages, &solver, self.goal().tolerance) };
             if let Some(accuracy) = self.searched() {

@@ -36,8 +36,7 @@ impl ComparisonFile {
         let of_study = OF_STUDIES.iter().chain(varied);
         match &self.study {
             Some(StudyWritten::File(path)) => {
-                let file = format!("{}: ", path.display());
-                written(&table(&self.folder().join(path)), &file, of_study)
+                written(&table(&self.folder().join(path)), &format!("{}: ", path.display()), of_study)
             }
             Some(StudyWritten::Table(table)) => written(&table.clone().into(), "study.", of_study),
             None => Vec::new(),
@@ -46,8 +45,7 @@ impl ComparisonFile {
 }
 
 fn table(path: &Path) -> Node {
-    let text = files::read_text(path, files::STUDY).unwrap_or_default();
-    parse_toml(&text).map_or(Node::Null, Node::from)
+    parse_toml(&files::read_text(path, files::STUDY).unwrap_or_default()).map_or(Node::Null, Node::from)
 }
 
 /// Those keys of a list that a table has.

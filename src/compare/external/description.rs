@@ -80,8 +80,7 @@ impl ProgramDescription {
         let shape = shapes(case).into_iter().find(|s| !self.shapes.is_empty() && !self.shapes.contains(s));
         let medium = media(case).into_iter().find(|m| !self.media.is_empty() && !self.media.contains(m));
         let shape = shape.map(|shape| format!("{shape:?}").to_lowercase());
-        let medium = medium.map(|medium| medium.in_words().to_owned());
-        shape.or(medium).and_then(lacks)
+        shape.or(medium.map(|medium| medium.in_words().to_owned())).and_then(lacks)
     }
 }
 
@@ -116,12 +115,11 @@ fn media(case: &Case) -> Vec<MediumKind> {
     let media = &case.media;
     let layer = || media.backgrounds.iter().chain(&media.inclusions);
     let has = |test: fn(&Complex64) -> bool| layer().any(test);
-    let half_space = [media.incident, media.exit].iter().any(|eta| *eta != Complex64::ONE);
     let kinds = [
         (MediumKind::Metals, has(|eta| (eta * eta).re < 0.0)),
         (MediumKind::Absorbing, has(|eta| eta.im > 0.0)),
         (MediumKind::Clear, layer().all(|eta| eta.im == 0.0)),
-        (MediumKind::HalfSpaces, half_space),
+        (MediumKind::HalfSpaces, [media.incident, media.exit].iter().any(|eta| *eta != Complex64::ONE)),
     ];
     kinds.into_iter().filter(|(_, has)| *has).map(|(kind, _)| kind).collect()
 }

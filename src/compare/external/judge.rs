@@ -99,8 +99,7 @@ impl ReadAnswer {
             if has != needs {
                 return Err(format!("{} has {has} complex amplitude(s) instead of {needs}", name()));
             }
-            let differences = found.iter().zip(&order.amplitudes).map(|(a, b)| (a - b).norm());
-            error = differences.fold(error, f64::max);
+            error = found.iter().zip(&order.amplitudes).map(|(a, b)| (a - b).norm()).fold(error, f64::max);
         }
         if error < f64::INFINITY { Ok(error) } else { Err("an amplitude is beyond all bounds".into()) }
     }
@@ -127,8 +126,7 @@ const SAID: usize = 240;
 
 /// The beginning of some output, without what a terminal would act upon.
 pub(super) fn words(output: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&output[..output.len().min(4 * QUOTED)]);
-    quoted(&text).chars().take(QUOTED).collect()
+    quoted(&String::from_utf8_lossy(&output[..output.len().min(4 * QUOTED)])).chars().take(QUOTED).collect()
 }
 
 /// The beginning of a text, without what a terminal would act upon.

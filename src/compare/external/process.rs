@@ -70,8 +70,7 @@ impl ProgramRun {
                 break Some(reason);
             }
             if watch.step(&Step { step: 0, applications: 0, residual: 1.0 }).is_break() {
-                let account = Box::new(Account::default());
-                return Err(SolveError::Cancelled { account }.into());
+                return Err(SolveError::Cancelled { account: Box::new(Account::default()) }.into());
             }
             std::thread::sleep((elapsed / 50).clamp(Duration::from_millis(2), Duration::from_millis(50)));
         };

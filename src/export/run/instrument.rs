@@ -32,8 +32,7 @@ pub(super) fn print(stored: &Stored, format: &'static str, created: &str) -> Res
         return Err(ExportError::no_ink(format, &reason.in_words()));
     }
     // a number that the page withholds is in no file
-    let meter = meter.filter(|_| own.ink_maker.is_some());
-    Ok(Print::new(study, created, (grid, meter), (!fitted, spectra)))
+    Ok(Print::new(study, created, (grid, meter.filter(|_| own.ink_maker.is_some())), (!fitted, spectra)))
 }
 
 /// Both spectra of the print, those that are known at every wavelength; Lab of the page is that of

@@ -58,9 +58,8 @@ impl<'a> Data<'a> {
             }
         }
         let residual = places.iter().map(|&(d, w)| task.measured[d].measured(w) - response.values[d][w]);
-        let residual = residual.collect();
         let thickness = places.iter().map(|&(d, w)| response.slopes[2][d][w]).collect();
-        Self { task, prior, point, jacobian, residual, weights, errors, thickness }
+        Self { task, prior, point, jacobian, residual: residual.collect(), weights, errors, thickness }
     }
 
     /// What is left of the data at other unknowns, to first order.
@@ -101,8 +100,7 @@ impl<'a> Data<'a> {
         let noise = self.residual.iter().enumerate().map(|(i, left)| left.powi(2) / self.weights[(i, i)]);
         let mut pull = 0.0;
         for (i, own) in away.iter().enumerate() {
-            let others = away.iter().enumerate();
-            pull += others.map(|(j, other)| own * precision[(i, j)] * other).sum::<f64>();
+            pull += away.iter().enumerate().map(|(j, other)| own * precision[(i, j)] * other).sum::<f64>();
         }
         noise.sum::<f64>() + pull
     }

@@ -141,7 +141,6 @@ impl Data<'_> {
             let apart = rms(other.iter().zip(&index).map(|(a, b)| a[0] - b.n));
             apart > UNDETERMINED.max(COVERED * n_error)
         });
-        let n_is_determined = n_error < UNDETERMINED && branches.is_none();
         let last = self.prior.count() - 1;
         let thickness = self.prior.thickness.then(|| (factor * covariance[(last, last)]).sqrt());
         let mut outcome = FitOutcome {
@@ -151,7 +150,7 @@ impl Data<'_> {
             effective_unknowns: step.effective,
             strength,
             linearisations,
-            n_is_determined,
+            n_is_determined: n_error < UNDETERMINED && branches.is_none(),
             log_thickness: self.prior.log_thickness(&step.unknowns),
             log_thickness_error: thickness.filter(|_| trust != Trust::Contradicted),
             per_percent_of_thickness: self.per_percent(step),
@@ -185,8 +184,7 @@ impl Data<'_> {
         let data = &self.thickness;
         let change = &step.gain * Mat::from_fn(data.len(), 1, |i, _| 0.01 * data[i]);
         [&self.prior.n, &self.prior.kappa].map(|rows| {
-            let moved = rows.iter().map(|row| row.iter().enumerate().map(|(i, a)| a * change[(i, 0)]).sum());
-            rms(moved)
+            rms(rows.iter().map(|row| row.iter().enumerate().map(|(i, a)| a * change[(i, 0)]).sum()))
         })
     }
 
@@ -208,8 +206,7 @@ impl Data<'_> {
 
 /// aᵀ C b.
 fn product(a: &[f64], b: &[f64], covariance: &Mat<f64>) -> f64 {
-    let rows = a.iter().enumerate();
-    rows.map(|(i, a)| a * (0..b.len()).map(|j| covariance[(i, j)] * b[j]).sum::<f64>()).sum()
+    a.iter().enumerate().map(|(i, a)| a * (0..b.len()).map(|j| covariance[(i, j)] * b[j]).sum::<f64>()).sum()
 }
 
 fn remarks(

@@ -42,8 +42,7 @@ pub fn write_report(
     for curve in &statistics.curves {
         save(folder, &format!("{}.csv", curve.name), &curve_csv(curve).map_err(no_table)?)?;
         if drawable(curve) {
-            let chart = chart_of(curve, pigments).svg()?;
-            save(folder, &format!("{}.svg", curve.name), chart.as_bytes())?;
+            save(folder, &format!("{}.svg", curve.name), chart_of(curve, pigments).svg()?.as_bytes())?;
         }
     }
     save(folder, "index.html", html(title, pigments, packings, &statistics)?.as_bytes())?;
@@ -136,10 +135,8 @@ fn drawable(curve: &StatisticCurve) -> bool {
 
 /// Chart of one curve, with the name of the pigment on its axis.
 fn chart_of(curve: &StatisticCurve, pigments: &[(String, Shape)]) -> Chart {
-    let points = curve.x.iter().copied().zip(curve.y.iter().copied());
-    let curves = vec![chart::Curve::measured("", points)];
-    let y_label = named(&curve.y_label, pigments);
-    Chart { from_zero: true, ..Chart::linear("", &curve.x_label, &y_label, curves) }
+    let curves = vec![chart::Curve::measured("", curve.x.iter().copied().zip(curve.y.iter().copied()))];
+    Chart { from_zero: true, ..Chart::linear("", &curve.x_label, &named(&curve.y_label, pigments), curves) }
 }
 
 /// Replaces the number of a pigment by its name.

@@ -155,6 +155,5 @@ pub(in crate::report) fn shown_nm(wavelengths_nm: &[f64]) -> Vec<f64> {
 }
 
 fn nearest(wavelengths_nm: &[f64], wanted: f64) -> Option<f64> {
-    let all = wavelengths_nm.iter().copied();
-    all.min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
+    wavelengths_nm.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
 }

@@ -71,9 +71,8 @@ fn variants(field: &str, list: &[Where], axes: &[Axis], drafts: &[Draft], faults
         let fitting: Vec<usize> =
             (0..drafts.len()).filter(|&d| matches(condition, axes, &drafts[d].place)).collect();
         if fitting.len() != 1 {
-            let found = format!("{} variants", fitting.len());
             let remedy = "name a value for every axis that has several";
-            faults.add(field, found, "exactly one variant", remedy);
+            faults.add(field, format!("{} variants", fitting.len()), "exactly one variant", remedy);
             continue;
         }
         chosen.extend(fitting);

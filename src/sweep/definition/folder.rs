@@ -97,9 +97,8 @@ pub fn read(path: &Path) -> Result<Sweep, OpenError> {
         let text = std::fs::read_to_string(file);
         texts.push(text.map_err(|error| no_sweep(format!("{}: {error}", file.display())))?);
     }
-    let fitting = seal(&outline, texts.iter().map(String::as_str)).map_err(|e| unreadable(&e))?;
     let found = found.ok_or_else(|| changed("sweep.json has no checksum, like those of older versions"))?;
-    if found != fitting {
+    if found != seal(&outline, texts.iter().map(String::as_str)).map_err(|e| unreadable(&e))? {
         return Err(changed("the checksum of sweep.json does not match it and the variants' study.toml"));
     }
     let mut variants = Vec::new();
@@ -124,8 +123,7 @@ pub fn take_grids(from: &Path, folder: &OutputFolder) -> io::Result<usize> {
         return Err(io::Error::other("no folder of a sweep: write one with --grids-only"));
     }
     let (from, into) = (Database::open(from)?, Database::open(folder.path())?);
-    let wanted = [Resolved::KIND, FailureRecord::KIND];
-    into.adopt(&from, &wanted, |_, _, _| true)?;
+    into.adopt(&from, &[Resolved::KIND, FailureRecord::KIND], |_, _, _| true)?;
     Ok(from.keys(Resolved::KIND).len())
 }
 

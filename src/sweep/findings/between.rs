@@ -31,8 +31,7 @@ impl Continuous {
         let lines = lines(outline, a)?;
         let labs = labs.iter().copied().collect::<Option<Vec<_>>>()?;
         let logarithms = values[0].min(values[values.len() - 1]) > 0.0;
-        let coordinates = [false, true].into_iter().filter(|&log| logarithms || !log);
-        let judged = coordinates.filter_map(|logarithmic| {
+        let judged = [false, true].into_iter().filter(|&log| logarithms || !log).filter_map(|logarithmic| {
             let xs: Vec<f64> = values.iter().map(|&x| if logarithmic { x.ln() } else { x }).collect();
             let left_out = left_out(&xs, &lines, &labs);
             Some(Self { values: values.clone(), logarithmic, median: median(&left_out)?, left_out })

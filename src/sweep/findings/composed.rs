@@ -96,7 +96,6 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
     let first = done.iter().find_map(|(_, layer)| layer.medium.first());
     let names = first.map(coefficients).into_iter().flatten().map(|(name, _)| name);
     let both = with_errors(names.chain(["hiding_thickness_um"]));
-    let header = axes.chain(["wavelength_nm".to_owned()]).chain(both);
     let mut all = Vec::new();
     for (k, layer) in done {
         let place = &sweep.outline.variants[*k].place;
@@ -110,7 +109,7 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
             all.push(line);
         }
     }
-    table(header, all)
+    table(axes.chain(["wavelength_nm".to_owned()]).chain(both), all)
 }
 
 /// A number of the layers against the first axis, rising.

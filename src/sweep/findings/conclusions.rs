@@ -119,8 +119,7 @@ fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Ve
         );
     };
     let margin = margin(claim, measured.estimate.value);
-    let reach = error * student(fewest, quantile);
-    if margin.abs() > reach || error == 0.0 {
+    if margin.abs() > (error * student(fewest, quantile)) || error == 0.0 {
         return (if margin >= 0.0 { Verdict::Confirmed } else { Verdict::Refuted }, String::new());
     }
     (Verdict::Undecided, what_it_takes(measured.chance_variance(), error, margin, fewest))
@@ -129,9 +128,8 @@ fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Ve
 /// Distance to the nearer bound, negative beyond it.
 fn margin(claim: &Claim, value: f64) -> f64 {
     let value = if claim.table.absolute { value.abs() } else { value };
-    let above = claim.table.at_least.map(|bound| value - bound);
     let below = claim.table.at_most.map(|bound| bound - value);
-    above.into_iter().chain(below).fold(f64::INFINITY, f64::min)
+    claim.table.at_least.map(|bound| value - bound).into_iter().chain(below).fold(f64::INFINITY, f64::min)
 }
 
 /// Number of realisations that would bring two standard errors below the margin, if the part of the

@@ -78,8 +78,7 @@ fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Resul
     folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
     folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
     folder.write("explore.html", explore::page(sweep, &reported).as_bytes())?;
-    let html = page::page(sweep, &reported, &sheets, &drawn)?;
-    folder.write("report.html", html.as_bytes())?;
+    folder.write("report.html", page::page(sweep, &reported, &sheets, &drawn)?.as_bytes())?;
     if reported.complete() == sweep.variants.len() {
         folder.complete()?;
     }
@@ -132,8 +131,7 @@ fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     let aims = target::columns(outcomes);
     let columns = cell::with_errors(NUMBERS.into_iter().chain(aims.iter().copied()));
     let header = std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns);
-    let reference = &outcomes[sweep.outline.reference];
-    let row = |outcome| Vec::from_iter(outcome_row(outcome, reference, aims.len()));
+    let row = |outcome| Vec::from_iter(outcome_row(outcome, &outcomes[sweep.outline.reference], aims.len()));
     cell::table(header, outcomes.iter().map(row))
 }
 
@@ -162,6 +160,5 @@ fn judged_row(c: &Judged) -> impl Iterator<Item = String> {
     let verdict = c.verdict.name().to_owned();
     let words = [&c.table.source, &c.table.quote, &c.table.translation, &c.table.because];
     let words = words.map(|words| cell::text(words.as_deref().unwrap_or_default()));
-    let judged = [id, statement, inequality, value, error, verdict, cell::text(&c.remark)];
-    judged.into_iter().chain(words)
+    [id, statement, inequality, value, error, verdict, cell::text(&c.remark)].into_iter().chain(words)
 }

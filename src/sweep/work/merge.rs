@@ -83,8 +83,7 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
     let mut found = Vec::new();
     for shard in shards {
         let from = Database::open(shard).map_err(failed(shard))?;
-        let contradiction = into.adopt(&from, &[], same_numbers).map_err(failed(shard))?;
-        if let Some([one, other]) = contradiction {
+        if let Some([one, other]) = into.adopt(&from, &[], same_numbers).map_err(failed(shard))? {
             let what = describe(&sweep, folder, &other);
             let builds = format!("{} and {}", one.program, other.program);
             return Err(MergeError::Contradiction { what, shard: shard.clone(), builds });

@@ -120,10 +120,9 @@ fn costed(sweep: &Sweep, trials: &[Trial], calibration: String, settings: RunSet
         unknowns = unknowns.max(r.nx * r.ny * r.planes());
         most_bytes = most_bytes.max(size(study, r).bytes(&*study.solver.build()));
     }
-    let packings = groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max());
     Plan {
         variants: sweep.variants.len(),
-        packings: packings.sum(),
+        packings: groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max()).sum(),
         solves,
         units: units(sweep).len(),
         unknowns,
@@ -171,8 +170,7 @@ fn in_words(trials: &[Trial]) -> String {
 fn representatives(sweep: &Sweep) -> Vec<&Variant> {
     let groups = variants_of_groups(sweep);
     let wanted = resolutions(&sweep.variants.iter().collect::<Vec<_>>());
-    let each = (TRIALS / wanted.len()).max(2);
-    let mut chosen = Vec::new();
+    let (each, mut chosen) = ((TRIALS / wanted.len()).max(2), Vec::new());
     for (n, wanted) in wanted.into_iter().enumerate() {
         let mut all = Vec::new();
         for (k, group) in groups.iter().enumerate() {
@@ -237,9 +235,8 @@ fn at_full_size<'a>(
 
 /// Core seconds per µm³ of a solve at full size.
 fn full_solve(trial: &Trial, study: &Study, jobs: usize, watch: &dyn RunWatch) -> Result<f64, RunError> {
-    let packing = Packings::new(study, watch).get(0)?;
     let grids = (full_resolution(trial, study), trial.longer_waves);
-    let covers = covers(study, packing, grids, watch)?;
+    let covers = covers(study, Packings::new(study, watch).get(0)?, grids, watch)?;
     Ok(time_solves(study, &covers, jobs, watch)? / study.volume_um3())
 }
 

@@ -169,10 +169,9 @@ pub(crate) fn time_solves(
     watch: &dyn RunWatch,
 ) -> Result<f64, RunError> {
     let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
-    let solver = study.solver.build();
     let ended = AtomicUsize::new(0);
     let solve = |i: usize| {
-        try_solve(study, &*solver, covers, &chosen[i], watch);
+        try_solve(study, &*study.solver.build(), covers, &chosen[i], watch);
         Ok(_ = ended.fetch_add(usize::from(!watch.stop()), Ordering::Relaxed))
     };
     let mut seconds = 0.0;
@@ -226,8 +225,7 @@ impl<'a> Deadline<'a> {
 
     /// A deadline after an equal share of the time left, for the next of several trials.
     pub fn part(&self, trials: usize) -> Self {
-        let left = self.end.saturating_duration_since(Instant::now());
-        Self::after(self.watch, left / trials.max(1) as u32)
+        Self::after(self.watch, self.end.saturating_duration_since(Instant::now()) / trials.max(1) as u32)
     }
 }
 

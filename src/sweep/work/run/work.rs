@@ -28,8 +28,7 @@ impl<'a> Work<'a> {
         realisation: usize,
         watch: &'a dyn RunWatch,
     ) -> Self {
-        let watch = NamedWatch { name: &variant.name, watch };
-        Self { worker, study: &variant.study, realisation, watch }
+        Self { worker, study: &variant.study, realisation, watch: NamedWatch { name: &variant.name, watch } }
     }
 
     /// Chooses the variant's grid; returns the number of unknowns of the realisation's solves, to
@@ -61,8 +60,7 @@ impl<'a> Work<'a> {
 
     /// Whether the lack of a packing or grid is recorded for this realisation.
     fn has_failed(&self) -> bool {
-        let key = stage_key(self.study, self.realisation);
-        self.worker.stores.failures.has(key.as_str())
+        self.worker.stores.failures.has(stage_key(self.study, self.realisation).as_str())
     }
 
     /// Records that realisations have no packing or no grid; any other failure ends the run.
@@ -86,9 +84,8 @@ impl<'a> Work<'a> {
     }
 
     fn resolve(&self, packings: &mut Packings) -> Result<Resolved, RunError> {
-        let grids = &self.worker.stores.grids;
         self.worker.room.within(|memory| {
-            resolve(self.study, grids, memory, &self.watch, |r| {
+            resolve(self.study, &self.worker.stores.grids, memory, &self.watch, |r| {
                 packings.get(r).map(|packing| Scene::from_packing(&packing))
             })
         })
