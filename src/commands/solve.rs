@@ -8,7 +8,7 @@ use super::terminal::say;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use inkwave::compare::external::protocol::WaveKind;
-use inkwave::export::operator::operator;
+use inkwave::export::npz::operator;
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Solved, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};

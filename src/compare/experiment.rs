@@ -3,28 +3,23 @@
 
 mod cases;
 mod file;
-mod matrix;
-mod means;
 mod reference;
 mod rows;
-mod unused;
 
 pub use super::error::CompareError;
-pub use file::{ComparedCase, ComparisonFile, GoalWritten, Points};
-pub use matrix::MatrixTable;
+pub use file::{ComparedCase, ComparisonFile, GoalWritten, MatrixTable, Points};
 
 use super::error::kept;
 use super::external::CaseAsked;
-use super::external::description::ProgramDescription;
 use super::external::judge::expected;
+use super::external::protocol::ProgramDescription;
 use super::machine::Machine;
 use super::page::Comparison;
 use super::row::Row;
 use crate::solve::{Registry, Solver, Watch};
 use cases::Subject;
-use means::absorbs;
 use reference::{coverages, sized};
-use rows::Bench;
+use rows::{Bench, absorbs};
 
 /// Size of a comparison before it is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

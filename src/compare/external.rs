@@ -1,6 +1,5 @@
 //! Programs of any language as rows of a comparison: what a file says of them, and their runs.
 
-pub mod description;
 pub mod judge;
 mod process;
 pub mod protocol;
@@ -10,10 +9,9 @@ use super::row::{Row, Varied};
 use crate::input::case::Case;
 use crate::input::fault::Faults;
 use crate::solve::Watch;
-use description::ProgramDescription;
 use judge::{ExpectedOrder, ReadAnswer};
 use process::ProgramRun;
-use protocol::{ProgramRequest, WaveKind};
+use protocol::{ProgramDescription, ProgramRequest, WaveKind};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value;

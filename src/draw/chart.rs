@@ -4,11 +4,10 @@
 //! Colours are Okabe–Ito, and every curve has its own marker as well, so that charts remain legible
 //! for colour-blind readers and in greyscale.
 
+use super::curve::marker;
 pub use super::curve::{Curve, Style};
-use super::error::{OutputError, failed};
-use super::figure::{Bitmap, COLOURS, FONT};
+use super::figure::{Bitmap, COLOURS, FONT, OutputError, failed};
 use super::leaf::{Area, KEY, Leaf, WORDS, fitting, svg_of, width};
-use super::marks::marker;
 use super::ticks::{self, Scale};
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};

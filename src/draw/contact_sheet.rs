@@ -1,7 +1,6 @@
 //! Many pictures of inks in rows and columns with captions.
 
-use super::error::{OutputError, failed};
-use super::figure::{Anchor, Bitmap};
+use super::figure::{Anchor, Bitmap, OutputError, failed};
 use super::leaf::wrapped;
 use super::picture::{LABEL_PX, PictureStyle, TITLE_PX, check, paint};
 use crate::appearance::picture::InkPicture;

@@ -1,8 +1,7 @@
 //! Layout of a plot: narrow enough to be legible on a phone, with the title above the axes and the
 //! names of the curves below.
 
-use super::error::{OutputError, failed};
-use super::figure::{FONT, register_fonts};
+use super::figure::{FONT, OutputError, failed, register_fonts};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 

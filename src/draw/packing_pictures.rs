@@ -1,10 +1,10 @@
 //! Pictures of a layer: from the incident side, cut open, in perspective; and a sheet of grain
 //! shapes.
 
-use super::error::{OutputError, failed};
-use super::figure::FONT;
-use super::frame::{Canvas, Frame, drawn, framed};
-use super::raster::{BACKGROUND, BINDER, Camera, Raster, Rgb, mix, pigment_colour, shade};
+use super::figure::{FONT, OutputError, failed};
+use super::raster::{
+    BACKGROUND, BINDER, Camera, Canvas, Frame, Raster, Rgb, drawn, framed, mix, pigment_colour, shade,
+};
 use crate::ink::grains::shape::Template;
 use crate::ink::{Packing, Shape, Solid, Sphere};
 use crate::numerics::vector::{dot, norm};

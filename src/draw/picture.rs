@@ -1,7 +1,6 @@
 //! Paints the picture of P1 Fig. 6: strip and square, with or without axes.
 
-use super::error::{OutputError, failed};
-use super::figure::{Anchor, Bitmap};
+use super::figure::{Anchor, Bitmap, OutputError, failed};
 use crate::appearance::picture::InkPicture;
 
 /// Sizes in pixels.

@@ -1,8 +1,8 @@
 //! Exports of a composed layer: those that need no packing of the whole layer.
 
-use super::error::ExportError;
 use super::print::{InstrumentGeometry, Print, PrintSpectrum, bands, resample};
-use super::run::{Exported, Format, Request, in_air};
+use super::request::{ExportError, Format, Request};
+use super::run::{Exported, in_air};
 use super::{npz, stored};
 use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::manifest::{ComposedManifest, ErrorParts};

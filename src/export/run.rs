@@ -1,18 +1,12 @@
 //! `inkwave export`: from a finished study to files in the formats asked for.
 
-mod instrument;
-mod request;
-
-pub use request::{Format, NearField, Request};
-
-use super::error::ExportError;
 use super::mitsuba::{self, MaterialTable};
-use super::print::Print;
+use super::print::{Print, print};
 use super::provenance::{self, Described, Run, STUDY};
-use super::samples;
+use super::request::{ExportError, Format, Request};
 use super::stored::Stored;
 use super::voxels::{self, Voxels};
-use super::{cgats, cxf, near_field, npz, positions, viewer};
+use super::{grains, near_field, npz, samples, spectra};
 use crate::evaluate::directional::{DirectionalInk, DirectionalPrint};
 use crate::evaluate::ink::InkOnPaper;
 use crate::evaluate::summary::{program, summarise};
@@ -110,14 +104,18 @@ impl Exported {
 
     /// Spectra as CxF3.
     pub(super) fn cxf(&mut self, print: &Print) -> Result<(), ExportError> {
-        Ok(self.add("spectra.cxf", cxf::cxf(print)?, "spectra of the print with Lab, CxF3"))
+        Ok(self.add("spectra.cxf", spectra::cxf(print)?, "spectra of the print with Lab, CxF3"))
     }
 
     /// Spectra in both dialects of CGATS.
     pub(super) fn cgats(&mut self, print: &Print) {
-        let text = |dialect| cgats::cgats(print, dialect);
-        self.add("spectra.cgats", text(cgats::Dialect::Standard), "spectra of the print with Lab, CGATS.17");
-        self.add("spectra.sp", text(cgats::Dialect::Argyll), "spectra of the print with Lab for ArgyllCMS");
+        let text = |dialect| spectra::cgats(print, dialect);
+        self.add(
+            "spectra.cgats",
+            text(spectra::Dialect::Standard),
+            "spectra of the print with Lab, CGATS.17",
+        );
+        self.add("spectra.sp", text(spectra::Dialect::Argyll), "spectra of the print with Lab for ArgyllCMS");
     }
 
     /// The study, and all files described together.
@@ -176,7 +174,7 @@ impl Exporter<'_> {
     /// Spectra on a grid of 10 nm with their colours.
     fn print(&self, format: &'static str) -> Result<Print, ExportError> {
         self.ink(format)?;
-        instrument::print(self.stored, format, &self.request.created)
+        print(self.stored, format, &self.request.created)
     }
 
     fn vti(&self, out: &mut Exported) -> Result<(), ExportError> {
@@ -235,12 +233,8 @@ impl Exporter<'_> {
             return Ok(());
         }
         out.add("grains.csv", grains_csv(&packing)?, "spheres of the first packing, lengths in µm");
-        out.add(
-            "grains.dump",
-            positions::dump(&packing),
-            "the same as a LAMMPS dump, radii and lengths in µm",
-        );
-        out.add("grains.xyz", positions::xyz(&packing), "the same as extended XYZ, radii and lengths in µm");
+        out.add("grains.dump", grains::dump(&packing), "the same as a LAMMPS dump, radii and lengths in µm");
+        out.add("grains.xyz", grains::xyz(&packing), "the same as extended XYZ, radii and lengths in µm");
         Ok(())
     }
 
@@ -263,7 +257,7 @@ impl Exporter<'_> {
 
     fn viewer(&self, out: &mut Exported) -> Result<(), ExportError> {
         let (study, packing) = (self.study(), self.packing()?);
-        let page = viewer::page(&packing, &study.title, &study.material_names());
+        let page = grains::page(&packing, &study.title, &study.material_names());
         Ok(out.add("packing.html", page, "interactive view of the first packing"))
     }
 

@@ -1,7 +1,7 @@
 //! Tables for the material: its BRDF at sample directions, for independent checks, and the mirror
 //! part that it leaves out.
 
-use super::error::ExportError;
+use super::request::ExportError;
 use crate::evaluate::directional::{Direction, DirectionalPrint};
 use crate::report::cell::table;
 

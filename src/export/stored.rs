@@ -1,7 +1,7 @@
 //! A finished study, read back from its folder: the study in `results.json` and the records of its
 //! solves.
 
-use super::error::ExportError;
+use super::request::ExportError;
 use crate::evaluate::seen::{Seen, see};
 use crate::input::study::Study;
 use crate::run::{Collected, Stores};

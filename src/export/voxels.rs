@@ -1,7 +1,7 @@
 //! The layer as a volume: which share of every voxel each material fills, and the contrast that the
 //! wave sees.
 
-use super::vti::{Image, PointArray};
+use super::near_field::{Image, PointArray};
 use crate::ink::{Packing, Solid};
 use crate::wave::{Material, Media};
 use ndarray::Array3;

@@ -1,11 +1,10 @@
 //! Carries a fit out: table, search, Gauss–Newton, errors.
 
-mod data;
 mod outcome;
 
 pub use outcome::{FitOutcome, FittedIndex, FittedSpectrum, Forecast, Trust};
 
-use super::law::LinearFit;
+use super::law::{Data, LinearFit};
 use super::load::{Drawdown, FitTask};
 use super::prior::IndexPrior;
 use super::response::Origin;
@@ -21,7 +20,6 @@ use crate::solve::accuracy::grid_error::GridError;
 use crate::store::Store;
 use crate::store::folder::OutputFolder;
 use crate::wave::Scene;
-use data::Data;
 use faer::Mat;
 use num_complex::Complex64;
 use thiserror::Error;

@@ -1,14 +1,16 @@
-//! A comparison as written, read and checked.
+//! A comparison as written, with the axes of a matrix, read and checked; and keys of the input files
+//! that have no effect on a comparison, for a note to the user.
 
-use super::matrix::MatrixTable;
 use crate::compare::error::CompareError;
 use crate::compare::external::ExternalTable;
 use crate::compare::external::protocol::WaveKind;
+use crate::compare::row::Varied;
 use crate::compare::subject::{Packed, StudyWritten};
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::limits;
+use crate::input::locate::steps;
 use crate::input::read::read as read_tree;
-use crate::input::tree::parse_toml;
+use crate::input::tree::{Node, parse_toml};
 use crate::numerics::allowed::Whole;
 use crate::numerics::files;
 use crate::solve::{Goal, Registry, Solver, SolverChoice};
@@ -277,4 +279,96 @@ impl ComparisonFile {
     pub(super) fn folder(&self) -> &Path {
         self.origin.parent().unwrap_or(Path::new(""))
     }
+}
+
+/// The axes around the comparison's study: one case for each pigment and period.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MatrixTable {
+    /// Indices [n, κ] of the first pigment.
+    #[schemars(length(min = 1), example = [[1.4, 0.1]])]
+    pub pigments: Vec<[f64; 2]>,
+    /// Periods of the square cell, µm.
+    #[schemars(length(min = 1), example = [1.6])]
+    pub periods_um: Vec<f64>,
+}
+
+impl MatrixTable {
+    /// Reports empty axes, and entries that no study could have.
+    pub fn check(&self, faults: &mut Faults) {
+        let empty = [("pigments", self.pigments.is_empty()), ("periods_um", self.periods_um.is_empty())];
+        for (axis, _) in empty.into_iter().filter(|(_, empty)| *empty) {
+            let remedy = "give pigments = [[1.4, 0.1]], periods_um = [1.6]";
+            faults.add(format!("matrix.{axis}"), "empty", "at least one entry", remedy);
+        }
+        let remedy = "pigments are pairs [n, κ], periods some µm";
+        for (k, [n, kappa]) in self.pigments.iter().enumerate() {
+            faults.number(&format!("matrix.pigments[{k}][0]"), *n, limits::INDEX, remedy);
+            faults.number(&format!("matrix.pigments[{k}][1]"), *kappa, limits::ABSORPTION, remedy);
+        }
+        for (k, um) in self.periods_um.iter().enumerate() {
+            faults.number(&format!("matrix.periods_um[{k}]"), *um, limits::PERIOD_UM, remedy);
+        }
+    }
+
+    /// All cases, period by period.
+    pub(super) fn cases(&self) -> impl Iterator<Item = Varied> {
+        self.periods_um
+            .iter()
+            .flat_map(|&period_um| self.pigments.iter().map(move |&pigment| Varied { pigment, period_um }))
+    }
+}
+
+/// Study keys that a comparison replaces or does not use.
+const OF_STUDIES: [&str; 15] = [
+    "paper",
+    "resolution",
+    "solver",
+    "output",
+    "colour",
+    "compare",
+    "realisations",
+    "run.realisations",
+    "run.target_delta_e",
+    "run.target_colour",
+    "light.step_nm",
+    "light.per_realisation",
+    "light.sampling",
+    "angles.count",
+    "angles.picture_max_deg",
+];
+/// Study keys that a matrix replaces.
+const OF_VARIED_STUDIES: [&str; 3] = ["layer.cell", "layer.period_um", "pigment[0].index"];
+
+impl ComparisonFile {
+    /// Keys of the comparison's study that are written and have no effect; none where a file cannot
+    /// be read again.
+    pub fn unused(&self) -> Vec<String> {
+        let varied = if self.matrix.is_some() { &OF_VARIED_STUDIES[..] } else { &[] };
+        let of_study = OF_STUDIES.iter().chain(varied);
+        match &self.study {
+            Some(StudyWritten::File(path)) => {
+                written(&table(&self.folder().join(path)), &format!("{}: ", path.display()), of_study)
+            }
+            Some(StudyWritten::Table(table)) => written(&table.clone().into(), "study.", of_study),
+            None => Vec::new(),
+        }
+    }
+}
+
+fn table(path: &Path) -> Node {
+    parse_toml(&files::read_text(path, files::STUDY).unwrap_or_default()).map_or(Node::Null, Node::from)
+}
+
+/// Those keys of a list that a table has.
+fn written<'a>(table: &Node, before: &str, keys: impl Iterator<Item = &'a &'a str>) -> Vec<String> {
+    keys.filter(|key| has(table, key)).map(|key| format!("{before}{key}")).collect()
+}
+
+fn has(table: &Node, key: &str) -> bool {
+    let found = steps(key).try_fold(table, |here, step| match here {
+        Node::List(items) => items.get(step.parse::<usize>().ok()?),
+        _ => here.get(step),
+    });
+    found.is_some()
 }

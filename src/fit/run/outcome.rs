@@ -1,9 +1,8 @@
 //! The numbers of a fit: the index with its errors, whether they can be trusted, and predictions.
 
-use super::data::{Data, few_cells, jackknife};
 use crate::appearance::colour::Colorimeter;
 use crate::appearance::kubelka_munk::KubelkaMunk;
-use crate::fit::law::{FitStep, rms};
+use crate::fit::law::{Data, FitStep, few_cells, jackknife, rms};
 use crate::fit::load::{Drawdown, FitTask};
 use crate::fit::response::Response;
 use faer::Mat;

@@ -7,8 +7,7 @@
 
 use super::between::Continuous;
 use super::outcome::Outcome;
-use super::reported::{Reported, shown};
-use super::target;
+use super::reported::{Reported, shown, target_numbers};
 use crate::appearance::picture::InkPicture;
 use crate::draw::figure::Bitmap;
 use crate::evaluate::manifest::{Count, SpectrumRow};
@@ -75,7 +74,7 @@ fn wavelengths_nm(outcomes: &[Outcome]) -> Vec<f64> {
 /// the square.
 fn variant(sweep: &Sweep, outcomes: &[Outcome], number: usize, wavelengths_nm: &[f64]) -> Value {
     let outcome = &outcomes[number];
-    let to_target = target::numbers(outcome).map(|e| e.map_or([None; 2], in_numbers));
+    let to_target = target_numbers(outcome).map(|e| e.map_or([None; 2], in_numbers));
     let to_target = to_target.into_iter().filter(|_| outcome.aim.is_some());
     let numbers = shown(sweep, number, outcomes).map(|all| all.into_iter().map(in_numbers).chain(to_target));
     let Count { finished, asked } = outcome.solves;
@@ -225,7 +224,7 @@ mod tests {
         let outcomes: Vec<Outcome> = all.collect();
         let sweep = Sweep { outline, variants: Vec::new(), inputs: Vec::new() };
         assert_eq!(wavelengths_nm(&outcomes), nm);
-        let nearest = target::nearest(&sweep.outline, &outcomes);
+        let nearest = super::super::reported::nearest(&sweep.outline, &outcomes);
         let bytes = page(&sweep, &Reported { outcomes, conclusions: Vec::new(), nearest }).len();
         assert!((200_000..1_000_000).contains(&bytes), "{bytes} bytes");
     }

@@ -10,4 +10,3 @@ mod page;
 pub mod publish;
 pub mod reported;
 mod sheets;
-mod target;

@@ -2,13 +2,10 @@
 //! contact sheets, conclusions.
 
 use super::conclusions::{Judged, judge};
-use super::explore;
 use super::outcome::Outcome;
-use super::page;
-pub use super::reported::Reported;
-use super::reported::numbers;
+use super::reported::{Reported, nearest, numbers, target_columns, target_numbers};
 use super::sheets::{contact_sheet, sheets};
-use super::target;
+use super::{explore, page};
 use crate::appearance::picture::InkPicture;
 use crate::draw::picture::PictureStyle;
 use crate::evaluate::seen::{Seen, see};
@@ -65,7 +62,7 @@ impl<'a> Publisher<'a> {
 /// Writes the contact sheets, tables and pages of the whole sweep.
 fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Result<Reported, PublishError> {
     let conclusions = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
-    let nearest = target::nearest(&sweep.outline, &outcomes);
+    let nearest = nearest(&sweep.outline, &outcomes);
     let reported = Reported { outcomes, conclusions, nearest };
     let sheets = sheets(&sweep.outline);
     let mut drawn = Vec::new();
@@ -128,7 +125,7 @@ const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
 fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     let axes = sweep.outline.axes.iter().map(|axis| cell::text(&axis.name));
     let counts = ["solves", "solves_finished", "failures", "realisations"].map(str::to_owned);
-    let aims = target::columns(outcomes);
+    let aims = target_columns(outcomes);
     let columns = cell::with_errors(NUMBERS.into_iter().chain(aims.iter().copied()));
     let header = std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns);
     let row = |outcome| Vec::from_iter(outcome_row(outcome, &outcomes[sweep.outline.reference], aims.len()));
@@ -140,7 +137,7 @@ fn outcome_row(o: &Outcome, reference: &Outcome, aims: usize) -> impl Iterator<I
     let all = o.solves;
     let counts = [all.asked, all.finished, o.failures, o.realisations].map(|n| n.to_string());
     let numbers = numbers(o, reference);
-    let of_aims = target::numbers(o).into_iter().take(aims);
+    let of_aims = target_numbers(o).into_iter().take(aims);
     let estimates = (0..NUMBERS.len()).map(move |i| numbers.map(|n| n[i])).chain(of_aims);
     let names = std::iter::once(&o.name).chain(&o.labels).map(|words| cell::text(words));
     names.chain(counts).chain(estimates.flat_map(cell::numbers))

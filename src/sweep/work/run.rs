@@ -5,9 +5,6 @@
 //! begins. Failures are recorded and do not stop the rest; they are retried only with
 //! `--retry-failed`, and by `inkwave run`.
 
-mod jobs;
-mod news;
-mod room;
 mod work;
 
 use super::rounds::Rounds;
@@ -19,16 +16,14 @@ use crate::run::{RunError, RunSettings, Stores};
 use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
-use crate::store::queue::{Assignment, Queue, QueueStanding};
+use crate::store::queue::{Assignment, Queue, QueueStanding, QueuedTask};
 use crate::sweep::definition::load::Sweep;
-use jobs::{Job, jobs};
-use news::News;
-use room::Room;
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Once, OnceLock};
 use std::time::Duration;
-use work::Work;
+use work::{News, Room, Work};
 
 /// Interval at which an idle worker looks for work again.
 const WAIT: Duration = Duration::from_millis(50);
@@ -254,4 +249,41 @@ impl Worker<'_> {
         self.queue.reckon(task, sum as f64)?;
         Ok(self.queue.finish(task, 0, 0)?)
     }
+}
+
+/// A task: to compute a unit, or to choose the grids of a group.
+struct Job {
+    /// The unit; if grids are chosen, all variants of the group in their first realisation.
+    pub unit: Unit,
+    /// Number of the task that chooses the grids; `None` if this one does.
+    pub grids: Option<usize>,
+}
+
+impl Job {
+    pub fn task(&self, sweep: &Sweep) -> QueuedTask {
+        let studies = self.unit.variants.iter().map(|v| &sweep.variants[*v].study);
+        let cost = match self.grids {
+            None => GRIDS_FIRST * studies.map(|study| study.volume_um3()).sum::<f64>(),
+            // an estimate until the grid is known
+            Some(_) => solves_of(sweep, &self.unit) as f64,
+        };
+        QueuedTask { cost, after: self.grids }
+    }
+}
+
+/// The grids of all groups, followed by the units if these are to be solved.
+fn jobs(units: &[Unit], scope: Scope) -> Vec<Job> {
+    let mut groups: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+    for unit in units {
+        groups.entry(unit.group).or_default().extend(&unit.variants);
+    }
+    let mut jobs = Vec::new();
+    for (&group, variants) in &groups {
+        let unit = Unit { group, variants: variants.iter().copied().collect(), realisation: 0 };
+        jobs.push(Job { unit, grids: None });
+    }
+    for unit in units.iter().filter(|_| scope == Scope::Solves) {
+        jobs.push(Job { unit: unit.clone(), grids: groups.keys().position(|&group| group == unit.group) });
+    }
+    jobs
 }

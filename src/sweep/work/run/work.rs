@@ -1,16 +1,20 @@
-//! The work on one realisation of one variant.
+//! The work on one realisation of one variant: its progress, for the screen and for other processes, and
+//! the memory of a process divided among its workers.
 
-use super::super::rounds::stage_key;
-use super::Worker;
+use super::{BETWEEN_NEWS, Worker};
 use crate::input::study::Study;
 use crate::run::realisation::{Packings, RealisationRun};
 use crate::run::resolve::{Resolved, resolve};
 use crate::run::watch::{Event, RunWatch};
 use crate::run::{RunError, RunSettings};
+use crate::solve::accuracy::AccuracyError;
 use crate::store::record::FailureRecord;
 use crate::sweep::definition::load::Variant;
+use crate::sweep::work::rounds::stage_key;
 use crate::wave::Scene;
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError, RwLock};
+use std::time::Instant;
 
 /// The work on one realisation of one variant.
 pub(super) struct Work<'a> {
@@ -123,9 +127,95 @@ impl RunWatch for NamedWatch<'_> {
     }
 }
 
+/// Forwards the events of a unit and reports its progress to the queue.
+pub(super) struct News<'a> {
+    worker: &'a Worker<'a>,
+    task: usize,
+    /// Number of solves, and when it was last told.
+    told: Mutex<(usize, Instant)>,
+}
+
+impl<'a> News<'a> {
+    pub fn new(worker: &'a Worker<'a>, task: usize) -> Self {
+        Self { worker, task, told: Mutex::new((0, Instant::now())) }
+    }
+
+    fn advance(&self, solves: usize) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        told.0 += solves;
+        if told.1.elapsed() < BETWEEN_NEWS {
+            return;
+        }
+        told.1 = Instant::now();
+        let Worker { queue, watch, .. } = self.worker;
+        match queue.advance(self.task, told.0).and_then(|()| queue.standing()) {
+            Ok(standing) => watch.hear(Event::Standing(&standing)),
+            Err(error) => self.worker.note(error),
+        }
+    }
+}
+
+impl RunWatch for News<'_> {
+    fn stop(&self) -> bool {
+        self.worker.watch.stop()
+    }
+
+    fn hear(&self, event: Event) {
+        if matches!(event, Event::Solving(..)) {
+            self.worker.begin();
+        }
+        self.worker.watch.hear(event);
+        match event {
+            Event::Kept(solves) | Event::Dropped(solves) => self.advance(solves),
+            Event::Solved(..) => self.advance(1),
+            _ => {}
+        }
+    }
+}
+
+/// The memory of a process, bytes.
+#[derive(Debug)]
+pub(super) struct Room {
+    whole: f64,
+    workers: usize,
+    alone: RwLock<()>,
+}
+
+impl Room {
+    /// Divides `whole` bytes among `workers`.
+    pub fn new(whole: f64, workers: usize) -> Self {
+        Self { whole, workers: workers.max(1), alone: RwLock::new(()) }
+    }
+
+    /// Runs `work` with an equal share of the memory; if that is too little, runs it again with all
+    /// of it while the other workers wait.
+    pub fn within<T>(&self, mut work: impl FnMut(f64) -> Result<T, RunError>) -> Result<T, RunError> {
+        let together = self.alone.read().unwrap_or_else(PoisonError::into_inner);
+        let done = work(self.whole / self.workers as f64);
+        drop(together);
+        match done {
+            Err(error) if self.workers > 1 && lacks_memory(&error) => {
+                let _alone = self.alone.write().unwrap_or_else(PoisonError::into_inner);
+                work(self.whole)
+            }
+            done => done,
+        }
+    }
+}
+
+fn lacks_memory(error: &RunError) -> bool {
+    use AccuracyError::{Memory, NotReached, TooLarge};
+    matches!(
+        error,
+        RunError::Memory(_) | RunError::Resolution(Memory(_) | TooLarge { .. } | NotReached { .. })
+    )
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solve::demand::TooLarge;
+    use crate::wave::{Resolution, Scheme};
     use std::sync::Mutex;
 
     #[derive(Default)]
@@ -147,5 +237,18 @@ mod tests {
             heard.0.into_inner().unwrap(),
             [r#"Stage("yellow-0.3: packing realisation 4/6")"#, "Ended"]
         );
+    }
+
+    #[test]
+    fn what_needs_more_than_its_part_gets_everything_alone() {
+        let room = Room::new(8e9, 4);
+        let refuse = |memory: f64, need: f64| {
+            let resolution = Resolution { nx: 1, ny: 1, cells: 1, scheme: Scheme::default() };
+            let too_large = TooLarge { resolution, need_gb: 1e-9 * need, allowed_gb: 1e-9 * memory };
+            if memory < need { Err(RunError::Memory(too_large)) } else { Ok(memory) }
+        };
+        assert_eq!(room.within(|memory| refuse(memory, 1e9)).unwrap(), 2e9);
+        assert_eq!(room.within(|memory| refuse(memory, 5e9)).unwrap(), 8e9);
+        assert!(room.within(|memory| refuse(memory, 9e9)).is_err());
     }
 }
