@@ -6,7 +6,7 @@
 
 mod slips;
 
-use super::error::CompareError;
+use super::error::CompareResult;
 use super::external::ExternalTable;
 use super::external::judge::{ExpectedOrder, ReadAnswer, expected};
 use super::external::protocol::WaveKind;
@@ -59,11 +59,7 @@ struct Answered {
 ///
 /// # Errors
 /// The user stopped it.
-pub fn check(
-    program: &ExternalTable,
-    folder: &Path,
-    watch: &mut dyn Watch,
-) -> Result<Conformity, CompareError> {
+pub fn check(program: &ExternalTable, folder: &Path, watch: &mut dyn Watch) -> CompareResult<Conformity> {
     let described = program.described(folder, watch)?.unwrap_or_default();
     let knob = program.knob.first().copied();
     let (mut cases, mut answered) = (Vec::new(), Vec::new());
@@ -96,11 +92,7 @@ fn failed(cases: &[(String, Result<f64, String>)]) -> bool {
     cases.iter().any(|(_, result)| result.as_ref().is_err_and(|reason| !refused(reason)))
 }
 
-fn verdict(
-    answered: &[Answered],
-    failed: bool,
-    watch: &mut dyn Watch,
-) -> Result<ConformityVerdict, CompareError> {
+fn verdict(answered: &[Answered], failed: bool, watch: &mut dyn Watch) -> CompareResult<ConformityVerdict> {
     if answered.is_empty() {
         return Ok(if failed { ConformityVerdict::Unknown } else { ConformityVerdict::Silent });
     }
@@ -129,7 +121,7 @@ fn explains_case(
     change: fn(&mut serde_json::Value),
     answered: &[Answered],
     watch: &mut dyn Watch,
-) -> Result<bool, CompareError> {
+) -> CompareResult<bool> {
     for Answered { known, answer, .. } in answered {
         let mut other = known.clone();
         change(&mut other.inputs);
@@ -184,7 +176,7 @@ impl KnownCase {
     ///
     /// # Errors
     /// None for the cases as they are.
-    pub fn case(&self) -> Result<Case, CompareError> {
+    pub fn case(&self) -> CompareResult<Case> {
         Ok(Case::parse(&self.inputs.to_string(), false)?)
     }
 
@@ -192,7 +184,7 @@ impl KnownCase {
     ///
     /// # Errors
     /// The user stopped it.
-    pub fn orders(&self, watch: &mut dyn Watch) -> Result<Vec<ExpectedOrder>, CompareError> {
+    pub fn orders(&self, watch: &mut dyn Watch) -> CompareResult<Vec<ExpectedOrder>> {
         let (case, wave) = (self.case()?, self.wave.wave());
         let task = Task {
             coverages: &Coverages::new(wave, &case.scene, Precision::of(error_for(ACCURACY))),

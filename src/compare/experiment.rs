@@ -6,7 +6,7 @@ mod file;
 mod reference;
 mod rows;
 
-pub use super::error::CompareError;
+pub use super::error::{CompareError, CompareResult};
 pub use file::{ComparedCase, ComparisonFile, GoalWritten, MatrixTable, Points};
 
 use super::error::kept;
@@ -38,11 +38,11 @@ impl ComparisonFile {
     ///
     /// # Errors
     /// As [`ComparisonFile::run`], except those of solves.
-    pub fn plan(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
+    pub fn plan(&self, registry: &Registry) -> CompareResult<ComparisonPlan> {
         self.planned(registry).map_err(|error| error.in_file(&self.origin))
     }
 
-    fn planned(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
+    fn planned(&self, registry: &Registry) -> CompareResult<ComparisonPlan> {
         self.check()?;
         let strategies = self.strategies(registry)?;
         let subjects = self.subjects()?;
@@ -62,7 +62,7 @@ impl ComparisonFile {
     }
 
     /// Number of rows; errors of every case are found on the way.
-    fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> Result<usize, CompareError> {
+    fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> CompareResult<usize> {
         let mut rows = 0;
         for subject in subjects {
             let (absorbs, schemes) = (absorbs(&subject.media()?), self.schemes(subject.wave).len());
@@ -83,7 +83,7 @@ impl ComparisonFile {
         registry: &Registry,
         watch: &mut dyn Watch,
         told: impl FnMut(&Row),
-    ) -> Result<Comparison, CompareError> {
+    ) -> CompareResult<Comparison> {
         self.compared(registry, watch, told).map_err(|error| error.in_file(&self.origin))
     }
 
@@ -92,7 +92,7 @@ impl ComparisonFile {
         registry: &Registry,
         watch: &mut dyn Watch,
         mut told: impl FnMut(&Row),
-    ) -> Result<Comparison, CompareError> {
+    ) -> CompareResult<Comparison> {
         self.check()?;
         let strategies = self.strategies(registry)?;
         let subjects = self.subjects()?;
@@ -131,7 +131,7 @@ impl ComparisonFile {
         (strategies, programs): (&[NamedStrategy], &[Option<ProgramDescription>]),
         watch: &mut dyn Watch,
         keep: &mut dyn FnMut(Row),
-    ) -> Result<(), CompareError> {
+    ) -> CompareResult {
         let case = subject.case()?;
         let coverages = coverages(subject.wave, &case);
         let trials = self.trials(subject, &case, &coverages, watch)?;

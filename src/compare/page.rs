@@ -6,7 +6,7 @@ use super::machine::Machine;
 use super::row::{Row, dash, grouped, mean_name};
 use crate::report::cell::{self, markdown, records};
 use crate::report::page::{made_by, svg_data, templates};
-use crate::report::publish::PublishError;
+use crate::report::publish::PublishResult;
 use crate::report::seal::sealed;
 use crate::solve::Goal;
 use crate::store::folder::OutputFolder;
@@ -63,7 +63,7 @@ impl Comparison {
     ///
     /// # Errors
     /// A folder that cannot be written.
-    pub fn write(&self, folder: &OutputFolder) -> Result<(), PublishError> {
+    pub fn write(&self, folder: &OutputFolder) -> PublishResult {
         folder.remove_files(is_of_a_comparison)?;
         folder.write("comparison.csv", &records(self.rows.iter().map(Row::record))?)?;
         folder.write("machine.json", &serde_json::to_vec_pretty(&self.machine)?)?;

@@ -1,6 +1,6 @@
 //! Many pictures of inks in rows and columns with captions.
 
-use super::figure::{Anchor, Bitmap, OutputError, failed};
+use super::figure::{Anchor, Bitmap, DrawResult, failed};
 use super::leaf::wrapped;
 use super::picture::{LABEL_PX, PictureStyle, TITLE_PX, check, paint};
 use crate::appearance::picture::InkPicture;
@@ -50,7 +50,7 @@ impl ContactSheet {
     ///
     /// # Errors
     /// No pictures; captions and pictures that differ in number; a sheet larger than 20 000 pixels.
-    pub fn render(&self, style: &PictureStyle) -> Result<Bitmap, OutputError> {
+    pub fn render(&self, style: &PictureStyle) -> DrawResult<Bitmap> {
         self.check()?;
         let cell = [style.strip_px + style.gap_px + style.side_px + SHEET_GAP, style.side_px + SHEET_GAP];
         let left = self.left();
@@ -76,7 +76,7 @@ impl ContactSheet {
         SHEET_LEFT.max(SHEET_GAP + (longest as f64 * LETTER * LABEL_PX as f64) as usize + 14)
     }
 
-    fn check(&self) -> Result<(), OutputError> {
+    fn check(&self) -> DrawResult {
         let [rows, columns] = [self.rows.len(), self.columns.len()];
         let whole = self.cells.len() == rows && self.cells.iter().all(|row| row.len() == columns);
         if rows * columns == 0 || !whole {
@@ -87,7 +87,7 @@ impl ContactSheet {
         self.cells.iter().flatten().flatten().try_for_each(check)
     }
 
-    fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> Result<(), OutputError> {
+    fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> DrawResult {
         let middle = |k: usize, step: usize, from: usize| (from + k * step + (step - SHEET_GAP) / 2) as i32;
         let left = self.left();
         bitmap.text(&self.column_axis, [left as i32, 58], LABEL_PX, Anchor::Left)?;
@@ -103,7 +103,7 @@ impl ContactSheet {
 }
 
 /// Writes why there is no picture, in lines that fit into the cell.
-fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str) -> Result<(), OutputError> {
+fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str) -> DrawResult {
     let size = LABEL_PX - 2;
     let letters = ((cell[0] - SHEET_GAP) as f64 / (LETTER * size as f64)) as usize;
     let lines = wrapped(reason, |line| line.chars().count() <= letters);

@@ -61,7 +61,7 @@ impl Bitmap {
     ///
     /// # Errors
     /// A side of 0 or more than 20 000 pixels.
-    pub fn white(width: usize, height: usize) -> Result<Self, OutputError> {
+    pub fn white(width: usize, height: usize) -> DrawResult<Self> {
         for (field, value) in [("width", width), ("height", height)] {
             if !(1..=LARGEST_SIDE).contains(&value) {
                 return Err(failed(format!("{field} = {value}: allowed 1 to {LARGEST_SIDE}")));
@@ -84,7 +84,7 @@ impl Bitmap {
     ///
     /// # Errors
     /// The font fails, which it cannot as it is embedded.
-    pub fn text(&mut self, text: &str, [x, y]: [i32; 2], px: u32, anchor: Anchor) -> Result<(), OutputError> {
+    pub fn text(&mut self, text: &str, [x, y]: [i32; 2], px: u32, anchor: Anchor) -> DrawResult {
         let horizontal = match anchor {
             Anchor::Left => HPos::Left,
             Anchor::Centre | Anchor::Upwards => HPos::Center,
@@ -105,8 +105,8 @@ impl Bitmap {
     /// Whatever the drawing reports.
     pub fn draw(
         &mut self,
-        paint: impl FnOnce(&DrawingArea<BitMapBackend, Shift>) -> Result<(), OutputError>,
-    ) -> Result<(), OutputError> {
+        paint: impl FnOnce(&DrawingArea<BitMapBackend, Shift>) -> DrawResult,
+    ) -> DrawResult {
         register_fonts();
         let size = (self.width as u32, self.height as u32);
         let area = BitMapBackend::with_buffer(&mut self.rgb, size).into_drawing_area();
@@ -119,7 +119,7 @@ impl Bitmap {
     ///
     /// # Errors
     /// A keyword is not 1–79 Latin-1 characters.
-    pub fn png(&self, text: &[(&str, &str)]) -> Result<Vec<u8>, OutputError> {
+    pub fn png(&self, text: &[(&str, &str)]) -> DrawResult<Vec<u8>> {
         self.encode(text).map_err(failed)
     }
 
@@ -159,6 +159,9 @@ pub enum OutputError {
         reason: String,
     },
 }
+
+/// What drawing gives.
+pub type DrawResult<T = ()> = Result<T, OutputError>;
 
 impl OutputError {
     /// Maps any failure while `what` is made.

@@ -1,7 +1,7 @@
 //! Layout of a plot: narrow enough to be legible on a phone, with the title above the axes and the
 //! names of the curves below.
 
-use super::figure::{FONT, OutputError, failed, register_fonts};
+use super::figure::{DrawResult, FONT, failed, register_fonts};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 
@@ -51,7 +51,7 @@ impl Leaf {
     }
 
     /// Writes the title; returns the areas of the axes and of the names below.
-    pub fn split<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(Area<B>, Area<B>), OutputError> {
+    pub fn split<B: DrawingBackend>(&self, area: &Area<B>) -> DrawResult<(Area<B>, Area<B>)> {
         let (title, rest) = area.split_vertically(self.title_height());
         for (k, line) in self.title.iter().enumerate() {
             let left = (WIDTH.saturating_sub(width(line, TITLE)) / 2) as i32;
@@ -96,8 +96,8 @@ pub(super) fn wrapped(text: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
 /// Draws as SVG, without redundant attributes.
 pub(super) fn svg_of(
     size: (u32, u32),
-    paint: impl FnOnce(&Area<SVGBackend>) -> Result<(), OutputError>,
-) -> Result<String, OutputError> {
+    paint: impl FnOnce(&Area<SVGBackend>) -> DrawResult,
+) -> DrawResult<String> {
     register_fonts();
     let mut text = String::new();
     {

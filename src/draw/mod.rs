@@ -10,5 +10,5 @@ pub mod picture;
 mod raster;
 mod ticks;
 
-pub use figure::OutputError;
+pub use figure::{DrawResult, OutputError};
 pub use packing_pictures::{cut_picture, perspective_picture, shape_sheet, top_picture};

@@ -1,7 +1,7 @@
 //! Pictures of a layer: from the incident side, cut open, in perspective; and a sheet of grain
 //! shapes.
 
-use super::figure::{FONT, OutputError, failed};
+use super::figure::{DrawResult, FONT, failed};
 use super::raster::{
     BACKGROUND, BINDER, Camera, Canvas, Frame, Raster, Rgb, drawn, framed, mix, pigment_colour, shade,
 };
@@ -16,7 +16,7 @@ const TILE: usize = 300;
 
 /// The layer seen along +z, from the incident side: pigment dimmed with its depth below the
 /// binder's surface.
-pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+pub fn top_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
     let [lx, ly] = packing.period_um();
     let per_um = WIDE / lx.max(ly);
     let frame = Frame {
@@ -100,7 +100,7 @@ fn images_of(solid: Solid, period_um: [f64; 2]) -> Vec<Solid> {
 
 /// The plane y = Ly/2: pigment, binder and vacuum before the binder; z grows downwards to the exit
 /// side.
-pub fn cut_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+pub fn cut_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
     let [lx, ly] = packing.period_um();
     let height = packing.thickness_um();
     let wide = 1.6 * WIDE;
@@ -143,13 +143,13 @@ fn made_of(template: &Template) -> String {
 }
 
 /// The cell with its edges, obliquely from the incident side; the face z = 0 is up.
-pub fn perspective_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+pub fn perspective_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
     let (w, h) = (1200u32, 760u32);
     drawn((w, h + 40), |area| draw_perspective(area, packing, (w, h)))
 }
 
 /// The perspective picture of `size` pixels beneath its caption.
-fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> Result<(), OutputError> {
+fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> DrawResult {
     let [lx, ly] = packing.period_um();
     let caption =
         format!("One period, {lx:.3} × {ly:.3} × {:.3} µm (x × y × thickness)", packing.thickness_um());
@@ -159,12 +159,12 @@ fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> Res
 }
 
 /// Writes a line with its upper left corner at `at`, its letters `height` pixels high.
-fn write_line(canvas: &Canvas, line: String, at: (i32, i32), height: i32) -> Result<(), OutputError> {
+fn write_line(canvas: &Canvas, line: String, at: (i32, i32), height: i32) -> DrawResult {
     canvas.draw(&Text::new(line, at, (FONT, height).into_font())).map_err(failed)
 }
 
 /// Puts a picture with its upper left corner at `at`.
-fn place(canvas: &Canvas, raster: &Raster, at: (i32, i32), size: (u32, u32)) -> Result<(), OutputError> {
+fn place(canvas: &Canvas, raster: &Raster, at: (i32, i32), size: (u32, u32)) -> DrawResult {
     let bits = BitMapElement::with_owned_buffer(at, size, raster.rgb());
     bits.map_or(Ok(()), |b| canvas.draw(&b)).map_err(failed)
 }
@@ -193,7 +193,7 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
 }
 
 /// One grain of each pigment side by side, at the same scale, with its name and dimensions.
-pub fn shape_sheet(shapes: &[(String, Shape)]) -> Result<Vec<u8>, OutputError> {
+pub fn shape_sheet(shapes: &[(String, Shape)]) -> DrawResult<Vec<u8>> {
     let n = shapes.len().max(1);
     drawn(((n * TILE) as u32, 400), |area| {
         shapes.iter().enumerate().try_for_each(|(k, shape)| draw_shape(area, k, shape))
@@ -201,7 +201,7 @@ pub fn shape_sheet(shapes: &[(String, Shape)]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// The grain of pigment `k` in its place on the sheet, with its name and figures beneath.
-fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Result<(), OutputError> {
+fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> DrawResult {
     let template = shape.template();
     let left = (k * TILE) as i32;
     place(canvas, &paint_shape(&template, k, 2 * TILE).halved(), (left, 0), (TILE as u32, TILE as u32))?;

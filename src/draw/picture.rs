@@ -1,6 +1,6 @@
 //! Paints the picture of P1 Fig. 6: strip and square, with or without axes.
 
-use super::figure::{Anchor, Bitmap, OutputError, failed};
+use super::figure::{Anchor, Bitmap, DrawResult, failed};
 use crate::appearance::picture::InkPicture;
 
 /// Sizes in pixels.
@@ -33,7 +33,7 @@ const TICKS_DEG: f64 = 20.0;
 /// # Errors
 /// No angles, a strip or square that does not have their number, sides of 0 or more than 20 000
 /// pixels.
-pub fn render(picture: &InkPicture, style: &PictureStyle) -> Result<Bitmap, OutputError> {
+pub fn render(picture: &InkPicture, style: &PictureStyle) -> DrawResult<Bitmap> {
     check(picture)?;
     let [left, top, right, bottom] = if style.labels { MARGINS } else { [0; 4] };
     let width = left + style.strip_px + style.gap_px + style.side_px + right;
@@ -45,7 +45,7 @@ pub fn render(picture: &InkPicture, style: &PictureStyle) -> Result<Bitmap, Outp
     Ok(bitmap)
 }
 
-pub(super) fn check(picture: &InkPicture) -> Result<(), OutputError> {
+pub(super) fn check(picture: &InkPicture) -> DrawResult {
     let sides = [picture.strip.len(), picture.square.nrows(), picture.square.ncols()];
     match picture.angles_deg.len() {
         0 => Err(failed("a picture without angles")),
@@ -66,12 +66,7 @@ pub(super) fn paint(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2
     }
 }
 
-fn label(
-    picture: &InkPicture,
-    bitmap: &mut Bitmap,
-    [x, y]: [usize; 2],
-    style: &PictureStyle,
-) -> Result<(), OutputError> {
+fn label(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &PictureStyle) -> DrawResult {
     let square = x + style.strip_px + style.gap_px;
     let (bottom, side) = ((y + style.side_px) as i32, style.side_px as i32);
     let (above, across) = (y as i32 - 14, square as i32 + side / 2);

@@ -1,7 +1,7 @@
 //! Small pictures of shaded bodies: a depth buffer, one light, flat colours; and a frame with axes around
 //! pictures of the layer.
 
-use super::figure::{Bitmap, FONT, OutputError};
+use super::figure::{Bitmap, DrawResult, FONT, OutputError};
 use crate::ink::Solid;
 use crate::numerics::vector::{V3, add, cross, dot, norm, scale, sub, unit};
 use plotters::coord::Shift;
@@ -164,8 +164,8 @@ pub(super) type Canvas<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
 /// Draws a picture of some width and height, pixels, as PNG.
 pub(super) fn drawn(
     (width, height): (u32, u32),
-    paint: impl FnOnce(&Canvas) -> Result<(), OutputError>,
-) -> Result<Vec<u8>, OutputError> {
+    paint: impl FnOnce(&Canvas) -> DrawResult,
+) -> DrawResult<Vec<u8>> {
     let mut bitmap = Bitmap::white(width as usize, height as usize)?;
     bitmap.draw(paint)?;
     bitmap.png(&[])
@@ -192,7 +192,7 @@ pub(super) fn framed(
     frame: Frame,
     what: &str,
     paint: impl FnOnce(usize, usize) -> Raster,
-) -> Result<Vec<u8>, OutputError> {
+) -> DrawResult<Vec<u8>> {
     let (width, height) = (frame.size.0 + LEFT + 2 * MARGIN, frame.size.1 + BELOW + ABOVE + 2 * MARGIN);
     drawn((width, height), |area| draw_framed(area, frame, paint).map_err(OutputError::making(what)))
 }

@@ -1,7 +1,7 @@
 //! Exports of a composed layer: those that need no packing of the whole layer.
 
 use super::print::{InstrumentGeometry, Print, PrintSpectrum, bands, resample};
-use super::request::{ExportError, Format, Request};
+use super::request::{ExportError, ExportResult, Format, Request};
 use super::run::{Exported, in_air};
 use super::{npz, stored};
 use crate::evaluate::composed::level::SolvedPortion;
@@ -26,7 +26,7 @@ impl ComposedStored {
     ///
     /// # Errors
     /// No results there, an unfinished study, or results and store that do not fit.
-    pub fn read(path: &Path) -> Result<Option<Self>, ExportError> {
+    pub fn read(path: &Path) -> ExportResult<Option<Self>> {
         let study = stored::study(path)?;
         if study.layer.composed.is_none() {
             return Ok(None);
@@ -46,7 +46,7 @@ impl ComposedStored {
     ///
     /// # Errors
     /// A format that shows one packing, or a study that does not carry what a format needs.
-    pub fn export(&self, request: &Request, watch: &dyn RunWatch) -> Result<Exported, ExportError> {
+    pub fn export(&self, request: &Request, watch: &dyn RunWatch) -> ExportResult<Exported> {
         if request.near_field.is_some() {
             return Err(one_packing("near field"));
         }
@@ -82,7 +82,7 @@ impl ComposedStored {
     }
 
     /// The thickness asked for, µm: one of the study's.
-    fn thickness(&self, asked: Option<f64>) -> Result<f64, ExportError> {
+    fn thickness(&self, asked: Option<f64>) -> ExportResult<f64> {
         let all = self.study.layer.composed.iter().flat_map(|composed| &composed.thicknesses_um);
         let found = asked.or_else(|| all.clone().next().copied()).unwrap_or(f64::NAN);
         if all.clone().any(|um| *um == found) {
@@ -99,7 +99,7 @@ impl ComposedStored {
         um: f64,
         format: &'static str,
         created: &str,
-    ) -> Result<Print, ExportError> {
+    ) -> ExportResult<Print> {
         let (study, nm) = (&self.study, &self.study.wavelengths_nm);
         let (grid, meter) = bands(study, format)?;
         let colours = manifest.colours.iter().find(|colours| colours.thickness_um == um);
@@ -118,7 +118,7 @@ impl ComposedStored {
     }
 
     /// The orders of every slab's solves, one file for each kind of slab.
-    fn npz(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn npz(&self, out: &mut Exported) -> ExportResult {
         for (study, collected) in &self.solved {
             let kind = study.portion.as_ref().map(|portion| portion.in_words()).unwrap_or_default();
             let name = format!("far-fields-{}.npz", kind.replace(", ", "-").replace(' ', "-"));

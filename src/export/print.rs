@@ -1,7 +1,7 @@
 //! Spectra that an instrument would measure on the print, every 10 nm, with the Lab that these have under
 //! the study's light.
 
-use super::request::ExportError;
+use super::request::{ExportError, ExportResult};
 use super::stored::Stored;
 use crate::appearance::colour::{Colorimeter, Colour};
 use crate::appearance::tristimulus::lagrange_shares;
@@ -154,7 +154,7 @@ impl PrintSpectrum {
 pub(super) type Bands = (Vec<u32>, Option<Colorimeter>);
 
 /// Every 10 nm inside a study's wavelengths.
-pub(super) fn bands(study: &Study, format: &str) -> Result<Bands, ExportError> {
+pub(super) fn bands(study: &Study, format: &str) -> ExportResult<Bands> {
     let grid = uniform_grid(&study.wavelengths_nm);
     if grid.len() < 2 || study.wavelengths_nm.len() < 2 {
         let needed = "needs at least two multiples of 10 nm inside the study's wavelengths";
@@ -197,7 +197,7 @@ fn error_between(wavelengths_nm: &[f64], values: &[Estimate], nm: f64) -> Option
 /// The spectra with their colours. Fitted spectra are evaluated at the wavelengths of the file,
 /// listed ones are interpolated. Lab is computed from the exported values, so that other programs
 /// find the same.
-pub(super) fn print(stored: &Stored, format: &'static str, created: &str) -> Result<Print, ExportError> {
+pub(super) fn print(stored: &Stored, format: &'static str, created: &str) -> ExportResult<Print> {
     let study = &stored.study;
     let (grid, meter) = bands(study, format)?;
     let own = summarise(study, &stored.collected, &stored.seen);

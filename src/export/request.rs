@@ -106,6 +106,9 @@ pub enum ExportError {
     Solve(#[from] SolveError),
 }
 
+/// What an export gives.
+pub type ExportResult<T = ()> = Result<T, ExportError>;
+
 impl ExportError {
     /// What to try, unless the message includes it.
     pub fn remedy(&self) -> Option<&'static str> {

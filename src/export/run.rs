@@ -3,7 +3,7 @@
 use super::mitsuba::{self, MaterialTable};
 use super::print::{Print, print};
 use super::provenance::{self, Described, Run, STUDY};
-use super::request::{ExportError, Format, Request};
+use super::request::{ExportError, ExportResult, Format, Request};
 use super::stored::Stored;
 use super::voxels::{self, Voxels};
 use super::{grains, near_field, npz, samples, spectra};
@@ -33,7 +33,7 @@ pub struct Exported {
 ///
 /// # Errors
 /// A study that does not carry what a format needs.
-pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Result<Exported, ExportError> {
+pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> ExportResult<Exported> {
     let exporter = Exporter { stored, request, watch };
     let um = stored.study.layer.thickness_um;
     if let Some(found) = request.thickness_um.filter(|asked| *asked != um) {
@@ -61,7 +61,7 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Resul
 }
 
 /// Materials of renderers lie in air.
-pub(super) fn in_air(study: &Study) -> Result<(), ExportError> {
+pub(super) fn in_air(study: &Study) -> ExportResult {
     match study.layer.index_in {
         1.0 => Ok(()),
         index => Err(ExportError::Refused(format!(
@@ -76,11 +76,7 @@ impl Exported {
     }
 
     /// The print as a material for renderers, with tables to check it.
-    pub(super) fn material(
-        &mut self,
-        print: &dyn DirectionalPrint,
-        study: &Study,
-    ) -> Result<(), ExportError> {
+    pub(super) fn material(&mut self, print: &dyn DirectionalPrint, study: &Study) -> ExportResult {
         let table = MaterialTable::new(print);
         let about = description(study);
         self.add("ink-spectral.bsdf", table.spectral(&about), "material for Mitsuba 3, spectral variants");
@@ -103,7 +99,7 @@ impl Exported {
     }
 
     /// Spectra as CxF3.
-    pub(super) fn cxf(&mut self, print: &Print) -> Result<(), ExportError> {
+    pub(super) fn cxf(&mut self, print: &Print) -> ExportResult {
         Ok(self.add("spectra.cxf", spectra::cxf(print)?, "spectra of the print with Lab, CxF3"))
     }
 
@@ -119,7 +115,7 @@ impl Exported {
     }
 
     /// The study, and all files described together.
-    pub(super) fn describe(&mut self, study: &Study, created: &str) -> Result<(), ExportError> {
+    pub(super) fn describe(&mut self, study: &Study, created: &str) -> ExportResult {
         self.add(STUDY, serde_json::to_vec_pretty(study)?, "the study with every default filled in");
         let run = Run {
             title: study.title.clone(),
@@ -155,29 +151,29 @@ impl Exporter<'_> {
         &self.stored.study
     }
 
-    fn ink(&self, format: &'static str) -> Result<&InkOnPaper, ExportError> {
+    fn ink(&self, format: &'static str) -> ExportResult<&InkOnPaper> {
         self.stored.seen.ink.as_ref().map_err(|reason| ExportError::no_ink(format, &reason.to_string()))
     }
 
-    fn mitsuba(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn mitsuba(&self, out: &mut Exported) -> ExportResult {
         let (ink, study) = (self.ink("mitsuba")?, self.study());
         in_air(study)?;
         self.watch.stage("tabulating the material");
         out.material(&DirectionalInk::new(ink)?, study)
     }
 
-    fn packing(&self) -> Result<Packing, ExportError> {
+    fn packing(&self) -> ExportResult<Packing> {
         self.watch.stage("packing realisation 1 again");
         Ok(pack_realisation(self.study(), 0, self.watch)?)
     }
 
     /// Spectra on a grid of 10 nm with their colours.
-    fn print(&self, format: &'static str) -> Result<Print, ExportError> {
+    fn print(&self, format: &'static str) -> ExportResult<Print> {
         self.ink(format)?;
         print(self.stored, format, &self.request.created)
     }
 
-    fn vti(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn vti(&self, out: &mut Exported) -> ExportResult {
         let study = self.study();
         let packing = self.packing()?;
         let names = study.material_names();
@@ -200,7 +196,7 @@ impl Exporter<'_> {
         wavelength_nm: f64,
         polar_deg: f64,
         out: &mut Exported,
-    ) -> Result<(), ExportError> {
+    ) -> ExportResult {
         let study = self.study();
         if study.wave.is_vector() {
             return Err(ExportError::Refused(format!(
@@ -225,7 +221,7 @@ impl Exporter<'_> {
         Ok(())
     }
 
-    fn positions(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn positions(&self, out: &mut Exported) -> ExportResult {
         let packing = self.packing()?;
         if packing.method() == Method::Voxels {
             out.remarks
@@ -239,7 +235,7 @@ impl Exporter<'_> {
     }
 
     /// Voxels that `layer.microstructure` reads; those of a study that has read some are the same.
-    fn labels(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn labels(&self, out: &mut Exported) -> ExportResult {
         let packing = self.packing()?;
         let labels = voxels::labels(&packing, self.study().packing.voxels.first().map(|cut| cut.count));
         let mut bytes = Vec::new();
@@ -255,13 +251,13 @@ impl Exporter<'_> {
         Ok(())
     }
 
-    fn viewer(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn viewer(&self, out: &mut Exported) -> ExportResult {
         let (study, packing) = (self.study(), self.packing()?);
         let page = grains::page(&packing, &study.title, &study.material_names());
         Ok(out.add("packing.html", page, "interactive view of the first packing"))
     }
 
-    fn wavelength(&self, nm: f64) -> Result<usize, ExportError> {
+    fn wavelength(&self, nm: f64) -> ExportResult<usize> {
         let all = &self.study().wavelengths_nm;
         if let Some(w) = all.iter().position(|known| (known - nm).abs() < 1e-6) {
             return Ok(w);
@@ -272,7 +268,7 @@ impl Exporter<'_> {
     }
 
     /// Adds the tables of the run, and describes all files together.
-    fn provenance(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn provenance(&self, out: &mut Exported) -> ExportResult {
         let manifest = summarise(self.study(), &self.stored.collected, &self.stored.seen);
         let amplitude_error = manifest.certainty.amplitude_error_estimate;
         let index_out = self.study().layer.index_out;

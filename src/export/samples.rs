@@ -1,7 +1,7 @@
 //! Tables for the material: its BRDF at sample directions, for independent checks, and the mirror
 //! part that it leaves out.
 
-use super::request::ExportError;
+use super::request::ExportResult;
 use crate::evaluate::directional::{Direction, DirectionalPrint};
 use crate::report::cell::table;
 
@@ -64,7 +64,7 @@ fn halton(mut k: usize, base: usize) -> f64 {
 ///
 /// # Errors
 /// What [`DirectionalPrint::disagreement`] refuses.
-pub fn specular(ink: &dyn DirectionalPrint) -> Result<Vec<u8>, ExportError> {
+pub fn specular(ink: &dyn DirectionalPrint) -> ExportResult<Vec<u8>> {
     let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
     let mut rows = Vec::new();
     for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {

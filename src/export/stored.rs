@@ -1,7 +1,7 @@
 //! A finished study, read back from its folder: the study in `results.json` and the records of its
 //! solves.
 
-use super::request::ExportError;
+use super::request::{ExportError, ExportResult};
 use crate::evaluate::seen::{Seen, see};
 use crate::input::study::Study;
 use crate::run::{Collected, Stores};
@@ -35,7 +35,7 @@ impl Stored {
     ///
     /// # Errors
     /// No results there, an unfinished study, or results and store that do not fit.
-    pub fn read(path: &Path) -> Result<Self, ExportError> {
+    pub fn read(path: &Path) -> ExportResult<Self> {
         let study = study(path)?;
         if study.layer.composed.is_some() {
             let reason = format!("{} holds a composed layer, which has no orders and no BDF", path.display());
@@ -53,7 +53,7 @@ impl Stored {
 }
 
 /// The checked study in `results.json`; its content hash shows that it is unchanged.
-pub(super) fn study(path: &Path) -> Result<Study, ExportError> {
+pub(super) fn study(path: &Path) -> ExportResult<Study> {
     let folder = path.display();
     let text = std::fs::read(path.join(RESULTS));
     let results = text
@@ -73,7 +73,7 @@ pub(super) fn study(path: &Path) -> Result<Study, ExportError> {
 }
 
 /// The store of the folder itself, or the one that the variants of a sweep share.
-pub(super) fn stores(path: &Path) -> Result<Stores, ExportError> {
+pub(super) fn stores(path: &Path) -> ExportResult<Stores> {
     let shared = path.join("../..");
     let place = if !path.join(RECORDS).exists() && shared.join(RECORDS).exists() { &shared } else { path };
     Stores::at(place).map_err(|cause| ExportError::Folder {

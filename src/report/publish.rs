@@ -64,6 +64,9 @@ pub enum PublishError {
     Records(#[from] std::io::Error),
 }
 
+/// What publishing gives.
+pub type PublishResult<T = ()> = Result<T, PublishError>;
+
 /// What was published.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Published {
@@ -82,11 +85,7 @@ pub struct Published {
 ///
 /// # Errors
 /// Files that cannot be written, or records that do not belong together.
-pub fn publish(
-    study: &Study,
-    collected: &Collected,
-    folder: &OutputFolder,
-) -> Result<Published, PublishError> {
+pub fn publish(study: &Study, collected: &Collected, folder: &OutputFolder) -> PublishResult<Published> {
     let seen = see(study, collected)?;
     let process_seconds = processor_seconds();
     publish_seen(study, &Manifest { process_seconds, ..summarise(study, collected, &seen) }, &seen, folder)
@@ -98,7 +97,7 @@ pub(crate) fn publish_seen(
     manifest: &Manifest<&Study>,
     seen: &Seen,
     folder: &OutputFolder,
-) -> Result<Published, PublishError> {
+) -> PublishResult<Published> {
     if let Some(what) = manifest.unphysical() {
         folder.begin()?;
         return Err(PublishError::Unphysical(what));
@@ -143,7 +142,7 @@ pub(super) struct Pictures {
 }
 
 impl Pictures {
-    pub(super) fn new(picture: &InkPicture, study: &Study) -> Result<Self, PublishError> {
+    pub(super) fn new(picture: &InkPicture, study: &Study) -> PublishResult<Self> {
         let style = PictureStyle { side_px: study.output.picture_pixels, ..PictureStyle::default() };
         let plain = png(picture, &style, study)?;
         let labelled = png(picture, &PictureStyle { labels: true, ..style }, study)?;
@@ -158,7 +157,7 @@ pub(super) fn picture_angles(study: &Study) -> Vec<f64> {
 }
 
 /// `None` if the wavelengths or angles do not suffice for a colour.
-fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError> {
+fn pictures(study: &Study, seen: &Seen) -> PublishResult<Option<Pictures>> {
     let Ok(ink) = &seen.ink else { return Ok(None) };
     match ink.picture(&picture_angles(study), study.output.mirrored_sky) {
         Err(InkError::Colour(_)) => Ok(None),
@@ -166,7 +165,7 @@ fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError
     }
 }
 
-fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> Result<Vec<u8>, PublishError> {
+fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> PublishResult<Vec<u8>> {
     let bitmap: Bitmap = render(picture, style)?;
     let (key, program) = (study.key().to_string(), crate::evaluate::summary::program());
     Ok(bitmap.png(&[("Title", study.title.as_str()), ("Software", &program), ("Study", &key)])?)

@@ -5,7 +5,7 @@ mod figures;
 
 use super::page::{hex, png_data};
 use super::scalar_error;
-use crate::draw::OutputError;
+use crate::draw::DrawResult;
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
@@ -29,7 +29,7 @@ pub fn sheet(
     manifest: &Manifest<&Study>,
     seen: &Seen,
     picture: Option<&[u8]>,
-) -> Result<Value, OutputError> {
+) -> DrawResult<Value> {
     let figures = [figures::figures(study, manifest, seen)?, figures::of_ink_makers(manifest)?].concat();
     let shown = context! {
         picture => picture.map(png_data),

@@ -1,7 +1,7 @@
 //! A comparison as written, with the axes of a matrix, read and checked; and keys of the input files
 //! that have no effect on a comparison, for a note to the user.
 
-use crate::compare::error::CompareError;
+use crate::compare::error::{CompareError, CompareResult};
 use crate::compare::external::ExternalTable;
 use crate::compare::external::protocol::WaveKind;
 use crate::compare::row::Varied;
@@ -139,7 +139,7 @@ fn is_empty<T>(list: &Option<Vec<T>>) -> bool {
 
 impl ComparisonFile {
     /// Reads a comparison; a study or a plain case file is compared with the default lists.
-    pub fn read(path: &Path) -> Result<ComparisonFile, CompareError> {
+    pub fn read(path: &Path) -> CompareResult<ComparisonFile> {
         let (origin, name) = (path.to_owned(), path.file_name().map(PathBuf::from));
         if path.extension().is_some_and(|e| e == "json") {
             return Ok(ComparisonFile { case: name, origin, ..ComparisonFile::default() });
@@ -156,10 +156,7 @@ impl ComparisonFile {
     }
 
     /// The strategies to compare, checked against the registry.
-    pub(super) fn strategies(
-        &self,
-        registry: &Registry,
-    ) -> Result<Vec<(String, Box<dyn Solver>)>, CompareError> {
+    pub(super) fn strategies(&self, registry: &Registry) -> CompareResult<Vec<(String, Box<dyn Solver>)>> {
         match &self.strategies {
             Some(names) => names.iter().map(|name| Ok((name.clone(), registry.build(name)?))).collect(),
             None => {
@@ -205,7 +202,7 @@ impl ComparisonFile {
         }
     }
 
-    pub(super) fn check(&self) -> Result<(), CompareError> {
+    pub(super) fn check(&self) -> CompareResult {
         let mut faults = Faults::default();
         let given = [self.study.is_some(), self.case.is_some(), !self.cases.is_empty()];
         let given = given.into_iter().filter(|given| *given).count();
@@ -270,7 +267,7 @@ impl ComparisonFile {
     ///
     /// # Errors
     /// Its faults; a case instead.
-    pub(super) fn packed(&self) -> Result<Packed, CompareError> {
+    pub(super) fn packed(&self) -> CompareResult<Packed> {
         let missing = || Fault::new("study", "missing", "a study", "name a study file or write [study]");
         let study = self.study.as_ref().ok_or_else(missing)?;
         Packed::read(study, &self.origin, (self.wavelength_nm, self.polar_deg))

@@ -3,7 +3,7 @@
 
 use super::file::ComparisonFile;
 use super::reference::{ReferenceTrial, task};
-use crate::compare::error::CompareError;
+use crate::compare::error::CompareResult;
 use crate::compare::row::{Discrete, Row, Varied};
 use crate::input::case::Case;
 use crate::run::crew::processor_seconds;
@@ -28,7 +28,7 @@ impl Bench<'_> {
         mean: Mean,
         trial: &ReferenceTrial,
         watch: &mut dyn Watch,
-    ) -> Result<Row, CompareError> {
+    ) -> CompareResult<Row> {
         let resolution = match &trial.grid {
             Ok(resolution) => *resolution,
             Err(reason) => {

@@ -5,7 +5,7 @@
 
 use super::ExternalTable;
 use super::judge::words;
-use crate::compare::error::CompareError;
+use crate::compare::error::CompareResult;
 use crate::solve::{Account, SolveError, Step, Watch};
 use std::io::{Read, Write};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -43,7 +43,7 @@ impl ProgramRun {
         input: Vec<u8>,
         program: &ExternalTable,
         watch: &mut dyn Watch,
-    ) -> Result<Result<ProgramRun, std::io::Error>, CompareError> {
+    ) -> CompareResult<Result<ProgramRun, std::io::Error>> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);

@@ -2,7 +2,7 @@
 
 use super::{grains_csv, packing_json, spheres_vtp};
 use crate::draw::chart::{self, Chart};
-use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
+use crate::draw::{DrawResult, OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
 use crate::ink::statistics::{StatisticCurve, Statistics, gather};
 use crate::ink::{Method, Packing, Shape};
 use crate::numerics::estimate::Estimate;
@@ -22,7 +22,7 @@ pub fn write_report(
     title: &str,
     pigments: &[(String, Shape)],
     packings: &[Packing],
-) -> Result<(Statistics, PathBuf), OutputError> {
+) -> DrawResult<(Statistics, PathBuf)> {
     std::fs::create_dir_all(folder).map_err(|source| OutputError::Write { path: folder.into(), source })?;
     for (k, packing) in packings.iter().enumerate() {
         save(folder, &format!("grains_{k:03}.csv"), &grains_csv(packing).map_err(no_table)?)?;
@@ -55,7 +55,7 @@ fn have_shapes(packings: &[Packing]) -> bool {
 }
 
 /// Writes one file, completely or not at all.
-fn save(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+fn save(folder: &Path, name: &str, bytes: &[u8]) -> DrawResult {
     let path = folder.join(name);
     safely::write(&path, bytes).map_err(|source| OutputError::Write { path, source })
 }
@@ -89,7 +89,7 @@ fn html(
     pigments: &[(String, Shape)],
     packings: &[Packing],
     statistics: &Statistics,
-) -> Result<String, OutputError> {
+) -> DrawResult<String> {
     let figures = statistics.scalars.iter().map(|(name, unit, value)| {
         let unit = if unit == "1" { "" } else { unit };
         context!(name => sided(&named(name, pigments)), value => rounded(*value), unit => unit.to_owned())

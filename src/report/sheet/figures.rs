@@ -1,6 +1,6 @@
 //! The page's plots, those for ink makers among them.
 
-use crate::draw::OutputError;
+use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::ink_maker::{ComparedRow, InkMaker, MeasuredComparison};
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
@@ -19,11 +19,7 @@ const BRDF_STEP_DEG: f64 = 5.0;
 const LIGHT_DEG: f64 = 45.0;
 
 /// All plots that the finished solves allow.
-pub(super) fn figures(
-    study: &Study,
-    manifest: &Manifest<&Study>,
-    seen: &Seen,
-) -> Result<Vec<Figure>, OutputError> {
+pub(super) fn figures(study: &Study, manifest: &Manifest<&Study>, seen: &Seen) -> DrawResult<Vec<Figure>> {
     let rows = &manifest.spectra;
     let all =
         [seen_spectra(study, rows), layer_spectra(study, rows), other_angles(study, rows), brdf(study, seen)];
@@ -160,7 +156,7 @@ fn nearest(wavelengths_nm: &[f64], wanted: f64) -> Option<f64> {
 }
 
 /// Plots of K and S, and of a measurement with its residuals.
-pub(super) fn of_ink_makers(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, OutputError> {
+pub(super) fn of_ink_makers(manifest: &Manifest<&Study>) -> DrawResult<Vec<Figure>> {
     let Some(maker) = &manifest.ink_maker else { return Ok(Vec::new()) };
     let mut figures = Vec::new();
     if !maker.kubelka_munk.is_empty() {
@@ -172,12 +168,12 @@ pub(super) fn of_ink_makers(manifest: &Manifest<&Study>) -> Result<Vec<Figure>, 
     Ok(figures)
 }
 
-fn figure(heading: &str, y_label: &str, curves: Vec<Curve>, caption: String) -> Result<Figure, OutputError> {
+fn figure(heading: &str, y_label: &str, curves: Vec<Curve>, caption: String) -> DrawResult<Figure> {
     let plot = Chart { from_zero: true, ..Chart::linear("", "wavelength, nm", y_label, curves) };
     Figure::new(heading, &plot, caption)
 }
 
-fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure, OutputError> {
+fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> DrawResult<Figure> {
     let certainty = &manifest.certainty;
     let asked: Vec<f64> = manifest.spectra.iter().map(|row| row.wavelength_nm).collect();
     let factor = certainty.coverage_factor_95;
@@ -207,7 +203,7 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> Result<Figure,
     figure("Kubelka–Munk coefficients", "1/µm", series, caption)
 }
 
-fn compared(measured: &MeasuredComparison) -> Result<Vec<Figure>, OutputError> {
+fn compared(measured: &MeasuredComparison) -> DrawResult<Vec<Figure>> {
     let of = |value: &dyn Fn(&ComparedRow) -> Estimate| {
         measured.rows.iter().map(|row| (row.wavelength_nm, value(row))).collect::<Vec<_>>()
     };

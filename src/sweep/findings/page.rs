@@ -5,10 +5,10 @@ use super::curves;
 use super::outcome::Outcome;
 use super::reported::{Reported, shown};
 use super::sheets::Sheet;
-use crate::draw::OutputError;
+use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve};
 use crate::report::page::{Picture, hex, made_by, png_data, rendered, svg_data};
-use crate::report::publish::PublishError;
+use crate::report::publish::PublishResult;
 use crate::report::scalar_error;
 use crate::sweep::definition::load::{AxisOutline, Sweep};
 use minijinja::value::Serde;
@@ -23,7 +23,7 @@ pub(crate) fn page(
     reported: &Reported,
     sheets: &[Sheet],
     drawn: &[Vec<u8>],
-) -> Result<String, PublishError> {
+) -> PublishResult<String> {
     let (outline, outcomes) = (&sweep.outline, &reported.outcomes);
     let (complete, all) = (reported.complete(), sweep.variants.len());
     let pictures = sheets.iter().zip(drawn);
@@ -113,7 +113,7 @@ fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Value {
 
 /// Curves against concentration and size; then spectra of the layer's transmittance: one figure per
 /// row of each sheet, one curve per column.
-fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, OutputError> {
+fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> DrawResult<Vec<Picture>> {
     let mut charts = Vec::new();
     'sheets: for sheet in sheets {
         charts.extend(curves::plots(sweep, sheet, outcomes));

@@ -12,7 +12,7 @@ use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
 use crate::report::cell;
-use crate::report::publish::{PublishError, publish_seen};
+use crate::report::publish::{PublishError, PublishResult, publish_seen};
 use crate::run::Stores;
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::folder::VARIANTS;
@@ -27,7 +27,7 @@ const SHEET_STYLE: PictureStyle = PictureStyle { side_px: 124, strip_px: 32, gap
 ///
 /// # Errors
 /// Files cannot be written, or records do not match.
-pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, PublishError> {
+pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> PublishResult<Reported> {
     Publisher::new(sweep).publish(folder)
 }
 
@@ -49,7 +49,7 @@ impl<'a> Publisher<'a> {
     ///
     /// # Errors
     /// As for [`publish`].
-    pub fn publish(&mut self, folder: &OutputFolder) -> Result<Reported, PublishError> {
+    pub fn publish(&mut self, folder: &OutputFolder) -> PublishResult<Reported> {
         folder.mark_partial()?;
         let stores = Stores::open(folder)?;
         for (number, outcome) in self.outcomes.iter_mut().enumerate().filter(|(_, o)| !o.is_complete()) {
@@ -60,7 +60,7 @@ impl<'a> Publisher<'a> {
 }
 
 /// Writes the contact sheets, tables and pages of the whole sweep.
-fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Result<Reported, PublishError> {
+fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> PublishResult<Reported> {
     let conclusions = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
     let nearest = nearest(&sweep.outline, &outcomes);
     let reported = Reported { outcomes, conclusions, nearest };
@@ -87,12 +87,7 @@ fn sheet_name(i: usize, count: usize) -> String {
     if count == 1 { "contact-sheet.png".into() } else { format!("contact-sheet-{}.png", i + 1) }
 }
 
-fn variant(
-    sweep: &Sweep,
-    number: usize,
-    stores: &Stores,
-    folder: &OutputFolder,
-) -> Result<Outcome, PublishError> {
+fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder) -> PublishResult<Outcome> {
     let (study, nothing) = (&sweep.variants[number].study, Outcome::nothing(sweep, number));
     let Some(collected) = collect(study, stores, 0) else {
         let refused = refused(study, stores, study.realisations);
