@@ -11,7 +11,7 @@ use inkwave::design::run::{DesignError, DesignRun};
 use inkwave::run::RunSettings;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
-use miette::{IntoDiagnostic, miette};
+use miette::{IntoDiagnostic, Result, miette};
 use std::path::PathBuf;
 
 /// Find recipes for a wanted colour
@@ -28,7 +28,7 @@ pub struct DesignArgs {
 }
 
 /// Runs the command.
-pub fn run(args: &DesignArgs) -> miette::Result<()> {
+pub fn run(args: &DesignArgs) -> Result<()> {
     let task = load(&args.design).map_err(study_report)?;
     let settings = args.work.settings()?;
     if args.work.plan {
@@ -62,7 +62,7 @@ pub fn run(args: &DesignArgs) -> miette::Result<()> {
     ))
 }
 
-fn plan(task: &DesignTask, settings: RunSettings) -> miette::Result<()> {
+fn plan(task: &DesignTask, settings: RunSettings) -> Result<()> {
     let runs = task.variants() + task.settings.verifications;
     say!(
         "{}: {} variants and at most {} verifying runs, {runs} runs in all; one of them:",

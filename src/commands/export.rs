@@ -11,7 +11,7 @@ use inkwave::export::stored::Stored;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::store::partial;
-use miette::{MietteDiagnostic, miette};
+use miette::{MietteDiagnostic, Result, miette};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -35,7 +35,7 @@ pub struct ExportArgs {
 }
 
 /// Reads the folder and writes the files.
-pub fn run(args: &ExportArgs) -> miette::Result<()> {
+pub fn run(args: &ExportArgs) -> Result<()> {
     let refused = |error: ExportError| refusal(&error, &args.folder);
     let composed = ComposedStored::read(&args.folder).map_err(refused)?;
     let alone = composed.is_none().then(|| Stored::read(&args.folder)).transpose().map_err(refused)?;

@@ -11,7 +11,7 @@ use inkwave::fit::run::{FitError, FitRun, Trust, points};
 use inkwave::run::RunSettings;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use miette::{IntoDiagnostic, miette};
+use miette::{IntoDiagnostic, Result, miette};
 use std::path::PathBuf;
 
 /// Fit a pigment's index n + iκ to spectra of drawdowns
@@ -27,7 +27,7 @@ pub struct FitArgs {
 }
 
 /// Runs the command.
-pub fn run(args: &FitArgs) -> miette::Result<()> {
+pub fn run(args: &FitArgs) -> Result<()> {
     let task = load(&args.fit).map_err(study_report)?;
     let settings = args.work.settings()?;
     if args.work.plan {
@@ -58,7 +58,7 @@ pub fn run(args: &FitArgs) -> miette::Result<()> {
     Ok(())
 }
 
-fn tell_plan(task: &FitTask, settings: RunSettings) -> miette::Result<()> {
+fn tell_plan(task: &FitTask, settings: RunSettings) -> Result<()> {
     let folder = tempfile::tempdir().into_diagnostic()?;
     let folder = OutputFolder::open(folder.path(), Holds::Fit).map_err(folder_report)?;
     let progress = Progress::new();

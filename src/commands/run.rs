@@ -19,7 +19,7 @@ use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
 use inkwave::sweep::alone::{Ran, run_portions, run_study, stored};
 use inkwave::sweep::plan::by_size;
-use miette::{IntoDiagnostic, miette};
+use miette::{IntoDiagnostic, Result, miette};
 use std::path::{Path, PathBuf};
 
 /// Arguments of `inkwave run`.
@@ -35,7 +35,7 @@ pub struct RunArgs {
 }
 
 /// Reads, checks and runs a study.
-pub fn run(args: &RunArgs) -> miette::Result<()> {
+pub fn run(args: &RunArgs) -> Result<()> {
     let study = load(&args.study).map_err(|error| mixed_up_report(error, "study"))?;
     study.remarks.iter().for_each(note);
     let settings = args.work.settings()?;
@@ -76,7 +76,7 @@ fn publish_stored(study: &Study, folder: &OutputFolder) -> bool {
 }
 
 /// Prints the colour, or why there is none, and every other number that is missing.
-fn tell_colour(study: &Study, published: &Published) -> miette::Result<()> {
+fn tell_colour(study: &Study, published: &Published) -> Result<()> {
     if let Some(colour) = &published.colour {
         say!("{}: {colour}", study.title)?;
     }
@@ -102,7 +102,7 @@ fn tell(
     published: &Published,
     folder: &OutputFolder,
     stopped: bool,
-) -> miette::Result<()> {
+) -> Result<()> {
     tell_colour(study, published)?;
     say!("Report: {}", folder.path().join("report.html").display())?;
     if let (Some(target), false) = (study.target_delta_e.filter(|_| study.realisations > 1), stopped)
@@ -132,7 +132,7 @@ fn tell(
 }
 
 /// Runs a composed layer and prints its colours.
-fn run_composed(study: &Study, path: &Path, settings: RunSettings) -> miette::Result<()> {
+fn run_composed(study: &Study, path: &Path, settings: RunSettings) -> Result<()> {
     let folder = opened(path, Holds::Study)?;
     let progress = Progress::new();
     progress.expect(study.solves(), false);
@@ -157,7 +157,7 @@ fn run_composed(study: &Study, path: &Path, settings: RunSettings) -> miette::Re
 const WORTH_COMPOSING_UM: f64 = 4.0;
 
 /// Says what a thick layer would cost if it were composed of slabs.
-fn offer(mut study: Study, settings: RunSettings) -> miette::Result<()> {
+fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     let um = study.layer.thickness_um;
     let plane = study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
     if study.layer.composed.is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {

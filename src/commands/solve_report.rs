@@ -142,15 +142,14 @@ pub fn gradients(task: &Task, e: &Estimated) -> Result<Vec<Gradient>, AccuracyEr
         return Err(ABSORBING_EXIT.into());
     }
     let (sharper, _) = task.solve(e.system().grid().resolution, &mut Silent)?;
-    backgrounds.chain(inclusions).map(|(medium, index)| gradient(&task, &sharper, medium, index)).collect()
+    let media = backgrounds.chain(inclusions);
+    media
+        .map(|(medium, index)| Ok(Gradient { medium, index, slopes: slopes(&task, &sharper, medium)? }))
+        .collect()
 }
 
-fn gradient(
-    task: &Task,
-    solved: &[Solved],
-    medium: Medium,
-    index: Complex64,
-) -> Result<Gradient, AccuracyError> {
+/// Derivatives with respect to one medium, from solves with its index moved in four directions.
+fn slopes(task: &Task, solved: &[Solved], medium: Medium) -> Result<Vec<FarSlopes>, AccuracyError> {
     let geometry = task.coverages.at(solved[0].system.grid().resolution)?;
     let mut moved = Vec::new();
     for step in DIRECTIONS.map(|direction| STEP * direction) {
@@ -166,7 +165,7 @@ fn gradient(
         let field = &solution.field;
         slopes.push(tangent((&**system, field), &neighbours, (task.solver, task.goal), &mut Silent)?);
     }
-    Ok(Gradient { medium, index, slopes })
+    Ok(slopes)
 }
 
 impl Gradient {

@@ -6,8 +6,8 @@
 
 use super::curve::marker;
 pub use super::curve::{Curve, Style};
-use super::figure::{Bitmap, COLOURS, DrawResult, FONT, failed};
-use super::leaf::{Area, KEY, Leaf, WORDS, fitting, svg_of, width};
+use super::figure::{Area, Bitmap, COLOURS, DrawResult, FONT, failed};
+use super::leaf::{KEY, Leaf, WORDS, fitting, svg_of, width};
 use super::ticks::{self, Scale};
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -211,8 +211,7 @@ impl Chart {
         let markers = shown.iter().step_by(every).map(|p| {
             EmptyElement::at(self.at(p[0], p[1])) + Polygon::new(marker(pen.marker), pen.colour.filled())
         });
-        axes.draw_series(markers).map_err(failed)?;
-        Ok(())
+        axes.draw_series(markers).map(drop).map_err(failed)
     }
 
     /// Draws a line through points, solid if the dashes have no length.
@@ -224,12 +223,11 @@ impl Chart {
         stroke: ShapeStyle,
     ) -> DrawResult {
         let places = points.iter().map(|p| self.at(p[0], p[1]));
-        if dash == 0 {
-            axes.draw_series(LineSeries::new(places, stroke)).map_err(failed)?;
-        } else {
-            axes.draw_series(DashedLineSeries::new(places, dash, gap, stroke)).map_err(failed)?;
-        }
-        Ok(())
+        let drawn = match dash {
+            0 => axes.draw_series(LineSeries::new(places, stroke)).map(drop),
+            _ => axes.draw_series(DashedLineSeries::new(places, dash, gap, stroke)).map(drop),
+        };
+        drawn.map_err(failed)
     }
 }
 

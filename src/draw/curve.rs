@@ -55,9 +55,9 @@ impl Curve {
     pub fn with_bars(
         name: impl Into<String>,
         style: Style,
-        points: impl IntoIterator<Item = [f64; 3]>,
+        bars: impl IntoIterator<Item = [f64; 3]>,
     ) -> Self {
-        Self { name: name.into(), style, points: points.into_iter().collect(), look: None, dashes: 0 }
+        Self { name: name.into(), style, points: bars.into_iter().collect(), look: None, dashes: 0 }
     }
 
     /// A data curve whose error bars are the standard errors, where these are known.

@@ -32,6 +32,11 @@ pub const COLOURS: [RGBColor; 7] = [
     RGBColor(230, 159, 0),
 ];
 
+/// What is drawn on.
+pub(super) type Area<B> = DrawingArea<B, Shift>;
+/// Drawing area of a bitmap.
+pub(super) type Canvas<'a> = Area<BitMapBackend<'a>>;
+
 /// An RGB bitmap, 8 bits, sRGB.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bitmap {
@@ -103,10 +108,7 @@ impl Bitmap {
     ///
     /// # Errors
     /// Whatever the drawing reports.
-    pub fn draw(
-        &mut self,
-        paint: impl FnOnce(&DrawingArea<BitMapBackend, Shift>) -> DrawResult,
-    ) -> DrawResult {
+    pub(super) fn draw(&mut self, paint: impl FnOnce(&Canvas) -> DrawResult) -> DrawResult {
         register_fonts();
         let size = (self.width as u32, self.height as u32);
         let area = BitMapBackend::with_buffer(&mut self.rgb, size).into_drawing_area();
@@ -151,13 +153,8 @@ pub enum OutputError {
         source: std::io::Error,
     },
     /// The content cannot be made.
-    #[error("cannot make {what}: {reason}")]
-    Make {
-        /// What was to be made.
-        what: String,
-        /// Why.
-        reason: String,
-    },
+    #[error("cannot make {0}")]
+    Make(String),
 }
 
 /// What drawing gives.
@@ -166,7 +163,7 @@ pub type DrawResult<T = ()> = Result<T, OutputError>;
 impl OutputError {
     /// Maps any failure while `what` is made.
     pub(crate) fn making<E: std::fmt::Display>(what: &str) -> impl Fn(E) -> Self + '_ {
-        move |reason| Self::Make { what: what.into(), reason: reason.to_string() }
+        move |reason| Self::Make(format!("{what}: {reason}"))
     }
 }
 

@@ -1,9 +1,9 @@
 //! Pictures of a layer: from the incident side, cut open, in perspective; and a sheet of grain
 //! shapes.
 
-use super::figure::{DrawResult, FONT, failed};
+use super::figure::{Canvas, DrawResult, FONT, failed};
 use super::raster::{
-    BACKGROUND, BINDER, Camera, Canvas, Frame, Raster, Rgb, drawn, framed, mix, pigment_colour, shade,
+    BACKGROUND, BINDER, Camera, Frame, Raster, Rgb, drawn, framed, mix, pigment_colour, shade,
 };
 use crate::ink::grains::shape::Template;
 use crate::ink::{Packing, Shape, Solid, Sphere};

@@ -1,10 +1,9 @@
 //! Small pictures of shaded bodies: a depth buffer, one light, flat colours; and a frame with axes around
 //! pictures of the layer.
 
-use super::figure::{Bitmap, DrawResult, FONT, OutputError};
+use super::figure::{Bitmap, Canvas, DrawResult, FONT, OutputError};
 use crate::ink::Solid;
 use crate::numerics::vector::{V3, add, cross, dot, norm, scale, sub, unit};
-use plotters::coord::Shift;
 use plotters::prelude::*;
 use std::ops::Range;
 
@@ -158,15 +157,9 @@ impl Camera {
 const LABEL: u32 = 17;
 const CAPTION: u32 = 20;
 
-/// Drawing area of a bitmap.
-pub(super) type Canvas<'a> = DrawingArea<BitMapBackend<'a>, Shift>;
-
 /// Draws a picture of some width and height, pixels, as PNG.
-pub(super) fn drawn(
-    (width, height): (u32, u32),
-    paint: impl FnOnce(&Canvas) -> DrawResult,
-) -> DrawResult<Vec<u8>> {
-    let mut bitmap = Bitmap::white(width as usize, height as usize)?;
+pub fn drawn(size: (u32, u32), paint: impl FnOnce(&Canvas) -> DrawResult) -> DrawResult<Vec<u8>> {
+    let mut bitmap = Bitmap::white(size.0 as usize, size.1 as usize)?;
     bitmap.draw(paint)?;
     bitmap.png(&[])
 }
@@ -188,17 +181,13 @@ const MARGIN: u32 = 18;
 const ABOVE: u32 = 34;
 
 /// Draws a raster with axes around it, as PNG.
-pub(super) fn framed(
-    frame: Frame,
-    what: &str,
-    paint: impl FnOnce(usize, usize) -> Raster,
-) -> DrawResult<Vec<u8>> {
-    let (width, height) = (frame.size.0 + LEFT + 2 * MARGIN, frame.size.1 + BELOW + ABOVE + 2 * MARGIN);
-    drawn((width, height), |area| draw_framed(area, frame, paint).map_err(OutputError::making(what)))
+pub fn framed(frame: Frame, what: &str, paint: impl FnOnce(usize, usize) -> Raster) -> DrawResult<Vec<u8>> {
+    let size = (frame.size.0 + LEFT + 2 * MARGIN, frame.size.1 + BELOW + ABOVE + 2 * MARGIN);
+    drawn(size, |area| draw_framed(area, frame, paint).map_err(OutputError::making(what)))
 }
 
 fn draw_framed(
-    area: &DrawingArea<BitMapBackend, Shift>,
+    area: &Canvas,
     frame: Frame,
     paint: impl FnOnce(usize, usize) -> Raster,
 ) -> Result<(), Box<dyn std::error::Error>> {
@@ -213,12 +202,8 @@ fn draw_framed(
         .build_cartesian_2d(frame.x, frame.y)?;
     let (w, h) = chart.plotting_area().dim_in_pixel();
     let picture = paint(2 * w as usize, 2 * h as usize).halved();
-    let bits = BitMapElement::with_owned_buffer(
-        corner,
-        (picture.width as u32, picture.height as u32),
-        picture.rgb(),
-    );
-    if let Some(element) = bits {
+    let size = (picture.width as u32, picture.height as u32);
+    if let Some(element) = BitMapElement::with_owned_buffer(corner, size, picture.rgb()) {
         chart.plotting_area().draw(&element)?;
     }
     chart

@@ -97,7 +97,7 @@ impl ComposedStored {
         &self,
         manifest: &ComposedManifest,
         um: f64,
-        format: &'static str,
+        format: &str,
         created: &str,
     ) -> ExportResult<Print> {
         let (study, nm) = (&self.study, &self.study.wavelengths_nm);

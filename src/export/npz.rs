@@ -99,20 +99,10 @@ pub fn operator(problem: &Problem, field: &Field, account: &Account) -> Result<V
     archive(|npz| {
         grid(npz, problem)?;
         media(npz, problem)?;
-        solution(npz, problem, field, account)
+        npz.add_array("source", &problem.source())?;
+        npz.add_array("solution", field)?;
+        npz.add_array("residual", &arr1(&[account.residual]))
     })
-}
-
-/// Right-hand side, solution and its residual.
-fn solution(
-    npz: &mut Archive,
-    problem: &Problem,
-    field: &Field,
-    account: &Account,
-) -> Result<(), WriteNpzError> {
-    npz.add_array("source", &problem.source())?;
-    npz.add_array("solution", field)?;
-    npz.add_array("residual", &arr1(&[account.residual]))
 }
 
 /// Points, elements along z, harmonics and their wavenumbers, 1/µm.

@@ -197,7 +197,7 @@ fn error_between(wavelengths_nm: &[f64], values: &[Estimate], nm: f64) -> Option
 /// The spectra with their colours. Fitted spectra are evaluated at the wavelengths of the file,
 /// listed ones are interpolated. Lab is computed from the exported values, so that other programs
 /// find the same.
-pub(super) fn print(stored: &Stored, format: &'static str, created: &str) -> ExportResult<Print> {
+pub(super) fn print(stored: &Stored, format: &str, created: &str) -> ExportResult<Print> {
     let study = &stored.study;
     let (grid, meter) = bands(study, format)?;
     let own = summarise(study, &stored.collected, &stored.seen);

@@ -151,7 +151,7 @@ impl Exporter<'_> {
         &self.stored.study
     }
 
-    fn ink(&self, format: &'static str) -> ExportResult<&InkOnPaper> {
+    fn ink(&self, format: &str) -> ExportResult<&InkOnPaper> {
         self.stored.seen.ink.as_ref().map_err(|reason| ExportError::no_ink(format, &reason.to_string()))
     }
 
@@ -168,7 +168,7 @@ impl Exporter<'_> {
     }
 
     /// Spectra on a grid of 10 nm with their colours.
-    fn print(&self, format: &'static str) -> ExportResult<Print> {
+    fn print(&self, format: &str) -> ExportResult<Print> {
         self.ink(format)?;
         print(self.stored, format, &self.request.created)
     }

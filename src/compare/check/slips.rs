@@ -42,11 +42,7 @@ pub(super) struct Slip<A> {
 pub(super) type OrderSlip = Slip<fn(&mut SlipOrder, &SlipLight)>;
 
 /// Right orders as programs with these slips answer them.
-pub(super) fn changed(
-    right: &[ExpectedOrder],
-    slips: &[&OrderSlip],
-    light: &SlipLight,
-) -> Vec<ExpectedOrder> {
+pub fn changed(right: &[ExpectedOrder], slips: &[&OrderSlip], light: &SlipLight) -> Vec<ExpectedOrder> {
     let mut all = Vec::new();
     for order in right {
         let index = if order.side == Reflected { 1.0 } else { light.exit };

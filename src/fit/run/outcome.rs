@@ -263,12 +263,7 @@ fn remarks(
 
 impl Forecast {
     /// Drawdown number `k` of the predicted ones.
-    pub(super) fn new(
-        task: &FitTask,
-        own: &Drawdown,
-        response: &Response,
-        (k, fit): (usize, &FitOutcome),
-    ) -> Self {
+    pub fn new(task: &FitTask, own: &Drawdown, response: &Response, (k, fit): (usize, &FitOutcome)) -> Self {
         let values = response.values[k].clone();
         let errors = fit.index.iter().enumerate().map(|(w, row)| forecast_error(response, k, w, row));
         let kubelka_munk = kubelka_munk(task, own);

@@ -145,7 +145,7 @@ fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
         let allowed = "a number for every variant in among, rising, 2 or more";
         wrong("along", &format!("{} places", table.along.len()), allowed);
     }
-    for (key, found, allowed) in contradictions(table) {
+    for [key, found, allowed] in contradictions(table) {
         wrong(key, found, allowed);
     }
     for (key, bound) in [("at_least", table.at_least), ("at_most", table.at_most)] {
@@ -161,9 +161,7 @@ fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
 }
 
 /// Keys that contradict each other: key, what was found, what is allowed.
-fn contradictions(
-    table: &ConclusionTable,
-) -> impl Iterator<Item = (&'static str, &'static str, &'static str)> {
+fn contradictions(table: &ConclusionTable) -> impl Iterator<Item = [&'static str; 3]> {
     let (curve, ranged) = (!table.along.is_empty(), table.range_nm.is_some());
     let (delta_e, unbound) = (table.quantity == Quantity::DeltaE, table.at_least.or(table.at_most).is_none());
     let colours = (table.plus.len(), table.minus.len());
@@ -185,7 +183,7 @@ fn contradictions(
             "one colour in plus and one in minus",
         ),
     ];
-    all.into_iter().filter(|(there, ..)| *there).map(|(_, key, found, allowed)| (key, found, allowed))
+    all.into_iter().filter(|(there, ..)| *there).map(|(_, key, found, allowed)| [key, found, allowed])
 }
 
 /// Reports conclusions that their variants cannot answer.

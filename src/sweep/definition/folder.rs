@@ -40,21 +40,11 @@ pub const VARIANTS: &str = "variants";
 #[derive(Debug, thiserror::Error)]
 pub enum OpenError {
     /// The folder holds no sweep.
-    #[error("{} holds no sweep: {reason}", path.display())]
-    NoSweep {
-        /// The folder.
-        path: PathBuf,
-        /// The reason.
-        reason: String,
-    },
+    #[error("{0}")]
+    NoSweep(String),
     /// Files differ from those that were written.
-    #[error("{} was changed since it was written: {what}", path.display())]
-    Changed {
-        /// The folder.
-        path: PathBuf,
-        /// What does not match.
-        what: String,
-    },
+    #[error("{0}")]
+    Changed(String),
     /// The study of a variant cannot be read.
     #[error(transparent)]
     Variant(#[from] StudyError),
@@ -90,12 +80,13 @@ fn sealed(sweep: &Sweep) -> serde_json::Result<Vec<u8>> {
 /// # Errors
 /// The folder holds no sweep, or its files were changed or lost.
 pub fn read(path: &Path) -> Result<Sweep, OpenError> {
-    let no_sweep = |reason: String| OpenError::NoSweep { path: path.to_owned(), reason };
+    let no_sweep = |why: String| OpenError::NoSweep(format!("{} holds no sweep: {why}", path.display()));
     let unreadable = |error: &dyn Display| no_sweep(format!("{OUTLINE}: {error}"));
     let text = std::fs::read(path.join(OUTLINE)).map_err(|e| unreadable(&e))?;
     let SealedOutline { outline, seal: found } = serde_json::from_slice(&text).map_err(|e| unreadable(&e))?;
     check(&outline).map_err(|reason| unreadable(&reason))?;
-    let changed = |what: &str| OpenError::Changed { path: path.to_owned(), what: what.to_owned() };
+    let since = format!("{} was changed since it was written", path.display());
+    let changed = |what: &str| OpenError::Changed(format!("{since}: {what}"));
     let files = outline.variants.iter().map(|place| path.join(VARIANTS).join(&place.name).join("study.toml"));
     let files: Vec<PathBuf> = files.collect();
     let mut texts = Vec::new();

@@ -17,13 +17,13 @@ use crate::store::damage::Damage;
 use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
 use crate::store::queue::{Assignment, Queue, QueueStanding, QueuedTask};
-use crate::sweep::definition::load::Sweep;
+use crate::sweep::definition::load::{Sweep, Variant};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Once, OnceLock};
 use std::time::Duration;
-use work::{News, Room, Work};
+use work::{NamedWatch, News, Room, Work};
 
 /// Interval at which an idle worker looks for work again.
 const WAIT: Duration = Duration::from_millis(50);
@@ -225,7 +225,11 @@ impl Worker<'_> {
     /// Computes a unit; or chooses the grids of a group and sets the cost of its units.
     fn carry_out(&self, task: usize, Job { unit, grids }: &Job) -> Result<(), RunError> {
         let news = News::new(self, task);
-        let work = |v: usize| Work::new(self, &self.sweep.variants[v], unit.realisation, &news);
+        let work = |v: usize| {
+            let Variant { name, study, .. } = &self.sweep.variants[v];
+            let watch = NamedWatch { name, watch: &news };
+            Work { worker: self, study, realisation: unit.realisation, watch }
+        };
         let first = work(unit.variants[0]);
         let mut packings = Packings::new(first.study, &first.watch);
         let mut sum = 0;

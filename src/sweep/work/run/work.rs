@@ -9,7 +9,6 @@ use crate::run::watch::{Event, RunWatch};
 use crate::run::{RunError, RunSettings};
 use crate::solve::accuracy::AccuracyError;
 use crate::store::record::FailureRecord;
-use crate::sweep::definition::load::Variant;
 use crate::sweep::work::rounds::stage_key;
 use crate::wave::Scene;
 use std::ops::Range;
@@ -18,23 +17,14 @@ use std::time::Instant;
 
 /// The work on one realisation of one variant.
 pub(super) struct Work<'a> {
-    worker: &'a Worker<'a>,
+    pub worker: &'a Worker<'a>,
     pub study: &'a Study,
-    realisation: usize,
+    pub realisation: usize,
     /// Labels stages with the variant's name.
     pub watch: NamedWatch<'a>,
 }
 
-impl<'a> Work<'a> {
-    pub fn new(
-        worker: &'a Worker,
-        variant: &'a Variant,
-        realisation: usize,
-        watch: &'a dyn RunWatch,
-    ) -> Self {
-        Self { worker, study: &variant.study, realisation, watch: NamedWatch { name: &variant.name, watch } }
-    }
-
+impl Work<'_> {
     /// Chooses the variant's grid; returns the number of unknowns of the realisation's solves, to
     /// which its time is proportional.
     pub fn choose_grid(&self, packings: &mut Packings) -> Result<usize, RunError> {
