@@ -4,10 +4,9 @@
 pub mod terminal;
 
 pub mod compare;
-pub mod design;
 pub mod diagnostics;
 pub mod export;
-pub mod fit;
+pub mod inverse;
 pub mod merge;
 pub mod pack;
 pub mod progress;

@@ -1,6 +1,5 @@
 //! The results of a sweep: outcomes, conclusions, tables, contact sheets and pages.
 
-mod between;
 pub mod composed;
 pub mod conclusions;
 mod curves;
