@@ -6,13 +6,12 @@ use crate::compare::external::ExternalTable;
 use crate::compare::external::protocol::WaveKind;
 use crate::compare::row::Varied;
 use crate::compare::subject::{Packed, StudyWritten};
-use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::fault::{Fault, Faults};
 use crate::input::limits;
+use crate::input::load::read_file;
 use crate::input::locate::steps;
-use crate::input::read::read as read_tree;
-use crate::input::tree::{Node, parse_toml};
+use crate::input::tree::Node;
 use crate::numerics::allowed::Whole;
-use crate::numerics::files;
 use crate::solve::{Goal, Registry, Solver, SolverChoice};
 use crate::wave::Scheme;
 use crate::wave::grid::MOST_POINTS;
@@ -144,15 +143,11 @@ impl ComparisonFile {
         if path.extension().is_some_and(|e| e == "json") {
             return Ok(ComparisonFile { case: name, origin, ..ComparisonFile::default() });
         }
-        let text = files::read_text(path, files::STUDY)
-            .map_err(|source| StudyError::Unreadable { path: path.into(), source })?;
-        let table = parse_toml(&text).map_err(|fault| fault.in_file(path, &text))?;
-        if is_study(&table) {
+        if is_study(&read_file(path)?.1) {
             let study = name.map(StudyWritten::File);
             return Ok(ComparisonFile { study, origin, ..ComparisonFile::default() });
         }
-        let values = |faults| StudyError::Values { path: path.into(), text: text.clone(), faults };
-        Ok(ComparisonFile { origin, ..read_tree(table.into()).map_err(values)? })
+        Ok(ComparisonFile { origin, ..read_file(path)?.1 })
     }
 
     /// The strategies to compare, checked against the registry.
@@ -343,25 +338,20 @@ impl ComparisonFile {
     pub fn unused(&self) -> Vec<String> {
         let varied = if self.matrix.is_some() { &OF_VARIED_STUDIES[..] } else { &[] };
         let of_study = OF_STUDIES.iter().chain(varied);
-        match &self.study {
+        let (table, before) = match &self.study {
             Some(StudyWritten::File(path)) => {
-                written(&table(&self.folder().join(path)), &format!("{}: ", path.display()), of_study)
+                let read = read_file::<toml::Table>(&self.folder().join(path));
+                (read.map(|(_, table)| table).unwrap_or_default(), format!("{}: ", path.display()))
             }
-            Some(StudyWritten::Table(table)) => written(&table.clone().into(), "study.", of_study),
-            None => Vec::new(),
-        }
+            Some(StudyWritten::Table(table)) => (table.clone(), "study.".to_owned()),
+            None => return Vec::new(),
+        };
+        let table = Node::from(table);
+        of_study.filter(|key| has(&table, key)).map(|key| format!("{before}{key}")).collect()
     }
 }
 
-fn table(path: &Path) -> Node {
-    parse_toml(&files::read_text(path, files::STUDY).unwrap_or_default()).map_or(Node::Null, Node::from)
-}
-
-/// Those keys of a list that a table has.
-fn written<'a>(table: &Node, before: &str, keys: impl Iterator<Item = &'a &'a str>) -> Vec<String> {
-    keys.filter(|key| has(table, key)).map(|key| format!("{before}{key}")).collect()
-}
-
+/// Whether a table has a key.
 fn has(table: &Node, key: &str) -> bool {
     let found = steps(key).try_fold(table, |here, step| match here {
         Node::List(items) => items.get(step.parse::<usize>().ok()?),
