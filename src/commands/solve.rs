@@ -112,10 +112,8 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     args.light.check(&case, args.wave == WaveKind::Vector)?;
     let snapped = args.light.snap(&mut case)?;
     // A grid given explicitly may be as fine as the user likes.
-    let error = match args.nz {
-        Some(_) => EXACT,
-        None => error_among(args.accuracy(), case.media.largest_contrast()),
-    };
+    let contrast = case.media.largest_contrast();
+    let error = if args.nz.is_some() { EXACT } else { error_among(args.accuracy(), contrast) };
     let wave = args.wave.wave();
     let coverages = Coverages::new(wave, &case.scene, Precision::of(error));
     let (solved, gradients) = estimate(args, &case, &coverages)?;

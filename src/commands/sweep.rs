@@ -54,8 +54,7 @@ pub struct SweepArgs {
 pub fn run(args: &SweepArgs) -> Result<()> {
     let sweep = load::load(&args.sweep).map_err(|error| mixed_up_report(error, "sweep"))?;
     // most variants have the same remarks
-    let remarks: BTreeSet<&String> =
-        sweep.variants.iter().flat_map(|variant| &variant.study.remarks).collect();
+    let remarks: BTreeSet<&String> = sweep.variants.iter().flat_map(|v| &v.study.remarks).collect();
     remarks.into_iter().for_each(note);
     let settings = args.work.settings()?;
     let settings = RunSettings { retry_failed: args.retry_failed, ..settings };

@@ -52,8 +52,7 @@ impl ComparisonFile {
             let (case, wave) = (same[0].case()?, same[0].wave);
             if let Some(points) = self.listed() {
                 let schemes = self.schemes(wave);
-                let grids: Vec<_> =
-                    points.iter().map(|points| sized(&case.scene, *points, schemes[0])).collect();
+                let grids: Vec<_> = points.iter().map(|p| sized(&case.scene, *p, schemes[0])).collect();
                 self.check_reference(wave, &case, &grids)?;
             }
             bodies.get_or_insert(case.scene.bodies.len());

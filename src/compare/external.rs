@@ -15,7 +15,7 @@ use protocol::{ProgramDescription, ProgramRequest, WaveKind};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, absolute};
 use std::process::Command;
 
 /// A program of another project, asked for the orders of each case by a JSON text on its standard
@@ -175,10 +175,6 @@ impl ExternalTable {
     fn program(&self, folder: &Path) -> PathBuf {
         let program = PathBuf::from(&self.command[0]);
         let inside = folder.join(&program);
-        if program.components().count() > 1 {
-            std::path::absolute(&inside).unwrap_or(inside)
-        } else {
-            program
-        }
+        if program.components().count() > 1 { absolute(&inside).unwrap_or(inside) } else { program }
     }
 }

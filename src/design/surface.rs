@@ -61,12 +61,8 @@ pub fn wanted(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
         let (first, last) = (nm[0], nm[nm.len() - 1]);
         let found = measured.map_or("nothing".into(), |m| format!("{:?} nm", m.range_nm()));
         let allowed = format!("a spectrum that covers {first} to {last} nm, or a colour");
-        return Err(vec![Fault::new(
-            "target.file",
-            found,
-            allowed,
-            "narrow [light] of the base, or give lab",
-        )]);
+        let remedy = "narrow [light] of the base, or give lab";
+        return Err(vec![Fault::new("target.file", found, allowed, remedy)]);
     };
     let colour = Eye::new(study).and_then(|eye| eye.meter.colour(&values));
     colour.map(|colour| colour.lab).map_err(|error| {

@@ -109,8 +109,7 @@ impl ComposedStored {
             let values = own.map(|row| geometry.of(row.lit_at_45, row.natural_light).estimate());
             let values = resample(nm, &values.collect::<Vec<_>>(), &grid);
             let page = colours.map(|colours| geometry.of(colours.lit_at_45, colours.natural_light));
-            let (lab_covariance, page_lab) =
-                (page.map(diagonal), page.map(|page| page.map(|part| part.value)));
+            let (lab_covariance, page_lab) = (page.map(diagonal), page.map(|lab| lab.map(|part| part.value)));
             spectra.push(PrintSpectrum { geometry, values, lab_covariance, colour: None, page_lab });
         }
         let print = Print::new(study, created, (grid, meter.filter(|_| colours.is_some())), (true, spectra));

@@ -4,9 +4,10 @@ use super::mitsuba::{self, MaterialTable};
 use super::print::{Print, print};
 use super::provenance::{self, Described, Run, STUDY};
 use super::request::{ExportError, ExportResult, Format, Request};
+use super::spectra::{self, Dialect};
 use super::stored::Stored;
 use super::voxels::{self, Voxels};
-use super::{grains, near_field, npz, samples, spectra};
+use super::{grains, near_field, npz, samples};
 use crate::evaluate::directional::{DirectionalInk, DirectionalPrint};
 use crate::evaluate::ink::InkOnPaper;
 use crate::evaluate::summary::{program, summarise};
@@ -106,22 +107,15 @@ impl Exported {
     /// Spectra in both dialects of CGATS.
     pub(super) fn cgats(&mut self, print: &Print) {
         let text = |dialect| spectra::cgats(print, dialect);
-        self.add(
-            "spectra.cgats",
-            text(spectra::Dialect::Standard),
-            "spectra of the print with Lab, CGATS.17",
-        );
-        self.add("spectra.sp", text(spectra::Dialect::Argyll), "spectra of the print with Lab for ArgyllCMS");
+        self.add("spectra.cgats", text(Dialect::Standard), "spectra of the print with Lab, CGATS.17");
+        self.add("spectra.sp", text(Dialect::Argyll), "spectra of the print with Lab for ArgyllCMS");
     }
 
     /// The study, and all files described together.
     pub(super) fn describe(&mut self, study: &Study, created: &str) -> ExportResult {
         self.add(STUDY, serde_json::to_vec_pretty(study)?, "the study with every default filled in");
-        let run = Run {
-            title: study.title.clone(),
-            study_hash: study.key().to_string(),
-            created: created.to_owned(),
-        };
+        let (title, study_hash) = (study.title.clone(), study.key().to_string());
+        let run = Run { title, study_hash, created: created.to_owned() };
         let [crate_, package] =
             [provenance::ro_crate(&run, &self.files), provenance::data_package(&run, &self.files)];
         self.add("ro-crate-metadata.json", serde_json::to_vec_pretty(&crate_)?, "RO-Crate");
@@ -205,15 +199,11 @@ impl Exporter<'_> {
             )));
         }
         self.watch.stage("solving for the near field");
-        let incidence = Incidence {
-            wavelength_um: 1e-3 * wavelength_nm,
-            polar_deg,
-            azimuth_deg: study.angles.azimuth_deg,
-            from: Side::Incident,
-        };
+        let (wavelength_um, azimuth_deg) = (1e-3 * wavelength_nm, study.angles.azimuth_deg);
+        let incidence = Incidence { wavelength_um, polar_deg, azimuth_deg, from: Side::Incident };
         let resolution = self.stored.collected.resolved.resolution;
         let coverage = Arc::new(Coverage::new(&Scene::from_packing(packing), resolution)?);
-        let media = study.media(1e-3 * wavelength_nm);
+        let media = study.media(wavelength_um);
         let problem = Problem::new(&coverage, &media, &incidence, Mean::default())?;
         let solution = study.solver.build().solve(&problem, study.goal, &mut Stopper(self.watch))?;
         let image = near_field::image(&problem, &solution.field);

@@ -116,13 +116,10 @@ pub(crate) fn publish_seen(
     }
     folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
     let amplitude_error = manifest.certainty.amplitude_error_estimate;
-    folder.write(
-        "bdf.csv",
-        &tables::distributions(seen.bdfs.iter(), amplitude_error, study.layer.index_out)?,
-    )?;
-    for (name, table) in
-        tables::ink_maker(manifest.ink_maker.as_ref(), manifest.certainty.coverage_factor_95)?
-    {
+    let bdf = tables::distributions(seen.bdfs.iter(), amplitude_error, study.layer.index_out)?;
+    folder.write("bdf.csv", &bdf)?;
+    let factor = manifest.certainty.coverage_factor_95;
+    for (name, table) in tables::ink_maker(manifest.ink_maker.as_ref(), factor)? {
         folder.write(name, &table)?;
     }
     folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;

@@ -57,13 +57,8 @@ impl TablePlace {
         let volume_fraction = dissolved + packed;
         let diameter_nm = sized / volume_fraction;
         let thickness_um = study.layer.thickness_um;
-        (volume_fraction > 0.0).then_some(TablePlace {
-            largest_kappa,
-            contrast,
-            volume_fraction,
-            diameter_nm,
-            thickness_um,
-        })
+        let place = TablePlace { largest_kappa, contrast, volume_fraction, diameter_nm, thickness_um };
+        (volume_fraction > 0.0).then_some(place)
     }
 
     /// Differences of two inks in each property, in units of the largest at which they still count

@@ -41,10 +41,8 @@ pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<V
             let both = [row.absorption_per_um, row.scattering_per_um];
             (row.wavelength_nm.to_string(), both.map(|e| with_half(e, factor)))
         });
-        files.push((
-            "kubelka-munk.csv",
-            table(std::iter::once("wavelength_nm".to_owned()).chain(columns), rows)?,
-        ));
+        let header = std::iter::once("wavelength_nm".to_owned()).chain(columns);
+        files.push(("kubelka-munk.csv", table(header, rows)?));
     }
     if let Some(measured) = &maker.measured {
         let header = ["wavelength_nm", "measured", "predicted", "predicted_standard_error"];

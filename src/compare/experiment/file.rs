@@ -191,10 +191,8 @@ impl ComparisonFile {
     pub(super) fn goal(&self) -> Goal {
         let usual = Goal::default();
         let tolerance = self.searched().map_or(usual.tolerance, |accuracy| 1e-2 * accuracy);
-        Goal {
-            tolerance: self.goal.tolerance.unwrap_or(tolerance),
-            max_applications: self.goal.max_applications.unwrap_or(usual.max_applications),
-        }
+        let max_applications = self.goal.max_applications.unwrap_or(usual.max_applications);
+        Goal { tolerance: self.goal.tolerance.unwrap_or(tolerance), max_applications }
     }
 
     pub(super) fn check(&self) -> CompareResult {

@@ -38,8 +38,7 @@ pub fn expected(truth: &[FarField]) -> Vec<ExpectedOrder> {
 
 /// Amplitudes on one side, 0 reflected and 1 transmitted, of one order of every polarisation.
 fn amplitudes(orders: &[Order], side: usize) -> Vec<Complex64> {
-    let pair =
-        |o: &Order| [o.amplitudes().next(), o.amplitudes().nth(1)].map(|a| a.unwrap_or_default()[side]);
+    let pair = |o: &Order| [0, 1].map(|k| o.amplitudes().nth(k).unwrap_or_default()[side]);
     match orders.iter().map(pair).collect::<Vec<_>>()[..] {
         [[ss, sp], [pp, ps]] => vec![ss, sp, ps, pp],
         ref one => one.iter().map(|pair| pair[0]).collect(),

@@ -216,10 +216,8 @@ fn shapes(case: &Case) -> Vec<ShapeKind> {
         BodyShape::Solid(_) => ShapeKind::Bodies,
         BodyShape::Balls(_) | BodyShape::Open { .. } => ShapeKind::Spheres,
     };
-    let bodies = case.scene.bodies.iter().map(|body| match body.within {
-        Some(_) => ShapeKind::NestedSpheres,
-        None => kind(&body.shape),
-    });
+    let bodies = case.scene.bodies.iter();
+    let bodies = bodies.map(|body| body.within.map_or(kind(&body.shape), |_| ShapeKind::NestedSpheres));
     bodies.chain(case.scene.bodies.is_empty().then_some(ShapeKind::Films)).collect()
 }
 

@@ -67,9 +67,8 @@ fn no_table(reason: csv::Error) -> OutputError {
 /// Whether a file's name is that of one realisation in a folder of packings.
 pub fn is_of_one_packing(name: &str) -> bool {
     let kinds = [("grains_", ".csv"), ("packing_", ".json"), ("spheres_", ".vtp")];
-    let mut numbers =
-        kinds.into_iter().filter_map(|(head, tail)| name.strip_prefix(head)?.strip_suffix(tail));
-    numbers.any(|text| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit()))
+    let mut texts = kinds.into_iter().filter_map(|(head, tail)| name.strip_prefix(head)?.strip_suffix(tail));
+    texts.any(|text| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit()))
 }
 
 fn scalars_csv(statistics: &Statistics) -> csv::Result<Vec<u8>> {
@@ -161,8 +160,7 @@ fn rounded(Estimate { value, standard_error }: Estimate) -> String {
         let digits =
             if (1e3 * value.abs() / 10f64.powf(digits)).round() >= 1e4 { digits + 1.0 } else { digits };
         let unit = 10f64.powf(digits);
-        let scaled =
-            Estimate { value: value / unit, standard_error: standard_error.map(|error| error / unit) };
+        let scaled = Estimate { value: value / unit, standard_error: standard_error.map(|e| e / unit) };
         let words = scaled.in_words(3);
         let words = if words.contains('±') { format!("({words})") } else { without_zeros(&words) };
         return format!("{words} · 10<sup>−{}</sup>", -digits);

@@ -98,9 +98,8 @@ fn other_angles(study: &Study, rows: &[SpectrumRow]) -> Drawing {
         }
         shares(WAVELENGTH, "share of the light", curves)?
     } else {
-        let wavelengths: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
-        let curves =
-            shown_nm(&wavelengths).into_iter().flat_map(|nm| against_angle(study, rows, nm)).collect();
+        let solved: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
+        let curves = shown_nm(&solved).into_iter().flat_map(|nm| against_angle(study, rows, nm)).collect();
         shares("angle of incidence, °", "share of the light", curves)?
     };
     Some(("Every angle solved", plot, caption.to_owned()))
@@ -220,7 +219,7 @@ fn compared(measured: &MeasuredComparison) -> DrawResult<Vec<Figure>> {
             "Residual",
             "measured less predicted",
             residual,
-            format!("{caption} Error bars are those of the prediction."),
+            caption + " Error bars are those of the prediction.",
         )?,
     ])
 }

@@ -165,7 +165,7 @@ fn contradictions(table: &ConclusionTable) -> impl Iterator<Item = [&'static str
     let (curve, ranged) = (!table.along.is_empty(), table.range_nm.is_some());
     let (delta_e, unbound) = (table.quantity == Quantity::DeltaE, table.at_least.or(table.at_most).is_none());
     let colours = (table.plus.len(), table.minus.len());
-    let unowned = table.source.is_none();
+    let (unowned, one_each) = (table.source.is_none(), "one colour in plus and one in minus");
     let (range, source) = ("a range of wavelengths, range_nm = [from, to]", "source = \"…\" beside it");
     let all = [
         (curve && (delta_e || ranged), "among", "a curve", "a curve of one quantity, at one wavelength"),
@@ -176,12 +176,7 @@ fn contradictions(table: &ConclusionTable) -> impl Iterator<Item = [&'static str
         (unowned && table.translation.is_some(), "translation", "a quotation without a source", source),
         (unbound, "at_least", "nothing", "a bound: at_least, at_most or both"),
         (table.plus.is_empty(), "plus", "no variant", "one variant or more"),
-        (
-            delta_e && colours != (1, 1),
-            "plus",
-            "other numbers of colours",
-            "one colour in plus and one in minus",
-        ),
+        (delta_e && colours != (1, 1), "plus", "other numbers of colours", one_each),
     ];
     all.into_iter().filter(|(there, ..)| *there).map(|(_, key, found, allowed)| [key, found, allowed])
 }

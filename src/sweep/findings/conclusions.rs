@@ -113,10 +113,8 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), Strin
 /// The verdict at the given quantile, and what would decide the conclusion.
 fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Verdict, String) {
     let Some(error) = measured.estimate.standard_error else {
-        return (
-            Verdict::Undecided,
-            "the standard error is unknown: 2 or more realisations are needed".into(),
-        );
+        let unknown = "the standard error is unknown: 2 or more realisations are needed";
+        return (Verdict::Undecided, unknown.into());
     };
     let margin = margin(claim, measured.estimate.value);
     if margin.abs() > (error * student(fewest, quantile)) || error == 0.0 {

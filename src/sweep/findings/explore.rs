@@ -200,9 +200,8 @@ fn left_out(xs: &[f64], lines: &[Vec<usize>], labs: &[[f64; 3]]) -> Vec<Option<f
         let x = others.remove(k);
         let weights = weights(&others, k - 1, (x - xs[k - 1]) / (xs[k + 1] - xs[k - 1]));
         for line in lines {
-            let neighbours = line.iter().filter(|&&v| v != line[k]).zip(&weights);
-            let lab =
-                neighbours.fold([0.0; 3], |sum, (&v, w)| std::array::from_fn(|i| sum[i] + w * labs[v][i]));
+            let near = line.iter().filter(|&&v| v != line[k]).zip(&weights);
+            let lab = near.fold([0.0; 3], |sum, (&v, w)| std::array::from_fn(|i| sum[i] + w * labs[v][i]));
             errors[line[k]] = Some(ciede2000(lab, labs[line[k]]));
         }
     }
