@@ -116,7 +116,7 @@ fn tell(
     if published.status == Status::Complete {
         return Ok(());
     }
-    let (finished, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
+    let (done, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
     let refused = collected.refused.len();
     let (help, why) = match (stopped, failed) {
         (true, _) => (to_resume(), "stopped".to_owned()),
@@ -125,10 +125,7 @@ fn tell(
         }
         _ => (FAILED.to_owned(), format!("{failed} solves have no result")),
     };
-    Err(miette!(
-        help = help,
-        "{why}: {finished} of {all} solves are finished, the results are marked as partial"
-    ))
+    Err(miette!(help = help, "{why}: {done} of {all} solves are finished, the results are marked as partial"))
 }
 
 /// Runs a composed layer and prints its colours.

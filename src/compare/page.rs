@@ -164,10 +164,8 @@ impl Comparison {
     fn failures(&self) -> Vec<[String; 4]> {
         let failed = self.rows.iter().filter(|row| !row.converged());
         let alike = grouped(failed, |row| (row.strategy.clone(), row.case_name(), row.outcome()));
-        let lines = alike
-            .into_iter()
-            .map(|((strategy, case, reason), rows)| [strategy, case, rows[0].grid(), reason]);
-        lines.collect()
+        let alike = alike.into_iter();
+        alike.map(|((strategy, case, reason), rows)| [strategy, case, rows[0].grid(), reason]).collect()
     }
 
     /// Name, program, knob and conventions of programs that describe themselves.

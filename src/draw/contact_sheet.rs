@@ -34,14 +34,8 @@ impl<T> ContactSheet<T> {
     pub fn map<U>(&self, title: String, cell: impl Fn(&T) -> U) -> ContactSheet<U> {
         let cells = self.cells.iter().map(|row| row.iter().map(&cell).collect()).collect();
         let (row_axis, column_axis) = (self.row_axis.clone(), self.column_axis.clone());
-        ContactSheet {
-            title,
-            row_axis,
-            rows: self.rows.clone(),
-            column_axis,
-            columns: self.columns.clone(),
-            cells,
-        }
+        let (rows, columns) = (self.rows.clone(), self.columns.clone());
+        ContactSheet { title, row_axis, rows, column_axis, columns, cells }
     }
 }
 

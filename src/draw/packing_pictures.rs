@@ -18,15 +18,12 @@ const TILE: usize = 300;
 /// binder's surface.
 pub fn top_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
     let [lx, ly] = packing.period_um();
-    let per_um = WIDE / lx.max(ly);
+    let (per_um, height) = (WIDE / lx.max(ly), packing.thickness_um());
     let frame = Frame {
         x: 0.0..lx,
         y: 0.0..ly,
         y_label: "y, µm",
-        caption: format!(
-            "From the incident side, H = {:.3} µm; deeper grains are paler",
-            packing.thickness_um()
-        ),
+        caption: format!("From the incident side, H = {height:.3} µm; deeper grains are paler"),
         size: ((lx * per_um) as u32, (ly * per_um) as u32),
     };
     framed(frame, "top view", |w, h| paint_top(packing, w, h))

@@ -146,7 +146,6 @@ fn media(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
 fn on_planes(coverage: &Coverage, fields: &[Array2<f64>]) -> Array4<f64> {
     let grid = &coverage.grid;
     let (nx, ny) = (grid.resolution.nx, grid.resolution.ny);
-    Array4::from_shape_fn((fields.len(), grid.planes(), ny, nx), |(f, plane, y, x)| {
-        fields[f][[plane, y * nx + x]]
-    })
+    let shape = (fields.len(), grid.planes(), ny, nx);
+    Array4::from_shape_fn(shape, |(f, plane, y, x)| fields[f][[plane, y * nx + x]])
 }

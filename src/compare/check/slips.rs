@@ -169,9 +169,7 @@ pub(super) const CASE_SLIPS: [CaseSlip; 7] = [
     slip("degrees read as radians", "`sigma_deg` and `phi_deg` are in degrees", both_as_radians),
     slip("polar angle in degrees read as radians", "`sigma_deg` is in degrees", polar_as_radians),
     slip("azimuth in degrees read as radians", "`phi_deg` is in degrees", azimuth_as_radians),
-    slip("azimuth ignored", "kx = k sin σ cos φ and ky = k sin σ sin φ", |case| {
-        case["phi_deg"] = json!(0.0)
-    }),
+    slip("azimuth ignored", "kx = k sin σ cos φ and ky = k sin σ sin φ", |c| c["phi_deg"] = json!(0.0)),
     slip("exit medium ignored", "`n_out` is the index beyond z = H", |case| case["n_out"] = json!(1.0)),
     slip("absorption ignored", "indices are [re, im], and Im η > 0 absorbs", without_absorption),
     slip("layer upside down", "z points from the side of the light into the layer", upside_down),

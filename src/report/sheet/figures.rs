@@ -213,13 +213,9 @@ fn compared(measured: &MeasuredComparison) -> DrawResult<Vec<Figure>> {
     let residual = of(&|row| Estimate { value: row.measured - row.predicted.value, ..row.predicted });
     let residual = vec![Curve::measured("measured less predicted", residual)];
     let caption = format!("At 45:0; measured: {}, linear between its rows.", measured.source);
+    let of_residual = format!("{caption} Error bars are those of the prediction.");
     Ok(vec![
-        figure("Measured and predicted", "share of a perfect white", both, caption.clone())?,
-        figure(
-            "Residual",
-            "measured less predicted",
-            residual,
-            caption + " Error bars are those of the prediction.",
-        )?,
+        figure("Measured and predicted", "share of a perfect white", both, caption)?,
+        figure("Residual", "measured less predicted", residual, of_residual)?,
     ])
 }

@@ -118,9 +118,8 @@ fn spectra(rows: &[SpectrumRow], wavelengths_nm: &[f64]) -> String {
 }
 
 fn counted(value: Option<f64>) -> u16 {
-    value
-        .filter(|v| v.is_finite())
-        .map_or(UNKNOWN, |v| (v * STEPS).round().clamp(0.0, f64::from(UNKNOWN - 1)) as u16)
+    let Some(v) = value.filter(|v| v.is_finite()) else { return UNKNOWN };
+    (v * STEPS).round().clamp(0.0, f64::from(UNKNOWN - 1)) as u16
 }
 
 fn pixels(picture: &InkPicture) -> String {

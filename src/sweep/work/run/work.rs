@@ -195,10 +195,8 @@ impl Room {
 
 fn lacks_memory(error: &RunError) -> bool {
     use AccuracyError::{Memory, NotReached, TooLarge};
-    matches!(
-        error,
-        RunError::Memory(_) | RunError::Resolution(Memory(_) | TooLarge { .. } | NotReached { .. })
-    )
+    let RunError::Resolution(error) = error else { return matches!(error, RunError::Memory(_)) };
+    matches!(error, Memory(_) | TooLarge { .. } | NotReached { .. })
 }
 
 #[cfg(test)]
