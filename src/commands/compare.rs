@@ -48,10 +48,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let output = opened(&args.output, Holds::Comparison)?;
     output.mark_partial().map_err(folder_report)?;
-    let comparison = file
-        .run(&registry, &mut StopFlag::listen(), tell_row)
-        .inspect_err(|_| output.discard_when_empty())
-        .map_err(report)?;
+    let ran = file.run(&registry, &mut StopFlag::listen(), tell_row);
+    let comparison = ran.inspect_err(|_| output.discard_when_empty()).map_err(report)?;
     comparison.write(&output).map_err(publish_report)?;
     say!("Comparison: {}", args.output.join("comparison.html").display())?;
     let (there, asked) = (comparison.rows.len(), comparison.asked);

@@ -74,23 +74,16 @@ fn plan_fit(task: &FitTask, settings: RunSettings) -> Result<()> {
     let [table, steps, predicted] = points(task);
     let cells = task.coats[0].realisations;
     let waves = task.wavelengths_nm().len();
-    say!(
-        "{}: {} spectra of {} layers, {waves} wavelengths, {cells} cells",
-        task.title,
-        task.measured.len(),
-        task.coats_measured
-    )?;
+    let (spectra, FitTask { title, coats_measured: layers, .. }) = (task.measured.len(), task);
+    say!("{title}: {spectra} spectra of {layers} layers, {waves} wavelengths, {cells} cells")?;
     let minutes = |points: usize| each * points as f64 / 60.0;
     for (what, points) in
         [("coarse table", table), ("linearisations, at most", steps), ("predictions", predicted)]
     {
         say!("{what}: {points} solves with derivatives, {:.1} processor minutes", minutes(points))?;
     }
-    say!(
-        "in all at most {:.1} processor minutes ({:.0} ms for each solve with its derivatives)",
-        minutes(table + steps + predicted),
-        1e3 * each
-    )
+    let (all, ms) = (minutes(table + steps + predicted), 1e3 * each);
+    say!("in all at most {all:.1} processor minutes ({ms:.0} ms for each solve with its derivatives)")
 }
 
 /// Find recipes for a wanted colour

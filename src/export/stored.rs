@@ -56,9 +56,8 @@ impl Stored {
 pub(super) fn study(path: &Path) -> ExportResult<Study> {
     let folder = path.display();
     let text = std::fs::read(path.join(RESULTS));
-    let results = text
-        .map_err(|e| e.to_string())
-        .and_then(|text| serde_json::from_slice::<Results>(&text).map_err(|e| e.to_string()));
+    let text = text.map_err(|e| e.to_string());
+    let results = text.and_then(|text| serde_json::from_slice::<Results>(&text).map_err(|e| e.to_string()));
     let Results { study_hash, study } = results.map_err(|cause| ExportError::Folder {
         reason: format!("{folder} holds no results of `inkwave run`: {RESULTS}: {cause}"),
         remedy: "give the folder written by `inkwave run STUDY.toml`, or for a sweep a folder under variants/",

@@ -1,5 +1,6 @@
 //! What an answer is worth: its largest error, or why it has none.
 
+use super::protocol::AnsweredSide::{Reflected, Transmitted};
 use super::protocol::{Answer, AnsweredAmplitude, AnsweredOrder, AnsweredSide};
 use crate::report::cell::plain;
 use crate::wave::{FarField, Order};
@@ -25,10 +26,7 @@ pub fn expected(truth: &[FarField]) -> Vec<ExpectedOrder> {
     for o in truth.first().iter().flat_map(|far| &far.orders) {
         let same = |far: &'_ FarField| far.orders.iter().find(|p| (p.m, p.n) == (o.m, o.n)).copied();
         let polarised: Vec<Order> = truth.iter().filter_map(same).collect();
-        let sides = [
-            (AnsweredSide::Reflected, o.reflected_propagates),
-            (AnsweredSide::Transmitted, o.transmitted_propagates),
-        ];
+        let sides = [(Reflected, o.reflected_propagates), (Transmitted, o.transmitted_propagates)];
         for (place, (side, _)) in sides.into_iter().enumerate().filter(|(_, (_, travels))| *travels) {
             all.push(ExpectedOrder { m: o.m, n: o.n, side, amplitudes: amplitudes(&polarised, place) });
         }

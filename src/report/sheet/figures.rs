@@ -176,10 +176,8 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> DrawResult<Fig
     let certainty = &manifest.certainty;
     let asked: Vec<f64> = manifest.spectra.iter().map(|row| row.wavelength_nm).collect();
     let factor = certainty.coverage_factor_95;
-    let wide = |e: Estimate| Estimate {
-        standard_error: e.standard_error.map(|error| error * factor.unwrap_or(1.0)),
-        ..e
-    };
+    let wider = factor.unwrap_or(1.0);
+    let wide = |e: Estimate| Estimate { standard_error: e.standard_error.map(|error| error * wider), ..e };
     let rows = || maker.kubelka_munk.iter();
     let absorption = rows().map(|row| (row.wavelength_nm, wide(row.absorption_per_um)));
     let scattering = rows().map(|row| (row.wavelength_nm, wide(row.scattering_per_um)));

@@ -91,19 +91,17 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), Strin
     let all = || claim.plus.iter().chain(&claim.minus).map(|&v| &outcomes[v]);
     let behind = all().chain(claim.among.iter().map(|&v| &outcomes[v])).map(|o| o.realisations);
     let fewest = behind.filter(|&n| n > 1).min().unwrap_or(0);
-    if claim.table.quantity == Quantity::DeltaE {
+    let quantity = claim.table.quantity;
+    if quantity == Quantity::DeltaE {
         let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
         let missing = || no_value(if a.colour.is_none() { a } else { b });
         return Ok((a.difference(b).ok_or_else(missing)?, fewest));
     }
-    let numbers = all()
-        .map(|outcome| {
-            outcome.quantity(claim.table.quantity, claim.table.wavelength_nm).ok_or_else(|| no_value(outcome))
-        })
-        .collect::<Result<Vec<Linked>, String>>()?;
+    let numbers = all().map(|o| o.quantity(quantity, claim.table.wavelength_nm).ok_or_else(|| no_value(o)));
+    let numbers = numbers.collect::<Result<Vec<Linked>, String>>()?;
     let signs = claim.plus.iter().map(|_| 1.0).chain(claim.minus.iter().map(|_| -1.0));
     let mut sum = Linked::sum(signs.zip(&numbers));
-    if claim.table.quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
+    if quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
         // hues on both sides of red are close to each other
         sum.estimate.value = 180.0 - (180.0 - sum.estimate.value).rem_euclid(360.0);
     }
