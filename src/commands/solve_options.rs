@@ -186,11 +186,8 @@ impl StudyPoint {
                 "--wavelength-nm is {nm}; allowed is {first} … {last}, where the study knows its materials"
             );
         }
-        Ok(Incidence {
-            wavelength_um: 1e-3 * nm,
-            polar_deg: self.polar_deg.unwrap_or(study.angles.exact_deg[0]),
-            azimuth_deg: study.draw(realisation).azimuth_deg,
-            from: Side::Incident,
-        })
+        let polar_deg = self.polar_deg.unwrap_or(study.angles.exact_deg[0]);
+        let azimuth_deg = study.draw(realisation).azimuth_deg;
+        Ok(Incidence { wavelength_um: 1e-3 * nm, polar_deg, azimuth_deg, from: Side::Incident })
     }
 }

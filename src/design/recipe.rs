@@ -152,15 +152,9 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     put_target(&mut base, &file.target, own, &mut faults);
     let variables = variables(&file.vary, &mut faults);
     check_settings(&file, &mut faults);
-    let mut task = DesignTask {
-        title: file.title.clone().unwrap_or_else(|| stem(path)),
-        variables,
-        settings: file.design.clone(),
-        lab: [0.0; 3],
-        contrast_ratio: file.target.contrast_ratio,
-        base,
-        folder,
-    };
+    let title = file.title.clone().unwrap_or_else(|| stem(path));
+    let (settings, contrast_ratio) = (file.design.clone(), file.target.contrast_ratio);
+    let mut task = DesignTask { title, variables, settings, lab: [0.0; 3], contrast_ratio, base, folder };
     if faults.0.is_empty() {
         match checked_ends(&task) {
             Ok(lab) => task.lab = lab,

@@ -256,16 +256,8 @@ impl DesignRun<'_> {
         };
         let valley_ranges =
             if valley.is_empty() { Vec::new() } else { (0..self.task.variables.len()).map(ends).collect() };
-        DesignOutcome {
-            met,
-            target: self.task.lab,
-            verdict: self.verdict(&verified, met),
-            verified,
-            valley: spread(&valley),
-            valley_ranges,
-            surface_error,
-            variants,
-        }
+        let (target, verdict, valley) = (self.task.lab, self.verdict(&verified, met), spread(&valley));
+        DesignOutcome { met, target, verdict, verified, valley, valley_ranges, surface_error, variants }
     }
 
     fn verdict(&self, verified: &[Verified], met: bool) -> String {

@@ -101,15 +101,9 @@ impl Print {
             let colour = meter.as_ref().and_then(|meter| meter.colour(&reflectance).ok());
             spectrum.colour = colour.map(|c| Colour { lab_covariance: spectrum.lab_covariance, ..c });
         }
-        Self {
-            title: study.title.clone(),
-            study_hash: study.key().to_string(),
-            created: created.to_owned(),
-            viewing: study.judgement.viewing.clone(),
-            interpolated,
-            wavelengths_nm,
-            spectra,
-        }
+        let (title, study_hash) = (study.title.clone(), study.key().to_string());
+        let (created, viewing) = (created.to_owned(), study.judgement.viewing.clone());
+        Self { title, study_hash, created, viewing, interpolated, wavelengths_nm, spectra }
     }
 
     /// Where the spectra of the file come from.

@@ -183,16 +183,10 @@ impl<'a> Data<'a> {
     }
 
     pub fn step(&self, strength: f64) -> Option<FitStep> {
-        let problem = LinearFit {
-            jacobian: &self.jacobian,
-            residual: &self.residual,
-            covariance: &self.weights,
-            point: self.point,
-            mean: &self.prior.mean,
-            precision: &self.prior.precision(strength),
-            positive: &self.prior.positive,
-        };
-        problem.step()
+        let Self { jacobian, residual, weights: covariance, point, prior, .. } = self;
+        let IndexPrior { mean, positive, .. } = prior;
+        let precision = &prior.precision(strength);
+        LinearFit { jacobian, residual, covariance, point, mean, precision, positive }.step()
     }
 
     /// The largest strength of the prior that the evidence allows, and its step.

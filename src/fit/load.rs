@@ -171,15 +171,9 @@ impl FitReading<'_> {
         if let Some(reason) = &first.angles.no_paper {
             self.faults.add("base.angles", reason.clone(), "0°, 45° and the hemisphere", "write count = 5");
         }
-        Some(FitTask {
-            title: file.title.clone().unwrap_or_else(|| stem(path)),
-            settings: file.fit.clone(),
-            pigment: self.pigment,
-            coats,
-            coats_measured,
-            measured,
-            predicted,
-        })
+        let (pigment, settings) = (self.pigment, file.fit.clone());
+        let title = file.title.clone().unwrap_or_else(|| stem(path));
+        Some(FitTask { title, settings, pigment, coats, coats_measured, measured, predicted })
     }
 
     fn drawdowns(&mut self, list: &str, tables: &[MeasuredTable], coats: &mut Vec<Study>) -> Vec<Drawdown> {

@@ -115,16 +115,10 @@ pub(super) fn task<'a>(
     solver: &'a dyn Solver,
     tolerance: f64,
 ) -> Task<'a> {
-    Task {
-        coverages,
-        media: &case.media,
-        incidence: &case.incidence,
-        mean: Mean::default(),
-        scheme: Scheme::Cubic,
-        solver,
-        goal: Goal { tolerance, ..Goal::default() },
-        memory: memory::usable(),
-    }
+    let Case { media, incidence, .. } = case;
+    let (mean, goal) = (Mean::default(), Goal { tolerance, ..Goal::default() });
+    let memory = memory::usable();
+    Task { coverages, media, incidence, mean, scheme: Scheme::Cubic, solver, goal, memory }
 }
 
 /// The grid of the reference.

@@ -80,15 +80,11 @@ impl ProgramRun {
         // All that the program has left running ends with it, while its number is still its own.
         child.kill();
         let status = child.0.wait().map_err(|error| error.to_string());
-        let bytes = |collected: Option<PipeOutput>| collected.map_or_else(Vec::new, PipeOutput::bytes);
-        Ok(Ok(ProgramRun {
-            seconds,
-            processor_seconds: usage.tree,
-            peak_bytes: usage.peak,
-            end: end.map_or(status, Err),
-            output: bytes(output),
-            complaint: bytes(complaint),
-        }))
+        let end = end.map_or(status, Err);
+        let [output, complaint] =
+            [output, complaint].map(|pipe| pipe.map_or_else(Vec::new, PipeOutput::bytes));
+        let Usage { tree: processor_seconds, peak: peak_bytes, .. } = usage;
+        Ok(Ok(ProgramRun { seconds, processor_seconds, peak_bytes, end, output, complaint }))
     }
 
     /// What it printed, where it ended well.

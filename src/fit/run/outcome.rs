@@ -267,15 +267,10 @@ impl Forecast {
         let values = response.values[k].clone();
         let errors = fit.index.iter().enumerate().map(|(w, row)| forecast_error(response, k, w, row));
         let kubelka_munk = kubelka_munk(task, own);
-        Self {
-            name: own.name.clone(),
-            errors: errors.collect(),
-            delta_e_2000: difference(task, own, Some(&values)),
-            delta_e_2000_kubelka_munk: difference(task, own, kubelka_munk.as_ref()),
-            kubelka_munk,
-            measured: own.values.clone(),
-            values,
-        }
+        let delta_e_2000 = difference(task, own, Some(&values));
+        let delta_e_2000_kubelka_munk = difference(task, own, kubelka_munk.as_ref());
+        let (name, errors, measured) = (own.name.clone(), errors.collect(), own.values.clone());
+        Self { name, values, errors, kubelka_munk, measured, delta_e_2000, delta_e_2000_kubelka_munk }
     }
 }
 

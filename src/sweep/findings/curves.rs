@@ -147,12 +147,9 @@ impl CurveMaker {
             ContrastPart::Imaginary if size > 0.0 => ", Im η² alone",
             _ => "",
         };
-        Some(Self {
-            at: [(share * 1e6).round() as u64, (size * 1e2).round() as u64],
-            kind: kinds.join(" and ") + relief + contrast,
-            pigments: inks(study).join(" + "),
-            others: String::new(),
-        })
+        let at = [(share * 1e6).round() as u64, (size * 1e2).round() as u64];
+        let (kind, pigments) = (kinds.join(" and ") + relief + contrast, inks(study).join(" + "));
+        Some(Self { at, kind, pigments, others: String::new() })
     }
 
     fn in_units(&self, x: usize) -> f64 {

@@ -119,17 +119,11 @@ fn costed(sweep: &Sweep, trials: &[Trial], calibration: String, settings: RunSet
         unknowns = unknowns.max(r.nx * r.ny * r.planes());
         most_bytes = most_bytes.max(size(study, r).bytes(&*study.solver.build()));
     }
-    Plan {
-        variants: sweep.variants.len(),
-        packings: groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max()).sum(),
-        solves,
-        units: units(sweep).len(),
-        unknowns,
-        memory_mb: (1e-6 * most_bytes).ceil() as usize,
-        core_seconds,
-        calibration,
-        out_of_reach: out_of_reach(core_seconds, most_bytes, settings.memory),
-    }
+    let packings = groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max()).sum();
+    let (variants, units) = (sweep.variants.len(), units(sweep).len());
+    let memory_mb = (1e-6 * most_bytes).ceil() as usize;
+    let out_of_reach = out_of_reach(core_seconds, most_bytes, settings.memory);
+    Plan { variants, packings, solves, units, unknowns, memory_mb, core_seconds, calibration, out_of_reach }
 }
 
 /// Why the available cores and memory do not suffice; `None` if they do.

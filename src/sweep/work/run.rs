@@ -136,16 +136,10 @@ pub fn run(
         stores.database().refresh()?;
     }
     let QueueStanding { workers, solves: processed, failed, .. } = queue.standing()?;
-    Ok(Tally {
-        asked: solves(sweep, shard),
-        finished: processed - failed,
-        failed,
-        publishes: if watch.stop() { workers == 1 } else { queue.publishes()? },
-        damages: stores.database().damages(),
-        failure,
-        waited: WAIT * waits as u32,
-        known: rounds.known(),
-    })
+    let publishes = if watch.stop() { workers == 1 } else { queue.publishes()? };
+    let (asked, finished, known) = (solves(sweep, shard), processed - failed, rounds.known());
+    let (damages, waited) = (stores.database().damages(), WAIT * waits as u32);
+    Ok(Tally { asked, finished, failed, publishes, damages, failure, waited, known })
 }
 
 /// Name of the work, so that only processes with the same sweep and shard share it.

@@ -100,17 +100,9 @@ pub fn trial<'a>(
     };
     let grid = search * (coverage + solve);
     let each = 1.0 / study.volume_um3();
-    Ok(Trial {
-        variant,
-        study,
-        packing: packing * each,
-        coverage: coverage * each,
-        grid: grid * each,
-        search,
-        solve: solve * each,
-        resolution: grids.0,
-        longer_waves: grids.1,
-    })
+    let [packing, coverage, grid, solve] = [packing, coverage, grid, solve].map(|seconds| seconds * each);
+    let (resolution, longer_waves) = grids;
+    Ok(Trial { variant, study, packing, coverage, grid, search, solve, resolution, longer_waves })
 }
 
 /// A packing on grids; the grid of the shortest wave, and the coarsening for longer ones.
