@@ -82,22 +82,19 @@ fn checked(args: &CompareArgs) -> Result<()> {
             Err(reason) => say!("{case}: {reason}")?,
         }
     }
+    let name = &program.name;
     match verdict {
-        ConformityVerdict::Conforms => {
-            say!("{} conforms: every amplitude within {TOLERANCE}", program.name)
-        }
+        ConformityVerdict::Conforms => say!("{name} conforms: every amplitude within {TOLERANCE}"),
         ConformityVerdict::Slips(slips) => {
             let [names, remedies] =
                 [0, 1].map(|k| slips.iter().map(|s| s[k].as_str()).collect::<Vec<_>>().join("; or "));
-            Err(miette!(help = remedies, "{} has a slip: {names}", program.name))
+            Err(miette!(help = remedies, "{name} has a slip: {names}"))
         }
         ConformityVerdict::Unknown => {
             let help = "no usual slip explains the answers: a finer --knob where errors are small; `inkwave schema external --annotated` describes them";
-            Err(miette!(help = help, "{} does not conform", program.name))
+            Err(miette!(help = help, "{name} does not conform"))
         }
-        ConformityVerdict::Silent => {
-            Err(miette!(help = "it refuses all of them", "{} answered no case", program.name))
-        }
+        ConformityVerdict::Silent => Err(miette!(help = "it refuses all of them", "{name} answered no case")),
     }
 }
 

@@ -117,12 +117,10 @@ fn tell(
         return Ok(());
     }
     let (done, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
-    let refused = collected.refused.len();
+    let (refused, tried) = (collected.refused.len(), collected.tried());
     let (help, why) = match (stopped, failed) {
         (true, _) => (to_resume(), "stopped".to_owned()),
-        (false, 0) => {
-            (LACKING.to_owned(), format!("{refused} of {} realisations have no result", collected.tried()))
-        }
+        (false, 0) => (LACKING.to_owned(), format!("{refused} of {tried} realisations have no result")),
         _ => (FAILED.to_owned(), format!("{failed} solves have no result")),
     };
     Err(miette!(help = help, "{why}: {done} of {all} solves are finished, the results are marked as partial"))

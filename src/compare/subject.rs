@@ -2,6 +2,7 @@
 //! explicit case.
 
 use super::error::CompareResult;
+use super::row::Varied;
 use crate::ink::pack;
 use crate::input::case::Case;
 use crate::input::check::check;
@@ -76,7 +77,7 @@ impl Packed {
     }
 
     /// Replaces the cell by a square one of the given period, and the index of the first pigment.
-    pub fn varied(&self, period_um: f64, [n, kappa]: [f64; 2]) -> CompareResult<Packed> {
+    pub fn varied(&self, Varied { pigment: [n, kappa], period_um }: Varied) -> CompareResult<Packed> {
         let mut other = self.clone();
         other.file.layer.cell = CellRule::Fixed;
         other.file.layer.period_um = Some(Pair::Both(period_um));

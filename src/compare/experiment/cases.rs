@@ -101,12 +101,8 @@ impl ComparisonFile {
         let Some(matrix) = &self.matrix else {
             return Ok(vec![self.subject(None, CaseGeometry::Packed(Box::new(packed)))]);
         };
-        let mut all = Vec::new();
-        for varied in matrix.cases() {
-            let packed = packed.varied(varied.period_um, varied.pigment)?;
-            all.push(self.subject(Some(varied), CaseGeometry::Packed(Box::new(packed))));
-        }
-        Ok(all)
+        let all = matrix.cases().map(|v| Ok((v, CaseGeometry::Packed(Box::new(packed.varied(v)?)))));
+        all.map(|case| case.map(|(varied, geometry)| self.subject(Some(varied), geometry))).collect()
     }
 
     fn subject(&self, varied: Option<Varied>, geometry: CaseGeometry) -> Subject {

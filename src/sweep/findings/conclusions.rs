@@ -85,6 +85,11 @@ fn no_value(outcome: &Outcome) -> String {
     }
 }
 
+/// The claim's quantity of one variant.
+fn number(claim: &Claim, outcome: &Outcome) -> Result<Linked, String> {
+    outcome.quantity(claim.table.quantity, claim.table.wavelength_nm).ok_or_else(|| no_value(outcome))
+}
+
 /// The measured value, and the smallest number of realisations it depends on; 0 if there is no
 /// randomness.
 fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), String> {
@@ -97,8 +102,7 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), Strin
         let missing = || no_value(if a.colour.is_none() { a } else { b });
         return Ok((a.difference(b).ok_or_else(missing)?, fewest));
     }
-    let numbers = all().map(|o| o.quantity(quantity, claim.table.wavelength_nm).ok_or_else(|| no_value(o)));
-    let numbers = numbers.collect::<Result<Vec<Linked>, String>>()?;
+    let numbers = all().map(|outcome| number(claim, outcome)).collect::<Result<Vec<Linked>, String>>()?;
     let signs = claim.plus.iter().map(|_| 1.0).chain(claim.minus.iter().map(|_| -1.0));
     let mut sum = Linked::sum(signs.zip(&numbers));
     if quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
@@ -160,12 +164,8 @@ pub(super) fn student(realisations: usize, quantile: f64) -> f64 {
 /// Why there is no such place: values are missing, or the curve does not take the value exactly
 /// once.
 fn place(claim: &Claim, outcomes: &[Outcome], value: &Linked) -> Result<Linked, String> {
-    let mut points = Vec::new();
-    for (at, outcome) in claim.curve().map(|(at, v)| (at, &outcomes[v])) {
-        let found = outcome.quantity(claim.table.quantity, claim.table.wavelength_nm);
-        points.push((at, found.ok_or_else(|| no_value(outcome))?));
-    }
-    on_curve(&points, value)
+    let points = claim.curve().map(|(at, v)| Ok((at, number(claim, &outcomes[v])?)));
+    on_curve(&points.collect::<Result<Vec<_>, String>>()?, value)
 }
 
 fn on_curve(points: &[(f64, Linked)], wanted: &Linked) -> Result<Linked, String> {

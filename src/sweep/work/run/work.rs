@@ -108,11 +108,10 @@ impl RunWatch for NamedWatch<'_> {
     }
 
     fn hear(&self, event: Event) {
+        let Self { name, watch } = self;
         match event {
-            Event::Stage(what) if !self.name.is_empty() => {
-                self.watch.stage(&format!("{}: {what}", self.name))
-            }
-            other => self.watch.hear(other),
+            Event::Stage(what) if !name.is_empty() => watch.stage(&format!("{name}: {what}")),
+            other => watch.hear(other),
         }
     }
 }
