@@ -88,16 +88,16 @@ pub struct Published {
 pub fn publish(study: &Study, collected: &Collected, folder: &OutputFolder) -> PublishResult<Published> {
     let seen = see(study, collected)?;
     let process_seconds = processor_seconds();
-    publish_seen(study, &Manifest { process_seconds, ..summarise(study, collected, &seen) }, &seen, folder)
+    publish_seen(&Manifest { process_seconds, ..summarise(study, collected, &seen) }, &seen, folder)
 }
 
 /// Publishes a study that has been evaluated.
 pub(crate) fn publish_seen(
-    study: &Study,
     manifest: &Manifest<&Study>,
     seen: &Seen,
     folder: &OutputFolder,
 ) -> PublishResult<Published> {
+    let study = manifest.study;
     if let Some(what) = manifest.unphysical() {
         folder.begin()?;
         return Err(PublishError::Unphysical(what));
@@ -108,7 +108,7 @@ pub(crate) fn publish_seen(
     }
     // the picture shows the same curves at other angles
     let pictures = if manifest.withheld.is_empty() { pictures(study, seen)? } else { None };
-    let page = sheet(study, manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
+    let page = sheet(manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
     folder.begin()?;
     if let Some(pictures) = &pictures {
         folder.write("picture.png", &pictures.plain)?;
@@ -116,7 +116,7 @@ pub(crate) fn publish_seen(
     }
     folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
     let amplitude_error = manifest.certainty.amplitude_error_estimate;
-    let bdf = tables::distributions(seen.bdfs.iter(), amplitude_error, study.layer.index_out)?;
+    let bdf = tables::distributions(&seen.bdfs, amplitude_error, study.layer.index_out)?;
     folder.write("bdf.csv", &bdf)?;
     let factor = manifest.certainty.coverage_factor_95;
     for (name, table) in tables::ink_maker(manifest.ink_maker.as_ref(), factor)? {

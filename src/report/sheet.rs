@@ -24,22 +24,17 @@ use minijinja::{Value, context};
 ///
 /// # Errors
 /// A figure cannot be drawn.
-pub fn sheet(
-    study: &Study,
-    manifest: &Manifest<&Study>,
-    seen: &Seen,
-    picture: Option<&[u8]>,
-) -> DrawResult<Value> {
-    let figures = [figures::figures(study, manifest, seen)?, figures::of_ink_makers(manifest)?].concat();
+pub fn sheet(manifest: &Manifest<&Study>, seen: &Seen, picture: Option<&[u8]>) -> DrawResult<Value> {
+    let figures = [figures::figures(manifest, seen)?, figures::of_ink_makers(manifest)?].concat();
     let shown = context! {
         picture => picture.map(png_data),
         swatch => manifest.colours.first().map(|note| hex(note.colour.srgb8)),
         figures => Serde(figures),
-        shapes => Serde(shapes(study)),
-        packed => packings(study, manifest),
+        shapes => Serde(shapes(manifest.study)),
+        packed => packings(manifest),
     };
-    let [certainty, limits] = [certainty(manifest, seen), limits(study, manifest)];
-    let provenance = provenance(study, manifest);
+    let [certainty, limits] = [certainty(manifest, seen), limits(manifest)];
+    let provenance = provenance(manifest);
     Ok(context!(..shown, ..certainty, ..limits, ..provenance, ..Value::from(Serde(manifest))))
 }
 
@@ -68,13 +63,13 @@ pub(super) fn colour_in_words(manifest: &Manifest<&Study>) -> Option<String> {
     Some(format!("L* {l}, a* {a}, b* {b}, C* {chroma} under {conditions}"))
 }
 
-pub(crate) fn limits(study: &Study, manifest: &Manifest<&Study>) -> Value {
+pub(crate) fn limits(manifest: &Manifest<&Study>) -> Value {
     context! {
-        viewing => study.judgement.viewing.name(),
-        scalar_error => scalar_error::line(study),
-        synthetic => study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
-        too_few => few_wavelengths(study, manifest),
-        widest => missed_target(study, manifest),
+        viewing => manifest.study.judgement.viewing.name(),
+        scalar_error => scalar_error::line(manifest.study),
+        synthetic => manifest.study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
+        too_few => few_wavelengths(manifest),
+        widest => missed_target(manifest),
     }
 }
 
@@ -83,22 +78,23 @@ const ENOUGH_WAVELENGTHS: usize = 8;
 
 /// The number of wavelengths of a colour that has too few: those solved over all realisations where
 /// each has its own.
-fn few_wavelengths(study: &Study, manifest: &Manifest<&Study>) -> Option<usize> {
-    let solved = match study.variation.light {
+fn few_wavelengths(manifest: &Manifest<&Study>) -> Option<usize> {
+    let solved = match manifest.study.variation.light {
         LightRule::Shifted { strata, .. } => strata * manifest.realisations.finished,
-        LightRule::Listed => study
+        LightRule::Listed => manifest
+            .study
             .wavelengths_nm
             .iter()
             .filter(|nm| manifest.spectra.iter().any(|row| row.wavelength_nm == **nm))
             .count(),
     };
-    (solved < ENOUGH_WAVELENGTHS && study.angles.strata > 0).then_some(solved)
+    (solved < ENOUGH_WAVELENGTHS && manifest.study.angles.strata > 0).then_some(solved)
 }
 
 /// The widest interval where it is beyond `run.target_delta_e`.
-fn missed_target(study: &Study, manifest: &Manifest<&Study>) -> Option<f64> {
-    let target = study.target_delta_e?;
-    let bars = aimed_at(study, manifest).filter_map(|note| note.delta_e_2000_95);
+fn missed_target(manifest: &Manifest<&Study>) -> Option<f64> {
+    let target = manifest.study.target_delta_e?;
+    let bars = aimed_at(manifest.study, manifest).filter_map(|note| note.delta_e_2000_95);
     bars.reduce(f64::max).filter(|&bar| bar > target)
 }
 
@@ -118,9 +114,9 @@ fn largest_error(rows: &[SpectrumRow]) -> Option<f64> {
     errors.filter_map(|estimate| estimate.standard_error).reduce(f64::max)
 }
 
-pub(crate) fn packings(study: &Study, manifest: &Manifest<&Study>) -> Vec<Value> {
+pub(crate) fn packings(manifest: &Manifest<&Study>) -> Vec<Value> {
     let rows = manifest.packings.iter().flat_map(|packing| {
-        let pigments = study.pigments.iter().zip(&packing.shares);
+        let pigments = manifest.study.pigments.iter().zip(&packing.shares);
         pigments.map(|(pigment, share)| packing_row(packing, &pigment.name, share))
     });
     rows.collect()
@@ -150,8 +146,8 @@ fn method(packing: &PackingRecord) -> String {
 }
 
 /// What the table of provenance holds beside the manifest.
-pub(crate) fn provenance(study: &Study, manifest: &Manifest<&Study>) -> Value {
-    let grid = match study.resolution {
+pub(crate) fn provenance(manifest: &Manifest<&Study>) -> Value {
+    let grid = match manifest.study.resolution {
         WantedResolution::Accuracy { amplitude, .. } => {
             format!("chosen for amplitude errors of {amplitude:.0e}")
         }
@@ -161,9 +157,9 @@ pub(crate) fn provenance(study: &Study, manifest: &Manifest<&Study>) -> Value {
         |r: Resolution| format!("{} × {} points, {} cells ({} planes)", r.nx, r.ny, r.cells, r.planes());
     let longest = manifest.resolution_longest.map(|r| format!("; {} for the longest waves", words(r)));
     context! {
-        wave => study.wave.in_words(),
+        wave => manifest.study.wave.in_words(),
         grid => format!("{}, {grid}{}", words(manifest.resolution), longest.unwrap_or_default()),
-        solver => study.solver.build().name(),
+        solver => manifest.study.solver.build().name(),
         mixed => (manifest.builds.len() > 1).then_some("different builds: "),
     }
 }

@@ -97,7 +97,7 @@ fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder)
     let seen = see(study, &collected)?;
     let manifest = summarise(study, &collected, &seen);
     let of_variant = folder.inside(&format!("{VARIANTS}/{}", sweep.variants[number].name))?;
-    match publish_seen(study, &manifest, &seen, &of_variant) {
+    match publish_seen(&manifest, &seen, &of_variant) {
         // a variant without a result does not hold back the others
         Err(none @ (PublishError::Unphysical(_) | PublishError::NoRoom(_))) => {
             let (solves, failures) = (manifest.solves, 1 + manifest.failures.len());
