@@ -65,17 +65,17 @@ fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Publi
     let nearest = nearest(&sweep.outline, &outcomes);
     let reported = Reported { outcomes, conclusions, nearest };
     let sheets = sheets(&sweep.outline);
-    let mut drawn = Vec::new();
-    for (i, sheet) in sheets.iter().enumerate() {
-        let sheet = contact_sheet(sheet, &sweep.outline.title, &reported.outcomes);
-        let png = sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])?;
-        folder.write(&sheet_name(i, sheets.len()), &png)?;
-        drawn.push(png);
+    let (count, mut drawn) = (sheets.len(), Vec::new());
+    for (i, sheet) in sheets.into_iter().enumerate() {
+        let pictures = contact_sheet(&sheet, &sweep.outline.title, &reported.outcomes);
+        let png = pictures.render(&SHEET_STYLE)?.png(&[("Title", pictures.title.as_str())])?;
+        folder.write(&sheet_name(i, count), &png)?;
+        drawn.push((sheet, png));
     }
     folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
     folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
     folder.write("explore.html", explore::page(sweep, &reported).as_bytes())?;
-    folder.write("report.html", page::page(sweep, &reported, &sheets, &drawn)?.as_bytes())?;
+    folder.write("report.html", page::page(sweep, &reported, &drawn)?.as_bytes())?;
     if reported.complete() == sweep.variants.len() {
         folder.complete()?;
     }
