@@ -117,12 +117,8 @@ fn verdict(answered: &[Answered], failed: bool, watch: &mut dyn Watch) -> Compar
 }
 
 /// Whether the answers are right for cases that were changed before they were solved.
-fn explains_case(
-    change: fn(&mut serde_json::Value),
-    answered: &[Answered],
-    watch: &mut dyn Watch,
-) -> CompareResult<bool> {
-    for Answered { known, answer, .. } in answered {
+fn explains_case(change: fn(&mut Value), all: &[Answered], watch: &mut dyn Watch) -> CompareResult<bool> {
+    for Answered { known, answer, .. } in all {
         let mut other = known.clone();
         change(&mut other.inputs);
         if !answer.error(&other.orders(watch)?).is_ok_and(|error| error <= TOLERANCE) {

@@ -93,19 +93,13 @@ impl ComposedStored {
     }
 
     /// Spectra of the layer of this thickness, interpolated to a grid of 10 nm.
-    fn print(
-        &self,
-        manifest: &ComposedManifest,
-        um: f64,
-        format: &str,
-        created: &str,
-    ) -> ExportResult<Print> {
+    fn print(&self, report: &ComposedManifest, um: f64, format: &str, created: &str) -> ExportResult<Print> {
         let (study, nm) = (&self.study, &self.study.wavelengths_nm);
         let (grid, meter) = bands(study, format)?;
-        let colours = manifest.colours.iter().find(|colours| colours.thickness_um == um);
+        let colours = report.colours.iter().find(|colours| colours.thickness_um == um);
         let mut spectra = Vec::new();
         for geometry in InstrumentGeometry::ALL {
-            let own = manifest.spectra.iter().filter(|row| row.thickness_um == um);
+            let own = report.spectra.iter().filter(|row| row.thickness_um == um);
             let values = own.map(|row| geometry.of(row.lit_at_45, row.natural_light).estimate());
             let values = resample(nm, &values.collect::<Vec<_>>(), &grid);
             let page = colours.map(|colours| geometry.of(colours.lit_at_45, colours.natural_light));

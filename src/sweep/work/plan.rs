@@ -85,10 +85,10 @@ fn variants_of_groups(sweep: &Sweep) -> Vec<Vec<&Variant>> {
 }
 
 /// Trials that finished in time, and the variants whose trials did not.
-fn tried<'a>(
-    variants: &[&'a Variant],
-    deadline: &Deadline,
-) -> Result<(Vec<Trial<'a>>, Vec<&'a Variant>), RunError> {
+type Tried<'a> = (Vec<Trial<'a>>, Vec<&'a Variant>);
+
+/// Tries one variant after another.
+fn tried<'a>(variants: &[&'a Variant], deadline: &Deadline) -> Result<Tried<'a>, RunError> {
     let (mut trials, mut late, mut failure) = (Vec::new(), Vec::new(), None);
     for (place, &variant) in variants.iter().enumerate() {
         // one more part for the solve at full size
