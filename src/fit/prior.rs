@@ -146,16 +146,12 @@ fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
         kappa.push(nodes.map(|nodes| hat(nodes, w)).chain([0.0; 2]).collect());
     }
     let factor = (STRENGTH_NM * pieces / (to - from)).powf(1.5);
-    IndexPrior {
-        n,
-        kappa,
-        mean: [vec![0.0; hats], vec![binder, 0.0]].concat(),
-        positive: [vec![true; hats], vec![false; 2]].concat(),
-        sizes: [vec![SIZES[0]; hats], SIZES[1..].to_vec()].concat(),
-        thickness: false,
-        rough: second_differences(0, hats, factor),
-        beyond: Some((BEYOND_NM * pieces / (to - from)).round() as usize),
-    }
+    let rough = second_differences(0, hats, factor);
+    let beyond = Some((BEYOND_NM * pieces / (to - from)).round() as usize);
+    let mean = [vec![0.0; hats], vec![binder, 0.0]].concat();
+    let positive = [vec![true; hats], vec![false; 2]].concat();
+    let sizes = [vec![SIZES[0]; hats], SIZES[1..].to_vec()].concat();
+    IndexPrior { n, kappa, mean, positive, sizes, thickness: false, rough, beyond }
 }
 
 fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
