@@ -1,5 +1,5 @@
-//! `inkwave fit FIT.toml`: from measured drawdowns to a pigment's index; `inkwave design DESIGN.toml`: from
-//! a wanted colour to recipes.
+//! `inkwave fit FIT.toml`: from measured drawdowns to a pigment's index; `inkwave design
+//! DESIGN.toml`: from a wanted colour to recipes.
 
 use super::diagnostics::{folder_report, run_report, step_report, study_report};
 use super::progress::Progress;

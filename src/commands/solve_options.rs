@@ -1,6 +1,6 @@
-//! Options of `inkwave solve`: about the light, directions of the lattice, and a lit square of finite
-//! size; and `inkwave solve STUDY.toml --realisation N`, one realisation of a study, packed or read
-//! from its files, as a case.
+//! Options of `inkwave solve`: about the light, directions of the lattice, and a lit square of
+//! finite size; and `inkwave solve STUDY.toml --realisation N`, one realisation of a study, packed
+//! or read from its files, as a case.
 
 use clap::Args;
 use inkwave::appearance::bdf::Lobe;

@@ -1,6 +1,6 @@
 //! The program and its terminal: results on standard output, everything else on standard error; the
-//! command line that was typed; Ctrl-C, whose first stops cleanly and whose second at once. A closed
-//! stream never causes a panic.
+//! command line that was typed; Ctrl-C, whose first stops cleanly and whose second at once. A
+//! closed stream never causes a panic.
 
 use miette::{Result, miette};
 use std::fmt::Display;

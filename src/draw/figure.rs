@@ -1,5 +1,5 @@
-//! Canvas of pictures and plots: an RGB bitmap with a built-in font, written as PNG; and the errors of
-//! making and writing outputs.
+//! Canvas of pictures and plots: an RGB bitmap with a built-in font, written as PNG; and the errors
+//! of making and writing outputs.
 
 use plotters::coord::Shift;
 use plotters::prelude::*;

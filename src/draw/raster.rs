@@ -1,5 +1,5 @@
-//! Small pictures of shaded bodies: a depth buffer, one light, flat colours; and a frame with axes around
-//! pictures of the layer.
+//! Small pictures of shaded bodies: a depth buffer, one light, flat colours; and a frame with axes
+//! around pictures of the layer.
 
 use super::figure::{Bitmap, Canvas, DrawResult, FONT, OutputError};
 use crate::ink::Solid;

@@ -1,8 +1,8 @@
 //! Positions of the grains' spheres in formats that `layer.microstructure` reads back: LAMMPS dumps
 //! and extended XYZ, lengths in µm. Pigments count from 1, and spheres of one grain share a number.
 //!
-//! Interactive view of a packing in a browser: every sphere and convex body, and a cut that moves through the
-//! layer. One file, no network.
+//! Interactive view of a packing in a browser: every sphere and convex body, and a cut that moves
+//! through the layer. One file, no network.
 
 use crate::ink::{Packing, Sphere};
 use base64::Engine;

@@ -1,5 +1,5 @@
-//! The wave inside the layer as a volume; VTK images (`.vti`): fields on a uniform grid, as ParaView and
-//! pyvista open them.
+//! The wave inside the layer as a volume; VTK images (`.vti`): fields on a uniform grid, as
+//! ParaView and pyvista open them.
 
 use crate::report::cell::plain;
 use crate::wave::{Field, Problem};

@@ -1,5 +1,5 @@
-//! Spectra that an instrument would measure on the print, every 10 nm, with the Lab that these have under
-//! the study's light.
+//! Spectra that an instrument would measure on the print, every 10 nm, with the Lab that these have
+//! under the study's light.
 
 use super::request::{ExportError, ExportResult};
 use super::stored::Stored;

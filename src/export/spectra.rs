@@ -4,8 +4,8 @@
 //! reads.
 //!
 //! CxF3 (ISO 17972), as colour instruments' programs exchange them. The format has no element for
-//! uncertainties: they are tags of each object. `Creator`, `Description` and the tags state that the
-//! data are simulated.
+//! uncertainties: they are tags of each object. `Creator`, `Description` and the tags state that
+//! the data are simulated.
 
 use super::print::{Print, PrintSpectrum};
 use crate::evaluate::summary::program;

@@ -1,5 +1,5 @@
-//! A comparison as written, with the axes of a matrix, read and checked; and keys of the input files
-//! that have no effect on a comparison, for a note to the user.
+//! A comparison as written, with the axes of a matrix, read and checked; and keys of the input
+//! files that have no effect on a comparison, for a note to the user.
 
 use crate::compare::error::{CompareError, CompareResult};
 use crate::compare::external::ExternalTable;

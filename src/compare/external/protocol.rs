@@ -1,5 +1,5 @@
-//! What inkwave asks a program, and what it may answer: one JSON text each; and what a program says of
-//! itself when it is started with `--describe`.
+//! What inkwave asks a program, and what it may answer: one JSON text each; and what a program says
+//! of itself when it is started with `--describe`.
 
 use super::judge::quoted;
 use crate::input::case::Case;

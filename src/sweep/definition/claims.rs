@@ -1,6 +1,6 @@
-//! Checked conclusions, with the variants they refer to: repeated for every value of an axis, their keys
-//! checked, and whether the variants have what they need: wavelengths, and a target colour where the
-//! distance to it is compared.
+//! Checked conclusions, with the variants they refer to: repeated for every value of an axis, their
+//! keys checked, and whether the variants have what they need: wavelengths, and a target colour
+//! where the distance to it is compared.
 
 use super::axes::{Axis, names};
 use super::expand::{Draft, check_where, matches};

@@ -17,8 +17,8 @@
 //! where = { size = 300, share = [0.30, 0.45] }
 //! ```
 //!
-//! The schema says what these types do not express: the axes may complete the base study, and they set
-//! fields of a study.
+//! The schema says what these types do not express: the axes may complete the base study, and they
+//! set fields of a study.
 
 use crate::input::fault::StudyError;
 use crate::input::file::StudyFile;

@@ -10,9 +10,9 @@
 //! PARTIAL                       present while unfinished
 //! ```
 //!
-//! An outline is validated wherever its file comes from: names must stay inside the folder; variants,
-//! axes and labels must exist. The checksum of `sweep.json` and the variants' studies detects accidental
-//! changes, this check deliberate ones.
+//! An outline is validated wherever its file comes from: names must stay inside the folder;
+//! variants, axes and labels must exist. The checksum of `sweep.json` and the variants' studies
+//! detects accidental changes, this check deliberate ones.
 
 use super::claims::Claim;
 use super::expand::is_folder_name;

@@ -1,6 +1,6 @@
-//! Conclusions as inequalities: statement, measured value with its standard error, verdict.
-//! The place on a curve of variants that has a given value, such as the diameter of the spheres that act
-//! like an agglomerate, is one of the values measured.
+//! Conclusions as inequalities: statement, measured value with its standard error, verdict. The
+//! place on a curve of variants that has a given value, such as the diameter of the spheres that
+//! act like an agglomerate, is one of the values measured.
 
 mod spectrum;
 

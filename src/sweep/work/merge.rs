@@ -28,8 +28,8 @@ pub enum MergeError {
     /// The shards belong to different sweeps.
     #[error("{0}")]
     OtherSweep(String),
-    /// Two intact records of the same inputs contain different numbers: the solve, packing or grid, the
-    /// later shard, and the programs that computed them.
+    /// Two intact records of the same inputs contain different numbers: the solve, packing or grid,
+    /// the later shard, and the programs that computed them.
     #[error("{0}")]
     Contradiction(String),
     /// A store cannot be read or written: the shard, and the system's error message.

@@ -1,5 +1,5 @@
-//! The work on one realisation of one variant: its progress, for the screen and for other processes, and
-//! the memory of a process divided among its workers.
+//! The work on one realisation of one variant: its progress, for the screen and for other
+//! processes, and the memory of a process divided among its workers.
 
 use super::{BETWEEN_NEWS, Worker};
 use crate::input::study::Study;
