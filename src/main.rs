@@ -23,32 +23,32 @@ enum Command {
     Merge(commands::merge::MergeArgs),
     Report(commands::merge::ReportArgs),
     Solve(commands::solve::SolveArgs),
-    Fit(commands::fit::FitArgs),
-    Design(commands::design::DesignArgs),
+    Fit(commands::inverse::FitArgs),
+    Design(commands::inverse::DesignArgs),
     Compare(commands::compare::CompareArgs),
     Export(commands::export::ExportArgs),
-    Materials(commands::materials::MaterialsArgs),
-    Schema(commands::schema::SchemaArgs),
-    Completions(commands::completions::CompletionsArgs),
-    Man(commands::completions::ManArgs),
+    Materials(commands::reference::MaterialsArgs),
+    Schema(commands::reference::SchemaArgs),
+    Completions(commands::reference::CompletionsArgs),
+    Man(commands::reference::ManArgs),
 }
 
 fn main() -> miette::Result<()> {
     inkwave::store::set_build(env!("INKWAVE_BUILD"));
     let command = Cli::parse().command;
     if !matches!(command, Command::Completions(_) | Command::Man(_) | Command::Schema(_)) {
-        commands::memory::start_threads()?;
+        commands::work::start_threads()?;
     }
     match command {
         Command::Run(args) => commands::run::run(&args),
         Command::Pack(args) => commands::pack::run(&args),
         Command::Compare(args) => commands::compare::run(&args),
-        Command::Completions(args) => commands::completions::completions(&args, Cli::command()),
-        Command::Man(args) => commands::completions::man(&args, Cli::command()),
-        Command::Materials(args) => commands::materials::run(&args),
-        Command::Schema(args) => commands::schema::run(&args),
-        Command::Fit(args) => commands::fit::run(&args),
-        Command::Design(args) => commands::design::run(&args),
+        Command::Completions(args) => commands::reference::completions(&args, Cli::command()),
+        Command::Man(args) => commands::reference::man(&args, Cli::command()),
+        Command::Materials(args) => commands::reference::materials(&args),
+        Command::Schema(args) => commands::reference::schema(&args),
+        Command::Fit(args) => commands::inverse::fit(&args),
+        Command::Design(args) => commands::inverse::design(&args),
         Command::Export(args) => commands::export::run(&args),
         Command::Sweep(args) => commands::sweep::run(&args),
         Command::Merge(args) => commands::merge::run(&args),

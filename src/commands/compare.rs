@@ -1,7 +1,7 @@
 //! `inkwave compare FILE`: strategies side by side on one geometry.
 
 use super::diagnostics::{folder_report, study_report};
-use super::stop::StopFlag;
+use super::terminal::StopFlag;
 use super::work::opened;
 use clap::Args;
 use inkwave::compare::check::{Conformity, ConformityVerdict, TOLERANCE, check};
@@ -48,10 +48,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let output = opened(&args.output, Holds::Comparison)?;
     output.mark_partial().map_err(folder_report)?;
-    let comparison = file
-        .run(&registry, &mut StopFlag::listen(), tell_row)
-        .inspect_err(|_| output.discard_when_empty())
-        .map_err(report)?;
+    let ran = file.run(&registry, &mut StopFlag::listen(), tell_row);
+    let comparison = ran.inspect_err(|_| output.discard_when_empty()).map_err(report)?;
     comparison.write(&output).map_err(publish_report)?;
     say!("Comparison: {}", args.output.join("comparison.html").display())?;
     let (there, asked) = (comparison.rows.len(), comparison.asked);
@@ -84,22 +82,19 @@ fn checked(args: &CompareArgs) -> Result<()> {
             Err(reason) => say!("{case}: {reason}")?,
         }
     }
+    let name = &program.name;
     match verdict {
-        ConformityVerdict::Conforms => {
-            say!("{} conforms: every amplitude within {TOLERANCE}", program.name)
-        }
+        ConformityVerdict::Conforms => say!("{name} conforms: every amplitude within {TOLERANCE}"),
         ConformityVerdict::Slips(slips) => {
             let [names, remedies] =
                 [0, 1].map(|k| slips.iter().map(|s| s[k].as_str()).collect::<Vec<_>>().join("; or "));
-            Err(miette!(help = remedies, "{} has a slip: {names}", program.name))
+            Err(miette!(help = remedies, "{name} has a slip: {names}"))
         }
         ConformityVerdict::Unknown => {
             let help = "no usual slip explains the answers: a finer --knob where errors are small; `inkwave schema external --annotated` describes them";
-            Err(miette!(help = help, "{} does not conform", program.name))
+            Err(miette!(help = help, "{name} does not conform"))
         }
-        ConformityVerdict::Silent => {
-            Err(miette!(help = "it refuses all of them", "{} answered no case", program.name))
-        }
+        ConformityVerdict::Silent => Err(miette!(help = "it refuses all of them", "{name} answered no case")),
     }
 }
 

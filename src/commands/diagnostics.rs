@@ -1,8 +1,7 @@
 //! Reports of errors: what is wrong and what to try; of study errors also the offending line of the
 //! file.
 
-use super::again::to_resume;
-use super::say::{note, printable};
+use super::terminal::{note, printable, to_resume};
 use inkwave::ink::PackError;
 use inkwave::input::fault::{Fault, StudyError};
 use inkwave::input::locate::span_of;

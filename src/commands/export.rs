@@ -1,17 +1,16 @@
 //! `inkwave export FOLDER`: files for renderers, colour programs, NumPy, ParaView and archives.
 
-use super::again::quoted;
 use super::diagnostics::folder_report;
 use super::progress::Progress;
-use super::say::say;
+use super::terminal::{quoted, say};
 use clap::Args;
 use inkwave::export::composed::ComposedStored;
-use inkwave::export::error::ExportError;
-use inkwave::export::run::{Exported, Format, NearField, Request, export};
+use inkwave::export::request::{ExportError, Format, NearField, Request};
+use inkwave::export::run::{Exported, export};
 use inkwave::export::stored::Stored;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::{self, Holds};
-use miette::{MietteDiagnostic, miette};
+use miette::{MietteDiagnostic, Result, miette};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
@@ -35,7 +34,7 @@ pub struct ExportArgs {
 }
 
 /// Reads the folder and writes the files.
-pub fn run(args: &ExportArgs) -> miette::Result<()> {
+pub fn run(args: &ExportArgs) -> Result<()> {
     let refused = |error: ExportError| refusal(&error, &args.folder);
     let composed = ComposedStored::read(&args.folder).map_err(refused)?;
     let alone = composed.is_none().then(|| Stored::read(&args.folder)).transpose().map_err(refused)?;
@@ -75,8 +74,7 @@ fn refusal(error: &ExportError, folder: &Path) -> miette::Report {
 
 /// The command that resumes an unfinished folder: the recorded one, or else its general form.
 fn to_go_on(folder: &Path) -> String {
-    let sweep = folder.parent().and_then(Path::parent);
-    let marked = marker::go_on(folder).or_else(|| marker::go_on(sweep?));
+    let marked = marker::go_on(folder).or_else(|| marker::go_on(folder.parent().and_then(Path::parent)?));
     marked.unwrap_or_else(|| format!("inkwave run STUDY.toml --output {}", quoted(&folder.to_string_lossy())))
 }
 

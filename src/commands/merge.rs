@@ -9,7 +9,7 @@ use inkwave::store::marker::Holds;
 use inkwave::sweep::folder::{OpenError, read};
 use inkwave::sweep::merge::{MergeError, merge};
 use inkwave::sweep::publish::publish;
-use miette::{IntoDiagnostic, miette};
+use miette::{IntoDiagnostic, Result, miette};
 use std::path::PathBuf;
 
 /// Join the shards of a sweep in one folder and report on it
@@ -24,7 +24,7 @@ pub struct MergeArgs {
 }
 
 /// Merges and reports.
-pub fn run(args: &MergeArgs) -> miette::Result<()> {
+pub fn run(args: &MergeArgs) -> Result<()> {
     let folder = OutputFolder::open(&args.output, Holds::Sweep).map_err(folder_report)?;
     let merged = merge(&args.shards, &folder).map_err(merge_report)?;
     tell_damages(&merged.damages);
@@ -49,7 +49,7 @@ pub struct ReportArgs {
 }
 
 /// Reads the sweep back and reports.
-pub fn report(args: &ReportArgs) -> miette::Result<()> {
+pub fn report(args: &ReportArgs) -> Result<()> {
     let mut sweep = read(&args.folder).map_err(open_report)?;
     let names: Vec<String> = sweep.outline.axes.iter().map(|axis| axis.name.clone()).collect();
     let sheet = &mut sweep.outline.sheet;
@@ -61,14 +61,13 @@ pub fn report(args: &ReportArgs) -> miette::Result<()> {
         *place = option.clone().or(place.take());
     }
     let folder = OutputFolder::open(&args.folder, Holds::Sweep).map_err(folder_report)?;
-    let reported = publish(&sweep, &folder).into_diagnostic()?;
-    tell(&reported, &folder, false, "run the sweep again with its file")
+    tell(&publish(&sweep, &folder).into_diagnostic()?, &folder, false, "run the sweep again with its file")
 }
 
 fn open_report(error: OpenError) -> miette::Report {
     match error {
         OpenError::Variant(error) => study_report(error),
-        OpenError::Changed { .. } => {
+        OpenError::Changed(_) => {
             let help = "run inkwave sweep again with its file and --output here: these files are rewritten and every solve is kept";
             miette!(help = help, "{error}")
         }
@@ -80,13 +79,13 @@ fn merge_report(error: MergeError) -> miette::Report {
     match error {
         MergeError::Open(error) => open_report(error),
         MergeError::Folder(error) => folder_report(error),
-        MergeError::OtherSweep { .. } => {
+        MergeError::OtherSweep(_) => {
             miette!(help = "merge shards of the same sweep file only; run the others again", "{error}")
         }
-        MergeError::Contradiction { .. } => {
+        MergeError::Contradiction(_) => {
             let help = "the two builds compute different results: run one of the shards again with the other's build";
             miette!(help = help, "{error}")
         }
-        MergeError::Copy { .. } => miette!(help = "check the disk and the permissions", "{error}"),
+        MergeError::Copy(_) => miette!(help = "check the disk and the permissions", "{error}"),
     }
 }

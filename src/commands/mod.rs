@@ -1,29 +1,19 @@
-//! The commands, one file each.
+//! The commands, a file for each or for several of one subject.
 
 #[macro_use]
-pub mod say;
+pub mod terminal;
 
-mod again;
 pub mod compare;
-pub mod completions;
-mod composed;
-pub mod design;
 pub mod diagnostics;
 pub mod export;
-pub mod fit;
-mod live;
-pub mod materials;
-pub mod memory;
+pub mod inverse;
 pub mod merge;
 pub mod pack;
 pub mod progress;
+pub mod reference;
 pub mod run;
-pub mod schema;
 pub mod solve;
-mod solve_gradient;
-mod solve_light;
+mod solve_options;
 mod solve_report;
-mod solve_study;
-pub mod stop;
 pub mod sweep;
 pub mod work;

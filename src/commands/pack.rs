@@ -2,13 +2,12 @@
 
 use super::diagnostics::{folder_report, study_report};
 use super::progress::style;
-use super::stop::StopFlag;
+use super::terminal::{StopFlag, note};
 use super::work::opened;
 use clap::Args;
 use indicatif::ProgressBar;
-use inkwave::ink::pack;
 use inkwave::ink::statistics::ReachedSizes;
-use inkwave::ink::{Method, PackProgress, PackWatch, Packing};
+use inkwave::ink::{Method, PackProgress, PackWatch, Packing, pack};
 use inkwave::input::Study;
 use inkwave::input::load::{load_packing, stem};
 use inkwave::report::packing::{is_of_one_packing, write_report};
@@ -38,7 +37,7 @@ pub struct PackArgs {
 /// Reads the study, packs every realisation, writes the report.
 pub fn run(args: &PackArgs) -> Result<()> {
     let mut study = load_packing(&args.study).map_err(study_report)?;
-    study.remarks.iter().for_each(super::say::note);
+    study.remarks.iter().for_each(note);
     study.packing.seed = args.seed.unwrap_or(study.packing.seed);
     study.realisations = args.realisations.map_or(study.realisations, usize::from);
     let stop = StopFlag::listen();

@@ -1,12 +1,16 @@
-//! Progress of a run on stderr: a progress bar on a terminal, otherwise a line every ten seconds.
+//! Progress of a run: on stderr a progress bar on a terminal, otherwise a line every ten seconds;
+//! and report pages during the run, rewritten from the finished solves, so that they can be opened
+//! at any time.
 
-use super::stop::StopFlag;
+use super::terminal::StopFlag;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 use inkwave::input::study::{Point, Study};
 use inkwave::run::watch::{Event, RunWatch};
+use inkwave::store::folder::OutputFolder;
 use inkwave::store::queue::QueueStanding;
 use inkwave::wave::Side;
 use std::io::IsTerminal;
+use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -116,15 +120,9 @@ impl Progress {
         self.state().ends_early = ends_early;
     }
 
-    /// Shows the progress of some work, then the throughput.
+    /// Shows the progress of some work, then removes the progress bar and prints the throughput.
     pub fn during<T>(&self, work: impl FnOnce() -> T) -> T {
         let done = work();
-        self.finish();
-        done
-    }
-
-    /// Removes the progress bar and prints the throughput.
-    fn finish(&self) {
         self.bar.finish_and_clear();
         let RunState { begun, busy, solved, kept, .. } = *self.state();
         if kept > 0 {
@@ -138,6 +136,7 @@ impl Progress {
                 "{solved} solves in {seconds:.0} s: {an_hour:.0} per hour, {idle:.0} % of the time outside solves"
             );
         }
+        done
     }
 
     /// True when the user has asked to stop.
@@ -207,6 +206,67 @@ impl RunWatch for Progress {
             Event::Dropped(solves) => self.bar.inc(solves as u64),
             Event::Ended => self.state().end(),
             Event::Solved(point, failure) => self.solved(point, failure),
+        }
+    }
+}
+
+/// Shortest time between two versions of a page.
+const PAUSE: Duration = Duration::from_secs(20);
+/// Writing pages takes at most 1/`SHARE` of the time of a run.
+const SHARE: u32 = 20;
+/// File name of the page.
+const PAGE: &str = "report.html";
+
+/// Whether the page was written recently, for example by another process working on the same sweep.
+fn is_new(page: &Path) -> bool {
+    let age = page.metadata().and_then(|file| file.modified()).map(|time| time.elapsed().unwrap_or_default());
+    age.is_ok_and(|age| age < PAUSE)
+}
+
+/// Forwards the progress of a run and keeps its pages up to date.
+pub struct Live<'a> {
+    progress: &'a Progress,
+    folder: &'a OutputFolder,
+    pages: Mutex<Pages<'a>>,
+}
+
+/// When the next page is due, whether the first one has been announced, and what writes them.
+type Pages<'a> = (Instant, bool, Box<Write<'a>>);
+
+/// Writes the pages; false if that fails.
+pub type Write<'a> = dyn FnMut() -> bool + Send + 'a;
+
+impl<'a> Live<'a> {
+    pub fn new(folder: &'a OutputFolder, progress: &'a Progress, write: Box<Write<'a>>) -> Self {
+        Self { progress, folder, pages: Mutex::new((Instant::now() + PAUSE, false, write)) }
+    }
+
+    /// Writes the page if it is due and no other thread is writing. A failure does not stop the
+    /// run: it is reported at the end.
+    fn show(&self) {
+        let Ok(mut pages) = self.pages.try_lock() else { return };
+        let (due, told, write) = &mut *pages;
+        let (clock, page) = (Instant::now(), self.folder.path().join(PAGE));
+        if clock < *due || is_new(&page) {
+            return;
+        }
+        let written = !self.progress.stop() && write();
+        *due = Instant::now() + PAUSE.max(SHARE * clock.elapsed());
+        if written && !std::mem::replace(told, true) {
+            note!("{} shows the finished solves and is updated during the run", page.display());
+        }
+    }
+}
+
+impl RunWatch for Live<'_> {
+    fn stop(&self) -> bool {
+        self.progress.stop()
+    }
+
+    fn hear(&self, event: Event) {
+        self.progress.hear(event);
+        if matches!(event, Event::Kept(_) | Event::Solved(..)) {
+            self.show();
         }
     }
 }

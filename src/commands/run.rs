@@ -1,25 +1,26 @@
-//! `inkwave run STUDY.toml`: from a study file to the picture of an ink on paper.
+//! `inkwave run STUDY.toml`: from a study file to the picture of an ink on paper. The slabs of a
+//! composed layer are solved one after another, and any thickness of it follows from them.
 
-use super::again::to_resume;
 use super::diagnostics::{mixed_up_report, run_report, tell_damages};
-use super::live::Live;
-use super::progress::Progress;
+use super::progress::{Live, Progress};
 use super::sweep::{tell_others, tell_plan};
+use super::terminal::{note, to_resume};
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
 use inkwave::evaluate::summary;
 use inkwave::input::load::{load, stem};
-use inkwave::input::study::Study;
+use inkwave::input::study::{Composed, Study};
+use inkwave::report::composed;
 use inkwave::report::publish::{Published, publish};
-use inkwave::run::Collected;
+use inkwave::run::{Collected, RunSettings};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
-use inkwave::sweep::alone::{Ran, run_study, stored};
+use inkwave::sweep::alone::{Ran, run_portions, run_study, stored};
 use inkwave::sweep::plan::by_size;
-use miette::{IntoDiagnostic, miette};
-use std::path::PathBuf;
+use miette::{IntoDiagnostic, Result, miette};
+use std::path::{Path, PathBuf};
 
 /// Arguments of `inkwave run`.
 #[derive(Debug, Args)]
@@ -34,18 +35,18 @@ pub struct RunArgs {
 }
 
 /// Reads, checks and runs a study.
-pub fn run(args: &RunArgs) -> miette::Result<()> {
+pub fn run(args: &RunArgs) -> Result<()> {
     let study = load(&args.study).map_err(|error| mixed_up_report(error, "study"))?;
-    study.remarks.iter().for_each(super::say::note);
+    study.remarks.iter().for_each(note);
     let settings = args.work.settings()?;
     if args.work.plan {
         tell_plan(&Sweep::of_one(&stem(&args.study), study.clone()), args.json, settings)?;
-        return if args.json { Ok(()) } else { super::composed::offer(study, settings) };
+        return if args.json { Ok(()) } else { offer(study, settings) };
     }
     let own = study.output.folder.as_ref().filter(|_| args.work.output.is_none());
     let path = own.map_or_else(|| args.work.folder(&args.study, ""), PathBuf::from);
     if study.layer.composed.is_some() {
-        return super::composed::run(&study, &path, settings);
+        return run_composed(&study, &path, settings);
     }
     let folder = opened(&path, Holds::Study)?;
     if let Some(reason) = &study.angles.no_paper {
@@ -58,8 +59,8 @@ pub fn run(args: &RunArgs) -> miette::Result<()> {
     progress.expect(study.solves(), study.target_delta_e.is_some());
     let live = Live::new(&folder, &progress, Box::new(|| publish_stored(&study, &folder)));
     let ran = progress.during(|| run_study(&study, &folder, settings, &live));
-    let ran = ran.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
-    let Ran { collected, publishes } = ran;
+    let Ran { collected, publishes } =
+        ran.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
     tell_damages(&collected.damages);
     if !publishes {
         return tell_others(&folder);
@@ -75,7 +76,7 @@ fn publish_stored(study: &Study, folder: &OutputFolder) -> bool {
 }
 
 /// Prints the colour, or why there is none, and every other number that is missing.
-fn tell_colour(study: &Study, published: &Published) -> miette::Result<()> {
+fn tell_colour(study: &Study, published: &Published) -> Result<()> {
     if let Some(colour) = &published.colour {
         say!("{}: {colour}", study.title)?;
     }
@@ -101,10 +102,9 @@ fn tell(
     published: &Published,
     folder: &OutputFolder,
     stopped: bool,
-) -> miette::Result<()> {
-    let report = folder.path().join("report.html");
+) -> Result<()> {
     tell_colour(study, published)?;
-    say!("Report: {}", report.display())?;
+    say!("Report: {}", folder.path().join("report.html").display())?;
     if let (Some(target), false) = (study.target_delta_e.filter(|_| study.realisations > 1), stopped)
         && !summary::enough(study, collected)
     {
@@ -116,17 +116,56 @@ fn tell(
     if published.status == Status::Complete {
         return Ok(());
     }
-    let (finished, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
-    let refused = collected.refused.len();
+    let (done, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
+    let (refused, tried) = (collected.refused.len(), collected.tried());
     let (help, why) = match (stopped, failed) {
         (true, _) => (to_resume(), "stopped".to_owned()),
-        (false, 0) => {
-            (LACKING.to_owned(), format!("{refused} of {} realisations have no result", collected.tried()))
-        }
+        (false, 0) => (LACKING.to_owned(), format!("{refused} of {tried} realisations have no result")),
         _ => (FAILED.to_owned(), format!("{failed} solves have no result")),
     };
-    Err(miette!(
-        help = help,
-        "{why}: {finished} of {all} solves are finished, the results are marked as partial"
-    ))
+    Err(miette!(help = help, "{why}: {done} of {all} solves are finished, the results are marked as partial"))
+}
+
+/// Runs a composed layer and prints its colours.
+fn run_composed(study: &Study, path: &Path, settings: RunSettings) -> Result<()> {
+    let folder = opened(path, Holds::Study)?;
+    let progress = Progress::new();
+    progress.expect(study.solves(), false);
+    let solved = progress.during(|| run_portions(study, &folder, settings, &progress));
+    let solved = solved.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
+    solved.iter().for_each(|(_, collected)| tell_damages(&collected.damages));
+    let published = composed::publish(study, &solved, &folder);
+    let published = published.map_err(|error| miette!(help = to_resume(), "{error}"))?;
+    published.remarks.iter().for_each(note);
+    for line in composed::lines(&published) {
+        say!("{}: {line}", study.title)?;
+    }
+    say!("Report: {}", folder.path().join("report.html").display())?;
+    if published.status == Status::Complete {
+        return Ok(());
+    }
+    let help = if progress.stopped() { to_resume() } else { "the report lists the reasons".to_owned() };
+    Err(miette!(help = help, "not every solve has a result: the results are marked as partial"))
+}
+
+/// Layers from this thickness on are offered to be composed, µm: two slabs of the usual 2 µm.
+const WORTH_COMPOSING_UM: f64 = 4.0;
+
+/// Says what a thick layer would cost if it were composed of slabs.
+fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
+    let um = study.layer.thickness_um;
+    let plane = study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
+    if study.layer.composed.is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
+        return Ok(());
+    }
+    let whole = by_size(&Sweep::of_one("", study.clone()), settings).core_seconds;
+    let slab_um = um / (0.5 * um).round();
+    study.layer.composed = Some(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um] });
+    let slabs = by_size(&Sweep::of_one("", study), settings).core_seconds;
+    say!(
+        "[layer.composed] composes these {um} µm of slabs of {slab_um:.2} µm: by size some {:.1} processor hours \
+         instead of {:.1}, whatever the thickness",
+        slabs / 3600.0,
+        whole / 3600.0
+    )
 }

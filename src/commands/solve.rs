@@ -1,15 +1,14 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
 use super::progress::style;
-use super::say::say;
-use super::solve_gradient::{Gradient, gradients};
-use super::solve_light::LightArgs;
+use super::solve_options::{LightArgs, StudyPoint};
 use super::solve_report;
-use super::solve_study::StudyPoint;
+use super::solve_report::{Gradient, gradients};
+use super::terminal::say;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use inkwave::compare::external::protocol::WaveKind;
-use inkwave::export::operator::operator;
+use inkwave::export::npz::operator;
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Solved, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};
@@ -113,10 +112,8 @@ pub fn run(args: &SolveArgs) -> Result<()> {
     args.light.check(&case, args.wave == WaveKind::Vector)?;
     let snapped = args.light.snap(&mut case)?;
     // A grid given explicitly may be as fine as the user likes.
-    let error = match args.nz {
-        Some(_) => EXACT,
-        None => error_among(args.accuracy(), case.media.largest_contrast()),
-    };
+    let contrast = case.media.largest_contrast();
+    let error = if args.nz.is_some() { EXACT } else { error_among(args.accuracy(), contrast) };
     let wave = args.wave.wave();
     let coverages = Coverages::new(wave, &case.scene, Precision::of(error));
     let (solved, gradients) = estimate(args, &case, &coverages)?;
@@ -148,16 +145,15 @@ fn export_operator(solved: &Estimated, path: &Path) -> Result<()> {
 
 /// Solves on the grid given, or searches for one; with the derivatives that were asked for.
 fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Estimated, Vec<Gradient>)> {
-    let solver = SolverChoice::named(&args.solver).into_diagnostic()?.build();
     let task = Task {
         coverages,
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },
         scheme: scheme(args),
-        solver: &*solver,
+        solver: &*SolverChoice::named(&args.solver).into_diagnostic()?.build(),
         goal: Goal { tolerance: tolerance(args), ..Goal::default() },
-        memory: super::memory::bytes(args.memory_gb)?,
+        memory: super::work::bytes(args.memory_gb)?,
     };
     // cleared when it is dropped
     let mut bar = Bar::new();
@@ -191,7 +187,7 @@ fn check(args: &SolveArgs) -> Result<()> {
     if args.export_operator.is_some() && args.wave == WaveKind::Vector {
         miette::bail!("--export-operator writes the operator of the scalar wave: leave out --wave vector");
     }
-    super::memory::bytes(args.memory_gb).map(drop)
+    super::work::bytes(args.memory_gb).map(drop)
 }
 
 /// Residual to reach; the amplitude error that it causes may be three times as large.

@@ -1,21 +1,20 @@
 //! `inkwave sweep SWEEP.toml`: a study of many variants, on one machine or many.
 
-use super::again::{this_command, to_resume};
 use super::diagnostics::{folder_report, mixed_up_report, run_report, tell_damages};
-use super::live::Live;
-use super::progress::Progress;
-use super::say::note;
+use super::progress::{Live, Progress};
+use super::terminal::{note, this_command, to_resume};
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::run::RunSettings;
 use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::publish::{Publisher, Reported, publish};
+use inkwave::sweep::publish::{Publisher, publish};
+use inkwave::sweep::reported::Reported;
 use inkwave::sweep::run::Scope;
 use inkwave::sweep::units::{Shard, ends_early, units};
 use inkwave::sweep::{Sweep, composed, folder, load, plan, run as runner};
-use miette::{IntoDiagnostic, miette};
+use miette::{IntoDiagnostic, Result, miette};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -52,11 +51,10 @@ pub struct SweepArgs {
 }
 
 /// Reads, checks and runs a sweep, or plans it.
-pub fn run(args: &SweepArgs) -> miette::Result<()> {
+pub fn run(args: &SweepArgs) -> Result<()> {
     let sweep = load::load(&args.sweep).map_err(|error| mixed_up_report(error, "sweep"))?;
     // most variants have the same remarks
-    let remarks: BTreeSet<&String> =
-        sweep.variants.iter().flat_map(|variant| &variant.study.remarks).collect();
+    let remarks: BTreeSet<&String> = sweep.variants.iter().flat_map(|v| &v.study.remarks).collect();
     remarks.into_iter().for_each(note);
     let settings = args.work.settings()?;
     let settings = RunSettings { retry_failed: args.retry_failed, ..settings };
@@ -98,17 +96,16 @@ pub fn run(args: &SweepArgs) -> miette::Result<()> {
     if !tally.publishes {
         return tell_others(&folder);
     }
-    let reported = publish(&sweep, &folder).into_diagnostic()?;
-    tell(&reported, &folder, progress.stopped(), &this_command())
+    tell(&publish(&sweep, &folder).into_diagnostic()?, &folder, progress.stopped(), &this_command())
 }
 
 /// Says that other processes continue here.
-pub(super) fn tell_others(folder: &OutputFolder) -> miette::Result<()> {
+pub(super) fn tell_others(folder: &OutputFolder) -> Result<()> {
     say!("Other processes are still working in {} and will write the report.", folder.path().display())
 }
 
 /// A sweep of composed layers: one after another, in this process.
-fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> miette::Result<()> {
+fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> Result<()> {
     if args.work.plan {
         return tell_plan(&composed::slabs(sweep), args.json, settings);
     }
@@ -125,8 +122,7 @@ fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> mie
     let progress = Progress::new();
     let done = progress.during(|| composed::run(sweep, &folder, settings, &progress));
     let done = done.map_err(run_report)?;
-    let page = composed::publish(sweep, &done, &folder).into_diagnostic()?;
-    say!("Report: {}", page.display())?;
+    say!("Report: {}", composed::publish(sweep, &done, &folder).into_diagnostic()?.display())?;
     if done.len() < sweep.variants.len() {
         let (there, all) = (done.len(), sweep.variants.len());
         return Err(miette!(help = to_resume(), "{there} of {all} layers are there"));
@@ -135,7 +131,7 @@ fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> mie
 }
 
 /// Opens the output folder, writes the sweep to it and applies `--retry-failed` and `--grids`.
-fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputFolder> {
+fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> Result<OutputFolder> {
     let folder = opened(path, Holds::Sweep)?;
     folder.begin().map_err(folder_report)?;
     folder::write(sweep, &folder).map_err(folder_report)?;
@@ -148,12 +144,7 @@ fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> miette::Result<OutputF
 }
 
 /// Prints where the results are; incomplete results are an error, so that scripts notice.
-pub(super) fn tell(
-    reported: &Reported,
-    folder: &OutputFolder,
-    stopped: bool,
-    go_on: &str,
-) -> miette::Result<()> {
+pub(super) fn tell(reported: &Reported, folder: &OutputFolder, stopped: bool, go_on: &str) -> Result<()> {
     for judged in &reported.conclusions {
         say!("{}: {} ({})", judged.table.id, judged.verdict.name(), judged.inequality)?;
     }
@@ -176,12 +167,7 @@ pub(super) fn tell(
     Err(miette!(help = help, "{complete} of {all} variants are finished, {failures} failures are recorded"))
 }
 
-fn tell_shard(
-    tally: &runner::Tally,
-    shard: Shard,
-    folder: &OutputFolder,
-    stopped: bool,
-) -> miette::Result<()> {
+fn tell_shard(tally: &runner::Tally, shard: Shard, folder: &OutputFolder, stopped: bool) -> Result<()> {
     let runner::Tally { asked, finished, failed, .. } = *tally;
     let Shard { index, count } = shard;
     say!("Shard {index}/{count} in {}: {finished} of {asked} solves finished", folder.path().display())?;
@@ -196,7 +182,7 @@ fn tell_shard(
 }
 
 /// Prints the expected cost of a sweep, or of a study as a sweep of one variant.
-pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> miette::Result<()> {
+pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> Result<()> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
     let progress = Progress::new();
@@ -233,7 +219,7 @@ fn in_words(seconds: f64) -> String {
 
 /// Parses `I/N`, or `N` with the part from the environment variable of the scheduler, for a sweep
 /// that can be divided so.
-fn shard(text: &str, sweep: &Sweep) -> miette::Result<Shard> {
+fn shard(text: &str, sweep: &Sweep) -> Result<Shard> {
     let shard = parse_shard(text)?;
     let (count, most) = (shard.count, units(sweep).len());
     if count > most {
@@ -254,7 +240,7 @@ fn shard(text: &str, sweep: &Sweep) -> miette::Result<Shard> {
     Ok(shard)
 }
 
-fn parse_shard(text: &str) -> miette::Result<Shard> {
+fn parse_shard(text: &str) -> Result<Shard> {
     let number = |text: &str| text.trim().parse::<usize>().ok();
     // the scheduler's variable that is set, with its value
     let task = TASK_NUMBER.iter().find_map(|name| Some((*name, std::env::var(name).ok()?)));

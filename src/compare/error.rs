@@ -42,6 +42,9 @@ pub enum CompareError {
     Accuracy(#[from] AccuracyError),
 }
 
+/// What a comparison gives.
+pub type CompareResult<T = ()> = Result<T, CompareError>;
+
 impl CompareError {
     /// Whether the user stopped the comparison.
     pub fn is_stop(&self) -> bool {
@@ -73,7 +76,7 @@ impl From<Fault> for CompareError {
 ///
 /// # Errors
 /// Other errors, and a stop before the first entry.
-pub(super) fn kept<T>(entries: Vec<T>, end: Result<(), CompareError>) -> Result<Vec<T>, CompareError> {
+pub(super) fn kept<T>(entries: Vec<T>, end: CompareResult) -> CompareResult<Vec<T>> {
     match end {
         Err(error) if !error.is_stop() || entries.is_empty() => Err(error),
         _ => Ok(entries),

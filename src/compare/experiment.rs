@@ -3,28 +3,23 @@
 
 mod cases;
 mod file;
-mod matrix;
-mod means;
 mod reference;
 mod rows;
-mod unused;
 
-pub use super::error::CompareError;
-pub use file::{ComparedCase, ComparisonFile, GoalWritten, Points};
-pub use matrix::MatrixTable;
+pub use super::error::{CompareError, CompareResult};
+pub use file::{ComparedCase, ComparisonFile, GoalWritten, MatrixTable, Points};
 
 use super::error::kept;
 use super::external::CaseAsked;
-use super::external::description::ProgramDescription;
 use super::external::judge::expected;
+use super::external::protocol::ProgramDescription;
 use super::machine::Machine;
 use super::page::Comparison;
 use super::row::Row;
 use crate::solve::{Registry, Solver, Watch};
 use cases::Subject;
-use means::absorbs;
 use reference::{coverages, sized};
-use rows::Bench;
+use rows::{Bench, absorbs};
 
 /// Size of a comparison before it is run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,11 +38,11 @@ impl ComparisonFile {
     ///
     /// # Errors
     /// As [`ComparisonFile::run`], except those of solves.
-    pub fn plan(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
+    pub fn plan(&self, registry: &Registry) -> CompareResult<ComparisonPlan> {
         self.planned(registry).map_err(|error| error.in_file(&self.origin))
     }
 
-    fn planned(&self, registry: &Registry) -> Result<ComparisonPlan, CompareError> {
+    fn planned(&self, registry: &Registry) -> CompareResult<ComparisonPlan> {
         self.check()?;
         let strategies = self.strategies(registry)?;
         let subjects = self.subjects()?;
@@ -57,8 +52,7 @@ impl ComparisonFile {
             let (case, wave) = (same[0].case()?, same[0].wave);
             if let Some(points) = self.listed() {
                 let schemes = self.schemes(wave);
-                let grids: Vec<_> =
-                    points.iter().map(|points| sized(&case.scene, *points, schemes[0])).collect();
+                let grids: Vec<_> = points.iter().map(|p| sized(&case.scene, *p, schemes[0])).collect();
                 self.check_reference(wave, &case, &grids)?;
             }
             bodies.get_or_insert(case.scene.bodies.len());
@@ -67,16 +61,14 @@ impl ComparisonFile {
     }
 
     /// Number of rows; errors of every case are found on the way.
-    fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> Result<usize, CompareError> {
-        let grids = self.listed().map_or(1, |points| points.len());
+    fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> CompareResult<usize> {
         let mut rows = 0;
         for subject in subjects {
             let (absorbs, schemes) = (absorbs(&subject.media()?), self.schemes(subject.wave).len());
             let means = strategies.iter().map(|(_, s)| self.means(&**s, absorbs).len()).sum::<usize>();
-            rows += means * grids * schemes;
+            rows += means * self.listed().map_or(1, |points| points.len()) * schemes;
         }
-        let programs = self.external.iter().map(|program| program.knobs().len()).sum::<usize>();
-        Ok(rows + subjects.len() * programs)
+        Ok(rows + subjects.len() * self.external.iter().map(|program| program.knobs().len()).sum::<usize>())
     }
 
     /// Runs every row with the strategies of `registry`; `watch` sees each solve's steps and can
@@ -90,7 +82,7 @@ impl ComparisonFile {
         registry: &Registry,
         watch: &mut dyn Watch,
         told: impl FnMut(&Row),
-    ) -> Result<Comparison, CompareError> {
+    ) -> CompareResult<Comparison> {
         self.compared(registry, watch, told).map_err(|error| error.in_file(&self.origin))
     }
 
@@ -99,7 +91,7 @@ impl ComparisonFile {
         registry: &Registry,
         watch: &mut dyn Watch,
         mut told: impl FnMut(&Row),
-    ) -> Result<Comparison, CompareError> {
+    ) -> CompareResult<Comparison> {
         self.check()?;
         let strategies = self.strategies(registry)?;
         let subjects = self.subjects()?;
@@ -138,10 +130,9 @@ impl ComparisonFile {
         (strategies, programs): (&[NamedStrategy], &[Option<ProgramDescription>]),
         watch: &mut dyn Watch,
         keep: &mut dyn FnMut(Row),
-    ) -> Result<(), CompareError> {
+    ) -> CompareResult {
         let case = subject.case()?;
         let coverages = coverages(subject.wave, &case);
-        let absorbs = absorbs(&case.media);
         let trials = self.trials(subject, &case, &coverages, watch)?;
         let truth = self.truth(subject, &case, &trials, watch)?;
         let bench = Bench { file: self, varied: subject.varied, case: &case, coverages: &coverages, truth };
@@ -149,7 +140,7 @@ impl ComparisonFile {
         for trial in &trials {
             for absorbing in [true, false] {
                 for (name, solver) in strategies {
-                    let means = self.means(&**solver, absorbs);
+                    let means = self.means(&**solver, absorbs(&case.media));
                     if let Some(mean) = means.into_iter().find(|mean| mean.absorbing == absorbing) {
                         keep(bench.row((name, &**solver), mean, trial, watch)?);
                     }

@@ -1,23 +1,21 @@
 //! Programs of any language as rows of a comparison: what a file says of them, and their runs.
 
-pub mod description;
 pub mod judge;
 mod process;
 pub mod protocol;
 
-use super::error::CompareError;
+use super::error::CompareResult;
 use super::row::{Row, Varied};
 use crate::input::case::Case;
 use crate::input::fault::Faults;
 use crate::solve::Watch;
-use description::ProgramDescription;
 use judge::{ExpectedOrder, ReadAnswer};
 use process::ProgramRun;
-use protocol::{ProgramRequest, WaveKind};
+use protocol::{ProgramDescription, ProgramRequest, WaveKind};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, absolute};
 use std::process::Command;
 
 /// A program of another project, asked for the orders of each case by a JSON text on its standard
@@ -103,7 +101,7 @@ impl ExternalTable {
         &self,
         folder: &Path,
         watch: &mut dyn Watch,
-    ) -> Result<Option<ProgramDescription>, CompareError> {
+    ) -> CompareResult<Option<ProgramDescription>> {
         let run = self.started(folder, &["--describe"], String::new(), watch)?;
         let output = run.ok().and_then(|run| run.outcome().ok().map(<[u8]>::to_vec));
         Ok(output.and_then(|output| ProgramDescription::of(&output)))
@@ -118,7 +116,7 @@ impl ExternalTable {
         question: &CaseAsked,
         (knob, described): (Option<f64>, Option<&ProgramDescription>),
         watch: &mut dyn Watch,
-    ) -> Result<Row, CompareError> {
+    ) -> CompareResult<Row> {
         let mut row = Row { knob, ..Row::new(question.varied, &self.name, None) };
         let refusal = described.and_then(|d| d.refusal(question.case, question.wave));
         let inputs = match (question.inputs, refusal) {
@@ -142,7 +140,7 @@ impl ExternalTable {
         folder: &Path,
         row: &mut Row,
         watch: &mut dyn Watch,
-    ) -> Result<Result<ReadAnswer, String>, CompareError> {
+    ) -> CompareResult<Result<ReadAnswer, String>> {
         let Self { time_limit_s, memory_gb, .. } = *self;
         let case = blake3::hash(inputs.to_string().as_bytes()).to_hex()[..12].to_owned();
         let request = ProgramRequest { case, inputs, wave, knob, time_limit_s, memory_gb };
@@ -164,7 +162,7 @@ impl ExternalTable {
         more: &[&str],
         input: String,
         watch: &mut dyn Watch,
-    ) -> Result<Result<ProgramRun, std::io::Error>, CompareError> {
+    ) -> CompareResult<Result<ProgramRun, std::io::Error>> {
         let mut command = Command::new(self.program(folder));
         command.args(&self.command[1..]).args(more);
         if !folder.as_os_str().is_empty() {
@@ -177,10 +175,6 @@ impl ExternalTable {
     fn program(&self, folder: &Path) -> PathBuf {
         let program = PathBuf::from(&self.command[0]);
         let inside = folder.join(&program);
-        if program.components().count() > 1 {
-            std::path::absolute(&inside).unwrap_or(inside)
-        } else {
-            program
-        }
+        if program.components().count() > 1 { absolute(&inside).unwrap_or(inside) } else { program }
     }
 }

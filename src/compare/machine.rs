@@ -29,8 +29,7 @@ impl Machine {
     /// Measures the machine that this process runs on, in less than a second.
     pub fn here() -> Machine {
         let model = std::fs::read_to_string("/proc/cpuinfo").ok();
-        let model =
-            model.as_deref().and_then(|text| text.lines().find(|line| line.starts_with("model name")));
+        let model = model.as_deref().and_then(|all| all.lines().find(|line| line.starts_with("model name")));
         let model = model.and_then(|line| line.split_once(": ")).map(|(_, name)| name.to_owned());
         let samples: Option<Vec<f64>> = (0..SAMPLES).map(|_| transforms_per_second()).collect();
         Machine {

@@ -8,6 +8,5 @@ pub mod external;
 pub mod machine;
 pub mod page;
 mod plots;
-mod reach;
 pub mod row;
 pub mod subject;

@@ -1,12 +1,12 @@
-//! The outputs of a comparison: tables, plots and a page.
+//! The outputs of a comparison: tables, plots and a page; among them the cost of an accuracy, the
+//! cheapest row of each strategy and program that reaches it.
 
-use super::external::description::ProgramDescription;
+use super::external::protocol::ProgramDescription;
 use super::machine::Machine;
-use super::reach;
 use super::row::{Row, dash, grouped, mean_name};
 use crate::report::cell::{self, markdown, records};
 use crate::report::page::{made_by, svg_data, templates};
-use crate::report::publish::PublishError;
+use crate::report::publish::PublishResult;
 use crate::report::seal::sealed;
 use crate::solve::Goal;
 use crate::store::folder::OutputFolder;
@@ -63,7 +63,7 @@ impl Comparison {
     ///
     /// # Errors
     /// A folder that cannot be written.
-    pub fn write(&self, folder: &OutputFolder) -> Result<(), PublishError> {
+    pub fn write(&self, folder: &OutputFolder) -> PublishResult {
         folder.remove_files(is_of_a_comparison)?;
         folder.write("comparison.csv", &records(self.rows.iter().map(Row::record))?)?;
         folder.write("machine.json", &serde_json::to_vec_pretty(&self.machine)?)?;
@@ -108,8 +108,8 @@ impl Comparison {
             several => self.has_cases(),
             cases => &self.cases,
             programs => self.described(),
-            targets => reach::TARGETS.map(|target| format!("{target:.0e}")),
-            reach => if self.externals.is_empty() { Vec::new() } else { reach::table(&self.rows) },
+            targets => TARGETS.map(|target| format!("{target:.0e}")),
+            reach => if self.externals.is_empty() { Vec::new() } else { reach(&self.rows) },
             costs_header => self.costs_header(),
             costs => self.costs(),
             failures_header => ["strategy", "case", "grid", "reason"],
@@ -164,10 +164,8 @@ impl Comparison {
     fn failures(&self) -> Vec<[String; 4]> {
         let failed = self.rows.iter().filter(|row| !row.converged());
         let alike = grouped(failed, |row| (row.strategy.clone(), row.case_name(), row.outcome()));
-        let lines = alike
-            .into_iter()
-            .map(|((strategy, case, reason), rows)| [strategy, case, rows[0].grid(), reason]);
-        lines.collect()
+        let alike = alike.into_iter();
+        alike.map(|((strategy, case, reason), rows)| [strategy, case, rows[0].grid(), reason]).collect()
     }
 
     /// Name, program, knob and conventions of programs that describe themselves.
@@ -190,4 +188,38 @@ fn cost(row: &Row) -> String {
         (Ok(_), Some(seconds)) => format!("{} ({seconds:.3} s)", row.applications()),
         _ => format!("fails ({})", row.applications()),
     }
+}
+
+/// Amplitude errors whose cost is tabulated.
+const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
+
+/// One line for each case and each strategy or program on it: case, name, the cost of every target,
+/// the smallest error, and why there is no result at all.
+fn reach(rows: &[Row]) -> Vec<Vec<String>> {
+    let groups = grouped(rows, |row| (row.case_name(), row.strategy.clone()));
+    groups.into_iter().map(|((case, strategy), group)| line([case, strategy], &group)).collect()
+}
+
+fn line(before: [String; 2], group: &[&Row]) -> Vec<String> {
+    let costs = TARGETS.map(|target| dash(cheapest(group, target).map(seconds_and_memory)));
+    let errors = group.iter().filter_map(|row| row.result.as_ref().ok().copied());
+    let least = errors.reduce(f64::min).map(|error| format!("{error:.1e}"));
+    let reason = if least.is_some() { String::new() } else { group[0].outcome() };
+    before.into_iter().chain(costs).chain([dash(least), reason]).collect()
+}
+
+/// The row of least processor time (wall time where that is not known) within an error.
+fn cheapest<'a>(group: &[&'a Row], target: f64) -> Option<&'a Row> {
+    let within = group.iter().filter(|row| row.result.as_ref().is_ok_and(|error| *error <= target));
+    within.copied().min_by(|a, b| seconds(a).total_cmp(&seconds(b)))
+}
+
+fn seconds(row: &Row) -> f64 {
+    row.processor_seconds.or(row.seconds).unwrap_or(f64::INFINITY)
+}
+
+fn seconds_and_memory(row: &Row) -> String {
+    let (seconds, megabytes) = (seconds(row), row.bytes as f64 / 1e6);
+    let places = (2 - seconds.max(1e-4).log10().ceil() as i32).max(0) as usize;
+    format!("{seconds:.places$}\u{a0}s, {megabytes:.0}\u{a0}MB")
 }

@@ -37,8 +37,7 @@ impl Comparison {
     fn of_pigment(&self, pigment: [f64; 2]) -> Chart {
         let rows: Vec<&Row> =
             self.rows.iter().filter(|row| row.case.is_some_and(|case| case.pigment == pigment)).collect();
-        let curves =
-            self.curves(&rows, |row| [row.case.map_or(f64::NAN, |case| case.period_um), counted(row)]);
+        let curves = self.curves(&rows, |row| [row.case.map_or(f64::NAN, |c| c.period_um), counted(row)]);
         let title = format!("Pigment {} + {}i", pigment[0], pigment[1]);
         Chart::log_log(&title, "period, µm", "operator applications", curves)
     }

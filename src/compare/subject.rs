@@ -1,7 +1,8 @@
 //! What strategies are compared on: a study's first packing at one wavelength and direction, or an
 //! explicit case.
 
-use super::error::CompareError;
+use super::error::CompareResult;
+use super::row::Varied;
 use crate::ink::pack;
 use crate::input::case::Case;
 use crate::input::check::check;
@@ -60,7 +61,7 @@ impl Packed {
         written: &StudyWritten,
         origin: &Path,
         (wavelength_nm, polar_deg): (Option<f64>, Option<f64>),
-    ) -> Result<Packed, CompareError> {
+    ) -> CompareResult<Packed> {
         let (file, path, inside) = match written {
             StudyWritten::File(path) => {
                 let path = origin.parent().unwrap_or(Path::new("")).join(path);
@@ -75,7 +76,7 @@ impl Packed {
     }
 
     /// Replaces the cell by a square one of the given period, and the index of the first pigment.
-    pub fn varied(&self, period_um: f64, [n, kappa]: [f64; 2]) -> Result<Packed, CompareError> {
+    pub fn varied(&self, Varied { pigment: [n, kappa], period_um }: Varied) -> CompareResult<Packed> {
         let mut other = self.clone();
         other.file.layer.cell = CellRule::Fixed;
         other.file.layer.period_um = Some(Pair::Both(period_um));
@@ -91,9 +92,8 @@ impl Packed {
     ///
     /// # Errors
     /// Errors of the study; a study with a wave of its own.
-    fn study(&self) -> Result<Study, CompareError> {
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        let checked = check(&self.file, folder, "study");
+    fn study(&self) -> CompareResult<Study> {
+        let checked = check(&self.file, self.path.parent().unwrap_or(Path::new("")), "study");
         let study = checked.map_err(|faults| told(faults, &self.path, self.inside))?;
         if study.wave.is_vector() {
             let allowed = "scalar: the comparison's own `wave` says which equation is solved";
@@ -108,7 +108,7 @@ impl Packed {
     ///
     /// # Errors
     /// Faults of the study, a wavelength outside its range, no packing.
-    pub fn case(&self) -> Result<Case, CompareError> {
+    pub fn case(&self) -> CompareResult<Case> {
         let study = self.study()?;
         let scene = Scene::from_packing(&pack(&study.packing_request(0), &mut ())?);
         let incidence = self.incidence(&study)?;
@@ -122,12 +122,12 @@ impl Packed {
     ///
     /// # Errors
     /// Faults of the study, a wavelength outside its range.
-    pub fn media(&self) -> Result<Media, CompareError> {
+    pub fn media(&self) -> CompareResult<Media> {
         let study = self.study()?;
         Ok(study.media(self.incidence(&study)?.wavelength_um))
     }
 
-    fn incidence(&self, study: &Study) -> Result<Incidence, CompareError> {
+    fn incidence(&self, study: &Study) -> CompareResult<Incidence> {
         let all = &study.wavelengths_nm;
         let nm = self.wavelength_nm.unwrap_or(all[all.len() / 2]);
         let (low, high) = (all[0], all[all.len() - 1]);

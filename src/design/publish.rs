@@ -3,7 +3,7 @@
 use super::recipe::{DesignTask, short};
 use super::run::{DesignAnswer, DesignOutcome, Verified};
 use crate::report::page::{made_by, rendered};
-use crate::report::publish::PublishError;
+use crate::report::publish::PublishResult;
 use crate::store::folder::OutputFolder;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
@@ -34,11 +34,7 @@ pub fn ranges(task: &DesignTask, outcome: &DesignOutcome) -> Vec<String> {
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn publish(
-    task: &DesignTask,
-    outcome: &DesignOutcome,
-    folder: &OutputFolder,
-) -> Result<(), PublishError> {
+pub fn publish(task: &DesignTask, outcome: &DesignOutcome, folder: &OutputFolder) -> PublishResult {
     let names: Vec<&str> = task.variables.iter().map(|v| v.name.as_str()).collect();
     let json = serde_json::json!({
         "title": task.title,

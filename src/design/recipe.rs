@@ -107,8 +107,7 @@ impl DesignTask {
 
     /// What is to be small: the distance to the target, and what is missing in contrast.
     pub fn miss(&self, delta_e: f64, ratio: f64) -> f64 {
-        let missing = self.contrast_ratio.map_or(0.0, |least| (least - ratio).max(0.0));
-        delta_e + OF_CONTRAST * missing
+        delta_e + OF_CONTRAST * self.contrast_ratio.map_or(0.0, |least| (least - ratio).max(0.0))
     }
 }
 
@@ -151,15 +150,9 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     put_target(&mut base, &file.target, own, &mut faults);
     let variables = variables(&file.vary, &mut faults);
     check_settings(&file, &mut faults);
-    let mut task = DesignTask {
-        title: file.title.clone().unwrap_or_else(|| stem(path)),
-        variables,
-        settings: file.design.clone(),
-        lab: [0.0; 3],
-        contrast_ratio: file.target.contrast_ratio,
-        base,
-        folder,
-    };
+    let title = file.title.clone().unwrap_or_else(|| stem(path));
+    let (settings, contrast_ratio) = (file.design.clone(), file.target.contrast_ratio);
+    let mut task = DesignTask { title, variables, settings, lab: [0.0; 3], contrast_ratio, base, folder };
     if faults.0.is_empty() {
         match checked_ends(&task) {
             Ok(lab) => task.lab = lab,
@@ -216,16 +209,14 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
             (Some(field), None) => field.clone(),
             (None, Some([one, other])) => format!("{one} : ({one} + {other})"),
             _ => {
-                let allowed = "either field or ratio";
-                faults.add(format!("vary[{i}]"), "both or neither", allowed, "write field");
+                faults.add(format!("vary[{i}]"), "both or neither", "either field or ratio", "write field");
                 continue;
             }
         };
         let (from, to) = (table.from, table.to);
         if !(from.is_finite() && to.is_finite() && from < to) {
             let found = format!("{from} to {to}");
-            let allowed = "from below to";
-            faults.add(format!("vary[{i}].from"), found, allowed, "exchange from and to");
+            faults.add(format!("vary[{i}].from"), found, "from below to", "exchange from and to");
         }
         if table.ratio.is_some() && !(from > 0.0 && to < 1.0) {
             let allowed = "above 0 and below 1: both pigments stay";

@@ -18,6 +18,7 @@ use crate::store::marker::Holds;
 use crate::sweep::alone::run_study;
 use map::{Map, even_point, spread, study_at};
 use serde::Serialize;
+use std::fmt::Display;
 use thiserror::Error;
 
 /// Variables for which all corners of the box are among the variants.
@@ -48,30 +49,16 @@ pub enum DesignError {
     #[error(transparent)]
     Ink(#[from] InkError),
     /// A run gave no colour.
-    #[error("{recipe}: no colour: {reason}")]
-    NoColour {
-        /// The recipe.
-        recipe: String,
-        /// Why.
-        reason: String,
-    },
+    #[error("{0}")]
+    NoColour(String),
     /// Too many variants could not be packed.
-    #[error(
-        "{packed} of {asked} variants have room for their grains, {needed} are needed: lower the volume fractions in [[vary]]"
-    )]
-    TooFew {
-        /// Variants with room.
-        packed: usize,
-        /// Variants tried.
-        asked: usize,
-        /// Least number.
-        needed: usize,
-    },
+    #[error("{0} are needed: lower the volume fractions in [[vary]]")]
+    TooFew(String),
 }
 
 impl DesignError {
-    fn no_colour(task: &DesignTask, places: &[f64], reason: impl ToString) -> Self {
-        Self::NoColour { recipe: task.in_words(places), reason: reason.to_string() }
+    fn no_colour(task: &DesignTask, places: &[f64], reason: impl Display) -> Self {
+        Self::NoColour(format!("{}: no colour: {reason}", task.in_words(places)))
     }
 }
 
@@ -186,8 +173,11 @@ impl DesignRun<'_> {
             }
         }
         let needed = super::surface::most_coefficients(count) + 2;
-        let packed = all.len();
-        if packed < needed { Err(DesignError::TooFew { packed, asked, needed }) } else { Ok(all) }
+        if all.len() >= needed {
+            return Ok(all);
+        }
+        let room = format!("{} of {asked} variants have room for their grains, {needed}", all.len());
+        Err(DesignError::TooFew(room))
     }
 
     /// Runs a recipe.
@@ -207,8 +197,7 @@ impl DesignRun<'_> {
             return Err(RunError::Stopped.into());
         }
         let seen = see(&study, &collected).map_err(|error| no_colour(error.to_string()))?;
-        let ink = seen.ink.as_ref().map_err(|error| no_colour(error.to_string()))?;
-        let spectra = spectra(ink)?;
+        let spectra = spectra(seen.ink.as_ref().map_err(|error| no_colour(error.to_string()))?)?;
         let manifest = summarise(&study, &collected, &seen);
         let none = || manifest.no_colour.clone().or(manifest.no_ink_maker.clone()).unwrap_or_default();
         let maker = manifest.ink_maker.as_ref().ok_or_else(|| no_colour(none()))?;
@@ -267,16 +256,8 @@ impl DesignRun<'_> {
         };
         let valley_ranges =
             if valley.is_empty() { Vec::new() } else { (0..self.task.variables.len()).map(ends).collect() };
-        DesignOutcome {
-            met,
-            target: self.task.lab,
-            verdict: self.verdict(&verified, met),
-            verified,
-            valley: spread(&valley),
-            valley_ranges,
-            surface_error,
-            variants,
-        }
+        let (target, verdict, valley) = (self.task.lab, self.verdict(&verified, met), spread(&valley));
+        DesignOutcome { met, target, verdict, verified, valley, valley_ranges, surface_error, variants }
     }
 
     fn verdict(&self, verified: &[Verified], met: bool) -> String {

@@ -61,12 +61,8 @@ pub fn wanted(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
         let (first, last) = (nm[0], nm[nm.len() - 1]);
         let found = measured.map_or("nothing".into(), |m| format!("{:?} nm", m.range_nm()));
         let allowed = format!("a spectrum that covers {first} to {last} nm, or a colour");
-        return Err(vec![Fault::new(
-            "target.file",
-            found,
-            allowed,
-            "narrow [light] of the base, or give lab",
-        )]);
+        let remedy = "narrow [light] of the base, or give lab";
+        return Err(vec![Fault::new("target.file", found, allowed, remedy)]);
     };
     let colour = Eye::new(study).and_then(|eye| eye.meter.colour(&values));
     colour.map(|colour| colour.lab).map_err(|error| {
@@ -118,8 +114,7 @@ impl Surfaces {
         let matrix = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
         let ridge = RIDGE * rows.len() as f64;
         let ridge = Mat::from_fn(count, count, |i, j| if i == j { ridge } else { 0.0 });
-        let normal = matrix.transpose() * &matrix + ridge;
-        let factors = normal.llt(Side::Lower).ok()?;
+        let factors = (matrix.transpose() * &matrix + ridge).llt(Side::Lower).ok()?;
         let values = Mat::from_fn(rows.len(), columns, |i, j| differences[i][j]);
         let coefficients = factors.solve(matrix.transpose() * &values);
         let fitted = &matrix * &coefficients;

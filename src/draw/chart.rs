@@ -4,11 +4,10 @@
 //! Colours are Okabe–Ito, and every curve has its own marker as well, so that charts remain legible
 //! for colour-blind readers and in greyscale.
 
+use super::curve::marker;
 pub use super::curve::{Curve, Style};
-use super::error::{OutputError, failed};
-use super::figure::{Bitmap, COLOURS, FONT};
-use super::leaf::{Area, KEY, Leaf, WORDS, fitting, svg_of, width};
-use super::marks::marker;
+use super::figure::{Area, Bitmap, COLOURS, DrawResult, FONT, failed};
+use super::leaf::{KEY, Leaf, WORDS, fitting, svg_of, width};
 use super::ticks::{self, Scale};
 use plotters::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -86,7 +85,7 @@ impl Chart {
     ///
     /// # Errors
     /// Nothing to show, or a failure of the drawing library.
-    pub fn svg(&self) -> Result<String, OutputError> {
+    pub fn svg(&self) -> DrawResult<String> {
         svg_of(self.leaf().size(), |area| self.paint(area))
     }
 
@@ -94,7 +93,7 @@ impl Chart {
     ///
     /// # Errors
     /// As [`Chart::svg`].
-    pub fn bitmap(&self) -> Result<Bitmap, OutputError> {
+    pub fn bitmap(&self) -> DrawResult<Bitmap> {
         let (width, height) = self.leaf().size();
         let mut bitmap = Bitmap::white(width as usize, height as usize)?;
         bitmap.draw(|area| self.paint(area))?;
@@ -110,7 +109,7 @@ impl Chart {
         Leaf::new(&self.title, self.named().map(|(_, curve)| curve.name.as_str()))
     }
 
-    fn paint<B: DrawingBackend>(&self, root: &Area<B>) -> Result<(), OutputError> {
+    fn paint<B: DrawingBackend>(&self, root: &Area<B>) -> DrawResult {
         root.fill(&WHITE).map_err(failed)?;
         let leaf = self.leaf();
         let (area, names) = leaf.split(root)?;
@@ -121,12 +120,11 @@ impl Chart {
             .y_label_area_size(72)
             .build_cartesian_2d(self.scale(0)?, self.scale(1)?)
             .map_err(failed)?;
-        let words = fitting(&self.x_label, ROOM[0]).min(fitting(&self.y_label, ROOM[1]));
         axes.configure_mesh()
             .x_desc(&self.x_label)
             .y_desc(&self.y_label)
             .label_style((FONT, WORDS))
-            .axis_desc_style((FONT, words))
+            .axis_desc_style((FONT, fitting(&self.x_label, ROOM[0]).min(fitting(&self.y_label, ROOM[1]))))
             .max_light_lines(0)
             .draw()
             .map_err(failed)?;
@@ -137,7 +135,7 @@ impl Chart {
         entries.try_for_each(|(row, (k, curve))| name(&names, leaf.place(row), curve, Pen::of(k, curve)))
     }
 
-    fn scale(&self, axis: usize) -> Result<Scale, OutputError> {
+    fn scale(&self, axis: usize) -> DrawResult<Scale> {
         let (range, log) = (self.range(axis)?, self.log[axis]);
         let own = if axis == 0 { self.along(&range) } else { None };
         let ticks = own.unwrap_or_else(|| ticks::round_ticks(&range, axis, log));
@@ -159,7 +157,7 @@ impl Chart {
         (0..2).all(|axis| p[axis].is_finite() && (!self.log[axis] || p[axis] > 0.0))
     }
 
-    fn range(&self, axis: usize) -> Result<Range<f64>, OutputError> {
+    fn range(&self, axis: usize) -> DrawResult<Range<f64>> {
         if let Some([low, high]) = self.y_range.filter(|_| axis == 1) {
             return Ok(low..high);
         }
@@ -191,12 +189,7 @@ impl Chart {
     }
 
     /// Draws line or band, markers and error bars of one curve.
-    fn draw<B: DrawingBackend>(
-        &self,
-        axes: &mut Axes<B>,
-        curve: &Curve,
-        pen: Pen,
-    ) -> Result<(), OutputError> {
+    fn draw<B: DrawingBackend>(&self, axes: &mut Axes<B>, curve: &Curve, pen: Pen) -> DrawResult {
         let shown: Vec<&[f64; 3]> = curve.points.iter().filter(|p| self.shown(p)).collect();
         if curve.style == Style::Guide {
             let [lower, upper] = [0, 1].map(|end| shown.iter().map(move |p| self.ends(p)[end]));
@@ -218,8 +211,7 @@ impl Chart {
         let markers = shown.iter().step_by(every).map(|p| {
             EmptyElement::at(self.at(p[0], p[1])) + Polygon::new(marker(pen.marker), pen.colour.filled())
         });
-        axes.draw_series(markers).map_err(failed)?;
-        Ok(())
+        axes.draw_series(markers).map(drop).map_err(failed)
     }
 
     /// Draws a line through points, solid if the dashes have no length.
@@ -229,14 +221,13 @@ impl Chart {
         points: &[&[f64; 3]],
         [dash, gap]: [u32; 2],
         stroke: ShapeStyle,
-    ) -> Result<(), OutputError> {
+    ) -> DrawResult {
         let places = points.iter().map(|p| self.at(p[0], p[1]));
-        if dash == 0 {
-            axes.draw_series(LineSeries::new(places, stroke)).map_err(failed)?;
-        } else {
-            axes.draw_series(DashedLineSeries::new(places, dash, gap, stroke)).map_err(failed)?;
-        }
-        Ok(())
+        let drawn = match dash {
+            0 => axes.draw_series(LineSeries::new(places, stroke)).map(drop),
+            _ => axes.draw_series(DashedLineSeries::new(places, dash, gap, stroke)).map(drop),
+        };
+        drawn.map_err(failed)
     }
 }
 
@@ -246,14 +237,8 @@ fn dashes(curve: &Curve) -> [u32; 2] {
 }
 
 /// Draws one entry of the legend.
-fn name<B: DrawingBackend>(
-    area: &Area<B>,
-    (x, y): (i32, i32),
-    curve: &Curve,
-    pen: Pen,
-) -> Result<(), OutputError> {
-    let text = Text::new(curve.name.clone(), (x + KEY, y - 8), (FONT, WORDS).into_font());
-    area.draw(&text).map_err(failed)?;
+fn name<B: DrawingBackend>(area: &Area<B>, (x, y): (i32, i32), curve: &Curve, pen: Pen) -> DrawResult {
+    area.draw(&Text::new(curve.name.clone(), (x + KEY, y - 8), (FONT, WORDS).into_font())).map_err(failed)?;
     let [dash, gap] = if curve.style == Style::Guide { DASHES } else { dashes(curve) }.map(|px| px as i32);
     let dash = if dash == 0 { SAMPLE } else { dash };
     for a in (0..SAMPLE).step_by((dash + gap) as usize).filter(|_| curve.style != Style::Points) {

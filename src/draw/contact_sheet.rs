@@ -1,7 +1,6 @@
 //! Many pictures of inks in rows and columns with captions.
 
-use super::error::{OutputError, failed};
-use super::figure::{Anchor, Bitmap};
+use super::figure::{Anchor, Bitmap, DrawResult, failed};
 use super::leaf::wrapped;
 use super::picture::{LABEL_PX, PictureStyle, TITLE_PX, check, paint};
 use crate::appearance::picture::InkPicture;
@@ -35,14 +34,8 @@ impl<T> ContactSheet<T> {
     pub fn map<U>(&self, title: String, cell: impl Fn(&T) -> U) -> ContactSheet<U> {
         let cells = self.cells.iter().map(|row| row.iter().map(&cell).collect()).collect();
         let (row_axis, column_axis) = (self.row_axis.clone(), self.column_axis.clone());
-        ContactSheet {
-            title,
-            row_axis,
-            rows: self.rows.clone(),
-            column_axis,
-            columns: self.columns.clone(),
-            cells,
-        }
+        let (rows, columns) = (self.rows.clone(), self.columns.clone());
+        ContactSheet { title, row_axis, rows, column_axis, columns, cells }
     }
 }
 
@@ -51,7 +44,7 @@ impl ContactSheet {
     ///
     /// # Errors
     /// No pictures; captions and pictures that differ in number; a sheet larger than 20 000 pixels.
-    pub fn render(&self, style: &PictureStyle) -> Result<Bitmap, OutputError> {
+    pub fn render(&self, style: &PictureStyle) -> DrawResult<Bitmap> {
         self.check()?;
         let cell = [style.strip_px + style.gap_px + style.side_px + SHEET_GAP, style.side_px + SHEET_GAP];
         let left = self.left();
@@ -77,7 +70,7 @@ impl ContactSheet {
         SHEET_LEFT.max(SHEET_GAP + (longest as f64 * LETTER * LABEL_PX as f64) as usize + 14)
     }
 
-    fn check(&self) -> Result<(), OutputError> {
+    fn check(&self) -> DrawResult {
         let [rows, columns] = [self.rows.len(), self.columns.len()];
         let whole = self.cells.len() == rows && self.cells.iter().all(|row| row.len() == columns);
         if rows * columns == 0 || !whole {
@@ -88,7 +81,7 @@ impl ContactSheet {
         self.cells.iter().flatten().flatten().try_for_each(check)
     }
 
-    fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> Result<(), OutputError> {
+    fn captions(&self, bitmap: &mut Bitmap, cell: [usize; 2]) -> DrawResult {
         let middle = |k: usize, step: usize, from: usize| (from + k * step + (step - SHEET_GAP) / 2) as i32;
         let left = self.left();
         bitmap.text(&self.column_axis, [left as i32, 58], LABEL_PX, Anchor::Left)?;
@@ -97,23 +90,21 @@ impl ContactSheet {
             bitmap.text(name, [middle(c, cell[0], left), 84], LABEL_PX, Anchor::Centre)?;
         }
         for (r, name) in self.rows.iter().enumerate() {
-            let at = [left as i32 - 14, middle(r, cell[1], SHEET_TOP)];
-            bitmap.text(name, at, LABEL_PX, Anchor::Right)?;
+            bitmap.text(name, [left as i32 - 14, middle(r, cell[1], SHEET_TOP)], LABEL_PX, Anchor::Right)?;
         }
         Ok(())
     }
 }
 
 /// Writes why there is no picture, in lines that fit into the cell.
-fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str) -> Result<(), OutputError> {
+fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str) -> DrawResult {
     let size = LABEL_PX - 2;
     let letters = ((cell[0] - SHEET_GAP) as f64 / (LETTER * size as f64)) as usize;
     let lines = wrapped(reason, |line| line.chars().count() <= letters);
     let [middle_x, middle_y] =
         [x + (cell[0] - SHEET_GAP) / 2, y + (cell[1] - SHEET_GAP) / 2].map(|p| p as i32);
-    let step = size as i32 + 5;
     for (k, line) in lines.iter().enumerate() {
-        let down = (2 * k as i32 - lines.len() as i32 + 1) * step / 2;
+        let down = (2 * k as i32 - lines.len() as i32 + 1) * (size as i32 + 5) / 2;
         bitmap.text(line, [middle_x, middle_y + down], size, Anchor::Centre)?;
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Curves of a chart: points with error bars, joined or not, and guide lines.
+//! Curves of a chart: points with error bars, joined or not, and guide lines; markers of points.
 
 use crate::numerics::estimate::Estimate;
 use serde::{Deserialize, Serialize};
@@ -55,9 +55,9 @@ impl Curve {
     pub fn with_bars(
         name: impl Into<String>,
         style: Style,
-        points: impl IntoIterator<Item = [f64; 3]>,
+        bars: impl IntoIterator<Item = [f64; 3]>,
     ) -> Self {
-        Self { name: name.into(), style, points: points.into_iter().collect(), look: None, dashes: 0 }
+        Self { name: name.into(), style, points: bars.into_iter().collect(), look: None, dashes: 0 }
     }
 
     /// A data curve whose error bars are the standard errors, where these are known.
@@ -114,6 +114,38 @@ impl Curve {
     }
 }
 
+/// Number of different markers.
+const MARKERS: usize = 7;
+
+/// Outline of marker `k` in pixels around the point: disc, triangle, square, diamond, triangle on
+/// its tip, plus and hourglass.
+pub(super) fn marker(k: usize) -> Vec<(i32, i32)> {
+    match k % MARKERS {
+        0 => vec![(-1, -4), (1, -4), (4, -1), (4, 1), (1, 4), (-1, 4), (-4, 1), (-4, -1)],
+        1 => vec![(0, -5), (5, 4), (-5, 4)],
+        2 => vec![(-4, -4), (4, -4), (4, 4), (-4, 4)],
+        3 => vec![(0, -6), (6, 0), (0, 6), (-6, 0)],
+        4 => vec![(0, 5), (5, -4), (-5, -4)],
+        5 => PLUS.to_vec(),
+        _ => vec![(-4, -5), (4, -5), (0, 0), (4, 5), (-4, 5), (0, 0)],
+    }
+}
+
+const PLUS: [(i32, i32); 12] = [
+    (-1, -5),
+    (1, -5),
+    (1, -1),
+    (5, -1),
+    (5, 1),
+    (1, 1),
+    (1, 5),
+    (-1, 5),
+    (-1, 1),
+    (-5, 1),
+    (-5, -1),
+    (-1, -1),
+];
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -145,5 +177,11 @@ mod tests {
         let curve = curve.asked_at(&[400.0, 450.0, 500.0 + 1e-9]);
         assert_eq!(curve.points.iter().map(|p| p[0]).collect::<Vec<_>>(), [400.0, 450.0, 500.0]);
         assert!(curve.points[1][1].is_nan());
+    }
+
+    #[test]
+    fn markers_differ() {
+        let all: std::collections::HashSet<_> = (0..MARKERS).map(marker).collect();
+        assert_eq!(all.len(), MARKERS);
     }
 }

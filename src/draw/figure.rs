@@ -1,10 +1,11 @@
-//! Canvas of pictures and plots: an RGB bitmap with a built-in font, written as PNG.
+//! Canvas of pictures and plots: an RGB bitmap with a built-in font, written as PNG; and the errors
+//! of making and writing outputs.
 
-use super::error::{OutputError, failed};
 use plotters::coord::Shift;
 use plotters::prelude::*;
 use plotters::style::register_font;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::path::PathBuf;
 use std::sync::Once;
 
 /// The font of all figures.
@@ -30,6 +31,11 @@ pub const COLOURS: [RGBColor; 7] = [
     RGBColor(86, 180, 233),
     RGBColor(230, 159, 0),
 ];
+
+/// What is drawn on.
+pub(super) type Area<B> = DrawingArea<B, Shift>;
+/// Drawing area of a bitmap.
+pub(super) type Canvas<'a> = Area<BitMapBackend<'a>>;
 
 /// An RGB bitmap, 8 bits, sRGB.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +66,7 @@ impl Bitmap {
     ///
     /// # Errors
     /// A side of 0 or more than 20 000 pixels.
-    pub fn white(width: usize, height: usize) -> Result<Self, OutputError> {
+    pub fn white(width: usize, height: usize) -> DrawResult<Self> {
         for (field, value) in [("width", width), ("height", height)] {
             if !(1..=LARGEST_SIDE).contains(&value) {
                 return Err(failed(format!("{field} = {value}: allowed 1 to {LARGEST_SIDE}")));
@@ -83,7 +89,7 @@ impl Bitmap {
     ///
     /// # Errors
     /// The font fails, which it cannot as it is embedded.
-    pub fn text(&mut self, text: &str, [x, y]: [i32; 2], px: u32, anchor: Anchor) -> Result<(), OutputError> {
+    pub fn text(&mut self, text: &str, [x, y]: [i32; 2], px: u32, anchor: Anchor) -> DrawResult {
         let horizontal = match anchor {
             Anchor::Left => HPos::Left,
             Anchor::Centre | Anchor::Upwards => HPos::Center,
@@ -102,10 +108,7 @@ impl Bitmap {
     ///
     /// # Errors
     /// Whatever the drawing reports.
-    pub fn draw(
-        &mut self,
-        paint: impl FnOnce(&DrawingArea<BitMapBackend, Shift>) -> Result<(), OutputError>,
-    ) -> Result<(), OutputError> {
+    pub(super) fn draw(&mut self, paint: impl FnOnce(&Canvas) -> DrawResult) -> DrawResult {
         register_fonts();
         let size = (self.width as u32, self.height as u32);
         let area = BitMapBackend::with_buffer(&mut self.rgb, size).into_drawing_area();
@@ -118,7 +121,7 @@ impl Bitmap {
     ///
     /// # Errors
     /// A keyword is not 1–79 Latin-1 characters.
-    pub fn png(&self, text: &[(&str, &str)]) -> Result<Vec<u8>, OutputError> {
+    pub fn png(&self, text: &[(&str, &str)]) -> DrawResult<Vec<u8>> {
         self.encode(text).map_err(failed)
     }
 
@@ -136,4 +139,35 @@ impl Bitmap {
         writer.finish()?;
         Ok(bytes)
     }
+}
+
+/// Why a results file, or a picture in one, was not made.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The file cannot be written.
+    #[error("cannot write {}: {source}; check the folder and its permissions", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// The message of the system.
+        source: std::io::Error,
+    },
+    /// The content cannot be made.
+    #[error("cannot make {0}")]
+    Make(String),
+}
+
+/// What drawing gives.
+pub type DrawResult<T = ()> = Result<T, OutputError>;
+
+impl OutputError {
+    /// Maps any failure while `what` is made.
+    pub(crate) fn making<E: std::fmt::Display>(what: &str) -> impl Fn(E) -> Self + '_ {
+        move |reason| Self::Make(format!("{what}: {reason}"))
+    }
+}
+
+/// A failure of the drawing library.
+pub(super) fn failed(reason: impl std::fmt::Display) -> OutputError {
+    OutputError::making("a drawing")(reason)
 }

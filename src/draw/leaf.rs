@@ -1,9 +1,7 @@
 //! Layout of a plot: narrow enough to be legible on a phone, with the title above the axes and the
 //! names of the curves below.
 
-use super::error::{OutputError, failed};
-use super::figure::{FONT, register_fonts};
-use plotters::coord::Shift;
+use super::figure::{Area, DrawResult, FONT, failed, register_fonts};
 use plotters::prelude::*;
 
 /// Width of all plots, pixels. A page on a phone has 358 of its 390 pixels, where letters of 13
@@ -19,8 +17,6 @@ const NAME_STEP: u32 = 22;
 const MARGIN: u32 = 12;
 /// Space for a curve's line and marker before its name.
 pub(super) const KEY: i32 = 32;
-
-pub(super) type Area<B> = DrawingArea<B, Shift>;
 
 /// Title and legend of a plot, which determine its size.
 pub(super) struct Leaf {
@@ -52,7 +48,7 @@ impl Leaf {
     }
 
     /// Writes the title; returns the areas of the axes and of the names below.
-    pub fn split<B: DrawingBackend>(&self, area: &Area<B>) -> Result<(Area<B>, Area<B>), OutputError> {
+    pub fn split<B: DrawingBackend>(&self, area: &Area<B>) -> DrawResult<(Area<B>, Area<B>)> {
         let (title, rest) = area.split_vertically(self.title_height());
         for (k, line) in self.title.iter().enumerate() {
             let left = (WIDTH.saturating_sub(width(line, TITLE)) / 2) as i32;
@@ -95,10 +91,7 @@ pub(super) fn wrapped(text: &str, fits: impl Fn(&str) -> bool) -> Vec<String> {
 }
 
 /// Draws as SVG, without redundant attributes.
-pub(super) fn svg_of(
-    size: (u32, u32),
-    paint: impl FnOnce(&Area<SVGBackend>) -> Result<(), OutputError>,
-) -> Result<String, OutputError> {
+pub fn svg_of(size: (u32, u32), paint: impl FnOnce(&Area<SVGBackend>) -> DrawResult) -> DrawResult<String> {
     register_fonts();
     let mut text = String::new();
     {

@@ -1,10 +1,10 @@
 //! Pictures of a layer: from the incident side, cut open, in perspective; and a sheet of grain
 //! shapes.
 
-use super::error::{OutputError, failed};
-use super::figure::FONT;
-use super::frame::{Canvas, Frame, drawn, framed};
-use super::raster::{BACKGROUND, BINDER, Camera, Raster, Rgb, mix, pigment_colour, shade};
+use super::figure::{Canvas, DrawResult, FONT, failed};
+use super::raster::{
+    BACKGROUND, BINDER, Camera, Frame, Raster, Rgb, drawn, framed, mix, pigment_colour, shade,
+};
 use crate::ink::grains::shape::Template;
 use crate::ink::{Packing, Shape, Solid, Sphere};
 use crate::numerics::vector::{dot, norm};
@@ -16,17 +16,14 @@ const TILE: usize = 300;
 
 /// The layer seen along +z, from the incident side: pigment dimmed with its depth below the
 /// binder's surface.
-pub fn top_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+pub fn top_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
     let [lx, ly] = packing.period_um();
-    let per_um = WIDE / lx.max(ly);
+    let (per_um, height) = (WIDE / lx.max(ly), packing.thickness_um());
     let frame = Frame {
         x: 0.0..lx,
         y: 0.0..ly,
         y_label: "y, µm",
-        caption: format!(
-            "From the incident side, H = {:.3} µm; deeper grains are paler",
-            packing.thickness_um()
-        ),
+        caption: format!("From the incident side, H = {height:.3} µm; deeper grains are paler"),
         size: ((lx * per_um) as u32, (ly * per_um) as u32),
     };
     framed(frame, "top view", |w, h| paint_top(packing, w, h))
@@ -66,8 +63,7 @@ fn paint_top_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut R
             if let Some([z, _]) = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0]) {
                 let lit = dot(solid.normal([x, y, z]), [-0.4, 0.4, -1.0]) / 1.15;
                 let below = (z - packing.filled_um(x, y)[0]).max(0.0) / packing.thickness_um();
-                let lit = shade(colour, 0.45 + 0.55 * lit.max(0.0));
-                raster.set(i, j, z, mix(lit, BINDER, 0.85 * below));
+                raster.set(i, j, z, mix(shade(colour, 0.45 + 0.55 * lit.max(0.0)), BINDER, 0.85 * below));
             }
         }
     }
@@ -101,7 +97,7 @@ fn images_of(solid: Solid, period_um: [f64; 2]) -> Vec<Solid> {
 
 /// The plane y = Ly/2: pigment, binder and vacuum before the binder; z grows downwards to the exit
 /// side.
-pub fn cut_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+pub fn cut_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
     let [lx, ly] = packing.period_um();
     let height = packing.thickness_um();
     let wide = 1.6 * WIDE;
@@ -144,13 +140,13 @@ fn made_of(template: &Template) -> String {
 }
 
 /// The cell with its edges, obliquely from the incident side; the face z = 0 is up.
-pub fn perspective_picture(packing: &Packing) -> Result<Vec<u8>, OutputError> {
+pub fn perspective_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
     let (w, h) = (1200u32, 760u32);
     drawn((w, h + 40), |area| draw_perspective(area, packing, (w, h)))
 }
 
 /// The perspective picture of `size` pixels beneath its caption.
-fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> Result<(), OutputError> {
+fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> DrawResult {
     let [lx, ly] = packing.period_um();
     let caption =
         format!("One period, {lx:.3} × {ly:.3} × {:.3} µm (x × y × thickness)", packing.thickness_um());
@@ -160,13 +156,12 @@ fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> Res
 }
 
 /// Writes a line with its upper left corner at `at`, its letters `height` pixels high.
-fn write_line(canvas: &Canvas, line: String, at: (i32, i32), height: i32) -> Result<(), OutputError> {
-    let text = Text::new(line, at, (FONT, height).into_font());
-    canvas.draw(&text).map_err(failed)
+fn write_line(canvas: &Canvas, line: String, at: (i32, i32), height: i32) -> DrawResult {
+    canvas.draw(&Text::new(line, at, (FONT, height).into_font())).map_err(failed)
 }
 
 /// Puts a picture with its upper left corner at `at`.
-fn place(canvas: &Canvas, raster: &Raster, at: (i32, i32), size: (u32, u32)) -> Result<(), OutputError> {
+fn place(canvas: &Canvas, raster: &Raster, at: (i32, i32), size: (u32, u32)) -> DrawResult {
     let bits = BitMapElement::with_owned_buffer(at, size, raster.rgb());
     bits.map_or(Ok(()), |b| canvas.draw(&b)).map_err(failed)
 }
@@ -195,7 +190,7 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
 }
 
 /// One grain of each pigment side by side, at the same scale, with its name and dimensions.
-pub fn shape_sheet(shapes: &[(String, Shape)]) -> Result<Vec<u8>, OutputError> {
+pub fn shape_sheet(shapes: &[(String, Shape)]) -> DrawResult<Vec<u8>> {
     let n = shapes.len().max(1);
     drawn(((n * TILE) as u32, 400), |area| {
         shapes.iter().enumerate().try_for_each(|(k, shape)| draw_shape(area, k, shape))
@@ -203,11 +198,10 @@ pub fn shape_sheet(shapes: &[(String, Shape)]) -> Result<Vec<u8>, OutputError> {
 }
 
 /// The grain of pigment `k` in its place on the sheet, with its name and figures beneath.
-fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> Result<(), OutputError> {
+fn draw_shape(canvas: &Canvas, k: usize, (name, shape): &(String, Shape)) -> DrawResult {
     let template = shape.template();
-    let raster = paint_shape(&template, k, 2 * TILE).halved();
     let left = (k * TILE) as i32;
-    place(canvas, &raster, (left, 0), (TILE as u32, TILE as u32))?;
+    place(canvas, &paint_shape(&template, k, 2 * TILE).halved(), (left, 0), (TILE as u32, TILE as u32))?;
     let lines = [
         format!("{name}: {}{}", shape.name(), made_of(&template)),
         format!("length {:.2} R", template.length),
@@ -230,8 +224,7 @@ fn paint_shape(template: &Template, colour: usize, side: usize) -> Raster {
     // Spheres are given with z upwards.
     for solid in body {
         let [x, y, z] = solid.center_um;
-        let solid = solid.placed([x, y, -z]);
-        camera.solid(&mut raster, &solid, 0.0, pigment_colour(colour));
+        camera.solid(&mut raster, &solid.placed([x, y, -z]), 0.0, pigment_colour(colour));
     }
     raster
 }

@@ -1,7 +1,6 @@
 //! Paints the picture of P1 Fig. 6: strip and square, with or without axes.
 
-use super::error::{OutputError, failed};
-use super::figure::{Anchor, Bitmap};
+use super::figure::{Anchor, Bitmap, DrawResult, failed};
 use crate::appearance::picture::InkPicture;
 
 /// Sizes in pixels.
@@ -34,7 +33,7 @@ const TICKS_DEG: f64 = 20.0;
 /// # Errors
 /// No angles, a strip or square that does not have their number, sides of 0 or more than 20 000
 /// pixels.
-pub fn render(picture: &InkPicture, style: &PictureStyle) -> Result<Bitmap, OutputError> {
+pub fn render(picture: &InkPicture, style: &PictureStyle) -> DrawResult<Bitmap> {
     check(picture)?;
     let [left, top, right, bottom] = if style.labels { MARGINS } else { [0; 4] };
     let width = left + style.strip_px + style.gap_px + style.side_px + right;
@@ -46,7 +45,7 @@ pub fn render(picture: &InkPicture, style: &PictureStyle) -> Result<Bitmap, Outp
     Ok(bitmap)
 }
 
-pub(super) fn check(picture: &InkPicture) -> Result<(), OutputError> {
+pub(super) fn check(picture: &InkPicture) -> DrawResult {
     let sides = [picture.strip.len(), picture.square.nrows(), picture.square.ncols()];
     match picture.angles_deg.len() {
         0 => Err(failed("a picture without angles")),
@@ -67,17 +66,11 @@ pub(super) fn paint(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2
     }
 }
 
-fn label(
-    picture: &InkPicture,
-    bitmap: &mut Bitmap,
-    [x, y]: [usize; 2],
-    style: &PictureStyle,
-) -> Result<(), OutputError> {
+fn label(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &PictureStyle) -> DrawResult {
     let square = x + style.strip_px + style.gap_px;
     let (bottom, side) = ((y + style.side_px) as i32, style.side_px as i32);
     let (above, across) = (y as i32 - 14, square as i32 + side / 2);
-    let strip_middle = (x + style.strip_px / 2) as i32;
-    bitmap.text("natural light", [strip_middle, above], LABEL_PX, Anchor::Centre)?;
+    bitmap.text("natural light", [(x + style.strip_px / 2) as i32, above], LABEL_PX, Anchor::Centre)?;
     bitmap.text("π × diffuse BRDF", [across, above], LABEL_PX, Anchor::Centre)?;
     bitmap.text("illumination angle, °", [across, bottom + 44], LABEL_PX, Anchor::Centre)?;
     bitmap.text("viewing angle, °", [16, y as i32 + side / 2], LABEL_PX, Anchor::Upwards)?;
@@ -99,8 +92,7 @@ fn ticks(picture: &InkPicture, side_px: usize) -> Vec<(String, usize)> {
         let share = if last > first { (deg - first) / (last - first) } else { 0.0 };
         (cell / 2.0 + share * reach) as usize
     };
-    let multiples = (0..=4).map(|k| TICKS_DEG * f64::from(k));
-    let inside = multiples.filter(|deg| (first..=last).contains(deg));
+    let inside = (0..=4).map(|k| TICKS_DEG * f64::from(k)).filter(|deg| (first..=last).contains(deg));
     inside.map(|deg| (format!("{deg:.0}"), offset(deg))).collect()
 }
 

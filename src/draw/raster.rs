@@ -1,7 +1,11 @@
-//! Small pictures of shaded bodies: a depth buffer, one light, flat colours.
+//! Small pictures of shaded bodies: a depth buffer, one light, flat colours; and a frame with axes
+//! around pictures of the layer.
 
+use super::figure::{Bitmap, Canvas, DrawResult, FONT, OutputError};
 use crate::ink::Solid;
 use crate::numerics::vector::{V3, add, cross, dot, norm, scale, sub, unit};
+use plotters::prelude::*;
+use std::ops::Range;
 
 pub type Rgb = [u8; 3];
 
@@ -104,8 +108,7 @@ impl Camera {
     }
 
     fn ray(&self, x: f64, y: f64) -> V3 {
-        let side = add(scale(self.right, x / self.focal), scale(self.up, -y / self.focal));
-        unit(add(self.forward, side))
+        unit(add(self.forward, add(scale(self.right, x / self.focal), scale(self.up, -y / self.focal))))
     }
 
     /// Draws a convex body given with z downwards from `top`, lit from over the left shoulder.
@@ -149,6 +152,70 @@ impl Camera {
             }
         }
     }
+}
+
+const LABEL: u32 = 17;
+const CAPTION: u32 = 20;
+
+/// Draws a picture of some width and height, pixels, as PNG.
+pub fn drawn(size: (u32, u32), paint: impl FnOnce(&Canvas) -> DrawResult) -> DrawResult<Vec<u8>> {
+    let mut bitmap = Bitmap::white(size.0 as usize, size.1 as usize)?;
+    bitmap.draw(paint)?;
+    bitmap.png(&[])
+}
+
+/// Sides of the picture inside its frame, axes and a caption.
+pub(super) struct Frame {
+    pub x: Range<f64>,
+    pub y: Range<f64>,
+    /// Along x it is always "x, µm".
+    pub y_label: &'static str,
+    pub caption: String,
+    /// Pixels of the picture itself.
+    pub size: (u32, u32),
+}
+
+const LEFT: u32 = 78;
+const BELOW: u32 = 56;
+const MARGIN: u32 = 18;
+const ABOVE: u32 = 34;
+
+/// Draws a raster with axes around it, as PNG.
+pub fn framed(frame: Frame, what: &str, paint: impl FnOnce(usize, usize) -> Raster) -> DrawResult<Vec<u8>> {
+    let size = (frame.size.0 + LEFT + 2 * MARGIN, frame.size.1 + BELOW + ABOVE + 2 * MARGIN);
+    drawn(size, |area| draw_framed(area, frame, paint).map_err(OutputError::making(what)))
+}
+
+fn draw_framed(
+    area: &Canvas,
+    frame: Frame,
+    paint: impl FnOnce(usize, usize) -> Raster,
+) -> Result<(), Box<dyn std::error::Error>> {
+    area.fill(&WHITE)?;
+    let corner = (frame.x.start, frame.y.end);
+    let rows = if frame.size.1 < 200 { 3 } else { 8 };
+    let mut chart = ChartBuilder::on(area)
+        .margin(MARGIN)
+        .caption(&frame.caption, (FONT, CAPTION))
+        .x_label_area_size(BELOW)
+        .y_label_area_size(LEFT)
+        .build_cartesian_2d(frame.x, frame.y)?;
+    let (w, h) = chart.plotting_area().dim_in_pixel();
+    let picture = paint(2 * w as usize, 2 * h as usize).halved();
+    let size = (picture.width as u32, picture.height as u32);
+    if let Some(element) = BitMapElement::with_owned_buffer(corner, size, picture.rgb()) {
+        chart.plotting_area().draw(&element)?;
+    }
+    chart
+        .configure_mesh()
+        .disable_mesh()
+        .x_desc("x, µm")
+        .y_desc(frame.y_label)
+        .y_labels(rows)
+        .axis_desc_style((FONT, LABEL))
+        .label_style((FONT, LABEL))
+        .draw()?;
+    Ok(())
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Exports of a composed layer: those that need no packing of the whole layer.
 
-use super::error::ExportError;
 use super::print::{InstrumentGeometry, Print, PrintSpectrum, bands, resample};
-use super::run::{Exported, Format, Request, in_air};
+use super::request::{ExportError, ExportResult, Format, Request};
+use super::run::{Exported, in_air};
 use super::{npz, stored};
 use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::manifest::{ComposedManifest, ErrorParts};
@@ -26,7 +26,7 @@ impl ComposedStored {
     ///
     /// # Errors
     /// No results there, an unfinished study, or results and store that do not fit.
-    pub fn read(path: &Path) -> Result<Option<Self>, ExportError> {
+    pub fn read(path: &Path) -> ExportResult<Option<Self>> {
         let study = stored::study(path)?;
         if study.layer.composed.is_none() {
             return Ok(None);
@@ -46,7 +46,7 @@ impl ComposedStored {
     ///
     /// # Errors
     /// A format that shows one packing, or a study that does not carry what a format needs.
-    pub fn export(&self, request: &Request, watch: &dyn RunWatch) -> Result<Exported, ExportError> {
+    pub fn export(&self, request: &Request, watch: &dyn RunWatch) -> ExportResult<Exported> {
         if request.near_field.is_some() {
             return Err(one_packing("near field"));
         }
@@ -82,7 +82,7 @@ impl ComposedStored {
     }
 
     /// The thickness asked for, µm: one of the study's.
-    fn thickness(&self, asked: Option<f64>) -> Result<f64, ExportError> {
+    fn thickness(&self, asked: Option<f64>) -> ExportResult<f64> {
         let all = self.study.layer.composed.iter().flat_map(|composed| &composed.thicknesses_um);
         let found = asked.or_else(|| all.clone().next().copied()).unwrap_or(f64::NAN);
         if all.clone().any(|um| *um == found) {
@@ -93,24 +93,17 @@ impl ComposedStored {
     }
 
     /// Spectra of the layer of this thickness, interpolated to a grid of 10 nm.
-    fn print(
-        &self,
-        manifest: &ComposedManifest,
-        um: f64,
-        format: &'static str,
-        created: &str,
-    ) -> Result<Print, ExportError> {
+    fn print(&self, report: &ComposedManifest, um: f64, format: &str, created: &str) -> ExportResult<Print> {
         let (study, nm) = (&self.study, &self.study.wavelengths_nm);
         let (grid, meter) = bands(study, format)?;
-        let colours = manifest.colours.iter().find(|colours| colours.thickness_um == um);
+        let colours = report.colours.iter().find(|colours| colours.thickness_um == um);
         let mut spectra = Vec::new();
         for geometry in InstrumentGeometry::ALL {
-            let own = manifest.spectra.iter().filter(|row| row.thickness_um == um);
+            let own = report.spectra.iter().filter(|row| row.thickness_um == um);
             let values = own.map(|row| geometry.of(row.lit_at_45, row.natural_light).estimate());
             let values = resample(nm, &values.collect::<Vec<_>>(), &grid);
             let page = colours.map(|colours| geometry.of(colours.lit_at_45, colours.natural_light));
-            let (lab_covariance, page_lab) =
-                (page.map(diagonal), page.map(|page| page.map(|part| part.value)));
+            let (lab_covariance, page_lab) = (page.map(diagonal), page.map(|lab| lab.map(|part| part.value)));
             spectra.push(PrintSpectrum { geometry, values, lab_covariance, colour: None, page_lab });
         }
         let print = Print::new(study, created, (grid, meter.filter(|_| colours.is_some())), (true, spectra));
@@ -118,7 +111,7 @@ impl ComposedStored {
     }
 
     /// The orders of every slab's solves, one file for each kind of slab.
-    fn npz(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn npz(&self, out: &mut Exported) -> ExportResult {
         for (study, collected) in &self.solved {
             let kind = study.portion.as_ref().map(|portion| portion.in_words()).unwrap_or_default();
             let name = format!("far-fields-{}.npz", kind.replace(", ", "-").replace(' ', "-"));

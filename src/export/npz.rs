@@ -8,13 +8,22 @@
 //! rows = slice(f["solve_first_order"][s], f["solve_first_order"][s + 1])
 //! alpha, r = f["order_alpha"][rows], f["order_reflected"][rows]
 //! ```
+//!
+//! The discrete problem of a scalar solve as NumPy arrays (`.npz`), with its solution: whoever has
+//! them can apply the operator without this program, as `python/apply_operator.py` does.
+//!
+//! Planes are the points of all cells along z: node j is plane `degree` · j, with the inner points
+//! of cell j behind it; unknowns are harmonics (columns) of the nodes, and of the bubbles of each
+//! cell in the rows of its inner points. Fields on planes are planes × ny × nx.
 
 use crate::run::Collected;
+use crate::solve::Account;
 use crate::store::record::PointRecord;
-use crate::wave::{Order, Side};
-use ndarray::{Array1, arr2};
+use crate::wave::{Coverage, Field, Order, Problem, Scheme, Side};
+use ndarray::{Array1, Array2, Array4, arr1, arr2};
 use ndarray_npy::{NpzWriter, WriteNpzError};
 use num_complex::Complex64;
+use std::f64::consts::TAU;
 use std::io::Cursor;
 
 /// All far fields in one archive.
@@ -80,4 +89,63 @@ fn orders(npz: &mut Archive, records: &[&PointRecord]) -> Result<(), WriteNpzErr
     npz.add_array("order_transmitted_crossed", &amplitudes(&|o| o.further[0][1]))?;
     npz.add_array("order_reflected_efficiency", &numbers(&|o| o.reflected_efficiency))?;
     npz.add_array("order_transmitted_efficiency", &numbers(&|o| o.transmitted_efficiency))
+}
+
+/// The archive: grid, media, moments of the coverage, right-hand side, solution and its residual.
+///
+/// # Errors
+/// The archive cannot be made.
+pub fn operator(problem: &Problem, field: &Field, account: &Account) -> Result<Vec<u8>, WriteNpzError> {
+    archive(|npz| {
+        grid(npz, problem)?;
+        media(npz, problem)?;
+        npz.add_array("source", &problem.source())?;
+        npz.add_array("solution", field)?;
+        npz.add_array("residual", &arr1(&[account.residual]))
+    })
+}
+
+/// Points, elements along z, harmonics and their wavenumbers, 1/µm.
+fn grid(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
+    let grid = &problem.coverage.grid;
+    let element = &grid.element;
+    npz.add_array("period_um", &arr1(&grid.period_um))?;
+    npz.add_array("nodes_um", &arr1(&grid.nodes_um))?;
+    // 1 where a cell's waves are exact, 0 for second differences.
+    npz.add_array("exact_cells", &arr1(&[i8::from(grid.resolution.scheme != Scheme::SecondDifference)]))?;
+    npz.add_array("element_points", &arr1(&element.points))?;
+    npz.add_array("element_weights", &arr1(&element.weights))?;
+    npz.add_array("bubble_lambda", &arr1(&element.lambda))?;
+    let inner = element.degree - 1;
+    npz.add_array("bubble_values", &Array2::from_shape_fn((inner, inner), |(b, p)| element.bubbles[b][p]))?;
+    npz.add_array("harmonics", &arr2(&problem.harmonics.orders))?;
+    npz.add_array("lateral", &arr2(&problem.lateral))?;
+    let kappa = &problem.kappa;
+    npz.add_array("kappa", &Array2::from_shape_fn((2, kappa[0].len()), |(side, i)| kappa[side][i]))
+}
+
+/// k² of the mean medium and of the backgrounds, 1/µm², contrasts k²(η² − η_background²), and the
+/// moments of what has them, µm; folded fields belong to pairs of contrasts, µm³.
+fn media(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
+    let (coverage, media) = (&problem.coverage, &problem.media);
+    let k0 = TAU / problem.incidence.wavelength_um;
+    let k2 = |eta: Complex64| (k0 * eta) * (k0 * eta);
+    let backgrounds = coverage.grid.background.iter().map(|&b| k2(media.backgrounds[b]));
+    npz.add_array("mean_k2", &arr1(&problem.mean.mean_k2))?;
+    npz.add_array("background_k2", &backgrounds.collect::<Array1<_>>())?;
+    let channels = coverage.channels.iter();
+    let contrasts = channels.map(|c| k2(media.index_of(c.material)) - k2(media.backgrounds[c.background]));
+    npz.add_array("contrasts", &contrasts.collect::<Array1<_>>())?;
+    npz.add_array("moments", &on_planes(coverage, &coverage.moments))?;
+    let pairs: Vec<[i64; 2]> = coverage.pairs.iter().map(|pair| pair.map(|k| k as i64)).collect();
+    npz.add_array("folded_pairs", &arr2(&pairs))?;
+    npz.add_array("folded", &on_planes(coverage, &coverage.folded))
+}
+
+/// Fields × planes × ny × nx.
+fn on_planes(coverage: &Coverage, fields: &[Array2<f64>]) -> Array4<f64> {
+    let grid = &coverage.grid;
+    let (nx, ny) = (grid.resolution.nx, grid.resolution.ny);
+    let shape = (fields.len(), grid.planes(), ny, nx);
+    Array4::from_shape_fn(shape, |(f, plane, y, x)| fields[f][[plane, y * nx + x]])
 }

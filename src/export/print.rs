@@ -1,10 +1,16 @@
-//! Spectra that an instrument would measure on the print, on a uniform grid, with their colours.
+//! Spectra that an instrument would measure on the print, every 10 nm, with the Lab that these have
+//! under the study's light.
 
-use super::error::ExportError;
+use super::request::{ExportError, ExportResult};
+use super::stored::Stored;
 use crate::appearance::colour::{Colorimeter, Colour};
 use crate::appearance::tristimulus::lagrange_shares;
 use crate::appearance::viewing::Viewing;
+use crate::evaluate::manifest::Manifest;
+use crate::evaluate::seen::see;
+use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
+use crate::input::variation::LightRule;
 use crate::numerics::estimate::Estimate;
 
 /// Step of exported spectra: with 20 nm the summation rules of other programs move Lab by ΔE 0.15.
@@ -95,15 +101,9 @@ impl Print {
             let colour = meter.as_ref().and_then(|meter| meter.colour(&reflectance).ok());
             spectrum.colour = colour.map(|c| Colour { lab_covariance: spectrum.lab_covariance, ..c });
         }
-        Self {
-            title: study.title.clone(),
-            study_hash: study.key().to_string(),
-            created: created.to_owned(),
-            viewing: study.judgement.viewing.clone(),
-            interpolated,
-            wavelengths_nm,
-            spectra,
-        }
+        let (title, study_hash) = (study.title.clone(), study.key().to_string());
+        let (created, viewing) = (created.to_owned(), study.judgement.viewing.clone());
+        Self { title, study_hash, created, viewing, interpolated, wavelengths_nm, spectra }
     }
 
     /// Where the spectra of the file come from.
@@ -148,7 +148,7 @@ impl PrintSpectrum {
 pub(super) type Bands = (Vec<u32>, Option<Colorimeter>);
 
 /// Every 10 nm inside a study's wavelengths.
-pub(super) fn bands(study: &Study, format: &str) -> Result<Bands, ExportError> {
+pub(super) fn bands(study: &Study, format: &str) -> ExportResult<Bands> {
     let grid = uniform_grid(&study.wavelengths_nm);
     if grid.len() < 2 || study.wavelengths_nm.len() < 2 {
         let needed = "needs at least two multiples of 10 nm inside the study's wavelengths";
@@ -186,6 +186,52 @@ fn error_between(wavelengths_nm: &[f64], values: &[Estimate], nm: f64) -> Option
     let (lo, hi) = (wavelengths_nm[after - 1], wavelengths_nm[after]);
     let t = ((nm - lo) / (hi - lo)).clamp(0.0, 1.0);
     Some((1.0 - t) * values[after - 1].standard_error? + t * values[after].standard_error?)
+}
+
+/// The spectra with their colours. Fitted spectra are evaluated at the wavelengths of the file,
+/// listed ones are interpolated. Lab is computed from the exported values, so that other programs
+/// find the same.
+pub(super) fn print(stored: &Stored, format: &str, created: &str) -> ExportResult<Print> {
+    let study = &stored.study;
+    let (grid, meter) = bands(study, format)?;
+    let own = summarise(study, &stored.collected, &stored.seen);
+    let fitted = matches!(study.variation.light, LightRule::Shifted { .. });
+    let spectra = if fitted {
+        let wavelengths_nm = grid.iter().map(|&nm| f64::from(nm)).collect();
+        let on_grid = Study { wavelengths_nm, ..study.clone() };
+        let seen = see(&on_grid, &stored.collected)?;
+        known(&summarise(&on_grid, &stored.collected, &seen), &own)
+    } else {
+        let mut known = known(&own, &own);
+        known.iter_mut().for_each(|k| k.values = resample(&study.wavelengths_nm, &k.values, &grid));
+        known
+    };
+    if let ([], Some(reason)) = (spectra.as_slice(), own.withheld.first()) {
+        return Err(ExportError::no_ink(format, &reason.in_words()));
+    }
+    // a number that the page withholds is in no file
+    Ok(Print::new(study, created, (grid, meter.filter(|_| own.ink_maker.is_some())), (!fitted, spectra)))
+}
+
+/// Both spectra of the print, those that are known at every wavelength; Lab of the page is that of
+/// `own`.
+fn known(manifest: &Manifest<&Study>, own: &Manifest<&Study>) -> Vec<PrintSpectrum> {
+    let mut all = Vec::new();
+    for geometry in InstrumentGeometry::ALL {
+        // the ink on its paper is evaluated at normal incidence only
+        let normal = manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
+        let values = normal.map(|row| geometry.of(row.lit_at_45, row.natural_light)).collect();
+        let colour = |manifest: &Manifest<&Study>| {
+            let maker = manifest.ink_maker.as_ref()?;
+            Some(geometry.of(&maker.print, &maker.natural_light).colour)
+        };
+        if let Some(values) = values {
+            let lab_covariance = colour(manifest).and_then(|colour| colour.lab_covariance);
+            let page_lab = colour(own).map(|colour| colour.lab);
+            all.push(PrintSpectrum { geometry, values, lab_covariance, colour: None, page_lab });
+        }
+    }
+    all
 }
 
 #[cfg(test)]

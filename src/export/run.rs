@@ -1,18 +1,13 @@
 //! `inkwave export`: from a finished study to files in the formats asked for.
 
-mod instrument;
-mod request;
-
-pub use request::{Format, NearField, Request};
-
-use super::error::ExportError;
 use super::mitsuba::{self, MaterialTable};
-use super::print::Print;
+use super::print::{Print, print};
 use super::provenance::{self, Described, Run, STUDY};
-use super::samples;
+use super::request::{ExportError, ExportResult, Format, Request};
+use super::spectra::{self, Dialect};
 use super::stored::Stored;
 use super::voxels::{self, Voxels};
-use super::{cgats, cxf, near_field, npz, positions, viewer};
+use super::{grains, near_field, npz, samples};
 use crate::evaluate::directional::{DirectionalInk, DirectionalPrint};
 use crate::evaluate::ink::InkOnPaper;
 use crate::evaluate::summary::{program, summarise};
@@ -39,7 +34,7 @@ pub struct Exported {
 ///
 /// # Errors
 /// A study that does not carry what a format needs.
-pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Result<Exported, ExportError> {
+pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> ExportResult<Exported> {
     let exporter = Exporter { stored, request, watch };
     let um = stored.study.layer.thickness_um;
     if let Some(found) = request.thickness_um.filter(|asked| *asked != um) {
@@ -67,7 +62,7 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Resul
 }
 
 /// Materials of renderers lie in air.
-pub(super) fn in_air(study: &Study) -> Result<(), ExportError> {
+pub(super) fn in_air(study: &Study) -> ExportResult {
     match study.layer.index_in {
         1.0 => Ok(()),
         index => Err(ExportError::Refused(format!(
@@ -82,11 +77,7 @@ impl Exported {
     }
 
     /// The print as a material for renderers, with tables to check it.
-    pub(super) fn material(
-        &mut self,
-        print: &dyn DirectionalPrint,
-        study: &Study,
-    ) -> Result<(), ExportError> {
+    pub(super) fn material(&mut self, print: &dyn DirectionalPrint, study: &Study) -> ExportResult {
         let table = MaterialTable::new(print);
         let about = description(study);
         self.add("ink-spectral.bsdf", table.spectral(&about), "material for Mitsuba 3, spectral variants");
@@ -109,25 +100,22 @@ impl Exported {
     }
 
     /// Spectra as CxF3.
-    pub(super) fn cxf(&mut self, print: &Print) -> Result<(), ExportError> {
-        Ok(self.add("spectra.cxf", cxf::cxf(print)?, "spectra of the print with Lab, CxF3"))
+    pub(super) fn cxf(&mut self, print: &Print) -> ExportResult {
+        Ok(self.add("spectra.cxf", spectra::cxf(print)?, "spectra of the print with Lab, CxF3"))
     }
 
     /// Spectra in both dialects of CGATS.
     pub(super) fn cgats(&mut self, print: &Print) {
-        let text = |dialect| cgats::cgats(print, dialect);
-        self.add("spectra.cgats", text(cgats::Dialect::Standard), "spectra of the print with Lab, CGATS.17");
-        self.add("spectra.sp", text(cgats::Dialect::Argyll), "spectra of the print with Lab for ArgyllCMS");
+        let text = |dialect| spectra::cgats(print, dialect);
+        self.add("spectra.cgats", text(Dialect::Standard), "spectra of the print with Lab, CGATS.17");
+        self.add("spectra.sp", text(Dialect::Argyll), "spectra of the print with Lab for ArgyllCMS");
     }
 
     /// The study, and all files described together.
-    pub(super) fn describe(&mut self, study: &Study, created: &str) -> Result<(), ExportError> {
+    pub(super) fn describe(&mut self, study: &Study, created: &str) -> ExportResult {
         self.add(STUDY, serde_json::to_vec_pretty(study)?, "the study with every default filled in");
-        let run = Run {
-            title: study.title.clone(),
-            study_hash: study.key().to_string(),
-            created: created.to_owned(),
-        };
+        let (title, study_hash) = (study.title.clone(), study.key().to_string());
+        let run = Run { title, study_hash, created: created.to_owned() };
         let [crate_, package] =
             [provenance::ro_crate(&run, &self.files), provenance::data_package(&run, &self.files)];
         self.add("ro-crate-metadata.json", serde_json::to_vec_pretty(&crate_)?, "RO-Crate");
@@ -157,29 +145,29 @@ impl Exporter<'_> {
         &self.stored.study
     }
 
-    fn ink(&self, format: &'static str) -> Result<&InkOnPaper, ExportError> {
+    fn ink(&self, format: &str) -> ExportResult<&InkOnPaper> {
         self.stored.seen.ink.as_ref().map_err(|reason| ExportError::no_ink(format, &reason.to_string()))
     }
 
-    fn mitsuba(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn mitsuba(&self, out: &mut Exported) -> ExportResult {
         let (ink, study) = (self.ink("mitsuba")?, self.study());
         in_air(study)?;
         self.watch.stage("tabulating the material");
         out.material(&DirectionalInk::new(ink)?, study)
     }
 
-    fn packing(&self) -> Result<Packing, ExportError> {
+    fn packing(&self) -> ExportResult<Packing> {
         self.watch.stage("packing realisation 1 again");
         Ok(pack_realisation(self.study(), 0, self.watch)?)
     }
 
     /// Spectra on a grid of 10 nm with their colours.
-    fn print(&self, format: &'static str) -> Result<Print, ExportError> {
+    fn print(&self, format: &str) -> ExportResult<Print> {
         self.ink(format)?;
-        instrument::print(self.stored, format, &self.request.created)
+        print(self.stored, format, &self.request.created)
     }
 
-    fn vti(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn vti(&self, out: &mut Exported) -> ExportResult {
         let study = self.study();
         let packing = self.packing()?;
         let names = study.material_names();
@@ -202,7 +190,7 @@ impl Exporter<'_> {
         wavelength_nm: f64,
         polar_deg: f64,
         out: &mut Exported,
-    ) -> Result<(), ExportError> {
+    ) -> ExportResult {
         let study = self.study();
         if study.wave.is_vector() {
             return Err(ExportError::Refused(format!(
@@ -211,15 +199,11 @@ impl Exporter<'_> {
             )));
         }
         self.watch.stage("solving for the near field");
-        let incidence = Incidence {
-            wavelength_um: 1e-3 * wavelength_nm,
-            polar_deg,
-            azimuth_deg: study.angles.azimuth_deg,
-            from: Side::Incident,
-        };
+        let (wavelength_um, azimuth_deg) = (1e-3 * wavelength_nm, study.angles.azimuth_deg);
+        let incidence = Incidence { wavelength_um, polar_deg, azimuth_deg, from: Side::Incident };
         let resolution = self.stored.collected.resolved.resolution;
         let coverage = Arc::new(Coverage::new(&Scene::from_packing(packing), resolution)?);
-        let media = study.media(1e-3 * wavelength_nm);
+        let media = study.media(wavelength_um);
         let problem = Problem::new(&coverage, &media, &incidence, Mean::default())?;
         let solution = study.solver.build().solve(&problem, study.goal, &mut Stopper(self.watch))?;
         let image = near_field::image(&problem, &solution.field);
@@ -227,7 +211,7 @@ impl Exporter<'_> {
         Ok(())
     }
 
-    fn positions(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn positions(&self, out: &mut Exported) -> ExportResult {
         let packing = self.packing()?;
         if packing.method() == Method::Voxels {
             out.remarks
@@ -235,17 +219,13 @@ impl Exporter<'_> {
             return Ok(());
         }
         out.add("grains.csv", grains_csv(&packing)?, "spheres of the first packing, lengths in µm");
-        out.add(
-            "grains.dump",
-            positions::dump(&packing),
-            "the same as a LAMMPS dump, radii and lengths in µm",
-        );
-        out.add("grains.xyz", positions::xyz(&packing), "the same as extended XYZ, radii and lengths in µm");
+        out.add("grains.dump", grains::dump(&packing), "the same as a LAMMPS dump, radii and lengths in µm");
+        out.add("grains.xyz", grains::xyz(&packing), "the same as extended XYZ, radii and lengths in µm");
         Ok(())
     }
 
     /// Voxels that `layer.microstructure` reads; those of a study that has read some are the same.
-    fn labels(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn labels(&self, out: &mut Exported) -> ExportResult {
         let packing = self.packing()?;
         let labels = voxels::labels(&packing, self.study().packing.voxels.first().map(|cut| cut.count));
         let mut bytes = Vec::new();
@@ -261,13 +241,13 @@ impl Exporter<'_> {
         Ok(())
     }
 
-    fn viewer(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn viewer(&self, out: &mut Exported) -> ExportResult {
         let (study, packing) = (self.study(), self.packing()?);
-        let page = viewer::page(&packing, &study.title, &study.material_names());
+        let page = grains::page(&packing, &study.title, &study.material_names());
         Ok(out.add("packing.html", page, "interactive view of the first packing"))
     }
 
-    fn wavelength(&self, nm: f64) -> Result<usize, ExportError> {
+    fn wavelength(&self, nm: f64) -> ExportResult<usize> {
         let all = &self.study().wavelengths_nm;
         if let Some(w) = all.iter().position(|known| (known - nm).abs() < 1e-6) {
             return Ok(w);
@@ -278,11 +258,11 @@ impl Exporter<'_> {
     }
 
     /// Adds the tables of the run, and describes all files together.
-    fn provenance(&self, out: &mut Exported) -> Result<(), ExportError> {
+    fn provenance(&self, out: &mut Exported) -> ExportResult {
         let manifest = summarise(self.study(), &self.stored.collected, &self.stored.seen);
         let amplitude_error = manifest.certainty.amplitude_error_estimate;
         let index_out = self.study().layer.index_out;
-        let bdfs = tables::distributions(self.stored.seen.bdfs.iter(), amplitude_error, index_out)?;
+        let bdfs = tables::distributions(&self.stored.seen.bdfs, amplitude_error, index_out)?;
         out.add("results.json", serde_json::to_vec_pretty(&manifest)?, "all numbers with their errors");
         out.add("spectra.csv", tables::spectra(&manifest.spectra)?, "spectra of the layer and of the print");
         out.add("bdf.csv", bdfs, "distributions of the layer alone, order by order");

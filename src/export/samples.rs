@@ -1,7 +1,7 @@
 //! Tables for the material: its BRDF at sample directions, for independent checks, and the mirror
 //! part that it leaves out.
 
-use super::error::ExportError;
+use super::request::ExportResult;
 use crate::evaluate::directional::{Direction, DirectionalPrint};
 use crate::report::cell::table;
 
@@ -27,12 +27,11 @@ const STEP_DEG: f64 = 5.0;
 /// # Errors
 /// What [`csv`] refuses.
 pub fn brdf(ink: &dyn DirectionalPrint) -> csv::Result<Vec<u8>> {
-    let header = ["wavelength_nm", "light_polar_deg", "view_polar_deg", "azimuth_deg", "brdf_per_sr"];
     let rows = directions(ink).into_iter().flat_map(|(light_deg, view)| {
         let (waves, place) = (ink.wavelengths_nm().iter(), (light_deg, view.polar_deg, view.azimuth_deg));
         waves.enumerate().map(move |(w, nm)| (nm, place, ink.brdf(w, light_deg, view)))
     });
-    table(header, rows)
+    table(["wavelength_nm", "light_polar_deg", "view_polar_deg", "azimuth_deg", "brdf_per_sr"], rows)
 }
 
 /// The Halton sequence in both cosines and the azimuth (0–180°: the other half is its mirror
@@ -65,15 +64,13 @@ fn halton(mut k: usize, base: usize) -> f64 {
 ///
 /// # Errors
 /// What [`DirectionalPrint::disagreement`] refuses.
-pub fn specular(ink: &dyn DirectionalPrint) -> Result<Vec<u8>, ExportError> {
+pub fn specular(ink: &dyn DirectionalPrint) -> ExportResult<Vec<u8>> {
     let largest = ink.nodes_deg().last().copied().unwrap_or(0.0);
     let mut rows = Vec::new();
     for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {
-        let disagreement = ink.disagreement(deg)?;
-        for (w, (nm, apart)) in ink.wavelengths_nm().iter().zip(disagreement).enumerate() {
+        for (w, (nm, apart)) in ink.wavelengths_nm().iter().zip(ink.disagreement(deg)?).enumerate() {
             let (mirrored, albedo) = (ink.specular(w, deg).max(0.0), ink.diffuse_albedo(w, deg).max(0.0));
-            let of_brdf = (albedo + apart.value).max(0.0);
-            rows.push((nm, deg, mirrored, albedo, of_brdf, apart.standard_error));
+            rows.push((nm, deg, mirrored, albedo, (albedo + apart.value).max(0.0), apart.standard_error));
         }
     }
     Ok(table(SPECULAR, rows)?)

@@ -1,7 +1,7 @@
 //! A finished study, read back from its folder: the study in `results.json` and the records of its
 //! solves.
 
-use super::error::ExportError;
+use super::request::{ExportError, ExportResult};
 use crate::evaluate::seen::{Seen, see};
 use crate::input::study::Study;
 use crate::run::{Collected, Stores};
@@ -35,15 +35,14 @@ impl Stored {
     ///
     /// # Errors
     /// No results there, an unfinished study, or results and store that do not fit.
-    pub fn read(path: &Path) -> Result<Self, ExportError> {
+    pub fn read(path: &Path) -> ExportResult<Self> {
         let study = study(path)?;
         if study.layer.composed.is_some() {
             let reason = format!("{} holds a composed layer, which has no orders and no BDF", path.display());
             let remedy = "spectra.csv, medium.csv and results.json have its numbers";
             return Err(ExportError::Folder { reason, remedy });
         }
-        let stores = stores(path)?;
-        let (asked, collected) = (study.solves(), collect(&study, &stores, 0));
+        let (asked, collected) = (study.solves(), collect(&study, &stores(path)?, 0));
         let finished = collected.as_ref().map_or(0, Collected::finished);
         let Some(collected) = collected.filter(|_| finished >= asked) else {
             return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });
@@ -54,12 +53,11 @@ impl Stored {
 }
 
 /// The checked study in `results.json`; its content hash shows that it is unchanged.
-pub(super) fn study(path: &Path) -> Result<Study, ExportError> {
+pub(super) fn study(path: &Path) -> ExportResult<Study> {
     let folder = path.display();
     let text = std::fs::read(path.join(RESULTS));
-    let results = text
-        .map_err(|e| e.to_string())
-        .and_then(|text| serde_json::from_slice::<Results>(&text).map_err(|e| e.to_string()));
+    let text = text.map_err(|e| e.to_string());
+    let results = text.and_then(|text| serde_json::from_slice::<Results>(&text).map_err(|e| e.to_string()));
     let Results { study_hash, study } = results.map_err(|cause| ExportError::Folder {
         reason: format!("{folder} holds no results of `inkwave run`: {RESULTS}: {cause}"),
         remedy: "give the folder written by `inkwave run STUDY.toml`, or for a sweep a folder under variants/",
@@ -74,7 +72,7 @@ pub(super) fn study(path: &Path) -> Result<Study, ExportError> {
 }
 
 /// The store of the folder itself, or the one that the variants of a sweep share.
-pub(super) fn stores(path: &Path) -> Result<Stores, ExportError> {
+pub(super) fn stores(path: &Path) -> ExportResult<Stores> {
     let shared = path.join("../..");
     let place = if !path.join(RECORDS).exists() && shared.join(RECORDS).exists() { &shared } else { path };
     Stores::at(place).map_err(|cause| ExportError::Folder {

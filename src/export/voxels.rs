@@ -1,7 +1,7 @@
 //! The layer as a volume: which share of every voxel each material fills, and the contrast that the
 //! wave sees.
 
-use super::vti::{Image, PointArray};
+use super::near_field::{Image, PointArray};
 use crate::ink::{Packing, Solid};
 use crate::wave::{Material, Media};
 use ndarray::Array3;
@@ -39,13 +39,11 @@ impl Voxels {
     pub fn of(packing: &Packing) -> Self {
         let size = size_um(packing);
         let count = usual(size);
-        let fine = count.map(|n| SAMPLES * n);
-        let raster = VoxelRaster::new(fine, size);
-        let marks = raster.marks(packing);
+        let raster = VoxelRaster::new(count.map(|n| SAMPLES * n), size);
         let kinds = FIRST_PIGMENT - 1 + packing.materials();
         let mut shares = vec![vec![0.0_f32; count.iter().product()]; kinds];
         let part = 1.0 / SAMPLES.pow(3) as f32;
-        for (i, &mark) in marks.iter().enumerate() {
+        for (i, &mark) in raster.marks(packing).iter().enumerate() {
             if mark != BINDER {
                 let [x, y, z] = raster.place(i).map(|k| k / SAMPLES);
                 shares[usize::from(mark) - 1][x + count[0] * (y + count[1] * z)] += part;
@@ -126,8 +124,7 @@ impl VoxelRaster {
     fn marks(&self, packing: &Packing) -> Vec<u8> {
         let mut marks = vec![BINDER; self.count.iter().product()];
         for (i, mark) in marks.iter_mut().enumerate().filter(|_| packing.relief().is_some()) {
-            let place = self.place(i);
-            let [x, y, z] = [0, 1, 2].map(|a| (place[a] as f64 + 0.5) * self.step_um[a]);
+            let [x, y, z] = [0, 1, 2].map(|a| (self.place(i)[a] as f64 + 0.5) * self.step_um[a]);
             let [from, to] = packing.filled_um(x, y);
             if z < from || z > to {
                 *mark = VACUUM;

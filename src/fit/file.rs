@@ -117,13 +117,7 @@ pub struct FitTable {
 
 impl Default for FitTable {
     fn default() -> Self {
-        Self {
-            pigment: None,
-            prior: PriorName::default(),
-            noise: 0.003,
-            also: Vec::new(),
-            n: [1.3, 2.0],
-            kappa: [0.0, 0.6],
-        }
+        let prior = PriorName::default();
+        Self { pigment: None, prior, noise: 0.003, also: Vec::new(), n: [1.3, 2.0], kappa: [0.0, 0.6] }
     }
 }

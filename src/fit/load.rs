@@ -167,18 +167,11 @@ impl FitReading<'_> {
             self.faults.add("base.run.realisations", found, allowed, remedy);
         }
         if let Some(reason) = &first.angles.no_paper {
-            let found = reason.clone();
-            self.faults.add("base.angles", found, "0°, 45° and the hemisphere", "write count = 5");
+            self.faults.add("base.angles", reason.clone(), "0°, 45° and the hemisphere", "write count = 5");
         }
-        Some(FitTask {
-            title: file.title.clone().unwrap_or_else(|| stem(path)),
-            settings: file.fit.clone(),
-            pigment: self.pigment,
-            coats,
-            coats_measured,
-            measured,
-            predicted,
-        })
+        let (pigment, settings) = (self.pigment, file.fit.clone());
+        let title = file.title.clone().unwrap_or_else(|| stem(path));
+        Some(FitTask { title, settings, pigment, coats, coats_measured, measured, predicted })
     }
 
     fn drawdowns(&mut self, list: &str, tables: &[MeasuredTable], coats: &mut Vec<Study>) -> Vec<Drawdown> {
@@ -246,8 +239,7 @@ impl FitReading<'_> {
     /// The measured values at the study's wavelengths.
     fn values(&mut self, field: &str, table: &MeasuredTable, study: &Study) -> Option<Vec<f64>> {
         let path = self.folder.join(table.file.as_ref()?);
-        let read = MeasuredSpectrum::read(&path, table.patch.as_deref(), table.unit);
-        let spectrum = match read {
+        let spectrum = match MeasuredSpectrum::read(&path, table.patch.as_deref(), table.unit) {
             Ok(spectrum) => spectrum,
             Err(error) => {
                 let found = error.replace("compare.", &format!("{field}."));
@@ -258,11 +250,10 @@ impl FitReading<'_> {
             }
         };
         if let Some([nm, value]) = spectrum.rows.iter().find(|row| !(DARKEST..=BRIGHTEST).contains(&row[1])) {
-            let found = format!("{value} at {nm} nm");
             let allowed = format!("reflectance factors from {DARKEST} to {BRIGHTEST}");
             let remedy =
                 "fluorescent layers cannot be fitted; for values in percent write unit = \"percent\"";
-            self.faults.add(format!("{field}.file"), found, allowed, remedy);
+            self.faults.add(format!("{field}.file"), format!("{value} at {nm} nm"), allowed, remedy);
             return None;
         }
         let [from, to] = spectrum.range_nm();
@@ -270,10 +261,9 @@ impl FitReading<'_> {
         if values.is_none() {
             let (first, last) =
                 (study.wavelengths_nm[0], study.wavelengths_nm[study.wavelengths_nm.len() - 1]);
-            let found = format!("{from} to {to} nm");
             let allowed = format!("all wavelengths of the base: {first} to {last} nm");
             let remedy = "give [light] of the base a range that all files cover";
-            self.faults.add(format!("{field}.file"), found, allowed, remedy);
+            self.faults.add(format!("{field}.file"), format!("{from} to {to} nm"), allowed, remedy);
         }
         values
     }

@@ -148,16 +148,10 @@ fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
     let factor = (STRENGTH_NM * pieces / (to - from)).powf(1.5);
     let rough = second_differences(0, hats, factor);
     let beyond = Some((BEYOND_NM * pieces / (to - from)).round() as usize);
-    IndexPrior {
-        n,
-        kappa,
-        mean: [vec![0.0; hats], vec![binder, 0.0]].concat(),
-        positive: [vec![true; hats], vec![false; 2]].concat(),
-        sizes: [vec![SIZES[0]; hats], SIZES[1..].to_vec()].concat(),
-        thickness: false,
-        rough,
-        beyond,
-    }
+    let mean = [vec![0.0; hats], vec![binder, 0.0]].concat();
+    let positive = [vec![true; hats], vec![false; 2]].concat();
+    let sizes = [vec![SIZES[0]; hats], SIZES[1..].to_vec()].concat();
+    IndexPrior { n, kappa, mean, positive, sizes, thickness: false, rough, beyond }
 }
 
 fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {

@@ -3,10 +3,10 @@
 use super::law::rms;
 use super::load::FitTask;
 use super::run::{FitOutcome, FittedSpectrum, Forecast};
-use crate::draw::OutputError;
+use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::report::page::{Picture, made_by, rendered, svg_data};
-use crate::report::publish::PublishError;
+use crate::report::publish::PublishResult;
 use crate::store::folder::OutputFolder;
 use minijinja::context;
 use minijinja::value::Serde;
@@ -44,7 +44,7 @@ fn bar(errors: Vec<f64>, digits: usize) -> String {
 ///
 /// # Errors
 /// A file cannot be written, or a chart not be drawn.
-pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> Result<(), PublishError> {
+pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> PublishResult {
     folder.write("pigment.csv", csv(task, outcome).as_bytes())?;
     let json = serde_json::json!({
         "title": task.title,
@@ -103,7 +103,7 @@ fn shown(number: Option<f64>, digits: usize) -> String {
     number.map_or("—".into(), |x| format!("{x:.digits$}"))
 }
 
-fn figures(task: &FitTask, outcome: &FitOutcome) -> Result<Vec<Picture>, OutputError> {
+fn figures(task: &FitTask, outcome: &FitOutcome) -> DrawResult<Vec<Picture>> {
     let nm = task.wavelengths_nm();
     let rows = || outcome.index.iter();
     let n = rows().map(|row| [row.wavelength_nm, row.n, HALF_95 * row.n_error.unwrap_or(0.0)]);
@@ -128,7 +128,7 @@ fn figures(task: &FitTask, outcome: &FitOutcome) -> Result<Vec<Picture>, OutputE
     Ok(pictures)
 }
 
-fn picture(chart: &Chart, caption: &str) -> Result<Picture, OutputError> {
+fn picture(chart: &Chart, caption: &str) -> DrawResult<Picture> {
     Ok(Picture { data: svg_data(&chart.svg()?), caption: caption.to_owned() })
 }
 
@@ -144,9 +144,7 @@ fn forecast_chart(nm: &[f64], forecast: &Forecast) -> Chart {
     let own = nm.iter().zip(bars).map(|(&nm, (&value, &error))| [nm, value, HALF_95 * error]);
     let mut curves = vec![Curve::with_bars("from the index, 95 %", Style::Data, own)];
     let line = |values: &Vec<f64>| nm.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
-    let measured = forecast.measured.iter().map(|v| Curve::new("measured", Style::Points, line(v)));
-    curves.extend(measured);
-    let munk = forecast.kubelka_munk.iter();
-    curves.extend(munk.map(|v| Curve::new("Kubelka–Munk", Style::Data, line(v))));
+    curves.extend(forecast.measured.iter().map(|v| Curve::new("measured", Style::Points, line(v))));
+    curves.extend(forecast.kubelka_munk.iter().map(|v| Curve::new("Kubelka–Munk", Style::Data, line(v))));
     Chart::linear(&forecast.name, "wavelength, nm", "reflectance factor", curves)
 }

@@ -1,11 +1,10 @@
 //! Carries a fit out: table, search, Gauss–Newton, errors.
 
-mod data;
 mod outcome;
 
 pub use outcome::{FitOutcome, FittedIndex, FittedSpectrum, Forecast, Trust};
 
-use super::law::LinearFit;
+use super::law::{Data, LinearFit};
 use super::load::{Drawdown, FitTask};
 use super::prior::IndexPrior;
 use super::response::Origin;
@@ -20,7 +19,6 @@ use crate::solve::accuracy::grid_error::GridError;
 use crate::store::Store;
 use crate::store::folder::OutputFolder;
 use crate::wave::Scene;
-use data::Data;
 use faer::Mat;
 use num_complex::Complex64;
 use thiserror::Error;
@@ -132,17 +130,15 @@ impl<'a> FitRun<'a> {
     pub fn fit(&self) -> Result<FitOutcome, FitError> {
         let (task, coats) = (self.task, self.task.coats_measured);
         self.watch.stage("coarse table of n and κ");
-        let waves = task.wavelengths_nm().len();
         let (mut solved, mut films) = (Vec::new(), Vec::new());
         for eta in Surface::indices(task) {
-            let index = vec![eta; waves];
+            let index = vec![eta; task.wavelengths_nm().len()];
             let linearised = self.solved(&index, coats, TABLE_CELLS)?;
             solved.push(Origin::Solved(&linearised).response(task, &task.measured, &index, 0.0)?);
             films.push(Origin::Film.response(task, &task.measured, &index, 0.0)?);
         }
-        let surface = Surface::new(task, &solved, &films);
         self.watch.stage("search over both branches of n");
-        let candidates = self.candidates(&surface)?;
+        let candidates = self.candidates(&Surface::new(task, &solved, &films))?;
         let (best, others) = candidates.split_first().ok_or(FitError::Singular)?;
         self.refine(best, others)
     }
@@ -159,8 +155,7 @@ impl<'a> FitRun<'a> {
         let prior = self.prior();
         let mut all = Vec::new();
         for path in paths(self.task, surface)? {
-            let start = near(&prior, &path).ok_or(FitError::Singular)?;
-            all.push(self.settle(surface, &prior, start)?);
+            all.push(self.settle(surface, &prior, near(&prior, &path).ok_or(FitError::Singular)?)?);
         }
         all.sort_by(|a, b| a.cost.total_cmp(&b.cost));
         Ok(all)
@@ -189,8 +184,7 @@ impl<'a> FitRun<'a> {
             for _ in 0..HALVINGS {
                 let tried = between(&unknowns, &step.unknowns, share);
                 let response = at(&tried)?;
-                let there = Data::new(self.task, (prior, &tried), &response, &[TABLE_ERROR]);
-                if there.cost(strength) < before {
+                if Data::new(self.task, (prior, &tried), &response, &[TABLE_ERROR]).cost(strength) < before {
                     moved = Some((tried, response));
                     break;
                 }
@@ -218,8 +212,7 @@ impl<'a> FitRun<'a> {
             let index = prior.index(&unknowns);
             let linearised = self.solved(&index, task.coats_measured, usize::MAX)?;
             let source = Origin::Solved(&linearised);
-            let log = prior.log_thickness(&unknowns);
-            let response = source.response(task, &task.measured, &index, log)?;
+            let response = source.response(task, &task.measured, &index, prior.log_thickness(&unknowns))?;
             let data = Data::new(task, (&prior, &unknowns), &response, &grid);
             let (strength, step) = data.chosen().ok_or(FitError::Singular)?;
             let moved = data.moved(&step.unknowns) / task.settings.noise;
@@ -252,8 +245,7 @@ impl<'a> FitRun<'a> {
         }
         self.watch.stage("predictions of other layers");
         let index: Vec<[f64; 2]> = outcome.index.iter().map(|row| [row.n, row.kappa]).collect();
-        let linearised = self.solved(&index, task.coats.len(), usize::MAX)?;
-        let source = Origin::Solved(&linearised);
+        let source = Origin::Solved(&self.solved(&index, task.coats.len(), usize::MAX)?);
         let response = source.response(task, &task.predicted, &index, outcome.log_thickness)?;
         let of = |(k, drawdown): (usize, &Drawdown)| Forecast::new(task, drawdown, &response, (k, outcome));
         Ok(task.predicted.iter().enumerate().map(of).collect())
@@ -271,12 +263,11 @@ struct Branch {
 fn near(prior: &IndexPrior, path: &[[f64; 2]]) -> Option<Vec<f64>> {
     let (waves, count) = (path.len(), prior.count());
     let rows = |i: usize| if i < waves { &prior.n[i] } else { &prior.kappa[i - waves] };
-    let jacobian = Mat::from_fn(2 * waves, count, |i, j| rows(i)[j]);
     let own = |i: usize| rows(i).iter().zip(&prior.mean).map(|(a, x)| a * x).sum::<f64>();
     let residual: Vec<f64> = (0..2 * waves).map(|i| path[i % waves][i / waves] - own(i)).collect();
     let covariance = Mat::from_fn(2 * waves, 2 * waves, |i, j| if i == j { 4e-4 } else { 0.0 });
     let problem = LinearFit {
-        jacobian: &jacobian,
+        jacobian: &Mat::from_fn(2 * waves, count, |i, j| rows(i)[j]),
         residual: &residual,
         covariance: &covariance,
         point: &prior.mean,

@@ -138,8 +138,7 @@ pub fn paths(task: &FitTask, surface: &Surface) -> Result<Vec<Vec<[f64; 2]>>, No
         let Some(film) = film else { continue };
         for (w, costs) in costs.iter_mut().enumerate() {
             let misses = task.measured.iter().enumerate().map(|(d, drawdown)| {
-                let predicted = film[d][w] + surface.at(d, w, states[k])[0];
-                (predicted - drawdown.measured(w)).powi(2) / variance
+                ((film[d][w] + surface.at(d, w, states[k])[0]) - drawdown.measured(w)).powi(2) / variance
             });
             costs[k] = misses.sum();
         }

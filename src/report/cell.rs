@@ -49,9 +49,7 @@ pub fn table(
 ///
 /// # Errors
 /// What [`csv`] refuses.
-pub fn records<R: AsRef<[(&'static str, String)]>>(
-    rows: impl IntoIterator<Item = R>,
-) -> csv::Result<Vec<u8>> {
+pub fn records(rows: impl IntoIterator<Item: AsRef<[(&'static str, String)]>>) -> csv::Result<Vec<u8>> {
     let mut rows = rows.into_iter().peekable();
     let header = rows.peek().map(|row| row.as_ref().iter().map(|cell| cell.0).collect::<Vec<_>>());
     let Some(header) = header else { return Ok(Vec::new()) };

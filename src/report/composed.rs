@@ -5,9 +5,9 @@ mod tables;
 pub use tables::{coefficients, tables};
 
 use super::page::{Figure, on_study, png_data};
-use super::publish::{Pictures, PublishError, picture_angles};
+use super::publish::{Pictures, PublishError, PublishResult, picture_angles};
 use super::sheet;
-use crate::draw::OutputError;
+use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, ComposedRow, ErrorParts};
@@ -31,7 +31,7 @@ pub fn publish<'a>(
     study: &'a Study,
     solved: &[SolvedPortion],
     folder: &OutputFolder,
-) -> Result<ComposedManifest<'a>, PublishError> {
+) -> PublishResult<ComposedManifest<'a>> {
     let manifest = report(study, solved).map_err(PublishError::Slabs)?;
     let manifest = ComposedManifest { process_seconds: processor_seconds(), ..manifest };
     if let Some(row) = manifest.spectra.iter().find(|row| !is_physical(row)) {
@@ -58,10 +58,7 @@ pub fn publish<'a>(
 }
 
 /// The picture of each thickness asked for, µm; none without a colour.
-fn pictures(
-    manifest: &ComposedManifest,
-    solved: &[SolvedPortion],
-) -> Result<Vec<(f64, Pictures)>, PublishError> {
+fn pictures(manifest: &ComposedManifest, solved: &[SolvedPortion]) -> PublishResult<Vec<(f64, Pictures)>> {
     let (study, angles) = (manifest.study, picture_angles(manifest.study));
     let mut pictures = Vec::new();
     for &ComposedColours { thickness_um: um, .. } in &manifest.colours {
@@ -78,10 +75,8 @@ const CERTAIN: f64 = 1e-6;
 const BEYOND: f64 = 0.03;
 
 fn is_physical(row: &ComposedRow) -> bool {
-    let shares = shares(row).into_iter().take(6);
-    shares
-        .into_iter()
-        .all(|(_, j)| (-BEYOND..=1.0 + BEYOND).contains(&j.value) && j.standard_error.is_finite())
+    let mut shares = shares(row).into_iter().take(6);
+    shares.all(|(_, j)| (-BEYOND..=1.0 + BEYOND).contains(&j.value) && j.standard_error.is_finite())
 }
 
 fn words(judged: &ErrorParts, decimals: usize) -> String {
@@ -116,7 +111,7 @@ fn spectral_line(row: &ComposedRow) -> String {
     format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {dr}, T {dt}")
 }
 
-fn page(manifest: &ComposedManifest, picture: Option<&(f64, Pictures)>) -> Result<Value, OutputError> {
+fn page(manifest: &ComposedManifest, picture: Option<&(f64, Pictures)>) -> DrawResult<Value> {
     let study = manifest.study;
     Ok(context! {
         picture => picture.map(|(_, png)| png_data(&png.labelled)),
@@ -131,7 +126,7 @@ fn page(manifest: &ComposedManifest, picture: Option<&(f64, Pictures)>) -> Resul
 }
 
 /// Curves against thickness and depth, and spectra.
-fn figures(manifest: &ComposedManifest) -> Result<Vec<Figure>, OutputError> {
+fn figures(manifest: &ComposedManifest) -> DrawResult<Vec<Figure>> {
     let mut all = vec![
         ("Against thickness", shares_chart(manifest), SHARES),
         ("The light's way", depth_chart(manifest), DEPTH),
@@ -141,8 +136,7 @@ fn figures(manifest: &ComposedManifest) -> Result<Vec<Figure>, OutputError> {
         all.insert(1, ("Hiding", hiding_chart(manifest), HIDING));
         all.insert(2, ("Colour", colour_chart(manifest), COLOUR));
     }
-    let figures = all.into_iter().map(|(heading, chart, caption)| Figure::new(heading, &chart, caption));
-    figures.collect()
+    all.into_iter().map(|(heading, chart, caption)| Figure::new(heading, &chart, caption)).collect()
 }
 
 const SHARES: &str = "Diffuse light reflected (R) and transmitted (T) by the layer without paper, against its \

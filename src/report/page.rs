@@ -1,6 +1,6 @@
 //! Pages: HTML files with embedded pictures.
 
-use crate::draw::OutputError;
+use crate::draw::DrawResult;
 use crate::draw::chart::Chart;
 use crate::numerics::estimate::Estimate;
 use crate::store::identity::METHOD_VERSION;
@@ -34,7 +34,7 @@ impl Figure {
     ///
     /// # Errors
     /// As [`Chart::svg`].
-    pub fn new(heading: &str, chart: &Chart, caption: impl Into<String>) -> Result<Self, OutputError> {
+    pub fn new(heading: &str, chart: &Chart, caption: impl Into<String>) -> DrawResult<Self> {
         Ok(Self { heading: heading.to_owned(), data: svg_data(&chart.svg()?), caption: caption.into() })
     }
 }

@@ -64,6 +64,9 @@ pub enum PublishError {
     Records(#[from] std::io::Error),
 }
 
+/// What publishing gives.
+pub type PublishResult<T = ()> = Result<T, PublishError>;
+
 /// What was published.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Published {
@@ -82,23 +85,19 @@ pub struct Published {
 ///
 /// # Errors
 /// Files that cannot be written, or records that do not belong together.
-pub fn publish(
-    study: &Study,
-    collected: &Collected,
-    folder: &OutputFolder,
-) -> Result<Published, PublishError> {
+pub fn publish(study: &Study, collected: &Collected, folder: &OutputFolder) -> PublishResult<Published> {
     let seen = see(study, collected)?;
     let process_seconds = processor_seconds();
-    publish_seen(study, &Manifest { process_seconds, ..summarise(study, collected, &seen) }, &seen, folder)
+    publish_seen(&Manifest { process_seconds, ..summarise(study, collected, &seen) }, &seen, folder)
 }
 
 /// Publishes a study that has been evaluated.
 pub(crate) fn publish_seen(
-    study: &Study,
     manifest: &Manifest<&Study>,
     seen: &Seen,
     folder: &OutputFolder,
-) -> Result<Published, PublishError> {
+) -> PublishResult<Published> {
+    let study = manifest.study;
     if let Some(what) = manifest.unphysical() {
         folder.begin()?;
         return Err(PublishError::Unphysical(what));
@@ -109,7 +108,7 @@ pub(crate) fn publish_seen(
     }
     // the picture shows the same curves at other angles
     let pictures = if manifest.withheld.is_empty() { pictures(study, seen)? } else { None };
-    let page = sheet(study, manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
+    let page = sheet(manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
     folder.begin()?;
     if let Some(pictures) = &pictures {
         folder.write("picture.png", &pictures.plain)?;
@@ -117,13 +116,10 @@ pub(crate) fn publish_seen(
     }
     folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
     let amplitude_error = manifest.certainty.amplitude_error_estimate;
-    folder.write(
-        "bdf.csv",
-        &tables::distributions(seen.bdfs.iter(), amplitude_error, study.layer.index_out)?,
-    )?;
-    for (name, table) in
-        tables::ink_maker(manifest.ink_maker.as_ref(), manifest.certainty.coverage_factor_95)?
-    {
+    let bdf = tables::distributions(&seen.bdfs, amplitude_error, study.layer.index_out)?;
+    folder.write("bdf.csv", &bdf)?;
+    let factor = manifest.certainty.coverage_factor_95;
+    for (name, table) in tables::ink_maker(manifest.ink_maker.as_ref(), factor)? {
         folder.write(name, &table)?;
     }
     folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;
@@ -143,7 +139,7 @@ pub(super) struct Pictures {
 }
 
 impl Pictures {
-    pub(super) fn new(picture: &InkPicture, study: &Study) -> Result<Self, PublishError> {
+    pub(super) fn new(picture: &InkPicture, study: &Study) -> PublishResult<Self> {
         let style = PictureStyle { side_px: study.output.picture_pixels, ..PictureStyle::default() };
         let plain = png(picture, &style, study)?;
         let labelled = png(picture, &PictureStyle { labels: true, ..style }, study)?;
@@ -158,7 +154,7 @@ pub(super) fn picture_angles(study: &Study) -> Vec<f64> {
 }
 
 /// `None` if the wavelengths or angles do not suffice for a colour.
-fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError> {
+fn pictures(study: &Study, seen: &Seen) -> PublishResult<Option<Pictures>> {
     let Ok(ink) = &seen.ink else { return Ok(None) };
     match ink.picture(&picture_angles(study), study.output.mirrored_sky) {
         Err(InkError::Colour(_)) => Ok(None),
@@ -166,9 +162,8 @@ fn pictures(study: &Study, seen: &Seen) -> Result<Option<Pictures>, PublishError
     }
 }
 
-fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> Result<Vec<u8>, PublishError> {
+fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> PublishResult<Vec<u8>> {
     let bitmap: Bitmap = render(picture, style)?;
     let (key, program) = (study.key().to_string(), crate::evaluate::summary::program());
-    let text = [("Title", study.title.as_str()), ("Software", &program), ("Study", &key)];
-    Ok(bitmap.png(&text)?)
+    Ok(bitmap.png(&[("Title", study.title.as_str()), ("Software", &program), ("Study", &key)])?)
 }

@@ -44,9 +44,8 @@ impl TablePlace {
     fn of(study: &Study) -> Option<TablePlace> {
         let materials: Vec<&IndexSpectrum> =
             study.materials().chain(study.dissolved.iter().map(|d| &d.material)).collect();
-        let indices = materials.iter().flat_map(|m| study.wavelengths_nm.iter().zip(&m.index));
         let (mut largest_kappa, mut contrast) = (f64::NEG_INFINITY, 0.0_f64);
-        for (nm, eta) in indices {
+        for (nm, eta) in materials.iter().flat_map(|m| study.wavelengths_nm.iter().zip(&m.index)) {
             let binder = study.layer.binder.spectrum.index(1e-3 * nm).ok()?;
             largest_kappa = largest_kappa.max(eta.im).max(binder.im);
             contrast = contrast.max((eta.re - binder.re).abs());
@@ -58,13 +57,8 @@ impl TablePlace {
         let volume_fraction = dissolved + packed;
         let diameter_nm = sized / volume_fraction;
         let thickness_um = study.layer.thickness_um;
-        (volume_fraction > 0.0).then_some(TablePlace {
-            largest_kappa,
-            contrast,
-            volume_fraction,
-            diameter_nm,
-            thickness_um,
-        })
+        let place = TablePlace { largest_kappa, contrast, volume_fraction, diameter_nm, thickness_um };
+        (volume_fraction > 0.0).then_some(place)
     }
 
     /// Differences of two inks in each property, in units of the largest at which they still count
@@ -95,8 +89,7 @@ pub(crate) fn line(study: &Study) -> Option<String> {
     if study.wave.is_vector() {
         return None;
     }
-    let with_paper = study.angles.strata > 0;
-    Some(nearest(study).map_or_else(|| UNKNOWN.to_owned(), |m| m.in_words(with_paper)))
+    Some(nearest(study).map_or_else(|| UNKNOWN.to_owned(), |m| m.in_words(study.angles.strata > 0)))
 }
 
 /// Note for a page of many studies: the range of the errors measured on the inks most similar to

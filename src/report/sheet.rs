@@ -1,17 +1,21 @@
-//! Contents of the report page of a study.
+//! Contents of the report page of a study: its tables of packings, what those of uncertainty and
+//! provenance need, and what its list of limits depends on beside the manifest.
 
 mod figures;
-mod ink_maker;
-mod limits;
-mod tables;
 
 use super::page::{hex, png_data};
-use crate::draw::OutputError;
-use crate::evaluate::manifest::Manifest;
+use super::scalar_error;
+use crate::draw::DrawResult;
+use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
-use crate::ink::{PigmentGrains, SizeDistribution};
-use crate::input::study::Study;
+use crate::evaluate::summary::aimed_at;
+use crate::ink::{Method, PigmentGrains, SizeDistribution};
+use crate::input::study::{Study, WantedResolution};
+use crate::input::variation::LightRule;
 use crate::numerics::estimate::Estimate;
+use crate::numerics::vector::norm;
+use crate::store::packing_record::{PackingRecord, ShareRecord};
+use crate::wave::Resolution;
 pub(super) use figures::shown_nm;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
@@ -20,22 +24,17 @@ use minijinja::{Value, context};
 ///
 /// # Errors
 /// A figure cannot be drawn.
-pub fn sheet(
-    study: &Study,
-    manifest: &Manifest<&Study>,
-    seen: &Seen,
-    picture: Option<&[u8]>,
-) -> Result<Value, OutputError> {
-    let figures = [figures::figures(study, manifest, seen)?, ink_maker::figures(manifest)?].concat();
+pub fn sheet(manifest: &Manifest<&Study>, seen: &Seen, picture: Option<&[u8]>) -> DrawResult<Value> {
+    let figures = [figures::figures(manifest, seen)?, figures::of_ink_makers(manifest)?].concat();
     let shown = context! {
         picture => picture.map(png_data),
         swatch => manifest.colours.first().map(|note| hex(note.colour.srgb8)),
         figures => Serde(figures),
-        shapes => Serde(shapes(study)),
-        packed => tables::packings(study, manifest),
+        shapes => Serde(shapes(manifest.study)),
+        packed => packings(manifest),
     };
-    let [certainty, limits] = [tables::certainty(manifest, seen), limits::limits(study, manifest)];
-    let provenance = tables::provenance(study, manifest);
+    let [certainty, limits] = [certainty(manifest, seen), limits(manifest)];
+    let provenance = provenance(manifest);
     Ok(context!(..shown, ..certainty, ..limits, ..provenance, ..Value::from(Serde(manifest))))
 }
 
@@ -62,4 +61,130 @@ pub(super) fn colour_in_words(manifest: &Manifest<&Study>) -> Option<String> {
     });
     let (chroma, conditions) = (first.chroma.in_words(2), &first.conditions);
     Some(format!("L* {l}, a* {a}, b* {b}, C* {chroma} under {conditions}"))
+}
+
+pub(crate) fn limits(manifest: &Manifest<&Study>) -> Value {
+    context! {
+        viewing => manifest.study.judgement.viewing.name(),
+        scalar_error => scalar_error::line(manifest.study),
+        synthetic => manifest.study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
+        too_few => few_wavelengths(manifest),
+        widest => missed_target(manifest),
+    }
+}
+
+/// Wavelengths that a colour needs.
+const ENOUGH_WAVELENGTHS: usize = 8;
+
+/// The number of wavelengths of a colour that has too few: those solved over all realisations where
+/// each has its own.
+fn few_wavelengths(manifest: &Manifest<&Study>) -> Option<usize> {
+    let solved = match manifest.study.variation.light {
+        LightRule::Shifted { strata, .. } => strata * manifest.realisations.finished,
+        LightRule::Listed => manifest
+            .study
+            .wavelengths_nm
+            .iter()
+            .filter(|nm| manifest.spectra.iter().any(|row| row.wavelength_nm == **nm))
+            .count(),
+    };
+    (solved < ENOUGH_WAVELENGTHS && manifest.study.angles.strata > 0).then_some(solved)
+}
+
+/// The widest interval where it is beyond `run.target_delta_e`.
+fn missed_target(manifest: &Manifest<&Study>) -> Option<f64> {
+    let target = manifest.study.target_delta_e?;
+    let bars = aimed_at(manifest.study, manifest).filter_map(|note| note.delta_e_2000_95);
+    bars.reduce(f64::max).filter(|&bar| bar > target)
+}
+
+/// What the table of uncertainties holds beside the manifest.
+pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Value {
+    let colour = manifest.colours.first().and_then(|note| note.lab_standard_error);
+    context! {
+        averaged => seen.realisations.len(),
+        no_ink => seen.ink.as_ref().err().map(ToString::to_string),
+        colour_error => colour.map(norm),
+        largest_error => largest_error(&manifest.spectra),
+    }
+}
+
+fn largest_error(rows: &[SpectrumRow]) -> Option<f64> {
+    let errors = rows.iter().flat_map(|row| [row.reflectance, row.transmittance]);
+    errors.filter_map(|estimate| estimate.standard_error).reduce(f64::max)
+}
+
+pub(crate) fn packings(manifest: &Manifest<&Study>) -> Vec<Value> {
+    let rows = manifest.packings.iter().flat_map(|packing| {
+        let pigments = manifest.study.pigments.iter().zip(&packing.shares);
+        pigments.map(|(pigment, share)| packing_row(packing, &pigment.name, share))
+    });
+    rows.collect()
+}
+
+/// A pigment's volume fractions, requested and reached, in one packing.
+fn packing_row(packing: &PackingRecord, pigment: &str, share: &ShareRecord) -> Value {
+    context! {
+        realisation => packing.realisation + 1,
+        pigment => pigment.to_owned(),
+        grains => share.grains,
+        asked => format!("{:.2}", 100.0 * share.requested_fraction),
+        reached => format!("{:.2}", 100.0 * share.achieved_fraction),
+        sizes => share.sizes.map_or_else(|| "–".to_owned(), |sizes| sizes.in_words()),
+        method => method(packing),
+    }
+}
+
+/// How the grains were packed, with the number of steps.
+fn method(packing: &PackingRecord) -> String {
+    let (words, steps) = (packing.method.in_words(), packing.steps);
+    match packing.method {
+        Method::SequentialAddition => format!("{words}, {steps} attempts"),
+        Method::Relaxation => format!("{words}, {steps} steps"),
+        Method::Given | Method::Voxels => words.to_owned(),
+    }
+}
+
+/// What the table of provenance holds beside the manifest.
+pub(crate) fn provenance(manifest: &Manifest<&Study>) -> Value {
+    let grid = match manifest.study.resolution {
+        WantedResolution::Accuracy { amplitude, .. } => {
+            format!("chosen for amplitude errors of {amplitude:.0e}")
+        }
+        WantedResolution::Grid { .. } => "as asked".to_owned(),
+    };
+    let words =
+        |r: Resolution| format!("{} × {} points, {} cells ({} planes)", r.nx, r.ny, r.cells, r.planes());
+    let longest = manifest.resolution_longest.map(|r| format!("; {} for the longest waves", words(r)));
+    context! {
+        wave => manifest.study.wave.in_words(),
+        grid => format!("{}, {grid}{}", words(manifest.resolution), longest.unwrap_or_default()),
+        solver => manifest.study.solver.build().name(),
+        mixed => (manifest.builds.len() > 1).then_some("different builds: "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::numerics::estimate::Estimate;
+
+    #[test]
+    fn the_largest_error_is_that_of_any_row() {
+        let of = |standard_error| Estimate { value: 0.5, standard_error };
+        let row = |r, t| SpectrumRow {
+            wavelength_nm: 550.0,
+            polar_deg: 0.0,
+            reflectance: of(r),
+            specular_reflectance: of(None),
+            transmittance: of(t),
+            specular_transmittance: of(None),
+            absorptance: of(None),
+            natural_light: None,
+            lit_at_45: None,
+            deviations: Vec::new(),
+        };
+        let rows = [row(Some(0.01), None), row(Some(0.04), Some(0.02))];
+        assert_eq!(largest_error(&rows), Some(0.04));
+    }
 }

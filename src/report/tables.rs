@@ -21,12 +21,10 @@ const NUMBERS: [(&str, fn(&SpectrumRow) -> Option<Estimate>); 7] = [
 /// Spectra, one row per wavelength; unknown errors and unfinished values are empty.
 pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
     let place = ["wavelength_nm", "polar_deg"].map(str::to_owned);
-    let header = place.into_iter().chain(with_errors(NUMBERS.map(|(name, _)| name)));
     let lines = rows.iter().map(|row| {
-        let place = [row.wavelength_nm, row.polar_deg].map(|x| x.to_string());
-        (place, NUMBERS.map(|(_, of)| numbers(of(row))))
+        ([row.wavelength_nm, row.polar_deg].map(|x| x.to_string()), NUMBERS.map(|(_, of)| numbers(of(row))))
     });
-    table(header, lines)
+    table(place.into_iter().chain(with_errors(NUMBERS.map(|(name, _)| name))), lines)
 }
 
 /// `kubelka-munk.csv` where K and S are known, and `measured.csv` if there is a measurement.
@@ -43,10 +41,8 @@ pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<V
             let both = [row.absorption_per_um, row.scattering_per_um];
             (row.wavelength_nm.to_string(), both.map(|e| with_half(e, factor)))
         });
-        files.push((
-            "kubelka-munk.csv",
-            table(std::iter::once("wavelength_nm".to_owned()).chain(columns), rows)?,
-        ));
+        let header = std::iter::once("wavelength_nm".to_owned()).chain(columns);
+        files.push(("kubelka-munk.csv", table(header, rows)?));
     }
     if let Some(measured) = &maker.measured {
         let header = ["wavelength_nm", "measured", "predicted", "predicted_standard_error"];
@@ -70,12 +66,8 @@ fn with_half(e: Estimate, factor: Option<f64>) -> ([String; 2], String) {
 /// `amplitude_error` is the error of an order's complex amplitude a due to the grid; its efficiency
 /// e = w|a|² then has an error of 2 √(e w) times that, where w = cos θ_out/cos θ_in is the order's
 /// share of the flux.
-pub fn distributions<'a>(
-    bdfs: impl Iterator<Item = &'a Bdf>,
-    amplitude_error: f64,
-    index_out: f64,
-) -> csv::Result<Vec<u8>> {
-    let lobes = bdfs.flat_map(|bdf| [(bdf, Lobe::Reflected), (bdf, Lobe::Transmitted)]);
+pub fn distributions(bdfs: &[Bdf], amplitude_error: f64, index_out: f64) -> csv::Result<Vec<u8>> {
+    let lobes = bdfs.iter().flat_map(|bdf| [(bdf, Lobe::Reflected), (bdf, Lobe::Transmitted)]);
     let orders = lobes.flat_map(|(bdf, lobe)| bdf.orders(lobe).iter().map(move |order| (bdf, lobe, order)));
     records(orders.map(|(bdf, lobe, order)| row(bdf, lobe, order, amplitude_error, index_out)))
 }
@@ -130,7 +122,7 @@ mod tests {
     #[test]
     fn tables_are_rectangular_and_unknown_errors_are_empty() {
         let bdf = Bdf::from_ensemble(&[two_orders()]).unwrap();
-        let csv = distributions(std::iter::once(&bdf), 1e-3, 1.5).unwrap();
+        let csv = distributions(&[bdf], 1e-3, 1.5).unwrap();
         let mut reader = csv::Reader::from_reader(csv.as_slice());
         let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().unwrap();
         assert_eq!(rows.len(), 2);

@@ -1,6 +1,6 @@
 //! Grains in given places and fractal clusters: what a packing writes, a study reads back, and wrong files are refused with place and count.
 
-use inkwave::export::positions::{dump, xyz};
+use inkwave::export::grains::{dump, xyz};
 use inkwave::ink::{Packing, pack};
 use inkwave::input::Study;
 use inkwave::input::check::check;

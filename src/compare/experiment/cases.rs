@@ -1,7 +1,7 @@
 //! The cases of a comparison: the one that is named, or all pigments and periods of a matrix.
 
 use super::file::{ComparedCase, ComparisonFile};
-use crate::compare::error::CompareError;
+use crate::compare::error::CompareResult;
 use crate::compare::external::protocol::WaveKind;
 use crate::compare::row::Varied;
 use crate::compare::subject::Packed;
@@ -30,7 +30,7 @@ enum CaseGeometry {
 
 impl Subject {
     /// Reads or packs the geometry.
-    pub fn case(&self) -> Result<Case, CompareError> {
+    pub fn case(&self) -> CompareResult<Case> {
         match &self.geometry {
             CaseGeometry::Packed(packed) => packed.case(),
             CaseGeometry::Written(case, _) => Ok(Case::clone(case)),
@@ -38,7 +38,7 @@ impl Subject {
     }
 
     /// The indices of all media; a study is checked for it.
-    pub fn media(&self) -> Result<Media, CompareError> {
+    pub fn media(&self) -> CompareResult<Media> {
         match &self.geometry {
             CaseGeometry::Packed(packed) => packed.media(),
             CaseGeometry::Written(case, _) => Ok(case.media.clone()),
@@ -90,7 +90,7 @@ impl Subject {
 
 impl ComparisonFile {
     /// All cases; the study itself if nothing varies.
-    pub(super) fn subjects(&self) -> Result<Vec<Subject>, CompareError> {
+    pub(super) fn subjects(&self) -> CompareResult<Vec<Subject>> {
         if let Some(path) = &self.case {
             return Ok(vec![self.subject(None, self.written(path, None)?)]);
         }
@@ -101,33 +101,28 @@ impl ComparisonFile {
         let Some(matrix) = &self.matrix else {
             return Ok(vec![self.subject(None, CaseGeometry::Packed(Box::new(packed)))]);
         };
-        let mut all = Vec::new();
-        for varied in matrix.cases() {
-            let packed = packed.varied(varied.period_um, varied.pigment)?;
-            all.push(self.subject(Some(varied), CaseGeometry::Packed(Box::new(packed))));
-        }
-        Ok(all)
+        let all = matrix.cases().map(|v| Ok((v, CaseGeometry::Packed(Box::new(packed.varied(v)?)))));
+        all.map(|case| case.map(|(varied, geometry)| self.subject(Some(varied), geometry))).collect()
     }
 
     fn subject(&self, varied: Option<Varied>, geometry: CaseGeometry) -> Subject {
         Subject { varied, named: None, wave: self.wave, geometry }
     }
 
-    fn listed_case(&self, table: &ComparedCase) -> Result<Subject, CompareError> {
+    fn listed_case(&self, table: &ComparedCase) -> CompareResult<Subject> {
         let named = table.name.clone().or(table.id.clone()).unwrap_or_else(|| stem(&table.file));
         let subject = self.subject(None, self.written(&table.file, table.id.as_deref())?);
         Ok(Subject { named: Some(named), wave: table.wave.unwrap_or(self.wave), ..subject })
     }
 
     /// A case file with its text, or one of the cases that a file lists.
-    fn written(&self, path: &Path, id: Option<&str>) -> Result<CaseGeometry, CompareError> {
+    fn written(&self, path: &Path, id: Option<&str>) -> CompareResult<CaseGeometry> {
         let path = self.folder().join(path);
         let text = files::read_text(&path, files::CASE).unwrap_or_default();
         let json =
             serde_json::from_str(&text).or_else(|_| toml::from_str::<Value>(&text)).unwrap_or_default();
         let Some(id) = id else { return Ok(CaseGeometry::Written(Box::new(Case::read(&path)?), json)) };
-        let found = json["cases"].as_array().into_iter().flatten().find(|case| case["id"] == id);
-        let Some(case) = found else {
+        let Some(case) = json["cases"].as_array().into_iter().flatten().find(|case| case["id"] == id) else {
             let allowed = format!("an `id` among the `cases` of {}", path.display());
             let remedy = "leave `id` out for a file with one case";
             return Err(Fault::new("cases.id", format!("{id:?}"), allowed, remedy).into());

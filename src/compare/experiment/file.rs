@@ -1,16 +1,17 @@
-//! A comparison as written, read and checked.
+//! A comparison as written, with the axes of a matrix, read and checked; and keys of the input
+//! files that have no effect on a comparison, for a note to the user.
 
-use super::matrix::MatrixTable;
-use crate::compare::error::CompareError;
+use crate::compare::error::{CompareError, CompareResult};
 use crate::compare::external::ExternalTable;
 use crate::compare::external::protocol::WaveKind;
+use crate::compare::row::Varied;
 use crate::compare::subject::{Packed, StudyWritten};
-use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::fault::{Fault, Faults};
 use crate::input::limits;
-use crate::input::read::read as read_tree;
-use crate::input::tree::parse_toml;
+use crate::input::load::read_file;
+use crate::input::locate::steps;
+use crate::input::tree::Node;
 use crate::numerics::allowed::Whole;
-use crate::numerics::files;
 use crate::solve::{Goal, Registry, Solver, SolverChoice};
 use crate::wave::Scheme;
 use crate::wave::grid::MOST_POINTS;
@@ -137,27 +138,20 @@ fn is_empty<T>(list: &Option<Vec<T>>) -> bool {
 
 impl ComparisonFile {
     /// Reads a comparison; a study or a plain case file is compared with the default lists.
-    pub fn read(path: &Path) -> Result<ComparisonFile, CompareError> {
+    pub fn read(path: &Path) -> CompareResult<ComparisonFile> {
         let (origin, name) = (path.to_owned(), path.file_name().map(PathBuf::from));
         if path.extension().is_some_and(|e| e == "json") {
             return Ok(ComparisonFile { case: name, origin, ..ComparisonFile::default() });
         }
-        let text = files::read_text(path, files::STUDY)
-            .map_err(|source| StudyError::Unreadable { path: path.into(), source })?;
-        let table = parse_toml(&text).map_err(|fault| fault.in_file(path, &text))?;
-        if is_study(&table) {
+        if is_study(&read_file(path)?.1) {
             let study = name.map(StudyWritten::File);
             return Ok(ComparisonFile { study, origin, ..ComparisonFile::default() });
         }
-        let values = |faults| StudyError::Values { path: path.into(), text: text.clone(), faults };
-        Ok(ComparisonFile { origin, ..read_tree(table.into()).map_err(values)? })
+        Ok(ComparisonFile { origin, ..read_file(path)?.1 })
     }
 
     /// The strategies to compare, checked against the registry.
-    pub(super) fn strategies(
-        &self,
-        registry: &Registry,
-    ) -> Result<Vec<(String, Box<dyn Solver>)>, CompareError> {
+    pub(super) fn strategies(&self, registry: &Registry) -> CompareResult<Vec<(String, Box<dyn Solver>)>> {
         match &self.strategies {
             Some(names) => names.iter().map(|name| Ok((name.clone(), registry.build(name)?))).collect(),
             None => {
@@ -179,8 +173,7 @@ impl ComparisonFile {
 
     /// The accuracy that grids are searched for; `None` if they are listed.
     pub(super) fn searched(&self) -> Option<f64> {
-        let usual = self.matrix.is_some() && self.resolutions.is_none();
-        self.accuracy.or(usual.then_some(1e-2))
+        self.accuracy.or((self.matrix.is_some() && self.resolutions.is_none()).then_some(1e-2))
     }
 
     /// Discretisations along z; the vector wave has one only.
@@ -198,13 +191,11 @@ impl ComparisonFile {
     pub(super) fn goal(&self) -> Goal {
         let usual = Goal::default();
         let tolerance = self.searched().map_or(usual.tolerance, |accuracy| 1e-2 * accuracy);
-        Goal {
-            tolerance: self.goal.tolerance.unwrap_or(tolerance),
-            max_applications: self.goal.max_applications.unwrap_or(usual.max_applications),
-        }
+        let max_applications = self.goal.max_applications.unwrap_or(usual.max_applications);
+        Goal { tolerance: self.goal.tolerance.unwrap_or(tolerance), max_applications }
     }
 
-    pub(super) fn check(&self) -> Result<(), CompareError> {
+    pub(super) fn check(&self) -> CompareResult {
         let mut faults = Faults::default();
         let given = [self.study.is_some(), self.case.is_some(), !self.cases.is_empty()];
         let given = given.into_iter().filter(|given| *given).count();
@@ -269,7 +260,7 @@ impl ComparisonFile {
     ///
     /// # Errors
     /// Its faults; a case instead.
-    pub(super) fn packed(&self) -> Result<Packed, CompareError> {
+    pub(super) fn packed(&self) -> CompareResult<Packed> {
         let missing = || Fault::new("study", "missing", "a study", "name a study file or write [study]");
         let study = self.study.as_ref().ok_or_else(missing)?;
         Packed::read(study, &self.origin, (self.wavelength_nm, self.polar_deg))
@@ -278,4 +269,91 @@ impl ComparisonFile {
     pub(super) fn folder(&self) -> &Path {
         self.origin.parent().unwrap_or(Path::new(""))
     }
+}
+
+/// The axes around the comparison's study: one case for each pigment and period.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MatrixTable {
+    /// Indices [n, κ] of the first pigment.
+    #[schemars(length(min = 1), example = [[1.4, 0.1]])]
+    pub pigments: Vec<[f64; 2]>,
+    /// Periods of the square cell, µm.
+    #[schemars(length(min = 1), example = [1.6])]
+    pub periods_um: Vec<f64>,
+}
+
+impl MatrixTable {
+    /// Reports empty axes, and entries that no study could have.
+    pub fn check(&self, faults: &mut Faults) {
+        let empty = [("pigments", self.pigments.is_empty()), ("periods_um", self.periods_um.is_empty())];
+        for (axis, _) in empty.into_iter().filter(|(_, empty)| *empty) {
+            let remedy = "give pigments = [[1.4, 0.1]], periods_um = [1.6]";
+            faults.add(format!("matrix.{axis}"), "empty", "at least one entry", remedy);
+        }
+        let remedy = "pigments are pairs [n, κ], periods some µm";
+        for (k, [n, kappa]) in self.pigments.iter().enumerate() {
+            faults.number(&format!("matrix.pigments[{k}][0]"), *n, limits::INDEX, remedy);
+            faults.number(&format!("matrix.pigments[{k}][1]"), *kappa, limits::ABSORPTION, remedy);
+        }
+        for (k, um) in self.periods_um.iter().enumerate() {
+            faults.number(&format!("matrix.periods_um[{k}]"), *um, limits::PERIOD_UM, remedy);
+        }
+    }
+
+    /// All cases, period by period.
+    pub(super) fn cases(&self) -> impl Iterator<Item = Varied> {
+        self.periods_um
+            .iter()
+            .flat_map(|&period_um| self.pigments.iter().map(move |&pigment| Varied { pigment, period_um }))
+    }
+}
+
+/// Study keys that a comparison replaces or does not use.
+const OF_STUDIES: [&str; 15] = [
+    "paper",
+    "resolution",
+    "solver",
+    "output",
+    "colour",
+    "compare",
+    "realisations",
+    "run.realisations",
+    "run.target_delta_e",
+    "run.target_colour",
+    "light.step_nm",
+    "light.per_realisation",
+    "light.sampling",
+    "angles.count",
+    "angles.picture_max_deg",
+];
+/// Study keys that a matrix replaces.
+const OF_VARIED_STUDIES: [&str; 3] = ["layer.cell", "layer.period_um", "pigment[0].index"];
+
+impl ComparisonFile {
+    /// Keys of the comparison's study that are written and have no effect; none where a file cannot
+    /// be read again.
+    pub fn unused(&self) -> Vec<String> {
+        let varied = if self.matrix.is_some() { &OF_VARIED_STUDIES[..] } else { &[] };
+        let of_study = OF_STUDIES.iter().chain(varied);
+        let (table, before) = match &self.study {
+            Some(StudyWritten::File(path)) => {
+                let read = read_file::<toml::Table>(&self.folder().join(path));
+                (read.map(|(_, table)| table).unwrap_or_default(), format!("{}: ", path.display()))
+            }
+            Some(StudyWritten::Table(table)) => (table.clone(), "study.".to_owned()),
+            None => return Vec::new(),
+        };
+        let table = Node::from(table);
+        of_study.filter(|key| has(&table, key)).map(|key| format!("{before}{key}")).collect()
+    }
+}
+
+/// Whether a table has a key.
+fn has(table: &Node, key: &str) -> bool {
+    let found = steps(key).try_fold(table, |here, step| match here {
+        Node::List(items) => items.get(step.parse::<usize>().ok()?),
+        _ => here.get(step),
+    });
+    found.is_some()
 }

@@ -2,7 +2,7 @@
 
 use super::cases::Subject;
 use super::file::{ComparisonFile, Points};
-use crate::compare::error::CompareError;
+use crate::compare::error::CompareResult;
 use crate::compare::external::protocol::WaveKind;
 use crate::input::case::Case;
 use crate::run::memory;
@@ -29,9 +29,8 @@ impl ComparisonFile {
         case: &Case,
         coverages: &Coverages,
         watch: &mut dyn Watch,
-    ) -> Result<Vec<ReferenceTrial>, CompareError> {
-        let solver = Gmres::default();
-        let mut trials = Vec::new();
+    ) -> CompareResult<Vec<ReferenceTrial>> {
+        let (solver, mut trials) = (Gmres::default(), Vec::new());
         for scheme in self.schemes(subject.wave) {
             let task = Task { scheme, ..task(case, coverages, &solver, self.goal().tolerance) };
             if let Some(accuracy) = self.searched() {
@@ -49,12 +48,7 @@ impl ComparisonFile {
     ///
     /// # Errors
     /// No memory for the grid; a geometry or a direction that makes no problem on it.
-    pub(super) fn check_reference(
-        &self,
-        wave: WaveKind,
-        case: &Case,
-        grids: &[Resolution],
-    ) -> Result<(), CompareError> {
+    pub(super) fn check_reference(&self, wave: WaveKind, case: &Case, grids: &[Resolution]) -> CompareResult {
         let (resolution, coverages) = (finer(wave, grids), coverages(wave, case));
         let solver = Gmres::default();
         let task = task(case, &coverages, &solver, self.goal().tolerance);
@@ -71,7 +65,7 @@ impl ComparisonFile {
         case: &Case,
         trials: &[ReferenceTrial],
         watch: &mut dyn Watch,
-    ) -> Result<Vec<FarField>, CompareError> {
+    ) -> CompareResult<Vec<FarField>> {
         let grids: Vec<Resolution> = trials.iter().filter_map(|trial| trial.grid.clone().ok()).collect();
         let coverages = coverages(subject.wave, case);
         let solver = Gmres::default();
@@ -104,7 +98,7 @@ pub(super) fn coverages(wave: WaveKind, case: &Case) -> Coverages<'_> {
 fn trial(
     found: Result<Estimated, AccuracyError>,
     listed: Option<Resolution>,
-) -> Result<ReferenceTrial, CompareError> {
+) -> CompareResult<ReferenceTrial> {
     let found = match found {
         Err(stopped) if stopped.is_stop() => return Err(stopped.into()),
         found => found.map(|found| (found.system().grid().resolution, found.parts)),
@@ -121,16 +115,10 @@ pub(super) fn task<'a>(
     solver: &'a dyn Solver,
     tolerance: f64,
 ) -> Task<'a> {
-    Task {
-        coverages,
-        media: &case.media,
-        incidence: &case.incidence,
-        mean: Mean::default(),
-        scheme: Scheme::Cubic,
-        solver,
-        goal: Goal { tolerance, ..Goal::default() },
-        memory: memory::usable(),
-    }
+    let Case { media, incidence, .. } = case;
+    let (mean, goal) = (Mean::default(), Goal { tolerance, ..Goal::default() });
+    let memory = memory::usable();
+    Task { coverages, media, incidence, mean, scheme: Scheme::Cubic, solver, goal, memory }
 }
 
 /// The grid of the reference.

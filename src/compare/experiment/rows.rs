@@ -1,14 +1,15 @@
-//! One row of a comparison: one strategy on one grid of a case.
+//! One row of a comparison: one strategy on one grid of a case, and the mean media ⟨k²⟩ that it is
+//! compared with.
 
 use super::file::ComparisonFile;
 use super::reference::{ReferenceTrial, task};
-use crate::compare::error::CompareError;
+use crate::compare::error::CompareResult;
 use crate::compare::row::{Discrete, Row, Varied};
 use crate::input::case::Case;
 use crate::run::crew::processor_seconds;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_of_all};
 use crate::solve::{Account, Coverages, Goal, Solution, SolveError, Solver, Watch};
-use crate::wave::{FarField, Mean, Resolution, System, TotalErrors};
+use crate::wave::{FarField, Mean, Media, Resolution, System, TotalErrors};
 
 /// A case with all that its rows share.
 pub(super) struct Bench<'a> {
@@ -27,7 +28,7 @@ impl Bench<'_> {
         mean: Mean,
         trial: &ReferenceTrial,
         watch: &mut dyn Watch,
-    ) -> Result<Row, CompareError> {
+    ) -> CompareResult<Row> {
         let resolution = match &trial.grid {
             Ok(resolution) => *resolution,
             Err(reason) => {
@@ -112,4 +113,23 @@ fn joined(solutions: &[Solution]) -> Account {
 fn median(mut values: Vec<f64>) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
+}
+
+impl ComparisonFile {
+    /// The means that a strategy is compared with: the one requested, or else the one that suits it
+    /// best and, where absorption makes a difference, the real one too.
+    pub(super) fn means(&self, solver: &dyn Solver, absorbs: bool) -> Vec<Mean> {
+        let depends_on_z = self.mean_depends_on_z.unwrap_or(true);
+        let mean = |absorbing| Mean { depends_on_z, absorbing: absorbing && absorbs };
+        match self.absorbing_mean {
+            Some(asked) => vec![mean(asked)],
+            None if absorbs && solver.suited_mean().absorbing => vec![mean(true), mean(false)],
+            None => vec![mean(false)],
+        }
+    }
+}
+
+/// Whether any medium of the layer absorbs: otherwise both means are equal.
+pub(super) fn absorbs(media: &Media) -> bool {
+    media.backgrounds.iter().chain(&media.inclusions).any(|eta| (eta * eta).im != 0.0)
 }

@@ -1,5 +1,6 @@
 //! What an answer is worth: its largest error, or why it has none.
 
+use super::protocol::AnsweredSide::{Reflected, Transmitted};
 use super::protocol::{Answer, AnsweredAmplitude, AnsweredOrder, AnsweredSide};
 use crate::report::cell::plain;
 use crate::wave::{FarField, Order};
@@ -25,10 +26,7 @@ pub fn expected(truth: &[FarField]) -> Vec<ExpectedOrder> {
     for o in truth.first().iter().flat_map(|far| &far.orders) {
         let same = |far: &'_ FarField| far.orders.iter().find(|p| (p.m, p.n) == (o.m, o.n)).copied();
         let polarised: Vec<Order> = truth.iter().filter_map(same).collect();
-        let sides = [
-            (AnsweredSide::Reflected, o.reflected_propagates),
-            (AnsweredSide::Transmitted, o.transmitted_propagates),
-        ];
+        let sides = [(Reflected, o.reflected_propagates), (Transmitted, o.transmitted_propagates)];
         for (place, (side, _)) in sides.into_iter().enumerate().filter(|(_, (_, travels))| *travels) {
             all.push(ExpectedOrder { m: o.m, n: o.n, side, amplitudes: amplitudes(&polarised, place) });
         }
@@ -38,8 +36,7 @@ pub fn expected(truth: &[FarField]) -> Vec<ExpectedOrder> {
 
 /// Amplitudes on one side, 0 reflected and 1 transmitted, of one order of every polarisation.
 fn amplitudes(orders: &[Order], side: usize) -> Vec<Complex64> {
-    let pair =
-        |o: &Order| [o.amplitudes().next(), o.amplitudes().nth(1)].map(|a| a.unwrap_or_default()[side]);
+    let pair = |o: &Order| [0, 1].map(|k| o.amplitudes().nth(k).unwrap_or_default()[side]);
     match orders.iter().map(pair).collect::<Vec<_>>()[..] {
         [[ss, sp], [pp, ps]] => vec![ss, sp, ps, pp],
         ref one => one.iter().map(|pair| pair[0]).collect(),
@@ -99,8 +96,7 @@ impl ReadAnswer {
             if has != needs {
                 return Err(format!("{} has {has} complex amplitude(s) instead of {needs}", name()));
             }
-            let differences = found.iter().zip(&order.amplitudes).map(|(a, b)| (a - b).norm());
-            error = differences.fold(error, f64::max);
+            error = found.iter().zip(&order.amplitudes).map(|(a, b)| (a - b).norm()).fold(error, f64::max);
         }
         if error < f64::INFINITY { Ok(error) } else { Err("an amplitude is beyond all bounds".into()) }
     }
@@ -127,8 +123,7 @@ const SAID: usize = 240;
 
 /// The beginning of some output, without what a terminal would act upon.
 pub(super) fn words(output: &[u8]) -> String {
-    let text = String::from_utf8_lossy(&output[..output.len().min(4 * QUOTED)]);
-    quoted(&text).chars().take(QUOTED).collect()
+    quoted(&String::from_utf8_lossy(&output[..output.len().min(4 * QUOTED)])).chars().take(QUOTED).collect()
 }
 
 /// The beginning of a text, without what a terminal would act upon.

@@ -5,7 +5,7 @@
 
 use super::ExternalTable;
 use super::judge::words;
-use crate::compare::error::CompareError;
+use crate::compare::error::CompareResult;
 use crate::solve::{Account, SolveError, Step, Watch};
 use std::io::{Read, Write};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -43,7 +43,7 @@ impl ProgramRun {
         input: Vec<u8>,
         program: &ExternalTable,
         watch: &mut dyn Watch,
-    ) -> Result<Result<ProgramRun, std::io::Error>, CompareError> {
+    ) -> CompareResult<Result<ProgramRun, std::io::Error>> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
@@ -70,8 +70,7 @@ impl ProgramRun {
                 break Some(reason);
             }
             if watch.step(&Step { step: 0, applications: 0, residual: 1.0 }).is_break() {
-                let account = Box::new(Account::default());
-                return Err(SolveError::Cancelled { account }.into());
+                return Err(SolveError::Cancelled { account: Box::new(Account::default()) }.into());
             }
             std::thread::sleep((elapsed / 50).clamp(Duration::from_millis(2), Duration::from_millis(50)));
         };
@@ -81,15 +80,11 @@ impl ProgramRun {
         // All that the program has left running ends with it, while its number is still its own.
         child.kill();
         let status = child.0.wait().map_err(|error| error.to_string());
-        let bytes = |collected: Option<PipeOutput>| collected.map_or_else(Vec::new, PipeOutput::bytes);
-        Ok(Ok(ProgramRun {
-            seconds,
-            processor_seconds: usage.tree,
-            peak_bytes: usage.peak,
-            end: end.map_or(status, Err),
-            output: bytes(output),
-            complaint: bytes(complaint),
-        }))
+        let end = end.map_or(status, Err);
+        let [output, complaint] =
+            [output, complaint].map(|pipe| pipe.map_or_else(Vec::new, PipeOutput::bytes));
+        let Usage { tree: processor_seconds, peak: peak_bytes, .. } = usage;
+        Ok(Ok(ProgramRun { seconds, processor_seconds, peak_bytes, end, output, complaint }))
     }
 
     /// What it printed, where it ended well.

@@ -1,8 +1,12 @@
-//! What inkwave asks a program, and what it may answer: one JSON text each.
+//! What inkwave asks a program, and what it may answer: one JSON text each; and what a program says
+//! of itself when it is started with `--describe`.
 
+use super::judge::quoted;
+use crate::input::case::Case;
 use crate::input::case_inputs::CaseInputs;
-use crate::wave::Wave;
+use crate::wave::{BodyShape, Wave};
 use clap::ValueEnum;
+use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -114,4 +118,118 @@ pub enum AnsweredSide {
     Reflected,
     /// On the other side.
     Transmitted,
+}
+
+/// The description of a program; whatever it leaves out is left to its answers.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(default)]
+pub struct ProgramDescription {
+    /// Name and version of the program behind the adapter.
+    #[schemars(example = &"treams 0.4.7")]
+    pub program: String,
+    /// Waves that it solves; any where none are listed.
+    pub waves: Vec<WaveKind>,
+    /// Shapes that it solves; any where none are listed.
+    pub shapes: Vec<ShapeKind>,
+    /// Media that it solves; any where none are listed.
+    pub media: Vec<MediumKind>,
+    /// Meaning of its knob.
+    #[schemars(example = &"largest multipole")]
+    pub knob: String,
+    /// Its own conventions, from which the adapter converts.
+    #[schemars(example = &"time factor exp(-iwt), parity basis")]
+    pub conventions: String,
+}
+
+/// A shape of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ShapeKind {
+    /// Homogeneous films.
+    Films,
+    /// Bars along y.
+    Bars,
+    /// Cylinders along y.
+    Cylinders,
+    /// Spheres.
+    Spheres,
+    /// Convex bodies: ellipsoids, boxes, discs and prisms.
+    Bodies,
+    /// Spheres inside others, whose material they displace.
+    NestedSpheres,
+}
+
+/// A medium of a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum MediumKind {
+    /// Im η = 0 in the layer.
+    Clear,
+    /// Im η > 0 in the layer.
+    Absorbing,
+    /// Re η² < 0 in the layer.
+    Metals,
+    /// A half-space of another index than 1.
+    HalfSpaces,
+}
+
+impl ProgramDescription {
+    /// The description in a program's output; none where it is something else.
+    pub(super) fn of(output: &[u8]) -> Option<ProgramDescription> {
+        let mut read: ProgramDescription = serde_json::from_slice(output).ok()?;
+        for text in [&mut read.program, &mut read.knob, &mut read.conventions] {
+            *text = quoted(text);
+        }
+        Some(read)
+    }
+
+    /// Why a case is not asked of this program, where it says that it cannot solve it.
+    pub fn refusal(&self, case: &Case, wave: WaveKind) -> Option<String> {
+        let lacks = |what: String| Some(format!("not asked: it describes itself as without {what}"));
+        if !self.waves.is_empty() && !self.waves.contains(&wave) {
+            return lacks(format!("the {} wave", wave.name()));
+        }
+        let shape = shapes(case).into_iter().find(|s| !self.shapes.is_empty() && !self.shapes.contains(s));
+        let medium = media(case).into_iter().find(|m| !self.media.is_empty() && !self.media.contains(m));
+        let shape = shape.map(|shape| format!("{shape:?}").to_lowercase());
+        shape.or(medium.map(|medium| medium.in_words().to_owned())).and_then(lacks)
+    }
+}
+
+impl MediumKind {
+    fn in_words(self) -> &'static str {
+        match self {
+            Self::Clear => "clear media",
+            Self::Absorbing => "absorbing media",
+            Self::Metals => "metals",
+            Self::HalfSpaces => "half-spaces other than vacuum",
+        }
+    }
+}
+
+/// The shapes of a case; what else the body of a study may be is refused before.
+fn shapes(case: &Case) -> Vec<ShapeKind> {
+    let kind = |shape: &BodyShape| match shape {
+        BodyShape::CylinderY { .. } => ShapeKind::Cylinders,
+        BodyShape::BarY { .. } => ShapeKind::Bars,
+        BodyShape::Sheet { .. } => ShapeKind::Films,
+        BodyShape::Solid(_) => ShapeKind::Bodies,
+        BodyShape::Balls(_) | BodyShape::Open { .. } => ShapeKind::Spheres,
+    };
+    let bodies = case.scene.bodies.iter();
+    let bodies = bodies.map(|body| body.within.map_or(kind(&body.shape), |_| ShapeKind::NestedSpheres));
+    bodies.chain(case.scene.bodies.is_empty().then_some(ShapeKind::Films)).collect()
+}
+
+fn media(case: &Case) -> Vec<MediumKind> {
+    let media = &case.media;
+    let layer = || media.backgrounds.iter().chain(&media.inclusions);
+    let has = |test: fn(&Complex64) -> bool| layer().any(test);
+    let kinds = [
+        (MediumKind::Metals, has(|eta| (eta * eta).re < 0.0)),
+        (MediumKind::Absorbing, has(|eta| eta.im > 0.0)),
+        (MediumKind::Clear, layer().all(|eta| eta.im == 0.0)),
+        (MediumKind::HalfSpaces, [media.incident, media.exit].iter().any(|eta| *eta != Complex64::ONE)),
+    ];
+    kinds.into_iter().filter(|(_, has)| *has).map(|(kind, _)| kind).collect()
 }

@@ -98,10 +98,9 @@ impl<'a> Map<'a> {
             differences.push(run.spectra.iter().zip(&film).map(|(a, b)| a - b).collect());
         }
         let places: Vec<Vec<f64>> = data.iter().map(|run| run.places.clone()).collect();
-        let surfaces = Surfaces::new(&places, &differences).ok_or_else(|| DesignError::NoColour {
-            recipe: task.title.clone(),
-            reason: "the surfaces have no solution".to_owned(),
-        })?;
+        let none =
+            || DesignError::NoColour(format!("{}: no colour: the surfaces have no solution", task.title));
+        let surfaces = Surfaces::new(&places, &differences).ok_or_else(none)?;
         let eye = Eye::new(&study_at(task, &data[0].places)?)?;
         let mut map = Map { task, eye, surfaces, offsets: Vec::new() };
         for run in &data[variants..] {

@@ -1,9 +1,9 @@
 //! How much 95 % intervals hold: many pigments and noises, on a layer that is a coherent film,
 //! so that only the statistics of the inversion are judged.
 
-use super::data::Data;
 use super::near;
 use super::outcome::FitOutcome;
+use crate::fit::law::Data;
 use crate::fit::load::{FitTask, load};
 use crate::fit::prior::IndexPrior;
 use crate::fit::response::Origin;

@@ -1,9 +1,8 @@
 //! The numbers of a fit: the index with its errors, whether they can be trusted, and predictions.
 
-use super::data::{Data, few_cells, jackknife};
 use crate::appearance::colour::Colorimeter;
 use crate::appearance::kubelka_munk::KubelkaMunk;
-use crate::fit::law::{FitStep, rms};
+use crate::fit::law::{Data, FitStep, few_cells, jackknife, rms};
 use crate::fit::load::{Drawdown, FitTask};
 use crate::fit::response::Response;
 use faer::Mat;
@@ -141,7 +140,6 @@ impl Data<'_> {
             let apart = rms(other.iter().zip(&index).map(|(a, b)| a[0] - b.n));
             apart > UNDETERMINED.max(COVERED * n_error)
         });
-        let n_is_determined = n_error < UNDETERMINED && branches.is_none();
         let last = self.prior.count() - 1;
         let thickness = self.prior.thickness.then(|| (factor * covariance[(last, last)]).sqrt());
         let mut outcome = FitOutcome {
@@ -151,7 +149,7 @@ impl Data<'_> {
             effective_unknowns: step.effective,
             strength,
             linearisations,
-            n_is_determined,
+            n_is_determined: n_error < UNDETERMINED && branches.is_none(),
             log_thickness: self.prior.log_thickness(&step.unknowns),
             log_thickness_error: thickness.filter(|_| trust != Trust::Contradicted),
             per_percent_of_thickness: self.per_percent(step),
@@ -185,8 +183,7 @@ impl Data<'_> {
         let data = &self.thickness;
         let change = &step.gain * Mat::from_fn(data.len(), 1, |i, _| 0.01 * data[i]);
         [&self.prior.n, &self.prior.kappa].map(|rows| {
-            let moved = rows.iter().map(|row| row.iter().enumerate().map(|(i, a)| a * change[(i, 0)]).sum());
-            rms(moved)
+            rms(rows.iter().map(|row| row.iter().enumerate().map(|(i, a)| a * change[(i, 0)]).sum()))
         })
     }
 
@@ -208,8 +205,7 @@ impl Data<'_> {
 
 /// aᵀ C b.
 fn product(a: &[f64], b: &[f64], covariance: &Mat<f64>) -> f64 {
-    let rows = a.iter().enumerate();
-    rows.map(|(i, a)| a * (0..b.len()).map(|j| covariance[(i, j)] * b[j]).sum::<f64>()).sum()
+    a.iter().enumerate().map(|(i, a)| a * (0..b.len()).map(|j| covariance[(i, j)] * b[j]).sum::<f64>()).sum()
 }
 
 fn remarks(
@@ -267,24 +263,14 @@ fn remarks(
 
 impl Forecast {
     /// Drawdown number `k` of the predicted ones.
-    pub(super) fn new(
-        task: &FitTask,
-        own: &Drawdown,
-        response: &Response,
-        (k, fit): (usize, &FitOutcome),
-    ) -> Self {
+    pub fn new(task: &FitTask, own: &Drawdown, response: &Response, (k, fit): (usize, &FitOutcome)) -> Self {
         let values = response.values[k].clone();
         let errors = fit.index.iter().enumerate().map(|(w, row)| forecast_error(response, k, w, row));
         let kubelka_munk = kubelka_munk(task, own);
-        Self {
-            name: own.name.clone(),
-            errors: errors.collect(),
-            delta_e_2000: difference(task, own, Some(&values)),
-            delta_e_2000_kubelka_munk: difference(task, own, kubelka_munk.as_ref()),
-            kubelka_munk,
-            measured: own.values.clone(),
-            values,
-        }
+        let delta_e_2000 = difference(task, own, Some(&values));
+        let delta_e_2000_kubelka_munk = difference(task, own, kubelka_munk.as_ref());
+        let (name, errors, measured) = (own.name.clone(), errors.collect(), own.values.clone());
+        Self { name, values, errors, kubelka_munk, measured, delta_e_2000, delta_e_2000_kubelka_munk }
     }
 }
 

@@ -63,18 +63,16 @@ fn rows<const P: usize, const N: usize>(
 ) -> csv::Result<Vec<u8>> {
     let mut rows = rows.peekable();
     let names = rows.peek().map(|(_, values)| values.map(|(name, _)| name));
-    let header = place.map(str::to_owned).into_iter().chain(with_errors(names.into_iter().flatten()));
     let lines = rows.map(|(place, values)| {
         let values = values.map(|(_, judged)| numbers(Some(judged.estimate())));
         [place.map(|x| x.to_string()).to_vec(), values.concat()].concat()
     });
-    table(header, lines)
+    table(place.map(str::to_owned).into_iter().chain(with_errors(names.into_iter().flatten())), lines)
 }
 
 fn distributions(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {
     let place = ["thickness_um", "wavelength_nm", "polar_in_deg", "lobe", "polar_out_deg", "projected_sr"];
-    let header = place.map(str::to_owned).into_iter().chain(with_errors(["bdf_per_sr"]));
-    table(header, rows.iter().map(leaving))
+    table(place.map(str::to_owned).into_iter().chain(with_errors(["bdf_per_sr"])), rows.iter().map(leaving))
 }
 
 /// A line of the table of light that leaves.

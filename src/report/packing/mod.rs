@@ -2,8 +2,6 @@
 
 mod coordinates;
 mod report;
-mod vtk;
 
-pub use coordinates::{grains_csv, packing_json};
+pub use coordinates::{grains_csv, packing_json, spheres_vtp};
 pub use report::{is_of_one_packing, write_report};
-pub use vtk::spheres_vtp;

@@ -2,7 +2,7 @@
 
 use super::{grains_csv, packing_json, spheres_vtp};
 use crate::draw::chart::{self, Chart};
-use crate::draw::{OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
+use crate::draw::{DrawResult, OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
 use crate::ink::statistics::{StatisticCurve, Statistics, gather};
 use crate::ink::{Method, Packing, Shape};
 use crate::numerics::estimate::Estimate;
@@ -22,7 +22,7 @@ pub fn write_report(
     title: &str,
     pigments: &[(String, Shape)],
     packings: &[Packing],
-) -> Result<(Statistics, PathBuf), OutputError> {
+) -> DrawResult<(Statistics, PathBuf)> {
     std::fs::create_dir_all(folder).map_err(|source| OutputError::Write { path: folder.into(), source })?;
     for (k, packing) in packings.iter().enumerate() {
         save(folder, &format!("grains_{k:03}.csv"), &grains_csv(packing).map_err(no_table)?)?;
@@ -42,8 +42,7 @@ pub fn write_report(
     for curve in &statistics.curves {
         save(folder, &format!("{}.csv", curve.name), &curve_csv(curve).map_err(no_table)?)?;
         if drawable(curve) {
-            let chart = chart_of(curve, pigments).svg()?;
-            save(folder, &format!("{}.svg", curve.name), chart.as_bytes())?;
+            save(folder, &format!("{}.svg", curve.name), chart_of(curve, pigments).svg()?.as_bytes())?;
         }
     }
     save(folder, "index.html", html(title, pigments, packings, &statistics)?.as_bytes())?;
@@ -56,7 +55,7 @@ fn have_shapes(packings: &[Packing]) -> bool {
 }
 
 /// Writes one file, completely or not at all.
-fn save(folder: &Path, name: &str, bytes: &[u8]) -> Result<(), OutputError> {
+fn save(folder: &Path, name: &str, bytes: &[u8]) -> DrawResult {
     let path = folder.join(name);
     safely::write(&path, bytes).map_err(|source| OutputError::Write { path, source })
 }
@@ -68,9 +67,8 @@ fn no_table(reason: csv::Error) -> OutputError {
 /// Whether a file's name is that of one realisation in a folder of packings.
 pub fn is_of_one_packing(name: &str) -> bool {
     let kinds = [("grains_", ".csv"), ("packing_", ".json"), ("spheres_", ".vtp")];
-    let mut numbers =
-        kinds.into_iter().filter_map(|(head, tail)| name.strip_prefix(head)?.strip_suffix(tail));
-    numbers.any(|text| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit()))
+    let mut texts = kinds.into_iter().filter_map(|(head, tail)| name.strip_prefix(head)?.strip_suffix(tail));
+    texts.any(|text| !text.is_empty() && text.chars().all(|c| c.is_ascii_digit()))
 }
 
 fn scalars_csv(statistics: &Statistics) -> csv::Result<Vec<u8>> {
@@ -90,7 +88,7 @@ fn html(
     pigments: &[(String, Shape)],
     packings: &[Packing],
     statistics: &Statistics,
-) -> Result<String, OutputError> {
+) -> DrawResult<String> {
     let figures = statistics.scalars.iter().map(|(name, unit, value)| {
         let unit = if unit == "1" { "" } else { unit };
         context!(name => sided(&named(name, pigments)), value => rounded(*value), unit => unit.to_owned())
@@ -136,10 +134,8 @@ fn drawable(curve: &StatisticCurve) -> bool {
 
 /// Chart of one curve, with the name of the pigment on its axis.
 fn chart_of(curve: &StatisticCurve, pigments: &[(String, Shape)]) -> Chart {
-    let points = curve.x.iter().copied().zip(curve.y.iter().copied());
-    let curves = vec![chart::Curve::measured("", points)];
-    let y_label = named(&curve.y_label, pigments);
-    Chart { from_zero: true, ..Chart::linear("", &curve.x_label, &y_label, curves) }
+    let curves = vec![chart::Curve::measured("", curve.x.iter().copied().zip(curve.y.iter().copied()))];
+    Chart { from_zero: true, ..Chart::linear("", &curve.x_label, &named(&curve.y_label, pigments), curves) }
 }
 
 /// Replaces the number of a pigment by its name.
@@ -164,8 +160,7 @@ fn rounded(Estimate { value, standard_error }: Estimate) -> String {
         let digits =
             if (1e3 * value.abs() / 10f64.powf(digits)).round() >= 1e4 { digits + 1.0 } else { digits };
         let unit = 10f64.powf(digits);
-        let scaled =
-            Estimate { value: value / unit, standard_error: standard_error.map(|error| error / unit) };
+        let scaled = Estimate { value: value / unit, standard_error: standard_error.map(|e| e / unit) };
         let words = scaled.in_words(3);
         let words = if words.contains('±') { format!("({words})") } else { without_zeros(&words) };
         return format!("{words} · 10<sup>−{}</sup>", -digits);

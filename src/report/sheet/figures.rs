@@ -1,7 +1,8 @@
-//! The page's plots.
+//! The page's plots, those for ink makers among them.
 
-use crate::draw::OutputError;
+use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve};
+use crate::evaluate::ink_maker::{ComparedRow, InkMaker, MeasuredComparison};
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT};
@@ -18,12 +19,8 @@ const BRDF_STEP_DEG: f64 = 5.0;
 const LIGHT_DEG: f64 = 45.0;
 
 /// All plots that the finished solves allow.
-pub(crate) fn figures(
-    study: &Study,
-    manifest: &Manifest<&Study>,
-    seen: &Seen,
-) -> Result<Vec<Figure>, OutputError> {
-    let rows = &manifest.spectra;
+pub(super) fn figures(manifest: &Manifest<&Study>, seen: &Seen) -> DrawResult<Vec<Figure>> {
+    let (study, rows) = (manifest.study, &manifest.spectra);
     let all =
         [seen_spectra(study, rows), layer_spectra(study, rows), other_angles(study, rows), brdf(study, seen)];
     all.into_iter().flatten().map(|(heading, plot, caption)| Figure::new(heading, &plot, caption)).collect()
@@ -101,9 +98,8 @@ fn other_angles(study: &Study, rows: &[SpectrumRow]) -> Drawing {
         }
         shares(WAVELENGTH, "share of the light", curves)?
     } else {
-        let wavelengths: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
-        let curves =
-            shown_nm(&wavelengths).into_iter().flat_map(|nm| against_angle(study, rows, nm)).collect();
+        let solved: Vec<f64> = at_angle(rows, angles[0]).iter().map(|row| row.wavelength_nm).collect();
+        let curves = shown_nm(&solved).into_iter().flat_map(|nm| against_angle(study, rows, nm)).collect();
         shares("angle of incidence, °", "share of the light", curves)?
     };
     Some(("Every angle solved", plot, caption.to_owned()))
@@ -155,6 +151,69 @@ pub(in crate::report) fn shown_nm(wavelengths_nm: &[f64]) -> Vec<f64> {
 }
 
 fn nearest(wavelengths_nm: &[f64], wanted: f64) -> Option<f64> {
-    let all = wavelengths_nm.iter().copied();
-    all.min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
+    wavelengths_nm.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
+}
+
+/// Plots of K and S, and of a measurement with its residuals.
+pub(super) fn of_ink_makers(manifest: &Manifest<&Study>) -> DrawResult<Vec<Figure>> {
+    let Some(maker) = &manifest.ink_maker else { return Ok(Vec::new()) };
+    let mut figures = Vec::new();
+    if !maker.kubelka_munk.is_empty() {
+        figures.push(kubelka_munk(maker, manifest)?);
+    }
+    if let Some(measured) = &maker.measured {
+        figures.extend(compared(measured)?);
+    }
+    Ok(figures)
+}
+
+fn figure(heading: &str, y_label: &str, curves: Vec<Curve>, caption: String) -> DrawResult<Figure> {
+    let plot = Chart { from_zero: true, ..Chart::linear("", "wavelength, nm", y_label, curves) };
+    Figure::new(heading, &plot, caption)
+}
+
+fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> DrawResult<Figure> {
+    let certainty = &manifest.certainty;
+    let asked: Vec<f64> = manifest.spectra.iter().map(|row| row.wavelength_nm).collect();
+    let factor = certainty.coverage_factor_95;
+    let wider = factor.unwrap_or(1.0);
+    let wide = |e: Estimate| Estimate { standard_error: e.standard_error.map(|error| error * wider), ..e };
+    let rows = || maker.kubelka_munk.iter();
+    let absorption = rows().map(|row| (row.wavelength_nm, wide(row.absorption_per_um)));
+    let scattering = rows().map(|row| (row.wavelength_nm, wide(row.scattering_per_um)));
+    let series = vec![
+        Curve::measured("absorption K", absorption).asked_at(&asked),
+        Curve::measured("scattering S", scattering).asked_at(&asked),
+    ];
+    let bars = match factor {
+        Some(factor) => {
+            let degrees = certainty.degrees_of_freedom;
+            format!("95 % intervals: {factor:.2} standard errors (Student's t, {degrees} degrees of freedom)")
+        }
+        None => "standard errors".to_owned(),
+    };
+    let caption = format!(
+        "Kubelka–Munk coefficients of the layer without its faces, from its diffuse reflectance and transmittance, at the \
+         wavelengths at which hardly any light goes straight through: the reflections at both plane faces are removed \
+         (Saunderson 1942). Error bars are {bars}; where that of K, which is never negative, reaches 0, K is compatible with 0."
+    );
+    figure("Kubelka–Munk coefficients", "1/µm", series, caption)
+}
+
+fn compared(measured: &MeasuredComparison) -> DrawResult<Vec<Figure>> {
+    let of = |value: &dyn Fn(&ComparedRow) -> Estimate| {
+        measured.rows.iter().map(|row| (row.wavelength_nm, value(row))).collect::<Vec<_>>()
+    };
+    let both = vec![
+        Curve::measured("predicted", of(&|row| row.predicted)),
+        Curve::measured("measured", of(&|row| Estimate { value: row.measured, standard_error: None })),
+    ];
+    let residual = of(&|row| Estimate { value: row.measured - row.predicted.value, ..row.predicted });
+    let residual = vec![Curve::measured("measured less predicted", residual)];
+    let caption = format!("At 45:0; measured: {}, linear between its rows.", measured.source);
+    let of_residual = format!("{caption} Error bars are those of the prediction.");
+    Ok(vec![
+        figure("Measured and predicted", "share of a perfect white", both, caption)?,
+        figure("Residual", "measured less predicted", residual, of_residual)?,
+    ])
 }

@@ -62,9 +62,8 @@ impl Axis {
     fn check_labels(&self, field: &str, faults: &mut Faults) {
         for (k, setting) in self.settings.iter().enumerate() {
             if self.settings[..k].iter().any(|earlier| earlier.label == setting.label) {
-                let found = format!("{:?} twice", setting.label);
                 let remedy = "give each value its own label, and no value twice";
-                faults.add(field, found, "labels that differ", remedy);
+                faults.add(field, format!("{:?} twice", setting.label), "labels that differ", remedy);
             }
         }
     }

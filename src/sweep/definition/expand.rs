@@ -124,12 +124,10 @@ fn draft(file: &SweepFile, base: &Table, axes: &[Axis], place: Vec<usize>, fault
     let settings = axes.iter().zip(&place).enumerate();
     let of_axes = settings.map(|(a, (axis, &k))| (format!("axis[{a}].field"), &axis.settings[k].set));
     let rules = file.overrides.iter().enumerate().filter(|(_, r)| matches(&r.condition, axes, &place));
-    let of_rules = rules.map(|(i, rule)| (format!("override[{i}].set"), &rule.set));
-    for (source, fields) in of_axes.chain(of_rules) {
+    for (at, fields) in of_axes.chain(rules.map(|(i, rule)| (format!("override[{i}].set"), &rule.set))) {
         for (name, value) in fields {
             if let Err(reason) = field::set(&mut study, name, value) {
-                let fault =
-                    Fault::new(&source, name, format!("fields of a study; {reason}"), "correct the name");
+                let fault = Fault::new(&at, name, format!("fields of a study; {reason}"), "correct the name");
                 if !faults.0.contains(&fault) {
                     faults.push(fault);
                 }

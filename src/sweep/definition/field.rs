@@ -27,9 +27,8 @@ pub fn steps(field: &str) -> Result<Vec<&str>, String> {
         all.push(key);
         if !entries.is_empty() {
             let inner = entries.strip_prefix('[').and_then(|text| text.strip_suffix(']'));
-            all.extend(
-                inner.ok_or_else(|| format!("{part:?} has a bracket that does not close"))?.split("]["),
-            );
+            let unclosed = || format!("{part:?} has a bracket that does not close");
+            all.extend(inner.ok_or_else(unclosed)?.split("]["));
         }
     }
     match all.iter().all(|step| !step.is_empty() && !step.contains(['[', ']'])) {

@@ -163,8 +163,7 @@ impl Sweep {
 pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     let (text, mut file): (String, SweepFile) = read_file(path)?;
     file.title.get_or_insert_with(|| stem(path));
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let (base, base_folder) = file.base.read(folder)?;
+    let (base, base_folder) = file.base.read(path.parent().unwrap_or(Path::new("")))?;
     let mut faults = Faults::default();
     let axes: Vec<Axis> =
         file.axis.iter().enumerate().map(|(i, table)| Axis::read(i, table, &mut faults)).collect();
@@ -290,9 +289,8 @@ impl Reading<'_> {
 fn same_field(study: &Table, one: &str, other: &str) -> bool {
     let (one, other): (Vec<&str>, Vec<&str>) = (steps(one).collect(), steps(other).collect());
     let entry = other.get(1).and_then(|i| study.get(other[0])?.get(i.parse::<usize>().ok()?)?.get("name"));
-    let name = entry.and_then(Value::as_str);
     let mut pairs = one.iter().zip(&other).enumerate();
-    pairs.all(|(k, (a, b))| a == b || *a == "*" || k == 1 && name == Some(*a))
+    pairs.all(|(k, (a, b))| a == b || *a == "*" || k == 1 && entry.and_then(Value::as_str) == Some(*a))
 }
 
 /// Keys of a study that name files: of indices and albedos, of measurements, of microstructures.

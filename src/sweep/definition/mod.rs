@@ -5,8 +5,5 @@ pub mod claims;
 pub mod expand;
 pub mod field;
 pub mod file;
-mod file_schema;
 pub mod folder;
 pub mod load;
-mod seal;
-mod sound;

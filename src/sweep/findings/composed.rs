@@ -7,7 +7,7 @@ use crate::numerics::estimate::Estimate;
 use crate::report::cell::{numbers, table, with_errors};
 use crate::report::composed::{coefficients, lines, publish as publish_layer};
 use crate::report::page::{Figure, on_study};
-use crate::report::publish::PublishError;
+use crate::report::publish::PublishResult;
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
@@ -70,7 +70,7 @@ pub fn run<'a>(
 ///
 /// # Errors
 /// Files that cannot be written.
-pub fn publish(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> Result<PathBuf, PublishError> {
+pub fn publish(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> PublishResult<PathBuf> {
     folder.write("composed.csv", &rows(sweep, done)?)?;
     let line = |(k, layer): &LayerDone| {
         let name = &sweep.variants[*k].name;
@@ -96,7 +96,6 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
     let first = done.iter().find_map(|(_, layer)| layer.medium.first());
     let names = first.map(coefficients).into_iter().flatten().map(|(name, _)| name);
     let both = with_errors(names.chain(["hiding_thickness_um"]));
-    let header = axes.chain(["wavelength_nm".to_owned()]).chain(both);
     let mut all = Vec::new();
     for (k, layer) in done {
         let place = &sweep.outline.variants[*k].place;
@@ -110,7 +109,7 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
             all.push(line);
         }
     }
-    table(header, all)
+    table(axes.chain(["wavelength_nm".to_owned()]).chain(both), all)
 }
 
 /// A number of the layers against the first axis, rising.
@@ -127,7 +126,7 @@ fn against(
 }
 
 /// Coefficients and the hiding thickness against the first axis, where that has numbers.
-fn figures(sweep: &Sweep, done: &[LayerDone]) -> Result<Vec<Figure>, PublishError> {
+fn figures(sweep: &Sweep, done: &[LayerDone]) -> PublishResult<Vec<Figure>> {
     let Some((axis, (_, first))) = sweep.outline.axes.first().zip(done.first()) else {
         return Ok(Vec::new());
     };

@@ -1,13 +1,13 @@
-//! Conclusions as inequalities: statement, measured value with its standard error, verdict.
+//! Conclusions as inequalities: statement, measured value with its standard error, verdict. The
+//! place on a curve of variants that has a given value, such as the diameter of the spheres that
+//! act like an agglomerate, is one of the values measured.
 
-mod curve;
 mod spectrum;
-mod words;
 
 use super::outcome::Outcome;
 use crate::numerics::estimate::{Estimate, Linked};
 use crate::sweep::definition::claims::Claim;
-use crate::sweep::definition::file::{ConclusionTable, Quantity};
+use crate::sweep::definition::file::{ConclusionTable, Over, Quantity};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -63,14 +63,14 @@ pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
         None => judge_one(claim, outcomes),
     };
     let (verdict, measured, remark) = found.unwrap_or_else(|missing| (Verdict::Undecided, None, missing));
-    let (table, inequality) = (claim.table.clone(), words::inequality(claim, outcomes));
+    let (table, inequality) = (claim.table.clone(), inequality(claim, outcomes));
     Judged { table, inequality, measured, verdict, remark }
 }
 
 fn judge_one(claim: &Claim, outcomes: &[Outcome]) -> Finding {
     let (mut measured, fewest) = measure(claim, outcomes)?;
     if !claim.among.is_empty() {
-        measured = curve::place(claim, outcomes, &measured)?;
+        measured = place(claim, outcomes, &measured)?;
     }
     let (verdict, remark) = decide(claim, &measured, fewest, QUANTILE);
     Ok((verdict, Some(measured.estimate), remark))
@@ -84,25 +84,27 @@ fn no_value(outcome: &Outcome) -> String {
     }
 }
 
+/// The claim's quantity of one variant.
+fn number(claim: &Claim, outcome: &Outcome) -> Result<Linked, String> {
+    outcome.quantity(claim.table.quantity, claim.table.wavelength_nm).ok_or_else(|| no_value(outcome))
+}
+
 /// The measured value, and the smallest number of realisations it depends on; 0 if there is no
 /// randomness.
 fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), String> {
     let all = || claim.plus.iter().chain(&claim.minus).map(|&v| &outcomes[v]);
     let behind = all().chain(claim.among.iter().map(|&v| &outcomes[v])).map(|o| o.realisations);
     let fewest = behind.filter(|&n| n > 1).min().unwrap_or(0);
-    if claim.table.quantity == Quantity::DeltaE {
+    let quantity = claim.table.quantity;
+    if quantity == Quantity::DeltaE {
         let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
         let missing = || no_value(if a.colour.is_none() { a } else { b });
         return Ok((a.difference(b).ok_or_else(missing)?, fewest));
     }
-    let numbers = all()
-        .map(|outcome| {
-            outcome.quantity(claim.table.quantity, claim.table.wavelength_nm).ok_or_else(|| no_value(outcome))
-        })
-        .collect::<Result<Vec<Linked>, String>>()?;
+    let numbers = all().map(|outcome| number(claim, outcome)).collect::<Result<Vec<Linked>, String>>()?;
     let signs = claim.plus.iter().map(|_| 1.0).chain(claim.minus.iter().map(|_| -1.0));
     let mut sum = Linked::sum(signs.zip(&numbers));
-    if claim.table.quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
+    if quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
         // hues on both sides of red are close to each other
         sum.estimate.value = 180.0 - (180.0 - sum.estimate.value).rem_euclid(360.0);
     }
@@ -112,14 +114,11 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), Strin
 /// The verdict at the given quantile, and what would decide the conclusion.
 fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Verdict, String) {
     let Some(error) = measured.estimate.standard_error else {
-        return (
-            Verdict::Undecided,
-            "the standard error is unknown: 2 or more realisations are needed".into(),
-        );
+        let unknown = "the standard error is unknown: 2 or more realisations are needed";
+        return (Verdict::Undecided, unknown.into());
     };
     let margin = margin(claim, measured.estimate.value);
-    let reach = error * student(fewest, quantile);
-    if margin.abs() > reach || error == 0.0 {
+    if margin.abs() > (error * student(fewest, quantile)) || error == 0.0 {
         return (if margin >= 0.0 { Verdict::Confirmed } else { Verdict::Refuted }, String::new());
     }
     (Verdict::Undecided, what_it_takes(measured.chance_variance(), error, margin, fewest))
@@ -128,9 +127,8 @@ fn decide(claim: &Claim, measured: &Linked, fewest: usize, quantile: f64) -> (Ve
 /// Distance to the nearer bound, negative beyond it.
 fn margin(claim: &Claim, value: f64) -> f64 {
     let value = if claim.table.absolute { value.abs() } else { value };
-    let above = claim.table.at_least.map(|bound| value - bound);
     let below = claim.table.at_most.map(|bound| bound - value);
-    above.into_iter().chain(below).fold(f64::INFINITY, f64::min)
+    claim.table.at_least.map(|bound| value - bound).into_iter().chain(below).fold(f64::INFINITY, f64::min)
 }
 
 /// Number of realisations that would bring two standard errors below the margin, if the part of the
@@ -158,9 +156,96 @@ pub(super) fn student(realisations: usize, quantile: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(quantile))
 }
 
+/// Abscissa of the value on the curve, interpolated linearly, with the errors of the value and of
+/// the curve.
+///
+/// # Errors
+/// Why there is no such place: values are missing, or the curve does not take the value exactly
+/// once.
+fn place(claim: &Claim, outcomes: &[Outcome], value: &Linked) -> Result<Linked, String> {
+    let points = claim.curve().map(|(at, v)| Ok((at, number(claim, &outcomes[v])?)));
+    on_curve(&points.collect::<Result<Vec<_>, String>>()?, value)
+}
+
+fn on_curve(points: &[(f64, Linked)], wanted: &Linked) -> Result<Linked, String> {
+    let value = wanted.estimate.value;
+    let crosses = |w: &&[(f64, Linked)]| {
+        let [a, b] = [w[0].1.estimate.value, w[1].1.estimate.value];
+        (a <= value && value < b) || (b < value && value <= a)
+    };
+    let found: Vec<&[(f64, Linked)]> = points.windows(2).filter(crosses).collect();
+    match found[..] {
+        [[start, end]] => Ok(within(start, end, wanted)),
+        [] => Err(format!("the curve has {value:.4} nowhere")),
+        _ => Err(format!("the curve has {value:.4} at {} places", found.len())),
+    }
+}
+
+/// Interpolates between two points; an error of the value or of the curve moves the abscissa by
+/// that error over the slope.
+fn within((from, a): &(f64, Linked), (to, b): &(f64, Linked), wanted: &Linked) -> Linked {
+    let [low, high, value] = [a, b, wanted].map(|number| number.estimate.value);
+    let slope = (high - low) / (to - from);
+    let share = (value - low) / (high - low);
+    let mut place = Linked::sum([(1.0 / slope, wanted), ((share - 1.0) / slope, a), (-share / slope, b)]);
+    place.estimate.value = from + share * (to - from);
+    place
+}
+
+/// The inequality of a conclusion, such as "C*(a) − C*(b) ≥ 5".
+fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
+    let at = match (claim.table.wavelength_nm, claim.table.range_nm) {
+        (Some(nm), _) => format!("{nm:.0}"),
+        (None, Some([from, to])) => format!("{from:.0}–{to:.0}"),
+        (None, None) => String::new(),
+    };
+    let symbol = match claim.table.quantity {
+        Quantity::Chroma => "C*".to_owned(),
+        Quantity::Lightness => "L*".to_owned(),
+        Quantity::Hue => "h".to_owned(),
+        Quantity::Transmittance => format!("T{at}"),
+        Quantity::Reflectance => format!("R{at}"),
+        Quantity::ContrastRatio => "contrast ratio".to_owned(),
+        Quantity::DeltaEToTarget => "ΔE₀₀ to the target".to_owned(),
+        Quantity::DeltaE => {
+            let name = |v: &[usize]| v.first().map_or_else(String::new, |&v| outcomes[v].labels.join(", "));
+            return bounded(claim, &format!("ΔE₀₀({}; {})", name(&claim.plus), name(&claim.minus)));
+        }
+    };
+    let term = |v: &usize| format!("{symbol}({})", outcomes[*v].labels.join(", "));
+    let plus: Vec<String> = claim.plus.iter().map(term).collect();
+    let minus: String = claim.minus.iter().map(|v| format!(" − {}", term(v))).collect();
+    let sum = format!("{}{minus}", plus.join(" + "));
+    let sum = if claim.table.absolute { format!("|{sum}|") } else { sum };
+    let what = if claim.among.is_empty() { sum } else { format!("place with the same {sum}") };
+    bounded(claim, &what) + &wavelengths(claim, outcomes)
+}
+
+fn bounded(claim: &Claim, what: &str) -> String {
+    let bound = |x: f64| x.to_string().replace('-', "−");
+    match (claim.table.at_least, claim.table.at_most) {
+        (Some(low), Some(high)) => format!("{} ≤ {what} ≤ {}", bound(low), bound(high)),
+        (Some(low), None) => format!("{what} ≥ {}", bound(low)),
+        (_, high) => format!("{what} ≤ {}", bound(high.unwrap_or(f64::INFINITY))),
+    }
+}
+
+/// Describes the selected wavelengths; empty if the whole range counts.
+fn wavelengths(claim: &Claim, outcomes: &[Outcome]) -> String {
+    let over = match claim.table.over {
+        Over::Every => "",
+        Over::Some => ", at some wavelength",
+        Over::Mean => ", on the mean",
+    };
+    let absorbed = claim.absorbed_by.map(|v| outcomes[v].labels.join(", "));
+    let absorbed = absorbed.map(|name| format!(", where {name} absorbs well (lower half of its T)"));
+    format!("{over}{}", absorbed.unwrap_or_default())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::numerics::estimate::Estimate;
 
     fn verdict(value: f64, error: f64, n: usize) -> Verdict {
         let mut claim = Claim::example();
@@ -190,5 +275,31 @@ mod tests {
         // with a grid error of 0.8 no number of realisations brings two standard errors below 1
         assert!(what_it_takes(0.36, 1.0, 1.0, 10).contains("resolution.accuracy"));
         assert_eq!(what_it_takes(1.0, 1.0, 0.0, 10), "the value lies on the bound");
+    }
+
+    fn number(value: f64) -> Linked {
+        let estimate = Estimate { value, standard_error: Some(0.3) };
+        Linked { estimate, deviations: [(0, 0.0)].into() }
+    }
+
+    #[test]
+    fn a_value_is_found_between_two_points_with_its_error() {
+        let points = [(100.0, number(50.0)), (200.0, number(40.0)), (300.0, number(38.0))];
+        let found = on_curve(&points, &number(45.0)).unwrap().estimate;
+        assert!((found.value - 150.0).abs() < 1e-12);
+        // heights 0.3 and twice 0.15 add up to 0.367, over a slope of 0.1
+        assert!((found.standard_error.unwrap() - 3.674).abs() < 1e-3);
+        assert!(on_curve(&points, &number(37.0)).is_err());
+        let twice = [(1.0, number(0.0)), (2.0, number(2.0)), (3.0, number(0.5))];
+        assert!(on_curve(&twice, &number(1.0)).is_err());
+    }
+
+    #[test]
+    fn what_moves_the_value_and_the_curve_alike_leaves_the_place() {
+        let moved = |value: f64| Linked { deviations: [(0, 0.3)].into(), ..number(value) };
+        let points = [(100.0, moved(50.0)), (200.0, moved(40.0))];
+        let found = on_curve(&points, &moved(45.0)).unwrap().estimate;
+        // rounding errors of a few additions, over the slope
+        assert!(found.standard_error.unwrap() < 1e-12, "{found:?}");
     }
 }

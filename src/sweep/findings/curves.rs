@@ -63,8 +63,7 @@ pub(crate) fn plots(sweep: &Sweep, sheet: &Sheet, outcomes: &[Outcome]) -> Vec<C
 /// Distinguishes variants of the same composition by their paper, their wave and so on.
 fn with_others(sweep: &Sweep, mut made: Vec<(usize, CurveMaker)>) -> Vec<(usize, CurveMaker)> {
     let place = |v: usize| &sweep.outline.variants[v].place;
-    let axes = 0..sweep.outline.axes.len();
-    let axes: Vec<usize> = axes.filter(|&a| tells_apart(sweep, &made, a)).collect();
+    let axes: Vec<usize> = (0..sweep.outline.axes.len()).filter(|&a| tells_apart(sweep, &made, a)).collect();
     for (v, make) in &mut made {
         let captions = axes.iter().map(|&a| sweep.outline.axes[a].named(place(*v)[a]));
         make.others = captions.collect::<Vec<_>>().join(", ");
@@ -148,12 +147,9 @@ impl CurveMaker {
             ContrastPart::Imaginary if size > 0.0 => ", Im η² alone",
             _ => "",
         };
-        Some(Self {
-            at: [(share * 1e6).round() as u64, (size * 1e2).round() as u64],
-            kind: kinds.join(" and ") + relief + contrast,
-            pigments: inks(study).join(" + "),
-            others: String::new(),
-        })
+        let at = [(share * 1e6).round() as u64, (size * 1e2).round() as u64];
+        let (kind, pigments) = (kinds.join(" and ") + relief + contrast, inks(study).join(" + "));
+        Some(Self { at, kind, pigments, others: String::new() })
     }
 
     fn in_units(&self, x: usize) -> f64 {
@@ -213,7 +209,6 @@ fn kind(grains: &PigmentGrains) -> String {
 fn strongest_nm(study: &Study) -> f64 {
     let materials = || study.materials().chain(study.dissolved.iter().map(|d| &d.material));
     let kappa = |w: usize| materials().map(|m| m.index[w].im).fold(0.0, f64::max);
-    let all = 0..study.wavelengths_nm.len();
-    let strongest = all.max_by(|&a, &b| kappa(a).total_cmp(&kappa(b)));
+    let strongest = (0..study.wavelengths_nm.len()).max_by(|&a, &b| kappa(a).total_cmp(&kappa(b)));
     study.wavelengths_nm[strongest.unwrap_or(0)]
 }

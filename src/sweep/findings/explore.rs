@@ -4,20 +4,24 @@
 //!
 //! Spectra are stored as 16-bit multiples of 1/20 000, pictures as PNG and numbers to a millionth,
 //! so that 260 variants take less than 1 MB; `sweep.csv` has all digits.
+//!
+//! Interpolation between the solved settings of an axis, for the sliders of the explorer, with the
+//! leave-one-out error of the colour. `explore.html` has the same [`weights`] in JavaScript.
 
-use super::between::Continuous;
 use super::outcome::Outcome;
-use super::reported::{Reported, shown};
-use super::target;
+use super::reported::{Reported, shown, target_numbers};
+use crate::appearance::colour::ciede2000;
 use crate::appearance::picture::InkPicture;
 use crate::draw::figure::Bitmap;
 use crate::evaluate::manifest::{Count, SpectrumRow};
 use crate::numerics::estimate::Estimate;
 use crate::report::page::{STYLE, hex, made_by};
-use crate::sweep::definition::load::{AxisOutline, Sweep};
+use crate::sweep::definition::load::{AxisOutline, Outline, Sweep};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 
 /// Steps per unit of a spectrum; the largest value is 3.2767 − 0.1.
 const STEPS: f64 = 20_000.0;
@@ -75,7 +79,7 @@ fn wavelengths_nm(outcomes: &[Outcome]) -> Vec<f64> {
 /// the square.
 fn variant(sweep: &Sweep, outcomes: &[Outcome], number: usize, wavelengths_nm: &[f64]) -> Value {
     let outcome = &outcomes[number];
-    let to_target = target::numbers(outcome).map(|e| e.map_or([None; 2], in_numbers));
+    let to_target = target_numbers(outcome).map(|e| e.map_or([None; 2], in_numbers));
     let to_target = to_target.into_iter().filter(|_| outcome.aim.is_some());
     let numbers = shown(sweep, number, outcomes).map(|all| all.into_iter().map(in_numbers).chain(to_target));
     let Count { finished, asked } = outcome.solves;
@@ -114,9 +118,8 @@ fn spectra(rows: &[SpectrumRow], wavelengths_nm: &[f64]) -> String {
 }
 
 fn counted(value: Option<f64>) -> u16 {
-    value
-        .filter(|v| v.is_finite())
-        .map_or(UNKNOWN, |v| (v * STEPS).round().clamp(0.0, f64::from(UNKNOWN - 1)) as u16)
+    let Some(v) = value.filter(|v| v.is_finite()) else { return UNKNOWN };
+    (v * STEPS).round().clamp(0.0, f64::from(UNKNOWN - 1)) as u16
 }
 
 fn pixels(picture: &InkPicture) -> String {
@@ -130,6 +133,111 @@ fn pixels(picture: &InkPicture) -> String {
         bitmap.fill([x + 1, y], [1, 1], colour.srgb8);
     }
     bitmap.png(&[]).map_or_else(|_| String::new(), |png| STANDARD.encode(png))
+}
+
+/// Fewest settings to interpolate between: an inner one must be left out.
+const FEWEST: usize = 3;
+
+/// An axis whose settings are numbers, all with results.
+#[derive(Debug, Serialize)]
+pub(super) struct Continuous {
+    /// Numbers of the settings, rising or falling.
+    pub values: Vec<f64>,
+    /// Whether their logarithms are interpolated instead, because the median is smaller.
+    pub logarithmic: bool,
+    /// Median of all leave-one-out errors, ΔE₀₀.
+    pub median: f64,
+    /// ΔE₀₀ between each variant's colour and that interpolated from the others along the axis;
+    /// `None` for the first and last setting.
+    pub left_out: Vec<Option<f64>>,
+}
+
+impl Continuous {
+    /// Axis `a`, with L*, a*, b* of every variant; `None` if it has fewer than three numbers or one
+    /// of its variants has no colour.
+    pub fn new(outline: &Outline, labs: &[Option<[f64; 3]>], a: usize) -> Option<Self> {
+        let values = numbers(&outline.axes[a])?;
+        let lines = lines(outline, a)?;
+        let labs = labs.iter().copied().collect::<Option<Vec<_>>>()?;
+        let logarithms = values[0].min(values[values.len() - 1]) > 0.0;
+        let judged = [false, true].into_iter().filter(|&log| logarithms || !log).filter_map(|logarithmic| {
+            let xs: Vec<f64> = values.iter().map(|&x| if logarithmic { x.ln() } else { x }).collect();
+            let left_out = left_out(&xs, &lines, &labs);
+            Some(Self { values: values.clone(), logarithmic, median: median(&left_out)?, left_out })
+        });
+        judged.min_by(|one, other| one.median.total_cmp(&other.median))
+    }
+}
+
+/// The numbers of an axis if all labels are numbers with one unit, in order.
+fn numbers(axis: &AxisOutline) -> Option<Vec<f64>> {
+    let values: Vec<f64> = (0..axis.labels.len()).map(|k| axis.number(k)).collect::<Option<_>>()?;
+    let one_unit =
+        axis.labels.windows(2).all(|l| l[0].split_whitespace().nth(1) == l[1].split_whitespace().nth(1));
+    let in_order = values.is_sorted_by(|x, y| x < y) || values.is_sorted_by(|x, y| x > y);
+    (one_unit && in_order && values.len() >= FEWEST).then_some(values)
+}
+
+/// The variants along an axis, for every combination of the other settings; `None` if some are
+/// missing.
+fn lines(outline: &Outline, a: usize) -> Option<Vec<Vec<usize>>> {
+    let settings = outline.axes[a].labels.len();
+    let mut lines: BTreeMap<Vec<usize>, Vec<Option<usize>>> = BTreeMap::new();
+    for (v, variant) in outline.variants.iter().enumerate() {
+        let mut others = variant.place.clone();
+        let k = others.remove(a);
+        lines.entry(others).or_insert_with(|| vec![None; settings])[k] = Some(v);
+    }
+    lines.into_values().map(|line| line.into_iter().collect()).collect()
+}
+
+/// Leave-one-out errors of all variants, ΔE₀₀.
+fn left_out(xs: &[f64], lines: &[Vec<usize>], labs: &[[f64; 3]]) -> Vec<Option<f64>> {
+    let mut errors = vec![None; labs.len()];
+    for k in 1..xs.len() - 1 {
+        let mut others = xs.to_vec();
+        let x = others.remove(k);
+        let weights = weights(&others, k - 1, (x - xs[k - 1]) / (xs[k + 1] - xs[k - 1]));
+        for line in lines {
+            let near = line.iter().filter(|&&v| v != line[k]).zip(&weights);
+            let lab = near.fold([0.0; 3], |sum, (&v, w)| std::array::from_fn(|i| sum[i] + w * labs[v][i]));
+            errors[line[k]] = Some(ciede2000(lab, labs[line[k]]));
+        }
+    }
+    errors
+}
+
+fn median(errors: &[Option<f64>]) -> Option<f64> {
+    let mut all: Vec<f64> = errors.iter().flatten().copied().collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied()
+}
+
+/// Weights of values at `xs` for the point `t` = 0…1 between `xs[k]` and `xs[k + 1]`: the cubic
+/// whose slope at an inner `x` is that of the chord through both neighbours, so that uneven
+/// distances cause no large overshoot; at an end the parabola, with two values the line.
+fn weights(xs: &[f64], k: usize, t: f64) -> Vec<f64> {
+    let (h, inner) = (xs[k + 1] - xs[k], [k > 0, k + 2 < xs.len()]);
+    let (here, there) = (h * t * (1.0 - t).powi(2), -h * t * t * (1.0 - t));
+    // by how much the slopes at both ends differ from that of the line
+    let bends = match inner {
+        [true, true] => [here, there],
+        [true, false] => [here - there, 0.0],
+        [false, true] => [0.0, there - here],
+        [false, false] => [0.0; 2],
+    };
+    let mut weights = vec![0.0; xs.len()];
+    (weights[k], weights[k + 1]) = (1.0 - t, t);
+    for (bend, [i, j]) in bends.into_iter().zip([[k.saturating_sub(1), k + 1], [k, k + 2]]) {
+        if bend != 0.0 {
+            let chord = bend / (xs[j] - xs[i]);
+            weights[j] += chord;
+            weights[i] -= chord;
+            weights[k + 1] -= bend / h;
+            weights[k] += bend / h;
+        }
+    }
+    weights
 }
 
 #[cfg(test)]
@@ -225,7 +333,7 @@ mod tests {
         let outcomes: Vec<Outcome> = all.collect();
         let sweep = Sweep { outline, variants: Vec::new(), inputs: Vec::new() };
         assert_eq!(wavelengths_nm(&outcomes), nm);
-        let nearest = target::nearest(&sweep.outline, &outcomes);
+        let nearest = super::super::reported::nearest(&sweep.outline, &outcomes);
         let bytes = page(&sweep, &Reported { outcomes, conclusions: Vec::new(), nearest }).len();
         assert!((200_000..1_000_000).contains(&bytes), "{bytes} bytes");
     }
@@ -237,5 +345,80 @@ mod tests {
             assert!((there(x) - x).abs() <= 0.5 / STEPS + 1e-12, "{x}");
         }
         assert_eq!((counted(None), counted(Some(f64::NAN))), (UNKNOWN, UNKNOWN));
+    }
+
+    fn outline(labels: [&[&str]; 2]) -> Outline {
+        let axis = |labels: &[&str]| AxisOutline {
+            name: "size".into(),
+            labels: labels.iter().map(|l| (*l).to_owned()).collect(),
+            unit: String::new(),
+        };
+        let place = |i: usize, j: usize| Place { name: format!("{i}-{j}"), place: vec![i, j] };
+        let inner = labels[1].len();
+        Outline {
+            title: String::new(),
+            axes: labels.map(axis).to_vec(),
+            sheet: Default::default(),
+            reference: 0,
+            reference_asked: false,
+            claims: Vec::new(),
+            variants: (0..labels[0].len() * inner).map(|v| place(v / inner, v % inner)).collect(),
+        }
+    }
+
+    /// L* = 50 + x² at −2, …, 2, two times: without an inner x the cubic (at 0: slopes −1 and 1 at
+    /// −1 and 1) and the parabolas (at −1 and 1) miss by 1/2, where lines miss by 1.
+    /// *Planted*: without the bends this gives the errors of lines.
+    #[test]
+    fn leaving_one_out_of_a_parabola_misses_by_a_half() {
+        let outline = outline([&["red", "blue"], &["-2 nm", "-1 nm", "0 nm", "1 nm", "2 nm"]]);
+        let lab = |x: f64| [50.0 + x * x, 0.0, 0.0];
+        let labs: Vec<_> = (0..10).map(|v| Some(lab(f64::from(v % 5) - 2.0))).collect();
+        let axis = Continuous::new(&outline, &labs, 1).unwrap();
+        let missed = |v: usize| labs[v].map(|[l, ..]| ciede2000([l + 0.5, 0.0, 0.0], [l, 0.0, 0.0]));
+        for v in 0..10 {
+            let expected = (1..4).contains(&(v % 5)).then(|| missed(v).unwrap());
+            assert!((axis.left_out[v].unwrap_or(9.0) - expected.unwrap_or(9.0)).abs() < 1e-9, "{axis:?}");
+        }
+        assert!(axis.values == [-2.0, -1.0, 0.0, 1.0, 2.0] && !axis.logarithmic);
+        assert!((axis.median - missed(1).unwrap()).abs() < 1e-9, "{axis:?}");
+    }
+
+    #[test]
+    fn a_colour_linear_in_the_logarithm_is_interpolated_in_it() {
+        let outline = outline([&["1"], &["800", "400", "200", "100"]]);
+        let labs = [60.0, 50.0, 40.0, 30.0].map(|l| Some([l, 0.0, 0.0]));
+        let axis = Continuous::new(&outline, &labs, 1).unwrap();
+        assert!(axis.logarithmic && axis.median < 1e-9, "{axis:?}");
+    }
+
+    #[test]
+    fn axes_with_two_values_words_or_gaps_stay_discrete() {
+        let is_continuous = |labels: &[&str], gaps: usize| {
+            let mut outline = outline([&["1", "2"], labels]);
+            outline.variants.truncate(outline.variants.len() - gaps);
+            Continuous::new(&outline, &vec![Some([50.0, 0.0, 0.0]); outline.variants.len()], 1).is_some()
+        };
+        assert!(is_continuous(&["1 nm", "2 nm", "4 nm"], 0));
+        for labels in [&["1 nm", "2 nm"][..], &["1 nm", "2 µm", "4 µm"], &["1", "2", "all"], &["1", "3", "2"]]
+        {
+            assert!(!is_continuous(labels, 0), "{labels:?}");
+        }
+        assert!(!is_continuous(&["1 nm", "2 nm", "4 nm"], 1));
+        let (three, unsolved) =
+            (outline([&["1"], &["1", "2", "3"]]), [Some([50.0; 3]), None, Some([50.0; 3])]);
+        assert!(Continuous::new(&three, &unsolved, 1).is_none());
+    }
+
+    #[test]
+    fn weights_reproduce_lines_and_settings() {
+        let xs = [1.0, 2.0, 5.0, 20.0];
+        for (k, t) in [(0, 0.3), (1, 0.5), (2, 0.9), (2, 1.0)] {
+            let weights = weights(&xs, k, t);
+            let x: f64 = weights.iter().zip(xs).map(|(w, x)| w * x).sum();
+            assert!((x - (xs[k] + t * (xs[k + 1] - xs[k]))).abs() < 1e-12, "{weights:?}");
+            assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{weights:?}");
+        }
+        assert_eq!(weights(&xs, 1, 0.0), [0.0, 1.0, 0.0, 0.0]);
     }
 }

@@ -1,6 +1,5 @@
 //! The results of a sweep: outcomes, conclusions, tables, contact sheets and pages.
 
-mod between;
 pub mod composed;
 pub mod conclusions;
 mod curves;
@@ -10,4 +9,3 @@ mod page;
 pub mod publish;
 pub mod reported;
 mod sheets;
-mod target;

@@ -4,11 +4,11 @@ use super::conclusions::Judged;
 use super::curves;
 use super::outcome::Outcome;
 use super::reported::{Reported, shown};
-use super::sheets::Sheet;
-use crate::draw::OutputError;
+use super::sheets::DrawnSheet;
+use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve};
 use crate::report::page::{Picture, hex, made_by, png_data, rendered, svg_data};
-use crate::report::publish::PublishError;
+use crate::report::publish::PublishResult;
 use crate::report::scalar_error;
 use crate::sweep::definition::load::{AxisOutline, Sweep};
 use minijinja::value::Serde;
@@ -18,23 +18,16 @@ use minijinja::{Value, context};
 const MOST_FIGURES: usize = 24;
 
 /// The page as HTML; all text is escaped.
-pub(crate) fn page(
-    sweep: &Sweep,
-    reported: &Reported,
-    sheets: &[Sheet],
-    drawn: &[Vec<u8>],
-) -> Result<String, PublishError> {
+pub(super) fn page(sweep: &Sweep, reported: &Reported, sheets: &[DrawnSheet]) -> PublishResult<String> {
     let (outline, outcomes) = (&sweep.outline, &reported.outcomes);
     let (complete, all) = (reported.complete(), sweep.variants.len());
-    let pictures = sheets.iter().zip(drawn);
-    let pictures = pictures.map(|(sheet, png)| Picture { data: png_data(png), caption: sheet.title.clone() });
-    let pictures: Vec<Picture> = pictures.collect();
+    let picture = |(sheet, png): &DrawnSheet| Picture { data: png_data(png), caption: sheet.title.clone() };
     let data = context! {
         title => &outline.title,
         summary => format!("{all} variants over {} axes.", outline.axes.len()),
         partial => (complete < all).then(|| partial(reported, complete, all)),
         scalar_error => scalar_error::line_of_many(sweep.variants.iter().map(|variant| &variant.study)),
-        sheets => Serde(pictures),
+        sheets => Serde(sheets.iter().map(picture).collect::<Vec<_>>()),
         conclusions => conclusions(&reported.conclusions),
         nearest => Serde(&reported.nearest),
         axes => Vec::from_iter(outline.axes.iter().map(AxisOutline::heading)),
@@ -113,9 +106,9 @@ fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Value {
 
 /// Curves against concentration and size; then spectra of the layer's transmittance: one figure per
 /// row of each sheet, one curve per column.
-fn figures(sweep: &Sweep, sheets: &[Sheet], outcomes: &[Outcome]) -> Result<Vec<Picture>, OutputError> {
+fn figures(sweep: &Sweep, sheets: &[DrawnSheet], outcomes: &[Outcome]) -> DrawResult<Vec<Picture>> {
     let mut charts = Vec::new();
-    'sheets: for sheet in sheets {
+    'sheets: for (sheet, _) in sheets {
         charts.extend(curves::plots(sweep, sheet, outcomes));
         for (name, row) in sheet.rows.iter().zip(&sheet.cells) {
             let words = [sheet.title.as_str(), &sheet.row_axis, name];

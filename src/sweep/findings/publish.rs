@@ -2,20 +2,17 @@
 //! contact sheets, conclusions.
 
 use super::conclusions::{Judged, judge};
-use super::explore;
 use super::outcome::Outcome;
-use super::page;
-pub use super::reported::Reported;
-use super::reported::numbers;
+use super::reported::{Reported, nearest, numbers, target_columns, target_numbers};
 use super::sheets::{contact_sheet, sheets};
-use super::target;
+use super::{explore, page};
 use crate::appearance::picture::InkPicture;
 use crate::draw::picture::PictureStyle;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
 use crate::report::cell;
-use crate::report::publish::{PublishError, publish_seen};
+use crate::report::publish::{PublishError, PublishResult, publish_seen};
 use crate::run::Stores;
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::folder::VARIANTS;
@@ -30,7 +27,7 @@ const SHEET_STYLE: PictureStyle = PictureStyle { side_px: 124, strip_px: 32, gap
 ///
 /// # Errors
 /// Files cannot be written, or records do not match.
-pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> Result<Reported, PublishError> {
+pub fn publish(sweep: &Sweep, folder: &OutputFolder) -> PublishResult<Reported> {
     Publisher::new(sweep).publish(folder)
 }
 
@@ -52,7 +49,7 @@ impl<'a> Publisher<'a> {
     ///
     /// # Errors
     /// As for [`publish`].
-    pub fn publish(&mut self, folder: &OutputFolder) -> Result<Reported, PublishError> {
+    pub fn publish(&mut self, folder: &OutputFolder) -> PublishResult<Reported> {
         folder.mark_partial()?;
         let stores = Stores::open(folder)?;
         for (number, outcome) in self.outcomes.iter_mut().enumerate().filter(|(_, o)| !o.is_complete()) {
@@ -63,23 +60,22 @@ impl<'a> Publisher<'a> {
 }
 
 /// Writes the contact sheets, tables and pages of the whole sweep.
-fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Result<Reported, PublishError> {
+fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> PublishResult<Reported> {
     let conclusions = sweep.outline.claims.iter().map(|claim| judge(claim, &outcomes)).collect();
-    let nearest = target::nearest(&sweep.outline, &outcomes);
+    let nearest = nearest(&sweep.outline, &outcomes);
     let reported = Reported { outcomes, conclusions, nearest };
     let sheets = sheets(&sweep.outline);
-    let mut drawn = Vec::new();
-    for (i, sheet) in sheets.iter().enumerate() {
-        let sheet = contact_sheet(sheet, &sweep.outline.title, &reported.outcomes);
-        let png = sheet.render(&SHEET_STYLE)?.png(&[("Title", sheet.title.as_str())])?;
-        folder.write(&sheet_name(i, sheets.len()), &png)?;
-        drawn.push(png);
+    let (count, mut drawn) = (sheets.len(), Vec::new());
+    for (i, sheet) in sheets.into_iter().enumerate() {
+        let pictures = contact_sheet(&sheet, &sweep.outline.title, &reported.outcomes);
+        let png = pictures.render(&SHEET_STYLE)?.png(&[("Title", pictures.title.as_str())])?;
+        folder.write(&sheet_name(i, count), &png)?;
+        drawn.push((sheet, png));
     }
     folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
     folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
     folder.write("explore.html", explore::page(sweep, &reported).as_bytes())?;
-    let html = page::page(sweep, &reported, &sheets, &drawn)?;
-    folder.write("report.html", html.as_bytes())?;
+    folder.write("report.html", page::page(sweep, &reported, &drawn)?.as_bytes())?;
     if reported.complete() == sweep.variants.len() {
         folder.complete()?;
     }
@@ -91,12 +87,7 @@ fn sheet_name(i: usize, count: usize) -> String {
     if count == 1 { "contact-sheet.png".into() } else { format!("contact-sheet-{}.png", i + 1) }
 }
 
-fn variant(
-    sweep: &Sweep,
-    number: usize,
-    stores: &Stores,
-    folder: &OutputFolder,
-) -> Result<Outcome, PublishError> {
+fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder) -> PublishResult<Outcome> {
     let (study, nothing) = (&sweep.variants[number].study, Outcome::nothing(sweep, number));
     let Some(collected) = collect(study, stores, 0) else {
         let refused = refused(study, stores, study.realisations);
@@ -106,7 +97,7 @@ fn variant(
     let seen = see(study, &collected)?;
     let manifest = summarise(study, &collected, &seen);
     let of_variant = folder.inside(&format!("{VARIANTS}/{}", sweep.variants[number].name))?;
-    match publish_seen(study, &manifest, &seen, &of_variant) {
+    match publish_seen(&manifest, &seen, &of_variant) {
         // a variant without a result does not hold back the others
         Err(none @ (PublishError::Unphysical(_) | PublishError::NoRoom(_))) => {
             let (solves, failures) = (manifest.solves, 1 + manifest.failures.len());
@@ -129,11 +120,10 @@ const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
 fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     let axes = sweep.outline.axes.iter().map(|axis| cell::text(&axis.name));
     let counts = ["solves", "solves_finished", "failures", "realisations"].map(str::to_owned);
-    let aims = target::columns(outcomes);
+    let aims = target_columns(outcomes);
     let columns = cell::with_errors(NUMBERS.into_iter().chain(aims.iter().copied()));
     let header = std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns);
-    let reference = &outcomes[sweep.outline.reference];
-    let row = |outcome| Vec::from_iter(outcome_row(outcome, reference, aims.len()));
+    let row = |outcome| Vec::from_iter(outcome_row(outcome, &outcomes[sweep.outline.reference], aims.len()));
     cell::table(header, outcomes.iter().map(row))
 }
 
@@ -142,7 +132,7 @@ fn outcome_row(o: &Outcome, reference: &Outcome, aims: usize) -> impl Iterator<I
     let all = o.solves;
     let counts = [all.asked, all.finished, o.failures, o.realisations].map(|n| n.to_string());
     let numbers = numbers(o, reference);
-    let of_aims = target::numbers(o).into_iter().take(aims);
+    let of_aims = target_numbers(o).into_iter().take(aims);
     let estimates = (0..NUMBERS.len()).map(move |i| numbers.map(|n| n[i])).chain(of_aims);
     let names = std::iter::once(&o.name).chain(&o.labels).map(|words| cell::text(words));
     names.chain(counts).chain(estimates.flat_map(cell::numbers))
@@ -157,11 +147,9 @@ fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
 
 fn judged_row(c: &Judged) -> impl Iterator<Item = String> {
     let [value, error] = cell::numbers(c.measured);
-    let [id, statement, inequality] =
-        [&c.table.id, &c.table.statement, &c.inequality].map(|words| cell::text(words));
+    let [id, statement, inequality] = [&c.table.id, &c.table.statement, &c.inequality].map(|w| cell::text(w));
     let verdict = c.verdict.name().to_owned();
     let words = [&c.table.source, &c.table.quote, &c.table.translation, &c.table.because];
     let words = words.map(|words| cell::text(words.as_deref().unwrap_or_default()));
-    let judged = [id, statement, inequality, value, error, verdict, cell::text(&c.remark)];
-    judged.into_iter().chain(words)
+    [id, statement, inequality, value, error, verdict, cell::text(&c.remark)].into_iter().chain(words)
 }

@@ -9,6 +9,9 @@ use std::collections::{BTreeMap, BTreeSet};
 /// of the axes that it does not show.
 pub(crate) type Sheet = ContactSheet<Option<usize>>;
 
+/// A sheet, and its pictures as PNG.
+pub(super) type DrawnSheet = (Sheet, Vec<u8>);
+
 /// All sheets of a sweep that contain a variant.
 pub(crate) fn sheets(outline: &Outline) -> Vec<Sheet> {
     let shown = shown_axes(outline);

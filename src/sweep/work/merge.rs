@@ -25,31 +25,15 @@ pub enum MergeError {
     #[error(transparent)]
     Folder(#[from] FolderError),
     /// The shards belong to different sweeps.
-    #[error("{} belongs to another sweep than {}", other.display(), first.display())]
-    OtherSweep {
-        /// The first shard.
-        first: PathBuf,
-        /// The one that differs.
-        other: PathBuf,
-    },
-    /// Two intact records of the same inputs contain different numbers.
-    #[error("{what} in {} differs from the intact record of the same inputs in another shard ({builds})", shard.display())]
-    Contradiction {
-        /// The solve, packing or grid.
-        what: String,
-        /// The later shard.
-        shard: PathBuf,
-        /// The programs that computed them.
-        builds: String,
-    },
-    /// A store cannot be read or written.
-    #[error("cannot read or copy the records of {}: {source}", shard.display())]
-    Copy {
-        /// The shard.
-        shard: PathBuf,
-        /// The system's error message.
-        source: io::Error,
-    },
+    #[error("{0}")]
+    OtherSweep(String),
+    /// Two intact records of the same inputs contain different numbers: the solve, packing or grid,
+    /// the later shard, and the programs that computed them.
+    #[error("{0}")]
+    Contradiction(String),
+    /// A store cannot be read or written: the shard, and the system's error message.
+    #[error("cannot read or copy the records of {0}")]
+    Copy(String),
 }
 
 /// Result of a merge.
@@ -75,18 +59,19 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
     folder.begin()?;
     folder::write(&sweep, folder)?;
     let failed = |shard: &Path| {
-        let shard = shard.to_owned();
-        |source| MergeError::Copy { shard, source }
+        let shard = shard.display().to_string();
+        move |error: io::Error| MergeError::Copy(format!("{shard}: {error}"))
     };
     let into = Database::open(folder.path()).map_err(failed(folder.path()))?;
     let mut found = Vec::new();
     for shard in shards {
         let from = Database::open(shard).map_err(failed(shard))?;
-        let contradiction = into.adopt(&from, &[], &same_numbers).map_err(failed(shard))?;
-        if let Some([one, other]) = contradiction {
+        if let Some([one, other]) = into.adopt(&from, &[], &same_numbers).map_err(failed(shard))? {
             let what = describe(&sweep, folder, &other);
             let builds = format!("{} and {}", one.program, other.program);
-            return Err(MergeError::Contradiction { what, shard: shard.clone(), builds });
+            let differs = "differs from the intact record of the same inputs in another shard";
+            let shard = shard.display();
+            return Err(MergeError::Contradiction(format!("{what} in {shard} {differs} ({builds})")));
         }
         found.extend(from.damages());
     }
@@ -100,7 +85,8 @@ fn refuse_other_sweep(sweep: &Sweep, first: &Path, shard: &Path) -> Result<(), M
     let texts = |s: &Sweep| s.variants.iter().map(|v| v.text.clone()).collect::<Vec<_>>();
     // Studies name their tables by checksum: equal texts read equal tables.
     if other.outline != sweep.outline || texts(&other) != texts(sweep) {
-        return Err(MergeError::OtherSweep { first: first.to_owned(), other: shard.to_owned() });
+        let (first, other) = (first.display(), shard.display());
+        return Err(MergeError::OtherSweep(format!("{other} belongs to another sweep than {first}")));
     }
     Ok(())
 }

@@ -15,7 +15,7 @@ use crate::sweep::definition::load::{Sweep, Variant};
 use scaled::scaled;
 use serde::Serialize;
 use std::collections::HashSet;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use trial::{Deadline, MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial};
 
 /// Maximum number of trial variants.
@@ -61,10 +61,10 @@ pub struct Plan {
 /// No trial variant can be packed and solved, or the watch requests a stop.
 pub fn plan(sweep: &Sweep, settings: RunSettings, watch: &dyn RunWatch) -> Result<Plan, RunError> {
     let jobs = settings.jobs.unwrap_or_else(rayon::current_num_threads);
-    let deadline = Deadline::after(watch, LIMIT);
-    let (mut trials, late) = tried(&representatives(sweep), jobs, &deadline)?;
+    let deadline = Deadline { watch, jobs, end: Instant::now() + LIMIT };
+    let (mut trials, late) = tried(&representatives(sweep), &deadline)?;
     let mut calibration = in_words(&trials);
-    if let Some((name, factor)) = at_full_size(&trials, jobs, &deadline)? {
+    if let Some((name, factor)) = at_full_size(&trials, &deadline)? {
         calibration += &format!("; {name} at full size costs {factor:.2} times as much per µm³");
         trials.iter_mut().for_each(|t| (t.solve, t.grid) = (t.solve * factor, t.grid * factor));
     }
@@ -85,18 +85,17 @@ fn variants_of_groups(sweep: &Sweep) -> Vec<Vec<&Variant>> {
 }
 
 /// Trials that finished in time, and the variants whose trials did not.
-fn tried<'a>(
-    variants: &[&'a Variant],
-    jobs: usize,
-    deadline: &Deadline,
-) -> Result<(Vec<Trial<'a>>, Vec<&'a Variant>), RunError> {
+type Tried<'a> = (Vec<Trial<'a>>, Vec<&'a Variant>);
+
+/// Tries one variant after another.
+fn tried<'a>(variants: &[&'a Variant], deadline: &Deadline) -> Result<Tried<'a>, RunError> {
     let (mut trials, mut late, mut failure) = (Vec::new(), Vec::new(), None);
     for (place, &variant) in variants.iter().enumerate() {
         // one more part for the solve at full size
         let part = deadline.part(variants.len() - place + 1);
         part.stage(&format!("calibrating with {} in a small cell", variant.name));
         let alike = trials.iter().find(|t: &&Trial| t.study.resolution == variant.study.resolution);
-        match trial(variant, alike, jobs, &part).map_err(RunError::stopped) {
+        match trial(variant, alike, &part).map_err(RunError::stopped) {
             Ok(trial) => trials.push(trial),
             Err(RunError::Stopped) if deadline.watch.stop() => return Err(RunError::Stopped),
             Err(RunError::Stopped) => late.push(variant),
@@ -120,18 +119,11 @@ fn costed(sweep: &Sweep, trials: &[Trial], calibration: String, settings: RunSet
         unknowns = unknowns.max(r.nx * r.ny * r.planes());
         most_bytes = most_bytes.max(size(study, r).bytes(&*study.solver.build()));
     }
-    let packings = groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max());
-    Plan {
-        variants: sweep.variants.len(),
-        packings: packings.sum(),
-        solves,
-        units: units(sweep).len(),
-        unknowns,
-        memory_mb: (1e-6 * most_bytes).ceil() as usize,
-        core_seconds,
-        calibration,
-        out_of_reach: out_of_reach(core_seconds, most_bytes, settings.memory),
-    }
+    let packings = groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max()).sum();
+    let (variants, units) = (sweep.variants.len(), units(sweep).len());
+    let memory_mb = (1e-6 * most_bytes).ceil() as usize;
+    let out_of_reach = out_of_reach(core_seconds, most_bytes, settings.memory);
+    Plan { variants, packings, solves, units, unknowns, memory_mb, core_seconds, calibration, out_of_reach }
 }
 
 /// Why the available cores and memory do not suffice; `None` if they do.
@@ -171,8 +163,7 @@ fn in_words(trials: &[Trial]) -> String {
 fn representatives(sweep: &Sweep) -> Vec<&Variant> {
     let groups = variants_of_groups(sweep);
     let wanted = resolutions(&sweep.variants.iter().collect::<Vec<_>>());
-    let each = (TRIALS / wanted.len()).max(2);
-    let mut chosen = Vec::new();
+    let (each, mut chosen) = ((TRIALS / wanted.len()).max(2), Vec::new());
     for (n, wanted) in wanted.into_iter().enumerate() {
         let mut all = Vec::new();
         for (k, group) in groups.iter().enumerate() {
@@ -217,18 +208,14 @@ fn resolutions(variants: &[&Variant]) -> Vec<WantedResolution> {
 
 /// Solves the variant with the fastest packing at full size; returns its name and the cost per µm³
 /// relative to the small cell.
-fn at_full_size<'a>(
-    trials: &[Trial<'a>],
-    jobs: usize,
-    deadline: &Deadline,
-) -> Result<Option<(&'a str, f64)>, RunError> {
+fn at_full_size<'a>(trials: &[Trial<'a>], deadline: &Deadline) -> Result<Option<(&'a str, f64)>, RunError> {
     let Some(trial) = trials.iter().min_by(|a, b| a.packing.total_cmp(&b.packing)) else { return Ok(None) };
     let Variant { name, study, .. } = trial.variant;
     if study.layer.period_um == trial.study.layer.period_um || grains(study) > MOST_GRAINS {
         return Ok(None);
     }
     deadline.stage(&format!("calibrating with {name} at full size"));
-    match full_solve(trial, study, jobs, deadline).map_err(RunError::stopped) {
+    match full_solve(trial, study, deadline).map_err(RunError::stopped) {
         Ok(solve) => Ok(Some((name, solve / trial.solve))),
         Err(RunError::Stopped) if !deadline.watch.stop() => Ok(None),
         Err(error) => Err(error),
@@ -236,11 +223,10 @@ fn at_full_size<'a>(
 }
 
 /// Core seconds per µm³ of a solve at full size.
-fn full_solve(trial: &Trial, study: &Study, jobs: usize, watch: &dyn RunWatch) -> Result<f64, RunError> {
-    let packing = Packings::new(study, watch).get(0)?;
+fn full_solve(trial: &Trial, study: &Study, watch: &Deadline) -> Result<f64, RunError> {
     let grids = (full_resolution(trial, study), trial.longer_waves);
-    let covers = covers(study, packing, grids, watch)?;
-    Ok(time_solves(study, &covers, jobs, watch)? / study.volume_um3())
+    let covers = covers(study, Packings::new(study, watch).get(0)?, grids, watch)?;
+    Ok(time_solves(study, &covers, watch)? / study.volume_um3())
 }
 
 /// Number of different solves, and core seconds: each group at the rates of the trials with the

@@ -5,9 +5,6 @@
 //! begins. Failures are recorded and do not stop the rest; they are retried only with
 //! `--retry-failed`, and by `inkwave run`.
 
-mod jobs;
-mod news;
-mod room;
 mod work;
 
 use super::rounds::Rounds;
@@ -18,17 +15,15 @@ use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings, Stores};
 use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
-use crate::store::queue::{Assignment, Queue, QueueStanding};
+use crate::store::queue::{Assignment, Queue, QueueStanding, QueuedTask};
 use crate::store::seal::Damage;
-use crate::sweep::definition::load::Sweep;
-use jobs::{Job, jobs};
-use news::News;
-use room::Room;
+use crate::sweep::definition::load::{Sweep, Variant};
 use serde::Serialize;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Once, OnceLock};
 use std::time::Duration;
-use work::Work;
+use work::{NamedWatch, News, Room, Work};
 
 /// Interval at which an idle worker looks for work again.
 const WAIT: Duration = Duration::from_millis(50);
@@ -141,16 +136,10 @@ pub fn run(
         stores.database().refresh()?;
     }
     let QueueStanding { workers, solves: processed, failed, .. } = queue.standing()?;
-    Ok(Tally {
-        asked: solves(sweep, shard),
-        finished: processed - failed,
-        failed,
-        publishes: if watch.stop() { workers == 1 } else { queue.publishes()? },
-        damages: stores.database().damages(),
-        failure,
-        waited: WAIT * waits as u32,
-        known: rounds.known(),
-    })
+    let publishes = if watch.stop() { workers == 1 } else { queue.publishes()? };
+    let (asked, finished, known) = (solves(sweep, shard), processed - failed, rounds.known());
+    let (damages, waited) = (stores.database().damages(), WAIT * waits as u32);
+    Ok(Tally { asked, finished, failed, publishes, damages, failure, waited, known })
 }
 
 /// Name of the work, so that only processes with the same sweep and shard share it.
@@ -230,7 +219,11 @@ impl Worker<'_> {
     /// Computes a unit; or chooses the grids of a group and sets the cost of its units.
     fn carry_out(&self, task: usize, Job { unit, grids }: &Job) -> Result<(), RunError> {
         let news = News::new(self, task);
-        let work = |v: usize| Work::new(self, &self.sweep.variants[v], unit.realisation, &news);
+        let work = |v: usize| {
+            let Variant { name, study, .. } = &self.sweep.variants[v];
+            let watch = NamedWatch { name, watch: &news };
+            Work { worker: self, study, realisation: unit.realisation, watch }
+        };
         let first = work(unit.variants[0]);
         let mut packings = Packings::new(first.study, &first.watch);
         let mut sum = 0;
@@ -254,4 +247,41 @@ impl Worker<'_> {
         self.queue.reckon(task, sum as f64)?;
         Ok(self.queue.finish(task, 0, 0)?)
     }
+}
+
+/// A task: to compute a unit, or to choose the grids of a group.
+struct Job {
+    /// The unit; if grids are chosen, all variants of the group in their first realisation.
+    pub unit: Unit,
+    /// Number of the task that chooses the grids; `None` if this one does.
+    pub grids: Option<usize>,
+}
+
+impl Job {
+    pub fn task(&self, sweep: &Sweep) -> QueuedTask {
+        let studies = self.unit.variants.iter().map(|v| &sweep.variants[*v].study);
+        let cost = match self.grids {
+            None => GRIDS_FIRST * studies.map(|study| study.volume_um3()).sum::<f64>(),
+            // an estimate until the grid is known
+            Some(_) => solves_of(sweep, &self.unit) as f64,
+        };
+        QueuedTask { cost, after: self.grids }
+    }
+}
+
+/// The grids of all groups, followed by the units if these are to be solved.
+fn jobs(units: &[Unit], scope: Scope) -> Vec<Job> {
+    let mut groups: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+    for unit in units {
+        groups.entry(unit.group).or_default().extend(&unit.variants);
+    }
+    let mut jobs = Vec::new();
+    for (&group, variants) in &groups {
+        let unit = Unit { group, variants: variants.iter().copied().collect(), realisation: 0 };
+        jobs.push(Job { unit, grids: None });
+    }
+    for unit in units.iter().filter(|_| scope == Scope::Solves) {
+        jobs.push(Job { unit: unit.clone(), grids: groups.keys().position(|&group| group == unit.group) });
+    }
+    jobs
 }

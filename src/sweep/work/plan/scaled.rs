@@ -30,21 +30,13 @@ const PER_WAVE: [f64; 2] = [4.5, 8.0];
 pub(super) fn scaled(variant: &Variant) -> Trial<'_> {
     let study = &variant.study;
     let resolution = grid(study);
-    let unknowns = size(study, resolution).unknowns();
-    let solve = unknowns * applications(study) * APPLICATION;
+    let solve = size(study, resolution).unknowns() * applications(study) * APPLICATION;
     let coverage = (resolution.nx * resolution.ny * resolution.planes()) as f64 * COVERAGE;
     let each = 1.0 / study.volume_um3();
-    Trial {
-        variant,
-        study: study.clone(),
-        packing: packing(study) * each,
-        coverage: coverage * each,
-        grid: SEARCH * (coverage + solve) * each,
-        search: SEARCH,
-        solve: solve * each,
-        resolution,
-        longer_waves: 0.0,
-    }
+    let costs = [packing(study), coverage, SEARCH * (coverage + solve), solve];
+    let [packing, coverage, grid, solve] = costs.map(|seconds| seconds * each);
+    let (study, search, longer_waves) = (study.clone(), SEARCH, 0.0);
+    Trial { variant, study, packing, coverage, grid, search, solve, resolution, longer_waves }
 }
 
 /// The requested grid, or the one that the accuracy is likely to need.
@@ -66,8 +58,7 @@ fn grid(study: &Study) -> Resolution {
 
 /// Largest |η| of all media at the shortest wavelength.
 fn densest(study: &Study) -> f64 {
-    let indices = study.indices(1e-3 * study.wavelengths_nm[0]);
-    indices.into_iter().map(|eta| eta.norm()).fold(1.0, f64::max)
+    study.indices(1e-3 * study.wavelengths_nm[0]).into_iter().map(|eta| eta.norm()).fold(1.0, f64::max)
 }
 
 /// Operator applications per solve: a constant, plus a term proportional to the phase difference

@@ -19,7 +19,7 @@ use crate::store::store::Store;
 use crate::sweep::definition::load::Variant;
 use crate::wave::{Resolution, Scene};
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Maximum period of a trial cell, µm, unless the longest grain needs more: then twice its length.
 const TRIAL_PERIOD_UM: f64 = 1.6;
@@ -74,11 +74,10 @@ pub(crate) fn grains(study: &Study) -> f64 {
 
 /// Runs the trial of a variant; `alike` is an earlier trial with the same requested resolution,
 /// whose grid is reused.
-pub(crate) fn trial<'a>(
+pub fn trial<'a>(
     variant: &'a Variant,
     alike: Option<&Trial>,
-    jobs: usize,
-    watch: &dyn RunWatch,
+    watch: &Deadline,
 ) -> Result<Trial<'a>, RunError> {
     let mut study = in_small_cell(&variant.study);
     study.realisations = 1;
@@ -91,7 +90,7 @@ pub(crate) fn trial<'a>(
     let packing = packing * rayon::current_num_threads() as f64;
     let (searched, grids) = grid_for(&study, &Scene::from_packing(&placed), alike, watch)?;
     let (coverage, covers) = timed(|| covers(&study, placed, grids, watch))?;
-    let solve = time_solves(&study, &covers, jobs, watch)?;
+    let solve = time_solves(&study, &covers, watch)?;
     // Cost of the search in solves including their coverages; taken from an earlier trial if there
     // is one.
     let search = match (searched, alike) {
@@ -100,17 +99,9 @@ pub(crate) fn trial<'a>(
     };
     let grid = search * (coverage + solve);
     let each = 1.0 / study.volume_um3();
-    Ok(Trial {
-        variant,
-        study,
-        packing: packing * each,
-        coverage: coverage * each,
-        grid: grid * each,
-        search,
-        solve: solve * each,
-        resolution: grids.0,
-        longer_waves: grids.1,
-    })
+    let [packing, coverage, grid, solve] = [packing, coverage, grid, solve].map(|seconds| seconds * each);
+    let (resolution, longer_waves) = grids;
+    Ok(Trial { variant, study, packing, coverage, grid, search, solve, resolution, longer_waves })
 }
 
 /// A packing on grids; the grid of the shortest wave, and the coarsening for longer ones.
@@ -161,22 +152,16 @@ fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunE
 }
 
 /// Mean core seconds of a few solves, spread over wavelengths and angles.
-pub(crate) fn time_solves(
-    study: &Study,
-    covers: &Covers,
-    jobs: usize,
-    watch: &dyn RunWatch,
-) -> Result<f64, RunError> {
-    let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * jobs));
-    let solver = study.solver.build();
+pub fn time_solves(study: &Study, covers: &Covers, watch: &Deadline) -> Result<f64, RunError> {
+    let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * watch.jobs));
     let ended = AtomicUsize::new(0);
     let solve = |i: usize| {
-        try_solve(study, &*solver, covers, &chosen[i], watch);
+        try_solve(study, &*study.solver.build(), covers, &chosen[i], watch);
         Ok(_ = ended.fetch_add(usize::from(!watch.stop()), Ordering::Relaxed))
     };
     let mut seconds = 0.0;
     while seconds < LEAST_SECONDS && ended.load(Ordering::Relaxed) < MOST_SOLVES && !watch.stop() {
-        seconds += timed(|| work_through(chosen.len(), jobs, watch, solve))?.0;
+        seconds += timed(|| work_through(chosen.len(), watch.jobs, watch, solve))?.0;
     }
     match ended.into_inner() {
         0 => Err(RunError::Stopped),
@@ -214,19 +199,16 @@ fn spread(points: &[Point], count: usize) -> Vec<Point> {
 pub(super) struct Deadline<'a> {
     /// Stops on the user's request alone.
     pub watch: &'a dyn RunWatch,
-    end: Instant,
+    /// Solves at a time.
+    pub jobs: usize,
+    pub end: Instant,
 }
 
-impl<'a> Deadline<'a> {
-    /// A deadline after `limit`.
-    pub fn after(watch: &'a dyn RunWatch, limit: Duration) -> Self {
-        Self { watch, end: Instant::now() + limit }
-    }
-
+impl Deadline<'_> {
     /// A deadline after an equal share of the time left, for the next of several trials.
     pub fn part(&self, trials: usize) -> Self {
-        let left = self.end.saturating_duration_since(Instant::now());
-        Self::after(self.watch, left / trials.max(1) as u32)
+        let now = Instant::now();
+        Self { end: now + self.end.saturating_duration_since(now) / trials.max(1) as u32, ..*self }
     }
 }
 

@@ -1,37 +1,30 @@
-//! The work on one realisation of one variant.
+//! The work on one realisation of one variant: its progress, for the screen and for other
+//! processes, and the memory of a process divided among its workers.
 
-use super::super::rounds::stage_key;
-use super::Worker;
+use super::{BETWEEN_NEWS, Worker};
 use crate::input::study::Study;
 use crate::run::realisation::{Packings, RealisationRun};
 use crate::run::resolve::{Resolved, resolve};
 use crate::run::watch::{Event, RunWatch};
 use crate::run::{RunError, RunSettings};
+use crate::solve::accuracy::AccuracyError;
 use crate::store::record::FailureRecord;
-use crate::sweep::definition::load::Variant;
+use crate::sweep::work::rounds::stage_key;
 use crate::wave::Scene;
 use std::ops::Range;
+use std::sync::{Mutex, PoisonError, RwLock};
+use std::time::Instant;
 
 /// The work on one realisation of one variant.
 pub(super) struct Work<'a> {
-    worker: &'a Worker<'a>,
+    pub worker: &'a Worker<'a>,
     pub study: &'a Study,
-    realisation: usize,
+    pub realisation: usize,
     /// Labels stages with the variant's name.
     pub watch: NamedWatch<'a>,
 }
 
-impl<'a> Work<'a> {
-    pub fn new(
-        worker: &'a Worker,
-        variant: &'a Variant,
-        realisation: usize,
-        watch: &'a dyn RunWatch,
-    ) -> Self {
-        let watch = NamedWatch { name: &variant.name, watch };
-        Self { worker, study: &variant.study, realisation, watch }
-    }
-
+impl Work<'_> {
     /// Chooses the variant's grid; returns the number of unknowns of the realisation's solves, to
     /// which its time is proportional.
     pub fn choose_grid(&self, packings: &mut Packings) -> Result<usize, RunError> {
@@ -61,8 +54,7 @@ impl<'a> Work<'a> {
 
     /// Whether the lack of a packing or grid is recorded for this realisation.
     fn has_failed(&self) -> bool {
-        let key = stage_key(self.study, self.realisation);
-        self.worker.stores.failures.has(key.as_str())
+        self.worker.stores.failures.has(stage_key(self.study, self.realisation).as_str())
     }
 
     /// Records that realisations have no packing or no grid; any other failure ends the run.
@@ -86,9 +78,8 @@ impl<'a> Work<'a> {
     }
 
     fn resolve(&self, packings: &mut Packings) -> Result<Resolved, RunError> {
-        let grids = &self.worker.stores.grids;
         self.worker.room.within(|memory| {
-            resolve(self.study, grids, memory, &self.watch, |r| {
+            resolve(self.study, &self.worker.stores.grids, memory, &self.watch, |r| {
                 packings.get(r).map(|packing| Scene::from_packing(&packing))
             })
         })
@@ -117,18 +108,101 @@ impl RunWatch for NamedWatch<'_> {
     }
 
     fn hear(&self, event: Event) {
+        let Self { name, watch } = self;
         match event {
-            Event::Stage(what) if !self.name.is_empty() => {
-                self.watch.stage(&format!("{}: {what}", self.name))
-            }
-            other => self.watch.hear(other),
+            Event::Stage(what) if !name.is_empty() => watch.stage(&format!("{name}: {what}")),
+            other => watch.hear(other),
         }
     }
+}
+
+/// Forwards the events of a unit and reports its progress to the queue.
+pub(super) struct News<'a> {
+    worker: &'a Worker<'a>,
+    task: usize,
+    /// Number of solves, and when it was last told.
+    told: Mutex<(usize, Instant)>,
+}
+
+impl<'a> News<'a> {
+    pub fn new(worker: &'a Worker<'a>, task: usize) -> Self {
+        Self { worker, task, told: Mutex::new((0, Instant::now())) }
+    }
+
+    fn advance(&self, solves: usize) {
+        let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
+        told.0 += solves;
+        if told.1.elapsed() < BETWEEN_NEWS {
+            return;
+        }
+        told.1 = Instant::now();
+        let Worker { queue, watch, .. } = self.worker;
+        match queue.advance(self.task, told.0).and_then(|()| queue.standing()) {
+            Ok(standing) => watch.hear(Event::Standing(&standing)),
+            Err(error) => self.worker.note(error),
+        }
+    }
+}
+
+impl RunWatch for News<'_> {
+    fn stop(&self) -> bool {
+        self.worker.watch.stop()
+    }
+
+    fn hear(&self, event: Event) {
+        if matches!(event, Event::Solving(..)) {
+            self.worker.begin();
+        }
+        self.worker.watch.hear(event);
+        match event {
+            Event::Kept(solves) | Event::Dropped(solves) => self.advance(solves),
+            Event::Solved(..) => self.advance(1),
+            _ => {}
+        }
+    }
+}
+
+/// The memory of a process, bytes.
+#[derive(Debug)]
+pub(super) struct Room {
+    whole: f64,
+    workers: usize,
+    alone: RwLock<()>,
+}
+
+impl Room {
+    /// Divides `whole` bytes among `workers`.
+    pub fn new(whole: f64, workers: usize) -> Self {
+        Self { whole, workers: workers.max(1), alone: RwLock::new(()) }
+    }
+
+    /// Runs `work` with an equal share of the memory; if that is too little, runs it again with all
+    /// of it while the other workers wait.
+    pub fn within<T>(&self, mut work: impl FnMut(f64) -> Result<T, RunError>) -> Result<T, RunError> {
+        let together = self.alone.read().unwrap_or_else(PoisonError::into_inner);
+        let done = work(self.whole / self.workers as f64);
+        drop(together);
+        match done {
+            Err(error) if self.workers > 1 && lacks_memory(&error) => {
+                let _alone = self.alone.write().unwrap_or_else(PoisonError::into_inner);
+                work(self.whole)
+            }
+            done => done,
+        }
+    }
+}
+
+fn lacks_memory(error: &RunError) -> bool {
+    use AccuracyError::{Memory, NotReached, TooLarge};
+    let RunError::Resolution(error) = error else { return matches!(error, RunError::Memory(_)) };
+    matches!(error, Memory(_) | TooLarge { .. } | NotReached { .. })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::solve::demand::TooLarge;
+    use crate::wave::{Resolution, Scheme};
     use std::sync::Mutex;
 
     #[derive(Default)]
@@ -150,5 +224,18 @@ mod tests {
             heard.0.into_inner().unwrap(),
             [r#"Stage("yellow-0.3: packing realisation 4/6")"#, "Ended"]
         );
+    }
+
+    #[test]
+    fn what_needs_more_than_its_part_gets_everything_alone() {
+        let room = Room::new(8e9, 4);
+        let refuse = |memory: f64, need: f64| {
+            let resolution = Resolution { nx: 1, ny: 1, cells: 1, scheme: Scheme::default() };
+            let too_large = TooLarge { resolution, need_gb: 1e-9 * need, allowed_gb: 1e-9 * memory };
+            if memory < need { Err(RunError::Memory(too_large)) } else { Ok(memory) }
+        };
+        assert_eq!(room.within(|memory| refuse(memory, 1e9)).unwrap(), 2e9);
+        assert_eq!(room.within(|memory| refuse(memory, 5e9)).unwrap(), 8e9);
+        assert!(room.within(|memory| refuse(memory, 9e9)).is_err());
     }
 }

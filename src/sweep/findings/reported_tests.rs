@@ -1,7 +1,7 @@
-use super::*;
 use crate::evaluate::ink_maker::Target;
 use crate::evaluate::manifest::Count;
 use crate::sweep::definition::load::{AxisOutline, Place};
+use crate::sweep::findings::reported::*;
 
 /// A variant with three realisations at the given distance from its target.
 fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> Outcome {
@@ -101,12 +101,12 @@ fn without_a_target_there_is_neither_a_table_nor_a_column() {
     let plain = Outcome { aim: None, target: None, ..variant("plain", 1.0, None, [0.0; 3]) };
     assert!(
         nearest(&grid(1), std::slice::from_ref(&plain)).is_none()
-            && columns(std::slice::from_ref(&plain)).is_empty()
+            && target_columns(std::slice::from_ref(&plain)).is_empty()
     );
     // a variant without results still has its columns
     let mut asked = variant("asked", 1.0, None, [0.0; 3]);
     asked.target = None;
     let both = [plain, asked];
-    assert_eq!((columns(&both).len(), nearest(&grid(2), &both).unwrap().rows.len()), (2, 0));
-    assert_eq!(numbers(&both[1]), [None, None]);
+    assert_eq!((target_columns(&both).len(), nearest(&grid(2), &both).unwrap().rows.len()), (2, 0));
+    assert_eq!(target_numbers(&both[1]), [None, None]);
 }

@@ -1,13 +1,18 @@
-//! Options of `inkwave solve` on the light: directions of the lattice, and a lit square of finite
-//! size.
+//! Options of `inkwave solve`: about the light, directions of the lattice, and a lit square of
+//! finite size; and `inkwave solve STUDY.toml --realisation N`, one realisation of a study, packed
+//! or read from its files, as a case.
 
 use clap::Args;
 use inkwave::appearance::bdf::Lobe;
 use inkwave::appearance::finite_area::{FiniteArea, FiniteAreaError};
 use inkwave::input::case::Case;
-use inkwave::wave::{FarField, Media};
+use inkwave::input::load::load;
+use inkwave::input::study::Study;
+use inkwave::run::point::pack_realisation;
+use inkwave::wave::{FarField, Incidence, Media, Scene, Side};
 use miette::{IntoDiagnostic, Result};
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// Default spacing of the directions, degrees.
 const STEP_DEG: f64 = 5.0;
@@ -117,10 +122,9 @@ impl LightArgs {
     /// 0, step, 2 step, … up to `end`, which is included if `closed`.
     fn angles(&self, end: f64, closed: bool) -> Vec<f64> {
         let step = self.step_deg();
-        let angles = (0..).map(|i| step * f64::from(i));
         // Rounding of the step must not add or lose the last direction.
         let slack = if closed { 1e-9 } else { -1e-9 };
-        angles.take_while(|a| *a < end + slack).map(|a| a.min(end)).collect()
+        (0..).map(|i| step * f64::from(i)).take_while(|a| *a < end + slack).map(|a| a.min(end)).collect()
     }
 }
 
@@ -137,4 +141,53 @@ fn lobes(lit: &FiniteArea, polar: &[f64], azimuth: &[f64]) -> Result<Value, Fini
         "diffuse_total": diffuse.total(),
         "first_zero_deg": lit.first_zero_deg(),
     }))
+}
+
+/// Options of a solve that a study describes.
+#[derive(Args)]
+pub struct StudyPoint {
+    /// Solve this realisation of a study, counted from 1: CASE is then a file for `inkwave run`, and
+    /// its grains are packed, or read from the files of its microstructure
+    #[arg(long, value_name = "NUMBER")]
+    realisation: Option<usize>,
+    /// Vacuum wavelength of the realisation's light, nm (default: the study's first)
+    #[arg(long, value_name = "NM", requires = "realisation", allow_negative_numbers = true)]
+    wavelength_nm: Option<f64>,
+    /// Polar angle of the realisation's light, degrees (default: the study's first)
+    #[arg(long, value_name = "DEGREES", requires = "realisation", allow_negative_numbers = true)]
+    polar_deg: Option<f64>,
+}
+
+impl StudyPoint {
+    /// The case in a file, or the realisation of the study in it.
+    pub fn case(&self, path: &Path) -> Result<Case> {
+        let Some(number) = self.realisation else { return Case::read(path).into_diagnostic() };
+        let study = load(path).into_diagnostic()?;
+        let all = study.realisations;
+        if !(1..=all).contains(&number) {
+            miette::bail!("--realisation is {number}; allowed is 1 … {all}, the realisations of the study");
+        }
+        if study.layer.composed.is_some() {
+            miette::bail!("--realisation: a composed layer has many slabs; remove [layer.composed]");
+        }
+        let packing = pack_realisation(&study, number - 1, &()).into_diagnostic()?;
+        let incidence = self.incidence(&study, number - 1)?;
+        incidence.check().into_diagnostic()?;
+        let media = study.media(incidence.wavelength_um);
+        Ok(Case { scene: Scene::from_packing(&packing), media, incidence })
+    }
+
+    fn incidence(&self, study: &Study, realisation: usize) -> Result<Incidence> {
+        let all = &study.wavelengths_nm;
+        let (first, last) = (all[0], all[all.len() - 1]);
+        let nm = self.wavelength_nm.unwrap_or(first);
+        if !(first..=last).contains(&nm) {
+            miette::bail!(
+                "--wavelength-nm is {nm}; allowed is {first} … {last}, where the study knows its materials"
+            );
+        }
+        let polar_deg = self.polar_deg.unwrap_or(study.angles.exact_deg[0]);
+        let azimuth_deg = study.draw(realisation).azimuth_deg;
+        Ok(Incidence { wavelength_um: 1e-3 * nm, polar_deg, azimuth_deg, from: Side::Incident })
+    }
 }

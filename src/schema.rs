@@ -1,6 +1,7 @@
-//! The kinds of input files and their schemas.
+//! Descriptions of all input files: JSON Schemas, generated from the types that read them, for
+//! completion and checks in editors, and a commented file with every key of each.
+//! They are adapted to what the reader of the files accepts.
 
-use super::tidy::{tidy, without_null};
 use crate::compare::experiment::ComparisonFile;
 use crate::compare::external::Protocol;
 use crate::design::file::DesignFile;
@@ -10,6 +11,7 @@ use crate::input::file::StudyFile;
 use crate::sweep::file::SweepFile;
 use clap::ValueEnum;
 use schemars::generate::SchemaSettings;
+use schemars::transform::transform_subschemas;
 use schemars::{JsonSchema, Schema, json_schema};
 use serde_json::Value;
 
@@ -36,13 +38,13 @@ impl Document {
     /// A commented file of this kind with every key, its meaning, range and default.
     pub fn every_key(self) -> &'static str {
         match self {
-            Document::Study => include_str!("../../examples/every-key.toml"),
-            Document::Sweep => include_str!("../../examples/every-key-sweep.toml"),
-            Document::Compare => include_str!("../../examples/every-key-compare.toml"),
-            Document::Fit => include_str!("../../examples/fit/every-key.toml"),
-            Document::Design => include_str!("../../examples/design/every-key.toml"),
-            Document::Case => include_str!("../../examples/every-key-case.toml"),
-            Document::External => include_str!("../../schema/external.md"),
+            Document::Study => include_str!("../examples/every-key.toml"),
+            Document::Sweep => include_str!("../examples/every-key-sweep.toml"),
+            Document::Compare => include_str!("../examples/every-key-compare.toml"),
+            Document::Fit => include_str!("../examples/fit/every-key.toml"),
+            Document::Design => include_str!("../examples/design/every-key.toml"),
+            Document::Case => include_str!("../examples/every-key-case.toml"),
+            Document::External => include_str!("../schema/external.md"),
         }
     }
 
@@ -93,4 +95,41 @@ fn case_schema() -> Value {
         "definitions": definitions,
     })
     .into()
+}
+
+/// Removes formats (`double`, `uint64`), which validators do not know, and defaults that cannot be
+/// written in a file: null, and whole tables, whose keys have defaults of their own.
+fn tidy(schema: &mut Schema) {
+    schema.remove("format");
+    let table = |value: &Value| value.is_object() && value.get("kind").is_none();
+    if schema.get("default").is_some_and(|value| value.is_null() || table(value)) {
+        schema.remove("default");
+    }
+    if let Some(Value::String(text)) = schema.get_mut("description") {
+        *text = for_readers(text);
+    }
+    transform_subschemas(&mut tidy, schema);
+}
+
+/// A doc comment without its links and line breaks.
+fn for_readers(text: &str) -> String {
+    let plain = text.replace("[`", "`").replace("`]", "`").replace("`crate::", "`").replace("`super::", "`");
+    plain.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Removes null from the values allowed.
+fn without_null(schema: &mut Schema) {
+    if let Some(Value::Array(types)) = schema.get_mut("type") {
+        types.retain(|kind| kind != "null");
+        let only = types.first().filter(|_| types.len() == 1).cloned();
+        only.into_iter().for_each(|only| drop(schema.insert("type".into(), only)));
+    }
+    if let Some(Value::Array(forms)) = schema.get_mut("anyOf") {
+        forms.retain(|form| form["type"] != "null");
+        if forms.len() == 1 {
+            let forms = schema.remove("anyOf").unwrap_or_default();
+            schema.insert("allOf".into(), forms);
+        }
+    }
+    transform_subschemas(&mut without_null, schema);
 }

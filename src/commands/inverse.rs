@@ -1,0 +1,148 @@
+//! `inkwave fit FIT.toml`: from measured drawdowns to a pigment's index; `inkwave design
+//! DESIGN.toml`: from a wanted colour to recipes.
+
+use super::diagnostics::{folder_report, run_report, step_report, study_report};
+use super::progress::Progress;
+use super::sweep::tell_plan;
+use super::terminal::note;
+use super::work::{WorkArgs, opened};
+use clap::Args;
+use inkwave::design::publish::ranges;
+use inkwave::design::recipe::DesignTask;
+use inkwave::design::run::{DesignError, DesignRun};
+use inkwave::fit::load::FitTask;
+use inkwave::fit::publish::in_words;
+use inkwave::fit::run::{FitError, FitRun, Trust, points};
+use inkwave::run::RunSettings;
+use inkwave::store::folder::OutputFolder;
+use inkwave::store::marker::Holds;
+use inkwave::sweep::Sweep;
+use inkwave::{design, fit};
+use miette::{IntoDiagnostic, Result, miette};
+use std::path::PathBuf;
+
+/// Fit a pigment's index n + iκ to spectra of drawdowns
+///
+/// Writes `pigment.csv` (n, κ, their standard errors and correlation; an `index = { csv }` of any
+/// study), `fit.json` and a page. An interrupted fit is resumed by the same command.
+#[derive(Debug, Args)]
+pub struct FitArgs {
+    /// Fit file (TOML); `inkwave schema fit --annotated` prints every key
+    pub fit: PathBuf,
+    #[command(flatten)]
+    pub work: WorkArgs,
+}
+
+/// Runs a fit.
+pub fn fit(args: &FitArgs) -> Result<()> {
+    let task = fit::load::load(&args.fit).map_err(study_report)?;
+    let settings = args.work.settings()?;
+    if args.work.plan {
+        return plan_fit(&task, settings);
+    }
+    let folder = opened(&args.work.folder(&args.fit, ""), Holds::Fit)?;
+    let progress = Progress::new();
+    let [table, steps, predicted] = points(&task);
+    progress.expect(table + steps + predicted, true);
+    let outcome = progress.during(|| FitRun::new(&task, &folder, settings, &progress)?.fit());
+    let outcome = outcome.map_err(|error| match error {
+        FitError::Run(error) => step_report(error),
+        other => miette!("{other}"),
+    })?;
+    fit::publish::publish(&task, &outcome, &folder).into_diagnostic()?;
+    say!("{}: {}", task.title, in_words(&outcome))?;
+    outcome.remarks.iter().for_each(note);
+    for forecast in &outcome.forecasts {
+        let of = |x: Option<f64>| x.map_or("unknown".into(), |x| format!("{x:.2}"));
+        let (own, munk) = (of(forecast.delta_e_2000), of(forecast.delta_e_2000_kubelka_munk));
+        say!("{}: ΔE₀₀ to the measurement {own} (Kubelka–Munk {munk})", forecast.name)?;
+    }
+    say!("Report: {}", folder.path().join("report.html").display())?;
+    if outcome.trust == Trust::Contradicted {
+        let help = "the remarks above and the page say what to check";
+        return Err(miette!(help = help, "the measured spectra contradict the study: no errors are stated"));
+    }
+    Ok(())
+}
+
+fn plan_fit(task: &FitTask, settings: RunSettings) -> Result<()> {
+    let folder = tempfile::tempdir().into_diagnostic()?;
+    let folder = OutputFolder::open(folder.path(), Holds::Fit).map_err(folder_report)?;
+    let progress = Progress::new();
+    let each = progress.during(|| FitRun::new(task, &folder, settings, &progress)?.trial());
+    let each = each.map_err(run_report)?;
+    let [table, steps, predicted] = points(task);
+    let cells = task.coats[0].realisations;
+    let waves = task.wavelengths_nm().len();
+    let (spectra, FitTask { title, coats_measured: layers, .. }) = (task.measured.len(), task);
+    say!("{title}: {spectra} spectra of {layers} layers, {waves} wavelengths, {cells} cells")?;
+    let minutes = |points: usize| each * points as f64 / 60.0;
+    for (what, points) in
+        [("coarse table", table), ("linearisations, at most", steps), ("predictions", predicted)]
+    {
+        say!("{what}: {points} solves with derivatives, {:.1} processor minutes", minutes(points))?;
+    }
+    let (all, ms) = (minutes(table + steps + predicted), 1e3 * each);
+    say!("in all at most {all:.1} processor minutes ({ms:.0} ms for each solve with its derivatives)")
+}
+
+/// Find recipes for a wanted colour
+///
+/// Runs variants of a study, lays response surfaces through their spectra, and verifies what these
+/// answer by further runs. Writes `design.json` and a page. An interrupted design is resumed by the
+/// same command.
+#[derive(Debug, Args)]
+pub struct DesignArgs {
+    /// Design file (TOML); `inkwave schema design --annotated` prints every key
+    pub design: PathBuf,
+    #[command(flatten)]
+    pub work: WorkArgs,
+}
+
+/// Runs a design.
+pub fn design(args: &DesignArgs) -> Result<()> {
+    let task = design::recipe::load(&args.design).map_err(study_report)?;
+    let settings = args.work.settings()?;
+    if args.work.plan {
+        return plan_design(&task, settings);
+    }
+    let folder = opened(&args.work.folder(&args.design, ""), Holds::Design)?;
+    let progress = Progress::new();
+    let run = DesignRun { task: &task, folder: &folder, settings, watch: &progress };
+    let outcome = progress.during(|| run.design()).map_err(|error| match error {
+        DesignError::Run(error) => step_report(error),
+        other => miette!("{other}"),
+    })?;
+    design::publish::publish(&task, &outcome, &folder).into_diagnostic()?;
+    say!("{}: {}", task.title, outcome.verdict)?;
+    for run in &outcome.verified {
+        let (delta_e, ratio) = (run.delta_e_2000.in_words(2), run.contrast_ratio.in_words(3));
+        note!("verified: {}: ΔE₀₀ {delta_e}, contrast ratio {ratio}", run.recipe);
+    }
+    let ranges = ranges(&task, &outcome);
+    if !ranges.is_empty() {
+        note!("recipes of nearly equal colour: {}", ranges.join("; "));
+    }
+    note!("the surfaces miss a variant's colour by ΔE₀₀ {:.2} (median)", outcome.surface_error);
+    say!("Report: {}", folder.path().join("report.html").display())?;
+    if outcome.met {
+        return Ok(());
+    }
+    Err(miette!(
+        help = "widen the ranges in [[vary]], vary another field or another ink, or accept a larger design.delta_e",
+        "the target is not reached"
+    ))
+}
+
+fn plan_design(task: &DesignTask, settings: RunSettings) -> Result<()> {
+    let runs = task.variants() + task.settings.verifications;
+    say!(
+        "{}: {} variants and at most {} verifying runs, {runs} runs in all; one of them:",
+        task.title,
+        task.variants(),
+        task.settings.verifications
+    )?;
+    let middle = vec![0.5; task.variables.len()];
+    let study = task.study(&middle).map_err(|faults| miette!("{}", faults[0]))?;
+    tell_plan(&Sweep::of_one("middle", study), false, settings)
+}

@@ -1,0 +1,96 @@
+//! What the program has to look up: `inkwave schema`, JSON Schemas and commented examples of the
+//! input files; `inkwave materials`, the measured materials that come with it; `inkwave completions
+//! SHELL` and `inkwave man FOLDER`, generated from the definitions behind `--help`.
+
+use super::terminal::say;
+use clap::{Args, Command};
+use clap_complete::Shell;
+use inkwave::material::named::{MATERIALS, NamedMaterial};
+use inkwave::schema::Document;
+use miette::{IntoDiagnostic, Result, WrapErr, miette};
+use std::path::PathBuf;
+
+/// Print the JSON Schema of an input file, for completion and checks in editors, or a file with
+/// every key
+#[derive(Args)]
+pub struct SchemaArgs {
+    /// Kind of input file
+    #[arg(value_enum, default_value_t = Document::Study)]
+    kind: Document,
+    /// Print a commented file with every key, its meaning, range and default instead of the schema
+    #[arg(long)]
+    annotated: bool,
+}
+
+/// Prints the schema or the commented file.
+pub fn schema(args: &SchemaArgs) -> Result<()> {
+    if args.annotated {
+        return say(args.kind.every_key().trim_end());
+    }
+    say(serde_json::to_string_pretty(&args.kind.schema()).into_diagnostic()?)
+}
+
+/// List the materials for index = { material = "…" }: use, range, index at 550 nm, source
+#[derive(Args)]
+pub struct MaterialsArgs {
+    /// Only this material, with its comment
+    pub name: Option<String>,
+}
+
+/// Prints the list, or one material.
+pub fn materials(args: &MaterialsArgs) -> Result<()> {
+    let Some(name) = &args.name else {
+        return MATERIALS.iter().try_for_each(|material| say(row(material)));
+    };
+    let Some(known) = NamedMaterial::find(name) else {
+        let names = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
+        let help = "organic pigments are in no open collection of indices: give measured n and κ as csv";
+        return Err(miette!(help = help, "no material {name:?}; known are {names}"));
+    };
+    say(row(known))?;
+    for source in known.sources() {
+        say!("  {}\n  {}", source.reference, source.comment)?;
+    }
+    if known.is_birefringent() {
+        say!("  Birefringent: the waves see the orientation average, ε = (2 ε_o + ε_e)/3.")?;
+    }
+    say!("  From the refractiveindex.info database, CC0 1.0.")
+}
+
+fn row(material: &NamedMaterial) -> String {
+    let (NamedMaterial { name, what, .. }, index) = (material, material.index());
+    let ([from, to], eta) = (index.range_nm(), index.index(0.55));
+    format!("{name:<14} {what:<38} {from:.0}–{to:.0} nm   {:.3} + {:.4}i at 550 nm", eta.re, eta.im)
+}
+
+/// Print the completion script for a shell
+///
+/// For example: inkwave completions bash > ~/.local/share/bash-completion/completions/inkwave
+#[derive(Debug, Args)]
+pub struct CompletionsArgs {
+    /// Shell to complete for
+    #[arg(value_enum)]
+    pub shell: Shell,
+}
+
+/// Write the man pages, one per command, to a folder
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// Output folder (created if missing)
+    pub folder: PathBuf,
+}
+
+/// Prints the completions.
+pub fn completions(args: &CompletionsArgs, mut command: Command) -> Result<()> {
+    let mut text = Vec::new();
+    clap_complete::generate(args.shell, &mut command, "inkwave", &mut text);
+    say(String::from_utf8_lossy(&text).trim_end())
+}
+
+/// Writes the pages.
+pub fn man(args: &ManArgs, command: Command) -> Result<()> {
+    let cannot = || format!("cannot write to {}", args.folder.display());
+    std::fs::create_dir_all(&args.folder).into_diagnostic().wrap_err_with(cannot)?;
+    clap_mangen::generate_to(command, &args.folder).into_diagnostic().wrap_err_with(cannot)?;
+    say!("man pages: {}", args.folder.display())
+}

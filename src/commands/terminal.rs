@@ -1,0 +1,108 @@
+//! The program and its terminal: results on standard output, everything else on standard error; the
+//! command line that was typed; Ctrl-C, whose first stops cleanly and whose second at once. A
+//! closed stream never causes a panic.
+
+use miette::{Result, miette};
+use std::fmt::Display;
+use std::io::{ErrorKind, Write};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Prints a line on standard output; a closed pipe is not an error.
+///
+/// # Errors
+/// The line cannot be written, for example because the disk is full: the result would be lost
+/// silently.
+pub fn say(line: impl Display) -> Result<()> {
+    let mut out = std::io::stdout().lock();
+    match writeln!(out, "{}", printable(&line.to_string())).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            let help = "redirect the output to another disk, a file or a pipe that is read to its end";
+            Err(miette!(help = help, "cannot write to standard output: {error}"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Prints a line on standard error; failures are ignored, as no result is lost with it.
+pub fn note(line: impl Display) {
+    let _ = writeln!(std::io::stderr(), "{}", printable(&line.to_string()));
+}
+
+/// Prints a formatted line on standard output, as the function of this name does.
+macro_rules! say {
+    ($($part:tt)+) => { $crate::commands::terminal::say(format_args!($($part)+)) };
+}
+
+/// Prints a formatted line on standard error.
+macro_rules! note {
+    ($($part:tt)+) => { $crate::commands::terminal::note(format_args!($($part)+)) };
+}
+
+/// Removes the control characters that a terminal would execute: a title may contain any character.
+pub(super) fn printable(text: &str) -> String {
+    text.chars().filter(|&c| !c.is_control() || c == '\n' || c == '\t').collect()
+}
+
+/// The whole command line, quoted for a shell where that is needed.
+pub fn this_command() -> String {
+    std::env::args_os().map(|word| quoted(&word.to_string_lossy())).collect::<Vec<_>>().join(" ")
+}
+
+/// How to go on after a stop.
+pub fn to_resume() -> String {
+    format!("to resume: {}", this_command())
+}
+
+/// Puts a word in single quotes unless every character is harmless to a shell.
+pub(super) fn quoted(word: &str) -> String {
+    if !word.is_empty() && word.chars().all(|c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c)) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
+/// Exit code of a program ended by Ctrl-C (128 + SIGINT).
+const INTERRUPTED: i32 = 130;
+
+/// Raised when the user has asked to stop.
+#[derive(Clone, Debug, Default)]
+pub struct StopFlag(Arc<AtomicBool>);
+
+impl StopFlag {
+    /// Listens for Ctrl-C and for a request to terminate. Where the system refuses, Ctrl-C ends the
+    /// program at once; finished points are safe then, too.
+    pub fn listen() -> Self {
+        let flag = Self::default();
+        let raised = flag.0.clone();
+        if let Err(error) = ctrlc::set_handler(move || interrupt(&raised)) {
+            note!("Ctrl-C will end the program at once ({error}).");
+        }
+        flag
+    }
+
+    pub fn is_raised(&self) -> bool {
+        self.0.load(Ordering::SeqCst)
+    }
+}
+
+/// Raises the flag, or ends the program if it is already raised.
+fn interrupt(raised: &AtomicBool) {
+    if raised.swap(true, Ordering::SeqCst) {
+        std::process::exit(INTERRUPTED);
+    }
+    note!("\nStopping after the current step; press Ctrl-C again to quit at once.");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::quoted;
+
+    #[test]
+    fn a_shell_reads_the_same_words() {
+        assert_eq!(quoted("--output=out/yellow"), "--output=out/yellow");
+        assert_eq!(quoted("my ink.toml"), "'my ink.toml'");
+        assert_eq!(quoted("it's"), r"'it'\''s'");
+        assert_eq!(quoted(""), "''");
+    }
+}
