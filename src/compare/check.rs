@@ -143,7 +143,7 @@ fn pairs(explains: impl Fn(&[&OrderSlip]) -> bool) -> Vec<[String; 2]> {
 /// Names of the cases.
 pub const KNOWN: [&str; 3] = ["film", "grating", "sphere"];
 
-/// Amplitude error of inkwave's own solution, far below [`TOLERANCE`](super::TOLERANCE).
+/// Amplitude error of inkwave's own solution, far below [`TOLERANCE`].
 const ACCURACY: f64 = 1e-3;
 
 /// A case with a known answer.

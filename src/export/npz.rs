@@ -99,10 +99,15 @@ pub fn operator(problem: &Problem, field: &Field, account: &Account) -> Result<V
     archive(|npz| {
         grid(npz, problem)?;
         media(npz, problem)?;
-        npz.add_array("source", &problem.source())?;
-        npz.add_array("solution", field)?;
-        npz.add_array("residual", &arr1(&[account.residual]))
+        solution(npz, problem, field, account.residual)
     })
+}
+
+/// Right-hand side, solution and its residual.
+fn solution(npz: &mut Archive, problem: &Problem, field: &Field, residual: f64) -> Result<(), WriteNpzError> {
+    npz.add_array("source", &problem.source())?;
+    npz.add_array("solution", field)?;
+    npz.add_array("residual", &arr1(&[residual]))
 }
 
 /// Points, elements along z, harmonics and their wavenumbers, 1/µm.

@@ -1,8 +1,7 @@
 //! What an answer is worth: its largest error, or why it has none.
 
 use super::protocol::AnsweredSide::{Reflected, Transmitted};
-use super::protocol::{Answer, AnsweredAmplitude, AnsweredOrder, AnsweredSide};
-use crate::report::cell::plain;
+use super::protocol::{Answer, AnsweredAmplitude, AnsweredOrder, AnsweredSide, quoted};
 use crate::wave::{FarField, Order};
 use num_complex::Complex64;
 use std::collections::HashMap;
@@ -117,16 +116,10 @@ fn unreadable(output: &[u8], error: &serde_json::Error) -> String {
     format!("the answer is not as `inkwave schema external` says: {error} in {:?}", words(output))
 }
 
-/// Characters of an answer that a reason quotes, and of what a program says in words.
+/// Characters of an answer that a reason quotes.
 const QUOTED: usize = 60;
-const SAID: usize = 240;
 
 /// The beginning of some output, without what a terminal would act upon.
 pub(super) fn words(output: &[u8]) -> String {
     quoted(&String::from_utf8_lossy(&output[..output.len().min(4 * QUOTED)])).chars().take(QUOTED).collect()
-}
-
-/// The beginning of a text, without what a terminal would act upon.
-pub(super) fn quoted(text: &str) -> String {
-    plain(text).chars().take(SAID).collect()
 }

@@ -1,9 +1,9 @@
 //! What inkwave asks a program, and what it may answer: one JSON text each; and what a program says
 //! of itself when it is started with `--describe`.
 
-use super::judge::quoted;
 use crate::input::case::Case;
 use crate::input::case_inputs::CaseInputs;
+use crate::report::cell::plain;
 use crate::wave::{BodyShape, Wave};
 use clap::ValueEnum;
 use num_complex::Complex64;
@@ -171,6 +171,14 @@ pub enum MediumKind {
     Metals,
     /// A half-space of another index than 1.
     HalfSpaces,
+}
+
+/// Characters of what a program says in words.
+const SAID: usize = 240;
+
+/// The beginning of a text, without what a terminal would act upon.
+pub(super) fn quoted(text: &str) -> String {
+    plain(text).chars().take(SAID).collect()
 }
 
 impl ProgramDescription {
