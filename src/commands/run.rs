@@ -8,7 +8,7 @@ use super::terminal::{note, to_resume};
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
-use inkwave::evaluate::summary;
+use inkwave::evaluate::survivors::Survivors;
 use inkwave::input::load::{load, stem};
 use inkwave::input::study::{Composed, Study};
 use inkwave::report::composed;
@@ -113,15 +113,16 @@ fn tell(
             "the 95 % interval of a colour is still wider than run.target_delta_e = {target} after {all} realisations: raise run.realisations"
         );
     }
+    if let Some(missing) = Survivors::new(study, collected).missing_in_words() {
+        note!("{missing}: {LACKING}");
+    }
     if published.status == Status::Complete {
         return Ok(());
     }
-    let (done, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
-    let (refused, tried) = (collected.refused.len(), collected.tried());
-    let (help, why) = match (stopped, failed) {
+    let (done, all) = (collected.finished(), study.solves() - collected.spared(study));
+    let (help, why) = match (stopped, collected.failures().count()) {
         (true, _) => (to_resume(), "stopped".to_owned()),
-        (false, 0) => (LACKING.to_owned(), format!("{refused} of {tried} realisations have no result")),
-        _ => (FAILED.to_owned(), format!("{failed} solves have no result")),
+        (false, failed) => (FAILED.to_owned(), format!("{failed} solves have no result")),
     };
     Err(miette!(help = help, "{why}: {done} of {all} solves are finished, the results are marked as partial"))
 }

@@ -33,9 +33,8 @@ pub enum PublishError {
     Unphysical(String),
     /// Too many packings failed.
     #[error(
-        "{0}: the mean over the others would be biased towards cells that can be packed, so nothing is published; every solve is kept. Lower \
-         pigment.volume_fraction, use smaller grains or a thicker layer, or try a smaller layer.period_um, which takes fewer \
-         grains per packing. A larger run.failed_packings gives the numbers, with error bars that include the largest bias"
+        "{0}. Nothing is published; every solve is kept. Lower pigment.volume_fraction, use smaller grains or a thicker layer, or \
+         try a smaller layer.period_um, which takes fewer grains per packing"
     )]
     NoRoom(String),
     /// Too few solves of a composed layer.

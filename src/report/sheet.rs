@@ -67,6 +67,7 @@ pub(crate) fn limits(manifest: &Manifest<&Study>) -> Value {
     context! {
         viewing => manifest.study.judgement.viewing.name(),
         scalar_error => scalar_error::line(manifest.study),
+        lacking => manifest.tried_packings.missing_in_words(),
         synthetic => manifest.study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
         too_few => few_wavelengths(manifest),
         widest => missed_target(manifest),

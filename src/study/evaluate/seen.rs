@@ -49,7 +49,7 @@ pub struct LayerSeen {
 /// Why there is no ink on paper.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum NoInk {
-    /// The study's angles do not suffice.
+    /// The study's angles or wavelengths do not suffice.
     #[error("{0}")]
     Angles(String),
     /// No realisation is complete yet.
