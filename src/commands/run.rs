@@ -49,7 +49,7 @@ pub fn run(args: &RunArgs) -> Result<()> {
         return run_composed(&study, &path, settings);
     }
     let folder = opened(&path, Holds::Study)?;
-    if let Some(reason) = &study.angles.no_paper {
+    if let Some(reason) = study.no_ink() {
         note!("no paper, colour and picture: {reason}");
     }
     if let Some(reason) = by_size(&Sweep::of_one("", study.clone()), settings).out_of_reach {
