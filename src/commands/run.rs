@@ -105,12 +105,11 @@ fn tell(
 ) -> Result<()> {
     tell_colour(study, published)?;
     say!("Report: {}", folder.path().join("report.html").display())?;
-    if let (Some(target), false) = (study.target_delta_e.filter(|_| study.realisations > 1), stopped)
-        && !summary::enough(study, collected)
-    {
+    if let (Some(widest), Some(target), false) = (published.widest, study.target_delta_e, stopped) {
         let all = study.realisations;
         note!(
-            "the 95 % interval of a colour is still wider than run.target_delta_e = {target} after {all} realisations: raise run.realisations"
+            "the 95 % interval of a colour, ΔE₀₀ {widest:.2}, is still wider than run.target_delta_e = {target} after {all} \
+             realisations: raise run.realisations"
         );
     }
     if let Some(missing) = Survivors::new(study, collected).missing_in_words() {

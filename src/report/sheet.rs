@@ -93,7 +93,7 @@ fn few_wavelengths(manifest: &Manifest<&Study>) -> Option<usize> {
 }
 
 /// The widest interval where it is beyond `run.target_delta_e`.
-fn missed_target(manifest: &Manifest<&Study>) -> Option<f64> {
+pub(super) fn missed_target(manifest: &Manifest<&Study>) -> Option<f64> {
     let target = manifest.study.target_delta_e?;
     let bars = aimed_at(manifest.study, manifest).filter_map(|note| note.delta_e_2000_95);
     bars.reduce(f64::max).filter(|&bar| bar > target)
