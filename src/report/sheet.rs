@@ -104,6 +104,7 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Value {
     let colour = manifest.colours.first().and_then(|note| note.lab_standard_error);
     context! {
         averaged => seen.realisations.len(),
+        cells => seen.cells.len(),
         no_ink => seen.ink.as_ref().err().map(ToString::to_string),
         colour_error => colour.map(norm),
         largest_error => largest_error(&manifest.spectra),
