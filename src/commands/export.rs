@@ -2,14 +2,14 @@
 
 use super::diagnostics::folder_report;
 use super::progress::Progress;
-use super::terminal::{quoted, say};
+use super::terminal::say;
 use clap::Args;
 use inkwave::export::composed::ComposedStored;
 use inkwave::export::request::{ExportError, Format, NearField, Request};
 use inkwave::export::run::{Exported, export};
 use inkwave::export::stored::Stored;
 use inkwave::store::folder::OutputFolder;
-use inkwave::store::marker::{self, Holds};
+use inkwave::store::marker::{self, Holds, shell_word};
 use miette::{MietteDiagnostic, Result, miette};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
@@ -75,7 +75,9 @@ fn refusal(error: &ExportError, folder: &Path) -> miette::Report {
 /// The command that resumes an unfinished folder: the recorded one, or else its general form.
 fn to_go_on(folder: &Path) -> String {
     let marked = marker::go_on(folder).or_else(|| marker::go_on(folder.parent().and_then(Path::parent)?));
-    marked.unwrap_or_else(|| format!("inkwave run STUDY.toml --output {}", quoted(&folder.to_string_lossy())))
+    marked.unwrap_or_else(|| {
+        format!("inkwave run STUDY.toml --output {}", shell_word(&folder.to_string_lossy()))
+    })
 }
 
 /// Parses `550` or `550:30`: nm, and degrees if given.

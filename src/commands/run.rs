@@ -8,7 +8,7 @@ use super::terminal::{note, to_resume};
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::evaluate::manifest::Status;
-use inkwave::evaluate::summary;
+use inkwave::evaluate::survivors::Survivors;
 use inkwave::input::load::{load, stem};
 use inkwave::input::study::{Composed, Study};
 use inkwave::report::composed;
@@ -49,7 +49,7 @@ pub fn run(args: &RunArgs) -> Result<()> {
         return run_composed(&study, &path, settings);
     }
     let folder = opened(&path, Holds::Study)?;
-    if let Some(reason) = &study.angles.no_paper {
+    if let Some(reason) = study.no_ink() {
         note!("no paper, colour and picture: {reason}");
     }
     if let Some(reason) = by_size(&Sweep::of_one("", study.clone()), settings).out_of_reach {
@@ -105,23 +105,23 @@ fn tell(
 ) -> Result<()> {
     tell_colour(study, published)?;
     say!("Report: {}", folder.path().join("report.html").display())?;
-    if let (Some(target), false) = (study.target_delta_e.filter(|_| study.realisations > 1), stopped)
-        && !summary::enough(study, collected)
-    {
+    if let (Some(widest), Some(target), false) = (published.widest, study.target_delta_e, stopped) {
         let all = study.realisations;
         note!(
-            "the 95 % interval of a colour is still wider than run.target_delta_e = {target} after {all} realisations: raise run.realisations"
+            "the 95 % interval of a colour, ΔE₀₀ {widest:.2}, is still wider than run.target_delta_e = {target} after {all} \
+             realisations: raise run.realisations"
         );
+    }
+    if let Some(missing) = Survivors::new(study, collected).missing_in_words() {
+        note!("{missing}: {LACKING}");
     }
     if published.status == Status::Complete {
         return Ok(());
     }
-    let (done, all, failed) = (collected.finished(), study.solves(), collected.failures().count());
-    let (refused, tried) = (collected.refused.len(), collected.tried());
-    let (help, why) = match (stopped, failed) {
+    let (done, all) = (collected.finished(), study.solves() - collected.spared(study));
+    let (help, why) = match (stopped, collected.failures().count()) {
         (true, _) => (to_resume(), "stopped".to_owned()),
-        (false, 0) => (LACKING.to_owned(), format!("{refused} of {tried} realisations have no result")),
-        _ => (FAILED.to_owned(), format!("{failed} solves have no result")),
+        (false, failed) => (FAILED.to_owned(), format!("{failed} solves have no result")),
     };
     Err(miette!(help = help, "{why}: {done} of {all} solves are finished, the results are marked as partial"))
 }

@@ -2,6 +2,7 @@
 //! command line that was typed; Ctrl-C, whose first stops cleanly and whose second at once. A
 //! closed stream never causes a panic.
 
+use inkwave::store::marker::shell_word;
 use miette::{Result, miette};
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -46,20 +47,12 @@ pub(super) fn printable(text: &str) -> String {
 
 /// The whole command line, quoted for a shell where that is needed.
 pub fn this_command() -> String {
-    std::env::args_os().map(|word| quoted(&word.to_string_lossy())).collect::<Vec<_>>().join(" ")
+    std::env::args_os().map(|word| shell_word(&word.to_string_lossy())).collect::<Vec<_>>().join(" ")
 }
 
 /// How to go on after a stop.
 pub fn to_resume() -> String {
     format!("to resume: {}", this_command())
-}
-
-/// Puts a word in single quotes unless every character is harmless to a shell.
-pub(super) fn quoted(word: &str) -> String {
-    if !word.is_empty() && word.chars().all(|c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c)) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// Exit code of a program ended by Ctrl-C (128 + SIGINT).
@@ -92,17 +85,4 @@ fn interrupt(raised: &AtomicBool) {
         std::process::exit(INTERRUPTED);
     }
     note!("\nStopping after the current step; press Ctrl-C again to quit at once.");
-}
-
-#[cfg(test)]
-mod tests {
-    use super::quoted;
-
-    #[test]
-    fn a_shell_reads_the_same_words() {
-        assert_eq!(quoted("--output=out/yellow"), "--output=out/yellow");
-        assert_eq!(quoted("my ink.toml"), "'my ink.toml'");
-        assert_eq!(quoted("it's"), r"'it'\''s'");
-        assert_eq!(quoted(""), "''");
-    }
 }

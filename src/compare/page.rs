@@ -10,6 +10,7 @@ use crate::report::publish::PublishResult;
 use crate::report::seal::sealed;
 use crate::solve::Goal;
 use crate::store::folder::OutputFolder;
+use crate::store::marker::shell_word;
 use minijinja::{Value, context};
 use std::path::PathBuf;
 
@@ -76,7 +77,8 @@ impl Comparison {
             folder.write(&name, svg.as_bytes())?;
             figures.push(context!(name, title => plot.title, data => svg_data(&svg)));
         }
-        let command = format!("inkwave compare {} --output {}", self.file.display(), folder.path().display());
+        let [file, out] = [&self.file, folder.path()].map(|path| shell_word(&path.to_string_lossy()));
+        let command = format!("inkwave compare {file} --output {out}");
         let all = context!(figures, command, ..self.context());
         let mut templates = templates()?;
         templates.add_filter("line", |words: String| markdown(&words));

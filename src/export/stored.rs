@@ -42,7 +42,8 @@ impl Stored {
             let remedy = "spectra.csv, medium.csv and results.json have its numbers";
             return Err(ExportError::Folder { reason, remedy });
         }
-        let (asked, collected) = (study.solves(), collect(&study, &stores(path)?, 0));
+        let collected = collect(&study, &stores(path)?, 0);
+        let asked = study.solves() - collected.as_ref().map_or(0, |collected| collected.spared(&study));
         let finished = collected.as_ref().map_or(0, Collected::finished);
         let Some(collected) = collected.filter(|_| finished >= asked) else {
             return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });

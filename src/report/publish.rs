@@ -1,7 +1,7 @@
 //! Writes the results of the finished solves: `results.json`, tables, picture and page.
 
 use super::page::on_study;
-use super::sheet::{colour_in_words, sheet};
+use super::sheet::{colour_in_words, missed_target, sheet};
 use super::tables;
 use crate::appearance::bdf::BdfError;
 use crate::appearance::picture::InkPicture;
@@ -33,9 +33,8 @@ pub enum PublishError {
     Unphysical(String),
     /// Too many packings failed.
     #[error(
-        "{0}: the mean over the others would be biased towards cells that can be packed, so nothing is published; every solve is kept. Lower \
-         pigment.volume_fraction, use smaller grains or a thicker layer, or try a smaller layer.period_um, which takes fewer \
-         grains per packing. A larger run.failed_packings gives the numbers, with error bars that include the largest bias"
+        "{0}. Nothing is published; every solve is kept. Lower pigment.volume_fraction, use smaller grains or a thicker layer, or \
+         try a smaller layer.period_um, which takes fewer grains per packing"
     )]
     NoRoom(String),
     /// Too few solves of a composed layer.
@@ -76,6 +75,8 @@ pub struct Published {
     pub colour: Option<String>,
     /// Why there is no colour, where there is none.
     pub no_colour: Option<String>,
+    /// The widest 95 % interval of a colour, ΔE₀₀, where it is beyond `run.target_delta_e`.
+    pub widest: Option<f64>,
     /// Numbers that were withheld, and why.
     pub withheld: Vec<String>,
 }
@@ -129,7 +130,8 @@ pub(crate) fn publish_seen(
     }
     let colour = colour_in_words(manifest);
     let withheld = manifest.withheld.iter().map(Withheld::in_words).collect();
-    Ok(Published { status: manifest.status, colour, no_colour: manifest.no_colour.clone(), withheld })
+    let (no_colour, widest) = (manifest.no_colour.clone(), missed_target(manifest));
+    Ok(Published { status: manifest.status, colour, no_colour, widest, withheld })
 }
 
 /// The picture of P1 Fig. 6 as PNG, with and without axes.

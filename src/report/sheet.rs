@@ -67,6 +67,7 @@ pub(crate) fn limits(manifest: &Manifest<&Study>) -> Value {
     context! {
         viewing => manifest.study.judgement.viewing.name(),
         scalar_error => scalar_error::line(manifest.study),
+        lacking => manifest.tried_packings.missing_in_words(),
         synthetic => manifest.study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
         too_few => few_wavelengths(manifest),
         widest => missed_target(manifest),
@@ -92,7 +93,7 @@ fn few_wavelengths(manifest: &Manifest<&Study>) -> Option<usize> {
 }
 
 /// The widest interval where it is beyond `run.target_delta_e`.
-fn missed_target(manifest: &Manifest<&Study>) -> Option<f64> {
+pub(super) fn missed_target(manifest: &Manifest<&Study>) -> Option<f64> {
     let target = manifest.study.target_delta_e?;
     let bars = aimed_at(manifest.study, manifest).filter_map(|note| note.delta_e_2000_95);
     bars.reduce(f64::max).filter(|&bar| bar > target)
@@ -103,6 +104,7 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Value {
     let colour = manifest.colours.first().and_then(|note| note.lab_standard_error);
     context! {
         averaged => seen.realisations.len(),
+        cells => seen.cells.len(),
         no_ink => seen.ink.as_ref().err().map(ToString::to_string),
         colour_error => colour.map(norm),
         largest_error => largest_error(&manifest.spectra),

@@ -233,7 +233,7 @@ fn matrix(folder: &Path, keys: &str, pigments: &str) -> Comparison {
     let lists = "schemes = [\"cubic\", \"second_difference\"]\nresolutions = [{ points = 5, cells = 6 }]\n";
     let text = TINY.replace(lists, keys).replace("\"direct\"", "\"bicgstab\"");
     let matrix = format!("[matrix]\npigments = {pigments}\nperiods_um = [0.5]\n");
-    let file = written(folder, "matrix.toml", &(text + &matrix));
+    let file = written(folder, "my matrix.toml", &(text + &matrix));
     let plan = file.plan(&Registry::default()).expect("a plan");
     let comparison = file.run(&Registry::default(), &mut Silent, |_| ()).expect("compared");
     assert_eq!((plan.rows, comparison.asked), (comparison.rows.len(), comparison.rows.len()));
@@ -258,7 +258,10 @@ fn a_matrix_tells_costs_and_reasons() {
     let page = std::fs::read_to_string(folder.path().join("out/comparison.html")).expect("the page");
     assert!(page.contains("1.5\u{a0}+\u{a0}0i") && page.contains("diverges"));
     // the limit that nobody asked for, and how to make the page again
-    assert!(page.contains("after 2000 applications") && page.contains("inkwave compare"), "{page}");
+    assert!(
+        page.contains("after 2000 applications") && page.contains("my matrix.toml&#x27; --output"),
+        "{page}"
+    );
     // Born is missing beside 2.5; all others keep their colours there.
     let [weak, strong] = [1, 2].map(|k| {
         let name = folder.path().join(format!("out/applications-{k}.svg"));

@@ -1,6 +1,7 @@
 //! Packings without room: no result where they are many, and wider error bars where they are asked for.
 
 use crate::run_support::{TINY, run, study, succeed};
+use crate::sweep_support::inkwave;
 use inkwave::input::load::load;
 use inkwave::run::point::pack_realisation;
 use serde_json::Value;
@@ -40,7 +41,11 @@ fn many_packings_without_room_are_no_result_unless_asked_for() {
     assert!(!out.join("results.json").exists() && !out.join("report.html").exists());
 
     let asked = text.replace("seed = 7", "seed = 7\nfailed_packings = 0.5");
-    run(&study(folder.path(), &asked), &out, &[]);
+    let said = succeed(&study(folder.path(), &asked), &out, &[]);
+    assert!(said.contains(&format!("{refused} of 7 packings have no room: ")), "{said}");
+    assert!(!out.join("PARTIAL").exists());
+    let export = inkwave(&["export", &out.display().to_string(), "--to", "npz"]).status().unwrap();
+    assert!(export.success());
     let results: Value = serde_json::from_slice(&std::fs::read(out.join("results.json")).unwrap()).unwrap();
     assert_eq!(results["tried_packings"]["refused"], refused);
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();

@@ -41,6 +41,33 @@ fn a_finished_run_leaves_numbers_tables_picture_and_page() {
     assert!(page.contains("Only 4 wavelengths were solved") && page.contains("A thin air gap"), "{page}");
 }
 
+/// Packings that are too few to end early miss no target by it, and are no pairs.
+#[test]
+fn a_target_is_missed_where_an_interval_is_wider() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    for (target, missed) in [("100", false), ("0.001", true)] {
+        let text = TINY.replace("seed = 7", &format!("seed = 7\ntarget_delta_e = {target}"));
+        let said = succeed(&study(folder.path(), &text), &out, &[]);
+        assert_eq!(said.contains("still wider than run.target_delta_e"), missed, "{said}");
+    }
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("(jackknife over realisations)") && !page.contains("two packings share"), "{page}");
+}
+
+/// A spectrum through one wavelength per packing has no colour, and no page speaks of a picture.
+#[test]
+fn one_wavelength_of_a_range_has_no_colour() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    let text = TINY.replace("step_nm = 100\nsampling = \"listed\"", "step_nm = 300");
+    succeed(&study(folder.path(), &text), &out, &[]);
+    let results = results(&out);
+    let reason = results["no_colour"].as_str().unwrap();
+    assert!(reason.contains("1 wavelength per realisation") && reason.contains("step_nm = 20"), "{reason}");
+    assert!(!std::fs::read_to_string(out.join("report.html")).unwrap().contains("picture.png"));
+}
+
 #[test]
 fn threads_and_jobs_do_not_change_a_bit() {
     let folder = tempfile::tempdir().unwrap();
@@ -75,6 +102,8 @@ fn a_clear_layer_needs_no_packing_and_obeys_fresnel() {
         let reflectance = row["reflectance"]["value"].as_f64().unwrap();
         assert!((reflectance - f / (1.0 + f)).abs() < 1e-11, "{nm} nm: {reflectance}");
     }
+    let page = std::fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(page.contains("The binder alone in a layer 0.5 µm thick") && page.contains("without grains all"));
 }
 
 /// The examples are sound studies, and the first one, made coarse, is a yellow ink.

@@ -92,6 +92,18 @@ fn the_papers_albedo_may_be_a_spectrum() {
     assert!((1..3).all(|w| dark[w] < listed[w] && listed[w] < light[w]));
 }
 
+/// The same table in another folder is the same study.
+#[test]
+fn a_folder_does_not_change_the_hash() {
+    let key = || {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("n.csv"), "wavelength_nm,k,n\n400,0,1.5\n700,0,1.4\n").unwrap();
+        let text = TINY.replace("{ built_in = \"yellow\" }", "{ csv = \"n.csv\" }");
+        load(&study(folder.path(), &text)).unwrap().key()
+    };
+    assert_eq!(key(), key());
+}
+
 /// What a file leaves open is said, on a run's error stream too; results do not hold it.
 #[test]
 fn a_range_that_ends_early_and_a_sample_that_nobody_named_are_said() {

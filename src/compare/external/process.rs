@@ -97,7 +97,8 @@ impl ProgramRun {
             Ok(status) if status.success() => Ok(&self.output),
             Ok(status) => {
                 let last = self.complaint.rsplit(|byte| *byte == b'\n').find(|line| !line.is_empty());
-                Err(format!("ended with {status}: {}", last.map_or_else(String::new, words)))
+                let last = last.map_or_else(String::new, |line| format!(": {}", words(line)));
+                Err(format!("ended with {}{last}", status.to_string().replacen(": ", " ", 1)))
             }
         }
     }

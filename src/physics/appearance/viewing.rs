@@ -10,7 +10,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum ColourError {
     /// Fewer wavelengths than an integral needs.
-    #[error("wavelengths_nm has {count} entries; a colour needs at least 3, spread over 400 to 700 nm")]
+    #[error("wavelengths_nm has {count} {}; a colour needs at least 3, spread over 400 to 700 nm", if *count == 1 { "entry" } else { "entries" })]
     TooFewWavelengths {
         /// Wavelengths given.
         count: usize,

@@ -120,6 +120,16 @@ impl Spectrum {
         }))
     }
 
+    /// Drops the folder from the name of a table: it is the same in any folder.
+    pub fn without_folder(mut self) -> Self {
+        if let Self::Tabulated(Table { name, .. }) | Self::Recorded(Dispersion { name, .. }) = &mut self
+            && let Some(file) = Path::new(name.as_str()).file_name()
+        {
+            *name = file.to_string_lossy().into_owned();
+        }
+        self
+    }
+
     /// A table given in memory, checked as [`Spectrum::from_csv`] checks a file.
     pub fn tabulated(name: &str, samples: Vec<Sample>) -> Result<Self, SpectrumError> {
         if samples.len() < 2 {

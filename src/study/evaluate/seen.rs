@@ -49,11 +49,11 @@ pub struct LayerSeen {
 /// Why there is no ink on paper.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum NoInk {
-    /// The study's angles do not suffice.
+    /// The study's angles or wavelengths do not suffice.
     #[error("{0}")]
-    Angles(String),
-    /// No realisation is complete yet.
-    #[error("not every wavelength and angle of a realisation is finished")]
+    Missing(String),
+    /// No cell is complete yet.
+    #[error("no cell has every wavelength and angle of all packings that share it")]
     Unfinished,
     /// The paper or the angles were refused.
     #[error(transparent)]
@@ -207,8 +207,8 @@ impl<'a> CompleteCells<'a> {
         films: &Films,
     ) -> Result<InkOnPaper, NoInk> {
         let study = self.study;
-        if let Some(reason) = &study.angles.no_paper {
-            return Err(NoInk::Angles(reason.clone()));
+        if let Some(reason) = study.no_ink() {
+            return Err(NoInk::Missing(reason));
         }
         let inputs = InkInputs { films, substrate: &substrate(study), outputs_nm: &study.wavelengths_nm };
         let wave = study.wave.returned();

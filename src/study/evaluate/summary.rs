@@ -34,18 +34,18 @@ pub fn program() -> String {
 pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Manifest<&'a Study> {
     let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
     let finished = collected.finished();
-    let asked = if collected.enough { finished } else { study.solves() };
+    let asked = study.solves() - collected.spared(study);
     let grid = seen.grid.largest(&study.wavelengths_nm);
     let certainty = certainty(collected, &records().collect::<Vec<_>>(), (seen, grid));
-    let survivors = Survivors { packed: collected.realisations.len(), refused: collected.refused.len() };
+    let survivors = Survivors::new(study, collected);
     let uncertainty = Uncertainty {
         grid: seen.grid.clone(),
         residual: certainty.mean_energy_error,
-        missing_cells: survivors.largest_shift(seen.realisations.len()),
+        missing_cells: survivors.largest_shift(seen.cells.len()),
         certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
     };
     let mut manifest = Manifest {
-        status: if finished == asked || collected.enough { Status::Complete } else { Status::Partial },
+        status: if finished >= asked { Status::Complete } else { Status::Partial },
         title: study.title.clone(),
         study_hash: study.key().to_string(),
         program: program(),

@@ -132,7 +132,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
 fn aim(study: &Study) -> Option<Fault> {
     let target = study.target_delta_e?;
     let grid = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
-    let reason = study.angles.no_paper.clone().or(grid)?;
+    let reason = study.no_ink().or(grid)?;
     let remedy = "leave it out, or take angles.count and wavelengths from 400 to 700 nm";
     let allowed = format!("nothing where there is no colour: {reason}");
     Some(Fault::new("run.target_delta_e", target, allowed, remedy))

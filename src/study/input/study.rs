@@ -8,7 +8,7 @@ pub use composed::{Composed, Portion, Position};
 pub use parts::{Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, WantedResolution};
 
 use super::file::OutputTable;
-use super::variation::{CellRule, Draw, Variation, signs, stratified_deg};
+use super::variation::{CellRule, Draw, LightRule, Variation, signs, stratified_deg};
 use crate::ink::PackingRequest;
 use crate::solve::{Goal, SolverChoice};
 use crate::store::identity::Key;
@@ -135,6 +135,16 @@ impl Study {
         let chosen = matches!(self.resolution, WantedResolution::Accuracy { .. });
         let plain = self.portion.is_none() && self.layer.composed.is_none();
         self.target_delta_e.is_some() && chosen && plain && self.pairs_cells()
+    }
+
+    /// Why there is no ink on paper: directions are missing, or each realisation of grains has a
+    /// single wavelength of a range, which tells nothing of the spectrum's slope.
+    pub fn no_ink(&self) -> Option<String> {
+        let single = matches!(self.variation.light, LightRule::Shifted { strata: 1, .. });
+        let words = "light.step_nm and light.per_realisation give 1 wavelength per realisation of a range: a colour needs at \
+                     least 2, better 10; step_nm = 20 is usual";
+        let colourless = (single && !self.pigments.is_empty()).then(|| words.to_owned());
+        self.angles.no_paper.clone().or(colourless)
     }
 
     /// Whether realisations share cells in pairs.

@@ -2,7 +2,7 @@
 
 use super::resolve::Resolved;
 use super::watch::RunWatch;
-use crate::input::study::Point;
+use crate::input::study::{Point, Study};
 use crate::solve::Solver;
 use crate::solve::demand::{Admitted, Size, TooLarge};
 use crate::store::{Damage, Database, FailureRecord, Key, OutputFolder, PackingRecord, PointRecord, Store};
@@ -105,9 +105,11 @@ impl Collected {
         self.realisations.iter().map(|r| r.points.iter().chain(&r.finer).flatten().count()).sum()
     }
 
-    /// Number of realisations that were tried.
-    pub fn tried(&self) -> usize {
-        self.realisations.len() + self.refused.len()
+    /// Number of the study's solves that are not needed: those of packings without room, and all
+    /// that are left once the target is reached.
+    pub fn spared(&self, study: &Study) -> usize {
+        let refused = self.refused.iter().map(|refused| study.solves_of(refused.realisation)).sum();
+        if self.enough { study.solves() - self.finished() } else { refused }
     }
 
     /// The failures of all realisations.

@@ -93,9 +93,25 @@ pub fn go_on(folder: &Path) -> Option<String> {
     text.lines().find_map(|line| line.strip_prefix(INDENT)).map(str::to_owned)
 }
 
+/// Puts a word in single quotes unless every character is harmless to a shell.
+pub fn shell_word(word: &str) -> String {
+    if !word.is_empty() && word.chars().all(|c: char| c.is_alphanumeric() || "-_./=:,+@%".contains(c)) {
+        return word.to_owned();
+    }
+    format!("'{}'", word.replace('\'', r"'\''"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_are_quoted_only_where_a_shell_needs_it() {
+        assert_eq!(shell_word("--output=out/yellow"), "--output=out/yellow");
+        assert_eq!(shell_word("my ink.toml"), "'my ink.toml'");
+        assert_eq!(shell_word("it's"), r"'it'\''s'");
+        assert_eq!(shell_word(""), "''");
+    }
 
     #[test]
     fn the_mark_tells_how_to_go_on() {

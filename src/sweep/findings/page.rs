@@ -44,7 +44,7 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
     if unfinished.iter().all(|outcome| outcome.reason.is_some()) {
         let without = unfinished.iter().filter(|outcome| outcome.colour.is_none()).count();
         return format!(
-            "{complete} of {all} variants are complete, {} lack some packings, and {without} have no results, \
+            "{complete} of {all} variants are complete, {} lack some solves, and {without} have no results, \
              for the reasons in the table. --retry-failed retries them.",
             all - complete - without
         );

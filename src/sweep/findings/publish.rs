@@ -8,6 +8,7 @@ use super::sheets::{contact_sheet, sheets};
 use super::{explore, page};
 use crate::appearance::picture::InkPicture;
 use crate::draw::picture::PictureStyle;
+use crate::evaluate::manifest::Count;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
@@ -100,7 +101,8 @@ fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder)
     match publish_seen(&manifest, &seen, &of_variant) {
         // a variant without a result does not hold back the others
         Err(none @ (PublishError::Unphysical(_) | PublishError::NoRoom(_))) => {
-            let (solves, failures) = (manifest.solves, 1 + manifest.failures.len());
+            let solves = Count { finished: manifest.solves.finished, ..nothing.solves };
+            let failures = 1 + manifest.failures.len();
             Ok(Outcome { solves, failures, reason: Some(none.to_string()), ..nothing })
         }
         published => published.map(|_| Outcome { picture: picture(study, &seen), ..nothing.with(&manifest) }),

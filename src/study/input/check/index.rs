@@ -58,10 +58,6 @@ fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<F
 fn source(spectrum: &Spectrum) -> String {
     match spectrum {
         Spectrum::Constant { n, kappa: 0.0 } => n.to_string(),
-        // only the file name: the same table is the same material in any folder
-        Spectrum::Tabulated(_) | Spectrum::Recorded(_) => Path::new(&spectrum.name())
-            .file_name()
-            .map_or_else(|| spectrum.name(), |name| name.to_string_lossy().into_owned()),
         other => other.name(),
     }
 }
@@ -82,6 +78,7 @@ fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Fau
             return None;
         }
     };
+    let found = found.map(Spectrum::without_folder);
     found.map_err(|error| faults.push(not_found(field, key, (said, &folder.join(said)), &error))).ok()
 }
 
