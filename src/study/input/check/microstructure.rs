@@ -67,12 +67,15 @@ fn spheres(
     (table, names): GrainFiles,
     faults: &mut Faults,
 ) -> Option<Given> {
-    let mut cuts = Vec::new();
+    let (mut cuts, before) = (Vec::new(), faults.0.len());
     for path in names.all() {
         match read_positions(&folder.join(path), table) {
             Ok(read) => cuts.extend(read.into_iter().map(|positions| (path.clone(), positions))),
             Err(reason) => faults.add(FIELD, path, format!("positions of spheres: {reason}"), FORMATS),
         }
+    }
+    if faults.0.len() > before {
+        return None;
     }
     let period_um = period(file, &cuts, faults)?;
     let cell_um = [period_um[0], period_um[1], file.layer.thickness_um.mean()];
