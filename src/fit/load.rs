@@ -184,6 +184,11 @@ impl FitReading<'_> {
         let mut all = Vec::new();
         for (i, table) in tables.iter().enumerate() {
             let field = format!("{list}[{i}]");
+            let source = (&table.file, &table.patch);
+            if table.file.is_some() && tables[..i].iter().any(|other| (&other.file, &other.patch) == source) {
+                let remedy = "remove one: the same values twice are no independent data";
+                self.faults.add(format!("{field}.file"), "a spectrum listed before", "each once", remedy);
+            }
             let Some(study) = self.study(&field, table) else { continue };
             // a dissolved pigment is refused already
             let Some(pigment) = study.pigments.get(self.pigment[1]) else { continue };

@@ -53,6 +53,9 @@ fn slips_in_fits_are_said_with_their_field_and_a_remedy() {
     one_fault(&fit("card.csv", "none.csv"), &["measured[0].file", "none.csv"]);
     one_fault(&fit("backing", "volume_fraction = 1.2\nbacking"), &["measured[0].volume_fraction", "1.2"]);
     one_fault(&faults("base = \"ink.toml\"\n", CARD, load_fit), &["measured", "none", "white and on black"]);
+    let again = &FIT[FIT.find("[[").expect("a table")..];
+    let twice = faults(&format!("{FIT}{again}"), CARD, load_fit);
+    one_fault(&twice, &["measured[1].file", "listed before", "no independent data"]);
     let table = |text: &str| faults(&format!("{FIT}[fit]\n{text}\n"), CARD, load_fit);
     one_fault(&table("pigment = \"b\""), &["fit.pigment", "\"b\"", "a"]);
     one_fault(&table("noise = 0.0"), &["fit.noise", "0.003 is usual"]);

@@ -59,7 +59,8 @@ fn what_is_written_is_read_back() {
         }
         assert_eq!((study.realisations, study.layer.period_um), (1, [1.0, 1.2]));
     }
-    let two = "{ spheres = ['g.csv', 'g.csv'] }";
+    write("h.csv", &grains_csv(&packing).expect("a table"));
+    let two = "{ spheres = ['g.csv', 'h.csv'] }";
     assert_eq!(given(folder.path(), two, "period_um = [1.0, 1.2]").expect("two cuts").realisations, 2);
 }
 
@@ -118,6 +119,10 @@ fn wrong_files_are_refused_with_place_and_count() {
             given(folder.path(), &format!("{{ spheres = '{name}' }}"), "period_um = [1.0, 1.2]").unwrap_err();
         assert!(error.contains(says) && error.contains("microstructure") || name == "one", "{name}: {error}");
         assert!(error.contains(says), "{name}: {error}");
+    }
+    for (files, says) in [("['one', 'one']", "one twice"), ("[]", "no file")] {
+        let error = given(folder.path(), &format!("{{ spheres = {files} }}"), "period_um = 1").unwrap_err();
+        assert!(error.contains(says), "{error}");
     }
     let error = given(folder.path(), "{ spheres = 'one' }", "").unwrap_err();
     assert!(error.contains("layer.period_um") && error.contains("no box"), "{error}");

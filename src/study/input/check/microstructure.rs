@@ -38,15 +38,24 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
     let table = file.layer.microstructure.as_ref()?;
     let before = faults.0.len();
     beside(file, table, faults);
-    let given = match (&table.spheres, &table.voxels) {
-        (Some(names), None) => spheres(file, folder, (table, names), faults)?,
-        (None, Some(names)) => voxels::voxels(file, folder, (table, names), faults)?,
+    let names = match (&table.spheres, &table.voxels) {
+        (Some(names), None) | (None, Some(names)) => names,
         _ => {
             let found = keys_in_words(table, &["spheres", "voxels"]);
             faults.add(FIELD, found, "either spheres or voxels", "write voxels = \"cut.npy\"");
             return None;
         }
     };
+    let files = names.all();
+    let twice = files.iter().enumerate().find(|(i, name)| files[..*i].contains(name));
+    if files.is_empty() || twice.is_some() {
+        let found = twice.map_or("no file".into(), |(_, name)| format!("{name} twice"));
+        let remedy = "list the files, without repeats: equal cuts say nothing of the scatter";
+        faults.add(FIELD, found, "one or more different files", remedy);
+        return None;
+    }
+    let read = if table.spheres.is_some() { spheres } else { voxels::voxels };
+    let given = read(file, folder, (table, names), faults)?;
     let mut absent = packed(file).zip(&given.pigments).filter(|(_, found)| found.is_none());
     if let Some(((i, _), _)) = absent.next().filter(|_| faults.0.len() == before) {
         let allowed =
@@ -55,7 +64,7 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
     }
     let cuts = given.grains.len() + given.voxels.len();
     let asked = file.run.realisations.unwrap_or(cuts);
-    if asked > cuts || cuts == 0 {
+    if asked > cuts {
         let allowed = format!("at most {cuts}, one per cut in the files");
         faults.add("run.realisations", asked, allowed, "leave it out, or add files");
     }
