@@ -72,8 +72,8 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     let pigments = pigments::pigments(file, grains, &indices, &mut optics);
     let dissolved = pigments::dissolved(file, &indices, &mut optics);
     pigments::dissolve(&mut layer, &dissolved, &pigments, light::mixing(file));
-    let mut packing = pigments::packing(file, &layer, &pigments, &mut faults);
-    (packing.given, packing.voxels) = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
+    let placed = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
+    let packing = pigments::packing(file, &layer, &pigments, placed, &mut faults);
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
     let angles = paper::angles(file, paper.coupling, &mut optics);
     let resolution = resolution(file, &mut optics);

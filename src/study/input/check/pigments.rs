@@ -2,7 +2,7 @@
 
 use super::grains::{as_written, fraction, grains_of, is_molecular, of, packed, size};
 use super::index::Tabulation;
-use crate::ink::{PackError, PackingRequest, PigmentGrains};
+use crate::ink::{Grain, PackError, PackingRequest, PigmentGrains, Shape, VoxelCut};
 use crate::input::file::{PigmentTable, StudyFile};
 use crate::input::study::{Dissolved, IndexSpectrum, Layer, Pigment};
 use crate::input::{Fault, Faults, limits};
@@ -98,7 +98,13 @@ pub(super) fn packed_names(file: &StudyFile) -> Vec<String> {
 }
 
 /// The packing of the nominal cell; its own check is made only if there are no other errors.
-pub fn packing(file: &StudyFile, layer: &Layer, pigments: &[Pigment], faults: &mut Faults) -> PackingRequest {
+pub fn packing(
+    file: &StudyFile,
+    layer: &Layer,
+    pigments: &[Pigment],
+    (given, voxels): (Vec<Vec<Grain>>, Vec<VoxelCut>),
+    faults: &mut Faults,
+) -> PackingRequest {
     let request = PackingRequest {
         period_um: layer.period_um,
         thickness_um: layer.thickness_um,
@@ -110,6 +116,8 @@ pub fn packing(file: &StudyFile, layer: &Layer, pigments: &[Pigment], faults: &m
         equilibration: file.packing.equilibration,
         relief: file.layer.relief,
         walls: file.layer.walls,
+        given,
+        voxels,
         ..PackingRequest::default()
     };
     if faults.0.is_empty() {
