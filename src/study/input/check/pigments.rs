@@ -26,9 +26,15 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
             all.push(grains_of(i, table, (&file.layer, period_um), faults));
         } else {
             fraction(i, table, faults);
-            if !table.shell.is_empty() {
-                let (found, allowed) = ("layers", "no layers around dissolved pigments: they have no grains");
-                faults.add(of(i, "shell"), found, allowed, "give diameter_nm in nm, or remove shell");
+            let keys = [
+                (!table.shell.is_empty(), "shell"),
+                (table.agglomeration.is_some(), "agglomeration"),
+                (table.shape != Shape::default(), "shape"),
+            ];
+            for (_, key) in keys.into_iter().filter(|(found, _)| *found) {
+                let allowed = "nothing of grains: dissolved pigments have none";
+                let remedy = format!("give diameter_nm in nm, or remove {key}");
+                faults.add(of(i, key), "a value", allowed, &remedy);
             }
         }
     }
