@@ -132,7 +132,7 @@ pub const INK: &[Slip] = &[
     slip(
         K,
         "index = { csv = \"huge.csv\", n = 1.4 }",
-        ["pigment[0].index", "k = 100000 at 400 nm", "at most 100", "correct the file"],
+        ["pigment[0].index", "kappa = 100000", "of 0 to 10", "κ is below 1"],
     ),
     slip(
         "[output]",
