@@ -134,6 +134,8 @@ fn slips_in_designs_are_said_with_their_field_and_a_remedy() {
     one_fault(&design("to = 0.3", "to = 1.3"), &["vary[0]", "1.3"]);
     one_fault(&design("volume_fraction", "colour"), &["colour"]);
     one_fault(&design("lab = [80, 0, 50]", "file = \"none.csv\""), &["target", "none.csv"]);
+    let ratio = design("field = \"pigment[0].volume_fraction\"", "ratio = [\"a\", \"a\"]");
+    one_fault(&ratio, &["vary[0].ratio", "twice", "two pigments"]);
     let colour = |patch: &str| {
         let target = format!("file = \"card.csv\"{patch}");
         faults(&DESIGN.replace("lab = [80, 0, 50]", &target), TWO_COLOURS, read)
