@@ -141,6 +141,11 @@ pub const INK: &[Slip] = &[
     ),
     slip(
         "[output]",
+        "[colour]\nobserver = 10\n[output]",
+        ["colour.observer", "integer `10`", "a string", "quotes, numbers too, such as \"10\""],
+    ),
+    slip(
+        "[output]",
         "[compare]\nmeasured = \"comma.csv\"\n[output]",
         ["compare.measured", "line 2: 3 cells", "(wavelength_nm,reflectance)", "(wavelength_nm;reflectance)"],
     ),
