@@ -39,17 +39,22 @@ pub fn study_report(error: StudyError) -> Report {
     }
 }
 
-/// [`study_report`] of a file that may be meant for another command: a study given to `inkwave
-/// sweep`, or a sweep given to `inkwave run`, by the tables that only one of them has.
+/// [`study_report`] of a file that may be meant for another command, such as a study given to
+/// `inkwave sweep`, by the tables that only one kind of file has.
 pub fn mixed_up_report(error: StudyError, wanted: &str) -> Report {
     let StudyError::Values { path, text, .. } = &error else { return study_report(error) };
     let table = parse_toml(text).unwrap_or_default();
-    let has = |keys: [&str; 2]| keys.iter().any(|key| table.contains_key(*key));
-    let (found, command) = match (has(["layer", "pigment"]), has(["base", "axis"])) {
-        (true, false) if wanted == "sweep" => ("study", "run"),
-        (false, true) if wanted == "study" => ("sweep", "sweep"),
+    let kinds = [["layer", "pigment"], ["measured", "fit"], ["vary", "design"], ["base", "axis"]];
+    let (found, command) = match kinds.map(|keys| keys.iter().any(|key| table.contains_key(*key))) {
+        [true, false, false, false] => ("study", "run"),
+        [false, true, false, _] => ("fit", "fit"),
+        [false, false, true, _] => ("design", "design"),
+        [false, false, false, true] => ("sweep", "sweep"),
         _ => return study_report(error),
     };
+    if found == wanted {
+        return study_report(error);
+    }
     let path = path.display();
     let help = format!("run it with `inkwave {command} {path}`");
     miette!(help = help, "{path} is a {found}, and this command reads a {wanted}")

@@ -1,7 +1,7 @@
 //! `inkwave fit FIT.toml`: from measured drawdowns to a pigment's index; `inkwave design
 //! DESIGN.toml`: from a wanted colour to recipes.
 
-use super::diagnostics::{folder_report, run_report, step_report, study_report};
+use super::diagnostics::{folder_report, mixed_up_report, run_report, step_report};
 use super::progress::Progress;
 use super::sweep::tell_plan;
 use super::terminal::note;
@@ -35,7 +35,7 @@ pub struct FitArgs {
 
 /// Runs a fit.
 pub fn fit(args: &FitArgs) -> Result<()> {
-    let task = fit::load::load(&args.fit).map_err(study_report)?;
+    let task = fit::load::load(&args.fit).map_err(|error| mixed_up_report(error, "fit"))?;
     let settings = args.work.settings()?;
     if args.work.plan {
         return plan_fit(&task, settings);
@@ -101,7 +101,7 @@ pub struct DesignArgs {
 
 /// Runs a design.
 pub fn design(args: &DesignArgs) -> Result<()> {
-    let task = design::recipe::load(&args.design).map_err(study_report)?;
+    let task = design::recipe::load(&args.design).map_err(|error| mixed_up_report(error, "design"))?;
     let settings = args.work.settings()?;
     if args.work.plan {
         return plan_design(&task, settings);

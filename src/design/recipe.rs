@@ -207,7 +207,12 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
     for (i, table) in tables.iter().enumerate() {
         let name = match (&table.field, &table.ratio) {
             (Some(field), None) => field.clone(),
-            (None, Some([one, other])) => format!("{one} : ({one} + {other})"),
+            (None, Some([one, other])) if one != other => format!("{one} : ({one} + {other})"),
+            (None, Some(_)) => {
+                let field = format!("vary[{i}].ratio");
+                faults.add(field, "one pigment twice", "two pigments' names", "name another one");
+                continue;
+            }
             _ => {
                 faults.add(format!("vary[{i}]"), "both or neither", "either field or ratio", "write field");
                 continue;

@@ -21,7 +21,7 @@ pub enum Format {
     Npz,
     /// Contrast of the first packing as a VTK image.
     Vti,
-    /// Positions of the first packing's spheres: CSV, LAMMPS dump and extended XYZ.
+    /// Positions of the first packing's grains of spheres: CSV, LAMMPS dump and extended XYZ.
     Positions,
     /// Labels of the first packing's voxels as a NumPy array.
     Labels,

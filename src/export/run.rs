@@ -218,6 +218,11 @@ impl Exporter<'_> {
                 .push("no positions: voxels have no grains to place; `--to labels` writes them".into());
             return Ok(());
         }
+        if packing.grains().iter().any(|grain| grain.solid.is_some()) {
+            let reason = "no positions: some grains are bodies, whose enclosing spheres are no grains";
+            out.remarks.push(format!("{reason}; `--to labels` and `--to viewer` write bodies"));
+            return Ok(());
+        }
         out.add("grains.csv", grains_csv(&packing)?, "spheres of the first packing, lengths in µm");
         out.add("grains.dump", grains::dump(&packing), "the same as a LAMMPS dump, radii and lengths in µm");
         out.add("grains.xyz", grains::xyz(&packing), "the same as extended XYZ, radii and lengths in µm");

@@ -53,7 +53,7 @@ pub struct FitTask {
     pub title: String,
     /// What is fitted, and how.
     pub settings: FitTable,
-    /// Place of the pigment in the studies.
+    /// Place of the pigment among those with grains, in the studies.
     pub pigment: usize,
     /// Different layers, by one study each: those measured before those predicted only.
     pub coats: Vec<Study>,
@@ -86,7 +86,7 @@ pub fn load(path: &Path) -> Result<FitTask, StudyError> {
     let (text, file): (String, FitFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let (base, base_folder) = file.base.read(folder)?;
-    let mut reading = FitReading { folder, base_folder, base, pigment: 0, faults: Faults::default() };
+    let mut reading = FitReading { folder, base_folder, base, pigment: [0; 2], faults: Faults::default() };
     reading.prepare(&file);
     let task = reading.task(&file, path);
     match (task, reading.faults.0) {
@@ -99,7 +99,8 @@ struct FitReading<'a> {
     folder: &'a Path,
     base_folder: PathBuf,
     base: Table,
-    pigment: usize,
+    /// Places of the pigment in the base and in the studies, which count those with grains only.
+    pigment: [usize; 2],
     faults: Faults,
 }
 
@@ -117,7 +118,7 @@ impl FitReading<'_> {
             }
         }
         self.pigment = self.find_pigment(pigment.as_deref());
-        let place = self.pigment;
+        let [place, _] = self.pigment;
         let placeholder = Table::from_iter([("n".into(), 1.6.into()), ("k".into(), 0.1.into())]);
         // what cannot be set is a fault of the base, which its check names
         let _ = set(&mut self.base, &format!("pigment[{place}].index"), &Value::Table(placeholder));
@@ -131,20 +132,25 @@ impl FitReading<'_> {
         }
     }
 
-    fn find_pigment(&mut self, wanted: Option<&str>) -> usize {
+    fn find_pigment(&mut self, wanted: Option<&str>) -> [usize; 2] {
         let pigments = self.base.get("pigment").and_then(Value::as_array).into_iter().flatten();
-        let names = pigments.map(|p| p.get("name").and_then(Value::as_str).unwrap_or_default());
+        let names = pigments.clone().map(|p| p.get("name").and_then(Value::as_str).unwrap_or_default());
         let names: Vec<&str> = names.collect();
         let found = match wanted {
             Some(wanted) => names.iter().position(|name| *name == wanted),
             None => (names.len() == 1).then_some(0),
         };
-        if found.is_none() {
+        let packed = pigments.enumerate().filter(|(_, p)| !p.get("diameter_nm").is_some_and(Value::is_str));
+        let packed: Vec<usize> = packed.map(|(i, _)| i).collect();
+        let place = packed.iter().position(|i| Some(*i) == found);
+        if place.is_none() {
             let said = wanted.map_or("nothing".into(), |wanted| format!("{wanted:?}"));
-            let allowed = format!("the name of one of the base's pigments: {}", names.join(", "));
+            let said = if found.is_some() { said + ", a dissolved pigment" } else { said };
+            let packed = packed.iter().map(|&i| names[i]).collect::<Vec<_>>().join(", ");
+            let allowed = format!("the name of one of the base's pigments with grains: {packed}");
             self.faults.add("fit.pigment", said, allowed, "name the pigment whose index is unknown");
         }
-        found.unwrap_or(0)
+        [found.unwrap_or(0), place.unwrap_or(0)]
     }
 
     fn task(&mut self, file: &FitFile, path: &Path) -> Option<FitTask> {
@@ -169,7 +175,7 @@ impl FitReading<'_> {
         if let Some(reason) = &first.angles.no_paper {
             self.faults.add("base.angles", reason.clone(), "0°, 45° and the hemisphere", "write count = 5");
         }
-        let (pigment, settings) = (self.pigment, file.fit.clone());
+        let (pigment, settings) = (self.pigment[1], file.fit.clone());
         let title = file.title.clone().unwrap_or_else(|| stem(path));
         Some(FitTask { title, settings, pigment, coats, coats_measured, measured, predicted })
     }
@@ -178,7 +184,14 @@ impl FitReading<'_> {
         let mut all = Vec::new();
         for (i, table) in tables.iter().enumerate() {
             let field = format!("{list}[{i}]");
+            let source = (&table.file, &table.patch);
+            if table.file.is_some() && tables[..i].iter().any(|other| (&other.file, &other.patch) == source) {
+                let remedy = "remove one: the same values twice are no independent data";
+                self.faults.add(format!("{field}.file"), "a spectrum listed before", "each once", remedy);
+            }
             let Some(study) = self.study(&field, table) else { continue };
+            // a dissolved pigment is refused already
+            let Some(pigment) = study.pigments.get(self.pigment[1]) else { continue };
             let values = self.values(&field, table, &study);
             if list == "measured" && values.is_none() && table.file.is_none() {
                 let remedy = "name a CSV, CxF3 or CGATS.17 file";
@@ -189,7 +202,7 @@ impl FitReading<'_> {
             if coat == coats.len() {
                 coats.push(study.clone());
             }
-            let share = 100.0 * study.pigments[self.pigment].grains.volume_fraction;
+            let share = 100.0 * pigment.grains.volume_fraction;
             let [share, um] = [share, study.layer.thickness_um].map(|x| (1e4 * x).round() / 1e4);
             let layer = format!("{share} % of {um} µm");
             let name = table.file.clone().unwrap_or_else(|| layer.clone());
@@ -209,7 +222,7 @@ impl FitReading<'_> {
             return None;
         };
         let (share, um) = (table.volume_fraction, table.thickness_um);
-        let share_of_base = format!("pigment[{}].volume_fraction", self.pigment);
+        let share_of_base = format!("pigment[{}].volume_fraction", self.pigment[0]);
         let changes = [
             (share_of_base.as_str(), "volume_fraction", share.map(Value::from)),
             ("layer.thickness_um", "thickness_um", um.map(|um| thickness(&self.base, um))),

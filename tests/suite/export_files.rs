@@ -252,6 +252,11 @@ fn what_cannot_be_exported_is_refused_with_a_remedy() {
     let listed = TINY.replace("count = 3", "polar_deg = [0, 30]");
     succeed(&study(folder.path(), &listed), &out, &[]);
     assert!(refusal(&out, &["--to", "mitsuba"]).contains("angles.count"));
+    let (boxes, shaped) = (folder.path().join("boxes"), "diameter_nm = 150\nshape = \"box\"");
+    succeed(&study(folder.path(), &listed.replace("diameter_nm = 200", shaped)), &boxes, &[]);
+    let told = export(&boxes, &["--to", "positions"]);
+    assert!(String::from_utf8_lossy(&told.stdout).contains("no positions"), "{told:?}");
+    assert!(!boxes.join("export/grains.csv").exists());
     assert!(refusal(&out, &["--to", "vti", "--near-field", "555"]).contains(" nm"));
     assert!(refusal(&out, &["--to", "vti", "--near-field", "550:91"]).contains("0 ≤ angle < 90"));
     assert!(export(&out, &["--to", "npz"]).status.success());

@@ -7,6 +7,8 @@ use std::path::Path;
 const INK: &str = "[layer]\nthickness_um = 1.0\nbinder.index = 1.5\n[[pigment]]\nname = \"a\"\ndiameter_nm = 200\n\
                    volume_fraction = 0.2\nindex = { built_in = \"yellow\" }\n[light]\nwavelengths_nm = [500, 600]\n\
                    [run]\nrealisations = 6\n";
+const DYE: &str =
+    "[[pigment]]\nname = \"dye\"\ndiameter_nm = \"molecular\"\nvolume_fraction = 0.02\nindex = 1.6\n";
 const CARD: &str = "wavelength_nm,reflectance\n400,0.5\n700,0.6\n";
 
 /// The faults that a reader finds in a file beside an ink and a spectrum.
@@ -51,6 +53,9 @@ fn slips_in_fits_are_said_with_their_field_and_a_remedy() {
     one_fault(&fit("card.csv", "none.csv"), &["measured[0].file", "none.csv"]);
     one_fault(&fit("backing", "volume_fraction = 1.2\nbacking"), &["measured[0].volume_fraction", "1.2"]);
     one_fault(&faults("base = \"ink.toml\"\n", CARD, load_fit), &["measured", "none", "white and on black"]);
+    let again = &FIT[FIT.find("[[").expect("a table")..];
+    let twice = faults(&format!("{FIT}{again}"), CARD, load_fit);
+    one_fault(&twice, &["measured[1].file", "listed before", "no independent data"]);
     let table = |text: &str| faults(&format!("{FIT}[fit]\n{text}\n"), CARD, load_fit);
     one_fault(&table("pigment = \"b\""), &["fit.pigment", "\"b\"", "a"]);
     one_fault(&table("noise = 0.0"), &["fit.noise", "0.003 is usual"]);
@@ -68,8 +73,49 @@ fn slips_in_fits_are_said_with_their_field_and_a_remedy() {
         let ink = INK.replace("[500, 600]", waves);
         one_fault(&faults_with(&ink, FIT, CARD, load_fit), &["base.light", said]);
     }
+    for ink in [
+        INK.replace("[light]", &format!("{DYE}[light]")),
+        INK.replace("diameter_nm = 200", "diameter_nm = 'molecular'"),
+    ] {
+        let name = if ink.contains("dye") { "dye" } else { "a" };
+        let fit = format!("{FIT}[fit]\npigment = \"{name}\"\n");
+        one_fault(&faults_with(&ink, &fit, CARD, load_fit), &["fit.pigment", name, "dissolved"]);
+    }
     // percent is recognised
     assert_eq!(card("400,50\n700,60\n"), Vec::<String>::new());
+}
+
+#[test]
+fn dissolved_pigments_do_not_shift_the_one_fitted() {
+    let ink = INK.replace("[[pigment]]", &format!("{DYE}[[pigment]]"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let fit = format!("{FIT}volume_fraction = 0.15\n[fit]\npigment = \"a\"\n");
+    for (name, content) in [("fit.toml", fit.as_str()), ("ink.toml", &ink), ("card.csv", CARD)] {
+        std::fs::write(folder.path().join(name), content).expect("written");
+    }
+    let task = load_fit(&folder.path().join("fit.toml")).expect("sound");
+    let fitted = &task.coats[0].pigments[task.pigment];
+    assert_eq!((fitted.name.as_str(), fitted.grains.volume_fraction), ("a", 0.15));
+}
+
+#[test]
+fn files_of_another_kind_are_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, content) in [("ink.toml", INK), ("fit.toml", FIT), ("design.toml", DESIGN)] {
+        std::fs::write(folder.path().join(name), content).expect("written");
+    }
+    for (command, file, says) in [
+        ("fit", "ink.toml", "is a study, and this command reads a fit"),
+        ("design", "ink.toml", "is a study, and this command reads a design"),
+        ("fit", "design.toml", "is a design, and this command reads a fit"),
+        ("run", "fit.toml", "is a fit, and this command reads a study"),
+    ] {
+        let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"));
+        let done = program.arg(command).arg(folder.path().join(file)).output().expect("the program");
+        let said = String::from_utf8_lossy(&done.stderr).replace('│', " ");
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(!done.status.success() && said.contains(says), "{command} {file}: {said}");
+    }
 }
 
 /// Colours of two samples whose light is not stated.
@@ -88,6 +134,8 @@ fn slips_in_designs_are_said_with_their_field_and_a_remedy() {
     one_fault(&design("to = 0.3", "to = 1.3"), &["vary[0]", "1.3"]);
     one_fault(&design("volume_fraction", "colour"), &["colour"]);
     one_fault(&design("lab = [80, 0, 50]", "file = \"none.csv\""), &["target", "none.csv"]);
+    let ratio = design("field = \"pigment[0].volume_fraction\"", "ratio = [\"a\", \"a\"]");
+    one_fault(&ratio, &["vary[0].ratio", "twice", "two pigments"]);
     let colour = |patch: &str| {
         let target = format!("file = \"card.csv\"{patch}");
         faults(&DESIGN.replace("lab = [80, 0, 50]", &target), TWO_COLOURS, read)

@@ -59,8 +59,35 @@ fn what_is_written_is_read_back() {
         }
         assert_eq!((study.realisations, study.layer.period_um), (1, [1.0, 1.2]));
     }
-    let two = "{ spheres = ['g.csv', 'g.csv'] }";
+    write("h.csv", &grains_csv(&packing).expect("a table"));
+    let two = "{ spheres = ['g.csv', 'h.csv'] }";
     assert_eq!(given(folder.path(), two, "period_um = [1.0, 1.2]").expect("two cuts").realisations, 2);
+}
+
+/// Rows in any order, as programs in parallel write them, and a pigment that has no name of its own.
+#[test]
+fn spheres_of_a_grain_need_no_neighbouring_rows() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [one, two] = ["0.2,0.2,0.2,0.1,a,1\n", "0.3,0.2,0.2,0.1,a,1\n"];
+    let other = "0.7,0.7,0.2,0.1,pigment 2,2\n";
+    let scene = |rows: &[&str]| {
+        let text = format!("x_um,y_um,z_um,radius_um,pigment,grain\n{}", rows.concat());
+        std::fs::write(folder.path().join("cut.csv"), text).expect("written");
+        let pigments = PIGMENTS.replace("name = 'b'\n", "");
+        let layer = "[layer]\nthickness_um = 0.8\nbinder.index = 1.5\nperiod_um = 1\nmicrostructure.spheres = 'cut.csv'\n";
+        let study = study(folder.path(), &format!("{layer}{pigments}{LIGHT}")).expect("sound");
+        Scene::from_packing(&pack(&study.packing_request(0), &mut ()).expect("the given grains"))
+    };
+    assert_eq!(scene(&[one, other, two]), scene(&[one, two, other]));
+}
+
+#[test]
+fn files_that_cannot_be_read_are_the_only_fault() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let layer = "[layer]\nthickness_um = 0.8\ncell = 'fixed'\nbinder.index = 1.5\nmicrostructure.spheres = 'absent.csv'\n";
+    let error =
+        study(folder.path(), &format!("{layer}{PIGMENTS}{LIGHT}[run]\nrealisations = 3\n")).unwrap_err();
+    assert!(error.contains("absent.csv") && !error.contains("; "), "{error}");
 }
 
 #[test]
@@ -72,6 +99,11 @@ fn wrong_files_are_refused_with_place_and_count() {
         ("empty", rows(""), "no spheres"),
         ("other", rows("0.1,0.1,0.2,0.05,c\n"), "pigment \"c\""),
         ("one", rows("0.1,0.1,0.2,0.05,a\n"), "pigment[1]"),
+        (
+            "mixed",
+            rows("0.1,0.1,0.2,0.05,a,7\n0.1,0.1,0.25,0.05,b,7\n").replace("t\n", "t,grain\n"),
+            "grain 7 of several",
+        ),
         (
             "overlap",
             rows(&format!("0.1,0.1,0.2,0.05,a\n0.12,0.1,0.2,0.05,a\n0.98,0.1,0.2,0.08,b\n{b}")),
@@ -87,6 +119,10 @@ fn wrong_files_are_refused_with_place_and_count() {
             given(folder.path(), &format!("{{ spheres = '{name}' }}"), "period_um = [1.0, 1.2]").unwrap_err();
         assert!(error.contains(says) && error.contains("microstructure") || name == "one", "{name}: {error}");
         assert!(error.contains(says), "{name}: {error}");
+    }
+    for (files, says) in [("['one', 'one']", "one twice"), ("[]", "no file")] {
+        let error = given(folder.path(), &format!("{{ spheres = {files} }}"), "period_um = 1").unwrap_err();
+        assert!(error.contains(says), "{error}");
     }
     let error = given(folder.path(), "{ spheres = 'one' }", "").unwrap_err();
     assert!(error.contains("layer.period_um") && error.contains("no box"), "{error}");

@@ -166,6 +166,16 @@ fn exported_labels_give_the_same_spectra() {
 }
 
 #[test]
+fn voxels_may_hold_more_than_any_packing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let full = Array3::from_shape_fn((10, 4, 5), |(x, ..)| if x < 2 { 0 } else { 1 + x as u8 % 2 });
+    write(folder.path(), "full.npy", &full);
+    let study = study(folder.path(), 0.1, "voxels = 'full.npy', voxel_nm = 20", "").expect("sound");
+    let shares: Vec<f64> = study.pigments.iter().map(|p| p.grains.volume_fraction).collect();
+    assert_eq!(shares, [0.4, 0.4]);
+}
+
+#[test]
 fn wrong_voxels_are_refused_with_place_and_count() {
     let folder = tempfile::tempdir().expect("a folder");
     write(folder.path(), "cut.npy", &cut(6, 4, 5));

@@ -14,8 +14,8 @@ use std::path::Path;
 
 /// Re η of every pigment in P1 section 5, and of the built-in synthetic ones.
 pub const PIGMENT_N: f64 = 1.4;
-/// Largest real part accepted: a lost decimal comma turns 1.55 into 155.
-const LARGEST_N: f64 = 10.0;
+/// Largest n and κ accepted: a lost decimal comma turns 1.55 into 155.
+const LARGEST: f64 = 10.0;
 
 /// One row of a tabulated spectrum: η = n + iκ at a vacuum wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -261,11 +261,12 @@ fn check_index(field: &str, n: f64, kappa: f64) -> Result<(), SpectrumError> {
     let bad = |column, value, allowed, remedy| {
         Err(SpectrumError::BadValue { field: format!("{field}: {column}"), value, allowed, remedy })
     };
-    if !(n > 0.0 && n <= LARGEST_N) {
+    if !(n > 0.0 && n <= LARGEST) {
         return bad("n", n, "greater than 0, at most 10", "give the real part of the index, e.g. 1.4");
     }
-    if !(kappa.is_finite() && kappa >= 0.0) {
-        return bad("kappa", kappa, "of at least 0", "absorption is positive here: exp(-iωt) convention");
+    if !(0.0..=LARGEST).contains(&kappa) {
+        let remedy = "a pigment's κ is below 1; absorption is positive here: exp(-iωt) convention";
+        return bad("kappa", kappa, "of 0 to 10", remedy);
     }
     Ok(())
 }
@@ -315,6 +316,7 @@ mod tests {
                 .to_string()
         };
         assert!(message("wavelength_nm,kappa\n400,-0.1\n500,0.3\n").contains("row 1: kappa = -0.1"));
+        assert!(message("wavelength_nm,kappa\n400,0.1\n500,12\n").contains("row 2: kappa = 12"));
         assert!(message("wavelength_nm,kappa\n500,0.1\n400,0.3\n").contains("row 2: wavelength_nm = 400"));
         assert!(message("wavelength_nm,kappa\n500,NaN\n600,0.3\n").contains("kappa = NaN"));
         assert!(message("wavelength_nm,kappa,n\n500,1,0\n600,0.3,1\n").contains("n = 0"));

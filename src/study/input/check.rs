@@ -48,7 +48,7 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
 /// All errors in the layer, the pigments and the packing.
 pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
     let (study, mut faults, _) = examine(file, folder, name);
-    if study.pigments.is_empty() {
+    if grains::packed(file).next().is_none() {
         faults.add("pigment", "none", "at least one [[pigment]] with grains", "add one");
     }
     if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
@@ -72,8 +72,8 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     let pigments = pigments::pigments(file, grains, &indices, &mut optics);
     let dissolved = pigments::dissolved(file, &indices, &mut optics);
     pigments::dissolve(&mut layer, &dissolved, &pigments, light::mixing(file));
-    let mut packing = pigments::packing(file, &layer, &pigments, &mut faults);
-    (packing.given, packing.voxels) = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
+    let placed = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
+    let packing = pigments::packing(file, &layer, &pigments, placed, &mut faults);
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
     let angles = paper::angles(file, paper.coupling, &mut optics);
     let resolution = resolution(file, &mut optics);
@@ -164,7 +164,8 @@ fn layer(table: &LayerTable, period_um: [f64; 2], binder: IndexSpectrum, faults:
 /// Nominal period of the cells: as given, or as the grains require.
 fn period(file: &StudyFile, faults: &mut Faults) -> [f64; 2] {
     let Some(written) = file.layer.period_um else {
-        if file.layer.cell == CellRule::Fixed {
+        // files of grains give it, unless they cannot be read
+        if file.layer.cell == CellRule::Fixed && file.layer.microstructure.is_none() {
             let allowed = "one number or [x, y], µm, for cell = \"fixed\"";
             faults.add("layer.period_um", "nothing", allowed, "write period_um = 2.4, or let cells vary");
         }

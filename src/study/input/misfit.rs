@@ -51,6 +51,8 @@ pub(super) fn join(outer: &str, inner: &str) -> String {
 
 const FORM: &str = "write the value in that form; `inkwave schema KIND` describes every key of a file";
 
+const QUOTES: &str = "write text in quotes, numbers too, such as \"10\"";
+
 impl de::Error for Misfit {
     /// Types with several forms describe what is allowed; only the reader knows what was found.
     fn custom<T: fmt::Display>(message: T) -> Self {
@@ -58,7 +60,9 @@ impl de::Error for Misfit {
     }
 
     fn invalid_type(found: Unexpected, allowed: &dyn Expected) -> Self {
-        Self::new(said(found), in_words(&allowed.to_string()))
+        let fault = Fault::new("", said(found), in_words(&allowed.to_string()), FORM);
+        let remedy = if fault.allowed == "a string" { format!("{QUOTES}; {FORM}") } else { fault.remedy };
+        Self(Some(Fault { remedy, ..fault }))
     }
 
     fn invalid_value(found: Unexpected, allowed: &dyn Expected) -> Self {

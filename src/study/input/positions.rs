@@ -43,10 +43,11 @@ fn from_csv(text: &str) -> Result<Positions, String> {
     let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
     let names: Vec<String> = reader.headers().map_err(|e| e.to_string())?.iter().map(str::to_owned).collect();
     let [x, y, z] = [with_unit(&names, "x")?, with_unit(&names, "y")?, with_unit(&names, "z")?];
-    let radius = match (with_unit(&names, "radius"), with_unit(&names, "diameter")) {
-        (Ok(radius), Err(_)) => radius,
-        (Err(_), Ok((column, um))) => (column, 0.5 * um),
-        (Ok(_), Ok(_)) => return Err("both a radius and a diameter".into()),
+    let sizes = ["radius", "diameter"].map(|n| [format!("{n}_um"), format!("{n}_nm")]);
+    let radius = match sizes.map(|own| own.iter().any(|name| names.contains(name))) {
+        [true, false] => with_unit(&names, "radius")?,
+        [false, true] => with_unit(&names, "diameter").map(|(column, um)| (column, 0.5 * um))?,
+        [true, true] => return Err("both a radius and a diameter".into()),
         _ => return Err("no column radius_um or diameter_um (or _nm)".into()),
     };
     let [pigment, grain] = ["pigment", "grain"].map(|name| names.iter().position(|n| n == name));
@@ -62,10 +63,14 @@ fn from_csv(text: &str) -> Result<Positions, String> {
 
 /// The column of a length and its unit in µm.
 fn with_unit(names: &[String], name: &str) -> Result<(usize, f64), String> {
-    let of = |unit: &str, um: f64| Some((names.iter().position(|n| *n == format!("{name}_{unit}"))?, um));
-    of("um", 1.0).or_else(|| of("nm", 1e-3)).ok_or_else(|| {
-        format!("no column {name}_um or {name}_nm; a header names the columns with their unit")
-    })
+    let units = [(format!("{name}_um"), 1.0), (format!("{name}_nm"), 1e-3)];
+    let of = |n: &String| units.iter().find(|(own, _)| own == n).map(|(_, um)| *um);
+    let found: Vec<(usize, f64)> = names.iter().enumerate().filter_map(|(i, n)| Some((i, of(n)?))).collect();
+    match found[..] {
+        [one] => Ok(one),
+        [] => Err(format!("no column {name}_um or {name}_nm; a header names the columns with their unit")),
+        _ => Err(format!("{} columns for {name}: keep one {name}_um or {name}_nm", found.len())),
+    }
 }
 
 /// Where the numbers of a row are.
@@ -257,6 +262,9 @@ mod tests {
             (xyz.as_str(), MicrostructureTable { size: None, ..in_nm() }, "radii or diameters"),
             ("x,y,z,r\n1,2,3,4\n", in_nm(), "no column x_um or x_nm"),
             ("x_um,y_um,z_um\n1,2,3\n", in_nm(), "radius_um or diameter_um"),
+            ("x_um,x_um,y_um,z_um,radius_um\n1,1,2,3,1\n", in_nm(), "2 columns for x"),
+            ("x_um,x_nm,y_um,z_um,radius_um\n1,1,2,3,1\n", in_nm(), "2 columns for x"),
+            ("x_um,y_um,z_um,radius_um,radius_nm\n1,2,3,1,1\n", in_nm(), "2 columns for radius"),
             ("x_um,y_um,z_um,radius_um\n1,2,a,1\n", in_nm(), "line 2: \"a\""),
             ("x_um,y_um,z_um,radius_um\n1,2,3,0\n", in_nm(), "line 2: a sphere of radius 0"),
             ("3\nProperties=species:S:1:pos:R:3:radius:R:1\n1 1 2 3 4\n", in_nm(), "ends before the last"),

@@ -132,12 +132,17 @@ pub const INK: &[Slip] = &[
     slip(
         K,
         "index = { csv = \"huge.csv\", n = 1.4 }",
-        ["pigment[0].index", "k = 100000 at 400 nm", "at most 100", "correct the file"],
+        ["pigment[0].index", "kappa = 100000", "of 0 to 10", "κ is below 1"],
     ),
     slip(
         "[output]",
         "[paper]\nalbedo = [[0.4, 0.8], [0.7, 0.8]]\n[output]",
         ["paper.albedo", "up to 0.7, which look like µm", "wavelengths in nm", "by 1000"],
+    ),
+    slip(
+        "[output]",
+        "[colour]\nobserver = 10\n[output]",
+        ["colour.observer", "integer `10`", "a string", "quotes, numbers too, such as \"10\""],
     ),
     slip(
         "[output]",
@@ -243,7 +248,17 @@ pub const INK: &[Slip] = &[
     slip(
         "diameter_nm = 200",
         "diameter_nm = \"molecular\"\nshell = [{ thickness_nm = 20, index = 1.46 }]",
-        ["pigment[0].shell", "layers", "dissolved pigments", "remove shell"],
+        ["pigment[0].shell", "a value", "dissolved pigments", "remove shell"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = \"molecular\"\nagglomeration = { degree = 1.0, grains = 2 }",
+        ["pigment[0].agglomeration", "a value", "dissolved pigments", "remove agglomeration"],
+    ),
+    slip(
+        "diameter_nm = 200",
+        "diameter_nm = \"molecular\"\nshape = \"cylinder\"",
+        ["pigment[0].shape", "a value", "dissolved pigments", "remove shape"],
     ),
     slip(
         "name = \"yellow\"",

@@ -3,12 +3,14 @@
 mod voxels;
 
 use super::grains::{is_molecular, packed};
+use super::pigments::packed_names;
 use crate::ink::{Grain, Measure, PackError, Packing, Shape, SizeDistribution, Sphere, VoxelCut};
 use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
 use crate::input::forms::Pair;
 use crate::input::positions::{Positions, read_positions};
 use crate::input::{CellRule, Faults, keys_in_words};
 use crate::numerics::vector::V3;
+use std::collections::HashMap;
 use std::path::Path;
 
 pub(super) const FIELD: &str = "layer.microstructure";
@@ -36,15 +38,24 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
     let table = file.layer.microstructure.as_ref()?;
     let before = faults.0.len();
     beside(file, table, faults);
-    let given = match (&table.spheres, &table.voxels) {
-        (Some(names), None) => spheres(file, folder, (table, names), faults)?,
-        (None, Some(names)) => voxels::voxels(file, folder, (table, names), faults)?,
+    let names = match (&table.spheres, &table.voxels) {
+        (Some(names), None) | (None, Some(names)) => names,
         _ => {
             let found = keys_in_words(table, &["spheres", "voxels"]);
             faults.add(FIELD, found, "either spheres or voxels", "write voxels = \"cut.npy\"");
             return None;
         }
     };
+    let files = names.all();
+    let twice = files.iter().enumerate().find(|(i, name)| files[..*i].contains(name));
+    if files.is_empty() || twice.is_some() {
+        let found = twice.map_or("no file".into(), |(_, name)| format!("{name} twice"));
+        let remedy = "list the files, without repeats: equal cuts say nothing of the scatter";
+        faults.add(FIELD, found, "one or more different files", remedy);
+        return None;
+    }
+    let read = if table.spheres.is_some() { spheres } else { voxels::voxels };
+    let given = read(file, folder, (table, names), faults)?;
     let mut absent = packed(file).zip(&given.pigments).filter(|(_, found)| found.is_none());
     if let Some(((i, _), _)) = absent.next().filter(|_| faults.0.len() == before) {
         let allowed =
@@ -53,7 +64,7 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
     }
     let cuts = given.grains.len() + given.voxels.len();
     let asked = file.run.realisations.unwrap_or(cuts);
-    if asked > cuts || cuts == 0 {
+    if asked > cuts {
         let allowed = format!("at most {cuts}, one per cut in the files");
         faults.add("run.realisations", asked, allowed, "leave it out, or add files");
     }
@@ -67,12 +78,15 @@ fn spheres(
     (table, names): GrainFiles,
     faults: &mut Faults,
 ) -> Option<Given> {
-    let mut cuts = Vec::new();
+    let (mut cuts, before) = (Vec::new(), faults.0.len());
     for path in names.all() {
         match read_positions(&folder.join(path), table) {
             Ok(read) => cuts.extend(read.into_iter().map(|positions| (path.clone(), positions))),
             Err(reason) => faults.add(FIELD, path, format!("positions of spheres: {reason}"), FORMATS),
         }
+    }
+    if faults.0.len() > before {
+        return None;
     }
     let period_um = period(file, &cuts, faults)?;
     let cell_um = [period_um[0], period_um[1], file.layer.thickness_um.mean()];
@@ -147,21 +161,14 @@ fn grains(file: &StudyFile, (path, cut): &(String, Positions), cell: V3, faults:
     if cut.spheres.is_empty() {
         return refuse("no spheres".into(), "at least one sphere per cut", "remove the file or the frame");
     }
-    let moved = cut.box_um.map_or([0.0; 3], |b| b.map(|range| range[0]));
-    let mut grains: Vec<Grain> = Vec::new();
-    let mut spheres: Vec<Sphere> = Vec::new();
-    for (i, sphere) in cut.spheres.iter().enumerate() {
-        let center_um = [0, 1, 2].map(|axis| sphere.center_um[axis] - moved[axis]);
-        spheres.push(near(Sphere { center_um, ..*sphere }, spheres.first(), cell));
-        if cut.grains.get(i).is_none_or(|own| cut.grains.get(i + 1) != Some(own)) {
-            let Some(pigment) = pigment(file, cut.pigments.get(i), cut.counted_from) else {
-                let allowed =
-                    "names of the study's pigments, or numbers, from 0 in CSV and from 1 in other files";
-                return refuse(format!("pigment {:?}", cut.pigments[i]), allowed, "name it in [[pigment]]");
-            };
-            grains.push(Grain::new(std::mem::take(&mut spheres), pigment));
+    let grains = match placed(file, cut, cell) {
+        Ok(grains) => grains,
+        Err(found) => {
+            let allowed = "for each grain one of the study's pigments: names, or numbers, from 0 in CSV and \
+                           from 1 in other files";
+            return refuse(found, allowed, "name it in [[pigment]]; number grains through all pigments");
         }
-    }
+    };
     if let Some(found) = outside(&grains, cell) {
         let allowed = "spheres within 0 … layer.thickness_um along z";
         return refuse(found, allowed, "correct the layer, the axes or the units");
@@ -178,6 +185,33 @@ fn grains(file: &StudyFile, (path, cut): &(String, Positions), cell: V3, faults:
     }
 }
 
+/// The grains of one cut in the cell, or what is wrong with a pigment.
+fn placed(file: &StudyFile, cut: &Positions, cell: V3) -> Result<Vec<Grain>, String> {
+    let moved = cut.box_um.map_or([0.0; 3], |b| b.map(|range| range[0]));
+    let mut grains: Vec<Grain> = Vec::new();
+    for own in rows(cut) {
+        let mut spheres = Vec::new();
+        for &i in &own {
+            let center_um = [0, 1, 2].map(|axis| cut.spheres[i].center_um[axis] - moved[axis]);
+            spheres.push(near(Sphere { center_um, ..cut.spheres[i] }, spheres.first(), cell));
+        }
+        grains.push(Grain::new(spheres, pigment(file, cut, &own)?));
+    }
+    Ok(grains)
+}
+
+/// Rows of every grain, in the order of their first ones: programs in parallel mix them.
+fn rows(cut: &Positions) -> Vec<Vec<usize>> {
+    let (mut rows, mut places) = (Vec::new(), HashMap::new());
+    for i in 0..cut.spheres.len() {
+        let next = rows.len();
+        let place = cut.grains.get(i).map_or(next, |grain| *places.entry(grain).or_insert(next));
+        rows.resize_with(next.max(place + 1), Vec::new);
+        rows[place].push(i);
+    }
+    rows
+}
+
 /// A sphere in the cell, or next to the first one of its grain.
 fn near(sphere: Sphere, first: Option<&Sphere>, cell: [f64; 3]) -> Sphere {
     let mut center_um = sphere.center_um;
@@ -191,11 +225,18 @@ fn near(sphere: Sphere, first: Option<&Sphere>, cell: [f64; 3]) -> Sphere {
     Sphere { center_um, ..sphere }
 }
 
-/// The pigment of that name or number; the first where the file names none.
-fn pigment(file: &StudyFile, called: Option<&String>, first: usize) -> Option<usize> {
-    let Some(called) = called else { return Some(0) };
-    let named = packed(file).position(|(_, table)| table.name.as_ref() == Some(called));
-    named.or_else(|| called.parse::<usize>().ok()?.checked_sub(first).filter(|&k| k < packed(file).count()))
+/// The pigment of a grain's rows, by name or number; the first where the file names none.
+fn pigment(file: &StudyFile, cut: &Positions, rows: &[usize]) -> Result<usize, String> {
+    let Some(called) = cut.pigments.get(rows[0]) else { return Ok(0) };
+    if rows.iter().any(|&i| cut.pigments.get(i) != Some(called)) {
+        return Err(format!("grain {} of several pigments", cut.grains[rows[0]]));
+    }
+    let names = packed_names(file);
+    let named = names.iter().position(|name| name == called);
+    let first = cut.counted_from;
+    let known =
+        named.or_else(|| called.parse::<usize>().ok()?.checked_sub(first).filter(|&k| k < names.len()));
+    known.ok_or_else(|| format!("pigment {called:?}"))
 }
 
 /// Which spheres leave the layer, and what else their file may mean.

@@ -2,7 +2,7 @@
 
 use super::grains::{as_written, fraction, grains_of, is_molecular, of, packed, size};
 use super::index::Tabulation;
-use crate::ink::{PackError, PackingRequest, PigmentGrains};
+use crate::ink::{Grain, PackError, PackingRequest, PigmentGrains, Shape, VoxelCut};
 use crate::input::file::{PigmentTable, StudyFile};
 use crate::input::study::{Dissolved, IndexSpectrum, Layer, Pigment};
 use crate::input::{Fault, Faults, limits};
@@ -26,9 +26,15 @@ pub fn grains(file: &StudyFile, period_um: [f64; 2], faults: &mut Faults) -> Vec
             all.push(grains_of(i, table, (&file.layer, period_um), faults));
         } else {
             fraction(i, table, faults);
-            if !table.shell.is_empty() {
-                let (found, allowed) = ("layers", "no layers around dissolved pigments: they have no grains");
-                faults.add(of(i, "shell"), found, allowed, "give diameter_nm in nm, or remove shell");
+            let keys = [
+                (!table.shell.is_empty(), "shell"),
+                (table.agglomeration.is_some(), "agglomeration"),
+                (table.shape != Shape::default(), "shape"),
+            ];
+            for (_, key) in keys.into_iter().filter(|(found, _)| *found) {
+                let allowed = "nothing of grains: dissolved pigments have none";
+                let remedy = format!("give diameter_nm in nm, or remove {key}");
+                faults.add(of(i, key), "a value", allowed, &remedy);
             }
         }
     }
@@ -98,7 +104,13 @@ pub(super) fn packed_names(file: &StudyFile) -> Vec<String> {
 }
 
 /// The packing of the nominal cell; its own check is made only if there are no other errors.
-pub fn packing(file: &StudyFile, layer: &Layer, pigments: &[Pigment], faults: &mut Faults) -> PackingRequest {
+pub fn packing(
+    file: &StudyFile,
+    layer: &Layer,
+    pigments: &[Pigment],
+    (given, voxels): (Vec<Vec<Grain>>, Vec<VoxelCut>),
+    faults: &mut Faults,
+) -> PackingRequest {
     let request = PackingRequest {
         period_um: layer.period_um,
         thickness_um: layer.thickness_um,
@@ -110,6 +122,8 @@ pub fn packing(file: &StudyFile, layer: &Layer, pigments: &[Pigment], faults: &m
         equilibration: file.packing.equilibration,
         relief: file.layer.relief,
         walls: file.layer.walls,
+        given,
+        voxels,
         ..PackingRequest::default()
     };
     if faults.0.is_empty() {
