@@ -61,9 +61,11 @@ fn paint_top_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut R
         for i in pixels([x0, x1], sx) {
             let (x, y) = ((i as f64 + 0.5) / sx, ly - (j as f64 + 0.5) / sy);
             if let Some([z, _]) = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0]) {
-                let lit = dot(solid.normal([x, y, z]), [-0.4, 0.4, -1.0]) / 1.15;
-                let below = (z - packing.filled_um(x, y)[0]).max(0.0) / packing.thickness_um();
-                raster.set(i, j, z, mix(shade(colour, 0.45 + 0.55 * lit.max(0.0)), BINDER, 0.85 * below));
+                raster.set(i, j, z, || {
+                    let lit = dot(solid.normal([x, y, z]), [-0.4, 0.4, -1.0]) / 1.15;
+                    let below = (z - packing.filled_um(x, y)[0]).max(0.0) / packing.thickness_um();
+                    mix(shade(colour, 0.45 + 0.55 * lit.max(0.0)), BINDER, 0.85 * below)
+                });
             }
         }
     }
@@ -78,7 +80,7 @@ fn paint_cut_solid(packing: &Packing, (solid, depth): (&Solid, f64), colour: Rgb
         let from = [0.0, (0.5 - 1e-9) * ly, (j as f64 + 0.5) / sz];
         let Some([x0, x1]) = solid.chord(from, [1.0, 0.0, 0.0]) else { continue };
         for i in (x0 * sx - 0.5).ceil() as i64..=(x1 * sx - 0.5).floor() as i64 {
-            raster.set(i, j, depth, colour);
+            raster.set(i, j, depth, || colour);
         }
     }
 }
@@ -120,7 +122,7 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
         for j in 0..h {
             let z = (j as f64 + 0.5) / sz;
             if z > from && z <= to {
-                raster.set(i as i64, j as i64, 1.0, BINDER);
+                raster.set(i as i64, j as i64, 1.0, || BINDER);
             }
         }
     }

@@ -51,15 +51,15 @@ impl Raster {
         Self { width, height, pixels: vec![background; n], depth: vec![f64::INFINITY; n] }
     }
 
-    /// Paints a pixel if nothing nearer is there.
-    pub fn set(&mut self, x: i64, y: i64, depth: f64, colour: Rgb) {
+    /// Paints a pixel if nothing nearer is there; only then is its colour worked out.
+    pub fn set(&mut self, x: i64, y: i64, depth: f64, colour: impl FnOnce() -> Rgb) {
         if x < 0 || y < 0 || x >= self.width as i64 || y >= self.height as i64 {
             return;
         }
         let k = y as usize * self.width + x as usize;
         if depth < self.depth[k] {
             self.depth[k] = depth;
-            self.pixels[k] = colour;
+            self.pixels[k] = colour();
         }
     }
 
@@ -80,6 +80,11 @@ impl Raster {
         }
         half
     }
+}
+
+/// Pixels of a side that a range about its middle touches.
+fn pixels(middle: f64, [low, high]: [f64; 2], side: usize) -> std::ops::Range<i64> {
+    ((middle + low).floor() as i64).max(0)..((middle + high).ceil() as i64 + 1).min(side as i64)
 }
 
 /// A pinhole camera.
@@ -123,15 +128,32 @@ impl Camera {
         let (cx, cy) = (0.5 * raster.width as f64, 0.5 * raster.height as f64);
         let reach = 1.3 * self.focal * radius / (ahead - radius);
         let eye = [self.eye[0], self.eye[1], top - self.eye[2]];
-        for y in (cy + v - reach).floor() as i64..=(cy + v + reach).ceil() as i64 {
-            for x in (cx + u - reach).floor() as i64..=(cx + u + reach).ceil() as i64 {
+        let light = self.light();
+        let [across, down] = self.bounds(solid, top);
+        for y in pixels(cy, [down[0].max(v - reach), down[1].min(v + reach)], raster.height) {
+            for x in pixels(cx, [across[0].max(u - reach), across[1].min(u + reach)], raster.width) {
                 let ray = flip(self.ray(x as f64 + 0.5 - cx, y as f64 + 0.5 - cy));
                 if let Some([t, _]) = solid.chord(eye, ray) {
-                    let normal = flip(solid.normal(add(eye, scale(ray, t))));
-                    raster.set(x, y, t, shade(colour, 0.35 + 0.7 * dot(normal, self.light()).max(0.0)));
+                    raster.set(x, y, t, || {
+                        let normal = flip(solid.normal(add(eye, scale(ray, t))));
+                        shade(colour, 0.35 + 0.7 * dot(normal, light).max(0.0))
+                    });
                 }
             }
         }
+    }
+
+    /// Ranges of [`Self::project`] that a body's corners span, which hold all of it.
+    fn bounds(&self, solid: &Solid, top: f64) -> [[f64; 2]; 2] {
+        let [x, y, z] = [0, 1, 2].map(|axis| solid.extent_um(axis));
+        let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for k in 0..8 {
+            let (u, v, _) = self.project([x[k & 1], y[k >> 1 & 1], top - z[k >> 2]]);
+            for ([low, high], at) in bounds.iter_mut().zip([u, v]) {
+                (*low, *high) = (low.min(at), high.max(at));
+            }
+        }
+        bounds
     }
 
     /// Direction towards the light, over the left shoulder.
@@ -148,7 +170,7 @@ impl Camera {
             let (u, v, _) = self.project(p);
             let far = norm(sub(p, self.eye));
             for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)] {
-                raster.set((cx + u + dx).floor() as i64, (cy + v + dy).floor() as i64, far, colour);
+                raster.set((cx + u + dx).floor() as i64, (cy + v + dy).floor() as i64, far, || colour);
             }
         }
     }
@@ -226,7 +248,7 @@ mod tests {
     fn what_is_nearer_hides_what_is_drawn_later() {
         let mut raster = Raster::new(1, 1, BACKGROUND);
         for (depth, colour) in [(2.0, COLOURS[0]), (1.0, COLOURS[1]), (3.0, COLOURS[2])] {
-            raster.set(0, 0, depth, colour);
+            raster.set(0, 0, depth, || colour);
         }
         assert_eq!(raster.pixels, [COLOURS[1]]);
     }
