@@ -210,7 +210,10 @@ impl ComparisonFile {
         let direction = "a study: a case has its own direction";
         let grids = "one of `accuracy`, which searches the grids, and `resolutions`, which lists them";
         let both = self.accuracy.is_some() && self.resolutions.is_some();
+        let names = self.strategies.iter().flatten();
+        let twice = names.clone().any(|name| names.clone().filter(|other| *other == name).count() > 1);
         let rules = [
+            (twice, "strategies", "one of them twice", "each once", "remove the second"),
             (is_empty(&self.strategies), "strategies", "empty", some, fill),
             (is_empty(&self.schemes), "schemes", "empty", some, fill),
             (is_empty(&self.resolutions), "resolutions", "empty", some, fill),
@@ -310,7 +313,8 @@ impl MatrixTable {
 }
 
 /// Study keys that a comparison replaces or does not use.
-const OF_STUDIES: [&str; 15] = [
+const OF_STUDIES: [&str; 16] = [
+    "layer.composed",
     "paper",
     "resolution",
     "solver",
