@@ -53,6 +53,6 @@ fn main() -> miette::Result<()> {
         Command::Sweep(args) => commands::sweep::run(&args),
         Command::Merge(args) => commands::merge::run(&args),
         Command::Report(args) => commands::merge::report(&args),
-        Command::Solve(args) => commands::solve::run(&args),
+        Command::Solve(args) => commands::solve::run(args),
     }
 }

@@ -26,7 +26,7 @@ pub struct CompareArgs {
     #[arg(long, value_name = "COMMAND", num_args = 1.., allow_hyphen_values = true, conflicts_with_all = ["file", "plan"])]
     check: Vec<String>,
     /// Value of the knob of the program under --check
-    #[arg(long, requires = "check", allow_negative_numbers = true)]
+    #[arg(long, requires = "check", conflicts_with = "file", allow_negative_numbers = true)]
     knob: Option<f64>,
     /// Output folder
     #[arg(short, long, default_value = "out/comparison")]

@@ -3,6 +3,7 @@
 
 use super::terminal::{note, printable, to_resume};
 use inkwave::ink::PackError;
+use inkwave::input::case::CaseError;
 use inkwave::input::fault::{Fault, StudyError};
 use inkwave::input::locate::span_of;
 use inkwave::input::tree::parse_toml;
@@ -12,6 +13,7 @@ use inkwave::solve::accuracy::AccuracyError;
 use inkwave::store::folder::FolderError;
 use inkwave::store::seal::{Damage, in_words};
 use miette::{Diagnostic, LabeledSpan, NamedSource, Report, miette};
+use std::path::Path;
 use std::sync::Arc;
 
 /// Turns a study error into a report that quotes the offending lines.
@@ -42,14 +44,18 @@ pub fn study_report(error: StudyError) -> Report {
 /// [`study_report`] of a file that may be meant for another command, such as a study given to
 /// `inkwave sweep`, by the tables that only one kind of file has.
 pub fn mixed_up_report(error: StudyError, wanted: &str) -> Report {
-    let StudyError::Values { path, text, .. } = &error else { return study_report(error) };
-    let table = parse_toml(text).unwrap_or_default();
-    let kinds = [["layer", "pigment"], ["measured", "fit"], ["vary", "design"], ["base", "axis"]];
-    let (found, command) = match kinds.map(|keys| keys.iter().any(|key| table.contains_key(*key))) {
-        [true, false, false, false] => ("study", "run"),
-        [false, true, false, _] => ("fit", "fit"),
-        [false, false, true, _] => ("design", "design"),
-        [false, false, false, true] => ("sweep", "sweep"),
+    let (StudyError::Values { path, text, .. } | StudyError::Syntax { path, text, .. }) = &error else {
+        return study_report(error);
+    };
+    let is_json = path.extension().is_some_and(|e| e == "json");
+    let kinds =
+        [STUDY_KEYS, ["measured", "fit"], ["vary", "design"], ["base", "axis"], ["wavelength", "inputs"]];
+    let (found, command) = match kinds.map(|keys| has_one(text, keys)) {
+        [true, false, false, false, _] => ("study", "run"),
+        [false, true, false, ..] => ("fit", "fit"),
+        [false, false, true, ..] => ("design", "design"),
+        [false, false, false, true, _] => ("sweep", "sweep"),
+        [false, false, false, false, is_case] if is_case || is_json => ("case", "solve"),
         _ => return study_report(error),
     };
     if found == wanted {
@@ -60,13 +66,29 @@ pub fn mixed_up_report(error: StudyError, wanted: &str) -> Report {
     miette!(help = help, "{path} is a {found}, and this command reads a {wanted}")
 }
 
+/// Tables that only studies have.
+const STUDY_KEYS: [&str; 2] = ["layer", "pigment"];
+
+fn has_one(text: &str, keys: [&str; 2]) -> bool {
+    parse_toml(text).is_ok_and(|table| keys.iter().any(|key| table.contains_key(*key)))
+}
+
+/// Report of a case that cannot be read, which may be a study.
+pub fn case_report(error: CaseError, path: &Path) -> Report {
+    if has_one(&std::fs::read_to_string(path).unwrap_or_default(), STUDY_KEYS) {
+        let help = "add --realisation 1 to solve one of its packings, or run all of it with `inkwave run`";
+        return miette!(help = help, "{} is a study, and this command reads a case", path.display());
+    }
+    miette!("{error}")
+}
+
 type SourceText = Arc<NamedSource<String>>;
 
 /// Longest source line quoted, bytes (the diagnostics library's limit is 65 535 columns).
 const LONGEST_LINE: usize = 1000;
 
 /// Source text to quote from; `None` if a line is too long to quote.
-fn source(path: &std::path::Path, text: String) -> Option<SourceText> {
+fn source(path: &Path, text: String) -> Option<SourceText> {
     let readable = text.lines().all(|line| line.len() <= LONGEST_LINE);
     let text: String = text.chars().map(harmless).collect();
     readable.then(|| Arc::new(NamedSource::new(path.display().to_string(), text).with_language("toml")))

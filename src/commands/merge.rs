@@ -26,7 +26,8 @@ pub struct MergeArgs {
 /// Merges and reports.
 pub fn run(args: &MergeArgs) -> Result<()> {
     let folder = OutputFolder::open(&args.output, Holds::Sweep).map_err(folder_report)?;
-    let merged = merge(&args.shards, &folder).map_err(merge_report)?;
+    let merged = merge(&args.shards, &folder).inspect_err(|_| folder.discard_when_empty());
+    let merged = merged.map_err(merge_report)?;
     tell_damages(&merged.damages);
     if merged.healed > 0 {
         note!("{} damaged records were replaced by intact copies from other shards", merged.healed);

@@ -69,8 +69,9 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let fraction: f64 = packing.shares().iter().map(|s| s.achieved_fraction).sum();
     let asked: f64 = packing.shares().iter().map(|s| s.requested_fraction).sum();
     let sweeps = if account.sweeps > 0 { format!(", {} sweeps", account.sweeps) } else { String::new() };
-    let sizes =
-        |k: usize| Some(format!("; pigment {k}: d10, d50, d90 {}", ReachedSizes::of(packing, k)?.in_words()));
+    let sizes = |k: usize| {
+        Some(format!("; pigment {}: d10, d50, d90 {}", k + 1, ReachedSizes::of(packing, k)?.in_words()))
+    };
     let sizes: String = (0..packing.shares().len()).filter_map(sizes).collect();
     let by = match account.method {
         Method::Given | Method::Voxels => format!(", {}", account.method.in_words()),

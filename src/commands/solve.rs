@@ -13,7 +13,7 @@ use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{Estimated, Solved, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};
 use inkwave::wave::contrast::coverage::{EXACT, error_among};
-use inkwave::wave::{Mean, Precision, Resolution, Scheme};
+use inkwave::wave::{Incidence, Mean, Precision, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -48,8 +48,9 @@ pub struct SolveArgs {
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
     /// Equation to solve: scalar (Helmholtz), or vector (Maxwell, for s and p polarisation)
-    #[arg(long, value_enum, default_value_t = WaveKind::Scalar)]
-    wave: WaveKind,
+    /// (default: the study's, or scalar)
+    #[arg(long, value_enum)]
+    wave: Option<WaveKind>,
     /// Discretisation along z (default: cubic; quartic if --accuracy is below 3e-3)
     #[arg(long, value_parser = PossibleValuesParser::new(SCHEMES).try_map(|name| scheme_named(&name)))]
     scheme: Option<Scheme>,
@@ -84,6 +85,10 @@ impl SolveArgs {
     fn accuracy(&self) -> f64 {
         self.accuracy.unwrap_or(DEFAULT_ACCURACY)
     }
+
+    fn wave(&self) -> WaveKind {
+        self.wave.unwrap_or_default()
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -100,30 +105,31 @@ fn scheme_named(name: &str) -> serde_json::Result<Scheme> {
 }
 
 /// Runs the command.
-pub fn run(args: &SolveArgs) -> Result<()> {
-    check(args)?;
-    let mut case = args.point.case(&args.case)?;
-    if args.nz.is_some() && args.nxy.is_none() && !case.scene.uniform_in_plane() {
-        miette::bail!(
-            "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"
-        );
-    }
+pub fn run(mut args: SolveArgs) -> Result<()> {
+    check(&args)?;
+    let (mut case, wave) = args.point.case(&args.case)?;
+    args.wave.get_or_insert(wave);
+    let args = &args;
+    check_case(args, &case)?;
     warn_of_wavelength(case.incidence.wavelength_um);
-    args.light.check(&case, args.wave == WaveKind::Vector)?;
     let snapped = args.light.snap(&mut case)?;
     // A grid given explicitly may be as fine as the user likes.
     let contrast = case.media.largest_contrast();
     let error = if args.nz.is_some() { EXACT } else { error_among(args.accuracy(), contrast) };
-    let wave = args.wave.wave();
+    let wave = args.wave().wave();
     let coverages = Coverages::new(wave, &case.scene, Precision::of(error));
     let (solved, gradients) = estimate(args, &case, &coverages)?;
     if let Some(path) = &args.export_operator {
         export_operator(&solved, path)?;
     }
     if args.gradient == Some(GradientForm::Text) {
+        if snapped.is_some() {
+            let Incidence { polar_deg, azimuth_deg, .. } = case.incidence;
+            note!("snapped: these are derivatives at polar_deg {polar_deg}, azimuth_deg {azimuth_deg}");
+        }
         return say(gradients.iter().map(Gradient::text).collect::<String>().trim_end());
     }
-    let mut report = solve_report::report(&solved, wave);
+    let mut report = solve_report::report(&solved, wave, &case.incidence);
     args.light.add_area(solved.far_field(), &case.media, &mut report)?;
     if let Some(snapped) = snapped {
         report["snapped"] = snapped;
@@ -184,10 +190,21 @@ fn check(args: &SolveArgs) -> Result<()> {
     if let Some(tolerance) = args.tolerance.filter(|t| !(1e-15..1.0).contains(t)) {
         miette::bail!("--tolerance is {tolerance}; allowed is 1e-15 ≤ tolerance < 1: try 1e-6");
     }
-    if args.export_operator.is_some() && args.wave == WaveKind::Vector {
-        miette::bail!("--export-operator writes the operator of the scalar wave: leave out --wave vector");
-    }
     super::work::bytes(args.memory_gb).map(drop)
+}
+
+/// Checks options against the case and its wave.
+fn check_case(args: &SolveArgs, case: &Case) -> Result<()> {
+    if args.nz.is_some() && args.nxy.is_none() && !case.scene.uniform_in_plane() {
+        miette::bail!(
+            "--nxy is missing; a case with grains needs both: try --nxy 20, or --accuracy 1e-3 alone"
+        );
+    }
+    let vector = args.wave() == WaveKind::Vector;
+    if args.export_operator.is_some() && vector {
+        miette::bail!("--export-operator writes the operator of the scalar wave: take --wave scalar");
+    }
+    args.light.check(case, vector)
 }
 
 /// Residual to reach; the amplitude error that it causes may be three times as large.
@@ -204,7 +221,7 @@ fn resolution(args: &SolveArgs, case: &Case, cells: usize) -> Resolution {
 }
 
 fn scheme(args: &SolveArgs) -> Scheme {
-    args.scheme.unwrap_or(match (args.wave, args.nz) {
+    args.scheme.unwrap_or(match (args.wave(), args.nz) {
         (WaveKind::Vector, _) => Scheme::Quadratic,
         (WaveKind::Scalar, Some(_)) => Scheme::default(),
         (WaveKind::Scalar, None) => suited_scheme(args.accuracy()),

@@ -2,9 +2,11 @@
 //! finite size; and `inkwave solve STUDY.toml --realisation N`, one realisation of a study, packed
 //! or read from its files, as a case.
 
+use super::diagnostics::{case_report, mixed_up_report};
 use clap::Args;
 use inkwave::appearance::bdf::Lobe;
 use inkwave::appearance::finite_area::{FiniteArea, FiniteAreaError};
+use inkwave::compare::external::protocol::WaveKind;
 use inkwave::input::case::Case;
 use inkwave::input::load::load;
 use inkwave::input::study::Study;
@@ -53,8 +55,8 @@ impl LightArgs {
         let Some(side) = self.illuminated_um else { return Ok(()) };
         if vector {
             miette::bail!(
-                "--illuminated-um is given with --wave vector; the lobes of a lit square are computed for the scalar wave only: \
-                 leave out one of them"
+                "--illuminated-um is given with the vector wave; the lobes of a lit square are computed for the scalar wave only: \
+                 leave it out, or take --wave scalar"
             );
         }
         let step = self.step_deg();
@@ -159,10 +161,13 @@ pub struct StudyPoint {
 }
 
 impl StudyPoint {
-    /// The case in a file, or the realisation of the study in it.
-    pub fn case(&self, path: &Path) -> Result<Case> {
-        let Some(number) = self.realisation else { return Case::read(path).into_diagnostic() };
-        let study = load(path).into_diagnostic()?;
+    /// The case in a file, or the realisation of the study in it, and its wave.
+    pub fn case(&self, path: &Path) -> Result<(Case, WaveKind)> {
+        let Some(number) = self.realisation else {
+            let case = Case::read(path).map_err(|error| case_report(error, path))?;
+            return Ok((case, WaveKind::Scalar));
+        };
+        let study = load(path).map_err(|error| mixed_up_report(error, "study"))?;
         let all = study.realisations;
         if !(1..=all).contains(&number) {
             miette::bail!("--realisation is {number}; allowed is 1 … {all}, the realisations of the study");
@@ -174,7 +179,8 @@ impl StudyPoint {
         let incidence = self.incidence(&study, number - 1)?;
         incidence.check().into_diagnostic()?;
         let media = study.media(incidence.wavelength_um);
-        Ok(Case { scene: Scene::from_packing(&packing), media, incidence })
+        let wave = if study.wave.is_vector() { WaveKind::Vector } else { WaveKind::Scalar };
+        Ok((Case { scene: Scene::from_packing(&packing), media, incidence }, wave))
     }
 
     fn incidence(&self, study: &Study, realisation: usize) -> Result<Incidence> {

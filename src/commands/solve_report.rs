@@ -6,18 +6,24 @@ use inkwave::run::crew::processor_seconds;
 use inkwave::solve::accuracy::{AccuracyError, Estimated, Solved, Task};
 use inkwave::solve::gradient::{FarSlopes, Neighbour, Slopes, tangent};
 use inkwave::solve::{Goal, Silent};
-use inkwave::wave::{DIRECTIONS, FarField, Grid, Media, Medium, Order, Resolution, Wave, WaveError};
+use inkwave::wave::{
+    DIRECTIONS, FarField, Grid, Incidence, Media, Medium, Order, Resolution, Wave, WaveError,
+};
 use num_complex::Complex64;
 use serde_json::{Value, json};
 
-/// Orders, totals, errors and costs of a solve.
-pub fn report(e: &Estimated, wave: Wave) -> Value {
+/// Light, orders, totals, errors and costs of a solve.
+pub fn report(e: &Estimated, wave: Wave, light: &Incidence) -> Value {
     let (account, unknowns) = (e.account(), e.system().unknowns());
     let bytes = e.system().bytes() + account.bytes;
     let steps: Vec<usize> = e.solved.iter().map(|s| s.solution.account.steps).collect();
     let orders = 0..e.far_field().orders.len();
     json!({
         "wave": if wave.is_vector() { "vector" } else { "scalar" },
+        // without the rounding of µm to nm
+        "wavelength_nm": (1e12 * light.wavelength_um).round() / 1e9,
+        "polar_deg": light.polar_deg,
+        "azimuth_deg": light.azimuth_deg,
         "orders": orders.map(|i| order(&e.far_fields, i)).collect::<Vec<_>>(),
         "R_total": total(e, |far| far.reflectance),
         "T_total": total(e, |far| far.transmittance),

@@ -40,6 +40,7 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Expor
     if let Some(found) = request.thickness_um.filter(|asked| *asked != um) {
         return Err(ExportError::thickness(found, &um.to_string()));
     }
+    exporter.near_field_fits()?;
     let (mut formats, mut out) = (request.formats.clone(), Exported::default());
     formats.extend(request.near_field.map(|_| Format::Vti));
     for format in formats {
@@ -183,6 +184,18 @@ impl Exporter<'_> {
         }
     }
 
+    /// Refuses a near field that cannot be solved, before anything is made.
+    fn near_field_fits(&self) -> ExportResult {
+        let Some(light) = self.request.near_field else { return Ok(()) };
+        if self.study().wave.is_vector() {
+            return Err(ExportError::Refused(format!(
+                "near field: light.wave is {}; allowed is \"scalar\": Maxwell's equations are solved for moments of E, which no volume shows yet",
+                self.study().wave.name()
+            )));
+        }
+        self.wavelength(light.wavelength_nm).map(drop)
+    }
+
     /// A solve of the packing for one of the study's wavelengths.
     fn near_field(
         &self,
@@ -192,12 +205,6 @@ impl Exporter<'_> {
         out: &mut Exported,
     ) -> ExportResult {
         let study = self.study();
-        if study.wave.is_vector() {
-            return Err(ExportError::Refused(format!(
-                "near field: light.wave is {}; allowed is \"scalar\": Maxwell's equations are solved for moments of E, which no volume shows yet",
-                study.wave.name()
-            )));
-        }
         self.watch.stage("solving for the near field");
         let (wavelength_um, azimuth_deg) = (1e-3 * wavelength_nm, study.angles.azimuth_deg);
         let incidence = Incidence { wavelength_um, polar_deg, azimuth_deg, from: Side::Incident };

@@ -66,6 +66,7 @@ fn snapped_light_is_solved_along_the_lattice_and_says_so() {
         assert!((number(&snapped["snapped"]["azimuth_deg"]) - 45.0).abs() < 1e-12);
         assert_eq!(snapped["snapped"]["vector"], json!([1, 1]));
         assert_eq!(snapped["snapped"]["asked"], json!({ "polar_deg": 20.0, "azimuth_deg": 30.0 }));
+        assert_eq!(snapped["polar_deg"], snapped["snapped"]["polar_deg"], "the light solved");
         let direct = solved(&case(polar, 45.0), "case.json", &options);
         assert!(direct["snapped"].is_null());
         let [found, expected] = [&snapped, &direct].map(|r| number(r.pointer(total).expect("a total")));

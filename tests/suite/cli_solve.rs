@@ -211,8 +211,10 @@ fn options_out_of_range_are_told_what_to_try() {
         (&["--illuminated-step-deg", "5"], &["--illuminated-um"]),
         (
             &["--illuminated-um", "5", "--wave", "vector"],
-            &["--illuminated-um", "scalar wave", "leave out one"],
+            &["--illuminated-um", "scalar wave", "leave it out"],
         ),
+        (&["--export-operator", "x.npz", "--wave", "vector"], &["--export-operator", "--wave scalar"]),
+        (&["--realisation", "1"], &["is a case", "reads a study", "inkwave solve"]),
         (
             &["--accuracy", "1e-8", "--memory-gb", "0.01"],
             &["is not reached", "10.0 MB", "ask for less accuracy"],
@@ -220,6 +222,15 @@ fn options_out_of_range_are_told_what_to_try() {
     ] {
         refuses_text("case.json", &text, options, words);
     }
+}
+
+/// Keys of a case beside its `inputs` would have no effect; a study is not a case.
+#[test]
+fn what_is_no_case_is_told_what_to_do() {
+    let beside = json!({ "kind": "spheres3d", "inputs": good(), "wavelength": 0.6 }).to_string();
+    refuses_text("case.json", &beside, &[], &["wavelength: found given beside `inputs`", "move it"]);
+    let study = "[layer]\nthickness_um = 1\n";
+    refuses_text("study.toml", study, &[], &["is a study", "reads a case", "--realisation 1"]);
 }
 
 #[test]
@@ -241,7 +252,11 @@ pub fn solved(text: &str, name: &str, options: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).expect("standard output is JSON")
 }
 
-const KEYS: [&str; 18] = [
+const KEYS: [&str; 22] = [
+    "wave",
+    "wavelength_nm",
+    "polar_deg",
+    "azimuth_deg",
     "orders",
     "R_total",
     "T_total",
@@ -268,6 +283,8 @@ fn a_good_run_prints_every_documented_key() {
     for key in KEYS {
         assert!(!result[key].is_null(), "{key} is missing");
     }
+    let light = ["wavelength_nm", "polar_deg", "azimuth_deg"].map(|key| result[key].as_f64());
+    assert_eq!(light, [Some(550.0), Some(20.0), Some(0.0)]);
     let number = |value: &Value| value.as_f64().expect("a number");
     // Identity: the printed totals balance to ten residuals.
     let total: f64 = ["R_total", "T_total", "A_total"].iter().map(|k| number(&result[*k])).sum();

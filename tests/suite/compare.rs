@@ -144,6 +144,7 @@ fn slips_are_told() {
     let folder = tempfile::tempdir().expect("a folder");
     for (from, to, told) in [
         ("\"krylov\"", "\"krilov\"", "krylov"),
+        ("\"krylov\"", "\"krylov\", \"krylov\"", "twice"),
         ("repeats = 1", "repeats = 0", "repeats"),
         ("points = 5", "pionts = 5", "pionts"),
         ("volume_fraction = 0.12", "volume_fraction = 1.2", "volume_fraction"),
@@ -217,9 +218,12 @@ const WHOLE: &str = "[study.layer]\ncell = 'fixed'\nperiod_um = 0.5\nthickness_u
 fn keys_of_studies_without_effect_are_named() {
     let folder = tempfile::tempdir().expect("a folder");
     assert!(tiny(folder.path()).unused().is_empty());
-    let more = "[study.paper]\nalbedo = 0.5\n[study.run]\nseed = 3\nrealisations = 9\n[study.solver]\ntolerance = 1e-3\n";
+    let more = "[study.layer.composed]\nslab_um = 0.2\n[study.paper]\nalbedo = 0.5\n[study.run]\nseed = 3\nrealisations = 9\n[study.solver]\ntolerance = 1e-3\n";
     let own = written(folder.path(), "own.toml", &format!("{WHOLE}{more}"));
-    assert_eq!(own.unused(), ["study.paper", "study.solver", "study.run.realisations"]);
+    assert_eq!(
+        own.unused(),
+        ["study.layer.composed", "study.paper", "study.solver", "study.run.realisations"]
+    );
     let matrix = "repeats = 2\nstudy = 'study.toml'\n[matrix]\npigments = [[1.5, 0.0]]\nperiods_um = [0.5]\n";
     std::fs::write(folder.path().join("study.toml"), WHOLE.replace("study.", "")).expect("written");
     let beside = written(folder.path(), "matrix.toml", matrix);

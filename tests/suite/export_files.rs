@@ -257,7 +257,11 @@ fn what_cannot_be_exported_is_refused_with_a_remedy() {
     let told = export(&boxes, &["--to", "positions"]);
     assert!(String::from_utf8_lossy(&told.stdout).contains("no positions"), "{told:?}");
     assert!(!boxes.join("export/grains.csv").exists());
-    assert!(refusal(&out, &["--to", "vti", "--near-field", "555"]).contains(" nm"));
+    let early = refusal(&out, &["--to", "vti", "--near-field", "555"]);
+    assert!(
+        early.contains(" nm") && !early.contains("packing realisation"),
+        "refused before working: {early}"
+    );
     assert!(refusal(&out, &["--to", "vti", "--near-field", "550:91"]).contains("0 ≤ angle < 90"));
     assert!(export(&out, &["--to", "npz"]).status.success());
     let file = folder.path().join("study.toml").display().to_string();

@@ -24,6 +24,7 @@ fn shards_whose_measured_inputs_differ_are_not_joined() {
     std::fs::write(&table, text.replace("700,1.6,0.01", "700,1.6,0.02")).unwrap();
     let refused = inkwave(&["merge", &one, &two, "--output", &out]).output().unwrap();
     assert!(!refused.status.success(), "{}", said(&refused));
+    assert!(!std::path::Path::new(&out).exists(), "a refused merge leaves nothing");
     std::fs::write(&table, text).unwrap();
     succeed(&["merge", &one, &two, "--output", &out]);
 }

@@ -207,7 +207,16 @@ fn a_realisation_is_solved_as_the_case_of_its_grains() {
         .to_string(),
     );
     let of_case = solve(&[], &case);
-    for key in ["orders", "R_total", "T_total", "A_total"] {
+    let keys =
+        ["orders", "R_total", "T_total", "A_total", "wave", "wavelength_nm", "polar_deg", "azimuth_deg"];
+    for key in keys {
         assert_eq!(of_study[key], of_case[key], "{key}");
     }
+    // the study's wave, unless another is asked for
+    let text = std::fs::read_to_string(&study).expect("the study") + "wave = 'unpolarised'\n";
+    let vector = write("vector.toml", &text);
+    let one = ["--realisation", "1", "--wavelength-nm", "550", "--polar-deg", "20"];
+    let waves = [&[][..], &["--wave", "scalar"]].map(|more| solve(&[&one, more].concat(), &vector));
+    assert_eq!([&waves[0]["wave"], &waves[1]["wave"]], ["vector", "scalar"]);
+    assert_eq!(waves[1]["orders"], of_case["orders"]);
 }

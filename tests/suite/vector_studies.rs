@@ -124,6 +124,10 @@ fn a_finished_run_in_unpolarised_light_has_everything_and_resumes() {
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(page.contains("unpolarised light") && !page.contains("solved as a scalar one"));
     assert!(std::fs::read(out.join("picture.png")).unwrap().starts_with(b"\x89PNG"));
+    let export = ["export", &out.display().to_string(), "--to", "mitsuba", "--near-field", "550"];
+    let refused = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave")).args(export).output().unwrap();
+    let said = String::from_utf8_lossy(&refused.stderr);
+    assert!(said.contains("near field") && !said.contains("tabulating"), "refused before working: {said}");
     let spectra = std::fs::read(out.join("spectra.csv")).unwrap();
     let store: Store<PointRecord> = Store::open(&out).unwrap();
     let keys = store.database().keys(PointRecord::KIND);

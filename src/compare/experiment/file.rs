@@ -136,6 +136,11 @@ fn is_empty<T>(list: &Option<Vec<T>>) -> bool {
     list.as_ref().is_some_and(Vec::is_empty)
 }
 
+fn has_twin<T: PartialEq>(list: &Option<Vec<T>>) -> bool {
+    let list = list.as_deref().unwrap_or_default();
+    list.iter().enumerate().any(|(k, entry)| list[..k].contains(entry))
+}
+
 impl ComparisonFile {
     /// Reads a comparison; a study or a plain case file is compared with the default lists.
     pub fn read(path: &Path) -> CompareResult<ComparisonFile> {
@@ -206,11 +211,12 @@ impl ComparisonFile {
         let (beside, instead) = ("given beside a case", "name a study instead, or leave it out");
         let one_scheme = "no schemes: the vector wave has one discretisation only";
         let varied = "a study, whose period and index vary";
-        let wave = "a study: a case has its own wavelength";
-        let direction = "a study: a case has its own direction";
+        let (wave, direction) =
+            ("a study: a case has its own wavelength", "a study: a case has its own direction");
         let grids = "one of `accuracy`, which searches the grids, and `resolutions`, which lists them";
         let both = self.accuracy.is_some() && self.resolutions.is_some();
         let rules = [
+            (has_twin(&self.strategies), "strategies", "one of them twice", "each once", "remove the second"),
             (is_empty(&self.strategies), "strategies", "empty", some, fill),
             (is_empty(&self.schemes), "schemes", "empty", some, fill),
             (is_empty(&self.resolutions), "resolutions", "empty", some, fill),
@@ -310,7 +316,8 @@ impl MatrixTable {
 }
 
 /// Study keys that a comparison replaces or does not use.
-const OF_STUDIES: [&str; 15] = [
+const OF_STUDIES: [&str; 16] = [
+    "layer.composed",
     "paper",
     "resolution",
     "solver",

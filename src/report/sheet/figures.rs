@@ -71,8 +71,9 @@ fn layer_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
         spectrum((study, rows), "absorbed", |row| Some(row.absorptance)),
     ];
     let caption = format!(
-        "The layer alone, without paper, lit at {angle:.0}°: shares of the light reflected, transmitted and absorbed \
-         add up to 1. “Specular” is the part that goes on as a mirror image or straight through."
+        "The layer alone, without paper, lit at {angle:.0}°: shares of the light reflected, transmitted and absorbed, \
+         which add up to 1 within their errors. “Specular” is the part that goes on as a mirror image or straight \
+         through; estimated apart from the whole, it may exceed it within the errors."
     );
     Some(("The layer alone", shares(WAVELENGTH, "share of the light", curves)?, caption))
 }

@@ -40,7 +40,7 @@ impl Case {
         let document = if toml { parse_toml(text).map(Node::from) } else { parse_json(text) };
         let document = document
             .map_err(|fault| CaseError::refused(format!("{}; {}", fault.in_words(text), fault.remedy)))?;
-        Case::from_inputs(&read(document.get("inputs").cloned().unwrap_or(document)).map_err(Faults)?)
+        Case::from_inputs(&read(inputs(document)?).map_err(Faults)?)
     }
 
     /// Checks the inputs and builds the scene.
@@ -74,6 +74,18 @@ impl Case {
         incidence.check()?;
         check_thickness(inputs, &scene)?;
         Ok(Case { scene: scene.nested().map_err(|error| with_names(error, &names))?, media, incidence })
+    }
+}
+
+/// The keys of the case: all of the document, or its `inputs`, beside which none of them may stand.
+fn inputs(document: Node) -> Result<Node, Fault> {
+    let Some(inputs) = document.get("inputs") else { return Ok(document) };
+    let schema = schemars::schema_for!(CaseInputs);
+    let known = schema.get("properties").and_then(serde_json::Value::as_object).into_iter().flatten();
+    let (allowed, remedy) = ("all keys of the case in `inputs`", "move it into `inputs`, or remove it");
+    match known.map(|(key, _)| key).find(|key| *key != "note" && document.get(key).is_some()) {
+        Some(key) => Err(Fault::new(key, "given beside `inputs`", allowed, remedy)),
+        None => Ok(inputs.clone()),
     }
 }
 

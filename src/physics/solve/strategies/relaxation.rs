@@ -105,8 +105,8 @@ impl Solver for Relaxation {
 impl Relaxation {
     fn check(&self, problem: &Problem) -> Result<(), SolveError> {
         if problem.mean.mean_absorption() > 0.0 {
-            let remedy =
-                "both halves of the splitting must be dissipative: choose the real mean (--real-mean)";
+            let remedy = "both halves of the splitting must be dissipative: choose the real mean (solve \
+                --real-mean), in a study another strategy, such as \"krylov\"";
             return Err(SolveError::setting("mean", "complex", "a real ⟨k²⟩", remedy));
         }
         if !(self.tau.is_finite() && self.tau > 0.0) {

@@ -1,5 +1,6 @@
 //! Composed layers: the slabs they are cut into, and what they cannot hold.
 
+use crate::appearance::viewing::Viewing;
 use crate::input::forms::ThicknessWritten;
 use crate::input::study::{Composed, Study};
 use crate::input::{Faults, LightRule, StudyFile, limits};
@@ -55,6 +56,11 @@ pub(super) fn complete(study: &mut Study, composed: Composed) {
     study.packing.thickness_um = composed.slab_um;
     study.variation.light = LightRule::Listed;
     study.layer.composed = Some(composed);
+    if study.judgement.viewing != Viewing::default() || study.judgement.target_lab.is_some() {
+        let of_exports =
+            "other conditions have an effect in files of `inkwave export` only, targets have none";
+        study.remarks.push(format!("[colour]: colours of a composed layer are D65 and 2°; {of_exports}"));
+    }
     if study.realisations < USABLE {
         study.remarks.push(format!(
             "run.realisations = {}: error bars of a composed layer need {USABLE} or more",
@@ -168,13 +174,18 @@ mod tests {
             ("thickness_um = { mean = 8, std = 1 }", composed, "", "layer.thickness_um.std"),
             ("thickness_um = 8\nrelief = { depth_um = 0.1 }", composed, "", "layer.relief"),
             ("thickness_um = 8", composed, "[angles]\ncount = 5", "angles"),
+            ("thickness_um = 8\nindex_in = 1.2", composed, "", "layer.index_in"),
             ("thickness_um = 8", composed, "[run]\nrealisations = 1", "run.realisations"),
             ("thickness_um = 8", "[layer.composed]\nslab_um = 0.4", "", "pigment[0].diameter_nm"),
         ];
         for (layer, table, rest, field) in cases {
             let faults = study(&format!("{layer}\n{table}"), rest).expect_err(field);
             assert!(faults.iter().any(|f| f.field == field && !f.remedy.is_empty()), "{field}: {faults:?}");
+            assert!(faults.iter().all(|f| !f.remedy.contains("list angles.polar_deg")), "{faults:?}");
         }
-        assert!(study(&format!("thickness_um = 8\n{composed}"), "").is_ok());
+        for (rest, told) in [("", false), ("[colour]\nilluminant = 'D50'", true)] {
+            let remarks = study(&format!("thickness_um = 8\n{composed}"), rest).unwrap().remarks;
+            assert_eq!(remarks.iter().any(|remark| remark.contains("[colour]")), told);
+        }
     }
 }

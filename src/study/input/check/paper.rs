@@ -145,7 +145,10 @@ fn over_hemisphere(file: &StudyFile, exact_deg: Vec<f64>, strata: usize, couplin
 
 /// The picture shows an ink in air, on paper behind an air gap or in contact with it.
 fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
-    let otherwise = "list angles.polar_deg for a study without paper and picture";
+    let otherwise = match file.layer.composed {
+        Some(_) => "give it an allowed value: a composed layer lies on its paper",
+        None => "list angles.polar_deg for a study without paper and picture",
+    };
     if file.layer.index_in != 1.0 {
         faults.add("layer.index_in", file.layer.index_in, "1, air above the ink", otherwise);
     }

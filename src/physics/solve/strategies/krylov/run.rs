@@ -152,7 +152,9 @@ impl KrylovRun<'_> {
         if !first && stalls && self.restart >= solver.longest {
             return Err(self.ledger.not_converged(&advice));
         }
-        self.ledger.judge(&format!("allow more applications (solver.max_applications); {advice}"))?;
+        let filled = self.ledger.account.steps >= self.restart;
+        let beside = if filled { format!("; {advice}") } else { String::new() };
+        self.ledger.judge(&format!("allow more applications (solver.max_applications){beside}"))?;
         if first {
             self.prepare_for_hard_solve(solver);
         } else if self.single.is_none() && self.too_slow(before / after) {
