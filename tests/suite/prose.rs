@@ -23,7 +23,7 @@ const CALQUES: [&str; 12] = [
 ];
 
 /// Folders whose prose has been read for this.
-const PLAIN: [&str; 3] = ["src/physics", "src/study", "src/sweep"];
+const PLAIN: [&str; 4] = ["src/numerics", "src/physics", "src/study", "src/sweep"];
 
 /// Every Rust file in a folder and below.
 fn sources(folder: &Path) -> Vec<PathBuf> {
