@@ -12,8 +12,8 @@ use num_complex::Complex64;
 
 const FIT: &str = "[base]\n[base.layer]\nthickness_um = 1.0\nbinder.index = 1.5\n[[base.pigment]]\nname = \"a\"\n\
                    diameter_nm = 200\nvolume_fraction = 0.3\n[base.light]\nfrom_nm = 400\nto_nm = 700\nstep_nm = 20\n\
-                   [base.run]\nrealisations = 6\n[[measured]]\nfile = \"card.csv\"\nbacking = 0.85\n\
-                   [[measured]]\nfile = \"card.csv\"\nbacking = 0.04\n";
+                   [base.run]\nrealisations = 6\n[[measured]]\nfile = \"white.csv\"\nbacking = 0.85\n\
+                   [[measured]]\nfile = \"black.csv\"\nbacking = 0.04\n";
 /// Pigments, with one noise each.
 const PIGMENTS: usize = 40;
 /// Linearisations of a fit that starts near the truth.
@@ -22,7 +22,9 @@ const ROUNDS: usize = 4;
 fn task() -> FitTask {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("fit.toml");
-    std::fs::write(folder.path().join("card.csv"), "wavelength_nm,reflectance\n400,0.5\n700,0.5\n").unwrap();
+    for card in ["white.csv", "black.csv"] {
+        std::fs::write(folder.path().join(card), "wavelength_nm,reflectance\n400,0.5\n700,0.5\n").unwrap();
+    }
     std::fs::write(&path, FIT).unwrap();
     load(&path).expect("sound")
 }
