@@ -7,6 +7,7 @@ use inkwave::input::case::CaseError;
 use inkwave::input::fault::{Fault, StudyError};
 use inkwave::input::locate::span_of;
 use inkwave::input::tree::parse_toml;
+use inkwave::numerics::files;
 use inkwave::run::RunError;
 use inkwave::solve::SolveError;
 use inkwave::solve::accuracy::AccuracyError;
@@ -75,7 +76,7 @@ fn has_one(text: &str, keys: [&str; 2]) -> bool {
 
 /// Report of a case that cannot be read, which may be a study.
 pub fn case_report(error: CaseError, path: &Path) -> Report {
-    if has_one(&std::fs::read_to_string(path).unwrap_or_default(), STUDY_KEYS) {
+    if has_one(&files::read_text(path, files::CASE).unwrap_or_default(), STUDY_KEYS) {
         let help = "add --realisation 1 to solve one of its packings, or run all of it with `inkwave run`";
         return miette!(help = help, "{} is a study, and this command reads a case", path.display());
     }

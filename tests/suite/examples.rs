@@ -110,7 +110,8 @@ fn refused(name: &str, kind: Kind) -> Vec<(&'static str, Result<String, String>,
             all
         }
         Kind::Sweep => vec![("run", outcome(&["run", "--plan"], name), "inkwave sweep")],
-        Kind::Compare | Kind::Case => vec![("run", outcome(&["run", "--plan"], name), "layer")],
+        Kind::Compare => vec![("run", outcome(&["run", "--plan"], name), "layer")],
+        Kind::Case => vec![("run", outcome(&["run", "--plan"], name), "inkwave solve")],
     }
 }
 
