@@ -118,7 +118,7 @@ impl Linked {
     /// independently. The error is unknown if that of any term is.
     ///
     /// ```
-    /// use inkwave_physics::numerics::estimate::{Estimate, Linked};
+    /// use inkwave_numerics::estimate::{Estimate, Linked};
     /// let number = |value: f64| Linked {
     ///     estimate: Estimate { value, standard_error: Some(5.0) },
     ///     deviations: [(0, 3.0), (1, -4.0)].into(),
