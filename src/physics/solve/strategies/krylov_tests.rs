@@ -213,7 +213,7 @@ fn a_basis_that_is_too_short_grows_within_its_leave() {
     let roomy =
         Growing { settings: short, longest: 512 }.solve(&problem, goal, &mut Silent).expect("converges");
     let one = Goal { max_applications: 1, ..goal };
-    let hurried = Gmres::default().solve(&problem, one, &mut Silent).err().expect("too few").to_string();
+    let hurried = Gmres::default().solve(&problem, one, &mut Silent).expect_err("too few").to_string();
     assert!(hurried.contains("allow more applications") && !hurried.contains("too short"), "{hurried}");
     // Both residuals are 1e-6; the matrix of a strong contrast amplifies them.
     assert!(largest(&roomy.field, &whole.field) < 1e-3);
