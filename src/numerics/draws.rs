@@ -22,11 +22,13 @@ impl Draws {
     }
 
     /// Uniform in [0, 1): the upper 53 bits of a 64-bit word times 2⁻⁵³.
+    #[inline]
     pub fn uniform(&mut self) -> f64 {
         (self.0.next_u64() >> 11) as f64 * (-53f64).exp2()
     }
 
     /// Uniform in [low, high).
+    #[inline]
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }

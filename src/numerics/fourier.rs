@@ -24,9 +24,11 @@ pub trait Real: FftNum + NumAssign + PartialOrd + Default + bytemuck::Pod {
 
 impl Real for f64 {
     const ROUNDING: f64 = 1e-14;
+    #[inline]
     fn of(x: f64) -> f64 {
         x
     }
+    #[inline]
     fn wide(self) -> f64 {
         self
     }
@@ -37,9 +39,11 @@ impl Real for f64 {
 
 impl Real for f32 {
     const ROUNDING: f64 = 1e-6;
+    #[inline]
     fn of(x: f64) -> f32 {
         x as f32
     }
+    #[inline]
     fn wide(self) -> f64 {
         self.into()
     }
@@ -176,6 +180,7 @@ impl Harmonics {
     }
 
     /// Number of harmonics in use.
+    #[inline]
     pub fn len(&self) -> usize {
         self.orders.len()
     }

@@ -1,6 +1,8 @@
 //! Mathematics of `inkwave` without physics: vectors and rotations, random draws, estimates with
 //! their errors, Fourier planes, dense matrices; and reading of user files, with the allowed ranges
 //! of numbers.
+//!
+//! Small functions of hot loops say `#[inline]`: incremental builds inline no others across crates.
 
 pub mod allowed;
 pub mod dense;

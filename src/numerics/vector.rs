@@ -6,36 +6,43 @@ use serde::{Deserialize, Serialize};
 pub type V3 = [f64; 3];
 
 /// a + b.
+#[inline]
 pub fn add(a: V3, b: V3) -> V3 {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
 /// a − b.
+#[inline]
 pub fn sub(a: V3, b: V3) -> V3 {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 /// s a.
+#[inline]
 pub fn scale(a: V3, s: f64) -> V3 {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
 /// a · b.
+#[inline]
 pub fn dot(a: V3, b: V3) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 /// a × b.
+#[inline]
 pub fn cross(a: V3, b: V3) -> V3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// |a|.
+#[inline]
 pub fn norm(a: V3) -> f64 {
     dot(a, a).sqrt()
 }
 
 /// The unit vector along `a`, or the z axis when `a` vanishes.
+#[inline]
 pub fn unit(a: V3) -> V3 {
     let length = norm(a);
     if length > 0.0 { scale(a, 1.0 / length) } else { [0.0, 0.0, 1.0] }
@@ -50,6 +57,7 @@ impl Rotation {
     pub const IDENTITY: Self = Self([1.0, 0.0, 0.0, 0.0]);
 
     /// The rotation by |a| radians about the direction of `a`.
+    #[inline]
     pub fn by(a: V3) -> Self {
         let angle = norm(a);
         let (s, c) = (0.5 * angle).sin_cos();
@@ -58,6 +66,7 @@ impl Rotation {
     }
 
     /// A rotation that carries the z axis onto the unit vector `axis`.
+    #[inline]
     pub fn from_z_to(axis: V3) -> Self {
         if axis[2] < -1.0 + 1e-12 {
             return Self([0.0, 1.0, 0.0, 0.0]);
@@ -66,6 +75,7 @@ impl Rotation {
     }
 
     /// Composition: first `self`, then `next`.
+    #[inline]
     pub fn then(self, next: Self) -> Self {
         let ([aw, ax, ay, az], [bw, bx, by, bz]) = (next.0, self.0);
         Self([
@@ -78,12 +88,14 @@ impl Rotation {
     }
 
     /// The inverse rotation.
+    #[inline]
     pub fn inverse(self) -> Self {
         let [w, x, y, z] = self.0;
         Self([w, -x, -y, -z])
     }
 
     /// The vector `v` after the rotation.
+    #[inline]
     pub fn turn(self, v: V3) -> V3 {
         let [w, x, y, z] = self.0;
         let q = [x, y, z];
@@ -91,6 +103,7 @@ impl Rotation {
         add(v, add(scale(t, w), cross(q, t)))
     }
 
+    #[inline]
     fn normalised(self) -> Self {
         let n = self.0.iter().map(|q| q * q).sum::<f64>().sqrt();
         Self(self.0.map(|q| q / n))
