@@ -6,7 +6,7 @@ use super::terminal::this_command;
 use clap::Args;
 use inkwave::input::load::stem;
 use inkwave::run::RunSettings;
-use inkwave::run::memory::{LEAST_SPACE, allowed, threads_within_limits};
+use inkwave::run::memory::{allowed, is_limited, least_space, threads_within_limits};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use miette::{Result, miette};
@@ -90,16 +90,20 @@ pub fn start_threads() -> Result<()> {
     let threads = threads_within_limits(wanted);
     if threads == 0 || allowed() < LEAST_LEFT {
         let help = "raise the limit (ulimit -v, ulimit -d, or the cgroup's), or use another machine";
-        let [left, least, space] = [allowed(), LEAST_LEFT, LEAST_SPACE].map(|bytes| (1e-6 * bytes).floor());
+        let [left, least, space] = [allowed(), LEAST_LEFT, least_space()].map(|bytes| (1e-6 * bytes).floor());
         return Err(miette!(
             help = help,
-            "this process has {left} MB of memory left; {least} MB are needed, and {space} MB of address space"
+            "this process has {left} MB of memory left for solves; a run on one thread needs {space} MB of address space, {least} MB for solves among them"
         ));
     }
     if threads < wanted {
         note!(
             "{threads} of {wanted} threads: the limit of address space (ulimit -v) leaves no room for more"
         );
+    }
+    if is_limited() {
+        // A product on many threads may begin another one while it waits, which reserves its buffers again.
+        faer::set_global_parallelism(faer::Par::Seq);
     }
     keep_freed_memory();
     let started = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
