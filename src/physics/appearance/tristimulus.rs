@@ -1,13 +1,16 @@
 //! Tristimulus weights of a wavelength grid: CIE 1931 2° observer under D65.
 
 mod beyond;
+mod spacing;
 
 pub use super::viewing::ColourError;
 pub use beyond::{COLOUR_RANGE_NM, MOST_OUTSIDE};
+pub use spacing::Guide;
 
 use super::viewing::{Summation, Viewing};
 use crate::numerics::interpolate::lagrange;
 use beyond::SpectrumEnd;
+use std::ops::Range;
 
 /// Range of the CIE tables, nm.
 pub const TABLE_RANGE_NM: [f64; 2] = [380.0, 780.0];
@@ -70,15 +73,13 @@ impl Colorimeter {
     /// See [`Colorimeter::new`].
     pub fn under(wavelengths_nm: &[f64], viewing: &Viewing) -> Result<Self, ColourError> {
         check_grid(wavelengths_nm)?;
-        let (step_nm, mut raw) = if viewing.summation == Summation::E308 {
-            (1.0, e308_weights(wavelengths_nm, viewing))
-        } else if viewing.has_lines() {
-            resampled_weights(wavelengths_nm, LINES_STEP_NM, viewing)
-        } else if is_direct(wavelengths_nm) {
+        let plain = viewing.summation == Summation::Plain && !viewing.has_lines();
+        let (step_nm, mut raw) = if plain && is_direct(wavelengths_nm) {
             let direct = wavelengths_nm.iter().map(|&nm| light_times_observer(nm, viewing));
             (mean_step(wavelengths_nm), direct.collect())
         } else {
-            resampled_weights(wavelengths_nm, RESAMPLED_STEP_NM, viewing)
+            let (step_nm, light) = integrand(wavelengths_nm, viewing);
+            (step_nm, distributed(wavelengths_nm, light, Rule::Cubic))
         };
         let ends = SpectrumEnd::both(wavelengths_nm, step_nm, viewing);
         if viewing.summation == Summation::Plain {
@@ -105,8 +106,12 @@ impl Colorimeter {
     }
 
     /// Weight of a narrow band at a wavelength, per nm: the integrand that the sum over the grid
-    /// approximates.
+    /// approximates. Nothing outside the tables of the observers.
     pub fn weight_per_nm(&self, nm: f64) -> [f64; 3] {
+        let [lo, hi] = TABLE_RANGE_NM;
+        if !(lo..=hi).contains(&nm) {
+            return [0.0; 3];
+        }
         light_times_observer(nm, &self.viewing).map(|w| self.scale_per_nm * w)
     }
 
@@ -208,28 +213,42 @@ fn light_times_observer(nm: f64, viewing: &Viewing) -> [f64; 3] {
     std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
 }
 
-/// The step used, at most `most_nm`, and the weights of the sum over it.
-fn resampled_weights(grid: &[f64], most_nm: f64, viewing: &Viewing) -> (f64, Vec<[f64; 3]>) {
+/// Places of the sum over a range, and its weights of X, Y, Z there.
+type Integrand = Vec<(f64, [f64; 3])>;
+
+/// The step of the sum to which a grid is resampled, and the light there. By ASTM E308 every
+/// nanometre of the tables counts, and the range beyond the grid is assigned to its ends.
+fn integrand(grid: &[f64], viewing: &Viewing) -> (f64, Integrand) {
     let (first, last) = (grid[0], grid[grid.len() - 1]);
+    if viewing.summation == Summation::E308 {
+        let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
+        return (1.0, (lo..=hi).map(|nm| ((nm as f64).clamp(first, last), viewing.row(nm))).collect());
+    }
+    let most_nm = if viewing.has_lines() { LINES_STEP_NM } else { RESAMPLED_STEP_NM };
     let intervals = ((last - first) / most_nm - 1e-9).ceil().max(1.0);
     let places = (0..=intervals as usize).map(|k| first + (last - first) * k as f64 / intervals);
     let light = places.map(|nm| (nm, light_times_observer(nm, viewing)));
-    ((last - first) / intervals, distributed(grid, light))
+    ((last - first) / intervals, light.collect())
 }
 
-/// Weights by ASTM E308: every nanometre of the tables is distributed over the grid by the rule of
-/// ASTM E2022; the range beyond the grid is assigned to its ends.
-fn e308_weights(grid: &[f64], viewing: &Viewing) -> Vec<[f64; 3]> {
-    let (first, last) = (grid[0], grid[grid.len() - 1]);
-    let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
-    distributed(grid, (lo..=hi).map(|nm| ((nm as f64).clamp(first, last), viewing.row(nm))))
+/// How a spectrum is interpolated between the wavelengths of a grid.
+#[derive(Clone, Copy)]
+enum Rule {
+    /// Lagrange polynomials through the four nearest wavelengths (ASTM E2022).
+    Cubic,
+    /// Straight lines.
+    Linear,
 }
 
 /// Sums of the weights of X, Y, Z at given wavelengths, shared among those of the grid.
-fn distributed(grid: &[f64], light: impl Iterator<Item = (f64, [f64; 3])>) -> Vec<[f64; 3]> {
+fn distributed(grid: &[f64], light: impl IntoIterator<Item = (f64, [f64; 3])>, rule: Rule) -> Vec<[f64; 3]> {
     let mut weights = vec![[0.0; 3]; grid.len()];
     for (nm, row) in light {
-        for (j, share) in lagrange_shares(grid, nm) {
+        let shares = match rule {
+            Rule::Cubic => lagrange_shares(grid, nm),
+            Rule::Linear => neighbours(grid, nm, 1),
+        };
+        for (j, share) in shares {
             (0..3).for_each(|c| weights[j][c] += share * row[c]);
         }
     }
@@ -238,7 +257,20 @@ fn distributed(grid: &[f64], light: impl Iterator<Item = (f64, [f64; 3])>) -> Ve
 
 /// (index, weight) pairs of the local Lagrange interpolation through up to four neighbours.
 pub fn lagrange_shares(grid: &[f64], at: f64) -> Vec<(usize, f64)> {
+    neighbours(grid, at, 2)
+}
+
+/// Lagrange interpolation through up to `each` neighbours on either side.
+fn neighbours(grid: &[f64], at: f64, each: usize) -> Vec<(usize, f64)> {
     let after = grid.partition_point(|&x| x < at).clamp(1, grid.len() - 1);
-    let first = after.saturating_sub(2);
-    (first..).zip(lagrange(&grid[first..(after + 2).min(grid.len())], at)).collect()
+    let first = after.saturating_sub(each);
+    (first..).zip(lagrange(&grid[first..(after + each).min(grid.len())], at)).collect()
+}
+
+/// The wavelengths of a rising list that colours can take: those within the tables of the
+/// observers ([`TABLE_RANGE_NM`]).
+pub fn visible(wavelengths_nm: &[f64]) -> Range<usize> {
+    let [lo, hi] = TABLE_RANGE_NM;
+    let first = wavelengths_nm.partition_point(|&nm| nm < lo);
+    first..wavelengths_nm.partition_point(|&nm| nm <= hi).max(first)
 }

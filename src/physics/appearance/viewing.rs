@@ -26,9 +26,7 @@ pub enum ColourError {
         allowed: String,
     },
     /// A wavelength outside the observer's table, or not increasing.
-    #[error(
-        "wavelengths_nm[{index}] = {value}: must increase and lie in {lo} to {hi} nm (CIE tables); leave it out of the colour"
-    )]
+    #[error("wavelengths_nm[{index}] = {value}: must increase and lie in {lo} to {hi} nm (CIE tables)")]
     BadWavelength {
         /// Index in the list.
         index: usize,

@@ -96,7 +96,7 @@ impl Colorimeter {
         self.ends.each_ref().map(|end| longer([moved(end, true), moved(end, false)]))
     }
 
-    fn lab_moved(&self, xyz: [f64; 3], by: [f64; 3]) -> [f64; 3] {
+    pub(super) fn lab_moved(&self, xyz: [f64; 3], by: [f64; 3]) -> [f64; 3] {
         let here = self.colour_of(xyz).lab;
         let there = self.colour_of(std::array::from_fn(|c| xyz[c] + by[c])).lab;
         std::array::from_fn(|i| there[i] - here[i])
@@ -116,4 +116,4 @@ fn longer([a, b]: [[f64; 3]; 2]) -> [f64; 3] {
 
 #[cfg(test)]
 #[path = "beyond_tests.rs"]
-mod tests;
+pub(super) mod tests;

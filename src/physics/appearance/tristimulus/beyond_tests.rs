@@ -11,7 +11,7 @@ fn grid(from: f64, to: f64) -> Vec<f64> {
 /// Smooth spectra as prints have them, made without any of the formulas under test: a level, one to
 /// three edges and up to three bands, squeezed between a dark and a bright level where they leave
 /// 0.02–0.95.
-fn printed(draws: &mut Draws, grid: &[f64]) -> Vec<f64> {
+pub fn printed(draws: &mut Draws, grid: &[f64]) -> Vec<f64> {
     let mut uniform = |from: f64, to: f64| draws.between(from, to);
     let mut values = vec![uniform(0.02, 0.9); grid.len()];
     for _ in 0..1 + uniform(0.0, 3.0) as usize {
