@@ -119,6 +119,9 @@ pub fn design(args: &DesignArgs) -> Result<()> {
         let (delta_e, ratio) = (run.delta_e_2000.in_words(2), run.contrast_ratio.in_words(3));
         note!("verified: {}: ΔE₀₀ {delta_e}, contrast ratio {ratio}", run.recipe);
     }
+    for left in &outcome.left_out {
+        note!("left out, without a colour: {left}");
+    }
     let ranges = ranges(&task, &outcome);
     if !ranges.is_empty() {
         note!("recipes of nearly equal colour: {}", ranges.join("; "));

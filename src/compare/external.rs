@@ -3,6 +3,7 @@
 pub mod judge;
 mod process;
 pub mod protocol;
+mod tree;
 
 use super::error::CompareResult;
 use super::row::{Row, Varied};

@@ -17,8 +17,14 @@ use std::path::PathBuf;
 /// Tables and pages.
 const TABLES: [&str; 5] = ["comparison.csv", "comparison.html", "machine.json", "residuals.csv", "README.md"];
 /// Plots, without the numbers of those that come in several.
-const PLOTS: [&str; 5] =
-    ["applications", "residuals", "error_against_work", "error_against_seconds", "error_against_cpu_seconds"];
+const PLOTS: [&str; 6] = [
+    "applications",
+    "residuals",
+    "error_against_work",
+    "error_against_seconds",
+    "error_against_cpu_seconds",
+    "error_against_solve_seconds",
+];
 
 /// A finished comparison.
 pub struct Comparison {
@@ -111,7 +117,8 @@ impl Comparison {
             cases => &self.cases,
             programs => self.described(),
             targets => TARGETS.map(|target| format!("{target:.0e}")),
-            reach => if self.externals.is_empty() { Vec::new() } else { reach(&self.rows) },
+            reach => self.reach(true),
+            reach_of_solves => if self.externals.is_empty() { Vec::new() } else { self.reach(false) },
             costs_header => self.costs_header(),
             costs => self.costs(),
             failures_header => ["strategy", "case", "grid", "reason"],
@@ -119,6 +126,20 @@ impl Comparison {
             header => self.rows.first().map(|row| row.shown().map(|(name, _)| name)),
             rows => rows.collect::<Vec<_>>(),
         }
+    }
+
+    /// Whether a row is a program's, whose seconds and memory are those of a whole process; the others are
+    /// those of a solve alone.
+    pub(super) fn is_process(&self, row: &Row) -> bool {
+        self.externals.contains(&row.strategy)
+    }
+
+    /// One line for each case and each program on it, or each strategy: case, name, the cost of every
+    /// target, the smallest error, and why there is no result at all.
+    fn reach(&self, of_processes: bool) -> Vec<Vec<String>> {
+        let rows = self.rows.iter().filter(|row| self.is_process(row) == of_processes);
+        let groups = grouped(rows, |row| (row.case_name(), row.strategy.clone()));
+        groups.into_iter().map(|((case, strategy), group)| line([case, strategy], &group)).collect()
     }
 
     /// Whether several cases are compared.
@@ -159,7 +180,7 @@ impl Comparison {
             let costs = self.strategies.iter().map(|name| of(group, name).unwrap_or("–".into()));
             fixed(&group[0]).into_iter().chain(costs).collect()
         };
-        self.groups().filter(|group| !self.externals.contains(&group[0].strategy)).map(line).collect()
+        self.groups().filter(|group| !self.is_process(&group[0])).map(line).collect()
     }
 
     /// Failures with strategy, case, grid and reason; only the first of several with one reason.
@@ -195,17 +216,11 @@ fn cost(row: &Row) -> String {
 /// Amplitude errors whose cost is tabulated.
 const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
-/// One line for each case and each strategy or program on it: case, name, the cost of every target,
-/// the smallest error, and why there is no result at all.
-fn reach(rows: &[Row]) -> Vec<Vec<String>> {
-    let groups = grouped(rows, |row| (row.case_name(), row.strategy.clone()));
-    groups.into_iter().map(|((case, strategy), group)| line([case, strategy], &group)).collect()
-}
-
 fn line(before: [String; 2], group: &[&Row]) -> Vec<String> {
-    let costs = TARGETS.map(|target| dash(cheapest(group, target).map(seconds_and_memory)));
     let errors = group.iter().filter_map(|row| row.result.as_ref().ok().copied());
     let least = errors.reduce(f64::min).map(|error| format!("{error:.1e}"));
+    let missed = if least.is_some() { "not within those tried" } else { "–" };
+    let costs = TARGETS.map(|target| cheapest(group, target).map_or(missed.into(), seconds_and_memory));
     let reason = if least.is_some() { String::new() } else { group[0].outcome() };
     before.into_iter().chain(costs).chain([dash(least), reason]).collect()
 }
@@ -225,3 +240,7 @@ fn seconds_and_memory(row: &Row) -> String {
     let places = (2 - seconds.max(1e-4).log10().ceil() as i32).max(0) as usize;
     format!("{seconds:.places$}\u{a0}s, {megabytes:.0}\u{a0}MB")
 }
+
+#[cfg(test)]
+#[path = "page_tests.rs"]
+mod tests;

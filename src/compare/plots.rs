@@ -42,21 +42,28 @@ impl Comparison {
         Chart::log_log(&title, "period, µm", "operator applications", curves)
     }
 
-    /// Error against processor seconds, one plot for each case file.
+    /// Error against processor seconds, for each case file one plot of programs, whose seconds are
+    /// those of whole processes, and one of strategies, whose seconds are those of a solve alone.
     fn of_named_cases(&self) -> Vec<(String, Chart)> {
-        let cases = self.cases.iter().enumerate();
-        cases
-            .map(|(k, [name, ..])| (format!("error_against_cpu_seconds-{}.svg", k + 1), self.of_case(name)))
-            .collect()
+        let mut plots = Vec::new();
+        for (k, [name, ..]) in self.cases.iter().enumerate() {
+            let title = |what: &str| if self.externals.is_empty() { name.clone() } else { format!("{name}: {what}") };
+            let processes = self.of_case(name, true, title("whole processes"), "processor seconds of the whole process");
+            let solves = self.of_case(name, false, title("solves alone"), "processor seconds of the solve alone");
+            plots.push((format!("error_against_cpu_seconds-{}.svg", k + 1), processes));
+            plots.push((format!("error_against_solve_seconds-{}.svg", k + 1), solves));
+        }
+        plots
     }
 
-    fn of_case(&self, name: &String) -> Chart {
+    fn of_case(&self, name: &String, of_processes: bool, title: String, cost: &str) -> Chart {
+        let own = |row: &&Row| row.named.as_ref() == Some(name) && row.converged();
         let rows: Vec<&Row> =
-            self.rows.iter().filter(|row| row.named.as_ref() == Some(name) && row.converged()).collect();
+            self.rows.iter().filter(own).filter(|row| self.is_process(row) == of_processes).collect();
         let curves = self.curves(&rows, |row| {
             [row.processor_seconds.or(row.seconds).unwrap_or(f64::NAN).max(LEAST_SECONDS), error(row)]
         });
-        Chart::log_log(name, "processor seconds", "largest amplitude error", curves)
+        Chart::log_log(&title, cost, "largest amplitude error", curves)
     }
 
     fn of_one_case(&self) -> Vec<(String, Chart)> {

@@ -54,7 +54,7 @@ pub struct TargetTable {
 }
 
 /// `[[vary]]`: a number of the study and its range.
-#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VaryTable {
     /// Dotted field, as in a sweep.

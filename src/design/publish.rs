@@ -53,6 +53,7 @@ pub fn publish(task: &DesignTask, outcome: &DesignOutcome, folder: &OutputFolder
         verified => outcome.verified.iter().map(verified).collect::<Vec<_>>(),
         valley => outcome.valley.iter().map(answered).collect::<Vec<_>>(),
         ranges => ranges(task, outcome),
+        left_out => Serde(&outcome.left_out),
         note => format!(
             "Response surfaces rest on {} variants; without a variant they miss its colour by ΔE₀₀ {:.2} (median).",
             outcome.variants, outcome.surface_error

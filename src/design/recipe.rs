@@ -8,6 +8,7 @@ use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
 use crate::input::study::Study;
 use crate::numerics::allowed::{Allowed, Whole};
+use crate::store::identity::Key;
 use crate::sweep::field::set;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -60,6 +61,16 @@ impl DesignTask {
     pub fn variants(&self) -> usize {
         let needed = most_coefficients(self.variables.len());
         self.settings.variants.unwrap_or(needed + needed.div_ceil(2) + 3)
+    }
+
+    /// Hash of all that the design depends on.
+    pub fn key(&self) -> String {
+        let varied: Vec<&VaryTable> = self.variables.iter().map(|variable| &variable.written).collect();
+        let wish = (&self.title, self.lab, self.contrast_ratio, &self.settings);
+        // the study for the content of files that the base names
+        let middle = self.study(&vec![0.5; self.variables.len()]).ok().map(|study| study.key());
+        let middle = middle.as_ref().map(Key::as_str);
+        Key::of("design", &(self.base.to_string(), varied, wish, middle)).to_string()
     }
 
     /// The study of a recipe, at places from 0 to 1.
@@ -251,6 +262,11 @@ fn checked_ends(task: &DesignTask) -> Result<[f64; 3], Vec<Fault>> {
     let studies = (0..1 << count).map(|c| task.study(&corner(c, count)));
     let studies = studies.collect::<Result<Vec<Study>, _>>()?;
     let study = &studies[studies.len() - 1];
+    if study.layer.composed.is_some() {
+        let (found, allowed) = ("given", "a layer that is solved whole: recipes are not composed of slabs");
+        let remedy = "remove [layer.composed] from the base, and give its thickness as layer.thickness_um";
+        return Err(vec![Fault::new("layer.composed", found, allowed, remedy)]);
+    }
     if let Some(reason) = &study.angles.no_paper {
         let remedy = "write [angles] count = 5";
         return Err(vec![Fault::new("base.angles", reason, "0°, 45° and the hemisphere", remedy)]);

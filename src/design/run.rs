@@ -11,16 +11,19 @@ use crate::evaluate::ink::InkError;
 use crate::evaluate::seen::see;
 use crate::evaluate::summary::summarise;
 use crate::numerics::estimate::Estimate;
+use crate::input::study::Study;
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
 use crate::store::marker::Holds;
 use crate::sweep::alone::run_study;
-use map::{Map, even_point, spread, study_at};
+use map::{Map, distance, even_point, spread, study_at};
 use serde::Serialize;
-use std::fmt::Display;
+use std::fmt::{self, Display};
 use thiserror::Error;
 
+/// Results of a design, as they are named in its folder.
+pub const RESULTS: [&str; 2] = ["design.json", "report.html"];
 /// Variables for which all corners of the box are among the variants.
 const CORNERS: usize = 3;
 /// Seed of the places of the variants.
@@ -31,10 +34,15 @@ const REGION: f64 = 0.25;
 const CLOSE: f64 = 4.0;
 /// Standard errors within which a wish counts as met.
 const WITHIN: f64 = 2.0;
-/// Distance at which a recipe lies at an end of its range.
-const SAME: f64 = 0.02;
-/// Recipes nearer than this in every variable are the same.
-const RUN: f64 = 0.004;
+/// Distance from an end of a range, as a share of it, within which a recipe lies at this end.
+const AT_END: f64 = 0.02;
+/// Recipes nearer than this share of the range in every variable are the same.
+const SAME: f64 = 0.004;
+/// Distance in the box that later searches keep from a recipe whose run gave no colour.
+const AVOIDED: f64 = 0.1;
+/// What the seed of verifying runs is ahead of the base's: their packings are independent of those
+/// behind the surfaces, whose chance they would otherwise confirm.
+const VERIFYING_SEED: u64 = 1;
 
 /// Why there is no design.
 #[derive(Debug, Error)]
@@ -48,17 +56,49 @@ pub enum DesignError {
     /// A layer without a spectrum on its paper.
     #[error(transparent)]
     Ink(#[from] InkError),
-    /// A run gave no colour.
+    /// A recipe that no study can be made of, or surfaces without a solution.
     #[error("{0}")]
     NoColour(String),
-    /// Too many variants could not be packed.
-    #[error("{0} are needed: lower the volume fractions in [[vary]]")]
-    TooFew(String),
+    /// Too many variants are without a colour.
+    #[error(
+        "{left} of {planned} variants gave no colour, and the surfaces need {needed} that have one. The first is \
+         {first}. Narrow the ranges in [[vary]] to recipes that have a colour, plan more of them (design.variants), \
+         or, where chance withholds it, raise run.realisations of the base"
+    )]
+    TooFew {
+        /// Variants without a colour so far.
+        left: usize,
+        /// Variants planned.
+        planned: usize,
+        /// Variants that the surfaces need.
+        needed: usize,
+        /// The first one without a colour.
+        first: LeftOut,
+    },
 }
 
 impl DesignError {
     fn no_colour(task: &DesignTask, places: &[f64], reason: impl Display) -> Self {
         Self::NoColour(format!("{}: no colour: {reason}", task.in_words(places)))
+    }
+}
+
+/// A recipe that was run without a colour as the result, and is left out of the design.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LeftOut {
+    /// The recipe in words.
+    pub recipe: String,
+    /// Why it has no colour.
+    pub reason: String,
+    /// Whether it was to verify an answer of the surfaces.
+    pub verifying: bool,
+    #[serde(skip)]
+    places: Vec<f64>,
+}
+
+impl fmt::Display for LeftOut {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} ({})", self.recipe, self.reason)
     }
 }
 
@@ -81,6 +121,8 @@ pub struct Verified {
     pub surface_error: Option<f64>,
     /// Contrast ratio.
     pub contrast_ratio: Estimate,
+    /// Packings behind these numbers.
+    pub realisations: usize,
     /// Cost by the weights of the variables.
     pub cost: f64,
     #[serde(skip)]
@@ -108,6 +150,14 @@ pub struct DesignOutcome {
     pub surface_error: f64,
     /// Variants that the surfaces rest on.
     pub variants: usize,
+    /// Recipes that were run and have no colour, with the reason.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// What the surfaces rest on.
+struct Variants {
+    run: Vec<Verified>,
+    left_out: Vec<LeftOut>,
 }
 
 /// A design in progress.
@@ -123,86 +173,115 @@ pub struct DesignRun<'a> {
 }
 
 impl DesignRun<'_> {
-    /// The design.
+    /// The design. Results of another design in the folder are removed before the first run.
     ///
     /// # Errors
-    /// A stop, or runs without results.
+    /// A stop, a folder that cannot be written, or too few variants with a colour.
     pub fn design(&self) -> Result<DesignOutcome, DesignError> {
-        let mut data = self.variants()?;
+        self.folder.begin_input(&self.task.key(), &RESULTS).map_err(RunError::from)?;
+        let Variants { run: mut data, mut left_out } = self.variants()?;
         let variants = data.len();
         let mut map = Map::new(self.task, &data, variants)?;
         let surface_error = map.leave_one_out(&data)?;
         for round in 1..=self.task.settings.verifications {
-            let found = &data[variants..];
-            let best = found.iter().min_by(|a, b| self.order(a, b));
+            let verified_before = &data[variants..];
+            let best = verified_before.iter().min_by(|a, b| self.order(a, b));
             let near = best.filter(|best| best.delta_e_2000.value < CLOSE);
             let near = near.map(|best| (best.places.clone(), REGION));
-            let Some(answer) = map.search(near.as_ref()).into_iter().next() else { break };
-            if found.iter().any(|known| same(&known.places, &answer.places)) {
+            let avoided = |answer: &DesignAnswer| {
+                left_out.iter().any(|left| left.verifying && distance(&left.places, &answer.places) < AVOIDED)
+            };
+            let answer = map.search(near.as_ref()).into_iter().find(|answer| !avoided(answer));
+            let Some(answer) = answer else { break };
+            if verified_before.iter().any(|known| same(&known.places, &answer.places)) {
                 break;
             }
             self.watch.stage(&format!("verifying run {round}: {}", answer.recipe));
-            let mut verified = self.run(&answer.places, true)?;
+            let mut verified = match self.run(&answer.places, true)? {
+                Ok(verified) => verified,
+                Err(reason) => {
+                    left_out.push(self.left_out(&answer.places, reason, true));
+                    continue;
+                }
+            };
             verified.predicted = Some(answer.delta_e_2000);
             verified.surface_error = Some(ciede2000(verified.lab, map.at(&answer.places)?.0));
-            let farthest = verified.delta_e_2000.value + error(&verified);
-            let sure = self.meets(&verified) && farthest <= self.task.settings.delta_e;
+            let sure = self.is_sure(&verified);
             data.push(verified);
             map = Map::new(self.task, &data, variants)?;
             if sure {
                 break;
             }
         }
-        Ok(self.outcome(&map, data.split_off(variants), (surface_error, variants)))
+        let verified = data.split_off(variants);
+        Ok(self.outcome(&map, verified, Variants { run: data, left_out }, surface_error))
     }
 
-    /// Runs the variants of the design; those without room are left out.
-    fn variants(&self) -> Result<Vec<Verified>, DesignError> {
+    /// Runs the variants of the design; those without a colour are left out.
+    fn variants(&self) -> Result<Variants, DesignError> {
         let (task, count) = (self.task, self.task.variables.len());
-        let corners = if count <= CORNERS { 1 << count } else { 0 };
-        let asked = task.variants();
-        let places = (0..corners.min(asked))
+        let planned = task.variants();
+        let needed = super::surface::most_coefficients(count) + 2;
+        let corners = if count <= CORNERS { (1 << count).min(planned) } else { 0 };
+        let places = (0..corners)
             .map(|c| corner(c, count))
-            .chain((0..asked.saturating_sub(corners)).map(|r| even_point(DESIGN_SEED, count, r)));
-        let mut all = Vec::new();
+            .chain((0..planned - corners).map(|r| even_point(DESIGN_SEED, count, r)));
+        let mut variants = Variants { run: Vec::new(), left_out: Vec::new() };
         for (k, places) in places.enumerate() {
-            self.watch.stage(&format!("variant {}/{asked}: {}", k + 1, task.in_words(&places)));
-            match self.run(&places, false) {
-                Err(DesignError::Run(error)) if error.has_no_room() => {}
-                other => all.push(other?),
+            self.watch.stage(&format!("variant {}/{planned}: {}", k + 1, task.in_words(&places)));
+            match self.run(&places, false)? {
+                Ok(run) => variants.run.push(run),
+                Err(reason) => variants.left_out.push(self.left_out(&places, reason, false)),
+            }
+            let left = variants.left_out.len();
+            if let Some(first) = variants.left_out.first().filter(|_| planned < needed + left) {
+                return Err(DesignError::TooFew { left, planned, needed, first: first.clone() });
             }
         }
-        let needed = super::surface::most_coefficients(count) + 2;
-        if all.len() >= needed {
-            return Ok(all);
-        }
-        let room = format!("{} of {asked} variants have room for their grains, {needed}", all.len());
-        Err(DesignError::TooFew(room))
+        Ok(variants)
     }
 
-    /// Runs a recipe.
-    fn run(&self, places: &[f64], verifying: bool) -> Result<Verified, DesignError> {
+    fn left_out(&self, places: &[f64], reason: String, verifying: bool) -> LeftOut {
+        LeftOut { recipe: self.task.in_words(places), reason, verifying, places: places.to_vec() }
+    }
+
+    /// Runs a recipe; the inner error says why it has no colour.
+    ///
+    /// # Errors
+    /// What ends every other run as well: a stop, a folder that cannot be written, too little memory.
+    fn run(&self, places: &[f64], verifying: bool) -> Result<Result<Verified, String>, DesignError> {
         let task = self.task;
-        let no_colour = |reason: String| DesignError::no_colour(task, places, reason);
-        let mut study = study_at(task, places)?;
-        study.judgement.target_lab = Some(task.lab);
-        if let (true, Some(realisations)) = (verifying, task.settings.realisations) {
-            study.realisations = realisations;
-        }
+        let study = match self.study(places, verifying) {
+            Ok(study) => study,
+            Err(fault) => return Ok(Err(fault.to_string())),
+        };
         // a folder of its own: processes that help find this study alone in its queue
         let path = self.folder.path().join("runs").join(study.key().short());
         let folder = OutputFolder::open(&path, Holds::Study).map_err(RunError::from)?;
-        let collected = run_study(&study, &folder, self.settings, self.watch)?.collected;
+        let collected = match run_study(&study, &folder, self.settings, self.watch) {
+            Ok(ran) => ran.collected,
+            Err(error) if error.is_of_the_study() => return Ok(Err(error.to_string())),
+            Err(error) => return Err(error.into()),
+        };
         if self.watch.stop() {
             return Err(RunError::Stopped.into());
         }
-        let seen = see(&study, &collected).map_err(|error| no_colour(error.to_string()))?;
-        let spectra = spectra(seen.ink.as_ref().map_err(|error| no_colour(error.to_string()))?)?;
+        let seen = match see(&study, &collected) {
+            Ok(seen) => seen,
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        let ink = match &seen.ink {
+            Ok(ink) => ink,
+            Err(reason) => return Ok(Err(reason.to_string())),
+        };
+        let spectra = spectra(ink)?;
         let manifest = summarise(&study, &collected, &seen);
-        let none = || manifest.no_colour.clone().or(manifest.no_ink_maker.clone()).unwrap_or_default();
-        let maker = manifest.ink_maker.as_ref().ok_or_else(|| no_colour(none()))?;
-        let target = maker.target.as_ref().ok_or_else(|| no_colour(none()))?;
-        Ok(Verified {
+        let maker = manifest.ink_maker.as_ref();
+        let Some((maker, target)) = maker.and_then(|maker| Some((maker, maker.target.as_ref()?))) else {
+            let reason = manifest.no_ink_maker.or(manifest.no_colour);
+            return Ok(Err(reason.unwrap_or_else(|| "the run gives no colour at 45:0".into())));
+        };
+        Ok(Ok(Verified {
             recipe: task.in_words(places),
             values: task.values(places),
             lab: maker.print.colour.lab,
@@ -211,10 +290,28 @@ impl DesignRun<'_> {
             predicted: None,
             surface_error: None,
             contrast_ratio: maker.contrast_ratio,
+            realisations: manifest.realisations.finished,
             cost: task.cost(places),
             places: places.to_vec(),
             spectra,
-        })
+        }))
+    }
+
+    /// The study of a recipe; a verifying run has packings of its own, and as many as wished.
+    fn study(&self, places: &[f64], verifying: bool) -> Result<Study, DesignError> {
+        let mut study = study_at(self.task, places)?;
+        study.judgement.target_lab = Some(self.task.lab);
+        if verifying {
+            study.packing.seed = study.packing.seed.wrapping_add(VERIFYING_SEED);
+            study.realisations = self.task.settings.realisations.unwrap_or(study.realisations);
+        }
+        Ok(study)
+    }
+
+    /// Whether a run needs no further one: it meets the wish, and does so at the far end of its bar
+    /// as well.
+    fn is_sure(&self, run: &Verified) -> bool {
+        self.meets(run) && run.delta_e_2000.value + error(run) <= self.task.settings.delta_e
     }
 
     /// Whether a recipe is as near as wished and hides enough.
@@ -241,7 +338,8 @@ impl DesignRun<'_> {
         &self,
         map: &Map,
         mut verified: Vec<Verified>,
-        (surface_error, variants): (f64, usize),
+        data: Variants,
+        surface_error: f64,
     ) -> DesignOutcome {
         verified.sort_by(|a, b| self.order(a, b));
         let met = verified.first().is_some_and(|best| self.meets(best));
@@ -256,12 +354,23 @@ impl DesignRun<'_> {
         };
         let valley_ranges =
             if valley.is_empty() { Vec::new() } else { (0..self.task.variables.len()).map(ends).collect() };
-        let (target, verdict, valley) = (self.task.lab, self.verdict(&verified, met), spread(&valley));
-        DesignOutcome { met, target, verdict, verified, valley, valley_ranges, surface_error, variants }
+        DesignOutcome {
+            met,
+            target: self.task.lab,
+            verdict: self.verdict(&verified, met),
+            verified,
+            valley: spread(&valley),
+            valley_ranges,
+            surface_error,
+            variants: data.run.len(),
+            left_out: data.left_out,
+        }
     }
 
     fn verdict(&self, verified: &[Verified], met: bool) -> String {
-        let (task, Some(best)) = (self.task, verified.first()) else { return "no recipe was run".into() };
+        let (task, Some(best)) = (self.task, verified.first()) else {
+            return "Not proven: no verifying run gave a colour".into();
+        };
         let wish = task.settings.delta_e;
         let distance = best.delta_e_2000.in_words(2);
         if met {
@@ -294,10 +403,10 @@ impl DesignRun<'_> {
 /// In words whether a recipe lies at an end of a range.
 fn at_end(task: &DesignTask, best: &Verified, i: usize) -> Option<String> {
     let place = best.places[i];
-    let which = if place < SAME { "smallest" } else { "largest" };
+    let which = if place < AT_END { "smallest" } else { "largest" };
     let variable = &task.variables[i];
     let value = short(variable.value(place));
-    (!(SAME..=1.0 - SAME).contains(&place)).then(|| format!("the {which} {} ({value})", variable.name))
+    (!(AT_END..=1.0 - AT_END).contains(&place)).then(|| format!("the {which} {} ({value})", variable.name))
 }
 
 /// What the distance of a run to the target may be wrong by.
@@ -306,5 +415,9 @@ fn error(run: &Verified) -> f64 {
 }
 
 fn same(one: &[f64], other: &[f64]) -> bool {
-    one.iter().zip(other).all(|(a, b)| (a - b).abs() < RUN)
+    one.iter().zip(other).all(|(a, b)| (a - b).abs() < SAME)
 }
+
+#[cfg(test)]
+#[path = "run/run_tests.rs"]
+mod tests;

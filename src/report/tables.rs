@@ -61,7 +61,8 @@ fn with_half(e: Estimate, factor: Option<f64>) -> ([String; 2], String) {
 }
 
 /// Distributions of the layer alone, one row per order: direction cosines, efficiency and BRDF or
-/// BTDF. The specular order is marked: it is a mirror image, not a density per steradian.
+/// BTDF. The specular order is marked: it is a mirror image, not a density per steradian. In a
+/// medium of index n, dα dβ = n² cos θ dω, so that a steradian there holds n² times as many orders.
 ///
 /// `amplitude_error` is the error of an order's complex amplitude a due to the grid; its efficiency
 /// e = w|a|² then has an error of 2 √(e w) times that, where w = cos θ_out/cos θ_in is the order's
@@ -91,8 +92,13 @@ fn row(
         (index * index - x * x - y * y).max(0.0).sqrt() / (here * incidence.polar_deg.to_radians().cos());
     let grid_error = 2.0 * (order.efficiency.value.max(0.0) * flux).sqrt() * amplitude_error;
     let lobe = if lobe == Lobe::Reflected { "reflected" } else { "transmitted" };
-    let [[efficiency, efficiency_error], [per_sr, per_sr_error]] =
-        [order.efficiency, order.bdf].map(|e| numbers(Some(e)));
+    let density = index * index;
+    let in_medium = Estimate {
+        value: density * order.bdf.value,
+        standard_error: order.bdf.standard_error.map(|error| density * error),
+    };
+    let [efficiency, efficiency_error] = numbers(Some(order.efficiency));
+    let [per_sr, per_sr_error] = numbers(Some(in_medium));
     [
         // 0.41 µm is 410 nm, not 410.00000000000006
         ("wavelength_nm", ((1e12 * incidence.wavelength_um).round() / 1e9).to_string()),
@@ -127,6 +133,27 @@ mod tests {
         let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().unwrap();
         assert_eq!(rows.len(), 2);
         assert_eq!((&rows[0][4], &rows[0][10], &rows[0][11]), ("reflected", "0.05", ""));
+    }
+
+    /// An order's share of the light is its distribution times the projected solid angle that it stands for, λ²/(Lx Ly n²) in
+    /// a medium of index n, into which light leaves or is reflected back. *Planted*: the solid angle of vacuum.
+    #[test]
+    fn distributions_are_per_steradian_of_the_medium() {
+        for (from, reflected, transmitted) in [(Side::Incident, 1.0, 1.5), (Side::Exit, 1.5, 1.0)] {
+            let mut field = two_orders();
+            field.incidence.from = from;
+            let bdf = Bdf::from_ensemble(&[field.clone()]).unwrap();
+            let csv = distributions(&[bdf], 1e-3, 1.5).unwrap();
+            let mut reader = csv::Reader::from_reader(csv.as_slice());
+            let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().unwrap();
+            for (row, index) in rows.iter().zip([reflected, transmitted]) {
+                let cell = field.incidence.wavelength_um.powi(2) / (field.period_um[0] * field.period_um[1]);
+                let [efficiency, per_sr] = [10, 12].map(|k| row[k].parse::<f64>().unwrap());
+                let share = per_sr * cell / f64::powi(index, 2);
+                // An identity: rounding.
+                assert!((share / efficiency - 1.0).abs() < 1e-12, "{from:?} {}: {share} {efficiency}", &row[4]);
+            }
+        }
     }
 
     #[test]

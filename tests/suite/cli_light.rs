@@ -1,6 +1,7 @@
 //! `inkwave solve` with a lit square and with light along the lattice.
 
 use super::cli_solve::{Folder, good, inkwave, message, solved};
+use super::run_support::TINY;
 use serde_json::{Value, json};
 
 #[test]
@@ -71,5 +72,21 @@ fn snapped_light_is_solved_along_the_lattice_and_says_so() {
         assert!(direct["snapped"].is_null());
         let [found, expected] = [&snapped, &direct].map(|r| number(r.pointer(total).expect("a total")));
         assert!((found - expected).abs() < 1e-12, "{wave}: the direction said is the one solved");
+    }
+}
+
+/// A realisation of a study is lit from its own azimuth, as its run is. *Planted*: that of the next realisation.
+#[test]
+fn a_realisation_is_lit_from_its_own_azimuth() {
+    let folder = Folder::new();
+    let path = folder.file("study.toml", TINY);
+    let study = inkwave::input::load::load(&path).expect("a study");
+    let azimuth = |realisation: usize| study.points(realisation)[0].incidence.azimuth_deg;
+    assert!((azimuth(0) - azimuth(1)).abs() > 1.0, "the check is empty");
+    for (number, realisation) in [("1", 0), ("2", 1)] {
+        let output = inkwave(&path, &["--realisation", number, "--nxy", "12", "--nz", "6"]);
+        assert!(output.status.success(), "{}", message(&output));
+        let result: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(result["azimuth_deg"].as_f64(), Some(azimuth(realisation)), "realisation {number}");
     }
 }

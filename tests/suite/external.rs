@@ -16,7 +16,7 @@ use std::time::Instant;
 
 /// Solves films of one layer under normal light; the first argument says what else it does.
 const ADAPTER: &str = r#"
-import cmath, json, os, sys, time
+import cmath, json, os, subprocess, sys, time
 mood = sys.argv[1]
 if sys.argv[-1] == "--describe" and mood in ("spheres", "busy"):
     shapes = ["spheres"] if mood == "spheres" else ["films", "bars"]
@@ -37,6 +37,26 @@ if mood == "eat":
 if mood == "babble":
     sys.stdout.buffer.write(bytes(range(256)) * 40)
     sys.exit(0)
+BURN = "import os, time\nwhile time.process_time() < 0.4: pass\nopen('burnt', 'w').close()\ntime.sleep(600)"
+if mood in ("daemon", "bare"):
+    # Session, parent and, if bare, the environment are left behind.
+    if os.fork() == 0:
+        os.setsid()
+        time.sleep(0.2 if mood == "bare" else 0)
+        daemon = os.fork()
+        if daemon:
+            with open("daemon", "w") as file:
+                file.write(str(daemon))
+            os._exit(0)
+        environment = {} if mood == "bare" else dict(os.environ)
+        os.execve(sys.executable, [sys.executable, "-c", BURN], environment)
+    while not os.path.exists("burnt"):
+        time.sleep(0.01)
+    # A look of the measurement between the daemon's work and the answer.
+    time.sleep(0.2)
+if mood == "delegate":
+    burn = "import time\nwhile time.process_time() < 0.4: pass"
+    subprocess.run([sys.executable, "-c", burn])
 question = json.load(sys.stdin)
 if mood == "other":
     print(json.dumps({"case": "another", "orders": []}))
@@ -79,8 +99,11 @@ fn judge(output: &[u8], truth: &[FarField]) -> Result<f64, String> {
 }
 
 fn rows(mood: &str, more: &str) -> Vec<Row> {
-    let folder = tempfile::tempdir().expect("a folder");
-    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    rows_in(tempfile::tempdir().expect("a folder").path(), mood, more)
+}
+
+fn rows_in(folder: &Path, mood: &str, more: &str) -> Vec<Row> {
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("written");
     write("adapter.py", ADAPTER);
     write(
         "film.json",
@@ -90,7 +113,7 @@ fn rows(mood: &str, more: &str) -> Vec<Row> {
     let external =
         format!("[[external]]\nname = 'own'\ncommand = ['python3', 'adapter.py', '{mood}']\n{more}\n");
     write("films.toml", &format!("case = 'film.json'\n{lists}{external}"));
-    let file = ComparisonFile::read(&folder.path().join("films.toml")).expect("read");
+    let file = ComparisonFile::read(&folder.join("films.toml")).expect("read");
     let comparison = file.run(&Registry::default(), &mut Silent, |_| ()).expect("compared");
     assert_eq!(comparison.asked, comparison.rows.len());
     comparison.rows.into_iter().filter(|row| row.strategy == "own").collect()
@@ -143,6 +166,36 @@ fn whatever_programs_do_is_a_row_with_its_reason() {
         assert!(row.outcome().contains("memory_gb = 0.2 GB"), "{}", row.outcome());
     }
     assert!(clock.elapsed().as_secs() < 300, "nothing waits for a program that hangs");
+}
+
+/// What a program's children have used is its own, whether it waits for them or not. *Planted*: processor time without that
+/// of children that have ended.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_program_costs_what_its_children_cost() {
+    for mood in ["delegate", "daemon", "bare"] {
+        let [row] = &rows(mood, "")[..] else { panic!("one row") };
+        assert!(row.converged(), "{mood}: {}", row.outcome());
+        // 0.4 s in the child, to some ticks of 10 ms
+        let seconds = row.processor_seconds.expect("a processor clock");
+        assert!(seconds > 0.38, "{mood}: {seconds} s");
+    }
+}
+
+/// A daemon leaves its parent, group and session, and may drop its environment. *Planted*: the end of the group alone.
+#[cfg(target_os = "linux")]
+#[test]
+fn nothing_that_a_program_started_outlives_its_row() {
+    for mood in ["daemon", "bare"] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let [row] = &rows_in(folder.path(), mood, "")[..] else { panic!("one row") };
+        assert!(row.converged(), "{mood}: {}", row.outcome());
+        let number = std::fs::read_to_string(folder.path().join("daemon")).expect("a daemon was started");
+        // A process that was killed is gone, or a zombie until its parent looks.
+        let state = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
+        let running = state.rsplit_once(')').is_some_and(|(_, rest)| !rest.trim_start().starts_with('Z'));
+        assert!(!running, "{mood}: {state}");
+    }
 }
 
 #[test]

@@ -1,14 +1,17 @@
 //! A program under measurement: one text in, one text out, within limits of time and memory.
 //!
-//! Processor time and memory are those of the program and of all that it starts, as `/proc` tells
-//! them; where there is no `/proc`, only the wall clock is measured.
+//! Processor time and memory are those of the program and of all that it starts, also of what it
+//! sends to the background, and all of it ends with the measurement. Where there is no `/proc`, only
+//! the wall clock is measured, and only the program's process group is sure to end.
 
 use super::ExternalTable;
 use super::judge::words;
+use super::tree::{MARK, ProcessTree};
 use crate::compare::error::CompareResult;
 use crate::solve::{Account, SolveError, Step, Watch};
 use std::io::{Read, Write};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -17,8 +20,10 @@ use std::time::{Duration, Instant};
 const MOST_OUTPUT: usize = 64 << 20;
 /// How long the pipes of a program that has ended may stay open.
 const LINGER: Duration = Duration::from_secs(1);
-/// Ticks of processor time in a second, the same on every Linux.
-const TICKS: f64 = 100.0;
+/// Rounds of killing what a program goes on starting while it is killed.
+const ROUNDS: usize = 100;
+/// Runs so far in this process, for their marks.
+static RUNS: AtomicUsize = AtomicUsize::new(0);
 
 /// A run that has ended.
 pub struct ProgramRun {
@@ -47,26 +52,26 @@ impl ProgramRun {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        let mark = format!("{}-{}", std::process::id(), RUNS.fetch_add(1, Ordering::Relaxed));
+        command.env(MARK, &mark);
         let clock = Instant::now();
-        let mut child = match command.spawn() {
-            Ok(child) => Running(child),
+        let mut running = match command.spawn() {
+            Ok(child) => Running { tree: ProcessTree::new(child.id(), &mark), child, waited: false },
             Err(error) => return Ok(Err(error)),
         };
-        if let Some(mut stdin) = child.0.stdin.take() {
+        if let Some(mut stdin) = running.child.stdin.take() {
             // A program need not read what it is asked.
             std::thread::spawn(move || drop(stdin.write_all(&input)));
         }
-        let output = child.0.stdout.take().map(PipeOutput::of);
-        let complaint = child.0.stderr.take().map(PipeOutput::of);
-        let mut usage = Usage::default();
+        let output = running.child.stdout.take().map(PipeOutput::of);
+        let complaint = running.child.stderr.take().map(PipeOutput::of);
         let end = loop {
-            usage.look(child.0.id());
-            if usage.ended || usage.tree.is_none() && child.0.try_wait().is_ok_and(|end| end.is_some()) {
+            if running.has_ended() {
                 break None;
             }
             let printed = output.iter().chain(&complaint).map(PipeOutput::len).max().unwrap_or(0);
             let elapsed = clock.elapsed();
-            if let Some(reason) = beyond(program, elapsed, usage.bytes, printed) {
+            if let Some(reason) = beyond(program, elapsed, running.tree.bytes, printed) {
                 break Some(reason);
             }
             if watch.step(&Step { step: 0, applications: 0, residual: 1.0 }).is_break() {
@@ -77,13 +82,12 @@ impl ProgramRun {
         let seconds = clock.elapsed().as_secs_f64();
         // A program may die of the pipe that was closed for its flood before it is killed for it.
         let end = end.or_else(|| output.iter().chain(&complaint).find_map(|pipe| flood(pipe.len())));
-        // All that the program has left running ends with it, while its number is still its own.
-        child.kill();
-        let status = child.0.wait().map_err(|error| error.to_string());
+        let status = running.end().map_err(|error| error.to_string());
         let end = end.map_or(status, Err);
         let [output, complaint] =
             [output, complaint].map(|pipe| pipe.map_or_else(Vec::new, PipeOutput::bytes));
-        let Usage { tree: processor_seconds, peak: peak_bytes, .. } = usage;
+        let processor_seconds = running.tree.seconds;
+        let peak_bytes = running.tree.peak;
         Ok(Ok(ProgramRun { seconds, processor_seconds, peak_bytes, end, output, complaint }))
     }
 
@@ -121,27 +125,68 @@ fn flood(printed: usize) -> Option<String> {
     (printed > MOST_OUTPUT).then(|| format!("it printed more than {} MB", MOST_OUTPUT >> 20))
 }
 
-/// A child that never outlives its measurement.
-struct Running(Child);
+/// A program that never outlives its measurement, nor does anything that it started.
+struct Running {
+    child: Child,
+    tree: ProcessTree,
+    /// It was waited for: its number may be another process's by now.
+    waited: bool,
+}
 
 impl Running {
-    /// Kills the program and its group.
+    /// Whether the program itself has ended; what it started may still run.
+    fn has_ended(&mut self) -> bool {
+        self.tree.look();
+        let unknown = self.tree.seconds.is_none();
+        self.tree.ended || unknown && self.child.try_wait().is_ok_and(|end| end.is_some())
+    }
+
+    /// Kills the program with all that it has started, and waits for it.
+    fn end(&mut self) -> std::io::Result<ExitStatus> {
+        self.kill();
+        self.waited = true;
+        self.child.wait()
+    }
+
+    /// Kills the program's group, and what has left the group, until nothing more is started.
     fn kill(&mut self) {
         #[cfg(unix)]
-        if let Ok(group) = i32::try_from(self.0.id()) {
-            let group = nix::unistd::Pid::from_raw(group);
-            // Nothing may be left to kill.
-            let _ = nix::sys::signal::killpg(group, nix::sys::signal::Signal::SIGKILL);
+        for _ in 0..ROUNDS {
+            self.tree.look();
+            let running = self.tree.running();
+            kill_group(self.child.id());
+            if running.is_empty() {
+                break;
+            }
+            running.into_iter().for_each(kill_process);
+            std::thread::sleep(Duration::from_millis(1));
         }
-        drop(self.0.kill());
+        drop(self.child.kill());
+    }
+}
+
+/// Sends SIGKILL to a process group; nothing may be left to kill.
+#[cfg(unix)]
+fn kill_group(leader: u32) {
+    if let Ok(group) = i32::try_from(leader) {
+        let group = nix::unistd::Pid::from_raw(group);
+        let _ = nix::sys::signal::killpg(group, nix::sys::signal::Signal::SIGKILL);
+    }
+}
+
+/// Sends SIGKILL to a process, which may have ended by itself.
+#[cfg(unix)]
+fn kill_process(number: u32) {
+    if let Ok(number) = i32::try_from(number) {
+        let number = nix::unistd::Pid::from_raw(number);
+        let _ = nix::sys::signal::kill(number, nix::sys::signal::Signal::SIGKILL);
     }
 }
 
 impl Drop for Running {
     fn drop(&mut self) {
-        if let Ok(None) = self.0.try_wait() {
-            self.kill();
-            drop(self.0.wait());
+        if !self.waited {
+            drop(self.end());
         }
     }
 }
@@ -185,60 +230,4 @@ fn read(pipe: &mut impl Read, into: &Mutex<Vec<u8>>) {
         }
         all.extend_from_slice(&part[..count]);
     }
-}
-
-/// Processor time and memory of a program and of all that it started.
-#[derive(Default)]
-struct Usage {
-    /// Processor time so far, s; none without `/proc`.
-    tree: Option<f64>,
-    bytes: f64,
-    peak: f64,
-    /// The program has ended, and waits to be asked how.
-    ended: bool,
-}
-
-impl Usage {
-    fn look(&mut self, root: u32) {
-        let Some(own) = process(root) else { return };
-        let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
-        let numbers = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
-        let tree: Vec<Process> =
-            numbers.filter_map(process).filter(|p| p.group == root || p.parent == root).collect();
-        let memory: Vec<[f64; 2]> = tree.iter().filter_map(|p| memory(p.number)).collect();
-        let seconds = tree.iter().map(|p| p.ticks).sum::<f64>() / TICKS;
-        self.tree = Some(seconds.max(self.tree.unwrap_or(0.0)));
-        self.bytes = memory.iter().map(|m| m[0]).sum();
-        self.peak = memory.iter().map(|m| m[1]).sum::<f64>().max(self.peak);
-        self.ended = own.state == "Z";
-    }
-}
-
-/// A line of `/proc/N/stat`.
-struct Process {
-    number: u32,
-    state: String,
-    parent: u32,
-    group: u32,
-    /// Its processor time and that of its children that have ended.
-    ticks: f64,
-}
-
-fn process(number: u32) -> Option<Process> {
-    let line = std::fs::read_to_string(format!("/proc/{number}/stat")).ok()?;
-    // The name, in brackets, may hold anything.
-    let fields: Vec<&str> = line.rsplit_once(')')?.1.split_whitespace().collect();
-    let ticks = fields.get(11..15)?.iter().filter_map(|ticks| ticks.parse::<f64>().ok()).sum();
-    let (parent, group) = (fields[1].parse().ok()?, fields[2].parse().ok()?);
-    Some(Process { number, state: fields[0].into(), parent, group, ticks })
-}
-
-/// Memory of a process now and at most so far.
-fn memory(number: u32) -> Option<[f64; 2]> {
-    let status = std::fs::read_to_string(format!("/proc/{number}/status")).ok()?;
-    let bytes = |key: &str| {
-        let line = status.lines().find_map(|line| line.strip_prefix(key))?;
-        Some(1024.0 * line.split_whitespace().next()?.parse::<f64>().ok()?)
-    };
-    Some([bytes("VmRSS:")?, bytes("VmHWM:")?])
 }

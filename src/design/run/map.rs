@@ -1,6 +1,6 @@
 //! Surfaces with the film beneath and the verified runs on top, and the search on them.
 
-use super::{DesignError, SAME, Verified};
+use super::{DesignError, Verified};
 use crate::appearance::colour::ciede2000;
 use crate::design::recipe::DesignTask;
 use crate::design::surface::{Eye, Spectra3, Surfaces, spectra};
@@ -21,8 +21,9 @@ const FOLLOWED: usize = 6;
 const HALVINGS: usize = 7;
 /// Range over which the distance between a run and the surfaces is carried over.
 const CARRIED: f64 = 0.3;
-/// Recipes of nearly equal colour that are listed.
+/// Recipes of nearly equal colour that are listed, and their least distance in the box.
 const LISTED: usize = 6;
+const LISTED_APART: f64 = 0.02;
 
 /// Surfaces with the film beneath, and what they answer.
 pub(super) struct Map<'a> {
@@ -69,9 +70,9 @@ pub(super) fn even_point(seed: u64, count: usize, r: usize) -> Vec<f64> {
     point.into_iter().map(|x| ((1.0 + 2.0 * EDGE) * x - EDGE).clamp(0.0, 1.0)).collect()
 }
 
-/// Square of the distance between two points of the box.
-fn square(one: &[f64], other: &[f64]) -> f64 {
-    one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum()
+/// Distance between two points of the box.
+pub(super) fn distance(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Some recipes far from each other, the best one first.
@@ -79,10 +80,10 @@ pub(super) fn spread(all: &[DesignAnswer]) -> Vec<DesignAnswer> {
     let mut chosen: Vec<DesignAnswer> = all.iter().take(1).cloned().collect();
     while chosen.len() < LISTED {
         let from_chosen = |a: &DesignAnswer| {
-            chosen.iter().map(|c| square(&a.places, &c.places)).fold(f64::INFINITY, f64::min)
+            chosen.iter().map(|c| distance(&a.places, &c.places)).fold(f64::INFINITY, f64::min)
         };
         let apart = all.iter().map(|a| (from_chosen(a), a));
-        let farthest = apart.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(apart, _)| *apart >= SAME);
+        let farthest = apart.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(apart, _)| *apart >= LISTED_APART);
         let Some((_, next)) = farthest else { break };
         chosen.push(next.clone());
     }
@@ -121,8 +122,8 @@ impl<'a> Map<'a> {
     /// L*, a*, b* and the contrast ratio by the surfaces and what runs have shown nearby.
     pub fn at(&self, places: &[f64]) -> Result<([f64; 3], f64), DesignError> {
         let (mut lab, contrast) = self.surface(places)?;
-        let distances = self.offsets.iter().map(|(own, _)| square(own, places));
-        let near: Vec<f64> = distances.map(|d| (-0.5 * d / (CARRIED * CARRIED)).exp()).collect();
+        let distances = self.offsets.iter().map(|(own, _)| distance(own, places));
+        let near: Vec<f64> = distances.map(|d| (-0.5 * (d / CARRIED).powi(2)).exp()).collect();
         let sum: f64 = near.iter().map(|near| near.powi(4)).sum();
         let most = near.iter().copied().fold(0.0, f64::max);
         for ((_, offset), near) in self.offsets.iter().zip(&near) {
@@ -197,3 +198,7 @@ impl<'a> Map<'a> {
         Ok(all[all.len() / 2])
     }
 }
+
+#[cfg(test)]
+#[path = "map_tests.rs"]
+pub(super) mod tests;

@@ -19,7 +19,7 @@ pub enum Lobe {
 ///
 /// `coherent` w|⟨a⟩|² and `diffuse` w(⟨|a|²⟩ − |⟨a⟩|²) are the unbiased estimates (variance over n
 /// − 1) and sum to the mean efficiency; one realisation cannot separate them (`None`). An unbiased
-/// coherent part may be slightly negative: noise around zero. `bdf` is per steradian.
+/// coherent part may be slightly negative: noise around zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OrderMean {
     /// Index along x; the specular order has 0.
@@ -34,7 +34,7 @@ pub struct OrderMean {
     pub coherent: Option<f64>,
     /// Remainder of the efficiency.
     pub diffuse: Option<f64>,
-    /// Distribution function at the order, 1/sr.
+    /// Distribution function at the order, 1/sr in vacuum; in a medium of index n, n² times as much.
     pub bdf: Estimate,
 }
 
@@ -74,7 +74,7 @@ pub(super) fn view(order: &Order, lobe: Lobe) -> View {
 }
 
 impl OrderMean {
-    /// The mean of an order's efficiencies; `density` is the number of orders per steradian.
+    /// The mean of an order's efficiencies; `density` is the number of orders in dα dβ.
     pub(super) fn new(
         (m, n): (i32, i32),
         direction: [f64; 2],

@@ -97,6 +97,16 @@ impl RunError {
         }
     }
 
+    /// True if the study itself is the cause, so that another one may well have results: its grains
+    /// find no room, or no grid reaches its accuracy.
+    pub fn is_of_the_study(&self) -> bool {
+        match self {
+            Self::Resolution(error) => !error.is_stop(),
+            Self::Wave(error) => *error != WaveError::Stopped,
+            other => other.has_no_room(),
+        }
+    }
+
     /// True if the grains of one realisation found no room, which does not affect the others.
     pub fn has_no_room(&self) -> bool {
         matches!(self, Self::Packing { source: PackError::Blocked { .. } | PackError::NotReached { .. }, .. })

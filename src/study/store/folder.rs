@@ -26,7 +26,7 @@ pub const RESULTS: [&str; 8] = [
     "measured.csv",
 ];
 /// Subfolders that are written to.
-const PARTS: [&str; 3] = [RECORDS, "variants", "inputs"];
+const PARTS: [&str; 4] = [RECORDS, "variants", "inputs", "runs"];
 
 /// Why a folder cannot hold the results.
 #[derive(Debug, thiserror::Error)]
@@ -159,6 +159,24 @@ impl OutputFolder {
         RESULTS.iter().try_for_each(|name| self.remove(name))
     }
 
+    /// Marks the folder as partial before any work on `input`, a hash of all that the `results` (names
+    /// of files) depend on. Results of another input are removed: if the work is stopped, none of
+    /// them passes for the new one's.
+    ///
+    /// # Errors
+    /// A file cannot be written or removed.
+    pub fn begin_input(&self, input: &str, results: &[&str]) -> Result<(), FolderError> {
+        self.mark_partial()?;
+        let Some(marker) = Marker::read(&self.path).filter(|marker| marker.input.as_deref() != Some(input))
+        else {
+            return Ok(());
+        };
+        results.iter().try_for_each(|name| self.remove(name))?;
+        let marker = Marker { input: Some(input.to_owned()), ..marker };
+        let bytes = serde_json::to_vec_pretty(&marker).map_err(|e| FolderError::at(&self.path)(e.into()))?;
+        self.write(MARKER, &bytes)
+    }
+
     /// Marks the folder as partial and keeps its files.
     pub fn mark_partial(&self) -> Result<(), FolderError> {
         self.write(PARTIAL, partial(self.go_on.as_deref()).as_bytes())
@@ -208,14 +226,20 @@ impl OutputFolder {
 
 /// Refuses links: a folder received from elsewhere must not redirect writes to other places.
 fn refuse_links(path: &Path) -> Result<(), FolderError> {
-    let is_link = |path: &Path| path.symlink_metadata().is_ok_and(|metadata| metadata.is_symlink());
-    for part in PARTS.map(|part| path.join(part)) {
-        let entries = std::fs::read_dir(&part).into_iter().flatten().flatten().map(|entry| entry.path());
-        if let Some(path) = std::iter::once(part.clone()).chain(entries).find(|path| is_link(path)) {
-            return Err(FolderError::Link { path });
-        }
+    let found = PARTS.iter().find_map(|part| link_in(&path.join(part)));
+    found.map_or(Ok(()), |path| Err(FolderError::Link { path }))
+}
+
+/// The first link among a path and, if it is a folder, everything in it.
+fn link_in(path: &Path) -> Option<PathBuf> {
+    let kind = path.symlink_metadata().ok()?.file_type();
+    if kind.is_symlink() {
+        return Some(path.to_owned());
     }
-    Ok(())
+    if !kind.is_dir() {
+        return None;
+    }
+    std::fs::read_dir(path).ok()?.flatten().find_map(|entry| link_in(&entry.path()))
 }
 
 /// True if the folder is marked as ours; false if it is new or empty.
@@ -264,16 +288,40 @@ mod tests {
         assert!(path.join("results.json").exists());
     }
 
+    /// *Planted*: links are sought in some of the parts, or in their first level alone.
     #[cfg(unix)]
     #[test]
     fn nothing_is_written_through_links() {
+        for link in ["variants/100", "runs", "runs/0a1b", "runs/0a1b/records", "runs/0a1b/records/1.sqlite"] {
+            let root = tempfile::tempdir().unwrap();
+            let path = root.path().join("out");
+            drop(OutputFolder::open(&path, Holds::Design).unwrap());
+            let place = path.join(link);
+            std::fs::create_dir_all(place.parent().unwrap()).unwrap();
+            std::os::unix::fs::symlink(root.path(), &place).unwrap();
+            match OutputFolder::open(&path, Holds::Design) {
+                Err(FolderError::Link { path }) => assert_eq!(path, place),
+                other => panic!("{link}: {other:?}"),
+            }
+        }
+    }
+
+    /// *Planted*: results of another input stay, or those of the same one go.
+    #[test]
+    fn results_of_another_input_go_before_its_work_begins() {
         let root = tempfile::tempdir().unwrap();
-        let path = root.path().join("out");
-        drop(OutputFolder::open(&path, Holds::Sweep).unwrap());
-        std::fs::create_dir_all(path.join("variants")).unwrap();
-        std::os::unix::fs::symlink(root.path(), path.join("variants/100")).unwrap();
-        let refused = OutputFolder::open(&path, Holds::Sweep).unwrap_err();
-        assert!(matches!(refused, FolderError::Link { .. }), "{refused}");
+        let open = || OutputFolder::open(&root.path().join("out"), Holds::Design).unwrap();
+        let folder = open();
+        let there = |name: &str| folder.path().join(name).exists();
+        for (input, kept) in [("a", false), ("a", true), ("b", false), ("b", true), ("a", false)] {
+            folder.begin_input(input, &["design.json"]).unwrap();
+            assert_eq!((there("design.json"), there(PARTIAL)), (kept, true), "{input}");
+            folder.write("design.json", b"{}").unwrap();
+            folder.write("other.txt", b"").unwrap();
+            folder.complete().unwrap();
+        }
+        assert!(there("other.txt"), "only results are removed");
+        assert_eq!(open().path(), folder.path(), "the marker is still one");
     }
 
     #[test]

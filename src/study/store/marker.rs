@@ -58,12 +58,15 @@ pub struct Marker {
     pub layout: u32,
     /// The build that created the folder.
     pub program: String,
+    /// What the results belong to, as a hash of all that they depend on; none where nothing was begun.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub input: Option<String>,
 }
 
 impl Marker {
     /// Marker for a new folder.
     pub fn new(holds: Holds) -> Self {
-        Self { inkwave_folder: holds, layout: LAYOUT, program: build().to_owned() }
+        Self { inkwave_folder: holds, layout: LAYOUT, program: build().to_owned(), input: None }
     }
 
     /// Reads the marker in `folder`; `None` if there is none of this program.
