@@ -47,9 +47,12 @@ impl Comparison {
     fn of_named_cases(&self) -> Vec<(String, Chart)> {
         let mut plots = Vec::new();
         for (k, [name, ..]) in self.cases.iter().enumerate() {
-            let title = |what: &str| if self.externals.is_empty() { name.clone() } else { format!("{name}: {what}") };
-            let processes = self.of_case(name, true, title("whole processes"), "processor seconds of the whole process");
-            let solves = self.of_case(name, false, title("solves alone"), "processor seconds of the solve alone");
+            let title =
+                |what: &str| if self.externals.is_empty() { name.clone() } else { format!("{name}: {what}") };
+            let processes =
+                self.of_case(name, true, title("whole processes"), "processor seconds of the whole process");
+            let solves =
+                self.of_case(name, false, title("solves alone"), "processor seconds of the solve alone");
             plots.push((format!("error_against_cpu_seconds-{}.svg", k + 1), processes));
             plots.push((format!("error_against_solve_seconds-{}.svg", k + 1), solves));
         }

@@ -10,8 +10,8 @@ use crate::appearance::colour::{ColourError, ciede2000};
 use crate::evaluate::ink::InkError;
 use crate::evaluate::seen::see;
 use crate::evaluate::summary::summarise;
-use crate::numerics::estimate::Estimate;
 use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
@@ -276,6 +276,9 @@ impl DesignRun<'_> {
         };
         let spectra = spectra(ink)?;
         let manifest = summarise(&study, &collected, &seen);
+        if let Some(what) = manifest.unphysical() {
+            return Ok(Err(format!("{what}: curves through few wavelengths and cells overshoot")));
+        }
         let maker = manifest.ink_maker.as_ref();
         let Some((maker, target)) = maker.and_then(|maker| Some((maker, maker.target.as_ref()?))) else {
             let reason = manifest.no_ink_maker.or(manifest.no_colour);

@@ -151,7 +151,11 @@ mod tests {
                 let [efficiency, per_sr] = [10, 12].map(|k| row[k].parse::<f64>().unwrap());
                 let share = per_sr * cell / f64::powi(index, 2);
                 // An identity: rounding.
-                assert!((share / efficiency - 1.0).abs() < 1e-12, "{from:?} {}: {share} {efficiency}", &row[4]);
+                assert!(
+                    (share / efficiency - 1.0).abs() < 1e-12,
+                    "{from:?} {}: {share} {efficiency}",
+                    &row[4]
+                );
             }
         }
     }

@@ -3,8 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-const MACHINE: &str =
-    r#"{ "processor": "one", "threads": 2, "transforms_per_second": { "value": 100.0, "standard_error": 2.0 } }"#;
+const MACHINE: &str = r#"{ "processor": "one", "threads": 2, "transforms_per_second": { "value": 100.0, "standard_error": 2.0 } }"#;
 const TABLE: &str = "case,strategy,error,processor_seconds\nfilm,krylov,1e-4,0.5\nfilm,born,,\n";
 
 /// A folder as `inkwave compare` writes it.

@@ -56,7 +56,8 @@ fn a_run_is_sure_at_the_far_end_of_its_bar() {
 #[test]
 fn verifying_runs_have_packings_of_their_own() {
     judged(|design| {
-        let [variant, verifying] = [false, true].map(|verifying| design.study(&[0.5, 0.5], verifying).unwrap());
+        let [variant, verifying] =
+            [false, true].map(|verifying| design.study(&[0.5, 0.5], verifying).unwrap());
         assert_eq!((variant.realisations, verifying.realisations), (3, 5));
         assert_ne!(variant.packing.seed, verifying.packing.seed);
         assert_eq!(variant.packing.seed, study_at(design.task, &[0.5, 0.5]).unwrap().packing.seed);
