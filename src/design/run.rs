@@ -40,9 +40,6 @@ const AT_END: f64 = 0.02;
 const SAME: f64 = 0.004;
 /// Distance in the box that later searches keep from a recipe whose run gave no colour.
 const AVOIDED: f64 = 0.1;
-/// What the seed of verifying runs is ahead of the base's: their packings are independent of those
-/// behind the surfaces, whose chance they would otherwise confirm.
-const VERIFYING_SEED: u64 = 1;
 
 /// Why there is no design.
 #[derive(Debug, Error)]
@@ -197,7 +194,7 @@ impl DesignRun<'_> {
                 break;
             }
             self.watch.stage(&format!("verifying run {round}: {}", answer.recipe));
-            let mut verified = match self.run(&answer.places, true)? {
+            let mut verified = match self.run(&answer.places, Some(round))? {
                 Ok(verified) => verified,
                 Err(reason) => {
                     left_out.push(self.left_out(&answer.places, reason, true));
@@ -229,7 +226,7 @@ impl DesignRun<'_> {
         let mut variants = Variants { run: Vec::new(), left_out: Vec::new() };
         for (k, places) in places.enumerate() {
             self.watch.stage(&format!("variant {}/{planned}: {}", k + 1, task.in_words(&places)));
-            match self.run(&places, false)? {
+            match self.run(&places, None)? {
                 Ok(run) => variants.run.push(run),
                 Err(reason) => variants.left_out.push(self.left_out(&places, reason, false)),
             }
@@ -245,13 +242,14 @@ impl DesignRun<'_> {
         LeftOut { recipe: self.task.in_words(places), reason, verifying, places: places.to_vec() }
     }
 
-    /// Runs a recipe; the inner error says why it has no colour.
+    /// Runs a recipe, of a verifying run with its number from 1; the inner error says why it has no
+    /// colour.
     ///
     /// # Errors
     /// What ends every other run as well: a stop, a folder that cannot be written, too little memory.
-    fn run(&self, places: &[f64], verifying: bool) -> Result<Result<Verified, String>, DesignError> {
+    fn run(&self, places: &[f64], round: Option<usize>) -> Result<Result<Verified, String>, DesignError> {
         let task = self.task;
-        let study = match self.study(places, verifying) {
+        let study = match self.study(places, round) {
             Ok(study) => study,
             Err(fault) => return Ok(Err(fault.to_string())),
         };
@@ -300,12 +298,13 @@ impl DesignRun<'_> {
         }))
     }
 
-    /// The study of a recipe; a verifying run has packings of its own, and as many as wished.
-    fn study(&self, places: &[f64], verifying: bool) -> Result<Study, DesignError> {
+    /// The study of a recipe. A verifying run has as many packings as wished, and others than the
+    /// variants and every earlier one: searches fit their answer to the chance of the runs before.
+    fn study(&self, places: &[f64], round: Option<usize>) -> Result<Study, DesignError> {
         let mut study = study_at(self.task, places)?;
         study.judgement.target_lab = Some(self.task.lab);
-        if verifying {
-            study.packing.seed = study.packing.seed.wrapping_add(VERIFYING_SEED);
+        if let Some(round) = round {
+            study.packing.seed = study.packing.seed.wrapping_add(round as u64);
             study.realisations = self.task.settings.realisations.unwrap_or(study.realisations);
         }
         Ok(study)

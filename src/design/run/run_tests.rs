@@ -56,11 +56,12 @@ fn a_run_is_sure_at_the_far_end_of_its_bar() {
 #[test]
 fn verifying_runs_have_packings_of_their_own() {
     judged(|design| {
-        let [variant, verifying] =
-            [false, true].map(|verifying| design.study(&[0.5, 0.5], verifying).unwrap());
-        assert_eq!((variant.realisations, verifying.realisations), (3, 5));
-        assert_ne!(variant.packing.seed, verifying.packing.seed);
-        assert_eq!(variant.packing.seed, study_at(design.task, &[0.5, 0.5]).unwrap().packing.seed);
-        assert_eq!(verifying.judgement.target_lab, Some([85.0, -10.0, 70.0]));
+        let study = |round| design.study(&[0.5, 0.5], round).unwrap();
+        assert_eq!(study(None).realisations, 3);
+        assert_eq!(study(None).packing.seed, study_at(design.task, &[0.5, 0.5]).unwrap().packing.seed);
+        assert_eq!(study(Some(1)).realisations, 5);
+        let seeds = [None, Some(1), Some(2)].map(|round| study(round).packing.seed);
+        assert!(seeds[0] != seeds[1] && seeds[1] != seeds[2] && seeds[2] != seeds[0], "{seeds:?}");
+        assert_eq!(study(Some(2)).judgement.target_lab, Some([85.0, -10.0, 70.0]));
     });
 }
