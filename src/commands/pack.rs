@@ -11,6 +11,7 @@ use inkwave::ink::{Method, PackProgress, PackWatch, Packing, pack};
 use inkwave::input::Study;
 use inkwave::input::load::{load_packing, stem};
 use inkwave::report::packing::{is_of_one_packing, write_report};
+use inkwave::run::memory::usable;
 use inkwave::store::marker::Holds;
 use miette::{IntoDiagnostic, Result, WrapErr};
 use std::ops::ControlFlow;
@@ -48,7 +49,9 @@ pub fn run(args: &PackArgs) -> Result<()> {
     let packings = packings.inspect_err(|_| folder.discard_when_empty())?;
     let pigments: Vec<_> = study.pigments.iter().map(|p| (p.name.clone(), p.grains.shape.clone())).collect();
     folder.remove_files(is_of_one_packing).map_err(folder_report)?;
-    let (_, page) = write_report(folder.path(), &study.title, &pigments, &packings).into_diagnostic()?;
+    let (statistics, page) =
+        write_report(folder.path(), &study.title, &pigments, &packings).into_diagnostic()?;
+    statistics.remarks.iter().for_each(note);
     folder.complete().map_err(folder_report)?;
     say!("report: {}", page.display())
 }
@@ -57,7 +60,8 @@ fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
     let start = Instant::now();
     let bar = ProgressBar::new(0).with_style(style("{prefix} {spinner} {msg} [{elapsed}]"));
     bar.set_prefix(format!("realisation {}/{}", realisation + 1, study.realisations));
-    let packed = pack(&study.packing_request(realisation), &mut PackBar { bar: &bar, stop });
+    let request = study.packing_request(realisation);
+    let packed = request.fits(usable()).and_then(|()| pack(&request, &mut PackBar { bar: &bar, stop }));
     bar.finish_and_clear();
     let packing = packed.into_diagnostic().wrap_err_with(|| format!("realisation {}", realisation + 1))?;
     say!("{}", summary(&packing, realisation, start.elapsed().as_secs_f64()))?;

@@ -3,7 +3,6 @@
 
 use super::error::CompareResult;
 use super::row::Varied;
-use crate::ink::pack;
 use crate::input::case::Case;
 use crate::input::check::check;
 use crate::input::fault::{Fault, StudyError};
@@ -13,6 +12,7 @@ use crate::input::load::{read_study, read_table};
 use crate::input::study::Study;
 use crate::input::variation::CellRule;
 use crate::numerics::files;
+use crate::run::point::pack_realisation;
 use crate::wave::{Incidence, Media, Scene};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -110,7 +110,7 @@ impl Packed {
     /// Faults of the study, a wavelength outside its range, no packing.
     pub fn case(&self) -> CompareResult<Case> {
         let study = self.study()?;
-        let scene = Scene::from_packing(&pack(&study.packing_request(0), &mut ())?);
+        let scene = Scene::from_packing(&pack_realisation(&study, 0, &())?);
         let incidence = self.incidence(&study)?;
         let media = study.media(incidence.wavelength_um);
         scene.check(&media)?;

@@ -6,6 +6,8 @@
 
 use crate::ink::{Grain, Packing, Relief};
 use crate::report::cell;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use serde_json::json;
 use std::fmt::Write;
 
@@ -24,7 +26,7 @@ pub fn grains_csv(packing: &Packing) -> csv::Result<Vec<u8>> {
 
 /// Cell, conventions, account, shares, relief and all grains; numbers have every digit of the f64.
 pub fn packing_json(packing: &Packing) -> Vec<u8> {
-    let value = json!({
+    let about = json!({
         "conventions": {
             "length": "µm",
             "z": "0 at the free face, H at the paper",
@@ -38,9 +40,41 @@ pub fn packing_json(packing: &Packing) -> Vec<u8> {
         "shares": packing.shares(),
         "relief": packing.relief().map(relief_json),
         "shells_um": packing.shells_um(),
-        "grains": packing.grains(),
+        "grains": [],
     });
-    format!("{value:#}\n").into_bytes()
+    let text = PackingText { about, grains: packing.grains() };
+    let mut bytes = serde_json::to_vec_pretty(&text).expect("numbers and names are JSON");
+    bytes.push(b'\n');
+    bytes
+}
+
+/// What a packing's file says, with its grains, which become JSON one after the other: all at once
+/// they take kilobytes each.
+struct PackingText<'a> {
+    about: serde_json::Value,
+    grains: &'a [Grain],
+}
+
+impl Serialize for PackingText<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut map = to.serialize_map(None)?;
+        for (key, value) in self.about.as_object().into_iter().flatten() {
+            match key.as_str() {
+                "grains" => map.serialize_entry(key, &GrainsText(self.grains))?,
+                _ => map.serialize_entry(key, value)?,
+            }
+        }
+        map.end()
+    }
+}
+
+struct GrainsText<'a>(&'a [Grain]);
+
+impl Serialize for GrainsText<'_> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        // keys in the order of all other ones
+        to.collect_seq(self.0.iter().map(|grain| json!(grain)))
+    }
 }
 
 fn relief_json(relief: &Relief) -> serde_json::Value {

@@ -103,6 +103,7 @@ fn html(
         figures => figures.collect::<Vec<_>>(),
         plots => plots.collect::<Vec<_>>(),
         shapes => have_shapes(packings),
+        remarks => statistics.remarks.clone(),
     };
     rendered(include_str!("packing.html"), page).map_err(OutputError::making("the page"))
 }

@@ -72,6 +72,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     let pigments = pigments::pigments(file, grains, &indices, &mut optics);
     let dissolved = pigments::dissolved(file, &indices, &mut optics);
     pigments::dissolve(&mut layer, &dissolved, &pigments, light::mixing(file));
+    let of_files = given.as_ref().map(|given| given.remarks.clone()).unwrap_or_default();
     let placed = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
     let packing = pigments::packing(file, &layer, &pigments, placed, &mut faults);
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
@@ -113,6 +114,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
         portion: None,
         remarks: remarks.into_iter().flatten().collect(),
     };
+    study.remarks.extend(of_files);
     study.remarks.extend(index::bridged(&study));
     if study.angles.no_paper.is_none() {
         study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));

@@ -26,7 +26,9 @@ pub use calculation::{ResolutionTable, RunTable, SolverTable, TargetColour};
 pub use layer::{
     BinderTable, ComposedTable, ContrastPart, LayerTable, PackingTable, PigmentTable, ShellTable,
 };
-pub use microstructure::{Continuation, FileNames, LengthUnit, MicrostructureTable, SizeColumn, VoxelEdges};
+pub use microstructure::{
+    Continuation, FileNames, LabelPigments, LengthUnit, MicrostructureTable, SizeColumn, VoxelEdges,
+};
 
 use super::forms::AlbedoWritten;
 use super::limits;

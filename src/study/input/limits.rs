@@ -13,6 +13,8 @@ pub const NOT_NEGATIVE: Allowed = Allowed::between(0.0, f64::MAX, "µm");
 pub const THICKNESS_UM: Allowed = Allowed::above(0.0, 1000.0, "µm");
 /// Period of a cell.
 pub const PERIOD_UM: Allowed = Allowed::above(0.0, 1000.0, "µm");
+/// Overlap of given spheres that is taken as a contact.
+pub const OVERLAP_UM: Allowed = Allowed::between(0.0, 100.0, "µm");
 /// Edge of a voxel.
 pub const VOXEL_NM: Allowed = Allowed::between(0.1, 10_000.0, "nm");
 /// Real refractive index.

@@ -41,13 +41,15 @@ impl PointError {
     }
 }
 
-/// Packs the grains of a realisation; can be stopped by the watch.
+/// Packs the grains of a realisation, if they have room in the memory; can be stopped by the watch.
 pub fn pack_realisation(
     study: &Study,
     realisation: usize,
     watch: &dyn RunWatch,
 ) -> Result<Packing, PackError> {
-    pack(&study.packing_request(realisation), &mut Stopper(watch))
+    let request = study.packing_request(realisation);
+    request.fits(super::memory::usable())?;
+    pack(&request, &mut Stopper(watch))
 }
 
 /// Safety factor: other solves may have errors of R and T this many times those of the test solves.

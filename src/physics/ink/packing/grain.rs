@@ -92,17 +92,25 @@ pub struct VoxelCut {
 impl VoxelCut {
     /// Merges the voxels of `labels`, with axes x, y, z: 0 is the binder, k + 1 pigment k.
     pub fn new(labels: &Array3<u8>, mirrored: bool) -> VoxelCut {
+        Self::of_at_most(usize::MAX, labels, mirrored).expect("any number of boxes is allowed")
+    }
+
+    /// As [`VoxelCut::new`]; `None` if there are more than `most` boxes.
+    pub fn of_at_most(most: usize, labels: &Array3<u8>, mirrored: bool) -> Option<VoxelCut> {
         let (nx, ny, nz) = labels.dim();
         let mut left = labels.clone();
         let mut boxes = Vec::new();
         for ((x, y, z), &label) in labels.indexed_iter() {
             if left[[x, y, z]] > 0 {
+                if boxes.len() >= most {
+                    return None;
+                }
                 let [x1, y1, z1] = grown(&left, [x, y, z]);
                 left.slice_mut(s![x..x1, y..y1, z..z1]).fill(0);
                 boxes.push([x, y, z, x1, y1, z1, usize::from(label) - 1]);
             }
         }
-        VoxelCut { count: [nx, ny, nz], mirrored, boxes }
+        Some(VoxelCut { count: [nx, ny, nz], mirrored, boxes })
     }
 
     /// Voxels of a pigment.

@@ -8,11 +8,12 @@
 mod bodies;
 pub(crate) mod cell;
 mod cut;
+mod demand;
 mod fluctuation;
 pub mod grain;
 mod hard_bodies;
 mod neighbours;
-mod overlap;
+pub mod overlap;
 pub mod pack;
 pub mod placed;
 mod plan;

@@ -211,6 +211,11 @@ impl Packing {
         &self.grains
     }
 
+    /// All grains, without the rest of the packing.
+    pub fn into_grains(self) -> Vec<Grain> {
+        self.grains
+    }
+
     /// Requested and achieved volume fraction of each pigment.
     pub fn shares(&self) -> &[Share] {
         &self.shares

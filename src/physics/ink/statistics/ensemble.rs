@@ -1,6 +1,6 @@
 //! Averages over realisations with their standard errors.
 
-use super::pairs::{PairStatistics, mean_diameter_um, pair_statistics};
+use super::pairs::{PairStatistics, SampledCentres, mean_diameter_um, pair_statistics};
 use super::sections::{SectionStatistics, section_statistics};
 use super::single::{ReachedSizes, orientation_tensor};
 use crate::ink::{Grain, Method, Packing, Relief, Solid, Sphere};
@@ -32,11 +32,14 @@ pub struct Statistics {
     pub curves: Vec<StatisticCurve>,
     /// Name, unit and value of every scalar.
     pub scalars: Vec<(String, String, Estimate)>,
+    /// What was sampled, in packings of very many grains.
+    pub remarks: Vec<String>,
 }
 
 /// Statistics over realisations of one request; empty without realisations.
 pub fn gather(packings: &[Packing]) -> Statistics {
-    let mut all = Statistics { realisations: packings.len(), curves: Vec::new(), scalars: Vec::new() };
+    let (curves, scalars, remarks) = (Vec::new(), Vec::new(), Vec::new());
+    let mut all = Statistics { realisations: packings.len(), curves, scalars, remarks };
     let Some(first) = packings.first().filter(|p| !p.grains().is_empty()) else { return all };
     let d = mean_diameter_um(first);
     // Boxes of voxels have no centres that mean anything.
@@ -45,8 +48,11 @@ pub fn gather(packings: &[Packing]) -> Statistics {
     // Grains align with the walls, so the planes must be close together; in the plane, lines sample
     // at random.
     let planes = ((24.0 * first.thickness_um() / d).round() as usize).clamp(20, 400);
-    let section = |p: &Packing| section_statistics(p, planes, d / 6.0, d / 20.0, 3.0 * d);
+    let spacing = d / 6.0;
+    let section = |p: &Packing| section_statistics(p, planes, spacing, d / 20.0, 3.0 * d);
     let sections: Vec<SectionStatistics> = packings.par_iter().map(section).collect();
+    all.remarks.extend(sampled_lines(&sections, spacing));
+    all.remarks.extend(sampled_pairs(&pairs));
     if !pairs.is_empty() {
         all.curves.extend([pair_correlation(&pairs), nearest(&pairs)]);
     }
@@ -59,6 +65,24 @@ pub fn gather(packings: &[Packing]) -> Statistics {
     all.add_walls(grains);
     all.add_relief(packings);
     all
+}
+
+/// Where lines are further apart than wanted.
+fn sampled_lines(sections: &[SectionStatistics], wanted_um: f64) -> Option<String> {
+    let widest = sections.iter().map(|s| s.spacing_um).fold(0.0, f64::max);
+    (widest > wanted_um * (1.0 + 1e-9)).then(|| {
+        format!(
+            "φ(z) and S2 are from lines {widest:.3} µm apart in every plane, not {wanted_um:.3} µm, which would be more than it \
+             takes for so many or so small grains"
+        )
+    })
+}
+
+/// Where not all neighbours were counted.
+fn sampled_pairs(pairs: &[PairStatistics]) -> Option<String> {
+    let sampled = pairs.iter().map(|p| p.sampled).find(|sampled| sampled.counted < sampled.all)?;
+    let SampledCentres { counted, all } = sampled;
+    Some(format!("g(r) and nearest neighbours are from the neighbours of {counted} of {all} grains"))
 }
 
 /// Mean and standard error of the i-th entry over realisations.
@@ -245,6 +269,7 @@ mod tests {
             counts: vec![12.5],
             ideal: vec![10.0],
             nearest_um: Vec::new(),
+            sampled: SampledCentres::default(),
         };
         let expected = Estimate { value: 1.25, standard_error: Some(0.25) };
         assert_eq!(pair_correlation(&[pairs(), pairs()]).y, [expected]);

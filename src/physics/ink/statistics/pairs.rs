@@ -10,13 +10,24 @@ use std::f64::consts::PI;
 pub struct PairStatistics {
     /// Shell edges, µm.
     pub edges_um: Vec<f64>,
-    /// Number of pairs of centres in each shell.
+    /// Number of pairs of centres in each shell, of which one is sampled.
     pub counts: Vec<f64>,
     /// Expected counts for the same number of uniformly distributed points (between the walls, if
     /// any).
     pub ideal: Vec<f64>,
-    /// Distance from each centre to its nearest neighbour, µm.
+    /// Distance from each sampled centre to its nearest neighbour, µm.
     pub nearest_um: Vec<f64>,
+    /// Centres whose neighbours were counted, of all.
+    pub sampled: SampledCentres,
+}
+
+/// How many of the centres had their neighbours counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SampledCentres {
+    /// Those that had.
+    pub counted: usize,
+    /// All of them.
+    pub all: usize,
 }
 
 impl PairStatistics {
@@ -52,12 +63,24 @@ pub fn pair_statistics(packing: &Packing, width_um: f64, furthest_um: f64) -> Pa
     let shells = (half.min(furthest_um) / width_um + 1e-9).floor() as usize;
     let edges_um: Vec<f64> = (0..=shells).map(|i| i as f64 * width_um).collect();
     let centres: Vec<V3> = packing.grains().iter().map(|g| cell.wrap(g.centre_um())).collect();
-    let (counts, nearest_um) = count(&cell, &centres, &edges_um, width_um);
     let n = centres.len() as f64;
     let expected = ideal_share(packing, &edges_um);
-    let ideal = expected.windows(2).map(|w| 0.5 * n * (n - 1.0) * (w[1] - w[0])).collect();
-    PairStatistics { edges_um, counts, ideal, nearest_um }
+    let share = |w: &[f64]| w[1] - w[0];
+    let step = centres.len().div_ceil(MOST_CENTRES).max(1);
+    if step == 1 {
+        let (counts, nearest_um) = count(&cell, &centres, &edges_um, width_um);
+        let ideal = expected.windows(2).map(|w| 0.5 * n * (n - 1.0) * share(w)).collect();
+        let sampled = SampledCentres { counted: centres.len(), all: centres.len() };
+        return PairStatistics { edges_um, counts, ideal, nearest_um, sampled };
+    }
+    let (counts, nearest_um) = count_sampled(&cell, &centres, step, &edges_um);
+    let sampled = SampledCentres { counted: nearest_um.len(), all: centres.len() };
+    let ideal = expected.windows(2).map(|w| sampled.counted as f64 * (n - 1.0) * share(w)).collect();
+    PairStatistics { edges_um, counts, ideal, nearest_um, sampled }
 }
+
+/// More centres than this are sampled: some hundred neighbours of each give g to a thousandth.
+const MOST_CENTRES: usize = 100_000;
 
 fn count(cell: &CellBox, centres: &[V3], edges: &[f64], width: f64) -> (Vec<f64>, Vec<f64>) {
     let furthest = edges.last().copied().unwrap_or(0.0).max(width);
@@ -75,13 +98,50 @@ fn count(cell: &CellBox, centres: &[V3], edges: &[f64], width: f64) -> (Vec<f64>
         }
         grid.insert(i, *p);
     }
-    for i in 0..centres.len() {
-        if nearest[i] > furthest && centres.len() > 1 {
-            let others = (0..centres.len()).filter(|j| *j != i);
-            nearest[i] = others.map(|j| norm(cell.delta(centres[i], centres[j]))).fold(f64::MAX, f64::min);
+    seek_further(cell, centres, furthest, &mut nearest);
+    (counts, nearest)
+}
+
+/// Counts of the pairs of every `step`-th centre with all others, and the nearest of these.
+fn count_sampled(cell: &CellBox, centres: &[V3], step: usize, edges: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let width = edges.get(1).copied().unwrap_or(1.0);
+    let furthest = edges.last().copied().unwrap_or(0.0).max(width);
+    let mut counts = vec![0.0; edges.len().saturating_sub(1)];
+    let mut grid = Buckets::new(cell, furthest, centres.len());
+    centres.iter().enumerate().for_each(|(i, p)| grid.insert(i, *p));
+    let mut nearest = vec![0.0; centres.len()];
+    for i in (0..centres.len()).step_by(step) {
+        nearest[i] = f64::INFINITY;
+        for j in grid.around(grid.cell_of(centres[i])).filter(|j| *j != i) {
+            let r = norm(cell.delta(centres[i], centres[j]));
+            nearest[i] = nearest[i].min(r);
+            if let Some(slot) = counts.get_mut((r / width) as usize) {
+                *slot += 1.0;
+            }
         }
     }
-    (counts, nearest)
+    seek_further(cell, centres, furthest, &mut nearest);
+    (counts, nearest.into_iter().step_by(step).collect())
+}
+
+/// The nearest neighbours of the centres that have none within `known`, in ever wider cells.
+fn seek_further(cell: &CellBox, centres: &[V3], known: f64, nearest: &mut [f64]) {
+    let mut reach = known;
+    let widest = norm(cell.size);
+    while centres.len() > 1 && reach < widest {
+        let alone: Vec<usize> = (0..centres.len()).filter(|i| nearest[*i] > reach).collect();
+        if alone.is_empty() {
+            return;
+        }
+        reach *= 2.0;
+        let mut grid = Buckets::new(cell, reach, centres.len());
+        centres.iter().enumerate().for_each(|(i, p)| grid.insert(i, *p));
+        for i in alone {
+            let others = grid.around(grid.cell_of(centres[i])).filter(|j| *j != i);
+            nearest[i] =
+                others.map(|j| norm(cell.delta(centres[i], centres[j]))).fold(f64::INFINITY, f64::min);
+        }
+    }
 }
 
 /// Probability that two independent uniform points are closer than each edge.
@@ -115,6 +175,48 @@ mod tests {
     use super::*;
     use crate::ink::Sphere;
     use crate::numerics::Draws;
+
+    /// Uniform random points in a wide cell.
+    fn gas(points: usize, width: f64) -> Packing {
+        let mut draws = Draws::new(7, 0);
+        let mut point = |_| {
+            let center_um =
+                [draws.between(0.0, width), draws.between(0.0, width), draws.between(1e-6, 0.999_999)];
+            Grain::new(vec![Sphere { center_um, radius_um: 1e-7 }], 0)
+        };
+        Packing::from_grains([width; 2], 1.0, true, (0..points).map(&mut point).collect()).unwrap()
+    }
+
+    /// Of many centres a part is sampled, with the g of all. *Planted*: pairs of sampled centres
+    /// counted as if each came once.
+    #[test]
+    fn many_centres_are_sampled() {
+        let packing = gas(2 * MOST_CENTRES + 1, 300.0);
+        let pairs = pair_statistics(&packing, 0.5, 5.0);
+        assert_eq!(
+            pairs.sampled,
+            SampledCentres { counted: MOST_CENTRES * 2 / 3 + 1, all: 2 * MOST_CENTRES + 1 }
+        );
+        assert_eq!(pairs.nearest_um.len(), pairs.sampled.counted);
+        for (counted, ideal) in pairs.counts.iter().zip(&pairs.ideal) {
+            // Significance: 10 shells, four standard deviations; a pair of two sampled centres counts twice
+            assert!((counted - ideal).abs() < 6.0 * ideal.sqrt(), "{counted} {ideal}");
+        }
+    }
+
+    /// Neighbours beyond the shells: those of all pairs.
+    #[test]
+    fn far_neighbours_are_those_of_all_pairs() {
+        let packing = gas(300, 40.0);
+        let cell = CellBox::new(packing.period_um(), packing.thickness_um(), true);
+        let centres: Vec<V3> = packing.grains().iter().map(|g| cell.wrap(g.centre_um())).collect();
+        let found = pair_statistics(&packing, 0.01, 0.1).nearest_um;
+        for (i, found) in found.iter().enumerate() {
+            let others = (0..centres.len()).filter(|j| *j != i);
+            let least = others.map(|j| norm(cell.delta(centres[i], centres[j]))).fold(f64::MAX, f64::min);
+            assert_eq!(*found, least, "{i}");
+        }
+    }
 
     /// Uniform random points between walls have g = 1: a test of the normalisation.
     #[test]

@@ -1,5 +1,6 @@
 //! Grains in given places: the study file as if its pigments had been asked for, and the cuts.
 
+mod contacts;
 mod voxels;
 
 use super::grains::{is_molecular, packed};
@@ -8,10 +9,12 @@ use crate::ink::{Grain, Measure, PackError, Packing, Shape, SizeDistribution, Sp
 use crate::input::file::{FileNames, MicrostructureTable, StudyFile};
 use crate::input::forms::Pair;
 use crate::input::positions::{Positions, read_positions};
-use crate::input::{CellRule, Faults, keys_in_words};
+use crate::input::{CellRule, Fault, Faults, keys_in_words, limits};
 use crate::numerics::vector::V3;
+use contacts::{ContactRule, Contacts};
 use std::collections::HashMap;
-use std::path::Path;
+use std::hash::{DefaultHasher, Hash, Hasher};
+use std::path::{Path, PathBuf};
 
 pub(super) const FIELD: &str = "layer.microstructure";
 /// A box this much larger or smaller than the layer is in another unit.
@@ -30,7 +33,13 @@ pub(super) struct Given {
     pub voxels: Vec<VoxelCut>,
     /// Share and sizes of every pigment with grains; `None` if no grain is of it.
     pub pigments: Vec<Option<(f64, SizeDistribution)>>,
+    /// What the user should know of how the files were read.
+    pub remarks: Vec<String>,
 }
+
+/// What is allowed, and what to do, where cuts are equal.
+const DIFFERENT: &str = "different cuts, in one or more different files";
+const NO_REPEATS: &str = "list every cut once: equal cuts say nothing of the scatter";
 
 /// The study with the cell, the shares and the sizes of the grains that its files hold, and the
 /// grains of every realisation; `None` without files, and after an error.
@@ -46,12 +55,8 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
             return None;
         }
     };
-    let files = names.all();
-    let twice = files.iter().enumerate().find(|(i, name)| files[..*i].contains(name));
-    if files.is_empty() || twice.is_some() {
-        let found = twice.map_or("no file".into(), |(_, name)| format!("{name} twice"));
-        let remedy = "list the files, without repeats: equal cuts say nothing of the scatter";
-        faults.add(FIELD, found, "one or more different files", remedy);
+    if let Some(found) = repeated(names.all(), folder) {
+        faults.add(FIELD, found, DIFFERENT, NO_REPEATS);
         return None;
     }
     let read = if table.spheres.is_some() { spheres } else { voxels::voxels };
@@ -71,6 +76,43 @@ pub(super) fn given(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Opt
     (faults.0.len() == before).then(|| (filled(file, &given, cuts), given))
 }
 
+/// Which file is named twice, perhaps by different paths; or that there is none.
+fn repeated(files: &[String], folder: &Path) -> Option<String> {
+    if files.is_empty() {
+        return Some("no file".into());
+    }
+    let mut known: HashMap<PathBuf, &String> = HashMap::new();
+    for name in files {
+        let path = folder.join(name);
+        // a file that cannot be found is reported where it is read
+        let path = path.canonicalize().unwrap_or(path);
+        match known.insert(path, name) {
+            Some(other) if other == name => return Some(format!("{name} twice")),
+            Some(other) => return Some(format!("{other} and {name}, which are one file")),
+            None => {}
+        }
+    }
+    None
+}
+
+/// Which cut has the same spheres as another one.
+fn equal_cuts(cuts: &[(String, Positions)]) -> Option<String> {
+    let mut known: HashMap<u64, &String> = HashMap::new();
+    for (path, cut) in cuts {
+        let mut content = DefaultHasher::new();
+        for Sphere { center_um: [x, y, z], radius_um } in &cut.spheres {
+            [x, y, z, radius_um].map(|number| number.to_bits()).hash(&mut content);
+        }
+        (&cut.pigments, &cut.grains).hash(&mut content);
+        match known.insert(content.finish(), path) {
+            Some(other) if other == path => return Some(format!("{path} with the same frame twice")),
+            Some(other) => return Some(format!("{other} and {path} with the same spheres")),
+            None => {}
+        }
+    }
+    None
+}
+
 /// Grains of all files of spheres.
 fn spheres(
     file: &StudyFile,
@@ -88,11 +130,30 @@ fn spheres(
     if faults.0.len() > before {
         return None;
     }
+    if let Some(found) = equal_cuts(&cuts) {
+        faults.add(FIELD, found, DIFFERENT, NO_REPEATS);
+        return None;
+    }
+    let rule = ContactRule { overlap_um: table.overlap_um };
+    if let Some(overlap) = table.overlap_um {
+        let remedy = "0.001 allows contacts of a nanometre; leave it out for a thousandth of a diameter";
+        faults.number("layer.microstructure.overlap_um", overlap, limits::OVERLAP_UM, remedy);
+    }
     let period_um = period(file, &cuts, faults)?;
     let cell_um = [period_um[0], period_um[1], file.layer.thickness_um.mean()];
-    let grains: Vec<Vec<Grain>> = cuts.iter().map(|cut| grains(file, cut, cell_um, faults)).collect();
-    let pigments = (0..packed(file).count()).map(|k| sizes(&grains, k, cell_um)).collect();
-    Some(Given { cell_um, grains, voxels: Vec::new(), pigments })
+    let (mut all, mut contacts) = (Vec::new(), Contacts::default());
+    for cut in &cuts {
+        match grains(file, cut, cell_um, rule) {
+            Ok((grains, own)) => {
+                contacts = contacts.and(own);
+                all.push(grains);
+            }
+            Err(fault) => faults.push(Fault { found: format!("{}: {}", cut.0, fault.found), ..fault }),
+        }
+    }
+    let pigments = (0..packed(file).count()).map(|k| sizes(&all, k, cell_um)).collect();
+    let remarks = contacts.in_words().into_iter().collect();
+    Some(Given { cell_um, grains: all, voxels: Vec::new(), pigments, remarks })
 }
 
 const FORMATS: &str = "give CSV with x_um, y_um, z_um and radius_um or diameter_um (or _nm), optionally pigment and grain, a LAMMPS \
@@ -104,6 +165,7 @@ fn beside(file: &StudyFile, own: &MicrostructureTable, faults: &mut Faults) {
     let mut found = vec![
         (voxels && own.unit.is_some(), format!("{FIELD}.unit")),
         (voxels && own.size.is_some(), format!("{FIELD}.size")),
+        (voxels && own.overlap_um.is_some(), format!("{FIELD}.overlap_um")),
         (!voxels && own.voxel_nm.is_some(), format!("{FIELD}.voxel_nm")),
         (!voxels && own.labels.is_some(), format!("{FIELD}.labels")),
         (!voxels && own.continuation.is_some(), format!("{FIELD}.continuation")),
@@ -142,47 +204,101 @@ fn period(file: &StudyFile, cuts: &[(String, Positions)], faults: &mut Faults) -
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b;
     if let Some((path, sides)) = own.iter().find(|(_, s)| !(close(s[0], period[0]) && close(s[1], period[1])))
     {
-        let ratio = sides[0] / period[0];
-        let unit = if (1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio) { "" } else { "; is unit right?" };
+        let unit = other_unit(sides[0] / period[0]);
         let found = format!("{path} with a box of {} × {} µm{unit}", sides[0], sides[1]);
         let allowed = format!("the period {} × {} µm of all files", period[0], period[1]);
         faults.add(FIELD, found, allowed, "leave layer.period_um out, or correct unit");
         return None;
     }
+    let thickness = file.layer.thickness_um.mean();
+    let height = |b: [[f64; 2]; 3]| b[2][1] - b[2][0];
+    let mut heights = cuts.iter().filter_map(|(path, cut)| Some((path, height(cut.box_um?))));
+    if let Some((path, height)) = heights.find(|(_, height)| !close(*height, thickness)) {
+        let found = format!("{path} with a box {height} µm high{}", other_unit(height / thickness));
+        let allowed = format!("the thickness of the layer, layer.thickness_um = {thickness}");
+        let remedy = "make both equal: z runs from the lit face, the lower end of the box, to the paper; or correct unit";
+        faults.add(FIELD, found, allowed, remedy);
+        return None;
+    }
     Some(period)
 }
 
-/// The grains of one cut in the cell, after all checks.
-fn grains(file: &StudyFile, (path, cut): &(String, Positions), cell: V3, faults: &mut Faults) -> Vec<Grain> {
-    let mut refuse = |found: String, allowed: &str, remedy: &str| {
-        faults.add(FIELD, format!("{path}: {found}"), allowed, remedy);
-        Vec::new()
-    };
+/// A question where a length differs by more than any mistake but that of the unit.
+fn other_unit(ratio: f64) -> &'static str {
+    if (1.0 / OTHER_UNIT..=OTHER_UNIT).contains(&ratio) { "" } else { "; is unit right?" }
+}
+
+/// The grains of one cut in the cell, after all checks, and the contacts in it.
+fn grains(
+    file: &StudyFile,
+    (_, cut): &(String, Positions),
+    cell: V3,
+    rule: ContactRule,
+) -> Result<(Vec<Grain>, Contacts), Fault> {
+    let refusal = |found: String, allowed: &str, remedy: &str| Fault::new(FIELD, found, allowed, remedy);
     if cut.spheres.is_empty() {
-        return refuse("no spheres".into(), "at least one sphere per cut", "remove the file or the frame");
+        return Err(refusal(
+            "no spheres".into(),
+            "at least one sphere per cut",
+            "remove the file or the frame",
+        ));
     }
-    let grains = match placed(file, cut, cell) {
-        Ok(grains) => grains,
-        Err(found) => {
-            let allowed = "for each grain one of the study's pigments: names, or numbers, from 0 in CSV and \
-                           from 1 in other files";
-            return refuse(found, allowed, "name it in [[pigment]]; number grains through all pigments");
-        }
-    };
-    if let Some(found) = outside(&grains, cell) {
+    if let Some(found) = out_of_scale(cut, cell) {
+        let allowed = "positions and sizes on the scale of the layer";
+        let remedy = "correct unit, or the units in the names of the columns (x_um, x_nm, x_mm, x_m)";
+        return Err(refusal(found, allowed, remedy));
+    }
+    let grains = placed(file, cut, cell).map_err(|found| {
+        let allowed = "for each grain one of the study's pigments: names, or numbers, from 0 in CSV and \
+                       from 1 in other files";
+        refusal(found, allowed, "name it in [[pigment]]; number grains through all pigments")
+    })?;
+    if let Some(found) = outside(&grains, cell, rule) {
         let allowed = "spheres within 0 … layer.thickness_um along z";
-        return refuse(found, allowed, "correct the layer, the axes or the units");
+        return Err(refusal(found, allowed, "correct the layer, the axes or the units"));
     }
-    match Packing::from_grains([cell[0], cell[1]], cell[2], true, grains.clone()) {
-        Ok(_) => grains,
-        Err(PackError::Overlap { .. }) => {
-            let remedy =
-                "grains may touch; spheres of one grain share a number in the column grain (mol in dumps)";
-            let allowed = "grains apart from each other and from their periodic images";
-            refuse(overlaps(&grains, cell), allowed, remedy)
-        }
-        Err(other) => refuse(other.to_string(), "sound grains", "correct the file"),
+    let unsound = |error: PackError| refusal(error.to_string(), "sound grains", "correct the file");
+    let (grains, contacts) = rule.resolve(grains, cell).map_err(unsound)?;
+    if let Some(fault) = contacts.refused(rule) {
+        return Err(fault);
     }
+    let packing = Packing::from_grains([cell[0], cell[1]], cell[2], true, grains).map_err(unsound)?;
+    Ok((packing.into_grains(), contacts))
+}
+
+/// Grains thinner than this are none, µm: single molecules.
+const LEAST_DIAMETER_UM: f64 = 1e-3;
+/// Layers that are more than this many times as thick as their largest grain are none.
+const MOST_GRAINS_ACROSS: f64 = 5000.0;
+/// Positions more than this many cells away have lost their digits.
+const MOST_CELLS_AWAY: f64 = 1e6;
+
+/// What shows that the lengths of a file are in another unit than it says: all spheres in a corner
+/// of the cell, far from it, or of no size. A box, which is compared with the layer, says that they
+/// are where they should be.
+fn out_of_scale(cut: &Positions, [lx, ly, h]: V3) -> Option<String> {
+    let low = cut.box_um.map_or([0.0; 3], |b| b.map(|range| range[0]));
+    let reach = |s: &Sphere| {
+        let along = |axis: usize| (s.center_um[axis] - low[axis]).abs() + s.radius_um;
+        along(0).max(along(1)).max(along(2))
+    };
+    let largest = cut.spheres.iter().map(reach).fold(0.0, f64::max);
+    let diameter = 2.0 * cut.spheres.iter().map(|s| s.radius_um).fold(0.0, f64::max);
+    let cell = format!("a layer of {h} µm with a period of {lx} × {ly} µm");
+    if cut.box_um.is_none() && largest * OTHER_UNIT < lx.min(ly).min(h) {
+        return Some(format!(
+            "largest coordinate {largest:.3e} µm, in {cell}: lengths in mm or m that the file calls smaller?"
+        ));
+    }
+    if largest > MOST_CELLS_AWAY * lx.max(ly).max(h) {
+        return Some(format!(
+            "largest coordinate {largest:.3e} µm, in {cell}: lengths in nm that the file calls µm?"
+        ));
+    }
+    if diameter < LEAST_DIAMETER_UM.max(h / MOST_GRAINS_ACROSS) {
+        return Some(format!("largest sphere {diameter:.3e} µm across, in {cell}: sizes in another unit?"));
+    }
+    None
 }
 
 /// The grains of one cut in the cell, or what is wrong with a pigment.
@@ -240,16 +356,20 @@ fn pigment(file: &StudyFile, cut: &Positions, rows: &[usize]) -> Result<usize, S
 }
 
 /// Which spheres leave the layer, and what else their file may mean.
-fn outside(grains: &[Grain], [lx, ly, h]: [f64; 3]) -> Option<String> {
+fn outside(grains: &[Grain], [lx, ly, h]: [f64; 3], rule: ContactRule) -> Option<String> {
     let slack = 1e-9 * h;
     let spheres = || grains.iter().flat_map(|g| &g.spheres);
-    let out = |s: &&Sphere| s.center_um[2] - s.radius_um < -slack || s.center_um[2] + s.radius_um > h + slack;
+    let out = |s: &&Sphere| {
+        let (z, contact) = (s.center_um[2], slack.max(rule.limit_um(s.radius_um)));
+        z - s.radius_um < -contact || z + s.radius_um > h + contact
+    };
     let first = spheres().find(out)?;
     let ends = |axis: usize| {
         let high = spheres().map(|s| s.center_um[axis] + s.radius_um).fold(f64::MIN, f64::max);
         (spheres().map(|s| s.center_um[axis] - s.radius_um).fold(f64::MAX, f64::min), high)
     };
     let fits = |axis: usize| ends(axis).0 > -slack && ends(axis).1 < h + slack;
+    let largest = ends(2).1.max(-ends(2).0);
     let hint = if ends(2).1 > OTHER_UNIT * lx.max(ly).max(h) {
         "; lengths in nm that the file calls µm?"
     } else if fits(0) || fits(1) {
@@ -260,38 +380,10 @@ fn outside(grains: &[Grain], [lx, ly, h]: [f64; 3]) -> Option<String> {
     let [x, y, z] = first.center_um;
     let count = spheres().filter(out).count();
     Some(format!(
-        "{count} spheres outside the layer of {h} µm, first one of radius {} at ({x}, {y}, {z}) µm{hint}",
+        "{count} spheres outside the layer of {h} µm, largest coordinate along z {largest} µm, first one of radius {} at \
+         ({x}, {y}, {z}) µm{hint}",
         first.radius_um
     ))
-}
-
-/// How many pairs of grains overlap, and where they do most.
-fn overlaps(grains: &[Grain], [lx, ly, _]: [f64; 3]) -> String {
-    let (mut count, mut worst) = (0, (0.0, [0.0; 3]));
-    for (i, a) in grains.iter().enumerate() {
-        for b in &grains[..i] {
-            let pairs = a.spheres.iter().flat_map(|s| b.spheres.iter().map(move |t| (s, t)));
-            let deep = pairs.map(|(s, t)| (-nearest_gap(s, t, [lx, ly]), s.center_um));
-            let deepest = deep.fold((0.0, [0.0; 3]), |best, own| if own.0 > best.0 { own } else { best });
-            count += usize::from(deepest.0 > 0.0);
-            worst = if deepest.0 > worst.0 { deepest } else { worst };
-        }
-    }
-    let (depth, [x, y, z]) = worst;
-    match count {
-        0 => "a grain that overlaps its own periodic image or a wall".into(),
-        _ => {
-            format!("{count} pairs of grains overlap, by up to {depth:.4} µm at ({x:.4}, {y:.4}, {z:.4}) µm")
-        }
-    }
-}
-
-fn nearest_gap(a: &Sphere, b: &Sphere, period: [f64; 2]) -> f64 {
-    let apart = |axis: usize| {
-        let d = a.center_um[axis] - b.center_um[axis];
-        period.get(axis).map_or(d, |l| d - l * (d / l).round())
-    };
-    apart(0).hypot(apart(1)).hypot(apart(2)) - a.radius_um - b.radius_um
 }
 
 /// Share of the layer and sizes of a pigment's grains.

@@ -1,13 +1,15 @@
 //! Voxels of a microstructure: labels become pigments, files become cuts.
 
 use super::{FIELD, Given, GrainFiles};
+use crate::ink::packing::sizes::MOST_GRAINS;
 use crate::ink::{Measure, SizeDistribution, VoxelCut};
 use crate::input::check::pigments::packed_names;
-use crate::input::file::{Continuation, MicrostructureTable, StudyFile, VoxelEdges};
-use crate::input::voxels::read_labels;
+use crate::input::file::{Continuation, LabelPigments, MicrostructureTable, StudyFile, VoxelEdges};
+use crate::input::voxels::{LabelImage, MOST_VOXELS, read_labels};
 use crate::input::{Fault, Faults, limits};
 use ndarray::{Array3, ArrayView1, Axis, concatenate, s};
 use std::collections::BTreeMap;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::Path;
 
 /// Faces of voxels exceed a smooth surface of all directions by this factor: the mean of
@@ -37,16 +39,23 @@ pub fn voxels(
         return None;
     }
     let height = 1e3 * file.layer.thickness_um.mean() / edges_nm[2];
-    let mut reader = VoxelReader { table, known, height, cuts: Vec::new() };
+    let (cuts, contents, remarks) = (Vec::new(), BTreeMap::new(), Vec::new());
+    let mut reader = VoxelReader { table, known, height, cuts, contents, remarks };
     for path in names.all() {
-        if let Err(fault) = reader.read(&folder.join(path)) {
+        if let Err(fault) = reader.read(path, &folder.join(path)) {
             faults.push(Fault { found: format!("{path}: {}", fault.found), ..fault });
         }
     }
     if faults.0.len() > before || reader.cuts.is_empty() {
         return None;
     }
-    let mut given = reader.given(file, edges_nm, pigments.len());
+    let mut given = match reader.given(file, edges_nm, pigments.len()) {
+        Ok(given) => given,
+        Err(fault) => {
+            faults.push(fault);
+            return None;
+        }
+    };
     let [lx, ly, h] = given.cell_um;
     let other = |[x, y]: &[f64; 2]| (x - lx).abs() > 1e-6 * lx || (y - ly).abs() > 1e-6 * ly;
     if let Some([x, y]) = file.layer.period_um.map(|pair| pair.xy()).filter(other) {
@@ -59,43 +68,63 @@ pub fn voxels(
     Some(given)
 }
 
+/// What the labels other than 0 are, as k + 1 for pigment k.
+enum KnownLabels {
+    /// All of them are of one pigment.
+    One(u8),
+    /// Those listed; others are mistakes.
+    Each(BTreeMap<i64, u8>),
+}
+
 /// The pigment of every label.
-fn known_labels(table: &MicrostructureTable, pigments: &[String], faults: &mut Faults) -> BTreeMap<i64, u8> {
-    let Some(labels) = &table.labels else { return (1..).zip(1..).take(pigments.len()).collect() };
+fn known_labels(table: &MicrostructureTable, pigments: &[String], faults: &mut Faults) -> KnownLabels {
+    let kind_of = |name: &String| {
+        let place = pigments.iter().position(|own| own == name);
+        place.and_then(|k| u8::try_from(k + 1).ok())
+    };
+    let allowed_names = || format!("the name of a pigment with grains: {}", pigments.join(", "));
+    let labels = match &table.labels {
+        None => return KnownLabels::Each((1..).zip(1..).take(pigments.len()).collect()),
+        Some(LabelPigments::One(name)) => {
+            if kind_of(name).is_none() {
+                let field = "layer.microstructure.labels";
+                faults.add(field, format!("{name:?}"), allowed_names(), "name it in [[pigment]]");
+            }
+            return KnownLabels::One(kind_of(name).unwrap_or(1));
+        }
+        Some(LabelPigments::Each(labels)) => labels,
+    };
     let mut known = BTreeMap::new();
     for (label, name) in labels {
         let field = format!("layer.microstructure.labels.{label}");
         let number = label.parse::<i64>().ok().filter(|&n| n != 0);
-        let pigment = pigments.iter().position(|own| own == name);
-        match (number, pigment.and_then(|k| u8::try_from(k + 1).ok())) {
+        match (number, kind_of(name)) {
             (Some(number), Some(kind)) => drop(known.insert(number, kind)),
             (None, _) => {
                 let allowed = "integers other than 0, which is the binder";
                 faults.add(field, format!("label {label:?}"), allowed, "write 1 = \"yellow\"");
             }
-            _ => {
-                let allowed = format!("the name of a pigment with grains: {}", pigments.join(", "));
-                faults.add(field, format!("{name:?}"), allowed, "name it in [[pigment]]");
-            }
+            _ => faults.add(field, format!("{name:?}"), allowed_names(), "name it in [[pigment]]"),
         }
     }
-    known
+    KnownLabels::Each(known)
 }
 
 /// The cuts read so far, as labels from 1 for the pigments.
 struct VoxelReader<'a> {
     table: &'a MicrostructureTable,
-    known: BTreeMap<i64, u8>,
+    known: KnownLabels,
     /// The layer's thickness in voxels.
     height: f64,
     cuts: Vec<Array3<u8>>,
+    /// Files by a hash of their labels.
+    contents: BTreeMap<u64, String>,
+    remarks: Vec<String>,
 }
 
 impl VoxelReader<'_> {
-    fn read(&mut self, path: &Path) -> Result<(), Fault> {
-        let formats = "integers with axes x, y, z in a NumPy array (.npy), or a stack of TIFF pages";
-        let labels =
-            read_labels(path).map_err(|found| Fault::new(FIELD, found, formats, "convert the file"))?;
+    fn read(&mut self, name: &str, path: &Path) -> Result<(), Fault> {
+        let labels = self.pigments(name, path)?;
         let (nx, ny, nz) = labels.dim();
         if (self.height - nz as f64).abs() > 1e-6 * nz as f64 {
             let thick = (1e3 * self.height).round() / 1e3;
@@ -104,7 +133,13 @@ impl VoxelReader<'_> {
             let remedy = "correct layer.thickness_um or voxel_nm, or transpose the array to x, y, z";
             return Err(Fault::new(FIELD, found, allowed, remedy));
         }
-        let labels = self.pigments(&labels)?;
+        self.check_number(self.cuts.iter().map(Array3::len).sum::<usize>().saturating_add(labels.len()))?;
+        let mut content = DefaultHasher::new();
+        labels.hash(&mut content);
+        if let Some(other) = self.contents.insert(content.finish(), name.to_owned()) {
+            let found = format!("the same labels as {other}");
+            return Err(Fault::new(FIELD, found, super::DIFFERENT, super::NO_REPEATS));
+        }
         let [across, along] = self.table.cuts.unwrap_or([1, 1]);
         if across * along == 0 || nx % across > 0 || ny % along > 0 {
             let found = format!("{nx} × {ny} voxels in {across} × {along} cuts");
@@ -122,34 +157,80 @@ impl VoxelReader<'_> {
         Ok(())
     }
 
-    /// Labels of the file as 0 for the binder and k + 1 for pigment k.
-    fn pigments(&self, labels: &Array3<i64>) -> Result<Array3<u8>, Fault> {
+    /// Refuses more voxels than one image may have, in all cuts with their images.
+    fn check_number(&self, voxels: usize) -> Result<(), Fault> {
+        let allowed = format!("at most {} million voxels in all cuts", MOST_VOXELS / 1_000_000);
+        let remedy = "crop the images, or take fewer of them";
+        let fault = || Fault::new(FIELD, format!("{voxels} voxels"), allowed, remedy);
+        if voxels > MOST_VOXELS { Err(fault()) } else { Ok(()) }
+    }
+
+    /// Labels of a file as 0 for the binder and k + 1 for pigment k.
+    fn pigments(&mut self, name: &str, path: &Path) -> Result<Array3<u8>, Fault> {
         let mut unlisted: BTreeMap<i64, usize> = BTreeMap::new();
-        for label in labels.iter().filter(|label| **label != 0 && !self.known.contains_key(label)) {
-            *unlisted.entry(*label).or_default() += 1;
+        // labels come in runs
+        let (mut last, mut kind) = (0, Some(0));
+        let mut take = |label: i64| {
+            if label != last {
+                last = label;
+                kind = match &self.known {
+                    _ if label == 0 => Some(0),
+                    KnownLabels::One(kind) => Some(*kind),
+                    KnownLabels::Each(known) => known.get(&label).copied(),
+                };
+            }
+            if kind.is_none() {
+                *unlisted.entry(label).or_default() += 1;
+            }
+            kind.unwrap_or_default()
+        };
+        let formats = "integers with axes x, y, z in a NumPy array (.npy), or a stack of TIFF pages";
+        let read = read_labels(path, &mut take);
+        let image = read.map_err(|found| Fault::new(FIELD, found, formats, "convert the file"))?;
+        let LabelImage { labels, white_is_zero } = image;
+        if white_is_zero {
+            self.remarks.push(format!(
+                "{FIELD}: {name} calls 0 white, so that other programs show it the other way round; its labels are the numbers \
+                 as they are stored, and 0 is the binder"
+            ));
         }
         if unlisted.is_empty() {
-            return Ok(labels.map(|label| self.known.get(label).copied().unwrap_or_default()));
+            return Ok(labels);
         }
         let counts: Vec<String> =
             unlisted.iter().take(5).map(|(label, n)| format!("{n} voxels of label {label}")).collect();
         let more = unlisted.len().saturating_sub(5);
         let more = if more > 0 { format!(" and {more} more labels") } else { String::new() };
-        let known: Vec<String> = self.known.keys().map(i64::to_string).collect();
+        let known: Vec<String> = match &self.known {
+            KnownLabels::One(_) => Vec::new(),
+            KnownLabels::Each(known) => known.keys().map(i64::to_string).collect(),
+        };
         let allowed = format!("0 for the binder and the study's labels: {}", known.join(", "));
-        Err(Fault::new(FIELD, counts.join(", ") + &more, &allowed, "add them to layer.microstructure.labels"))
+        let remedy = "add them to layer.microstructure.labels, or write labels = \"yellow\" where every label but 0 \
+                      is a grain of one pigment";
+        Err(Fault::new(FIELD, counts.join(", ") + &more, &allowed, remedy))
     }
 
-    fn given(self, file: &StudyFile, edges_nm: [f64; 3], pigments: usize) -> Given {
-        let (nx, ny, _) = self.cuts[0].dim();
+    fn given(self, file: &StudyFile, edges_nm: [f64; 3], pigments: usize) -> Result<Given, Fault> {
+        let (nx, ny, nz) = self.cuts[0].dim();
         let mirror = self.table.continuation == Some(Continuation::Mirrored);
         let times = if mirror { 2 } else { 1 };
+        self.check_number(
+            (times * nx).saturating_mul(times * ny).saturating_mul(nz).saturating_mul(self.cuts.len()),
+        )?;
         let wide = |n: usize, axis: usize| (1e6 * edges_nm[axis] * (times * n) as f64).round() / 1e9;
         let cell_um = [wide(nx, 0), wide(ny, 1), file.layer.thickness_um.mean()];
         let pigments = (0..pigments).map(|k| share_and_size(&self.cuts, k as u8 + 1, edges_nm)).collect();
-        let voxel_cut = |labels| VoxelCut::new(&if mirror { mirrored(labels) } else { labels }, mirror);
-        let voxels = self.cuts.into_iter().map(voxel_cut).collect();
-        Given { cell_um, grains: Vec::new(), voxels, pigments }
+        let mut voxels = Vec::new();
+        for labels in self.cuts {
+            let labels = if mirror { mirrored(labels) } else { labels };
+            let merged = VoxelCut::of_at_most(MOST_GRAINS, &labels, mirror);
+            voxels.push(merged.ok_or_else(|| {
+                let found = format!("voxels that merge to more than {MOST_GRAINS} boxes of one label");
+                Fault::new(FIELD, found, "coarser images", "crop the image, or remove its noise")
+            })?);
+        }
+        Ok(Given { cell_um, grains: Vec::new(), voxels, pigments, remarks: self.remarks })
     }
 }
 
