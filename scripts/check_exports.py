@@ -118,7 +118,7 @@ def check_totals(rows):
     beyond, largest = 0.0, 0.0
     for row in (r for r in rows if float(r["polar_deg"]) <= 60.0):
         apart = abs(float(row["albedo_of_brdf"]) - float(row["albedo_without_specular"]))
-        chance = 3.0 * float(row["difference_standard_error"] or 0.0)
+        chance = 3.0 * float(row["difference_by_chance"] or 0.0)
         largest, beyond = max(largest, apart), max(beyond, apart - chance)
     print(f"        f against the totals up to 60 degrees: largest difference {largest:.4f}")
     claim("f against the totals R and T up to 60 degrees, largest difference beyond 3 standard errors", beyond, 0.007)

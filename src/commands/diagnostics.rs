@@ -5,7 +5,7 @@ use super::terminal::{note, printable, to_resume};
 use inkwave::ink::PackError;
 use inkwave::input::case::CaseError;
 use inkwave::input::fault::{Fault, StudyError};
-use inkwave::input::locate::span_of;
+use inkwave::input::locate::{key_span_of, span_of};
 use inkwave::input::tree::parse_toml;
 use inkwave::numerics::files;
 use inkwave::run::RunError;
@@ -128,7 +128,8 @@ impl Shown {
 
     /// A fault at its place in the text; its message follows `start`.
     fn fault(start: &str, fault: &Fault, text: &Option<SourceText>) -> Self {
-        let span = text.as_ref().and_then(|text| span_of(text.inner(), &fault.field));
+        let find = if fault.is_of_key() { key_span_of } else { span_of };
+        let span = text.as_ref().and_then(|text| find(text.inner(), &fault.field));
         let found = printable(&format!("found {}", fault.found));
         let label = span.map(|span| LabeledSpan::new_with_span(Some(found), span));
         Self::new(&format!("{start}{fault}"), Some(&fault.remedy), label, text.clone())

@@ -18,8 +18,6 @@ use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-/// Plausible wavelengths of light, µm.
-const USUAL_UM: std::ops::RangeInclusive<f64> = 0.1..=20.0;
 /// Accuracy if neither `--accuracy` nor a grid is given.
 const DEFAULT_ACCURACY: f64 = 1e-3;
 
@@ -27,6 +25,8 @@ const DEFAULT_ACCURACY: f64 = 1e-3;
 ///
 /// The case is the `inputs` object of a reference case (slab, multilayer, spheres3d, ink3d,
 /// cylinder2d, lamellar2d) as JSON or TOML: lengths in µm, angles in degrees, indices as [re, im].
+/// A result has `remarks` where a length looks like one in another unit. With the vector wave, `R.s.p` of an
+/// order is the amplitude of p light that leaves for s light of amplitude 1 that arrives: incident first.
 /// With --realisation it is a realisation of a study.
 #[derive(Args)]
 pub struct SolveArgs {
@@ -111,7 +111,7 @@ pub fn run(mut args: SolveArgs) -> Result<()> {
     args.wave.get_or_insert(wave);
     let args = &args;
     check_case(args, &case)?;
-    warn_of_wavelength(case.incidence.wavelength_um);
+    case.remarks.iter().for_each(|remark| note!("warning: {remark}"));
     let snapped = args.light.snap(&mut case)?;
     // A grid given explicitly may be as fine as the user likes.
     let contrast = case.media.largest_contrast();
@@ -130,6 +130,9 @@ pub fn run(mut args: SolveArgs) -> Result<()> {
         return say(gradients.iter().map(Gradient::text).collect::<String>().trim_end());
     }
     let mut report = solve_report::report(&solved, wave, &case.incidence);
+    if !case.remarks.is_empty() {
+        report["remarks"] = case.remarks.clone().into();
+    }
     args.light.add_area(solved.far_field(), &case.media, &mut report)?;
     if let Some(snapped) = snapped {
         report["snapped"] = snapped;
@@ -170,20 +173,6 @@ fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Est
     let estimated = estimated.into_diagnostic()?;
     let slopes = args.gradient.map(|_| gradients(&task, &estimated));
     Ok((estimated, slopes.transpose().into_diagnostic()?.unwrap_or_default()))
-}
-
-/// Warns of a wavelength that was probably given in nm instead of µm.
-fn warn_of_wavelength(um: f64) {
-    if !USUAL_UM.contains(&um) {
-        let meant =
-            if um > 20.0 { format!("; if you meant nm, write {}", short(1e-3 * um)) } else { String::new() };
-        note!("warning: wavelength is {} µm, outside 0.1 to 20 µm{meant}", short(um));
-    }
-}
-
-/// Formats numbers of ordinary size plainly, others in scientific notation.
-fn short(number: f64) -> String {
-    if (1e-4..1e6).contains(&number) { number.to_string() } else { format!("{number:e}") }
 }
 
 fn check(args: &SolveArgs) -> Result<()> {

@@ -180,7 +180,8 @@ impl StudyPoint {
         incidence.check().into_diagnostic()?;
         let media = study.media(incidence.wavelength_um);
         let wave = if study.wave.is_vector() { WaveKind::Vector } else { WaveKind::Scalar };
-        Ok((Case { scene: Scene::from_packing(&packing), media, incidence }, wave))
+        let scene = Scene::from_packing(&packing);
+        Ok((Case { scene, media, incidence, remarks: Vec::new() }, wave))
     }
 
     fn incidence(&self, study: &Study, realisation: usize) -> Result<Incidence> {

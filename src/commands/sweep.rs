@@ -194,7 +194,11 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> Res
     if let Some(reason) = &plan.out_of_reach {
         say!("out of reach: {reason}")?;
     }
-    let time = |cores: f64| in_words(plan.core_seconds / cores);
+    let [least, longest] = plan.core_seconds_range;
+    let time = |cores: f64| {
+        let range = format!("{} to {}", in_words(least / cores), in_words(longest / cores));
+        format!("{} ({range})", in_words(plan.core_seconds / cores))
+    };
     say!("variants          {}", plan.variants)?;
     say!("packings          {}", plan.packings)?;
     // `run.target_delta_e` may be reached earlier.
@@ -202,7 +206,8 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> Res
     say!("solves            {most}{}", plan.solves)?;
     say!("unknowns          {} in the largest solve", plan.unknowns)?;
     say!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs)?;
-    say!("time              {about} {} on {jobs} cores, {} on 100", time(jobs as f64), time(100.0))?;
+    let free = "on cores that do nothing else";
+    say!("time              {about} {} on {jobs} cores, {} on 100, {free}", time(jobs as f64), time(100.0))?;
     say!("largest division  {} shards", plan.units)?;
     say!("calibrated with   {}", plan.calibration)
 }
@@ -210,6 +215,7 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> Res
 /// Formats a time with two or three digits.
 fn in_words(seconds: f64) -> String {
     match seconds {
+        s if s < 1.0 => format!("{s:.1} s"),
         s if s < 100.0 => format!("{s:.0} s"),
         s if s < 6000.0 => format!("{:.0} min", s / 60.0),
         s if s < 360_000.0 => format!("{:.1} h", s / 3600.0),

@@ -115,7 +115,7 @@ impl Packed {
         let media = study.media(incidence.wavelength_um);
         scene.check(&media)?;
         incidence.check()?;
-        Ok(Case { scene, media, incidence })
+        Ok(Case { scene, media, incidence, remarks: Vec::new() })
     }
 
     /// The indices of all media.

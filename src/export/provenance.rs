@@ -1,6 +1,7 @@
 //! Where the files come from and what their columns hold: a Process Run Crate (RO-Crate 1.1) and a
 //! Data Package.
 
+use crate::report::columns;
 use serde_json::{Value, json};
 
 /// One exported file.
@@ -117,25 +118,10 @@ fn resource(file: &Described) -> Value {
         resource["profile"] = json!("tabular-data-resource");
         resource["format"] = json!("csv");
         resource["encoding"] = json!("utf-8");
-        resource["schema"] = json!({ "fields": columns(&file.bytes), "missingValues": [""] });
+        resource["schema"] =
+            json!({ "fields": columns::fields(&file.name, &file.bytes, &[]), "missingValues": [""] });
     }
     resource
-}
-
-fn columns(table: &[u8]) -> Vec<Value> {
-    let mut reader = csv::Reader::from_reader(table);
-    let Ok(header) = reader.headers() else { return Vec::new() };
-    header.iter().map(|name| json!({ "name": name, "type": column_type(name) })).collect()
-}
-
-/// Columns that are not plain numbers; all others are.
-fn column_type(name: &str) -> &'static str {
-    match name {
-        "from" | "lobe" => "string",
-        "m" | "n" | "realisations" => "integer",
-        "specular" => "boolean",
-        _ => "number",
-    }
 }
 
 fn media_type(name: &str) -> &'static str {

@@ -6,13 +6,15 @@ use crate::evaluate::directional::{Direction, DirectionalPrint};
 use crate::report::cell::table;
 
 /// Columns of `specular.csv`.
-const SPECULAR: [&str; 6] = [
+const SPECULAR: [&str; 8] = [
     "wavelength_nm",
     "polar_deg",
     "specular_reflectance",
     "albedo_without_specular",
     "albedo_of_brdf",
     "difference_standard_error",
+    "difference_by_chance",
+    "difference_of_fits",
 ];
 /// Directions in `brdf-samples.csv`.
 const SAMPLES: usize = 256;
@@ -59,8 +61,8 @@ fn halton(mut k: usize, base: usize) -> f64 {
 }
 
 /// The mirror part R_s(θ, λ) that the material leaves out; the albedo of the material, from the
-/// totals R and T and as the integral of its BRDF; and the standard error of the difference. Fits
-/// that fall below 0, at grazing light, count as 0.
+/// totals R and T and as the integral of its BRDF; and the standard error of the difference, with
+/// its two parts: chance, and what the fits of both differ by beyond it. Fits that fall below 0, at grazing light, count as 0.
 ///
 /// # Errors
 /// What [`DirectionalPrint::disagreement`] refuses.
@@ -70,7 +72,8 @@ pub fn specular(ink: &dyn DirectionalPrint) -> ExportResult<Vec<u8>> {
     for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {
         for (w, (nm, apart)) in ink.wavelengths_nm().iter().zip(ink.disagreement(deg)?).enumerate() {
             let (mirrored, albedo) = (ink.specular(w, deg).max(0.0), ink.diffuse_albedo(w, deg).max(0.0));
-            rows.push((nm, deg, mirrored, albedo, (albedo + apart.value).max(0.0), apart.standard_error));
+            let errors = (apart.standard_error(), apart.chance, apart.of_fits);
+            rows.push((nm, deg, mirrored, albedo, (albedo + apart.value).max(0.0), errors));
         }
     }
     Ok(table(SPECULAR, rows)?)
@@ -79,8 +82,8 @@ pub fn specular(ink: &dyn DirectionalPrint) -> ExportResult<Vec<u8>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::directional::Disagreement;
     use crate::evaluate::ink::InkError;
-    use crate::numerics::estimate::Estimate;
 
     /// A print with an albedo of 0.3, whose BRDF integrates to 0.02 more.
     struct Excessive;
@@ -102,8 +105,8 @@ mod tests {
             0.3
         }
 
-        fn disagreement(&self, _: f64) -> Result<Vec<Estimate>, InkError> {
-            Ok(vec![Estimate { value: 0.02, standard_error: Some(0.001) }])
+        fn disagreement(&self, _: f64) -> Result<Vec<Disagreement>, InkError> {
+            Ok(vec![Disagreement { value: 0.02, chance: Some(0.003), of_fits: 0.004 }])
         }
     }
 
@@ -111,10 +114,11 @@ mod tests {
     fn the_albedo_of_the_brdf_is_the_albedo_and_the_difference() {
         let table = specular(&Excessive).unwrap();
         let mut reader = csv::Reader::from_reader(table.as_slice());
-        let rows: Vec<[f64; 6]> = reader.deserialize().collect::<Result<_, _>>().unwrap();
+        let rows: Vec<[f64; 8]> = reader.deserialize().collect::<Result<_, _>>().unwrap();
         assert_eq!(rows.len(), 18, "every 5° up to 85°");
-        for [nm, _, mirrored, albedo, of_brdf, error] in rows {
-            assert_eq!((nm, mirrored, albedo, error), (550.0, 0.04, 0.3, 0.001));
+        for [nm, _, mirrored, albedo, of_brdf, error, chance, of_fits] in rows {
+            assert_eq!((nm, mirrored, albedo, error), (550.0, 0.04, 0.3, 0.005));
+            assert_eq!((chance, of_fits), (0.003, 0.004));
             assert!((of_brdf - 0.32).abs() < 1e-12, "{of_brdf}");
         }
     }

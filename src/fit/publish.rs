@@ -5,6 +5,7 @@ use super::load::FitTask;
 use super::run::{FitOutcome, FittedSpectrum, Forecast};
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
+use crate::report::columns::Tables;
 use crate::report::page::{Picture, made_by, rendered, svg_data};
 use crate::report::publish::PublishResult;
 use crate::store::folder::OutputFolder;
@@ -45,7 +46,11 @@ fn bar(errors: Vec<f64>, digits: usize) -> String {
 /// # Errors
 /// A file cannot be written, or a chart not be drawn.
 pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> PublishResult {
-    folder.write("pigment.csv", csv(task, outcome).as_bytes())?;
+    let mut written = Tables::new(folder);
+    let about =
+        "the pigment's refractive index with its errors; a study takes the table as index = { csv = … }";
+    written.write("pigment.csv", csv(task, outcome).as_bytes(), about, &[])?;
+    written.describe(&task.title)?;
     let json = serde_json::json!({
         "title": task.title,
         "pigment": task.coats[0].pigments[task.pigment].name,

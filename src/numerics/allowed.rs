@@ -19,6 +19,27 @@ pub fn shown(value: f64) -> String {
     }
 }
 
+/// Longest number in a message, characters.
+const LONGEST: usize = 24;
+
+/// A text whose very long numbers, such as all digits of 1e300, are written with a power of ten.
+pub fn with_short_numbers(text: &str) -> String {
+    let is_part = |c: char| c.is_ascii_digit() || c == '.';
+    let mut short = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find(is_part) {
+        let (before, from) = rest.split_at(start);
+        let (number, after) = from.split_at(from.find(|c| !is_part(c)).unwrap_or(from.len()));
+        short += before;
+        match number.parse::<f64>() {
+            Ok(value) if number.len() > LONGEST => short += &format!("{value:e}"),
+            _ => short += number,
+        }
+        rest = after;
+    }
+    short + rest
+}
+
 /// An allowed range of a number with its unit; displays itself in words.
 #[derive(Clone, Copy, Debug)]
 pub struct Allowed {

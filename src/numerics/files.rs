@@ -12,8 +12,11 @@ use std::io::{self, Error, ErrorKind, Read};
 use std::marker::PhantomData;
 use std::path::Path;
 
-/// Largest study, sweep or comparison, bytes.
-pub const STUDY: u64 = 8 << 20;
+/// Largest study, sweep or comparison, bytes: a list of 10 000 numbers takes a tenth of it, and parsers
+/// need seconds for more.
+pub const STUDY: u64 = 1 << 20;
+/// Largest record of optical constants in YAML, bytes.
+pub const RECORD: u64 = 8 << 20;
 /// Largest table of indices or albedos, bytes.
 pub const TABLE: u64 = 64 << 20;
 /// Largest case, bytes: some hundred bytes for each of a million spheres; also largest voxel image.

@@ -4,6 +4,7 @@ mod tables;
 
 pub use tables::{coefficients, tables};
 
+use super::columns::Tables;
 use super::page::{Figure, on_study, png_data};
 use super::publish::{Pictures, PublishError, PublishResult, picture_angles};
 use super::sheet;
@@ -46,9 +47,11 @@ pub fn publish<'a>(
         folder.write(&format!("picture{of}.png"), &picture.plain)?;
         folder.write(&format!("picture{of}-with-axes.png"), &picture.labelled)?;
     }
-    for (name, table, _) in tables(&manifest)? {
-        folder.write(name, &table)?;
+    let mut written = Tables::new(folder);
+    for (name, table, about) in tables(&manifest)? {
+        written.write(name, &table, about, &[])?;
     }
+    written.describe(&study.title)?;
     folder.write("results.json", &serde_json::to_vec_pretty(&manifest)?)?;
     folder.write("report.html", on_study(include_str!("composed.html"), page)?.as_bytes())?;
     if manifest.status == Status::Complete {

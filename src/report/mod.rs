@@ -1,6 +1,7 @@
 //! Reports: pages, tables, reports of packings, and the folder of published files.
 
 pub mod cell;
+pub mod columns;
 pub mod composed;
 pub mod packing;
 pub mod page;

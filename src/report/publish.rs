@@ -1,5 +1,6 @@
 //! Writes the results of the finished solves: `results.json`, tables, picture and page.
 
+use super::columns::Tables;
 use super::page::on_study;
 use super::sheet::{colour_in_words, missed_target, sheet};
 use super::tables;
@@ -115,14 +116,17 @@ pub(crate) fn publish_seen(
         folder.write("picture.png", &pictures.plain)?;
         folder.write("picture-with-axes.png", &pictures.labelled)?;
     }
-    folder.write("spectra.csv", &tables::spectra(&manifest.spectra)?)?;
+    let mut written = Tables::new(folder);
+    let spectra = tables::spectra(&manifest.spectra)?;
+    written.write("spectra.csv", &spectra, "spectra of the layer alone, and on its paper", &[])?;
     let amplitude_error = manifest.certainty.amplitude_error_estimate;
     let bdf = tables::distributions(&seen.bdfs, amplitude_error, study.layer.index_out)?;
-    folder.write("bdf.csv", &bdf)?;
+    written.write("bdf.csv", &bdf, "distributions of the layer alone, order by order", &[])?;
     let factor = manifest.certainty.coverage_factor_95;
-    for (name, table) in tables::ink_maker(manifest.ink_maker.as_ref(), factor)? {
-        folder.write(name, &table)?;
+    for (name, table, about) in tables::ink_maker(manifest.ink_maker.as_ref(), factor)? {
+        written.write(name, &table, about, &[])?;
     }
+    written.describe(&study.title)?;
     folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;
     folder.write("report.html", on_study(include_str!("sheet.html"), page)?.as_bytes())?;
     if manifest.status == Status::Complete {

@@ -181,6 +181,7 @@ mod tests {
             specular_reflectance: of(None),
             transmittance: of(t),
             specular_transmittance: of(None),
+            coherent_transmittance: None,
             absorptance: of(None),
             natural_light: None,
             lit_at_45: None,

@@ -8,11 +8,12 @@ use crate::report::cell::{numbers, records, table, with_errors};
 use crate::wave::Side;
 
 /// Numbers of a spectrum.
-const NUMBERS: [(&str, fn(&SpectrumRow) -> Option<Estimate>); 7] = [
+const NUMBERS: [(&str, fn(&SpectrumRow) -> Option<Estimate>); 8] = [
     ("reflectance", |row| Some(row.reflectance)),
     ("specular_reflectance", |row| Some(row.specular_reflectance)),
     ("transmittance", |row| Some(row.transmittance)),
     ("specular_transmittance", |row| Some(row.specular_transmittance)),
+    ("coherent_transmittance", |row| row.coherent_transmittance),
     ("absorptance", |row| Some(row.absorptance)),
     ("natural_light", |row| row.natural_light),
     ("lit_at_45", |row| row.lit_at_45),
@@ -27,10 +28,13 @@ pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
     table(place.into_iter().chain(with_errors(NUMBERS.map(|(name, _)| name))), lines)
 }
 
+/// A table's name, bytes and description.
+pub type NamedTable = (&'static str, Vec<u8>, &'static str);
+
 /// `kubelka-munk.csv` where K and S are known, and `measured.csv` if there is a measurement.
 /// `factor` times a standard error is half the width of a 95 % interval: with few realisations far
 /// more than 2.
-pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<(&'static str, Vec<u8>)>> {
+pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<NamedTable>> {
     let Some(maker) = maker else { return Ok(Vec::new()) };
     let mut files = Vec::new();
     if !maker.kubelka_munk.is_empty() {
@@ -42,14 +46,14 @@ pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<V
             (row.wavelength_nm.to_string(), both.map(|e| with_half(e, factor)))
         });
         let header = std::iter::once("wavelength_nm".to_owned()).chain(columns);
-        files.push(("kubelka-munk.csv", table(header, rows)?));
+        files.push(("kubelka-munk.csv", table(header, rows)?, "K and S of the layer without surfaces"));
     }
     if let Some(measured) = &maker.measured {
         let header = ["wavelength_nm", "measured", "predicted", "predicted_standard_error"];
         let rows = measured.rows.iter().map(|row| {
             ([row.wavelength_nm.to_string(), row.measured.to_string()], numbers(Some(row.predicted)))
         });
-        files.push(("measured.csv", table(header, rows)?));
+        files.push(("measured.csv", table(header, rows)?, "the measurement and its prediction"));
     }
     Ok(files)
 }
@@ -170,6 +174,7 @@ mod tests {
             specular_reflectance: of(0.1),
             transmittance: of(0.5),
             specular_transmittance: of(0.4),
+            coherent_transmittance: Some(of(0.375)),
             absorptance: of(0.25),
             natural_light: None,
             lit_at_45: Some(of(0.75)),
@@ -177,6 +182,9 @@ mod tests {
         };
         let text = String::from_utf8(spectra(&[row]).unwrap()).unwrap();
         let last = text.lines().last().unwrap();
-        assert_eq!(last, "400,0,0.25,0.125,0.1,0.125,0.5,0.125,0.4,0.125,0.25,0.125,,,0.75,0.125");
+        assert_eq!(
+            last,
+            "400,0,0.25,0.125,0.1,0.125,0.5,0.125,0.4,0.125,0.375,0.125,0.25,0.125,,,0.75,0.125"
+        );
     }
 }

@@ -67,8 +67,14 @@ fn refuses(path: &Path, options: &[&str], words: &[&str]) {
 fn numbers_out_of_range_name_field_value_range_and_remedy() {
     let sphere = |x: f64, z: f64, r: f64| json!({ "center": [x, 0.2, z], "radius": r, "eta": [1.4, 0.1] });
     for (pointer, value, words) in [
-        ("/wavelength", json!(0), ["wavelength: found 0", "greater than 0", "give it in µm"]),
-        ("/wavelength", json!(-0.5), ["wavelength: found -0.5", "greater than 0", "give it in µm"]),
+        ("/wavelength", json!(0), ["wavelength: found 0", "from 0.1 to 20 µm", "give it in µm"]),
+        ("/wavelength", json!(-0.5), ["wavelength: found -0.5", "from 0.1 to 20 µm", "give it in µm"]),
+        ("/wavelength", json!(550), ["found 550", "from 0.1 to 20 µm", "write 0.55, or wavelength_nm = 550"]),
+        (
+            "/wavelength_nm",
+            json!(550),
+            ["wavelength: found wavelength and wavelength_nm", "one of", "give one"],
+        ),
         ("/sigma_deg", json!(90), ["sigma_deg: found 90", "from 0 to below 90°", "use 89 or less"]),
         ("/L", json!(0), ["L: found 0", "greater than 0", "give it in µm"]),
         ("/H", json!(-1), ["H: found -1", "greater than 0", "give it in µm"]),
@@ -120,6 +126,63 @@ fn numbers_that_are_none_are_refused_in_json_and_toml() {
     );
 }
 
+/// The same film by three keys; a film of 300 nm typed as µm is solved, and said. *Planted*: nm taken for µm.
+#[test]
+fn lengths_say_their_unit_or_are_remarked_on() {
+    let solve = |light: Value, thickness: f64| -> (Value, String) {
+        let mut case = json!({ "layers_from_z0": [{ "thickness": thickness, "eta": [1.5, 0] }] });
+        let own = case.as_object_mut().expect("an object");
+        own.extend(light.as_object().expect("an object").clone());
+        let folder = Folder::new();
+        let output = inkwave(&folder.file("case.json", &case.to_string()), &[]);
+        (serde_json::from_slice(&output.stdout).unwrap_or_default(), message(&output))
+    };
+    let (usual, said) = solve(json!({ "wavelength": 0.55 }), 0.3);
+    assert!(usual["remarks"].is_null() && !said.contains("warning"), "{said}");
+    for light in [json!({ "wavelength_nm": 550 }), json!({ "wavelength_um": 0.55 })] {
+        let (own, _) = solve(light, 0.3);
+        let apart = own["R_total"].as_f64().expect("R") - usual["R_total"].as_f64().expect("R");
+        // rounding of nm to µm
+        assert!(apart.abs() < 1e-13, "{own}");
+    }
+    let (long, said) = solve(json!({ "wavelength": 0.55 }), 300.0);
+    let remark = "layers_from_z0[0].thickness is 300 µm: lengths are in µm; if it is in nm, write 0.3";
+    assert!(long["remarks"][0] == remark && said.contains(remark), "{said}");
+    // radio waves, on purpose
+    let (radio, _) = solve(json!({ "wavelength_um": 5500 }), 3000.0);
+    assert!((radio["R_total"].as_f64().expect("R") - 0.0).abs() < 1.0);
+}
+
+/// Which key is which polarisation: the power of s light that leaves, as s and as p, is the efficiency of incident s
+/// light; with a tilted body the cross-polarised parts differ. *Planted*: rows and columns exchanged.
+#[test]
+fn polarised_amplitudes_are_by_incident_then_by_outgoing_polarisation() {
+    let case = json!({
+        "wavelength": 0.55, "sigma_deg": 30, "phi_deg": 20, "L": 0.5, "H": 0.5, "eta_binder": [1.5, 0],
+        "bodies": [{ "shape": { "kind": "box", "edges": [0.1, 0.3, 0.15] }, "center": [0.25, 0.25, 0.25],
+                     "axis": [0.3, 0.2, 1.0], "eta": [2.2, 0.1] }]
+    });
+    let folder = Folder::new();
+    let path = folder.file("case.json", &case.to_string());
+    let output = inkwave(&path, &["--wave", "vector", "--nxy", "10", "--nz", "6"]);
+    let result: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert!(result["polarisations"].as_str().is_some_and(|words| words.contains("R.s.p")), "{result}");
+    let orders = result["orders"].as_array().expect("orders");
+    let specular = orders.iter().find(|order| order["m"] == 0 && order["n"] == 0).expect("order (0, 0)");
+    let power = |incident: &str, outgoing: &str| -> f64 {
+        let pair = specular["R"][incident][outgoing].as_array().expect("[re, im]");
+        pair.iter().map(|x| x.as_f64().expect("a number").powi(2)).sum()
+    };
+    for light in ["s", "p"] {
+        let efficiency = specular["eff_R"][light].as_f64().expect("a number");
+        let sum = power(light, "s") + power(light, "p");
+        // identity: the specular order leaves at the angle of incidence
+        assert!((sum - efficiency).abs() < 1e-12, "{light}: {sum} {efficiency}");
+    }
+    let apart = (power("s", "p") - power("p", "s")).abs();
+    assert!(apart > 1e-3 * power("s", "p"), "the check is empty: {apart}");
+}
+
 #[test]
 fn entries_that_do_not_fit_are_named_with_their_place() {
     for (text, words) in [
@@ -135,7 +198,10 @@ fn entries_that_do_not_fit_are_named_with_their_place() {
         ),
         (with("/layers_from_z0", json!([])), vec!["eta_binder", "layers_from_z0", "in one way"]),
         (json!({ "wavelength": 0.5 }).to_string(), vec!["eta_binder", "layers_from_z0", "in one way"]),
-        (json!({ "L": 0.5 }).to_string(), vec!["wavelength: found nothing", "add wavelength"]),
+        (
+            json!({ "L": 0.5 }).to_string(),
+            vec!["wavelength: found nothing", "`wavelength_um` and `wavelength_nm`"],
+        ),
         (
             json!({ "wavelength": 0.5, "eta_binder": [1.5, 0] }).to_string(),
             vec!["H: found nothing", "thickness in µm"],

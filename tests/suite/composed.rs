@@ -1,6 +1,6 @@
 //! Composed layers as a user runs them: any thickness of one set of solves, resumed, swept, in either wave.
 
-use super::run_support::{study, succeed};
+use super::run_support::{described_tables, study, succeed};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -78,6 +78,7 @@ fn one_set_of_solves_answers_all_thicknesses_and_is_resumed() {
     for name in ["report.html", "spectra.csv", "medium.csv", "bdf.csv"] {
         assert!(output.join(name).exists(), "{name}");
     }
+    assert_eq!(described_tables(&output), 3);
     // other thicknesses with the same slabs need no solve
     let other = study(scratch.path(), &LAYER.replace("[1, 2, 50]", "[1, 7]"));
     let said = succeed(&other, &output, &[]);
@@ -158,5 +159,7 @@ fn a_sweep_of_composed_layers_has_a_table_and_a_page() {
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let table = std::fs::read_to_string(output.join("composed.csv")).unwrap();
     assert_eq!(table.lines().count(), 7, "{table}");
+    // composed.csv, and three tables of each layer
+    assert_eq!(described_tables(&output), 7);
     assert!(output.join("report.html").exists());
 }

@@ -84,7 +84,6 @@ fn the_costs_in_the_readme_are_those_measured() {
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
 }
 
-/// The page of planted faults names commits of this repository, or says that it has none.
 /// The schedule renews the page outside of the clone; what is committed says how old it is.
 #[test]
 fn the_readme_says_how_old_the_benchmarks_are() {
@@ -94,6 +93,7 @@ fn the_readme_says_how_old_the_benchmarks_are() {
     assert!(page.contains(&format!("{day}T")), "the page is not of {day}");
 }
 
+/// The page of planted faults names commits of this repository, or says that it has none.
 #[test]
 fn commits_that_pages_name_are_in_the_repository() {
     let git = |arguments: &[&str]| Command::new("git").current_dir(root()).args(arguments).output();

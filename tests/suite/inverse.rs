@@ -53,13 +53,26 @@ fn slips_in_fits_are_said_with_their_field_and_a_remedy() {
     one_fault(&fit("card.csv", "none.csv"), &["measured[0].file", "none.csv"]);
     one_fault(&fit("backing", "volume_fraction = 1.2\nbacking"), &["measured[0].volume_fraction", "1.2"]);
     one_fault(&faults("base = \"ink.toml\"\n", CARD, load_fit), &["measured", "none", "white and on black"]);
+}
+
+#[test]
+fn a_spectrum_listed_twice_is_no_independent_data() {
     let again = &FIT[FIT.find("[[").expect("a table")..];
     let twice = faults(&format!("{FIT}{again}"), CARD, load_fit);
     one_fault(&twice, &["measured[1].file", "listed before", "no independent data"]);
+}
+
+#[test]
+fn slips_in_the_settings_of_a_fit_are_said() {
     let table = |text: &str| faults(&format!("{FIT}[fit]\n{text}\n"), CARD, load_fit);
     one_fault(&table("pigment = \"b\""), &["fit.pigment", "\"b\"", "a"]);
     one_fault(&table("noise = 0.0"), &["fit.noise", "0.003 is usual"]);
     one_fault(&table("n = [2.0, 1.4]"), &["fit.n", "from < to"]);
+    one_fault(&table("kappa = [0.3, 0.1]"), &["fit.kappa", "[0.3, 0.1]", "from < to"]);
+}
+
+#[test]
+fn slips_in_measured_spectra_are_said() {
     let card = |rows: &str| faults(FIT, &format!("wavelength_nm,reflectance\n{rows}"), load_fit);
     one_fault(&card(""), &["measured[0].file", "0 rows"]);
     one_fault(&card("700,0.5\n400,0.6\n"), &["measured[0].file", "do not increase"]);
@@ -68,11 +81,20 @@ fn slips_in_fits_are_said_with_their_field_and_a_remedy() {
     one_fault(&card("450,0.5\n550,0.6\n"), &["measured[0].file", "450 to 550 nm", "500 to 600 nm"]);
     one_fault(&card("400,0.5\n550,nan\n700,0.6\n"), &["measured[0].file", "550"]);
     one_fault(&faults(FIT, TWO_COLOURS, load_fit), &["measured[0].file"]);
-    one_fault(&table("kappa = [0.3, 0.1]"), &["fit.kappa", "[0.3, 0.1]", "from < to"]);
+    // percent is recognised
+    assert_eq!(card("400,50\n700,60\n"), Vec::<String>::new());
+}
+
+#[test]
+fn slips_in_the_light_of_a_fits_base_are_said() {
     for (waves, said) in [("[]", "wavelengths_nm"), ("[600, 500]", "wavelengths_nm")] {
         let ink = INK.replace("[500, 600]", waves);
         one_fault(&faults_with(&ink, FIT, CARD, load_fit), &["base.light", said]);
     }
+}
+
+#[test]
+fn a_dissolved_pigment_is_not_fitted() {
     for ink in [
         INK.replace("[light]", &format!("{DYE}[light]")),
         INK.replace("diameter_nm = 200", "diameter_nm = 'molecular'"),
@@ -81,8 +103,6 @@ fn slips_in_fits_are_said_with_their_field_and_a_remedy() {
         let fit = format!("{FIT}[fit]\npigment = \"{name}\"\n");
         one_fault(&faults_with(&ink, &fit, CARD, load_fit), &["fit.pigment", name, "dissolved"]);
     }
-    // percent is recognised
-    assert_eq!(card("400,50\n700,60\n"), Vec::<String>::new());
 }
 
 #[test]
@@ -136,12 +156,21 @@ fn slips_in_designs_are_said_with_their_field_and_a_remedy() {
     one_fault(&design("lab = [80, 0, 50]", "file = \"none.csv\""), &["target", "none.csv"]);
     let ratio = design("field = \"pigment[0].volume_fraction\"", "ratio = [\"a\", \"a\"]");
     one_fault(&ratio, &["vary[0].ratio", "twice", "two pigments"]);
+}
+
+#[test]
+fn slips_in_the_target_colour_of_a_design_are_said() {
+    let read = inkwave::design::recipe::load;
     let colour = |patch: &str| {
         let target = format!("file = \"card.csv\"{patch}");
         faults(&DESIGN.replace("lab = [80, 0, 50]", &target), TWO_COLOURS, read)
     };
     one_fault(&colour("\npatch = \"b\""), &["target", "illuminant and observer are not stated"]);
     one_fault(&colour(""), &["target", "2 samples", "target.patch"]);
+}
+
+#[test]
+fn slips_in_the_settings_of_a_design_are_said() {
     one_fault(&format_design("[design]\ndelta_e = 0.0\n"), &["design.delta_e", "0.5 is hard to see"]);
     one_fault(&format_design("[design]\nvariants = 2\n"), &["design.variants", "2"]);
 }

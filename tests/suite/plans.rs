@@ -1,7 +1,8 @@
 //! Plans answer soon, whatever is planned.
 
-use crate::run_support::{TINY, command, run, study};
+use crate::run_support::{TINY, command, run, study, succeed};
 use std::io::{BufRead, BufReader};
+use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
@@ -52,4 +53,30 @@ fn what_is_out_of_reach_is_told_by_the_plan_and_before_a_run() {
     child.kill().unwrap();
     child.wait().unwrap();
     assert!(told, "before anything is packed");
+}
+
+/// Core seconds that a plan forecasts, with the range that it states.
+fn forecast(file: &Path, folder: &Path) -> [f64; 3] {
+    let done = run(file, folder, &["--plan", "--json"]);
+    let plan: serde_json::Value = serde_json::from_slice(&done.stdout).expect("JSON");
+    let number = |value: &serde_json::Value| value.as_f64().expect("a number");
+    let range = &plan["core_seconds_range"];
+    [number(&plan["core_seconds"]), number(&range[0]), number(&range[1])]
+}
+
+/// What a run takes lies in the range that its plan states, on a loaded machine too: both count the processor's time.
+/// *Planted*: seconds by the clock on the wall while other programs work; a forecast 100 times too long or too short.
+#[test]
+fn a_forecast_is_neither_far_too_long_nor_far_too_short() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = TINY.replace("realisations = 2", "realisations = 24").replace("step_nm = 100", "step_nm = 50");
+    let (file, output) = (study(folder.path(), &text), folder.path().join("out"));
+    let [seconds, least, most] = forecast(&file, &output);
+    assert!(least < seconds && seconds < most && most / least < 10.0, "{least} {seconds} {most}");
+    succeed(&file, &output, &["--jobs", "1"]);
+    let results = std::fs::read(output.join("results.json")).unwrap();
+    let results: serde_json::Value = serde_json::from_slice(&results).unwrap();
+    let taken = results["process_seconds"].as_f64().expect("seconds of the process");
+    // 504 solves: enough for reading, packing and drawing to be small beside them
+    assert!((least..most).contains(&taken), "{taken} s of {least} to {most}");
 }

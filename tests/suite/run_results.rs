@@ -1,6 +1,6 @@
 //! What a finished run leaves behind.
 
-use crate::run_support::{TINY, study, succeed};
+use crate::run_support::{TINY, described_tables, study, succeed};
 use serde_json::Value;
 use std::path::Path;
 
@@ -39,6 +39,54 @@ fn a_finished_run_leaves_numbers_tables_picture_and_page() {
         "self-contained"
     );
     assert!(page.contains("Only 4 wavelengths were solved") && page.contains("A thin air gap"), "{page}");
+}
+
+/// *Planted*: a column whose description is removed from the list.
+#[test]
+fn every_column_of_every_table_of_a_run_is_described() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("out");
+    std::fs::write(folder.path().join("print.csv"), "wavelength_nm,reflectance\n400,0.5\n700,0.6\n").unwrap();
+    let text = TINY.replace("[output]", "[compare]\nmeasured = \"print.csv\"\n[output]");
+    succeed(&study(folder.path(), &text), &out, &[]);
+    // spectra, distributions, the measurement
+    assert!(described_tables(&out) >= 3);
+    let package = std::fs::read_to_string(out.join("datapackage.json")).unwrap();
+    assert!(package.contains("layer alone") && package.contains("layer on its paper"), "{package}");
+}
+
+/// ⟨|t|²⟩ holds the diffuse light of the cells' order, |⟨t⟩|² does not; of a clear film both are T.
+#[test]
+fn coherent_and_specular_transmittance_are_both_published() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = |text: &str, name: &str| {
+        let out = folder.path().join(name);
+        succeed(&study(folder.path(), text), &out, &[]);
+        results(&out)["spectra"].as_array().unwrap().clone()
+    };
+    let value = |row: &Value, key: &str| row[key]["value"].as_f64().unwrap();
+    let start = TINY.find("[[pigment]]").unwrap();
+    let clear = format!("{}{}", &TINY[..start], &TINY[TINY.find("[light]").unwrap()..]);
+    for row in rows(&clear, "clear") {
+        let [all, specular, coherent] =
+            ["transmittance", "specular_transmittance", "coherent_transmittance"].map(|key| value(&row, key));
+        // identity: all realisations are the same film, with rounding and the solver's residual
+        assert!((specular - all).abs() < 1e-4 && (coherent - all).abs() < 1e-4, "{row}");
+    }
+    // grains that scatter strongly in small cells: much diffuse light goes straight on
+    let strong =
+        TINY.replace("{ built_in = \"yellow\" }", "2.4").replace("realisations = 2", "realisations = 8");
+    let (mut specular, mut coherent) = (0.0, 0.0);
+    for row in rows(&strong, "strong") {
+        let error = row["coherent_transmittance"]["standard_error"].as_f64().unwrap();
+        assert!(
+            value(&row, "coherent_transmittance") < value(&row, "specular_transmittance") + 3.0 * error,
+            "{row}"
+        );
+        specular += value(&row, "specular_transmittance");
+        coherent += value(&row, "coherent_transmittance");
+    }
+    assert!(coherent < 0.97 * specular, "{coherent} {specular}");
 }
 
 /// Packings that are too few to end early miss no target by it, and are no pairs.

@@ -1,5 +1,6 @@
 //! Sweeps: stopped, killed, divided among machines and joined again; wrong sweep files.
 
+use crate::run_support::described_tables;
 use crate::sweep_support::{Place, TINY, inkwave, points, results, said, store, succeed};
 use inkwave::store::{PointRecord, Record};
 use std::path::Path;
@@ -7,45 +8,73 @@ use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 #[test]
-fn shards_merged_are_the_local_run_bit_for_bit_and_shared_solves_are_made_once() {
+fn solves_that_variants_share_are_made_once() {
     let place = Place::new(TINY);
     let told = place.sweep("local", &[]);
     assert!(told.contains("dark paper: confirmed"), "{told}");
     // 2 shares × (24 of grains + 12 without), each once for both papers
     assert_eq!(points(&place.path("local")), 72);
     assert!(!Path::new(&place.path("local/PARTIAL")).exists());
+}
 
+/// Two shards of three, and the third by a scheduler's number.
+fn shards(place: &Place) -> [String; 3] {
     place.sweep("one", &["--shard", "1/3", "--jobs", "1"]);
     place.sweep("two", &["--shard", "2/3"]);
     let mut third =
         inkwave(&["sweep", &place.path("tiny.toml"), "--output", &place.path("three"), "--shard", "3"]);
     assert!(third.env("SLURM_ARRAY_TASK_ID", "3").status().unwrap().success());
-    let shards = ["one", "two", "three"].map(|name| place.path(name));
-    let partly =
-        inkwave(&["merge", &shards[0], &shards[2], "--output", &place.path("partly")]).output().unwrap();
-    assert!(!partly.status.success() && said(&partly).contains("variants are finished"), "{}", said(&partly));
-    assert!(std::fs::read_to_string(place.path("partly/report.html")).unwrap().contains("Partial results"));
+    ["one", "two", "three"].map(|name| place.path(name))
+}
+
+#[test]
+fn shards_merged_are_the_local_run_bit_for_bit() {
+    let place = Place::new(TINY);
+    place.sweep("local", &[]);
+    let shards = shards(&place);
     succeed(&["merge", &shards[2], &shards[0], &shards[1], "--output", &place.path("merged")]);
     for (local, merged) in results(&place.path("local")).iter().zip(&results(&place.path("merged"))) {
         assert!(local == merged, "{} differs", local.0.display());
     }
+}
 
-    let page = std::fs::read_to_string(place.path("merged/report.html")).unwrap();
+#[test]
+fn a_merge_of_some_shards_is_partial_and_says_so() {
+    let place = Place::new(TINY);
+    let shards = shards(&place);
+    let partly =
+        inkwave(&["merge", &shards[0], &shards[2], "--output", &place.path("partly")]).output().unwrap();
+    assert!(!partly.status.success() && said(&partly).contains("variants are finished"), "{}", said(&partly));
+    assert!(std::fs::read_to_string(place.path("partly/report.html")).unwrap().contains("Partial results"));
+}
+
+#[test]
+fn a_sweep_has_plots_and_a_table_of_differences_that_is_described() {
+    let place = Place::new(TINY);
+    place.sweep("local", &[]);
+    let page = std::fs::read_to_string(place.path("local/report.html")).unwrap();
     for plot in ["transmittance at 400 nm against concentration", "chroma C* against grain size"] {
         assert!(page.contains(plot), "no plot of {plot}");
     }
-    let table = std::fs::read_to_string(place.path("merged/sweep.csv")).unwrap();
+    let table = std::fs::read_to_string(place.path("local/sweep.csv")).unwrap();
     let differences: Vec<&str> = table.lines().skip(1).map(|line| line.rsplit(',').next().unwrap()).collect();
     // The first variant is the reference; all others have an error of their difference to it.
     assert!(
         differences[0].is_empty() && differences[1..].iter().all(|d| d.parse::<f64>().is_ok()),
         "{table}"
     );
+    // sweep.csv, conclusions.csv, and two tables of each of eight variants
+    assert!(described_tables(Path::new(&place.path("local"))) >= 18);
+}
 
-    let before = results(&place.path("merged"));
-    std::fs::remove_file(place.path("merged/sweep.csv")).unwrap();
-    succeed(&["report", &place.path("merged")]);
-    assert!(before == results(&place.path("merged")));
+#[test]
+fn a_report_made_anew_is_the_same() {
+    let place = Place::new(TINY);
+    place.sweep("local", &[]);
+    let before = results(&place.path("local"));
+    std::fs::remove_file(place.path("local/sweep.csv")).unwrap();
+    succeed(&["report", &place.path("local")]);
+    assert!(before == results(&place.path("local")));
 }
 
 #[cfg(unix)]
@@ -189,7 +218,7 @@ fn slip(from: &str, to: &str, words: &[&str]) {
 }
 
 #[test]
-fn slips_are_told_with_field_value_range_and_remedy() {
+fn slips_in_values_and_labels_of_an_axis_are_told() {
     slip(
         "values = [0.10, 0.15]",
         "values = [0.10, 1.15]",
@@ -197,12 +226,28 @@ fn slips_are_told_with_field_value_range_and_remedy() {
     );
     slip("values = [0.10, 0.15]", "values = []", &["axis[0].values", "no values", "from, to"]);
     slip("[\"10 %\", \"15 %\"]", "[\"10 %\"]", &["axis[0].labels", "1 labels", "2 labels"]);
+    slip("\"molecular\", 200]", "\"molecular\", 200]\nzip = \"a\"\nfrom = 3", &["axis[1].values"]);
+    slip("\"molecular\", 200]", "\"atomic\", 200]", &["atomic", "molecular"]);
+    slip(
+        "\"15 %\"]",
+        &format!("\"{}\"]", "long ".repeat(60)),
+        &["axis: found labels", "at most 200", "shorten"],
+    );
+}
+
+#[test]
+fn slips_in_the_fields_of_an_axis_are_told() {
     slip(
         "pigment.yellow.volume",
         "pigment.blue.volume",
         &["axis[0].field", "yellow", "none of them is blue"],
     );
     slip("paper.albedo", "paper.albdo", &["unknown key", "albedo", "did you mean"]);
+    slip("pigment.yellow.volume", "pigment[[0].volume", &["axis[0].field", "is no name such as"]);
+}
+
+#[test]
+fn slips_in_conclusions_are_told() {
     slip(
         "size = 200, paper = 0.9",
         "size = 250, paper = 0.9",
@@ -210,22 +255,18 @@ fn slips_are_told_with_field_value_range_and_remedy() {
     );
     slip("size = 200, paper = 0.9", "size = 200", &["conclusion[0].plus[0]", "2 variants", "exactly one"]);
     slip(
-        "[[axis]]",
-        "[[exclude]]\nwhere = { colour = 1 }\n[[axis]]",
-        &["exclude[0].where", "share, size, paper"],
-    );
-    slip("\"molecular\", 200]", "\"molecular\", 200]\nzip = \"a\"\nfrom = 3", &["axis[1].values"]);
-    slip("\"molecular\", 200]", "\"atomic\", 200]", &["atomic", "molecular"]);
-    slip("pigment.yellow.volume", "pigment[[0].volume", &["axis[0].field", "is no name such as"]);
-    slip(
-        "\"15 %\"]",
-        &format!("\"{}\"]", "long ".repeat(60)),
-        &["axis: found labels", "at most 200", "shorten"],
-    );
-    slip(
         "id = \"size\"",
         "id = \"dark paper\"",
         &["conclusion[1].id", "\"dark paper\" twice", "names that differ"],
+    );
+}
+
+#[test]
+fn slips_in_exclusions_and_in_the_base_are_told() {
+    slip(
+        "[[axis]]",
+        "[[exclude]]\nwhere = { colour = 1 }\n[[axis]]",
+        &["exclude[0].where", "share, size, paper"],
     );
     slip("period_um = 0.8", "period_um = -0.8", &["base.layer.period_um", "-0.8", "µm is usual"]);
 }

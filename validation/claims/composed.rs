@@ -10,7 +10,7 @@ use serde_json::Value;
 
 pub const CLAIM: Claim = Claim {
     id: "26-composed",
-    statement: "A layer composed of slabs is the layer solved at once, within both error bars, its medium scatters as hard spheres do and its coherent light fades as among them, and it loses no light at 100 µm: clear grains have R + T = 1, 1/T grows evenly with the thickness, and on a perfect white all light comes back.",
+    statement: "A layer composed of slabs is the layer solved at once, within both error bars; its medium scatters and fades as hard spheres do; and at 100 µm no light is lost.",
     because: "Flux matrices are reciprocal and conserve energy column by column; the surfaces are solved together with the outermost slabs.",
     file: file!(),
     measure,

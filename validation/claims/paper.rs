@@ -68,6 +68,7 @@ fn by_formula(film: &Film, strata: usize, r: usize) -> SolvedRealisation {
             specular_reflectance: r,
             transmittance: t,
             specular_transmittance: t,
+            unscattered: Default::default(),
             absorptance: 1.0 - r - t,
             order_area: 0.0,
             scattered: Vec::new(),

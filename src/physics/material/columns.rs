@@ -8,11 +8,14 @@
 
 use crate::numerics::files::{self, FileError};
 use csv::StringRecord;
+use std::collections::HashSet;
 use std::path::Path;
 
 /// Shortest plausible wavelength in a table of optical constants, nm; smaller numbers are probably
 /// µm.
 const LEAST_NM: f64 = 10.0;
+/// Wider tables are no spectra; instruments write some hundred columns.
+const MOST_COLUMNS: usize = 10_000;
 
 /// The largest wavelength, if the wavelengths are too small to be in nm.
 pub fn micrometres(wavelengths_nm: impl IntoIterator<Item = f64>) -> Option<f64> {
@@ -56,6 +59,13 @@ impl Columns {
             return Err(FileError::new(path, "it is empty; the first line names the columns"));
         };
         let separator = [b';', b'\t'].into_iter().find(|&c| header.contains(char::from(c))).unwrap_or(b',');
+        let columns = 1 + header.bytes().filter(|&c| c == separator).count();
+        if columns > MOST_COLUMNS {
+            let what = format!(
+                "it has {columns} columns; at most {MOST_COLUMNS} are read: keep those of the spectrum"
+            );
+            return Err(FileError::new(path, what));
+        }
         let mut reader = csv::ReaderBuilder::new()
             .delimiter(separator)
             .comment(Some(b'#'))
@@ -64,8 +74,8 @@ impl Columns {
             .from_reader(text.as_bytes());
         let headers = reader.headers().map_err(|error| FileError::new(&path, error))?;
         let names: Vec<String> = headers.iter().map(str::to_lowercase).collect();
-        let twice = |(i, name): &(usize, &String)| !name.is_empty() && names[..*i].contains(name);
-        if let Some((_, name)) = names.iter().enumerate().find(twice) {
+        let mut seen = HashSet::new();
+        if let Some(name) = names.iter().find(|name| !name.is_empty() && !seen.insert(*name)) {
             return Err(FileError::new(&path, format!("column {name} occurs twice; keep one of them")));
         }
         let mut table = Self { path, names, rows: Vec::new(), lines: Vec::new() };
@@ -200,6 +210,16 @@ mod tests {
         assert!(parse("# nothing\n").is_err());
         let message = parse("wavelength_nm,n,n\n400,1.4,1.5\n").unwrap_err().to_string();
         assert!(message.contains("column n occurs twice"), "{message}");
+    }
+
+    #[test]
+    fn a_table_of_a_million_columns_is_refused_before_it_is_read() {
+        let header = (0..1_000_000).map(|i| format!("c{i}")).collect::<Vec<_>>().join(",");
+        let begun = std::time::Instant::now();
+        let message = parse(&header).unwrap_err().to_string();
+        assert!(message.contains("it has 1000000 columns; at most 10000 are read"), "{message}");
+        // compared with each other, the names take minutes
+        assert!(begun.elapsed().as_secs() < 5, "{:?}", begun.elapsed());
     }
 
     #[test]

@@ -88,7 +88,7 @@ impl Dispersion {
     /// The file cannot be read, is not a record, or holds numbers that give no index.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let name = path.display().to_string();
-        let text = files::read_text(path, files::STUDY).map_err(|error| FileError::new(&name, error))?;
+        let text = files::read_text(path, files::RECORD).map_err(|error| FileError::new(&name, error))?;
         let expected = "expected a record of refractiveindex.info with DATA: - type: tabulated nk, n, k or formula 1 to 9";
         Self::parse(&name, &text)
             .map_err(|reason| FileError::new(&name, format_args!("{reason}; {expected}")))

@@ -4,9 +4,7 @@ use crate::evaluate::composed::manifest::{
     ComposedManifest, ComposedRow, DistributionRow, ErrorParts, MediumRow,
 };
 use crate::report::cell::{numbers, table, with_errors};
-
-/// A table's name, bytes and description.
-type NamedTable = (&'static str, Vec<u8>, &'static str);
+use crate::report::tables::NamedTable;
 
 /// All tables.
 ///

@@ -68,12 +68,14 @@ fn layer_spectra(study: &Study, rows: &[SpectrumRow]) -> Drawing {
         spectrum((study, rows), "reflected, specular", |row| Some(row.specular_reflectance)),
         spectrum((study, rows), "transmitted", |row| Some(row.transmittance)),
         spectrum((study, rows), "transmitted, specular", |row| Some(row.specular_transmittance)),
+        spectrum((study, rows), "transmitted, coherent", |row| row.coherent_transmittance),
         spectrum((study, rows), "absorbed", |row| Some(row.absorptance)),
     ];
     let caption = format!(
         "The layer alone, without paper, lit at {angle:.0}°: shares of the light reflected, transmitted and absorbed, \
-         which add up to 1 within their errors. “Specular” is the part that goes on as a mirror image or straight \
-         through; estimated apart from the whole, it may exceed it within the errors."
+         which add up to 1 within their errors. “Specular” is the cells' order that goes on as a mirror image or straight \
+         through, the diffuse light of its direction included (mean |t|²); “coherent” is that without the diffuse light \
+         (|mean t|²), as a print of any size has it. Estimated apart from the whole, they may exceed it within the errors."
     );
     Some(("The layer alone", shares(WAVELENGTH, "share of the light", curves)?, caption))
 }

@@ -43,11 +43,35 @@ pub trait DirectionalPrint: Sync {
     ///
     /// # Errors
     /// The print refuses the angle.
-    fn disagreement(&self, polar_deg: f64) -> Result<Vec<Estimate>, InkError>;
+    fn disagreement(&self, polar_deg: f64) -> Result<Vec<Disagreement>, InkError>;
 
     /// Recommended angles of incidence of a table, degrees, increasing.
     fn nodes_deg(&self) -> Vec<f64> {
         NODES_DEG.to_vec()
+    }
+}
+
+/// A difference between the albedo by two ways, with its standard error in two parts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disagreement {
+    /// The difference.
+    pub value: f64,
+    /// Standard error by chance: jackknife over the realisations; `None` where it is unknown.
+    pub chance: Option<f64>,
+    /// What the two fits differ by beyond chance, root mean square over the hemisphere: polynomials
+    /// of the cosines and splines of the wavelength do not hold all of f and of R.
+    pub of_fits: f64,
+}
+
+impl Disagreement {
+    /// A difference without a known error.
+    pub fn unknown_error(value: f64) -> Self {
+        Self { value, chance: None, of_fits: 0.0 }
+    }
+
+    /// Standard error of both parts.
+    pub fn standard_error(&self) -> Option<f64> {
+        self.chance.map(|chance| chance.hypot(self.of_fits))
     }
 }
 
@@ -66,6 +90,8 @@ pub struct DirectionalInk<'a> {
     tables: Vec<Vec<[f64; 4]>>,
     /// Angles with the weights of 2∫₀¹ f μ dμ.
     hemisphere: Vec<(PolarAngle, f64)>,
+    /// \[wavelength\]: what the fits of f and of R differ by beyond chance.
+    of_fits: Vec<f64>,
 }
 
 /// T, mirror part of R, albedo, T of the light returned by the paper; `bend` is added to the T
@@ -96,7 +122,30 @@ impl<'a> DirectionalInk<'a> {
             }
         }
         tables.iter_mut().for_each(|table| table.push([0.0, 1.0, 1.0, 0.0]));
-        Ok(Self { ink, tables, hemisphere })
+        let mut directional = Self { ink, tables, hemisphere, of_fits: Vec::new() };
+        directional.of_fits = directional.beyond_chance();
+        Ok(directional)
+    }
+
+    /// Root of the mean over the hemisphere of d² less its variance by chance, for the difference d
+    /// between the fits of f and of R; 0 where chance explains it.
+    fn beyond_chance(&self) -> Vec<f64> {
+        let mut squares = vec![0.0; self.ink.wavelengths_nm().len()];
+        for (at, weight) in &self.hemisphere {
+            for (square, difference) in squares.iter_mut().zip(self.difference(at)) {
+                let chance = difference.standard_error.unwrap_or(0.0);
+                *square += weight * (difference.value.powi(2) - chance.powi(2));
+            }
+        }
+        squares.into_iter().map(|square| square.max(0.0).sqrt()).collect()
+    }
+
+    /// Difference between the fits of f and of R, with its jackknife error.
+    fn difference(&self, at: &PolarAngle) -> Vec<Estimate> {
+        let of = |layer: &LayerOnPaper| {
+            layer.own_albedo(at, &self.hemisphere) - (layer.reflectance(at) - layer.mirrored(at))
+        };
+        self.ink.spectrum(of).estimates()
     }
 
     /// T(θ) at the wavelength with this index.
@@ -141,13 +190,15 @@ impl DirectionalPrint for DirectionalInk<'_> {
     }
 
     /// Light returned by the paper is the same in both: this is the difference between the fits of
-    /// f and of R, with its jackknife error.
-    fn disagreement(&self, polar_deg: f64) -> Result<Vec<Estimate>, InkError> {
-        let at = self.ink.at(polar_deg)?;
-        let difference = |layer: &LayerOnPaper| {
-            layer.own_albedo(&at, &self.hemisphere) - (layer.reflectance(&at) - layer.mirrored(&at))
+    /// f and of R.
+    fn disagreement(&self, polar_deg: f64) -> Result<Vec<Disagreement>, InkError> {
+        let differences = self.difference(&self.ink.at(polar_deg)?).into_iter().zip(&self.of_fits);
+        let with_error = |(d, &of_fits): (Estimate, &f64)| Disagreement {
+            value: d.value,
+            chance: d.standard_error,
+            of_fits,
         };
-        Ok(self.ink.spectrum(difference).estimates())
+        Ok(differences.map(with_error).collect())
     }
 }
 
@@ -155,7 +206,7 @@ impl DirectionalPrint for DirectionalInk<'_> {
 mod tests {
     use super::*;
     use crate::appearance::paper::Coupling;
-    use crate::evaluate::ink::tests::molecular_ink;
+    use crate::evaluate::ink::tests::{molecular_ink, yellow_made_up};
 
     #[test]
     fn tables_follow_the_ink() {
@@ -170,5 +221,25 @@ mod tests {
             assert!((directional.brdf(7, 0.0, view) - layer.brdf(&ink.at(0.0).unwrap(), &at)).abs() < 5e-5);
         }
         assert_eq!((directional.transmittance(0, 90.0), directional.specular(0, 90.0)), (0.0, 1.0));
+    }
+
+    /// R of the made-up layer has a band in the wavelength and its f none: the difference is the same in every
+    /// packing, and no chance. *Planted*: with the jackknife error alone it is hundreds of errors off.
+    #[test]
+    fn what_the_fits_cannot_hold_is_in_the_error() {
+        let made = yellow_made_up(1e-4);
+        let (ink, _) = made.ink(8, 3);
+        let directional = DirectionalInk::new(&ink).unwrap();
+        let (mut squares, mut by_chance, mut count) = (0.0, 0.0, 0.0);
+        for deg in [5.0, 20.0, 35.0, 50.0, 65.0] {
+            for apart in directional.disagreement(deg).unwrap() {
+                squares += (apart.value / apart.standard_error().unwrap()).powi(2);
+                by_chance += (apart.value / apart.chance.unwrap().max(1e-12)).powi(2);
+                count += 1.0;
+            }
+        }
+        let [z, alone] = [squares, by_chance].map(|sum: f64| (sum / count).sqrt());
+        // the root mean square over the hemisphere is that over these angles to a factor of two
+        assert!((0.5..2.0).contains(&z) && alone > 5.0, "rms z {z}, by chance alone {alone}");
     }
 }

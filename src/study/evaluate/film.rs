@@ -52,11 +52,17 @@ impl Film {
     /// the magnetic field), from the far face backwards: Γ = (r + Γ′ e^{2ibh})/(1 + r Γ′ e^{2ibh})
     /// with r = (y_a − y_b)/(y_a + y_b); only decaying exponentials occur.
     pub fn reflectance_transmittance(&self, side: Side, polar_deg: f64, light: Polarisation) -> (f64, f64) {
+        let [reflected, transmitted] = self.amplitudes(side, polar_deg, light);
+        (reflected.norm_sqr(), transmitted.norm_sqr())
+    }
+
+    /// Amplitudes at the faces, reflected and transmitted, scaled so that their squares are R and T.
+    pub fn amplitudes(&self, side: Side, polar_deg: f64, light: Polarisation) -> [Complex64; 2] {
         let (from, to) = if side == Side::Incident { (1.0, self.index_out) } else { (self.index_out, 1.0) };
         let k0 = TAU / self.wavelength_um;
         let (sin, cos) = polar_deg.to_radians().sin_cos();
         if cos < 1e-12 {
-            return (1.0, 0.0);
+            return [Complex64::ONE, Complex64::ZERO];
         }
         let along = from * sin;
         let normal = |squared: Complex64| nonzero((squared - along * along).sqrt());
@@ -81,7 +87,7 @@ impl Film {
             after = here;
         }
         let (reflected, passed) = interface(entry, after, gamma);
-        (reflected.norm_sqr(), exit.re / entry.re * (through * passed).norm_sqr())
+        [reflected, (exit.re / entry.re).max(0.0).sqrt() * through * passed]
     }
 }
 

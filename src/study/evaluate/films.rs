@@ -8,6 +8,9 @@ use gauss_quad::GaussLegendre;
 use num_complex::Complex64;
 use std::f64::consts::FRAC_PI_2;
 
+/// Most polarisations of one light, whose amplitudes are mutually incoherent.
+pub const LIGHTS: usize = 2;
+
 /// Number of angles of hemispherical means, exact to rounding for films of a few wavelengths.
 const MEAN_ANGLES: usize = 40;
 
@@ -85,6 +88,20 @@ impl FilmAt {
     /// \[R, T\] for light from the incident side.
     pub fn reflectance_transmittance(&self, polar_deg: f64) -> [f64; 2] {
         self.from(Side::Incident, polar_deg)
+    }
+
+    /// Transmitted amplitudes of light from the incident side, one for each polarisation of the light, so that
+    /// the sum of their squares is T of the first thickness; 0 beyond them.
+    pub fn transmitted_amplitudes(&self, polar_deg: f64) -> [Complex64; LIGHTS] {
+        let lights: &[Polarisation] =
+            if self.wave.is_vector() { self.wave.polarisations() } else { &[Polarisation::S] };
+        let share = (1.0 / lights.len() as f64).sqrt();
+        let mut all = [Complex64::ZERO; LIGHTS];
+        for (own, &light) in all.iter_mut().zip(lights) {
+            let film = &self.films[0];
+            *own = share * film.amplitudes(Side::Incident, polar_deg, light)[1];
+        }
+        all
     }
 
     /// \[R, T\] for light from one side, with the angle in its half-space.

@@ -62,6 +62,7 @@ impl MadeUp<'_> {
             order_area: order_area(nm),
             transmittance: t,
             specular_transmittance: film[1] - 2.0 * lost,
+            unscattered: Default::default(),
             absorptance: 1.0 - r - t,
             scattered: scattered(polar_deg),
         }

@@ -139,6 +139,11 @@ fn the_brdf_depends_on_the_azimuth_as_the_orders_do() {
     }
 }
 
+/// A made-up layer of yellow ink, for tests of other modules.
+pub(crate) fn yellow_made_up(noise: f64) -> MadeUp<'static> {
+    MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 15, noise }
+}
+
 fn yellow(nm: f64) -> (Complex64, Vec<Complex64>) {
     let eta = Spectrum::synthetic("yellow").unwrap().index(1e-3 * nm).unwrap();
     (molecular_mixture(1.558.into(), &[(0.3, eta)]), Vec::new())

@@ -173,6 +173,7 @@ mod tests {
             specular_reflectance: 0.05,
             transmittance: transmittance(nm, polar_deg, h, order) + chance,
             specular_transmittance: 0.3,
+            unscattered: Default::default(),
             absorptance: 0.1,
             order_area: 0.1,
             scattered: Vec::new(),

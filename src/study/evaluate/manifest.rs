@@ -241,12 +241,17 @@ pub struct SpectrumRow {
     pub polar_deg: f64,
     /// Reflectance R.
     pub reflectance: Estimate,
-    /// R of the specular order.
+    /// R of the specular order of the cells: ⟨|r|²⟩, which holds the mirror image and the diffuse
+    /// light of that order, the more the smaller the cell.
     pub specular_reflectance: Estimate,
     /// Transmittance T.
     pub transmittance: Estimate,
-    /// R of the specular order.
+    /// T of the unscattered order of the cells: ⟨|t|²⟩, which holds the coherent light and the
+    /// diffuse light of that order, the more the smaller the cell.
     pub specular_transmittance: Estimate,
+    /// Coherent transmittance |⟨t⟩|²: what goes straight on through a layer of any size, without
+    /// bias; `None` for layers of uneven thickness.
+    pub coherent_transmittance: Option<Estimate>,
     /// Absorptance A.
     pub absorptance: Estimate,
     /// The ink on its paper under a uniform sky, viewed along the normal (white diffuser: 1).

@@ -7,6 +7,7 @@
 //! quantity ([`regression`], over [`wavelengths`]) is the *difference from the coherent [`film`]*,
 //! which contains the layer's interference fringes.
 
+pub mod coherent;
 pub mod composed;
 pub mod directional;
 pub mod film;

@@ -1,9 +1,11 @@
 //! The parts of a solve used in the evaluation, and the arrangement of a realisation's solves.
 
+use super::films::LIGHTS;
 use crate::wave::FarField;
+use num_complex::Complex64;
 
 /// One solve: totals, their specular parts, and the directions of the diffuse light.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SolvedDirection {
     /// Polar angle of incidence in the half-space that the light comes from, degrees.
     pub polar_deg: f64,
@@ -15,6 +17,9 @@ pub struct SolvedDirection {
     pub transmittance: f64,
     /// T of the unscattered order.
     pub specular_transmittance: f64,
+    /// Amplitudes of the unscattered order, one for each polarisation of the light, in that
+    /// polarisation; scaled so that their squares are its efficiencies.
+    pub unscattered: [Complex64; LIGHTS],
     /// A, from the field inside the layer.
     pub absorptance: f64,
     /// Projected solid angle λ²/(Lx Ly) of an order of the cell, sr.
@@ -47,7 +52,11 @@ impl From<&FarField> for SolvedDirection {
             along: o.direction[0] * forward[0] + o.direction[1] * forward[1],
             density: density * o.reflected_efficiency,
         });
+        let amplitudes: Vec<Complex64> = specular.amplitudes().map(|[_, transmitted]| transmitted).collect();
+        let power: f64 = amplitudes.iter().map(Complex64::norm_sqr).sum();
+        let scale = if power > 0.0 { (specular.transmitted_efficiency / power).sqrt() } else { 0.0 };
         Self {
+            unscattered: [scale * amplitudes[0], scale * amplitudes[2]],
             polar_deg: field.incidence.polar_deg,
             reflectance: field.reflectance,
             specular_reflectance: specular.reflected_efficiency,
@@ -93,6 +102,8 @@ impl SolvedDirection {
     fn average(&mut self, other: &Self) {
         let totals = self.totals_mut().into_iter().zip(other.totals());
         totals.for_each(|(own, other)| *own = 0.5 * (*own + other));
+        let amplitudes = self.unscattered.iter_mut().zip(other.unscattered);
+        amplitudes.for_each(|(own, other)| *own = 0.5 * (*own + other));
         let orders = self.scattered.iter_mut().zip(&other.scattered);
         orders.for_each(|(own, other)| own.density = 0.5 * (own.density + other.density));
     }

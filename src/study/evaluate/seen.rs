@@ -1,6 +1,7 @@
 //! Evaluates the finished solves: spectra of the layer, its distributions, and the ink on its
 //! paper.
 
+use super::coherent::CoherentLight;
 use super::film::Profile;
 use super::films::{FilmAt, Films, Indices};
 use super::ink::{InkError, InkInputs, InkOnPaper};
@@ -12,6 +13,7 @@ use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
 use crate::input::study::{Angles, Study};
 use crate::input::variation::{CellRule, LightRule};
+use crate::numerics::estimate::Estimate;
 use crate::run::{Collected, Realisation};
 use crate::store::record::PointRecord;
 use crate::wave::{FarField, Wave};
@@ -44,6 +46,7 @@ pub struct LayerSeen {
     /// The coherent film at each wavelength.
     films: Vec<FilmAt>,
     pub(super) wavelengths_nm: Vec<f64>,
+    coherent: Option<CoherentLight>,
 }
 
 /// Why there is no ink on paper.
@@ -75,6 +78,13 @@ impl LayerSeen {
             values: self.beyond(&film, None, column),
             replicates: (0..ensemble.replicates()).map(|r| self.beyond(&film, Some(r), column)).collect(),
         }
+    }
+
+    /// |⟨t⟩|² at one of the exact angles against the study's wavelengths, if all is of one thickness.
+    pub fn coherent_transmittance(&self, angle: usize) -> Option<Vec<Estimate>> {
+        let deg = self.ensemble.exact_deg[angle];
+        let coherent = self.coherent.as_ref()?;
+        Some(coherent.transmittance(angle, &self.films, deg, &self.wavelengths_nm))
     }
 
     /// Values of the film plus the fitted differences from it.
@@ -166,8 +176,9 @@ impl<'a> CompleteCells<'a> {
         let ensemble = LayerEnsemble::new(&seen.solved, basis, &films, &study.angles.exact_deg);
         seen.ink = self.on_paper(&ensemble, &seen.solved, &films);
         let wavelengths_nm = study.wavelengths_nm.clone();
+        let coherent = CoherentLight::new(&seen.solved, &ensemble.basis, &films, &study.angles.exact_deg);
         let films = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
-        seen.layer = Some(LayerSeen { ensemble, films, wavelengths_nm });
+        seen.layer = Some(LayerSeen { ensemble, films, wavelengths_nm, coherent });
         seen
     }
 

@@ -261,6 +261,7 @@ fn rows_of(layer: &LayerSeen, angle: usize, cells: &[usize], uncertainty: &Uncer
     let spectra = Total::ALL.map(|total| layer.spectrum(angle, total));
     let estimates = spectra.each_ref().map(SpectrumEstimate::estimates);
     let [r, _, t, ..] = &spectra;
+    let coherent = layer.coherent_transmittance(angle);
     let mut rows = Vec::new();
     for (i, &wavelength_nm) in layer.wavelengths_nm.iter().enumerate() {
         let widened =
@@ -273,6 +274,9 @@ fn rows_of(layer: &LayerSeen, angle: usize, cells: &[usize], uncertainty: &Uncer
             specular_reflectance: widened(1),
             transmittance: widened(2),
             specular_transmittance: widened(3),
+            coherent_transmittance: coherent
+                .as_ref()
+                .map(|coherent| gate::bounded(uncertainty.widen_by(coherent[i], wavelength_nm, moved[3]))),
             absorptance: widened(4),
             natural_light: None,
             lit_at_45: None,

@@ -21,6 +21,8 @@ pub struct Case {
     pub media: Media,
     /// The incident light.
     pub incidence: Incidence,
+    /// What may be a mistake, in words.
+    pub remarks: Vec<String>,
 }
 
 impl Case {
@@ -65,7 +67,7 @@ impl Case {
             inclusions,
         };
         let incidence = Incidence {
-            wavelength_um: inputs.wavelength,
+            wavelength_um: inputs.vacuum_wavelength_um().unwrap_or(f64::NAN),
             polar_deg: inputs.sigma_deg,
             azimuth_deg: inputs.phi_deg,
             from: inputs.from,
@@ -73,7 +75,8 @@ impl Case {
         scene.check(&media).map_err(|error| with_names(error, &names))?;
         incidence.check()?;
         check_thickness(inputs, &scene)?;
-        Ok(Case { scene: scene.nested().map_err(|error| with_names(error, &names))?, media, incidence })
+        let scene = scene.nested().map_err(|error| with_names(error, &names))?;
+        Ok(Case { scene, media, incidence, remarks: inputs.remarks() })
     }
 }
 

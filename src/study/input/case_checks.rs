@@ -1,9 +1,10 @@
 //! Allowed ranges of a case's numbers, under the names of the file.
 
-use super::case_inputs::{CaseInputs, IndexInput};
+use super::case_inputs::{CaseInputs, IndexInput, WAVELENGTHS};
 use super::fault::{Allowed, Faults};
 use super::forms::Pair;
-use super::limits::{ABOVE_ZERO, NOT_NEGATIVE, POLAR_DEG};
+use super::limits::{ABOVE_ZERO, ABOVE_ZERO_NM, LIGHT_UM, NOT_NEGATIVE, POLAR_DEG};
+use crate::numerics::allowed::shown;
 use crate::numerics::vector::norm;
 
 /// Any finite number.
@@ -15,7 +16,7 @@ const IN_UM: &str = "give it in µm";
 /// Finds numbers out of range before they are combined into a scene.
 pub fn check(inputs: &CaseInputs) -> Faults {
     let mut faults = Faults::default();
-    faults.number("wavelength", inputs.wavelength, ABOVE_ZERO, IN_UM);
+    wavelength(inputs, &mut faults);
     let grazing = "grazing light carries no flux into the layer; use 89 or less";
     faults.number("sigma_deg", inputs.sigma_deg, POLAR_DEG, grazing);
     faults.number("phi_deg", inputs.phi_deg, FINITE, "give it in degrees");
@@ -24,6 +25,40 @@ pub fn check(inputs: &CaseInputs) -> Faults {
     grains(inputs, &mut faults);
     bodies(inputs, &mut faults);
     faults
+}
+
+/// Checks that one key gives the wavelength, in its range.
+fn wavelength(inputs: &CaseInputs, faults: &mut Faults) {
+    let values = [inputs.wavelength, inputs.wavelength_um, inputs.wavelength_nm];
+    let given: Vec<&str> =
+        WAVELENGTHS.into_iter().zip(values).filter_map(|(key, value)| value.map(|_| key)).collect();
+    if given.len() != 1 {
+        let found = if given.is_empty() { "nothing".to_owned() } else { given.join(" and ") };
+        faults.add(
+            "wavelength",
+            found,
+            "one of `wavelength` (µm), `wavelength_um` and `wavelength_nm`",
+            "give one",
+        );
+        return;
+    }
+    if let Some(um) = inputs.wavelength {
+        let remedy = if um > 20.0 {
+            let (nm, um) = (shown(um), shown(1e-3 * um));
+            format!(
+                "if you meant nm, write {um}, or wavelength_nm = {nm}; wavelength_um takes any wavelength in µm"
+            )
+        } else {
+            format!("{IN_UM}; wavelength_um takes any wavelength in µm")
+        };
+        faults.number("wavelength", um, LIGHT_UM, &remedy);
+    }
+    if let Some(um) = inputs.wavelength_um {
+        faults.number("wavelength_um", um, ABOVE_ZERO, IN_UM);
+    }
+    if let Some(nm) = inputs.wavelength_nm {
+        faults.number("wavelength_nm", nm, ABOVE_ZERO_NM, "give it in nm");
+    }
 }
 
 fn lengths(inputs: &CaseInputs, faults: &mut Faults) {

@@ -5,11 +5,13 @@ use super::forms::Pair;
 use super::limits;
 use crate::ink::{Shape, Solid};
 use crate::numerics::Rotation;
+use crate::numerics::allowed::shown;
 use crate::numerics::files::name_or_table;
 use crate::numerics::vector::unit;
 use crate::wave::{Ball, BodyShape, Side};
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
+use serde_json::json;
 use thiserror::Error;
 
 /// A geometry with its media and light; lengths in µm, angles in degrees.
@@ -18,10 +20,17 @@ use thiserror::Error;
 /// number or [re, im].
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(transform = one_wavelength)]
 pub struct CaseInputs {
-    /// Vacuum wavelength, µm.
-    #[schemars(transform = limits::ABOVE_ZERO.mark(), example = 0.55)]
-    pub wavelength: f64,
+    /// Vacuum wavelength, µm: from 0.1 to 20. `wavelength_um` takes any, `wavelength_nm` one in nm.
+    #[schemars(transform = limits::LIGHT_UM.mark(), example = 0.55)]
+    pub wavelength: Option<f64>,
+    /// Vacuum wavelength, µm, of any size; instead of `wavelength`.
+    #[schemars(transform = limits::ABOVE_ZERO.mark())]
+    pub wavelength_um: Option<f64>,
+    /// Vacuum wavelength, nm; instead of `wavelength`.
+    #[schemars(transform = limits::ABOVE_ZERO_NM.mark())]
+    pub wavelength_nm: Option<f64>,
     /// Polar angle from the normal, degrees.
     #[serde(default)]
     #[schemars(transform = limits::POLAR_DEG.mark())]
@@ -55,21 +64,31 @@ pub struct CaseInputs {
     /// Side of incidence: `incident` is z < 0.
     #[serde(default)]
     pub from: Side,
-    /// Spheres in the binder; one wholly inside another sphere or body displaces its material,
+    /// Spheres in the binder or in films; one wholly inside another sphere or body displaces its material,
     /// which makes layers and hollow grains.
     pub spheres: Option<Vec<SphereInput>>,
-    /// Cylinders along y in the binder.
+    /// Cylinders along y in the binder or in films.
     pub cylinders: Option<Vec<CylinderInput>>,
-    /// Convex bodies in the binder or inside each other: ellipsoids, boxes, discs and prisms.
+    /// Convex bodies in the binder or in films or inside each other: ellipsoids, boxes, discs and prisms.
     pub bodies: Option<Vec<BodyInput>>,
-    /// Homogeneous films, starting at z = 0.
+    /// Homogeneous films, starting at z = 0; instead of a binder. Spheres, cylinders and bodies may
+    /// lie in them and across their faces.
     pub layers_from_z0: Option<Vec<LayerInput>>,
-    /// Films with bars along y, starting at z = 0.
+    /// Films with bars along y, starting at z = 0; instead of a binder.
     pub sublayers_from_z0: Option<Vec<SublayerInput>>,
     #[serde(default)]
     #[allow(dead_code, reason = "free text of reference files")]
     note: Option<String>,
 }
+
+/// Requires one of the keys of the wavelength.
+fn one_wavelength(schema: &mut Schema) {
+    let one = |key: &str| json!({ "required": [key] });
+    schema.insert("oneOf".into(), WAVELENGTHS.map(one).to_vec().into());
+}
+
+/// The keys of the wavelength, of which a case has one.
+pub(super) const WAVELENGTHS: [&str; 3] = ["wavelength", "wavelength_um", "wavelength_nm"];
 
 /// A refractive index: a number, or [re, im].
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
@@ -92,6 +111,49 @@ impl IndexInput {
 }
 
 impl CaseInputs {
+    /// Vacuum wavelength, µm; `None` if no key gives it.
+    pub fn vacuum_wavelength_um(&self) -> Option<f64> {
+        self.wavelength.or(self.wavelength_um).or(self.wavelength_nm.map(|nm| 1e-3 * nm))
+    }
+
+    /// Lengths with their names in the file, µm: periods, thicknesses and radii.
+    fn lengths_um(&self) -> Vec<(String, f64)> {
+        let mut all = Vec::new();
+        match self.period {
+            Some(Pair::Both(x)) => all.push(("L".to_owned(), x)),
+            Some(Pair::Each([x, y])) => all.extend([("L[0]".to_owned(), x), ("L[1]".to_owned(), y)]),
+            None => {}
+        }
+        all.extend(self.period_y.map(|y| ("Ly".to_owned(), y)));
+        all.extend(self.thickness.map(|h| ("H".to_owned(), h)));
+        let films = self.layers_from_z0.iter().flatten().enumerate();
+        all.extend(films.map(|(i, film)| (format!("layers_from_z0[{i}].thickness"), film.thickness)));
+        let films = self.sublayers_from_z0.iter().flatten().enumerate();
+        all.extend(films.map(|(i, film)| (format!("sublayers_from_z0[{i}].thickness"), film.thickness)));
+        let spheres = self.spheres.iter().flatten().enumerate();
+        all.extend(spheres.map(|(i, sphere)| (format!("spheres[{i}].radius"), sphere.radius)));
+        let cylinders = self.cylinders.iter().flatten().enumerate();
+        all.extend(cylinders.map(|(i, cylinder)| (format!("cylinders[{i}].radius"), cylinder.radius)));
+        all
+    }
+
+    /// What may be a mistake in a unit: the first length of an unusual size, and how many there are.
+    pub(super) fn remarks(&self) -> Vec<String> {
+        let mut unusual = self.lengths_um();
+        unusual.retain(|&(_, um)| um != 0.0 && !limits::USUAL_LENGTH_UM.holds(um));
+        let Some((name, um)) = unusual.first() else { return Vec::new() };
+        let others = match unusual.len() {
+            1 => String::new(),
+            n => format!(" ({} more lengths are of such a size)", n - 1),
+        };
+        let remedy = if *um > 1.0 {
+            format!("if it is in nm, write {}", shown(1e-3 * um))
+        } else {
+            "if it is in m, multiply it by 1e6".to_owned()
+        };
+        vec![format!("{name} is {} µm{others}: lengths are in µm; {remedy}", shown(*um))]
+    }
+
     /// Periods along x and y. `Ly` beside a pair is refused by the checks; films, which do not
     /// depend on the period, default to 1 µm.
     pub fn period_um(&self) -> [f64; 2] {

@@ -1,7 +1,7 @@
 //! Errors in a study, described so that they can be corrected.
 
 pub use crate::numerics::allowed::Allowed;
-use crate::numerics::allowed::{Whole, shown};
+use crate::numerics::allowed::{Whole, shown, with_short_numbers};
 use serde::Serialize;
 use std::fmt;
 use std::ops::Range;
@@ -21,7 +21,15 @@ pub struct Fault {
     pub remedy: String,
 }
 
+/// What is found where no key of that name exists.
+pub(super) const UNKNOWN_KEY: &str = "an unknown key";
+
 impl Fault {
+    /// Whether the name of the field is wrong, not its value.
+    pub fn is_of_key(&self) -> bool {
+        self.found == UNKNOWN_KEY
+    }
+
     /// An error in a field.
     pub fn new(
         field: impl Into<String>,
@@ -29,8 +37,12 @@ impl Fault {
         allowed: impl Into<String>,
         remedy: impl Into<String>,
     ) -> Self {
-        let (field, found) = (field.into(), found.to_string());
-        Self { field, found, allowed: allowed.into(), remedy: remedy.into() }
+        Self {
+            field: field.into(),
+            found: with_short_numbers(&found.to_string()),
+            allowed: with_short_numbers(&allowed.into()),
+            remedy: remedy.into(),
+        }
     }
 }
 

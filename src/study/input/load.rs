@@ -3,7 +3,7 @@
 use super::check::{check, check_packing};
 use super::fault::{Fault, StudyError};
 use super::file::StudyFile;
-use super::read::read;
+use super::read::{read, without_control_characters};
 use super::study::Study;
 use super::tree::parse_toml;
 use crate::numerics::files;
@@ -53,7 +53,7 @@ pub fn read_table(table: toml::Table) -> Result<StudyFile, Vec<Fault>> {
 
 /// Name of a file without its extension: the default title.
 pub fn stem(path: &Path) -> String {
-    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+    without_control_characters(&path.file_stem().unwrap_or_default().to_string_lossy())
 }
 
 /// Reads a TOML file; returns its text and its content.

@@ -4,27 +4,46 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
+/// Where a field stands, in bytes of the text.
+struct Place {
+    /// Its name; of an entry of a list, the entry.
+    key: Range<usize>,
+    /// Its value; of a table, which may be spread over the file, its name.
+    value: Range<usize>,
+}
+
 /// Position in bytes of the value at `field` (such as `pigment[0].index.k`), or of the deepest
 /// existing table on the way to it. `None` if the text is not TOML or contains no such table.
 pub fn span_of(text: &str, field: &str) -> Option<Range<usize>> {
+    place_of(text, field).map(|place| place.value)
+}
+
+/// Position of the name of a field instead of its value.
+pub fn key_span_of(text: &str, field: &str) -> Option<Range<usize>> {
+    place_of(text, field).map(|place| place.key)
+}
+
+fn place_of(text: &str, field: &str) -> Option<Place> {
     let document = DeTable::parse(text).ok()?;
     let mut steps = steps(field);
     let (key, value) = document.get_ref().get_key_value(steps.next()?)?;
-    let (mut here, mut span) = (value, outline(key.span(), value));
+    let (mut here, mut place) = (value, Place { key: key.span(), value: outline(key.span(), value) });
     for step in steps {
         let next = match here.get_ref() {
-            DeValue::Table(table) => {
-                table.get_key_value(step).map(|(key, value)| (value, outline(key.span(), value)))
-            }
-            DeValue::Array(items) => {
-                step.parse().ok().and_then(|i: usize| items.get(i)).map(|item| (item, item.span()))
-            }
+            DeValue::Table(table) => table
+                .get_key_value(step)
+                .map(|(key, value)| (value, Place { key: key.span(), value: outline(key.span(), value) })),
+            DeValue::Array(items) => step
+                .parse()
+                .ok()
+                .and_then(|i: usize| items.get(i))
+                .map(|item| (item, Place { key: item.span(), value: item.span() })),
             _ => None,
         };
         let Some(next) = next else { break };
-        (here, span) = next;
+        (here, place) = next;
     }
-    Some(span)
+    Some(place)
 }
 
 /// `pigment[0].index.k` → `pigment`, `0`, `index`, `k`.
@@ -55,6 +74,9 @@ mod tests {
         assert_eq!(shown("layer.binder.index"), Some("1.5"));
         assert_eq!(shown("pigment[1].index.k"), Some("-0.1"));
         assert_eq!(shown("light.wavelengths_nm[1]"), Some("nan"));
+        let key = |field: &str| key_span_of(TEXT, field).map(|span| &TEXT[span]);
+        assert_eq!(key("layer.thickness_um"), Some("thickness_um"));
+        assert_eq!(key("pigment[1].index.k"), Some("k"));
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Translates serde's errors about values of the wrong type into the messages of this program.
 
-use super::fault::Fault;
+use super::fault::{Fault, UNKNOWN_KEY};
 use crate::numerics::allowed::shown;
 use serde::de::{self, Expected, Unexpected};
 use std::fmt;
@@ -11,7 +11,7 @@ use std::fmt;
 #[error("{0:?}")]
 pub struct Misfit(Option<Fault>);
 
-/// KeyNames of keys or variants.
+/// Names of keys or of variants.
 pub(super) type KeyNames = &'static [&'static str];
 
 /// Maximum length of a value in a message, characters.
@@ -51,6 +51,9 @@ pub(super) fn join(outer: &str, inner: &str) -> String {
 
 const FORM: &str = "write the value in that form; `inkwave schema KIND` describes every key of a file";
 
+/// What is found where a key is missing.
+const MISSING: &str = "nothing";
+
 const QUOTES: &str = "write text in quotes, numbers too, such as \"10\"";
 
 impl de::Error for Misfit {
@@ -89,7 +92,7 @@ impl de::Error for Misfit {
                 .into(),
             _ => format!("add {key}; `inkwave schema KIND` describes every key of a file"),
         };
-        Self(Some(Fault::new(key, "nothing", "a value: it has no default", remedy)))
+        Self(Some(Fault::new(key, MISSING, "a value: it has no default", remedy)))
     }
 
     fn duplicate_field(key: &'static str) -> Self {
@@ -127,7 +130,16 @@ pub(super) fn quoted(names: &[&str]) -> String {
 }
 
 pub(super) fn unknown_key(place: &str, key: &str, known: KeyNames) -> Fault {
-    Fault::new(join(place, key), "an unknown key", quoted(known), meant(key, known, "remove it"))
+    Fault::new(join(place, key), UNKNOWN_KEY, quoted(known), meant(key, known, "remove it"))
+}
+
+/// Whether a key that is missing is the one that an unknown key beside it was meant to be.
+pub(super) fn is_misspelt(missing: &Fault, faults: &[Fault]) -> bool {
+    let (place, key) = missing.field.rsplit_once('.').unwrap_or(("", &missing.field));
+    let beside = |fault: &&Fault| fault.field.rsplit_once('.').map_or("", |(place, _)| place) == place;
+    let meant = format!("did you mean {key}?");
+    missing.found == MISSING
+        && faults.iter().filter(beside).any(|fault| fault.is_of_key() && fault.remedy.starts_with(&meant))
 }
 
 /// Suggests the known name that is most similar, or else another remedy.

@@ -5,7 +5,7 @@
 //! continues. Its error type separates what was found from what is allowed.
 
 use super::fault::Fault;
-use super::misfit::{KeyNames, Misfit, join, quoted, said, unknown_key};
+use super::misfit::{KeyNames, Misfit, is_misspelt, join, quoted, said, unknown_key};
 use super::tree::Node;
 use serde::de::value::StringDeserializer;
 use serde::de::{
@@ -14,17 +14,73 @@ use serde::de::{
 };
 use std::cell::RefCell;
 
+/// Most errors of one file that are told.
+const MOST_TOLD: usize = 20;
+
 /// Reads a `T`.
 ///
 /// # Errors
-/// All unknown keys, and the first value that is missing or of the wrong type, each with its path.
+/// Texts with control characters; all unknown keys, and the first value that is missing or of the wrong
+/// type, each with its path. A misspelt key is one error, not an unknown and a missing one.
 pub fn read<T: DeserializeOwned>(node: Node) -> Result<T, Vec<Fault>> {
-    let faults = RefCell::new(Vec::new());
+    let mut unprintable = Vec::new();
+    find_control_characters(&node, "", &mut unprintable);
+    let faults = RefCell::new(unprintable);
     let result = Reader { node, place: String::new(), faults: &faults }.recorded(T::deserialize);
-    match (result, faults.into_inner()) {
-        (Ok(value), faults) if faults.is_empty() => Ok(value),
-        (_, faults) => Err(faults),
+    let mut faults = faults.into_inner();
+    let all = faults.clone();
+    faults.retain(|fault| !is_misspelt(fault, &all));
+    if faults.len() > MOST_TOLD {
+        faults.truncate(MOST_TOLD);
+        let remedy = "correct those above first";
+        faults.push(Fault::new(
+            "other fields",
+            "more errors",
+            "the keys and values of this kind of file",
+            remedy,
+        ));
     }
+    match result {
+        Ok(value) if faults.is_empty() => Ok(value),
+        _ => Err(faults),
+    }
+}
+
+/// Records texts and keys with characters that pages and exported files cannot hold: XML 1.0 has neither
+/// control characters (but for tabs and line breaks) nor U+FFFE and U+FFFF, and terminals execute some.
+fn find_control_characters(node: &Node, place: &str, faults: &mut Vec<Fault>) {
+    match node {
+        Node::Text(text) => {
+            let Some(wrong) = text.chars().find(|&c| is_unprintable(c)) else { return };
+            if faults.len() <= MOST_TOLD {
+                let found = format!("a text with the control character U+{:04X}", u32::from(wrong));
+                let allowed = "text of printable characters, spaces and line breaks";
+                faults.push(Fault::new(place, found, allowed, "remove that character"));
+            }
+        }
+        Node::List(items) => {
+            let steps = items.iter().enumerate();
+            steps
+                .for_each(|(i, item)| find_control_characters(item, &join(place, &format!("[{i}]")), faults));
+        }
+        Node::Table(entries) => {
+            for (key, value) in entries {
+                find_control_characters(&Node::Text(key.clone()), place, faults);
+                find_control_characters(value, &join(place, key), faults);
+            }
+        }
+        Node::Null | Node::Bool(_) | Node::Int(_) | Node::Float(_) => {}
+    }
+}
+
+/// Whether pages and exported files cannot hold a character.
+fn is_unprintable(c: char) -> bool {
+    c.is_control() && !matches!(c, '\t' | '\n' | '\r') || matches!(c, '\u{fffe}' | '\u{ffff}')
+}
+
+/// A text without characters that pages and exported files cannot hold.
+pub(super) fn without_control_characters(text: &str) -> String {
+    text.chars().map(|c| if is_unprintable(c) { '?' } else { c }).collect()
 }
 
 /// Reads one node.
@@ -50,7 +106,12 @@ impl Reader<'_> {
     fn keep_known(&mut self, known: KeyNames) {
         if let Node::Table(entries) = &mut self.node {
             let strangers = entries.extract_if(.., |(key, _)| !known.contains(&key.as_str()));
-            self.faults.borrow_mut().extend(strangers.map(|(key, _)| unknown_key(&self.place, &key, known)));
+            let mut faults = self.faults.borrow_mut();
+            for (key, _) in strangers {
+                if faults.len() <= MOST_TOLD {
+                    faults.push(unknown_key(&self.place, &key, known));
+                }
+            }
         }
     }
 }

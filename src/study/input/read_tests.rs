@@ -66,6 +66,55 @@ fn values_that_do_not_fit_are_named_where_they_are() {
 }
 
 #[test]
+fn a_misspelt_key_is_one_error() {
+    for (text, key) in [("iner = []", "iner"), ("inner = [{ sise = 1 }]", "inner[0].sise")] {
+        let told = faults(text);
+        assert_eq!(told.len(), 1, "{told:?}");
+        assert!(told[0].field == key && told[0].is_of_key(), "{told:?}");
+    }
+    // a key of another place does not excuse a missing one
+    let told = faults("sise = 1\ninner = [{}]");
+    assert_eq!(told.iter().map(|f| f.field.as_str()).collect::<Vec<_>>(), ["sise", "inner[0].size"]);
+}
+
+#[test]
+fn control_characters_are_refused_wherever_they_stand() {
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    #[allow(dead_code, reason = "read only")]
+    struct Texts {
+        title: String,
+        names: Vec<String>,
+        free: std::collections::BTreeMap<String, String>,
+    }
+    let read = |text: &str| read::<Texts>(parse_toml(text).unwrap().into());
+    let text = |title: &str, name: &str, key: &str| {
+        format!("title = {title:?}\nnames = ['a', {name:?}]\nfree = {{ {key:?} = 'b' }}")
+    };
+    assert!(read(&text("two\nlines\tand é", "b", "c")).is_ok());
+    for (wrong, code) in
+        [("\u{1b}", "U+001B"), ("\u{7}", "U+0007"), ("\u{85}", "U+0085"), ("\u{ffff}", "U+FFFF")]
+    {
+        let escaped = format!("a\\u{:04X}", u32::from(wrong.chars().next().unwrap()));
+        for (place, text) in [
+            ("title", text("T", "b", "c").replace("\"T\"", &format!("\"{escaped}\""))),
+            ("names[1]", text("T", "N", "c").replace("\"N\"", &format!("\"{escaped}\""))),
+            ("free", text("T", "b", "K").replace("\"K\"", &format!("\"{escaped}\""))),
+        ] {
+            let told = read(&text).unwrap_err();
+            assert!(told.len() == 1 && told[0].field == place && told[0].found.contains(code), "{told:?}");
+        }
+    }
+}
+
+#[test]
+fn many_errors_are_told_as_few() {
+    let told = faults(&(0..50_000).map(|i| format!("[a{i}]\n")).collect::<String>());
+    assert_eq!(told.len(), 21);
+    assert_eq!((told[19].field.as_str(), told[20].field.as_str()), ("a19", "other fields"));
+}
+
+#[test]
 fn numbers_fit_where_they_can() {
     let text =
         "old = 1\ncount = 3\ninner = [{ size = 2 }]\nkind = { round = { radius = 1.5 } }\npair = [1, 2.5]";

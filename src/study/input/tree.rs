@@ -117,9 +117,16 @@ fn toml_fault(text: &str, error: &toml::de::Error) -> SyntaxFault {
         let remedy = "correct the TOML here; https://toml.io shows its syntax";
         return SyntaxFault { message: said.to_owned(), remedy, span };
     }
+    let found = match found.len() {
+        n if n > MOST_DIGITS => format!("{}… ({n} characters)", found.get(..MOST_DIGITS).unwrap_or_default()),
+        _ => found.to_owned(),
+    };
     let message = format!("found {found}; allowed: whole numbers of at most 9223372036854775807 (64 bits)");
     SyntaxFault { message, remedy: "take a smaller number, or write it with a point or a power of ten", span }
 }
+
+/// Digits of a number that a message quotes.
+const MOST_DIGITS: usize = 24;
 
 /// Whether this is an integer of more than 64 bits.
 fn is_too_large(number: &str) -> bool {
@@ -163,9 +170,15 @@ mod tests {
 
     #[test]
     fn whole_numbers_that_are_too_large_are_told_as_such() {
-        for number in ["9223372036854775808", "-99999999999999999999999", &"9".repeat(60)] {
+        let many = "9".repeat(309);
+        let quoted = format!("{}… (309 characters)", "9".repeat(24));
+        for (number, quoted) in [
+            ("9223372036854775808", "9223372036854775808"),
+            ("-99999999999999999999999", "-99999999999999999999999"),
+            (many.as_str(), quoted.as_str()),
+        ] {
             let fault = parse_toml(&format!("a = 1\nb = {number}\n")).unwrap_err();
-            let found = format!("found {number}; allowed: whole numbers of at most 9223372036854775807");
+            let found = format!("found {quoted}; allowed: whole numbers of at most 9223372036854775807");
             assert!(fault.message.starts_with(&found), "{fault:?}");
         }
         assert!(parse_toml("a = \n").unwrap_err().remedy.contains("toml.io"));

@@ -15,7 +15,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 /// Result files, which are removed when a new study begins.
-pub const RESULTS: [&str; 8] = [
+pub const RESULTS: [&str; 9] = [
     "results.json",
     "report.html",
     "picture.png",
@@ -24,6 +24,7 @@ pub const RESULTS: [&str; 8] = [
     "bdf.csv",
     "kubelka-munk.csv",
     "measured.csv",
+    "datapackage.json",
 ];
 /// Subfolders that are written to.
 const PARTS: [&str; 4] = [RECORDS, "variants", "inputs", "runs"];

@@ -1,17 +1,19 @@
 //! Sweeps of composed layers: every layer in its own folder, and what changes along the first axis,
 //! such as the crowding of a pigment against its share.
 
+use super::publish::axis_columns;
 use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::composed::manifest::{ComposedManifest, MediumRow};
 use crate::numerics::estimate::Estimate;
 use crate::report::cell::{numbers, table, with_errors};
+use crate::report::columns::Tables;
 use crate::report::composed::{coefficients, lines, publish as publish_layer};
 use crate::report::page::{Figure, on_study};
 use crate::report::publish::PublishResult;
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
-use crate::sweep::definition::load::Sweep;
+use crate::sweep::definition::load::{AxisOutline, Sweep};
 use crate::sweep::work::alone::run_portions;
 use minijinja::context;
 use minijinja::value::Serde;
@@ -71,7 +73,15 @@ pub fn run<'a>(
 /// # Errors
 /// Files that cannot be written.
 pub fn publish(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> PublishResult<PathBuf> {
-    folder.write("composed.csv", &rows(sweep, done)?)?;
+    let mut written = Tables::new(folder);
+    let axes = axis_columns(sweep, AxisOutline::heading);
+    written.write(
+        "composed.csv",
+        &rows(sweep, done)?,
+        "what the packed media of the variants are to light",
+        &axes,
+    )?;
+    written.describe(&sweep.outline.title)?;
     let line = |(k, layer): &LayerDone| {
         let name = &sweep.variants[*k].name;
         lines(layer).into_iter().map(|line| [name.clone(), line]).collect::<Vec<_>>()

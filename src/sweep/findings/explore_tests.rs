@@ -15,6 +15,7 @@ fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> Outcome {
         specular_reflectance: number(),
         transmittance: number(),
         specular_transmittance: number(),
+        coherent_transmittance: None,
         absorptance: number(),
         natural_light: Some(number()),
         lit_at_45: Some(number()),

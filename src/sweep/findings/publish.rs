@@ -13,11 +13,12 @@ use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
 use crate::report::cell;
+use crate::report::columns::{Column, Tables};
 use crate::report::publish::{PublishError, PublishResult, publish_seen};
 use crate::run::Stores;
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::folder::VARIANTS;
-use crate::sweep::definition::load::Sweep;
+use crate::sweep::definition::load::{AxisOutline, Sweep};
 use crate::sweep::work::rounds::{collect, refused};
 
 /// Rows and columns of a picture on a contact sheet.
@@ -73,8 +74,12 @@ fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Publi
         folder.write(&sheet_name(i, count), &png)?;
         drawn.push((sheet, png));
     }
-    folder.write("sweep.csv", &table(sweep, &reported.outcomes)?)?;
-    folder.write("conclusions.csv", &conclusions_table(&reported.conclusions)?)?;
+    let mut written = Tables::new(folder);
+    let axes = axis_columns(sweep, |axis| cell::text(&axis.name));
+    written.write("sweep.csv", &table(sweep, &reported.outcomes)?, "the variants of the sweep", &axes)?;
+    let conclusions = conclusions_table(&reported.conclusions)?;
+    written.write("conclusions.csv", &conclusions, "claims about the sweep, judged", &[])?;
+    written.describe(&sweep.outline.title)?;
     folder.write("explore.html", explore::page(sweep, &reported).as_bytes())?;
     folder.write("report.html", page::page(sweep, &reported, &drawn)?.as_bytes())?;
     if reported.complete() == sweep.variants.len() {
@@ -113,6 +118,17 @@ fn picture(study: &Study, seen: &Seen) -> Option<InkPicture> {
     let step = study.angles.picture_max_deg / (SHEET_ANGLES - 1) as f64;
     let angles: Vec<f64> = (0..SHEET_ANGLES).map(|i| i as f64 * step).collect();
     seen.ink.as_ref().ok()?.picture(&angles, study.output.mirrored_sky).ok()
+}
+
+/// The columns of a sweep's axes, which the user has named.
+pub(super) fn axis_columns(sweep: &Sweep, heading: impl Fn(&AxisOutline) -> String) -> Vec<Column> {
+    let column = |axis: &AxisOutline| Column {
+        name: heading(axis),
+        kind: "string",
+        unit: axis.unit.clone(),
+        about: "setting of the variant on this axis of the sweep".to_owned(),
+    };
+    sweep.outline.axes.iter().map(column).collect()
 }
 
 const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];

@@ -25,6 +25,12 @@ const LIMIT: Duration = Duration::from_secs(7);
 /// Work that takes longer on the available cores is out of reach: one month.
 const REACH_SECONDS: f64 = 30.0 * 24.0 * 3600.0;
 
+/// Largest expected factor between cost and forecast, either way, where every kind of solve was tried: small
+/// cells, few packings, and pages and pictures that are not counted.
+const TRIED_FACTOR: f64 = 2.5;
+/// That factor where a cost follows from unknowns and usual numbers of operator applications.
+const BY_SIZE_FACTOR: f64 = 10.0;
+
 /// Size and expected cost of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
@@ -40,8 +46,11 @@ pub struct Plan {
     pub unknowns: usize,
     /// Maximum memory of one solve, MB.
     pub memory_mb: usize,
-    /// Total time on one core, s.
+    /// Total time on one core, s: of the processor, whatever else the machine does meanwhile.
     pub core_seconds: f64,
+    /// Range that `core_seconds` is expected to lie in: a factor of two and a half either way where
+    /// solves were tried, of ten where the size alone is known.
+    pub core_seconds_range: [f64; 2],
     /// Describes the trials.
     pub calibration: String,
     /// Why the sweep cannot be computed here, if time or memory are far from sufficient.
@@ -69,15 +78,16 @@ pub fn plan(sweep: &Sweep, settings: RunSettings, watch: &dyn RunWatch) -> Resul
         trials.iter_mut().for_each(|t| (t.solve, t.grid) = (t.solve * factor, t.grid * factor));
     }
     calibration += &late_in_words(&late, trials.is_empty());
+    let factor = if late.is_empty() { TRIED_FACTOR } else { BY_SIZE_FACTOR };
     trials.extend(late.into_iter().map(scaled));
-    Ok(costed(sweep, &trials, calibration, settings))
+    Ok(costed(sweep, &trials, (calibration, factor), settings))
 }
 
 /// Estimates the cost from the size alone, without trials.
 pub fn by_size(sweep: &Sweep, settings: RunSettings) -> Plan {
     let all = representatives(sweep);
     let trials: Vec<Trial> = all.iter().copied().map(scaled).collect();
-    costed(sweep, &trials, late_in_words(&all, true), settings)
+    costed(sweep, &trials, (late_in_words(&all, true), BY_SIZE_FACTOR), settings)
 }
 
 fn variants_of_groups(sweep: &Sweep) -> Vec<Vec<&Variant>> {
@@ -108,8 +118,13 @@ fn tried<'a>(variants: &[&'a Variant], deadline: &Deadline) -> Result<Tried<'a>,
     }
 }
 
-/// The plan based on the trials.
-fn costed(sweep: &Sweep, trials: &[Trial], calibration: String, settings: RunSettings) -> Plan {
+/// The plan based on the trials, described in words, with the factor by which it may be wrong.
+fn costed(
+    sweep: &Sweep,
+    trials: &[Trial],
+    (calibration, factor): (String, f64),
+    settings: RunSettings,
+) -> Plan {
     let groups = variants_of_groups(sweep);
     let (solves, core_seconds) = cost(&groups, trials);
     let (mut unknowns, mut most_bytes) = (0, 0.0_f64);
@@ -123,7 +138,19 @@ fn costed(sweep: &Sweep, trials: &[Trial], calibration: String, settings: RunSet
     let (variants, units) = (sweep.variants.len(), units(sweep).len());
     let memory_mb = (1e-6 * most_bytes).ceil() as usize;
     let out_of_reach = out_of_reach(core_seconds, most_bytes, settings.memory);
-    Plan { variants, packings, solves, units, unknowns, memory_mb, core_seconds, calibration, out_of_reach }
+    let core_seconds_range = [core_seconds / factor, core_seconds * factor];
+    Plan {
+        variants,
+        packings,
+        solves,
+        units,
+        unknowns,
+        memory_mb,
+        core_seconds,
+        core_seconds_range,
+        calibration,
+        out_of_reach,
+    }
 }
 
 /// Why the available cores and memory do not suffice; `None` if they do.

@@ -59,3 +59,46 @@ pub fn succeed(study: &Path, output: &Path, more: &[&str]) -> String {
     assert!(done.status.success(), "{said}");
     said
 }
+
+/// Every column of every table in a folder is described in the `datapackage.json` beside it, in order, and has a unit
+/// where its name says one. Gives the number of tables.
+#[allow(dead_code, reason = "not every test file needs it")]
+pub fn described_tables(folder: &Path) -> usize {
+    let mut count = 0;
+    let entries: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    for path in entries {
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if path.is_dir() && name != "records" && name != "inputs" {
+            count += described_tables(&path);
+        }
+        if !name.ends_with(".csv") {
+            continue;
+        }
+        count += 1;
+        let package = std::fs::read(folder.join("datapackage.json"))
+            .unwrap_or_else(|_| panic!("no datapackage.json beside {}", path.display()));
+        let package: serde_json::Value = serde_json::from_slice(&package).unwrap();
+        let mut resources = package["resources"].as_array().unwrap().iter();
+        let own = resources.find(|resource| resource["path"] == name.as_str());
+        let own = own.unwrap_or_else(|| panic!("{name} is not described: {package:#}"));
+        assert!(own["description"].is_string(), "{own:#}");
+        let mut table = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(&path).unwrap();
+        let header: Vec<String> = table.headers().unwrap().iter().map(str::to_owned).collect();
+        let fields = own["schema"]["fields"].as_array().unwrap();
+        let names: Vec<&str> = fields.iter().map(|field| field["name"].as_str().unwrap()).collect();
+        assert_eq!(names, header, "{name}");
+        for field in fields {
+            assert!(field["description"].as_str().is_some_and(|about| !about.is_empty()), "{name}: {field}");
+            let column = field["name"].as_str().unwrap().trim_end_matches("_standard_error");
+            for (ending, unit) in
+                [("_nm", "nm"), ("_per_um", "1/µm"), ("_um", "µm"), ("_deg", "°"), ("_per_sr", "1/sr")]
+            {
+                if column.ends_with(ending) {
+                    assert_eq!(field["unit"], unit, "{name}: {field}");
+                    break;
+                }
+            }
+        }
+    }
+    count
+}

@@ -5,6 +5,7 @@ use inkwave::input::case::Case;
 use inkwave::wave::{
     Body, BodyShape, FarField, Incidence, Mean, Media, Resolution, Scene, Scheme, Side, Stratum,
 };
+use inkwave_validation::formulas::films::{Film, amplitudes};
 use inkwave_validation::vector;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
@@ -156,6 +157,63 @@ fn a_box_that_fills_the_cell_is_a_film() {
     }
 }
 
+const FILMS: [(f64, f64); 2] = [(1.5, 0.25), (1.52, 0.3)];
+const SPHERE: &str = r#""spheres": [{ "center": [0.21, 0.13, 0.29], "radius": 0.12, "eta": [1.51, 0] }]"#;
+
+/// First order of a small contrast: δr = i k₀²/(2κA) ∫ (η² − η_film²) u² dV with the field u of Airy's films. The
+/// sphere lies across the face between the films, lighter than one and denser than the other.
+fn first_order(wavelength: f64, side: f64) -> Complex64 {
+    let films = FILMS.map(|(n, thickness_um)| Film { index: n.into(), thickness_um });
+    let [_, transmitted] = amplitudes(1.0, &films, 1.3.into(), wavelength, 0.0);
+    let k0 = TAU / wavelength;
+    // Field and slope at the far face of each film, from the exit side.
+    let (mut field, mut slope) = (transmitted, Complex64::I * k0 * 1.3 * transmitted);
+    let mut top = FILMS.iter().map(|film| film.1).sum::<f64>();
+    let (center, radius, steps) = (0.29, 0.12, 2000);
+    let mut sum = Complex64::ZERO;
+    for (index, thickness) in FILMS.into_iter().rev() {
+        let k = k0 * index;
+        let at = |z: f64| field * (k * (z - top)).cos() + slope / k * (k * (z - top)).sin();
+        // midpoint rule: an error of the square of the step
+        for i in 0..steps {
+            let z = top - thickness * (f64::from(i) + 0.5) / f64::from(steps);
+            let area = std::f64::consts::PI * (radius * radius - (z - center) * (z - center)).max(0.0);
+            sum += at(z).powi(2) * (1.51 * 1.51 - index * index) * area * thickness / f64::from(steps);
+        }
+        let bottom = top - thickness;
+        let below = at(bottom);
+        slope = field * k * (k * thickness).sin() + slope * (k * thickness).cos();
+        (field, top) = (below, bottom);
+    }
+    Complex64::I * k0 / (2.0 * side * side) * sum
+}
+
+/// Several layers of grains: a sphere across the face between two films changes r by what perturbation theory says
+/// beyond Airy's films. *Planted*: a sphere that only one of the films holds is off by 40 %.
+#[test]
+fn a_sphere_across_two_films_adds_its_first_order_to_airy() {
+    let common = r#""wavelength": 0.55, "L": 0.5, "n_in": 1.0, "n_out": 1.3"#;
+    let film = |(n, um): (f64, f64)| format!(r#"{{ "thickness": {um}, "eta": [{n}, 0] }}"#);
+    let films = FILMS.map(film).join(", ");
+    let parse = |text: String| Case::parse(&text, false).unwrap_or_else(|e| panic!("{e}"));
+    let with = parse(format!(r#"{{ {common}, "layers_from_z0": [{films}], {SPHERE} }}"#));
+    let resolution = Resolution { nx: 24, ny: 24, cells: 22, scheme: Scheme::Cubic };
+    let own = solve_at(&with, resolution, 1e-10).far;
+    let stack = FILMS.map(|(n, thickness_um)| Film { index: n.into(), thickness_um });
+    let [reflected, _] = amplitudes(1.0, &stack, 1.3.into(), 0.55, 0.0);
+    let added = own.specular().reflected - reflected;
+    let expected = first_order(0.55, 0.5);
+    // second order: the phase that the contrast of 0.03 adds across the sphere, k₀ δε r = 0.04
+    assert!((added - expected).norm() < 0.04 * expected.norm(), "{added} {expected}");
+    assert!(own.energy_error().abs() < 1e-9);
+    // identity: two films of one index are a binder
+    let same = FILMS.map(|(_, um)| film((1.5, um))).join(", ");
+    let two = parse(format!(r#"{{ {common}, "layers_from_z0": [{same}], {SPHERE} }}"#));
+    let one = parse(format!(r#"{{ {common}, "H": 0.55, "eta_binder": [1.5, 0], {SPHERE} }}"#));
+    let [two, one] = [two, one].map(|case| solve_at(&case, resolution, 1e-12).far.specular().reflected);
+    assert!((two - one).norm() < 1e-7, "{two} {one}");
+}
+
 /// Fresnel–Airy: one film between two half-spaces, from interface coefficients; amplitudes at its faces.
 fn airy(n: [Complex64; 3], thickness: f64, wavelength: f64, polar_deg: f64) -> [Complex64; 2] {
     let k0 = TAU / wavelength;
@@ -189,7 +247,7 @@ fn half_spaces_of_different_index_follow_fresnel_and_airy() {
                 let media =
                     Media { incident: ends[0], exit: ends[1], backgrounds: vec![n[1]], inclusions: vec![] };
                 let incidence = Incidence { wavelength_um: 0.53, polar_deg, azimuth_deg: 117.0, from };
-                let case = Case { scene, media, incidence };
+                let case = Case { scene, media, incidence, remarks: Vec::new() };
                 let solved =
                     solve_at(&case, Resolution { nx: 3, ny: 2, cells: 2, scheme: Scheme::Cubic }, 1e-12);
                 let own = solved.far.specular();
@@ -208,7 +266,8 @@ fn light_beyond_the_critical_angle_is_totally_reflected() {
         Media { incident: 1.5.into(), exit: 1.0.into(), backgrounds: vec![1.5.into()], inclusions: vec![] };
     let incidence =
         Incidence { wavelength_um: 0.55, polar_deg: 60.0, azimuth_deg: 0.0, from: Side::Incident };
-    let case = Case { scene: Scene::layer([1.0; 2], 1.0, Vec::new()), media, incidence };
+    let scene = Scene::layer([1.0; 2], 1.0, Vec::new());
+    let case = Case { scene, media, incidence, remarks: Vec::new() };
     let solved = solve_at(&case, Resolution { nx: 1, ny: 1, cells: 5, scheme: Scheme::Cubic }, 1e-12);
     // Identity.
     assert!((solved.far.reflectance - 1.0).abs() < 1e-13 && solved.far.transmittance == 0.0);

@@ -141,7 +141,7 @@ pub enum ShareRule {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum MethodChoice {
-    /// Sequential addition up to [`AUTO_LIMIT`] of the accessible volume, relaxation above.
+    /// Sequential addition up to 0.22 of the accessible volume, relaxation above.
     #[default]
     Auto,
     /// Random sequential addition only (P1 section 3, the dilute case).

@@ -53,7 +53,8 @@ pub struct ComposedRow {
     pub reflectance_diffuse: ErrorParts,
     /// T of diffuse light.
     pub transmittance_diffuse: ErrorParts,
-    /// Share of light at 0° that goes straight through, unscattered.
+    /// Coherent transmittance at 0°, |⟨t⟩|²: what goes straight on, unscattered. (⟨|t|²⟩ of one order, as
+    /// single cells have it, depends on the size of the cell: a composed layer has none.)
     pub coherent_transmittance: ErrorParts,
     /// Share of light at 0° that is mirrored.
     pub mirrored: ErrorParts,

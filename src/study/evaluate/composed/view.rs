@@ -12,10 +12,9 @@ use crate::appearance::composed::plate::Plate;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
 use crate::appearance::tristimulus::{Colorimeter, ColourError};
-use crate::evaluate::directional::{Direction, DirectionalPrint, interpolated};
+use crate::evaluate::directional::{Direction, DirectionalPrint, Disagreement, interpolated};
 use crate::evaluate::ink::InkError;
 use crate::input::study::Study;
-use crate::numerics::estimate::Estimate;
 use crate::numerics::interpolate::lagrange;
 use crate::wave::Wave;
 use faer::Mat;
@@ -111,13 +110,13 @@ impl DirectionalPrint for ComposedView {
     }
 
     /// What the polynomials between the nodes change, and interference between the slabs.
-    fn disagreement(&self, polar_deg: f64) -> Result<Vec<Estimate>, InkError> {
+    fn disagreement(&self, polar_deg: f64) -> Result<Vec<Disagreement>, InkError> {
         let mut all = Vec::new();
         for (w, medium) in self.media.iter().enumerate() {
             let (count, lit) = (medium.ordinates.count(), self.shares(w, polar_deg));
             let own = |o: usize| -> f64 { lit.iter().map(|(i, s)| s * self.numbers[w][o * count + i]).sum() };
             let albedo: f64 = (0..count).map(|o| own(o) * projected_sr(medium, o)).sum();
-            all.push(Estimate::unknown_error(albedo - self.diffuse_albedo(w, polar_deg)));
+            all.push(Disagreement::unknown_error(albedo - self.diffuse_albedo(w, polar_deg)));
         }
         Ok(all)
     }

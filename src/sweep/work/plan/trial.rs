@@ -141,14 +141,13 @@ fn grid_for(
     Ok((Some(seconds), (found.resolution, found.longer_waves)))
 }
 
-/// Core seconds, and the result.
+/// Processor seconds, and the result. The clock on the wall, which other programs' work on the machine
+/// lengthens, counts only where the system does not tell the processor's.
 fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunError> {
     let (clock, before) = (Instant::now(), processor_seconds());
     let made = make()?;
-    let wall = clock.elapsed().as_secs_f64();
-    // A clock with ticks of 10 ms cannot measure less than a few of them.
-    let used = processor_seconds().zip(before).map(|(after, before)| after - before).filter(|&s| s > 0.1);
-    Ok((used.unwrap_or(wall), made))
+    let used = processor_seconds().zip(before).map(|(after, before)| after - before);
+    Ok((used.unwrap_or_else(|| clock.elapsed().as_secs_f64()), made))
 }
 
 /// Mean core seconds of a few solves, spread over wavelengths and angles.

@@ -1,0 +1,338 @@
+//! What the columns of all tables hold: unit, type and description, defined here once; and
+//! `datapackage.json` beside the tables of a folder, which tells it to readers and programs
+//! (Frictionless Data Package).
+
+use crate::store::folder::{FolderError, OutputFolder};
+use serde_json::{Value, json};
+
+/// Name of the file that describes a folder's tables.
+pub const DATA_PACKAGE: &str = "datapackage.json";
+
+/// What a column holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Column {
+    /// Its name in the header.
+    pub name: String,
+    /// `number`, `integer`, `boolean` or `string`. Stated because readers that guess take an angle that
+    /// happens to be whole for an integer.
+    pub kind: &'static str,
+    /// Unit; empty for shares, ratios and words.
+    pub unit: String,
+    /// What it holds.
+    pub about: String,
+}
+
+/// A column as the list below defines it.
+struct Definition {
+    /// Tables that it is defined for; empty: all others.
+    tables: &'static [&'static str],
+    name: &'static str,
+    kind: &'static str,
+    unit: &'static str,
+    about: &'static str,
+}
+
+/// A column of numbers with a unit.
+const fn number(name: &'static str, unit: &'static str, about: &'static str) -> Definition {
+    Definition { tables: &[], name, kind: NUMBER, unit, about }
+}
+
+/// A column of shares, ratios or other numbers without a unit.
+const fn plain(name: &'static str, about: &'static str) -> Definition {
+    number(name, "", about)
+}
+
+/// A column of whole numbers.
+const fn integer(name: &'static str, about: &'static str) -> Definition {
+    Definition { kind: "integer", ..plain(name, about) }
+}
+
+/// A column of words.
+const fn words(name: &'static str, about: &'static str) -> Definition {
+    Definition { kind: "string", ..plain(name, about) }
+}
+
+/// A column of one table, where others of that name hold something else.
+const fn only(table: &'static [&'static str], definition: Definition) -> Definition {
+    Definition { tables: table, ..definition }
+}
+
+const NUMBER: &str = "number";
+
+/// Endings of columns that belong to another one, with what they add to its description.
+const ENDINGS: [(&str, &str); 2] = [
+    ("_standard_error", "one standard error of"),
+    ("_half_width_95", "half the width of the 95 % interval of"),
+];
+
+const COLUMNS: &[Definition] = &[
+    number("wavelength_nm", "nm", "vacuum wavelength"),
+    number("thickness_um", "µm", "thickness of the layer"),
+    only(
+        &["spectra.csv"],
+        number("polar_deg", "°", "polar angle of the incident light, from the layer's normal"),
+    ),
+    // the layer alone
+    only(&["spectra.csv"], plain("reflectance", "layer alone, without paper: total reflectance R")),
+    plain(
+        "specular_reflectance",
+        "layer alone, without paper: R of the cells' specular order, mean |r|², which holds the mirror image and the diffuse light \
+         of that order",
+    ),
+    only(&["spectra.csv"], plain("transmittance", "layer alone, without paper: total transmittance T")),
+    plain(
+        "specular_transmittance",
+        "layer alone, without paper: T of the cells' unscattered order, mean |t|², which holds the coherent light and the diffuse \
+         light of that order, more of it the smaller the cell",
+    ),
+    plain(
+        "coherent_transmittance",
+        "layer alone, without paper, in composed layers at 0°: coherent transmittance |mean t|², what goes straight on through a \
+         layer of any size",
+    ),
+    only(&["spectra.csv"], plain("absorptance", "layer alone, without paper: absorbed share A")),
+    plain("reflectance_normal", "layer alone, without paper: R of light at 0°"),
+    plain("transmittance_normal", "layer alone, without paper: T of light at 0°"),
+    plain("reflectance_45", "layer alone, without paper: R of light at 45°"),
+    plain("transmittance_45", "layer alone, without paper: T of light at 45°"),
+    plain("reflectance_diffuse", "layer alone, without paper: R of diffuse light"),
+    plain("transmittance_diffuse", "layer alone, without paper: T of diffuse light"),
+    plain("mirrored", "layer alone, without paper: share of light at 0° that is mirrored"),
+    // on the paper
+    plain(
+        "natural_light",
+        "layer on its paper: under a uniform sky, seen along the normal; a perfect white: 1",
+    ),
+    plain(
+        "lit_at_45",
+        "layer on its paper: lit at 45° and seen along the normal, π × BRDF; a perfect white: 1",
+    ),
+    plain("over_black", "layer over black: lit at 45° and seen along the normal, π × BRDF"),
+    plain("over_white", "layer over white of albedo 0.8: lit at 45° and seen along the normal, π × BRDF"),
+    // distributions
+    words("from", "side that the light comes from: incident (z < 0) or exit"),
+    number("polar_in_deg", "°", "polar angle of the incident light, from the normal"),
+    number("azimuth_in_deg", "°", "azimuth of the incident light, from x towards y"),
+    words("lobe", "side that the light leaves to: reflected or transmitted"),
+    number("polar_out_deg", "°", "polar angle of the outgoing light, from the normal"),
+    number("projected_sr", "sr", "projected solid angle that the direction stands for"),
+    integer("m", "index of the order along x"),
+    integer("n", "index of the order along y"),
+    plain("alpha", "direction cosine kx/k₀ of the outgoing light"),
+    plain("beta", "direction cosine ky/k₀ of the outgoing light"),
+    Definition {
+        kind: "boolean",
+        ..plain(
+            "specular",
+            "whether this is the order (0, 0), a mirror image or straight on, and no density per steradian",
+        )
+    },
+    plain("efficiency", "layer alone, without paper: power of the order over the incident power"),
+    number("bdf_per_sr", "1/sr", "layer alone, without paper: BRDF or BTDF"),
+    number("bdf_standard_error", "1/sr", "one standard error of bdf_per_sr"),
+    integer("realisations", "number of realisations averaged"),
+    plain("efficiency_grid_error", "error of the efficiency due to the grid"),
+    // what the medium is
+    number(
+        "absorption_per_um",
+        "1/µm",
+        "absorption coefficient: of Kubelka and Munk in kubelka-munk.csv, of the packed medium elsewhere",
+    ),
+    number(
+        "scattering_per_um",
+        "1/µm",
+        "scattering coefficient: of Kubelka and Munk in kubelka-munk.csv, of the packed medium elsewhere",
+    ),
+    plain("effective_index", "index of the packed medium for coherent light"),
+    number("coherent_path_um", "µm", "length over which coherent light falls to 1/e of its power"),
+    plain("asymmetry", "mean cosine of the scattering angle"),
+    number("transport_path_um", "µm", "transport mean free path"),
+    number("kubelka_munk_absorption_per_um", "1/µm", "K of Kubelka and Munk, surfaces off"),
+    number("kubelka_munk_scattering_per_um", "1/µm", "S of Kubelka and Munk, surfaces off"),
+    number("hiding_thickness_um", "µm", "thickness whose contrast ratio over black and white is 0.98"),
+    // a measurement
+    plain("measured", "the measurement of [compare]; in conclusions.csv the number that a claim is about"),
+    plain("predicted", "layer on its paper, as the measurement sees it"),
+    // sweeps
+    words("variant", "name of the variant, and of its folder under variants"),
+    integer("solves", "number of solves asked for"),
+    integer("solves_finished", "number of solves finished"),
+    integer("failures", "number of packings and solves without a result"),
+    plain("L", "layer on its paper under natural light: L* (CIE 1931 observer, D65)"),
+    plain("a", "layer on its paper under natural light: a*"),
+    plain("b", "layer on its paper under natural light: b*"),
+    plain("C", "layer on its paper under natural light: chroma C*"),
+    number("h_deg", "°", "layer on its paper under natural light: hue"),
+    plain("delta_e_2000", "colour difference ΔE₀₀ from the reference variant"),
+    plain("delta_e_2000_to_target", "colour difference ΔE₀₀ from the target of [compare]"),
+    plain("contrast_ratio", "Y over black by Y over white of albedo 0.8"),
+    // conclusions
+    words("id", "name of the claim"),
+    words("statement", "the claim in words"),
+    words("inequality", "the claim as a formula"),
+    only(&["conclusions.csv"], plain("standard_error", "one standard error of measured")),
+    words("verdict", "confirmed, refuted or undecided"),
+    words("remark", "what the verdict rests on, and what would decide it"),
+    words("source", "where the claim is made"),
+    words("quote", "the claim in the source's words"),
+    words("translation", "the quote in English"),
+    words("because", "why the inequality tests the claim"),
+    // a fitted pigment
+    only(&["pigment.csv"], plain("n", "real part of the pigment's refractive index")),
+    plain("kappa", "imaginary part of the pigment's refractive index, which absorbs"),
+    plain("n_error", "one standard error of n"),
+    plain("kappa_error", "one standard error of kappa"),
+    plain("correlation", "correlation of the errors of n and kappa, −1 to 1"),
+    // exports
+    only(&["specular.csv"], number("polar_deg", "°", "polar angle of the incident light, from the normal")),
+    only(&["specular.csv"], plain("specular_reflectance", "mirror part of R, which the material leaves out")),
+    plain(
+        "albedo_without_specular",
+        "layer on its paper: albedo from the totals R and T, mirror part left out",
+    ),
+    plain("albedo_of_brdf", "layer on its paper: albedo as the integral of the material's BRDF"),
+    plain("difference_standard_error", "one standard error of the difference of both albedos: both parts"),
+    plain("difference_by_chance", "its part by chance: jackknife over the realisations"),
+    plain(
+        "difference_of_fits",
+        "its part from fits that differ by more, root mean square over the hemisphere",
+    ),
+    number("light_polar_deg", "°", "polar angle of the light"),
+    number("view_polar_deg", "°", "polar angle of the view"),
+    number("azimuth_deg", "°", "azimuth of the view from the direction in which the light travels"),
+    number("brdf_per_sr", "1/sr", "layer on its paper: BRDF without the mirror part"),
+    only(&["grains.csv"], words("pigment", "name of the pigment")),
+    only(&["grains.csv"], integer("grain", "number of the grain")),
+    only(&["grains.csv"], words("agglomerate", "number of the agglomerate, if the grain is in one")),
+    plain("axis_x", "direction of the grain's axis along x"),
+    plain("axis_y", "direction of the grain's axis along y"),
+    plain("axis_z", "direction of the grain's axis along z"),
+    number("x_um", "µm", "centre of a sphere along x"),
+    number("y_um", "µm", "centre of a sphere along y"),
+    number("z_um", "µm", "centre of a sphere along z"),
+    number("radius_um", "µm", "radius of a sphere"),
+];
+
+/// The column of this name in a table; `None` if nothing is known of it.
+pub fn column(table: &str, name: &str) -> Option<Column> {
+    let lines = || COLUMNS.iter().filter(|line| line.name == name);
+    let of_table = lines().find(|line| line.tables.contains(&table));
+    if let Some(found) = of_table.or_else(|| lines().find(|line| line.tables.is_empty())) {
+        let Definition { kind, unit, about, .. } = *found;
+        return Some(Column { name: name.to_owned(), kind, unit: unit.to_owned(), about: about.to_owned() });
+    }
+    ENDINGS.iter().find_map(|(ending, start)| {
+        let own = column(table, name.strip_suffix(ending)?)?;
+        Some(Column { name: name.to_owned(), kind: NUMBER, about: format!("{start} {}", own.name), ..own })
+    })
+}
+
+/// The columns of a table in order, as a schema of tables has them. Columns that are named by the user are
+/// in `own`; those of which nothing is known are numbers without a description.
+pub fn fields(table: &str, bytes: &[u8], own: &[Column]) -> Vec<Value> {
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(bytes);
+    let Ok(header) = reader.headers() else { return Vec::new() };
+    let field = |name: &str| {
+        let given = own.iter().find(|column| column.name == name).cloned();
+        let Some(Column { name, kind, unit, about }) = given.or_else(|| column(table, name)) else {
+            return json!({ "name": name, "type": NUMBER });
+        };
+        let mut field = json!({ "name": name, "type": kind, "description": about });
+        if !unit.is_empty() {
+            field["unit"] = unit.into();
+        }
+        field
+    };
+    header.iter().map(field).collect()
+}
+
+/// A table as a resource of a data package.
+pub fn resource(name: &str, bytes: &[u8], about: &str, own: &[Column]) -> Value {
+    let commented = bytes.starts_with(b"#");
+    let mut resource = json!({
+        "name": name.to_lowercase().replace([' ', '/', '.', '_'], "-"),
+        "path": name,
+        "description": about,
+        "profile": "tabular-data-resource",
+        "mediatype": "text/csv",
+        "format": "csv",
+        "encoding": "utf-8",
+        "bytes": bytes.len(),
+        "schema": { "fields": fields(name, bytes, own), "missingValues": [""] },
+    });
+    if commented {
+        resource["dialect"] = json!({ "commentChar": "#" });
+    }
+    resource
+}
+
+/// A folder's tables, which are described together when all are written.
+pub struct Tables<'a> {
+    folder: &'a OutputFolder,
+    resources: Vec<Value>,
+}
+
+impl<'a> Tables<'a> {
+    /// None yet.
+    pub fn new(folder: &'a OutputFolder) -> Self {
+        Self { folder, resources: Vec::new() }
+    }
+
+    /// Writes a table; `own` describes columns that the user has named.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn write(
+        &mut self,
+        name: &str,
+        bytes: &[u8],
+        about: &str,
+        own: &[Column],
+    ) -> Result<(), FolderError> {
+        self.folder.write(name, bytes)?;
+        self.resources.push(resource(name, bytes, about, own));
+        Ok(())
+    }
+
+    /// Writes `datapackage.json`.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn describe(self, title: &str) -> Result<(), FolderError> {
+        let package = json!({
+            "profile": "data-package",
+            "name": "inkwave",
+            "title": title,
+            "version": env!("CARGO_PKG_VERSION"),
+            "resources": self.resources,
+        });
+        self.folder.write(DATA_PACKAGE, format!("{package:#}").as_bytes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_columns_error_has_its_unit_and_its_name() {
+        let own = column("kubelka-munk.csv", "scattering_per_um_half_width_95").unwrap();
+        assert_eq!((own.unit.as_str(), own.kind), ("1/µm", NUMBER));
+        assert_eq!(own.about, "half the width of the 95 % interval of scattering_per_um");
+        assert_eq!(column("bdf.csv", "n").unwrap().kind, INTEGER);
+        assert_eq!(column("pigment.csv", "n").unwrap().kind, NUMBER);
+        assert_eq!(column("spectra.csv", "bdf"), None);
+    }
+
+    #[test]
+    fn no_column_is_described_twice() {
+        for (i, line) in COLUMNS.iter().enumerate() {
+            let same = |other: &&Definition| {
+                let everywhere = other.tables.is_empty() && line.tables.is_empty();
+                other.name == line.name
+                    && (everywhere || other.tables.iter().any(|t| line.tables.contains(t)))
+            };
+            assert!(!COLUMNS[..i].iter().any(|other| same(&other)), "{}", line.name);
+        }
+    }
+}
