@@ -51,7 +51,7 @@ pub fn with_and_without_the_grid(text: &str, folder: &Path) -> [Value; 2] {
 pub fn composed(text: &str) -> Value {
     let (study, folder) = (checked(text), tempfile::tempdir().expect("a temporary folder"));
     let output = OutputFolder::open(folder.path(), Holds::Study).expect("a folder for the study");
-    let solved = run_portions(&study, &output, RunSettings::default(), &()).expect("slabs that run");
+    let solved = run_portions(&study, &output, RunSettings::default(), &()).expect("slabs that run").solved;
     serde_json::to_value(report(&study, &solved).expect("complete slabs")).expect("JSON")
 }
 

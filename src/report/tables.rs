@@ -1,6 +1,7 @@
 //! CSV tables for other programs: spectra and distributions.
 
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
+use crate::evaluate::gate::{self, Quantity};
 use crate::evaluate::ink_maker::InkMaker;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
@@ -91,8 +92,9 @@ fn row(
         (index * index - x * x - y * y).max(0.0).sqrt() / (here * incidence.polar_deg.to_radians().cos());
     let grid_error = 2.0 * (order.efficiency.value.max(0.0) * flux).sqrt() * amplitude_error;
     let lobe = if lobe == Lobe::Reflected { "reflected" } else { "transmitted" };
-    let [[efficiency, efficiency_error], [per_sr, per_sr_error]] =
-        [order.efficiency, order.bdf].map(|e| numbers(Some(e)));
+    let possible = |quantity, e: Estimate| Some(e).filter(|e| gate::impossible(quantity, *e).is_none());
+    let [efficiency, efficiency_error] = numbers(possible(Quantity::Share, order.efficiency));
+    let [per_sr, per_sr_error] = numbers(possible(Quantity::Size, order.bdf));
     [
         // 0.41 µm is 410 nm, not 410.00000000000006
         ("wavelength_nm", ((1e12 * incidence.wavelength_um).round() / 1e9).to_string()),

@@ -87,6 +87,14 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     refuse(file.run.target_delta_e.is_some(), "run.target_delta_e", "a number of realisations", aim);
     let measured = "remove [compare]: compare the spectra of results.json";
     refuse(file.compare.measured.is_some(), "compare.measured", "no measurement", measured);
+    let thinnest =
+        study.wavelengths_nm.iter().map(|nm| study.embedding_index(1e-3 * nm)).fold(f64::INFINITY, f64::min);
+    if !study.pigments.is_empty() && thinnest < 1.0 {
+        let remedy = "lower the volume fraction of the metal, or remove [layer.composed]";
+        let allowed =
+            "1 or more where it is composed: slabs are solved between half-spaces of the mixture's index";
+        faults.add("pigment", format!("a mixture of index {thinnest:.2}"), allowed, remedy);
+    }
     if study.pigments.is_empty() {
         let remedy = "remove [layer.composed]: a clear layer is solved exactly at any thickness";
         faults.add("pigment", "none", "grains where the layer is composed", remedy);
