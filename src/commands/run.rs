@@ -170,7 +170,8 @@ fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     }
     let whole = by_size(&Sweep::of_one("", study.clone()), settings).core_seconds;
     let slab_um = um / (0.5 * um).round();
-    study.layer.composed = Some(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um] });
+    study.layer.composed =
+        Some(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None });
     let slabs = by_size(&Sweep::of_one("", study), settings).core_seconds;
     say!(
         "[layer.composed] composes these {um} µm of slabs of {slab_um:.2} µm: by size some {:.1} processor hours \

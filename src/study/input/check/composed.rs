@@ -40,7 +40,7 @@ pub(super) fn composed(file: &StudyFile, faults: &mut Faults) -> Option<Composed
         faults.add("layer.composed.slab_um", table.slab_um, allowed, remedy);
     }
     let slabs = (first / table.slab_um).round().max(2.0);
-    Some(Composed { slab_um: first / slabs, directions: table.directions, thicknesses_um })
+    Some(Composed { slab_um: first / slabs, directions: table.directions, thicknesses_um, mixing: None })
 }
 
 /// The file as if its layer were the thinnest slab: what is packed and solved must fit into that.

@@ -26,6 +26,10 @@ pub struct Composed {
     pub directions: [usize; 2],
     /// Thicknesses of the layer that are reported, µm.
     pub thicknesses_um: Vec<f64>,
+    /// Mixing rule of the half-spaces that slabs are solved between; without one, that of the wave
+    /// equation. Another one may change nothing but the bars.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mixing: Option<MixingRule>,
 }
 
 /// Where a slab lies.
@@ -49,6 +53,9 @@ pub struct Portion {
     pub halved: bool,
     /// Directions of every zone.
     directions: [usize; 2],
+    /// Mixing rule of the half-spaces, if it is not that of the wave equation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mixing: Option<MixingRule>,
 }
 
 impl Portion {
@@ -86,8 +93,10 @@ impl Study {
     pub fn embedding_index(&self, wavelength_um: f64) -> f64 {
         let (binder, pigments) = self.binder_and_pigments(wavelength_um);
         let shares: Vec<_> = self.material_shares().into_iter().zip(pigments).collect();
-        let rule = if self.wave.is_vector() { MixingRule::MaxwellGarnett } else { MixingRule::VolumeAverage };
-        let mixed = rule.mix(binder, &shares);
+        let own = if self.wave.is_vector() { MixingRule::MaxwellGarnett } else { MixingRule::VolumeAverage };
+        let composed = self.layer.composed.as_ref().and_then(|composed| composed.mixing);
+        let of_portion = self.portion.as_ref().and_then(|portion| portion.mixing);
+        let mixed = composed.or(of_portion).unwrap_or(own).mix(binder, &shares);
         (mixed * mixed).re.max(0.0).sqrt()
     }
 
@@ -126,7 +135,8 @@ impl Study {
         let both = [false, true].into_iter().flat_map(|halved| all.map(|position| (position, halved)));
         let both = both.filter(|(position, _)| needed(position)).enumerate();
         both.map(|(k, (position, halved))| {
-            self.portion(Portion { position, halved, directions: composed.directions }, composed, k as u64)
+            let Composed { directions, mixing, .. } = *composed;
+            self.portion(Portion { position, halved, directions, mixing }, composed, k as u64)
         })
         .collect()
     }
