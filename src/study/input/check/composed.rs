@@ -148,6 +148,26 @@ mod tests {
         );
     }
 
+    /// 20 % of 2.0 in 1.5. Maxwell Garnett: β = 0.2 · 1.75/8.5, ε = 2.25 (1 + 2β)/(1 − β). *Planted*:
+    /// the volume average.
+    #[test]
+    fn slabs_in_maxwells_equations_lie_between_half_spaces_of_maxwell_garnett() {
+        let layer = "thickness_um = 10\n[layer.composed]\nslab_um = 2";
+        let beta = 0.2 * 1.75 / 8.5;
+        let garnett = (2.25 * (1.0 + 2.0 * beta) / (1.0 - beta)).sqrt();
+        for (wave, index) in [("scalar", 2.6_f64.sqrt()), ("unpolarised", garnett)] {
+            let text = format!(
+                "title = 't'\n[layer]\nbinder.index = 1.5\n{layer}\n[[pigment]]\nname = 'p'\ndiameter_nm = 250\n\
+                 volume_fraction = 0.2\nindex = 2.0\n[light]\nwavelengths_nm = [450, 650]\nwave = '{wave}'\n"
+            );
+            let file = toml::from_str(&text).expect("a study file");
+            let study = check(&file, Path::new("."), "test").expect("a sound study");
+            let inner = &study.portions()[0];
+            assert!((study.embedding_index(0.5) - index).abs() < 1e-12, "{wave}");
+            assert_eq!(inner.media(0.5).incident.re, study.embedding_index(0.5), "{wave}");
+        }
+    }
+
     /// Pigment in the slab's outermost twentieths, µm of 2, over what it holds on the mean.
     fn at_faces(portion: &Study) -> [f64; 2] {
         let packings = (0..4).map(|r| pack(&portion.packing_request(r), &mut ()).expect("a packing"));
