@@ -6,6 +6,7 @@ use inkwave::evaluate::seen::{Seen, see};
 use inkwave::evaluate::summary::summarise;
 use inkwave::input::load::load;
 use inkwave::input::study::Study;
+use inkwave::material::mixing::MixingRule;
 use inkwave::run::{Collected, RunSettings};
 use inkwave::solve::accuracy::grid_error::GridError;
 use inkwave::store::folder::OutputFolder;
@@ -49,9 +50,16 @@ pub fn with_and_without_the_grid(text: &str, folder: &Path) -> [Value; 2] {
 
 /// `results.json` of a composed layer.
 pub fn composed(text: &str) -> Value {
-    let (study, folder) = (checked(text), tempfile::tempdir().expect("a temporary folder"));
+    composed_between(text, None)
+}
+
+/// `results.json` of a composed layer whose slabs are solved between half-spaces by a mixing rule; without one, by that
+/// of its wave equation.
+pub fn composed_between(text: &str, mixing: Option<MixingRule>) -> Value {
+    let (mut study, folder) = (checked(text), tempfile::tempdir().expect("a temporary folder"));
+    study.layer.composed.iter_mut().for_each(|composed| composed.mixing = mixing);
     let output = OutputFolder::open(folder.path(), Holds::Study).expect("a folder for the study");
-    let solved = run_portions(&study, &output, RunSettings::default(), &()).expect("slabs that run");
+    let solved = run_portions(&study, &output, RunSettings::default(), &()).expect("slabs that run").solved;
     serde_json::to_value(report(&study, &solved).expect("complete slabs")).expect("JSON")
 }
 

@@ -48,7 +48,10 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     }
     let output = opened(&args.output, Holds::Comparison)?;
     output.mark_partial().map_err(folder_report)?;
-    let ran = file.run(&registry, &mut StopFlag::listen(), tell_row);
+    let mut stop = StopFlag::listen();
+    let ran = file.run(&registry, &mut stop, tell_row);
+    // a stop may end the comparison after some of its solves; what is there is written
+    stop.end_at_once(!stop.is_raised());
     let comparison = ran.inspect_err(|_| output.discard_when_empty()).map_err(report)?;
     comparison.write(&output).map_err(publish_report)?;
     say!("Comparison: {}", args.output.join("comparison.html").display())?;

@@ -41,12 +41,19 @@ pub fn run(args: &PackArgs) -> Result<()> {
     study.remarks.iter().for_each(note);
     study.packing.seed = args.seed.unwrap_or(study.packing.seed);
     study.realisations = args.realisations.map_or(study.realisations, usize::from);
+    if let Some(composed) = &study.layer.composed {
+        note!(
+            "layer.composed: a slab of {} µm is packed, between walls; `inkwave run` solves slabs without walls at their joints",
+            composed.slab_um
+        );
+    }
     let stop = StopFlag::listen();
     let folder = args.output.clone().unwrap_or_else(|| PathBuf::from(stem(&args.study) + "-packing"));
     let folder = opened(&folder, Holds::Packings)?;
     folder.mark_partial().map_err(folder_report)?;
     let packings = (0..study.realisations).map(|k| one(&study, k, &stop)).collect::<Result<Vec<_>>>();
     let packings = packings.inspect_err(|_| folder.discard_when_empty())?;
+    stop.end_at_once(true);
     let pigments: Vec<_> = study.pigments.iter().map(|p| (p.name.clone(), p.grains.shape.clone())).collect();
     folder.remove_files(is_of_one_packing).map_err(folder_report)?;
     let (statistics, page) =

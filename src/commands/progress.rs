@@ -102,7 +102,9 @@ impl Progress {
         if !plain {
             bar.enable_steady_tick(Duration::from_millis(250));
         }
-        Self { stop: StopFlag::listen(), bar, plain, state: Mutex::new(RunState::new()) }
+        let stop = StopFlag::listen();
+        stop.end_at_once(true);
+        Self { stop, bar, plain, state: Mutex::new(RunState::new()) }
     }
 
     fn state(&self) -> MutexGuard<'_, RunState> {
@@ -197,6 +199,8 @@ impl RunWatch for Progress {
                 self.bar.set_message(what.to_owned());
                 self.plain.then(|| note!("{what}"));
             }
+            Event::Begun => self.stop.end_at_once(false),
+            Event::Over => self.stop.end_at_once(true),
             Event::Standing(standing) => self.standing(standing),
             Event::Solving(study, point) => self.solving(study, point),
             Event::Kept(solves) => {

@@ -17,7 +17,7 @@ use inkwave::run::{Collected, RunSettings};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
-use inkwave::sweep::alone::{Ran, run_portions, run_study, stored};
+use inkwave::sweep::alone::{Ran, RanPortions, run_portions, run_study, stored};
 use inkwave::sweep::plan::by_size;
 use miette::{IntoDiagnostic, Result, miette};
 use std::path::{Path, PathBuf};
@@ -131,9 +131,19 @@ fn run_composed(study: &Study, path: &Path, settings: RunSettings) -> Result<()>
     let folder = opened(path, Holds::Study)?;
     let progress = Progress::new();
     progress.expect(study.solves(), false);
-    let solved = progress.during(|| run_portions(study, &folder, settings, &progress));
-    let solved = solved.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
+    let ran = progress.during(|| run_portions(study, &folder, settings, &progress));
+    let RanPortions { solved, publishes } =
+        ran.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
     solved.iter().for_each(|(_, collected)| tell_damages(&collected.damages));
+    if progress.stopped() {
+        let finished: usize = solved.iter().map(|(_, collected)| collected.finished()).sum();
+        let kept = format!("stopped: {finished} of {} solves are finished and kept", study.solves());
+        return Err(miette!(help = to_resume(), "{kept}; a composed layer is evaluated when all are there"));
+    }
+    if !publishes {
+        return tell_others(&folder);
+    }
+    note!("evaluating the layer: numbers, error bars and pictures");
     let published = composed::publish(study, &solved, &folder);
     let published = published.map_err(|error| miette!(help = to_resume(), "{error}"))?;
     published.remarks.iter().for_each(note);
@@ -160,7 +170,8 @@ fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     }
     let whole = by_size(&Sweep::of_one("", study.clone()), settings).core_seconds;
     let slab_um = um / (0.5 * um).round();
-    study.layer.composed = Some(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um] });
+    study.layer.composed =
+        Some(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None });
     let slabs = by_size(&Sweep::of_one("", study), settings).core_seconds;
     say!(
         "[layer.composed] composes these {um} µm of slabs of {slab_um:.2} µm: by size some {:.1} processor hours \

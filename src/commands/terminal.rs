@@ -60,29 +60,44 @@ const INTERRUPTED: i32 = 130;
 
 /// Raised when the user has asked to stop.
 #[derive(Clone, Debug, Default)]
-pub struct StopFlag(Arc<AtomicBool>);
+pub struct StopFlag {
+    raised: Arc<AtomicBool>,
+    /// Whether nothing would be lost if the program ended now: no solve is under way, every finished
+    /// one is stored, and files are written whole or not at all.
+    at_once: Arc<AtomicBool>,
+}
 
 impl StopFlag {
     /// Listens for Ctrl-C and for a request to terminate. Where the system refuses, Ctrl-C ends the
     /// program at once; finished points are safe then, too.
     pub fn listen() -> Self {
         let flag = Self::default();
-        let raised = flag.0.clone();
-        if let Err(error) = ctrlc::set_handler(move || interrupt(&raised)) {
+        let heard = flag.clone();
+        if let Err(error) = ctrlc::set_handler(move || heard.interrupt()) {
             note!("Ctrl-C will end the program at once ({error}).");
         }
         flag
     }
 
     pub fn is_raised(&self) -> bool {
-        self.0.load(Ordering::SeqCst)
+        self.raised.load(Ordering::SeqCst)
     }
-}
 
-/// Raises the flag, or ends the program if it is already raised.
-fn interrupt(raised: &AtomicBool) {
-    if raised.swap(true, Ordering::SeqCst) {
-        std::process::exit(INTERRUPTED);
+    /// Says whether a request to stop may end the program at once: while numbers are made of stored
+    /// solves, drawn and written, and not while solves are under way.
+    pub fn end_at_once(&self, at_once: bool) {
+        self.at_once.store(at_once, Ordering::SeqCst);
     }
-    note!("\nStopping after the current step; press Ctrl-C again to quit at once.");
+
+    /// Raises the flag, or ends the program if it is already raised or nothing would be lost.
+    fn interrupt(&self) {
+        if self.raised.swap(true, Ordering::SeqCst) {
+            std::process::exit(INTERRUPTED);
+        }
+        if self.at_once.load(Ordering::SeqCst) {
+            note!("\nStopped; everything solved is kept. {}", to_resume());
+            std::process::exit(INTERRUPTED);
+        }
+        note!("\nStopping after the current step; press Ctrl-C again to quit at once.");
+    }
 }

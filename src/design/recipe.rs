@@ -263,9 +263,9 @@ fn checked_ends(task: &DesignTask) -> Result<[f64; 3], Vec<Fault>> {
     let studies = studies.collect::<Result<Vec<Study>, _>>()?;
     let study = &studies[studies.len() - 1];
     if study.layer.composed.is_some() {
-        let (found, allowed) = ("given", "a layer that is solved whole: recipes are not composed of slabs");
-        let remedy = "remove [layer.composed] from the base, and give its thickness as layer.thickness_um";
-        return Err(vec![Fault::new("layer.composed", found, allowed, remedy)]);
+        let allowed = "a layer that is solved at once: surfaces are laid through solved spectra";
+        let remedy = "remove [base.layer.composed] for layers of a few µm; for thicker ones, `inkwave sweep` composes every variant";
+        return Err(vec![Fault::new("base.layer.composed", "given", allowed, remedy)]);
     }
     if let Some(reason) = &study.angles.no_paper {
         let remedy = "write [angles] count = 5";

@@ -41,11 +41,17 @@ fn round_numbers(range: &Range<f64>, leading: &[f64]) -> Vec<f64> {
     all.filter(|v| within.contains(v)).collect()
 }
 
+/// Steps by which a logarithmic range is widened at most: more than two decades, which hold two ticks.
+const MOST_WIDENED: usize = 240;
+
 /// Widens a logarithmic range until it has at least two ticks, on the side where this adds less.
 pub(super) fn wide(low: f64, high: f64) -> Range<f64> {
     let there = |range: &Range<f64>| logarithmic(range, MOST_ALONG).len();
     let (mut down, mut up) = (low..high, low..high);
-    while there(&down) < 2 && there(&up) < 2 {
+    for _ in 0..MOST_WIDENED {
+        if there(&down) >= 2 || there(&up) >= 2 {
+            break;
+        }
         down.start /= 1.02;
         up.end *= 1.02;
     }

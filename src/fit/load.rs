@@ -117,6 +117,12 @@ impl FitReading<'_> {
                 self.faults.add(field, format!("[{from}, {to}]"), range, remedy);
             }
         }
+        if self.base.get("layer").is_some_and(|layer| layer.get("composed").is_some()) {
+            let allowed = "a layer that is solved at once: a fit needs its derivatives";
+            let remedy =
+                "remove [base.layer.composed], and fit drawdowns of a few µm, where the index is seen best";
+            self.faults.add("base.layer.composed", "given", allowed, remedy);
+        }
         self.pigment = self.find_pigment(pigment.as_deref());
         let [place, _] = self.pigment;
         let placeholder = Table::from_iter([("n".into(), 1.6.into()), ("k".into(), 0.1.into())]);

@@ -226,7 +226,7 @@ fn shown_medium(manifest: &ComposedManifest) -> Vec<(String, ErrorParts)> {
     let shown = sheet::shown_nm(&manifest.study.wavelengths_nm);
     let mut rows = Vec::new();
     for row in manifest.medium.iter().filter(|row| shown.contains(&row.wavelength_nm)) {
-        for (name, judged) in coefficients(row) {
+        for (name, judged) in coefficients(row).into_iter().filter_map(|(name, it)| Some((name, it?))) {
             let name = name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ");
             rows.push((format!("{name}, {:.0} nm", row.wavelength_nm), judged));
         }

@@ -1,6 +1,7 @@
 //! CSV tables for other programs: spectra and distributions.
 
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
+use crate::evaluate::gate::{self, Quantity};
 use crate::evaluate::ink_maker::InkMaker;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
@@ -101,8 +102,9 @@ fn row(
         value: density * order.bdf.value,
         standard_error: order.bdf.standard_error.map(|error| density * error),
     };
-    let [efficiency, efficiency_error] = numbers(Some(order.efficiency));
-    let [per_sr, per_sr_error] = numbers(Some(in_medium));
+    let possible = |quantity, e: Estimate| Some(e).filter(|e| gate::impossible(quantity, *e).is_none());
+    let [efficiency, efficiency_error] = numbers(possible(Quantity::Share, order.efficiency));
+    let [per_sr, per_sr_error] = numbers(possible(Quantity::Size, in_medium));
     [
         // 0.41 µm is 410 nm, not 410.00000000000006
         ("wavelength_nm", ((1e12 * incidence.wavelength_um).round() / 1e9).to_string()),

@@ -6,6 +6,7 @@ mod cli_solve;
 mod colour_range;
 mod compare;
 mod composed;
+mod composed_runs;
 mod coverage_shapes;
 mod damage;
 mod designs;

@@ -12,7 +12,10 @@ use crate::report::tables::NamedTable;
 /// One that cannot be written.
 pub fn tables(manifest: &ComposedManifest) -> csv::Result<[NamedTable; 3]> {
     let layers = manifest.spectra.iter().chain(&manifest.curve);
-    let layers = layers.map(|row| ([row.thickness_um, row.wavelength_nm], shares(row)));
+    let layers = layers.map(|row| {
+        let shares = shares(row).map(|(name, number)| (name, Some(number)));
+        ([row.thickness_um, row.wavelength_nm], shares)
+    });
     let spectra = rows(["thickness_um", "wavelength_nm"], layers)?;
     let medium = manifest.medium.iter().map(|row| ([row.wavelength_nm], coefficients(row)));
     Ok([
@@ -40,8 +43,8 @@ pub(super) fn shares(row: &ComposedRow) -> [(&'static str, ErrorParts); 12] {
     ]
 }
 
-/// Names and values of a medium.
-pub fn coefficients(row: &MediumRow) -> [(&'static str, ErrorParts); 8] {
+/// Names and values of a medium; `None` for those withheld.
+pub fn coefficients(row: &MediumRow) -> [(&'static str, Option<ErrorParts>); 8] {
     [
         ("effective_index", row.effective_index),
         ("coherent_path_um", row.coherent_path_um),
@@ -57,12 +60,12 @@ pub fn coefficients(row: &MediumRow) -> [(&'static str, ErrorParts); 8] {
 /// A table of rows, each a place and values with their errors.
 fn rows<const P: usize, const N: usize>(
     place: [&str; P],
-    rows: impl Iterator<Item = ([f64; P], [(&'static str, ErrorParts); N])>,
+    rows: impl Iterator<Item = ([f64; P], [(&'static str, Option<ErrorParts>); N])>,
 ) -> csv::Result<Vec<u8>> {
     let mut rows = rows.peekable();
     let names = rows.peek().map(|(_, values)| values.map(|(name, _)| name));
     let lines = rows.map(|(place, values)| {
-        let values = values.map(|(_, judged)| numbers(Some(judged.estimate())));
+        let values = values.map(|(_, judged)| numbers(judged.map(|number| number.estimate())));
         [place.map(|x| x.to_string()).to_vec(), values.concat()].concat()
     });
     table(place.map(str::to_owned).into_iter().chain(with_errors(names.into_iter().flatten())), lines)

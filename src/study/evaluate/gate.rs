@@ -1,11 +1,11 @@
-//! Withholds impossible numbers of the ink on its paper, with the reason.
+//! The gate that every published number passes: withholds impossible ones, with the reason.
 //!
-//! Totals of the layer have checks of their own ([`crate::wave::physical`],
+//! Totals of the layer have further checks of their own ([`crate::wave::physical`],
 //! [`super::manifest::Manifest::unphysical`]). Curves fitted to few directions and cells may still
 //! overshoot where a colour or a BRDF is derived from them.
 
 use super::ink_maker::{InkMaker, Swatch};
-use super::manifest::{ColourNote, SpectrumRow, Withheld};
+use super::manifest::{ColourNote, LIT_AT_45, NATURAL_LIGHT, SpectrumRow, Withheld};
 use crate::appearance::colour::Colour;
 use crate::numerics::estimate::Estimate;
 
@@ -25,6 +25,44 @@ const MOST_LAB_ERROR: f64 = 50.0;
 /// splines through six wavelengths.
 const MOST_OVERSHOOT: f64 = 0.1;
 
+/// Largest reflectance factor in one direction: a perfect white has 1, and fringes of clear films of
+/// high index on white paper reach 1.5 at single wavelengths.
+const MOST_FACTOR: f64 = 2.0;
+
+/// Rounding of quantities with a unit, such as the absorption of a layer that absorbs nothing.
+const ROUNDING: f64 = 1e-6;
+
+/// What a published number is, which tells what it can be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A share of the light, such as R or T: 0 to 1.
+    Share,
+    /// A reflectance factor in one direction, such as 45:0; a perfect white has 1.
+    Factor,
+    /// A quantity with a unit that is 0 or more, such as a coefficient, a length or a density.
+    Size,
+    /// A quantity that is above 0, such as a mean free path or an index.
+    Positive,
+    /// A mean cosine: −1 to 1.
+    Cosine,
+}
+
+/// Why a number cannot be published; `None` if it can. An unknown error counts as 0.02 for shares
+/// and factors, and as 0 for quantities with a unit.
+pub fn impossible(quantity: Quantity, number: Estimate) -> Option<String> {
+    match quantity {
+        Quantity::Share => impossible_share(number),
+        Quantity::Factor => impossible_factor(number),
+        Quantity::Size | Quantity::Positive => impossible_size(quantity, number),
+        Quantity::Cosine => {
+            let error = number.standard_error.unwrap_or(UNKNOWN);
+            let beyond = number.value.abs() > 1.0 + error + SLACK;
+            not_determined(number)
+                .or_else(|| beyond.then(|| format!("{}, beyond ±1 by more than its error", in_words(number))))
+        }
+    }
+}
+
 /// Removes impossible colours and gives the reasons.
 pub(super) fn colours(notes: Vec<ColourNote>) -> (Vec<ColourNote>, Vec<Withheld>) {
     let (mut kept, mut withheld) = (Vec::new(), Vec::new());
@@ -32,7 +70,7 @@ pub(super) fn colours(notes: Vec<ColourNote>) -> (Vec<ColourNote>, Vec<Withheld>
         match impossible_colour(&note.colour, note.lab_standard_error) {
             None => kept.push(note),
             Some(reason) => {
-                withheld.push(Withheld { number: format!("colour under {}", note.conditions), reason });
+                withheld.push(Withheld { number: colour_under(&note.conditions), reason });
             }
         }
     }
@@ -56,10 +94,47 @@ pub(super) fn ink_maker(maker: &InkMaker) -> Option<Withheld> {
     })
 }
 
-/// Removes impossible reflectance factors and gives the reason for the first of each kind.
-pub(super) fn spectra(rows: &mut [SpectrumRow]) -> Vec<Withheld> {
-    let natural = first("reflectance factor under natural light", rows, |row| &mut row.natural_light);
-    natural.into_iter().chain(first("reflectance factor at 45°:0°", rows, |row| &mut row.lit_at_45)).collect()
+/// What is withheld instead of a colour.
+pub(super) fn colour_under(conditions: &str) -> String {
+    format!("colour under {conditions}")
+}
+
+/// A spectrum of the ink on its paper: the conditions of its colour, and where it stands.
+type PrintSpectrum = (&'static str, fn(&mut SpectrumRow) -> &mut Option<Estimate>);
+
+/// The spectra of the ink on its paper.
+const OF_PRINT: [PrintSpectrum; 2] =
+    [(NATURAL_LIGHT, |row| &mut row.natural_light), (LIT_AT_45, |row| &mut row.lit_at_45)];
+
+/// Removes impossible reflectance factors and gives the reason for the first of each kind; where
+/// the colour that a whole spectrum makes is among those `withheld`, removes that spectrum.
+pub(super) fn spectra(rows: &mut [SpectrumRow], withheld: &[Withheld]) -> Vec<Withheld> {
+    let mut reasons = Vec::new();
+    for (conditions, of) in OF_PRINT {
+        let name = format!("reflectance factor under {conditions}");
+        if withheld.iter().any(|other| other.number == colour_under(conditions)) {
+            rows.iter_mut().for_each(|row| *of(row) = None);
+            reasons.push(Withheld { number: name, reason: "it makes an impossible colour".to_owned() });
+        } else {
+            reasons.extend(first(&name, rows, of));
+        }
+    }
+    reasons
+}
+
+/// Removes impossible coefficients of Kubelka and Munk, and says so.
+pub(super) fn kubelka_munk(maker: &mut InkMaker) {
+    let mut found = None;
+    maker.kubelka_munk.retain(|row| {
+        let both = [("K", row.absorption_per_um), ("S", row.scattering_per_um)];
+        let reason = both.into_iter().find_map(|(name, number)| {
+            Some(format!("{name} at {} nm is {}", row.wavelength_nm, impossible(Quantity::Size, number)?))
+        });
+        let kept = reason.is_none();
+        found = found.take().or(reason);
+        kept
+    });
+    maker.no_kubelka_munk = maker.no_kubelka_munk.take().or(found);
 }
 
 fn first(
@@ -93,21 +168,52 @@ pub(super) fn bounded(e: Estimate) -> Estimate {
     Estimate { value, standard_error: e.standard_error.map(|error| error.hypot(overshoot)) }
 }
 
-/// Why a directional reflectance factor is impossible; it may exceed 1, but not be negative.
+/// Why a directional reflectance factor is impossible: it may exceed 1, but not by much.
 fn impossible_factor(e: Estimate) -> Option<String> {
     let error = e.standard_error.unwrap_or(UNKNOWN);
-    let words = || format!("{} ± {}", shown(e.value), e.standard_error.map_or("unknown".into(), shown));
-    if !e.value.is_finite() || !error.is_finite() || error > MOST_ERROR {
-        return Some(format!("{}, an error too large for a meaningful result", words()));
-    }
-    (e.value < -error - SLACK).then(|| format!("{}, below 0 by more than its error", words()))
+    let above =
+        || format!("{}, above {MOST_FACTOR} (a perfect white has 1) by more than its error", in_words(e));
+    impossible_ratio(e).or_else(|| (e.value > MOST_FACTOR + error).then(above))
 }
 
-/// Why a ratio is impossible: as for a factor, and if it exceeds 1.
+/// Why a share of the light is impossible.
 fn impossible_share(e: Estimate) -> Option<String> {
     let error = e.standard_error.unwrap_or(UNKNOWN);
-    let above = || format!("{} ± {}, above 1 by more than its error", shown(e.value), shown(error));
-    impossible_factor(e).or_else(|| (e.value > 1.0 + error + SLACK).then(above))
+    let above = || format!("{}, above 1 by more than its error", in_words(e));
+    impossible_ratio(e).or_else(|| (e.value > 1.0 + error + SLACK).then(above))
+}
+
+/// Why a number on a scale of 0 to 1 or so is impossible, whatever its upper end.
+fn impossible_ratio(e: Estimate) -> Option<String> {
+    let error = e.standard_error.unwrap_or(UNKNOWN);
+    let meaningless = || format!("{}, an error too large for a meaningful result", in_words(e));
+    let below = || format!("{}, below 0 by more than its error", in_words(e));
+    not_determined(e)
+        .or_else(|| (error > MOST_ERROR).then(meaningless))
+        .or_else(|| (e.value < -error - SLACK).then(below))
+}
+
+/// Why a quantity with a unit is impossible.
+fn impossible_size(quantity: Quantity, e: Estimate) -> Option<String> {
+    let error = e.standard_error.unwrap_or(0.0);
+    let meaningless = || format!("{}, no more than its error", in_words(e));
+    let below = || format!("{}, below 0 by more than three times its error", in_words(e));
+    let lost = quantity == Quantity::Positive && e.value <= error;
+    not_determined(e)
+        .or_else(|| (e.value < -3.0 * error - ROUNDING).then(below))
+        .or_else(|| lost.then(meaningless))
+}
+
+/// Says so if a number or its error is none: it follows from something that these realisations do
+/// not determine, such as the logarithm of a mean that is not above 0.
+fn not_determined(e: Estimate) -> Option<String> {
+    let determined = e.value.is_finite() && e.standard_error.is_none_or(f64::is_finite);
+    (!determined).then(|| "not determined by these realisations".to_owned())
+}
+
+/// A number with its error.
+fn in_words(e: Estimate) -> String {
+    format!("{} ± {}", shown(e.value), e.standard_error.map_or("unknown".into(), shown))
 }
 
 fn shown(value: f64) -> String {

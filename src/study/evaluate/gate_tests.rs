@@ -11,8 +11,10 @@ fn factors_and_ratios_that_cannot_be_are_withheld() {
     for (value, error, word) in [
         (-16.0, 615.0, "too large"),
         (-0.099, 0.006, "below 0"),
-        (f64::NAN, 0.1, "too large"),
-        (0.4, f64::NAN, "too large"),
+        (f64::NAN, 0.1, "not determined"),
+        (0.4, f64::NAN, "not determined"),
+        (8.3, 0.08, "above 2"),
+        (4.3, 0.3, "above 2"),
     ] {
         let reason = impossible_factor(estimate(value, error)).unwrap();
         assert!(reason.contains(word), "{reason}");
@@ -57,4 +59,55 @@ fn totals_keep_within_0_and_1_and_their_errors_hold_the_overshoot() {
     assert_eq!(bounded(Estimate::unknown_error(1.02)), Estimate::unknown_error(1.0));
     assert_eq!(bounded(estimate(-0.2, 0.03)), estimate(-0.2, 0.03));
     assert!(bounded(estimate(f64::NAN, 0.03)).value.is_nan());
+}
+
+#[test]
+fn quantities_with_a_unit_are_above_0() {
+    for (quantity, value, error, word) in [
+        (Quantity::Size, -0.1, 0.01, "below 0"),
+        (Quantity::Positive, 2.0, 3.0, "no more than its error"),
+        (Quantity::Positive, 0.0, 0.0, "no more than its error"),
+        (Quantity::Size, f64::INFINITY, 0.0, "not determined"),
+        (Quantity::Cosine, 1.3, 0.1, "beyond"),
+        (Quantity::Share, 1.1, 0.05, "above 1"),
+        (Quantity::Factor, 4.3, 0.3, "above 2"),
+    ] {
+        let reason = impossible(quantity, estimate(value, error)).unwrap();
+        assert!(reason.contains(word), "{quantity:?}: {reason}");
+    }
+    for (quantity, value, error) in [
+        (Quantity::Size, -0.02, 0.01),
+        (Quantity::Size, -1e-9, 0.0),
+        (Quantity::Positive, 2.0, 1.0),
+        (Quantity::Cosine, -0.9, 0.2),
+        (Quantity::Factor, 1.3, 0.02),
+    ] {
+        assert_eq!(impossible(quantity, estimate(value, error)), None, "{quantity:?} {value}");
+    }
+}
+
+/// A spectrum whose colour cannot be is not published either; single impossible numbers of others
+/// are left out alone. *Planted*: a gate without an upper end.
+#[test]
+fn a_spectrum_goes_with_its_colour() {
+    let row = |lit: f64| SpectrumRow {
+        wavelength_nm: 550.0,
+        polar_deg: 0.0,
+        reflectance: estimate(0.1, 0.01),
+        specular_reflectance: estimate(0.1, 0.01),
+        transmittance: estimate(0.9, 0.01),
+        specular_transmittance: estimate(0.9, 0.01),
+        absorptance: estimate(0.0, 0.01),
+        natural_light: Some(estimate(0.8, 0.01)),
+        lit_at_45: Some(estimate(lit, 0.08)),
+        deviations: Vec::new(),
+    };
+    let mut rows = [row(1.4), row(8.3)];
+    let reasons = spectra(&mut rows, &[]);
+    assert!(reasons.len() == 1 && reasons[0].reason.contains("1 of its wavelengths"), "{reasons:?}");
+    assert!(rows[0].lit_at_45.is_some() && rows[1].lit_at_45.is_none());
+    let colour = Withheld { number: colour_under(LIT_AT_45), reason: "lighter than white".into() };
+    let mut rows = [row(1.4), row(1.5)];
+    spectra(&mut rows, &[colour]);
+    assert!(rows.iter().all(|row| row.lit_at_45.is_none() && row.natural_light.is_some()));
 }

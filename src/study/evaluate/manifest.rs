@@ -11,6 +11,11 @@ use crate::wave::Resolution;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
+/// Name of the standard geometry of print measurement, lit at 45° and viewed along the normal.
+pub const LIT_AT_45: &str = "45°:0°";
+/// Name of illumination by a uniform sky, viewed along the normal.
+pub const NATURAL_LIGHT: &str = "natural light";
+
 /// Whether the results include every solve of the study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]

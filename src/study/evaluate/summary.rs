@@ -5,6 +5,7 @@ use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::ink_maker;
 use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
 use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld};
+pub use super::manifest::{LIT_AT_45, NATURAL_LIGHT};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
 use super::seen::{LayerSeen, NoInk, Seen, see};
 use super::survivors::Survivors;
@@ -15,11 +16,6 @@ use crate::run::Collected;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::store::{METHOD_VERSION, PointRecord};
 use crate::wave::physical::largest;
-
-/// Name of the standard geometry of print measurement, lit at 45° and viewed along the normal.
-pub const LIT_AT_45: &str = "45°:0°";
-/// Name of illumination by a uniform sky, viewed along the normal.
-pub const NATURAL_LIGHT: &str = "natural light";
 
 /// Minimum number of packings before an interval can end the run: the scatter of fewer is too
 /// uncertain, and studies that happen to scatter least would end first.
@@ -72,7 +68,8 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         study,
     };
     enter_looks(&mut manifest, seen, &uncertainty);
-    manifest.withheld.extend(gate::spectra(&mut manifest.spectra));
+    let reasons = gate::spectra(&mut manifest.spectra, &manifest.withheld);
+    manifest.withheld.extend(reasons);
     manifest
 }
 
@@ -93,8 +90,11 @@ fn enter_looks(manifest: &mut Manifest<&Study>, seen: &Seen, uncertainty: &Uncer
     }
     let Ok(ink) = &seen.ink else { return };
     match ink_maker(manifest.study, ink, uncertainty, &seen.cells) {
-        Ok(numbers) => match gate::ink_maker(&numbers) {
-            None => manifest.ink_maker = Some(numbers),
+        Ok(mut numbers) => match gate::ink_maker(&numbers) {
+            None => {
+                gate::kubelka_munk(&mut numbers);
+                manifest.ink_maker = Some(numbers);
+            }
             Some(impossible) => {
                 manifest.no_ink_maker = Some(impossible.in_words());
                 manifest.withheld.push(impossible);

@@ -9,6 +9,7 @@ use crate::input::study::{IndexSpectrum, Study, WantedResolution};
 use crate::input::variation::stratified_deg;
 use crate::solve::accuracy::smooth_size;
 use crate::wave::{Incidence, Resolution, Side};
+use serde::{Deserialize, Serialize};
 
 /// Exponents of the coarsening, tried in this order; if none keeps the accuracy, the grid is not
 /// coarsened.
@@ -27,23 +28,44 @@ pub(super) fn largest_contrast(study: &Study, nm: f64) -> f64 {
     study.materials().map(of).fold(0.0, f64::max)
 }
 
-/// The grid of the shortest wave, coarsened for a longer one; `share` is the exponent of the
+/// What needs the finest grid of a list of wavelengths.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finest {
+    /// Shortest vacuum wavelength, nm.
+    pub shortest_nm: f64,
+    /// Largest contrast at any of them, |η² − η_b²|/λ², 1/nm².
+    pub contrast_per_nm2: f64,
+}
+
+impl Finest {
+    /// Of a study's wavelengths.
+    pub fn of(study: &Study) -> Self {
+        let contrasts = study.wavelengths_nm.iter().map(|&nm| largest_contrast(study, nm));
+        Self { shortest_nm: study.wavelengths_nm[0], contrast_per_nm2: contrasts.fold(0.0, f64::max) }
+    }
+}
+
+/// The grid of the finest wave, coarsened for a longer one; `share` is the exponent of the
 /// coarsening.
-pub fn coarsened(study: &Study, own: Resolution, wavelength_um: f64, share: f64) -> Resolution {
-    let factor = coarser(study, wavelength_um, share);
+pub fn coarsened(
+    study: &Study,
+    own: Resolution,
+    wavelength_um: f64,
+    (finest, share): (Finest, f64),
+) -> Resolution {
+    let factor = coarser(study, wavelength_um, finest, share);
     let fewer = |n: usize| (n as f64 / factor * (1.0 - 1e-9)).ceil() as usize;
     let points = |n: usize| if n == 1 { 1 } else { smooth_size(fewer(n)).min(n) };
     Resolution { nx: points(own.nx), ny: points(own.ny), cells: fewer(own.cells).max(1), scheme: own.scheme }
 }
 
 /// Factor ≥ 1 by which the grid may be coarser than at the shortest wavelength.
-fn coarser(study: &Study, wavelength_um: f64, share: f64) -> f64 {
+fn coarser(study: &Study, wavelength_um: f64, finest: Finest, share: f64) -> f64 {
     if share == 0.0 {
         return 1.0;
     }
-    let most = study.wavelengths_nm.iter().map(|&nm| largest_contrast(study, nm)).fold(0.0, f64::max);
-    let by_contrast = (most / largest_contrast(study, 1e3 * wavelength_um)).sqrt();
-    let by_phase = 1e3 * wavelength_um / study.wavelengths_nm[0];
+    let by_contrast = (finest.contrast_per_nm2 / largest_contrast(study, 1e3 * wavelength_um)).sqrt();
+    let by_phase = 1e3 * wavelength_um / finest.shortest_nm;
     stepped(by_phase.min(by_contrast).max(1.0).powf(share))
 }
 
@@ -99,7 +121,7 @@ mod tests {
     fn a_clear_ink_allows_a_spacing_in_proportion_to_the_wavelength() {
         let study = study("1.9", "accuracy = 1e-3");
         let points = |nm: f64, share: f64| {
-            let r = coarsened(&study, OWN, 1e-3 * nm, share);
+            let r = coarsened(&study, OWN, 1e-3 * nm, (Finest::of(&study), share));
             (r.nx, r.ny, r.cells)
         };
         assert_eq!(points(400.0, 1.0), (40, 30, 14));
@@ -121,8 +143,9 @@ mod tests {
             nm.max_by(|&a, &b| largest_contrast(&study, a).total_cmp(&largest_contrast(&study, b)));
         let strongest = strongest.expect("wavelengths");
         assert!(strongest > 450.0, "{strongest}");
-        assert_eq!(coarsened(&study, OWN, 1e-3 * strongest, 1.0), OWN);
-        assert!(coarsened(&study, OWN, 0.7, 1.0).nx < OWN.nx);
+        let whole = (Finest::of(&study), 1.0);
+        assert_eq!(coarsened(&study, OWN, 1e-3 * strongest, whole), OWN);
+        assert!(coarsened(&study, OWN, 0.7, whole).nx < OWN.nx);
     }
 
     #[test]

@@ -7,7 +7,7 @@
 
 mod probed;
 
-use super::longer_waves::{self, coarsened, largest_contrast, probed_angles_deg};
+use super::longer_waves::{self, Finest, coarsened, largest_contrast, probed_angles_deg};
 use super::point::Stopper;
 use super::watch::{RunError, RunWatch};
 use crate::input::study::{Study, WantedResolution};
@@ -46,18 +46,24 @@ pub struct Resolved {
     /// Exponent of the coarsening for longer waves: 1 uses all of it, 0 none, as in older records.
     #[serde(default)]
     pub longer_waves: f64,
+    /// What the coarsening is relative to: the list of wavelengths that the grid was chosen for. A
+    /// part of that list keeps its grids. Absent in older records: the study's own list.
+    #[serde(default)]
+    pub chosen_for: Option<Finest>,
 }
 
 impl Resolved {
     /// The grid of a wave in a cell: that of the shortest wave, coarsened if the wave is longer.
     pub fn for_wave(&self, study: &Study, draw: &Draw, wavelength_um: f64) -> Resolution {
-        coarsened(study, self.for_cell(draw), wavelength_um, self.longer_waves)
+        let finest = self.chosen_for.unwrap_or_else(|| Finest::of(study));
+        coarsened(study, self.for_cell(draw), wavelength_um, (finest, self.longer_waves))
     }
 
     /// The grid of the longest wave, in the cell on which the finest grid was chosen.
     pub fn longest(&self, study: &Study) -> Resolution {
         let last_um = 1e-3 * study.wavelengths_nm[study.wavelengths_nm.len() - 1];
-        coarsened(study, self.resolution, last_um, self.longer_waves)
+        let finest = self.chosen_for.unwrap_or_else(|| Finest::of(study));
+        coarsened(study, self.resolution, last_um, (finest, self.longer_waves))
     }
 
     /// The grid on which some realisations are solved again ([`Study::is_checked`]): a third finer
@@ -218,7 +224,16 @@ fn settle(on: &Probing) -> Result<Resolved, AccuracyError> {
     let (resolution, error_estimate) = on.with_tasks(&probes, |tasks| on.grid(tasks))?;
     let Draw { period_um, thickness_um, .. } = on.draw;
     let (grid_error, longer_waves) = (GridError::default(), 0.0);
-    let one = Resolved { resolution, period_um, thickness_um, error_estimate, grid_error, longer_waves };
+    let chosen_for = Some(Finest::of(on.study));
+    let one = Resolved {
+        resolution,
+        period_um,
+        thickness_um,
+        error_estimate,
+        grid_error,
+        longer_waves,
+        chosen_for,
+    };
     on.with_tasks(&longer_waves::probes(on.study, on.realisation), |longest| coarsen(on, longest, one))
 }
 

@@ -53,6 +53,8 @@ pub enum QueueError {
     OtherWork {
         /// Folder of the records.
         folder: PathBuf,
+        /// Name of that work.
+        name: String,
     },
     /// The queue's file cannot be used.
     #[error("cannot share the work in {}: {source}", folder.display())]
@@ -84,8 +86,10 @@ impl Queue {
         let failed = |source| QueueError::File { folder: folder.to_owned(), source };
         let connection = Mutex::new(open(folder, slot).map_err(failed)?);
         let queue = Self { folder: folder.to_owned(), worker: slot.number, connection };
-        let joined = queue.turn(|transaction| join(transaction, (folder, slot), name))?;
-        if joined { Ok(queue) } else { Err(QueueError::OtherWork { folder: folder.to_owned() }) }
+        match queue.turn(|transaction| join(transaction, (folder, slot), name))? {
+            None => Ok(queue),
+            Some(name) => Err(QueueError::OtherWork { folder: folder.to_owned(), name }),
+        }
     }
 
     /// Adds tasks numbered from `first`; tasks that another worker has already added are left

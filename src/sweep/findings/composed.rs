@@ -58,8 +58,12 @@ pub fn run<'a>(
         let own = folder.inside(&format!("variants/{}", variant.name))?;
         let solved = match run_portions(&variant.study, &own, settings, watch) {
             Err(RunError::Stopped) if !done.is_empty() => break,
-            solved => solved?,
+            solved => solved?.solved,
         };
+        if watch.stop() {
+            break;
+        }
+        watch.stage(&format!("{}: evaluating the layer", variant.name));
         match publish_layer(&variant.study, &solved, &own) {
             Ok(layer) => done.push((k, layer)),
             Err(reason) => watch.stage(&format!("{}: {reason}", variant.name)),
@@ -113,7 +117,8 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
             sweep.outline.axes.iter().zip(place).map(|(axis, &at)| axis.labels[at].clone()).collect();
         for row in &layer.medium {
             let hiding = layer.hiding_thickness_um.map(|j| j.estimate());
-            let values = coefficients(row).map(|(_, j)| Some(j.estimate())).into_iter().chain([hiding]);
+            let values =
+                coefficients(row).map(|(_, j)| j.map(|number| number.estimate())).into_iter().chain([hiding]);
             let mut line = [labels.clone(), vec![row.wavelength_nm.to_string()]].concat();
             line.extend(values.flat_map(numbers));
             all.push(line);
@@ -144,7 +149,7 @@ fn figures(sweep: &Sweep, done: &[LayerDone]) -> PublishResult<Vec<Figure>> {
     for place in DRAWN {
         let Some(name) = first.medium.first().map(|row| coefficients(row)[place].0) else { continue };
         let curve = |(w, row): (usize, &MediumRow)| {
-            let of = |l: &ComposedManifest| Some(coefficients(l.medium.get(w)?)[place].1.estimate());
+            let of = |l: &ComposedManifest| Some(coefficients(l.medium.get(w)?)[place].1?.estimate());
             Curve::measured(format!("{:.0} nm", row.wavelength_nm), against(sweep, done, &of))
         };
         charts.push((name, first.medium.iter().enumerate().map(curve).collect::<Vec<_>>()));

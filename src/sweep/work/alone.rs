@@ -2,12 +2,16 @@
 //! A composed layer is one ordinary study for each of its slabs, in one store.
 
 use super::rounds::collect;
-use super::run::{Scope, run};
+use super::run::{Scope, WAIT, name, run};
 use super::units::Shard;
 use crate::input::study::Study;
-use crate::run::watch::RunWatch;
+use crate::run::resolve::Resolved;
+use crate::run::watch::{Event, RunWatch};
 use crate::run::{Collected, RunError, RunSettings, Stores, resolve};
+use crate::solve::accuracy::grid_error::JUDGEMENT;
 use crate::store::folder::OutputFolder;
+use crate::store::identity::Key;
+use crate::store::queue::QueueError;
 use crate::sweep::definition::load::Sweep;
 
 /// Result of running a study, over all processes of the folder.
@@ -53,8 +57,18 @@ pub fn stored(study: &Study, folder: &OutputFolder) -> std::io::Result<Option<Co
     Ok(collect(study, &Stores::open(folder)?, 0))
 }
 
-/// Runs the portions of a composed layer one after another; all have the grid of the first. Those
-/// that a stop left out are missing.
+/// Result of running the portions of a composed layer, over all processes of the folder.
+#[derive(Debug)]
+pub struct RanPortions {
+    /// Every portion with what was computed for it; those that a stop left out are missing.
+    pub solved: Vec<(Study, Collected)>,
+    /// Whether this process has to write the results.
+    pub publishes: bool,
+}
+
+/// Runs the portions of a composed layer one after another; all have the grid of the first.
+/// Processes that run the same layer in one folder share the work on each portion, and wait for
+/// each other between portions.
 ///
 /// # Errors
 /// As [`run_study`]; stopped before any realisation.
@@ -63,17 +77,106 @@ pub fn run_portions(
     folder: &OutputFolder,
     settings: RunSettings,
     watch: &dyn RunWatch,
-) -> Result<Vec<(Study, Collected)>, RunError> {
-    let mut done: Vec<(Study, Collected)> = Vec::new();
-    for portion in study.portions() {
-        if let Some((_, first)) = done.first() {
-            Stores::open(folder)?.grids.put(resolve::key(&portion).as_str(), &first.resolved)?;
+) -> Result<RanPortions, RunError> {
+    let portions = study.portions();
+    let work = |portion: &Study| name(&Sweep::of_one("", portion.clone()), Shard::ALL, Scope::Solves);
+    let ours: Vec<Key> = portions.iter().map(work).collect();
+    let mut ran = RanPortions { solved: Vec::new(), publishes: true };
+    for portion in portions {
+        let stores = Stores::open(folder)?;
+        match ran.solved.first() {
+            Some((_, first)) => stores.grids.put(resolve::key(&portion).as_str(), &first.resolved)?,
+            None => take_grid_of_more_wavelengths(&portion, &stores)?,
         }
+        drop(stores);
         watch.stage(&portion.title);
-        match run_study(&portion, folder, settings, watch) {
-            Err(RunError::Stopped) if !done.is_empty() => break,
-            result => done.push((portion, result?.collected)),
+        match run_portion(&portion, &ours, folder, settings, watch) {
+            Err(RunError::Stopped) if !ran.solved.is_empty() => break,
+            done => {
+                let Ran { collected, publishes } = done?;
+                if ran.solved.is_empty() {
+                    keep_grid_for_fewer_wavelengths(&portion, &collected.resolved, &Stores::open(folder)?)?;
+                }
+                ran.solved.push((portion, collected));
+                ran.publishes = publishes;
+            }
         }
     }
-    Ok(done)
+    Ok(ran)
+}
+
+/// Runs one portion, unless everything of it is stored already; waits while other processes are at
+/// work on another portion of `ours`.
+fn run_portion(
+    portion: &Study,
+    ours: &[Key],
+    folder: &OutputFolder,
+    settings: RunSettings,
+    watch: &dyn RunWatch,
+) -> Result<Ran, RunError> {
+    let mut damages = Vec::new();
+    loop {
+        let stores = Stores::open(folder)?;
+        let stored = collect(portion, &stores, 0);
+        damages.extend(stores.database().damages());
+        drop(stores);
+        if let Some(collected) = stored.filter(|stored| stored.finished() == portion.solves()) {
+            watch.hear(Event::Kept(collected.finished()));
+            return Ok(Ran { collected: Collected { damages, ..collected }, publishes: true });
+        }
+        match run_study(portion, folder, settings, watch) {
+            Err(RunError::Queue(QueueError::OtherWork { name, .. }))
+                if ours.iter().any(|key| key.as_str() == name) =>
+            {
+                if watch.stop() {
+                    return Err(RunError::Stopped);
+                }
+                std::thread::sleep(WAIT);
+            }
+            ran => {
+                let mut ran = ran?;
+                ran.collected.damages.splice(0..0, damages);
+                return Ok(ran);
+            }
+        }
+    }
+}
+
+/// Content hash of a portion with a single wavelength of its list: all that its grid must resolve.
+fn key_at(portion: &Study, wavelength_nm: f64) -> Key {
+    let packing = Key::of_packing(&portion.packing_request(0));
+    let indices = portion.indices(1e-3 * wavelength_nm);
+    let method = (&portion.resolution, &portion.solver, &portion.goal, JUDGEMENT);
+    Key::of_wave("grid at", &(packing, indices, wavelength_nm, method), portion.vector_wave())
+}
+
+/// Notes for every wavelength the grid that it was solved on, unless it has one.
+fn keep_grid_for_fewer_wavelengths(
+    portion: &Study,
+    resolved: &Resolved,
+    stores: &Stores,
+) -> std::io::Result<()> {
+    for &nm in &portion.wavelengths_nm {
+        let key = key_at(portion, nm);
+        if !stores.grids.has(key.as_str()) {
+            stores.grids.put(key.as_str(), resolved)?;
+        }
+    }
+    Ok(())
+}
+
+/// If all wavelengths of a portion were solved before on one grid, as part of a longer list, it is
+/// this portion's grid too: so these solves are used again.
+fn take_grid_of_more_wavelengths(portion: &Study, stores: &Stores) -> std::io::Result<()> {
+    if resolve::kept(portion, &stores.grids).is_some() {
+        return Ok(());
+    }
+    let at = |nm: &f64| stores.grids.get(key_at(portion, *nm).as_str());
+    let grids: Option<Vec<Resolved>> = portion.wavelengths_nm.iter().map(at).collect();
+    match grids.as_deref() {
+        Some([first, others @ ..]) if others.iter().all(|other| other == first) => {
+            stores.grids.put(resolve::key(portion).as_str(), first)
+        }
+        _ => Ok(()),
+    }
 }

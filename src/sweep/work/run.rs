@@ -11,7 +11,7 @@ use super::rounds::Rounds;
 use super::units::{Shard, Unit, ends_early, units};
 use crate::run::crew::Crew;
 use crate::run::realisation::Packings;
-use crate::run::watch::RunWatch;
+use crate::run::watch::{Event, RunWatch};
 use crate::run::{RunError, RunSettings, Stores};
 use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
@@ -26,7 +26,7 @@ use std::time::Duration;
 use work::{NamedWatch, News, Room, Work};
 
 /// Interval at which an idle worker looks for work again.
-const WAIT: Duration = Duration::from_millis(50);
+pub(super) const WAIT: Duration = Duration::from_millis(50);
 /// Minimum time between two progress reports to other processes.
 const BETWEEN_NEWS: Duration = Duration::from_millis(500);
 /// Offset between the task numbers of consecutive rounds: more than any round has tasks.
@@ -80,6 +80,19 @@ fn solves_of(sweep: &Sweep, unit: &Unit) -> usize {
 /// Records cannot be written, or threads cannot be started; failures of variants are recorded
 /// instead.
 pub fn run(
+    sweep: &Sweep,
+    folder: &OutputFolder,
+    extent: (Shard, Scope),
+    settings: RunSettings,
+    watch: &dyn RunWatch,
+) -> Result<Tally, RunError> {
+    watch.hear(Event::Begun);
+    let tally = run_to_end(sweep, folder, extent, settings, watch);
+    watch.hear(Event::Over);
+    tally
+}
+
+fn run_to_end(
     sweep: &Sweep,
     folder: &OutputFolder,
     (shard, scope): (Shard, Scope),
@@ -143,7 +156,7 @@ pub fn run(
 }
 
 /// Name of the work, so that only processes with the same sweep and shard share it.
-fn name(sweep: &Sweep, shard: Shard, scope: Scope) -> Key {
+pub(super) fn name(sweep: &Sweep, shard: Shard, scope: Scope) -> Key {
     let studies: Vec<Key> = sweep.variants.iter().map(|variant| variant.study.key()).collect();
     Key::of("work", &(studies, shard.index, shard.count, scope))
 }

@@ -20,7 +20,8 @@ pub fn of_clear_spheres(share: f64, medium: &Value, findings: &mut Findings) {
     known.retain(|_| share <= ONE_BY_ONE);
     // What slabs of half the thickness change is mostly chance, and would hide a factor 2.
     let coherent = "few packings, and 3 % for the quasi-crystalline theory, whose two pair correlations differ by as much at 10 %";
-    known.push(("coherent_path_um", 1.0 / extinction(share), "chance", coherent));
+    let [index, decay] = coherent_wave(share);
+    known.push(("coherent_path_um", 1.0 / (2.0 * TAU / WAVELENGTH_UM * decay), "chance", coherent));
     for (key, truth, part, because) in known {
         let [own, error] = ["value", part].map(|name| medium[key][name].as_f64().unwrap_or(f64::NAN));
         findings.check(
@@ -31,11 +32,24 @@ pub fn of_clear_spheres(share: f64, medium: &Value, findings: &mut Findings) {
             because,
         );
     }
+    // The theory's error is a share of what the grains add to the binder's index.
+    let [own, error] =
+        ["value", "standard_error"].map(|name| medium["effective_index"][name].as_f64().unwrap_or(f64::NAN));
+    findings.check(
+        format!("index of the mean wave among {} % of spheres: slabs less theory, in errors", 100.0 * share),
+        ((own - index) / error.hypot(THEORY * (index - CLEAR.binder))).abs(),
+        Bound::AtMost(FARTHEST),
+        Reason::Significance,
+        "the phase behind an inner slab, and 3 % of the theory's part",
+    );
 }
 
-/// 2 Im K of the coherent wave, 1/µm, in the quasi-crystalline approximation with the pair correlation of Percus and
-/// Yevick; `validation/effective_waves.py` solves its dispersion equation.
-fn extinction(share: f64) -> f64 {
+/// Wavelength of the case, µm.
+const WAVELENGTH_UM: f64 = 0.55;
+
+/// Index of the coherent wave, real and imaginary part, in the quasi-crystalline approximation with the pair correlation
+/// of Percus and Yevick; `validation/effective_waves.py` solves its dispersion equation.
+fn coherent_wave(share: f64) -> [f64; 2] {
     let data: Value = serde_json::from_str(include_str!("../../data/effective_waves.json")).expect("JSON");
     let number = |value: &Value| value.as_f64().expect("a number");
     let own = |case: &&Value| {
@@ -44,7 +58,8 @@ fn extinction(share: f64) -> f64 {
     };
     let case =
         data["cases"].as_array().and_then(|all| all.iter().find(own)).expect("a case of these spheres");
-    2.0 * TAU / number(&case["wavelength_um"]) * number(&case["effective_index_percus_yevick"][1])
+    assert_eq!(number(&case["wavelength_um"]), WAVELENGTH_UM);
+    [0, 1].map(|part| number(&case["effective_index_percus_yevick"][part]))
 }
 
 /// Error of the theory of independent scattering with a structure factor at the shares asked for.

@@ -12,9 +12,13 @@ const NODES: usize = 8;
 /// Optical thickness, over the cosine of the flattest direction, of the layer that doubling begins
 /// with.
 const THINNEST: f64 = 1e-6;
-/// Rounds of Newton's method, and the step of its differences.
+/// Most doublings of that layer: more would be a layer of astronomical optical thickness.
+const MOST_DOUBLINGS: usize = 60;
+/// Rounds of Newton's method, the step of its differences, and the last moves at which it ends.
 const ROUNDS: usize = 12;
 const STEP: f64 = 1e-4;
+/// Accepted last move of the absorption over the extinction, and of g: far below any error bar.
+const ACCEPTED: [f64; 2] = [1e-6, 1e-5];
 /// Mean transmittance of the stack whose doubling gives K and S: light in it is diffuse.
 const DIFFUSE: f64 = 0.2;
 /// Most doublings towards it.
@@ -37,15 +41,20 @@ impl Transport {
         1.0 / (self.scattering_per_um * (1.0 - self.asymmetry))
     }
 
-    /// A layer with Henyey–Greenstein scattering by doubling; states have one polarisation.
-    pub fn layer(&self, medium: &Hemisphere, thickness_um: f64) -> Plate {
+    /// A layer with Henyey–Greenstein scattering by doubling; states have one polarisation. `None`
+    /// unless its optical thickness is a number that doubling reaches.
+    pub fn layer(&self, medium: &Hemisphere, thickness_um: f64) -> Option<Plate> {
         let cosines = medium.cosines();
         let flattest = cosines.iter().copied().fold(1.0, f64::min);
         let depth = (self.scattering_per_um + self.absorption_per_um) * thickness_um / flattest;
-        let doublings = (depth / THINNEST).max(1.0).log2().ceil() as usize;
+        let doublings = (depth / THINNEST).max(1.0).log2().ceil();
+        if !(depth.is_finite() && self.asymmetry.is_finite()) || doublings > MOST_DOUBLINGS as f64 {
+            return None;
+        }
+        let doublings = doublings as usize;
         let mut layer = self.thin(medium, &cosines, thickness_um / (1_u64 << doublings) as f64);
         (0..doublings).for_each(|_| layer = layer.then(&layer));
-        layer
+        Some(layer)
     }
 
     /// Single scattering: F_ij = k_s d w_i p(μ_i, ±μ_j)/(4 n² μ_i μ_j), scaled to what column j
@@ -78,9 +87,10 @@ impl Transport {
     }
 
     /// The medium that has a slab's coherent transmittance at 0°, and its mean reflectance and
-    /// absorptance in diffuse light. `None` where there is none.
+    /// absorptance in diffuse light. `None` where there is none: where the mean over few
+    /// realisations leaves no coherent light, or where Newton's method does not settle.
     pub fn of_slab(slab: &Plate, medium: &Hemisphere, thickness_um: f64) -> Option<Self> {
-        let extinction = -slab.transmission[0][(0, 0)].ln() / thickness_um;
+        let extinction = extinction_per_um(slab, thickness_um)?;
         let [r, t] = means(slab, medium);
         let ordinates = Ordinates::for_transfer(medium.ordinates.index, [NODES; 2]);
         let plain = Hemisphere { ordinates, polarisations: 1, oblique_deg: None };
@@ -89,29 +99,37 @@ impl Transport {
             absorption_per_um: k[0],
             asymmetry: k[1],
         };
-        let own = |k: [f64; 2]| means(&of(k).layer(&plain, thickness_um), &plain);
         let miss = |k: [f64; 2]| {
-            let [own_r, own_t] = own(k);
-            [own_r + own_t - r - t, own_r - r]
+            let [own_r, own_t] = means(&of(k).layer(&plain, thickness_um)?, &plain);
+            Some([own_r + own_t - r - t, own_r - r])
         };
         let mut k = [0.5 * (1.0 - r - t) / thickness_um, 0.5];
+        let mut settled = false;
         for _ in 0..ROUNDS {
-            let here = miss(k);
+            let here = miss(k)?;
             let scale = STEP * extinction;
-            let [by_a, by_g] = [miss([k[0] + scale, k[1]]), miss([k[0], k[1] + STEP])];
+            let (by_a, by_g) = (miss([k[0] + scale, k[1]])?, miss([k[0], k[1] + STEP])?);
             let a = [0, 1].map(|i| (by_a[i] - here[i]) / scale);
             let g = [0, 1].map(|i| (by_g[i] - here[i]) / STEP);
             let determinant = a[0] * g[1] - a[1] * g[0];
             let moves =
                 [here[0] * g[1] - here[1] * g[0], a[0] * here[1] - a[1] * here[0]].map(|x| x / determinant);
             k = [k[0] - moves[0], (k[1] - moves[1]).clamp(-0.95, 0.97)];
+            settled = moves[0].abs() < ACCEPTED[0] * extinction && moves[1].abs() < ACCEPTED[1];
             if moves[0].abs() < 1e-9 * extinction && moves[1].abs() < 1e-8 {
                 break;
             }
         }
         let found = of(k);
-        (k.iter().all(|x| x.is_finite()) && found.scattering_per_um > 0.0).then_some(found)
+        (settled && found.scattering_per_um > 0.0).then_some(found)
     }
+}
+
+/// Extinction of coherent light at 0° in a slab, 1/µm; `None` if nothing of it is left, or nothing
+/// is lost, in the mean.
+pub fn extinction_per_um(slab: &Plate, thickness_um: f64) -> Option<f64> {
+    let passed = slab.transmission[0][(0, 0)];
+    (passed > 0.0 && passed < 1.0).then(|| -passed.ln() / thickness_um)
 }
 
 /// Mean reflectance and transmittance of an element between equal media, in diffuse light.

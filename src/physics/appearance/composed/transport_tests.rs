@@ -53,7 +53,7 @@ fn adding_reproduces_published_tables() {
         }
     };
     let air = listed(1.0, &part(4, [0.0, 1.0], true));
-    printed(&light.layer(&air, 1.0), &air, [0.00585, 0.59232, 0.01641, 0.42287]);
+    printed(&light.layer(&air, 1.0).unwrap(), &air, [0.00585, 0.59232, 0.01641, 0.42287]);
     let critical = (1.0 - 1.0 / 1.96_f64).sqrt();
     let nodes = [part(2, [critical, 1.0], true), part(2, [0.0, critical], false)].concat();
     let inside = listed(1.4, &nodes);
@@ -62,7 +62,7 @@ fn adding_reproduces_published_tables() {
     air.ordinates.sines.truncate(2);
     air.ordinates.weights.truncate(2);
     let face = sorted_surface(&air, &inside, 1.4);
-    let faced = face.then(&light.layer(&inside, 1.0)).then(&face.turned());
+    let faced = face.then(&light.layer(&inside, 1.0).unwrap()).then(&face.turned());
     printed(&faced, &air, [0.03859, 0.54038, 0.06527, 0.45887]);
 }
 
@@ -73,7 +73,7 @@ fn fine_directions_reach_the_exact_solution() {
     let light = Transport { scattering_per_um: 0.5, absorption_per_um: 0.5, asymmetry: 0.9 };
     let ordinates = Ordinates::for_transfer(1.0, [40, 40]);
     let air = Hemisphere { ordinates, polarisations: 1, oblique_deg: None };
-    let layer = light.layer(&air, 1.0);
+    let layer = light.layer(&air, 1.0).unwrap();
     let from = |m: &Mat<f64>| (0..m.nrows()).map(|i| m[(i, 0)]).sum::<f64>();
     let [r, t] = means(&layer, &air);
     let got = [from(&layer.reflection[0]), from(&layer.transmission[0]), r, t];
@@ -120,7 +120,7 @@ fn three_and_three_directions_suffice() {
         let light = Transport { scattering_per_um: 0.75, absorption_per_um: k_a, asymmetry: g };
         let coarse = medium(1.58, [3, 3]);
         let fine = fine_with_nodes_of(&coarse.ordinates, 1.58);
-        let slab = light.layer(&fine, 2.0);
+        let slab = light.layer(&fine, 2.0).unwrap();
         let few = projected(&slab, &fine, &coarse);
         let outside = |inside: &Hemisphere| {
             let sines = || inside.ordinates.sines.iter().zip(&inside.ordinates.weights);
@@ -167,7 +167,7 @@ fn sorted_surface(air: &Hemisphere, inside: &Hemisphere, n: f64) -> Plate {
 fn nothing_is_lost_on_the_way() {
     let light = Transport { scattering_per_um: 0.75, absorption_per_um: 0.0, asymmetry: 0.5 };
     let inside = medium(1.6, [3, 3]);
-    let slab = light.layer(&inside, 2.0);
+    let slab = light.layer(&inside, 2.0).unwrap();
     let thick = slab.repeated(50);
     let [r, t] = means(&thick, &inside);
     // rounding of some twenty doublings of a layer of 1e-6
@@ -186,7 +186,7 @@ fn coefficients_are_found_again() {
     for [k_s, k_a, g] in [[0.75, 0.0, 0.54], [0.4, 0.05, 0.7], [2.0, 0.0, 0.3]] {
         let want = Transport { scattering_per_um: k_s, absorption_per_um: k_a, asymmetry: g };
         let inside = transfer(1.6);
-        let slab = want.layer(&inside, 2.0);
+        let slab = want.layer(&inside, 2.0).unwrap();
         let got = Transport::of_slab(&slab, &inside, 2.0).unwrap();
         assert!((got.scattering_per_um - k_s).abs() < 1e-3 * k_s, "{got:?}");
         assert!((got.asymmetry - g).abs() < 2e-3, "{got:?}");
@@ -197,5 +197,22 @@ fn coefficients_are_found_again() {
             assert!((munk.scattering_per_um / s - 1.0).abs() < 0.01, "{munk:?} {s}");
             assert!(munk.absorption_per_um < 1e-6);
         }
+    }
+}
+
+/// Few realisations of a slab that scatters much may leave no coherent light in the mean: then no
+/// medium is found. *Planted*: the logarithm of 0, whose layer is doubled for ever.
+#[test]
+fn a_slab_without_coherent_light_has_no_medium() {
+    let inside = medium(1.6, [3, 3]);
+    let want = Transport { scattering_per_um: 1.0, absorption_per_um: 0.1, asymmetry: 0.5 };
+    let slab = want.layer(&inside, 2.0).unwrap();
+    for passed in [0.0, -1e-3, 1.0, f64::NAN] {
+        let mut noisy = slab.clone();
+        noisy.transmission[0][(0, 0)] = passed;
+        assert_eq!(Transport::of_slab(&noisy, &inside, 2.0), None, "{passed}");
+    }
+    for scattering_per_um in [f64::INFINITY, 1e300, f64::NAN] {
+        assert!(Transport { scattering_per_um, ..want }.layer(&inside, 2.0).is_none());
     }
 }

@@ -1,6 +1,6 @@
 //! The numbers of a composed layer as they are published.
 
-use crate::evaluate::manifest::{Count, Status};
+use crate::evaluate::manifest::{Count, Status, Withheld};
 use crate::input::study::{Composed, Study};
 use crate::numerics::estimate::Estimate;
 use serde::Serialize;
@@ -26,6 +26,12 @@ impl ErrorParts {
     pub fn new(value: f64, [chance, model, grid]: [f64; 3]) -> Self {
         let (model, grid) = (model.abs(), grid.abs());
         Self { value, standard_error: chance.hypot(model).hypot(grid), chance, model, grid }
+    }
+
+    /// With a further error of the model.
+    pub fn with_model(self, further: f64) -> Self {
+        let standard_error = self.standard_error.hypot(further);
+        Self { standard_error, model: self.model.hypot(further), ..self }
     }
 
     /// As a value with its standard error.
@@ -85,27 +91,30 @@ pub struct ComposedColours {
     pub contrast_ratio: ErrorParts,
 }
 
-/// What the packed medium is to light of one wavelength.
+/// What the packed medium is to light of one wavelength; `null` where these realisations do not
+/// determine it ([`ComposedManifest::withheld`] says why).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MediumRow {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
-    /// n_eff, in which slabs are embedded.
-    pub effective_index: ErrorParts,
+    /// Index of the half-spaces that inner slabs are solved between.
+    pub embedding_index: f64,
+    /// Index of the mean wave, from its phase behind an inner slab.
+    pub effective_index: Option<ErrorParts>,
     /// Mean free path of coherent light, µm.
-    pub coherent_path_um: ErrorParts,
+    pub coherent_path_um: Option<ErrorParts>,
     /// k_s of the medium with the slab's coherent transmittance, R̄ and Ā, 1/µm.
-    pub scattering_per_um: ErrorParts,
+    pub scattering_per_um: Option<ErrorParts>,
     /// k_a of that medium, 1/µm.
-    pub absorption_per_um: ErrorParts,
+    pub absorption_per_um: Option<ErrorParts>,
     /// g of that medium.
-    pub asymmetry: ErrorParts,
+    pub asymmetry: Option<ErrorParts>,
     /// Transport mean free path 1/(k_s (1 − g)), µm.
-    pub transport_path_um: ErrorParts,
+    pub transport_path_um: Option<ErrorParts>,
     /// Kubelka and Munk's K of a thick layer without surfaces, 1/µm.
-    pub kubelka_munk_absorption_per_um: ErrorParts,
+    pub kubelka_munk_absorption_per_um: Option<ErrorParts>,
     /// Their S, 1/µm.
-    pub kubelka_munk_scattering_per_um: ErrorParts,
+    pub kubelka_munk_scattering_per_um: Option<ErrorParts>,
 }
 
 /// Light at 0° that leaves a layer in one direction. The layer looks alike from all azimuths.
@@ -170,6 +179,9 @@ pub struct ComposedManifest<'a> {
     pub medium: Vec<MediumRow>,
     /// Where light at 0° goes, of each thickness asked for.
     pub distributions: Vec<DistributionRow>,
+    /// Numbers that were withheld because they are impossible or not determined.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub withheld: Vec<Withheld>,
     /// Rows of whole numbers of slabs.
     pub curve: Vec<ComposedRow>,
     /// Their colours.

@@ -3,14 +3,15 @@
 use super::level::{Change, Level, Slabs};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
-use crate::appearance::composed::transport::{Transport, two_flux};
+use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::ink_maker::{BLACK, WHITE};
 use crate::input::study::{Composed, Study};
 use crate::wave::Wave;
 use faer::Mat;
-use std::f64::consts::PI;
+use num_complex::Complex64;
+use std::f64::consts::{PI, TAU};
 
 /// Quantities of a layer at one wavelength.
 pub const SPECTRAL: usize = 12;
@@ -244,22 +245,38 @@ fn lit_at_45(plate: &Plate, medium: &Hemisphere, wave: Wave) -> f64 {
     medium.ordinates.shares(sine).into_iter().map(at).sum()
 }
 
-/// n_eff; mean free path of the coherent light, k_s, k_a, g and l* of the medium that the slabs
-/// are; K and S of thick layers without surfaces.
+/// Index of the mean wave; mean free path of the coherent light, k_s, k_a, g and l* of the medium
+/// that the slabs are; K and S of thick layers without surfaces. NaN for what these realisations do not determine.
 fn coefficients(slabs: &Slabs, slab_um: f64) -> [f64; COEFFICIENTS] {
     let medium = &slabs.media[1];
-    let coherent = -slab_um / slabs.inner.transmission[0][(0, 0)].ln();
+    let coherent = extinction_per_um(&slabs.inner, slab_um).map_or(f64::NAN, f64::recip);
     let transport = Transport::of_slab(&slabs.inner, medium, slab_um);
     let of = |get: fn(&Transport) -> f64| transport.as_ref().map_or(f64::NAN, get);
     let munk = two_flux(&slabs.inner, medium, slab_um);
+    let index = mean_wave_index(slabs, slab_um);
+    // Diffuse light is counted in the half-spaces. Of the same radiance, a medium of index n holds
+    // light in proportion to n²: it absorbs so much more, and so much more passes a thick layer.
+    let more = (index / medium.ordinates.index).powi(2);
     [
-        medium.ordinates.index,
+        index,
         coherent,
         of(|t| t.scattering_per_um),
         of(|t| t.absorption_per_um),
         of(|t| t.asymmetry),
         of(Transport::mean_free_path_um),
-        munk.map_or(f64::NAN, |m| m.absorption_per_um),
-        munk.map_or(f64::NAN, |m| m.scattering_per_um),
+        munk.map_or(f64::NAN, |m| m.absorption_per_um / more),
+        munk.map_or(f64::NAN, |m| m.scattering_per_um * more),
     ]
+}
+
+/// Index of the mean wave at 0°: that of the half-spaces, and what the wave's phase behind an inner
+/// slab is beyond theirs.
+fn mean_wave_index(slabs: &Slabs, slab_um: f64) -> f64 {
+    let embedding = slabs.media[1].ordinates.index;
+    let wavenumber = TAU / slabs.film.wavelength_um;
+    let even = Complex64::from_polar(1.0, wavenumber * embedding * slab_um);
+    // of an inner slab lit from in front at 0°, for each polarisation: transmitted
+    let passed = &slabs.film.slabs[1][0][0];
+    let phases = passed.iter().map(|[_, transmitted]| (transmitted / even).arg());
+    embedding + phases.sum::<f64>() / passed.len() as f64 / (wavenumber * slab_um)
 }

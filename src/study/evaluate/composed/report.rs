@@ -4,10 +4,11 @@ use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::manifest::{
     ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, ErrorParts, MediumRow,
 };
-use super::numbers::{COEFFICIENTS, COLOURS, LayerTask, MOST_SLABS, SPECTRAL, lights, projected_sr};
+use super::numbers::{COLOURS, LayerTask, MOST_SLABS, SPECTRAL, lights, projected_sr};
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::tristimulus::Colorimeter;
-use crate::evaluate::manifest::{Count, Status};
+use crate::evaluate::gate::{self, Quantity};
+use crate::evaluate::manifest::{Count, Status, Withheld};
 use crate::evaluate::summary::program;
 use crate::evaluate::wavelengths::nearest;
 use crate::input::study::{Composed, Study};
@@ -38,7 +39,11 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     let (spectra, colours) = layers(&question, asked_um, &mut all);
     let (curve, curve_colours) = layers(&question, &others_um[..CURVE.len()], &mut all);
     layers(&question, &others_um[CURVE.len()..], &mut all);
-    let medium: Vec<MediumRow> = study.wavelengths_nm.iter().map(|&nm| medium_row(nm, &mut all)).collect();
+    let mut withheld = Vec::new();
+    let mut medium = Vec::new();
+    for (&nm, slabs) in study.wavelengths_nm.iter().zip(&slabs) {
+        medium.push(medium_row(nm, slabs, &mut all, &mut withheld));
+    }
     let distributions = distributions(&question, &slabs, &composed.thicknesses_um, &mut all);
     let hiding_thickness_um = if question.hides { all.next() } else { None };
     let (depth_nm, depth) = depth(&question, &slabs);
@@ -60,6 +65,7 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
         colours,
         no_colour,
         distributions,
+        withheld,
         curve,
         curve_colours,
         hiding_thickness_um,
@@ -77,14 +83,13 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
 
 /// Slabs thinner than the mean free path of coherent light, where that is longest.
 fn thin_slabs(composed: &Composed, medium: &[MediumRow]) -> Option<String> {
-    let longest =
-        medium.iter().max_by(|a, b| a.coherent_path_um.value.total_cmp(&b.coherent_path_um.value))?;
-    let (slab_um, path_um) = (composed.slab_um, longest.coherent_path_um.value);
+    let paths = medium.iter().filter_map(|row| Some((row.wavelength_nm, row.coherent_path_um?.value)));
+    let (wavelength_nm, path_um) = paths.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    let slab_um = composed.slab_um;
     let words = format!(
         "layer.composed.slab_um: found slabs of {slab_um:.2} µm, thinner than the mean free path of coherent light, \
-         {path_um:.2} µm at {} nm; interference between the surfaces is corrected for, that between inner slabs is left \
-         to the model's error bar: take thicker slabs, or solve the layer at once",
-        longest.wavelength_nm
+         {path_um:.2} µm at {wavelength_nm} nm; interference between the surfaces is corrected for, that between inner slabs is left \
+         to the model's error bar: take thicker slabs, or solve the layer at once"
     );
     (path_um > slab_um).then_some(words)
 }
@@ -205,18 +210,42 @@ fn row(thickness_um: f64, wavelength_nm: f64, of: &[ErrorParts; SPECTRAL]) -> Co
     }
 }
 
-fn medium_row(wavelength_nm: f64, all: &mut impl Iterator<Item = ErrorParts>) -> MediumRow {
-    let of: [ErrorParts; COEFFICIENTS] = take(all);
+/// The next coefficients of the list as far as they are possible; the others are withheld.
+fn medium_row(
+    wavelength_nm: f64,
+    slabs: &Slabs,
+    all: &mut impl Iterator<Item = ErrorParts>,
+    withheld: &mut Vec<Withheld>,
+) -> MediumRow {
+    // share of light at 0° that an inner slab passes straight on
+    let straight = slabs.inner.transmission[0][(0, 0)];
+    let mut next = |name: &str, quantity: Quantity| {
+        let number = all.next()?;
+        let Some(reason) = gate::impossible(quantity, number.estimate()) else { return Some(number) };
+        let why = format!(
+            "{reason} at {wavelength_nm} nm, where a slab passes {straight:.1e} of the light unscattered \
+             in the mean of these realisations: take thinner slabs or more realisations"
+        );
+        withheld.push(Withheld { number: name.to_owned(), reason: why });
+        None
+    };
+    let embedding_index = slabs.media[1].ordinates.index;
+    let effective_index = next("effective index", Quantity::Positive);
+    // The medium of transport theory has the index of the half-spaces; another one would change the
+    // étendue of its light.
+    let apart = effective_index.map_or(0.0, |own| ((own.value / embedding_index).powi(2) - 1.0).abs());
+    let embedded = |number: Option<ErrorParts>| number.map(|own| own.with_model(apart * own.value.abs()));
     MediumRow {
         wavelength_nm,
-        effective_index: of[0],
-        coherent_path_um: of[1],
-        scattering_per_um: of[2],
-        absorption_per_um: of[3],
-        asymmetry: of[4],
-        transport_path_um: of[5],
-        kubelka_munk_absorption_per_um: of[6],
-        kubelka_munk_scattering_per_um: of[7],
+        embedding_index,
+        effective_index,
+        coherent_path_um: next("mean free path of coherent light", Quantity::Positive),
+        scattering_per_um: next("scattering coefficient", Quantity::Size),
+        absorption_per_um: embedded(next("absorption coefficient", Quantity::Size)),
+        asymmetry: embedded(next("asymmetry", Quantity::Cosine)),
+        transport_path_um: embedded(next("transport mean free path", Quantity::Positive)),
+        kubelka_munk_absorption_per_um: next("Kubelka and Munk's K", Quantity::Size),
+        kubelka_munk_scattering_per_um: next("Kubelka and Munk's S", Quantity::Size),
     }
 }
 

@@ -40,7 +40,7 @@ pub(super) fn composed(file: &StudyFile, faults: &mut Faults) -> Option<Composed
         faults.add("layer.composed.slab_um", table.slab_um, allowed, remedy);
     }
     let slabs = (first / table.slab_um).round().max(2.0);
-    Some(Composed { slab_um: first / slabs, directions: table.directions, thicknesses_um })
+    Some(Composed { slab_um: first / slabs, directions: table.directions, thicknesses_um, mixing: None })
 }
 
 /// The file as if its layer were the thinnest slab: what is packed and solved must fit into that.
@@ -87,6 +87,14 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     refuse(file.run.target_delta_e.is_some(), "run.target_delta_e", "a number of realisations", aim);
     let measured = "remove [compare]: compare the spectra of results.json";
     refuse(file.compare.measured.is_some(), "compare.measured", "no measurement", measured);
+    let thinnest =
+        study.wavelengths_nm.iter().map(|nm| study.embedding_index(1e-3 * nm)).fold(f64::INFINITY, f64::min);
+    if !study.pigments.is_empty() && thinnest < 1.0 {
+        let remedy = "lower the volume fraction of the metal, or remove [layer.composed]";
+        let allowed =
+            "1 or more where it is composed: slabs are solved between half-spaces of the mixture's index";
+        faults.add("pigment", format!("a mixture of index {thinnest:.2}"), allowed, remedy);
+    }
     if study.pigments.is_empty() {
         let remedy = "remove [layer.composed]: a clear layer is solved exactly at any thickness";
         faults.add("pigment", "none", "grains where the layer is composed", remedy);
@@ -138,6 +146,26 @@ mod tests {
             study.solves(),
             portions.iter().map(|p| p.realisations * p.points(0).len()).sum::<usize>()
         );
+    }
+
+    /// 20 % of 2.0 in 1.5. Maxwell Garnett: β = 0.2 · 1.75/8.5, ε = 2.25 (1 + 2β)/(1 − β). *Planted*:
+    /// the volume average.
+    #[test]
+    fn slabs_in_maxwells_equations_lie_between_half_spaces_of_maxwell_garnett() {
+        let layer = "thickness_um = 10\n[layer.composed]\nslab_um = 2";
+        let beta = 0.2 * 1.75 / 8.5;
+        let garnett = (2.25 * (1.0 + 2.0 * beta) / (1.0 - beta)).sqrt();
+        for (wave, index) in [("scalar", 2.6_f64.sqrt()), ("unpolarised", garnett)] {
+            let text = format!(
+                "title = 't'\n[layer]\nbinder.index = 1.5\n{layer}\n[[pigment]]\nname = 'p'\ndiameter_nm = 250\n\
+                 volume_fraction = 0.2\nindex = 2.0\n[light]\nwavelengths_nm = [450, 650]\nwave = '{wave}'\n"
+            );
+            let file = toml::from_str(&text).expect("a study file");
+            let study = check(&file, Path::new("."), "test").expect("a sound study");
+            let inner = &study.portions()[0];
+            assert!((study.embedding_index(0.5) - index).abs() < 1e-12, "{wave}");
+            assert_eq!(inner.media(0.5).incident.re, study.embedding_index(0.5), "{wave}");
+        }
     }
 
     /// Pigment in the slab's outermost twentieths, µm of 2, over what it holds on the mean.

@@ -1,7 +1,8 @@
 //! Layers composed of solved slabs: what is asked, and the studies that it takes.
 //!
-//! A portion is an ordinary study of a slab between half-spaces of which some have the layer's own
-//! index n_eff = √Re⟨η²⟩: so its solves have records, stores and progress as any others.
+//! A portion is an ordinary study of a slab between half-spaces of which some have nearly the
+//! layer's own index, by the mixing rule of its wave equation: so its solves have records, stores
+//! and progress as any others.
 
 use super::{Angles, Study};
 use crate::appearance::composed::flux::{Hemisphere, Sides};
@@ -9,6 +10,7 @@ use crate::appearance::composed::ordinates::Ordinates;
 use crate::appearance::paper::PRINT_DEG;
 use crate::ink::PackingRequest;
 use crate::input::variation::LightRule;
+use crate::material::mixing::MixingRule;
 use crate::wave::{Incidence, Side, Wave};
 use serde::{Deserialize, Serialize};
 
@@ -24,6 +26,10 @@ pub struct Composed {
     pub directions: [usize; 2],
     /// Thicknesses of the layer that are reported, µm.
     pub thicknesses_um: Vec<f64>,
+    /// Mixing rule of the half-spaces that slabs are solved between; without one, that of the wave
+    /// equation. Another one may change nothing but the bars.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mixing: Option<MixingRule>,
 }
 
 /// Where a slab lies.
@@ -47,6 +53,9 @@ pub struct Portion {
     pub halved: bool,
     /// Directions of every zone.
     directions: [usize; 2],
+    /// Mixing rule of the half-spaces, if it is not that of the wave equation.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    mixing: Option<MixingRule>,
 }
 
 impl Portion {
@@ -77,17 +86,23 @@ impl Portion {
 }
 
 impl Study {
-    /// n_eff = √Re⟨η²⟩ at a vacuum wavelength.
-    pub fn effective_index(&self, wavelength_um: f64) -> f64 {
+    /// Real index of the half-spaces that inner slabs are solved between, at a vacuum wavelength:
+    /// the layer's own in the limit of small grains, √Re⟨η²⟩ for the scalar wave, that of Maxwell
+    /// Garnett for Maxwell's equations. It has to be known before the first solve; the index of the
+    /// mean wave follows from the solves.
+    pub fn embedding_index(&self, wavelength_um: f64) -> f64 {
         let (binder, pigments) = self.binder_and_pigments(wavelength_um);
-        let (base, shares) = ((binder * binder).re, self.material_shares());
-        let each = shares.iter().zip(&pigments).map(|(share, eta)| share * ((eta * eta).re - base));
-        (base + each.sum::<f64>()).max(0.0).sqrt()
+        let shares: Vec<_> = self.material_shares().into_iter().zip(pigments).collect();
+        let own = if self.wave.is_vector() { MixingRule::MaxwellGarnett } else { MixingRule::VolumeAverage };
+        let composed = self.layer.composed.as_ref().and_then(|composed| composed.mixing);
+        let of_portion = self.portion.as_ref().and_then(|portion| portion.mixing);
+        let mixed = composed.or(of_portion).unwrap_or(own).mix(binder, &shares);
+        (mixed * mixed).re.max(0.0).sqrt()
     }
 
     /// Real indices in front and behind: those of the layer's surroundings, or its own.
     pub(super) fn outer_indices(&self, wavelength_um: f64) -> [f64; 2] {
-        let own = || self.effective_index(wavelength_um);
+        let own = || self.embedding_index(wavelength_um);
         let (before, behind) = (self.layer.index_in, self.layer.index_out);
         match self.portion.as_ref().map(|portion| portion.position) {
             None => [before, behind],
@@ -100,7 +115,7 @@ impl Study {
     /// The states of light on both sides of a portion; `None` for other studies.
     pub fn sides(&self, wavelength_um: f64) -> Option<Sides> {
         let portion = self.portion.as_ref()?;
-        let borders = [self.layer.index_in, self.layer.index_out, self.effective_index(wavelength_um)];
+        let borders = [self.layer.index_in, self.layer.index_out, self.embedding_index(wavelength_um)];
         let medium = |(side, index): (usize, f64)| Hemisphere {
             ordinates: Ordinates::new(index, &borders, portion.directions),
             polarisations: self.polarisations().len(),
@@ -120,7 +135,8 @@ impl Study {
         let both = [false, true].into_iter().flat_map(|halved| all.map(|position| (position, halved)));
         let both = both.filter(|(position, _)| needed(position)).enumerate();
         both.map(|(k, (position, halved))| {
-            self.portion(Portion { position, halved, directions: composed.directions }, composed, k as u64)
+            let Composed { directions, mixing, .. } = *composed;
+            self.portion(Portion { position, halved, directions, mixing }, composed, k as u64)
         })
         .collect()
     }

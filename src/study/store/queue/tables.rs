@@ -45,14 +45,14 @@ fn reopen(folder: &Path, slot: &Slot, error: rusqlite::Error) -> rusqlite::Resul
     connect(&folder.join(FILE))
 }
 
-/// Registers a worker of the work called `name`; false if other work is in progress. A new session
+/// Registers a worker of the work called `name`, unless other work is in progress: its name. A new session
 /// begins, without tasks, if no worker is alive. A previous worker in the same slot is dead, and
 /// its tasks are released.
 pub(super) fn join(
     transaction: &Transaction,
     (folder, slot): (&Path, &Slot),
     name: &str,
-) -> rusqlite::Result<bool> {
+) -> rusqlite::Result<Option<String>> {
     let under_way: Option<String> = match living(transaction, folder)?[..] {
         [] => None,
         _ => transaction.query_row("select name from work", [], |row| row.get(0)).optional()?,
@@ -61,13 +61,13 @@ pub(super) fn join(
         transaction.execute_batch("delete from work; delete from workers; delete from tasks")?;
         transaction.execute("insert into work (name) values (?1)", [name])?;
     }
-    if under_way.is_some_and(|other| other != name) {
-        return Ok(false);
+    if let Some(other) = under_way.filter(|other| other != name) {
+        return Ok(Some(other));
     }
     free(transaction, slot.number)?;
     let sign_in = "insert or replace into workers values (?1, ?2)";
     transaction.execute(sign_in, params![slot.number, slot.holder])?;
-    Ok(true)
+    Ok(None)
 }
 
 /// Living workers of this session.

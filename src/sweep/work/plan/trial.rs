@@ -6,7 +6,7 @@ use crate::input::study::{Point, Study};
 use crate::input::variation::CellRule;
 use crate::run::RunError;
 use crate::run::crew::{processor_seconds, work_through};
-use crate::run::longer_waves::coarsened;
+use crate::run::longer_waves::{Finest, coarsened};
 use crate::run::memory;
 use crate::run::point::{Grids, PointSolver};
 use crate::run::realisation::Packings;
@@ -122,7 +122,7 @@ pub(crate) fn covers(
 }
 
 fn grid_of((_, (finest, longer_waves)): &Covers, study: &Study, point: &Point) -> Resolution {
-    coarsened(study, *finest, point.incidence.wavelength_um, *longer_waves)
+    coarsened(study, *finest, point.incidence.wavelength_um, (Finest::of(study), *longer_waves))
 }
 
 /// A grid of the requested resolution with its coarsening for longer waves, and the core seconds of

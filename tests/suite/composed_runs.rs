@@ -1,0 +1,191 @@
+//! Runs of composed layers that are noisy, shared, shortened or stopped.
+
+use super::run_support::{command, run, study, succeed};
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+use std::process::{Child, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Slabs whose solves take milliseconds; the grid is searched, and coarser for longer waves.
+const LAYER: &str = r#"
+title = "Composed"
+[layer]
+period_um = 0.8
+thickness_um = [1, 2, 50]
+binder.index = 1.5
+composed = { slab_um = 0.5 }
+[[pigment]]
+name = "grains"
+diameter_nm = 200
+volume_fraction = 0.15
+index = 2.0
+[paper]
+albedo = 1.0
+[light]
+wavelengths_nm = [430, 540, 660]
+[run]
+realisations = 2
+seed = 7
+[resolution]
+accuracy = 5e-2
+per_wavelength = true
+"#;
+
+/// Longest time between a signal and the end, on a loaded machine: the promise is a second or two.
+const PROMPT: Duration = Duration::from_secs(10);
+
+fn results(output: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(output.join("results.json")).expect("results")).expect("JSON")
+}
+
+/// What was said, without the frame and the line breaks of the terminal.
+fn said(output: &Output) -> String {
+    let text = String::from_utf8_lossy(&output.stderr).replace(['│', '×', '╰', '─', '▶'], " ");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// Few realisations of a masstone leave no coherent light in the mean of an inner slab: what follows
+/// from its logarithm is withheld, and the run ends. *Planted*: the logarithm taken all the same.
+#[test]
+fn slabs_without_coherent_light_end_and_withhold_what_follows_from_it() {
+    let scratch = tempfile::tempdir().unwrap();
+    let text = r#"
+title = "Red iron oxide masstone"
+[layer]
+thickness_um = [6, 12]
+period_um = 0.9
+binder.index = { material = "PMMA" }
+composed = { slab_um = 1.0 }
+[[pigment]]
+name = "haematite"
+shape = "sphere"
+diameter_nm = 200
+volume_fraction = 0.15
+share = "scale_sizes"
+index = { material = "Fe2O3" }
+[paper]
+albedo = 0.85
+[light]
+wavelengths_nm = [640]
+[run]
+realisations = 4
+seed = 1
+[resolution]
+accuracy = 1e-1
+"#;
+    let (file, output) = (study(scratch.path(), text), scratch.path().join("out"));
+    succeed(&file, &output, &[]);
+    let results = results(&output);
+    let medium = &results["medium"][0];
+    assert!(medium["coherent_path_um"].is_null() && medium["asymmetry"].is_null(), "{medium}");
+    let munk = medium["kubelka_munk_scattering_per_um"]["value"].as_f64();
+    assert!(munk.is_some_and(|s| s > 0.0), "{medium}");
+    let withheld = results["withheld"].to_string();
+    assert!(withheld.contains("not determined by these realisations at 640 nm"), "{withheld}");
+}
+
+/// A base that composes its layer is refused where that would have no effect. *Planted*: the table
+/// read and forgotten.
+#[test]
+fn fits_and_designs_of_composed_layers_are_refused() {
+    let scratch = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: &str| {
+        std::fs::write(scratch.path().join(name), text).expect("written");
+        scratch.path().join(name)
+    };
+    put("base.toml", &LAYER.replace("[1, 2, 50]", "20").replace("realisations = 2", "realisations = 6"));
+    put("card.csv", "wavelength_nm,reflectance\n400,0.5\n700,0.6\n");
+    let fit = "base = \"base.toml\"\n[[measured]]\nfile = \"card.csv\"\nbacking = 0.8\n";
+    let design = "base = \"base.toml\"\n[[vary]]\nfield = \"pigment.grains.volume_fraction\"\nfrom = 0.1\nto = 0.2\n\
+                  [target]\nlab = [80, 0, 0]\n";
+    let refusals = [
+        format!("{:?}", inkwave::fit::load::load(&put("fit.toml", fit)).err()),
+        format!("{:?}", inkwave::design::recipe::load(&put("design.toml", design)).err()),
+    ];
+    for refusal in refusals {
+        assert!(refusal.contains("base.layer.composed") && refusal.contains("a few µm"), "{refusal}");
+    }
+}
+
+fn start(file: &Path, output: &Path) -> Child {
+    let mut command = command(file, output, &["--jobs", "1"]);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
+}
+
+/// *Planted*: other slabs of the same layer counted as other work.
+#[test]
+fn processes_in_one_folder_share_a_composed_layer() {
+    let scratch = tempfile::tempdir().unwrap();
+    let (file, alone) = (study(scratch.path(), LAYER), scratch.path().join("alone"));
+    succeed(&file, &alone, &[]);
+    let shared = scratch.path().join("shared");
+    let workers = [(); 3].map(|()| start(&file, &shared));
+    let ends = workers.map(|worker| worker.wait_with_output().expect("an end"));
+    for end in &ends {
+        assert!(end.status.success(), "{}", said(end));
+    }
+    let (one, other) = (results(&alone), results(&shared));
+    assert_eq!(other["status"], "complete");
+    for key in ["spectra", "medium", "colours"] {
+        assert_eq!(one[key], other[key], "{key}");
+    }
+}
+
+/// Part of a list of wavelengths needs no solve, whichever part. *Planted*: the coarsening relative
+/// to the shortest wavelength that is left.
+#[test]
+fn fewer_wavelengths_need_no_solve() {
+    let scratch = tempfile::tempdir().unwrap();
+    let (file, output) = (study(scratch.path(), LAYER), scratch.path().join("out"));
+    succeed(&file, &output, &[]);
+    let first = results(&output);
+    for (list, rows) in [("[430, 660]", [0, 2]), ("[540, 660]", [1, 2]), ("[430, 540]", [0, 1])] {
+        let fewer = study(scratch.path(), &LAYER.replace("[430, 540, 660]", list));
+        let said = succeed(&fewer, &output, &[]);
+        assert!(said.contains("already stored") && !said.contains("per hour"), "{list}: {said}");
+        let fewer = results(&output);
+        for (k, row) in rows.into_iter().enumerate() {
+            let [own, before] = [&fewer["spectra"][k], &first["spectra"][row]];
+            for key in ["wavelength_nm", "reflectance_normal", "transmittance_45", "lit_at_45"] {
+                // errors look at neighbouring wavelengths, numbers do not
+                let number = |row: &Value| row[key]["value"].as_f64().or(row[key].as_f64());
+                assert_eq!(number(own), number(before), "{list}: {key}");
+            }
+        }
+    }
+}
+
+/// A signal while the numbers of stored solves are evaluated ends the program at once, and the same
+/// command goes on from there. *Planted*: a flag that only solves read.
+#[cfg(unix)]
+#[test]
+fn evaluation_hears_both_signals_and_loses_nothing() {
+    use nix::sys::signal::{Signal, kill};
+    let scratch = tempfile::tempdir().unwrap();
+    let text = LAYER.replace("realisations = 2", "realisations = 6");
+    let (file, output) = (study(scratch.path(), &text), scratch.path().join("out"));
+    succeed(&file, &output, &[]);
+    let whole = results(&output);
+    for signal in [Signal::SIGINT, Signal::SIGTERM] {
+        let mut child = start(&file, &output);
+        let mut lines = BufReader::new(child.stderr.take().expect("standard error"));
+        let mut line = String::new();
+        while !line.contains("evaluating the layer") {
+            line.clear();
+            assert!(lines.read_line(&mut line).expect("text") > 0, "it ended before its evaluation");
+        }
+        let clock = Instant::now();
+        let process = nix::unistd::Pid::from_raw(i32::try_from(child.id()).expect("a number of a process"));
+        kill(process, signal).expect("a signal");
+        let status = child.wait().expect("an end");
+        assert!(clock.elapsed() < PROMPT, "{signal}: {:?}", clock.elapsed());
+        let mut rest = String::new();
+        lines.read_to_string(&mut rest).expect("text");
+        assert_eq!(status.code(), Some(130), "{signal}: {rest}");
+        assert!(rest.contains("everything solved is kept") && rest.contains("to resume"), "{rest}");
+    }
+    let done = run(&file, &output, &[]);
+    assert!(done.status.success() && !said(&done).contains("per hour"), "{}", said(&done));
+    assert_eq!(results(&output)["spectra"], whole["spectra"]);
+}
