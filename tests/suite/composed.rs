@@ -160,3 +160,132 @@ fn a_sweep_of_composed_layers_has_a_table_and_a_page() {
     assert_eq!(table.lines().count(), 7, "{table}");
     assert!(output.join("report.html").exists());
 }
+
+/// Grains of the binder's index: a film of 1.5, whose fringes at any thickness are Airy's.
+const CLEAR: &str = r#"
+title = "A film in slabs"
+[layer]
+thickness_um = [2, 5.3, 128, 300.7]
+period_um = 0.8
+binder.index = 1.5
+composed = { slab_um = 1.0 }
+[[pigment]]
+diameter_nm = 200
+volume_fraction = 0.1
+index = 1.5
+[paper]
+albedo = 0.9
+[light]
+wavelengths_nm = [450, 550, 650]
+[run]
+realisations = 2
+[resolution]
+accuracy = 5e-2
+"#;
+
+/// R of a film of 1.5 in air for s light (and the scalar wave), by the sine of its angle.
+fn airy(thickness_um: f64, wavelength_um: f64, sine: f64) -> f64 {
+    let [outer, inner] = [1.0, 2.25].map(|square: f64| (square - sine * sine).sqrt());
+    let mirrored = ((outer - inner) / (outer + inner)).powi(2);
+    let fringe =
+        4.0 * mirrored * (std::f64::consts::TAU / wavelength_um * inner * thickness_um).sin().powi(2);
+    fringe / ((1.0 - mirrored).powi(2) + fringe)
+}
+
+/// Its mean over the hemisphere, by the midpoint rule over the cosine.
+fn airy_of_diffuse(thickness_um: f64, wavelength_um: f64) -> f64 {
+    let steps = 200_000;
+    let at = |k: usize| {
+        let cosine = (k as f64 + 0.5) / f64::from(steps);
+        2.0 * cosine * airy(thickness_um, wavelength_um, (1.0 - cosine * cosine).sqrt())
+    };
+    (0..steps as usize).map(at).sum::<f64>() / f64::from(steps)
+}
+
+/// Between whole slabs too, at 0°, at 45°, in diffuse light and on the paper. *Planted*: a fraction
+/// of a slab rounded, the paper's series without what interference sends back.
+#[test]
+fn a_film_in_slabs_is_exact_at_any_thickness() {
+    let scratch = tempfile::tempdir().unwrap();
+    let (file, output) = (study(scratch.path(), CLEAR), scratch.path().join("out"));
+    succeed(&file, &output, &[]);
+    let results = results(&output);
+    let rows = results["spectra"].as_array().expect("rows");
+    assert_eq!(rows.len(), 12);
+    for row in rows {
+        let [um, nm] = ["thickness_um", "wavelength_nm"].map(|key| row[key].as_f64().expect("a number"));
+        let [normal, slanted] = [0.0, 0.5_f64.sqrt()].map(|sine| airy(um, 1e-3 * nm, sine));
+        let diffuse = airy_of_diffuse(um, 1e-3 * nm);
+        // the series between the film and the paper, from the film's totals
+        let returned = 0.9 / (1.0 - 0.9 * diffuse) * (1.0 - normal);
+        for (name, want) in [
+            ("reflectance_normal", normal),
+            ("transmittance_normal", 1.0 - normal),
+            ("reflectance_45", slanted),
+            ("transmittance_45", 1.0 - slanted),
+            ("reflectance_diffuse", diffuse),
+            ("transmittance_diffuse", 1.0 - diffuse),
+            ("mirrored", normal),
+            ("natural_light", normal + returned * (1.0 - diffuse)),
+            ("lit_at_45", returned * (1.0 - slanted)),
+        ] {
+            // The film's mean over fringes that are too many to follow is off by up to 1e-4, and as
+            // much the sum of the series; else it is the accuracy of the solves.
+            let tolerance = if um > 100.0 { 3e-4 } else { 1e-6 };
+            assert!(
+                (value(row, name) - want).abs() < tolerance,
+                "{um} µm, {nm} nm, {name}: {} {want}",
+                row[name]
+            );
+        }
+    }
+}
+
+/// A layer that is no whole number of the slabs of its list is the layer cut into slabs of its own.
+/// *Planted*: a polynomial over whole numbers of slabs through what has fringes.
+#[test]
+fn a_thickness_in_a_list_is_the_thickness_alone() {
+    let scratch = tempfile::tempdir().unwrap();
+    let text = r#"
+title = "Fringes between whole slabs"
+[layer]
+thickness_um = [3, 4]
+period_um = 0.8
+binder.index = 1.558
+composed = { slab_um = 1.5 }
+[[pigment]]
+diameter_nm = 250
+volume_fraction = 0.1
+index = { n = 1.4, k = 0.003 }
+[paper]
+albedo = 0.9
+[light]
+wavelengths_nm = [450, 550, 650]
+[run]
+realisations = 6
+[resolution]
+accuracy = 5e-2
+"#;
+    let run = |name: &str, text: &str| {
+        let folder = scratch.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        let (file, output) = (study(&folder, text), folder.join("out"));
+        succeed(&file, &output, &[]);
+        let rows = results(&output)["spectra"].as_array().expect("rows").clone();
+        rows.into_iter().filter(|row| row["thickness_um"] == 4.0).collect::<Vec<_>>()
+    };
+    let (listed, alone) = (run("listed", text), run("alone", &text.replace("[3, 4]", "4")));
+    let error = |row: &Value, name: &str| row[name]["standard_error"].as_f64().expect("an error");
+    let mut worst: f64 = 0.0;
+    for (a, b) in listed.iter().zip(&alone) {
+        for name in
+            ["reflectance_normal", "transmittance_normal", "reflectance_45", "transmittance_45", "lit_at_45"]
+        {
+            let z = (value(a, name) - value(b, name)) / error(a, name).hypot(error(b, name));
+            assert!(z.abs() < 4.5, "{name}, {} nm: {} {}", a["wavelength_nm"], a[name], b[name]);
+            assert!(error(a, name) < 0.04, "{name}: {}", a[name]);
+            worst = worst.max(z.abs());
+        }
+    }
+    assert!(worst > 0.1, "different slabs differ");
+}
