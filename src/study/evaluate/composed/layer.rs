@@ -17,14 +17,16 @@ use faer::Mat;
 /// A layer of one thickness at one wavelength.
 pub struct ComposedLayer<'a> {
     slabs: &'a Slabs,
-    /// Thickness in slabs.
-    count: f64,
     /// Its fluxes, without interference between the surfaces.
     pub plate: Plate,
     /// What interference does to light from in front, for each polarisation.
     interference: Vec<Interference<'a>>,
     /// Shares of the polarisations in the light.
     polarised: Vec<f64>,
+    /// What interference changes of diffuse light from in front, for each polarisation.
+    change_of_diffuse: Vec<Lobes>,
+    /// The same of unpolarised diffuse light from behind.
+    change_from_behind: Lobes,
 }
 
 /// The layer on a Lambertian paper.
@@ -40,10 +42,21 @@ pub struct OnPaper {
 impl<'a> ComposedLayer<'a> {
     /// A layer of this many slabs, at least two and not always a whole number.
     pub fn new(slabs: &'a Slabs, count: f64, wave: Wave) -> Self {
-        let (plate, before) = (slabs.layer(count), &slabs.media[0]);
+        let (plate, [before, _, behind]) = (slabs.layer(count), &slabs.media);
         let of = |p: usize| slabs.film.interference(count, p, &columns(&plate, 0, before, p));
-        let interference = (0..before.polarisations).map(of).collect();
-        Self { slabs, count, interference, polarised: polarised(before, wave), plate }
+        let interference: Vec<Interference> = (0..before.polarisations).map(of).collect();
+        let turned = slabs.film.turned();
+        let change_from_behind = mean(&unpolarised(behind), |p| {
+            turned.interference(count, p, &columns(&plate, 1, behind, p)).change_of_diffuse()
+        });
+        Self {
+            slabs,
+            change_of_diffuse: interference.iter().map(Interference::change_of_diffuse).collect(),
+            change_from_behind,
+            interference,
+            polarised: polarised(before, wave),
+            plate,
+        }
     }
 
     /// R and T of light with these fluxes in the states in front, without interference.
@@ -82,7 +95,7 @@ impl<'a> ComposedLayer<'a> {
 
     /// What it changes of R and T of diffuse light.
     pub fn change_of_diffuse(&self) -> Lobes {
-        mean(&self.polarised, |p| self.interference[p].change_of_diffuse())
+        mean(&self.polarised, |p| self.change_of_diffuse[p])
     }
 
     /// What it changes of the beam at 0°.
@@ -105,16 +118,11 @@ impl<'a> ComposedLayer<'a> {
     pub fn on(&self, albedo: f64) -> OnPaper {
         let [before, _, behind] = &self.slabs.media;
         let plate = self.plate.then(&Plate::lambertian(albedo, &behind.weights()));
-        // light from the paper has no polarisation
-        let even = vec![1.0 / before.polarisations as f64; before.polarisations];
         let onto = self.diffuse(0);
-        let onto_changed = onto.changed(mean(&even, |p| self.interference[p].change_of_diffuse()));
-        let leaving = ratio(onto_changed.transmitted, onto.transmitted);
-        let turned = self.slabs.film.turned();
-        let from_behind = mean(&even, |p| {
-            turned.interference(self.count, p, &columns(&self.plate, 1, behind, p)).change_of_diffuse()
-        });
-        let returned = returns(self.diffuse(1), from_behind, leaving, albedo);
+        // light from the paper has no polarisation
+        let change = mean(&unpolarised(before), |p| self.change_of_diffuse[p]);
+        let leaving = ratio(onto.changed(change).transmitted, onto.transmitted);
+        let returned = returns(self.diffuse(1), self.change_from_behind, leaving, albedo);
         OnPaper { plate, returned, leaving }
     }
 
@@ -161,6 +169,11 @@ fn columns(plate: &Plate, side: usize, medium: &Hemisphere, polarisation: usize)
         Lobes { reflected: sum(&plate.reflection[side]), transmitted: sum(&plate.transmission[side]) }
     };
     (0..=medium.ordinates.escaping()).map(of).collect()
+}
+
+/// Equal shares of the polarisations.
+fn unpolarised(medium: &Hemisphere) -> Vec<f64> {
+    vec![1.0 / medium.polarisations as f64; medium.polarisations]
 }
 
 /// Shares of the polarisations in the light.
