@@ -8,6 +8,7 @@ use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::manifest::{ComposedManifest, ErrorParts};
 use crate::evaluate::composed::report::report;
 use crate::evaluate::composed::view::ComposedView;
+use crate::evaluate::manifest::Withheld;
 use crate::input::study::Study;
 use crate::report::composed::tables;
 use crate::run::watch::RunWatch;
@@ -100,9 +101,14 @@ impl ComposedStored {
         let mut spectra = Vec::new();
         for geometry in InstrumentGeometry::ALL {
             let own = report.spectra.iter().filter(|row| row.thickness_um == um);
-            let values = own.map(|row| geometry.of(row.lit_at_45, row.natural_light).estimate());
-            let values = resample(nm, &values.collect::<Vec<_>>(), &grid);
-            let page = colours.map(|colours| geometry.of(colours.lit_at_45, colours.natural_light));
+            let values = own.map(|row| Some(geometry.of(row.lit_at_45, row.natural_light)?.estimate()));
+            let values: Option<Vec<_>> = values.collect();
+            let withheld = || {
+                let reasons: Vec<_> = report.withheld.iter().map(Withheld::in_words).collect();
+                ExportError::Refused(format!("the spectrum has withheld numbers: {}", reasons.join("; ")))
+            };
+            let values = resample(nm, &values.ok_or_else(withheld)?, &grid);
+            let page = colours.and_then(|colours| geometry.of(colours.lit_at_45, colours.natural_light));
             let (lab_covariance, page_lab) = (page.map(diagonal), page.map(|lab| lab.map(|part| part.value)));
             spectra.push(PrintSpectrum { geometry, values, lab_covariance, colour: None, page_lab });
         }

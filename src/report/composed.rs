@@ -22,7 +22,6 @@ use crate::run::crew::processor_seconds;
 use crate::store::folder::OutputFolder;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
-use tables::shares;
 
 /// Writes `results.json`, tables and page; returns what is published.
 ///
@@ -35,10 +34,6 @@ pub fn publish<'a>(
 ) -> PublishResult<ComposedManifest<'a>> {
     let manifest = report(study, solved).map_err(PublishError::Slabs)?;
     let manifest = ComposedManifest { process_seconds: processor_seconds(), ..manifest };
-    if let Some(row) = manifest.spectra.iter().find(|row| !is_physical(row)) {
-        let place = format!("a share at {} µm and {} nm", row.thickness_um, row.wavelength_nm);
-        return Err(PublishError::Unphysical(format!("{place} is not between 0 and 1")));
-    }
     let pictures = pictures(&manifest, solved)?;
     let page = page(&manifest, pictures.first())?;
     folder.begin()?;
@@ -74,21 +69,19 @@ fn pictures(manifest: &ComposedManifest, solved: &[SolvedPortion]) -> PublishRes
 
 /// Smaller errors are rounding, and are not shown.
 const CERTAIN: f64 = 1e-6;
-/// Largest overshoot of a share of light that its error can stand for.
-const BEYOND: f64 = 0.03;
-
-fn is_physical(row: &ComposedRow) -> bool {
-    let mut shares = shares(row).into_iter().take(6);
-    shares.all(|(_, j)| (-BEYOND..=1.0 + BEYOND).contains(&j.value) && j.standard_error.is_finite())
-}
-
 fn words(judged: &ErrorParts, decimals: usize) -> String {
     let certain = judged.standard_error < CERTAIN;
     let estimate = if certain { Estimate::unknown_error(judged.value) } else { judged.estimate() };
     estimate.in_words(decimals)
 }
 
-fn lab(judged: &[ErrorParts; 3]) -> String {
+/// A number that may be withheld.
+fn words_of(judged: Option<ErrorParts>, decimals: usize) -> String {
+    judged.map_or_else(|| "withheld".to_owned(), |judged| words(&judged, decimals))
+}
+
+fn lab(judged: Option<[ErrorParts; 3]>) -> String {
+    let Some(judged) = judged else { return "no colour".to_owned() };
     let [l, a, b] = [0, 1, 2].map(|i| words(&judged[i], 2));
     format!("L* {l}, a* {a}, b* {b}")
 }
@@ -97,7 +90,7 @@ fn lab(judged: &[ErrorParts; 3]) -> String {
 pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
     let mut lines = Vec::new();
     for c in &manifest.colours {
-        let (um, seen, ratio) = (c.thickness_um, lab(&c.natural_light), words(&c.contrast_ratio, 3));
+        let (um, seen, ratio) = (c.thickness_um, lab(c.natural_light), words_of(c.contrast_ratio, 3));
         lines.push(format!("{um} µm: {seen} under natural light, contrast ratio {ratio}"));
     }
     if lines.is_empty() {
@@ -108,8 +101,8 @@ pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
 }
 
 fn spectral_line(row: &ComposedRow) -> String {
-    let [r, t] = [row.reflectance_normal, row.transmittance_normal].map(|j| words(&j, 4));
-    let [dr, dt] = [row.reflectance_diffuse, row.transmittance_diffuse].map(|j| words(&j, 4));
+    let [r, t] = [row.reflectance_normal, row.transmittance_normal].map(|j| words_of(j, 4));
+    let [dr, dt] = [row.reflectance_diffuse, row.transmittance_diffuse].map(|j| words_of(j, 4));
     let (um, nm) = (row.thickness_um, row.wavelength_nm);
     format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {dr}, T {dt}")
 }
@@ -159,9 +152,10 @@ fn against_thickness(y_label: &str, curves: Vec<Curve>) -> Chart {
 }
 
 fn shares_chart(manifest: &ComposedManifest) -> Chart {
-    let curve = |nm: f64, name: &str, of: fn(&ComposedRow) -> ErrorParts| {
+    let curve = |nm: f64, name: &str, of: fn(&ComposedRow) -> Option<ErrorParts>| {
         let rows = manifest.curve.iter().filter(move |row| row.wavelength_nm == nm);
-        Curve::measured(format!("{name}, {nm:.0} nm"), rows.map(|row| (row.thickness_um, of(row).estimate())))
+        let points = rows.filter_map(|row| Some((row.thickness_um, of(row)?.estimate())));
+        Curve::measured(format!("{name}, {nm:.0} nm"), points)
     };
     let mut curves = Vec::new();
     for nm in sheet::shown_nm(&manifest.study.wavelengths_nm) {
@@ -175,10 +169,10 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
 fn colour_curve(
     manifest: &ComposedManifest,
     name: &str,
-    of: fn(&ComposedColours) -> ErrorParts,
+    of: fn(&ComposedColours) -> Option<ErrorParts>,
     by: f64,
 ) -> Curve {
-    let points = manifest.curve_colours.iter().map(|c| (c.thickness_um, of(c)));
+    let points = manifest.curve_colours.iter().filter_map(|c| Some((c.thickness_um, of(c)?)));
     let points = points.map(|(um, judged)| [um, judged.value / by, judged.standard_error / by]);
     Curve::with_bars(name, Style::Data, points)
 }
@@ -186,17 +180,17 @@ fn colour_curve(
 fn hiding_chart(manifest: &ComposedManifest) -> Chart {
     let curves = vec![
         colour_curve(manifest, "contrast ratio", |c| c.contrast_ratio, 1.0),
-        colour_curve(manifest, "L*/100 on the paper", |c| c.natural_light[0], 100.0),
-        colour_curve(manifest, "L*/100 over black", |c| c.over_black[0], 100.0),
+        colour_curve(manifest, "L*/100 on the paper", |c| Some(c.natural_light?[0]), 100.0),
+        colour_curve(manifest, "L*/100 over black", |c| Some(c.over_black?[0]), 100.0),
     ];
     against_thickness("contrast ratio, L*/100", curves)
 }
 
 fn colour_chart(manifest: &ComposedManifest) -> Chart {
     let curves = vec![
-        colour_curve(manifest, "L*", |c| c.natural_light[0], 1.0),
-        colour_curve(manifest, "a*", |c| c.natural_light[1], 1.0),
-        colour_curve(manifest, "b*", |c| c.natural_light[2], 1.0),
+        colour_curve(manifest, "L*", |c| Some(c.natural_light?[0]), 1.0),
+        colour_curve(manifest, "a*", |c| Some(c.natural_light?[1]), 1.0),
+        colour_curve(manifest, "b*", |c| Some(c.natural_light?[2]), 1.0),
     ];
     Chart { y_range: None, ..against_thickness("L*, a*, b*", curves) }
 }
@@ -214,7 +208,7 @@ fn spectra_chart(manifest: &ComposedManifest) -> Chart {
     let mut curves = Vec::new();
     for um in &manifest.composed.thicknesses_um {
         let rows = manifest.spectra.iter().filter(|row| row.thickness_um == *um);
-        let points = rows.map(|row| (row.wavelength_nm, row.natural_light.estimate()));
+        let points = rows.filter_map(|row| Some((row.wavelength_nm, row.natural_light?.estimate())));
         curves.push(Curve::measured(format!("{um} µm"), points));
     }
     let chart = Chart::linear("", "wavelength, nm", "share of a perfect white", curves);
@@ -234,9 +228,10 @@ fn shown_medium(manifest: &ComposedManifest) -> Vec<(String, ErrorParts)> {
     rows
 }
 
-/// Largest parts of the bars of R and T: chance, model and grid.
-fn largest_parts(manifest: &ComposedManifest) -> [f64; 3] {
-    let all: Vec<_> = manifest.spectra.iter().flat_map(|row| shares(row).into_iter().take(6)).collect();
-    let parts: [fn(&ErrorParts) -> f64; 3] = [|j| j.chance, |j| j.model, |j| j.grid];
-    parts.map(|of| all.iter().map(|(_, judged)| of(judged)).fold(0.0, f64::max))
+/// Largest parts of the bars of R and T: chance, model, grid and directions.
+fn largest_parts(manifest: &ComposedManifest) -> [f64; 4] {
+    let all: Vec<_> =
+        manifest.spectra.iter().flat_map(|row| row.numbers().into_iter().take(6)).flatten().collect();
+    let parts: [fn(&ErrorParts) -> f64; 4] = [|j| j.chance, |j| j.model, |j| j.grid, |j| j.directions];
+    parts.map(|of| all.iter().map(of).fold(0.0, f64::max))
 }

@@ -163,3 +163,144 @@ fn a_sweep_of_composed_layers_has_a_table_and_a_page() {
     assert_eq!(described_tables(&output), 7);
     assert!(output.join("report.html").exists());
 }
+
+/// Grains of the binder's index: a film of 1.5, whose fringes at any thickness are Airy's.
+const CLEAR: &str = r#"
+title = "A film in slabs"
+[layer]
+thickness_um = [2, 5.3, 128, 300.7]
+period_um = 0.8
+binder.index = 1.5
+composed = { slab_um = 1.0 }
+[[pigment]]
+diameter_nm = 200
+volume_fraction = 0.1
+index = 1.5
+[paper]
+albedo = 0.9
+[light]
+wavelengths_nm = [450, 550, 650]
+[run]
+realisations = 2
+[resolution]
+accuracy = 5e-2
+"#;
+
+/// R of a film of 1.5 between air and another medium for s light (and the scalar wave), by the sine
+/// of its angle in air.
+fn airy(thickness_um: f64, wavelength_um: f64, index_out: f64, sine: f64) -> f64 {
+    let normal = |index: f64| (index * index - sine * sine).sqrt();
+    let face = |a: f64, b: f64| (a - b) / (a + b);
+    let (front, back) = (face(normal(1.0), normal(1.5)), face(normal(1.5), normal(index_out)));
+    let phase = (2.0 * std::f64::consts::TAU / wavelength_um * normal(1.5) * thickness_um).cos();
+    let (f2, b2, product) = (front * front, back * back, front * back);
+    (f2 + b2 + 2.0 * product * phase) / (1.0 + f2 * b2 + 2.0 * product * phase)
+}
+
+/// Its mean over the hemisphere, by the midpoint rule over the cosine.
+fn airy_of_diffuse(thickness_um: f64, wavelength_um: f64, index_out: f64) -> f64 {
+    let steps = 200_000;
+    let at = |k: usize| {
+        let cosine = (k as f64 + 0.5) / f64::from(steps);
+        2.0 * cosine * airy(thickness_um, wavelength_um, index_out, (1.0 - cosine * cosine).sqrt())
+    };
+    (0..steps as usize).map(at).sum::<f64>() / f64::from(steps)
+}
+
+/// Between whole slabs too, at 0°, at 45°, in diffuse light and on the paper. *Planted*: a fraction
+/// of a slab rounded, the paper's series without what interference sends back.
+fn film_is_exact(text: &str, index_out: f64) {
+    let scratch = tempfile::tempdir().unwrap();
+    let (file, output) = (study(scratch.path(), text), scratch.path().join("out"));
+    succeed(&file, &output, &[]);
+    let results = results(&output);
+    for row in results["spectra"].as_array().expect("rows") {
+        let [um, nm] = ["thickness_um", "wavelength_nm"].map(|key| row[key].as_f64().expect("a number"));
+        let [normal, slanted] = [0.0, 0.5_f64.sqrt()].map(|sine| airy(um, 1e-3 * nm, index_out, sine));
+        let diffuse = airy_of_diffuse(um, 1e-3 * nm, index_out);
+        // the series between the film and the paper: of the paper's light, T̄/n² leaves
+        let leaves = (1.0 - diffuse) / (index_out * index_out);
+        let returned = 0.9 / (1.0 - 0.9 * (1.0 - leaves)) * (1.0 - normal);
+        for (name, want) in [
+            ("reflectance_normal", normal),
+            ("transmittance_normal", 1.0 - normal),
+            ("reflectance_45", slanted),
+            ("transmittance_45", 1.0 - slanted),
+            ("reflectance_diffuse", diffuse),
+            ("transmittance_diffuse", 1.0 - diffuse),
+            ("mirrored", normal),
+            ("natural_light", normal + returned * leaves),
+            ("lit_at_45", returned * (1.0 - slanted) / (index_out * index_out)),
+        ] {
+            // The mean over fringes that are too many to follow is off by up to 1e-4, and as much the
+            // sum of the series; else it is the accuracy of the solves.
+            let tolerance = if um > 100.0 { 3e-4 } else { 1e-6 };
+            let off = (value(row, name) - want).abs();
+            assert!(off < tolerance, "{um} µm, {nm} nm, {name}: {} {want}", row[name]);
+        }
+    }
+    assert_eq!(results["withheld"], Value::Null);
+}
+
+#[test]
+fn a_film_in_slabs_is_exact_at_any_thickness() {
+    film_is_exact(CLEAR, 1.0);
+}
+
+/// Light from the paper meets the film from a denser medium. *Planted*: the series with R̄ of the
+/// front.
+#[test]
+fn a_film_in_slabs_in_contact_with_its_paper_is_exact() {
+    let contact = CLEAR.replace("binder.index = 1.5\n", "binder.index = 1.5\nindex_out = 1.3\n");
+    let contact = contact.replace("albedo = 0.9", "albedo = 0.9\ncoupling = \"optical_contact\"");
+    film_is_exact(&contact.replace("[2, 5.3, 128, 300.7]", "[2, 3.7]"), 1.3);
+}
+
+/// A layer that is no whole number of the slabs of its list is the layer cut into slabs of its own.
+/// *Planted*: a polynomial over whole numbers of slabs through what has fringes.
+#[test]
+fn a_thickness_in_a_list_is_the_thickness_alone() {
+    let scratch = tempfile::tempdir().unwrap();
+    let text = r#"
+title = "Fringes between whole slabs"
+[layer]
+thickness_um = [3, 4]
+period_um = 0.8
+binder.index = 1.558
+composed = { slab_um = 1.5 }
+[[pigment]]
+diameter_nm = 250
+volume_fraction = 0.1
+index = { n = 1.4, k = 0.003 }
+[paper]
+albedo = 0.9
+[light]
+wavelengths_nm = [450, 550, 650]
+[run]
+realisations = 6
+[resolution]
+accuracy = 5e-2
+"#;
+    let run = |name: &str, text: &str| {
+        let folder = scratch.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        let (file, output) = (study(&folder, text), folder.join("out"));
+        succeed(&file, &output, &[]);
+        let rows = results(&output)["spectra"].as_array().expect("rows").clone();
+        rows.into_iter().filter(|row| row["thickness_um"] == 4.0).collect::<Vec<_>>()
+    };
+    let (listed, alone) = (run("listed", text), run("alone", &text.replace("[3, 4]", "4")));
+    let error = |row: &Value, name: &str| row[name]["standard_error"].as_f64().expect("an error");
+    let mut worst: f64 = 0.0;
+    for (a, b) in listed.iter().zip(&alone) {
+        for name in
+            ["reflectance_normal", "transmittance_normal", "reflectance_45", "transmittance_45", "lit_at_45"]
+        {
+            let z = (value(a, name) - value(b, name)) / error(a, name).hypot(error(b, name));
+            assert!(z.abs() < 4.5, "{name}, {} nm: {} {}", a["wavelength_nm"], a[name], b[name]);
+            assert!(error(a, name) < 0.04, "{name}: {}", a[name]);
+            worst = worst.max(z.abs());
+        }
+    }
+    assert!(worst > 0.1, "different slabs differ");
+}

@@ -13,8 +13,9 @@ use crate::report::tables::NamedTable;
 pub fn tables(manifest: &ComposedManifest) -> csv::Result<[NamedTable; 3]> {
     let layers = manifest.spectra.iter().chain(&manifest.curve);
     let layers = layers.map(|row| {
-        let shares = shares(row).map(|(name, number)| (name, Some(number)));
-        ([row.thickness_um, row.wavelength_nm], shares)
+        let numbers = row.numbers();
+        let named: [_; 12] = std::array::from_fn(|k| (ComposedRow::NAMES[k], numbers[k]));
+        ([row.thickness_um, row.wavelength_nm], named)
     });
     let spectra = rows(["thickness_um", "wavelength_nm"], layers)?;
     let medium = manifest.medium.iter().map(|row| ([row.wavelength_nm], coefficients(row)));
@@ -23,24 +24,6 @@ pub fn tables(manifest: &ComposedManifest) -> csv::Result<[NamedTable; 3]> {
         ("medium.csv", rows(["wavelength_nm"], medium)?, "what the packed medium is to light"),
         ("bdf.csv", distributions(&manifest.distributions)?, "where light at 0° goes, layer alone"),
     ])
-}
-
-/// Names and values of a row.
-pub(super) fn shares(row: &ComposedRow) -> [(&'static str, ErrorParts); 12] {
-    [
-        ("reflectance_normal", row.reflectance_normal),
-        ("transmittance_normal", row.transmittance_normal),
-        ("reflectance_45", row.reflectance_45),
-        ("transmittance_45", row.transmittance_45),
-        ("reflectance_diffuse", row.reflectance_diffuse),
-        ("transmittance_diffuse", row.transmittance_diffuse),
-        ("coherent_transmittance", row.coherent_transmittance),
-        ("mirrored", row.mirrored),
-        ("natural_light", row.natural_light),
-        ("lit_at_45", row.lit_at_45),
-        ("over_black", row.over_black),
-        ("over_white", row.over_white),
-    ]
 }
 
 /// Names and values of a medium; `None` for those withheld.

@@ -9,19 +9,32 @@
 //! R_c = |r + t t′ P² r_b/(1 − ρ)|²      R_i = |r|² + |t t′ P² r_b|²/(1 − |ρ|²)
 //! ```
 //!
-//! where c is the film and i its incoherent composition. What the film takes from the field by
-//! scattering and absorption, L = 1 − R − T, is shared as it was before: R → R + (R_c − R_i) + s_R
-//! (L_c − L_i), with s_R the share of L_i that composing reflects. So R + T + A stays 1 exactly.
+//! where c is the film and i its incoherent composition, the mean of c over all phases of ρ. Of
+//! what the field loses by scattering and absorption, L = 1 − R − T, composing reflects a share s_R
+//! and transmits s_T: R = R_i + s_R L_i. With interference R = R_c + s_R L_c, and T alike, so R + T
+//! + A stays 1 exactly.
+//!
+//! Known are amplitudes and shares at 0° and at the nodes of light that passes both surfaces. In
+//! between, shares and the differences of the amplitudes from those of plane faces of the even
+//! medium (Fresnel) are polynomials; a medium that is even has no such differences. P = p^(m − 2)
+//! with the amplitude p of an inner slab, for any real m: thicknesses between whole slabs have
+//! their own fringes.
 
 use super::flux::{Coherent, Hemisphere};
-use super::ordinates::gauss;
+use super::ordinates::gauss_legendre;
 use crate::numerics::interpolate::lagrange;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
-/// Directions of the mean over the hemisphere: fringes are narrower than the nodes' distance.
-const DIRECTIONS: usize = 64;
+/// Nodes of the mean over the hemisphere in each of its pieces, and the least number of pieces.
+const PIECE: usize = 8;
+const PIECES: usize = 8;
+/// Layers with more fringes over the hemisphere have the mean over all phases: what is left of the
+/// fringes is of the amplitude over 2π times their number, below 1e-4.
+const MOST_FRINGES: f64 = 200.0;
+/// Of fainter light between the surfaces, there are no fringes.
+const FAINT: f64 = 1e-9;
 /// Below this nothing is lost that could be shared.
 const NOTHING: f64 = 1e-9;
 
@@ -30,221 +43,394 @@ const NOTHING: f64 = 1e-9;
 pub struct CoherentFilm {
     /// Of the front slab, of an inner one, and of the back slab.
     pub slabs: [Coherent; 3],
-    /// Media in front and within.
-    pub media: [Hemisphere; 2],
+    /// Media in front, within and behind.
+    pub media: [Hemisphere; 3],
     /// Thickness of a slab, µm.
     pub slab_um: f64,
     /// Vacuum wavelength, µm.
     pub wavelength_um: f64,
+    /// Whether one of the known directions, halfway, is left out of the polynomials between them:
+    /// what that changes is more than what they are off.
+    pub fewer_directions: bool,
 }
 
-/// Cosines, and what is known there: slow amplitudes and shares of the loss.
-type Known<'a> = (&'a [f64], &'a [Slow], &'a [[f64; 2]]);
+/// Shares of the light that are reflected and transmitted.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lobes {
+    /// R, or its change.
+    pub reflected: f64,
+    /// T, or its change.
+    pub transmitted: f64,
+}
+
+/// The mean field at one angle, with and without interference.
+#[derive(Clone, Copy, Debug)]
+struct Field {
+    coherent: Lobes,
+    incoherent: Lobes,
+}
 
 /// One direction of one polarisation: what varies slowly with the angle.
-type Slow = [Complex64; 6];
+#[derive(Clone, Copy, Debug, Default)]
+struct Slow {
+    /// r of the front slab.
+    front: Complex64,
+    /// t t′ of the front slab, r′ from inside and r_b of the back slab, less the phase of the even
+    /// medium.
+    through: Complex64,
+    inside: Complex64,
+    behind: Complex64,
+    /// Logarithm of an inner slab's amplitude, less that of the even medium.
+    slab: Complex64,
+    /// √(T T_b) of the front and the back slab.
+    passed: f64,
+}
+
+impl Slow {
+    /// This and a multiple of another.
+    fn plus(self, by: f64, other: &Self) -> Self {
+        Self {
+            front: self.front + by * other.front,
+            through: self.through + by * other.through,
+            inside: self.inside + by * other.inside,
+            behind: self.behind + by * other.behind,
+            slab: self.slab + by * other.slab,
+            passed: self.passed + by * other.passed,
+        }
+    }
+}
+
+/// What interference does in a layer of one thickness to light of one polarisation that comes from
+/// in front.
+#[derive(Clone, Debug)]
+pub struct Interference<'a> {
+    film: &'a CoherentFilm,
+    /// Thickness in slabs.
+    count: f64,
+    polarisation: usize,
+    /// Places of the known directions, cosines of their angles in air: 0°, then the nodes.
+    places: Vec<f64>,
+    /// Differences from the even medium there.
+    beyond: Vec<Slow>,
+    /// Shares of the loss there that composing reflects and transmits.
+    shares: Vec<Lobes>,
+    /// R and T there without interference.
+    incoherent: Vec<Lobes>,
+}
 
 impl CoherentFilm {
-    /// Corrections \[R, T\] of one polarisation at 0°, at `oblique` (its cosine in air) and of
-    /// diffuse light, for a layer of `count` slabs whose composed \[R, T\] at 0° and at the nodes
-    /// are `composed`.
-    pub fn corrections(
-        &self,
-        count: usize,
-        polarisation: usize,
-        composed: &[[f64; 2]],
-        oblique: f64,
-    ) -> [[f64; 2]; 3] {
-        let (points, slow) = self.solved(polarisation);
-        let own = points.iter().zip(&slow).map(|(mu, slow)| self.film(count, *mu, slow)[1]);
-        let shares: Vec<_> = own.zip(composed).map(|(own, all)| shares(own, *all)).collect();
-        let at = |mu: f64| self.correction(count, mu, (&points, &slow, &shares));
-        let mut diffuse = [0.0; 2];
-        for &(mu, weight) in hemisphere() {
-            let own = at(mu);
-            (0..2).for_each(|k| diffuse[k] += weight * own[k]);
-        }
-        [at(1.0), at(oblique), diffuse]
+    /// The layer turned over: for light from behind.
+    pub fn turned(&self) -> Self {
+        let turned = |[a, b]: &Coherent| [b.clone(), a.clone()];
+        let [front, inner, back] = &self.slabs;
+        let [before, within, behind] = self.media.clone();
+        Self { slabs: [turned(back), turned(inner), turned(front)], media: [behind, within, before], ..*self }
     }
 
-    /// The correction \[R, T\] at one angle, by its cosine in air, from what is known at some.
-    fn correction(&self, count: usize, mu: f64, (points, slow, shares): Known) -> [f64; 2] {
-        let weights = lagrange(points, mu);
-        let [c, i] = self.film(count, mu, &between(points, slow, mu));
-        let lost = (i[0] + i[1]) - (c[0] + c[1]);
-        let share = |k: usize| -> f64 { weights.iter().zip(shares).map(|(w, s)| w * s[k]).sum() };
-        [0, 1].map(|k| c[k] - i[k] + share(k) * lost)
-    }
-
-    /// Cosines of the directions that were solved, and the amplitudes there.
-    fn solved(&self, polarisation: usize) -> (Vec<f64>, Vec<Slow>) {
+    /// A layer of this many slabs, 2 or more and not always whole, whose R and T at 0° and at the
+    /// nodes are composed as `composed`.
+    pub fn interference(&self, count: f64, polarisation: usize, composed: &[Lobes]) -> Interference<'_> {
         let ordinates = &self.media[0].ordinates;
-        let nodes = (0..ordinates.escaping()).map(|i| ordinates.cosine(i));
-        let points: Vec<f64> = [1.0].into_iter().chain(nodes).collect();
-        let mut slow: Vec<Slow> = (0..).zip(&points).map(|(d, mu)| self.slow(d, polarisation, *mu)).collect();
-        unwrap(&points, &mut slow);
-        (points, slow)
+        let sines = [0.0].into_iter().chain(ordinates.sines[..ordinates.escaping()].iter().copied());
+        let sines: Vec<f64> = sines.collect();
+        let of = |(direction, sine): (usize, &f64)| self.solved(direction, polarisation, *sine);
+        let mut solved: Vec<Slow> = sines.iter().enumerate().map(of).collect();
+        unwrap(&mut solved);
+        let mut own = Interference {
+            film: self,
+            count,
+            polarisation,
+            places: sines.iter().map(|sine| self.place(*sine)).collect(),
+            beyond: Vec::new(),
+            shares: Vec::new(),
+            incoherent: Vec::new(),
+        };
+        for ((sine, slow), composed) in sines.iter().zip(&solved).zip(composed) {
+            let field = self.film(count, *sine, slow).incoherent;
+            let shares = shares(field, *composed);
+            own.beyond.push(slow.plus(-1.0, &self.even(*sine, polarisation)));
+            own.incoherent.push(field.with_loss(shares));
+            own.shares.push(shares);
+        }
+        if self.fewer_directions {
+            own.leave_out(sines.len() / 2);
+        }
+        own
     }
 
-    /// Share of the light that is mirrored at an angle, by its cosine in the medium in front:
-    /// \[with, without\] interference between the slabs.
-    pub fn mirrored(&self, count: usize, polarisation: usize, cosine: f64) -> [f64; 2] {
-        let (points, slow) = self.solved(polarisation);
-        self.film(count, cosine, &between(&points, &slow, cosine)).map(|[r, _]| r)
+    /// Cosine in air of light of this lateral wavenumber.
+    fn place(&self, sine: f64) -> f64 {
+        let edge = self.media[0].ordinates.edge();
+        (edge * edge - sine * sine).max(0.0).sqrt()
     }
 
-    /// What interference changes of the beam at 0° itself, \[R, T\].
-    pub fn beam(&self, count: usize, polarisation: usize) -> [f64; 2] {
-        let [c, i] = self.film(count, 1.0, &self.slow(0, polarisation, 1.0));
-        [c[0] - i[0], c[1] - i[1]]
+    /// k_z in the even medium, 1/µm.
+    fn phase_per_um(&self, sine: f64) -> f64 {
+        let index = self.media[1].ordinates.index;
+        TAU / self.wavelength_um * (index * index - sine * sine).max(0.0).sqrt()
     }
 
-    /// k_z of light with this cosine in air, in the even medium, 1/µm.
-    fn phase_per_um(&self, cosine: f64) -> f64 {
-        let [outer, inner] = [0, 1].map(|k| self.media[k].ordinates.index);
-        let square = inner * inner - outer * outer * (1.0 - cosine * cosine);
-        TAU / self.wavelength_um * square.max(0.0).sqrt()
-    }
-
-    /// r, t t′, r′ and r_b less the phase of the even medium; the logarithm of an inner slab's
-    /// amplitude less it; √(T T_b).
-    fn slow(&self, direction: usize, polarisation: usize, cosine: f64) -> Slow {
+    /// What was solved.
+    fn solved(&self, direction: usize, polarisation: usize, sine: f64) -> Slow {
         let amplitude =
             |slab: usize, side: usize, lobe: usize| self.slabs[slab][side][direction][polarisation][lobe];
-        let once = Complex64::from_polar(1.0, -self.phase_per_um(cosine) * self.slab_um);
+        let once = Complex64::from_polar(1.0, -self.phase_per_um(sine) * self.slab_um);
         let twice = once * once;
-        [
-            amplitude(0, 0, 0),
-            amplitude(0, 0, 1) * amplitude(0, 1, 1) * twice,
-            amplitude(0, 1, 0) * twice,
-            amplitude(2, 0, 0) * twice,
-            (amplitude(1, 0, 1) * once).ln(),
-            (amplitude(0, 0, 1).norm() * amplitude(2, 0, 1).norm()).into(),
-        ]
+        Slow {
+            front: amplitude(0, 0, 0),
+            through: amplitude(0, 0, 1) * amplitude(0, 1, 1) * twice,
+            inside: amplitude(0, 1, 0) * twice,
+            behind: amplitude(2, 0, 0) * twice,
+            slab: logarithm(amplitude(1, 0, 1) * once),
+            passed: amplitude(0, 0, 1).norm() * amplitude(2, 0, 1).norm(),
+        }
     }
 
-    /// \[R, T\] of the film, and of its incoherent composition.
-    fn film(&self, count: usize, cosine: f64, slow: &Slow) -> [[f64; 2]; 2] {
-        let [front, through, inside, behind, slab, power] = *slow;
-        let inner = (count - 2) as f64;
-        let depth = self.phase_per_um(cosine) * self.slab_um;
-        let passed = (slab * (2.0 * inner)).exp();
+    /// The even medium between plane faces.
+    fn even(&self, sine: f64, polarisation: usize) -> Slow {
+        let [before, within, behind] = [0, 1, 2].map(|k| self.media[k].ordinates.index);
+        let front = face(sine, polarisation, before, within);
+        let back = face(sine, polarisation, within, behind);
+        let passes = |r: Complex64| (1.0 - r.norm_sqr()).max(0.0).sqrt();
+        Slow {
+            front,
+            through: 1.0 - front * front,
+            inside: -front,
+            behind: back,
+            slab: Complex64::ZERO,
+            passed: passes(front) * passes(back),
+        }
+    }
+
+    /// The mean field in a layer of `count` slabs.
+    fn film(&self, count: f64, sine: f64, slow: &Slow) -> Field {
+        let inner = count - 2.0;
+        let depth = self.phase_per_um(sine) * self.slab_um;
+        let passed = (slow.slab * (2.0 * inner)).exp();
         // both ways through the back slab and the inner ones, then through the front one
-        let to_back = Complex64::from_polar(1.0, 2.0 * depth * (inner + 1.0)) * passed * behind;
+        let to_back = Complex64::from_polar(1.0, 2.0 * depth * (inner + 1.0)) * passed * slow.behind;
         let front_depth = Complex64::from_polar(1.0, 2.0 * depth);
-        let rho = inside * front_depth * to_back;
-        let back = through * front_depth * to_back;
-        let t = power.norm_sqr() * passed.norm() / (1.0 - rho.norm_sqr());
-        let coherent = (front + back / (1.0 - rho)).norm_sqr();
-        let incoherent = front.norm_sqr() + back.norm_sqr() / (1.0 - rho.norm_sqr());
-        let ratio = (1.0 - rho.norm_sqr()) / (1.0 - rho).norm_sqr();
-        [[coherent, t * ratio], [incoherent, t]]
+        let rho = slow.inside * front_depth * to_back;
+        let back = slow.through * front_depth * to_back;
+        let kept = (1.0 - rho.norm_sqr()).max(NOTHING);
+        let transmitted = slow.passed.powi(2) * passed.norm() / kept;
+        let coherent = Lobes {
+            reflected: (slow.front + back / (1.0 - rho)).norm_sqr(),
+            transmitted: transmitted * kept / (1.0 - rho).norm_sqr(),
+        };
+        let incoherent = Lobes { reflected: slow.front.norm_sqr() + back.norm_sqr() / kept, transmitted };
+        Field { coherent: passive(coherent), incoherent: passive(incoherent) }
     }
 }
 
-/// Nodes and weights of the mean over the hemisphere. Their search takes milliseconds, and every
-/// number of a jackknife needs them.
-fn hemisphere() -> &'static [(f64, f64)] {
+impl Interference<'_> {
+    /// Leaves one of the known directions out of the polynomials.
+    fn leave_out(&mut self, direction: usize) {
+        self.places.remove(direction);
+        self.beyond.remove(direction);
+        self.shares.remove(direction);
+    }
+
+    /// Amplitudes and shares of the loss at a lateral wavenumber.
+    fn known(&self, sine: f64) -> (Slow, Lobes) {
+        let weights = lagrange(&self.places, self.film.place(sine));
+        let mut slow = self.film.even(sine, self.polarisation);
+        let mut shares = Lobes::default();
+        for ((weight, beyond), share) in weights.iter().zip(&self.beyond).zip(&self.shares) {
+            slow = slow.plus(*weight, beyond);
+            shares.reflected += weight * share.reflected;
+            shares.transmitted += weight * share.transmitted;
+        }
+        // In between, noise of few realisations must not let a slab pass more than in any known
+        // direction: many slabs raise that to their power.
+        let clearest = self.beyond.iter().map(|slow| slow.slab.re).fold(f64::NEG_INFINITY, f64::max);
+        slow.slab.re = slow.slab.re.min(clearest.min(0.0));
+        (slow, shares)
+    }
+
+    /// R and T at a lateral wavenumber, with interference.
+    fn at(&self, sine: f64) -> Lobes {
+        let (slow, shares) = self.known(sine);
+        self.film.film(self.count, sine, &slow).coherent.with_loss(shares)
+    }
+
+    /// Whether light of a lateral wavenumber passes both surfaces.
+    fn passes(&self, sine: f64) -> bool {
+        sine < self.film.media[0].ordinates.edge()
+    }
+
+    /// What interference changes of R and T in a direction that was solved, at 0° or at a node, by
+    /// its lateral wavenumber; nothing where light does not pass both surfaces.
+    pub fn change(&self, sine: f64) -> Lobes {
+        if !self.passes(sine) {
+            return Lobes::default();
+        }
+        let (slow, shares) = self.known(sine);
+        let field = self.film.film(self.count, sine, &slow);
+        field.coherent.with_loss(shares).less(field.incoherent.with_loss(shares))
+    }
+
+    /// The same in a direction whose light is shared among the nodes behind the front slab: what
+    /// the shares are off is known of the mean field, and changed too.
+    pub fn change_of_shared(&self, sine: f64) -> Lobes {
+        if !self.passes(sine) {
+            return Lobes::default();
+        }
+        let (slow, shares) = self.known(sine);
+        let mut within = Lobes::default();
+        let ordinates = &self.film.media[0].ordinates;
+        for (node, share) in ordinates.shares(sine) {
+            let own = ordinates.sines[node];
+            let slow = self.known(own).0;
+            let field = self.film.film(self.count, own, &slow).incoherent;
+            let behind_front = field.less(Lobes { reflected: slow.front.norm_sqr(), transmitted: 0.0 });
+            within = within.plus(share / slow.through.norm().max(FAINT), behind_front);
+        }
+        let front = Lobes { reflected: slow.front.norm_sqr(), transmitted: 0.0 };
+        let composed = front.plus(slow.through.norm(), within);
+        self.at(sine).less(composed.with_loss(shares))
+    }
+
+    /// The same in a direction whose R and T are the polynomials through those at 0° and at the
+    /// nodes, over the cosine.
+    pub fn change_of_interpolated(&self, sine: f64) -> Lobes {
+        if !self.passes(sine) {
+            return Lobes::default();
+        }
+        let ordinates = &self.film.media[0].ordinates;
+        let nodes = ordinates.sines[..ordinates.escaping()].iter().map(|sine| self.film.place(*sine));
+        let places: Vec<f64> = [self.film.place(0.0)].into_iter().chain(nodes).collect();
+        let weights = lagrange(&places, self.film.place(sine));
+        weights.iter().zip(&self.incoherent).fold(self.at(sine), |sum, (weight, own)| sum.plus(-weight, *own))
+    }
+
+    /// What interference changes of R and T of diffuse light, and the directions between the nodes.
+    pub fn change_of_diffuse(&self) -> Lobes {
+        let ordinates = &self.film.media[0].ordinates;
+        let (edge, fringes) = (ordinates.edge(), self.fringes());
+        let interferes = fringes <= MOST_FRINGES;
+        let pieces = PIECES + if interferes { fringes.ceil() as usize } else { 0 };
+        let mut change = Lobes::default();
+        for piece in 0..pieces {
+            for &(x, weight) in piece_rule() {
+                let place = edge * (piece as f64 + x) / pieces as f64;
+                let sine = (edge * edge - place * place).max(0.0).sqrt();
+                let (slow, shares) = self.known(sine);
+                let field = self.film.film(self.count, sine, &slow);
+                let own = if interferes { field.coherent } else { field.incoherent };
+                let etendue = 2.0 * place * weight * edge / pieces as f64;
+                change = change.plus(etendue, own.with_loss(shares));
+            }
+        }
+        for (incoherent, weight) in self.incoherent[1..].iter().zip(&ordinates.weights) {
+            change = change.plus(-weight, *incoherent);
+        }
+        Lobes::default().plus(ordinates.index.powi(-2), change)
+    }
+
+    /// Fringes over the hemisphere: 0 where light between the surfaces is too faint for any.
+    fn fringes(&self) -> f64 {
+        let (slow, _) = self.known(0.0);
+        if (slow.slab.re * 2.0 * (self.count - 2.0)).exp() < FAINT {
+            return 0.0;
+        }
+        let phases = [0.0, self.film.media[0].ordinates.edge()].map(|sine| self.film.phase_per_um(sine));
+        2.0 * (phases[0] - phases[1]) * self.film.slab_um * self.count / TAU
+    }
+
+    /// Shares of the light of a lateral wavenumber that the mean field mirrors \[with, without\]
+    /// interference between the surfaces.
+    pub fn mirrored(&self, sine: f64) -> [f64; 2] {
+        let field = self.film.film(self.count, sine, &self.known(sine).0);
+        [field.coherent.reflected, field.incoherent.reflected]
+    }
+
+    /// What interference changes of the beam at 0° itself.
+    pub fn change_of_beam(&self) -> Lobes {
+        let Field { coherent: c, incoherent: i } = self.film.film(self.count, 0.0, &self.known(0.0).0);
+        c.less(i)
+    }
+}
+
+impl Lobes {
+    /// This and a multiple of another.
+    pub fn plus(self, by: f64, other: Self) -> Self {
+        Self {
+            reflected: self.reflected + by * other.reflected,
+            transmitted: self.transmitted + by * other.transmitted,
+        }
+    }
+
+    /// The difference from another.
+    fn less(self, other: Self) -> Self {
+        self.plus(-1.0, other)
+    }
+
+    /// With shares of what is lost.
+    fn with_loss(self, shares: Self) -> Self {
+        self.plus(1.0 - self.reflected - self.transmitted, shares)
+    }
+
+    /// Changed, and kept within the light that there is.
+    pub fn changed(self, by: Self) -> Self {
+        let sum = self.plus(1.0, by);
+        let whole = (sum.reflected + sum.transmitted).clamp(0.0, 1.0);
+        let reflected = sum.reflected.max(0.0).min(whole);
+        Self { reflected, transmitted: whole - reflected }
+    }
+}
+
+/// Amplitude that a plane face between two indices reflects of s light (and of the scalar wave), or
+/// of p light (1), whose amplitude is that of the magnetic field.
+fn face(sine: f64, polarisation: usize, from: f64, to: f64) -> Complex64 {
+    let admittance = |index: f64| {
+        let normal = Complex64::from(index * index - sine * sine).sqrt();
+        if polarisation == 0 { normal } else { normal / (index * index) }
+    };
+    let (a, b) = (admittance(from), admittance(to));
+    if (a + b).norm() > 0.0 { (a - b) / (a + b) } else { Complex64::ZERO }
+}
+
+/// A logarithm that is finite for slabs through which no coherent light is seen.
+fn logarithm(amplitude: Complex64) -> Complex64 {
+    if amplitude.norm() > FAINT { amplitude.ln() } else { FAINT.ln().into() }
+}
+
+/// No more light than there is: amplitudes between nodes are not exact.
+fn passive(lobes: Lobes) -> Lobes {
+    let whole = (lobes.reflected + lobes.transmitted).max(1.0);
+    Lobes { reflected: lobes.reflected / whole, transmitted: lobes.transmitted / whole }
+}
+
+/// Nodes and weights of ∫ dx over one piece, 0 < x < 1.
+fn piece_rule() -> &'static [(f64, f64)] {
     static RULE: OnceLock<Vec<(f64, f64)>> = OnceLock::new();
-    RULE.get_or_init(|| gauss(DIRECTIONS))
+    // weights of 2x dx, over 2x
+    RULE.get_or_init(|| gauss_legendre(PIECE).into_iter().map(|(x, w)| (x, w / (2.0 * x))).collect())
 }
 
-/// Takes jumps of 2π out of the logarithms along the cosines, which are interpolated.
-fn unwrap(points: &[f64], slow: &mut [Slow]) {
-    let mut order: Vec<usize> = (0..points.len()).collect();
-    order.sort_by(|&a, &b| points[b].total_cmp(&points[a]));
-    for pair in order.windows(2) {
-        let turns = (slow[pair[1]][4].im - slow[pair[0]][4].im) / TAU;
-        slow[pair[1]][4].im -= TAU * turns.round();
+/// Takes jumps of 2π out of the logarithms along the angle, which are interpolated.
+fn unwrap(rising_angles: &mut [Slow]) {
+    for k in 1..rising_angles.len() {
+        let turns = (rising_angles[k].slab.im - rising_angles[k - 1].slab.im) / TAU;
+        rising_angles[k].slab.im -= TAU * turns.round();
     }
 }
 
-/// Shares of what the coherent field loses that composing reflects and transmits.
-fn shares([r, t]: [f64; 2], composed: [f64; 2]) -> [f64; 2] {
-    let lost = 1.0 - r - t;
-    if lost < NOTHING { [0.0; 2] } else { [(composed[0] - r) / lost, (composed[1] - t) / lost] }
-}
-
-/// Amplitudes at a cosine between those known. No slab amplifies: beyond the flattest node, noise
-/// of few realisations could, and many slabs would raise it to their power.
-fn between(points: &[f64], slow: &[Slow], mu: f64) -> Slow {
-    let weights = lagrange(points, mu);
-    let mut all: Slow = std::array::from_fn(|k| weights.iter().zip(slow).map(|(w, s)| w * s[k]).sum());
-    all[4].re = all[4].re.min(0.0);
-    all
+/// Shares of what the coherent field loses that composing reflects and transmits. Where it loses
+/// nothing, any that are as large together keep the energy. Neither is negative: the mean field of
+/// few realisations mirrors too much.
+fn shares(field: Lobes, composed: Lobes) -> Lobes {
+    let lost = 1.0 - field.reflected - field.transmitted;
+    if lost < NOTHING {
+        return composed;
+    }
+    let of_both = composed.reflected + composed.transmitted - field.reflected - field.transmitted;
+    let together = (of_both / lost).max(0.0);
+    let reflected = ((composed.reflected - field.reflected) / lost).max(0.0).min(together);
+    Lobes { reflected, transmitted: together - reflected }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::appearance::composed::ordinates::Ordinates;
-
-    /// A clear film of four slabs of 1 µm in air, s-polarised: amplitudes of each are known.
-    fn film(index: f64) -> CoherentFilm {
-        let (slab_um, wavelength_um) = (1.0, 0.55);
-        let medium = |index: f64| Hemisphere {
-            ordinates: Ordinates::new(index, &[], [3, 3]),
-            polarisations: 1,
-            oblique_deg: None,
-        };
-        let media = [medium(1.0), medium(index)];
-        let sines = || [0.0].into_iter().chain(media[0].ordinates.sines.iter().copied());
-        let phase = |s: f64| {
-            Complex64::from_polar(1.0, TAU / wavelength_um * (index * index - s * s).sqrt() * slab_um)
-        };
-        let fresnel = |s: f64| {
-            let [outer, inner] = [(1.0 - s * s).sqrt(), (index * index - s * s).sqrt()];
-            (outer - inner) / (outer + inner)
-        };
-        let through = |s: f64| (1.0 - fresnel(s).powi(2)).sqrt() * phase(s);
-        let outside = sines().map(|s| vec![[fresnel(s).into(), through(s)]]).collect::<Vec<_>>();
-        let inside =
-            sines().map(|s| vec![[-fresnel(s) * phase(s) * phase(s), through(s)]]).collect::<Vec<_>>();
-        let between = sines().map(|s| vec![[Complex64::ZERO, phase(s)]]).collect::<Vec<_>>();
-        let slabs = [[outside.clone(), inside.clone()], [between.clone(), between], [inside, outside]];
-        CoherentFilm { slabs, media, slab_um, wavelength_um }
-    }
-
-    /// A medium whose index is off by 0.17 is out of phase by −π − 0.3 to −π + 0.4 over 1 µm.
-    #[test]
-    fn logarithms_do_not_jump_between_angles() {
-        let points = [1.0, 0.2, 0.9, 0.6];
-        let phases = [-0.3, 0.4, -0.2, 0.1];
-        let mut slow = phases.map(|by| {
-            let mut slow: Slow = Default::default();
-            slow[4] = Complex64::from_polar(0.5, by - 0.5 * TAU).ln();
-            slow
-        });
-        unwrap(&points, &mut slow);
-        let middle = between(&points, &slow, 0.75)[4].exp();
-        let smooth = between(&points, &phases.map(|x| [x.into(); 6]), 0.75)[4].re;
-        assert!((middle - Complex64::from_polar(0.5, smooth - 0.5 * TAU)).norm() < 1e-12, "{middle}");
-    }
-
-    /// Airy's film, and its incoherent composition 2R/(1 + R).
-    #[test]
-    fn a_clear_film_has_its_fringes() {
-        let (index, film) = (1.5, film(1.5));
-        let airy = |mu: f64| {
-            let s2 = 1.0 - mu * mu;
-            let inner = (index * index - s2).sqrt();
-            let r = ((mu - inner) / (mu + inner)).powi(2);
-            let half = (TAU / 0.55 * inner * 4.0).sin().powi(2);
-            let coherent = 4.0 * r * half / ((1.0 - r).powi(2) + 4.0 * r * half);
-            [coherent, 2.0 * r / (1.0 + r)]
-        };
-        let nodes = (0..3).map(|i| film.media[0].ordinates.cosine(i));
-        let composed: Vec<[f64; 2]> =
-            [1.0].into_iter().chain(nodes).map(|mu| [airy(mu)[1], 1.0 - airy(mu)[1]]).collect();
-        let oblique = 45.0_f64.to_radians().cos();
-        let [normal, slanted, diffuse] = film.corrections(4, 0, &composed, oblique);
-        let want = |mu: f64| airy(mu)[0] - airy(mu)[1];
-        let [with, without] = film.mirrored(4, 0, 1.0);
-        assert!((with - airy(1.0)[0]).abs() < 1e-9 && (without - airy(1.0)[1]).abs() < 1e-9);
-        assert!((normal[0] - want(1.0)).abs() < 1e-9 && (normal[0] + normal[1]).abs() < 1e-9);
-        // Fresnel's amplitudes at the four nodes stand for those between
-        assert!((slanted[0] - want(oblique)).abs() < 3e-3, "{slanted:?} {}", want(oblique));
-        let mean: f64 = gauss(400).into_iter().map(|(mu, weight)| weight * want(mu)).sum();
-        assert!((diffuse[0] - mean).abs() < 3e-3, "{diffuse:?} {mean}");
-    }
-}
+#[path = "fringes_tests.rs"]
+mod tests;

@@ -17,6 +17,7 @@
 //! that the slabs are.
 
 pub mod flux;
+mod fraction;
 pub mod fringes;
 pub mod ordinates;
 pub mod plate;

@@ -109,6 +109,11 @@ impl Ordinates {
         (zone.first..).zip(lagrange(&zone.nodes, v)).collect()
     }
 
+    /// Lateral wavenumber at which the first zone ends.
+    pub fn edge(&self) -> f64 {
+        self.zones.first().map_or(self.index, |zone| zone.to)
+    }
+
     /// Nodes from which light reaches air: the first zone.
     pub fn escaping(&self) -> usize {
         self.zones.iter().filter(|zone| zone.from == 0.0).map(|zone| zone.nodes.len()).sum()

@@ -40,6 +40,8 @@ pub struct Change {
     pub left_out: Option<[usize; 2]>,
     /// Whether R is larger by the grid's error, at the cost of T.
     pub grid: bool,
+    /// Whether fringes between the directions that are solved follow from fewer of them.
+    pub fewer_directions: bool,
 }
 
 /// The slabs at one wavelength.
@@ -98,18 +100,28 @@ impl Level {
         };
         let film = CoherentFilm {
             slabs: [at_front, amplitudes, at_back],
-            media: [before.clone(), within.clone()],
+            media: [before.clone(), within.clone(), behind.clone()],
             slab_um: self.slab_um,
             wavelength_um: self.wavelengths_um[wavelength],
+            fewer_directions: change.fewer_directions,
         };
         Slabs { front, inner, back, media: [before, within, behind], film }
     }
 }
 
 impl Slabs {
-    /// A layer of this number of slabs, at least two.
-    pub fn layer(&self, count: usize) -> Plate {
-        self.front.then(&self.inner.repeated(count - 2)).then(&self.back)
+    /// A layer of this number of slabs, at least two: of a last inner slab there is a part only.
+    pub fn layer(&self, count: f64) -> Plate {
+        let inner = (count - 2.0).max(0.0);
+        let (whole, part) = (inner.floor(), inner.fract());
+        let most = self.front.then(&self.inner.repeated(whole as usize));
+        if part == 0.0 {
+            return most.then(&self.back);
+        }
+        // where a slab has no parts, there is one more or none
+        let rounded = || self.inner.repeated(part.round() as usize);
+        let fraction = self.inner.fraction(part, &self.media[1].weights()).unwrap_or_else(rounded);
+        most.then(&fraction).then(&self.back)
     }
 
     /// What is in front of joint number `joint` (1 is the first), and what is behind it.
@@ -179,14 +191,18 @@ mod tests {
         };
         let film = CoherentFilm {
             slabs: Default::default(),
-            media: [medium(), medium()],
+            media: [medium(), medium(), medium()],
             slab_um: 1.0,
             wavelength_um: 0.55,
+            fewer_directions: false,
         };
         let media = [medium(), medium(), medium()];
         let slabs = Slabs { front: plate(0.5), inner: plate(0.8), back: plate(0.9), media, film };
+        let through = |count: f64| slabs.layer(count).transmission[0][(0, 0)];
+        // a part of a slab: 0.45 √0.8
+        assert!((through(2.5) - 0.45 * 0.8_f64.sqrt()).abs() < 1e-12, "{}", through(2.5));
         for (count, passed) in [(2, 0.45), (3, 0.36), (5, 0.2304)] {
-            let own = slabs.layer(count).transmission[0][(0, 0)];
+            let own = through(count as f64);
             assert!((own - passed).abs() < 1e-12, "{count}: {own}");
             let [front, back] = slabs.parted(count, 1).map(|part| part.transmission[0][(0, 0)]);
             assert!((front * back - passed).abs() < 1e-12, "{count}: {front} {back}");

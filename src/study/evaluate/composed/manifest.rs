@@ -7,25 +7,30 @@ use serde::Serialize;
 use std::collections::BTreeSet;
 
 /// A number with its standard error and what that is made of, all in the number's unit.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorParts {
     /// The number.
     pub value: f64,
-    /// One standard error: the root of the sum of the squares of the three that follow.
+    /// One standard error: the root of the sum of the squares of all that follow.
     pub standard_error: f64,
     /// Jackknife over the realisations of all portions.
     pub chance: f64,
-    /// What slabs of half the thickness change: the error of composing incoherently.
+    /// The error of composing incoherently: what slabs of half the thickness change, beyond chance.
     pub model: f64,
     /// What the grid's error of R changes.
     pub grid: f64,
+    /// What fringes between the directions that are solved may be: the change when one of these is
+    /// left out.
+    pub directions: f64,
+    /// Of colours, what the spectrum may be between and beyond the wavelengths.
+    pub wavelengths: f64,
 }
 
 impl ErrorParts {
-    /// A number with the parts of its error: chance, model and grid.
-    pub fn new(value: f64, [chance, model, grid]: [f64; 3]) -> Self {
-        let (model, grid) = (model.abs(), grid.abs());
-        Self { value, standard_error: chance.hypot(model).hypot(grid), chance, model, grid }
+    /// With the sum of its parts.
+    pub fn summed(self) -> Self {
+        let parts = [self.chance, self.model, self.grid, self.directions, self.wavelengths];
+        Self { standard_error: parts.into_iter().fold(0.0, f64::hypot), ..self }
     }
 
     /// With a further error of the model.
@@ -40,7 +45,8 @@ impl ErrorParts {
     }
 }
 
-/// A layer at one wavelength; R and T are shares of the incident light.
+/// A layer at one wavelength; R and T are shares of the incident light. `null` is a number that
+/// cannot be ([`ComposedManifest::withheld`] says why).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComposedRow {
     /// Thickness of the layer, µm.
@@ -48,47 +54,89 @@ pub struct ComposedRow {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
     /// R of light at 0°.
-    pub reflectance_normal: ErrorParts,
+    pub reflectance_normal: Option<ErrorParts>,
     /// T of light at 0°.
-    pub transmittance_normal: ErrorParts,
+    pub transmittance_normal: Option<ErrorParts>,
     /// R of light at 45°.
-    pub reflectance_45: ErrorParts,
+    pub reflectance_45: Option<ErrorParts>,
     /// T of light at 45°.
-    pub transmittance_45: ErrorParts,
+    pub transmittance_45: Option<ErrorParts>,
     /// R of diffuse light.
-    pub reflectance_diffuse: ErrorParts,
+    pub reflectance_diffuse: Option<ErrorParts>,
     /// T of diffuse light.
-    pub transmittance_diffuse: ErrorParts,
+    pub transmittance_diffuse: Option<ErrorParts>,
     /// Coherent transmittance at 0°, |⟨t⟩|²: what goes straight on, unscattered. (⟨|t|²⟩ of one order, as
     /// single cells have it, depends on the size of the cell: a composed layer has none.)
-    pub coherent_transmittance: ErrorParts,
+    pub coherent_transmittance: Option<ErrorParts>,
     /// Share of light at 0° that is mirrored.
-    pub mirrored: ErrorParts,
+    pub mirrored: Option<ErrorParts>,
     /// On the paper, under a uniform sky, seen along the normal; a perfect white: 1.
-    pub natural_light: ErrorParts,
+    pub natural_light: Option<ErrorParts>,
     /// On the paper, lit at 45° and seen along the normal: π × BRDF.
-    pub lit_at_45: ErrorParts,
+    pub lit_at_45: Option<ErrorParts>,
     /// At 45:0 over black.
-    pub over_black: ErrorParts,
+    pub over_black: Option<ErrorParts>,
     /// At 45:0 over white of albedo 0.8.
-    pub over_white: ErrorParts,
+    pub over_white: Option<ErrorParts>,
 }
 
-/// Colours of a layer; L*, a*, b* under D65 for the CIE 1931 observer.
+impl ComposedRow {
+    /// Names of its numbers, in their order.
+    pub const NAMES: [&'static str; 12] = [
+        "reflectance_normal",
+        "transmittance_normal",
+        "reflectance_45",
+        "transmittance_45",
+        "reflectance_diffuse",
+        "transmittance_diffuse",
+        "coherent_transmittance",
+        "mirrored",
+        "natural_light",
+        "lit_at_45",
+        "over_black",
+        "over_white",
+    ];
+
+    /// Its numbers, as [`ComposedRow::NAMES`] has them.
+    pub fn numbers(&self) -> [Option<ErrorParts>; 12] {
+        self.clone().numbers_mut().map(|number| *number)
+    }
+
+    /// Its numbers, to withhold some.
+    pub fn numbers_mut(&mut self) -> [&mut Option<ErrorParts>; 12] {
+        [
+            &mut self.reflectance_normal,
+            &mut self.transmittance_normal,
+            &mut self.reflectance_45,
+            &mut self.transmittance_45,
+            &mut self.reflectance_diffuse,
+            &mut self.transmittance_diffuse,
+            &mut self.coherent_transmittance,
+            &mut self.mirrored,
+            &mut self.natural_light,
+            &mut self.lit_at_45,
+            &mut self.over_black,
+            &mut self.over_white,
+        ]
+    }
+}
+
+/// Colours of a layer; L*, a*, b* under D65 for the CIE 1931 observer. `null` is a colour that
+/// cannot be, or that follows from a withheld number.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComposedColours {
     /// Thickness of the layer, µm.
     pub thickness_um: f64,
     /// As screens show it on the paper under natural light, `#rrggbb`.
-    pub hex: String,
+    pub hex: Option<String>,
     /// On the paper under natural light.
-    pub natural_light: [ErrorParts; 3],
+    pub natural_light: Option<[ErrorParts; 3]>,
     /// On the paper at 45:0.
-    pub lit_at_45: [ErrorParts; 3],
+    pub lit_at_45: Option<[ErrorParts; 3]>,
     /// At 45:0 over black.
-    pub over_black: [ErrorParts; 3],
+    pub over_black: Option<[ErrorParts; 3]>,
     /// Y over black by Y over white, at 45:0 (ISO 6504-3).
-    pub contrast_ratio: ErrorParts,
+    pub contrast_ratio: Option<ErrorParts>,
 }
 
 /// What the packed medium is to light of one wavelength; `null` where these realisations do not

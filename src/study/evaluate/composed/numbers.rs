@@ -1,5 +1,6 @@
 //! The numbers of a composed layer, as one list: what is published, before its error bars.
 
+use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use super::level::{Change, Level, Slabs};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
@@ -19,12 +20,19 @@ pub const SPECTRAL: usize = 12;
 pub const COLOURS: usize = 10;
 /// Coefficients of the medium at one wavelength.
 pub const COEFFICIENTS: usize = 8;
-/// Points that a quantity is interpolated from between whole numbers of slabs.
-const POINTS: usize = 4;
 /// Contrast ratio that counts as hiding.
 pub const HIDING: f64 = 0.98;
 /// Most slabs of a layer that is tried for hiding.
 pub const MOST_SLABS: usize = 1024;
+
+/// Which number of the list one is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Place {
+    /// The same for one quantity of one thickness at all wavelengths.
+    pub series: usize,
+    /// Which wavelength; 0 for numbers of all wavelengths together.
+    pub wavelength: usize,
+}
 
 /// What is asked of the slabs of either thickness.
 pub struct LayerTask<'a> {
@@ -66,20 +74,21 @@ impl<'a> LayerTask<'a> {
     /// that hides.
     pub fn numbers(&self, level: &Level, change: Change) -> Vec<f64> {
         let slabs = level.slabs(change);
-        let per_h = (self.composed.slab_um / level.slab_um).round() as usize;
+        let per_h = (self.composed.slab_um / level.slab_um).round();
         let (mut numbers, mut contrasts) = (Vec::new(), Vec::new());
         for &thickness_um in &self.thicknesses_um {
             let rows = self.rows(&slabs, thickness_um, per_h);
             numbers.extend(rows.iter().flatten());
-            if let Some(colours) = self.colours(&rows) {
+            if self.colorimeter.is_some() {
+                let colours = self.colours(&rows).unwrap_or_else(|| vec![f64::NAN; COLOURS]);
                 contrasts.push(colours[COLOURS - 1]);
                 numbers.extend(colours);
             }
         }
         numbers.extend(slabs.iter().flat_map(|slabs| coefficients(slabs, level.slab_um)));
         for &thickness_um in &self.composed.thicknesses_um {
-            let of = |slabs| self.between(thickness_um, |count| distribution(slabs, count * per_h));
-            numbers.extend(slabs.iter().flat_map(of));
+            let count = self.slab_count(thickness_um) * per_h;
+            numbers.extend(slabs.iter().flat_map(|slabs| distribution(slabs, count)));
         }
         if self.hides {
             numbers.push(self.hiding_um(&contrasts));
@@ -87,31 +96,42 @@ impl<'a> LayerTask<'a> {
         numbers
     }
 
-    /// Quantities of a thickness at every wavelength; `per_h` of the slabs have the thickness h.
-    fn rows(&self, slabs: &[Slabs], thickness_um: f64, per_h: usize) -> Vec<Vec<f64>> {
-        let of = |(slabs, albedo): (&Slabs, &f64)| {
-            self.between(thickness_um, |count| spectral(slabs, count * per_h, self.study, *albedo))
+    /// What each of the [numbers](Self::numbers) is, in their order.
+    pub fn places(&self, slabs: &[Slabs]) -> Vec<Place> {
+        let (mut all, mut first) = (Vec::new(), 0);
+        let at = |first: usize, wavelength: usize, quantities: usize| {
+            (0..quantities).map(move |k| Place { series: first + k, wavelength })
         };
+        for _ in &self.thicknesses_um {
+            all.extend((0..slabs.len()).flat_map(|w| at(first, w, SPECTRAL)));
+            first += SPECTRAL;
+            if self.colorimeter.is_some() {
+                all.extend(at(first, 0, COLOURS));
+                first += COLOURS;
+            }
+        }
+        all.extend((0..slabs.len()).flat_map(|w| at(first, w, COEFFICIENTS)));
+        first += COEFFICIENTS;
+        for _ in &self.composed.thicknesses_um {
+            let nodes = |w: usize| slabs[w].media[0].ordinates.count() + slabs[w].media[2].ordinates.count();
+            all.extend((0..slabs.len()).flat_map(|w| at(first, w, nodes(w))));
+            first += (0..slabs.len()).map(nodes).max().unwrap_or(0);
+        }
+        all.extend(at(first, 0, usize::from(self.hides)));
+        all
+    }
+
+    /// Quantities of a thickness at every wavelength; `per_h` of the slabs have the thickness h.
+    fn rows(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<Vec<f64>> {
+        let count = self.slab_count(thickness_um) * per_h;
+        let of = |(slabs, albedo): (&Slabs, &f64)| spectral(slabs, count, self.study, *albedo);
         slabs.iter().zip(&self.albedos).map(of).collect()
     }
 
-    /// Quantities of a whole number of slabs, and between such numbers by the polynomial through
-    /// the four nearest.
-    pub(super) fn between(&self, thickness_um: f64, at: impl Fn(usize) -> Vec<f64>) -> Vec<f64> {
-        let whole = thickness_um / self.composed.slab_um;
-        if (whole - whole.round()).abs() < 1e-9 * whole {
-            return at(whole.round() as usize);
-        }
-        let first = (whole.floor() as usize).saturating_sub(POINTS / 2 - 1).max(2);
-        let mut sum: Vec<f64> = Vec::new();
-        for i in 0..POINTS {
-            let factor = |j: usize| (whole - (first + j) as f64) / (i as f64 - j as f64);
-            let weight: f64 = (0..POINTS).filter(|&j| j != i).map(factor).product();
-            let values = at(first + i);
-            sum.resize(values.len(), 0.0);
-            values.iter().zip(&mut sum).for_each(|(value, sum)| *sum += weight * value);
-        }
-        sum
+    /// Slabs of h in a thickness: a whole number but for rounding, or any.
+    pub(super) fn slab_count(&self, thickness_um: f64) -> f64 {
+        let count = thickness_um / self.composed.slab_um;
+        if (count - count.round()).abs() < 1e-9 * count { count.round() } else { count }
     }
 
     /// Lab under natural light, at 45:0 and at 45:0 over black, and the contrast ratio.
@@ -126,7 +146,7 @@ impl<'a> LayerTask<'a> {
 
     /// Whether a layer of this number of slabs hides.
     pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
-        let rows = self.rows(slabs, count as f64 * self.composed.slab_um, 1);
+        let rows = self.rows(slabs, count as f64 * self.composed.slab_um, 1.0);
         Some(self.colours(&rows)?[COLOURS - 1] >= HIDING)
     }
 
@@ -141,33 +161,44 @@ impl<'a> LayerTask<'a> {
 
 /// R and T at 0°, at 45° and of diffuse light; coherent T and mirrored R at 0°; under natural light
 /// and at 45:0 on the paper; at 45:0 over black and over white.
-fn spectral(slabs: &Slabs, count: usize, study: &Study, albedo: f64) -> Vec<f64> {
-    let [before, _, behind] = &slabs.media;
-    let layer = slabs.layer(count);
+fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> Vec<f64> {
+    let before = &slabs.media[0];
+    let layer = ComposedLayer::new(slabs, count, study.wave);
+    let oblique = before.ordinates.index * PRINT_DEG.to_radians().sin();
+    let [at_normal, at_45, of_diffuse] = lights(before, study.wave);
+    let (normal, slanted, diffuse) =
+        (layer.of_light(&at_normal), layer.of_light(&at_45), layer.of_light(&of_diffuse));
+    let normal_changed = normal.changed(layer.change(0.0));
+    let slanted_changed = slanted.changed(layer.change_of_shared(oblique));
+    let diffuse_changed = diffuse.changed(layer.change_of_diffuse());
     let mut all: Vec<f64> = Vec::with_capacity(SPECTRAL);
-    for light in lights(before, study.wave) {
-        all.extend([&layer.reflection[0], &layer.transmission[0]].map(|m| total(&(m * &light))));
+    for own in [normal_changed, slanted_changed, diffuse_changed] {
+        all.extend([own.reflected, own.transmitted]);
     }
-    let over = |albedo: f64| layer.then(&Plate::lambertian(albedo, &behind.weights()));
-    let paper = over(albedo);
-    let natural = total(&(&paper.reflection[0] * &lights(before, study.wave)[0]));
-    let lit = [paper, over(BLACK), over(WHITE)].map(|plate| lit_at_45(&plate, before, study.wave));
-    let (moved, beam) = fringes(slabs, count, &layer, (study.wave, PRINT_DEG.to_radians().cos()));
-    // the paper's light passes at 0° and at 45°
-    let passes = [0, 1].map(|k| 1.0 + moved[k][1] / all[2 * k + 1].max(f64::MIN_POSITIVE));
-    let natural = natural + moved[0][0] + (passes[0] - 1.0) * (natural - all[0]);
-    (0..6).for_each(|k| all[k] += moved[k / 2][k % 2]);
-    let mirrored = layer.reflection[0][(0, 0)] + beam[0];
-    all.extend([layer.transmission[0][(0, 0)] + beam[1], mirrored]);
+    let beam = layer.change_of_beam();
+    let straight = layer.plate.transmission[0][(0, 0)] + beam.transmitted;
+    let mirrored = layer.plate.reflection[0][(0, 0)] + beam.reflected;
+    let mirrored = mirrored.max(0.0).min(normal_changed.reflected);
+    all.extend([straight.max(0.0).min(normal_changed.transmitted), mirrored]);
+    // what returns from the paper has passed at 0°, and passes at 45°
+    let through_normal = ratio(normal_changed.transmitted, normal.transmitted);
+    let through_45 = ratio(slanted_changed.transmitted, layer.transmitted_by_nodes(oblique));
+    let paper = layer.on(albedo);
+    let returned = total(&(&paper.plate.reflection[0] * &at_normal)) - normal.reflected;
+    let natural = normal_changed.reflected + through_normal * paper.returned * paper.leaving * returned;
     all.push(natural - if study.output.mirrored_sky == MirroredSky::Excluded { mirrored } else { 0.0 });
-    let through = |lit_on: f64| lit[1] + passes[0] * passes[1] * (lit_on - lit[1]);
-    all.extend([through(lit[0]), lit[1], through(lit[2])]);
+    let alone = lit_at_45(&layer.plate, before, study.wave);
+    let lit = |on: &OnPaper| {
+        let returned = lit_at_45(&on.plate, before, study.wave) - alone;
+        alone + through_normal * through_45 * on.returned * returned
+    };
+    all.extend([lit(&paper), lit(&layer.on(BLACK)), lit(&layer.on(WHITE))]);
     all
 }
 
 /// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.
 /// The mirrored and the straight beam are left out, and what interference changes.
-fn distribution(slabs: &Slabs, count: usize) -> Vec<f64> {
+fn distribution(slabs: &Slabs, count: f64) -> Vec<f64> {
     let ([before, _, behind], layer) = (&slabs.media, slabs.layer(count));
     let of = |fluxes: &Mat<f64>, medium: &Hemisphere| {
         let flux =
@@ -180,40 +211,6 @@ fn distribution(slabs: &Slabs, count: usize) -> Vec<f64> {
 /// Projected solid angle that a node stands for, ∫ cos θ dω, sr.
 pub fn projected_sr(medium: &Hemisphere, node: usize) -> f64 {
     PI * medium.ordinates.weights[node] / medium.ordinates.index.powi(2)
-}
-
-/// What interference between the surfaces changes: \[R, T\] at 0°, at an angle by its cosine and of
-/// diffuse light, and of the beam at 0°.
-pub(super) fn fringes(
-    slabs: &Slabs,
-    count: usize,
-    layer: &Plate,
-    (wave, cosine): (Wave, f64),
-) -> ([[f64; 2]; 3], [f64; 2]) {
-    let (before, mut moved, mut beam) = (&slabs.media[0], [[0.0; 2]; 3], [0.0; 2]);
-    let column = |state: usize| {
-        let sum = |m: &Mat<f64>| (0..m.nrows()).map(|i| m[(i, state)]).sum::<f64>();
-        [sum(&layer.reflection[0]), sum(&layer.transmission[0])]
-    };
-    for (p, share) in polarised(before, wave).into_iter().enumerate() {
-        let composed: Vec<[f64; 2]> =
-            (0..=before.ordinates.escaping()).map(|d| column(before.state(d, p))).collect();
-        let own = slabs.film.corrections(count, p, &composed, cosine);
-        let straight = slabs.film.beam(count, p);
-        (0..3).for_each(|k| (0..2).for_each(|l| moved[k][l] += share * own[k][l]));
-        (0..2).for_each(|l| beam[l] += share * straight[l]);
-    }
-    (moved, beam)
-}
-
-/// Shares of the polarisations in the light.
-pub(super) fn polarised(medium: &Hemisphere, wave: Wave) -> Vec<f64> {
-    match wave {
-        Wave::Scalar => vec![1.0],
-        Wave::S => vec![1.0, 0.0],
-        Wave::P => vec![0.0, 1.0],
-        Wave::Unpolarised => vec![0.5; medium.polarisations],
-    }
 }
 
 /// Unit fluxes of light at 0°, at 45° and of diffuse light.

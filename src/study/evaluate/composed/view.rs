@@ -5,10 +5,11 @@
 //! of all light also goes through the beam at 0°, and has the fringes of the coherent light.
 //! Everything is a mean over the azimuth between the planes of light and view.
 
+use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use super::level::{Change, Level, Slabs, SolvedPortion};
-use super::numbers::{LayerTask, fringes, polarised, projected_sr};
+use super::numbers::{LayerTask, projected_sr};
 use crate::appearance::composed::flux::Hemisphere;
-use crate::appearance::composed::plate::Plate;
+use crate::appearance::composed::fringes::Lobes;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
 use crate::appearance::tristimulus::{Colorimeter, ColourError};
@@ -45,7 +46,7 @@ impl ComposedView {
         let level = Level::new(solved, false).ok_or("not every slab has a complete realisation yet")?;
         let slabs = level.slabs(Change::default());
         let of = |(slabs, albedo): (&Slabs, &f64)| {
-            question.between(thickness_um, |count| seen(slabs, count, study.wave, *albedo))
+            seen(slabs, question.slab_count(thickness_um), study.wave, *albedo)
         };
         Ok(Self {
             wavelengths_nm: study.wavelengths_nm.clone(),
@@ -123,32 +124,31 @@ impl DirectionalPrint for ComposedView {
 }
 
 /// The BRDF at the nodes and the table of a layer of `count` slabs.
-fn seen(slabs: &Slabs, count: usize, wave: Wave, albedo: f64) -> Vec<f64> {
-    let [before, _, behind] = &slabs.media;
-    let layer = slabs.layer(count);
-    let paper = layer.then(&Plate::lambertian(albedo, &behind.weights()));
-    let mut all = at_nodes(slabs, count, &paper.reflection[0], wave);
+fn seen(slabs: &Slabs, count: f64, wave: Wave, albedo: f64) -> Vec<f64> {
+    let before = &slabs.media[0];
+    let layer = ComposedLayer::new(slabs, count, wave);
+    let paper = layer.on(albedo);
+    let mut all = at_nodes(before, &layer, &paper, wave);
     let light = polarised(before, wave);
     let directions = 0..=before.ordinates.escaping();
     let cosines: Vec<f64> =
         [1.0].into_iter().chain(directions.clone().skip(1).map(|d| before.ordinates.cosine(d - 1))).collect();
-    let fluxes = [&paper.reflection[0], &layer.reflection[0], &layer.transmission[0]];
+    let fluxes = [&paper.plate.reflection[0], &layer.plate.reflection[0], &layer.plate.transmission[0]];
     let totals: Vec<[f64; 3]> =
         directions.map(|d| fluxes.map(|fluxes| column_sum(fluxes, before, d, &light))).collect();
-    let mirrored = |cosine: f64| -> f64 {
-        light.iter().enumerate().map(|(p, share)| share * slabs.film.mirrored(count, p, cosine)[0]).sum()
-    };
-    let (_, beam) = fringes(slabs, count, &layer, (wave, 1.0));
     // at 0° it is known without the bias of few realisations
-    let bias = layer.reflection[0][(0, 0)] + beam[0] - mirrored(1.0);
+    let bias = layer.plate.reflection[0][(0, 0)] + layer.change_of_beam().reflected - layer.mirrored(0.0);
     for step in 0..=STEPS {
-        let cosine = (STEP_DEG * step as f64).to_radians().cos();
+        let angle = (STEP_DEG * step as f64).to_radians();
+        let (cosine, sine) = (angle.cos(), before.ordinates.index * angle.sin());
         let weights = lagrange(&cosines, cosine);
-        let [all_light, r, t] =
-            [0, 1, 2].map(|k| weights.iter().zip(&totals).map(|(w, x)| w * x[k]).sum::<f64>());
-        let [moved_r, moved_t] = fringes(slabs, count, &layer, (wave, cosine)).0[1];
-        let whole = r + moved_r + (all_light - r) * (1.0 + moved_t / t.max(f64::MIN_POSITIVE));
-        all.extend([whole, (mirrored(cosine) + bias).min(whole).max(0.0)]);
+        let mean = |k: usize| weights.iter().zip(&totals).map(|(w, x)| w * x[k]).sum::<f64>();
+        let (all_light, alone) = (mean(0), Lobes { reflected: mean(1), transmitted: mean(2) });
+        let changed = alone.changed(layer.change_of_interpolated(sine));
+        let passes = ratio(changed.transmitted, alone.transmitted);
+        let returned = passes * paper.returned * paper.leaving * (all_light - alone.reflected);
+        let whole = changed.reflected + returned;
+        all.extend([whole, (layer.mirrored(sine) + bias).min(whole).max(0.0)]);
     }
     all
 }
@@ -160,22 +160,33 @@ fn column_sum(fluxes: &Mat<f64>, medium: &Hemisphere, d: usize, light: &[f64]) -
 }
 
 /// Diffuse BRDF at the nodes, row by row of the view, 1/sr.
-fn at_nodes(slabs: &Slabs, count: usize, fluxes: &Mat<f64>, wave: Wave) -> Vec<f64> {
-    let medium = &slabs.media[0];
+fn at_nodes(medium: &Hemisphere, layer: &ComposedLayer, paper: &OnPaper, wave: Wave) -> Vec<f64> {
     let light = polarised(medium, wave);
-    let mirrored = |node: usize, p: usize| match node < medium.ordinates.escaping() {
-        true => slabs.film.mirrored(count, p, medium.ordinates.cosine(node))[1],
+    let [alone, on_paper] = [&layer.plate, &paper.plate].map(|plate| &plate.reflection[0]);
+    let beam = |node: usize, p: usize| match node < medium.ordinates.escaping() {
+        true => layer.mirrored_incoherently(medium.ordinates.sines[node], p),
         false => 0.0,
     };
+    let passes: Vec<f64> = (0..medium.ordinates.count())
+        .map(|node| {
+            let sum = |fluxes: &Mat<f64>| column_sum(fluxes, medium, node + 1, &light);
+            let composed = Lobes { reflected: sum(alone), transmitted: sum(&layer.plate.transmission[0]) };
+            let changed = composed.changed(layer.change(medium.ordinates.sines[node]));
+            ratio(changed.transmitted, composed.transmitted)
+        })
+        .collect();
     let nodes = 0..medium.ordinates.count();
     let mut all = Vec::new();
     for (to, from) in nodes.clone().flat_map(|to| nodes.clone().map(move |from| (to, from))) {
         let mut flux = 0.0;
         for (p, share) in light.iter().enumerate() {
             let from_p = medium.state(from + 1, p);
-            let sum: f64 = (0..medium.polarisations).map(|q| fluxes[(medium.state(to + 1, q), from_p)]).sum();
-            let beam = if to == from { mirrored(to, p) } else { 0.0 };
-            flux += share * (sum - beam).max(0.0);
+            let into = |fluxes: &Mat<f64>| -> f64 {
+                (0..medium.polarisations).map(|q| fluxes[(medium.state(to + 1, q), from_p)]).sum()
+            };
+            let returned = passes[to] * passes[from] * paper.returned * (into(on_paper) - into(alone));
+            let mirrored = if to == from { beam(to, p) } else { 0.0 };
+            flux += share * (into(alone) - mirrored + returned).max(0.0);
         }
         all.push(flux / projected_sr(medium, to));
     }

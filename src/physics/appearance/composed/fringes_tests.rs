@@ -1,0 +1,176 @@
+use super::*;
+use crate::appearance::composed::ordinates::{Ordinates, gauss};
+
+const WAVELENGTH_UM: f64 = 0.55;
+const SLAB_UM: f64 = 1.0;
+
+fn medium(index: f64) -> Hemisphere {
+    let ordinates = Ordinates::new(index, &[], [3, 3]);
+    Hemisphere { ordinates, polarisations: 1, oblique_deg: None }
+}
+
+/// k_z of the film, 1/µm; absorbing films have a complex one.
+fn normal(index: Complex64, sine: f64) -> Complex64 {
+    TAU / WAVELENGTH_UM * (index * index - sine * sine).sqrt()
+}
+
+/// Fresnel's amplitude of s light from air.
+fn fresnel(index: Complex64, sine: f64) -> Complex64 {
+    let (outer, inner) = ((1.0 - sine * sine).sqrt(), (index * index - sine * sine).sqrt());
+    (outer - inner) / (outer + inner)
+}
+
+/// A film of slabs of 1 µm in air, s-polarised, whose amplitudes are known; the even medium has
+/// the real part of its index.
+fn film(index: Complex64) -> CoherentFilm {
+    let media = [medium(1.0), medium(index.re), medium(1.0)];
+    let sines = || [0.0].into_iter().chain(media[0].ordinates.sines.iter().copied());
+    let phase = |s: f64| (Complex64::I * normal(index, s) * SLAB_UM).exp();
+    let r = |s: f64| fresnel(index, s);
+    let passes = |s: f64| (1.0 - r(s) * r(s)).sqrt() * phase(s);
+    let outside = sines().map(|s| vec![[r(s), passes(s)]]).collect::<Vec<_>>();
+    let inside = sines().map(|s| vec![[-r(s) * phase(s) * phase(s), passes(s)]]).collect::<Vec<_>>();
+    let between = sines().map(|s| vec![[Complex64::ZERO, phase(s)]]).collect::<Vec<_>>();
+    let slabs = [[outside.clone(), inside.clone()], [between.clone(), between], [inside, outside]];
+    CoherentFilm { slabs, media, slab_um: SLAB_UM, wavelength_um: WAVELENGTH_UM, fewer_directions: false }
+}
+
+/// Airy's R of a film of this thickness, and that without interference.
+fn airy(index: Complex64, thickness_um: f64, sine: f64) -> [f64; 2] {
+    let r = fresnel(index, sine);
+    let round = (2.0 * Complex64::I * normal(index, sine) * thickness_um).exp();
+    let through = 1.0 - r * r;
+    let coherent = r * (1.0 - round) / (1.0 - r * r * round);
+    let rho = (r * r * round).norm_sqr();
+    let back = (through * round * r).norm_sqr() / (1.0 - rho);
+    [coherent.norm_sqr(), r.norm_sqr() + back]
+}
+
+/// The film without interference at 0° and at the nodes: nothing is scattered.
+fn composed(film: &CoherentFilm, index: Complex64, count: f64) -> Vec<Lobes> {
+    let sines = [0.0].into_iter().chain(film.media[0].ordinates.sines.iter().copied());
+    let of = |sine: f64| {
+        let reflected = airy(index, count * SLAB_UM, sine)[1];
+        Lobes { reflected, transmitted: 1.0 - reflected }
+    };
+    sines.map(of).collect()
+}
+
+/// A medium whose index is off by 0.17 is out of phase by −π − 0.3 to −π + 0.4 over 1 µm.
+#[test]
+fn logarithms_do_not_jump_between_angles() {
+    let phases = [-0.3, -0.2, 0.1, 0.4];
+    let mut slow = phases.map(|by| {
+        let slab = Complex64::from_polar(0.5, by - 0.5 * TAU).ln();
+        Slow { slab, ..Slow::default() }
+    });
+    unwrap(&mut slow);
+    for (k, pair) in slow.windows(2).enumerate() {
+        let step = pair[1].slab.im - pair[0].slab.im;
+        assert!((step - (phases[k + 1] - phases[k])).abs() < 1e-12, "{k}: {step}");
+    }
+}
+
+/// Airy's film of any thickness, also between whole slabs, at any angle. *Planted*: the count
+/// rounded.
+#[test]
+fn a_clear_film_of_any_thickness_has_its_fringes() {
+    let index = Complex64::from(1.5);
+    let film = film(index);
+    for count in [2.0, 2.3, 4.0, 5.3, 127.5] {
+        let own = film.interference(count, 0, &composed(&film, index, count));
+        for sine in [0.0, 0.3, 0.7, 0.99] {
+            let [with, without] = airy(index, count * SLAB_UM, sine);
+            let change = own.change(sine);
+            assert!((change.reflected - (with - without)).abs() < 1e-9, "{count} {sine}: {change:?}");
+            assert!((change.reflected + change.transmitted).abs() < 1e-12, "{count} {sine}");
+            let mirrored = own.mirrored(sine);
+            assert!((mirrored[0] - with).abs() < 1e-9 && (mirrored[1] - without).abs() < 1e-9);
+        }
+        assert!((own.change_of_beam().reflected - own.change(0.0).reflected).abs() < 1e-12);
+        let nodes = film.media[0].ordinates.sines.iter().zip(&film.media[0].ordinates.weights);
+        let few: f64 = nodes.map(|(s, w)| w * airy(index, count * SLAB_UM, *s)[1]).sum();
+        // as finely as fringes of 128 µm need
+        let fine: f64 = gauss(400)
+            .into_iter()
+            .map(|(mu, w)| w * airy(index, count * SLAB_UM, (1.0 - mu * mu).sqrt())[0])
+            .sum();
+        let change = own.change_of_diffuse();
+        assert!((change.reflected - (fine - few)).abs() < 1e-7, "{count}: {change:?} {}", fine - few);
+        assert!((change.reflected + change.transmitted).abs() < 1e-12, "{count}: {change:?}");
+    }
+}
+
+/// More fringes than are followed: the mean over all phases is as near as is said.
+#[test]
+fn very_thick_films_have_the_mean_over_all_phases() {
+    let index = Complex64::from(1.5);
+    let film = film(index);
+    let own = film.interference(1000.0, 0, &composed(&film, index, 1000.0));
+    assert!(own.fringes() > MOST_FRINGES);
+    let few: f64 =
+        own.incoherent[1..].iter().zip(&film.media[0].ordinates.weights).map(|(i, w)| w * i.reflected).sum();
+    let fine: f64 =
+        gauss(400).into_iter().map(|(mu, w)| w * airy(index, 1.0, (1.0 - mu * mu).sqrt())[1]).sum();
+    assert!((own.change_of_diffuse().reflected - (fine - few)).abs() < 1e-9);
+}
+
+/// A film that absorbs, seen from either side: what the field loses is absorbed, and T is the same
+/// from behind, where the medium is denser.
+#[test]
+fn a_layer_turned_over_transmits_alike() {
+    let index = Complex64::new(1.5, 0.01);
+    let film = film(index);
+    let turned = film.turned();
+    assert_eq!(turned.media[0], film.media[2]);
+    for count in [2.0, 3.4] {
+        let absorbing: Vec<Lobes> = composed(&film, index, count)
+            .into_iter()
+            .map(|lobes| Lobes { transmitted: 0.5 * lobes.transmitted, ..lobes })
+            .collect();
+        let [own, other] = [&film, &turned].map(|film| film.interference(count, 0, &absorbing).change(0.4));
+        assert!((own.transmitted - other.transmitted).abs() < 1e-12);
+        assert!((own.reflected - other.reflected).abs() < 1e-12);
+        assert!((own.reflected - (airy(index, count, 0.4)[0] - airy(index, count, 0.4)[1])).abs() < 0.02);
+    }
+}
+
+/// Nothing is negative and nothing more than all, whatever a correction says.
+#[test]
+fn what_is_changed_stays_within_the_light_that_there_is() {
+    let own = Lobes { reflected: 0.02, transmitted: 0.9 };
+    let changed = own.changed(Lobes { reflected: -0.05, transmitted: 0.05 });
+    assert_eq!(changed.reflected, 0.0);
+    assert!((changed.transmitted - 0.92).abs() < 1e-15);
+    let more = own.changed(Lobes { reflected: 0.5, transmitted: 0.1 });
+    assert!((more.reflected + more.transmitted - 1.0).abs() < 1e-15 && more.transmitted >= 0.0);
+}
+
+/// At 45° light is shared among the nodes behind the front slab, and between nodes R and T are
+/// polynomials: both are off by a per cent for a plain film, and mended. *Planted*: the shares
+/// taken as exact.
+#[test]
+fn what_nodes_leave_out_of_a_film_is_known() {
+    let index = Complex64::from(1.5);
+    let film = film(index);
+    let (count, sine) = (3.4, 0.5_f64.sqrt());
+    let own = film.interference(count, 0, &composed(&film, index, count));
+    let ordinates = &film.media[0].ordinates;
+    // what a composed film has: its front is exact, what comes back through it is shared
+    let front = |s: f64| fresnel(index, s).norm_sqr();
+    let behind = |s: f64| (airy(index, count, s)[1] - front(s)) / (1.0 - front(s));
+    let shared: f64 =
+        ordinates.shares(sine).into_iter().map(|(node, w)| w * behind(ordinates.sines[node])).sum();
+    let reflected = front(sine) + (1.0 - front(sine)) * shared;
+    let change = own.change_of_shared(sine);
+    let want = airy(index, count, sine)[0];
+    assert!((reflected - airy(index, count, sine)[1]).abs() > 1e-3);
+    assert!((reflected + change.reflected - want).abs() < 1e-9, "{reflected} {change:?} {want}");
+    assert!((change.reflected + change.transmitted).abs() < 1e-9, "{change:?}");
+    let places: Vec<f64> =
+        [1.0].into_iter().chain(ordinates.sines.iter().map(|s| (1.0 - s * s).sqrt())).collect();
+    let weights = lagrange(&places, sine);
+    let between: f64 = weights.iter().zip(&own.incoherent).map(|(w, lobes)| w * lobes.reflected).sum();
+    let change = own.change_of_interpolated(sine);
+    assert!((between + change.reflected - want).abs() < 1e-9, "{between} {change:?} {want}");
+}
