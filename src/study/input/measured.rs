@@ -1,6 +1,9 @@
 //! Measured spectra: CSV, CxF3 or CGATS.17.
 
 use super::patches::{self, Taken, place};
+use crate::appearance::colour::{Colorimeter, Colour, ColourError};
+use crate::appearance::tristimulus::TABLE_RANGE_NM;
+use crate::appearance::viewing::Viewing;
 use crate::material::columns::{Columns, micrometres};
 use crate::numerics::files;
 use schemars::JsonSchema;
@@ -110,6 +113,29 @@ impl MeasuredSpectrum {
         let after = self.rows.partition_point(|row| row[0] < nm).clamp(1, self.rows.len() - 1);
         let ([x0, y0], [x1, y1]) = (self.rows[after - 1], self.rows[after]);
         Some(y0 + (nm - x0) / (x1 - x0) * (y1 - y0))
+    }
+
+    /// The colour, summed over the spectrum's own rows within a range of wavelengths, nm. At an end
+    /// of the range without a row the value is interpolated. The steps of a study are no measure of
+    /// how fine a spectrum was measured: a steep edge between them would be lost.
+    ///
+    /// # Errors
+    /// The rows within the range carry no colour.
+    pub fn colour(&self, viewing: &Viewing, range_nm: [f64; 2]) -> Result<Colour, ColourError> {
+        let own = self.range_nm();
+        let from = range_nm[0].max(own[0]).max(TABLE_RANGE_NM[0]);
+        let to = range_nm[1].min(own[1]).min(TABLE_RANGE_NM[1]);
+        let mut rows: Vec<[f64; 2]> =
+            self.rows.iter().copied().filter(|[nm, _]| (from..=to).contains(nm)).collect();
+        if rows.first().is_none_or(|[nm, _]| *nm > from) {
+            rows.splice(0..0, self.at(from).map(|value| [from, value]));
+        }
+        if rows.last().is_none_or(|[nm, _]| *nm < to) {
+            rows.extend(self.at(to).map(|value| [to, value]));
+        }
+        let nm: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+        let values: Vec<f64> = rows.iter().map(|row| row[1]).collect();
+        Colorimeter::under(&nm, viewing)?.colour(&values)
     }
 }
 
