@@ -24,6 +24,7 @@ mod housekeeping;
 mod inverse;
 mod kubelka_munk;
 mod materials;
+mod measurements;
 mod memory;
 mod merge;
 mod microstructure;
