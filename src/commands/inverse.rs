@@ -36,6 +36,7 @@ pub struct FitArgs {
 /// Runs a fit.
 pub fn fit(args: &FitArgs) -> Result<()> {
     let task = fit::load::load(&args.fit).map_err(|error| mixed_up_report(error, "fit"))?;
+    task.remarks.iter().for_each(note);
     let settings = args.work.settings()?;
     if args.work.plan {
         return plan_fit(&task, settings);
@@ -102,6 +103,7 @@ pub struct DesignArgs {
 /// Runs a design.
 pub fn design(args: &DesignArgs) -> Result<()> {
     let task = design::recipe::load(&args.design).map_err(|error| mixed_up_report(error, "design"))?;
+    task.remarks.iter().for_each(note);
     let settings = args.work.settings()?;
     if args.work.plan {
         return plan_design(&task, settings);

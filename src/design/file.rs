@@ -12,7 +12,7 @@
 //! delta_e = 0.5
 //! ```
 
-use crate::input::measured::MeasuredUnit;
+use crate::input::measured::{MeasuredCondition, MeasuredUnit, Patch};
 use crate::sweep::file::Base;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -42,12 +42,17 @@ pub struct TargetTable {
     /// L*, a*, b* under the light and for the observer of the base's `[colour]`.
     #[schemars(example = (85, -10, 80))]
     pub lab: Option<[f64; 3]>,
-    /// A spectrum or a colour, relative to this file: CSV, CxF3 or CGATS.17.
+    /// A spectrum or a colour, relative to this file, in any format of a study's
+    /// `compare.measured`.
     pub file: Option<String>,
-    /// Name of the sample in a file with several.
-    pub patch: Option<String>,
-    /// What a perfect white has in the file: 1 (`factor`) or 100 (`percent`).
+    /// Sample in a file with several: its name or number, or its amounts of ink such as `[0, 0, 100,
+    /// 0]`.
+    pub patch: Option<Patch>,
+    /// What a perfect white has in the file: 1 (`factor`) or 100 (`percent`); by default what the
+    /// file declares.
     pub unit: Option<MeasuredUnit>,
+    /// The instrument's light, where the sample was measured under several.
+    pub condition: Option<MeasuredCondition>,
     /// Least Y over black divided by Y over white, 0 to 1.
     #[schemars(example = 0.9)]
     pub contrast_ratio: Option<f64>,

@@ -52,6 +52,8 @@ pub struct DesignTask {
     pub lab: [f64; 3],
     /// Least contrast ratio.
     pub contrast_ratio: Option<f64>,
+    /// What was taken where files leave something open.
+    pub remarks: Vec<String>,
     base: Table,
     folder: PathBuf,
 }
@@ -163,10 +165,11 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     check_settings(&file, &mut faults);
     let title = file.title.clone().unwrap_or_else(|| stem(path));
     let (settings, contrast_ratio) = (file.design.clone(), file.target.contrast_ratio);
-    let mut task = DesignTask { title, variables, settings, lab: [0.0; 3], contrast_ratio, base, folder };
+    let (lab, remarks) = ([0.0; 3], Vec::new());
+    let mut task = DesignTask { title, variables, settings, lab, contrast_ratio, remarks, base, folder };
     if faults.0.is_empty() {
-        match checked_ends(&task) {
-            Ok(lab) => task.lab = lab,
+        match checked_ends(&task, file.target.patch.is_some()) {
+            Ok(target) => (task.lab, task.remarks) = (target.lab, target.remarks),
             Err(found) => faults.0.extend(found.into_iter().map(|fault| place_of(fault, &file))),
         }
     }
@@ -192,8 +195,12 @@ fn put_target(base: &mut Table, target: &TargetTable, folder: &Path, faults: &mu
             let path = folder.join(file);
             let path = std::path::absolute(&path).unwrap_or(path).display().to_string();
             let unit = target.unit.and_then(|unit| Value::try_from(unit).ok());
-            let patch = target.patch.clone().map(Value::from);
-            for (key, value) in [("measured", Some(path.into())), ("patch", patch), ("unit", unit)] {
+            let patch = target.patch.as_ref().and_then(|patch| Value::try_from(patch).ok());
+            let condition = target.condition.and_then(|condition| Value::try_from(condition).ok());
+            let measured = Some(path.into());
+            for (key, value) in
+                [("measured", measured), ("patch", patch), ("unit", unit), ("condition", condition)]
+            {
                 let _ = value.map(|value| set(base, &format!("compare.{key}"), &value));
             }
         }
@@ -256,8 +263,16 @@ fn check_settings(file: &DesignFile, faults: &mut Faults) {
     faults.whole("design.verifications", verifications, Whole::between(1, 50), "4 is usual");
 }
 
-/// Checks the studies at all corners of the box and gives the target's L*, a*, b*.
-fn checked_ends(task: &DesignTask) -> Result<[f64; 3], Vec<Fault>> {
+/// The target of a design.
+struct DesignTarget {
+    lab: [f64; 3],
+    /// What was taken where its file leaves something open.
+    remarks: Vec<String>,
+}
+
+/// Checks the studies at all corners of the box and gives the target, of a sample that is named or
+/// the only one of its file.
+fn checked_ends(task: &DesignTask, patch_is_named: bool) -> Result<DesignTarget, Vec<Fault>> {
     let count = task.variables.len();
     let studies = (0..1 << count).map(|c| task.study(&corner(c, count)));
     let studies = studies.collect::<Result<Vec<Study>, _>>()?;
@@ -271,12 +286,25 @@ fn checked_ends(task: &DesignTask) -> Result<[f64; 3], Vec<Fault>> {
         let remedy = "write [angles] count = 5";
         return Err(vec![Fault::new("base.angles", reason, "0°, 45° and the hemisphere", remedy)]);
     }
-    super::surface::wanted(study)
+    if let Some(measured) =
+        study.judgement.measured.as_ref().filter(|measured| measured.patches > 1 && !patch_is_named)
+    {
+        let found = format!("nothing, and {} samples in the file", measured.patches);
+        let allowed = format!("the name of one of them; the first is {}", measured.source);
+        let remedy = "write target.patch = \"…\" with the name of the sample whose colour is wanted";
+        return Err(vec![Fault::new("target.patch", found, allowed, remedy)]);
+    }
+    let of_files = |remark: &&String| ["compare.", "paper."].iter().any(|start| remark.starts_with(start));
+    let named =
+        |remark: &String| remark.replace("compare.measured", "target.file").replace("compare.", "target.");
+    let remarks = study.remarks.iter().filter(of_files).map(named);
+    Ok(DesignTarget { lab: super::surface::wanted(study)?, remarks: remarks.collect() })
 }
 
 /// A fault of a study as one of the design's file.
 fn place_of(fault: Fault, file: &DesignFile) -> Fault {
-    let target = ["compare", "colour.target_lab"].iter().any(|start| fault.field.starts_with(start));
+    let target =
+        ["compare", "colour.target_lab", "target"].iter().any(|start| fault.field.starts_with(start));
     let place = match file.vary.iter().position(|table| {
         let field = table.field.as_deref().unwrap_or("volume_fraction");
         steps(field).last().is_some_and(|end| fault.field.ends_with(end))

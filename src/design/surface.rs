@@ -7,6 +7,7 @@ use crate::evaluate::ink::{InkError, InkOnPaper};
 use crate::evaluate::ink_maker::{BLACK, WHITE};
 use crate::evaluate::on_paper::LayerOnPaper;
 use crate::input::fault::Fault;
+use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::Study;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
@@ -55,16 +56,18 @@ pub fn wanted(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
     if let Some(lab) = judgement.target_lab {
         return Ok(lab);
     }
-    let (nm, measured) = (&study.wavelengths_nm, judgement.measured.as_ref());
-    let values: Option<Vec<f64>> = measured.and_then(|m| nm.iter().map(|&nm| m.at(nm)).collect());
-    let Some(values) = values else {
-        let (first, last) = (nm[0], nm[nm.len() - 1]);
-        let found = measured.map_or("nothing".into(), |m| format!("{:?} nm", m.range_nm()));
+    let nm = &study.wavelengths_nm;
+    let range_nm = [nm[0], nm[nm.len() - 1]];
+    let covers = |m: &&MeasuredSpectrum| range_nm.iter().all(|&nm| m.at(nm).is_some());
+    let Some(measured) = judgement.measured.as_ref().filter(covers) else {
+        let [first, last] = range_nm;
+        let found =
+            judgement.measured.as_ref().map_or("nothing".into(), |m| format!("{:?} nm", m.range_nm()));
         let allowed = format!("a spectrum that covers {first} to {last} nm, or a colour");
         let remedy = "narrow [light] of the base, or give lab";
         return Err(vec![Fault::new("target.file", found, allowed, remedy)]);
     };
-    let colour = Eye::new(study).and_then(|eye| eye.meter.colour(&values));
+    let colour = measured.colour(&judgement.viewing, range_nm);
     colour.map(|colour| colour.lab).map_err(|error| {
         let remedy = "give [light] of the base 400 to 700 nm";
         vec![Fault::new("base.light", error, "wavelengths that carry a colour", remedy)]

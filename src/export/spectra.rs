@@ -63,10 +63,8 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("SPECTRA_NOTE", print.spectra_from());
     let no_lab = "none: the wavelengths do not suffice for a colour";
     own("LAB_NOTE", &if has_lab(print) { print.lab_note() } else { no_lab.to_owned() });
-    if dialect == Dialect::Argyll {
-        own("SPECTRAL_NORM", "100.000000");
-        own("MEAS_TYPE", "REFLECTIVE");
-    }
+    own("SPECTRAL_NORM", "100.000000");
+    own("MEAS_TYPE", "REFLECTIVE");
     let (first, last) = (print.wavelengths_nm.first(), print.wavelengths_nm.last());
     own("SPECTRAL_BANDS", &print.wavelengths_nm.len().to_string());
     own("SPECTRAL_START_NM", &format!("{:.6}", f64::from(first.copied().unwrap_or(0))));

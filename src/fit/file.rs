@@ -16,7 +16,7 @@
 //! ```
 
 use crate::input::forms::AlbedoWritten;
-use crate::input::measured::MeasuredUnit;
+use crate::input::measured::{MeasuredCondition, MeasuredUnit, Patch};
 use crate::sweep::file::Base;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -44,13 +44,19 @@ pub struct FitFile {
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeasuredTable {
-    /// The spectrum, relative to this file: CSV, CxF3 or CGATS.17; optional under `[[predict]]`.
+    /// The spectrum, relative to this file, in any format of a study's `compare.measured`; optional
+    /// under `[[predict]]`.
     pub file: Option<String>,
-    /// Name of the sample in a file with several.
-    pub patch: Option<String>,
-    /// What a perfect white has in the file: 1 (`factor`) or 100 (`percent`).
+    /// Sample in a file with several: its name or number, or its amounts of ink such as `[0, 0, 100,
+    /// 0]`.
+    pub patch: Option<Patch>,
+    /// What a perfect white has in the file: 1 (`factor`) or 100 (`percent`); by default what the
+    /// file declares.
     pub unit: Option<MeasuredUnit>,
-    /// Albedo of the backing: a number, a list `[[400, 0.82], [700, 0.91]]`, or `{ csv = "…" }`.
+    /// The instrument's light, where the sample was measured under several.
+    pub condition: Option<MeasuredCondition>,
+    /// Albedo of the backing: a number, a list `[[400, 0.82], [700, 0.91]]`, or `{ csv = "…" }`, a
+    /// table or a measured spectrum of the card.
     pub backing: Option<AlbedoWritten>,
     /// Share of the pigment in the layer's volume; that of the base when left out.
     #[schemars(example = 0.3)]
@@ -58,9 +64,8 @@ pub struct MeasuredTable {
     /// Mean thickness of the layer, µm; that of the base when left out.
     #[schemars(example = 1.0)]
     pub thickness_um: Option<f64>,
-    /// How the spectrum is measured.
-    #[serde(default)]
-    pub geometry: FitGeometry,
+    /// How the spectrum is measured (default: what the file declares, else `45:0`).
+    pub geometry: Option<FitGeometry>,
 }
 
 /// Geometry of a measurement.

@@ -5,7 +5,7 @@ use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::forms::AlbedoWritten;
 use crate::input::load::{read_file, read_table, stem};
-use crate::input::measured::MeasuredSpectrum;
+use crate::input::measured::{Measured, MeasuredGeometry, MeasuredReading, MeasuredRequest};
 use crate::input::study::Study;
 use crate::numerics::allowed::Allowed;
 use crate::sweep::field::set;
@@ -63,6 +63,8 @@ pub struct FitTask {
     pub measured: Vec<Drawdown>,
     /// Spectra to be predicted.
     pub predicted: Vec<Drawdown>,
+    /// What was taken where files leave something open.
+    pub remarks: Vec<String>,
 }
 
 impl FitTask {
@@ -86,7 +88,8 @@ pub fn load(path: &Path) -> Result<FitTask, StudyError> {
     let (text, file): (String, FitFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let (base, base_folder) = file.base.read(folder)?;
-    let mut reading = FitReading { folder, base_folder, base, pigment: [0; 2], faults: Faults::default() };
+    let (remarks, faults) = (Vec::new(), Faults::default());
+    let mut reading = FitReading { folder, base_folder, base, pigment: [0; 2], remarks, faults };
     reading.prepare(&file);
     let task = reading.task(&file, path);
     match (task, reading.faults.0) {
@@ -101,6 +104,7 @@ struct FitReading<'a> {
     base: Table,
     /// Places of the pigment in the base and in the studies, which count those with grains only.
     pigment: [usize; 2],
+    remarks: Vec<String>,
     faults: Faults,
 }
 
@@ -183,7 +187,9 @@ impl FitReading<'_> {
         }
         let (pigment, settings) = (self.pigment[1], file.fit.clone());
         let title = file.title.clone().unwrap_or_else(|| stem(path));
-        Some(FitTask { title, settings, pigment, coats, coats_measured, measured, predicted })
+        let mut remarks = std::mem::take(&mut self.remarks);
+        remarks.dedup();
+        Some(FitTask { title, settings, pigment, coats, coats_measured, measured, predicted, remarks })
     }
 
     fn drawdowns(&mut self, list: &str, tables: &[MeasuredTable], coats: &mut Vec<Study>) -> Vec<Drawdown> {
@@ -198,7 +204,10 @@ impl FitReading<'_> {
             let Some(study) = self.study(&field, table) else { continue };
             // a dissolved pigment is refused already
             let Some(pigment) = study.pigments.get(self.pigment[1]) else { continue };
-            let values = self.values(&field, table, &study);
+            let spectrum = self.spectrum(&field, table, &study);
+            let geometry =
+                spectrum.as_ref().map_or(table.geometry, |spectrum| spectrum.geometry).unwrap_or_default();
+            let values = spectrum.map(|spectrum| spectrum.values);
             if list == "measured" && values.is_none() && table.file.is_none() {
                 let remedy = "name a CSV, CxF3 or CGATS.17 file";
                 self.faults.add(format!("{field}.file"), "nothing", "the file of the spectrum", remedy);
@@ -213,7 +222,6 @@ impl FitReading<'_> {
             let layer = format!("{share} % of {um} µm");
             let name = table.file.clone().unwrap_or_else(|| layer.clone());
             let name = table.patch.clone().map_or(name.clone(), |patch| format!("{name}: {patch}"));
-            let geometry = table.geometry;
             all.push(Drawdown { name: format!("{name} ({layer})"), study, coat, geometry, values });
         }
         all
@@ -255,19 +263,40 @@ impl FitReading<'_> {
         None
     }
 
-    /// The measured values at the study's wavelengths.
-    fn values(&mut self, field: &str, table: &MeasuredTable, study: &Study) -> Option<Vec<f64>> {
+    /// The measured values at the study's wavelengths, and their geometry.
+    fn spectrum(&mut self, field: &str, table: &MeasuredTable, study: &Study) -> Option<FitSpectrum> {
         let path = self.folder.join(table.file.as_ref()?);
-        let spectrum = match MeasuredSpectrum::read(&path, table.patch.as_deref(), table.unit) {
-            Ok(spectrum) => spectrum,
+        let (waves, own_keys) =
+            (&study.wavelengths_nm, |text: &str| text.replace("compare.", &format!("{field}.")));
+        let request = MeasuredRequest {
+            patch: table.patch.clone(),
+            one_must_be_named: true,
+            unit: table.unit,
+            condition: table.condition,
+            geometries: geometries(table.geometry),
+            used_nm: [waves[0], waves[waves.len() - 1]],
+            ..MeasuredRequest::default()
+        };
+        let reading = MeasuredReading::new(&path, &request).and_then(|reading| match reading.measured {
+            Measured::Spectrum(spectrum) => Ok((spectrum, reading.geometry, reading.remarks)),
+            Measured::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
+        });
+        let (spectrum, declared, remarks) = match reading {
+            Ok(read) => read,
             Err(error) => {
-                let found = error.replace("compare.", &format!("{field}."));
-                let allowed = "a spectrum of reflectance factors against rising wavelengths in nm";
-                let remedy = "correct the file; wavelengths in nm must rise, and a perfect white has 1";
-                self.faults.add(format!("{field}.file"), found, allowed, remedy);
+                let allowed = "a spectrum of reflectance factors against wavelengths in nm, of one sample";
+                let remedy = "correct the file, or say by patch, unit, condition or geometry what is meant";
+                self.faults.add(format!("{field}.file"), own_keys(&error), allowed, remedy);
                 return None;
             }
         };
+        self.remarks.extend(remarks.iter().map(|remark| format!("{field}: {}", own_keys(remark))));
+        let geometry = table.geometry.or(declared.as_ref().and_then(known_geometry));
+        if let (None, Some(FitGeometry::Sphere | FitGeometry::UniformSky), Some(declared)) =
+            (table.geometry, geometry, &declared)
+        {
+            self.remarks.push(format!("{field}.geometry: {}, as the file declares", declared.name()));
+        }
         if let Some([nm, value]) = spectrum.rows.iter().find(|row| !(DARKEST..=BRIGHTEST).contains(&row[1])) {
             let allowed = format!("reflectance factors from {DARKEST} to {BRIGHTEST}");
             let remedy =
@@ -276,7 +305,7 @@ impl FitReading<'_> {
             return None;
         }
         let [from, to] = spectrum.range_nm();
-        let values: Option<Vec<f64>> = study.wavelengths_nm.iter().map(|&nm| spectrum.at(nm)).collect();
+        let values: Option<Vec<f64>> = waves.iter().map(|&nm| spectrum.at(nm)).collect();
         if values.is_none() {
             let (first, last) =
                 (study.wavelengths_nm[0], study.wavelengths_nm[study.wavelengths_nm.len() - 1]);
@@ -284,7 +313,40 @@ impl FitReading<'_> {
             let remedy = "give [light] of the base a range that all files cover";
             self.faults.add(format!("{field}.file"), format!("{from} to {to} nm"), allowed, remedy);
         }
-        values
+        Some(FitSpectrum { values: values?, geometry })
+    }
+}
+
+/// A measured spectrum at the wavelengths of a study.
+struct FitSpectrum {
+    values: Vec<f64>,
+    /// By the key, or as the file declares; none where both are silent.
+    geometry: Option<FitGeometry>,
+}
+
+/// The geometries of files that suit a key; without it any that can be predicted.
+fn geometries(key: Option<FitGeometry>) -> Vec<MeasuredGeometry> {
+    let sphere = || vec![MeasuredGeometry::Sphere(Some(true)), MeasuredGeometry::Sphere(None)];
+    match key {
+        Some(FitGeometry::LitAt45) => vec![MeasuredGeometry::LitAt45],
+        Some(FitGeometry::Sphere) => sphere(),
+        Some(FitGeometry::UniformSky) => vec![MeasuredGeometry::UniformSky],
+        None => vec![
+            MeasuredGeometry::LitAt45,
+            MeasuredGeometry::Sphere(Some(true)),
+            MeasuredGeometry::UniformSky,
+        ],
+    }
+}
+
+/// The geometry that a file's is predicted by. A sphere whose specular light may be included or not
+/// needs the key.
+fn known_geometry(declared: &MeasuredGeometry) -> Option<FitGeometry> {
+    match declared {
+        MeasuredGeometry::LitAt45 => Some(FitGeometry::LitAt45),
+        MeasuredGeometry::Sphere(Some(true)) => Some(FitGeometry::Sphere),
+        MeasuredGeometry::UniformSky => Some(FitGeometry::UniformSky),
+        MeasuredGeometry::Sphere(_) | MeasuredGeometry::Other(_) => None,
     }
 }
 
@@ -305,12 +367,14 @@ fn thickness(base: &Table, um: f64) -> Value {
 
 /// An albedo as a value of TOML; its table is looked for beside the file of the fit.
 fn written(albedo: &AlbedoWritten, folder: &Path) -> Value {
+    let value = |albedo: &AlbedoWritten| Value::try_from(albedo).unwrap_or(Value::Boolean(false));
     match albedo {
-        AlbedoWritten::Csv { csv } => {
+        AlbedoWritten::Csv { csv, patch, unit, condition } => {
             let path = folder.join(csv);
-            let path = std::path::absolute(&path).unwrap_or(path).display().to_string();
-            Table::from_iter([("csv".into(), path.into())]).into()
+            let csv = std::path::absolute(&path).unwrap_or(path).display().to_string();
+            let (patch, unit, condition) = (patch.clone(), *unit, *condition);
+            value(&AlbedoWritten::Csv { csv, patch, unit, condition })
         }
-        other => Value::try_from(other).unwrap_or(Value::Boolean(false)),
+        other => value(other),
     }
 }

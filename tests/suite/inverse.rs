@@ -75,7 +75,8 @@ fn slips_in_the_settings_of_a_fit_are_said() {
 fn slips_in_measured_spectra_are_said() {
     let card = |rows: &str| faults(FIT, &format!("wavelength_nm,reflectance\n{rows}"), load_fit);
     one_fault(&card(""), &["measured[0].file", "0 rows"]);
-    one_fault(&card("700,0.5\n400,0.6\n"), &["measured[0].file", "do not increase"]);
+    assert_eq!(card("700,0.5\n400,0.6\n"), Vec::<String>::new(), "instruments write falling wavelengths");
+    one_fault(&card("700,0.5\n400,0.6\n400,0.7\n"), &["measured[0].file", "two values at 400 nm"]);
     one_fault(&card("400,0.5\n700,1.3\n"), &["measured[0].file", "1.3", "measured[0].unit"]);
     one_fault(&card("400,50\n550,130\n700,60\n"), &["measured[0].file", "1.3 at 550 nm", "to 1.02"]);
     one_fault(&card("450,0.5\n550,0.6\n"), &["measured[0].file", "450 to 550 nm", "500 to 600 nm"]);

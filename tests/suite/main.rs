@@ -27,6 +27,7 @@ mod housekeeping;
 mod inverse;
 mod kubelka_munk;
 mod materials;
+mod measurements;
 mod memory;
 mod merge;
 mod merge_comparisons;

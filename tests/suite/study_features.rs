@@ -120,10 +120,14 @@ fn a_range_that_ends_early_and_a_sample_that_nobody_named_are_said() {
     );
     let compared = format!("{TINY}[compare]\nmeasured = \"inks.cgats\"\n");
     let first = remarks(&compared);
-    assert!(first.len() == 2 && first[0].contains("\"first ink\", sample 1 of 2"), "{first:?}");
+    assert!(first.len() == 3 && first[0].contains("\"first ink\", sample 1 of 2"), "{first:?}");
+    assert!(
+        first[1].contains("no unit is stated; taken as percent") && first[1].contains("compare.unit"),
+        "{first:?}"
+    );
     let named = format!("{compared}patch = \"second ink\"\n");
     let gap = remarks(&named);
-    assert!(gap.len() == 1 && gap[0].contains("no row between 400 and 700 nm"), "{gap:?}");
+    assert!(gap.len() == 2 && gap[1].contains("no row between 400 and 700 nm"), "{gap:?}");
     let measured = load(&study(folder.path(), &named)).unwrap().judgement.measured.unwrap();
     assert_eq!(measured.rows, [[400.0, 0.3], [700.0, 0.9]]);
     let wrong =

@@ -83,8 +83,8 @@ pub struct Target {
 pub struct MeasuredComparison {
     /// Name of the file.
     pub source: String,
-    /// CIEDE2000 between both spectra at their common wavelengths; its error is that of the
-    /// prediction.
+    /// CIEDE2000 between both spectra over their common range, each summed over its own
+    /// wavelengths; its error is that of the prediction.
     pub delta_e_2000: Option<Estimate>,
     /// Root mean square of the residuals.
     pub rms: f64,
@@ -171,7 +171,7 @@ impl Question<'_> {
         MeasuredComparison {
             source: measured.source.clone(),
             // with too few common wavelengths there is no colour, but there are residuals
-            delta_e_2000: self.difference(measured, &rows).ok(),
+            delta_e_2000: self.difference(measured).ok(),
             rms: (square / rows.len().max(1) as f64).sqrt(),
             rows,
         }
@@ -186,13 +186,15 @@ impl Question<'_> {
         Some(ComparedRow { wavelength_nm, measured: measured.at(wavelength_nm)?, predicted })
     }
 
-    /// ΔE₀₀ at the wavelengths common to prediction and measurement.
-    fn difference(&self, measured: &MeasuredSpectrum, rows: &[ComparedRow]) -> Result<Estimate, InkError> {
+    /// ΔE₀₀ over the range of wavelengths common to prediction and measurement.
+    /// Every spectrum is summed over its own wavelengths.
+    fn difference(&self, measured: &MeasuredSpectrum) -> Result<Estimate, InkError> {
         let nm = self.ink.wavelengths_nm();
         let common: Vec<usize> = (0..nm.len()).filter(|&i| measured.at(nm[i]).is_some()).collect();
         let pick = |values: &[f64]| common.iter().map(|&i| values[i]).collect::<Vec<f64>>();
         let meter = Colorimeter::under(&pick(nm), self.viewing)?;
-        let there = meter.colour(&rows.iter().map(|r| r.measured).collect::<Vec<_>>())?;
+        let [first, last] = [common[0], common[common.len() - 1]].map(|i| nm[i]);
+        let there = measured.colour(self.viewing, [first, last])?;
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
         let replicates: Vec<Vec<f64>> = predicted.replicates.iter().map(|r| pick(r)).collect();
         let here = meter.colour_with_error(&pick(&predicted.values), &replicates)?;

@@ -75,7 +75,8 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     let of_files = given.as_ref().map(|given| given.remarks.clone()).unwrap_or_default();
     let placed = given.map(|given| (given.grains, given.voxels)).unwrap_or_default();
     let packing = pigments::packing(file, &layer, &pigments, placed, &mut faults);
-    let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics);
+    let mut remarks: Vec<String> = light::short_of_end(&file.light, &wavelengths_nm).into_iter().collect();
+    let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics, &mut remarks);
     let angles = paper::angles(file, paper.coupling, &mut optics);
     let resolution = resolution(file, &mut optics);
     let goal = goal(&file.solver, &resolution, &mut optics);
@@ -88,9 +89,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     // without grains and with a uniform thickness all realisations are equal
     let alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
     let realisations = if alike { 1 } else { realisations(file) };
-    let judgement = judgement::judgement(file, &wavelengths_nm, folder, &mut optics);
-    let remarks =
-        [light::short_of_end(&file.light, &wavelengths_nm), judgement::first_of_several(file, &judgement)];
+    let judgement = judgement::judgement(file, &wavelengths_nm, folder, &mut optics, &mut remarks);
     let mut study = Study {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
@@ -112,7 +111,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
         output: file.output.clone(),
         judgement,
         portion: None,
-        remarks: remarks.into_iter().flatten().collect(),
+        remarks,
     };
     study.remarks.extend(of_files);
     study.remarks.extend(index::bridged(&study));

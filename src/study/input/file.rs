@@ -32,7 +32,7 @@ pub use microstructure::{
 
 use super::forms::AlbedoWritten;
 use super::limits;
-use super::measured::MeasuredUnit;
+use super::measured::{MeasuredCondition, MeasuredUnit, Patch};
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::viewing::{Summation, illuminants, observers};
 use schemars::JsonSchema;
@@ -87,7 +87,7 @@ pub struct StudyFile {
 #[serde(deny_unknown_fields, default)]
 pub struct PaperTable {
     /// Albedo, 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{
-    /// csv = "paper.csv" }` with the columns wavelength_nm and albedo. With a gap it is the
+    /// csv = "paper.csv" }` with the columns wavelength_nm and albedo, or a measured spectrum. With a gap it is the
     /// reflectance of the bare paper; in optical contact it is that of the paper's inside, behind
     /// its surface, and not the factor measured on bare paper, which is lower: an inside of 0.9 and
     /// index 1.5 reflects about 0.80 of diffuse light.
@@ -136,18 +136,28 @@ pub struct ColourTable {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CompareTable {
-    /// A spectrum measured at 45:0, relative to the study file: CSV, CxF3 or CGATS.17. A CxF3 or
-    /// CGATS.17 file with Lab but no spectrum is a target, if it states the illuminant and the
-    /// observer of `[colour]`.
+    /// A spectrum measured at 45:0, relative to the study file: CGATS.17 and its relatives, CxF3, or
+    /// a table of an instrument or a spreadsheet, recognised by their structure. Tables have
+    /// wavelengths in nm down the first column and a column a sample, or a row a sample and
+    /// wavelengths as columns; commas, semicolons, tabs or blanks between cells; a header or none. A
+    /// sample with Lab but no spectrum is a target, if the file states the illuminant and the
+    /// observer of `[colour]`. Unit, geometry and light are those that the file declares;
+    /// transmittances and other geometries (d:8 of a sphere) are refused.
     #[schemars(example = &"measured.csv")]
     pub measured: Option<String>,
-    /// Name of the sample in a CxF3 or CGATS.17 file with several (default: the first).
+    /// Sample in a file with several (default: the first): its name or number, or its amounts of ink
+    /// in percent, such as `[0, 0, 100, 0]` for C, M, Y, K.
     #[schemars(example = &"yellow 100 %")]
-    pub patch: Option<String>,
-    /// Value of a perfect white in the file: 1 (`"factor"`) or 100 (`"percent"`). By default values
-    /// up to 1 are factors and values above 3 percentages; in between the unit is required.
+    pub patch: Option<Patch>,
+    /// Value of a perfect white in the file: 1 (`"factor"`) or 100 (`"percent"`). By default what the
+    /// file declares (`SPECTRAL_NORM`, `%R`); where it declares nothing, the file holds percentages
+    /// if any value of any sample is above 3, factors if none is above 1, and in between the unit is
+    /// required.
     #[schemars(example = &"percent")]
     pub unit: Option<MeasuredUnit>,
+    /// The instrument's light by ISO 13655, where the sample was measured under several.
+    #[schemars(example = &"M1")]
+    pub condition: Option<MeasuredCondition>,
 }
 
 /// `[output]`

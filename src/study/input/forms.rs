@@ -1,6 +1,7 @@
 //! Values that can be written in several forms.
 
 use super::limits::{ABOVE_ZERO, ABSORPTION, ALBEDO, INDEX, NOT_NEGATIVE, THICKNESS_UM};
+use super::measured::{MeasuredCondition, MeasuredUnit, Patch};
 use crate::material::named::{MATERIALS, Synthetic};
 use crate::solve::{Registry, SolverChoice};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
@@ -86,8 +87,18 @@ pub enum AlbedoWritten {
     Rows(#[schemars(length(min = 2))] Vec<[f64; 2]>),
     /// A table in a file.
     Csv {
-        /// Table with the columns wavelength_nm and albedo, relative to the study file.
+        /// Table with the columns wavelength_nm and albedo, or a measured spectrum in any format of
+        /// `compare.measured`, relative to the study file.
         csv: String,
+        /// Sample in a file with several: its name, or its amounts of ink.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        patch: Option<Patch>,
+        /// Value of a perfect white, where the file does not state it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        unit: Option<MeasuredUnit>,
+        /// The instrument's light, where the sample was measured under several.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        condition: Option<MeasuredCondition>,
     },
 }
 

@@ -1,10 +1,25 @@
-//! Measured spectra: CSV, CxF3 or CGATS.17.
+//! Measured spectra and colours: CGATS.17 and its relatives, CxF3, and tables of instruments and
+//! spreadsheets. The format follows from the structure of a file, what the values are from what the
+//! file declares; what it leaves open is asked for.
 
-use super::patches::{self, Taken, place};
-use crate::material::columns::{Columns, micrometres};
-use crate::numerics::files;
+mod cgats;
+mod choose;
+mod cxf;
+mod fields;
+mod sample;
+mod table;
+mod words;
+
+pub use words::MeasuredGeometry;
+
+use crate::appearance::colour::{Colorimeter, Colour, ColourError};
+use crate::appearance::tristimulus::TABLE_RANGE_NM;
+use crate::appearance::viewing::Viewing;
+use crate::material::text_table::read_text;
+use sample::{MeasuredFile, SampleContent};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::path::Path;
 
 /// Value of a perfect white in a file.
@@ -15,6 +30,106 @@ pub enum MeasuredUnit {
     Factor,
     /// White is 100.
     Percent,
+}
+
+/// Light of the instrument by ISO 13655.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Deserialize, Serialize, JsonSchema)]
+pub enum MeasuredCondition {
+    /// An incandescent lamp, near illuminant A.
+    M0,
+    /// Daylight D50, ultraviolet included.
+    M1,
+    /// Without ultraviolet.
+    M2,
+    /// Polarised, which leaves out mirror reflection.
+    M3,
+}
+
+impl MeasuredCondition {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::M0, Self::M1, Self::M2, Self::M3];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::M0 => "M0",
+            Self::M1 => "M1",
+            Self::M2 => "M2",
+            Self::M3 => "M3",
+        }
+    }
+}
+
+/// A sample in a file with several.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged, expecting = "the name of a sample, or its amounts of ink such as [0, 0, 100, 0]")]
+pub enum Patch {
+    /// Its name, number or place on the chart as the file has it.
+    Name(String),
+    /// Its amounts of ink in the file's order, percent: C, M, Y, K; or other device values.
+    Inks(Vec<f64>),
+}
+
+impl fmt::Display for Patch {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Name(name) => f.write_str(name),
+            Self::Inks(inks) => write!(f, "{inks:?}"),
+        }
+    }
+}
+
+/// What is wanted of a file of measurements.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredRequest {
+    /// The sample; without it the only one, or the first.
+    pub patch: Option<Patch>,
+    /// Whether a file with several samples is refused if none is named.
+    pub one_must_be_named: bool,
+    /// The unit, where the file does not declare it.
+    pub unit: Option<MeasuredUnit>,
+    /// The instrument's light, where a sample is measured under several.
+    pub condition: Option<MeasuredCondition>,
+    /// Allowed geometries; empty where any will do. Files that state none are taken.
+    pub geometries: Vec<MeasuredGeometry>,
+    /// Range of wavelengths that is used, nm: outside it faults do not matter.
+    pub used_nm: [f64; 2],
+    /// Conditions that a colour without a spectrum is wanted under.
+    pub viewing: Viewing,
+}
+
+impl Default for MeasuredRequest {
+    fn default() -> Self {
+        Self {
+            patch: None,
+            one_must_be_named: false,
+            unit: None,
+            condition: None,
+            geometries: vec![MeasuredGeometry::LitAt45],
+            used_nm: TABLE_RANGE_NM,
+            viewing: Viewing::default(),
+        }
+    }
+}
+
+/// What a file holds of the sample that was asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measured {
+    /// A spectrum.
+    Spectrum(MeasuredSpectrum),
+    /// A colour, where the sample has no spectrum.
+    Colour(MeasuredColour),
+}
+
+/// A sample of a file, and what its reader should know.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredReading {
+    /// The sample.
+    pub measured: Measured,
+    /// Its geometry, if the file states it.
+    pub geometry: Option<MeasuredGeometry>,
+    /// What was taken where the file leaves something open.
+    pub remarks: Vec<String>,
 }
 
 /// Reflectance factors (white diffuser: 1) against wavelength, nm, increasing.
@@ -29,73 +144,108 @@ pub struct MeasuredSpectrum {
     pub patches: usize,
 }
 
-/// Larger values are percentages; values between 1 and this are ambiguous, so that the unit is
-/// required.
-const LARGEST_FACTOR: f64 = 3.0;
-/// Noise of an instrument at black; smaller values are not reflectance factors.
-const LEAST_FACTOR: f64 = -0.1;
+/// L*, a*, b* of a sample, with the illuminant and the observer stated in its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredColour {
+    /// L*, a*, b*.
+    pub lab: [f64; 3],
+    /// The conditions, or why they are not known.
+    pub viewing: Result<Viewing, String>,
+}
 
-impl MeasuredSpectrum {
-    /// Reads the first spectrum of a file, or that of the sample named `patch`: `.cxf` and `.mxf`
-    /// as CxF3, files that begin with CGATS, CTI or SPECT as CGATS.17, all others as a table with
-    /// the columns `wavelength_nm` and `reflectance`. Percentages are divided by 100, if `unit`
-    /// says so or if they cannot be factors.
+impl MeasuredReading {
+    /// Reads a sample of a file.
     ///
     /// # Errors
-    /// The file cannot be read, has no spectrum or none of that name, its wavelengths do not
-    /// increase, its values are not reflectance factors, or they are ambiguous without a unit.
-    pub fn read(path: &Path, patch: Option<&str>, unit: Option<MeasuredUnit>) -> Result<Self, String> {
-        let named = |reason: String| format!("{}: {reason}", path.display());
-        let bytes = files::read_bytes(path, files::TABLE).map_err(|error| named(error.to_string()))?;
-        let text = String::from_utf8_lossy(&bytes);
-        let start = text.trim_start_matches('\u{feff}').trim_start();
-        let taken = if start.starts_with('<') {
-            patches::from_cxf(&text, patch)
-        } else if ["CGATS", "CTI", "SPECT", "IT8"].iter().any(|word| start.starts_with(word)) {
-            patches::from_cgats(&text, patch)
-        } else {
-            place(&[], patch).map_err(named)?;
-            let columns = Columns::read(path).map_err(|error| error.to_string())?;
-            let [nm, value] = places(&columns).map_err(named)?;
-            let (nm, values) = (columns.wavelengths_nm(nm), columns.numbers(value));
-            let rows = nm.and_then(|nm| Ok(nm.into_iter().zip(values?).map(<[f64; 2]>::from).collect()));
-            Ok(Taken { rows: rows.map_err(|error| error.to_string())?, names: vec![String::new()], place: 0 })
-        };
-        let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let Taken { rows, names, place } = taken.map_err(named)?;
-        let source = match (names.len(), &names[place]) {
-            (1, _) => file,
-            (of, name) if name.is_empty() => format!("{file}: unnamed, sample {} of {of}", place + 1),
-            (of, name) => format!("{file}: {name:?}, sample {} of {of}", place + 1),
-        };
-        Ok(Self { patches: names.len(), ..Self::checked(source, rows, unit).map_err(named)? })
+    /// The file cannot be read or has no such sample; what is meant, its unit or its conditions are
+    /// left open; it is no reflectance, or of a geometry that is not asked for; or a value that is
+    /// used is not sound. The message names keys of `[compare]`.
+    pub fn new(path: &Path, request: &MeasuredRequest) -> Result<Self, String> {
+        let text = read_text(path).map_err(|error| error.to_string())?;
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        Self::parse(&text, &name, request).map_err(|reason| format!("{}: {reason}", path.display()))
     }
 
-    fn checked(source: String, mut rows: Vec<[f64; 2]>, unit: Option<MeasuredUnit>) -> Result<Self, String> {
-        if rows.len() < 2 {
-            return Err(format!("{} rows; a spectrum has at least 2", rows.len()));
+    /// Reads a sample from the text of a file of this name; for errors see [`Self::new`].
+    ///
+    /// # Errors
+    /// See [`Self::new`].
+    pub fn parse(text: &str, name: &str, request: &MeasuredRequest) -> Result<Self, String> {
+        let (file, what) = samples(text.trim_start_matches('\u{feff}'), name)?;
+        if file.samples.is_empty() {
+            return Err(format!("it is {what} without spectra or L*, a*, b* of samples"));
         }
-        if let Some([nm, value]) = rows.iter().find(|row| row.iter().any(|x| !x.is_finite())) {
-            return Err(format!("{value} at {nm} nm is not a number"));
+        let chosen = choose::choose(&file, request)?;
+        let mut remarks: Vec<String> =
+            file.remarks.iter().map(|remark| format!("{name}: {remark}")).collect();
+        let own = chosen.sample.name();
+        let source = match (chosen.of, own) {
+            (1, _) => name.to_owned(),
+            (of, "") => format!("{name}: unnamed, sample {} of {of}", chosen.place),
+            (of, own) => format!("{name}: {own:?}, sample {} of {of}", chosen.place),
+        };
+        if chosen.of > 1 && request.patch.is_none() {
+            remarks.push(format!("using {source}; compare.patch = \"…\" selects another by name"));
         }
-        if let Some(largest) = micrometres(rows.iter().map(|row| row[0])) {
-            return Err(format!(
-                "the largest wavelength is {largest}: these look like µm; write them in nm, times 1000"
-            ));
-        }
-        if let Some(pair) = rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-            return Err(format!("wavelengths do not increase: {} nm after {} nm", pair[1][0], pair[0][0]));
-        }
-        let white = white(&rows, unit)?;
-        let allowed = LEAST_FACTOR..=LARGEST_FACTOR;
-        if let Some([nm, value]) = rows.iter().find(|row| !allowed.contains(&(row[1] / white))) {
-            let white = "a perfect white is 1, or 100 in percent";
-            return Err(format!("{value} at {nm} nm is not a reflectance factor; {white}"));
-        }
-        rows.iter_mut().for_each(|row| row[1] /= white);
-        Ok(Self { source, rows, patches: 1 })
+        let measured = match &chosen.sample.content {
+            SampleContent::Spectrum(cells) => {
+                let white = choose::white(&file, chosen.sample, request)?;
+                remarks.extend(white.remark.map(|remark| format!("{source}: {remark}")));
+                let called = if chosen.of > 1 { format!("{own:?}, ") } else { String::new() };
+                let rows = choose::rows(cells, white.value, request.used_nm);
+                let rows = rows.map_err(|reason| format!("{called}{reason}"))?;
+                Measured::Spectrum(MeasuredSpectrum { source, rows, patches: chosen.of })
+            }
+            SampleContent::Lab(..) => Measured::Colour(colour(&chosen, &request.viewing)?),
+        };
+        Ok(Self { measured, geometry: chosen.sample.geometry.clone(), remarks })
     }
+}
 
+/// The samples of a text, whose format follows from its structure, and the format in words.
+fn samples(text: &str, name: &str) -> Result<(MeasuredFile, &'static str), String> {
+    if text.trim_start().starts_with('<') {
+        return Ok((cxf::read(text)?, "a CxF file"));
+    }
+    if cgats::is_cgats(text) {
+        return Ok((cgats::read(text)?, "a CGATS file"));
+    }
+    let begins = text.trim_start().split_whitespace().next().unwrap_or_default();
+    if ["CGATS", "CTI", "SPECT", "IT8", "ISO28178", "LGOROWLENGTH"]
+        .iter()
+        .any(|word| begins.starts_with(word))
+    {
+        return Err("no BEGIN_DATA_FORMAT".into());
+    }
+    table::read(name.to_owned(), text).map(|file| (file, "a table"))
+}
+
+/// The colour of a sample under the conditions that are wanted, or under those that it has.
+fn colour(chosen: &choose::Chosen, wanted: &Viewing) -> Result<MeasuredColour, String> {
+    let mut all = Vec::new();
+    for sample in std::iter::once(chosen.sample).chain(chosen.colours.iter().copied()) {
+        let SampleContent::Lab(cells, stated) = &sample.content else { continue };
+        let mut lab = [0.0; 3];
+        for (own, (cell, name)) in lab.iter_mut().zip(cells.iter().zip(["L*", "a*", "b*"])) {
+            let value = cell.value().filter(|value| value.is_finite());
+            let (text, line) = (cell.text.trim(), cell.line);
+            *own = value
+                .ok_or_else(|| format!("line {line}, {name}: found {text:?} where a number is needed"))?;
+        }
+        all.push(MeasuredColour { lab, viewing: stated.viewing(wanted.summation) });
+    }
+    let is_wanted = |colour: &&MeasuredColour| colour.viewing.as_ref() == Ok(wanted);
+    let first = all.iter().find(is_wanted).or(all.first()).ok_or("no L*, a*, b*")?;
+    if all.iter().any(|other| other.viewing == first.viewing && other.lab != first.lab) {
+        let name = chosen.sample.name();
+        return Err(format!(
+            "several colours of {name:?} that differ: keep one of them, or give them different names"
+        ));
+    }
+    Ok(first.clone())
+}
+
+impl MeasuredSpectrum {
     /// First and last wavelength, nm.
     pub fn range_nm(&self) -> [f64; 2] {
         [self.rows[0][0], self.rows[self.rows.len() - 1][0]]
@@ -111,141 +261,31 @@ impl MeasuredSpectrum {
         let ([x0, y0], [x1, y1]) = (self.rows[after - 1], self.rows[after]);
         Some(y0 + (nm - x0) / (x1 - x0) * (y1 - y0))
     }
-}
 
-/// Value of a perfect white in these rows.
-fn white(rows: &[[f64; 2]], unit: Option<MeasuredUnit>) -> Result<f64, String> {
-    let largest = rows.iter().map(|row| row[1]).fold(f64::NEG_INFINITY, f64::max);
-    match unit {
-        Some(MeasuredUnit::Factor) => Ok(1.0),
-        Some(MeasuredUnit::Percent) => Ok(100.0),
-        None if largest > LARGEST_FACTOR => Ok(100.0),
-        None if largest <= 1.0 => Ok(1.0),
-        None => Err(format!(
-            "the largest value is {largest}: a dark print in percent, or a factor above a perfect white; \
-             say which by compare.unit = \"percent\" or \"factor\""
-        )),
+    /// The colour, summed over the spectrum's own rows within a range of wavelengths, nm. At an end
+    /// of the range without a row the value is interpolated. The steps of a study are no measure of
+    /// how fine a spectrum was measured: a steep edge between them would be lost.
+    ///
+    /// # Errors
+    /// The rows within the range carry no colour.
+    pub fn colour(&self, viewing: &Viewing, range_nm: [f64; 2]) -> Result<Colour, ColourError> {
+        let own = self.range_nm();
+        let from = range_nm[0].max(own[0]).max(TABLE_RANGE_NM[0]);
+        let to = range_nm[1].min(own[1]).min(TABLE_RANGE_NM[1]);
+        let mut rows: Vec<[f64; 2]> =
+            self.rows.iter().copied().filter(|[nm, _]| (from..=to).contains(nm)).collect();
+        if rows.first().is_none_or(|[nm, _]| *nm > from) {
+            rows.splice(0..0, self.at(from).map(|value| [from, value]));
+        }
+        if rows.last().is_none_or(|[nm, _]| *nm < to) {
+            rows.extend(self.at(to).map(|value| [to, value]));
+        }
+        let nm: Vec<f64> = rows.iter().map(|row| row[0]).collect();
+        let values: Vec<f64> = rows.iter().map(|row| row[1]).collect();
+        Colorimeter::under(&nm, viewing)?.colour(&values)
     }
-}
-
-/// Columns of the wavelengths and values.
-fn places(columns: &Columns) -> Result<[usize; 2], String> {
-    let need = |names: &[&str]| {
-        let found = columns.find(names);
-        found.ok_or_else(|| format!("column {} is missing; found {}", names[0], columns.names.join(", ")))
-    };
-    Ok([need(&["wavelength_nm", "wavelength", "nm"])?, need(&["reflectance", "r", "value"])?])
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::input::patches::CXF;
-    use std::io::Write;
-
-    fn read(text: &str) -> Result<MeasuredSpectrum, String> {
-        read_patch(text, None)
-    }
-
-    fn read_patch(text: &str, patch: Option<&str>) -> Result<MeasuredSpectrum, String> {
-        let mut file = tempfile::NamedTempFile::new().unwrap();
-        file.write_all(text.as_bytes()).unwrap();
-        MeasuredSpectrum::read(file.path(), patch, None)
-    }
-
-    #[test]
-    fn the_same_spectrum_in_four_files() {
-        let csv = "wavelength_nm,reflectance\n400,0.25\n410,0.5\n";
-        let excel = "Wavelength;Reflectance\r\n400;25,0\r\n410;50,0\r\n";
-        let cxf = format!(
-            "<?xml version=\"1.0\"?><c:CxF xmlns:c=\"{CXF}\"><c:Resources><c:ObjectCollection><c:Object><c:ColorValues>\
-             <c:ReflectanceSpectrum ColorSpecification=\"b\" StartWL=\"400\">0.25 0.5</c:ReflectanceSpectrum>\
-             </c:ColorValues></c:Object></c:ObjectCollection><c:ColorSpecificationCollection>\
-             <c:ColorSpecification Id=\"a\"><c:WavelengthRange StartWL=\"380\" Increment=\"5\"/></c:ColorSpecification>\
-             <c:ColorSpecification Id=\"b\"><c:WavelengthRange StartWL=\"400\" Increment=\"10\"/></c:ColorSpecification>\
-             </c:ColorSpecificationCollection></c:Resources></c:CxF>"
-        );
-        let cgats = "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME LAB_L SPEC_400 SPEC_410\nEND_DATA_FORMAT\nBEGIN_DATA\n\"my ink\" 50 25.0 50.0\nEND_DATA\n";
-        for text in [csv, excel, &cxf, cgats] {
-            assert_eq!(read(text).unwrap().rows, vec![[400.0, 0.25], [410.0, 0.5]], "{text}");
-        }
-        let wider = read(&cxf.replace("Increment=\"10\"", "Increment=\"20\"")).unwrap();
-        assert_eq!(wider.rows, vec![[400.0, 0.25], [420.0, 0.5]]);
-        let spectrum = read(csv).unwrap();
-        assert_eq!((spectrum.at(405.0), spectrum.at(399.0)), (Some(0.375), None));
-    }
-
-    /// A dark print in percent has no value that distinguishes it from factors: the unit is
-    /// required.
-    #[test]
-    fn a_dark_print_in_percent_needs_its_unit() {
-        let rows = |values: [f64; 2], unit| {
-            let rows = vec![[400.0, values[0]], [410.0, values[1]]];
-            MeasuredSpectrum::checked("dark.csv".into(), rows, unit).map(|m| [m.rows[0][1], m.rows[1][1]])
-        };
-        let (dark, some) = ([0.8, 2.9], Some);
-        let asked = rows(dark, None).unwrap_err();
-        assert!(asked.contains("2.9") && asked.contains("compare.unit = \"percent\""), "{asked}");
-        assert_eq!(rows(dark, some(MeasuredUnit::Percent)).unwrap(), dark.map(|x| x / 100.0));
-        assert_eq!(rows(dark, some(MeasuredUnit::Factor)).unwrap(), dark);
-        assert_eq!(
-            rows([0.2, 0.9], some(MeasuredUnit::Percent)).unwrap(),
-            [0.2, 0.9].map(|x: f64| x / 100.0)
-        );
-        assert_eq!(rows([0.2, 1.0], None).unwrap(), [0.2, 1.0]);
-        assert!(
-            rows([20.0, 90.0], some(MeasuredUnit::Factor)).unwrap_err().contains("not a reflectance factor")
-        );
-    }
-
-    #[test]
-    fn of_several_samples_the_one_that_is_named_is_taken() {
-        let cgats = "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME SPEC_400 SPEC_410\nEND_DATA_FORMAT\nBEGIN_DATA\n\
-                     1 \"paper\" 90 91\n\n2 \"my ink\" 25 50\nEND_DATA\n";
-        let object = |name: &str, values: &str| {
-            format!(
-                "<c:Object Name=\"{name}\" Id=\"{name} id\"><c:ReflectanceSpectrum StartWL=\"400\">{values}</c:ReflectanceSpectrum></c:Object>"
-            )
-        };
-        let cxf = format!(
-            "<c:CxF xmlns:c=\"{CXF}\">{}{}<c:WavelengthRange StartWL=\"400\" Increment=\"10\"/></c:CxF>",
-            object("paper", "0.90 0.91"),
-            object("my ink", "0.25 0.50"),
-        );
-        for text in [cgats, &cxf] {
-            let [first, named] = [None, Some("my ink")].map(|patch| read_patch(text, patch).unwrap());
-            assert_eq!((first.rows[0], named.rows[0]), ([400.0, 0.9], [400.0, 0.25]));
-            assert!(first.source.ends_with(": \"paper\", sample 1 of 2"), "{}", first.source);
-            assert!(named.source.ends_with(": \"my ink\", sample 2 of 2") && named.patches == 2);
-            let none = read_patch(text, Some("ink")).unwrap_err().to_string();
-            assert!(none.contains("no sample \"ink\"; found \"paper\", \"my ink\""), "{none}");
-        }
-        let table = read_patch("wavelength_nm,reflectance\n400,0.25\n410,0.5\n", Some("ink"));
-        assert!(table.unwrap_err().to_string().contains("no names"));
-    }
-
-    #[test]
-    fn files_without_a_spectrum_are_refused_with_their_reason() {
-        let reason = |text: &str| read(text).unwrap_err().to_string();
-        assert!(reason("wavelength_nm,lab\n400,1\n").contains("column reflectance is missing"));
-        assert!(reason("wavelength_nm,reflectance\n410,1\n400,1\n").contains("do not increase"));
-        assert!(
-            reason("wavelength_nm,reflectance\n410,\n420,1\n")
-                .contains("line 2, column reflectance: an empty cell")
-        );
-        assert!(reason("wavelength_nm,reflectance\n410,NaN\n420,1\n").contains("not a number"));
-        assert!(reason("wavelength_nm,reflectance\n0.41,1\n0.42,1\n").contains("these look like µm"));
-        assert!(reason("wavelength_nm,reflectance\n410,0,5\n").contains("(wavelength_nm;reflectance)"));
-        assert!(reason("<CxF/>").contains("no ReflectanceSpectrum"));
-        assert!(reason("wavelength_nm,reflectance\n400,-0.5\n420,0.5\n").contains("-0.5 at 400 nm"));
-        assert!(reason("wavelength_nm,reflectance\n400,30000\n420,0.5\n").contains("30000 at 400 nm"));
-        let short =
-            "CGATS.17\nBEGIN_DATA_FORMAT\nSPEC_400 SPEC_500\nEND_DATA_FORMAT\nBEGIN_DATA\n1\nEND_DATA\n";
-        assert!(reason(short).contains("1 values in set 1 under 2 fields"));
-        assert!(
-            reason("CGATS.17\nBEGIN_DATA_FORMAT\nRGB_R\nEND_DATA_FORMAT\nBEGIN_DATA\n1\nEND_DATA\n")
-                .contains("SPEC_nnn")
-        );
-        assert!(MeasuredSpectrum::read(Path::new("none.cxf"), None, None).is_err());
-    }
-}
+#[path = "measured_tests.rs"]
+mod tests;

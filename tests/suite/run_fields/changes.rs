@@ -131,15 +131,21 @@ pub const CHANGES: &[Change] = &[
     (&[("compare.measured", "'measured.csv'")], Published),
     (&[("compare.measured", "'measured.cgats'"), ("compare.patch", "'second'")], Published),
     (&[("compare.measured", "'measured.csv'"), ("compare.unit", "'percent'")], Published),
+    (&[("compare.measured", "'conditions.cgats'"), ("compare.condition", "'M1'")], Published),
 ];
 
 /// Files that studies are compared with.
-pub const MEASURED: [(&str, &str); 2] = [
+pub const MEASURED: [(&str, &str); 3] = [
     ("measured.csv", "wavelength_nm,reflectance\n400,0.3\n550,0.8\n700,0.9\n"),
     (
         "measured.cgats",
         "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME SPEC_400 SPEC_550 SPEC_700\nEND_DATA_FORMAT\n\
          BEGIN_DATA\nfirst 20 30 40\nsecond 30 80 90\nEND_DATA\n",
+    ),
+    (
+        "conditions.cgats",
+        "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME MEASUREMENT_CONDITION SPEC_400 SPEC_550 SPEC_700\nEND_DATA_FORMAT\n\
+         BEGIN_DATA\ninks M0 20 30 40\ninks M1 25 35 45\nEND_DATA\n",
     ),
 ];
 

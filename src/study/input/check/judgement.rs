@@ -1,13 +1,21 @@
 //! What the prediction is compared with: conditions, a target colour, a measured spectrum.
 
+use crate::appearance::tristimulus::TABLE_RANGE_NM;
 use crate::appearance::viewing::{ColourError, Summation, Viewing};
-use crate::input::measured_colour::MeasuredColour;
+use crate::input::measured::{Measured, MeasuredColour, MeasuredReading, MeasuredRequest};
 use crate::input::study::Judgement;
-use crate::input::{Fault, Faults, MeasuredSpectrum, StudyFile};
-use crate::numerics::files;
+use crate::input::{Fault, Faults, StudyFile};
 use std::path::Path;
 
-pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults: &mut Faults) -> Judgement {
+/// Reads what the prediction is compared with; remarks say what was taken where a file leaves
+/// something open.
+pub fn judgement(
+    file: &StudyFile,
+    wavelengths_nm: &[f64],
+    folder: &Path,
+    faults: &mut Faults,
+    remarks: &mut Vec<String>,
+) -> Judgement {
     let (viewing, mut target_lab) = (viewing(file, faults), target(file, faults));
     if viewing.summation == Summation::E308 && !is_even(wavelengths_nm) {
         let allowed =
@@ -15,21 +23,40 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
         let remedy = "write from_nm, to_nm and step_nm, or leave it out";
         faults.add("colour.summation", "\"e308\"", allowed, remedy);
     }
-    if let (Some(patch), None) = (&file.compare.patch, &file.compare.measured) {
-        let allowed = "a name beside compare.measured";
-        faults.add("compare.patch", format!("{patch:?}"), allowed, "add compare.measured");
-    }
-    if let (Some(unit), None) = (&file.compare.unit, &file.compare.measured) {
-        let allowed = "a unit beside compare.measured";
-        faults.add("compare.unit", format!("{unit:?}").to_lowercase(), allowed, "add compare.measured");
-    }
-    let measured = match measured_colour(file, folder) {
-        Some(colour) => {
-            target_lab = wanted(colour, &viewing, target_lab, faults);
-            None
+    let beside = [
+        ("patch", file.compare.patch.as_ref().map(|patch| format!("{:?}", patch.to_string()))),
+        ("unit", file.compare.unit.map(|unit| format!("{unit:?}").to_lowercase())),
+        ("condition", file.compare.condition.map(|condition| condition.name().to_owned())),
+    ];
+    for (key, found) in beside {
+        if let (Some(found), None) = (found, &file.compare.measured) {
+            let what = if key == "patch" {
+                "a name"
+            } else if key == "unit" {
+                "a unit"
+            } else {
+                "a condition"
+            };
+            let allowed = format!("{what} beside compare.measured");
+            faults.add(format!("compare.{key}"), found, allowed, "add compare.measured");
         }
-        None => measured(file, folder, faults),
-    };
+    }
+    let mut measured = None;
+    match read_measured(file, wavelengths_nm, folder, &viewing) {
+        Some(Ok(reading)) => {
+            remarks.extend(reading.remarks.iter().map(|remark| format!("compare.measured: {remark}")));
+            match reading.measured {
+                Measured::Colour(colour) => target_lab = wanted(colour, &viewing, target_lab, faults),
+                Measured::Spectrum(spectrum) => measured = Some(spectrum),
+            }
+        }
+        Some(Err(error)) => {
+            let allowed = "a spectrum of reflectances at 45:0, or L*, a*, b*, as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17";
+            let remedy = "correct the file, compare.patch, compare.unit or compare.condition; its path is relative to the study file";
+            faults.add("compare.measured", error, allowed, remedy);
+        }
+        None => {}
+    }
     if let Some(measured) = &measured
         && !wavelengths_nm.is_empty()
         && wavelengths_nm.iter().all(|&nm| measured.at(nm).is_none())
@@ -40,13 +67,6 @@ pub fn judgement(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults
         faults.add("compare.measured", found, allowed, "give its wavelengths in nm");
     }
     Judgement { viewing, target_lab, measured }
-}
-
-/// Remark on a file with several samples.
-pub fn first_of_several(file: &StudyFile, judgement: &Judgement) -> Option<String> {
-    let measured = judgement.measured.as_ref().filter(|m| m.patches > 1 && file.compare.patch.is_none())?;
-    let source = &measured.source;
-    Some(format!("compare.measured: using {source}; compare.patch = \"…\" selects another by name"))
 }
 
 /// Whether the steps are equal, up to rounding of the written numbers.
@@ -93,16 +113,33 @@ fn is_lab(lab: [f64; 3]) -> bool {
     (0.0..=150.0).contains(&lab[0]) && lab.iter().all(|x| x.abs() <= 300.0)
 }
 
-/// The colour in a measured file without spectra; other errors of the file are reported when its
-/// spectrum is read.
-fn measured_colour(file: &StudyFile, folder: &Path) -> Option<Result<MeasuredColour, String>> {
-    let bytes = files::read_bytes(&folder.join(file.compare.measured.as_ref()?), files::TABLE).ok()?;
-    MeasuredColour::parse(&String::from_utf8_lossy(&bytes), file.compare.patch.as_deref()).transpose()
+/// The file of measurements, if there is one.
+fn read_measured(
+    file: &StudyFile,
+    wavelengths_nm: &[f64],
+    folder: &Path,
+    viewing: &Viewing,
+) -> Option<Result<MeasuredReading, String>> {
+    let path = folder.join(file.compare.measured.as_ref()?);
+    let used_nm = match wavelengths_nm {
+        [] => TABLE_RANGE_NM,
+        [first, .., last] => [*first, *last],
+        [only] => [*only; 2],
+    };
+    let request = MeasuredRequest {
+        patch: file.compare.patch.clone(),
+        unit: file.compare.unit,
+        condition: file.compare.condition,
+        used_nm,
+        viewing: viewing.clone(),
+        ..MeasuredRequest::default()
+    };
+    Some(MeasuredReading::new(&path, &request))
 }
 
 /// The measured colour as a target, if it refers to the study's conditions and is the only one.
 fn wanted(
-    colour: Result<MeasuredColour, String>,
+    colour: MeasuredColour,
     viewing: &Viewing,
     target_lab: Option<[f64; 3]>,
     faults: &mut Faults,
@@ -110,7 +147,8 @@ fn wanted(
     let allowed = format!("Lab under the conditions of [colour], {}, and stated", viewing.name());
     let remedy = "write these as [colour] illuminant and observer; where the file does not state them, write its values as \
                   colour.target_lab instead of the file";
-    let found = match colour.and_then(|colour| Ok((colour.lab, colour.viewing(viewing.summation)?))) {
+    let MeasuredColour { lab, viewing: own } = colour;
+    let found = match own.map(|own| (lab, own)) {
         Ok((lab, own)) if own == *viewing && is_lab(lab) && target_lab.is_none() => return Some(lab),
         Ok((_, own)) if own != *viewing => format!("Lab under {}", own.name()),
         Ok((lab, _)) if !is_lab(lab) => format!("Lab {lab:?}; allowed are {LAB}"),
@@ -124,12 +162,4 @@ fn wanted(
     };
     faults.add("compare.measured", found, allowed, remedy);
     None
-}
-
-fn measured(file: &StudyFile, folder: &Path, faults: &mut Faults) -> Option<MeasuredSpectrum> {
-    let path = folder.join(file.compare.measured.as_ref()?);
-    let read = MeasuredSpectrum::read(&path, file.compare.patch.as_deref(), file.compare.unit);
-    let allowed = "a spectrum as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17 with fields SPEC_nnn, or Lab of the latter";
-    let remedy = "correct the file, compare.patch or compare.unit; its path is relative to the study file";
-    read.map_err(|error| faults.add("compare.measured", error, allowed, remedy)).ok()
 }

@@ -5,16 +5,22 @@ use super::light::check_list;
 use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG};
 use crate::input::file::{AnglesTable, CouplingName, StudyFile};
 use crate::input::forms::AlbedoWritten;
+use crate::input::measured::{Measured, MeasuredGeometry, MeasuredReading, MeasuredRequest};
 use crate::input::study::{Angles, Paper};
 use crate::input::{Faults, limits};
 use crate::material::columns::micrometres;
-use crate::numerics::files;
-use serde::Deserialize;
 use std::path::Path;
 
 const REMEDY: &str = "0 is black, 1 is a perfect white, 0.9 is good paper";
 
-pub fn paper(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults: &mut Faults) -> Paper {
+/// Reads the paper; remarks say what was taken where a file leaves something open.
+pub fn paper(
+    file: &StudyFile,
+    wavelengths_nm: &[f64],
+    folder: &Path,
+    faults: &mut Faults,
+    remarks: &mut Vec<String>,
+) -> Paper {
     let coupling = match file.paper.coupling {
         CouplingName::Gap => Coupling::Gap,
         CouplingName::OpticalContact => Coupling::OpticalContact { index: file.layer.index_out },
@@ -28,12 +34,27 @@ pub fn paper(file: &StudyFile, wavelengths_nm: &[f64], folder: &Path, faults: &m
             let source = format!("listed at {} wavelengths", rows.len());
             (source, spectral("paper.albedo", rows.clone(), wavelengths_nm, faults))
         }
-        AlbedoWritten::Csv { csv } => {
+        AlbedoWritten::Csv { csv, patch, unit, condition } => {
+            let request = MeasuredRequest {
+                patch: patch.clone(),
+                one_must_be_named: true,
+                unit: *unit,
+                condition: *condition,
+                geometries: Vec::new(),
+                used_nm: range(wavelengths_nm),
+                ..MeasuredRequest::default()
+            };
             let path = folder.join(csv);
-            let rows = read(&path, faults).unwrap_or_default();
+            let rows = read(&path, &request, faults, remarks);
             // only the file name: the same table is the same paper in any folder
             let name = path.file_name().map_or_else(|| csv.clone(), |name| name.to_string_lossy().into());
-            (name, spectral("paper.albedo.csv", rows, wavelengths_nm, faults))
+            let name = patch.as_ref().map_or(name.clone(), |patch| format!("{name}: {patch}"));
+            let albedo = match rows {
+                Some(rows) => spectral("paper.albedo.csv", rows, wavelengths_nm, faults),
+                // a fault of the file is one already
+                None => Albedo::Constant(1.0),
+            };
+            (name, albedo)
         }
     };
     Paper { source, albedo, coupling }
@@ -57,25 +78,43 @@ fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &m
     albedo
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct AlbedoRow {
-    wavelength_nm: f64,
-    albedo: f64,
+/// First and last wavelength.
+fn range(wavelengths_nm: &[f64]) -> [f64; 2] {
+    let first = wavelengths_nm.first().copied().unwrap_or(f64::NEG_INFINITY);
+    [first, wavelengths_nm.last().copied().unwrap_or(f64::INFINITY)]
 }
 
-fn read(path: &Path, faults: &mut Faults) -> Option<Vec<[f64; 2]>> {
-    let mut builder = csv::ReaderBuilder::new();
-    let builder = builder.comment(Some(b'#')).trim(csv::Trim::All);
-    let rows = files::read_bytes(path, files::TABLE).map_err(csv::Error::from).and_then(|bytes| {
-        builder.from_reader(bytes.as_slice()).deserialize().collect::<Result<Vec<AlbedoRow>, _>>()
+/// Reads an albedo from a file of measurements.
+fn read(
+    path: &Path,
+    request: &MeasuredRequest,
+    faults: &mut Faults,
+    remarks: &mut Vec<String>,
+) -> Option<Vec<[f64; 2]>> {
+    let own_keys = |text: &str| text.replace("compare.", "paper.albedo.");
+    let reading = MeasuredReading::new(path, request).and_then(|reading| match reading.measured {
+        Measured::Spectrum(spectrum) => Ok((spectrum.rows, reading.geometry, reading.remarks)),
+        Measured::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
     });
-    let allowed = "a readable table with the header wavelength_nm,albedo";
-    let remedy = "correct the table; its path is relative to the study file";
-    let rows = rows.map_err(|error| {
-        faults.add("paper.albedo.csv", format!("{} ({error})", path.display()), allowed, remedy);
-    });
-    Some(rows.ok()?.iter().map(|row| [row.wavelength_nm, row.albedo]).collect())
+    let (rows, geometry, own) = match reading {
+        Ok(read) => read,
+        Err(error) => {
+            let allowed = "a readable table with the columns wavelength_nm and albedo, or a spectrum as CGATS.17 or CxF3";
+            let remedy = "correct the file, or name a sample beside it: { csv = \"…\", patch = \"…\" }; its path is relative \
+                          to the study file";
+            faults.add("paper.albedo.csv", own_keys(&error), allowed, remedy);
+            return None;
+        }
+    };
+    remarks.extend(own.iter().map(|remark| format!("paper.albedo: {}", own_keys(remark))));
+    if geometry == Some(MeasuredGeometry::Sphere(Some(true))) {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        remarks.push(format!(
+            "paper.albedo: {name} holds the light that the surface mirrors (specular light included), some 4 %, which an \
+             albedo does not"
+        ));
+    }
+    Some(rows)
 }
 
 /// Default number of directions: 0°, 45° and three strata.

@@ -1,0 +1,427 @@
+//! Tables of numbers as instruments, spreadsheets and websites write them: any usual separator,
+//! decimal points or commas, with or without a header, remarks, lines of text before the numbers,
+//! and several tables one after another.
+
+use crate::numerics::files::{self, FileError};
+use std::path::Path;
+
+/// Most cells in a line: a spectrum from 200 to 2500 nm in steps of 0.2 nm has 11 500.
+const MOST_COLUMNS: usize = 16_384;
+/// Most cells in a file: some hundred megabytes in memory.
+const MOST_CELLS: usize = 4_000_000;
+/// Lines that decide on the separator.
+const DECIDING_LINES: usize = 400;
+
+/// Text of a file in UTF-8, in UTF-16 with a byte order mark, or else in Latin-1.
+///
+/// # Errors
+/// The file cannot be read, is too large, or is no text.
+pub fn read_text(path: &Path) -> Result<String, FileError> {
+    let bytes = files::read_bytes(path, files::TABLE);
+    decode(&bytes.map_err(|error| FileError::new(path.display(), error))?)
+        .map_err(|reason| FileError::new(path.display(), reason))
+}
+
+fn decode(bytes: &[u8]) -> Result<String, &'static str> {
+    const NO_TEXT: &str = "it is not plain text (a spreadsheet's own format?): save it as CSV in UTF-8";
+    let wide = |unit: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| unit([pair[0], pair[1]])).collect();
+        String::from_utf16(&units).map_err(|_| NO_TEXT)
+    };
+    match bytes {
+        [0xff, 0xfe, ..] => return wide(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => return wide(u16::from_be_bytes),
+        _ => {}
+    }
+    if bytes.contains(&0) {
+        return Err(NO_TEXT);
+    }
+    // Latin-1: every byte is the character of that number
+    let text = std::str::from_utf8(bytes)
+        .map_or_else(|_| bytes.iter().map(|&b| char::from(b)).collect(), str::to_owned);
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+/// What is between two cells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Separator {
+    /// One character; only `,` excludes decimal commas.
+    Character(char),
+    /// Any number of blanks.
+    Blanks,
+}
+
+impl Separator {
+    fn cells<'a>(self, line: &'a str) -> Vec<&'a str> {
+        match self {
+            Self::Character(character) => line.split(character).map(str::trim).collect(),
+            Self::Blanks => line.split_whitespace().collect(),
+        }
+    }
+
+    /// The number in a cell, with a decimal comma unless commas separate cells.
+    pub fn number(self, cell: &str) -> Option<f64> {
+        number(cell, self != Self::Character(','))
+    }
+}
+
+/// A number with a decimal point, or, where allowed, with a decimal comma; a percent sign may
+/// follow. Words such as `nan` are numbers here, for the caller to refuse.
+pub fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
+    let cell = cell.trim();
+    let cell = cell.strip_suffix('%').unwrap_or(cell).trim_end();
+    if decimal_comma && let Some((whole, decimals)) = cell.split_once(',') {
+        let is_plain = !decimals.is_empty() && !decimals.contains(',') && !cell.contains('.');
+        return is_plain.then(|| format!("{whole}.{decimals}").parse().ok()).flatten();
+    }
+    cell.parse().ok()
+}
+
+/// A line of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextLine {
+    /// Its number, from 1.
+    pub line: usize,
+    /// Its cells, without blanks around them.
+    pub cells: Vec<String>,
+    /// Whether it is a remark, which begins with `#`.
+    pub remark: bool,
+}
+
+/// The lines of a file that are not empty.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextTable {
+    /// Path of the file, for messages.
+    pub path: String,
+    /// What separates its cells.
+    pub separator: Separator,
+    /// Its lines; empty ones, and lines of separators only, are left out.
+    pub lines: Vec<TextLine>,
+}
+
+/// Rows of numbers under one header.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TableBlock {
+    /// Lines of text and remarks between the block before and this one's header.
+    pub preamble: Vec<String>,
+    /// The header as written; empty if the block has none.
+    pub names: Vec<String>,
+    /// Rows with equally many cells, of which the first is a number.
+    pub rows: Vec<TextLine>,
+}
+
+impl TextTable {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// It cannot be read, is no text, or has more cells than a table of spectra.
+    pub fn read(path: &Path) -> Result<Self, FileError> {
+        Self::parse(path.display().to_string(), &read_text(path)?)
+    }
+
+    /// Splits a text into cells. A first line `sep=;` states the separator.
+    ///
+    /// # Errors
+    /// Too many cells.
+    pub fn parse(path: String, text: &str) -> Result<Self, FileError> {
+        let stated = text.lines().next().and_then(|first| first.trim().strip_prefix("sep="));
+        let stated = stated.and_then(|rest| rest.chars().next());
+        let separator = stated.map_or_else(|| guessed(text), Separator::Character);
+        let mut table = Self { path, separator, lines: Vec::new() };
+        let mut count = 0;
+        for (i, written) in text.lines().enumerate().skip(usize::from(stated.is_some())) {
+            let (line, trimmed) = (i + 1, written.trim());
+            let remark = trimmed.starts_with('#');
+            let content = trimmed.trim_start_matches('#');
+            let width = match separator {
+                Separator::Character(character) => content.matches(character).count() + 1,
+                Separator::Blanks => content.split_whitespace().take(MOST_COLUMNS + 1).count(),
+            };
+            count += width;
+            if width > MOST_COLUMNS || count > MOST_CELLS {
+                let reason = format!(
+                    "more than {MOST_COLUMNS} cells in a line, or {MOST_CELLS} in all: no table of spectra"
+                );
+                return Err(FileError::new(format_args!("{}, line {line}", table.path), reason));
+            }
+            let cells = table.cells(content);
+            if cells.iter().any(|cell| !cell.is_empty()) {
+                table.lines.push(TextLine { line, cells, remark });
+            }
+        }
+        Ok(table)
+    }
+
+    /// Cells of a line; between quotes separators do not count.
+    fn cells(&self, line: &str) -> Vec<String> {
+        let delimiter = match self.separator {
+            Separator::Character(character) => u8::try_from(character).ok(),
+            Separator::Blanks => Some(b' '),
+        };
+        if let (true, Some(delimiter)) = (line.contains('"'), delimiter) {
+            let mut reader = csv::ReaderBuilder::new();
+            let reader = reader.has_headers(false).delimiter(delimiter).trim(csv::Trim::All);
+            if let Some(Ok(record)) = reader.from_reader(line.as_bytes()).records().next() {
+                return record.iter().map(str::to_owned).collect();
+            }
+        }
+        self.separator.cells(line).into_iter().map(str::to_owned).collect()
+    }
+
+    /// The number in a cell.
+    pub fn number(&self, cell: &str) -> Option<f64> {
+        self.separator.number(cell)
+    }
+
+    /// The blocks of rows that begin with a number, each under the line above it if that is a
+    /// header: text with as many cells. A remark directly above a block without a header is one.
+    ///
+    /// # Errors
+    /// A row whose number of cells is not that of its header, or that does not begin with a number
+    /// between others that do.
+    pub fn blocks(&self) -> Result<Vec<TableBlock>, FileError> {
+        let mut blocks: Vec<TableBlock> = Vec::new();
+        let mut texts: Vec<&TextLine> = Vec::new();
+        let mut open = false;
+        for line in &self.lines {
+            if line.remark {
+                texts.push(line);
+                continue;
+            }
+            let others = line.cells.iter().skip(1).filter(|cell| self.number(cell).is_some()).count();
+            let starts = self.number(&line.cells[0]).is_some();
+            if open && (starts || others > 0) {
+                let names = blocks.last().map(|block| block.names.clone()).unwrap_or_default();
+                let width = blocks.last().map_or(0, |block| block.rows[0].cells.len());
+                let row = self.fitted(line, width, &names)?;
+                if !starts {
+                    return Err(self.no_number(line, names.first()));
+                }
+                if let Some(block) = blocks.last_mut() {
+                    block.rows.push(row);
+                }
+            } else if starts && line.cells.len() > 1 {
+                let names = self.header(&mut texts, line)?;
+                let width = if names.is_empty() { line.cells.len() } else { names.len() };
+                let rows = vec![self.fitted(line, width, &names)?];
+                let preamble = texts.drain(..).map(|text| text.cells.join(" ")).collect();
+                blocks.push(TableBlock { preamble, names, rows });
+                open = true;
+            } else {
+                let above = texts.last().filter(|text| !text.remark && text.cells.len() == line.cells.len());
+                if let Some(header) =
+                    above.filter(|text| others > 0 && wavelength_factor(&text.cells[0]).is_some())
+                {
+                    return Err(self.no_number(line, header.cells.first()));
+                }
+                texts.push(line);
+                open = false;
+            }
+        }
+        Ok(blocks)
+    }
+
+    /// The row with exactly this number of cells; empty ones at its end may be missing or too many.
+    fn fitted(&self, line: &TextLine, width: usize, names: &[String]) -> Result<TextLine, FileError> {
+        let mut row = line.clone();
+        while row.cells.len() > width && row.cells.last().is_some_and(String::is_empty) {
+            row.cells.pop();
+        }
+        if row.cells.len() == width {
+            return Ok(row);
+        }
+        let mut reason = format!("{} cells under {width} columns", row.cells.len());
+        if self.separator == Separator::Character(',') && row.cells.len() > width {
+            reason += "; numbers with a decimal comma need a semicolon between columns";
+            if !names.is_empty() {
+                reason += &format!(" ({})", names.join(";").to_lowercase());
+            }
+        }
+        Err(FileError::new(format_args!("{}, line {}", self.path, line.line), reason))
+    }
+
+    /// The header of a block that begins with this row, taken out of the lines above it.
+    fn header(&self, texts: &mut Vec<&TextLine>, row: &TextLine) -> Result<Vec<String>, FileError> {
+        let Some(&last) = texts.last() else { return Ok(Vec::new()) };
+        let mut names = last.cells.clone();
+        while names.len() > row.cells.len() && names.last().is_some_and(String::is_empty) {
+            names.pop();
+        }
+        // numbers name samples only beside a column of wavelengths
+        let is_header = names.len() > 1
+            && !names[0].is_empty()
+            && (names.iter().all(|name| self.number(name).is_none())
+                || wavelength_factor(&names[0]).is_some());
+        let remark_of_other_width = last.remark && names.len() != row.cells.len();
+        if !is_header || remark_of_other_width {
+            return Ok(Vec::new());
+        }
+        texts.pop();
+        Ok(names)
+    }
+
+    /// A cell that should hold a number.
+    pub fn no_number(&self, line: &TextLine, column: Option<&String>) -> FileError {
+        let place = format!("{}, line {}", self.path, line.line);
+        let place = column.map_or(place.clone(), |name| format!("{place}, column {name}"));
+        let cell = &line.cells[0];
+        match cell.is_empty() {
+            true => FileError::new(place, "an empty cell; enter a number, or remove the line"),
+            false => FileError::new(place, format_args!("found {cell:?} where a number is needed")),
+        }
+    }
+}
+
+/// The separator under which most cells of the first lines are numbers; of equals the first listed.
+fn guessed(text: &str) -> Separator {
+    let mut candidates = ['\t', ';', ','].map(Separator::Character).to_vec();
+    candidates.push(Separator::Blanks);
+    let lines = || text.lines().filter(|line| !line.trim_start().starts_with('#')).take(DECIDING_LINES);
+    let score = |separator: Separator| -> usize {
+        lines()
+            .map(|line| {
+                // a line that has far too many cells is refused later
+                let cells = &line[..line.len().min(1 << 16).min(last_boundary(line))];
+                let cells = separator.cells(cells);
+                if cells.len() < 2 {
+                    0
+                } else {
+                    cells.iter().filter(|cell| separator.number(cell).is_some()).count()
+                }
+            })
+            .sum()
+    };
+    let mut best = Separator::Character(',');
+    let mut most = 0;
+    for candidate in candidates {
+        let count = score(candidate);
+        if count > most {
+            (best, most) = (candidate, count);
+        }
+    }
+    if most > 0 {
+        return best;
+    }
+    // nothing but words: what the first line has
+    let first = text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
+    let found = [';', '\t'].into_iter().find(|&character| first.contains(character));
+    Separator::Character(found.unwrap_or(','))
+}
+
+/// A place near 65 536 bytes at which a text can be cut.
+fn last_boundary(line: &str) -> usize {
+    (0..=line.len().min(1 << 16)).rev().find(|&at| line.is_char_boundary(at)).unwrap_or(0)
+}
+
+/// Factor from the unit of a column of wavelengths to nm, by its name: `Wavelength (nm)`, `nm`,
+/// `wl` (µm: so the website of refractiveindex.info names it), `lambda_um`; none for other columns.
+/// A name without a unit is taken as nm.
+pub fn wavelength_factor(name: &str) -> Option<f64> {
+    let lower = name.trim().to_lowercase();
+    let words: Vec<&str> =
+        lower.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let is = |all: &[&str]| words.iter().any(|word| all.contains(word));
+    let quantity = is(&["wavelength", "wavelengths", "wavelen", "wave", "lambda", "λ", "wellenlänge", "wl"]);
+    let unit = if is(&["um", "µm", "μm", "micron", "microns", "micrometer", "micrometers", "micrometre"]) {
+        Some(1000.0)
+    } else if is(&["nm", "nanometer", "nanometers", "nanometre", "nanometres"]) {
+        Some(1.0)
+    } else if is(&["å", "angstrom", "angstroms"]) {
+        Some(0.1)
+    } else {
+        None
+    };
+    let only_unit = words.len() == 1 && unit.is_some();
+    if lower == "wl" {
+        return Some(1000.0);
+    }
+    (quantity || only_unit).then(|| unit.unwrap_or(1.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn blocks(text: &str) -> Vec<TableBlock> {
+        TextTable::parse("a.csv".into(), text).unwrap().blocks().unwrap()
+    }
+
+    fn numbers(text: &str) -> Vec<Vec<f64>> {
+        let table = TextTable::parse("a.csv".into(), text).unwrap();
+        let block = table.blocks().unwrap().remove(0);
+        block
+            .rows
+            .iter()
+            .map(|row| row.cells.iter().map(|cell| table.number(cell).unwrap()).collect())
+            .collect()
+    }
+
+    #[test]
+    fn the_same_table_however_it_is_written() {
+        let rows = vec![vec![400.0, 0.25], vec![500.0, 12.5]];
+        for text in [
+            "nm,r\n400,0.25\n500,12.5\n",
+            "400,0.25\n500,12.5\n",
+            "sep=;\nnm;r\n400;0,25\n500;12,5\n",
+            "sep=,\r\nnm,r\r\n400,0.25\r\n500,12.5\r\n",
+            "nm;r\n400;0,25\n500;12,5\n",
+            "nm\tr\n400\t0,25\n500\t12.5\n",
+            "nm   r\n400   0.25\n500   12.5\n",
+            "# a remark\nnm, r\n400, 0.25\n# another\n\n500, 12.5\n;;\n",
+            "Instrument: X 1, serial 12\nDate,2020\n\"nm\",\"r, of white\"\n400,0.25\n500,12.5\n",
+            "nm,r,,\n400,0.25,,\n500,12.5,,\n",
+            "nm,r\n400,0.25\n500,12.5%\n",
+        ] {
+            assert_eq!(numbers(text), rows, "{text}");
+        }
+    }
+
+    #[test]
+    fn tables_one_after_another_keep_their_headers() {
+        let two = blocks("wl,n\n0.4,1.5\n0.5,1.4\n\nwl,k\n0.4,0.1\n0.5,0.2\n");
+        assert_eq!(two.len(), 2);
+        assert_eq!((two[0].names[1].as_str(), two[1].names[1].as_str(), two[1].rows.len()), ("n", "k", 2));
+        let titled = blocks("first\nnm,r\n400,1\n500,1\nsecond\nnm,r\n400,2\n500,2\n");
+        assert_eq!(
+            (titled[1].preamble.as_slice(), titled[1].rows.len()),
+            (["second".to_owned()].as_slice(), 2)
+        );
+        assert_eq!(blocks("# nm r\n400 1\n500 2\n")[0].names, ["nm", "r"]);
+        assert!(blocks("name,a\n").is_empty());
+    }
+
+    #[test]
+    fn a_row_that_does_not_fit_is_named_by_its_line() {
+        let error =
+            |text: &str| TextTable::parse("a.csv".into(), text).unwrap().blocks().unwrap_err().to_string();
+        let comma = error("nm,r\n400,0,25\n500,0,5\n");
+        assert!(comma.contains("line 2: 3 cells under 2 columns; numbers with a decimal comma"), "{comma}");
+        assert!(error("nm,r\n4l0,1\n410,2\n").contains("line 2, column nm: found \"4l0\""));
+        assert!(error("nm,r\n400,1\n4l0,2\n420,3\n").contains("line 3, column nm: found \"4l0\""));
+        let wide = format!("nm{}\n", ",1".repeat(1_000_000));
+        let wide = TextTable::parse("a.csv".into(), &wide).unwrap_err().to_string();
+        assert!(wide.contains("line 1: more than 16384 cells"), "{wide}");
+    }
+
+    #[test]
+    fn encodings_and_units_of_wavelengths() {
+        let wide: Vec<u8> =
+            [0xff, 0xfe].into_iter().chain("nm;°\n".encode_utf16().flat_map(u16::to_le_bytes)).collect();
+        assert_eq!(decode(&wide).unwrap(), "nm;°\n");
+        assert_eq!(decode(b"2\xb0").unwrap(), "2°");
+        assert!(decode(b"PK\x03\x04\0\0").is_err());
+        for (name, factor) in [
+            ("Wavelength (nm)", Some(1.0)),
+            ("nm", Some(1.0)),
+            ("wavelength_nm", Some(1.0)),
+            ("λ [µm]", Some(1000.0)),
+            ("wl", Some(1000.0)),
+            ("WL", Some(1000.0)),
+            ("lambda", Some(1.0)),
+            ("ink", None),
+            ("%R", None),
+        ] {
+            assert_eq!(wavelength_factor(name), factor, "{name}");
+        }
+    }
+}

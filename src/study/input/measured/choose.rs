@@ -1,0 +1,397 @@
+//! Chooses one measurement of a file: by name or amounts of ink, by condition, by geometry. What is
+//! left open is asked for, with the names of what there is.
+
+use super::sample::{MeasuredFile, MeasuredSample, SampleContent, SpectralCell};
+use super::words::{MeasuredGeometry, MeasuredKind};
+use super::{MeasuredCondition, MeasuredRequest, MeasuredUnit, Patch};
+use crate::material::columns::micrometres;
+
+/// Maximum number of names in a message.
+const MOST_NAMES: usize = 12;
+/// Rounding of amounts of ink as written, percent.
+const DEVICE_ROUNDING: f64 = 0.02;
+/// Larger values are percentages; values between 1 and this are ambiguous, so that the unit is
+/// required.
+pub const LARGEST_FACTOR: f64 = 3.0;
+/// Noise of an instrument at black; smaller values are not reflectance factors.
+pub const LEAST_FACTOR: f64 = -0.1;
+
+/// The measurement that is meant.
+pub struct Chosen<'a> {
+    /// It.
+    pub sample: &'a MeasuredSample,
+    /// Further colours of the same sample under other conditions.
+    pub colours: Vec<&'a MeasuredSample>,
+    /// Its place among the file's samples, from 1.
+    pub place: usize,
+    /// Number of samples in the file.
+    pub of: usize,
+}
+
+/// Names in words, at most some.
+fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
+    let mut all: Vec<&str> = Vec::new();
+    for name in names.filter(|name| !name.is_empty()) {
+        if all.len() <= MOST_NAMES && !all.contains(&name) {
+            all.push(name);
+        }
+    }
+    let shown = all.iter().take(MOST_NAMES).map(|name| format!("{name:?}")).collect::<Vec<_>>().join(", ");
+    if all.len() > MOST_NAMES { shown + ", …" } else { shown }
+}
+
+/// Chooses a measurement.
+///
+/// # Errors
+/// None is meant, or several are.
+pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<Chosen<'a>, String> {
+    let samples = &file.samples;
+    let (places, of) = places(samples);
+    let mut meant: Vec<usize> = match &request.patch {
+        Some(patch) => named(samples, patch)?,
+        // of colours alone one is the target
+        None if of > 1 && (request.one_must_be_named || samples.iter().all(is_colour)) => {
+            let example = samples.iter().map(MeasuredSample::name).find(|name| !name.is_empty());
+            let example = example.map_or(String::new(), |name| format!(", such as {name:?}"));
+            return Err(format!("{of} samples, of which none is named: write compare.patch{example}"));
+        }
+        None => (0..samples.len()).filter(|&i| places[i] == 1).collect(),
+    };
+    let name = meant.first().map_or("", |&i| samples[i].name());
+    let called = if name.is_empty() { "the sample".to_owned() } else { format!("{name:?}") };
+    // spectra of reflected light go before colours, which hold less
+    let reflected: Vec<usize> =
+        meant.iter().copied().filter(|&i| samples[i].kind == MeasuredKind::Reflectance).collect();
+    if let (true, Some(&other)) = (reflected.is_empty(), meant.first()) {
+        return Err(format!(
+            "{called} is {}, not reflectance: measure it in reflection",
+            samples[other].kind.name()
+        ));
+    }
+    meant = reflected;
+    let is_spectrum = |i: &usize| matches!(samples[*i].content, SampleContent::Spectrum(_));
+    if meant.iter().any(is_spectrum) {
+        meant.retain(is_spectrum);
+    }
+    by_condition(samples, &mut meant, &called, request.condition)?;
+    by_geometry(samples, &mut meant, &called, &request.geometries)?;
+    let Some(&first) = meant.first() else { return Err("no sample".into()) };
+    let (sample, place) = (&samples[first], places[first]);
+    let rest = || meant.iter().skip(1).map(|&i| &samples[i]);
+    let colours: Vec<&MeasuredSample> = match sample.content {
+        SampleContent::Lab(..) => rest().filter(|other| other.is_same_sample(sample)).collect(),
+        SampleContent::Spectrum(_) => Vec::new(),
+    };
+    let differs = |other: &MeasuredSample| match sample.content {
+        SampleContent::Lab(..) => !other.is_same_sample(sample),
+        SampleContent::Spectrum(_) => !same_values(&other.content, &sample.content),
+    };
+    if rest().any(differs) {
+        let others = meant
+            .iter()
+            .flat_map(|&i| samples[i].names.iter())
+            .map(String::as_str)
+            .filter(|other| *other != name);
+        let others = listed(others);
+        let remedy = if others.is_empty() {
+            "keep one of them, or give them different names".to_owned()
+        } else {
+            format!("write one of their other names as compare.patch: {others}")
+        };
+        return Err(format!("{} measurements of {called} that differ: {remedy}", meant.len()));
+    }
+    Ok(Chosen { sample, colours, place, of })
+}
+
+fn is_colour(sample: &MeasuredSample) -> bool {
+    matches!(sample.content, SampleContent::Lab(..))
+}
+
+/// The number of the sample that each measurement is of, from 1, and how many samples there are.
+fn places(samples: &[MeasuredSample]) -> (Vec<usize>, usize) {
+    let mut known = std::collections::HashMap::new();
+    let mut places = Vec::with_capacity(samples.len());
+    let mut of = 0;
+    for sample in samples {
+        let device: Vec<u64> = sample.device.iter().map(|value| value.to_bits()).collect();
+        let is_known = sample.is_same_sample(sample);
+        let place = match known.get(&(&sample.names, device.clone())) {
+            Some(&place) if is_known => place,
+            _ => {
+                of += 1;
+                known.insert((&sample.names, device), of);
+                of
+            }
+        };
+        places.push(place);
+    }
+    (places, of)
+}
+
+/// The measurements that a name or amounts of ink stand for.
+fn named(samples: &[MeasuredSample], patch: &Patch) -> Result<Vec<usize>, String> {
+    let with_device = |wanted: &[f64]| -> Vec<usize> {
+        let near = |sample: &MeasuredSample| {
+            sample.device.len() == wanted.len()
+                && sample.device.iter().zip(wanted).all(|(have, want)| (have - want).abs() <= DEVICE_ROUNDING)
+        };
+        (0..samples.len()).filter(|&i| near(&samples[i])).collect()
+    };
+    let wanted = match patch {
+        Patch::Inks(wanted) => {
+            let found = with_device(wanted);
+            if !found.is_empty() {
+                return Ok(found);
+            }
+            let own = samples.iter().map(|sample| &sample.device).find(|device| !device.is_empty());
+            return Err(match own {
+                Some(device) => {
+                    format!("no sample with the device values {wanted:?}; the first has {device:?}")
+                }
+                None => format!("no sample with the device values {wanted:?}: the file states none"),
+            });
+        }
+        Patch::Name(name) => name.trim(),
+    };
+    let ranks = samples.iter().map(|sample| sample.names.len()).max().unwrap_or(0);
+    for rank in 0..ranks {
+        let is = |i: &usize| samples[*i].names.get(rank).is_some_and(|name| name == wanted);
+        let found: Vec<usize> = (0..samples.len()).filter(is).collect();
+        if !found.is_empty() {
+            return Ok(found);
+        }
+    }
+    let numbers: Option<Vec<f64>> = wanted
+        .split(|c: char| c.is_whitespace() || matches!(c, ',' | '/' | ';'))
+        .map(|part| part.trim_start_matches(|c: char| c.is_alphabetic() || c == '='))
+        .filter(|part| !part.is_empty())
+        .map(|part| part.parse().ok())
+        .collect();
+    let found =
+        numbers.filter(|numbers| numbers.len() > 2).map(|numbers| with_device(&numbers)).unwrap_or_default();
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    let unnamed = samples.iter().all(|sample| sample.name().is_empty());
+    if let (true, Ok(number)) = (unnamed, wanted.parse::<usize>())
+        && (1..=samples.len()).contains(&number)
+    {
+        return Ok(vec![number - 1]);
+    }
+    let found = listed(samples.iter().map(MeasuredSample::name));
+    let found = match (found.is_empty(), samples.len()) {
+        (true, 1) => "no names".to_owned(),
+        (true, count) => format!("no names: \"1\" to \"{count}\" select by place"),
+        _ => found,
+    };
+    Err(format!("no sample {wanted:?}; found {found}"))
+}
+
+/// Keeps the measurements under the condition that is asked for, or the only one.
+fn by_condition(
+    samples: &[MeasuredSample],
+    meant: &mut Vec<usize>,
+    called: &str,
+    wanted: Option<MeasuredCondition>,
+) -> Result<(), String> {
+    let mut found: Vec<Option<MeasuredCondition>> = Vec::new();
+    for &i in meant.iter() {
+        if !found.contains(&samples[i].condition) {
+            found.push(samples[i].condition);
+        }
+    }
+    let name =
+        |condition: &Option<MeasuredCondition>| condition.map_or("none stated", MeasuredCondition::name);
+    let names = found.iter().map(name).collect::<Vec<_>>().join(", ");
+    match wanted {
+        Some(_) if found.contains(&wanted) => {
+            meant.retain(|&i| samples[i].condition == wanted);
+            Ok(())
+        }
+        Some(wanted) => Err(format!("{called} has no measurement under {}; found: {names}", wanted.name())),
+        None if found.len() > 1 => {
+            let example = found.iter().flatten().next().map_or("M0", |condition| condition.name());
+            Err(format!(
+                "{} measurements of {called} under the conditions {names}: choose by compare.condition = {example:?}",
+                meant.len()
+            ))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Keeps the measurements of an allowed geometry; those that state none are taken where no other
+/// is.
+fn by_geometry(
+    samples: &[MeasuredSample],
+    meant: &mut Vec<usize>,
+    called: &str,
+    allowed: &[MeasuredGeometry],
+) -> Result<(), String> {
+    if allowed.is_empty() {
+        return Ok(());
+    }
+    let is_allowed = |i: &usize| samples[*i].geometry.as_ref().is_some_and(|own| allowed.contains(own));
+    if meant.iter().any(is_allowed) {
+        meant.retain(is_allowed);
+        return Ok(());
+    }
+    let other = meant.iter().find_map(|&i| samples[i].geometry.as_ref());
+    if meant.iter().any(|&i| samples[i].geometry.is_none()) {
+        meant.retain(|&i| samples[i].geometry.is_none());
+        return Ok(());
+    }
+    let Some(other) = other else { return Ok(()) };
+    let allowed = allowed.iter().map(MeasuredGeometry::name).collect::<Vec<_>>().join(" or ");
+    Err(format!(
+        "{called} is measured with the geometry {}, and compared at {allowed}: the one holds light that the other does not",
+        other.name()
+    ))
+}
+
+fn same_values(one: &SampleContent, other: &SampleContent) -> bool {
+    match (one, other) {
+        (SampleContent::Spectrum(one), SampleContent::Spectrum(other)) => {
+            one.len() == other.len()
+                && one.iter().zip(other).all(|(a, b)| a.nm == b.nm && a.value.text == b.value.text)
+        }
+        (one, other) => one == other,
+    }
+}
+
+/// Value of a perfect white, and a remark where the file does not declare it.
+pub struct White {
+    /// The value.
+    pub value: f64,
+    /// What was taken, and why.
+    pub remark: Option<String>,
+}
+
+/// Decides on the unit: by the key, by what the file declares, or by the values of all samples of
+/// the file at the wavelengths that are used; never by one sample.
+///
+/// # Errors
+/// The values may be either percentages or factors.
+pub fn white(
+    file: &MeasuredFile,
+    sample: &MeasuredSample,
+    request: &MeasuredRequest,
+) -> Result<White, String> {
+    let asked = request.unit.map(|unit| if unit == MeasuredUnit::Percent { 100.0 } else { 1.0 });
+    match (asked, sample.white) {
+        (Some(value), Some(declared)) if declared != value => {
+            let remark = format!(
+                "the file declares {declared} for a perfect white; compare.unit is believed, which says {value}"
+            );
+            return Ok(White { value, remark: Some(remark) });
+        }
+        (Some(value), _) | (None, Some(value)) => return Ok(White { value, remark: None }),
+        (None, None) => {}
+    }
+    let undeclared =
+        file.samples.iter().filter(|other| other.white.is_none() && other.kind == MeasuredKind::Reflectance);
+    let cells = undeclared.filter_map(|sample| match &sample.content {
+        SampleContent::Spectrum(cells) => Some(cells),
+        SampleContent::Lab(..) => None,
+    });
+    let [from, to] = request.used_nm;
+    let is_used = |cell: &&SpectralCell| cell.nm.is_some_and(|nm| (from..=to).contains(&nm));
+    let used = cells.flatten().filter(is_used);
+    let values = used.filter_map(|cell| cell.value.value()).filter(|value| value.is_finite());
+    let largest = values.fold(f64::NEG_INFINITY, f64::max);
+    let key = "compare.unit = \"percent\" or \"factor\"";
+    if largest > LARGEST_FACTOR {
+        let remark = format!(
+            "no unit is stated; taken as percent, as the file has values up to {largest}; {key} says it"
+        );
+        return Ok(White { value: 100.0, remark: Some(remark) });
+    }
+    if largest > 1.0 {
+        return Err(format!(
+            "no unit is stated, and the largest value is {largest} in the whole file: dark prints in percent, or factors above a \
+             perfect white; say which by {key}"
+        ));
+    }
+    let remark = format!(
+        "no unit is stated; taken as factors of a perfect white, as the file's largest value is {largest}; {key} says it"
+    );
+    Ok(White { value: 1.0, remark: Some(remark) })
+}
+
+/// The rows of a spectrum, rising in wavelength, white at 1. Rows outside `used_nm` that are no
+/// reflectance factors are left out; those within, and the next on either side, must be sound.
+///
+/// # Errors
+/// A wavelength or a value that is used is not sound.
+pub fn rows(cells: &[SpectralCell], white: f64, used_nm: [f64; 2]) -> Result<Vec<[f64; 2]>, String> {
+    if cells.len() < 2 {
+        return Err(format!("{} rows; a spectrum has at least 2", cells.len()));
+    }
+    let mut sorted: Vec<(f64, &SpectralCell)> = Vec::with_capacity(cells.len());
+    for cell in cells {
+        let nm = cell.nm.filter(|nm| nm.is_finite()).ok_or_else(|| {
+            format!(
+                "line {}: a value without its wavelength (in CxF: StartWL of the spectrum, and Increment of the \
+                 WavelengthRange of its ColorSpecification)",
+                cell.value.line
+            )
+        })?;
+        sorted.push((nm, cell));
+    }
+    if let Some(largest) = micrometres(sorted.iter().map(|(nm, _)| *nm)) {
+        return Err(format!(
+            "the largest wavelength is {largest}: these look like µm; write them in nm, times 1000"
+        ));
+    }
+    sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // what lies between the rows next to the range decides on values inside it
+    let first = sorted.iter().rposition(|(nm, _)| *nm <= used_nm[0]).unwrap_or(0);
+    let last = sorted.iter().position(|(nm, _)| *nm >= used_nm[1]).unwrap_or(sorted.len() - 1);
+    let is_used = |i: usize| (first..=last).contains(&i) || last < first;
+    let mut rows: Vec<[f64; 2]> = Vec::with_capacity(sorted.len());
+    for (i, (nm, cell)) in sorted.iter().enumerate() {
+        let value = match sound(*nm, cell, white) {
+            Ok(value) => value,
+            Err(reason) if is_used(i) => return Err(reason),
+            Err(_) => continue,
+        };
+        match rows.last() {
+            Some(&[before, known]) if before == *nm => {
+                if known != value && is_used(i) {
+                    let line = cell.value.line;
+                    return Err(format!(
+                        "line {line}: two values at {nm} nm, {} and {}",
+                        known * white,
+                        value * white
+                    ));
+                }
+            }
+            _ => rows.push([*nm, value]),
+        }
+    }
+    if rows.len() < 2 {
+        return Err(format!("{} rows; a spectrum has at least 2", rows.len()));
+    }
+    Ok(rows)
+}
+
+/// The value of a cell as a reflectance factor.
+fn sound(nm: f64, cell: &SpectralCell, white: f64) -> Result<f64, String> {
+    let (text, line) = (cell.value.text.trim(), cell.value.line);
+    if text.is_empty() {
+        return Err(format!("line {line}, {nm} nm: an empty cell; enter a number, or remove the row"));
+    }
+    let Some(value) = cell.value.value() else {
+        return Err(format!("line {line}, {nm} nm: found {text:?} where a number is needed"));
+    };
+    if !value.is_finite() {
+        return Err(format!("line {line}: {text} at {nm} nm is not a number"));
+    }
+    let factor = value / white;
+    if !(LEAST_FACTOR..=LARGEST_FACTOR).contains(&factor) {
+        return Err(format!(
+            "line {line}: {value} at {nm} nm is not a reflectance factor; a perfect white is 1, or 100 in percent (taken as {white})"
+        ));
+    }
+    Ok(factor)
+}
