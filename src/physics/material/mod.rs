@@ -5,3 +5,4 @@ pub mod dispersion;
 pub mod mixing;
 pub mod named;
 pub mod spectra;
+pub mod usable;
