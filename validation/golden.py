@@ -442,10 +442,10 @@ def tabulated(nm):
     return [of_light * sum(weight(j) * o[j] for j in nodes) for o in observer]
 
 
-def lagrange(grid, at):
-    """ASTM E2022: four nearest points, three in the outer intervals."""
+def lagrange(grid, at, most=4):
+    """ASTM E2022: four nearest points, three in the outer intervals; or two."""
     after = min(max(sum(1 for x in grid if x < at), 1), len(grid) - 1)
-    window = range(max(after - 2, 0), min(after + 2, len(grid)))
+    window = range(max(after - most // 2, 0), min(after + most // 2, len(grid)))
     return [(j, math.prod((at - grid[k]) / (grid[j] - grid[k]) for k in window if k != j)) for j in window]
 
 
@@ -471,6 +471,38 @@ class Meter:
 
     def xyz(self, values):
         return [sum(w[c] * v for w, v in zip(self.weights, values)) for c in range(3)]
+
+    def resampled(self, grid, values, at_most=4):
+        """X, Y, Z of a spectrum known on another grid between the same ends, every 5 nm by its nearest points."""
+        first, last = self.grid[0], self.grid[-1]
+        pieces, total = math.ceil((last - first) / 5 - 1e-9), [0.0] * 3
+        for k in range(pieces + 1):
+            nm = first + (last - first) * k / pieces
+            value = sum(share * values[j] for j, share in lagrange(grid, nm, at_most))
+            step = (last - first) / pieces
+            weights = [self.scale * x * (step / self.step if self.step <= 10.0 + 1e-6 else 1.0) for x in tabulated(nm)]
+            total = [x + value * w for x, w in zip(total, weights)]
+        return total
+
+    def between(self, values, guide, fine, guide_fine):
+        """Independent errors of X, Y, Z of a spectrum known at the grid's wavelengths alone, beside a guide that is known in between."""
+        grid, rest = self.grid, [v - g for v, g in zip(values, guide)]
+        widest, last = max(b - a for a, b in zip(grid, grid[1:])), len(grid) - 1
+        take = lambda places, at_most=4: self.resampled([grid[j] for j in places], [rest[j] for j in places], at_most)
+        less = lambda factor, one, other: [factor * (x - y) for x, y in zip(one, other)]
+        best = take(range(last + 1))
+        parts = [less(min((widest / 40) ** 2, 1.0), take(range(last + 1), 2), best)]
+        for odd in (0, 1):
+            half = [j for j in range(last + 1) if j % 2 == odd or j in (0, last)]
+            parts.append(less(min((widest / 80) ** 1.5, 1.0), take(half), best))
+        for a, b in zip(grid, grid[1:]):
+            high = max(abs(x) for x in rest) * min(0.2 * ((b - a) / 100) ** 4, 0.4)
+            arc = lambda nm: 4 * high * (nm - a) * (b - nm) / (b - a) ** 2 if a <= nm < b else 0.0
+            pieces = math.ceil((grid[-1] - grid[0]) / 5 - 1e-9)
+            nodes = [grid[0] + (grid[-1] - grid[0]) * k / pieces for k in range(pieces + 1)]
+            parts.append(self.resampled(nodes, [arc(nm) for nm in nodes]))
+        parts.append(less(1.0, self.resampled(fine, guide_fine), self.resampled(grid, guide)))
+        return parts
 
     def per_nm(self, nm):
         # whole nanometres around it, as the program's tables have them
@@ -653,6 +685,16 @@ class Paper:
         self.diffuse = [layer.fitted(layer.diffuse, without, nm, 6, k, 0) for k in range(6)]
         self.albedo = self.study.albedo(nm)
 
+    @staticmethod
+    def of_film(layer, nm):
+        """The film of the layer on the paper, without the grains' scattering."""
+        own = object.__new__(Paper)
+        own.layer, own.nm, own.study = layer, nm, layer.study
+        own.mean_t, _, own.mean_a = layer.films.means(nm, layer.study.thicknesses())
+        own.anchors, own.bends, own.diffuse = [[0.0] * 3] * 2, [[0.0] * 2] * 3, [0.0] * 6
+        own.albedo = layer.study.albedo(nm)
+        return own
+
     def moved(self, by, step):
         other = object.__new__(Paper)
         other.__dict__.update(self.__dict__)
@@ -722,6 +764,25 @@ class Ink:
             means[nm] = layer.films.means(nm, study.thicknesses())
         variants = range(self.count + 1) if self.count > 1 else range(1)
         self.at = [{nm: Paper(layer, nm, v, means[nm]) for nm in means} for v in variants]
+        pieces = max(1, math.ceil((last - first) / 5 - 1e-9))
+        self.fine = [first + (last - first) * k / pieces for k in range(pieces + 1)] if study.listed else []
+        self.film = {nm: Paper.of_film(layer, nm) for nm in {*self.fine, *(self.colours if study.listed else [])}}
+
+    def between(self, quantity):
+        """Errors of X, Y, Z due to what lies between the wavelengths of a list."""
+        if not self.study.listed:
+            return []
+        values = [quantity(self.at[0][nm]) for nm in self.colours]
+        film = lambda grid: [quantity(self.film[nm]) for nm in grid]
+        return self.meter.between(values, film(self.colours), self.fine, film(self.fine))
+
+    def between_lab(self, quantity, xyz):
+        """The same as shifts of Lab."""
+        here, shifts = lab(xyz, self.meter.white), []
+        for by in self.between(quantity):
+            there = lab([max(x + d, 0.0) for x, d in zip(xyz, by)], self.meter.white)
+            shifts.append([x - y for x, y in zip(there, here)])
+        return shifts
 
     def spectrum(self, quantity):
         """Value and leave-one-out values at every output wavelength."""
@@ -774,7 +835,8 @@ class Ink:
             return [x - y for x, y in zip(there, colour["lab"])]
 
         shifts = [shift(grid), shift([residual] * 2)]
-        whole = self.widened(chance, shifts)
+        between = self.between_lab(quantity, colour["xyz"])
+        whole = self.widened(chance, shifts + between)
         spread = lambda c: math.sqrt(max(0.0, c[0][0] + c[1][1] + c[2][2]))
         angles = self.angle_covariance(quantity)
         angles = angles and spread(angles)
@@ -796,7 +858,8 @@ class Ink:
                 "wavelengths": math.dist(colour["lab"], plain),
                 "grid": math.hypot(*shifts[0]),
                 "residual": math.hypot(*shifts[1]),
-            },
+            }
+            | ({"between_wavelengths": math.hypot(*(x for by in between for x in by))} if between else {}),
         }
 
     def maker(self, shifts):
@@ -811,16 +874,19 @@ class Ink:
             chance = covariance([c["lab"] for c in each[1:]]) if len(each) > 1 else None
             there = [lab(sums(albedo, 0, by), self.meter.white) for by in shifts]
             moved = [[x - y for x, y in zip(one, each[0]["lab"])] for one in there]
+            moved += self.between_lab(lambda p: PI * p.brdf(45.0, 0.0, albedo), each[0]["xyz"])
             return each[0] | {"lab_covariance": self.widened(chance, moved)}
 
-        def estimate(values, moved):
-            return widened(self.study, values, math.hypot(*(x - values[0] for x in moved)))
+        def estimate(values, moved, beside):
+            return widened(self.study, values, math.hypot(*(x - values[0] for x in moved), beside))
 
         mine = swatch(None)
         found = {"print": mine, "over_black": swatch(0.0), "over_white": swatch(0.8)}
         ratio = lambda k, by: sums(0.0, k, by)[1] / sums(0.8, k, by)[1]
         ratios = [ratio(k, (0.0, 0.0)) for k in range(len(self.at))]
-        found["contrast_ratio"] = estimate(ratios, [ratio(0, by) for by in shifts])
+        missed = lambda albedo: math.hypot(*(by[1] for by in self.between(lambda p: PI * p.brdf(45.0, 0.0, albedo))))
+        beside = math.hypot(missed(0.0), ratios[0] * missed(0.8)) / sums(0.8)[1]
+        found["contrast_ratio"] = estimate(ratios, [ratio(0, by) for by in shifts], beside)
         if target:
             step = lambda i, h: [x + (h if k == i else 0.0) for k, x in enumerate(mine["lab"])]
             gradient = [(ciede2000(step(i, 1e-3), target) - ciede2000(step(i, -1e-3), target)) / 2e-3 for i in range(3)]

@@ -3,6 +3,7 @@
 
 use crate::appearance::colour::{Colorimeter, ColourError};
 use crate::appearance::paper::PRINT_DEG;
+use crate::appearance::tristimulus::visible;
 use crate::evaluate::ink::{InkError, InkOnPaper};
 use crate::evaluate::ink_maker::{BLACK, WHITE};
 use crate::evaluate::on_paper::LayerOnPaper;
@@ -12,6 +13,7 @@ use crate::input::study::Study;
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use std::f64::consts::PI;
+use std::ops::Range;
 
 /// Relative weight of the coefficients' own size: nothing but a guard against fewer data than those.
 const RIDGE: f64 = 1e-4;
@@ -78,6 +80,8 @@ pub fn wanted(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
 pub struct Eye {
     meter: Colorimeter,
     waves: usize,
+    /// Those of the wavelengths that colours take.
+    seen: Range<usize>,
 }
 
 impl Eye {
@@ -86,8 +90,9 @@ impl Eye {
     /// # Errors
     /// Wavelengths that carry no colour.
     pub fn new(study: &Study) -> Result<Self, ColourError> {
-        let meter = Colorimeter::under(&study.wavelengths_nm, &study.judgement.viewing)?;
-        Ok(Self { meter, waves: study.wavelengths_nm.len() })
+        let seen = visible(&study.wavelengths_nm);
+        let meter = Colorimeter::under(&study.wavelengths_nm[seen.clone()], &study.judgement.viewing)?;
+        Ok(Self { meter, waves: study.wavelengths_nm.len(), seen })
     }
 
     /// L*, a*, b* over the paper, and the contrast ratio.
@@ -95,7 +100,8 @@ impl Eye {
     /// # Errors
     /// Values that are no numbers.
     pub fn sees(&self, spectra: &[f64]) -> Result<([f64; 3], f64), ColourError> {
-        let colour = |k: usize| self.meter.colour(&spectra[k * self.waves..(k + 1) * self.waves]);
+        let own = |k: usize| &spectra[k * self.waves..(k + 1) * self.waves];
+        let colour = |k: usize| self.meter.colour(&own(k)[self.seen.clone()]);
         let [print, black, white] = [colour(0)?, colour(1)?, colour(2)?];
         Ok((print.lab, black.xyz[1] / white.xyz[1].max(1e-9)))
     }

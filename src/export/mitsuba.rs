@@ -19,6 +19,7 @@
 //! (`scripts/check-exports`).
 
 use crate::appearance::colour::Colorimeter;
+use crate::appearance::tristimulus::visible;
 use crate::evaluate::directional::{Direction, DirectionalPrint};
 use crate::evaluate::ink::InkError;
 use rayon::prelude::*;
@@ -77,14 +78,15 @@ impl MaterialTable {
     /// # Errors
     /// Wavelengths that cannot carry a colour.
     pub fn rgb(&self, description: &str) -> Result<(Vec<u8>, f64), InkError> {
-        let meter = Colorimeter::new(&self.wavelengths_nm)?;
+        let seen = visible(&self.wavelengths_nm);
+        let meter = Colorimeter::new(&self.wavelengths_nm[seen.clone()])?;
         let angles = self.theta_deg.len();
         let mut values = vec![0.0_f32; angles * 3 * CELLS];
         let (mut lit, mut clipped) = (0_usize, 0_usize);
         for (slab, out) in self.slabs.iter().zip(values.chunks_mut(3 * CELLS)) {
             for cell in 0..CELLS {
                 let spectrum: Vec<f64> = spectrum(slab, cell).collect();
-                let rgb = meter.linear_rgb(meter.xyz(&spectrum)?);
+                let rgb = meter.linear_rgb(meter.xyz(&spectrum[seen.clone()])?);
                 lit += usize::from(spectrum.iter().any(|&x| x > 0.0));
                 clipped += usize::from(rgb.iter().any(|&x| x < 0.0));
                 (0..3).for_each(|c| out[c * CELLS + cell] = rgb[c].max(0.0) as f32);

@@ -5,6 +5,7 @@ use super::request::{ExportError, ExportResult};
 use super::stored::Stored;
 use crate::appearance::colour::{Colorimeter, Colour};
 use crate::appearance::tristimulus::lagrange_shares;
+use crate::appearance::tristimulus::visible;
 use crate::appearance::viewing::Viewing;
 use crate::evaluate::manifest::Manifest;
 use crate::evaluate::seen::see;
@@ -147,11 +148,13 @@ impl PrintSpectrum {
 /// Wavelengths of a file, and the colorimeter that sums over them, if they suffice for colours.
 pub(super) type Bands = (Vec<u32>, Option<Colorimeter>);
 
-/// Every 10 nm inside a study's wavelengths.
+/// Every 10 nm inside those of a study's wavelengths that colours can take.
 pub(super) fn bands(study: &Study, format: &str) -> ExportResult<Bands> {
-    let grid = uniform_grid(&study.wavelengths_nm);
-    if grid.len() < 2 || study.wavelengths_nm.len() < 2 {
-        let needed = "needs at least two multiples of 10 nm inside the study's wavelengths";
+    let seen = &study.wavelengths_nm[visible(&study.wavelengths_nm)];
+    let grid = uniform_grid(seen);
+    if grid.len() < 2 || seen.len() < 2 {
+        let needed =
+            "needs at least two multiples of 10 nm inside the study's wavelengths, within 380 to 780 nm";
         return Err(ExportError::Refused(format!("{format} {needed}")));
     }
     let nm: Vec<f64> = grid.iter().map(|&nm| f64::from(nm)).collect();

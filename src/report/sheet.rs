@@ -71,6 +71,8 @@ pub(crate) fn limits(manifest: &Manifest<&Study>) -> Value {
         synthetic => manifest.study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
         too_few => few_wavelengths(manifest),
         widest => missed_target(manifest),
+        inputs => manifest.study.inputs_with_errors(),
+        undetermined => Serde(manifest.study.undetermined_inputs()),
     }
 }
 
@@ -107,6 +109,7 @@ pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Value {
         cells => seen.cells.len(),
         no_ink => seen.ink.as_ref().err().map(ToString::to_string),
         colour_error => colour.map(norm),
+        inputs => manifest.study.inputs_with_errors(),
         largest_error => largest_error(&manifest.spectra),
     }
 }

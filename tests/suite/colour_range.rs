@@ -90,3 +90,59 @@ fn cxf_lab(text: &str) -> Vec<f64> {
     };
     ["L", "A", "B"].map(of).to_vec()
 }
+
+/// A dissolved dye, exactly solved at listed wavelengths of some step.
+fn dye(light: &str) -> String {
+    format!(
+        "[layer]\nthickness_um = 1.0\nbinder.index = 1.5\n[[pigment]]\nname = \"dye\"\ndiameter_nm = \"molecular\"\n\
+         volume_fraction = 0.22\nindex = {{ built_in = \"yellow\" }}\n[light]\n{light}\nsampling = \"listed\"\n\
+         [run]\nrealisations = 6\n[resolution]\naccuracy = 3e-2\n"
+    )
+}
+
+/// Colours of listed wavelengths hold in their bars what lies between these, and not much more. *Planted*: the film between the
+/// wavelengths left out of the bars.
+#[test]
+fn bars_of_listed_wavelengths_hold_what_lies_between_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |step: f64| {
+        let home = folder.path().join(step.to_string());
+        fs::create_dir_all(&home).unwrap();
+        let light = format!("from_nm = 400\nto_nm = 680\nstep_nm = {step}");
+        succeed(&study(&home, &dye(&light)), &home.join("out"), &[]);
+        let print = results(&home.join("out"))["ink_maker"]["print"].clone();
+        let three =
+            |key: &str| -> [f64; 3] { std::array::from_fn(|i| print[key][i].as_f64().unwrap_or(0.0)) };
+        (three("lab"), three("lab_standard_error"))
+    };
+    let (truth, _) = run(2.0);
+    for step in [20.0, 28.0, 35.0, 40.0, 56.0, 70.0] {
+        let (lab, error) = run(step);
+        for i in 0..3 {
+            let off = (lab[i] - truth[i]).abs();
+            // 0.1: the film every 5 nm, and the range of the bars' own colours
+            assert!(off <= 2.0 * error[i] + 0.1, "{step} nm, {i}: {lab:?} ± {error:?}, {truth:?}");
+            assert!(error[i] <= 5.0 * off + 1.0, "{step} nm, {i}: {lab:?} ± {error:?}, {truth:?}");
+        }
+    }
+}
+
+/// Wavelengths beyond those of eyes are solved and published, and colours take the others.
+#[test]
+fn colours_take_what_eyes_see_of_a_wider_range() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = |name: &str, light: &str| {
+        let home = folder.path().join(name);
+        fs::create_dir_all(&home).unwrap();
+        let text = dye(light).replace("index = { built_in = \"yellow\" }", "index = { n = 1.6, k = 0.1 }");
+        let said = succeed(&study(&home, &text), &home.join("out"), &[]);
+        (results(&home.join("out")), said)
+    };
+    let (wide, said) = run("wide", "from_nm = 340\nto_nm = 700\nstep_nm = 20");
+    let (own, _) = run("own", "from_nm = 380\nto_nm = 700\nstep_nm = 20");
+    assert!(said.contains("colours take the wavelengths from 380 to 780 nm"), "{said}");
+    let lab = |results: &Value| [0, 1].map(|i| results["colours"][i]["lab"].clone());
+    assert_eq!(lab(&wide), lab(&own));
+    assert_eq!(wide["ink_maker"]["print"]["lab"], own["ink_maker"]["print"]["lab"]);
+    assert_eq!(wide["spectra"][0]["wavelength_nm"], 340.0);
+}

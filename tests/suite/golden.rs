@@ -174,6 +174,7 @@ fn compare(name: &str, colours: [f64; 2]) {
             packing,
             points: points.into_iter().map(Some).collect(),
             finer: Vec::new(),
+            moved: Vec::new(),
             failures: Vec::new(),
         }
     };

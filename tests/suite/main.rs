@@ -24,6 +24,7 @@ mod gratings;
 mod habits;
 mod house;
 mod housekeeping;
+mod index_errors;
 mod inverse;
 mod kubelka_munk;
 mod materials;

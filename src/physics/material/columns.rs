@@ -145,7 +145,7 @@ impl Columns {
 
 /// Line number of a record, from 1; the reader's position is before the empty lines and comments
 /// that it skips.
-fn line_of(text: &str, record: &StringRecord) -> u64 {
+pub(super) fn line_of(text: &str, record: &StringRecord) -> u64 {
     let Some(place) = record.position() else { return 0 };
     let rest = text.get(place.byte() as usize..).unwrap_or("");
     let skipped = rest.lines().take_while(|line| line.trim().is_empty() || line.starts_with('#'));

@@ -1,8 +1,9 @@
 //! Records of refractiveindex.info: tabulated indices and its nine dispersion formulas, read from
 //! its YAML files.
 //!
-//! Wavelengths λ are in µm, as in the files; C₁, C₂, … are a record's coefficients, missing ones
-//! are 0.
+//! Wavelengths λ are in µm, as in the files; C₁, C₂, … are a record's coefficients. Sums take pairs of
+//! them: formulas 1, 2, 3, 5 and 6 have an odd number of coefficients, formula 4 has 9 + 2i, formula
+//! 7 three to six, 8 four and 9 six. A record with another number is refused.
 //!
 //! | formula | |
 //! |---|---|
@@ -17,6 +18,7 @@
 //! | 9 | n² = C₁ + C₂/(λ² − C₃) + C₄(λ − C₅)/((λ − C₅)² + C₆) |
 
 use super::columns::{common, widest, widest_gap_nm};
+use super::usable::{Row, Unusable, Usable, usable};
 use crate::numerics::files::{self, FileError};
 use num_complex::Complex64;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -40,7 +42,10 @@ pub(super) enum DataSource {
 pub struct Dispersion {
     pub(super) name: String,
     pub(super) n: Option<DataSource>,
-    kappa: Option<DataSource>,
+    pub(super) kappa: Option<DataSource>,
+    /// Ranges without sound rows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) unusable: Vec<Unusable>,
 }
 
 /// What a record states about itself, without markup; empty where it says nothing.
@@ -99,7 +104,7 @@ impl Dispersion {
             return Err(format!("{depth} brackets are open at once; a record has a few"));
         }
         let record: DispersionRecord = serde_norway::from_str(text).map_err(|error| error.to_string())?;
-        let mut found = Self { name: name.to_owned(), n: None, kappa: None };
+        let mut found = Self { name: name.to_owned(), n: None, kappa: None, unusable: Vec::new() };
         for entry in &record.data {
             found.take(entry)?;
         }
@@ -111,14 +116,46 @@ impl Dispersion {
         let words: Vec<&str> = entry.kind.split_whitespace().collect();
         match words.as_slice() {
             ["tabulated", "nk"] => {
-                put(&mut self.n, table(entry, 3, 1)?, "n")?;
-                put(&mut self.kappa, table(entry, 3, 2)?, "k")
+                let rows = self.sound_rows(entry, 2)?;
+                put(&mut self.n, column(&rows, 1), "n")?;
+                put(&mut self.kappa, column(&rows, 2), "k")
             }
-            ["tabulated", "n"] => put(&mut self.n, table(entry, 2, 1)?, "n"),
-            ["tabulated", "k"] => put(&mut self.kappa, table(entry, 2, 1)?, "k"),
+            ["tabulated", "n"] => {
+                let rows = self.sound_rows(entry, 1)?;
+                put(&mut self.n, column(&rows, 1), "n")
+            }
+            ["tabulated", "k"] => {
+                let rows = self.sound_rows(entry, 1)?;
+                put(&mut self.kappa, column(&rows, 1), "k")
+            }
             ["formula", number] => put(&mut self.n, formula(entry, number)?, "n"),
             _ => Err(format!("type {:?} is not known", entry.kind)),
         }
+    }
+
+    /// The sound rows of a table: λ in µm and `columns` numbers. Where there is none is remembered.
+    fn sound_rows(&mut self, entry: &DataEntry, columns: usize) -> Result<Vec<Vec<f64>>, String> {
+        let lines = entry.data.as_deref().unwrap_or("").lines().filter(|line| !line.trim().is_empty());
+        let rows = lines.map(|line| {
+            let first = line.split_whitespace().next().and_then(|word| word.parse::<f64>().ok());
+            let nm = first.filter(|um| um.is_finite() && *um > 0.0).map(|um| 1e3 * um);
+            let values = numbers(line, columns + 1).map(|mut row| {
+                row.truncate(columns + 1);
+                row
+            });
+            Row { nm, values }
+        });
+        let Usable { rows, gaps, first_fault } = usable(rows.collect());
+        self.unusable.extend(gaps);
+        if rows.is_empty() {
+            return Err(first_fault.unwrap_or_else(|| format!("type {:?} has no data", entry.kind)));
+        }
+        Ok(rows.into_iter().map(|(_, row)| row).collect())
+    }
+
+    /// The first range without sound rows that wavelengths between two, nm, would need.
+    pub fn unusable(&self, range_nm: [f64; 2]) -> Option<&Unusable> {
+        self.unusable.iter().find(|gap| gap.concerns(range_nm))
     }
 
     /// First and last wavelength at which every part is known, nm.
@@ -236,18 +273,9 @@ fn put(place: &mut Option<DataSource>, source: DataSource, part: &str) -> Result
     place.replace(source).map_or(Ok(()), |_| Err(format!("it has {part} twice; keep one of them")))
 }
 
-/// One column of a table of at least `columns` columns, beside the wavelengths in the first.
-fn table(entry: &DataEntry, columns: usize, column: usize) -> Result<DataSource, String> {
-    let lines = entry.data.as_deref().unwrap_or("").lines().filter(|line| !line.trim().is_empty());
-    let rows = lines.map(|line| numbers(line, columns).map(|row| [row[0], row[column]]));
-    let rows: Vec<[f64; 2]> = rows.collect::<Result<_, _>>()?;
-    if rows.is_empty() {
-        return Err(format!("type {:?} has no data", entry.kind));
-    }
-    match rows.windows(2).find(|pair| pair[1][0] <= pair[0][0]) {
-        Some(pair) => Err(format!("wavelengths do not increase: {} µm after {} µm", pair[1][0], pair[0][0])),
-        None => Ok(DataSource::Table(rows)),
-    }
+/// λ in µm with one of the columns.
+fn column(rows: &[Vec<f64>], column: usize) -> DataSource {
+    DataSource::Table(rows.iter().map(|row| [row[0], row[column]]).collect())
 }
 
 fn formula(entry: &DataEntry, number: &str) -> Result<DataSource, String> {
@@ -263,6 +291,19 @@ fn formula(entry: &DataEntry, number: &str) -> Result<DataSource, String> {
         return Err(format!("wavelength_range does not increase: {} to {} µm", range[0], range[1]));
     }
     let coefficients = numbers(&text(&entry.coefficients), 1)?;
+    let count = coefficients.len();
+    let (possible, allowed) = match number {
+        1 | 2 | 3 | 5 | 6 => (count % 2 == 1, "an odd number: one, and pairs"),
+        4 => (count >= 9 && count % 2 == 1, "9, and further pairs"),
+        7 => ((3..=6).contains(&count), "3 to 6"),
+        8 => (count == 4, "4"),
+        _ => (count == 6, "6"),
+    };
+    if !possible {
+        return Err(format!(
+            "formula {number} has {count} coefficients where it needs {allowed}: the record is incomplete, and no index follows from it"
+        ));
+    }
     Ok(DataSource::Formula { number, range_um: [range[0], range[1]], coefficients })
 }
 
@@ -308,18 +349,54 @@ mod tests {
         assert!(materials.len() >= 16 && compared > 100, "{compared}");
     }
 
+    /// Rows that are not used block nothing; where they are used, the reason is told.
+    #[test]
+    fn faults_of_other_rows_do_not_block_a_record() {
+        let rows = "0.40 1.50 0.1\n        0.70 1.56 0.1\n        1.20 1.56\n        4.90 1.6 0.1\n        4.90 1.7 0.1\n";
+        let text = format!("DATA:\n  - type: tabulated nk\n    data: |\n        {rows}");
+        let record = Dispersion::parse("x.yml", &text).unwrap();
+        assert!((record.index(0.55).re - 1.53).abs() < 1e-12);
+        assert_eq!(record.unusable([400.0, 700.0]), None);
+        assert!(record.unusable([400.0, 800.0]).unwrap().reason.contains("3 numbers are needed"));
+        assert!(record.unusable([4800.0, 4900.0]).unwrap().reason.contains("numbers are needed"));
+        let falling =
+            "DATA:\n  - type: tabulated n\n    data: |\n        0.6 1.6\n        0.5 1.5\n        0.4 1.4\n";
+        assert!((Dispersion::parse("x.yml", falling).unwrap().index(0.45).re - 1.45).abs() < 1e-12);
+    }
+
     #[test]
     fn what_is_no_record_is_refused_with_its_reason() {
         let reason = |text: &str| Dispersion::parse("x.yml", text).unwrap_err();
         assert!(reason("DATA:\n  - type: formula 12\n    coefficients: 1\n").contains("formula 1 to 9"));
-        assert!(
-            reason("DATA:\n  - type: tabulated k\n    data: |\n        0.5 0.1\n        0.4 0.1\n")
-                .contains("increas")
-        );
         assert!(reason("DATA:\n  - type: tabulated n\n    data: |\n        0.5 x\n").contains("\"x\""));
         assert!(reason("DATA: []\n").contains("neither"));
         assert!(reason("REFERENCES: me\n").contains("DATA"));
         assert!(reason(&"[".repeat(200_000)).contains("brackets are open at once"));
+        // half a pair of coefficients, and a formula without its last
+        let formula = |number: u8, count: usize| {
+            let all = vec!["0.1"; count].join(" ");
+            let text = format!(
+                "DATA:\n  - type: formula {number}\n    wavelength_range: 0.4 0.8\n    coefficients: {all}\n"
+            );
+            Dispersion::parse("x.yml", &text)
+        };
+        for (number, right, wrong) in [
+            (1, vec![1, 3, 17], vec![2, 4]),
+            (2, vec![3, 11], vec![4]),
+            (3, vec![5, 15], vec![6]),
+            (4, vec![9, 11, 17], vec![7, 10, 12]),
+            (5, vec![1, 11], vec![2]),
+            (6, vec![3, 11], vec![4]),
+            (7, vec![3, 5, 6], vec![2, 7]),
+            (8, vec![4], vec![3, 5]),
+            (9, vec![6], vec![5, 7]),
+        ] {
+            assert!(right.iter().all(|&count| formula(number, count).is_ok()), "formula {number}");
+            for count in wrong {
+                let reason = formula(number, count).unwrap_err();
+                assert!(reason.contains(&format!("formula {number} has {count} coefficients")), "{reason}");
+            }
+        }
         // the parser's own limits hold for what has no brackets
         assert!(!reason(&"- ".repeat(100_000)).is_empty());
     }

@@ -6,3 +6,4 @@ pub mod mixing;
 pub mod named;
 pub mod spectra;
 pub mod text_table;
+pub mod usable;

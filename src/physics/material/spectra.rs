@@ -1,12 +1,14 @@
 //! Index of refraction against wavelength: constants, built-in synthetic pigments, a user's table.
 
 mod error;
+mod index_file;
 
 pub use error::SpectrumError;
 
-use super::columns::{Columns, widest_gap_nm};
+use super::columns::widest_gap_nm;
 use super::dispersion::Dispersion;
 use super::named::{MATERIALS, NamedIndex, NamedMaterial, SYNTHETIC_RANGE_NM, Synthetic};
+use super::usable::Unusable;
 use crate::numerics::files::FileError;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
@@ -16,6 +18,8 @@ use std::path::Path;
 pub const PIGMENT_N: f64 = 1.4;
 /// Largest n and κ accepted: a lost decimal comma turns 1.55 into 155.
 const LARGEST: f64 = 10.0;
+/// Smallest n of a table that is moved by its error.
+const LEAST_N: f64 = 0.01;
 
 /// One row of a tabulated spectrum: η = n + iκ at a vacuum wavelength.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,11 +32,66 @@ pub struct Sample {
     pub kappa: f64,
 }
 
+/// Standard errors of one row of a table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct RowError {
+    /// Of n.
+    pub n: f64,
+    /// Of κ.
+    pub kappa: f64,
+    /// Correlation of both, −1 to 1.
+    pub correlation: f64,
+}
+
+impl RowError {
+    /// Refuses negative errors and correlations beyond ±1.
+    fn check(&self, row: &str) -> Result<(), String> {
+        let allowed = "errors are standard errors of at least 0, correlations lie between -1 and 1";
+        for (name, value, range) in [
+            ("n_error", self.n, 0.0..=f64::MAX),
+            ("kappa_error", self.kappa, 0.0..=f64::MAX),
+            ("correlation", self.correlation, -1.0..=1.0),
+        ] {
+            if !range.contains(&value) {
+                return Err(format!("{row}: {name} = {value}; {allowed}"));
+            }
+        }
+        Ok(())
+    }
+
+    /// One of two independent changes of \[n, κ\] whose squares add up to the covariance of both:
+    /// that of n, with what κ changes along with it, and the rest of κ.
+    fn along(&self, axis: ErrorAxis) -> [f64; 2] {
+        match axis {
+            ErrorAxis::N => [self.n, self.correlation * self.kappa],
+            ErrorAxis::Kappa => [0.0, (1.0 - self.correlation.powi(2)).max(0.0).sqrt() * self.kappa],
+        }
+    }
+}
+
+/// Independent parts of the errors of n and κ.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ErrorAxis {
+    /// That of n, with what κ changes along with it.
+    N,
+    /// The rest of that of κ.
+    Kappa,
+}
+
 /// A tabulated spectrum, increasing in wavelength; linear between its rows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     name: String,
     samples: Vec<Sample>,
+    /// Ranges without sound rows.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    unusable: Vec<Unusable>,
+    /// Errors of the rows; empty where the table has none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    errors: Vec<RowError>,
+    /// Remarks of the file that n or κ is not determined.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    undetermined: Vec<String>,
 }
 
 /// Index of refraction η(λ) = n + iκ of one material; κ > 0 absorbs (time factor e^{−iωt}).
@@ -87,24 +146,17 @@ impl Spectrum {
         Ok(Self::Named(material.index()))
     }
 
-    /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs; lines that start
-    /// with `#` are comments. A table without a column `n` needs `n` beside it.
+    /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs, or the blocks
+    /// `wl,n` and `wl,k` (µm) of refractiveindex.info; rows may fall, lines that start with `#` are
+    /// remarks. A table without a column `n` needs `n` beside it. Columns `n_error`, `kappa_error`
+    /// and `correlation` are the standard errors of both and their correlation.
     ///
     /// # Errors
-    /// Unreadable files, unknown columns, fewer than two rows, wavelengths that do not increase, κ
-    /// < 0, n ≤ 0, n nowhere or twice.
+    /// Unreadable files, unknown columns, fewer than two sound rows, n nowhere or twice. Rows with κ
+    /// < 0, n ≤ 0, no number, or a wavelength that stands twice or out of order leave a range that
+    /// cannot be used ([`Spectrum::unusable`]).
     pub fn from_csv(path: impl AsRef<Path>, n: Option<f64>) -> Result<Self, SpectrumError> {
-        let (path, name) = (path.as_ref(), path.as_ref().display().to_string());
-        let columns = Columns::read(path)?;
-        let expected =
-            "expected a header line wavelength_nm,kappa or wavelength_nm,kappa,n (k is accepted for kappa)";
-        let places = places(&columns);
-        let places = places.map_err(|reason| FileError::new(&name, format_args!("{reason}; {expected}")))?;
-        if columns.rows.len() < 2 {
-            return Err(SpectrumError::TooFewRows { name, rows: columns.rows.len() });
-        }
-        let n = the_other(path, columns.find(&["n"]).is_some(), n)?;
-        Self::tabulated(&name, samples(&columns, places, n)?)
+        index_file::read(path.as_ref(), n)
     }
 
     /// Reads a record of refractiveindex.info (YAML); a record without n needs `n` beside it,
@@ -147,7 +199,38 @@ impl Spectrum {
                 });
             }
         }
-        Ok(Self::Tabulated(Table { name: name.into(), samples }))
+        let (unusable, errors, undetermined) = (Vec::new(), Vec::new(), Vec::new());
+        Ok(Self::Tabulated(Table { name: name.into(), samples, unusable, errors, undetermined }))
+    }
+
+    /// The first range of a file without sound rows that wavelengths between two, nm, would need.
+    pub fn unusable(&self, range_nm: [f64; 2]) -> Option<&Unusable> {
+        match self {
+            Self::Tabulated(table) => table.unusable.iter().find(|gap| gap.concerns(range_nm)),
+            Self::Recorded(record) => record.unusable(range_nm),
+            _ => None,
+        }
+    }
+
+    /// What the file says of quantities that are not determined.
+    pub fn undetermined(&self) -> &[String] {
+        if let Self::Tabulated(table) = self { &table.undetermined } else { &[] }
+    }
+
+    /// The table moved by `times` one of the independent parts of its errors, in every row at once;
+    /// `None` without errors along it. No n falls to 0 and no κ below 0.
+    pub fn moved(&self, axis: ErrorAxis, times: f64) -> Option<Self> {
+        let Self::Tabulated(table) = self else { return None };
+        let steps: Vec<[f64; 2]> = table.errors.iter().map(|error| error.along(axis)).collect();
+        if steps.iter().all(|step| *step == [0.0; 2]) {
+            return None;
+        }
+        let moved = table.samples.iter().zip(&steps).map(|(row, [n, kappa])| Sample {
+            wavelength_nm: row.wavelength_nm,
+            n: (row.n + times * n).clamp(LEAST_N, LARGEST),
+            kappa: (row.kappa + times * kappa).clamp(0.0, LARGEST),
+        });
+        Some(Self::Tabulated(Table { samples: moved.collect(), errors: Vec::new(), ..table.clone() }))
     }
 
     /// The index η at a vacuum wavelength in µm.
@@ -221,32 +304,6 @@ fn the_other(path: &Path, in_file: bool, beside: Option<f64>) -> Result<Option<f
     Err(SpectrumError::RealPart(FileError::new(path.display(), reason)))
 }
 
-/// Places of the wavelength and of κ among the columns of a table.
-fn places(columns: &Columns) -> Result<[usize; 2], String> {
-    // A fit states its errors beside n and κ.
-    let known = ["wavelength_nm", "kappa", "k", "n", "n_error", "kappa_error", "correlation"];
-    if let Some(unknown) = columns.names.iter().find(|name| !known.contains(&name.as_str())) {
-        return Err(format!("column {unknown:?} is not known"));
-    }
-    let need = |names: &[&str]| columns.find(names).ok_or(format!("column {:?} is missing", names[0]));
-    if columns.find(&["kappa"]).and(columns.find(&["k"])).is_some() {
-        return Err("columns kappa and k mean the same; keep one".into());
-    }
-    Ok([need(&["wavelength_nm"])?, need(&["kappa", "k"])?])
-}
-
-/// Rows of a table, with real part `n` where it has no such column.
-fn samples(columns: &Columns, places: [usize; 2], n: Option<f64>) -> Result<Vec<Sample>, FileError> {
-    let wavelengths = columns.wavelengths_nm(places[0])?;
-    let kappa = columns.numbers(places[1])?;
-    let n = match columns.find(&["n"]) {
-        Some(place) => columns.numbers(place)?,
-        None => vec![n.unwrap_or(f64::NAN); kappa.len()],
-    };
-    let rows = wavelengths.into_iter().zip(n).zip(kappa);
-    Ok(rows.map(|((wavelength_nm, n), kappa)| Sample { wavelength_nm, n, kappa }).collect())
-}
-
 impl Table {
     /// Linear interpolation between the rows, n and κ separately.
     fn interpolate(&self, nm: f64) -> Complex64 {
@@ -294,6 +351,76 @@ mod tests {
         }
     }
 
+    /// Tables of instruments, spreadsheets and the collection's own site.
+    #[test]
+    fn tables_of_other_programs_are_read() {
+        let read = |text: &str| Spectrum::from_csv(file(text).path(), None).unwrap();
+        let site = read("wl,n\n0.4,1.4\n0.6,1.6\n\nwl,k\n0.3,0.0\n0.5,0.2\n0.7,0.0\n");
+        let eta = site.index(0.55).unwrap();
+        assert!((eta.re - 1.55).abs() < 1e-12 && (eta.im - 0.15).abs() < 1e-12, "{eta}");
+        assert_eq!(site.range_nm(), Some([400.0, 600.0]));
+        let clear = read("wl,n\n0.4,1.4\n0.6,1.6\n").index(0.5).unwrap();
+        assert!((clear - Complex64::new(1.5, 0.0)).norm() < 1e-12);
+        let plain = read("wavelength_nm,n,kappa\n400,1.4,0.1\n600,1.6,0.3\n").index(0.5).unwrap();
+        for text in [
+            "sep=;\n# mine\nwavelength_nm;n;kappa\n# more\n600;1,6;0,3\n400;1,4;0,1\n",
+            "wl,n,k\n0.6,1.6,0.3\n0.4,1.4,0.1\n",
+            "wavelength (nm)\tk\tn\n400\t0.1\t1.4\n400\t0.1\t1.4\n600\t0.3\t1.6\n",
+        ] {
+            assert!((read(text).index(0.5).unwrap() - plain).norm() < 1e-12, "{text}");
+        }
+        let nm = Spectrum::from_csv(file("wl,n\n400,1.4\n600,1.6\n").path(), None).unwrap_err().to_string();
+        assert!(nm.contains("these look like nm"), "{nm}");
+    }
+
+    /// A bad row in the infrared blocks nothing in the visible.
+    #[test]
+    fn faulty_rows_cost_their_own_range() {
+        let csv = file("wavelength_nm,n,kappa\n400,1.5,0.1\n700,1.5,0.1\n2000,1.5,-0.1\n3000,1.5,0.1\n");
+        let table = Spectrum::from_csv(csv.path(), None).unwrap();
+        assert_eq!(table.unusable([400.0, 700.0]), None);
+        assert!(table.unusable([690.0, 800.0]).unwrap().reason.contains("row 3: kappa = -0.1"));
+    }
+
+    /// The squares of the moves are the covariance of n and κ. *Planted*: the correlation left out,
+    /// or its sign lost.
+    #[test]
+    fn errors_move_n_and_kappa_together() {
+        let csv = file(
+            "# n is not determined: two branches\nwavelength_nm,n,kappa,n_error,kappa_error,correlation\n\
+             400,1.5,0.2,0.2,0.03,-0.97\n700,1.5,0.2,0.1,0.01,0.5\n",
+        );
+        let table = Spectrum::from_csv(csv.path(), None).unwrap();
+        assert_eq!(table.undetermined(), ["n is not determined: two branches"]);
+        for (um, n, kappa, correlation) in [(0.4, 0.2, 0.03, -0.97), (0.7, 0.1, 0.01, 0.5)] {
+            let here = table.index(um).unwrap();
+            let mut sums = [0.0; 3];
+            for axis in [ErrorAxis::N, ErrorAxis::Kappa] {
+                let step = table.moved(axis, 1.0).unwrap().index(um).unwrap() - here;
+                let back = table.moved(axis, -1.0).unwrap().index(um).unwrap() - here;
+                assert!((step + back).norm() < 1e-15);
+                sums[0] += step.re * step.re;
+                sums[1] += step.im * step.im;
+                sums[2] += step.re * step.im;
+            }
+            for (sum, want) in sums.iter().zip([n * n, kappa * kappa, correlation * n * kappa]) {
+                assert!((sum - want).abs() < 1e-15, "{sum} {want}");
+            }
+        }
+        // no errors, or errors of zero
+        let without = "wavelength_nm,n,kappa\n400,1.5,0.2\n700,1.5,0.2\n";
+        let zero = "wavelength_nm,n,kappa,n_error,kappa_error\n400,1.5,0.2,0,0\n700,1.5,0.2,0,0\n";
+        let [without, zero] = [without, zero].map(|text| {
+            let table = Spectrum::from_csv(file(text).path(), None).unwrap();
+            assert_eq!(table.moved(ErrorAxis::N, 1.0), None);
+            serde_json::to_value(&table).unwrap()["tabulated"]["samples"].clone()
+        });
+        assert_eq!(without, zero);
+        let bad = file("wavelength_nm,n,kappa,n_error\n400,1.5,0.2,-1\n700,1.5,0.2,0\n");
+        let message = Spectrum::from_csv(bad.path(), None).unwrap_err().to_string();
+        assert!(message.contains("n_error = -1"), "{message}");
+    }
+
     #[test]
     fn n_is_in_the_file_or_beside_it() {
         let csv = file("wavelength_nm,kappa\n400,0.1\n500,0.3\n");
@@ -317,7 +444,7 @@ mod tests {
         };
         assert!(message("wavelength_nm,kappa\n400,-0.1\n500,0.3\n").contains("row 1: kappa = -0.1"));
         assert!(message("wavelength_nm,kappa\n400,0.1\n500,12\n").contains("row 2: kappa = 12"));
-        assert!(message("wavelength_nm,kappa\n500,0.1\n400,0.3\n").contains("row 2: wavelength_nm = 400"));
+        assert!(message("wavelength_nm,kappa\n500,0.1\n500,0.3\n").contains("two rows at 500 nm"));
         assert!(message("wavelength_nm,kappa\n500,NaN\n600,0.3\n").contains("kappa = NaN"));
         assert!(message("wavelength_nm,kappa,n\n500,1,0\n600,0.3,1\n").contains("n = 0"));
         assert!(

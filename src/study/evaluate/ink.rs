@@ -17,10 +17,12 @@ use super::wavelengths::SpectralBasis;
 use crate::appearance::colour::ColourError;
 use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
+use crate::appearance::tristimulus::{TABLE_RANGE_NM, visible};
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::Range;
 use thiserror::Error;
 
-/// Largest wavelength step of colour sums, nm.
+/// Largest wavelength step of colour sums and of the films that guide coarser ones, nm.
 const COLOUR_STEP_NM: f64 = 5.0;
 
 /// Why there is no ink on paper.
@@ -51,7 +53,14 @@ pub struct InkInputs<'a> {
 #[derive(Clone, Debug)]
 struct Places {
     outputs: Range<usize>,
+    /// Those of the spectra that colours can take.
+    visible: Range<usize>,
+    /// What colours are summed over, within the tables of the observers.
     colours: Range<usize>,
+    /// The film alone, at the visible wavelengths of a list …
+    guide: Range<usize>,
+    /// … and every 5 nm between them.
+    fine_guide: Range<usize>,
     /// One range per realisation; empty with listed wavelengths.
     solved: Vec<Range<usize>>,
     /// Width of the range that the wavelengths of the solves are drawn from, nm.
@@ -110,6 +119,18 @@ pub struct InkOnPaper {
     whole: Vec<LayerOnPaper>,
     /// \[realisation left out\]\[node\], without the nodes of solves
     replicates: Vec<Vec<LayerOnPaper>>,
+    /// The layer of a few packings, with and without tables of indices moved by their errors.
+    moved: Option<MovedNodes>,
+}
+
+/// Where the layer of a few packings stands among the nodes: index of its first node, whose
+/// followers are those of the spectra and of the colours of the whole.
+#[derive(Clone, Debug)]
+struct MovedNodes {
+    /// As the study describes it.
+    few: usize,
+    /// With a table moved.
+    moved: Vec<usize>,
 }
 
 impl InkOnPaper {
@@ -130,8 +151,17 @@ impl InkOnPaper {
             return Err(InkError::AnglesMissing);
         };
         let anchored = [normal, slanted];
-        let (nodes_nm, places) = places(&layer, inputs.outputs_nm);
-        let nodes = nodes(&layer, nodes_nm, inputs)?;
+        let (nodes_nm, mut places) = places(&layer, inputs.outputs_nm);
+        let mut nodes = nodes(&layer, nodes_nm, inputs)?;
+        let guided = places.guide.start..places.fine_guide.end;
+        if nodes.means[guided.clone()].iter().flatten().all(|mean| mean.is_finite()) {
+            // nothing fitted: the film
+            nodes.weights[guided].iter_mut().for_each(Vec::clear);
+        } else {
+            nodes.cut(guided.start);
+            places.guide = 0..0;
+            places.fine_guide = 0..0;
+        }
         let diffuse_width = if returned.is_some() { DIFFUSE } else { SYMMETRIC };
         let [own_curves, diffuse, directional] = fits(&layer, anchored, solved, inputs.films, diffuse_width);
         let returned = returned.map(|(layer, solved)| {
@@ -152,6 +182,7 @@ impl InkOnPaper {
             orders_per_um2: orders_per_um2(solved),
             whole: Vec::new(),
             replicates: Vec::new(),
+            moved: None,
         };
         Ok(ink.laid_on_paper()?)
     }
@@ -186,7 +217,8 @@ impl InkOnPaper {
 
     fn layers_without(&self, left_out: Option<usize>) -> Result<Vec<LayerOnPaper>, PaperError> {
         let all = self.nodes.wavelengths_nm.len();
-        let count = if left_out.is_some() { self.places.colours.end } else { all };
+        let fitted = self.places.outputs.end.max(self.places.colours.end);
+        let count = if left_out.is_some() { fitted } else { all };
         (0..count).map(|node| self.layer_at(node, left_out)).collect()
     }
 
@@ -212,6 +244,49 @@ impl InkOnPaper {
         LayerOnPaper::new(node, self.nodes.means[node], measured, curve, paper)
     }
 
+    /// Adds the layer of a few packings, as it is and with tables of indices moved by their errors,
+    /// from which all errors due to these follow.
+    pub(super) fn keep_moved(&mut self, few: &Self, moved: &[&Self]) {
+        let few = self.keep(few);
+        let moved = moved.iter().map(|ink| self.keep(ink)).collect();
+        self.moved = Some(MovedNodes { few, moved });
+    }
+
+    /// Adds the layers of another ink at the wavelengths of spectra and colours; the index of the
+    /// first.
+    fn keep(&mut self, other: &Self) -> usize {
+        let start = self.whole.len();
+        let count = other.places.outputs.end.max(other.places.colours.end);
+        self.nodes.wavelengths_nm.extend_from_slice(&other.nodes.wavelengths_nm[..count]);
+        self.nodes.films.extend_from_slice(&other.nodes.films[..count]);
+        self.nodes.albedos.extend_from_slice(&other.nodes.albedos[..count]);
+        self.nodes.weights.extend_from_slice(&other.nodes.weights[..count]);
+        self.nodes.means.extend_from_slice(&other.nodes.means[..count]);
+        self.whole.extend(other.whole[..count].iter().map(|layer| layer.at_node(start + layer.node)));
+        start
+    }
+
+    /// Changes of a quantity at some nodes by every move of a table by one standard error: \[move\]\[node\].
+    /// Both sides of each error are among them, so that half of the sum of their squares is the
+    /// variance.
+    pub(super) fn input_changes(
+        &self,
+        nodes: Range<usize>,
+        quantity: impl Fn(&LayerOnPaper) -> f64,
+    ) -> Vec<Vec<f64>> {
+        let Some(MovedNodes { few, moved }) = &self.moved else { return Vec::new() };
+        let at = |start: usize, node: usize| quantity(&self.whole[start + node]);
+        let of = |&start: &usize| nodes.clone().map(|node| at(start, node) - at(*few, node)).collect();
+        moved.iter().map(of).collect()
+    }
+
+    /// Standard error of a quantity at the `i`-th wavelength of the spectra due to the tables'
+    /// errors.
+    pub(super) fn input_error(&self, i: usize, quantity: impl Fn(&LayerOnPaper) -> f64) -> f64 {
+        let changes = self.input_changes(i..i + 1, quantity);
+        changes.iter().flatten().fold(0.0, |sum: f64, change| sum.hypot(FRAC_1_SQRT_2 * change))
+    }
+
     /// Wavelengths of the spectra, nm.
     pub fn wavelengths_nm(&self) -> &[f64] {
         &self.nodes.wavelengths_nm[self.places.outputs.clone()]
@@ -222,9 +297,15 @@ impl InkOnPaper {
         self.nodes.wavelengths_nm[layer.node]
     }
 
-    /// The faces as they act on diffuse light, at every wavelength of the spectra.
+    /// The faces as they act on diffuse light, at every node of the spectra, also of those with
+    /// moved tables; none elsewhere.
     pub(super) fn faces(&self) -> Vec<DiffuseFaces> {
-        self.nodes.films[self.places.outputs.clone()].iter().map(|film| film.returned().faces()).collect()
+        let mut faces = vec![DiffuseFaces::default(); self.nodes.films.len()];
+        let starts = self.moved.iter().flat_map(|all| all.moved.iter().copied().chain([all.few])).chain([0]);
+        for node in starts.flat_map(|start| (start..).take(self.places.outputs.len())) {
+            faces[node] = self.nodes.films[node].returned().faces();
+        }
+        faces
     }
 
     /// The ensemble mean at every wavelength of the spectra.
@@ -271,21 +352,38 @@ fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Resul
 
 fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
     let mut nodes = outputs_nm.to_vec();
-    let outputs = 0..nodes.len();
-    let SpectralBasis::Splines { range_nm: [from, to], .. } = layer.basis else {
-        return (nodes, Places { colours: outputs.clone(), outputs, solved: Vec::new(), range_nm: 0.0 });
-    };
-    let steps = ((to - from) / COLOUR_STEP_NM).ceil().max(1.0) as usize;
-    let start = nodes.len();
-    nodes.extend((0..=steps).map(|k| from + (to - from) * k as f64 / steps as f64));
-    let colours = start..nodes.len();
-    let mut solved = Vec::new();
-    for r in 0..layer.realisations() {
+    let mut add = |more: &mut dyn Iterator<Item = f64>| {
         let start = nodes.len();
-        nodes.extend(layer.wavelengths_nm(r));
-        solved.push(start..nodes.len());
+        nodes.extend(more);
+        start..nodes.len()
+    };
+    let outputs = 0..outputs_nm.len();
+    let visible = visible(outputs_nm);
+    if let SpectralBasis::Splines { range_nm: [from, to], .. } = layer.basis {
+        let [lo, hi] = TABLE_RANGE_NM;
+        let colours = add(&mut every_5_nm([from.max(lo), to.min(hi)]).into_iter());
+        let solved = (0..layer.realisations()).map(|r| add(&mut layer.wavelengths_nm(r))).collect();
+        let none = 0..0;
+        let range_nm = to - from;
+        let places =
+            Places { outputs, visible, colours, guide: none.clone(), fine_guide: none, solved, range_nm };
+        return (nodes, places);
     }
-    (nodes, Places { outputs, colours, solved, range_nm: to - from })
+    let seen_nm = &outputs_nm[visible.clone()];
+    let ends = seen_nm.first().zip(seen_nm.last());
+    let guide = add(&mut seen_nm.iter().copied());
+    let fine_guide = add(&mut ends.map_or(Vec::new(), |(&from, &to)| every_5_nm([from, to])).into_iter());
+    let colours = visible.clone();
+    (nodes, Places { outputs, visible, colours, guide, fine_guide, solved: Vec::new(), range_nm: 0.0 })
+}
+
+/// Equal steps of at most 5 nm over a range; nothing where it is none.
+fn every_5_nm([from, to]: [f64; 2]) -> Vec<f64> {
+    if from > to {
+        return Vec::new();
+    }
+    let steps = ((to - from) / COLOUR_STEP_NM).ceil().max(1.0) as usize;
+    (0..=steps).map(|k| from + (to - from) * k as f64 / steps as f64).collect()
 }
 
 #[cfg(test)]

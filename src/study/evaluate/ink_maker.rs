@@ -10,11 +10,13 @@ use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::LayerOnPaper;
 use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty, Widened};
 use crate::appearance::colour::{Colorimeter, Colour};
+use crate::appearance::tristimulus::visible;
 use crate::appearance::viewing::Viewing;
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
 use crate::numerics::estimate::{Estimate, jackknife_deviations};
 use serde::Serialize;
+use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Albedo of the black backing of a draw-down card.
 pub const BLACK: f64 = 0.0;
@@ -152,13 +154,27 @@ impl Question<'_> {
         let replicates: Vec<f64> = black.iter().zip(&white).map(|(b, w)| b.xyz[1] / w.xyz[1]).collect();
         let estimate = Estimate::jackknife(self.luminance_ratio(&|_| UNMOVED)?, &replicates);
         let moved = self.uncertainty.moved(self.ink, |by| self.luminance_ratio(by))?;
-        let beyond = |albedo| sight.meter.beyond_luminance(&self.ink.values(sight, &over(albedo)));
+        let beyond = |albedo| {
+            let outside = sight.meter.beyond_luminance(&self.ink.values(sight, &over(albedo)));
+            outside.hypot(self.ink.spacing_luminance(sight, &over(albedo)))
+        };
         let white = self.ink.colour_of_mean(sight, over(WHITE))?.xyz[1];
         let beyond = beyond(BLACK).hypot(estimate.value * beyond(WHITE)) / white;
         let shared = moved.iter().fold(beyond, |sum: f64, ratio| sum.hypot(ratio - estimate.value));
+        let shared = shared.hypot(self.input_error_of_contrast(estimate.value, white)?);
         let single: Vec<[f64; 1]> = replicates.iter().map(|&ratio| [ratio]).collect();
         let deviations = jackknife_deviations(&single).into_iter().map(|[by]| by).collect();
         Ok((self.uncertainty.widen(estimate, shared), deviations))
+    }
+
+    /// Standard error of a contrast ratio due to the errors of tables of indices, with Y over white.
+    fn input_error_of_contrast(&self, ratio: f64, white: f64) -> Result<f64, InkError> {
+        let over = |albedo: f64| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), UNMOVED);
+        let black_moves = self.ink.input_luminances(&self.sight, &over(BLACK))?;
+        let white_moves = self.ink.input_luminances(&self.sight, &over(WHITE))?;
+        let moves = black_moves.into_iter().zip(white_moves);
+        let moved = moves.map(|(on_black, on_white)| (ratio * white + on_black) / (white + on_white) - ratio);
+        Ok(moved.fold(0.0, |sum: f64, change| sum.hypot(FRAC_1_SQRT_2 * change)))
     }
 
     /// Compares a measured spectrum with the prediction.
@@ -182,7 +198,8 @@ impl Question<'_> {
     fn compared(&self, measured: &MeasuredSpectrum, i: usize, by_chance: Estimate) -> Option<ComparedRow> {
         let (layer, wavelength_nm) = (&self.ink.layers()[i], self.ink.wavelengths_nm()[i]);
         let moved = |by: Shift| self.factor(layer, by) - self.factor(layer, UNMOVED);
-        let predicted = self.uncertainty.widen_by(by_chance, wavelength_nm, moved);
+        let inputs = self.ink.input_error(i, |layer| self.factor(layer, UNMOVED));
+        let predicted = self.uncertainty.widen_by(by_chance, wavelength_nm, inputs, moved);
         Some(ComparedRow { wavelength_nm, measured: measured.at(wavelength_nm)?, predicted })
     }
 
@@ -190,7 +207,7 @@ impl Question<'_> {
     /// Every spectrum is summed over its own wavelengths.
     fn difference(&self, measured: &MeasuredSpectrum) -> Result<Estimate, InkError> {
         let nm = self.ink.wavelengths_nm();
-        let common: Vec<usize> = (0..nm.len()).filter(|&i| measured.at(nm[i]).is_some()).collect();
+        let common: Vec<usize> = visible(nm).filter(|&i| measured.at(nm[i]).is_some()).collect();
         let pick = |values: &[f64]| common.iter().map(|&i| values[i]).collect::<Vec<f64>>();
         let meter = Colorimeter::under(&pick(nm), self.viewing)?;
         let [first, last] = [common[0], common[common.len() - 1]].map(|i| nm[i]);
@@ -205,6 +222,12 @@ impl Question<'_> {
         let from_here = |lab: &[f64; 3]| std::array::from_fn(|i| lab[i] - here.lab[i]);
         let mut shared: Vec<[f64; 3]> = labs.iter().map(from_here).collect();
         shared.extend(meter.beyond(&pick(&predicted.values), here.xyz));
+        let all = 0..nm.len();
+        for change in self.ink.input_changes(all, |layer| self.factor(layer, UNMOVED)) {
+            let moved: Vec<f64> = predicted.values.iter().zip(&change).map(|(own, by)| own + by).collect();
+            let there = meter.colour(&pick(&moved))?.lab;
+            shared.push(std::array::from_fn(|i| FRAC_1_SQRT_2 * (there[i] - here.lab[i])));
+        }
         let lab_covariance = self.uncertainty.widen_lab(here.lab_covariance, &shared);
         Ok(distance(&Colour { lab_covariance, ..here }, there.lab))
     }

@@ -40,6 +40,17 @@ pub struct AngleNodes {
     pub means: Vec<[f64; 2]>,
 }
 
+impl AngleNodes {
+    /// Keeps the first wavelengths only.
+    pub(super) fn cut(&mut self, count: usize) {
+        self.wavelengths_nm.truncate(count);
+        self.films.truncate(count);
+        self.albedos.truncate(count);
+        self.weights.truncate(count);
+        self.means.truncate(count);
+    }
+}
+
 /// Differences from the film, measured at every wavelength solved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measured {
@@ -167,6 +178,11 @@ impl LayerOnPaper {
         let layer = Self { node, measured, curve, film_means, albedo, index_out };
         returned(albedo, layer.mean_transmittance(), layer.mean_absorptance_exit(), index_out)?;
         Ok(layer)
+    }
+
+    /// The same layer as another of the nodes.
+    pub(super) fn at_node(&self, node: usize) -> Self {
+        Self { node, ..*self }
     }
 
     /// T̄, the mean transmittance over the hemisphere on the incident side.

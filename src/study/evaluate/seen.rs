@@ -36,6 +36,31 @@ pub struct Seen {
     pub bdfs: Vec<Bdf>,
     /// The ink on its paper, or why there is none.
     pub ink: Result<InkOnPaper, NoInk>,
+    /// The layer with tables of indices moved by their errors, once the solves for it are there.
+    pub(super) inputs: Option<MovedLayers>,
+}
+
+/// The layer of a few packings as the study describes it, and with tables of indices moved by
+/// their errors.
+#[derive(Debug)]
+pub(super) struct MovedLayers {
+    few: LayerSeen,
+    moved: Vec<LayerSeen>,
+}
+
+impl MovedLayers {
+    /// Standard error of a total at one of the exact angles due to the tables' errors, against the
+    /// study's wavelengths.
+    pub fn errors(&self, angle: usize, total: Total) -> Vec<f64> {
+        let own = self.few.spectrum(angle, total).values;
+        let mut squares = vec![0.0; own.len()];
+        for moved in &self.moved {
+            let there = moved.spectrum(angle, total).values;
+            let changes = there.iter().zip(&own).map(|(there, own)| there - own);
+            squares.iter_mut().zip(changes).for_each(|(sum, change)| *sum += 0.5 * change * change);
+        }
+        squares.into_iter().map(f64::sqrt).collect()
+    }
 }
 
 /// The layer without paper at the study's wavelengths.
@@ -166,6 +191,7 @@ impl<'a> CompleteCells<'a> {
             layer: None,
             bdfs: Vec::new(),
             ink: Err(NoInk::Unfinished),
+            inputs: None,
         };
         if complete.is_empty() {
             return seen;
@@ -179,7 +205,51 @@ impl<'a> CompleteCells<'a> {
         let coherent = CoherentLight::new(&seen.solved, &ensemble.basis, &films, &study.angles.exact_deg);
         let films = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
         seen.layer = Some(LayerSeen { ensemble, films, wavelengths_nm, coherent });
+        self.move_inputs(&mut seen);
         seen
+    }
+
+    /// Evaluates the solves with tables of indices moved by their errors, beside those of the same
+    /// packings as they are.
+    fn move_inputs(&self, seen: &mut Seen) {
+        let moves = self.study.input_moves();
+        let is_complete = |r: &&Realisation| {
+            let whole = |points: &Vec<Option<PointRecord>>| points.iter().all(Option::is_some);
+            !moves.is_empty() && r.moved.len() == moves.len() && r.moved.iter().all(whole)
+        };
+        let few: Vec<&Realisation> = self.collected.complete().filter(is_complete).collect();
+        if few.is_empty() {
+            return;
+        }
+        let with = |points: &dyn Fn(&Realisation) -> Vec<Option<PointRecord>>| {
+            let realisation = |r: &&Realisation| Realisation {
+                packing: r.packing.clone(),
+                points: points(r),
+                finer: Vec::new(),
+                moved: Vec::new(),
+                failures: Vec::new(),
+            };
+            Collected {
+                resolved: self.collected.resolved,
+                realisations: few.iter().map(realisation).collect(),
+                refused: Vec::new(),
+                enough: false,
+                damages: Vec::new(),
+            }
+        };
+        let own = CompleteCells::new(self.study, &with(&|r| r.points.clone())).appearance();
+        let mut all = Vec::new();
+        for (i, by) in moves.iter().enumerate() {
+            let moved = self.study.moved(by);
+            all.push(CompleteCells::new(&moved, &with(&|r| r.moved[i].clone())).appearance());
+        }
+        if let (Ok(ink), Ok(few)) = (&mut seen.ink, &own.ink)
+            && let Ok(moved) = all.iter().map(|seen| seen.ink.as_ref()).collect::<Result<Vec<_>, _>>()
+        {
+            ink.keep_moved(few, &moved);
+        }
+        let moved = all.into_iter().map(|seen| seen.layer).collect::<Option<Vec<_>>>();
+        seen.inputs = own.layer.zip(moved).map(|(few, moved)| MovedLayers { few, moved });
     }
 
     /// The solves of every cell in one light, corrected by those on a finer grid as far as there

@@ -7,7 +7,7 @@ use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
 use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld};
 pub use super::manifest::{LIT_AT_45, NATURAL_LIGHT};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
-use super::seen::{LayerSeen, NoInk, Seen, see};
+use super::seen::{LayerSeen, MovedLayers, NoInk, Seen, see};
 use super::survivors::Survivors;
 use super::uncertainty::{ColourParts, Conditions, Shift, UNMOVED, Uncertainty};
 use crate::input::study::{Study, TargetColour};
@@ -238,7 +238,7 @@ fn note(conditions: &str, (colour, budget, deviations): ColourParts, seen: &Seen
 fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
     let Some(layer) = &seen.layer else { return Vec::new() };
     let angles = 0..layer.ensemble.exact_deg.len();
-    let mut rows: Vec<_> = angles.flat_map(|angle| rows_of(layer, angle, &seen.cells, uncertainty)).collect();
+    let mut rows: Vec<_> = angles.flat_map(|angle| rows_of(layer, angle, seen, uncertainty)).collect();
     let Ok(ink) = &seen.ink else { return rows };
     let Ok(conditions) = Conditions::new(ink, study.output.mirrored_sky) else { return rows };
     let natural = ink.spectrum(|l| conditions.natural_light(l, UNMOVED)).estimates();
@@ -247,25 +247,32 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
     for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
         let sky = |by: Shift| conditions.natural_light(layer, by) - natural[i].value;
         let print = |by: Shift| conditions.lit_at_45(layer, by) - lit[i].value;
-        row.natural_light = Some(uncertainty.widen_by(natural[i], row.wavelength_nm, sky));
-        row.lit_at_45 = Some(uncertainty.widen_by(lit[i], row.wavelength_nm, print));
+        let inputs_sky = ink.input_error(i, |l| conditions.natural_light(l, UNMOVED));
+        let inputs_print = ink.input_error(i, |l| conditions.lit_at_45(l, UNMOVED));
+        row.natural_light = Some(uncertainty.widen_by(natural[i], row.wavelength_nm, inputs_sky, sky));
+        row.lit_at_45 = Some(uncertainty.widen_by(lit[i], row.wavelength_nm, inputs_print, print));
     }
     rows
 }
 
 /// The layer's totals at one angle against wavelength, with all errors and the contributions of the
 /// cells to R and T, without the ink on its paper.
-fn rows_of(layer: &LayerSeen, angle: usize, cells: &[usize], uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
+fn rows_of(layer: &LayerSeen, angle: usize, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
     // what errors of R and T do to R, specular R, T, specular T and A
     let moved: [fn(Shift) -> f64; TOTALS] = [|[r, _]| r, |[r, _]| r, |[_, t]| t, |[_, t]| t, |[r, t]| r + t];
     let spectra = Total::ALL.map(|total| layer.spectrum(angle, total));
     let estimates = spectra.each_ref().map(SpectrumEstimate::estimates);
     let [r, _, t, ..] = &spectra;
     let coherent = layer.coherent_transmittance(angle);
+    let of_inputs = |moved: &MovedLayers| Total::ALL.map(|total| moved.errors(angle, total)).to_vec();
+    let inputs: Vec<Vec<f64>> = seen.inputs.as_ref().map_or(Vec::new(), of_inputs);
+    let cells = &seen.cells;
     let mut rows = Vec::new();
     for (i, &wavelength_nm) in layer.wavelengths_nm.iter().enumerate() {
-        let widened =
-            |k: usize| gate::bounded(uncertainty.widen_by(estimates[k][i], wavelength_nm, moved[k]));
+        let widened = |k: usize| {
+            let inputs = inputs.get(k).map_or(0.0, |errors| errors[i]);
+            gate::bounded(uncertainty.widen_by(estimates[k][i], wavelength_nm, inputs, moved[k]))
+        };
         let replicates: Vec<_> = r.replicates.iter().zip(&t.replicates).map(|(r, t)| [r[i], t[i]]).collect();
         rows.push(SpectrumRow {
             wavelength_nm,

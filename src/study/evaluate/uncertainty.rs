@@ -62,10 +62,16 @@ impl Uncertainty {
     }
 
     /// Like [`Uncertainty::widen`], for a quantity at a wavelength that shared errors of R and T
-    /// shift by `moved`.
-    pub fn widen_by(&self, estimate: Estimate, nm: f64, moved: impl Fn(Shift) -> f64) -> Estimate {
+    /// shift by `moved`; `inputs` is its error due to tables of indices.
+    pub fn widen_by(
+        &self,
+        estimate: Estimate,
+        nm: f64,
+        inputs: f64,
+        moved: impl Fn(Shift) -> f64,
+    ) -> Estimate {
         let all = (0..self.parts()).map(|part| moved(self.shift(part, nm)));
-        self.widen(estimate, all.fold(0.0, |sum: f64, x| sum.hypot(x)))
+        self.widen(estimate, all.fold(inputs, |sum: f64, x| sum.hypot(x)))
     }
 
     /// Random covariance of Lab, plus the shifts of Lab by shared errors.
@@ -96,9 +102,12 @@ impl Uncertainty {
             Ok(std::array::from_fn(|i| shifted.lab[i] - colour.lab[i]))
         })?;
         shared.extend(sight.meter.beyond(&ink.values(sight, &plain), colour.xyz));
+        let spacing = ink.spacing(sight, &plain);
+        let inputs = ink.input_shifts(sight, colour.xyz, &plain)?;
         let chance = colour.lab_covariance;
-        let lab_covariance = self.widen_lab(chance, &shared);
-        Ok(Widened { colour: Colour { lab_covariance, ..colour }, chance, shared, deviations })
+        let all: Vec<[f64; 3]> = shared.iter().chain(&spacing).chain(&inputs).copied().collect();
+        let colour = Colour { lab_covariance: self.widen_lab(chance, &all), ..colour };
+        Ok(Widened { colour, chance, shared, spacing, inputs, deviations })
     }
 
     /// Colour of a quantity for the standard observer with its total covariance, the contributions
@@ -109,9 +118,11 @@ impl Uncertainty {
         solved: &[SolvedRealisation],
         of: &PaperQuantity,
     ) -> Result<ColourParts, InkError> {
-        let Widened { colour, chance, shared, deviations } = self.widened(ink, &ink.daylight()?, of)?;
+        let Widened { colour, chance, shared, spacing, inputs, deviations } =
+            self.widened(ink, &ink.daylight()?, of)?;
         let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
         let lengths: Vec<f64> = shared.into_iter().map(length).collect();
+        let whole_length = |shifts: &[[f64; 3]]| shifts.iter().copied().map(length).fold(0.0, f64::hypot);
         let (grid, rest) = lengths.split_at(self.grid.parts());
         let together = |parts: &[f64]| parts.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
         let angles = ink.angle_covariance(solved, plain)?.map(spread);
@@ -125,6 +136,8 @@ impl Uncertainty {
             residual: rest[0],
             missing_cells: self.missing_cells * chance.map_or(0.0, spread),
             beyond_range: together(&rest[1..]),
+            between_wavelengths: whole_length(&spacing),
+            inputs: whole_length(&inputs),
         };
         Ok((colour, budget, deviations))
     }
@@ -139,6 +152,10 @@ pub(super) struct Widened {
     /// Shifts of Lab due to the grid, the residual, and light beyond each end of the wavelength
     /// range.
     shared: Vec<[f64; 3]>,
+    /// Shifts of Lab due to light between the wavelengths of a list.
+    spacing: Vec<[f64; 3]>,
+    /// Shifts of Lab due to the errors of tables of indices.
+    inputs: Vec<[f64; 3]>,
     /// Contribution of each realisation to Lab.
     pub deviations: Vec<[f64; 3]>,
 }
@@ -164,6 +181,14 @@ pub struct Budget {
     /// absent if there is none.
     #[serde(skip_serializing_if = "nothing")]
     pub beyond_range: f64,
+    /// What the spectrum may do between listed wavelengths, which its coherent film tells in part;
+    /// absent where the spectrum is known at all wavelengths.
+    #[serde(skip_serializing_if = "nothing")]
+    pub between_wavelengths: f64,
+    /// The errors of the tables of indices (columns `n_error`, `kappa_error`, `correlation`), taken as
+    /// common to all wavelengths; absent without such columns.
+    #[serde(skip_serializing_if = "nothing")]
+    pub inputs: f64,
 }
 
 /// Whether a number is zero, and so is left out of the results.
@@ -241,7 +266,7 @@ mod tests {
         assert_eq!(sure.widen(unknown, 3e-3).standard_error, Some(3e-3));
         assert_eq!(sure.widen(unknown, 0.0).standard_error, None);
         // grid: 3e-3 in R only, residual: 4e-3 in both; 3e-3 and 8e-3 in R + T
-        let both = sure.widen_by(unknown, 550.0, |[r, t]| r + t).standard_error.unwrap();
+        let both = sure.widen_by(unknown, 550.0, 0.0, |[r, t]| r + t).standard_error.unwrap();
         assert!((both - 3e-3_f64.hypot(8e-3)).abs() < 1e-15, "{both}");
     }
 }

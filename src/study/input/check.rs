@@ -16,7 +16,7 @@ use super::file::{LayerTable, SolverTable, StudyFile};
 use super::limits;
 use super::study::{IndexSpectrum, Layer, Study, WantedResolution};
 use super::variation::{CellRule, THICKNESS_CUT, Variation};
-use crate::appearance::tristimulus::Colorimeter;
+use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::solve::Goal;
 use index::Tabulation;
 use std::path::Path;
@@ -115,13 +115,16 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     };
     study.remarks.extend(of_files);
     study.remarks.extend(index::bridged(&study));
+    study.remarks.extend(study.undetermined_inputs());
     if study.angles.no_paper.is_none() {
+        study.remarks.extend(light::colour_takes_a_part(&study.wavelengths_nm));
         study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
     }
     light::refusals(file, &study, &mut optics);
     if let Some(composed) = composed {
         composed::refusals(file, &study, &mut optics);
         composed::complete(&mut study, composed);
+        study.remarks.extend(study.errors_left_out());
     }
     if faults.0.is_empty() && optics.0.is_empty() {
         optics.0.extend(aim(&study));
@@ -132,7 +135,8 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
 /// `target_delta_e` needs a colour; without paper it can never be met.
 fn aim(study: &Study) -> Option<Fault> {
     let target = study.target_delta_e?;
-    let grid = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
+    let seen = &study.wavelengths_nm[visible(&study.wavelengths_nm)];
+    let grid = Colorimeter::new(seen).err().map(|error| error.to_string());
     let reason = study.no_ink().or(grid)?;
     let remedy = "leave it out, or take angles.count and wavelengths from 400 to 700 nm";
     let allowed = format!("nothing where there is no colour: {reason}");

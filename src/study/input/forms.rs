@@ -169,7 +169,11 @@ pub(super) enum IndexForms {
     },
     Csv {
         /// Table with the columns wavelength_nm, kappa and optionally n, relative to the study
-        /// file; without n in the file, give it beside.
+        /// file; without n in the file, give it beside. Also the CSV files of refractiveindex.info
+        /// (blocks wl,n and wl,k, wavelengths in µm). The columns n_error, kappa_error (standard
+        /// errors, in the units of n and kappa) and correlation (of both, -1 to 1), which a fit
+        /// writes, enter every error bar, as errors common to all wavelengths. A remark "# n is
+        /// not determined: …" is repeated where the table is used.
         csv: String,
         /// Real part at all wavelengths, if the file contains only κ.
         #[schemars(transform = INDEX.mark())]

@@ -1,10 +1,12 @@
 //! A checked study: the only input of a run.
 
 mod composed;
+mod moved;
 mod parts;
 
 pub use super::file::TargetColour;
 pub use composed::{Composed, Portion, Position};
+pub use moved::InputMove;
 pub use parts::{Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, WantedResolution};
 
 use super::file::OutputTable;
@@ -278,8 +280,10 @@ impl Study {
         (0..self.realisations).map(|r| self.solves_of(r)).sum()
     }
 
-    /// Number of solves of a realisation, on both grids if it is checked.
+    /// Number of solves of a realisation: on both grids if it is checked, and with the tables of
+    /// indices moved by their errors.
     pub fn solves_of(&self, realisation: usize) -> usize {
-        self.solves_each() * if self.is_checked(realisation) { 2 } else { 1 }
+        self.solves_each()
+            * (1 + usize::from(self.is_checked(realisation)) + self.moves_of(realisation).len())
     }
 }

@@ -77,6 +77,11 @@ pub struct Realisation {
     ///
     /// [`Study::is_checked`]: crate::input::study::Study::is_checked
     pub finer: Vec<Option<PointRecord>>,
+    /// These solves with the tables of indices moved by their errors, move by move
+    /// ([`Study::moves_of`]).
+    ///
+    /// [`Study::moves_of`]: crate::input::study::Study::moves_of
+    pub moved: Vec<Vec<Option<PointRecord>>>,
     /// Failed solves with their reasons.
     pub failures: Vec<Failure>,
 }
@@ -102,7 +107,10 @@ pub struct Failure {
 impl Collected {
     /// Number of finished solves.
     pub fn finished(&self) -> usize {
-        self.realisations.iter().map(|r| r.points.iter().chain(&r.finer).flatten().count()).sum()
+        let of = |r: &Realisation| {
+            r.points.iter().chain(&r.finer).chain(r.moved.iter().flatten()).flatten().count()
+        };
+        self.realisations.iter().map(of).sum()
     }
 
     /// Number of the study's solves that are not needed: those of packings without room, and all

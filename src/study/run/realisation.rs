@@ -10,6 +10,7 @@ use crate::input::study::{Point, Study};
 use crate::solve::Solver;
 use crate::store::{FailureRecord, Key, PackingRecord};
 use crate::wave::{Mean, Resolution};
+use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::io;
 use std::sync::Arc;
@@ -49,13 +50,36 @@ impl<'a> Packings<'a> {
     }
 }
 
-/// The solves of a realisation with content hashes of everything that each depends on.
-pub fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
+/// One of the ways in which a realisation is solved.
+struct Way<'a> {
+    /// The study, or the study with a table of indices moved by its errors.
+    study: Cow<'a, Study>,
+    /// Its grids.
+    resolved: Resolved,
+}
+
+/// The ways in which a realisation is solved: on the study's grid, on a finer one if it is checked,
+/// and with the tables of indices moved by their errors.
+fn ways<'a>(study: &'a Study, resolved: &Resolved, realisation: usize) -> Vec<Way<'a>> {
+    let mut ways = vec![Way { study: Cow::Borrowed(study), resolved: *resolved }];
+    if study.is_checked(realisation) {
+        ways.push(Way { study: Cow::Borrowed(study), resolved: resolved.finer() });
+    }
+    let moves = study.moves_of(realisation);
+    ways.extend(moves.iter().map(|by| Way { study: Cow::Owned(study.moved(by)), resolved: *resolved }));
+    ways
+}
+
+/// The solves of a realisation in one way, with content hashes of everything that each depends on.
+/// The grid of each is that of the study itself, so that
+/// differences between ways are not those of grids.
+fn keys_of(own: &Study, way: &Way, realisation: usize) -> Vec<(Point, Key)> {
+    let Way { study, resolved } = way;
     let packing = Key::of_packing(&study.packing_request(realisation));
     let (draw, error) = (study.draw(realisation), study.resolution.coverage_error());
     let mut keyed = Vec::new();
     for point in study.points(realisation) {
-        let resolution = resolved.for_wave(study, &draw, point.incidence.wavelength_um);
+        let resolution = resolved.for_wave(own, &draw, point.incidence.wavelength_um);
         let method = (resolution, Mean::default(), &study.solver, &study.goal, error);
         let indices = study.indices(point.incidence.wavelength_um);
         let inputs = (&packing, indices, &point.incidence, method);
@@ -64,15 +88,9 @@ pub fn point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec
     keyed
 }
 
-/// The solves of a realisation on all its grids.
+/// The solves of a realisation in all ways.
 pub fn all_point_keys(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<(Point, Key)> {
-    let levels = levels(study, resolved, realisation);
-    levels.iter().flat_map(|level| point_keys(study, level, realisation)).collect()
-}
-
-/// The grids on which a realisation is solved: the study's, and a finer one if it is checked.
-fn levels(study: &Study, resolved: &Resolved, realisation: usize) -> Vec<Resolved> {
-    [*resolved].into_iter().chain(study.is_checked(realisation).then(|| resolved.finer())).collect()
+    ways(study, resolved, realisation).iter().flat_map(|way| keys_of(study, way, realisation)).collect()
 }
 
 /// The work on one realisation.
@@ -94,48 +112,59 @@ pub struct RealisationRun<'a> {
 impl RealisationRun<'_> {
     /// Computes the solves missing in the store; returns the number of solves without a result.
     pub fn finish(&self, packings: &mut Packings) -> Result<usize, RunError> {
-        let levels = levels(self.study, self.resolved, self.realisation);
-        levels.iter().map(|resolved| RealisationRun { resolved, ..*self }.finish_level(packings)).sum()
+        let ways = ways(self.study, self.resolved, self.realisation);
+        ways.iter().map(|way| WayRun { run: self, way }.finish(packings)).sum()
     }
+}
 
-    /// Computes the missing solves on one grid.
-    fn finish_level(&self, packings: &mut Packings) -> Result<usize, RunError> {
-        let keyed = point_keys(self.study, self.resolved, self.realisation);
+/// The work on one realisation in one way.
+struct WayRun<'a> {
+    run: &'a RealisationRun<'a>,
+    way: &'a Way<'a>,
+}
+
+impl WayRun<'_> {
+    /// Computes the missing solves.
+    fn finish(&self, packings: &mut Packings) -> Result<usize, RunError> {
+        let &RealisationRun { stores, settings, watch, realisation, study: own, .. } = self.run;
+        let Way { study, resolved } = self.way;
+        let keyed = keys_of(own, self.way, realisation);
         let lacking: Vec<&(Point, Key)> = keyed.iter().filter(|keyed| !self.is_kept(keyed)).collect();
         let kept = keyed.len() - lacking.len();
         let (failed, todo): (Vec<_>, Vec<_>) =
-            lacking.into_iter().partition(|keyed| self.stores.failure(keyed).is_some());
-        let packing_key = Key::of_packing(&self.study.packing_request(self.realisation));
-        if todo.is_empty() && self.stores.packings.has(packing_key.as_str()) {
+            lacking.into_iter().partition(|keyed| stores.failure(keyed).is_some());
+        let packing_key = Key::of_packing(&study.packing_request(realisation));
+        if todo.is_empty() && stores.packings.has(packing_key.as_str()) {
             return Ok(self.pass(kept, failed.len()));
         }
-        let (grids, asked) = (packings.on_grids(self.realisation)?, self.study.solver.build());
-        let record = PackingRecord::new(self.realisation, &grids.packing);
-        self.stores.packings.put(packing_key.as_str(), &record)?;
-        let size = resolve::size(self.study, self.resolved.for_cell(&self.study.draw(self.realisation)));
-        let (solver, jobs) = self.settings.admit(&size, (&*asked, 1.0), self.watch)?;
+        let (grids, asked) = (packings.on_grids(realisation)?, study.solver.build());
+        let record = PackingRecord::new(realisation, &grids.packing);
+        stores.packings.put(packing_key.as_str(), &record)?;
+        let size = resolve::size(study, resolved.for_cell(&study.draw(realisation)));
+        let (solver, jobs) = settings.admit(&size, (&*asked, 1.0), watch)?;
         for (point, _) in &todo {
-            grids.geometry(self.study, self.grid(point), self.watch)?;
+            grids.geometry(study, self.grid(point), watch)?;
         }
         Ok(self.pass(kept, failed.len()) + self.solve_all(solver.solver(), jobs, &grids, &todo)?)
     }
 
     /// The grid of a point's wave.
     fn grid(&self, point: &Point) -> Resolution {
-        self.resolved.for_wave(self.study, &self.study.draw(self.realisation), point.incidence.wavelength_um)
+        let own = self.run.study;
+        self.way.resolved.for_wave(own, &own.draw(self.run.realisation), point.incidence.wavelength_um)
     }
 
     /// Reports the solves that need no work; returns the number of those without a result.
     fn pass(&self, kept: usize, failed: usize) -> usize {
-        self.watch.hear(Event::Kept(kept));
-        self.watch.hear(Event::Dropped(failed));
+        self.run.watch.hear(Event::Kept(kept));
+        self.run.watch.hear(Event::Dropped(failed));
         failed
     }
 
     /// Whether the store has a valid result of this solve.
     fn is_kept(&self, (_, key): &(Point, Key)) -> bool {
-        let record = self.stores.points.get(key.as_str());
-        record.is_some_and(|record| is_physical(&record, self.resolved.grid_error))
+        let record = self.run.stores.points.get(key.as_str());
+        record.is_some_and(|record| is_physical(&record, self.way.resolved.grid_error))
     }
 
     /// Runs the solves in parallel, those of one problem in sequence; returns the number of solves
@@ -149,7 +178,7 @@ impl RealisationRun<'_> {
     ) -> Result<usize, RunError> {
         let failed = AtomicUsize::new(0);
         let groups: Vec<_> = todo.chunk_by(|(a, _), (b, _)| a.incidence == b.incidence).collect();
-        work_through(groups.len(), jobs, self.watch, |g| {
+        work_through(groups.len(), jobs, self.run.watch, |g| {
             Ok(_ = failed.fetch_add(self.solve_group(solver, grids, groups[g])?, Ordering::Relaxed))
         })?;
         Ok(failed.into_inner())
@@ -158,8 +187,8 @@ impl RealisationRun<'_> {
     /// Solves for one wavelength and direction, which share the problems set up by the first;
     /// returns the number of solves without a result. Errors are those of the store.
     fn solve_group(&self, solver: &dyn Solver, grids: &Grids, group: &[&(Point, Key)]) -> io::Result<usize> {
-        let Self { study, stores, watch, .. } = *self;
-        let point_solver = PointSolver { study, solver, grid: self.resolved.grid_error, watch };
+        let (study, stores, watch) = (&*self.way.study, self.run.stores, self.run.watch);
+        let point_solver = PointSolver { study, solver, grid: self.way.resolved.grid_error, watch };
         let (shared, mut failed) = (OnceCell::new(), 0);
         for keyed @ (point, key) in group {
             if watch.stop() {

@@ -76,6 +76,7 @@ impl Linearised {
             packing: packing.clone(),
             points: points.iter().map(moved).collect(),
             finer: Vec::new(),
+            moved: Vec::new(),
             failures: Vec::new(),
         };
         Collected {

@@ -290,7 +290,9 @@ const FINER_COST: usize = 2;
 /// Numbers of grid searches and of solves of variants with the same packings and the same requested
 /// resolution.
 fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
-    let (mut solves, mut grids, mut finer) = (HashSet::new(), HashSet::new(), 0);
+    let (mut solves, mut grids) = (HashSet::new(), HashSet::new());
+    // on the finer grid, and with tables of indices moved by their errors
+    let (mut finer, mut moved) = (0, 0);
     for study in studies {
         let method = (&study.solver, &study.goal);
         for r in 0..study.realisations {
@@ -298,11 +300,12 @@ fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
                 let indices = study.indices(p.incidence.wavelength_um);
                 Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
             }));
-            finer += study.solves_of(r) - study.solves_each();
+            finer += if study.is_checked(r) { study.solves_each() } else { 0 };
+            moved += study.solves_each() * study.moves_of(r).len();
         }
         let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
         let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
         grids.insert(Key::of("grid", &(light, indices, method)));
     }
-    [grids.len(), solves.len() + FINER_COST * finer]
+    [grids.len(), solves.len() + moved + FINER_COST * finer]
 }

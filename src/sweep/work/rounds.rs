@@ -107,8 +107,10 @@ fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) ->
     let mut points: Vec<_> = points.collect();
     let missing = keyed.iter().zip(&points).filter(|(_, found)| found.is_none());
     let failures = missing.filter_map(|(keyed, _)| stores.failure(keyed)).collect();
-    let finer = points.split_off(study.solves_each());
-    Some(Realisation { packing, points, finer, failures })
+    let mut others = points.split_off(study.solves_each());
+    let finer: Vec<_> = others.drain(..if study.is_checked(r) { study.solves_each() } else { 0 }).collect();
+    let moved = others.chunks(study.solves_each().max(1)).map(<[_]>::to_vec).collect();
+    Some(Realisation { packing, points, finer, moved, failures })
 }
 
 /// Content hash of everything that a realisation's packing and grid depend on.

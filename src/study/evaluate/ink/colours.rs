@@ -1,9 +1,10 @@
 //! Colours and the picture of an ink on its paper, with the errors due to fits and angles.
 
-use super::{InkError, InkOnPaper};
+use super::{InkError, InkOnPaper, Places};
 use crate::appearance::colour::{Colorimeter, Colour, ColourError};
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
+use crate::appearance::tristimulus::Guide;
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::layer::{EnsembleMean, LayerEnsemble, Total};
 use crate::evaluate::on_paper::curves::anchors;
@@ -11,7 +12,7 @@ use crate::evaluate::on_paper::{LayerOnPaper, MEASURED, Measured, PolarAngle};
 use crate::evaluate::samples::{SolvedRealisation, SolvedWavelength};
 use crate::evaluate::wavelengths::nearest;
 use crate::numerics::estimate::{jackknife_covariance, jackknife_deviations};
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::ops::Range;
 
 /// Step of the finite difference along a residual.
@@ -29,6 +30,8 @@ pub struct Sight {
     pub(in crate::evaluate) meter: Colorimeter,
     /// Indices of the wavelengths.
     nodes: Range<usize>,
+    /// Whether the spectrum is known at the wavelengths that are summed alone, and not in between.
+    apart: bool,
     /// Whether to add the residuals of the solves from the fitted spectra, which requires smooth
     /// weights.
     beyond_fit: bool,
@@ -43,9 +46,84 @@ impl InkOnPaper {
     /// The wavelengths do not suffice for a colour.
     pub fn sight(&self, viewing: &Viewing) -> Result<Sight, ColourError> {
         let tabulated = viewing.summation == Summation::E308;
-        let nodes = if tabulated { &self.places.outputs } else { &self.places.colours }.clone();
+        let nodes = if tabulated { &self.places.visible } else { &self.places.colours }.clone();
         let meter = Colorimeter::under(&self.nodes.wavelengths_nm[nodes.clone()], viewing)?;
-        Ok(Sight { meter, nodes, beyond_fit: !tabulated && !viewing.has_lines() })
+        let apart = nodes == self.places.visible;
+        Ok(Sight { meter, nodes, apart, beyond_fit: !tabulated && !viewing.has_lines() })
+    }
+
+    /// Standard errors of Lab due to what the spectrum does between wavelengths, beside its film
+    /// ([`Colorimeter::spacing`]); none where it is known every 5 nm.
+    pub(in crate::evaluate) fn spacing(
+        &self,
+        sight: &Sight,
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
+    ) -> Vec<[f64; 3]> {
+        if !sight.apart {
+            return Vec::new();
+        }
+        let values = self.values(sight, quantity);
+        let Ok(xyz) = sight.meter.xyz(&values) else { return Vec::new() };
+        sight.meter.spacing(&values, xyz, self.guide(sight, quantity).as_ref())
+    }
+
+    /// Standard error of Y due to the same.
+    pub(in crate::evaluate) fn spacing_luminance(
+        &self,
+        sight: &Sight,
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
+    ) -> f64 {
+        if !sight.apart {
+            return 0.0;
+        }
+        let guide = self.guide(sight, quantity);
+        sight.meter.spacing_luminance(&self.values(sight, quantity), guide.as_ref())
+    }
+
+    /// The quantity between the wavelengths of the spectra: of the coherent film beside a list, and
+    /// fitted over a range.
+    fn guide(&self, sight: &Sight, quantity: &impl Fn(&LayerOnPaper) -> f64) -> Option<Guide> {
+        let Places { guide, fine_guide, colours, visible, .. } = &self.places;
+        let of_film = [guide, fine_guide];
+        let [on_grid, fine] = if colours == visible { of_film } else { [&sight.nodes, colours] };
+        let of = |nodes: &Range<usize>| self.whole[nodes.clone()].iter().map(quantity).collect();
+        let fine_nm = self.nodes.wavelengths_nm[fine.clone()].to_vec();
+        let guide = Guide { on_grid: of(on_grid), fine: of(fine), fine_nm };
+        let known = guide.on_grid.iter().chain(&guide.fine).all(|value| value.is_finite());
+        (known && !guide.on_grid.is_empty()).then_some(guide)
+    }
+
+    /// Shifts of Lab due to errors of the tables of indices, each independent: add them in squares.
+    ///
+    /// # Errors
+    /// A quantity that is no number.
+    pub(in crate::evaluate) fn input_shifts(
+        &self,
+        sight: &Sight,
+        xyz: [f64; 3],
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
+    ) -> Result<Vec<[f64; 3]>, InkError> {
+        let here = sight.meter.colour_of(xyz).lab;
+        let mut shifts = Vec::new();
+        for change in self.input_changes(sight.nodes.clone(), quantity) {
+            let by = sight.meter.xyz(&change)?;
+            let there = sight.meter.colour_of(std::array::from_fn(|c| (xyz[c] + by[c]).max(0.0))).lab;
+            shifts.push(std::array::from_fn(|i| FRAC_1_SQRT_2 * (there[i] - here[i])));
+        }
+        Ok(shifts)
+    }
+
+    /// Changes of Y by every move of a table; see [`InkOnPaper::input_changes`].
+    ///
+    /// # Errors
+    /// A quantity that is no number.
+    pub(in crate::evaluate) fn input_luminances(
+        &self,
+        sight: &Sight,
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
+    ) -> Result<Vec<f64>, InkError> {
+        let changes = self.input_changes(sight.nodes.clone(), quantity);
+        changes.iter().map(|change| Ok(sight.meter.xyz(change)?[1])).collect()
     }
 
     /// Colour of a quantity that is 1 for a perfect white diffuser, under D65 for the 2° observer,

@@ -111,19 +111,24 @@ impl Coefficient<'_> {
     /// were exact.
     fn computed(&self, ink: &InkOnPaper, uncertainty: &Uncertainty) -> Vec<Estimate> {
         let estimates = ink.spectrum(|layer| self.continued(layer, [0.0; 2])).estimates().into_iter();
-        let places = ink.layers().iter().map(|layer| (layer, ink.wavelength_nm(layer)));
-        estimates.zip(places).map(|(e, place)| self.estimate(place, e, uncertainty)).collect()
+        let mut all = Vec::new();
+        for (i, (continued, layer)) in estimates.zip(ink.layers()).enumerate() {
+            let inputs = ink.input_error(i, |layer| self.continued(layer, [0.0; 2]));
+            all.push(self.estimate((layer, ink.wavelength_nm(layer)), (continued, inputs), uncertainty));
+        }
+        all
     }
 
-    /// Estimate at one wavelength, where `continued` is the continuation with its random error.
+    /// Estimate at one wavelength, where `continued` is the continuation with its random error and
+    /// `inputs` that due to tables of indices.
     fn estimate(
         &self,
         (layer, nm): (&LayerOnPaper, f64),
-        continued: Estimate,
+        (continued, inputs): (Estimate, f64),
         uncertainty: &Uncertainty,
     ) -> Estimate {
         let moved = |by: Shift| self.continued(layer, by) - continued.value;
-        let errors = uncertainty.widen_by(continued, nm, |shift| of_unknown_signs(moved, shift));
+        let errors = uncertainty.widen_by(continued, nm, inputs, |shift| of_unknown_signs(moved, shift));
         // NaN if R̄ and T̄ do not determine it
         Estimate { value: self.of(layer, [0.0; 2], KubelkaMunk::from_layer), ..errors }
     }

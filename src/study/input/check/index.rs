@@ -26,7 +26,9 @@ impl Tabulation<'_> {
     pub fn tabulate(self, field: &str, written: &IndexWritten, faults: &mut Faults) -> IndexSpectrum {
         let before = faults.0.len();
         let spectrum = spectrum(field, written, self.folder, faults).unwrap_or(Spectrum::VACUUM);
-        faults.0.extend(outside(field, &spectrum, self.wavelengths_nm));
+        let key = if written.yaml.is_some() { "yaml" } else { "csv" };
+        let faulty = faulty_rows(&format!("{field}.{key}"), &spectrum, self.wavelengths_nm);
+        faults.0.extend(faulty.or_else(|| outside(field, &spectrum, self.wavelengths_nm)));
         let values = self.wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
         let index = values.collect::<Result<Vec<_>, _>>().unwrap_or_default();
         faults.0.extend(unsound(field, &index, self.wavelengths_nm));
@@ -102,8 +104,7 @@ fn not_found(field: &str, key: &str, (said, path): (&str, &Path), error: &Spectr
             (named, MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", "), remedy)
         }
         "csv" => {
-            let allowed =
-                "a readable table wavelength_nm,kappa[,n] with rising wavelengths, kappa ≥ 0 and n > 0";
+            let allowed = "a readable table wavelength_nm,kappa[,n] with rising or falling wavelengths, kappa ≥ 0 and n > 0";
             let found = match error {
                 SpectrumError::File(_) | SpectrumError::RealPart(_) => error.to_string(),
                 other => format!("{} ({other})", path.display()),
@@ -128,6 +129,19 @@ fn outside(field: &str, spectrum: &Spectrum, wavelengths_nm: &[f64]) -> Option<F
     let remedy = "give a table that covers 400 to 700 nm; with [light] inside the table's range spectra lack nothing, but colours \
                   have wider error bars, and need 440 to 610 nm at least";
     Some(Fault::new(field, format!("no value at {nm} nm"), allowed, remedy))
+}
+
+/// Rows of a file that cannot be used, where the study's wavelengths need them.
+fn faulty_rows(field: &str, spectrum: &Spectrum, wavelengths_nm: &[f64]) -> Option<Fault> {
+    let (&first, &last) = wavelengths_nm.first().zip(wavelengths_nm.last())?;
+    let gap = spectrum.unusable([first, last])?;
+    let [from, to] = gap.between_nm;
+    let allowed = format!(
+        "sound rows (each wavelength once and in order, kappa ≥ 0, n > 0) from {first} to {last} nm, where the study needs them; \
+         faults in other rows do no harm"
+    );
+    let remedy = format!("correct the table between {from} and {to} nm, or choose other wavelengths");
+    Some(Fault::new(field, format!("{}: {}", spectrum.name(), gap.reason), allowed, remedy))
 }
 
 /// One remark for every file with a wide gap within the study's wavelengths.

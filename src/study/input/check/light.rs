@@ -2,7 +2,7 @@
 //! refused before anything is packed.
 
 use super::grains::packed;
-use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter};
+use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter, TABLE_RANGE_NM, visible};
 use crate::input::file::{LightTable, SamplingName, StudyFile};
 use crate::input::limits::{self, LONGEST_LIST};
 use crate::input::{Allowed, Fault, Faults, LightRule, Study, keys_in_words};
@@ -51,13 +51,24 @@ pub fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option<String
 /// Remark on spectra that end inside the visible range but still give a colour.
 pub fn colour_is_extrapolated(wavelengths_nm: &[f64]) -> Option<String> {
     let [from, to] = COLOUR_RANGE_NM;
-    let (&first, &last) = (wavelengths_nm.first()?, wavelengths_nm.last()?);
+    let seen = &wavelengths_nm[visible(wavelengths_nm)];
+    let (&first, &last) = (seen.first()?, seen.last()?);
     let short = first > from + SLACK_NM || last < to - SLACK_NM;
     let remark = format!(
         "light: the wavelengths reach from {first} to {last} nm, and colours need {from} to {to} nm: the spectra are continued by their \
          values at the ends, and the error bars of colours include what the rest could be"
     );
-    (short && Colorimeter::new(wavelengths_nm).is_ok()).then_some(remark)
+    (short && Colorimeter::new(seen).is_ok()).then_some(remark)
+}
+
+/// Remark on wavelengths beyond those of colours.
+pub fn colour_takes_a_part(wavelengths_nm: &[f64]) -> Option<String> {
+    let [lo, hi] = TABLE_RANGE_NM;
+    let seen = &wavelengths_nm[visible(wavelengths_nm)];
+    let remark = format!(
+        "light: colours take the wavelengths from {lo} to {hi} nm, where eyes see; the spectra have all of them"
+    );
+    (seen.len() < wavelengths_nm.len() && Colorimeter::new(seen).is_ok()).then_some(remark)
 }
 
 /// The wavelengths of a range; empty after an error, so that nothing depending on them is checked.

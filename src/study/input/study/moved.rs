@@ -1,0 +1,132 @@
+//! A study with a table of indices moved by its stated errors: what these errors do to every number
+//! is the difference between solves of both in the same packings.
+
+use super::Study;
+use crate::material::spectra::{ErrorAxis, Spectrum};
+use std::collections::BTreeSet;
+
+/// Realisations that are also solved with the moved tables: the first ones. The packings hardly
+/// change what a table's error does, so two suffice, which may share a cell.
+const MOVED_REALISATIONS: usize = 2;
+
+/// Where a table stands in a study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    /// Core of a pigment's grains.
+    Core(usize),
+    /// A layer around it: pigment and layer.
+    Shell(usize, usize),
+    /// The binder.
+    Binder,
+    /// A pigment dissolved in the binder.
+    Dissolved(usize),
+}
+
+/// A table moved by one of the independent parts of its errors, to one side, in all of its rows at
+/// once: errors are taken as common to all wavelengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InputMove {
+    place: Place,
+    axis: ErrorAxis,
+    /// In standard errors: 1 or −1.
+    times: f64,
+}
+
+impl Study {
+    /// All moves by one standard error to either side; none without errors in any table. The slabs
+    /// of composed layers are not moved.
+    pub fn input_moves(&self) -> Vec<InputMove> {
+        let is_composed = self.portion.is_some() || self.layer.composed.is_some();
+        if is_composed { Vec::new() } else { self.all_moves() }
+    }
+
+    /// All moves, also of the tables of a composed layer.
+    fn all_moves(&self) -> Vec<InputMove> {
+        let mut moves = Vec::new();
+        for place in self.places() {
+            for axis in [ErrorAxis::N, ErrorAxis::Kappa] {
+                if self.spectrum(place).moved(axis, 1.0).is_some() {
+                    moves.extend([1.0, -1.0].map(|times| InputMove { place, axis, times }));
+                }
+            }
+        }
+        moves
+    }
+
+    /// The moves with which a realisation is solved as well.
+    pub fn moves_of(&self, realisation: usize) -> Vec<InputMove> {
+        if realisation < MOVED_REALISATIONS { self.input_moves() } else { Vec::new() }
+    }
+
+    /// Says that the error bars of a composed layer lack the errors of its tables.
+    pub fn errors_left_out(&self) -> Option<String> {
+        let names = self.inputs_with_errors().join(", ");
+        let remark = format!(
+            "{names}: its errors of n and κ are not in the error bars of a composed layer; run the study with the table moved by \
+             one error to see what they do"
+        );
+        (self.layer.composed.is_some() && !names.is_empty()).then_some(remark)
+    }
+
+    /// Names of the tables whose errors are known, each once.
+    pub fn inputs_with_errors(&self) -> Vec<String> {
+        let mut names: Vec<String> = Vec::new();
+        for place in self.all_moves().into_iter().map(|by| by.place) {
+            let name = self.spectrum(place).name();
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        names
+    }
+
+    /// What the tables say of quantities that are not determined, one line each.
+    pub fn undetermined_inputs(&self) -> BTreeSet<String> {
+        let mut said = BTreeSet::new();
+        for spectrum in self.places().into_iter().map(|place| self.spectrum(place)) {
+            for remark in spectrum.undetermined() {
+                let name = spectrum.name();
+                said.insert(format!("{name}: {remark}; every number that depends on it is as uncertain"));
+            }
+        }
+        said
+    }
+
+    /// This study with a table moved.
+    pub fn moved(&self, by: &InputMove) -> Study {
+        let mut study = self.clone();
+        let Some(spectrum) = self.spectrum(by.place).moved(by.axis, by.times) else { return study };
+        let material = match by.place {
+            Place::Core(pigment) => &mut study.pigments[pigment].material,
+            Place::Shell(pigment, layer) => &mut study.pigments[pigment].shell[layer],
+            Place::Binder | Place::Dissolved(_) => &mut study.layer.binder,
+        };
+        match by.place {
+            Place::Dissolved(i) => material.dissolved[i].1 = spectrum,
+            _ => material.spectrum = spectrum,
+        }
+        material.index = self.wavelengths_nm.iter().map(|nm| material.index_at(1e-3 * nm)).collect();
+        study
+    }
+
+    /// All places of tables.
+    fn places(&self) -> Vec<Place> {
+        let mut places = Vec::new();
+        for (i, pigment) in self.pigments.iter().enumerate() {
+            places.push(Place::Core(i));
+            places.extend((0..pigment.shell.len()).map(|layer| Place::Shell(i, layer)));
+        }
+        places.push(Place::Binder);
+        places.extend((0..self.layer.binder.dissolved.len()).map(Place::Dissolved));
+        places
+    }
+
+    fn spectrum(&self, place: Place) -> &Spectrum {
+        match place {
+            Place::Core(pigment) => &self.pigments[pigment].material.spectrum,
+            Place::Shell(pigment, layer) => &self.pigments[pigment].shell[layer].spectrum,
+            Place::Binder => &self.layer.binder.spectrum,
+            Place::Dissolved(i) => &self.layer.binder.dissolved[i].1,
+        }
+    }
+}
