@@ -43,7 +43,7 @@ impl CoherentLight {
                 };
                 realisation.wavelengths.iter().map(sample).collect()
             };
-            Fits::new(solved.iter().map(of), basis, [1, 2])
+            Fits::new(solved.iter().map(|realisation| of(realisation).into_iter()), basis, [1, 2])
         };
         let fits = (0..exact_deg.len()).map(|angle| std::array::from_fn(|light| fit(angle, light)));
         Some(Self { fits: fits.collect(), basis: basis.clone() })

@@ -5,7 +5,7 @@ use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::manifest::{
     ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, ErrorParts, MediumRow,
 };
-use super::numbers::{COLOURS, LayerTask, MOST_SLABS, Place, SPECTRAL, lights, projected_sr};
+use super::numbers::{LayerTask, MOST_SLABS, Place, SPECTRAL, lights, projected_sr};
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::{self, Quantity};
