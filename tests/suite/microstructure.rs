@@ -4,6 +4,7 @@ use inkwave::export::grains::{dump, xyz};
 use inkwave::ink::{Packing, pack};
 use inkwave::input::Study;
 use inkwave::input::check::check;
+use inkwave::input::fault::Fault;
 use inkwave::input::file::StudyFile;
 use inkwave::report::packing::grains_csv;
 use inkwave::wave::Scene;
@@ -15,7 +16,9 @@ const LIGHT: &str = "[light]\nwavelengths_nm = [500]\n";
 
 fn study(folder: &Path, text: &str) -> Result<Study, String> {
     let file: StudyFile = toml::from_str(text).map_err(|e| e.to_string())?;
-    let told = |faults: Vec<_>| faults.iter().map(ToString::to_string).collect::<Vec<String>>().join("; ");
+    let told = |faults: Vec<Fault>| {
+        faults.iter().map(|fault| format!("{fault}; {}", fault.remedy)).collect::<Vec<String>>().join("; ")
+    };
     check(&file, folder, "test").map_err(told)
 }
 
@@ -87,16 +90,22 @@ fn the_corner_of_a_box_is_the_corner_of_the_cell() {
     let dump = |corner: [f64; 3], names: &str, rows: &str| {
         let side = |i: usize, length: f64| format!("{} {}\n", corner[i], corner[i] + length);
         let bounds = [side(0, 2.0), side(1, 2.0), side(2, 1.0)].concat();
-        format!("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp ff\n{bounds}ITEM: ATOMS {names}\n{rows}")
+        format!(
+            "ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp ff\n{bounds}ITEM: ATOMS {names}\n{rows}"
+        )
     };
     let xyz = |origin: &str, rows: &str| {
         format!("2\nLattice=\"2 0 0 0 2 0 0 0 1\"{origin} Properties=pos:R:3:radius:R:1\n{rows}")
     };
     let rows = "0.5 0.5 0.375 0.25\n1.5 1.25 0.625 0.25\n";
-    let expected = scene(&cell(folder.path(), "0.dump", &dump([0.0; 3], "x y z radius", rows), STATED).expect("a cell"));
+    let expected =
+        scene(&cell(folder.path(), "0.dump", &dump([0.0; 3], "x y z radius", rows), STATED).expect("a cell"));
     for (name, text) in [
         ("1.dump", dump([-3.0, 4.0, -7.0], "x y z radius", "-2.5 4.5 -6.625 0.25\n-1.5 5.25 -6.375 0.25\n")),
-        ("2.dump", dump([-3.0, 4.0, -7.0], "xs ys zs radius", "0.25 0.25 0.375 0.25\n0.75 0.625 0.625 0.25\n")),
+        (
+            "2.dump",
+            dump([-3.0, 4.0, -7.0], "xs ys zs radius", "0.25 0.25 0.375 0.25\n0.75 0.625 0.625 0.25\n"),
+        ),
         ("3.xyz", xyz("", rows)),
         ("4.xyz", xyz(" Origin=\"-3 4 -7\"", "-2.5 4.5 -6.625 0.25\n-1.5 5.25 -6.375 0.25\n")),
     ] {
@@ -117,9 +126,15 @@ fn lengths_on_another_scale_are_refused_with_both() {
             "ITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp ff\n0 {l}\n0 {l}\n0 {h}\nITEM: ATOMS x y z radius\n{x} {x} {x} {r}\n"
         )
     };
-    let xyz = |high: f64| format!("1\nLattice=\"2 0 0 0 2 0 0 0 {high}\" Properties=pos:R:3:radius:R:1\n0.5 0.5 0.5 0.2\n");
+    let xyz = |high: f64| {
+        format!("1\nLattice=\"2 0 0 0 2 0 0 0 {high}\" Properties=pos:R:3:radius:R:1\n0.5 0.5 0.5 0.2\n")
+    };
     for (name, text, says) in [
-        ("mm.csv", csv("um", "5e-4,5e-4,4e-4,2e-4\n1.5e-3,1.5e-3,6e-4,2e-4\n"), "largest coordinate 1.700e-3 µm, in a layer of 1 µm"),
+        (
+            "mm.csv",
+            csv("um", "5e-4,5e-4,4e-4,2e-4\n1.5e-3,1.5e-3,6e-4,2e-4\n"),
+            "largest coordinate 1.700e-3 µm, in a layer of 1 µm",
+        ),
         ("m.csv", csv("um", "5e-7,5e-7,4e-7,2e-7\n"), "largest coordinate 7.000e-7 µm"),
         ("nm.csv", csv("um", "500,500,400,200\n"), "largest coordinate along z 600 µm"),
         ("far.csv", csv("um", "5e300,0.5,0.4,0.2\n"), "largest coordinate 5.000e300"),
@@ -149,7 +164,8 @@ fn soft_contacts_become_contacts() {
     let folder = tempfile::tempdir().expect("a folder");
     let csv = |rows: &str| format!("x_um,y_um,z_um,radius_um\n{rows}");
     // 0.4 apart less an overlap, of radii 0.25 and 0.15; across the period; the third sphere is alone
-    let pair = |overlap: f64| csv(&format!("0.1,0.5,0.5,0.25\n{},0.5,0.5,0.15\n1,1.4,0.5,0.2\n", 1.7 + overlap));
+    let pair =
+        |overlap: f64| csv(&format!("0.1,0.5,0.5,0.25\n{},0.5,0.5,0.15\n1,1.4,0.5,0.2\n", 1.7 + overlap));
     let study = cell(folder.path(), "soft.csv", &pair(1e-4), "").expect("a contact");
     let spheres = scene(&study).bodies;
     let radii: Vec<f64> = pack(&study.packing_request(0), &mut ())
@@ -162,18 +178,24 @@ fn soft_contacts_become_contacts() {
     for (radius, expected) in radii.iter().zip([0.25 * 0.3999 / 0.4, 0.15 * 0.3999 / 0.4, 0.2]) {
         assert!((radius - expected).abs() < 1e-14, "{radii:?}");
     }
-    let remark = study.remarks.iter().find(|r| r.contains("1 contacts overlap by up to 1.00e-4 µm")).expect("a remark");
+    let remark = study
+        .remarks
+        .iter()
+        .find(|r| r.contains("1 contacts overlap by up to 1.00e-4 µm"))
+        .expect("a remark");
     // 3 · 2.5e-4 of the two, which have 0.2500³ + 0.15³ of 0.25³ + 0.15³ + 0.2³
     assert!(remark.contains("takes 0.053 % of the pigment's volume"), "{remark}");
     let error = cell(folder.path(), "deep.csv", &pair(2e-3), "").expect_err("deeper than usual");
     assert!(error.contains("overlap_um = 2.1e-3") && error.contains("2.000e-3 µm (0.667 %"), "{error}");
     assert!(cell(folder.path(), "deep.csv", &pair(2e-3), ", overlap_um = 2.1e-3").is_ok());
-    let error = cell(folder.path(), "soft.csv", &pair(1e-4), ", overlap_um = 1e-5").expect_err("the study's limit");
+    let error =
+        cell(folder.path(), "soft.csv", &pair(1e-4), ", overlap_um = 1e-5").expect_err("the study's limit");
     assert!(error.contains("overlap_um = 0.00001") || error.contains("overlap_um = 1e-5"), "{error}");
     let error = cell(folder.path(), "far.csv", &pair(0.1), ", overlap_um = 1").expect_err("other spheres");
     assert!(error.contains("a tenth of the smaller diameter"), "{error}");
     // a wall does not give way
-    let study = cell(folder.path(), "wall.csv", &csv("0.5,0.5,0.1999,0.2\n1.5,0.5,0.8,0.2\n"), "").expect("a wall");
+    let study =
+        cell(folder.path(), "wall.csv", &csv("0.5,0.5,0.1999,0.2\n1.5,0.5,0.8,0.2\n"), "").expect("a wall");
     let packing = pack(&study.packing_request(0), &mut ()).expect("touching a face");
     assert!((packing.grains()[0].spheres[0].radius_um - 0.1999).abs() < 1e-14);
     assert_eq!(packing.grains()[1].spheres[0].radius_um, 0.2);
@@ -361,8 +383,13 @@ fn a_realisation_is_lit_from_its_own_azimuth() {
     for number in 1..=3 {
         let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"));
         let number = number.to_string();
-        let done = command.arg("solve").arg(&path).args(["--nxy", "12", "--nz", "6", "--realisation", &number]).output();
-        let found: serde_json::Value = serde_json::from_slice(&done.expect("the program").stdout).expect("JSON");
+        let done = command
+            .arg("solve")
+            .arg(&path)
+            .args(["--nxy", "12", "--nz", "6", "--realisation", &number])
+            .output();
+        let found: serde_json::Value =
+            serde_json::from_slice(&done.expect("the program").stdout).expect("JSON");
         azimuths.push(found["azimuth_deg"].as_f64().expect("an azimuth"));
     }
     // identity: the same draw

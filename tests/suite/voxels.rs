@@ -7,6 +7,7 @@ use inkwave::ink::{Grain, Method, Packing, Sphere, VoxelCut, pack};
 use inkwave::input::Study;
 use inkwave::input::case::Case;
 use inkwave::input::check::check;
+use inkwave::input::fault::Fault;
 use inkwave::input::file::StudyFile;
 use inkwave::wave::{FarField, Incidence, Media, Resolution, Scene, Scheme, Side};
 use inkwave_validation::support::{fitted_slope, largest_difference, solve_at};
@@ -170,7 +171,9 @@ fn exported_labels_give_the_same_spectra() {
 fn labels_of_grains_are_one_pigment_by_its_name() {
     let folder = tempfile::tempdir().expect("a folder");
     let grains = Array3::from_shape_fn((6, 4, 5), |(x, y, _)| (x % 2 * (1 + x + 6 * y)) as i32);
-    grains.write_npy(std::fs::File::create(folder.path().join("grains.npy")).expect("a file")).expect("written");
+    grains
+        .write_npy(std::fs::File::create(folder.path().join("grains.npy")).expect("a file"))
+        .expect("written");
     let usual = "voxels = 'grains.npy', voxel_nm = 20";
     let one = |keys: &str| {
         let text = format!(
@@ -178,7 +181,9 @@ fn labels_of_grains_are_one_pigment_by_its_name() {
              index = 1.9\n[light]\nwavelengths_nm = [500]\n"
         );
         let file: StudyFile = toml::from_str(&text).map_err(|e| e.to_string())?;
-        check(&file, folder.path(), "test").map_err(|faults| faults.iter().map(ToString::to_string).collect::<String>())
+        let told =
+            |faults: Vec<Fault>| faults.iter().map(|f| format!("{f}; {}", f.remedy)).collect::<String>();
+        check(&file, folder.path(), "test").map_err(told)
     };
     let study = one(&format!("{usual}, labels = 'a'")).unwrap_or_else(|e| panic!("{e}"));
     let packing = pack(&study.packing_request(0), &mut ()).expect("the given voxels");
@@ -188,7 +193,8 @@ fn labels_of_grains_are_one_pigment_by_its_name() {
     let error = one(&format!("{usual}, labels = 'b'")).expect_err("an unknown pigment");
     assert!(error.contains("microstructure.labels") && error.contains("\"b\""), "{error}");
     std::fs::copy(folder.path().join("grains.npy"), folder.path().join("copy.npy")).expect("a copy");
-    let error = one("voxels = ['grains.npy', 'copy.npy'], voxel_nm = 20, labels = 'a'").expect_err("one cut twice");
+    let error =
+        one("voxels = ['grains.npy', 'copy.npy'], voxel_nm = 20, labels = 'a'").expect_err("one cut twice");
     assert!(error.contains("copy.npy: the same labels as grains.npy"), "{error}");
 }
 

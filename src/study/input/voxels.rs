@@ -86,7 +86,10 @@ fn check_header(bytes: &[u8]) -> Result<(), String> {
 }
 
 fn at_most() -> String {
-    format!("at most {} million voxels are read: crop the image, or take larger voxels", MOST_VOXELS / 1_000_000)
+    format!(
+        "at most {} million voxels are read: crop the image, or take larger voxels",
+        MOST_VOXELS / 1_000_000
+    )
 }
 
 fn from_npy(bytes: &[u8], take: &mut LabelReader) -> Result<ArrayD<u8>, String> {
@@ -131,10 +134,7 @@ fn from_tiff(bytes: &[u8], take: &mut LabelReader) -> Result<(ArrayD<u8>, bool),
             return Err(format!("page {depth} of another size than the first one"));
         }
         if in_page.saturating_mul(depth) > MOST_VOXELS {
-            return Err(format!(
-                "{depth} pages or more of {width} × {height} voxels; {}",
-                at_most()
-            ));
+            return Err(format!("{depth} pages or more of {width} × {height} voxels; {}", at_most()));
         }
         let photometric: Option<u16> =
             pages.find_tag_unsigned(Tag::PhotometricInterpretation).map_err(in_words)?;
