@@ -4,6 +4,7 @@ use inkwave::export::grains::{dump, xyz};
 use inkwave::ink::{Packing, pack};
 use inkwave::input::Study;
 use inkwave::input::check::check;
+use inkwave::input::fault::Fault;
 use inkwave::input::file::StudyFile;
 use inkwave::report::packing::grains_csv;
 use inkwave::wave::Scene;
@@ -15,7 +16,9 @@ const LIGHT: &str = "[light]\nwavelengths_nm = [500]\n";
 
 fn study(folder: &Path, text: &str) -> Result<Study, String> {
     let file: StudyFile = toml::from_str(text).map_err(|e| e.to_string())?;
-    let told = |faults: Vec<_>| faults.iter().map(ToString::to_string).collect::<Vec<String>>().join("; ");
+    let told = |faults: Vec<Fault>| {
+        faults.iter().map(|fault| format!("{fault}; {}", fault.remedy)).collect::<Vec<String>>().join("; ")
+    };
     check(&file, folder, "test").map_err(told)
 }
 

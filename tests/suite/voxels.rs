@@ -7,6 +7,7 @@ use inkwave::ink::{Grain, Method, Packing, Sphere, VoxelCut, pack};
 use inkwave::input::Study;
 use inkwave::input::case::Case;
 use inkwave::input::check::check;
+use inkwave::input::fault::Fault;
 use inkwave::input::file::StudyFile;
 use inkwave::wave::{FarField, Incidence, Media, Resolution, Scene, Scheme, Side};
 use inkwave_validation::support::{fitted_slope, largest_difference, solve_at};
@@ -180,8 +181,9 @@ fn labels_of_grains_are_one_pigment_by_its_name() {
              index = 1.9\n[light]\nwavelengths_nm = [500]\n"
         );
         let file: StudyFile = toml::from_str(&text).map_err(|e| e.to_string())?;
-        check(&file, folder.path(), "test")
-            .map_err(|faults| faults.iter().map(ToString::to_string).collect::<String>())
+        let told =
+            |faults: Vec<Fault>| faults.iter().map(|f| format!("{f}; {}", f.remedy)).collect::<String>();
+        check(&file, folder.path(), "test").map_err(told)
     };
     let study = one(&format!("{usual}, labels = 'a'")).unwrap_or_else(|e| panic!("{e}"));
     let packing = pack(&study.packing_request(0), &mut ()).expect("the given voxels");

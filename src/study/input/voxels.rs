@@ -13,8 +13,8 @@ use tiff::ColorType;
 use tiff::decoder::{Decoder, DecodingResult};
 use tiff::tags::Tag;
 
-/// Largest number of voxels in one image: what an uncompressed file of the largest size holds.
-pub const MOST_VOXELS: usize = files::CASE as usize;
+/// Largest number of voxels in one image, 512³: merged to boxes in seconds.
+pub const MOST_VOXELS: usize = 1 << 27;
 
 /// What a label of a file is to become.
 pub type LabelReader<'a> = dyn FnMut(i64) -> u8 + 'a;
@@ -79,9 +79,17 @@ fn check_header(bytes: &[u8]) -> Result<(), String> {
     let voxels = shape.iter().try_fold(1_usize, |product, &length| product.checked_mul(length));
     let data = bytes.len() - length;
     match voxels.filter(|voxels| *voxels <= data) {
+        Some(voxels) if voxels > MOST_VOXELS => Err(format!("{voxels} voxels; {}", at_most())),
         Some(_) => Ok(()),
         None => Err(format!("{} for {shape:?} voxels, but has {data} bytes of data", cut())),
     }
+}
+
+fn at_most() -> String {
+    format!(
+        "at most {} million voxels are read: crop the image, or take larger voxels",
+        MOST_VOXELS / 1_000_000
+    )
 }
 
 fn from_npy(bytes: &[u8], take: &mut LabelReader) -> Result<ArrayD<u8>, String> {
@@ -126,10 +134,7 @@ fn from_tiff(bytes: &[u8], take: &mut LabelReader) -> Result<(ArrayD<u8>, bool),
             return Err(format!("page {depth} of another size than the first one"));
         }
         if in_page.saturating_mul(depth) > MOST_VOXELS {
-            return Err(format!(
-                "{depth} pages or more of {width} × {height} voxels; at most {} million voxels are read: crop the image",
-                MOST_VOXELS / 1_000_000
-            ));
+            return Err(format!("{depth} pages or more of {width} × {height} voxels; {}", at_most()));
         }
         let photometric: Option<u16> =
             pages.find_tag_unsigned(Tag::PhotometricInterpretation).map_err(in_words)?;
@@ -155,7 +160,9 @@ fn from_tiff(bytes: &[u8], take: &mut LabelReader) -> Result<(ArrayD<u8>, bool),
         pages.next_image().map_err(in_words)?;
     }
     let stack = Array3::from_shape_vec((depth, height, width), labels).map_err(|e| e.to_string())?;
-    Ok((stack.reversed_axes().into_dyn(), white_is_zero))
+    // x, y, z in the order in which they are gone through
+    let labels = stack.reversed_axes().as_standard_layout().into_owned();
+    Ok((labels.into_dyn(), white_is_zero))
 }
 
 /// How the numbers of a page are stored.
@@ -218,9 +225,13 @@ mod tests {
             all.push(label);
             0
         })?;
-        // handed over in the order of memory, which the array made of them has too
+        // pages, rows and columns of TIFF come one after the other, and arrays in their own order
         let mut labels = image.labels.map(|_| 0);
-        labels.as_slice_memory_order_mut().expect("contiguous").copy_from_slice(&all);
+        if bytes.starts_with(b"II") || bytes.starts_with(b"MM") {
+            labels.view_mut().reversed_axes().iter_mut().zip(all).for_each(|(to, label)| *to = label);
+        } else {
+            labels.as_slice_memory_order_mut().expect("contiguous").copy_from_slice(&all);
+        }
         Ok((labels, image.white_is_zero))
     }
 
@@ -293,7 +304,7 @@ mod tests {
         endless[8..12].fill(255);
         assert!(read(&endless).unwrap_err().contains("fewer data"));
         let error = read(&page([65_535, 65_535], 1, 1, &[0; 4])).unwrap_err();
-        assert!(error.contains("at most 268 million"), "{error}");
+        assert!(error.contains("at most 134 million"), "{error}");
     }
 
     fn npy<T: WritableElement, D: ndarray::Dimension>(array: &ndarray::Array<T, D>) -> Vec<u8> {
