@@ -18,7 +18,7 @@
 //! | 9 | n² = C₁ + C₂/(λ² − C₃) + C₄(λ − C₅)/((λ − C₅)² + C₆) |
 
 use super::columns::{common, widest, widest_gap_nm};
-use super::usable::{Row, Unusable, Usable, usable};
+use super::usable::{FileRow, Unusable, Usable, usable};
 use crate::numerics::files::{self, FileError};
 use num_complex::Complex64;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -143,7 +143,7 @@ impl Dispersion {
                 row.truncate(columns + 1);
                 row
             });
-            Row { nm, values }
+            FileRow { nm, values }
         });
         let Usable { rows, gaps, first_fault } = usable(rows.collect());
         self.unusable.extend(gaps);
