@@ -6,7 +6,7 @@ use super::{Colorimeter, Interpolation, distributed, integrand};
 /// ones their differences are weighted by the order of the rule. *Measured* on 200 random spectra
 /// like those of prints: test `coarse_sums_keep_their_colour`.
 const GUESSED_NM: f64 = 80.0;
-/// The same for linear interpolation, whose error is that of the better rule several times over.
+/// Distance of wavelengths from which linear interpolation counts as a guess, nm.
 const LINEAR_NM: f64 = 40.0;
 /// Share of a spectrum by which it may bend between wavelengths 100 nm apart, unseen, …
 const BEND: f64 = 0.2;
