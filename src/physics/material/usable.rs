@@ -42,8 +42,8 @@ pub struct Usable<T> {
 }
 
 /// Sorts out the rows of a table whose wavelengths rise or fall. A row is faulty if its numbers
-/// are, if the order breaks there, or if another row has the same wavelength and other values; equal
-/// rows count once.
+/// are, if the order breaks there, or if another row has the same wavelength and other values.
+/// Equal rows count once.
 pub fn usable<T: Clone + PartialEq>(mut rows: Vec<FileRow<T>>) -> Usable<T> {
     let known: Vec<f64> = rows.iter().filter_map(|row| row.nm).collect();
     let steps = |falling: bool| known.windows(2).filter(|w| (w[1] < w[0]) == falling && w[0] != w[1]).count();
