@@ -28,7 +28,7 @@ realisations = 2
 seed = 7
 [resolution]
 points_per_um = 10
-planes_per_um = 20
+planes_per_um = 40
 [solver]
 tolerance = 1e-7
 "#;

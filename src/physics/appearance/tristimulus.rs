@@ -79,7 +79,7 @@ impl Colorimeter {
             (mean_step(wavelengths_nm), direct.collect())
         } else {
             let (step_nm, light) = integrand(wavelengths_nm, viewing);
-            (step_nm, distributed(wavelengths_nm, light, Rule::Cubic))
+            (step_nm, distributed(wavelengths_nm, light, Interpolation::Cubic))
         };
         let ends = SpectrumEnd::both(wavelengths_nm, step_nm, viewing);
         if viewing.summation == Summation::Plain {
@@ -233,7 +233,7 @@ fn integrand(grid: &[f64], viewing: &Viewing) -> (f64, Integrand) {
 
 /// How a spectrum is interpolated between the wavelengths of a grid.
 #[derive(Clone, Copy)]
-enum Rule {
+enum Interpolation {
     /// Lagrange polynomials through the four nearest wavelengths (ASTM E2022).
     Cubic,
     /// Straight lines.
@@ -241,12 +241,16 @@ enum Rule {
 }
 
 /// Sums of the weights of X, Y, Z at given wavelengths, shared among those of the grid.
-fn distributed(grid: &[f64], light: impl IntoIterator<Item = (f64, [f64; 3])>, rule: Rule) -> Vec<[f64; 3]> {
+fn distributed(
+    grid: &[f64],
+    light: impl IntoIterator<Item = (f64, [f64; 3])>,
+    rule: Interpolation,
+) -> Vec<[f64; 3]> {
     let mut weights = vec![[0.0; 3]; grid.len()];
     for (nm, row) in light {
         let shares = match rule {
-            Rule::Cubic => lagrange_shares(grid, nm),
-            Rule::Linear => neighbours(grid, nm, 1),
+            Interpolation::Cubic => lagrange_shares(grid, nm),
+            Interpolation::Linear => neighbours(grid, nm, 1),
         };
         for (j, share) in shares {
             (0..3).for_each(|c| weights[j][c] += share * row[c]);

@@ -1,9 +1,9 @@
 //! Records of refractiveindex.info: tabulated indices and its nine dispersion formulas, read from
 //! its YAML files.
 //!
-//! Wavelengths λ are in µm, as in the files; C₁, C₂, … are a record's coefficients. Sums take pairs of
-//! them: formulas 1, 2, 3, 5 and 6 have an odd number of coefficients, formula 4 has 9 + 2i, formula
-//! 7 three to six, 8 four and 9 six. A record with another number is refused.
+//! Wavelengths λ are in µm, as in the files; C₁, C₂, … are a record's coefficients. Sums take pairs
+//! of them: formulas 1, 2, 3, 5 and 6 have an odd number of coefficients, formula 4 has 9 + 2i,
+//! formula 7 three to six, 8 four and 9 six. A record with another number is refused.
 //!
 //! | formula | |
 //! |---|---|
@@ -18,7 +18,7 @@
 //! | 9 | n² = C₁ + C₂/(λ² − C₃) + C₄(λ − C₅)/((λ − C₅)² + C₆) |
 
 use super::columns::{common, widest, widest_gap_nm};
-use super::usable::{Row, Unusable, Usable, usable};
+use super::usable::{FileRow, Unusable, Usable, usable};
 use crate::numerics::files::{self, FileError};
 use num_complex::Complex64;
 use serde::{Deserialize, Deserializer, Serialize};
@@ -143,7 +143,7 @@ impl Dispersion {
                 row.truncate(columns + 1);
                 row
             });
-            Row { nm, values }
+            FileRow { nm, values }
         });
         let Usable { rows, gaps, first_fault } = usable(rows.collect());
         self.unusable.extend(gaps);
@@ -349,7 +349,7 @@ mod tests {
         assert!(materials.len() >= 16 && compared > 100, "{compared}");
     }
 
-    /// Rows that are not used block nothing; where they are used, the reason is told.
+    /// Rows that are not used block nothing; where they are used, the reason is given.
     #[test]
     fn faults_of_other_rows_do_not_block_a_record() {
         let rows = "0.40 1.50 0.1\n        0.70 1.56 0.1\n        1.20 1.56\n        4.90 1.6 0.1\n        4.90 1.7 0.1\n";

@@ -152,9 +152,9 @@ impl Spectrum {
     /// and `correlation` are the standard errors of both and their correlation.
     ///
     /// # Errors
-    /// Unreadable files, unknown columns, fewer than two sound rows, n nowhere or twice. Rows with κ
-    /// < 0, n ≤ 0, no number, or a wavelength that stands twice or out of order leave a range that
-    /// cannot be used ([`Spectrum::unusable`]).
+    /// Unreadable files, unknown columns, fewer than two sound rows, n nowhere or twice. Rows with
+    /// κ < 0, n ≤ 0, no number, or a wavelength that stands twice or out of order leave a range
+    /// that cannot be used ([`Spectrum::unusable`]).
     pub fn from_csv(path: impl AsRef<Path>, n: Option<f64>) -> Result<Self, SpectrumError> {
         index_file::read(path.as_ref(), n)
     }

@@ -23,7 +23,7 @@ impl Unusable {
 
 /// A row as it stands in a file.
 #[derive(Clone, Debug)]
-pub struct Row<T> {
+pub struct FileRow<T> {
     /// Its wavelength, nm, if that can be read.
     pub nm: Option<f64>,
     /// Its other numbers, or what is wrong with them.
@@ -42,9 +42,9 @@ pub struct Usable<T> {
 }
 
 /// Sorts out the rows of a table whose wavelengths rise or fall. A row is faulty if its numbers
-/// are, if the order breaks there, or if another row has the same wavelength and other values; equal
-/// rows count once.
-pub fn usable<T: Clone + PartialEq>(mut rows: Vec<Row<T>>) -> Usable<T> {
+/// are, if the order breaks there, or if another row has the same wavelength and other values.
+/// Equal rows count once.
+pub fn usable<T: Clone + PartialEq>(mut rows: Vec<FileRow<T>>) -> Usable<T> {
     let known: Vec<f64> = rows.iter().filter_map(|row| row.nm).collect();
     let steps = |falling: bool| known.windows(2).filter(|w| (w[1] < w[0]) == falling && w[0] != w[1]).count();
     let reversed = steps(true) > steps(false);
@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     fn table(rows: &[(f64, Option<f64>)]) -> Usable<f64> {
-        let row = |&(nm, value): &(f64, Option<f64>)| Row {
+        let row = |&(nm, value): &(f64, Option<f64>)| FileRow {
             nm: Some(nm),
             values: value.ok_or_else(|| format!("bad at {nm}")),
         };
@@ -175,10 +175,10 @@ mod tests {
             [[400.0, 500.0], [600.0, 700.0]]
         );
         let lost = usable(vec![
-            Row { nm: Some(400.0), values: Ok(1.0) },
-            Row { nm: None, values: Err("unreadable".into()) },
-            Row { nm: Some(500.0), values: Ok(2.0) },
-            Row { nm: Some(600.0), values: Ok(3.0) },
+            FileRow { nm: Some(400.0), values: Ok(1.0) },
+            FileRow { nm: None, values: Err("unreadable".into()) },
+            FileRow { nm: Some(500.0), values: Ok(2.0) },
+            FileRow { nm: Some(600.0), values: Ok(3.0) },
         ]);
         assert_eq!(lost.rows, [(600.0, 3.0)]);
         assert_eq!(lost.first_fault.as_deref(), Some("unreadable"));

@@ -266,7 +266,8 @@ impl InkOnPaper {
         start
     }
 
-    /// Changes of a quantity at some nodes by every move of a table by one standard error: \[move\]\[node\].
+    /// Changes of a quantity at some nodes by every move of a table by one standard error:
+    /// \[move\]\[node\].
     /// Both sides of each error are among them, so that half of the sum of their squares is the
     /// variance.
     pub(super) fn input_changes(

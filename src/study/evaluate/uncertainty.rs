@@ -185,8 +185,8 @@ pub struct Budget {
     /// absent where the spectrum is known at all wavelengths.
     #[serde(skip_serializing_if = "nothing")]
     pub between_wavelengths: f64,
-    /// The errors of the tables of indices (columns `n_error`, `kappa_error`, `correlation`), taken as
-    /// common to all wavelengths; absent without such columns.
+    /// The errors of the tables of indices (columns `n_error`, `kappa_error`, `correlation`), taken
+    /// as common to all wavelengths; absent without such columns.
     #[serde(skip_serializing_if = "nothing")]
     pub inputs: f64,
 }

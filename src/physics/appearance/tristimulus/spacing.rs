@@ -1,12 +1,12 @@
 //! What a spectrum may do between the wavelengths of a grid: what that does to a colour.
 
-use super::{Colorimeter, Rule, distributed, integrand};
+use super::{Colorimeter, Interpolation, distributed, integrand};
 
 /// Distance of wavelengths from which every rule of integration counts as a guess, nm; at smaller
 /// ones their differences are weighted by the order of the rule. *Measured* on 200 random spectra
 /// like those of prints: test `coarse_sums_keep_their_colour`.
 const GUESSED_NM: f64 = 80.0;
-/// The same for linear interpolation, whose error is that of the better rule several times over.
+/// Distance of wavelengths from which linear interpolation counts as a guess, nm.
 const LINEAR_NM: f64 = 40.0;
 /// Share of a spectrum by which it may bend between wavelengths 100 nm apart, unseen, …
 const BEND: f64 = 0.2;
@@ -79,36 +79,38 @@ impl Colorimeter {
             Some(guide) => values.iter().zip(&guide.on_grid).map(|(value, known)| value - known).collect(),
             None => values.to_vec(),
         };
-        let sum = |nodes: &[usize], rule: Rule| {
+        let sum = |nodes: &[usize], rule: Interpolation| {
             let nm: Vec<f64> = nodes.iter().map(|&j| grid[j]).collect();
             let own: Vec<f64> = nodes.iter().map(|&j| unknown[j]).collect();
             of_rule(&nm, &own, &light, rule)
         };
         let last = grid.len() - 1;
         let all: Vec<usize> = (0..=last).collect();
-        let best = sum(&all, Rule::Cubic);
+        let best = sum(&all, Interpolation::Cubic);
         let widest = grid.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-        let mut parts =
-            vec![scaled((widest / LINEAR_NM).powi(2).min(1.0), difference(sum(&all, Rule::Linear), best))];
+        let mut parts = vec![scaled(
+            (widest / LINEAR_NM).powi(2).min(1.0),
+            difference(sum(&all, Interpolation::Linear), best),
+        )];
         for parity in [0, 1] {
             // every second wavelength, and both ends
             let half: Vec<usize> =
                 all.iter().copied().filter(|&j| j % 2 == parity || j == 0 || j == last).collect();
             let weight = (widest / GUESSED_NM).powf(1.5).min(1.0);
-            parts.push(scaled(weight, difference(sum(&half, Rule::Cubic), best)));
+            parts.push(scaled(weight, difference(sum(&half, Interpolation::Cubic), best)));
         }
         let largest = unknown.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         parts.extend(grid.windows(2).map(|pair| scaled(largest, bend([pair[0], pair[1]], &light))));
         if let Some(guide) = guide {
-            let known = of_rule(&guide.fine_nm, &guide.fine, &light, Rule::Cubic);
-            parts.push(difference(known, of_rule(grid, &guide.on_grid, &light, Rule::Cubic)));
+            let known = of_rule(&guide.fine_nm, &guide.fine, &light, Interpolation::Cubic);
+            parts.push(difference(known, of_rule(grid, &guide.on_grid, &light, Interpolation::Cubic)));
         }
         parts
     }
 }
 
 /// X, Y, Z of a spectrum that is interpolated by a rule.
-fn of_rule(grid: &[f64], values: &[f64], light: &[(f64, [f64; 3])], rule: Rule) -> [f64; 3] {
+fn of_rule(grid: &[f64], values: &[f64], light: &[(f64, [f64; 3])], rule: Interpolation) -> [f64; 3] {
     let weights = distributed(grid, light.iter().copied(), rule);
     super::weighted_sum(&weights, values)
 }

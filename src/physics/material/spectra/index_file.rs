@@ -3,7 +3,7 @@
 use super::{RowError, Sample, Spectrum, SpectrumError, Table, check_index, the_other};
 use crate::material::columns::{line_of, micrometres};
 use crate::material::dispersion::{DataSource, Dispersion};
-use crate::material::usable::{Row, Unusable, Usable, usable};
+use crate::material::usable::{FileRow, Unusable, Usable, usable};
 use crate::numerics::files::{self, FileError};
 use csv::StringRecord;
 use std::path::Path;
@@ -16,7 +16,7 @@ const UNDETERMINED: [&str; 4] =
 
 /// What a column holds.
 #[derive(Clone, Copy, PartialEq)]
-enum Quantity {
+enum IndexColumn {
     /// Vacuum wavelength in nm, or in µm.
     Wavelength {
         in_um: bool,
@@ -28,7 +28,7 @@ enum Quantity {
     Correlation,
 }
 
-impl Quantity {
+impl IndexColumn {
     /// By the name of a column.
     fn named(name: &str) -> Option<Self> {
         Some(match name {
@@ -51,7 +51,7 @@ impl Quantity {
 struct Block {
     /// Names in lower case.
     names: Vec<String>,
-    quantities: Vec<Option<Quantity>>,
+    quantities: Vec<Option<IndexColumn>>,
     /// Line numbers, from 1, and cells.
     lines: Vec<(u64, Vec<String>)>,
 }
@@ -81,16 +81,16 @@ pub(super) fn read(path: &Path, n: Option<f64>) -> Result<Spectrum, SpectrumErro
     let (blocks, decimal_comma) =
         blocks(text).map_err(|reason| FileError::new(&name, format_args!("{reason}; {expected}")))?;
     let has = |block: &Block, quantity| block.quantities.contains(&Some(quantity));
-    let with_n = blocks.iter().find(|block| has(block, Quantity::N));
-    let with_kappa = blocks.iter().find(|block| has(block, Quantity::Kappa));
-    let of_site = blocks.iter().all(|block| has(block, Quantity::Wavelength { in_um: true }));
+    let with_n = blocks.iter().find(|block| has(block, IndexColumn::N));
+    let with_kappa = blocks.iter().find(|block| has(block, IndexColumn::Kappa));
+    let of_site = blocks.iter().all(|block| has(block, IndexColumn::Wavelength { in_um: true }));
     let Some(only) = with_kappa.filter(|_| blocks.len() == 1) else {
         if with_kappa.is_none() && !(of_site && with_n.is_some()) {
             return Err(FileError::new(&name, format_args!("column \"kappa\" is missing; {expected}")).into());
         }
         let mut record = Dispersion { name: name.clone(), n: None, kappa: None, unusable: Vec::new() };
         for (block, quantity, place) in
-            [(with_n, Quantity::N, &mut record.n), (with_kappa, Quantity::Kappa, &mut record.kappa)]
+            [(with_n, IndexColumn::N, &mut record.n), (with_kappa, IndexColumn::Kappa, &mut record.kappa)]
         {
             let Some(block) = block else { continue };
             let (rows, gaps) = column(block, quantity, (&name, decimal_comma))?;
@@ -145,7 +145,7 @@ fn blocks(text: &str) -> Result<(Vec<Block>, bool), String> {
         if told || first.starts_with('#') || record.iter().all(str::is_empty) {
             continue;
         }
-        let is_header = matches!(Quantity::named(&first), Some(Quantity::Wavelength { .. }));
+        let is_header = matches!(IndexColumn::named(&first), Some(IndexColumn::Wavelength { .. }));
         match all.last_mut().filter(|_| !is_header) {
             Some(block) => {
                 block.lines.push((line_of(text, &record), record.iter().map(str::to_owned).collect()));
@@ -159,10 +159,10 @@ fn blocks(text: &str) -> Result<(Vec<Block>, bool), String> {
 /// A block without lines.
 fn header_of(record: &StringRecord) -> Result<Block, String> {
     let names: Vec<String> = record.iter().map(str::to_lowercase).collect();
-    let mut quantities: Vec<Option<Quantity>> = Vec::new();
+    let mut quantities: Vec<Option<IndexColumn>> = Vec::new();
     for name in &names {
         // spreadsheets append empty columns
-        let quantity = if name.is_empty() { None } else { Quantity::named(name) };
+        let quantity = if name.is_empty() { None } else { IndexColumn::named(name) };
         if quantity.is_none() && !name.is_empty() {
             return Err(format!("column {name:?} is not known"));
         }
@@ -176,7 +176,7 @@ fn header_of(record: &StringRecord) -> Result<Block, String> {
         }
         quantities.push(quantity);
     }
-    if !quantities.iter().any(|q| matches!(q, Some(Quantity::Wavelength { .. }))) {
+    if !quantities.iter().any(|q| matches!(q, Some(IndexColumn::Wavelength { .. }))) {
         return Err("column \"wavelength_nm\" is missing".to_owned());
     }
     Ok(Block { names, quantities, lines: Vec::new() })
@@ -212,7 +212,7 @@ impl Block {
                 continue;
             };
             match quantity {
-                Quantity::Wavelength { in_um } => {
+                IndexColumn::Wavelength { in_um } => {
                     let nm = if *in_um { (1e9 * number).round() / 1e6 } else { number };
                     numbers.wavelength = Some(nm).filter(|nm| nm.is_finite() && *nm > 0.0);
                     if numbers.wavelength.is_none() {
@@ -221,11 +221,11 @@ impl Block {
                             fault.and(Err(format!("line {line}, column {name}: found {cell:?}; {allowed}")));
                     }
                 }
-                Quantity::N => numbers.n = Some(number),
-                Quantity::Kappa => numbers.kappa = Some(number),
-                Quantity::NError => numbers.error.n = number,
-                Quantity::KappaError => numbers.error.kappa = number,
-                Quantity::Correlation => numbers.error.correlation = number,
+                IndexColumn::N => numbers.n = Some(number),
+                IndexColumn::Kappa => numbers.kappa = Some(number),
+                IndexColumn::NError => numbers.error.n = number,
+                IndexColumn::KappaError => numbers.error.kappa = number,
+                IndexColumn::Correlation => numbers.error.correlation = number,
             }
         }
         (numbers, fault)
@@ -233,7 +233,7 @@ impl Block {
 
     /// Refuses a column of wavelengths in another unit than its name says.
     fn check_unit(&self, all: &[Numbers]) -> Result<(), String> {
-        let in_um = self.quantities.contains(&Some(Quantity::Wavelength { in_um: true }));
+        let in_um = self.quantities.contains(&Some(IndexColumn::Wavelength { in_um: true }));
         let known = || all.iter().filter_map(|numbers| numbers.wavelength);
         if in_um {
             let least = known().fold(f64::INFINITY, f64::min);
@@ -267,15 +267,15 @@ impl Block {
 /// n or κ alone: wavelength in µm and value, and where there is none.
 fn column(
     block: &Block,
-    quantity: Quantity,
+    quantity: IndexColumn,
     (name, decimal_comma): (&str, bool),
 ) -> Result<(Vec<[f64; 2]>, Vec<Unusable>), FileError> {
     let (numbers, faults) = block.all(decimal_comma).map_err(|reason| FileError::new(name, reason))?;
     let rows = numbers.iter().zip(faults).map(|(numbers, fault)| {
-        let value = if quantity == Quantity::N { numbers.n } else { numbers.kappa };
+        let value = if quantity == IndexColumn::N { numbers.n } else { numbers.kappa };
         let nm = numbers.wavelength;
         let values = fault.and(Ok([1e-3 * nm.unwrap_or(0.0), value.unwrap_or(f64::NAN)]));
-        Row { nm, values }
+        FileRow { nm, values }
     });
     let Usable { rows, gaps, first_fault } = usable(rows.collect());
     if rows.is_empty() {
@@ -297,7 +297,7 @@ fn table(block: &Block, n: Option<f64>, (name, decimal_comma): (&str, bool)) -> 
             .and_then(|()| check_index(&row, own_n, kappa).map_err(|error| error.to_string()))
             .and_then(|()| error.check(&row))
             .map(|()| (Sample { wavelength_nm: wavelength.unwrap_or(0.0), n: own_n, kappa }, error));
-        rows.push(Row { nm: wavelength, values });
+        rows.push(FileRow { nm: wavelength, values });
     }
     let Usable { rows, gaps, first_fault } = usable(rows);
     if rows.len() < 2 {

@@ -11,7 +11,7 @@ const MOVED_REALISATIONS: usize = 2;
 
 /// Where a table stands in a study.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Place {
+enum InputPlace {
     /// Core of a pigment's grains.
     Core(usize),
     /// A layer around it: pigment and layer.
@@ -26,7 +26,7 @@ enum Place {
 /// once: errors are taken as common to all wavelengths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InputMove {
-    place: Place,
+    place: InputPlace,
     axis: ErrorAxis,
     /// In standard errors: 1 or −1.
     times: f64,
@@ -97,12 +97,12 @@ impl Study {
         let mut study = self.clone();
         let Some(spectrum) = self.spectrum(by.place).moved(by.axis, by.times) else { return study };
         let material = match by.place {
-            Place::Core(pigment) => &mut study.pigments[pigment].material,
-            Place::Shell(pigment, layer) => &mut study.pigments[pigment].shell[layer],
-            Place::Binder | Place::Dissolved(_) => &mut study.layer.binder,
+            InputPlace::Core(pigment) => &mut study.pigments[pigment].material,
+            InputPlace::Shell(pigment, layer) => &mut study.pigments[pigment].shell[layer],
+            InputPlace::Binder | InputPlace::Dissolved(_) => &mut study.layer.binder,
         };
         match by.place {
-            Place::Dissolved(i) => material.dissolved[i].1 = spectrum,
+            InputPlace::Dissolved(i) => material.dissolved[i].1 = spectrum,
             _ => material.spectrum = spectrum,
         }
         material.index = self.wavelengths_nm.iter().map(|nm| material.index_at(1e-3 * nm)).collect();
@@ -110,23 +110,23 @@ impl Study {
     }
 
     /// All places of tables.
-    fn places(&self) -> Vec<Place> {
+    fn places(&self) -> Vec<InputPlace> {
         let mut places = Vec::new();
         for (i, pigment) in self.pigments.iter().enumerate() {
-            places.push(Place::Core(i));
-            places.extend((0..pigment.shell.len()).map(|layer| Place::Shell(i, layer)));
+            places.push(InputPlace::Core(i));
+            places.extend((0..pigment.shell.len()).map(|layer| InputPlace::Shell(i, layer)));
         }
-        places.push(Place::Binder);
-        places.extend((0..self.layer.binder.dissolved.len()).map(Place::Dissolved));
+        places.push(InputPlace::Binder);
+        places.extend((0..self.layer.binder.dissolved.len()).map(InputPlace::Dissolved));
         places
     }
 
-    fn spectrum(&self, place: Place) -> &Spectrum {
+    fn spectrum(&self, place: InputPlace) -> &Spectrum {
         match place {
-            Place::Core(pigment) => &self.pigments[pigment].material.spectrum,
-            Place::Shell(pigment, layer) => &self.pigments[pigment].shell[layer].spectrum,
-            Place::Binder => &self.layer.binder.spectrum,
-            Place::Dissolved(i) => &self.layer.binder.dissolved[i].1,
+            InputPlace::Core(pigment) => &self.pigments[pigment].material.spectrum,
+            InputPlace::Shell(pigment, layer) => &self.pigments[pigment].shell[layer].spectrum,
+            InputPlace::Binder => &self.layer.binder.spectrum,
+            InputPlace::Dissolved(i) => &self.layer.binder.dissolved[i].1,
         }
     }
 }
