@@ -204,6 +204,9 @@ impl FitReading<'_> {
             let Some(study) = self.study(&field, table) else { continue };
             // a dissolved pigment is refused already
             let Some(pigment) = study.pigments.get(self.pigment[1]) else { continue };
+            let of_card = study.remarks.iter().filter(|remark| remark.starts_with("paper.albedo"));
+            self.remarks
+                .extend(of_card.map(|remark| remark.replace("paper.albedo", &format!("{field}.backing"))));
             let spectrum = self.spectrum(&field, table, &study);
             let geometry =
                 spectrum.as_ref().map_or(table.geometry, |spectrum| spectrum.geometry).unwrap_or_default();

@@ -300,6 +300,27 @@ fn of_several_conditions_under_one_name_one_is_chosen_by_a_key() {
         let read = spectrum(text, &asked("ink", None, Some(MeasuredCondition::M1))).unwrap();
         assert_eq!(read.rows, [[400.0, 0.3], [500.0, 0.4]]);
     }
+    // an object for each condition, as profiling programs write them
+    let objects = |lights: [&str; 2]| {
+        let mut text = String::from("<CxF>");
+        for (i, light) in lights.iter().enumerate() {
+            let value = [0.2, 0.3][i];
+            text += &format!(
+                "<Object Name=\"A1\" Id=\"c{i}\"><ReflectanceSpectrum ColorSpecification=\"{light}\">{value} {value}</ReflectanceSpectrum>\
+                 </Object><ColorSpecification Id=\"{light}\"><WavelengthRange StartWL=\"400\" Increment=\"100\"/>\
+                 <DeviceIllumination>{light}</DeviceIllumination></ColorSpecification>"
+            );
+        }
+        text + "</CxF>"
+    };
+    let objects = objects(["M0_Incandescent", "M2_UVExcluded"]);
+    for patch in ["", "A1"] {
+        refusal(&objects, &asked(patch, None, None), &["\"A1\"", "M0, M2"]);
+    }
+    assert_eq!(
+        spectrum(&objects, &asked("", None, Some(MeasuredCondition::M2))).unwrap().rows[0],
+        [400.0, 0.3]
+    );
     // measured twice under one name
     let twice = rows.replace("ink M1", "ink M0");
     refusal(&twice, &asked("ink", None, None), &["2 measurements of \"ink\" that differ"]);

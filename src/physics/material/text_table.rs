@@ -52,7 +52,7 @@ pub enum Separator {
 }
 
 impl Separator {
-    fn cells<'a>(self, line: &'a str) -> Vec<&'a str> {
+    fn cells(self, line: &str) -> Vec<&str> {
         match self {
             Self::Character(character) => line.split(character).map(str::trim).collect(),
             Self::Blanks => line.split_whitespace().collect(),
@@ -65,11 +65,11 @@ impl Separator {
     }
 }
 
-/// A number with a decimal point, or, where allowed, with a decimal comma; a percent sign may
-/// follow. Words such as `nan` are numbers here, for the caller to refuse.
+/// A number with a decimal point, or, where allowed, with a decimal comma; a percent sign or `nm`
+/// may follow. Words such as `nan` are numbers here, for the caller to refuse.
 pub fn number(cell: &str, decimal_comma: bool) -> Option<f64> {
     let cell = cell.trim();
-    let cell = cell.strip_suffix('%').unwrap_or(cell).trim_end();
+    let cell = cell.strip_suffix('%').or_else(|| cell.strip_suffix("nm")).unwrap_or(cell).trim_end();
     if decimal_comma && let Some((whole, decimals)) = cell.split_once(',') {
         let is_plain = !decimals.is_empty() && !decimals.contains(',') && !cell.contains('.');
         return is_plain.then(|| format!("{whole}.{decimals}").parse().ok()).flatten();
@@ -349,11 +349,11 @@ mod tests {
     fn numbers(text: &str) -> Vec<Vec<f64>> {
         let table = TextTable::parse("a.csv".into(), text).unwrap();
         let block = table.blocks().unwrap().remove(0);
-        block
-            .rows
-            .iter()
-            .map(|row| row.cells.iter().map(|cell| table.number(cell).unwrap()).collect())
-            .collect()
+        let of = |row: &TextLine| {
+            let written = row.cells.iter().filter(|cell| !cell.is_empty());
+            written.map(|cell| table.number(cell).unwrap()).collect()
+        };
+        block.rows.iter().map(of).collect()
     }
 
     #[test]

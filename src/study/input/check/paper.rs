@@ -50,7 +50,15 @@ pub fn paper(
             let name = path.file_name().map_or_else(|| csv.clone(), |name| name.to_string_lossy().into());
             let name = patch.as_ref().map_or(name.clone(), |patch| format!("{name}: {patch}"));
             let albedo = match rows {
-                Some(rows) => spectral("paper.albedo.csv", rows, wavelengths_nm, faults),
+                Some(rows) => {
+                    // what the study does not ask for is not judged
+                    let [from, to] = request.used_nm;
+                    let first = rows.iter().rposition(|row| row[0] <= from).unwrap_or(0);
+                    let last = rows.iter().position(|row| row[0] >= to).unwrap_or(rows.len() - 1);
+                    let used = rows[first.min(last)..=last.max(first)].to_vec();
+                    let used = if used.len() < 2 { rows } else { used };
+                    spectral("paper.albedo.csv", used, wavelengths_nm, faults)
+                }
                 // a fault of the file is one already
                 None => Albedo::Constant(1.0),
             };

@@ -61,6 +61,18 @@ fn quoted(text: &str) -> (String, &str) {
     (word, "")
 }
 
+/// The cells of a line between tabs, where they are this many: cells may be empty, and names hold
+/// blanks without quotes.
+fn between_tabs(line: &str, width: usize) -> Option<Vec<String>> {
+    let line = line.trim_end_matches(['\r', '\n']);
+    let mut cells: Vec<String> =
+        line.split('\t').map(|cell| cell.trim().trim_matches('"').to_owned()).collect();
+    while cells.len() > width && cells.last().is_some_and(String::is_empty) {
+        cells.pop();
+    }
+    (cells.len() == width && !line.trim_start().starts_with('#')).then_some(cells)
+}
+
 /// Part of a file that a line belongs to.
 #[derive(PartialEq)]
 enum Section {
@@ -92,6 +104,9 @@ pub fn read(text: &str) -> Result<MeasuredFile, String> {
     let (mut tables, mut count) = (0, 0);
     for (i, line) in text.lines().enumerate() {
         let mut words = words_of(line);
+        if section == Section::Data && words.len() != table.fields.len() {
+            words = between_tabs(line, table.fields.len()).unwrap_or(words);
+        }
         let Some(first) = words.first() else { continue };
         let keyword = first.to_uppercase();
         match (keyword.as_str(), &section) {
@@ -364,6 +379,7 @@ mod tests {
             "a 1\n2 3\n\nb\n4 5\n6\n",
             "a 1 2 3 b 4 5 6\n",
             "# first\na\t1,0 2,0 3.0 # end\n# second\n\"b\" 4 5 6\n",
+            "a dark ink\t1\t2\t3\nb\t4\t5\t6\t\n",
         ] {
             assert_eq!(values(&read(&format!("{head}{data}END_DATA\n")).unwrap()), all, "{data}");
         }

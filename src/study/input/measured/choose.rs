@@ -55,7 +55,13 @@ pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<C
             let example = example.map_or(String::new(), |name| format!(", such as {name:?}"));
             return Err(format!("{of} samples, of which none is named: write compare.patch{example}"));
         }
-        None => (0..samples.len()).filter(|&i| places[i] == 1).collect(),
+        None => {
+            // measurements of the first sample may be several objects of one name
+            let title = samples.first().and_then(|first| first.names.first()).filter(|name| !name.is_empty());
+            let is_first =
+                |i: &usize| places[*i] == 1 || (title.is_some() && samples[*i].names.first() == title);
+            (0..samples.len()).filter(is_first).collect()
+        }
     };
     let name = meant.first().map_or("", |&i| samples[i].name());
     let called = if name.is_empty() { "the sample".to_owned() } else { format!("{name:?}") };
@@ -296,9 +302,9 @@ pub fn white(
     });
     let [from, to] = request.used_nm;
     let is_used = |cell: &&SpectralCell| cell.nm.is_some_and(|nm| (from..=to).contains(&nm));
-    let used = cells.flatten().filter(is_used);
-    let values = used.filter_map(|cell| cell.value.value()).filter(|value| value.is_finite());
-    let largest = values.fold(f64::NEG_INFINITY, f64::max);
+    let all: Vec<&SpectralCell> = cells.flatten().collect();
+    let used = largest_value(all.iter().copied().filter(is_used));
+    let largest = used.or_else(|| largest_value(all.iter().copied())).unwrap_or(0.0);
     let key = "compare.unit = \"percent\" or \"factor\"";
     if largest > LARGEST_FACTOR {
         let remark = format!(
@@ -316,6 +322,11 @@ pub fn white(
         "no unit is stated; taken as factors of a perfect white, as the file's largest value is {largest}; {key} says it"
     );
     Ok(White { value: 1.0, remark: Some(remark) })
+}
+
+/// The largest finite value of some cells.
+fn largest_value<'a>(cells: impl Iterator<Item = &'a SpectralCell>) -> Option<f64> {
+    cells.filter_map(|cell| cell.value.value()).filter(|value| value.is_finite()).reduce(f64::max)
 }
 
 /// The rows of a spectrum, rising in wavelength, white at 1. Rows outside `used_nm` that are no

@@ -168,14 +168,23 @@ const LABS: [[&str; 3]; 4] = [
     ["L", "A", "B"],
 ];
 
+/// A wavelength in one field, and the value at it in another.
+#[derive(Clone, Copy)]
+struct PairField {
+    /// Places in the row.
+    nm: usize,
+    value: usize,
+    /// Value of a perfect white, if the field's name declares it.
+    white: Option<f64>,
+}
+
 /// Where in a row the meanings are.
 pub struct FieldTable {
     names: Vec<usize>,
     device: Vec<usize>,
     lab: Option<[usize; 3]>,
     bands: Vec<(usize, BandField)>,
-    /// Places of a wavelength and of the value at it, and the white that the field's name declares.
-    pairs: Vec<(usize, usize, Option<f64>)>,
+    pairs: Vec<PairField>,
     condition: Option<usize>,
     geometry: Option<usize>,
 }
@@ -208,8 +217,8 @@ impl FieldTable {
             "SPECTRALDEC" => Some(1.0),
             _ => None,
         };
-        let pairs =
-            wavelengths.into_iter().zip(values).map(|(nm, value)| (nm, value, white(value))).collect();
+        let pair = |(nm, value): (usize, usize)| PairField { nm, value, white: white(value) };
+        let pairs = wavelengths.into_iter().zip(values).map(pair).collect();
         let has = |word: &str| names_bare.iter().position(|name| name.contains(word));
         let condition = has("CONDITION").or(place("FILTER")).or(place("MEASUREMENTMODE")).or(place("MODE"));
         Self { names, device, lab, bands, pairs, condition, geometry: has("GEOMETRY") }
@@ -228,7 +237,7 @@ impl FieldTable {
     /// Number of fields before the first value of a spectrum or a colour.
     pub fn names_end(&self) -> usize {
         let bands = self.bands.iter().map(|(i, _)| *i);
-        let pairs = self.pairs.iter().map(|(nm, value, _)| *nm.min(value));
+        let pairs = self.pairs.iter().map(|pair| pair.nm.min(pair.value));
         bands.chain(pairs).chain(self.lab.into_iter().flatten()).min().unwrap_or(0)
     }
 
@@ -275,10 +284,10 @@ impl FieldTable {
                 ..plain.clone()
             });
         }
-        if let Some((_, _, white)) = self.pairs.first() {
-            let cell = |&(nm, value, _): &(usize, usize, Option<f64>)| SpectralCell {
-                nm: cells[nm].value(),
-                value: cells[value].clone(),
+        if let Some(first) = self.pairs.first() {
+            let cell = |pair: &PairField| SpectralCell {
+                nm: cells[pair.nm].value(),
+                value: cells[pair.value].clone(),
             };
             let spectrum: Vec<SpectralCell> = self.pairs.iter().map(cell).collect();
             // with one pair a row, the rows of a sample are its spectrum
@@ -290,7 +299,7 @@ impl FieldTable {
             match known.map(|known| &mut known.content) {
                 Some(SampleContent::Spectrum(rows)) => rows.extend(spectrum),
                 _ => into.samples.push(MeasuredSample {
-                    white: white.or(plain.white),
+                    white: first.white.or(plain.white),
                     content: SampleContent::Spectrum(spectrum),
                     ..plain.clone()
                 }),
