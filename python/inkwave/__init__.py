@@ -13,6 +13,7 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
@@ -113,9 +114,20 @@ def compare(file, output) -> dict:
 
 
 def fit(file, output) -> dict:
-    """Fits a pigment's index to spectra of drawdowns, or resumes; the columns of `pigment.csv`: `n`, `kappa` and their errors."""
+    """Fits a pigment's index to spectra of drawdowns, or resumes; the columns of `pigment.csv`: `n`, `kappa` and their errors.
+
+    Besides them `remarks`, the sentences that the program says of the result, `n_is_determined`, `trust` ("consistent", "untested",
+    "inflated"), `degrees_of_freedom`, and `other_solution`: the columns of `pigment-other.csv` where a second index fits as well, else None.
+    Where n is not determined, the first remark is a warning, too.
+    """
     _call("fit", file, "--output", output, show=True)
-    return _table(pathlib.Path(output) / "pigment.csv")
+    folder = pathlib.Path(output)
+    found = json.loads((folder / "fit.json").read_text())["fit"]
+    told = {name: found[name] for name in ("remarks", "n_is_determined", "trust", "degrees_of_freedom")}
+    second = _table(folder / "pigment-other.csv") if found["other_solution"] else None
+    if not found["n_is_determined"]:
+        warnings.warn(found["remarks"][0], stacklevel=2)
+    return _table(folder / "pigment.csv") | told | {"other_solution": second}
 
 
 def design(file, output) -> dict:

@@ -1,7 +1,7 @@
 //! `inkwave fit FIT.toml`: from measured drawdowns to a pigment's index; `inkwave design
 //! DESIGN.toml`: from a wanted colour to recipes.
 
-use super::diagnostics::{folder_report, mixed_up_report, run_report, step_report};
+use super::diagnostics::{folder_report, mixed_up_report, step_report};
 use super::progress::Progress;
 use super::sweep::tell_plan;
 use super::terminal::note;
@@ -12,8 +12,9 @@ use inkwave::design::recipe::DesignTask;
 use inkwave::design::run::{DesignError, DesignRun};
 use inkwave::fit::load::FitTask;
 use inkwave::fit::publish::in_words;
-use inkwave::fit::run::{FitError, FitRun, Trust, points};
+use inkwave::fit::run::{FitError, FitRun, PlannedSolves, Trust};
 use inkwave::run::RunSettings;
+use inkwave::run::tangents::timed;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::Sweep;
@@ -24,7 +25,7 @@ use std::path::PathBuf;
 /// Fit a pigment's index n + iκ to spectra of drawdowns
 ///
 /// Writes `pigment.csv` (n, κ, their standard errors and correlation; an `index = { csv }` of any
-/// study), `fit.json` and a page. An interrupted fit is resumed by the same command.
+/// study), `fit.json` and a page, and `pigment-other.csv` where a second solution fits as well. An interrupted fit is resumed by the same command.
 #[derive(Debug, Args)]
 pub struct FitArgs {
     /// Fit file (TOML); `inkwave schema fit --annotated` prints every key
@@ -43,13 +44,9 @@ pub fn fit(args: &FitArgs) -> Result<()> {
     }
     let folder = opened(&args.work.folder(&args.fit, ""), Holds::Fit)?;
     let progress = Progress::new();
-    let [table, steps, predicted] = points(&task);
-    progress.expect(table + steps + predicted, true);
+    progress.expect(PlannedSolves::of(&task).most(), true);
     let outcome = progress.during(|| FitRun::new(&task, &folder, settings, &progress)?.fit());
-    let outcome = outcome.map_err(|error| match error {
-        FitError::Run(error) => step_report(error),
-        other => miette!("{other}"),
-    })?;
+    let outcome = outcome.map_err(fit_report)?;
     fit::publish::publish(&task, &outcome, &folder).into_diagnostic()?;
     say!("{}: {}", task.title, in_words(&outcome))?;
     outcome.remarks.iter().for_each(note);
@@ -66,25 +63,58 @@ pub fn fit(args: &FitArgs) -> Result<()> {
     Ok(())
 }
 
+/// Why a fit ended, for the terminal.
+fn fit_report(error: FitError) -> miette::Report {
+    match error {
+        FitError::Run(error) => step_report(error),
+        other => miette!("{other}"),
+    }
+}
+
 fn plan_fit(task: &FitTask, settings: RunSettings) -> Result<()> {
     let folder = tempfile::tempdir().into_diagnostic()?;
     let folder = OutputFolder::open(folder.path(), Holds::Fit).map_err(folder_report)?;
     let progress = Progress::new();
-    let each = progress.during(|| FitRun::new(task, &folder, settings, &progress)?.trial());
-    let each = each.map_err(run_report)?;
-    let [table, steps, predicted] = points(task);
-    let cells = task.coats[0].realisations;
-    let waves = task.wavelengths_nm().len();
-    let (spectra, FitTask { title, coats_measured: layers, .. }) = (task.measured.len(), task);
-    say!("{title}: {spectra} spectra of {layers} layers, {waves} wavelengths, {cells} cells")?;
-    let minutes = |points: usize| each * points as f64 / 60.0;
-    for (what, points) in
-        [("coarse table", table), ("linearisations, at most", steps), ("predictions", predicted)]
-    {
-        say!("{what}: {points} solves with derivatives, {:.1} processor minutes", minutes(points))?;
+    let (begin, costs) = progress.during(|| {
+        let (begin, run) = timed(|| FitRun::new(task, &folder, settings, &progress));
+        (begin, run.map_err(FitError::from).and_then(|run| run.trial()))
+    });
+    let costs = costs.map_err(fit_report)?;
+    let solves = PlannedSolves::of(task);
+    let [least, most] = PlannedSolves::LINEARISATIONS;
+    let (spectra, layers) = (task.measured.len(), task.coats_measured);
+    let layers = if layers == 1 { "1 layer".into() } else { format!("{layers} layers") };
+    let (waves, cells) = (task.wavelengths_nm().len(), task.coats[0].realisations);
+    say!("{}: {spectra} spectra of {layers}, {waves} wavelengths, {cells} cells", task.title)?;
+    say!("grids and packings: {}", processor_time(begin))?;
+    say!(
+        "coarse table of n and κ: {} solves with derivatives, and the search on it: {}",
+        solves.table,
+        processor_time(costs.table)
+    )?;
+    say!(
+        "each of {least} to {} linearisations, of up to {most} where several solutions fit equally well: {} solves, {}",
+        most / PlannedSolves::BRANCHES,
+        solves.linearisation,
+        processor_time(costs.linearisation)
+    )?;
+    if solves.predicted > 0 {
+        say!("predictions: {} solves, {}", solves.predicted, processor_time(costs.predicted))?;
     }
-    let (all, ms) = (minutes(table + steps + predicted), 1e3 * each);
-    say!("in all at most {all:.1} processor minutes ({ms:.0} ms for each solve with its derivatives)")
+    say!(
+        "in all {} to {} (trial solves; a busy machine takes longer on the clock)",
+        processor_time(begin + costs.total(least)),
+        processor_time(begin + costs.total(most))
+    )
+}
+
+/// Processor time in words.
+fn processor_time(seconds: f64) -> String {
+    if seconds < 90.0 {
+        format!("{seconds:.1} processor seconds")
+    } else {
+        format!("{:.1} processor minutes", seconds / 60.0)
+    }
 }
 
 /// Find recipes for a wanted colour

@@ -114,9 +114,9 @@ pub struct FitTable {
     pub noise: f64,
     /// What else is unknown.
     pub also: Vec<AlsoFitted>,
-    /// Range of n searched.
+    /// Range of n searched; the result says where fitted values go beyond it.
     pub n: [f64; 2],
-    /// Range of κ searched; fitted values may go beyond it.
+    /// Range of κ searched; the result says where fitted values go beyond it.
     pub kappa: [f64; 2],
 }
 

@@ -77,7 +77,8 @@ impl LinearFit<'_> {
         let left = &data - self.jacobian * &unknowns;
         let away = &unknowns - &mean;
         let chi_squared = (left.transpose() * covariance.solve(&left))[(0, 0)];
-        let occam = log_determinant(&factors) - log_determinant(&cholesky(self.precision)?);
+        let occam = log_determinant(&factors) - log_determinant(&cholesky(self.precision)?)
+            + log_determinant(&covariance);
         let pull = (away.transpose() * (self.precision * &away))[(0, 0)];
         let log_evidence = -0.5 * (chi_squared + pull + occam);
         let effective = (&gain * self.jacobian).diagonal().column_vector().iter().sum();
@@ -197,16 +198,15 @@ impl<'a> Data<'a> {
         all.into_iter().rev().find(|(_, step)| step.log_evidence >= most - CONCEDED)
     }
 
-    /// χ² of data and prior together at the point of the linearisation.
-    pub fn cost(&self, strength: f64) -> f64 {
-        let precision = self.prior.precision(strength);
-        let away: Vec<f64> = self.point.iter().zip(&self.prior.mean).map(|(a, b)| a - b).collect();
-        let noise = self.residual.iter().enumerate().map(|(i, left)| left.powi(2) / self.weights[(i, i)]);
-        let mut pull = 0.0;
-        for (i, own) in away.iter().enumerate() {
-            pull += away.iter().enumerate().map(|(j, other)| own * precision[(i, j)] * other).sum::<f64>();
-        }
-        noise.sum::<f64>() + pull
+    /// χ² of data and prior together at the point of the linearisation: the function whose minimum
+    /// [`Data::step`] finds to first order, with the same covariance. `None` if that is not positive
+    /// definite.
+    pub fn cost(&self, strength: f64) -> Option<f64> {
+        let left = column(&self.residual);
+        let misfit = left.transpose() * cholesky(&self.weights)?.solve(&left);
+        let away = column(self.point) - column(&self.prior.mean);
+        let pull = away.transpose() * (self.prior.precision(strength) * &away);
+        Some(misfit[(0, 0)] + pull[(0, 0)])
     }
 
     /// Root mean square change of the data at other unknowns, to first order.
@@ -216,7 +216,7 @@ impl<'a> Data<'a> {
 }
 
 /// Derivative of a value, by drawdown and wavelength, with respect to an unknown.
-fn derivative(prior: &IndexPrior, response: &Response, (d, w): (usize, usize), j: usize) -> f64 {
+pub(super) fn derivative(prior: &IndexPrior, response: &Response, (d, w): (usize, usize), j: usize) -> f64 {
     let [n, kappa, thickness] = [0, 1, 2].map(|k| response.slopes[k][d][w]);
     let last = f64::from(u8::from(prior.thickness && j + 1 == prior.count()));
     n * prior.n[w][j] + kappa * prior.kappa[w][j] + last * thickness

@@ -1,6 +1,7 @@
 //! From the file of a fit to checked studies and spectra.
 
-use super::file::{FitFile, FitGeometry, FitTable, MeasuredTable};
+use super::file::{FitFile, FitGeometry, FitTable, MeasuredTable, PriorName};
+use super::prior::SHORTEST_NM;
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::forms::AlbedoWritten;
@@ -16,6 +17,8 @@ use toml::{Table, Value};
 const BRIGHTEST: f64 = 1.02;
 /// Least one: noise of an instrument at its black.
 const DARKEST: f64 = -0.02;
+/// Largest file that is compared with others byte by byte: spectra are smaller by far.
+const LARGEST_COMPARED: u64 = 1 << 22;
 /// Fewest cells whose differences give an error.
 const FEWEST_CELLS: usize = 6;
 
@@ -185,6 +188,19 @@ impl FitReading<'_> {
         if let Some(reason) = &first.angles.no_paper {
             self.faults.add("base.angles", reason.clone(), "0°, 45° and the hemisphere", "write count = 5");
         }
+        let shortest = first.wavelengths_nm[0];
+        if file.fit.prior == PriorName::KramersKronig && shortest < SHORTEST_NM {
+            let allowed = format!(
+                "{SHORTEST_NM} nm or more for fit.prior = \"kramers-kronig\", whose pole is at 200 nm"
+            );
+            let remedy = format!("begin at {SHORTEST_NM} nm, or write fit.prior = \"smooth\"");
+            self.faults.add(
+                "base.light",
+                format!("{shortest} nm as the shortest wavelength"),
+                allowed,
+                remedy,
+            );
+        }
         let (pigment, settings) = (self.pigment[1], file.fit.clone());
         let title = file.title.clone().unwrap_or_else(|| stem(path));
         let mut remarks = std::mem::take(&mut self.remarks);
@@ -193,14 +209,12 @@ impl FitReading<'_> {
     }
 
     fn drawdowns(&mut self, list: &str, tables: &[MeasuredTable], coats: &mut Vec<Study>) -> Vec<Drawdown> {
-        let mut all = Vec::new();
+        let mut all: Vec<Drawdown> = Vec::new();
+        let sources: Vec<Option<Source>> =
+            tables.iter().map(|table| Some(Source::of(&self.folder.join(table.file.as_ref()?)))).collect();
+        let mut read: Vec<Option<Vec<f64>>> = vec![None; tables.len()];
         for (i, table) in tables.iter().enumerate() {
             let field = format!("{list}[{i}]");
-            let source = (&table.file, &table.patch);
-            if table.file.is_some() && tables[..i].iter().any(|other| (&other.file, &other.patch) == source) {
-                let remedy = "remove one: the same values twice are no independent data";
-                self.faults.add(format!("{field}.file"), "a spectrum listed before", "each once", remedy);
-            }
             let Some(study) = self.study(&field, table) else { continue };
             // a dissolved pigment is refused already
             let Some(pigment) = study.pigments.get(self.pigment[1]) else { continue };
@@ -211,6 +225,19 @@ impl FitReading<'_> {
             let geometry =
                 spectrum.as_ref().map_or(table.geometry, |spectrum| spectrum.geometry).unwrap_or_default();
             let values = spectrum.map(|spectrum| spectrum.values);
+            read[i].clone_from(&values);
+            // one file under two names, a copy, or one sample with and without its name
+            let again = |other: &usize| {
+                let one_file =
+                    sources[*other].as_ref().zip(sources[i].as_ref()).is_some_and(|(a, b)| a.is(b));
+                one_file
+                    && (tables[*other].patch == table.patch || (values.is_some() && read[*other] == values))
+            };
+            if let Some(first) = (0..i).find(again) {
+                let found = format!("the spectrum of {list}[{first}] again");
+                let remedy = "remove one: the same values twice are no independent data";
+                self.faults.add(format!("{field}.file"), found, "each spectrum once", remedy);
+            }
             if list == "measured" && values.is_none() && table.file.is_none() {
                 let remedy = "name a CSV, CxF3 or CGATS.17 file";
                 self.faults.add(format!("{field}.file"), "nothing", "the file of the spectrum", remedy);
@@ -350,6 +377,26 @@ fn known_geometry(declared: &MeasuredGeometry) -> Option<FitGeometry> {
         MeasuredGeometry::Sphere(Some(true)) => Some(FitGeometry::Sphere),
         MeasuredGeometry::UniformSky => Some(FitGeometry::UniformSky),
         MeasuredGeometry::Sphere(_) | MeasuredGeometry::Other(_) => None,
+    }
+}
+
+/// Where a spectrum comes from.
+struct Source {
+    /// The file without links and dots; none where there is no such file.
+    path: Option<PathBuf>,
+    content: Option<Vec<u8>>,
+}
+
+impl Source {
+    fn of(path: &Path) -> Self {
+        let content = std::fs::metadata(path).ok().filter(|found| found.len() <= LARGEST_COMPARED);
+        Self { path: path.canonicalize().ok(), content: content.and_then(|_| std::fs::read(path).ok()) }
+    }
+
+    /// Whether both are one file, or a file and its copy.
+    fn is(&self, other: &Self) -> bool {
+        let one_path = self.path.is_some() && self.path == other.path;
+        one_path || (self.content.is_some() && self.content == other.content)
     }
 }
 

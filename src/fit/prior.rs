@@ -16,8 +16,13 @@ const KNOTS_NM: f64 = 10.0;
 const STRENGTH_NM: f64 = 25.0;
 /// Absorption looked for beyond either end of the spectrum, nm.
 const BEYOND_NM: f64 = 150.0;
+/// Most distances between knots; a wider range has wider ones.
+const MOST_PIECES: f64 = 400.0;
 /// Wavelength of the pole in the UV, µm.
 const POLE_UM: f64 = 0.2;
+/// Shortest wavelength that the Kramers–Kronig prior describes, nm: one distance of knots above its
+/// pole. The knots, which lie up to 160 nm lower, are then at positive wavelengths, too.
+pub const SHORTEST_NM: f64 = 1e3 * POLE_UM + KNOTS_NM;
 /// Expected size of κ, of the constant about the binder's index, and of the pole's strength.
 const SIZES: [f64; 3] = [0.5, 0.5, 0.15];
 /// Distance of wavelengths to which the smoothness of the prior `smooth` refers, nm.
@@ -90,7 +95,9 @@ impl IndexPrior {
         let Some(beyond) = self.beyond else { return self.clone() };
         let count = self.rough.len();
         let local: Vec<f64> = (0..count).map(|i| around(&unknowns[..count + 2], i + 1)).collect();
-        let data = beyond..count.saturating_sub(beyond);
+        // a single wavelength has the knot nearest to it
+        let first = beyond.min((count - 1) / 2);
+        let data = first..count.saturating_sub(beyond).max(first + 1);
         let mean = local[data.clone()].iter().sum::<f64>() / data.len().max(1) as f64;
         let mut adapted = self.clone();
         for (i, row) in adapted.rough.iter_mut().enumerate() {
@@ -132,7 +139,7 @@ fn second_differences(from: usize, count: usize, factor: f64) -> Vec<Vec<(usize,
 fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
     let (first, last) = (wavelengths_nm[0], wavelengths_nm[wavelengths_nm.len() - 1]);
     let (from, to) = (first - BEYOND_NM, last + BEYOND_NM);
-    let pieces = ((to - from) / KNOTS_NM).round().max(2.0);
+    let pieces = ((to - from) / KNOTS_NM).round().min(MOST_PIECES);
     // one node more on both sides, where κ is 0
     let nm: Vec<f64> = (-1..=pieces as i32 + 1).map(|k| from + (to - from) / pieces * f64::from(k)).collect();
     // rising ω
@@ -217,6 +224,29 @@ mod tests {
             assert!(coarse < 3e-3, "{w}: {coarse:e}");
             // second order; κ beyond 10/µm, which is left out, gives 1.3e-5
             assert!(fine < coarse / 3.0 + 2e-5, "{w}: {coarse:e} {fine:e}");
+        }
+    }
+
+    /// One wavelength, two within a distance of knots, and the widest range there is: the prior is finite, and
+    /// adapts to the κ of the data. *Planted*: the knots of the data as those between `beyond` and the end,
+    /// which are none for a single wavelength.
+    #[test]
+    fn narrow_and_wide_ranges_have_a_prior() {
+        for nm in [vec![550.0], vec![550.0, 553.0], vec![SHORTEST_NM, 400.0], vec![400.0, 10_000.0]] {
+            let prior = IndexPrior::new(PriorName::KramersKronig, &nm, 1.5, false);
+            let unknowns = vec![0.1; prior.count()];
+            let adapted = prior.adapted(&unknowns);
+            assert!(
+                prior.count() < 410
+                    && adapted.precision(0.05).diagonal().column_vector().iter().all(|x| x.is_finite())
+            );
+            // κ equal everywhere changes nothing
+            assert!(
+                (adapted.precision(0.05) - prior.precision(0.05)).norm_max()
+                    < 1e-9 * prior.precision(0.05).norm_max()
+            );
+            let rows = prior.n.iter().chain(&prior.kappa).flatten();
+            assert!(rows.clone().all(|x| x.is_finite()), "{nm:?}");
         }
     }
 

@@ -1,13 +1,15 @@
-//! Files of a fit: `pigment.csv`, `fit.json` and a page.
+//! Files of a fit: `pigment.csv`, `fit.json` and a page; `pigment-other.csv` where a second solution fits as
+//! well.
 
 use super::law::rms;
 use super::load::FitTask;
-use super::run::{FitOutcome, FittedSpectrum, Forecast};
+use super::run::{FitOutcome, FittedIndex, FittedSpectrum, Forecast, OtherSolution, Trust};
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::report::columns::Tables;
 use crate::report::page::{Picture, made_by, rendered, svg_data};
 use crate::report::publish::PublishResult;
+use crate::run::crew::processor_seconds;
 use crate::store::folder::OutputFolder;
 use minijinja::context;
 use minijinja::value::Serde;
@@ -16,17 +18,27 @@ use std::fmt::Write;
 /// Half of a 95 % interval in standard errors.
 const HALF_95: f64 = 1.96;
 
-/// The fit in one sentence.
+/// The fit in one sentence; both solutions where there are two.
 pub fn in_words(outcome: &FitOutcome) -> String {
-    let rows = || outcome.index.iter();
-    let ([n0, n1], [k0, k1]) = (ends(rows().map(|row| row.n)), ends(rows().map(|row| row.kappa)));
-    let n_bar = bar(rows().filter_map(|row| row.n_error).collect(), 3);
-    let kappa_bar = bar(rows().filter_map(|row| row.kappa_error).collect(), 4);
-    let n_bar = if outcome.n_is_determined { n_bar } else { "— not determined".into() };
-    let FitOutcome { chi_squared, data, .. } = outcome;
+    let FitOutcome { chi_squared, data, degrees_of_freedom, .. } = outcome;
+    let verdict = if outcome.trust == Trust::Untested { ", too few for a verdict" } else { "" };
+    let index = index_in_words(&outcome.index);
+    let unsure = outcome.trust != Trust::Contradicted && !outcome.n_is_determined;
+    let unsure = if unsure { "n is not determined: " } else { "" };
+    let other = outcome.other_solution.as_ref().map_or(String::new(), |other| {
+        format!("; second solution: {}, χ² {:.0}", index_in_words(&other.index), other.chi_squared)
+    });
     format!(
-        "n {n0:.3} … {n1:.3} {n_bar}, κ {k0:.4} … {k1:.4} {kappa_bar}; χ² {chi_squared:.0} for {data} data"
+        "{unsure}{index}; χ² {chi_squared:.0} for {data} data and {degrees_of_freedom:.1} degrees of freedom{verdict}{other}"
     )
+}
+
+/// Range of n and κ with their errors.
+fn index_in_words(index: &[FittedIndex]) -> String {
+    let ([n0, n1], [k0, k1]) = (ends(index.iter().map(|row| row.n)), ends(index.iter().map(|row| row.kappa)));
+    let n_bar = bar(index.iter().filter_map(|row| row.n_error).collect(), 3);
+    let kappa_bar = bar(index.iter().filter_map(|row| row.kappa_error).collect(), 4);
+    format!("n {n0:.3} … {n1:.3} {n_bar}, κ {k0:.4} … {k1:.4} {kappa_bar}")
 }
 
 /// Smallest and largest of some numbers.
@@ -49,7 +61,14 @@ pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> P
     let mut written = Tables::new(folder);
     let about =
         "the pigment's refractive index with its errors; a study takes the table as index = { csv = … }";
-    written.write("pigment.csv", csv(task, outcome).as_bytes(), about, &[])?;
+    let table = csv(task, &outcome.remarks, &outcome.index);
+    written.write("pigment.csv", table.as_bytes(), about, &[])?;
+    if let Some(other) = &outcome.other_solution {
+        let said = "the second of two solutions that fit equally well; the first is pigment.csv".to_owned();
+        let remarks: Vec<String> = std::iter::once(said).chain(outcome.remarks.iter().cloned()).collect();
+        let about = "the second of two solutions that fit equally well, as pigment.csv has the first";
+        written.write("pigment-other.csv", csv(task, &remarks, &other.index).as_bytes(), about, &[])?;
+    }
     written.describe(&task.title)?;
     let json = serde_json::json!({
         "title": task.title,
@@ -57,6 +76,7 @@ pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> P
         "prior": task.settings.prior,
         "noise": task.settings.noise,
         "fit": outcome,
+        "processor_seconds": processor_seconds(),
         "version": env!("CARGO_PKG_VERSION"),
     });
     folder.write("fit.json", &serde_json::to_vec_pretty(&json)?)?;
@@ -64,6 +84,7 @@ pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> P
         title => &task.title,
         summary => in_words(outcome),
         trust => Serde(outcome.trust),
+        second => outcome.other_solution.is_some(),
         remarks => Serde(&outcome.remarks),
         figures => Serde(figures(task, outcome)?),
         forecasts => Serde(outcome.forecasts.iter().map(row).collect::<Vec<_>>()),
@@ -74,15 +95,15 @@ pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> P
 }
 
 /// A table that any study takes as `index = { csv = "pigment.csv" }`.
-fn csv(task: &FitTask, outcome: &FitOutcome) -> String {
+fn csv(task: &FitTask, remarks: &[String], index: &[FittedIndex]) -> String {
     let mut text = format!("# {}: index fitted by {}\n", task.title.replace('\n', " "), made_by());
-    for remark in &outcome.remarks {
+    for remark in remarks {
         let _ = writeln!(text, "# {remark}");
     }
-    let errors = outcome.index.iter().all(|row| row.n_error.is_some());
+    let errors = index.iter().all(|row| row.n_error.is_some());
     text += "wavelength_nm,n,kappa";
     text += if errors { ",n_error,kappa_error,correlation\n" } else { "\n" };
-    for row in &outcome.index {
+    for row in index {
         let _ = write!(text, "{},{:.6},{:.7}", row.wavelength_nm, row.n, row.kappa);
         if let (Some(n), Some(kappa), Some(correlation)) = (row.n_error, row.kappa_error, row.correlation) {
             let _ = write!(text, ",{n:.6},{kappa:.7},{correlation:.4}");
@@ -110,14 +131,20 @@ fn shown(number: Option<f64>, digits: usize) -> String {
 
 fn figures(task: &FitTask, outcome: &FitOutcome) -> DrawResult<Vec<Picture>> {
     let nm = task.wavelengths_nm();
-    let rows = || outcome.index.iter();
-    let n = rows().map(|row| [row.wavelength_nm, row.n, HALF_95 * row.n_error.unwrap_or(0.0)]);
-    let kappa = rows().map(|row| [row.wavelength_nm, row.kappa, HALF_95 * row.kappa_error.unwrap_or(0.0)]);
     let binder = nm.iter().zip(&task.coats[0].layer.binder.index).map(|(&nm, eta)| (nm, eta.re));
-    let curves =
-        vec![Curve::with_bars("n, 95 %", Style::Data, n), Curve::new("binder", Style::Guide, binder)];
-    let kappa = vec![Curve::with_bars("κ, 95 %", Style::Data, kappa)];
-    let left = outcome.spectra.iter().map(|spectrum| residuals(nm, spectrum)).collect();
+    let mut curves = Vec::new();
+    let mut kappa = Vec::new();
+    let one = OneSolution { name: "", index: &outcome.index };
+    let other = outcome.other_solution.as_ref();
+    let other = other.map(|other| OneSolution { name: " (second solution)", index: &other.index });
+    for solution in std::iter::once(one).chain(other) {
+        curves.push(solution.curve("n", |row| [row.n, row.n_error.unwrap_or(0.0)]));
+        kappa.push(solution.curve("κ", |row| [row.kappa, row.kappa_error.unwrap_or(0.0)]));
+    }
+    curves.push(Curve::new("binder", Style::Guide, binder));
+    let of_other = outcome.other_solution.iter().flat_map(|other: &OtherSolution| &other.spectra);
+    let mut left: Vec<Curve> = outcome.spectra.iter().map(|spectrum| residuals(nm, spectrum, "")).collect();
+    left.extend(of_other.map(|spectrum| residuals(nm, spectrum, " (second solution)")));
     let axis = "wavelength, nm";
     let mut pictures = vec![
         picture(&Chart::linear("Refractive index", axis, "n", curves), "n with 95 % intervals")?,
@@ -137,11 +164,29 @@ fn picture(chart: &Chart, caption: &str) -> DrawResult<Picture> {
     Ok(Picture { data: svg_data(&chart.svg()?), caption: caption.to_owned() })
 }
 
+/// The index of one solution as it is drawn.
+struct OneSolution<'a> {
+    /// What follows the name of the quantity.
+    name: &'a str,
+    index: &'a [FittedIndex],
+}
+
+impl OneSolution<'_> {
+    /// A quantity with its 95 % intervals, from value and standard error.
+    fn curve(&self, quantity: &str, of: impl Fn(&FittedIndex) -> [f64; 2]) -> Curve {
+        let rows = self.index.iter().map(|row| {
+            let [value, error] = of(row);
+            [row.wavelength_nm, value, HALF_95 * error]
+        });
+        Curve::with_bars(format!("{quantity}, 95 %{}", self.name), Style::Data, rows)
+    }
+}
+
 /// Measured less fitted values, in standard deviations.
-fn residuals(nm: &[f64], spectrum: &FittedSpectrum) -> Curve {
+fn residuals(nm: &[f64], spectrum: &FittedSpectrum, solution: &str) -> Curve {
     let rows = spectrum.measured.iter().zip(&spectrum.fitted).zip(&spectrum.sigma);
     let points = nm.iter().zip(rows).map(|(&nm, ((m, f), sigma))| (nm, (m - f) / sigma));
-    Curve::new(spectrum.name.clone(), Style::Data, points)
+    Curve::new(format!("{}{solution}", spectrum.name), Style::Data, points)
 }
 
 fn forecast_chart(nm: &[f64], forecast: &Forecast) -> Chart {

@@ -1,19 +1,22 @@
 //! Carries a fit out: table, search, Gauss–Newton, errors.
 
+mod advice;
 mod outcome;
+mod solutions;
 
-pub use outcome::{FitOutcome, FittedIndex, FittedSpectrum, Forecast, Trust};
+pub use outcome::{FitOutcome, FittedIndex, FittedSpectrum, Forecast, OtherSolution, Trust};
 
-use super::law::{Data, LinearFit};
+use super::law::{Data, FitStep, LinearFit};
 use super::load::{Drawdown, FitTask};
 use super::prior::IndexPrior;
 use super::response::Origin;
-use super::start::{Surface, paths};
+use super::start::{Surface, TABLE_ERROR, paths};
 use crate::evaluate::seen::NoInk;
+use crate::input::limits::{ABSORPTION, INDEX};
 use crate::input::study::Study;
 use crate::run::collected::{RunSettings, Stores};
 use crate::run::resolve::{Resolved, resolve};
-use crate::run::tangents::{Linearised, Tangents};
+use crate::run::tangents::{Linearised, Tangents, timed};
 use crate::run::watch::{RunError, RunWatch};
 use crate::solve::accuracy::grid_error::GridError;
 use crate::store::Store;
@@ -21,11 +24,12 @@ use crate::store::folder::OutputFolder;
 use crate::wave::Scene;
 use faer::Mat;
 use num_complex::Complex64;
+use outcome::UNDETERMINED;
 use thiserror::Error;
 
 /// Cells of the coarse table.
 const TABLE_CELLS: usize = 2;
-/// Linearisations on all cells: at least, and at most.
+/// Linearisations of one branch on all cells: at least, and at most.
 const LINEARISATIONS: [usize; 2] = [2, 4];
 /// A step that moves the data by less than this share of the noise is the last one.
 const SMALL_STEP: f64 = 0.5;
@@ -36,8 +40,11 @@ const FIRST_STRENGTH: f64 = 0.06;
 /// Iterations on the table, and halvings of a step that leads uphill.
 const ITERATIONS: usize = 12;
 const HALVINGS: usize = 5;
-/// Error of the table's values, of its few cells and of the interpolation.
-const TABLE_ERROR: f64 = 0.006;
+/// Points of the global search, and evaluations of the table in the descents from its paths, of which a
+/// plan times one.
+const EVALUATIONS: f64 = 400.0;
+/// Solves that a plan times at the nodes of the table, and at a typical index.
+const TRIED: [usize; 2] = [12, 6];
 
 /// Why there is no fit.
 #[derive(Debug, Error)]
@@ -53,16 +60,72 @@ pub enum FitError {
         "the least squares have no solution: take noise of at least 0.0001 and wavelengths further apart"
     )]
     Singular,
+    /// The spectra lead to numbers that are no refractive index.
+    #[error(
+        "the spectra lead to n = {n:.2}, κ = {kappa:.2} at {wavelength_nm} nm, which is no refractive index (n from 0.1 to 10, κ up to 10): \
+         check thickness, volume fraction and the backings' albedos, or narrow fit.n and fit.kappa"
+    )]
+    NoIndex {
+        /// Vacuum wavelength, nm.
+        wavelength_nm: f64,
+        /// Real part.
+        n: f64,
+        /// Imaginary part.
+        kappa: f64,
+    },
 }
 
-/// Solves (with their derivatives) of a fit: table, linearisations at most, predictions.
-pub fn points(task: &FitTask) -> [usize; 3] {
-    let each = |coats: &[Study]| coats.iter().map(Study::solves_each).sum::<usize>();
-    let cells = task.coats[0].realisations;
-    let measured = each(&task.coats[..task.coats_measured]);
-    let table = measured * Surface::indices(task).len() * TABLE_CELLS.min(cells);
-    let predicted = if task.predicted.is_empty() { 0 } else { each(&task.coats) * cells };
-    [table, measured * cells * LINEARISATIONS[1], predicted]
+/// Solves, each with its derivatives, that a fit takes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PlannedSolves {
+    /// Of the coarse table.
+    pub table: usize,
+    /// Of one linearisation on all cells.
+    pub linearisation: usize,
+    /// Of the predicted layers.
+    pub predicted: usize,
+}
+
+impl PlannedSolves {
+    /// Branches of n that are carried to the end at most.
+    pub const BRANCHES: usize = 3;
+    /// Linearisations of a fit: at least, and at most where all branches of n are carried to the end.
+    pub const LINEARISATIONS: [usize; 2] = [LINEARISATIONS[0], Self::BRANCHES * LINEARISATIONS[1]];
+
+    /// The solves of a fit.
+    pub fn of(task: &FitTask) -> Self {
+        let each = |coats: &[Study]| coats.iter().map(Study::solves_each).sum::<usize>();
+        let cells = task.coats[0].realisations;
+        let measured = each(&task.coats[..task.coats_measured]);
+        Self {
+            table: measured * Surface::indices(task).len() * TABLE_CELLS.min(cells),
+            linearisation: measured * cells,
+            predicted: if task.predicted.is_empty() { 0 } else { each(&task.coats) * cells },
+        }
+    }
+
+    /// Most solves.
+    pub fn most(&self) -> usize {
+        self.table + Self::LINEARISATIONS[1] * self.linearisation + self.predicted
+    }
+}
+
+/// Processor seconds of the parts of a fit.
+#[derive(Clone, Copy, Debug)]
+pub struct FitCosts {
+    /// Of the coarse table, with the search on it.
+    pub table: f64,
+    /// Of one linearisation on all cells.
+    pub linearisation: f64,
+    /// Of the predicted layers.
+    pub predicted: f64,
+}
+
+impl FitCosts {
+    /// Of a fit with so many linearisations.
+    pub fn total(&self, linearisations: usize) -> f64 {
+        self.table + linearisations as f64 * self.linearisation + self.predicted
+    }
 }
 
 /// A fit in progress.
@@ -87,8 +150,8 @@ impl<'a> FitRun<'a> {
         let grids = Stores::open(folder)?.grids;
         folder.begin()?;
         let (mut cells, mut resolved) = (Vec::new(), Vec::new());
-        let [_, most] = task.settings.kappa;
-        let typical = Complex64::new(task.binder_index() + 0.2, 0.25 * most);
+        let [n, kappa] = typical(task);
+        let typical = Complex64::new(n, kappa);
         for coat in &task.coats {
             let study = coat.with_index(task.pigment, &vec![typical; coat.wavelengths_nm.len()]);
             let mut packings = crate::run::realisation::Packings::new(&study, watch);
@@ -112,15 +175,50 @@ impl<'a> FitRun<'a> {
         self.task.coats.iter().zip(&self.cells).take(coats).map(of).collect()
     }
 
-    /// Seconds of one solve with its derivatives, measured on a few.
+    /// Processor seconds of the parts of this fit, from a few solves of every layer, spread over the nodes of
+    /// the table, the wavelengths and the directions, and from one evaluation.
     ///
     /// # Errors
-    /// As [`Tangents::linearised`].
-    pub fn trial(&self) -> Result<f64, RunError> {
-        let [n, kappa] = Surface::indices(self.task)[0];
-        let coat = &self.task.coats[0];
-        let eta = vec![Complex64::new(n, kappa); coat.wavelengths_nm.len()];
-        self.cells[0].trial(&coat.with_index(self.task.pigment, &eta), self.watch)
+    /// As [`Tangents::linearised`]; the films give no spectra.
+    pub fn trial(&self) -> Result<FitCosts, FitError> {
+        let task = self.task;
+        let nodes = Surface::indices(task);
+        let typical = self.typical();
+        let solves = PlannedSolves::of(task);
+        let layers = task.coats.len();
+        let mut costs = FitCosts { table: 0.0, linearisation: 0.0, predicted: 0.0 };
+        for (number, (coat, tangents)) in task.coats.iter().zip(&self.cells).enumerate() {
+            let at = |eta: [f64; 2]| {
+                let eta = Complex64::new(eta[0], eta[1]);
+                coat.with_index(task.pigment, &vec![eta; coat.wavelengths_nm.len()])
+            };
+            let spread = TRIED[0].div_ceil(layers).max(4);
+            let of_table: Vec<Study> = (0..spread).map(|k| at(nodes[k * nodes.len() / spread])).collect();
+            let of_fit = vec![at(typical); TRIED[1].div_ceil(layers).max(3)];
+            let of_fit = tangents.trial(&of_fit, self.watch)?;
+            let cells = coat.realisations as f64;
+            let all_cells = cells * (of_fit.geometry + coat.solves_each() as f64 * of_fit.solve);
+            if number < task.coats_measured {
+                let of_table = tangents.trial(&of_table, self.watch)?;
+                let each = (nodes.len() * TABLE_CELLS * coat.solves_each()) as f64;
+                costs.table += each * of_table.solve + cells * of_fit.geometry;
+                costs.linearisation += cells * coat.solves_each() as f64 * of_fit.solve;
+            }
+            if solves.predicted > 0 {
+                costs.predicted += all_cells;
+            }
+        }
+        let index = vec![typical; task.wavelengths_nm().len()];
+        let (seconds, response) =
+            timed(|| Origin::Film.response(task, &task.measured, &index, 0.0).map(drop));
+        response?;
+        costs.table += EVALUATIONS * seconds;
+        Ok(costs)
+    }
+
+    /// \[n, κ\] for which grids are chosen and plans made.
+    fn typical(&self) -> [f64; 2] {
+        typical(self.task)
     }
 
     /// The fit.
@@ -139,8 +237,29 @@ impl<'a> FitRun<'a> {
         }
         self.watch.stage("search over both branches of n");
         let candidates = self.candidates(&Surface::new(task, &solved, &films))?;
-        let (best, others) = candidates.split_first().ok_or(FitError::Singular)?;
-        self.refine(best, others)
+        let mut outcome = solutions::concluded(task, self.carried_out(&candidates)?)?;
+        outcome.forecasts = self.forecasts(&outcome)?;
+        Ok(outcome)
+    }
+
+    /// The best branch, and every other one that fits the table as well at another n, with solves on all
+    /// cells.
+    fn carried_out(&self, candidates: &[Branch]) -> Result<Vec<Solution>, FitError> {
+        let least = candidates.first().ok_or(FitError::Singular)?.cost;
+        let prior = self.prior();
+        let mut known: Vec<Vec<f64>> = Vec::new();
+        let mut solutions = Vec::new();
+        for branch in candidates.iter().filter(|branch| branch.cost < least + solutions::AS_GOOD) {
+            let start: Vec<f64> = prior.index(&branch.unknowns).iter().map(|row| row[0]).collect();
+            let is_new = known.iter().all(|n| solutions::apart(n, &start) > UNDETERMINED);
+            if is_new && solutions.len() < PlannedSolves::BRANCHES {
+                let solution = self.refine(branch)?;
+                known.push(start);
+                known.push(solution.outcome.index.iter().map(|row| row.n).collect());
+                solutions.push(solution);
+            }
+        }
+        Ok(solutions)
     }
 
     /// The prior of this fit.
@@ -178,13 +297,14 @@ impl<'a> FitRun<'a> {
                 data.chosen()
             };
             let (strength, step) = chosen.ok_or(FitError::Singular)?;
-            let before = data.cost(strength);
+            let before = data.cost(strength).ok_or(FitError::Singular)?;
             let mut share = 1.0;
             let mut moved = None;
             for _ in 0..HALVINGS {
                 let tried = between(&unknowns, &step.unknowns, share);
                 let response = at(&tried)?;
-                if Data::new(self.task, (prior, &tried), &response, &[TABLE_ERROR]).cost(strength) < before {
+                let data = Data::new(self.task, (prior, &tried), &response, &[TABLE_ERROR]);
+                if data.cost(strength).is_some_and(|cost| cost < before) {
                     moved = Some((tried, response));
                     break;
                 }
@@ -200,9 +320,9 @@ impl<'a> FitRun<'a> {
     }
 
     /// Gauss–Newton with solves on all cells.
-    fn refine(&self, best: &Branch, others: &[Branch]) -> Result<FitOutcome, FitError> {
+    fn refine(&self, branch: &Branch) -> Result<Solution, FitError> {
         let task = self.task;
-        let mut unknowns = best.unknowns.clone();
+        let mut unknowns = branch.unknowns.clone();
         let grid: Vec<f64> = task.measured.iter().map(|drawdown| self.grid_error(drawdown)).collect();
         let mut rounds = 0;
         loop {
@@ -210,20 +330,20 @@ impl<'a> FitRun<'a> {
             self.watch.stage(&format!("linearisation {rounds} on all cells"));
             let prior = self.prior().adapted(&unknowns);
             let index = prior.index(&unknowns);
+            is_an_index(task, &index)?;
             let linearised = self.solved(&index, task.coats_measured, usize::MAX)?;
-            let source = Origin::Solved(&linearised);
-            let response = source.response(task, &task.measured, &index, prior.log_thickness(&unknowns))?;
+            let log_thickness = prior.log_thickness(&unknowns);
+            let response =
+                Origin::Solved(&linearised).response(task, &task.measured, &index, log_thickness)?;
             let data = Data::new(task, (&prior, &unknowns), &response, &grid);
             let (strength, step) = data.chosen().ok_or(FitError::Singular)?;
             let moved = data.moved(&step.unknowns) / task.settings.noise;
             let share = share_of_step(&prior, &unknowns, &step.unknowns);
             let last = share == 1.0 && moved < SMALL_STEP && rounds >= LINEARISATIONS[0];
             if last || rounds == LINEARISATIONS[1] {
-                let alternative = others.iter().find(|other| other.cost < best.cost + outcome::AS_GOOD);
-                let alternative = alternative.map(|other| prior.index(&other.unknowns));
-                let mut outcome = data.outcome((strength, &step), rounds, alternative);
-                outcome.forecasts = self.forecasts(&outcome)?;
-                return Ok(outcome);
+                is_an_index(task, &prior.index(&step.unknowns))?;
+                let outcome = data.outcome((strength, &step), rounds);
+                return Ok(Solution { outcome, prior, step, linearised, index, log_thickness });
             }
             unknowns = between(&unknowns, &step.unknowns, share);
         }
@@ -231,10 +351,9 @@ impl<'a> FitRun<'a> {
 
     /// Error of a reflectance factor due to the grid: that of R, and that of T on both ways.
     fn grid_error(&self, drawdown: &Drawdown) -> f64 {
-        let GridError { reflectance, transmittance } = self.resolved[drawdown.coat].grid_error;
         let nm = self.task.wavelengths_nm();
-        let albedo = drawdown.study.paper.albedo.at(nm[nm.len() / 2]).unwrap_or(1.0);
-        reflectance.hypot(2.0 * albedo * transmittance)
+        let albedo = drawdown.albedo(nm[nm.len() / 2]).unwrap_or(1.0);
+        on_card(self.resolved[drawdown.coat].grid_error, albedo)
     }
 
     /// The layers that are to be predicted, at the index found.
@@ -250,6 +369,39 @@ impl<'a> FitRun<'a> {
         let of = |(k, drawdown): (usize, &Drawdown)| Forecast::new(task, drawdown, &response, (k, outcome));
         Ok(task.predicted.iter().enumerate().map(of).collect())
     }
+}
+
+/// Error of the reflectance factor of a layer on a card, R + ρ T² at the most, from those of R and T.
+fn on_card(error: GridError, albedo: f64) -> f64 {
+    error.reflectance.hypot(2.0 * albedo * error.transmittance)
+}
+
+/// \[n, κ\] in the middle of what pigments have.
+fn typical(task: &FitTask) -> [f64; 2] {
+    let [_, most] = task.settings.kappa;
+    [task.binder_index() + 0.2, 0.25 * most]
+}
+
+/// Refuses an index that no study would take.
+fn is_an_index(task: &FitTask, index: &[[f64; 2]]) -> Result<(), FitError> {
+    for (&[n, kappa], &wavelength_nm) in index.iter().zip(task.wavelengths_nm()) {
+        if !(INDEX.holds(n) && ABSORPTION.holds(kappa)) {
+            return Err(FitError::NoIndex { wavelength_nm, n, kappa });
+        }
+    }
+    Ok(())
+}
+
+/// A branch carried to the end with solves on all cells.
+struct Solution {
+    outcome: FitOutcome,
+    /// The prior, the step and the solves of the last linearisation.
+    prior: IndexPrior,
+    step: FitStep,
+    linearised: Vec<Linearised>,
+    /// Index and logarithm of the factor on the thicknesses at that linearisation.
+    index: Vec<[f64; 2]>,
+    log_thickness: f64,
 }
 
 /// A branch that fits the data on the table.
@@ -291,3 +443,5 @@ fn share_of_step(prior: &IndexPrior, from: &[f64], to: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod coverage_tests;
+#[cfg(test)]
+mod statistics_tests;

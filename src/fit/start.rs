@@ -17,8 +17,9 @@ const NODES_N: usize = 4;
 const NODES_ROOT: [f64; 3] = [0.1, 0.4, 1.0];
 /// Grid of the search in n and in √κ.
 const SEARCH: [usize; 2] = [33, 25];
-/// Error of the table, of its few cells and of the interpolation.
-const TABLE_ERROR: f64 = 0.008;
+/// Error of the table's values, of its few cells and of the interpolation, in the search and in the descent
+/// on the table.
+pub(super) const TABLE_ERROR: f64 = 0.008;
 /// Expected change of n and κ over 20 nm.
 const CHANGE: f64 = 0.04;
 
@@ -114,17 +115,15 @@ fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], t: f64, h: f64) -> [f64; 2] {
 
 /// The search's grid of \[n, κ\], n first.
 fn grid(task: &FitTask) -> Vec<[f64; 2]> {
-    let ([from, to], [_, most]) = (task.settings.n, task.settings.kappa);
+    let ([from, to], [least, most]) = (task.settings.n, task.settings.kappa);
     let share = |i: usize, axis: usize| i as f64 / (SEARCH[axis] - 1) as f64;
+    let root = |j: usize| least.sqrt() + (most.sqrt() - least.sqrt()) * share(j, 1);
     (0..SEARCH[0])
-        .flat_map(|i| {
-            (0..SEARCH[1]).map(move |j| [(from + (to - from) * share(i, 0)), (most * share(j, 1).powi(2))])
-        })
+        .flat_map(|i| (0..SEARCH[1]).map(move |j| [from + (to - from) * share(i, 0), root(j).powi(2)]))
         .collect()
 }
 
-/// Paths of n and κ over the wavelengths that fit best: on both branches together, below and above
-/// the binder's index.
+/// Paths of n and κ over the wavelengths that fit best, one in each window of n.
 ///
 /// # Errors
 /// The film gives no spectrum at any index.
@@ -143,14 +142,27 @@ pub fn paths(task: &FitTask, surface: &Surface) -> Result<Vec<Vec<[f64; 2]>>, No
             costs[k] = misses.sum();
         }
     }
-    let binder = task.binder_index();
-    let branches: [fn(f64, f64) -> bool; 3] = [|_, _| true, |n, binder| n <= binder, |n, binder| n >= binder];
-    let mut paths = Vec::new();
-    for branch in branches {
-        let allowed: Vec<usize> = (0..states.len()).filter(|&k| branch(states[k][0], binder)).collect();
-        paths.extend(best_path(nm, &states, &costs, &allowed));
+    let mut paths: Vec<Vec<[f64; 2]>> = Vec::new();
+    for [low, high] in windows(task) {
+        let allowed: Vec<usize> =
+            (0..states.len()).filter(|&k| (low..=high).contains(&states[k][0])).collect();
+        let path = best_path(nm, &states, &costs, &allowed);
+        paths.extend(path.filter(|path| !paths.contains(path)));
     }
     Ok(paths)
+}
+
+/// Ranges of n that are searched each for itself: all of it, below and above the binder's index, and the halves
+/// of these, because fringes repeat.
+fn windows(task: &FitTask) -> Vec<[f64; 2]> {
+    let ([from, to], binder) = (task.settings.n, task.binder_index());
+    let middle = binder.clamp(from, to);
+    let mut all = vec![[from, to], [from, middle], [middle, to]];
+    for [low, high] in [[from, middle], [middle, to]] {
+        let half = 0.5 * (low + high);
+        all.extend([[low, half], [half, high]]);
+    }
+    all
 }
 
 /// Spectra of the film of one index; none where it has no spectrum.

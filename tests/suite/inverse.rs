@@ -10,6 +10,7 @@ const INK: &str = "[layer]\nthickness_um = 1.0\nbinder.index = 1.5\n[[pigment]]\
 const DYE: &str =
     "[[pigment]]\nname = \"dye\"\ndiameter_nm = \"molecular\"\nvolume_fraction = 0.02\nindex = 1.6\n";
 const CARD: &str = "wavelength_nm,reflectance\n400,0.5\n700,0.6\n";
+const OTHER_CARD: &str = "wavelength_nm,reflectance\n400,0.4\n700,0.5\n";
 
 /// The faults that a reader finds in a file beside an ink and a spectrum.
 fn faults<T>(text: &str, card: &str, read: fn(&Path) -> Result<T, StudyError>) -> Vec<String> {
@@ -59,7 +60,7 @@ fn slips_in_fits_are_said_with_their_field_and_a_remedy() {
 fn a_spectrum_listed_twice_is_no_independent_data() {
     let again = &FIT[FIT.find("[[").expect("a table")..];
     let twice = faults(&format!("{FIT}{again}"), CARD, load_fit);
-    one_fault(&twice, &["measured[1].file", "listed before", "no independent data"]);
+    one_fault(&twice, &["measured[1].file", "measured[0] again", "no independent data"]);
 }
 
 #[test]
@@ -103,6 +104,49 @@ fn a_dissolved_pigment_is_not_fitted() {
         let name = if ink.contains("dye") { "dye" } else { "a" };
         let fit = format!("{FIT}[fit]\npigment = \"{name}\"\n");
         one_fault(&faults_with(&ink, &fit, CARD, load_fit), &["fit.pigment", name, "dissolved"]);
+    }
+}
+
+/// Another name of one file, a link to it and a copy are the same values, whatever card is stated.
+#[cfg(unix)]
+#[test]
+fn one_spectrum_under_two_names_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = |name: &str| folder.path().join(name);
+    for (name, content) in
+        [("ink.toml", INK), ("card.csv", CARD), ("copy.csv", CARD), ("other.csv", OTHER_CARD)]
+    {
+        std::fs::write(path(name), content).expect("written");
+    }
+    std::os::unix::fs::symlink(path("card.csv"), path("link.csv")).expect("a link");
+    let read = |second: &str| {
+        let fit = format!("{FIT}[[measured]]\nfile = \"{second}\"\nbacking = 0.04\n");
+        std::fs::write(path("fit.toml"), fit).expect("written");
+        load_fit(&path("fit.toml")).map(|task| task.measured.len()).map_err(|error| match error {
+            StudyError::Values { faults, .. } => faults.iter().map(ToString::to_string).collect::<Vec<_>>(),
+            other => vec![other.to_string()],
+        })
+    };
+    assert_eq!(read("other.csv"), Ok(2));
+    for second in ["./card.csv", "link.csv", "copy.csv", "../card.csv"] {
+        let second = second.replace("..", &format!("../{}", folder.path().file_name().unwrap().display()));
+        let faults = read(&second).expect_err(&second);
+        one_fault(&faults, &["measured[1].file", "measured[0] again"]);
+    }
+}
+
+/// The prior looks for absorption below the data and has a pole at 200 nm; one wavelength is enough for it.
+#[test]
+fn wavelengths_that_the_prior_cannot_describe_are_refused_before_any_solve() {
+    let with = |waves: &str, prior: &str| {
+        let ink = INK.replace("[500, 600]", waves).replace("{ built_in = \"yellow\" }", "1.7");
+        let card = "wavelength_nm,reflectance\n100,0.5\n700,0.6\n";
+        faults_with(&ink, &format!("{FIT}[fit]\nprior = \"{prior}\"\n"), card, load_fit)
+    };
+    one_fault(&with("[180, 300]", "kramers-kronig"), &["base.light", "180 nm", "210 nm or more", "smooth"]);
+    one_fault(&with("[200, 300]", "kramers-kronig"), &["base.light", "200 nm"]);
+    for (waves, prior) in [("[180, 300]", "smooth"), ("[210, 300]", "kramers-kronig"), ("[550]", "smooth")] {
+        assert_eq!(with(waves, prior), Vec::<String>::new(), "{waves} {prior}");
     }
 }
 

@@ -16,6 +16,7 @@ mod export_files;
 mod external;
 mod external_check;
 mod failed_packings;
+mod fits;
 mod foreign_folders;
 mod fuzz;
 mod gates;

@@ -19,18 +19,19 @@ const PIGMENTS: usize = 40;
 /// Linearisations of a fit that starts near the truth.
 const ROUNDS: usize = 4;
 
-fn task() -> FitTask {
+pub(super) fn task() -> FitTask {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("fit.toml");
-    for card in ["white.csv", "black.csv"] {
-        std::fs::write(folder.path().join(card), "wavelength_nm,reflectance\n400,0.5\n700,0.5\n").unwrap();
+    for (card, factor) in [("white.csv", 0.5), ("black.csv", 0.1)] {
+        let rows = format!("wavelength_nm,reflectance\n400,{factor}\n700,{factor}\n");
+        std::fs::write(folder.path().join(card), rows).unwrap();
     }
     std::fs::write(&path, FIT).unwrap();
     load(&path).expect("sound")
 }
 
 /// Three Lorentz lines, in the UV, the blue and the visible: causal, and none of the prior's family.
-fn pigment(nm: &[f64], draws: &mut Draws) -> Vec<[f64; 2]> {
+pub(super) fn pigment(nm: &[f64], draws: &mut Draws) -> Vec<[f64; 2]> {
     let mut between = |from: f64, to: f64| draws.between(from, to);
     let constant = between(2.0, 2.4);
     let lines = [[220.0, 320.0, 0.1, 0.3], [380.0, 500.0, 0.03, 0.12], [430.0, 640.0, 0.01, 0.1]];
@@ -55,7 +56,7 @@ fn fitted(task: &FitTask, truth: &[[f64; 2]]) -> FitOutcome {
         let data = Data::new(task, (&prior, &point), &response, &[0.0]);
         let (strength, step) = data.chosen().unwrap();
         if round == ROUNDS {
-            return data.outcome((strength, &step), round, None);
+            return data.outcome((strength, &step), round);
         }
         point = step.unknowns;
     }

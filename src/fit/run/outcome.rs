@@ -9,16 +9,16 @@ use faer::Mat;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-/// χ² of a branch above the best one's within which it fits as well (3 σ).
-pub(super) const AS_GOOD: f64 = 9.0;
-/// Differences of n between branches, and errors of n, from which n is not determined.
-const UNDETERMINED: f64 = 0.06;
-/// Standard errors of n that cover another branch.
-const COVERED: f64 = 2.0;
+/// Differences of n between solutions, and errors of n, from which n is not determined.
+pub(super) const UNDETERMINED: f64 = 0.06;
 /// Quantile of χ² beyond which the errors are not those stated.
 const UNLIKELY: f64 = 0.999;
 /// χ² per degree of freedom beyond which no error is stated.
 const REFUSED: f64 = 4.0;
+/// Data whose errors are this many times those stated must be found by χ² ...
+const NOTICED: f64 = 2.0;
+/// ... with at least this probability; otherwise a small χ² confirms nothing.
+const POWER: f64 = 0.5;
 
 /// The index at one wavelength.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -35,14 +35,36 @@ pub struct FittedIndex {
     pub kappa_error: Option<f64>,
     /// Correlation of both errors.
     pub correlation: Option<f64>,
+    /// Whether n or κ lies outside the range that was searched (`fit.n`, `fit.kappa`).
+    pub outside_search: bool,
+}
+
+/// A second solution that fits the spectra as well as the first, at another n.
+#[derive(Clone, Debug, Serialize)]
+pub struct OtherSolution {
+    /// Its index, with the errors about it.
+    pub index: Vec<FittedIndex>,
+    /// χ² of the data.
+    pub chi_squared: f64,
+    /// Unknowns that the data determine.
+    pub effective_unknowns: f64,
+    /// Linearisations on all cells.
+    pub linearisations: usize,
+    /// Logarithm of the factor on the thicknesses.
+    pub log_thickness: f64,
+    /// Measured and fitted spectra.
+    pub spectra: Vec<FittedSpectrum>,
 }
 
 /// Whether the stated errors can be trusted.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Trust {
     /// χ² is that of the stated noise.
     Consistent,
+    /// χ² is small, but so few degrees of freedom are left that it would be with wrong errors, too: no
+    /// verdict.
+    Untested,
     /// χ² is larger; errors are multiplied by its root per degree of freedom.
     Inflated,
     /// χ² is so large that the study must be wrong: no errors.
@@ -92,6 +114,12 @@ pub struct FitOutcome {
     pub data: usize,
     /// Unknowns that the data determine.
     pub effective_unknowns: f64,
+    /// Data less effective unknowns.
+    pub degrees_of_freedom: f64,
+    /// Minus twice the logarithm of the probability of the data, up to a constant that all solutions of
+    /// one fit share.
+    #[serde(skip)]
+    pub(super) evidence_cost: f64,
     /// Size of the second differences of the prior, chosen by the evidence.
     pub strength: f64,
     /// Linearisations on all cells.
@@ -100,6 +128,8 @@ pub struct FitOutcome {
     pub n_is_determined: bool,
     /// The index.
     pub index: Vec<FittedIndex>,
+    /// A second solution that fits as well; none where the first is the only one.
+    pub other_solution: Option<OtherSolution>,
     /// Logarithm of the factor on the thicknesses; 0 where it is not fitted.
     pub log_thickness: f64,
     /// Standard error of it.
@@ -116,30 +146,17 @@ pub struct FitOutcome {
 
 impl Data<'_> {
     /// The numbers of a fit whose last linearisation these are, with the strength chosen and its
-    /// step.
-    pub fn outcome(
-        &self,
-        (strength, step): (f64, &FitStep),
-        linearisations: usize,
-        alternative: Option<Vec<[f64; 2]>>,
-    ) -> FitOutcome {
+    /// step. Whether there is another solution is not known here.
+    pub fn outcome(&self, (strength, step): (f64, &FitStep), linearisations: usize) -> FitOutcome {
         let data = self.residual.len();
-        let freedom = (data as f64 - step.effective).max(1.0);
-        let ratio = step.chi_squared / freedom;
-        let limit = ChiSquared::new(freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(UNLIKELY));
-        let trust = match () {
-            () if step.chi_squared <= limit => Trust::Consistent,
-            () if ratio <= REFUSED => Trust::Inflated,
-            () => Trust::Contradicted,
-        };
+        let degrees_of_freedom = data as f64 - step.effective;
+        let trust = Trust::of(step.chi_squared, degrees_of_freedom);
+        let stated = trust != Trust::Contradicted;
+        let factor =
+            if trust == Trust::Inflated { step.chi_squared / degrees_of_freedom.max(1.0) } else { 1.0 };
         let covariance = step.covariance(&self.weights, &self.errors);
-        let factor = if trust == Trust::Inflated { ratio } else { 1.0 };
-        let index = self.index(step, (trust != Trust::Contradicted).then_some((&covariance, factor)));
+        let index = self.index(step, stated.then_some((&covariance, factor)));
         let n_error = rms(index.iter().filter_map(|row| row.n_error));
-        let branches = alternative.filter(|other| {
-            let apart = rms(other.iter().zip(&index).map(|(a, b)| a[0] - b.n));
-            apart > UNDETERMINED.max(COVERED * n_error)
-        });
         let last = self.prior.count() - 1;
         let thickness = self.prior.thickness.then(|| (factor * covariance[(last, last)]).sqrt());
         let mut outcome = FitOutcome {
@@ -147,19 +164,22 @@ impl Data<'_> {
             chi_squared: step.chi_squared,
             data,
             effective_unknowns: step.effective,
+            degrees_of_freedom,
+            evidence_cost: -2.0 * step.log_evidence,
             strength,
             linearisations,
-            n_is_determined: n_error < UNDETERMINED && branches.is_none(),
+            n_is_determined: stated && n_error < UNDETERMINED,
             log_thickness: self.prior.log_thickness(&step.unknowns),
-            log_thickness_error: thickness.filter(|_| trust != Trust::Contradicted),
+            log_thickness_error: thickness.filter(|_| stated),
             per_percent_of_thickness: self.per_percent(step),
             spectra: self.spectra(step),
             index,
+            other_solution: None,
             forecasts: Vec::new(),
             remarks: Vec::new(),
         };
         let moved = self.moved(&step.unknowns) / self.task.settings.noise;
-        outcome.remarks = remarks(&outcome, self.task, branches.as_deref(), (n_error, moved));
+        outcome.remarks = remarks(&outcome, self.task, moved);
         outcome
     }
 
@@ -173,7 +193,17 @@ impl Data<'_> {
             let [n_error, kappa_error] = [nn, kk].map(|variance| Some(variance?.max(0.0).sqrt()));
             let correlation = nk.zip(n_error.zip(kappa_error)).map(|(nk, (a, b))| nk / (a * b).max(1e-300));
             let [n, kappa] = values[w];
-            all.push(FittedIndex { wavelength_nm, n, kappa, n_error, kappa_error, correlation });
+            let outside_search =
+                is_outside(n, self.task.settings.n) || is_outside(kappa, self.task.settings.kappa);
+            all.push(FittedIndex {
+                wavelength_nm,
+                n,
+                kappa,
+                n_error,
+                kappa_error,
+                correlation,
+                outside_search,
+            });
         }
         all
     }
@@ -208,38 +238,58 @@ fn product(a: &[f64], b: &[f64], covariance: &Mat<f64>) -> f64 {
     a.iter().enumerate().map(|(i, a)| a * (0..b.len()).map(|j| covariance[(i, j)] * b[j]).sum::<f64>()).sum()
 }
 
-fn remarks(
-    outcome: &FitOutcome,
-    task: &FitTask,
-    branches: Option<&[[f64; 2]]>,
-    (n_error, moved): (f64, f64),
-) -> Vec<String> {
+impl Trust {
+    /// What χ² says with so many degrees of freedom.
+    fn of(chi_squared: f64, degrees_of_freedom: f64) -> Self {
+        let freedom = degrees_of_freedom.max(1.0);
+        let limit = ChiSquared::new(freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(UNLIKELY));
+        match () {
+            () if chi_squared <= limit && is_a_test(degrees_of_freedom) => Self::Consistent,
+            () if chi_squared <= limit => Self::Untested,
+            () if chi_squared / freedom <= REFUSED => Self::Inflated,
+            () => Self::Contradicted,
+        }
+    }
+}
+
+/// Whether χ² with so many degrees of freedom would find errors larger than stated.
+fn is_a_test(degrees_of_freedom: f64) -> bool {
+    let Ok(law) = ChiSquared::new(degrees_of_freedom) else { return false };
+    1.0 - law.cdf(law.inverse_cdf(UNLIKELY) / NOTICED.powi(2)) >= POWER
+}
+
+/// Whether a value lies outside a range, by more than rounding.
+fn is_outside(value: f64, [from, to]: [f64; 2]) -> bool {
+    value < from - 1e-9 || value > to + 1e-9
+}
+
+/// What is to be known besides whether n is determined.
+fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
     let mut all = Vec::new();
-    let ratio = outcome.chi_squared / (outcome.data as f64 - outcome.effective_unknowns).max(1.0);
+    let FitOutcome { chi_squared, data, degrees_of_freedom, .. } = outcome;
+    let ratio = chi_squared / degrees_of_freedom.max(1.0);
     match outcome.trust {
         Trust::Consistent => {}
+        Trust::Untested => all.push(format!(
+            "no verdict on the study: {data} data less {:.1} effective unknowns leave {degrees_of_freedom:.1} degrees of freedom, too few \
+             for χ² ({chi_squared:.0}) to find a wrong thickness, binder or noise; the errors hold only if all of these are right. Measure \
+             at more wavelengths or on another card",
+            outcome.effective_unknowns
+        )),
         Trust::Inflated => all.push(format!(
-            "χ² is {:.0} for {} data, {ratio:.1} per degree of freedom: something in the study is slightly wrong, or the noise is larger \
-             than fit.noise = {}; all errors are multiplied by {:.1}",
-            outcome.chi_squared, outcome.data, task.settings.noise, ratio.sqrt()
+            "χ² is {chi_squared:.0} for {data} data and {degrees_of_freedom:.1} degrees of freedom: something in the study is slightly \
+             wrong, or the noise is larger than fit.noise = {}; all errors are multiplied by {:.1}",
+            task.settings.noise,
+            ratio.sqrt()
         )),
         Trust::Contradicted => all.push(format!(
-            "χ² is {:.0} for {} data, {ratio:.0} per degree of freedom: no index fits these spectra, so no errors are stated. Check thickness \
-             (a thickness 10 % wrong does this to an even layer; also = [\"thickness\"] fits it), its spread, the backings' albedos, the \
-             binder's index, coupling and geometry",
-            outcome.chi_squared, outcome.data
+            "χ² is {chi_squared:.0} for {data} data and {degrees_of_freedom:.1} degrees of freedom: no index fits these spectra, so no \
+             errors are stated. Check thickness (a thickness 10 % wrong does this to an even layer; also = [\"thickness\"] fits it), its \
+             spread, the backings' albedos, the binder's index, coupling and geometry"
         )),
     }
-    if let Some(other) = branches {
-        let mean = other.iter().map(|row| row[0]).sum::<f64>() / other.len() as f64;
-        all.push(format!(
-            "n is not determined: another branch with n ≈ {mean:.2} on the mean fits as well; a second backing or another loading tells them apart"
-        ));
-    } else if !outcome.n_is_determined {
-        all.push(format!(
-            "n is not determined: its standard error is {n_error:.2} (root mean square); measure the layer on black card as well, or another loading"
-        ));
-    }
+    all.extend(outside("n", task.settings.n, outcome, |row| (row.n, row.n_error)));
+    all.extend(outside("kappa", task.settings.kappa, outcome, |row| (row.kappa, row.kappa_error)));
     let [dn, dk] = outcome.per_percent_of_thickness;
     if task.settings.also.is_empty() {
         all.push(format!(
@@ -248,7 +298,7 @@ fn remarks(
     } else if let Some(error) = outcome.log_thickness_error {
         let percent = 100.0 * (outcome.log_thickness.exp() - 1.0);
         all.push(format!(
-            "thickness: {percent:+.1} ± {:.1} % of what the study states; it is confounded with n, of which fringes know the product alone",
+            "thickness: {percent:+.1} ± {:.1} % of what the study states; n and thickness are correlated: fringes determine only their product",
             100.0 * error
         ));
     }
@@ -257,8 +307,32 @@ fn remarks(
             "the last step still moved the spectra by {moved:.1} of the noise: the fit has not settled"
         ));
     }
-    all.push("the size of the grains is taken as stated: spectra of this kind hardly contain it".into());
+    all.push("the size of the grains is taken as stated: these spectra hardly constrain it".into());
     all
+}
+
+/// Says where a value lies outside the range that was searched for it, farthest first.
+fn outside(
+    key: &str,
+    range: [f64; 2],
+    outcome: &FitOutcome,
+    value: impl Fn(&FittedIndex) -> (f64, Option<f64>),
+) -> Option<String> {
+    let beyond = |row: &FittedIndex| (range[0] - value(row).0).max(value(row).0 - range[1]);
+    let rows = outcome.index.iter().filter(|row| is_outside(value(row).0, range));
+    let count = rows.clone().count();
+    let worst = rows.max_by(|a, b| beyond(a).total_cmp(&beyond(b)))?;
+    let (found, error) = value(worst);
+    let error = error.map_or(String::new(), |error| format!(" ± {error:.3}"));
+    let name = if key == "n" { "n" } else { "κ" };
+    Some(format!(
+        "{name} = {found:.3}{error} at {} nm lies outside fit.{key} = [{}, {}] ({count} of {} wavelengths do): the search began inside, and \
+         a solution farther out may fit better; widen fit.{key} and fit again",
+        worst.wavelength_nm,
+        range[0],
+        range[1],
+        outcome.index.len()
+    ))
 }
 
 impl Forecast {

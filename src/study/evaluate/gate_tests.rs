@@ -97,6 +97,7 @@ fn a_spectrum_goes_with_its_colour() {
         specular_reflectance: estimate(0.1, 0.01),
         transmittance: estimate(0.9, 0.01),
         specular_transmittance: estimate(0.9, 0.01),
+        coherent_transmittance: None,
         absorptance: estimate(0.0, 0.01),
         natural_light: Some(estimate(0.8, 0.01)),
         lit_at_45: Some(estimate(lit, 0.08)),

@@ -26,8 +26,9 @@ use std::sync::{Arc, OnceLock};
 const STEP: f64 = 1e-4;
 /// Systems held at a time: at the index and on both sides of it.
 const SYSTEMS: f64 = 3.0;
-/// Solves of a trial.
-const TRIED: usize = 6;
+/// Part of the list of solves between two of a trial: the golden section, which spreads any number of them
+/// over wavelengths and directions.
+const SPREAD: f64 = 0.618;
 
 /// One solve, and the derivatives of its efficiencies.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -163,24 +164,47 @@ impl Tangents {
         Ok(Linearised { resolved: self.resolved, realisations })
     }
 
-    /// Processor seconds of one solve with its derivatives, a mean over a few that are not stored.
+    /// What one of these studies' solves costs, a mean over one of each, which are not stored, and what the
+    /// geometry of a cell costs.
     ///
     /// # Errors
     /// The grid does not fit into memory.
-    pub fn trial(&self, study: &Study, watch: &dyn RunWatch) -> Result<f64, RunError> {
-        let task = CellTask { of: self, study, cell: &self.cells[0], watch };
-        let (keyed, asked) = (task.keyed(), study.solver.build());
-        let solver = task.admitted(&*asked)?.0;
-        let chosen = keyed.iter().step_by(keyed.len().div_ceil(TRIED));
-        let clock = std::time::Instant::now();
-        let busy = || processor_seconds().unwrap_or_else(|| clock.elapsed().as_secs_f64());
-        let before = busy();
-        for keyed in chosen.clone() {
+    pub fn trial(&self, studies: &[Study], watch: &dyn RunWatch) -> Result<TrialCost, RunError> {
+        let (mut geometry, mut solve) = (0.0, 0.0);
+        for (k, study) in studies.iter().enumerate() {
+            let task = CellTask { of: self, study, cell: &self.cells[k % self.cells.len()], watch };
+            let (keyed, asked) = (task.keyed(), study.solver.build());
+            let solver = task.admitted(&*asked)?.0;
+            let place = (SPREAD * k as f64).fract() * keyed.len() as f64;
+            let tried = &keyed[place as usize];
+            // kept by the cell: the first solve of a grid would pay for all
+            let made =
+                timed(|| task.cell.grids.problems(study, task.grid(&tried.0), &tried.0, watch).is_ok());
+            geometry += made.0;
             // a solve that fails takes its time as well
-            let _ = task.solve(keyed, solver.solver());
+            solve += timed(|| task.solve(tried, solver.solver()).is_ok()).0;
         }
-        Ok((busy() - before) / chosen.count().max(1) as f64)
+        let count = studies.len().max(1);
+        let cells = count.min(self.cells.len());
+        Ok(TrialCost { geometry: geometry / cells as f64, solve: solve / count as f64 })
     }
+}
+
+/// Processor seconds of parts of the work.
+#[derive(Clone, Copy, Debug)]
+pub struct TrialCost {
+    /// Of the geometry of a cell.
+    pub geometry: f64,
+    /// Of one solve with its derivatives.
+    pub solve: f64,
+}
+
+/// Processor seconds of some work (on the clock where the system does not tell), and its result.
+pub fn timed<R>(work: impl FnOnce() -> R) -> (f64, R) {
+    let (clock, before) = (std::time::Instant::now(), processor_seconds());
+    let result = work();
+    let used = processor_seconds().zip(before).map(|(after, before)| after - before);
+    (used.unwrap_or_else(|| clock.elapsed().as_secs_f64()), result)
 }
 
 /// The solves of one study in one cell.

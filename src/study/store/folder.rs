@@ -14,9 +14,14 @@ use super::slot::{Presence, Slot};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Result files, which are removed when a new study begins.
-pub const RESULTS: [&str; 9] = [
+/// Result files of a study, a fit and a design, which are removed when new work begins: those of another
+/// input must not pass for the new one's.
+pub const RESULTS: [&str; 13] = [
     "results.json",
+    "fit.json",
+    "pigment.csv",
+    "pigment-other.csv",
+    "design.json",
     "report.html",
     "picture.png",
     "picture-with-axes.png",
@@ -330,7 +335,8 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let folder = OutputFolder::open(&root.path().join("yellow"), Holds::Study).unwrap();
         Database::open(folder.path()).unwrap().put("point", "a", vec![1]).unwrap();
-        for name in ["report.html", ".inkwave-x.partial", ".inkwave-y.partial"] {
+        let results = ["report.html", "fit.json", "pigment.csv", "design.json"];
+        for name in results.into_iter().chain([".inkwave-x.partial", ".inkwave-y.partial"]) {
             std::fs::write(folder.path().join(name), "old").unwrap();
         }
         let left =
@@ -340,7 +346,7 @@ mod tests {
         folder.begin().unwrap();
         folder.discard_when_empty();
         let there = |name: &str| folder.path().join(name).exists();
-        assert!(!there("report.html") && !there(".inkwave-x.partial"));
+        assert!(results.iter().all(|name| !there(name)) && !there(".inkwave-x.partial"));
         assert!(there(".inkwave-y.partial"), "another process may be writing it");
         assert!(there("records/1.sqlite") && there(PARTIAL));
     }

@@ -153,7 +153,7 @@ mod tests {
     #[test]
     fn slabs_in_maxwells_equations_lie_between_half_spaces_of_maxwell_garnett() {
         let layer = "thickness_um = 10\n[layer.composed]\nslab_um = 2";
-        let beta = 0.2 * 1.75 / 8.5;
+        let beta: f64 = 0.2 * 1.75 / 8.5;
         let garnett = (2.25 * (1.0 + 2.0 * beta) / (1.0 - beta)).sqrt();
         for (wave, index) in [("scalar", 2.6_f64.sqrt()), ("unpolarised", garnett)] {
             let text = format!(
