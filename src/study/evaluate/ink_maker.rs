@@ -167,7 +167,8 @@ impl Question<'_> {
         Ok((self.uncertainty.widen(estimate, shared), deviations))
     }
 
-    /// Standard error of a contrast ratio due to the errors of tables of indices, with Y over white.
+    /// Standard error of a contrast ratio due to the errors of tables of indices; `white` is Y over
+    /// white.
     fn input_error_of_contrast(&self, ratio: f64, white: f64) -> Result<f64, InkError> {
         let over = |albedo: f64| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), UNMOVED);
         let black_moves = self.ink.input_luminances(&self.sight, &over(BLACK))?;

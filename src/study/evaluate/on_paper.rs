@@ -180,7 +180,7 @@ impl LayerOnPaper {
         Ok(layer)
     }
 
-    /// The same layer as another of the nodes.
+    /// This layer as another of the nodes.
     pub(super) fn at_node(&self, node: usize) -> Self {
         Self { node, ..*self }
     }
