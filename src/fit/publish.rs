@@ -6,7 +6,7 @@ use super::load::FitTask;
 use super::run::{FitOutcome, FittedIndex, FittedSpectrum, Forecast, OtherSolution, Trust};
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
-use crate::report::columns::Tables;
+use crate::report::columns::FolderTables;
 use crate::report::page::{Picture, made_by, rendered, svg_data};
 use crate::report::publish::PublishResult;
 use crate::run::crew::processor_seconds;
@@ -58,7 +58,7 @@ fn bar(errors: Vec<f64>, digits: usize) -> String {
 /// # Errors
 /// A file cannot be written, or a chart not be drawn.
 pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> PublishResult {
-    let mut written = Tables::new(folder);
+    let mut written = FolderTables::new(folder);
     let about =
         "the pigment's refractive index with its errors; a study takes the table as index = { csv = … }";
     let table = csv(task, &outcome.remarks, &outcome.index);

@@ -267,12 +267,12 @@ pub fn resource(name: &str, bytes: &[u8], about: &str, own: &[Column]) -> Value 
 }
 
 /// A folder's tables, which are described together when all are written.
-pub struct Tables<'a> {
+pub struct FolderTables<'a> {
     folder: &'a OutputFolder,
     resources: Vec<Value>,
 }
 
-impl<'a> Tables<'a> {
+impl<'a> FolderTables<'a> {
     /// None yet.
     pub fn new(folder: &'a OutputFolder) -> Self {
         Self { folder, resources: Vec::new() }

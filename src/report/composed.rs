@@ -4,7 +4,7 @@ mod tables;
 
 pub use tables::{coefficients, tables};
 
-use super::columns::Tables;
+use super::columns::FolderTables;
 use super::page::{Figure, on_study, png_data};
 use super::publish::{Pictures, PublishError, PublishResult, picture_angles};
 use super::sheet;
@@ -42,7 +42,7 @@ pub fn publish<'a>(
         folder.write(&format!("picture{of}.png"), &picture.plain)?;
         folder.write(&format!("picture{of}-with-axes.png"), &picture.labelled)?;
     }
-    let mut written = Tables::new(folder);
+    let mut written = FolderTables::new(folder);
     for (name, table, about) in tables(&manifest)? {
         written.write(name, &table, about, &[])?;
     }

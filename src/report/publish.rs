@@ -1,6 +1,6 @@
 //! Writes the results of the finished solves: `results.json`, tables, picture and page.
 
-use super::columns::Tables;
+use super::columns::FolderTables;
 use super::page::on_study;
 use super::sheet::{colour_in_words, missed_target, sheet};
 use super::tables;
@@ -116,7 +116,7 @@ pub(crate) fn publish_seen(
         folder.write("picture.png", &pictures.plain)?;
         folder.write("picture-with-axes.png", &pictures.labelled)?;
     }
-    let mut written = Tables::new(folder);
+    let mut written = FolderTables::new(folder);
     let spectra = tables::spectra(&manifest.spectra)?;
     written.write("spectra.csv", &spectra, "spectra of the layer alone, and on its paper", &[])?;
     let amplitude_error = manifest.certainty.amplitude_error_estimate;

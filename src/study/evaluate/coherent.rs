@@ -8,7 +8,7 @@
 
 use super::films::{FilmAt, Films, LIGHTS};
 use super::regression::{Fits, Normal};
-use super::samples::SolvedRealisation;
+use super::samples::{SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::numerics::estimate::Estimate;
 use num_complex::Complex64;
@@ -35,15 +35,16 @@ impl CoherentLight {
             return None;
         }
         let fit = |angle: usize, light: usize| {
-            let of = |realisation: &SolvedRealisation| -> Vec<(f64, Normal)> {
-                let sample = |w: &super::samples::SolvedWavelength| {
-                    let film = films.of_thickness(w.wavelength_nm, first);
-                    let reference = film.transmitted_amplitudes(exact_deg[angle])[light];
-                    (w.wavelength_nm, turned_back(w.exact[angle].unscattered[light], reference))
-                };
-                realisation.wavelengths.iter().map(sample).collect()
+            let sample = |w: &SolvedWavelength| {
+                let film = films.of_thickness(w.wavelength_nm, first);
+                let reference = film.transmitted_amplitudes(exact_deg[angle])[light];
+                (w.wavelength_nm, turned_back(w.exact[angle].unscattered[light], reference))
             };
-            Fits::new(solved.iter().map(|realisation| of(realisation).into_iter()), basis, [1, 2])
+            Fits::new(
+                solved.iter().map(|realisation| realisation.wavelengths.iter().map(sample)),
+                basis,
+                [1, 2],
+            )
         };
         let fits = (0..exact_deg.len()).map(|angle| std::array::from_fn(|light| fit(angle, light)));
         Some(Self { fits: fits.collect(), basis: basis.clone() })
@@ -106,7 +107,7 @@ fn unbiased(amplitudes: impl Fn(Option<usize>) -> [Complex64; LIGHTS], replicate
 mod tests {
     use super::*;
     use crate::evaluate::film::Profile;
-    use crate::evaluate::samples::{SolvedDirection, SolvedWavelength};
+    use crate::evaluate::samples::SolvedDirection;
     use crate::numerics::Draws;
     use crate::wave::Wave;
 

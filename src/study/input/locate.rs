@@ -5,7 +5,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// Where a field stands, in bytes of the text.
-struct Place {
+struct FieldPlace {
     /// Its name; of an entry of a list, the entry.
     key: Range<usize>,
     /// Its value; of a table, which may be spread over the file, its name.
@@ -23,21 +23,21 @@ pub fn key_span_of(text: &str, field: &str) -> Option<Range<usize>> {
     place_of(text, field).map(|place| place.key)
 }
 
-fn place_of(text: &str, field: &str) -> Option<Place> {
+fn place_of(text: &str, field: &str) -> Option<FieldPlace> {
     let document = DeTable::parse(text).ok()?;
     let mut steps = steps(field);
     let (key, value) = document.get_ref().get_key_value(steps.next()?)?;
-    let (mut here, mut place) = (value, Place { key: key.span(), value: outline(key.span(), value) });
+    let (mut here, mut place) = (value, FieldPlace { key: key.span(), value: outline(key.span(), value) });
     for step in steps {
         let next = match here.get_ref() {
-            DeValue::Table(table) => table
-                .get_key_value(step)
-                .map(|(key, value)| (value, Place { key: key.span(), value: outline(key.span(), value) })),
+            DeValue::Table(table) => table.get_key_value(step).map(|(key, value)| {
+                (value, FieldPlace { key: key.span(), value: outline(key.span(), value) })
+            }),
             DeValue::Array(items) => step
                 .parse()
                 .ok()
                 .and_then(|i: usize| items.get(i))
-                .map(|item| (item, Place { key: item.span(), value: item.span() })),
+                .map(|item| (item, FieldPlace { key: item.span(), value: item.span() })),
             _ => None,
         };
         let Some(next) = next else { break };

@@ -6,7 +6,7 @@ use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::composed::manifest::{ComposedManifest, MediumRow};
 use crate::numerics::estimate::Estimate;
 use crate::report::cell::{numbers, table, with_errors};
-use crate::report::columns::Tables;
+use crate::report::columns::FolderTables;
 use crate::report::composed::{coefficients, lines, publish as publish_layer};
 use crate::report::page::{Figure, on_study};
 use crate::report::publish::PublishResult;
@@ -77,7 +77,7 @@ pub fn run<'a>(
 /// # Errors
 /// Files that cannot be written.
 pub fn publish(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> PublishResult<PathBuf> {
-    let mut written = Tables::new(folder);
+    let mut written = FolderTables::new(folder);
     let axes = axis_columns(sweep, AxisOutline::heading);
     written.write(
         "composed.csv",

@@ -13,7 +13,7 @@ use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
 use crate::report::cell;
-use crate::report::columns::{Column, Tables};
+use crate::report::columns::{Column, FolderTables};
 use crate::report::publish::{PublishError, PublishResult, publish_seen};
 use crate::run::Stores;
 use crate::store::folder::OutputFolder;
@@ -74,7 +74,7 @@ fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Publi
         folder.write(&sheet_name(i, count), &png)?;
         drawn.push((sheet, png));
     }
-    let mut written = Tables::new(folder);
+    let mut written = FolderTables::new(folder);
     let axes = axis_columns(sweep, |axis| cell::text(&axis.name));
     written.write("sweep.csv", &table(sweep, &reported.outcomes)?, "the variants of the sweep", &axes)?;
     let conclusions = conclusions_table(&reported.conclusions)?;
