@@ -319,7 +319,7 @@ mod tests {
         let own = column("kubelka-munk.csv", "scattering_per_um_half_width_95").unwrap();
         assert_eq!((own.unit.as_str(), own.kind), ("1/µm", NUMBER));
         assert_eq!(own.about, "half the width of the 95 % interval of scattering_per_um");
-        assert_eq!(column("bdf.csv", "n").unwrap().kind, INTEGER);
+        assert_eq!(column("bdf.csv", "n").unwrap().kind, "integer");
         assert_eq!(column("pigment.csv", "n").unwrap().kind, NUMBER);
         assert_eq!(column("spectra.csv", "bdf"), None);
     }
