@@ -222,7 +222,7 @@ fn shown(value: f64) -> String {
 }
 
 /// Why a colour is impossible.
-fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Option<String> {
+pub fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Option<String> {
     let lab = colour.lab.map(shown).join(", ");
     if !colour.lab.iter().chain(error.iter().flatten()).all(|x| x.is_finite()) {
         return Some(format!("Lab ({lab}) is not a number"));
