@@ -254,7 +254,10 @@ impl<'a> Live<'a> {
         if clock < *due || is_new(&page) {
             return;
         }
+        // What is written comes from stored solves: a stop need not wait for it.
+        self.progress.stop.end_at_once(true);
         let written = !self.progress.stop() && write();
+        self.progress.stop.end_at_once(false);
         *due = Instant::now() + PAUSE.max(SHARE * clock.elapsed());
         if written && !std::mem::replace(told, true) {
             note!("{} shows the finished solves and is updated during the run", page.display());

@@ -248,7 +248,9 @@ impl Study {
     /// strata from the exit side.
     fn incidences(&self, draw: &Draw, wavelength: usize, nm: f64) -> Vec<Incidence> {
         let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
-        let (azimuth_deg, direction) = self.turn(draw, wavelength);
+        // Slabs are turned by the wavelength itself: a part of the list keeps its solves.
+        let turns = if self.portion.is_some() { nm.round() as usize } else { wavelength };
+        let (azimuth_deg, direction) = self.turn(draw, turns);
         if let Some(sides) = self.sides(nm * 1e-3) {
             return composed::portion_incidences(&sides, nm * 1e-3, azimuth_deg);
         }

@@ -2,7 +2,7 @@
 //! A composed layer is one ordinary study for each of its slabs, in one store.
 
 use super::rounds::collect;
-use super::run::{Scope, WAIT, name, run};
+use super::run::{Scope, name, run};
 use super::units::Shard;
 use crate::input::study::Study;
 use crate::run::resolve::Resolved;
@@ -13,6 +13,7 @@ use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
 use crate::store::queue::QueueError;
 use crate::sweep::definition::load::Sweep;
+use std::time::Duration;
 
 /// Result of running a study, over all processes of the folder.
 #[derive(Debug)]
@@ -56,6 +57,9 @@ pub fn run_study(
 pub fn stored(study: &Study, folder: &OutputFolder) -> std::io::Result<Option<Collected>> {
     Ok(collect(study, &Stores::open(folder)?, 0))
 }
+
+/// Pause between two looks at what other processes have done.
+const BETWEEN_LOOKS: Duration = Duration::from_millis(500);
 
 /// Result of running the portions of a composed layer, over all processes of the folder.
 #[derive(Debug)]
@@ -131,7 +135,7 @@ fn run_portion(
                 if watch.stop() {
                     return Err(RunError::Stopped);
                 }
-                std::thread::sleep(WAIT);
+                std::thread::sleep(BETWEEN_LOOKS);
             }
             ran => {
                 let mut ran = ran?;

@@ -26,7 +26,7 @@ use std::time::Duration;
 use work::{NamedWatch, News, Room, Work};
 
 /// Interval at which an idle worker looks for work again.
-pub(super) const WAIT: Duration = Duration::from_millis(50);
+const WAIT: Duration = Duration::from_millis(50);
 /// Minimum time between two progress reports to other processes.
 const BETWEEN_NEWS: Duration = Duration::from_millis(500);
 /// Offset between the task numbers of consecutive rounds: more than any round has tasks.
@@ -106,7 +106,7 @@ fn run_to_end(
     }
     let (mut rounds, mut waits) = (Rounds::new(sweep), 0);
     let (mut before, mut failure) = (None, None);
-    while let Some((round, units)) = rounds.next(&stores) {
+    while let Some((round, units)) = next_round(&mut rounds, &stores, watch) {
         let jobs = jobs(&units[shard.range(units.len())], scope);
         // If the queue is empty but the round is unfinished, stop: repeating it would not help.
         if jobs.is_empty() || before == Some(round) {
@@ -153,6 +153,14 @@ fn run_to_end(
     let (asked, finished, known) = (solves(sweep, shard), processed - failed, rounds.known());
     let (damages, waited) = (stores.database().damages(), WAIT * waits as u32);
     Ok(Tally { asked, finished, failed, publishes, damages, failure, waited, known })
+}
+
+/// The next round; whether one is needed may take an evaluation of what is stored.
+fn next_round(rounds: &mut Rounds, stores: &Stores, watch: &dyn RunWatch) -> Option<(usize, Vec<Unit>)> {
+    watch.hear(Event::Over);
+    let next = rounds.next(stores);
+    watch.hear(Event::Begun);
+    next
 }
 
 /// Name of the work, so that only processes with the same sweep and shard share it.
