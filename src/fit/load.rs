@@ -254,7 +254,8 @@ impl FitReading<'_> {
             let field =
                 place.map_or_else(|| format!("base.{}", fault.field), |(_, key, _)| format!("{field}.{key}"));
             if !self.faults.0.iter().any(|known| known.field == field && known.found == fault.found) {
-                self.faults.push(Fault { field, ..fault });
+                let found = fault.found.replace("paper.albedo", &field);
+                self.faults.push(Fault { field, found, ..fault });
             }
         }
         None
