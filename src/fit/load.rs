@@ -5,7 +5,7 @@ use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::forms::AlbedoWritten;
 use crate::input::load::{read_file, read_table, stem};
-use crate::input::measured::{Measured, MeasuredGeometry, MeasuredReading, MeasuredRequest};
+use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest};
 use crate::input::study::Study;
 use crate::numerics::allowed::Allowed;
 use crate::sweep::field::set;
@@ -276,8 +276,8 @@ impl FitReading<'_> {
             ..MeasuredRequest::default()
         };
         let reading = MeasuredReading::new(&path, &request).and_then(|reading| match reading.measured {
-            Measured::Spectrum(spectrum) => Ok((spectrum, reading.geometry, reading.remarks)),
-            Measured::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
+            MeasuredContent::Spectrum(spectrum) => Ok((spectrum, reading.geometry, reading.remarks)),
+            MeasuredContent::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
         });
         let (spectrum, declared, remarks) = match reading {
             Ok(read) => read,
