@@ -6,7 +6,7 @@ use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::forms::AlbedoWritten;
 use crate::input::load::{read_file, read_table, stem};
-use crate::input::measured::{Measured, MeasuredGeometry, MeasuredReading, MeasuredRequest};
+use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest};
 use crate::input::study::Study;
 use crate::numerics::allowed::Allowed;
 use crate::sweep::field::set;
@@ -287,7 +287,8 @@ impl FitReading<'_> {
             let field =
                 place.map_or_else(|| format!("base.{}", fault.field), |(_, key, _)| format!("{field}.{key}"));
             if !self.faults.0.iter().any(|known| known.field == field && known.found == fault.found) {
-                self.faults.push(Fault { field, ..fault });
+                let found = fault.found.replace("paper.albedo", &field);
+                self.faults.push(Fault { field, found, ..fault });
             }
         }
         None
@@ -308,8 +309,8 @@ impl FitReading<'_> {
             ..MeasuredRequest::default()
         };
         let reading = MeasuredReading::new(&path, &request).and_then(|reading| match reading.measured {
-            Measured::Spectrum(spectrum) => Ok((spectrum, reading.geometry, reading.remarks)),
-            Measured::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
+            MeasuredContent::Spectrum(spectrum) => Ok((spectrum, reading.geometry, reading.remarks)),
+            MeasuredContent::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
         });
         let (spectrum, declared, remarks) = match reading {
             Ok(read) => read,

@@ -136,23 +136,23 @@ pub struct ColourTable {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CompareTable {
-    /// A spectrum measured at 45:0, relative to the study file: CGATS.17 and its relatives, CxF3, or
-    /// a table of an instrument or a spreadsheet, recognised by their structure. Tables have
+    /// A spectrum measured at 45:0, relative to the study file: CGATS.17 and its relatives, CxF3,
+    /// or a table of an instrument or a spreadsheet, recognised by their structure. Tables have
     /// wavelengths in nm down the first column and a column a sample, or a row a sample and
-    /// wavelengths as columns; commas, semicolons, tabs or blanks between cells; a header or none. A
-    /// sample with Lab but no spectrum is a target, if the file states the illuminant and the
-    /// observer of `[colour]`. Unit, geometry and light are those that the file declares;
+    /// wavelengths as columns; commas, semicolons, tabs or blanks between cells; a header or
+    /// none. A sample with Lab but no spectrum is a target, if the file states the illuminant and
+    /// the observer of `[colour]`. Unit, geometry and light are those that the file declares;
     /// transmittances and other geometries (d:8 of a sphere) are refused.
     #[schemars(example = &"measured.csv")]
     pub measured: Option<String>,
-    /// Sample in a file with several (default: the first): its name or number, or its amounts of ink
-    /// in percent, such as `[0, 0, 100, 0]` for C, M, Y, K.
+    /// Sample in a file with several (default: the first): its name or number, or its amounts of
+    /// ink in percent, such as `[0, 0, 100, 0]` for C, M, Y, K.
     #[schemars(example = &"yellow 100 %")]
     pub patch: Option<Patch>,
-    /// Value of a perfect white in the file: 1 (`"factor"`) or 100 (`"percent"`). By default what the
-    /// file declares (`SPECTRAL_NORM`, `%R`); where it declares nothing, the file holds percentages
-    /// if any value of any sample is above 3, factors if none is above 1, and in between the unit is
-    /// required.
+    /// Value of a perfect white in the file: 1 (`"factor"`) or 100 (`"percent"`). By default what
+    /// the file declares (`SPECTRAL_NORM`, `%R`); where it declares nothing, the file holds
+    /// percentages if any value of any sample is above 3, factors if none is above 1, and in
+    /// between the unit is required.
     #[schemars(example = &"percent")]
     pub unit: Option<MeasuredUnit>,
     /// The instrument's light by ISO 13655, where the sample was measured under several.

@@ -114,7 +114,7 @@ impl Default for MeasuredRequest {
 
 /// What a file holds of the sample that was asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Measured {
+pub enum MeasuredContent {
     /// A spectrum.
     Spectrum(MeasuredSpectrum),
     /// A colour, where the sample has no spectrum.
@@ -125,7 +125,7 @@ pub enum Measured {
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredReading {
     /// The sample.
-    pub measured: Measured,
+    pub measured: MeasuredContent,
     /// Its geometry, if the file states it.
     pub geometry: Option<MeasuredGeometry>,
     /// What was taken where the file leaves something open.
@@ -194,9 +194,9 @@ impl MeasuredReading {
                 let called = if chosen.of > 1 { format!("{own:?}, ") } else { String::new() };
                 let rows = choose::rows(cells, white.value, request.used_nm);
                 let rows = rows.map_err(|reason| format!("{called}{reason}"))?;
-                Measured::Spectrum(MeasuredSpectrum { source, rows, patches: chosen.of })
+                MeasuredContent::Spectrum(MeasuredSpectrum { source, rows, patches: chosen.of })
             }
-            SampleContent::Lab(..) => Measured::Colour(colour(&chosen, &request.viewing)?),
+            SampleContent::Lab(..) => MeasuredContent::Colour(colour(&chosen, &request.viewing)?),
         };
         Ok(Self { measured, geometry: chosen.sample.geometry.clone(), remarks })
     }

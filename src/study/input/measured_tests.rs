@@ -7,8 +7,8 @@ const CXF: &str = "http://colorexchangeformat.com/CxF3-core";
 
 fn spectrum(text: &str, request: &MeasuredRequest) -> Result<MeasuredSpectrum, String> {
     match MeasuredReading::parse(text, "ink.csv", request)?.measured {
-        Measured::Spectrum(spectrum) => Ok(spectrum),
-        Measured::Colour(_) => Err("a colour".into()),
+        MeasuredContent::Spectrum(spectrum) => Ok(spectrum),
+        MeasuredContent::Colour(_) => Err("a colour".into()),
     }
 }
 
@@ -125,8 +125,8 @@ fn colour_of(text: &str, patch: Option<&str>) -> Result<MeasuredColour, String> 
     let patch = patch.map(|name| Patch::Name(name.into()));
     match MeasuredReading::parse(text, "lab.txt", &MeasuredRequest { patch, ..Default::default() })?.measured
     {
-        Measured::Colour(colour) => Ok(colour),
-        Measured::Spectrum(_) => Err("a spectrum".into()),
+        MeasuredContent::Colour(colour) => Ok(colour),
+        MeasuredContent::Spectrum(_) => Err("a spectrum".into()),
     }
 }
 
@@ -194,7 +194,8 @@ fn a_colour_under_the_conditions_of_the_study_is_found_among_others() {
     );
     let viewing = Viewing::new("D65", "10", Summation::E308).unwrap();
     let request = MeasuredRequest { viewing: viewing.clone(), ..Default::default() };
-    let Measured::Colour(found) = MeasuredReading::parse(&text, "a.cxf", &request).unwrap().measured else {
+    let MeasuredContent::Colour(found) = MeasuredReading::parse(&text, "a.cxf", &request).unwrap().measured
+    else {
         panic!("a colour")
     };
     assert_eq!((found.lab[0], found.viewing), (51.0, Ok(viewing)));
@@ -220,7 +221,7 @@ fn a_colour_is_summed_over_the_spectrums_own_rows() {
     let coarse_values: Vec<f64> = coarse.iter().map(|&nm| own.at(nm).unwrap()).collect();
     let wrong = Colorimeter::under(&coarse, &viewing).unwrap().colour(&coarse_values).unwrap().lab;
     assert!((wrong[2] - lab[2]).abs() > 1.0, "{wrong:?} {lab:?}");
-    // ends between rows: the range is the same to a nanometre, and so is the colour to its rounding on a screen
+    // ends between rows: a nanometre of range is less than a screen shows
     let between = own.colour(&viewing, [401.0, 699.0]).unwrap().lab;
     assert!((0..3).all(|i| (between[i] - lab[i]).abs() < 0.2), "{between:?} {lab:?}");
     assert!(own.colour(&viewing, [620.0, 700.0]).is_err());

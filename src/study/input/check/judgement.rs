@@ -2,7 +2,7 @@
 
 use crate::appearance::tristimulus::TABLE_RANGE_NM;
 use crate::appearance::viewing::{ColourError, Summation, Viewing};
-use crate::input::measured::{Measured, MeasuredColour, MeasuredReading, MeasuredRequest};
+use crate::input::measured::{MeasuredColour, MeasuredContent, MeasuredReading, MeasuredRequest};
 use crate::input::study::Judgement;
 use crate::input::{Fault, Faults, StudyFile};
 use std::path::Path;
@@ -46,8 +46,8 @@ pub fn judgement(
         Some(Ok(reading)) => {
             remarks.extend(reading.remarks.iter().map(|remark| format!("compare.measured: {remark}")));
             match reading.measured {
-                Measured::Colour(colour) => target_lab = wanted(colour, &viewing, target_lab, faults),
-                Measured::Spectrum(spectrum) => measured = Some(spectrum),
+                MeasuredContent::Colour(colour) => target_lab = wanted(colour, &viewing, target_lab, faults),
+                MeasuredContent::Spectrum(spectrum) => measured = Some(spectrum),
             }
         }
         Some(Err(error)) => {

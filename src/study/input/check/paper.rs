@@ -5,7 +5,7 @@ use super::light::check_list;
 use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG};
 use crate::input::file::{AnglesTable, CouplingName, StudyFile};
 use crate::input::forms::AlbedoWritten;
-use crate::input::measured::{Measured, MeasuredGeometry, MeasuredReading, MeasuredRequest};
+use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest};
 use crate::input::study::{Angles, Paper};
 use crate::input::{Faults, limits};
 use crate::material::columns::micrometres;
@@ -101,8 +101,8 @@ fn read(
 ) -> Option<Vec<[f64; 2]>> {
     let own_keys = |text: &str| text.replace("compare.", "paper.albedo.");
     let reading = MeasuredReading::new(path, request).and_then(|reading| match reading.measured {
-        Measured::Spectrum(spectrum) => Ok((spectrum.rows, reading.geometry, reading.remarks)),
-        Measured::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
+        MeasuredContent::Spectrum(spectrum) => Ok((spectrum.rows, reading.geometry, reading.remarks)),
+        MeasuredContent::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
     });
     let (rows, geometry, own) = match reading {
         Ok(read) => read,

@@ -147,7 +147,7 @@ pub fn read(text: &str) -> Result<MeasuredFile, String> {
             }
             (_, Section::Header) => {
                 let value = words.split_off(1).join(" ");
-                // a later table's keyword stands in place of an earlier one's, within a table each adds
+                // of one keyword in two tables the later counts
                 let adds =
                     ["KEYWORD", "WEIGHTING_FUNCTION", "COMPUTATIONAL_PARAMETER"].contains(&keyword.as_str());
                 match table.header.iter_mut().find(|(known, _)| *known == keyword && !adds) {
@@ -192,8 +192,8 @@ fn take_table(table: &CgatsTable, into: &mut MeasuredFile) -> Result<(), String>
 }
 
 /// The sets of a table: one a line, or several lines one set, or one line several. A line with
-/// another number of values in a table of one set a line is kept with empty cells, which are a fault
-/// only where they are needed; the first `names_end` values are names.
+/// another number of values in a table of one set a line is kept with cells that hold no number:
+/// a fault only where they are needed; the first `names_end` values are names.
 fn sets(table: &CgatsTable, names_end: usize) -> Result<Vec<Vec<Written>>, String> {
     let width = table.fields.len();
     if let Some(sets) = regrouped(&table.lines, width) {

@@ -250,7 +250,7 @@ fn by_geometry(
     let Some(other) = other else { return Ok(()) };
     let allowed = allowed.iter().map(MeasuredGeometry::name).collect::<Vec<_>>().join(" or ");
     Err(format!(
-        "{called} is measured with the geometry {}, and compared at {allowed}: the one holds light that the other does not",
+        "{called} is measured with the geometry {}; what is predicted is {allowed}: each holds light that the others do not",
         other.name()
     ))
 }

@@ -85,7 +85,7 @@ pub fn read(text: &str) -> Result<MeasuredFile, String> {
             content,
         });
     }
-    // the format's values are factors; larger ones than it allows show that a file's are percentages
+    // values of the format are factors; larger ones than it allows are percentages
     let is_factor = |sample: &MeasuredSample| match &sample.content {
         SampleContent::Spectrum(rows) => {
             rows.iter().all(|row| row.value.value().is_none_or(|value| value <= LARGEST_FACTOR))

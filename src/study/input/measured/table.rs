@@ -1,5 +1,5 @@
-//! Tables of instruments and spreadsheets: wavelengths down the first column with a column a sample,
-//! or wavelengths along the header with a row a sample.
+//! Tables of instruments and spreadsheets: wavelengths down the first column with a column for each
+//! sample, or wavelengths along the header with a row a sample.
 
 use super::fields::{Declared, FieldTable, band};
 use super::sample::{MeasuredFile, MeasuredSample, SampleContent, SpectralCell, Written};
@@ -213,7 +213,7 @@ fn columns_of_samples(table: &TextTable, block: &TableBlock, into: &mut Measured
         columns.retain(|&column| !block.rows.iter().all(|row| row.cells[column].is_empty()));
     } else {
         let kinds: Vec<ColumnKind> = names.iter().map(|name| ColumnKind::of(name)).collect();
-        // columns that say so hold the reflectances; else those that say nothing else, by their names
+        // columns that say so hold the reflectances, else those with a name of their own
         let all = columns.clone();
         for kind in [ColumnKind::Reflectance, ColumnKind::Name, ColumnKind::Transmittance] {
             columns = all
