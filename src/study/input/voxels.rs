@@ -1,7 +1,7 @@
 //! Label arrays in other programs' files: NumPy arrays and stacks of TIFF pages.
 //!
-//! Labels are handed over one by one, so that an image takes one byte per voxel whatever its numbers;
-//! sizes are checked before anything is made for them.
+//! Labels are handed over one by one, so that an image takes one byte per voxel whatever its
+//! numbers; sizes are checked before anything is made for them.
 
 use crate::numerics::files;
 use ndarray::{Array3, ArrayD};

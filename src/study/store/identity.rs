@@ -7,6 +7,7 @@
 use crate::ink::PackingRequest;
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::io::{BufWriter, Write};
 use std::sync::OnceLock;
 
 /// Version of the numerical method, increased whenever the same inputs give different numbers, so
@@ -18,13 +19,20 @@ pub const METHOD_VERSION: u32 = 9;
 #[serde(transparent)]
 pub struct Key(String);
 
+/// Bytes that are hashed at once.
+const HASHED_AT_ONCE: usize = 1 << 16;
+
 impl Key {
     /// Key of `inputs` of a `kind` (such as `"packing"`). The inputs hold no NaN and no non-string
     /// map keys.
     pub fn of(kind: &str, inputs: &impl Serialize) -> Self {
         let mut hasher = blake3::Hasher::new();
         hasher.update(format!("inkwave/{kind}/{METHOD_VERSION}/").as_bytes());
-        serde_json::to_writer(&mut hasher, inputs).expect("checked inputs are plain numbers and strings");
+        // a million given grains are written number by number, which are hashed many at a time
+        let mut written = BufWriter::with_capacity(HASHED_AT_ONCE, &mut hasher);
+        serde_json::to_writer(&mut written, inputs).expect("checked inputs are plain numbers and strings");
+        written.flush().expect("hashing has no errors");
+        drop(written);
         Self(hasher.finalize().to_hex()[..32].to_owned())
     }
 

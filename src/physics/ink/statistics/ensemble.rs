@@ -72,8 +72,8 @@ fn sampled_lines(sections: &[SectionStatistics], wanted_um: f64) -> Option<Strin
     let widest = sections.iter().map(|s| s.spacing_um).fold(0.0, f64::max);
     (widest > wanted_um * (1.0 + 1e-9)).then(|| {
         format!(
-            "φ(z) and S2 are from lines {widest:.3} µm apart in every plane, not {wanted_um:.3} µm, which would be more than it \
-             takes for so many or so small grains"
+            "φ(z) and S2 are from lines {widest:.3} µm apart in every plane instead of {wanted_um:.3} µm, to save time: the \
+             packing has very many or very small grains"
         )
     })
 }

@@ -199,7 +199,8 @@ mod tests {
         );
         assert_eq!(pairs.nearest_um.len(), pairs.sampled.counted);
         for (counted, ideal) in pairs.counts.iter().zip(&pairs.ideal) {
-            // Significance: 10 shells, four standard deviations; a pair of two sampled centres counts twice
+            // Significance: four standard deviations in 10 shells; pairs of two sampled centres,
+            // a third of them, count twice, which widens the scatter
             assert!((counted - ideal).abs() < 6.0 * ideal.sqrt(), "{counted} {ideal}");
         }
     }

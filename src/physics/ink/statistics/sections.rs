@@ -41,8 +41,9 @@ const MOST_CHORDS: f64 = 3e6;
 /// Lines in all planes beyond which they are taken further apart.
 const MOST_LINES: f64 = 1e6;
 
-/// Distance of lines of which packings of many grains, or of tiny ones in a wide cell, bear no more.
-fn bearable_um(packing: &Packing, planes: usize, spacing_um: f64) -> f64 {
+/// Distance of the lines, wider than wanted if a packing has very many grains, or tiny ones in a
+/// wide cell.
+fn spacing_um_of(packing: &Packing, planes: usize, spacing_um: f64) -> f64 {
     let per_um = planes as f64 / packing.thickness_um();
     // planes through a sphere, and lines through it in each of them
     let crossings = |s: &Sphere| 2.0 * s.radius_um * per_um * (2.0 * s.radius_um / spacing_um);
@@ -62,7 +63,7 @@ pub fn section_statistics(
     furthest_um: f64,
 ) -> SectionStatistics {
     let period = packing.period_um();
-    let spacing_um = bearable_um(packing, planes, spacing_um);
+    let spacing_um = spacing_um_of(packing, planes, spacing_um);
     let half = 0.5 * period[0].min(period[1]);
     let steps = (furthest_um.min(half) / step_um + 1e-9).floor() as usize;
     let r_um: Vec<f64> = (0..=steps).map(|i| i as f64 * step_um).collect();
@@ -239,7 +240,7 @@ mod tests {
         let found = section_statistics(&many, 120, 1.0 / 120.0, 0.01, 0.6);
         assert!(found.spacing_um > 3.0 / 120.0, "{}", found.spacing_um);
         let fraction = found.total_profile().iter().sum::<f64>() / 120.0;
-        // Order: 24 planes through every sphere, 0.7 %·24⁻¹ of midpoint sums; lines at 90 000 phases
+        // Order: midpoint sums over 24 planes through every sphere and lines at many phases
         assert!((fraction / many.achieved_fraction(0) - 1.0).abs() < 3e-3, "{fraction}");
     }
 

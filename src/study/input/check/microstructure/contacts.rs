@@ -8,9 +8,9 @@ use crate::input::Fault;
 use crate::numerics::vector::V3;
 use std::ops::ControlFlow;
 
-/// Overlap that is a contact unless the study says another, in diameters of the smaller sphere: what
-/// is lost of a volume, at most three times half of it, is far below the error of any measured
-/// volume fraction.
+/// Overlap that is a contact unless the study says another, in diameters of the smaller sphere. The
+/// share of volume that shrinking takes is about three times as large at most, far below the error
+/// of any measured volume fraction.
 const USUAL: f64 = 1e-3;
 /// Deeper overlaps, in diameters of the smaller sphere, are no contacts whatever the study says:
 /// without them the spheres would be others.
