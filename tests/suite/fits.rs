@@ -291,8 +291,11 @@ fn grains_give_their_index_back_and_the_plan_its_cost() {
 }
 
 /// Golden numbers of [`grains`]: a regression, not a truth.
-const PINNED_GRAINS: &[(&str, &[f64])] =
-    &[("n_error", &[0.013384, 0.030698, 0.038070]), ("kappa_error", &[0.0030095, 0.0028570, 0.0075570])];
+const PINNED_GRAINS: &[(&str, &[f64])] = &[
+    ("n_error", &[0.0137588, 0.0309485, 0.0387858]),
+    ("kappa_error", &[0.00299108, 0.00285049, 0.00769598]),
+    ("effective_unknowns", &[5.35327]),
+];
 
 /// s- and p-polarised solves are different ones. *Planted*: stored without their polarisation, so that one stands for both.
 #[test]
@@ -302,13 +305,14 @@ fn unpolarised_light_gives_the_index_back_at_one_wavelength() {
     let small = GRAINS.replace("period_um = 0.8\nthickness_um = 0.5", "period_um = 0.6\nthickness_um = 0.4");
     let small =
         small.replace("points_per_um = 20\nplanes_per_um = 40", "points_per_um = 16\nplanes_per_um = 24");
+    let small = small.replace("diameter_nm = 200", "diameter_nm = 150");
     let small = small.replace("[light]\n", "[light]\nwave = \"unpolarised\"\n");
     let truth = study(&small, "{ n = 1.75, k = 0.05 }", "[560]");
     write_spectrum(&folder.join("white.csv"), &spectrum(folder, &truth, WHITE, "lit_at_45"));
     write_spectrum(&folder.join("black.csv"), &spectrum(folder, &truth, BLACK, "natural_light"));
     let fit = measured("white.csv", WHITE, "45:0") + &measured("black.csv", BLACK, "natural");
     let (_, found) = fitted(folder, &study(&small, "1.6", "[560]"), &(fit + "[fit]\nnoise = 0.001\n"));
-    assert_found(&found["fit"], [1.75, 0.05], 1.0);
+    assert_found(&found["fit"], [1.75, 0.05], 0.2);
 }
 
 /// Two numbers, two unknowns, and scattering that is alike above and below the binder's index. *Planted*: the second branch
@@ -322,7 +326,7 @@ fn two_solutions_are_found_drawn_and_told() {
     write_spectrum(&folder.join("black.csv"), &spectrum(folder, &truth, BLACK, "lit_at_45"));
     let fit = measured("white.csv", WHITE, "45:0") + &measured("black.csv", BLACK, "45:0");
     let (said, found) =
-        fitted(folder, &study(GRAINS, "1.6", "[560]"), &(fit + "[fit]\nnoise = 0.001\nn = [1.35, 1.8]\n"));
+        fitted(folder, &study(GRAINS, "1.6", "[560]"), &(fit + "[fit]\nnoise = 0.001\nn = [1.4, 1.9]\n"));
     let fit = &found["fit"];
     let both = [&fit["index"], &fit["other_solution"]["index"]].map(|index| column(index, "n")[0]);
     assert!(both.iter().any(|n| (n - 1.7).abs() < 0.02) && both.iter().any(|n| *n < 1.5), "{both:?} {said}");

@@ -6,7 +6,7 @@ use super::{FitError, Solution};
 use crate::fit::law::rms;
 use crate::fit::load::FitTask;
 
-/// Difference of −2 ln(probability of the data) within which two solutions fit equally well (3 σ).
+/// Differences of χ² and of −2 ln(probability of the data) within which two solutions fit equally well (3 σ).
 pub(super) const AS_GOOD: f64 = 9.0;
 /// Standard errors of n that cover another solution.
 const COVERED: f64 = 2.0;
@@ -30,12 +30,13 @@ pub(super) fn concluded(task: &FitTask, mut solutions: Vec<Solution>) -> Result<
     let other = others.iter().find(|other| stated && apart(&n(best), &n(other)) > least);
     let Some(other) = other else { return Ok(with_advice(task, outcome, best, None)) };
     let worse = cost(other) - cost(best);
-    if worse > AS_GOOD {
+    if worse.max(other.outcome.chi_squared - outcome.chi_squared) > AS_GOOD {
         let excluded = format!(
-            "a second solution with n ≈ {:.2} on the mean, which fitted the coarse table, is excluded by the solves (−2 ln of its \
-             probability is {worse:.0} higher; χ² {:.0})",
+            "a second solution with n ≈ {:.2} on the mean, which fitted the coarse table, is excluded by the solves (χ² {:.0} \
+             against {:.0}; −2 ln of the probability of the data larger by {worse:.0})",
             mean_n(other),
-            other.outcome.chi_squared
+            other.outcome.chi_squared,
+            outcome.chi_squared
         );
         outcome.remarks.insert(0, excluded);
         return Ok(with_advice(task, outcome, best, None));
