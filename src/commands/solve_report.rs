@@ -18,7 +18,7 @@ pub fn report(e: &Estimated, wave: Wave, light: &Incidence) -> Value {
     let bytes = e.system().bytes() + account.bytes;
     let steps: Vec<usize> = e.solved.iter().map(|s| s.solution.account.steps).collect();
     let orders = 0..e.far_field().orders.len();
-    let mut report = json!({
+    json!({
         "wave": if wave.is_vector() { "vector" } else { "scalar" },
         // without the rounding of µm to nm
         "wavelength_nm": (1e12 * light.wavelength_um).round() / 1e9,
@@ -46,11 +46,8 @@ pub fn report(e: &Estimated, wave: Wave, light: &Incidence) -> Value {
         "bytes_per_unknown": bytes as f64 / unknowns as f64,
         "resolution": resolution_of(e.system().grid(), wave),
         "version": env!("CARGO_PKG_VERSION"),
-    });
-    if wave.is_vector() {
-        report["polarisations"] = POLARISATIONS.into();
-    }
-    report
+        "polarisations": if wave.is_vector() { POLARISATIONS } else { "none: the scalar wave" },
+    })
 }
 
 /// What the keys of polarised amplitudes mean.

@@ -14,10 +14,10 @@ const NUMBERS: [(&str, fn(&SpectrumRow) -> Option<Estimate>); 8] = [
     ("specular_reflectance", |row| Some(row.specular_reflectance)),
     ("transmittance", |row| Some(row.transmittance)),
     ("specular_transmittance", |row| Some(row.specular_transmittance)),
-    ("coherent_transmittance", |row| row.coherent_transmittance),
     ("absorptance", |row| Some(row.absorptance)),
     ("natural_light", |row| row.natural_light),
     ("lit_at_45", |row| row.lit_at_45),
+    ("coherent_transmittance", |row| row.coherent_transmittance),
 ];
 
 /// Spectra, one row per wavelength; unknown errors and unfinished values are empty.
@@ -186,7 +186,7 @@ mod tests {
         let last = text.lines().last().unwrap();
         assert_eq!(
             last,
-            "400,0,0.25,0.125,0.1,0.125,0.5,0.125,0.4,0.125,0.375,0.125,0.25,0.125,,,0.75,0.125"
+            "400,0,0.25,0.125,0.1,0.125,0.5,0.125,0.4,0.125,0.25,0.125,,,0.75,0.125,0.375,0.125"
         );
     }
 }

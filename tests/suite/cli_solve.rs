@@ -341,6 +341,7 @@ const KEYS: [&str; 22] = [
     "bytes",
     "resolution",
     "version",
+    "polarisations",
 ];
 
 #[test]

@@ -207,15 +207,21 @@ fn overlap_of_unlike_bodies_and_lost_digits_are_refused() {
 }
 
 #[test]
-fn unusual_wavelengths_are_solved_with_a_warning() {
+fn unusual_wavelengths_need_their_unit() {
     let folder = Folder::new();
-    let film = json!({ "wavelength": 550, "layers_from_z0": [{ "thickness": 0.2, "eta": [1.5, 0.1] }] });
-    let solved = output(inkwave("solve", &folder.file("nm.json", &film.to_string()), &[]));
-    assert!(
-        solved.status.success() && message(&solved).contains("if you meant nm, write 0.55"),
-        "{}",
-        message(&solved)
+    let film = |key: &str| {
+        let mut case = json!({ "layers_from_z0": [{ "thickness": 0.2, "eta": [1.5, 0.1] }] });
+        case[key] = json!(550);
+        folder.file("nm.json", &case.to_string())
+    };
+    refuses(
+        inkwave("solve", &film("wavelength"), &[]),
+        &["if you meant nm, write 0.55, or wavelength_nm = 550"],
     );
+    for key in ["wavelength_um", "wavelength_nm"] {
+        let solved = output(inkwave("solve", &film(key), &[]));
+        assert!(solved.status.success(), "{key}: {}", message(&solved));
+    }
 }
 
 #[test]

@@ -158,7 +158,7 @@ impl Ledger {
     }
 
     fn close(self, name: &str) {
-        let shown = self.faults.iter().take(20).cloned().collect::<Vec<_>>().join("\n");
+        let shown = self.faults.iter().take(60).cloned().collect::<Vec<_>>().join("\n");
         assert!(self.faults.is_empty(), "{name}: {} values differ, such as\n{shown}", self.faults.len());
     }
 }
