@@ -239,7 +239,8 @@ fn film_is_exact(text: &str, index_out: f64) {
             assert!(off < tolerance, "{um} µm, {nm} nm, {name}: {} {want}", row[name]);
         }
     }
-    assert_eq!(results["withheld"], Value::Null);
+    // a film scatters nothing, so that its medium has no coefficients; numbers of a thickness are all there
+    assert!(!results["withheld"].to_string().contains("µm"), "{}", results["withheld"]);
 }
 
 #[test]

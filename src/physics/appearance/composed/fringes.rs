@@ -29,7 +29,7 @@ use std::sync::OnceLock;
 
 /// Nodes of the mean over the hemisphere in each of its pieces, and the least number of pieces.
 const PIECE: usize = 8;
-const PIECES: usize = 8;
+const PIECES: usize = 16;
 /// Layers with more fringes over the hemisphere have the mean over all phases: what is left of the
 /// fringes is of the amplitude over 2π times their number, below 1e-4.
 const MOST_FRINGES: f64 = 200.0;
@@ -311,15 +311,17 @@ impl Interference<'_> {
         let interferes = fringes <= MOST_FRINGES;
         let pieces = PIECES + if interferes { fringes.ceil() as usize } else { 0 };
         let mut change = Lobes::default();
+        // equal steps of the squared cosine: a fringe, or less, in each
+        let end = |piece: usize| edge * (piece as f64 / pieces as f64).sqrt();
         for piece in 0..pieces {
+            let (from, width) = (end(piece), end(piece + 1) - end(piece));
             for &(x, weight) in piece_rule() {
-                let place = edge * (piece as f64 + x) / pieces as f64;
+                let place = from + width * x;
                 let sine = (edge * edge - place * place).max(0.0).sqrt();
                 let (slow, shares) = self.known(sine);
                 let field = self.film.film(self.count, sine, &slow);
                 let own = if interferes { field.coherent } else { field.incoherent };
-                let etendue = 2.0 * place * weight * edge / pieces as f64;
-                change = change.plus(etendue, own.with_loss(shares));
+                change = change.plus(2.0 * place * width * weight, own.with_loss(shares));
             }
         }
         for (incoherent, weight) in self.incoherent[1..].iter().zip(&ordinates.weights) {

@@ -30,7 +30,7 @@ const NEIGHBOURS: usize = 2;
 /// the error or more.
 const HALVED: f64 = 2.0;
 /// Part of a bar of L*, a* or b* from which it is said where it comes from.
-const LARGE: f64 = 0.5;
+const LARGE: f64 = 1.0;
 
 /// Evaluates a composed layer; a reason where too little is solved.
 ///
@@ -119,9 +119,10 @@ fn far_apart(study: &Study, colours: &[ComposedColours]) -> Option<String> {
     let apart = nm.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     let words = format!(
         "light.wavelengths_nm: found {} wavelengths, up to {apart:.0} nm apart; what spectra may be between them is most of \
-         the colours' bars, up to {:.1} in L*, a* or b*: list wavelengths every 20 nm or closer from 400 to 700 nm",
+         the colours' bars, up to {:.1} in L*, a* or b*: list wavelengths {:.0} nm apart or closer, from 400 to 700 nm",
         nm.len(),
-        widest.wavelengths
+        widest.wavelengths,
+        (0.5 * apart).min(20.0)
     );
     let most = widest.wavelengths > LARGE && 2.0 * widest.wavelengths.powi(2) > widest.standard_error.powi(2);
     most.then_some(words)
