@@ -105,8 +105,7 @@ impl SortedSpheres {
         mut visit: impl FnMut(usize) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let (place, radius) = (self.place_of(i), self.entries[i].sphere.radius_um);
-        for k in self.class[i]..self.classes.len() {
-            let class = &self.classes[k];
+        for (k, class) in self.classes.iter().enumerate().skip(self.class[i]) {
             let reach = radius + class.largest_um + margin_um;
             if class.members.is_empty() || reach < 0.0 {
                 continue;
