@@ -240,7 +240,7 @@ fn product(a: &[f64], b: &[f64], covariance: &Mat<f64>) -> f64 {
 
 impl Trust {
     /// What χ² says with so many degrees of freedom.
-    fn of(chi_squared: f64, degrees_of_freedom: f64) -> Self {
+    pub(super) fn of(chi_squared: f64, degrees_of_freedom: f64) -> Self {
         let freedom = degrees_of_freedom.max(1.0);
         let limit = ChiSquared::new(freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(UNLIKELY));
         match () {
