@@ -60,7 +60,8 @@ fn seconds_of_solves_and_of_processes_are_kept_apart() {
     let section = section.split("\n## ").next().unwrap();
     let (processes, solves) = section.split_once("Strategies of inkwave are the solve alone").unwrap();
     assert!(processes.contains("whole processes") && solves.contains("do not\ncompare"), "{section}");
-    let reached = "| film | treams | 10.0\u{a0}s, 1\u{a0}MB | 40\u{a0}s, 1\u{a0}MB | not within those tried | 5.0e-4 |";
+    let reached =
+        "| film | treams | 10.0\u{a0}s, 1\u{a0}MB | 40\u{a0}s, 1\u{a0}MB | not within those tried | 5.0e-4 |";
     assert!(processes.contains(reached), "{processes}");
     assert!(processes.contains("| film | meanas | – | – | – | – | killed: too slow |"), "{processes}");
     assert!(solves.contains("| film | krylov | ") && !solves.contains("treams"), "{solves}");
