@@ -95,7 +95,7 @@ cost = 1
 [design]
 delta_e = 0.55
 variants = 6
-verifications = 3
+verifications = 2
 realisations = 8
 [base.layer]
 thickness_um = 0.5
@@ -124,15 +124,15 @@ planes_per_um = 26
 "#;
 
 /// A whole design against golden numbers. *Planted*: `design.realisations` unheard, verifying runs on the packings of the
-/// surfaces, the dearest recipe first, a run taken as sure at the near end of its bar, and what a run has shown taken off
+/// surfaces, a run taken as sure at the near end of its bar, and what a run has shown taken off
 /// the surfaces.
 #[test]
 fn a_design_of_grains_goes_as_before() {
     let outcome = designed(GRAINS);
     let found: Vec<f64> = outcome.verified.iter().map(|run| run.values[0]).collect();
-    // The first run, 0.31 ± 0.14, meets the wish and is not sure; the second is, and costs less.
+    // The first run, 0.31 ± 0.14, meets the wish and is not sure; the second has other packings, and does not meet it.
     let golden =
-        [[0.2488, 88.056, -9.171, 53.560, 0.495, 0.125], [0.2536, 88.124, -9.887, 54.913, 0.315, 1.533]];
+        [[0.2536, 88.124, -9.887, 54.913, 0.315, 1.533], [0.2488, 87.583, -8.714, 55.272, 1.012, 0.125]];
     assert_eq!(outcome.verified.len(), golden.len(), "{found:?}");
     for (run, [share, l, a, b, delta_e, predicted]) in outcome.verified.iter().zip(golden) {
         assert_eq!(run.realisations, 8);
@@ -145,7 +145,7 @@ fn a_design_of_grains_goes_as_before() {
         assert_eq!(run.cost, run.values[0]);
     }
     assert!(outcome.met && outcome.verdict.starts_with(&outcome.verified[0].recipe), "{}", outcome.verdict);
-    assert_eq!((outcome.variants, outcome.valley.len()), (6, 3), "{outcome:?}");
+    assert_eq!(outcome.variants, 6, "{outcome:?}");
     assert!((outcome.surface_error - 0.885).abs() < 2e-3, "{outcome:?}");
 }
 
@@ -175,7 +175,9 @@ fn recipes_without_a_colour_are_left_out_with_the_reason() {
     let reasons: Vec<String> = outcome.left_out.iter().map(ToString::to_string).collect();
     let variants_left_out = outcome.left_out.iter().filter(|left| !left.verifying).count();
     assert!(variants_left_out > 0 && outcome.variants + variants_left_out == 12, "{reasons:?}");
-    assert!(reasons[0].contains("pigment[0].index.n 1.750 (colour over black: Lab"), "{reasons:?}");
+    // Both gates: a total that no layer has, and a colour that none has.
+    assert!(reasons[0].contains("pigment[0].index.n 1.750 (reflectance is -0.1"), "{reasons:?}");
+    assert!(reasons.iter().any(|reason| reason.contains("(colour over black: Lab")), "{reasons:?}");
     assert!(!outcome.verified.is_empty(), "the design goes on: {reasons:?}");
 }
 

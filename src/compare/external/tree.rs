@@ -156,7 +156,7 @@ fn process(number: u32) -> Option<Process> {
     // The name, in brackets, may hold anything.
     let fields: Vec<&str> = line.rsplit_once(')')?.1.split_whitespace().collect();
     let ticks = fields.get(11..15)?.iter().filter_map(|ticks| ticks.parse::<f64>().ok()).sum();
-    let number_at = |place: usize| fields.get(place)?.parse().ok();
+    let number_at = |place: usize| -> Option<u32> { fields.get(place)?.parse().ok() };
     Some(Process {
         number,
         state: fields[0].into(),
