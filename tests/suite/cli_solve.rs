@@ -318,7 +318,7 @@ pub fn solved(text: &str, name: &str, options: &[&str]) -> Value {
     serde_json::from_slice(&output.stdout).expect("standard output is JSON")
 }
 
-const KEYS: [&str; 22] = [
+const KEYS: [&str; 23] = [
     "wave",
     "wavelength_nm",
     "polar_deg",
