@@ -100,10 +100,10 @@ pub(super) fn colour_under(conditions: &str) -> String {
 }
 
 /// A spectrum of the ink on its paper: the conditions of its colour, and where it stands.
-type PrintSpectrum = (&'static str, fn(&mut SpectrumRow) -> &mut Option<Estimate>);
+type PrintColumn = (&'static str, fn(&mut SpectrumRow) -> &mut Option<Estimate>);
 
 /// The spectra of the ink on its paper.
-const OF_PRINT: [PrintSpectrum; 2] =
+const OF_PRINT: [PrintColumn; 2] =
     [(NATURAL_LIGHT, |row| &mut row.natural_light), (LIT_AT_45, |row| &mut row.lit_at_45)];
 
 /// Removes impossible reflectance factors and gives the reason for the first of each kind; where

@@ -4,7 +4,7 @@
 
 use super::axes::{Axis, names};
 use super::expand::{Draft, check_where, matches};
-use super::file::{ConclusionTable, Over, Quantity, SweepFile, Where};
+use super::file::{ConclusionTable, MeasuredQuantity, Over, SweepFile, Where};
 use crate::input::fault::{Fault, Faults};
 use crate::input::study::Study;
 use serde::{Deserialize, Serialize};
@@ -120,7 +120,7 @@ fn of_label(table: &ConclusionTable, axis: &str, label: &str) -> ConclusionTable
 
 /// Reports errors in a conclusion's numbers: wavelengths, abscissas of a curve, bounds.
 fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
-    let spectral = matches!(table.quantity, Quantity::Transmittance | Quantity::Reflectance);
+    let spectral = matches!(table.quantity, MeasuredQuantity::Transmittance | MeasuredQuantity::Reflectance);
     let mut wrong = |key: &str, found: &str, allowed: &str| {
         faults.add(format!("{at}.{key}"), found, allowed, "see examples/paper-study-small.toml");
     };
@@ -163,7 +163,8 @@ fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
 /// Keys that contradict each other: key, what was found, what is allowed.
 fn contradictions(table: &ConclusionTable) -> impl Iterator<Item = [&'static str; 3]> {
     let (curve, ranged) = (!table.along.is_empty(), table.range_nm.is_some());
-    let (delta_e, unbound) = (table.quantity == Quantity::DeltaE, table.at_least.or(table.at_most).is_none());
+    let (delta_e, unbound) =
+        (table.quantity == MeasuredQuantity::DeltaE, table.at_least.or(table.at_most).is_none());
     let colours = (table.plus.len(), table.minus.len());
     let (unowned, one_each) = (table.source.is_none(), "one colour in plus and one in minus");
     let (range, source) = ("a range of wavelengths, range_nm = [from, to]", "source = \"…\" beside it");
@@ -185,7 +186,7 @@ fn contradictions(table: &ConclusionTable) -> impl Iterator<Item = [&'static str
 pub fn check_variants(claims: &[Claim], studies: &[&Study], faults: &mut Faults) {
     let light: Vec<&[f64]> = studies.iter().map(|study| study.wavelengths_nm.as_slice()).collect();
     check_light(claims, &light, faults);
-    for claim in claims.iter().filter(|claim| claim.table.quantity == Quantity::DeltaEToTarget) {
+    for claim in claims.iter().filter(|claim| claim.table.quantity == MeasuredQuantity::DeltaEToTarget) {
         if claim.variants().any(|v| studies[v].judgement.target_lab.is_none()) {
             let found =
                 format!("{:?} in {:?}, of a variant without a target", "delta_e_to_target", claim.table.id);
@@ -239,7 +240,7 @@ mod tests {
 
     #[test]
     fn a_range_needs_the_same_wavelengths_in_all_variants() {
-        let (quantity, range_nm) = (Quantity::Reflectance, Some([500.0, 600.0]));
+        let (quantity, range_nm) = (MeasuredQuantity::Reflectance, Some([500.0, 600.0]));
         let mut claim = Claim::example();
         (claim.table.quantity, claim.table.range_nm) = (quantity, range_nm);
         let told = |a: &[f64], b: &[f64]| {

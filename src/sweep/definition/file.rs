@@ -185,7 +185,7 @@ pub struct ConclusionTable {
     /// its `id`.
     pub each: Option<String>,
     /// Quantity measured on each variant.
-    pub quantity: Quantity,
+    pub quantity: MeasuredQuantity,
     /// Wavelength of `transmittance` or `reflectance`, nm.
     pub wavelength_nm: Option<f64>,
     /// First and last wavelength of `transmittance` or `reflectance`, nm, combined according to
@@ -238,7 +238,8 @@ pub enum Over {
 /// The quantity that a conclusion compares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
-pub enum Quantity {
+#[schemars(rename = "Quantity")]
+pub enum MeasuredQuantity {
     /// C* under natural light.
     Chroma,
     /// L* under natural light.

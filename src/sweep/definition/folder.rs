@@ -16,7 +16,7 @@
 
 use super::claims::Claim;
 use super::expand::is_folder_name;
-use super::file::Quantity;
+use super::file::MeasuredQuantity;
 use super::load::{Input, Outline, Sweep, Variant};
 use crate::input::fault::StudyError;
 use crate::input::load::load;
@@ -194,7 +194,8 @@ pub fn check(outline: &Outline) -> Result<(), String> {
 /// Whether a conclusion's variants exist, in the number that its quantity compares.
 fn names_variants(claim: &Claim, count: usize) -> bool {
     let compared = (claim.plus.len(), claim.minus.len());
-    let fits = if claim.table.quantity == Quantity::DeltaE { compared == (1, 1) } else { compared.0 > 0 };
+    let fits =
+        if claim.table.quantity == MeasuredQuantity::DeltaE { compared == (1, 1) } else { compared.0 > 0 };
     fits && claim.variants().all(|variant| variant < count)
 }
 

@@ -7,7 +7,7 @@ mod spectrum;
 use super::outcome::Outcome;
 use crate::numerics::estimate::{Estimate, Linked};
 use crate::sweep::definition::claims::Claim;
-use crate::sweep::definition::file::{ConclusionTable, Over, Quantity};
+use crate::sweep::definition::file::{ConclusionTable, MeasuredQuantity, Over};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
@@ -96,7 +96,7 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), Strin
     let behind = all().chain(claim.among.iter().map(|&v| &outcomes[v])).map(|o| o.realisations);
     let fewest = behind.filter(|&n| n > 1).min().unwrap_or(0);
     let quantity = claim.table.quantity;
-    if quantity == Quantity::DeltaE {
+    if quantity == MeasuredQuantity::DeltaE {
         let (a, b) = (&outcomes[claim.plus[0]], &outcomes[claim.minus[0]]);
         let missing = || no_value(if a.colour.is_none() { a } else { b });
         return Ok((a.difference(b).ok_or_else(missing)?, fewest));
@@ -104,7 +104,7 @@ fn measure(claim: &Claim, outcomes: &[Outcome]) -> Result<(Linked, usize), Strin
     let numbers = all().map(|outcome| number(claim, outcome)).collect::<Result<Vec<Linked>, String>>()?;
     let signs = claim.plus.iter().map(|_| 1.0).chain(claim.minus.iter().map(|_| -1.0));
     let mut sum = Linked::sum(signs.zip(&numbers));
-    if quantity == Quantity::Hue && claim.plus.len() == claim.minus.len() {
+    if quantity == MeasuredQuantity::Hue && claim.plus.len() == claim.minus.len() {
         // hues on both sides of red are close to each other
         sum.estimate.value = 180.0 - (180.0 - sum.estimate.value).rem_euclid(360.0);
     }
@@ -200,14 +200,14 @@ fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
         (None, None) => String::new(),
     };
     let symbol = match claim.table.quantity {
-        Quantity::Chroma => "C*".to_owned(),
-        Quantity::Lightness => "L*".to_owned(),
-        Quantity::Hue => "h".to_owned(),
-        Quantity::Transmittance => format!("T{at}"),
-        Quantity::Reflectance => format!("R{at}"),
-        Quantity::ContrastRatio => "contrast ratio".to_owned(),
-        Quantity::DeltaEToTarget => "ΔE₀₀ to the target".to_owned(),
-        Quantity::DeltaE => {
+        MeasuredQuantity::Chroma => "C*".to_owned(),
+        MeasuredQuantity::Lightness => "L*".to_owned(),
+        MeasuredQuantity::Hue => "h".to_owned(),
+        MeasuredQuantity::Transmittance => format!("T{at}"),
+        MeasuredQuantity::Reflectance => format!("R{at}"),
+        MeasuredQuantity::ContrastRatio => "contrast ratio".to_owned(),
+        MeasuredQuantity::DeltaEToTarget => "ΔE₀₀ to the target".to_owned(),
+        MeasuredQuantity::DeltaE => {
             let name = |v: &[usize]| v.first().map_or_else(String::new, |&v| outcomes[v].labels.join(", "));
             return bounded(claim, &format!("ΔE₀₀({}; {})", name(&claim.plus), name(&claim.minus)));
         }

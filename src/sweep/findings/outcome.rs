@@ -7,7 +7,7 @@ use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
 use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::{Estimate, Linked};
-use crate::sweep::definition::file::Quantity;
+use crate::sweep::definition::file::MeasuredQuantity;
 use crate::sweep::definition::load::{Sweep, Variant};
 use std::collections::BTreeMap;
 
@@ -99,7 +99,7 @@ impl Outcome {
     /// One number, if available, with its error and the contribution of each realisation. An
     /// unfinished variant counts with its complete realisations; without uncertainty the number is
     /// exact.
-    pub fn quantity(&self, quantity: Quantity, wavelength_nm: Option<f64>) -> Option<Linked> {
+    pub fn quantity(&self, quantity: MeasuredQuantity, wavelength_nm: Option<f64>) -> Option<Linked> {
         let of_lab = |estimate: Estimate, gradient: [f64; 3]| {
             let deviations = self.lab_deviations.iter();
             self.linked(estimate, deviations.map(|(&r, by)| (r, (0..3).map(|i| gradient[i] * by[i]).sum())))
@@ -110,17 +110,17 @@ impl Outcome {
         };
         let colour = self.colour.as_ref();
         match quantity {
-            Quantity::Chroma => colour.map(|c| of_lab(c.chroma(), c.chroma_gradient())),
-            Quantity::Hue => colour.map(|c| of_lab(c.hue_deg(), c.hue_gradient())),
-            Quantity::Lightness => colour.map(|c| of_lab(lab(c, 0), [1.0, 0.0, 0.0])),
-            Quantity::Transmittance => of_row(|row| row.transmittance, 1),
-            Quantity::Reflectance => of_row(|row| row.reflectance, 0),
-            Quantity::ContrastRatio => {
+            MeasuredQuantity::Chroma => colour.map(|c| of_lab(c.chroma(), c.chroma_gradient())),
+            MeasuredQuantity::Hue => colour.map(|c| of_lab(c.hue_deg(), c.hue_gradient())),
+            MeasuredQuantity::Lightness => colour.map(|c| of_lab(lab(c, 0), [1.0, 0.0, 0.0])),
+            MeasuredQuantity::Transmittance => of_row(|row| row.transmittance, 1),
+            MeasuredQuantity::Reflectance => of_row(|row| row.reflectance, 0),
+            MeasuredQuantity::ContrastRatio => {
                 let (ratio, deviations) = self.contrast.as_ref()?;
                 Some(self.linked(*ratio, deviations.iter().copied()))
             }
-            Quantity::DeltaEToTarget => self.to_target(),
-            Quantity::DeltaE => None,
+            MeasuredQuantity::DeltaEToTarget => self.to_target(),
+            MeasuredQuantity::DeltaE => None,
         }
     }
 
@@ -232,14 +232,14 @@ mod tests {
     #[test]
     fn chroma_and_hue_have_the_errors_of_their_colour() {
         let yellow = outcome([0.5, 0.8, 0.9, 0.9], 0.3);
-        for quantity in [Quantity::Chroma, Quantity::Hue] {
+        for quantity in [MeasuredQuantity::Chroma, MeasuredQuantity::Hue] {
             let number = yellow.quantity(quantity, None).unwrap();
             let error = number.estimate.standard_error.unwrap();
             // without the error of L* the realisations contribute all of it; gradients are accurate
             // to 1e-6
             assert!((number.chance_variance().sqrt() / error - 1.0).abs() < 1e-5, "{quantity:?} {number:?}");
         }
-        let lightness = yellow.quantity(Quantity::Lightness, None).unwrap();
+        let lightness = yellow.quantity(MeasuredQuantity::Lightness, None).unwrap();
         assert_eq!((lightness.chance_variance(), lightness.estimate.standard_error), (0.0, Some(0.1)));
     }
 }
