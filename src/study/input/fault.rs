@@ -41,7 +41,7 @@ impl Fault {
             field: field.into(),
             found: with_short_numbers(&found.to_string()),
             allowed: with_short_numbers(&allowed.into()),
-            remedy: remedy.into(),
+            remedy: with_short_numbers(&remedy.into()),
         }
     }
 }
