@@ -4,7 +4,7 @@
 //! smaller the cell the more of it. |⟨t⟩|² is the square of the mean amplitude. Realisations have their own
 //! wavelengths, and the phase of t turns with the wavelength: fitted is its ratio to the amplitude of the
 //! coherent film, which is smooth, with the squares of the film's amplitudes as weights. The square of a
-//! mean of n is too large by the variance of the mean, which is taken off (jackknife).
+//! mean of n is too large by the variance of the mean, which is taken off.
 
 use super::films::{FilmAt, Films, LIGHTS};
 use super::regression::{Fits, Normal};
@@ -40,7 +40,7 @@ impl CoherentLight {
                 let reference = film.transmitted_amplitudes(exact_deg[angle])[light];
                 (w.wavelength_nm, turned_back(w.exact[angle].unscattered[light], reference))
             };
-            Fits::new(
+            Fits::with_influence(
                 solved.iter().map(|realisation| realisation.wavelengths.iter().map(sample)),
                 basis,
                 [1, 2],
@@ -56,12 +56,18 @@ impl CoherentLight {
         let at = |(film, &nm): (&FilmAt, &f64)| {
             let reference = film.transmitted_amplitudes(exact_deg);
             let weights = self.basis.weights(nm);
-            let amplitude = |light: usize, left_out: Option<usize>| {
-                let fit = self.fits[angle][light].coefficients(left_out);
-                let part = |column: usize| SpectralBasis::at(&weights, |i| fit[[i, column]]);
-                reference[light] * Complex64::new(part(0), part(1))
+            let amplitudes = |coefficients: &dyn Fn(&Fits) -> &Array2<f64>| -> [Complex64; LIGHTS] {
+                std::array::from_fn(|light| {
+                    let fit = coefficients(&self.fits[angle][light]);
+                    let part = |column: usize| SpectralBasis::at(&weights, |i| fit[[i, column]]);
+                    reference[light] * Complex64::new(part(0), part(1))
+                })
             };
-            unbiased(|left_out| std::array::from_fn(|light| amplitude(light, left_out)), self.replicates())
+            unbiased(&Replicates {
+                whole: amplitudes(&|fits| &fits.whole),
+                without: (0..self.replicates()).map(|r| amplitudes(&|fits| &fits.without[r])).collect(),
+                influence: (0..self.replicates()).map(|r| amplitudes(&|fits| &fits.influence[r])).collect(),
+            })
         };
         films.iter().zip(nm).map(at).collect()
     }
@@ -82,25 +88,33 @@ fn turned_back(amplitude: Complex64, reference: Complex64) -> Normal {
     sample
 }
 
-/// Σ |a|² over mutually incoherent mean amplitudes, less the variance of the means. The error is that of the
-/// jackknife for amplitudes beyond their noise, and the variance for amplitudes within it.
-fn unbiased(amplitudes: impl Fn(Option<usize>) -> [Complex64; LIGHTS], replicates: usize) -> Estimate {
+/// Mean amplitudes of all lights: of the ensemble, without each realisation, and what each adds to first order.
+struct Replicates {
+    whole: [Complex64; LIGHTS],
+    without: Vec<[Complex64; LIGHTS]>,
+    influence: Vec<[Complex64; LIGHTS]>,
+}
+
+/// Σ |a|² over mutually incoherent mean amplitudes, less the variance of the means. The variance multiplies what a
+/// realisation adds to first order by what leaving it out changes: either alone is too small or too large where few
+/// realisations lie near a wavelength (HC2: J. G. MacKinnon and H. White, J. Econometrics 29 (1985) 305). The error is
+/// that of the jackknife for amplitudes beyond their noise, and the variance for amplitudes within it.
+fn unbiased(replicates: &Replicates) -> Estimate {
     let power = |amplitudes: &[Complex64; LIGHTS]| amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>();
-    let whole = amplitudes(None);
-    let without: Vec<_> = (0..replicates).map(|r| amplitudes(Some(r))).collect();
+    let Replicates { whole, without, influence } = replicates;
     if without.len() < 2 {
-        return Estimate::unknown_error(power(&whole));
+        return Estimate::unknown_error(power(whole));
     }
-    let n = without.len() as f64;
-    let variance: f64 = (0..LIGHTS)
-        .map(|light| {
-            let mean = without.iter().map(|a| a[light]).sum::<Complex64>() / n;
-            without.iter().map(|a| (a[light] - mean).norm_sqr()).sum::<f64>() * (n - 1.0) / n
+    let variance: f64 = without
+        .iter()
+        .zip(influence)
+        .flat_map(|(left, own)| {
+            (0..LIGHTS).map(move |light| (own[light].conj() * (whole[light] - left[light])).re)
         })
         .sum();
     let powers: Vec<f64> = without.iter().map(power).collect();
-    let chance = Estimate::jackknife(power(&whole), &powers).standard_error.unwrap_or(0.0);
-    Estimate { value: power(&whole) - variance, standard_error: Some(chance.hypot(variance)) }
+    let chance = Estimate::jackknife(power(whole), &powers).standard_error.unwrap_or(0.0);
+    Estimate { value: power(whole) - variance, standard_error: Some(chance.hypot(variance)) }
 }
 
 #[cfg(test)]

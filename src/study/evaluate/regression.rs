@@ -67,6 +67,9 @@ pub struct Fits {
     pub whole: Array2<f64>,
     /// Fits to all realisations but one; empty for a single realisation.
     pub without: Vec<Array2<f64>>,
+    /// What each realisation adds to the whole fit, to first order: A⁻¹ of its residuals; empty unless
+    /// made by [`Fits::with_influence`].
+    pub influence: Vec<Array2<f64>>,
 }
 
 impl Fits {
@@ -83,14 +86,37 @@ impl Fits {
         basis: &SpectralBasis,
         [width, columns]: [usize; 2],
     ) -> Self {
+        let parts = normal_equations(ensemble, basis, [width, columns]);
+        Self::of_parts(&parts, basis, [width, columns])
+    }
+
+    /// Like [`Fits::new`], and keeps what each realisation adds.
+    pub fn with_influence(
+        ensemble: impl IntoIterator<Item: Iterator<Item = (f64, Normal)>>,
+        basis: &SpectralBasis,
+        [width, columns]: [usize; 2],
+    ) -> Self {
+        let parts = normal_equations(ensemble, basis, [width, columns]);
+        let mut fits = Self::of_parts(&parts, basis, [width, columns]);
+        let mut all = Normal::new(basis.count() * width, columns * parts.len());
+        for (r, part) in parts.iter().enumerate() {
+            all.matrix += &part.matrix;
+            let residuals = &part.right - &part.matrix.dot(&fits.whole);
+            all.right.slice_mut(s![.., r * columns..(r + 1) * columns]).assign(&residuals);
+        }
+        if !parts.is_empty() {
+            let solved = solve(&all, basis, width);
+            let of_part = |r: usize| solved.slice(s![.., r * columns..(r + 1) * columns]).to_owned();
+            fits.influence = (0..parts.len()).map(of_part).collect();
+        }
+        fits
+    }
+
+    fn of_parts(parts: &[Normal], basis: &SpectralBasis, [width, columns]: [usize; 2]) -> Self {
         let mut sum = Normal::new(basis.count() * width, columns);
-        let mut parts = Vec::new();
-        for realisation in ensemble {
-            let mut part = Normal::new(basis.count() * width, columns);
-            realisation.for_each(|(nm, samples)| part.add(&basis.weights(nm), &samples));
+        for part in parts {
             sum.matrix += &part.matrix;
             sum.right += &part.right;
-            parts.push(part);
         }
         let all_but = |part: &Normal| {
             let rest = Normal { matrix: &sum.matrix - &part.matrix, right: &sum.right - &part.right };
@@ -98,8 +124,22 @@ impl Fits {
         };
         let without = if parts.len() > 1 { parts.iter().map(all_but).collect() } else { Vec::new() };
         let whole = if parts.is_empty() { sum.right } else { solve(&sum, basis, width) };
-        Self { whole, without }
+        Self { whole, without, influence: Vec::new() }
     }
+}
+
+/// The normal equations of every realisation.
+fn normal_equations(
+    ensemble: impl IntoIterator<Item: Iterator<Item = (f64, Normal)>>,
+    basis: &SpectralBasis,
+    [width, columns]: [usize; 2],
+) -> Vec<Normal> {
+    let of_realisation = |samples: &mut dyn Iterator<Item = (f64, Normal)>| {
+        let mut part = Normal::new(basis.count() * width, columns);
+        samples.for_each(|(nm, samples)| part.add(&basis.weights(nm), &samples));
+        part
+    };
+    ensemble.into_iter().map(|mut samples| of_realisation(&mut samples)).collect()
 }
 
 fn solve(normal: &Normal, basis: &SpectralBasis, width: usize) -> Array2<f64> {

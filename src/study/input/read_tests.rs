@@ -111,7 +111,8 @@ fn control_characters_are_refused_wherever_they_stand() {
 fn many_errors_are_told_as_few() {
     let told = faults(&(0..50_000).map(|i| format!("[a{i}]\n")).collect::<String>());
     assert_eq!(told.len(), 21);
-    assert_eq!((told[19].field.as_str(), told[20].field.as_str()), ("a19", "other fields"));
+    assert!(told[..20].iter().all(|fault| fault.field.starts_with('a')), "{told:?}");
+    assert_eq!(told[20].field, "other fields");
 }
 
 #[test]

@@ -178,10 +178,10 @@ mod tests {
     use crate::appearance::composed::ordinates::Ordinates;
     use faer::Mat;
 
-    /// Slabs of one state that reflect nothing and pass 0.5, 0.8 and 0.9.
+    /// Slabs that reflect nothing and pass 0.5, 0.8 and 0.9 of the light in each of their seven states.
     #[test]
     fn a_layer_has_as_many_slabs_as_asked() {
-        let number = |x: f64| Mat::from_fn(1, 1, |_, _| x);
+        let number = |x: f64| Mat::from_fn(7, 7, |i, j| if i == j { x } else { 0.0 });
         let plate =
             |t: f64| Plate { reflection: [number(0.0), number(0.0)], transmission: [number(t), number(t)] };
         let medium = || Hemisphere {
