@@ -309,12 +309,13 @@ impl Interference<'_> {
         let ordinates = &self.film.media[0].ordinates;
         let (edge, fringes) = (ordinates.edge(), self.fringes());
         let interferes = fringes <= MOST_FRINGES;
-        let pieces = PIECES + if interferes { fringes.ceil() as usize } else { 0 };
+        let pieces = PIECES + if interferes { (2.0 * fringes).ceil() as usize } else { 0 };
         let mut change = Lobes::default();
-        // equal steps of the squared cosine: a fringe, or less, in each
-        let end = |piece: usize| edge * (piece as f64 / pieces as f64).sqrt();
+        // Equal steps of the cosine: a fringe, or less, in each. There are most for each fringe at
+        // grazing angles, where fringes are sharp.
+        let width = edge / pieces as f64;
         for piece in 0..pieces {
-            let (from, width) = (end(piece), end(piece + 1) - end(piece));
+            let from = width * piece as f64;
             for &(x, weight) in piece_rule() {
                 let place = from + width * x;
                 let sine = (edge * edge - place * place).max(0.0).sqrt();

@@ -102,7 +102,7 @@ fn a_clear_film_of_any_thickness_has_its_fringes() {
         let few: f64 = nodes.map(|(s, w)| w * airy(index, count * SLAB_UM, *s)[1]).sum();
         let fine = mean_over_hemisphere(index, count * SLAB_UM, 0);
         let change = own.change_of_diffuse();
-        // eight nodes a fringe: at grazing angles, where fringes are sharp, they leave some 1e-7
+        // quadrature with eight nodes a fringe, against the midpoint rule
         assert!((change.reflected - (fine - few)).abs() < 1e-6, "{count}: {change:?} {}", fine - few);
         assert!((change.reflected + change.transmitted).abs() < 1e-12, "{count}: {change:?}");
     }
