@@ -210,8 +210,10 @@ impl FitReading<'_> {
 
     fn drawdowns(&mut self, list: &str, tables: &[MeasuredTable], coats: &mut Vec<Study>) -> Vec<Drawdown> {
         let mut all: Vec<Drawdown> = Vec::new();
-        let sources: Vec<Option<Source>> =
-            tables.iter().map(|table| Some(Source::of(&self.folder.join(table.file.as_ref()?)))).collect();
+        let sources: Vec<Option<MeasuredSource>> = tables
+            .iter()
+            .map(|table| Some(MeasuredSource::of(&self.folder.join(table.file.as_ref()?))))
+            .collect();
         let mut read: Vec<Option<Vec<f64>>> = vec![None; tables.len()];
         for (i, table) in tables.iter().enumerate() {
             let field = format!("{list}[{i}]");
@@ -382,13 +384,13 @@ fn known_geometry(declared: &MeasuredGeometry) -> Option<FitGeometry> {
 }
 
 /// Where a spectrum comes from.
-struct Source {
+struct MeasuredSource {
     /// The file without links and dots; none where there is no such file.
     path: Option<PathBuf>,
     content: Option<Vec<u8>>,
 }
 
-impl Source {
+impl MeasuredSource {
     fn of(path: &Path) -> Self {
         let content = std::fs::metadata(path).ok().filter(|found| found.len() <= LARGEST_COMPARED);
         Self { path: path.canonicalize().ok(), content: content.and_then(|_| std::fs::read(path).ok()) }

@@ -244,7 +244,7 @@ impl<'a> FitRun<'a> {
 
     /// The best branch, and every other one that fits the table as well at another n, with solves on all
     /// cells.
-    fn carried_out(&self, candidates: &[Branch]) -> Result<Vec<Solution>, FitError> {
+    fn carried_out(&self, candidates: &[Branch]) -> Result<Vec<FitSolution>, FitError> {
         let least = candidates.first().ok_or(FitError::Singular)?.cost;
         let prior = self.prior();
         let mut known: Vec<Vec<f64>> = Vec::new();
@@ -320,7 +320,7 @@ impl<'a> FitRun<'a> {
     }
 
     /// Gauss–Newton with solves on all cells.
-    fn refine(&self, branch: &Branch) -> Result<Solution, FitError> {
+    fn refine(&self, branch: &Branch) -> Result<FitSolution, FitError> {
         let task = self.task;
         let mut unknowns = branch.unknowns.clone();
         let grid: Vec<f64> = task.measured.iter().map(|drawdown| self.grid_error(drawdown)).collect();
@@ -343,7 +343,7 @@ impl<'a> FitRun<'a> {
             if last || rounds == LINEARISATIONS[1] {
                 is_an_index(task, &prior.index(&step.unknowns))?;
                 let outcome = data.outcome((strength, &step), rounds);
-                return Ok(Solution { outcome, prior, step, linearised, index, log_thickness });
+                return Ok(FitSolution { outcome, prior, step, linearised, index, log_thickness });
             }
             unknowns = between(&unknowns, &step.unknowns, share);
         }
@@ -393,7 +393,7 @@ fn is_an_index(task: &FitTask, index: &[[f64; 2]]) -> Result<(), FitError> {
 }
 
 /// A branch carried to the end with solves on all cells.
-struct Solution {
+struct FitSolution {
     outcome: FitOutcome,
     /// The prior, the step and the solves of the last linearisation.
     prior: IndexPrior,

@@ -182,7 +182,7 @@ fn compare(name: &str, colours: [f64; 2]) {
     let (resolved, refused, damages) = (solves.grid, Vec::new(), Vec::new());
     let collected = Collected { resolved, realisations, refused, enough: false, damages };
     let place = tempfile::tempdir().expect("a folder");
-    let out = place.path().join("out");
+    let out = std::env::var("GOLD").map_or(place.path().join("out"), |g| std::path::Path::new(&g).join(name));
     let folder = OutputFolder::open(&out, Holds::Study).expect("a folder");
     publish(&study, &collected, &folder).expect("published");
     let (results, want) = (json(&out.join("results.json")), json(&golden(&format!("{name}.json"))));

@@ -96,6 +96,8 @@ fn a_target_is_missed_where_an_interval_is_wider() {
     let out = folder.path().join("out");
     for (target, missed) in [("100", false), ("0.001", true)] {
         let text = TINY.replace("seed = 7", &format!("seed = 7\ntarget_delta_e = {target}"));
+        // closer wavelengths: what lies between those 100 nm apart would be most of the interval
+        let text = text.replace("step_nm = 100", "step_nm = 20");
         let said = succeed(&study(folder.path(), &text), &out, &[]);
         assert_eq!(said.contains("still wider than run.target_delta_e"), missed, "{said}");
     }

@@ -156,7 +156,7 @@ fn albedos_that_are_none_are_refused_with_field_value_range_and_remedy() {
         "[[450, 0.5], [700, 0.5]]",
         &["paper.albedo", "450 to 700 nm, requested at 400", "extend the table"],
     );
-    refused("{ csv = \"none.csv\" }", &["paper.albedo.csv", "none.csv", "wavelength_nm,albedo"]);
+    refused("{ csv = \"none.csv\" }", &["paper.albedo.csv", "none.csv", "wavelength_nm and albedo"]);
     refused("\"white\"", &["white", "a number, rows"]);
 }
 
@@ -208,7 +208,7 @@ fn a_file_of_lab_alone_is_the_target_if_it_states_the_conditions_of_the_study() 
     std::fs::write(folder.path().join("lab.cgats"), lab).unwrap();
     std::fs::write(
         folder.path().join("bare.cgats"),
-        lab.replace("ILLUMINANT", "LIGHT").replace("OBSERVER", "EYE"),
+        lab.replace("ILLUMINANT, D50", "LIGHT").replace("OBSERVER, 2 degree", "EYE"),
     )
     .unwrap();
     let loaded = |name: &str, colour: &str| {

@@ -123,6 +123,8 @@ fn parts_without_a_task_number_are_told_where_it_was_looked_for() {
 /// One variant whose bar is reached at the first look, one that never reaches it.
 fn bars() -> String {
     let base = TINY.split("[[axis]]").next().unwrap().replace("realisations = 2", "realisations = 20");
+    // closer wavelengths: what lies between those 100 nm apart would be most of the bar
+    let base = base.replace("step_nm = 100", "step_nm = 20");
     base + "[[axis]]\nname = \"bar\"\nfield = \"run.target_delta_e\"\nvalues = [50.0, 0.001]\n"
 }
 
@@ -133,7 +135,7 @@ fn variants_end_at_their_wanted_bar_whoever_works() {
     let table = std::fs::read_to_string(place.path("alone/sweep.csv")).unwrap();
     let finished = |line: &str| line.split(',').nth(5).unwrap().to_owned();
     assert_eq!(table.lines().skip(1).map(finished).collect::<Vec<_>>(), ["16", "20"], "{table}");
-    assert_eq!(points(&place.path("alone")), 20 * 4 * 3);
+    assert_eq!(points(&place.path("alone")), 20 * 16 * 3);
     let workers: Vec<Child> = (0..3).map(|_| start(&place, "shared")).collect();
     for end in workers.into_iter().map(|worker| worker.wait_with_output().unwrap()) {
         assert!(end.status.success(), "{}", said(&end));
@@ -143,7 +145,7 @@ fn variants_end_at_their_wanted_bar_whoever_works() {
     }
     // Again, and each as a study of its own.
     place.sweep("shared", &[]);
-    assert_eq!(points(&place.path("shared")), 20 * 4 * 3);
+    assert_eq!(points(&place.path("shared")), 20 * 16 * 3);
     for variant in std::fs::read_dir(place.path("alone/variants")).unwrap().flatten() {
         let own = place.path("own");
         succeed(&["run", &variant.path().join("study.toml").display().to_string(), "--output", &own]);

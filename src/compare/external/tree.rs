@@ -80,7 +80,7 @@ impl ProcessTree {
                 self.ended_ticks += ended.ticks;
             }
         }
-        let memory: Vec<Memory> = found.keys().filter_map(|number| memory(*number)).collect();
+        let memory: Vec<ProcessMemory> = found.keys().filter_map(|number| memory(*number)).collect();
         let ticks = self.ended_ticks + found.values().map(|process| process.ticks).sum::<f64>();
         self.seconds = Some((ticks / TICKS).max(self.seconds.unwrap_or(0.0)));
         self.bytes = memory.iter().map(|memory| memory.now).sum();
@@ -169,16 +169,16 @@ fn process(number: u32) -> Option<Process> {
 }
 
 /// Memory of a process, bytes.
-struct Memory {
+struct ProcessMemory {
     now: f64,
     most: f64,
 }
 
-fn memory(number: u32) -> Option<Memory> {
+fn memory(number: u32) -> Option<ProcessMemory> {
     let status = std::fs::read_to_string(format!("/proc/{number}/status")).ok()?;
     let bytes = |key: &str| {
         let line = status.lines().find_map(|line| line.strip_prefix(key))?;
         Some(1024.0 * line.split_whitespace().next()?.parse::<f64>().ok()?)
     };
-    Some(Memory { now: bytes("VmRSS:")?, most: bytes("VmHWM:")? })
+    Some(ProcessMemory { now: bytes("VmRSS:")?, most: bytes("VmHWM:")? })
 }

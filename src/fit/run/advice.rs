@@ -2,7 +2,7 @@
 //! two solutions apart, or that shrink the error of n. Other cards and geometries of the layers measured are
 //! judged by the solves at hand; other layers by their coherent films, whose scattering is not known.
 
-use super::Solution;
+use super::FitSolution;
 use crate::appearance::paper::Albedo;
 use crate::evaluate::seen::NoInk;
 use crate::fit::file::FitGeometry;
@@ -54,7 +54,11 @@ struct Further {
 ///
 /// # Errors
 /// A layer on a card gives no spectrum.
-pub(super) fn advice(task: &FitTask, best: &Solution, other: Option<&Solution>) -> Result<Advice, NoInk> {
+pub(super) fn advice(
+    task: &FitTask,
+    best: &FitSolution,
+    other: Option<&FitSolution>,
+) -> Result<Advice, NoInk> {
     let same = same_layers(task);
     let found = judged(task, &same, [Some(best), other], |solution| Origin::Solved(&solution.linearised))?;
     if let Some(sentence) = found {
@@ -77,12 +81,12 @@ pub(super) fn advice(task: &FitTask, best: &Solution, other: Option<&Solution>) 
 fn judged<'a>(
     task: &FitTask,
     all: &[Further],
-    solutions: [Option<&'a Solution>; 2],
-    origin: impl Fn(&'a Solution) -> Origin<'a>,
+    solutions: [Option<&'a FitSolution>; 2],
+    origin: impl Fn(&'a FitSolution) -> Origin<'a>,
 ) -> Result<Option<String>, NoInk> {
     let [Some(best), other] = solutions else { return Ok(None) };
     let drawdowns: Vec<Drawdown> = all.iter().map(|further| further.drawdown.clone()).collect();
-    let respond = |solution: &'a Solution| {
+    let respond = |solution: &'a FitSolution| {
         origin(solution).response(task, &drawdowns, &solution.index, solution.log_thickness)
     };
     let own = respond(best)?;
@@ -111,7 +115,7 @@ fn judged<'a>(
 }
 
 /// Root mean square error of n of a solution by its posterior, with the data of one more drawdown.
-fn n_error(solution: &Solution, further: Option<(&Response, usize, f64)>) -> f64 {
+fn n_error(solution: &FitSolution, further: Option<(&Response, usize, f64)>) -> f64 {
     let (prior, mut posterior) = (&solution.prior, solution.step.posterior.clone());
     if let Some((response, drawdown, noise)) = further {
         let waves = response.values[drawdown].len();

@@ -2,7 +2,7 @@
 
 use super::advice::{Advice, advice};
 use super::outcome::{FitOutcome, OtherSolution, Trust, UNDETERMINED};
-use super::{FitError, Solution};
+use super::{FitError, FitSolution};
 use crate::fit::law::rms;
 use crate::fit::load::FitTask;
 
@@ -18,12 +18,12 @@ pub(super) fn apart(one: &[f64], other: &[f64]) -> f64 {
 
 /// The outcome of a fit from its solutions, which are those of branches that fitted the coarse table equally
 /// well: the likeliest one, and beside it another where the solves do not exclude it.
-pub(super) fn concluded(task: &FitTask, mut solutions: Vec<Solution>) -> Result<FitOutcome, FitError> {
-    let cost = |solution: &Solution| solution.outcome.evidence_cost;
+pub(super) fn concluded(task: &FitTask, mut solutions: Vec<FitSolution>) -> Result<FitOutcome, FitError> {
+    let cost = |solution: &FitSolution| solution.outcome.evidence_cost;
     solutions.sort_by(|a, b| cost(a).total_cmp(&cost(b)));
     let (best, others) = solutions.split_first().ok_or(FitError::Singular)?;
     let mut outcome = best.outcome.clone();
-    let n = |solution: &Solution| solution.outcome.index.iter().map(|row| row.n).collect::<Vec<_>>();
+    let n = |solution: &FitSolution| solution.outcome.index.iter().map(|row| row.n).collect::<Vec<_>>();
     let n_error = rms(outcome.index.iter().filter_map(|row| row.n_error));
     let least = UNDETERMINED.max(COVERED * n_error);
     let stated = outcome.trust != Trust::Contradicted;
@@ -45,7 +45,7 @@ pub(super) fn concluded(task: &FitTask, mut solutions: Vec<Solution>) -> Result<
     Ok(with_advice(task, outcome, best, Some(other)))
 }
 
-fn mean_n(solution: &Solution) -> f64 {
+fn mean_n(solution: &FitSolution) -> f64 {
     let index = &solution.outcome.index;
     index.iter().map(|row| row.n).sum::<f64>() / index.len().max(1) as f64
 }
@@ -54,8 +54,8 @@ fn mean_n(solution: &Solution) -> f64 {
 fn with_advice(
     task: &FitTask,
     mut outcome: FitOutcome,
-    best: &Solution,
-    other: Option<&Solution>,
+    best: &FitSolution,
+    other: Option<&FitSolution>,
 ) -> FitOutcome {
     if outcome.n_is_determined || outcome.trust == Trust::Contradicted {
         return outcome;

@@ -34,7 +34,8 @@ pub struct OrderMean {
     pub coherent: Option<f64>,
     /// Remainder of the efficiency.
     pub diffuse: Option<f64>,
-    /// Distribution function at the order, 1/sr in vacuum; in a medium of index n, n² times as much.
+    /// Distribution function at the order, 1/sr in vacuum; in a medium of index n it is n² times as
+    /// large.
     pub bdf: Estimate,
 }
 

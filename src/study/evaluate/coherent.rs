@@ -11,6 +11,7 @@ use super::regression::{Fits, Normal};
 use super::samples::{SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::numerics::estimate::Estimate;
+use ndarray::Array2;
 use num_complex::Complex64;
 
 /// Fitted ratios of mean amplitudes to those of the coherent film.

@@ -65,7 +65,7 @@ pub struct Lobes {
 
 /// The mean field at one angle, with and without interference.
 #[derive(Clone, Copy, Debug)]
-struct Field {
+struct MeanField {
     coherent: Lobes,
     incoherent: Lobes,
 }
@@ -203,7 +203,7 @@ impl CoherentFilm {
     }
 
     /// The mean field in a layer of `count` slabs.
-    fn film(&self, count: f64, sine: f64, slow: &Slow) -> Field {
+    fn film(&self, count: f64, sine: f64, slow: &Slow) -> MeanField {
         let inner = count - 2.0;
         let depth = self.phase_per_um(sine) * self.slab_um;
         let passed = (slow.slab * (2.0 * inner)).exp();
@@ -219,7 +219,7 @@ impl CoherentFilm {
             transmitted: transmitted * kept / (1.0 - rho).norm_sqr(),
         };
         let incoherent = Lobes { reflected: slow.front.norm_sqr() + back.norm_sqr() / kept, transmitted };
-        Field { coherent: passive(coherent), incoherent: passive(incoherent) }
+        MeanField { coherent: passive(coherent), incoherent: passive(incoherent) }
     }
 }
 
@@ -350,7 +350,7 @@ impl Interference<'_> {
 
     /// What interference changes of the beam at 0° itself.
     pub fn change_of_beam(&self) -> Lobes {
-        let Field { coherent: c, incoherent: i } = self.film.film(self.count, 0.0, &self.known(0.0).0);
+        let MeanField { coherent: c, incoherent: i } = self.film.film(self.count, 0.0, &self.known(0.0).0);
         c.less(i)
     }
 }

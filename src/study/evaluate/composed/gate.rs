@@ -18,7 +18,7 @@ const COLOURED: [(usize, &str); 3] =
 const BACKED: [usize; 2] = [10, 11];
 
 /// The numbers of one thickness at all wavelengths, before the gate.
-pub type Spectra = Vec<[ErrorParts; SPECTRAL]>;
+pub type LayerSpectra = Vec<[ErrorParts; SPECTRAL]>;
 
 /// Withholds what cannot be of the rows of one thickness.
 pub fn rows(rows: &mut [ComposedRow]) -> Vec<Withheld> {
@@ -65,7 +65,7 @@ fn first(
 /// gate.
 pub fn colours(
     eye: &Colorimeter,
-    spectra: &Spectra,
+    spectra: &LayerSpectra,
     rows: &[ComposedRow],
     all: &[ErrorParts; COLOURS],
 ) -> (ComposedColours, Vec<Withheld>) {
@@ -115,7 +115,7 @@ pub fn colours(
     )
 }
 
-fn values(spectra: &Spectra, place: usize) -> Vec<f64> {
+fn values(spectra: &LayerSpectra, place: usize) -> Vec<f64> {
     spectra.iter().map(|numbers| numbers[place].value).collect()
 }
 
@@ -127,7 +127,7 @@ fn between(eye: &Colorimeter, values: &[f64], xyz: [f64; 3]) -> Vec<[f64; 3]> {
 }
 
 /// The contrast ratio with that error.
-fn contrast_ratio(eye: &Colorimeter, spectra: &Spectra, own: ErrorParts) -> ErrorParts {
+fn contrast_ratio(eye: &Colorimeter, spectra: &LayerSpectra, own: ErrorParts) -> ErrorParts {
     let [black, white] = BACKED.map(|place| values(spectra, place));
     let error = |values: &[f64]| eye.spacing_luminance(values, None).hypot(eye.beyond_luminance(values));
     let bright = eye.xyz(&white).map_or(f64::NAN, |xyz| xyz[1]);
@@ -189,7 +189,7 @@ mod tests {
     fn colours_hold_what_the_wavelengths_leave_open() {
         let error = |nm: &[f64]| {
             let eye = Colorimeter::new(nm).unwrap();
-            let spectra: Spectra = nm
+            let spectra: LayerSpectra = nm
                 .iter()
                 .map(|nm| std::array::from_fn(|_| number(0.2 + 0.6 * (nm - 400.0) / 300.0, 1e-3).unwrap()))
                 .collect();

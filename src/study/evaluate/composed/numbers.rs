@@ -27,7 +27,7 @@ pub const MOST_SLABS: usize = 1024;
 
 /// Which number of the list one is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct NumberPlace {
     /// The same for one quantity of one thickness at all wavelengths.
     pub series: usize,
     /// Which wavelength; 0 for numbers of all wavelengths together.
@@ -97,10 +97,10 @@ impl<'a> LayerTask<'a> {
     }
 
     /// What each of the [numbers](Self::numbers) is, in their order.
-    pub fn places(&self, slabs: &[Slabs]) -> Vec<Place> {
+    pub fn places(&self, slabs: &[Slabs]) -> Vec<NumberPlace> {
         let (mut all, mut first) = (Vec::new(), 0);
         let at = |first: usize, wavelength: usize, quantities: usize| {
-            (0..quantities).map(move |k| Place { series: first + k, wavelength })
+            (0..quantities).map(move |k| NumberPlace { series: first + k, wavelength })
         };
         for _ in &self.thicknesses_um {
             all.extend((0..slabs.len()).flat_map(|w| at(first, w, SPECTRAL)));

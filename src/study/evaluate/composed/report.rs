@@ -1,11 +1,11 @@
 //! The published numbers of a composed layer, with everything that their bars are made of.
 
-use super::gate::{self as composed_gate, Spectra};
+use super::gate::{self as composed_gate, LayerSpectra};
 use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::manifest::{
     ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, ErrorParts, MediumRow,
 };
-use super::numbers::{LayerTask, MOST_SLABS, Place, SPECTRAL, lights, projected_sr};
+use super::numbers::{LayerTask, MOST_SLABS, NumberPlace, SPECTRAL, lights, projected_sr};
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::{self, Quantity};
@@ -225,10 +225,10 @@ fn variances(question: &LayerTask, level: &Level, own: &[f64]) -> Vec<f64> {
 /// The errors of composing, from what slabs of half the thickness change and the variances that
 /// this has by chance: of its square beyond them, the mean over a quantity's neighbours in
 /// wavelength.
-fn errors_of_composing(places: &[Place], changed: &[f64], by_chance: &[f64]) -> Vec<f64> {
+fn errors_of_composing(places: &[NumberPlace], changed: &[f64], by_chance: &[f64]) -> Vec<f64> {
     let beyond = |k: usize| changed[k].powi(2) - by_chance[k];
-    let of = |own: &Place| {
-        let near = |other: &Place| {
+    let of = |own: &NumberPlace| {
+        let near = |other: &NumberPlace| {
             other.series == own.series && other.wavelength.abs_diff(own.wavelength) <= NEIGHBOURS
         };
         let near: Vec<f64> = (0..places.len()).filter(|&k| near(&places[k])).map(beyond).collect();
@@ -250,7 +250,7 @@ impl Layers {
         let mut layers = Self { rows: Vec::new(), colours: Vec::new(), withheld: Vec::new() };
         for &um in thicknesses_um {
             let wavelengths_nm = &question.study.wavelengths_nm;
-            let spectra: Spectra = wavelengths_nm.iter().map(|_| take(all)).collect();
+            let spectra: LayerSpectra = wavelengths_nm.iter().map(|_| take(all)).collect();
             let mut rows: Vec<ComposedRow> =
                 wavelengths_nm.iter().zip(&spectra).map(|(&nm, numbers)| row(um, nm, numbers)).collect();
             layers.withheld.extend(composed_gate::rows(&mut rows));
@@ -385,7 +385,8 @@ mod tests {
     /// of it, at all wavelengths near it. *Planted*: chance not taken off.
     #[test]
     fn the_error_of_composing_is_what_chance_does_not_explain() {
-        let places: Vec<Place> = (0..40).map(|k| Place { series: k % 2, wavelength: k / 2 }).collect();
+        let places: Vec<NumberPlace> =
+            (0..40).map(|k| NumberPlace { series: k % 2, wavelength: k / 2 }).collect();
         // differences of two means with a standard error of 0.01 each: a variance of 2e-4
         let chance: Vec<f64> = (0..40).map(|k| 0.01 * 2.0 * ((7 * k + 3) as f64).sin()).collect();
         let by_chance = vec![2e-4; 40];
