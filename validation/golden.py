@@ -585,6 +585,7 @@ class Solved:
         mirrored = next(o for o in orders if o[0] == 0 and o[1] == 0)
         self.r, self.t, self.a = (point[k] for k in ("reflectance", "transmittance", "absorptance"))
         self.totals = [self.r, mirrored[10], self.t, mirrored[11], self.a]
+        self.straight = complex(mirrored[8], mirrored[9]), mirrored[11]
         density = point["period_um"][0] * point["period_um"][1] / point["incidence"]["wavelength_um"] ** 2
         seen = lambda o: math.sqrt(max(0.0, 1 - o[2] ** 2 - o[3] ** 2))
         self.scattered = [(seen(o), density * o[10]) for o in orders if o[4] and (o[0], o[1]) != (0, 0)]
@@ -937,8 +938,28 @@ def spectra(study, layer, ink, shared):
             if ink and deg == 0.0:
                 for quantity, moved in ((SKY, SKY_MOVED), (PRINT, PRINT_MOVED)):
                     row += widened(study, [quantity(at[nm]) for at in ink.at], together(lambda e: moved(ink.at[0][nm], e)))
-            rows.append(row)
+            else:
+                row += [None] * 4
+            rows.append(row + coherent(study, layer, k, nm, t))
     return rows
+
+
+def coherent(study, layer, k, nm, shared):
+    """|⟨t⟩|² of listed wavelengths less the variance of the mean, and its error; uneven layers have none."""
+    if study.thickness_std > 0:
+        return [None, None]
+    if len(layer.realisations) == 1:
+        # a film without chance: all of its straight light is coherent
+        return widened(study, [layer.films.totals(nm, study.exact_deg[k], study.thicknesses())[3]], shared)
+    assert study.listed
+    # amplitudes of the unscattered order, scaled to the roots of its efficiencies
+    solved = [min(wavelengths, key=lambda w: abs(w[0] - nm))[1][k] for wavelengths in layer.solved]
+    straight = [cmath.rect(math.sqrt(s.straight[1]), cmath.phase(s.straight[0])) for s in solved]
+    n, mean = len(straight), sum(straight) / len(straight)
+    variance = sum(abs(a - mean) ** 2 for a in straight) / (n * (n - 1))
+    without = [abs((n * mean - a) / (n - 1)) ** 2 for a in straight]
+    error = math.hypot(jackknife(without) or 0.0, variance, shared)
+    return [abs(mean) ** 2 - variance, error]
 
 
 def widened(study, values, shared):
@@ -964,8 +985,9 @@ def distributions(study, layer, amplitude_error):
                 cells = lattice(points, step, flag, column, fixed)
                 for (m, n), (direction, samples) in cells.items():
                     value, error = mean_and_error(samples)
-                    density = 1 / (step[0] * step[1])
                     index = study.index_out if lobe == "transmitted" else 1.0
+                    # orders in a steradian of the medium, where dα dβ = n² cos θ dω
+                    density = index**2 / (step[0] * step[1])
                     flux = math.sqrt(max(0.0, index**2 - direction[0] ** 2 - direction[1] ** 2)) / cosine(study.exact_deg[k])
                     rows.append(
                         [1e3 * um, "incident", study.exact_deg[k], azimuth, lobe, m, n, *direction, (m, n) == (0, 0)]
