@@ -37,6 +37,8 @@ if mood == "eat":
 if mood == "babble":
     sys.stdout.buffer.write(bytes(range(256)) * 40)
     sys.exit(0)
+if sys.argv[-1] == "--describe" and mood in ("daemon", "bare", "delegate"):
+    sys.exit("no description")
 BURN = "import os, time\nwhile time.process_time() < 0.4: pass\nopen('burnt', 'w').close()\ntime.sleep(600)"
 if mood in ("daemon", "bare"):
     # Session, parent and, if bare, the environment are left behind.

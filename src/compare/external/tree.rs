@@ -109,7 +109,8 @@ impl ProcessTree {
         }
         let environment = std::fs::read(format!("/proc/{}/environ", process.number)).unwrap_or_default();
         let marked = environment.split(|byte| *byte == 0).any(|variable| variable == self.mark);
-        if !marked {
+        // A process that is just replacing its program has no environment yet.
+        if !marked && !environment.is_empty() {
             self.unmarked.insert(own);
         }
         marked
