@@ -14,9 +14,14 @@ use super::slot::{Presence, Slot};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Result files, which are removed when a new study begins.
-pub const RESULTS: [&str; 8] = [
+/// Result files of a study, a fit and a design, which are removed when new work begins: those of another
+/// input must not pass for the new one's.
+pub const RESULTS: [&str; 12] = [
     "results.json",
+    "fit.json",
+    "pigment.csv",
+    "pigment-other.csv",
+    "design.json",
     "report.html",
     "picture.png",
     "picture-with-axes.png",
@@ -26,7 +31,7 @@ pub const RESULTS: [&str; 8] = [
     "measured.csv",
 ];
 /// Subfolders that are written to.
-const PARTS: [&str; 3] = [RECORDS, "variants", "inputs"];
+const PARTS: [&str; 4] = [RECORDS, "variants", "inputs", "runs"];
 
 /// Why a folder cannot hold the results.
 #[derive(Debug, thiserror::Error)]
@@ -270,8 +275,16 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let path = root.path().join("out");
         drop(OutputFolder::open(&path, Holds::Sweep).unwrap());
-        std::fs::create_dir_all(path.join("variants")).unwrap();
-        std::os::unix::fs::symlink(root.path(), path.join("variants/100")).unwrap();
+        for part in ["variants", "runs", RECORDS] {
+            let link = path.join(part).join("100");
+            std::fs::create_dir_all(path.join(part)).unwrap();
+            std::os::unix::fs::symlink(root.path(), &link).unwrap();
+            let refused = OutputFolder::open(&path, Holds::Sweep).unwrap_err();
+            assert!(matches!(refused, FolderError::Link { .. }), "{refused}");
+            std::fs::remove_file(&link).unwrap();
+        }
+        std::fs::remove_dir(path.join("runs")).unwrap();
+        std::os::unix::fs::symlink(root.path(), path.join("runs")).unwrap();
         let refused = OutputFolder::open(&path, Holds::Sweep).unwrap_err();
         assert!(matches!(refused, FolderError::Link { .. }), "{refused}");
     }
@@ -281,7 +294,8 @@ mod tests {
         let root = tempfile::tempdir().unwrap();
         let folder = OutputFolder::open(&root.path().join("yellow"), Holds::Study).unwrap();
         Database::open(folder.path()).unwrap().put("point", "a", vec![1]).unwrap();
-        for name in ["report.html", ".inkwave-x.partial", ".inkwave-y.partial"] {
+        let results = ["report.html", "fit.json", "pigment.csv", "design.json"];
+        for name in results.into_iter().chain([".inkwave-x.partial", ".inkwave-y.partial"]) {
             std::fs::write(folder.path().join(name), "old").unwrap();
         }
         let left =
@@ -291,7 +305,7 @@ mod tests {
         folder.begin().unwrap();
         folder.discard_when_empty();
         let there = |name: &str| folder.path().join(name).exists();
-        assert!(!there("report.html") && !there(".inkwave-x.partial"));
+        assert!(results.iter().all(|name| !there(name)) && !there(".inkwave-x.partial"));
         assert!(there(".inkwave-y.partial"), "another process may be writing it");
         assert!(there("records/1.sqlite") && there(PARTIAL));
     }
