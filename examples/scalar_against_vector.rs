@@ -8,7 +8,7 @@ use inkwave::input::study::Study;
 use inkwave::numerics::estimate::{Estimate, Linked};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::file::Quantity;
+use inkwave::sweep::file::MeasuredQuantity;
 use inkwave::sweep::outcome::Outcome;
 use inkwave::sweep::{folder, publish::publish};
 use inkwave::wave::Wave;
@@ -117,8 +117,8 @@ fn pair(study: &Study, scalar: &Outcome, vector: &Outcome) -> Result<Pair, Box<d
         thickness_um: study.layer.thickness_um,
         sky: scalar.difference(vector).ok_or("a variant without a colour")?.estimate,
         print: print[0].delta_e_2000(&print[1]).value,
-        reflectance: largest(scalar, vector, Quantity::Reflectance),
-        transmittance: largest(scalar, vector, Quantity::Transmittance),
+        reflectance: largest(scalar, vector, MeasuredQuantity::Reflectance),
+        transmittance: largest(scalar, vector, MeasuredQuantity::Transmittance),
         white_sky: [sky(scalar), sky(vector)],
     })
 }
@@ -130,7 +130,7 @@ fn normal(outcome: &Outcome) -> impl Iterator<Item = &SpectrumRow> {
 /// The difference of largest modulus over the wavelengths, at normal incidence. Both waves are
 /// solved in the same packings, cells, directions and wavelengths, so that errors that these share
 /// cancel.
-fn largest(scalar: &Outcome, vector: &Outcome, quantity: Quantity) -> Estimate {
+fn largest(scalar: &Outcome, vector: &Outcome, quantity: MeasuredQuantity) -> Estimate {
     let differences = normal(scalar).filter_map(|row| {
         let of = |o: &Outcome| o.quantity(quantity, Some(row.wavelength_nm));
         let [a, b] = [of(scalar)?, of(vector)?];

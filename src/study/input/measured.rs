@@ -210,7 +210,7 @@ fn samples(text: &str, name: &str) -> Result<(MeasuredFile, &'static str), Strin
     if cgats::is_cgats(text) {
         return Ok((cgats::read(text)?, "a CGATS file"));
     }
-    let begins = text.trim_start().split_whitespace().next().unwrap_or_default();
+    let begins = text.split_whitespace().next().unwrap_or_default();
     if ["CGATS", "CTI", "SPECT", "IT8", "ISO28178", "LGOROWLENGTH"]
         .iter()
         .any(|word| begins.starts_with(word))

@@ -270,8 +270,8 @@ impl Interference<'_> {
         field.coherent.with_loss(shares).less(field.incoherent.with_loss(shares))
     }
 
-    /// What interference changes in a direction whose light is shared among the nodes behind the front
-    /// slab: what the shares are off is known of the mean field, and changed too.
+    /// What interference changes in a direction whose light is shared among the nodes behind the
+    /// front slab: what the shares are off is known of the mean field, and changed too.
     pub fn change_of_shared(&self, sine: f64) -> Lobes {
         if !self.passes(sine) {
             return Lobes::default();
@@ -291,8 +291,8 @@ impl Interference<'_> {
         self.at(sine).less(composed.with_loss(shares))
     }
 
-    /// What interference changes in a direction whose R and T are the polynomials through those at 0°
-    /// and at the nodes, over the cosine.
+    /// What interference changes in a direction whose R and T are the polynomials through those at
+    /// 0° and at the nodes, over the cosine.
     pub fn change_of_interpolated(&self, sine: f64) -> Lobes {
         if !self.passes(sine) {
             return Lobes::default();

@@ -232,7 +232,7 @@ fn regrouped(lines: &[Vec<Written>], width: usize) -> Option<Vec<Vec<Written>>> 
     let mut open: Vec<Written> = Vec::new();
     for line in lines {
         open.extend(line.iter().cloned());
-        if open.len() % width == 0 {
+        if open.len().is_multiple_of(width) {
             let mut cells = std::mem::take(&mut open).into_iter().peekable();
             while cells.peek().is_some() {
                 sets.push(cells.by_ref().take(width).collect());
