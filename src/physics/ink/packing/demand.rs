@@ -4,7 +4,7 @@ use crate::ink::{PackError, PackingRequest};
 
 /// Memory per grain and per sphere, bytes: bodies in their frame and in the cell, up to four cells
 /// of a grid per sphere with the lists of their neighbours, contacts, and the grains as they are
-/// returned. Measured: 1.3 kB per lone sphere in sequential addition, 1.6 kB in relaxation.
+/// returned. An estimate from the sizes of these structures.
 const GRAIN_BYTES: f64 = 900.0;
 const SPHERE_BYTES: f64 = 900.0;
 
