@@ -2,9 +2,9 @@
 //! matrices.
 //!
 //! A thick layer is cut into slabs of thickness h. The outermost ones ("skins") are solved together
-//! with the layer's surfaces, the inner ones embedded in a medium of nearly the layer's index. Every
-//! solve gives the flux of all orders; their azimuthal means on a few [`ordinates`] are the columns
-//! of [`flux`] matrices, whose ensemble means are composed incoherently as [`plate`]s:
+//! with the layer's surfaces, the inner ones embedded in a medium of nearly the layer's index.
+//! Every solve gives the flux of all orders; their azimuthal means on a few [`ordinates`] are the
+//! columns of [`flux`] matrices, whose ensemble means are composed incoherently as [`plate`]s:
 //!
 //! ```text
 //! T = T_B (1 − R*_A R_B)⁻¹ T_A      R = R_A + T*_A R_B (1 − R*_A R_B)⁻¹ T_A
