@@ -12,8 +12,8 @@ use std::io::{self, Error, ErrorKind, Read};
 use std::marker::PhantomData;
 use std::path::Path;
 
-/// Largest study, sweep or comparison, bytes: a list of 10 000 numbers takes a tenth of it, and parsers
-/// need seconds for more.
+/// Largest study, sweep or comparison, bytes: a list of 10 000 numbers takes a tenth of it, and
+/// parsers need seconds for more.
 pub const STUDY: u64 = 1 << 20;
 /// Largest record of optical constants in YAML, bytes.
 pub const RECORD: u64 = 8 << 20;

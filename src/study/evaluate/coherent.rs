@@ -1,10 +1,11 @@
 //! Coherent transmittance of the layer, |⟨t⟩|²: what goes straight on through a print of any size.
 //!
-//! The unscattered order of a cell carries ⟨|t|²⟩ = |⟨t⟩|² + diffuse light, as every order does, and the
-//! smaller the cell the more of it. |⟨t⟩|² is the square of the mean amplitude. Realisations have their own
-//! wavelengths, and the phase of t turns with the wavelength: fitted is its ratio to the amplitude of the
-//! coherent film, which is smooth, with the squares of the film's amplitudes as weights. The square of a
-//! mean of n is too large by the variance of the mean, which is taken off.
+//! The unscattered order of a cell carries ⟨|t|²⟩ = |⟨t⟩|² + diffuse light, as every order does,
+//! and the smaller the cell the more of it. |⟨t⟩|² is the square of the mean amplitude.
+//! Realisations have their own wavelengths, and the phase of t turns with the wavelength: fitted is
+//! its ratio to the amplitude of the coherent film, which is smooth, with the squares of the film's
+//! amplitudes as weights. The square of a mean of n is too large by the variance of the mean, which
+//! is taken off.
 
 use super::films::{FilmAt, Films, LIGHTS};
 use super::regression::{Fits, Normal};
@@ -89,17 +90,19 @@ fn turned_back(amplitude: Complex64, reference: Complex64) -> Normal {
     sample
 }
 
-/// Mean amplitudes of all lights: of the ensemble, without each realisation, and what each adds to first order.
+/// Mean amplitudes of all lights: of the ensemble, without each realisation, and what each adds to
+/// first order.
 struct Replicates {
     whole: [Complex64; LIGHTS],
     without: Vec<[Complex64; LIGHTS]>,
     influence: Vec<[Complex64; LIGHTS]>,
 }
 
-/// Σ |a|² over mutually incoherent mean amplitudes, less the variance of the means. The variance multiplies what a
-/// realisation adds to first order by what leaving it out changes: either alone is too small or too large where few
-/// realisations lie near a wavelength (HC2: J. G. MacKinnon and H. White, J. Econometrics 29 (1985) 305). The error is
-/// that of the jackknife for amplitudes beyond their noise, and the variance for amplitudes within it.
+/// Σ |a|² over mutually incoherent mean amplitudes, less the variance of the means. The variance
+/// multiplies what a realisation adds to first order by what leaving it out changes: either alone
+/// is too small or too large where few realisations lie near a wavelength (HC2: J. G. MacKinnon and
+/// H. White, J. Econometrics 29 (1985) 305). The error is that of the jackknife for amplitudes
+/// beyond their noise, and the variance for amplitudes within it.
 fn unbiased(replicates: &Replicates) -> Estimate {
     let power = |amplitudes: &[Complex64; LIGHTS]| amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>();
     let Replicates { whole, without, influence } = replicates;
@@ -138,8 +141,8 @@ mod tests {
         }
     }
 
-    /// Solves at shifted wavelengths whose amplitude is that of the film times `mean`, plus circular noise
-    /// of the given mean square.
+    /// Solves at shifted wavelengths whose amplitude is that of the film times `mean`, plus
+    /// circular noise of the given mean square.
     fn solved(films: &Films, cells: usize, mean: Complex64, noise: f64, seed: u64) -> Vec<SolvedRealisation> {
         let mut draws = Draws::new(seed, 5);
         let mut cell = |r: usize| {
@@ -172,8 +175,8 @@ mod tests {
         light.transmittance(0, &at, 0.0, &nm)
     }
 
-    /// Identity: without noise |⟨t⟩|² is that of the film times |mean|², in every light, however the
-    /// wavelengths are shifted against each other.
+    /// Identity: without noise |⟨t⟩|² is that of the film times |mean|², in every light, however
+    /// the wavelengths are shifted against each other.
     #[test]
     fn amplitudes_are_averaged_before_they_are_squared() {
         for wave in [Wave::Scalar, Wave::P, Wave::Unpolarised] {
@@ -188,7 +191,8 @@ mod tests {
         }
     }
 
-    /// Noise of 0.09, as of a paint whose unscattered order holds diffuse light alone: mean |t|² is 0.09,
+    /// Noise of 0.09, as of a paint whose unscattered order holds diffuse light alone: mean |t|² is
+    /// 0.09,
     /// |mean t|² is 0. *Planted*: without the correction of the bias the mean is 9 standard errors off.
     #[test]
     fn diffuse_light_of_the_order_is_not_coherent() {

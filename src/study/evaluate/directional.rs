@@ -223,8 +223,9 @@ mod tests {
         assert_eq!((directional.transmittance(0, 90.0), directional.specular(0, 90.0)), (0.0, 1.0));
     }
 
-    /// R of the made-up layer has a band in the wavelength and its f none: the difference is the same in every
-    /// packing, and no chance. *Planted*: with the jackknife error alone it is hundreds of errors off.
+    /// R of the made-up layer has a band in the wavelength and its f none: the difference is the
+    /// same in every packing, and no chance. *Planted*: with the jackknife error alone it is
+    /// hundreds of errors off.
     #[test]
     fn what_the_fits_cannot_hold_is_in_the_error() {
         let made = yellow_made_up(1e-4);

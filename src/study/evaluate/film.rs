@@ -56,7 +56,8 @@ impl Film {
         (reflected.norm_sqr(), transmitted.norm_sqr())
     }
 
-    /// Amplitudes at the faces, reflected and transmitted, scaled so that their squares are R and T.
+    /// Amplitudes at the faces, reflected and transmitted, scaled so that their squares are R and
+    /// T.
     pub fn amplitudes(&self, side: Side, polar_deg: f64, light: Polarisation) -> [Complex64; 2] {
         let (from, to) = if side == Side::Incident { (1.0, self.index_out) } else { (self.index_out, 1.0) };
         let k0 = TAU / self.wavelength_um;

@@ -90,8 +90,8 @@ impl FilmAt {
         self.from(Side::Incident, polar_deg)
     }
 
-    /// Transmitted amplitudes of light from the incident side, one for each polarisation of the light, so that
-    /// the sum of their squares is T of the first thickness; 0 beyond them.
+    /// Transmitted amplitudes of light from the incident side, one for each polarisation of the
+    /// light, so that the sum of their squares is T of the first thickness; 0 beyond them.
     pub fn transmitted_amplitudes(&self, polar_deg: f64) -> [Complex64; LIGHTS] {
         let lights: &[Polarisation] =
             if self.wave.is_vector() { self.wave.polarisations() } else { &[Polarisation::S] };

@@ -25,8 +25,8 @@ const MOST_LAB_ERROR: f64 = 50.0;
 /// splines through six wavelengths.
 const MOST_OVERSHOOT: f64 = 0.1;
 
-/// Largest reflectance factor in one direction: a perfect white has 1, and fringes of clear films of
-/// high index on white paper reach 1.5 at single wavelengths.
+/// Largest reflectance factor in one direction: a perfect white has 1, and fringes of clear films
+/// of high index on white paper reach 1.5 at single wavelengths.
 const MOST_FACTOR: f64 = 2.0;
 
 /// Rounding of quantities with a unit, such as the absorption of a layer that absorbs nothing.

@@ -67,8 +67,8 @@ pub struct Fits {
     pub whole: Array2<f64>,
     /// Fits to all realisations but one; empty for a single realisation.
     pub without: Vec<Array2<f64>>,
-    /// What each realisation adds to the whole fit, to first order: A⁻¹ of its residuals; empty unless
-    /// made by [`Fits::with_influence`].
+    /// What each realisation adds to the whole fit, to first order: A⁻¹ of its residuals; empty
+    /// unless made by [`Fits::with_influence`].
     pub influence: Vec<Array2<f64>>,
 }
 

@@ -281,7 +281,8 @@ fn rows_of(layer: &LayerSeen, angle: usize, seen: &Seen, uncertainty: &Uncertain
             specular_reflectance: widened(1),
             transmittance: widened(2),
             specular_transmittance: widened(3),
-            // Tables of indices move the unscattered light as they move the specular order, to first order.
+            // Tables of indices move the unscattered light as they move the specular order, to
+            // first order.
             coherent_transmittance: coherent.as_ref().map(|coherent| {
                 let inputs = inputs.get(3).map_or(0.0, |errors| errors[i]);
                 gate::bounded(uncertainty.widen_by(coherent[i], wavelength_nm, inputs, moved[3]))

@@ -64,12 +64,13 @@ pub struct CaseInputs {
     /// Side of incidence: `incident` is z < 0.
     #[serde(default)]
     pub from: Side,
-    /// Spheres in the binder or in films; one wholly inside another sphere or body displaces its material,
-    /// which makes layers and hollow grains.
+    /// Spheres in the binder or in films; one wholly inside another sphere or body displaces its
+    /// material, which makes layers and hollow grains.
     pub spheres: Option<Vec<SphereInput>>,
     /// Cylinders along y in the binder or in films.
     pub cylinders: Option<Vec<CylinderInput>>,
-    /// Convex bodies in the binder or in films or inside each other: ellipsoids, boxes, discs and prisms.
+    /// Convex bodies in the binder or in films or inside each other: ellipsoids, boxes, discs and
+    /// prisms.
     pub bodies: Option<Vec<BodyInput>>,
     /// Homogeneous films, starting at z = 0; instead of a binder. Spheres, cylinders and bodies may
     /// lie in them and across their faces.
@@ -137,7 +138,8 @@ impl CaseInputs {
         all
     }
 
-    /// What may be a mistake in a unit: the first length of an unusual size, and how many there are.
+    /// What may be a mistake in a unit: the first length of an unusual size, and how many there
+    /// are.
     pub(super) fn remarks(&self) -> Vec<String> {
         let mut unusual = self.lengths_um();
         unusual.retain(|&(_, um)| um != 0.0 && !limits::USUAL_LENGTH_UM.holds(um));

@@ -87,10 +87,10 @@ pub struct StudyFile {
 #[serde(deny_unknown_fields, default)]
 pub struct PaperTable {
     /// Albedo, 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{
-    /// csv = "paper.csv" }` with the columns wavelength_nm and albedo, or a measured spectrum. With a gap it is the
-    /// reflectance of the bare paper; in optical contact it is that of the paper's inside, behind
-    /// its surface, and not the factor measured on bare paper, which is lower: an inside of 0.9 and
-    /// index 1.5 reflects about 0.80 of diffuse light.
+    /// csv = "paper.csv" }` with the columns wavelength_nm and albedo, or a measured spectrum. With
+    /// a gap it is the reflectance of the bare paper; in optical contact it is that of the paper's
+    /// inside, behind its surface, and not the factor measured on bare paper, which is lower: an
+    /// inside of 0.9 and index 1.5 reflects about 0.80 of diffuse light.
     pub albedo: AlbedoWritten,
     /// Contact between ink and paper.
     pub coupling: CouplingName,

@@ -5,8 +5,8 @@ use crate::numerics::allowed::{Allowed, Each, Whole};
 /// Longer lists of wavelengths or angles are mistakes.
 pub const LONGEST_LIST: usize = 10_000;
 
-/// Vacuum wavelength of a case under the key without a unit, µm: larger ones are nm by mistake, smaller
-/// ones metres.
+/// Vacuum wavelength of a case under the key without a unit, µm: larger ones are nm by mistake,
+/// smaller ones metres.
 pub const LIGHT_UM: Allowed = Allowed::between(0.1, 20.0, "µm");
 /// Lengths of a case that need no remark: larger ones may be nm by mistake, smaller ones metres.
 pub const USUAL_LENGTH_UM: Allowed = Allowed::between(1e-4, 20.0, "µm");

@@ -20,8 +20,8 @@ const MOST_TOLD: usize = 20;
 /// Reads a `T`.
 ///
 /// # Errors
-/// Texts with control characters; all unknown keys, and the first value that is missing or of the wrong
-/// type, each with its path. A misspelt key is one error, not an unknown and a missing one.
+/// Texts with control characters; all unknown keys, and the first value that is missing or of the
+/// wrong type, each with its path. A misspelt key is one error, not an unknown and a missing one.
 pub fn read<T: DeserializeOwned>(node: Node) -> Result<T, Vec<Fault>> {
     let mut unprintable = Vec::new();
     find_control_characters(&node, "", &mut unprintable);
@@ -46,8 +46,9 @@ pub fn read<T: DeserializeOwned>(node: Node) -> Result<T, Vec<Fault>> {
     }
 }
 
-/// Records texts and keys with characters that pages and exported files cannot hold: XML 1.0 has neither
-/// control characters (but for tabs and line breaks) nor U+FFFE and U+FFFF, and terminals execute some.
+/// Records texts and keys with characters that pages and exported files cannot hold: XML 1.0 has
+/// neither control characters (but for tabs and line breaks) nor U+FFFE and U+FFFF, and terminals
+/// execute some.
 fn find_control_characters(node: &Node, place: &str, faults: &mut Vec<Fault>) {
     match node {
         Node::Text(text) => {

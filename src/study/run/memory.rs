@@ -165,7 +165,8 @@ mod tests {
         assert_eq!(left_of_limit(limits, "Max data size", status, "VmData:"), f64::INFINITY);
     }
 
-    /// Two sockets of two processors each, whose third level has 300 MiB a socket, as the system lists them.
+    /// Two sockets of two processors each, whose third level has 300 MiB a socket, as the system
+    /// lists them.
     #[test]
     fn products_reserve_the_caches_of_the_whole_machine() {
         let folder = tempfile::tempdir().unwrap();

@@ -26,8 +26,8 @@ use std::sync::{Arc, OnceLock};
 const STEP: f64 = 1e-4;
 /// Systems held at a time: at the index and on both sides of it.
 const SYSTEMS: f64 = 3.0;
-/// Part of the list of solves between two of a trial: the golden section, which spreads any number of them
-/// over wavelengths and directions.
+/// Part of the list of solves between two of a trial: the golden section, which spreads any number
+/// of them over wavelengths and directions.
 const SPREAD: f64 = 0.618;
 
 /// One solve, and the derivatives of its efficiencies.
@@ -164,8 +164,8 @@ impl Tangents {
         Ok(Linearised { resolved: self.resolved, realisations })
     }
 
-    /// What one of these studies' solves costs, a mean over one of each, which are not stored, and what the
-    /// geometry of a cell costs.
+    /// What one of these studies' solves costs, a mean over one of each, which are not stored, and
+    /// what the geometry of a cell costs.
     ///
     /// # Errors
     /// The grid does not fit into memory.

@@ -16,8 +16,8 @@ pub enum Event<'a> {
     Stage(&'a str),
     /// Packing and solving begin: what is under way ends in order when the run is stopped.
     Begun,
-    /// No packing or solve is under way; what follows uses what is stored, so nothing is lost if the
-    /// process ends at once.
+    /// No packing or solve is under way; what follows uses what is stored, so nothing is lost if
+    /// the process ends at once.
     Over,
     /// Progress of all workers of a folder.
     Standing(&'a QueueStanding),

@@ -14,8 +14,8 @@ use super::slot::{Presence, Slot};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Result files of a study, a fit and a design, which are removed when new work begins: those of another
-/// input must not pass for the new one's.
+/// Result files of a study, a fit and a design, which are removed when new work begins: those of
+/// another input must not pass for the new one's.
 pub const RESULTS: [&str; 13] = [
     "results.json",
     "fit.json",
@@ -165,9 +165,9 @@ impl OutputFolder {
         RESULTS.iter().try_for_each(|name| self.remove(name))
     }
 
-    /// Marks the folder as partial before any work on `input`, a hash of all that the `results` (names
-    /// of files) depend on. Results of another input are removed: if the work is stopped, none of
-    /// them passes for the new one's.
+    /// Marks the folder as partial before any work on `input`, a hash of all that the `results`
+    /// (names of files) depend on. Results of another input are removed: if the work is stopped,
+    /// none of them passes for the new one's.
     ///
     /// # Errors
     /// A file cannot be written or removed.

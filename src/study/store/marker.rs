@@ -58,7 +58,8 @@ pub struct Marker {
     pub layout: u32,
     /// The build that created the folder.
     pub program: String,
-    /// What the results belong to, as a hash of all that they depend on; none where nothing was begun.
+    /// What the results belong to, as a hash of all that they depend on; none where nothing was
+    /// begun.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub input: Option<String>,
 }

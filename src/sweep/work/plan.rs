@@ -25,8 +25,8 @@ const LIMIT: Duration = Duration::from_secs(7);
 /// Work that takes longer on the available cores is out of reach: one month.
 const REACH_SECONDS: f64 = 30.0 * 24.0 * 3600.0;
 
-/// Largest expected factor between cost and forecast, either way, where every kind of solve was tried: small
-/// cells, few packings, and pages and pictures that are not counted.
+/// Largest expected factor between cost and forecast, either way, where every kind of solve was
+/// tried: small cells, few packings, and pages and pictures that are not counted.
 const TRIED_FACTOR: f64 = 2.5;
 /// That factor where a cost follows from unknowns and usual numbers of operator applications.
 const BY_SIZE_FACTOR: f64 = 10.0;

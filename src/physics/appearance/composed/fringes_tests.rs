@@ -46,7 +46,8 @@ fn airy(index: Complex64, thickness_um: f64, sine: f64) -> [f64; 2] {
     [coherent.norm_sqr(), r.norm_sqr() + back]
 }
 
-/// Mean of one of both over the hemisphere, by the midpoint rule: a thousandth of a fringe and finer.
+/// Mean of one of both over the hemisphere, by the midpoint rule: a thousandth of a fringe and
+/// finer.
 fn mean_over_hemisphere(index: Complex64, thickness_um: f64, which: usize) -> f64 {
     let steps = 400_000;
     let at = |k: usize| {

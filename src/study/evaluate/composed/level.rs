@@ -178,7 +178,8 @@ mod tests {
     use crate::appearance::composed::ordinates::Ordinates;
     use faer::Mat;
 
-    /// Slabs that reflect nothing and pass 0.5, 0.8 and 0.9 of the light in each of their seven states.
+    /// Slabs that reflect nothing and pass 0.5, 0.8 and 0.9 of the light in each of their seven
+    /// states.
     #[test]
     fn a_layer_has_as_many_slabs_as_asked() {
         let number = |x: f64| Mat::from_fn(7, 7, |i, j| if i == j { x } else { 0.0 });

@@ -65,8 +65,8 @@ pub struct ComposedRow {
     pub reflectance_diffuse: Option<ErrorParts>,
     /// T of diffuse light.
     pub transmittance_diffuse: Option<ErrorParts>,
-    /// Coherent transmittance at 0°, |⟨t⟩|²: what goes straight on, unscattered. (⟨|t|²⟩ of one order, as
-    /// single cells have it, depends on the size of the cell: a composed layer has none.)
+    /// Coherent transmittance at 0°, |⟨t⟩|²: what goes straight on, unscattered. (⟨|t|²⟩ of one
+    /// order, as single cells have it, depends on the size of the cell: a composed layer has none.)
     pub coherent_transmittance: Option<ErrorParts>,
     /// Share of light at 0° that is mirrored.
     pub mirrored: Option<ErrorParts>,

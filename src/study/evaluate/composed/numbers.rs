@@ -243,7 +243,8 @@ fn lit_at_45(plate: &Plate, medium: &Hemisphere, wave: Wave) -> f64 {
 }
 
 /// Index of the mean wave; mean free path of the coherent light, k_s, k_a, g and l* of the medium
-/// that the slabs are; K and S of thick layers without surfaces. NaN for what these realisations do not determine.
+/// that the slabs are; K and S of thick layers without surfaces. NaN for what these realisations do
+/// not determine.
 fn coefficients(slabs: &Slabs, slab_um: f64) -> [f64; COEFFICIENTS] {
     let medium = &slabs.media[1];
     let coherent = extinction_per_um(&slabs.inner, slab_um).map_or(f64::NAN, f64::recip);

@@ -148,8 +148,8 @@ mod tests {
         );
     }
 
-    /// 20 % of 2.0 in 1.5. Maxwell Garnett: β = 0.2 · 1.75/8.5, ε = 2.25 (1 + 2β)/(1 − β). *Planted*:
-    /// the volume average.
+    /// 20 % of 2.0 in 1.5. Maxwell Garnett: β = 0.2 · 1.75/8.5, ε = 2.25 (1 + 2β)/(1 − β).
+    /// *Planted*: the volume average.
     #[test]
     fn slabs_in_maxwells_equations_lie_between_half_spaces_of_maxwell_garnett() {
         let layer = "thickness_um = 10\n[layer.composed]\nslab_um = 2";

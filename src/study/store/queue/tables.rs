@@ -45,9 +45,9 @@ fn reopen(folder: &Path, slot: &Slot, error: rusqlite::Error) -> rusqlite::Resul
     connect(&folder.join(FILE))
 }
 
-/// Registers a worker of the work called `name`, unless other work is in progress: its name. A new session
-/// begins, without tasks, if no worker is alive. A previous worker in the same slot is dead, and
-/// its tasks are released.
+/// Registers a worker of the work called `name`, unless other work is in progress: its name. A new
+/// session begins, without tasks, if no worker is alive. A previous worker in the same slot is
+/// dead, and its tasks are released.
 pub(super) fn join(
     transaction: &Transaction,
     (folder, slot): (&Path, &Slot),

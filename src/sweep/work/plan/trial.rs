@@ -141,8 +141,8 @@ fn grid_for(
     Ok((Some(seconds), (found.resolution, found.longer_waves)))
 }
 
-/// Processor seconds, and the result. The clock on the wall, which other programs' work on the machine
-/// lengthens, counts only where the system does not tell the processor's.
+/// Processor seconds, and the result. The clock on the wall, which other programs' work on the
+/// machine lengthens, counts only where the system does not tell the processor's.
 fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunError> {
     let (clock, before) = (Instant::now(), processor_seconds());
     let made = make()?;
