@@ -52,8 +52,8 @@ impl CoherentLight {
         Some(Self { fits: fits.collect(), basis: basis.clone() })
     }
 
-    /// |⟨t⟩|² at an exact angle at these wavelengths, whose films are given; without bias, so that noise may
-    /// make it slightly negative. The error is unknown for one realisation, and so is the bias.
+    /// |⟨t⟩|² at an exact angle at these wavelengths, whose films are given; without bias, so that
+    /// noise may make it slightly negative. The error is unknown for one realisation, and so is the bias.
     pub fn transmittance(&self, angle: usize, films: &[FilmAt], exact_deg: f64, nm: &[f64]) -> Vec<Estimate> {
         let at = |(film, &nm): (&FilmAt, &f64)| {
             let reference = film.transmitted_amplitudes(exact_deg);
@@ -193,7 +193,8 @@ mod tests {
 
     /// Noise of 0.09, as of a paint whose unscattered order holds diffuse light alone: mean |t|² is
     /// 0.09,
-    /// |mean t|² is 0. *Planted*: without the correction of the bias the mean is 9 standard errors off.
+    /// |mean t|² is 0. *Planted*: without the correction of the bias the mean is 9 standard errors
+    /// off.
     #[test]
     fn diffuse_light_of_the_order_is_not_coherent() {
         let films = films(Wave::Unpolarised);

@@ -105,7 +105,8 @@ impl LayerSeen {
         }
     }
 
-    /// |⟨t⟩|² at one of the exact angles against the study's wavelengths, if all is of one thickness.
+    /// |⟨t⟩|² at one of the exact angles against the study's wavelengths, if all is of one
+    /// thickness.
     pub fn coherent_transmittance(&self, angle: usize) -> Option<Vec<Estimate>> {
         let deg = self.ensemble.exact_deg[angle];
         let coherent = self.coherent.as_ref()?;

@@ -201,7 +201,7 @@ fn coefficients_are_found_again() {
 }
 
 /// Few realisations of a slab that scatters much may leave no coherent light in the mean: then no
-/// medium is found. *Planted*: the logarithm of 0, whose layer is doubled for ever.
+/// medium is found. *Planted*: the logarithm of 0, whose layer is doubled without end.
 #[test]
 fn a_slab_without_coherent_light_has_no_medium() {
     let inside = medium(1.6, [3, 3]);

@@ -25,7 +25,7 @@ pub struct ComposedLayer<'a> {
     polarised: Vec<f64>,
     /// What interference changes of diffuse light from in front, for each polarisation.
     change_of_diffuse: Vec<Lobes>,
-    /// The same of unpolarised diffuse light from behind.
+    /// Sums of unpolarised diffuse light from behind.
     change_from_behind: Lobes,
 }
 

@@ -28,7 +28,7 @@ pub const MOST_SLABS: usize = 1024;
 /// Which number of the list one is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NumberPlace {
-    /// The same for one quantity of one thickness at all wavelengths.
+    /// One quantity of one thickness at all wavelengths.
     pub series: usize,
     /// Which wavelength; 0 for numbers of all wavelengths together.
     pub wavelength: usize,
