@@ -53,7 +53,8 @@ impl CoherentLight {
     }
 
     /// |⟨t⟩|² at an exact angle at these wavelengths, whose films are given; without bias, so that
-    /// noise may make it slightly negative. The error is unknown for one realisation, and so is the bias.
+    /// noise may make it slightly negative. The error is unknown for one realisation, and so is the
+    /// bias.
     pub fn transmittance(&self, angle: usize, films: &[FilmAt], exact_deg: f64, nm: &[f64]) -> Vec<Estimate> {
         let at = |(film, &nm): (&FilmAt, &f64)| {
             let reference = film.transmitted_amplitudes(exact_deg);
