@@ -128,7 +128,8 @@ impl Progress {
         self.bar.finish_and_clear();
         let RunState { begun, busy, solved, kept, .. } = *self.state();
         if kept > 0 {
-            note!("{kept} of {} solves were already stored", self.all());
+            let all = self.all().max((kept + solved) as u64);
+            note!("{kept} of {all} solves were already stored");
         }
         if solved > 0 {
             let seconds = begun.elapsed().as_secs_f64();

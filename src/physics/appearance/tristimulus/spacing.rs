@@ -42,19 +42,20 @@ impl Colorimeter {
     ///
     /// ```
     /// use inkwave_physics::appearance::tristimulus::{Colorimeter, Guide};
-    /// // an edge at 510 nm, every 40 nm: known in between, or not
-    /// let edge = |nm: &f64| 0.05 + 0.85 / (1.0 + ((510.0 - nm) / 12.0).exp());
-    /// let nm: Vec<f64> = (0..8).map(|i| 400.0 + 40.0 * f64::from(i)).collect();
-    /// let fine_nm: Vec<f64> = (0..57).map(|i| 400.0 + 5.0 * f64::from(i)).collect();
-    /// let values: Vec<f64> = nm.iter().map(edge).collect();
-    /// let guide = Guide { on_grid: values.clone(), fine: fine_nm.iter().map(edge).collect(), fine_nm };
+    /// // a band at 490 nm, between wavelengths 60 nm apart
+    /// let band = |nm: &f64| 0.8 - 0.5 * (-0.5 * ((nm - 490.0) / 12.0).powi(2)).exp();
+    /// let nm: Vec<f64> = (0..6).map(|i| 400.0 + 60.0 * f64::from(i)).collect();
+    /// let fine_nm: Vec<f64> = (0..61).map(|i| 400.0 + 5.0 * f64::from(i)).collect();
+    /// let values: Vec<f64> = nm.iter().map(band).collect();
+    /// let guide = Guide { on_grid: values.clone(), fine: fine_nm.iter().map(band).collect(), fine_nm };
     /// let meter = Colorimeter::new(&nm)?;
     /// let xyz = meter.xyz(&values)?;
     /// let error = |guide| {
     ///     let shifts = meter.spacing(&values, xyz, guide);
     ///     shifts.iter().flatten().map(|x| x * x).sum::<f64>().sqrt()
     /// };
-    /// assert!(error(None) > 0.0 && error(Some(&guide)) >= 0.0);
+    /// // unseen without a guide that has it
+    /// assert!(error(Some(&guide)) > 5.0 && error(Some(&guide)) > 2.0 * error(None));
     /// # Ok::<(), inkwave_physics::appearance::tristimulus::ColourError>(())
     /// ```
     pub fn spacing(&self, values: &[f64], xyz: [f64; 3], guide: Option<&Guide>) -> Vec<[f64; 3]> {

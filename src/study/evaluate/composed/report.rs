@@ -29,6 +29,9 @@ const NEIGHBOURS: usize = 2;
 /// 1.9 % with slabs of 1 µm, 0.4 to 0.6 % of 2 µm, at most 0.03 % of 4 µm), so the change is twice
 /// the error or more.
 const HALVED: f64 = 2.0;
+/// Share of unscattered light from which a slab that gives no coefficients is too thin, not too
+/// thick, for them.
+const CLEAR: f64 = 0.5;
 /// Part of a bar of L*, a* or b* from which it is said where it comes from.
 const LARGE: f64 = 1.0;
 
@@ -302,9 +305,14 @@ fn medium_row(
     let mut next = |name: &str, quantity: Quantity| {
         let number = all.next()?;
         let Some(reason) = gate::impossible(quantity, number.estimate()) else { return Some(number) };
+        let remedy = if straight < CLEAR {
+            "take thinner slabs or more realisations"
+        } else {
+            "so clear a slab hardly scatters: take thicker slabs or more realisations"
+        };
         let why = format!(
             "{reason} at {wavelength_nm} nm, where a slab passes {straight:.1e} of the light unscattered \
-             in the mean of these realisations: take thinner slabs or more realisations"
+             in the mean of these realisations: {remedy}"
         );
         withheld.push(Withheld { number: name.to_owned(), reason: why });
         None

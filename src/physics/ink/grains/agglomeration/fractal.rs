@@ -36,6 +36,8 @@ pub struct Fractal {
 
 /// Contacts tried for one pair of clusters, and the relative distance to Γ that ends the search.
 const TRIALS: usize = 300;
+/// Contacts tried where none was found before. Most directions hit.
+const MOST_TRIALS: usize = 10_000;
 const NEAR: f64 = 0.01;
 
 impl Fractal {
@@ -64,9 +66,10 @@ impl Fractal {
         let [reach, others] = [&one, &other].map(|grains| reach_um(&all_spheres(grains), [0.0; 3]));
         let far = 2.0 * (reach + others);
         let mut best: Option<(f64, Vec<PlacedGrain>)> = None;
-        let mut trials = 0;
-        while trials < TRIALS || best.is_none() {
-            trials += 1;
+        for trial in 0..MOST_TRIALS {
+            if trial >= TRIALS && best.is_some() {
+                break;
+            }
             let turn = draws.rotation();
             let turned: Vec<PlacedGrain> = other.iter().map(|g| g.turned(turn)).collect();
             let from = draws.direction();
@@ -80,7 +83,10 @@ impl Fractal {
                 break;
             }
         }
-        one.into_iter().chain(best.into_iter().flat_map(|(_, other)| other)).collect()
+        // no direction hits: the spheres around both clusters touch
+        let beside = || other.iter().map(|g| g.clone().moved(scale([1.0, 0.0, 0.0], 0.5 * far))).collect();
+        let joined = best.map_or_else(beside, |(_, joined)| joined);
+        one.into_iter().chain(joined).collect()
     }
 
     /// Distance Γ of the centres of mass that gives the union its radius of gyration; 0 if the
