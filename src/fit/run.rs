@@ -238,7 +238,12 @@ impl<'a> FitRun<'a> {
         self.watch.stage("search over both branches of n");
         let candidates = self.candidates(&Surface::new(task, &solved, &films))?;
         let mut outcome = solutions::concluded(task, self.carried_out(&candidates)?)?;
-        outcome.forecasts = self.forecasts(&outcome)?;
+        for forecast in self.forecasts(&outcome)? {
+            match forecast.impossible(task.wavelengths_nm()) {
+                Some(reason) => outcome.remarks.push(reason),
+                None => outcome.forecasts.push(forecast),
+            }
+        }
         Ok(outcome)
     }
 

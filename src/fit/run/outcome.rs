@@ -2,9 +2,11 @@
 
 use crate::appearance::colour::Colorimeter;
 use crate::appearance::kubelka_munk::KubelkaMunk;
+use crate::evaluate::gate::{self, Quantity};
 use crate::fit::law::{Data, FitStep, few_cells, jackknife, rms};
 use crate::fit::load::{Drawdown, FitTask};
 use crate::fit::response::Response;
+use crate::numerics::estimate::Estimate;
 use faer::Mat;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -345,6 +347,16 @@ impl Forecast {
         let delta_e_2000_kubelka_munk = difference(task, own, kubelka_munk.as_ref());
         let (name, errors, measured) = (own.name.clone(), errors.collect(), own.values.clone());
         Self { name, values, errors, kubelka_munk, measured, delta_e_2000, delta_e_2000_kubelka_munk }
+    }
+
+    /// Why this prediction cannot be published: its first factor that no layer can have.
+    pub fn impossible(&self, wavelengths_nm: &[f64]) -> Option<String> {
+        let rows = self.values.iter().zip(&self.errors).zip(wavelengths_nm);
+        rows.into_iter().find_map(|((&value, &error), nm)| {
+            let number = Estimate { value, standard_error: Some(error) };
+            let reason = gate::impossible(Quantity::Factor, number)?;
+            Some(format!("no prediction of {}: its reflectance factor at {nm} nm is {reason}", self.name))
+        })
     }
 }
 

@@ -143,3 +143,24 @@ fn kubelka_and_munk_predict_in_proportion_to_the_pigment() {
     // a closed form inverted and evaluated: rounding
     assert!(forecast.kubelka_munk.unwrap().iter().all(|x| (x - expected).abs() < 1e-9));
 }
+
+/// A predicted factor that no layer can have is not published. *Planted*: predictions that pass no gate.
+#[test]
+fn impossible_predictions_are_withheld() {
+    let forecast = |value: f64, error: f64| Forecast {
+        name: "drawdown".to_owned(),
+        values: vec![0.4, value],
+        errors: vec![0.01, error],
+        kubelka_munk: None,
+        measured: None,
+        delta_e_2000: None,
+        delta_e_2000_kubelka_munk: None,
+    };
+    let reason = |value, error| forecast(value, error).impossible(&[500.0, 510.0]);
+    // within its error, and a fringe on white paper
+    assert_eq!([reason(-0.01, 0.02), reason(1.5, 0.05)], [None, None]);
+    for (value, error) in [(-0.1, 0.01), (3.0, 0.1), (0.5, 0.8), (f64::NAN, 0.01)] {
+        let said = reason(value, error).unwrap();
+        assert!(said.contains("drawdown") && said.contains("510 nm"), "{said}");
+    }
+}
