@@ -2,13 +2,14 @@
 //! such as the crowding of a pigment against its share.
 
 use super::publish::axis_columns;
+use crate::draw::cell::{numbers, table, with_errors};
 use crate::draw::chart::{Chart, Curve};
+use crate::draw::page::Figure;
 use crate::evaluate::composed::manifest::{ComposedManifest, MediumRow};
 use crate::numerics::estimate::Estimate;
-use crate::report::cell::{numbers, table, with_errors};
 use crate::report::columns::FolderTables;
 use crate::report::composed::{coefficients, lines, publish as publish_layer};
-use crate::report::page::{Figure, on_study};
+use crate::report::page::on_study;
 use crate::report::publish::PublishResult;
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};

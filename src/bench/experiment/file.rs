@@ -1,10 +1,8 @@
 //! A comparison as written, with the axes of a matrix, read and checked; and keys of the input
 //! files that have no effect on a comparison, for a note to the user.
 
-use crate::compare::error::{CompareError, CompareResult};
-use crate::compare::external::ExternalTable;
-use crate::compare::row::Varied;
-use crate::compare::subject::{Packed, StudyWritten};
+use crate::error::{CompareError, CompareResult};
+use crate::external::ExternalTable;
 use crate::input::fault::{Fault, Faults};
 use crate::input::limits;
 use crate::input::load::read_file;
@@ -12,7 +10,9 @@ use crate::input::locate::steps;
 use crate::input::tree::Node;
 use crate::input::wave_kind::WaveKind;
 use crate::numerics::allowed::Whole;
+use crate::row::Varied;
 use crate::solve::{Goal, Registry, Solver, SolverChoice};
+use crate::subject::{Packed, StudyWritten};
 use crate::wave::Scheme;
 use crate::wave::grid::MOST_POINTS;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};

@@ -3,9 +3,9 @@
 
 use super::file::ComparisonFile;
 use super::reference::{ReferenceTrial, task};
-use crate::compare::error::CompareResult;
-use crate::compare::row::{Discrete, Row, Varied};
+use crate::error::CompareResult;
 use crate::input::case::Case;
+use crate::row::{Discrete, Row, Varied};
 use crate::run::crew::processor_seconds;
 use crate::solve::accuracy::{AccuracyError, Task, error_estimate, largest_of_all};
 use crate::solve::{Account, Coverages, Goal, Solution, SolveError, Solver, Watch};

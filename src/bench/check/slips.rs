@@ -1,8 +1,8 @@
 //! The usual slips of programs, as changes of right answers; and those in what a program reads:
 //! right answers to another case.
 
-use crate::compare::external::judge::ExpectedOrder;
-use crate::compare::external::protocol::AnsweredSide::{self, Reflected, Transmitted};
+use crate::external::judge::ExpectedOrder;
+use crate::external::protocol::AnsweredSide::{self, Reflected, Transmitted};
 use num_complex::Complex64;
 use serde_json::{Value, json};
 use std::f64::consts::PI;

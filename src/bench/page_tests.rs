@@ -1,5 +1,5 @@
 use super::*;
-use crate::compare::row::Discrete;
+use crate::row::Discrete;
 use crate::solve::Account;
 use crate::store::marker::Holds;
 use crate::wave::{Resolution, Scheme};

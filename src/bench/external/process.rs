@@ -7,7 +7,7 @@
 use super::ExternalTable;
 use super::judge::words;
 use super::tree::{MARK, ProcessTree};
-use crate::compare::error::CompareResult;
+use crate::error::CompareResult;
 use crate::solve::{Account, SolveError, Step, Watch};
 use std::io::{Read, Write};
 use std::process::{Child, Command, ExitStatus, Stdio};

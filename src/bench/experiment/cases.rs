@@ -1,14 +1,14 @@
 //! The cases of a comparison: the one that is named, or all pigments and periods of a matrix.
 
 use super::file::{ComparedCase, ComparisonFile};
-use crate::compare::error::CompareResult;
-use crate::compare::row::Varied;
-use crate::compare::subject::Packed;
+use crate::error::CompareResult;
 use crate::input::case::Case;
 use crate::input::fault::Fault;
 use crate::input::load::stem;
 use crate::input::wave_kind::WaveKind;
 use crate::numerics::files;
+use crate::row::Varied;
+use crate::subject::Packed;
 use crate::wave::{Ball, BodyShape, Media};
 use serde_json::{Value, json};
 use std::path::Path;

@@ -1,9 +1,11 @@
 //! Errors of comparisons.
 
+use crate::draw::OutputError;
 use crate::input::case::CaseError;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::solve::SolveError;
 use crate::solve::accuracy::AccuracyError;
+use crate::store::folder::FolderError;
 use crate::wave::WaveError;
 use std::path::{Path, PathBuf};
 use thiserror::Error;
@@ -81,4 +83,24 @@ pub(super) fn kept<T>(entries: Vec<T>, end: CompareResult) -> CompareResult<Vec<
         Err(error) if !error.is_stop() || entries.is_empty() => Err(error),
         _ => Ok(entries),
     }
+}
+
+/// Why the outputs of a comparison could not be written.
+#[derive(Debug, Error)]
+pub enum WriteError {
+    /// The folder.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
+    /// A plot.
+    #[error(transparent)]
+    Figure(#[from] OutputError),
+    /// A table.
+    #[error("cannot write a table: {0}")]
+    Table(#[from] csv::Error),
+    /// The description of the machine.
+    #[error("cannot write the results as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// A page.
+    #[error("cannot write the report: {0}")]
+    Page(#[from] minijinja::Error),
 }

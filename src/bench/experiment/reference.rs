@@ -2,7 +2,7 @@
 
 use super::cases::Subject;
 use super::file::{ComparisonFile, Points};
-use crate::compare::error::CompareResult;
+use crate::error::CompareResult;
 use crate::input::case::Case;
 use crate::input::wave_kind::WaveKind;
 use crate::run::memory;

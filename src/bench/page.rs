@@ -1,13 +1,13 @@
 //! The outputs of a comparison: tables, plots and a page; among them the cost of an accuracy, the
 //! cheapest row of each strategy and program that reaches it.
 
+use super::error::WriteError;
 use super::external::protocol::ProgramDescription;
 use super::machine::Machine;
 use super::row::{Row, dash, grouped, mean_name};
-use crate::report::cell::{self, markdown, records};
-use crate::report::page::{made_by, svg_data, templates};
-use crate::report::publish::PublishResult;
-use crate::report::seal::sealed;
+use crate::draw::cell::{self, markdown, records};
+use crate::draw::page::{made_by, svg_data, templates};
+use crate::draw::seal::sealed;
 use crate::solve::Goal;
 use crate::store::folder::OutputFolder;
 use crate::store::marker::shell_word;
@@ -70,7 +70,7 @@ impl Comparison {
     ///
     /// # Errors
     /// A folder that cannot be written.
-    pub fn write(&self, folder: &OutputFolder) -> PublishResult {
+    pub fn write(&self, folder: &OutputFolder) -> Result<(), WriteError> {
         folder.remove_files(is_of_a_comparison)?;
         folder.write("comparison.csv", &records(self.rows.iter().map(Row::record))?)?;
         folder.write("machine.json", &serde_json::to_vec_pretty(&self.machine)?)?;

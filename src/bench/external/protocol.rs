@@ -1,10 +1,10 @@
 //! What inkwave asks a program, and what it may answer: one JSON text each; and what a program says
 //! of itself when it is started with `--describe`.
 
+use crate::draw::cell::plain;
 use crate::input::case::Case;
 use crate::input::case_inputs::CaseInputs;
 use crate::input::wave_kind::WaveKind;
-use crate::report::cell::plain;
 use crate::wave::BodyShape;
 use num_complex::Complex64;
 use schemars::JsonSchema;
