@@ -43,11 +43,11 @@
 //!
 //! ```text
 //! numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate
-//!          ← work ← draw ← report ← design, fit, sweep ← export, schema
+//!          ← work ← draw ← report ← design, fit, sweep ← bench, export, schema
 //! ```
 //!
-//! Comparisons of strategies, grids and other programs are a crate of their own, `inkwave-bench` in
-//! `src/bench`, which uses the folders up to [`draw`]; of the product only the command `compare` and
+//! `bench` is a crate of its own, `inkwave-bench`: comparisons of strategies, grids and other
+//! programs. It uses the folders up to [`draw`]; of the product, only the command `compare` and
 //! [`schema`] use it.
 //!
 //! [`architecture`] draws the data flow with the shapes of all arrays.

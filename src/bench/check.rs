@@ -7,8 +7,8 @@
 mod slips;
 
 use super::error::CompareResult;
-use super::external::ExternalTable;
 use super::external::judge::{ExpectedOrder, ReadAnswer, expected};
+use super::external::{ExternalTable, Question};
 use super::row::Row;
 use crate::input::case::Case;
 use crate::input::wave_kind::WaveKind;
@@ -62,7 +62,8 @@ struct Answered {
 pub fn check(program: &ExternalTable, folder: &Path, watch: &mut dyn Watch) -> CompareResult<Conformity> {
     let described = program.described(folder, watch)?.unwrap_or_default();
     let knob = program.knob.first().copied();
-    let (mut cases, mut answered) = (Vec::new(), Vec::new());
+    let mut cases = Vec::new();
+    let mut answered = Vec::new();
     for wave in [WaveKind::Scalar, WaveKind::Vector] {
         for known in KNOWN.map(|name| KnownCase::new(name, wave)) {
             let name = format!("{}, {}", known.name, wave.name());
@@ -71,8 +72,8 @@ pub fn check(program: &ExternalTable, folder: &Path, watch: &mut dyn Watch) -> C
                 continue;
             }
             let mut row = Row::new(None, &program.name, None);
-            let question = (known.inputs.clone(), wave, knob);
-            match program.asked(question, folder, &mut row, watch)? {
+            let question = Question { inputs: known.inputs.clone(), wave, knob };
+            match program.ask(question, folder, &mut row, watch)? {
                 Err(reason) => cases.push((name, Err(reason))),
                 Ok(answer) => {
                     let expected = known.orders(watch)?;
@@ -130,14 +131,14 @@ fn explains_case(change: fn(&mut Value), all: &[Answered], watch: &mut dyn Watch
 
 /// Pairs of slips that explain the answers together.
 fn pairs(explains: impl Fn(&[&OrderSlip]) -> bool) -> Vec<[String; 2]> {
-    let mut found = Vec::new();
+    let mut explaining = Vec::new();
     for (k, first) in SLIPS.iter().enumerate() {
         for second in SLIPS[k + 1..].iter().filter(|second| explains(&[first, second])) {
             let joint = |a: &str, b: &str| format!("{a}, and {b}");
-            found.push([joint(first.name, second.name), joint(first.remedy, second.remedy)]);
+            explaining.push([joint(first.name, second.name), joint(first.remedy, second.remedy)]);
         }
     }
-    found
+    explaining
 }
 
 /// Names of the cases.
@@ -181,7 +182,8 @@ impl KnownCase {
     /// # Errors
     /// The user stopped it.
     pub fn orders(&self, watch: &mut dyn Watch) -> CompareResult<Vec<ExpectedOrder>> {
-        let (case, wave) = (self.case()?, self.wave.wave());
+        let case = self.case()?;
+        let wave = self.wave.wave();
         let task = Task {
             coverages: &Coverages::new(wave, &case.scene, Precision::of(error_for(ACCURACY))),
             media: &case.media,
@@ -198,10 +200,14 @@ impl KnownCase {
     /// What slips depend on; the half-spaces of the known cases are real.
     fn light(&self) -> SlipLight {
         let number = |key: &str| self.inputs[key].as_f64().unwrap_or_default();
-        let (k0, polar, azimuth) = (TAU / number("wavelength"), number("sigma_deg"), number("phi_deg"));
-        let ((sin, cos), (y, x)) = (polar.to_radians().sin_cos(), azimuth.to_radians().sin_cos());
+        let k0 = TAU / number("wavelength");
+        let (sin, cos) = number("sigma_deg").to_radians().sin_cos();
+        let (y, x) = number("phi_deg").to_radians().sin_cos();
         let lateral = [sin * x, sin * y];
-        let step = [0, 1].map(|axis| self.inputs["L"][axis].as_f64().unwrap_or(1.0)).map(|um| TAU / um / k0);
+        let step = [0, 1].map(|axis| {
+            let period_um = self.inputs["L"][axis].as_f64().unwrap_or(1.0);
+            TAU / period_um / k0
+        });
         SlipLight { kappa: cos, height: k0 * number("H"), exit: number("n_out"), lateral, step }
     }
 }

@@ -31,7 +31,17 @@ pub struct ComparisonPlan {
 }
 
 /// A strategy with its name.
-type NamedStrategy = (String, Box<dyn Solver>);
+pub(super) struct NamedStrategy {
+    pub name: String,
+    pub solver: Box<dyn Solver>,
+}
+
+/// What is compared on every case.
+struct Entrants<'a> {
+    strategies: &'a [NamedStrategy],
+    /// What each program of the file says of itself.
+    programs: &'a [Option<ProgramDescription>],
+}
 
 impl ComparisonFile {
     /// Plans the comparison without solving: packs the geometry and checks everything.
@@ -65,7 +75,8 @@ impl ComparisonFile {
         let mut rows = 0;
         for subject in subjects {
             let (absorbs, schemes) = (absorbs(&subject.media()?), self.schemes(subject.wave).len());
-            let means = strategies.iter().map(|(_, s)| self.means(&**s, absorbs).len()).sum::<usize>();
+            let means =
+                strategies.iter().map(|strategy| self.means(&*strategy.solver, absorbs).len()).sum::<usize>();
             rows += means * self.listed().map_or(1, |points| points.len()) * schemes;
         }
         Ok(rows + subjects.len() * self.external.iter().map(|program| program.knobs().len()).sum::<usize>())
@@ -103,8 +114,9 @@ impl ComparisonFile {
             told(&row);
             rows.push(row);
         };
-        let entrants = (&strategies[..], &programs[..]);
-        let end = subjects.iter().try_for_each(|subject| self.on(subject, entrants, watch, &mut keep));
+        let entrants = Entrants { strategies: &strategies, programs: &programs };
+        let end =
+            subjects.iter().try_for_each(|subject| self.compare_on(subject, &entrants, watch, &mut keep));
         Ok(Comparison {
             title: self.title.clone(),
             file: self.origin.clone(),
@@ -112,7 +124,7 @@ impl ComparisonFile {
             cases: subjects.iter().filter_map(Subject::shown).collect(),
             accuracy: self.searched(),
             goal: self.goal(),
-            strategies: strategies.into_iter().map(|(name, _)| name).collect(),
+            strategies: strategies.into_iter().map(|strategy| strategy.name).collect(),
             externals: self.external.iter().map(|program| program.name.clone()).collect(),
             programs: programs.into_iter().map(Option::unwrap_or_default).collect(),
             registry: registry.names().map(String::from).collect(),
@@ -122,12 +134,11 @@ impl ComparisonFile {
         })
     }
 
-    /// Computes every row of one case with the strategies, and with the programs by their
-    /// descriptions.
-    fn on(
+    /// Computes every row of one case.
+    fn compare_on(
         &self,
         subject: &Subject,
-        (strategies, programs): (&[NamedStrategy], &[Option<ProgramDescription>]),
+        entrants: &Entrants,
         watch: &mut dyn Watch,
         keep: &mut dyn FnMut(Row),
     ) -> CompareResult {
@@ -139,20 +150,25 @@ impl ComparisonFile {
         let mut keep = |row: Row| keep(Row { named: subject.named.clone(), ..row });
         for trial in &trials {
             for absorbing in [true, false] {
-                for (name, solver) in strategies {
-                    let means = self.means(&**solver, absorbs(&case.media));
+                for strategy in entrants.strategies {
+                    let means = self.means(&*strategy.solver, absorbs(&case.media));
                     if let Some(mean) = means.into_iter().find(|mean| mean.absorbing == absorbing) {
-                        keep(bench.row((name, &**solver), mean, trial, watch)?);
+                        keep(bench.row(strategy, mean, trial, watch)?);
                     }
                 }
             }
         }
-        let (inputs, expected) = (subject.inputs(&case), expected(&bench.truth));
-        let (varied, wave, folder) = (subject.varied, subject.wave, self.folder());
-        let question = CaseAsked { varied, inputs: &inputs, case: &case, wave, expected: &expected, folder };
-        for (program, described) in self.external.iter().zip(programs) {
+        let question = CaseAsked {
+            varied: subject.varied,
+            inputs: &subject.inputs(&case),
+            case: &case,
+            wave: subject.wave,
+            expected: &expected(&bench.truth),
+            folder: self.folder(),
+        };
+        for (program, described) in self.external.iter().zip(entrants.programs) {
             for knob in program.knobs() {
-                keep(program.row(&question, (knob, described.as_ref()), watch)?);
+                keep(program.row(&question, knob, described.as_ref(), watch)?);
             }
         }
         Ok(())

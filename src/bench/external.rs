@@ -71,6 +71,14 @@ pub(super) struct CaseAsked<'a> {
     pub folder: &'a Path,
 }
 
+/// What one start of a program is to solve.
+pub(super) struct Question {
+    /// The keys of a case file.
+    pub inputs: Value,
+    pub wave: WaveKind,
+    pub knob: Option<f64>,
+}
+
 impl ExternalTable {
     /// Values of the knob; one run without where there are none.
     pub(super) fn knobs(&self) -> Vec<Option<f64>> {
@@ -116,7 +124,8 @@ impl ExternalTable {
     pub(super) fn row(
         &self,
         question: &CaseAsked,
-        (knob, described): (Option<f64>, Option<&ProgramDescription>),
+        knob: Option<f64>,
+        described: Option<&ProgramDescription>,
         watch: &mut dyn Watch,
     ) -> CompareResult<Row> {
         let mut row = Row { knob, ..Row::new(question.varied, &self.name, None) };
@@ -126,7 +135,8 @@ impl ExternalTable {
             (Err(reason), _) => return Ok(Row { result: Err(reason.clone()), ..row }),
             (_, Some(reason)) => return Ok(Row { result: Err(reason), ..row }),
         };
-        let answer = self.asked((inputs, question.wave, knob), question.folder, &mut row, watch)?;
+        let asked = Question { inputs, wave: question.wave, knob };
+        let answer = self.ask(asked, question.folder, &mut row, watch)?;
         row.own_seconds = answer.as_ref().ok().and_then(|answer| answer.seconds);
         row.result = answer.and_then(|answer| answer.error(question.expected));
         Ok(row)
@@ -136,14 +146,15 @@ impl ExternalTable {
     ///
     /// # Errors
     /// The user stopped it.
-    pub(super) fn asked(
+    pub(super) fn ask(
         &self,
-        (inputs, wave, knob): (Value, WaveKind, Option<f64>),
+        question: Question,
         folder: &Path,
         row: &mut Row,
         watch: &mut dyn Watch,
     ) -> CompareResult<Result<ReadAnswer, String>> {
         let Self { time_limit_s, memory_gb, .. } = *self;
+        let Question { inputs, wave, knob } = question;
         let case = blake3::hash(inputs.to_string().as_bytes()).to_hex()[..12].to_owned();
         let request = ProgramRequest { case, inputs, wave, knob, time_limit_s, memory_gb };
         let text = serde_json::to_string(&request).unwrap_or_default();

@@ -83,7 +83,8 @@ impl Comparison {
             folder.write(&name, svg.as_bytes())?;
             figures.push(context!(name, title => plot.title, data => svg_data(&svg)));
         }
-        let [file, out] = [&self.file, folder.path()].map(|path| shell_word(&path.to_string_lossy()));
+        let file = shell_word(&self.file.to_string_lossy());
+        let out = shell_word(&folder.path().to_string_lossy());
         let command = format!("inkwave compare {file} --output {out}");
         let all = context!(figures, command, ..self.context());
         let mut templates = templates()?;
@@ -175,9 +176,9 @@ impl Comparison {
     }
 
     fn costs(&self) -> Vec<Vec<String>> {
-        let of = |group: &[Row], name: &String| group.iter().find(|r| r.strategy == *name).map(cost);
+        let cost_of = |group: &[Row], name: &String| group.iter().find(|r| r.strategy == *name).map(cost);
         let line = |group: &[Row]| {
-            let costs = self.strategies.iter().map(|name| of(group, name).unwrap_or("–".into()));
+            let costs = self.strategies.iter().map(|name| cost_of(group, name).unwrap_or("–".into()));
             fixed(&group[0]).into_iter().chain(costs).collect()
         };
         self.groups().filter(|group| !self.is_process(&group[0])).map(line).collect()

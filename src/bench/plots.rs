@@ -60,9 +60,13 @@ impl Comparison {
     }
 
     fn of_case(&self, name: &String, of_processes: bool, title: String, cost: &str) -> Chart {
-        let own = |row: &&Row| row.named.as_ref() == Some(name) && row.converged();
-        let rows: Vec<&Row> =
-            self.rows.iter().filter(own).filter(|row| self.is_process(row) == of_processes).collect();
+        let of_this_case = |row: &&Row| row.named.as_ref() == Some(name) && row.converged();
+        let rows: Vec<&Row> = self
+            .rows
+            .iter()
+            .filter(of_this_case)
+            .filter(|row| self.is_process(row) == of_processes)
+            .collect();
         let curves = self.curves(&rows, |row| {
             [row.processor_seconds.or(row.seconds).unwrap_or(f64::NAN).max(LEAST_SECONDS), error(row)]
         });

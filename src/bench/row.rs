@@ -181,10 +181,10 @@ pub(super) fn grouped<'a, K: PartialEq>(
 ) -> Vec<(K, Vec<&'a Row>)> {
     let mut groups: Vec<(K, Vec<&Row>)> = Vec::new();
     for row in rows {
-        let own = key(row);
-        match groups.iter_mut().find(|(other, _)| *other == own) {
+        let key = key(row);
+        match groups.iter_mut().find(|(other, _)| *other == key) {
             Some((_, group)) => group.push(row),
-            None => groups.push((own, vec![row])),
+            None => groups.push((key, vec![row])),
         }
     }
     groups

@@ -60,7 +60,8 @@ impl Packed {
     pub fn read(
         written: &StudyWritten,
         origin: &Path,
-        (wavelength_nm, polar_deg): (Option<f64>, Option<f64>),
+        wavelength_nm: Option<f64>,
+        polar_deg: Option<f64>,
     ) -> CompareResult<Packed> {
         let (file, path, inside) = match written {
             StudyWritten::File(path) => {

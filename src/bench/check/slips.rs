@@ -46,8 +46,8 @@ pub fn changed(right: &[ExpectedOrder], slips: &[&OrderSlip], light: &SlipLight)
     let mut all = Vec::new();
     for order in right {
         let index = if order.side == Reflected { 1.0 } else { light.exit };
-        let [x, y] =
-            [(0, order.m), (1, order.n)].map(|(a, m)| light.lateral[a] + f64::from(m) * light.step[a]);
+        let x = light.lateral[0] + f64::from(order.m) * light.step[0];
+        let y = light.lateral[1] + f64::from(order.n) * light.step[1];
         let kappa = (index * index - x * x - y * y).max(0.0).sqrt();
         let mut slipped = SlipOrder { order: order.clone(), kappa, index };
         slips.iter().for_each(|slip| (slip.act)(&mut slipped, light));

@@ -1,6 +1,7 @@
 //! A comparison as written, with the axes of a matrix, read and checked; and keys of the input
 //! files that have no effect on a comparison, for a note to the user.
 
+use super::NamedStrategy;
 use crate::error::{CompareError, CompareResult};
 use crate::external::ExternalTable;
 use crate::input::fault::{Fault, Faults};
@@ -128,8 +129,9 @@ pub struct Points {
 
 /// Whether the file is a study rather than a comparison: it has none of a comparison's own keys.
 fn is_study(table: &toml::Table) -> bool {
-    let own = ["study", "case", "cases", "matrix", "strategies", "schemes", "resolutions", "goal", "repeats"];
-    table.contains_key("layer") && !own.iter().any(|key| table.contains_key(*key))
+    let keys =
+        ["study", "case", "cases", "matrix", "strategies", "schemes", "resolutions", "goal", "repeats"];
+    table.contains_key("layer") && !keys.iter().any(|key| table.contains_key(*key))
 }
 
 fn is_empty<T>(list: &Option<Vec<T>>) -> bool {
@@ -156,12 +158,17 @@ impl ComparisonFile {
     }
 
     /// The strategies to compare, checked against the registry.
-    pub(super) fn strategies(&self, registry: &Registry) -> CompareResult<Vec<(String, Box<dyn Solver>)>> {
+    pub(super) fn strategies(&self, registry: &Registry) -> CompareResult<Vec<NamedStrategy>> {
         match &self.strategies {
-            Some(names) => names.iter().map(|name| Ok((name.clone(), registry.build(name)?))).collect(),
+            Some(names) => {
+                let named =
+                    |name: &String| Ok(NamedStrategy { name: name.clone(), solver: registry.build(name)? });
+                names.iter().map(named).collect()
+            }
             None => {
-                let all = registry.entries().iter().map(|e| (e.name.clone(), e.build()));
-                Ok(all.filter(|(_, solver)| solver.most_unknowns().is_none()).collect())
+                let all = registry.entries().iter();
+                let all = all.map(|entry| NamedStrategy { name: entry.name.clone(), solver: entry.build() });
+                Ok(all.filter(|strategy| strategy.solver.most_unknowns().is_none()).collect())
             }
         }
     }
@@ -269,7 +276,7 @@ impl ComparisonFile {
     pub(super) fn packed(&self) -> CompareResult<Packed> {
         let missing = || Fault::new("study", "missing", "a study", "name a study file or write [study]");
         let study = self.study.as_ref().ok_or_else(missing)?;
-        Packed::read(study, &self.origin, (self.wavelength_nm, self.polar_deg))
+        Packed::read(study, &self.origin, self.wavelength_nm, self.polar_deg)
     }
 
     pub(super) fn folder(&self) -> &Path {
@@ -358,9 +365,9 @@ impl ComparisonFile {
 
 /// Whether a table has a key.
 fn has(table: &Node, key: &str) -> bool {
-    let found = steps(key).try_fold(table, |here, step| match here {
+    let inner = steps(key).try_fold(table, |here, step| match here {
         Node::List(items) => items.get(step.parse::<usize>().ok()?),
         _ => here.get(step),
     });
-    found.is_some()
+    inner.is_some()
 }

@@ -49,7 +49,8 @@ impl ComparisonFile {
     /// # Errors
     /// No memory for the grid; a geometry or a direction that makes no problem on it.
     pub(super) fn check_reference(&self, wave: WaveKind, case: &Case, grids: &[Resolution]) -> CompareResult {
-        let (resolution, coverages) = (finer(wave, grids), coverages(wave, case));
+        let resolution = finer(wave, grids);
+        let coverages = coverages(wave, case);
         let solver = Gmres::default();
         let task = task(case, &coverages, &solver, self.goal().tolerance);
         task.admitted(resolution).map_err(AccuracyError::Memory)?;
@@ -96,15 +97,18 @@ pub(super) fn coverages(wave: WaveKind, case: &Case) -> Coverages<'_> {
 /// # Errors
 /// The user stopped it.
 fn trial(
-    found: Result<Estimated, AccuracyError>,
+    solved: Result<Estimated, AccuracyError>,
     listed: Option<Resolution>,
 ) -> CompareResult<ReferenceTrial> {
-    let found = match found {
+    let estimated = match solved {
         Err(stopped) if stopped.is_stop() => return Err(stopped.into()),
-        found => found.map(|found| (found.system().grid().resolution, found.parts)),
+        solved => solved.map_err(|error| error.to_string()),
     };
-    let parts = found.as_ref().ok().map(|(_, parts)| *parts);
-    let grid = listed.map_or_else(|| found.map(|(grid, _)| grid).map_err(|e| e.to_string()), Ok);
+    let parts = estimated.as_ref().ok().map(|estimated| estimated.parts);
+    let grid = match listed {
+        Some(grid) => Ok(grid),
+        None => estimated.map(|estimated| estimated.system().grid().resolution),
+    };
     Ok(ReferenceTrial { grid, parts })
 }
 
@@ -123,9 +127,16 @@ pub(super) fn task<'a>(
 
 /// The grid of the reference.
 fn finer(wave: WaveKind, grids: &[Resolution]) -> Resolution {
-    let most = |f: fn(&Resolution) -> usize| grids.iter().map(f).max().unwrap_or(1);
-    let [nx, ny, cells] = [most(|g| g.nx), most(|g| g.ny), most(|g| g.cells)].map(|count| 3 * count / 2);
-    Resolution { nx, ny, cells, scheme: wave.wave().scheme(Scheme::Cubic) }
+    let half_as_many_again = |of_grid: fn(&Resolution) -> usize| {
+        let count = grids.iter().map(of_grid).max().unwrap_or(1);
+        3 * count / 2
+    };
+    Resolution {
+        nx: half_as_many_again(|grid| grid.nx),
+        ny: half_as_many_again(|grid| grid.ny),
+        cells: half_as_many_again(|grid| grid.cells),
+        scheme: wave.wave().scheme(Scheme::Cubic),
+    }
 }
 
 /// A grid of the list; one point is enough along an axis that nothing depends on.
@@ -143,9 +154,9 @@ const PAIRS: [Keys; 2] = [["/s/s", "/s/p"], ["/p/p", "/p/s"]];
 /// Puts a reference order's amplitudes in place; false where the reference does not list it.
 fn replace(order: &mut Order, known: &[Value], [own, crossed]: &Keys) -> bool {
     let same = |k: &&Value| k["m"] == order.m && (k["n"] == order.n || (k["n"].is_null() && order.n == 0));
-    let Some(found) = known.iter().find(same) else { return false };
+    let Some(listed) = known.iter().find(same) else { return false };
     let amplitude = |side: &str, keys: &str| {
-        let pair = found[side].pointer(keys)?;
+        let pair = listed[side].pointer(keys)?;
         Some(Complex64::new(pair[0].as_f64()?, pair[1].as_f64()?))
     };
     order.reflected = amplitude("R", own).unwrap_or(order.reflected);

@@ -1,6 +1,7 @@
 //! One row of a comparison: one strategy on one grid of a case, and the mean media ⟨k²⟩ that it is
 //! compared with.
 
+use super::NamedStrategy;
 use super::file::ComparisonFile;
 use super::reference::{ReferenceTrial, task};
 use crate::error::CompareResult;
@@ -24,7 +25,7 @@ impl Bench<'_> {
     /// Computes one row: a result, or the reason why there is none. Errors: the user stopped it.
     pub fn row(
         &self,
-        (name, solver): (&str, &dyn Solver),
+        strategy: &NamedStrategy,
         mean: Mean,
         trial: &ReferenceTrial,
         watch: &mut dyn Watch,
@@ -32,15 +33,18 @@ impl Bench<'_> {
         let resolution = match &trial.grid {
             Ok(resolution) => *resolution,
             Err(reason) => {
-                return Ok(Row { result: Err(reason.clone()), ..Row::new(self.varied, name, None) });
+                return Ok(Row {
+                    result: Err(reason.clone()),
+                    ..Row::new(self.varied, &strategy.name, None)
+                });
             }
         };
         let discrete = Discrete { resolution, absorbing_mean: mean.absorbing };
-        let mut row = Row::new(self.varied, name, Some(discrete));
+        let mut row = Row::new(self.varied, &strategy.name, Some(discrete));
         let goal = self.file.goal();
-        let task = task(self.case, self.coverages, solver, goal.tolerance);
+        let task = task(self.case, self.coverages, &*strategy.solver, goal.tolerance);
         let task = Task { mean, goal, scheme: resolution.scheme, ..task };
-        match self.measure(&task, (resolution, trial.parts), &mut row, watch) {
+        match self.measure(&task, resolution, trial.parts, &mut row, watch) {
             Err(stopped) if stopped.is_stop() => Err(stopped.into()),
             Err(error) => {
                 if let AccuracyError::Solve(error) = &error {
@@ -56,7 +60,8 @@ impl Bench<'_> {
     fn measure(
         &self,
         task: &Task,
-        (resolution, parts): (Resolution, Option<[f64; 2]>),
+        resolution: Resolution,
+        parts: Option<[f64; 2]>,
         row: &mut Row,
         watch: &mut dyn Watch,
     ) -> Result<f64, AccuracyError> {
@@ -64,9 +69,10 @@ impl Bench<'_> {
         let systems = task.systems(resolution)?;
         // Systems of s and p light share their memory.
         let unknowns = systems.iter().map(|system| system.unknowns()).sum();
-        (row.unknowns, row.bytes) = (Some(unknowns), systems[0].bytes());
-        let (solver, goal) = (admitted.solver(), task.goal);
-        let (solutions, processor_seconds) = timed(solver, &systems, goal, watch)?;
+        row.unknowns = Some(unknowns);
+        row.bytes = systems[0].bytes();
+        let solver = admitted.solver();
+        let (solutions, processor_seconds) = timed(solver, &systems, task.goal, watch)?;
         let account = joined(&solutions);
         let mut seconds = vec![account.seconds];
         let mut processor_seconds: Vec<f64> = processor_seconds.into_iter().collect();
@@ -82,11 +88,12 @@ impl Bench<'_> {
             far.judged(errors)?;
         }
         for _ in 1..self.file.repeats.unwrap_or(3) {
-            let (solutions, processors) = timed(solver, &systems, goal, watch)?;
+            let (solutions, processors) = timed(solver, &systems, task.goal, watch)?;
             seconds.push(joined(&solutions).seconds);
             processor_seconds.extend(processors);
         }
-        (row.seconds, row.processor_seconds) = (median(seconds), median(processor_seconds));
+        row.seconds = median(seconds);
+        row.processor_seconds = median(processor_seconds);
         Ok(error)
     }
 }
@@ -122,7 +129,7 @@ impl ComparisonFile {
         let depends_on_z = self.mean_depends_on_z.unwrap_or(true);
         let mean = |absorbing| Mean { depends_on_z, absorbing: absorbing && absorbs };
         match self.absorbing_mean {
-            Some(asked) => vec![mean(asked)],
+            Some(requested) => vec![mean(requested)],
             None if absorbs && solver.suited_mean().absorbing => vec![mean(true), mean(false)],
             None => vec![mean(false)],
         }

@@ -84,8 +84,8 @@ impl ProgramRun {
         let end = end.or_else(|| output.iter().chain(&complaint).find_map(|pipe| flood(pipe.len())));
         let status = running.end().map_err(|error| error.to_string());
         let end = end.map_or(status, Err);
-        let [output, complaint] =
-            [output, complaint].map(|pipe| pipe.map_or_else(Vec::new, PipeOutput::bytes));
+        let output = output.map_or_else(Vec::new, PipeOutput::bytes);
+        let complaint = complaint.map_or_else(Vec::new, PipeOutput::bytes);
         let processor_seconds = running.tree.seconds;
         let peak_bytes = running.tree.peak;
         Ok(Ok(ProgramRun { seconds, processor_seconds, peak_bytes, end, output, complaint }))

@@ -103,15 +103,15 @@ impl ProcessTree {
     }
 
     fn is_marked(&mut self, process: &Process) -> bool {
-        let own = (process.number, process.start);
-        if self.unmarked.contains(&own) {
+        let identity = (process.number, process.start);
+        if self.unmarked.contains(&identity) {
             return false;
         }
         let environment = std::fs::read(format!("/proc/{}/environ", process.number)).unwrap_or_default();
         let marked = environment.split(|byte| *byte == 0).any(|variable| variable == self.mark);
         // A process that is just replacing its program has no environment yet.
         if !marked && !environment.is_empty() {
-            self.unmarked.insert(own);
+            self.unmarked.insert(identity);
         }
         marked
     }
