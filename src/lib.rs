@@ -43,8 +43,12 @@
 //!
 //! ```text
 //! numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate
-//!          ← draw ← report ← compare, sweep ← design, fit ← export, schema
+//!          ← work ← draw ← report ← design, fit, sweep ← bench, export, schema
 //! ```
+//!
+//! `bench` is a crate of its own, `inkwave-bench`: comparisons of strategies, grids and other
+//! programs. It uses the folders up to [`draw`]; of the product, only the command `compare` and
+//! [`schema`] use it.
 //!
 //! [`architecture`] draws the data flow with the shapes of all arrays.
 //!
@@ -72,9 +76,10 @@
 //! - [`run`]: the computation. One solve, one realisation, a whole study, in parallel on all cores,
 //!   within the memory available.
 //! - [`evaluate`]: numbers with error bars. Spectra, appearance, the uncertainty budget, the summary.
-//! - [`draw`]: all drawing. Charts, rasters, the picture of the source paper.
+//! - [`work`]: what is solved together, in which order and by which process; its cost beforehand.
+//! - [`draw`]: all drawing. Charts, rasters, the picture of the source paper, and what pages and
+//!   tables are made of.
 //! - [`report`]: pages and tables of a study.
-//! - [`compare`]: strategies × grids × discretisations side by side.
 //! - [`sweep`]: studies of many variants, on one machine or many.
 //! - [`design`]: from a wanted colour to recipes.
 //! - [`fit`]: from measured drawdowns to a pigment's index.
@@ -108,14 +113,13 @@
 #[doc = include_str!("architecture.md")]
 pub mod architecture {}
 
-pub mod compare;
 pub mod design;
-pub mod draw;
 pub mod export;
 pub mod fit;
 pub mod report;
 pub mod schema;
 pub mod sweep;
 
+pub use inkwave_draw as draw;
 pub use inkwave_physics::{appearance, ink, material, numerics, solve, wave};
-pub use inkwave_study::{evaluate, input, run, store};
+pub use inkwave_study::{evaluate, input, run, store, work};

@@ -2,14 +2,14 @@
 //! completion and checks in editors, and a commented file with every key of each.
 //! They are adapted to what the reader of the files accepts.
 
-use crate::compare::experiment::ComparisonFile;
-use crate::compare::external::Protocol;
 use crate::design::file::DesignFile;
 use crate::fit::file::FitFile;
 use crate::input::case_inputs::CaseInputs;
 use crate::input::file::StudyFile;
 use crate::sweep::file::SweepFile;
 use clap::ValueEnum;
+use inkwave_bench::experiment::ComparisonFile;
+use inkwave_bench::external::Protocol;
 use schemars::generate::SchemaSettings;
 use schemars::transform::transform_subschemas;
 use schemars::{JsonSchema, Schema, json_schema};

@@ -97,7 +97,7 @@ static ALL: &[Claim] = &claims::ALL;
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     let args = Args::parse();
     if let Some(page) = &args.seal {
-        let text = inkwave::report::seal::sealed(&std::fs::read_to_string(page)?);
+        let text = inkwave::draw::seal::sealed(&std::fs::read_to_string(page)?);
         inkwave::store::safely::write(page, text.as_bytes())?;
         return Ok(ExitCode::SUCCESS);
     }

@@ -6,7 +6,7 @@ use crate::claim::{Check, Table, short};
 use crate::history::{Night, Trend, margins, trend};
 use crate::manifest::Manifest;
 use inkwave::draw::chart::Chart;
-use inkwave::report::seal::sealed_by;
+use inkwave::draw::seal::sealed_by;
 use inkwave::store::safely;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{Environment, value::Serde};
@@ -134,7 +134,7 @@ pub fn write(
     let report = Report { manifest, changes: changes(judged, nights), chapters };
     let mut templates = Environment::new();
     templates.set_syntax(SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build()?);
-    templates.add_template("style.css", inkwave::report::page::STYLE)?;
+    templates.add_template("style.css", inkwave::draw::page::STYLE)?;
     templates.add_template("index.html", include_str!("page.html"))?;
     templates.add_template("report.md", include_str!("page.md"))?;
     for name in ["index.html", "report.md"] {

@@ -7,7 +7,7 @@
 
 use clap::Parser;
 use inkwave::draw::chart::{Chart, Curve, Style};
-use inkwave::report::seal::sealed;
+use inkwave::draw::seal::sealed;
 use inkwave::store::safely;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

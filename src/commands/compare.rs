@@ -4,13 +4,13 @@ use super::diagnostics::{folder_report, study_report};
 use super::terminal::StopFlag;
 use super::work::opened;
 use clap::Args;
-use inkwave::compare::check::{Conformity, ConformityVerdict, TOLERANCE, check};
-use inkwave::compare::experiment::{CompareError, ComparisonFile, ComparisonPlan};
-use inkwave::compare::external::ExternalTable;
-use inkwave::compare::row::Row;
-use inkwave::report::publish::PublishError;
 use inkwave::solve::{Registry, Step, Watch};
 use inkwave::store::marker::Holds;
+use inkwave_bench::check::{Conformity, ConformityVerdict, TOLERANCE, check};
+use inkwave_bench::error::WriteError;
+use inkwave_bench::experiment::{CompareError, ComparisonFile, ComparisonPlan};
+use inkwave_bench::external::ExternalTable;
+use inkwave_bench::row::Row;
 use miette::{Result, miette};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -53,7 +53,7 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     // a stop may end the comparison after some of its solves; what is there is written
     stop.end_at_once(!stop.is_raised());
     let comparison = ran.inspect_err(|_| output.discard_when_empty()).map_err(report)?;
-    comparison.write(&output).map_err(publish_report)?;
+    comparison.write(&output).map_err(write_report)?;
     say!("Comparison: {}", args.output.join("comparison.html").display())?;
     let (there, asked) = (comparison.rows.len(), comparison.asked);
     if there < asked {
@@ -101,9 +101,9 @@ fn checked(args: &CompareArgs) -> Result<()> {
     }
 }
 
-fn publish_report(error: PublishError) -> miette::Report {
+fn write_report(error: WriteError) -> miette::Report {
     match error {
-        PublishError::Folder(error) => folder_report(error),
+        WriteError::Folder(error) => folder_report(error),
         other => miette!("{other}"),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::recipe::{DesignTask, short};
 use super::run::{DesignAnswer, DesignOutcome, Verified};
-use crate::report::page::{made_by, rendered};
+use crate::draw::page::{made_by, rendered};
 use crate::report::publish::PublishResult;
 use crate::store::folder::OutputFolder;
 use minijinja::value::Serde;

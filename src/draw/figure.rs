@@ -162,7 +162,7 @@ pub type DrawResult<T = ()> = Result<T, OutputError>;
 
 impl OutputError {
     /// Maps any failure while `what` is made.
-    pub(crate) fn making<E: std::fmt::Display>(what: &str) -> impl Fn(E) -> Self + '_ {
+    pub fn making<E: std::fmt::Display>(what: &str) -> impl Fn(E) -> Self + '_ {
         move |reason| Self::Make(format!("{what}: {reason}"))
     }
 }

@@ -142,7 +142,7 @@ mod tests {
         assert_eq!(svg.matches("prefers-color-scheme: dark").count(), 1, "{svg}");
         assert!(svg.starts_with("<svg ") && svg.contains("fill=\"#FFFFFF\""), "{svg}");
         // The pages' own style has the colours that the rules name.
-        let style = crate::report::page::STYLE;
+        let style = crate::page::STYLE;
         assert!(["#211f1c", "#e6e2da", "#45413b"].iter().all(|c| style.contains(c) && NIGHT.contains(c)));
     }
 

@@ -1,7 +1,7 @@
 use super::*;
 use crate::appearance::colour::Colorimeter;
 use crate::appearance::paper::{Coupling, MirroredSky};
-use crate::draw::contact_sheet::{ContactSheet, SHEET_LEFT, SHEET_TOP};
+use crate::contact_sheet::{ContactSheet, SHEET_LEFT, SHEET_TOP};
 use inkwave_validation::fixtures::molecular_ink;
 use ndarray::Array2;
 use std::path::PathBuf;

@@ -1,7 +1,7 @@
 //! The wave inside the layer as a volume; VTK images (`.vti`): fields on a uniform grid, as
 //! ParaView and pyvista open them.
 
-use crate::report::cell::plain;
+use crate::draw::cell::plain;
 use crate::wave::{Field, Problem};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;

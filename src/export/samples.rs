@@ -2,8 +2,8 @@
 //! part that it leaves out.
 
 use super::request::ExportResult;
+use crate::draw::cell::table;
 use crate::evaluate::directional::{Direction, DirectionalPrint};
-use crate::report::cell::table;
 
 /// Columns of `specular.csv`.
 const SPECULAR: [&str; 8] = [

@@ -8,8 +8,8 @@
 //! the data are simulated.
 
 use super::print::{Print, PrintSpectrum};
+use crate::draw::cell::plain;
 use crate::evaluate::summary::program;
-use crate::report::cell::plain;
 use minijinja::value::Serde;
 use minijinja::{Environment, Value, context};
 use std::fmt::Write;

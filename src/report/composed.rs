@@ -5,11 +5,12 @@ mod tables;
 pub use tables::{coefficients, tables};
 
 use super::columns::FolderTables;
-use super::page::{Figure, on_study, png_data};
+use super::page::on_study;
 use super::publish::{Pictures, PublishError, PublishResult, picture_angles};
 use super::sheet;
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
+use crate::draw::page::{Figure, png_data};
 use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, ComposedRow, ErrorParts};
 use crate::evaluate::composed::report::report;

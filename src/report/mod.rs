@@ -1,12 +1,10 @@
 //! Reports: pages, tables, reports of packings, and the folder of published files.
 
-pub mod cell;
 pub mod columns;
 pub mod composed;
 pub mod packing;
 pub mod page;
 pub mod publish;
 pub(crate) mod scalar_error;
-pub mod seal;
 pub mod sheet;
 pub mod tables;

@@ -3,9 +3,9 @@
 
 mod figures;
 
-use super::page::{hex, png_data};
 use super::scalar_error;
 use crate::draw::DrawResult;
+use crate::draw::page::{hex, png_data};
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;

@@ -1,11 +1,11 @@
 //! CSV tables for other programs: spectra and distributions.
 
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
+use crate::draw::cell::{numbers, records, table, with_errors};
 use crate::evaluate::gate::{self, Quantity};
 use crate::evaluate::ink_maker::InkMaker;
 use crate::evaluate::manifest::SpectrumRow;
 use crate::numerics::estimate::Estimate;
-use crate::report::cell::{numbers, records, table, with_errors};
 use crate::wave::Side;
 
 /// Numbers of a spectrum.

@@ -1,12 +1,12 @@
 //! The comparison from its file to its folder.
 
-use inkwave::compare::experiment::ComparisonFile;
-use inkwave::compare::page::Comparison;
-use inkwave::compare::row::Row;
 use inkwave::solve::{Registry, Silent, Step, Watch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::wave::Scheme;
+use inkwave_bench::experiment::ComparisonFile;
+use inkwave_bench::page::Comparison;
+use inkwave_bench::row::Row;
 use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::path::Path;

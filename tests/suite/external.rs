@@ -1,13 +1,13 @@
 //! Programs of other projects as rows of a comparison, whatever they do.
 
-use inkwave::compare::experiment::ComparisonFile;
-use inkwave::compare::external::judge::{ReadAnswer, expected};
-use inkwave::compare::row::Row;
 use inkwave::schema::Document;
 use inkwave::solve::{Registry, Silent};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::wave::{FarField, Incidence, Order, Side};
+use inkwave_bench::experiment::ComparisonFile;
+use inkwave_bench::external::judge::{ReadAnswer, expected};
+use inkwave_bench::row::Row;
 use num_complex::Complex64;
 use proptest::prelude::*;
 use serde_json::{Value, json};

@@ -1,10 +1,10 @@
 //! The check of programs: a right one conforms, and every planted slip is found by its name.
 
-use inkwave::compare::check::{Conformity, ConformityVerdict, KNOWN, KnownCase, check};
-use inkwave::compare::external::ExternalTable;
-use inkwave::compare::external::judge::ReadAnswer;
-use inkwave::compare::external::protocol::WaveKind;
+use inkwave::input::wave_kind::WaveKind;
 use inkwave::solve::Silent;
+use inkwave_bench::check::{Conformity, ConformityVerdict, KNOWN, KnownCase, check};
+use inkwave_bench::external::ExternalTable;
+use inkwave_bench::external::judge::ReadAnswer;
 use serde_json::Value;
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! What the repository says about itself: generated pages are as they were generated, versions agree, schedules run.
 
-use inkwave::report::seal;
+use inkwave::draw::seal;
 use inkwave::store::identity::METHOD_VERSION;
 use std::path::{Path, PathBuf};
 use std::process::Command;

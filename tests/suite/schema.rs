@@ -1,7 +1,6 @@
 //! The schemas say what the readers say: examples and reference cases fit, slips do not, and a value that the schema refuses is
 //! refused by the program, wherever it stands.
 
-use inkwave::compare::experiment::ComparisonFile;
 use inkwave::design::file::DesignFile;
 use inkwave::fit::file::FitFile;
 use inkwave::input::case::Case;
@@ -15,6 +14,7 @@ use inkwave::schema::Document;
 use inkwave::solve::Registry;
 use inkwave::sweep::file::SweepFile;
 use inkwave::sweep::load::load;
+use inkwave_bench::experiment::ComparisonFile;
 use jsonschema::Validator;
 use serde::Deserialize;
 use serde_json::{Value, json};

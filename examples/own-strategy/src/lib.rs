@@ -88,8 +88,8 @@ fn direction(ledger: &mut Ledger, residual: &Field, kept: &[(Field, Field)]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use inkwave::compare::experiment::ComparisonFile;
     use inkwave::solve::Silent;
+    use inkwave_bench::experiment::ComparisonFile;
     use inkwave_validation::claim::{Findings, Level};
     use inkwave_validation::{claims, referee};
     use std::path::Path;

@@ -1,9 +1,9 @@
 //! Tables of a composed layer.
 
+use crate::draw::cell::{numbers, table, with_errors};
 use crate::evaluate::composed::manifest::{
     ComposedManifest, ComposedRow, DistributionRow, ErrorParts, MediumRow,
 };
-use crate::report::cell::{numbers, table, with_errors};
 use crate::report::tables::NamedTable;
 
 /// All tables.

@@ -4,8 +4,8 @@
 //! Spheres as VTK points with diameter, pigment and grain number, for ParaView's glyphs; convex
 //! bodies as triangles.
 
+use crate::draw::cell;
 use crate::ink::{Grain, Packing, Relief};
-use crate::report::cell;
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 use serde_json::json;

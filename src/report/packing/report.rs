@@ -1,13 +1,13 @@
 //! The folder of a packing run: coordinates, pictures, statistics and a page that shows them.
 
 use super::{grains_csv, packing_json, spheres_vtp};
+use crate::draw::cell;
 use crate::draw::chart::{self, Chart};
+use crate::draw::page::rendered;
 use crate::draw::{DrawResult, OutputError, cut_picture, perspective_picture, shape_sheet, top_picture};
 use crate::ink::statistics::{StatisticCurve, Statistics, gather};
 use crate::ink::{Method, Packing, Shape};
 use crate::numerics::estimate::Estimate;
-use crate::report::cell;
-use crate::report::page::rendered;
 use crate::store::safely;
 use minijinja::context;
 use minijinja::value::Serde;

@@ -2,13 +2,13 @@
 
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve};
+use crate::draw::page::Figure;
 use crate::evaluate::ink_maker::{ComparedRow, InkMaker, MeasuredComparison};
 use crate::evaluate::manifest::{Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::{LIT_AT_45, NATURAL_LIGHT};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
-use crate::report::page::Figure;
 use std::f64::consts::PI;
 
 /// Wavelengths of the BRDF curves, nm: the nearest ones of the study are shown.

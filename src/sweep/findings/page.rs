@@ -7,7 +7,7 @@ use super::reported::{Reported, shown};
 use super::sheets::DrawnSheet;
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve};
-use crate::report::page::{Picture, hex, made_by, png_data, rendered, svg_data};
+use crate::draw::page::{Picture, hex, made_by, png_data, rendered, svg_data};
 use crate::report::publish::PublishResult;
 use crate::report::scalar_error;
 use crate::sweep::definition::load::{AxisOutline, Sweep};

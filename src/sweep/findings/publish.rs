@@ -7,19 +7,19 @@ use super::reported::{Reported, nearest, numbers, target_columns, target_numbers
 use super::sheets::{contact_sheet, sheets};
 use super::{explore, page};
 use crate::appearance::picture::InkPicture;
+use crate::draw::cell;
 use crate::draw::picture::PictureStyle;
 use crate::evaluate::manifest::Count;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
-use crate::report::cell;
 use crate::report::columns::{Column, FolderTables};
 use crate::report::publish::{PublishError, PublishResult, publish_seen};
 use crate::run::Stores;
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::folder::VARIANTS;
 use crate::sweep::definition::load::{AxisOutline, Sweep};
-use crate::sweep::work::rounds::{collect, refused};
+use crate::work::rounds::{collect, refused};
 
 /// Rows and columns of a picture on a contact sheet.
 const SHEET_ANGLES: usize = 31;

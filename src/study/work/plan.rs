@@ -1,0 +1,311 @@
+//! Estimates the cost of studies before they run, calibrated by a few of their own solves.
+
+mod scaled;
+mod trial;
+
+use super::units::{groups, units};
+use crate::input::study::{Study, WantedResolution};
+use crate::run::realisation::Packings;
+use crate::run::resolve::size;
+use crate::run::watch::RunWatch;
+use crate::run::{RunError, RunSettings};
+use crate::solve::demand::memory_in_words;
+use crate::store::identity::Key;
+use crate::work::variant::Variant;
+use scaled::scaled;
+use serde::Serialize;
+use std::collections::HashSet;
+use std::time::{Duration, Instant};
+use trial::{Deadline, MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial};
+
+/// Maximum number of trial variants.
+const TRIALS: usize = 4;
+/// Time limit of the trials: a plan takes less than ten seconds.
+const LIMIT: Duration = Duration::from_secs(7);
+/// Work that takes longer on the available cores is out of reach: one month.
+const REACH_SECONDS: f64 = 30.0 * 24.0 * 3600.0;
+
+/// Largest expected factor between cost and forecast, either way, where every kind of solve was
+/// tried: small cells, few packings, and pages and pictures that are not counted.
+const TRIED_FACTOR: f64 = 2.5;
+/// That factor where a cost follows from unknowns and usual numbers of operator applications.
+const BY_SIZE_FACTOR: f64 = 10.0;
+
+/// Size and expected cost of one study or of the variants of a sweep.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Plan {
+    /// Number of variants.
+    pub variants: usize,
+    /// Number of different packings; variants may share them.
+    pub packings: usize,
+    /// Number of different solves; variants may share them.
+    pub solves: usize,
+    /// Number of units that can be distributed over shards.
+    pub units: usize,
+    /// Unknowns of the largest solve among the trial variants, at full size.
+    pub unknowns: usize,
+    /// Maximum memory of one solve, MB.
+    pub memory_mb: usize,
+    /// Total time on one core, s: of the processor, whatever else the machine does meanwhile.
+    pub core_seconds: f64,
+    /// Range that `core_seconds` is expected to lie in: a factor of two and a half either way where
+    /// solves were tried, of ten where the size alone is known.
+    pub core_seconds_range: [f64; 2],
+    /// Describes the trials.
+    pub calibration: String,
+    /// Why they cannot be computed here, if time or memory are far from sufficient.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub out_of_reach: Option<String>,
+}
+
+/// Counts solves and times a few of them, `jobs` at a time.
+///
+/// Trial variants are spread over the densities of grains and run in small cells, with a sample of
+/// their solves. One of them is also solved at full size, which gives the ratio of the costs per
+/// µm³. Everything else is scaled by volume. For each requested resolution the grid is searched
+/// once, for the fewest grains; the other variants use the same grid. A trial that exceeds its time
+/// is replaced by an estimate from unknowns and operator applications.
+///
+/// # Errors
+/// No trial variant can be packed and solved, or the watch requests a stop.
+pub fn plan(variants: &[Variant], settings: RunSettings, watch: &dyn RunWatch) -> Result<Plan, RunError> {
+    let jobs = settings.jobs.unwrap_or_else(rayon::current_num_threads);
+    let deadline = Deadline { watch, jobs, end: Instant::now() + LIMIT };
+    let (mut trials, late) = tried(&representatives(variants), &deadline)?;
+    let mut calibration = in_words(&trials);
+    if let Some((name, factor)) = at_full_size(&trials, &deadline)? {
+        calibration += &format!("; {name} at full size costs {factor:.2} times as much per µm³");
+        trials.iter_mut().for_each(|t| (t.solve, t.grid) = (t.solve * factor, t.grid * factor));
+    }
+    calibration += &late_in_words(&late, trials.is_empty());
+    let factor = if late.is_empty() { TRIED_FACTOR } else { BY_SIZE_FACTOR };
+    trials.extend(late.into_iter().map(scaled));
+    Ok(costed(variants, &trials, (calibration, factor), settings))
+}
+
+/// Estimates the cost from the size alone, without trials.
+pub fn by_size(variants: &[Variant], settings: RunSettings) -> Plan {
+    let all = representatives(variants);
+    let trials: Vec<Trial> = all.iter().copied().map(scaled).collect();
+    costed(variants, &trials, (late_in_words(&all, true), BY_SIZE_FACTOR), settings)
+}
+
+fn variants_of_groups(variants: &[Variant]) -> Vec<Vec<&Variant>> {
+    groups(variants).iter().map(|group| group.iter().map(|&v| &variants[v]).collect()).collect()
+}
+
+/// Trials that finished in time, and the variants whose trials did not.
+type Tried<'a> = (Vec<Trial<'a>>, Vec<&'a Variant>);
+
+/// Tries one variant after another.
+fn tried<'a>(variants: &[&'a Variant], deadline: &Deadline) -> Result<Tried<'a>, RunError> {
+    let (mut trials, mut late, mut failure) = (Vec::new(), Vec::new(), None);
+    for (place, &variant) in variants.iter().enumerate() {
+        // one more part for the solve at full size
+        let part = deadline.part(variants.len() - place + 1);
+        part.stage(&format!("calibrating with {} in a small cell", variant.name));
+        let alike = trials.iter().find(|t: &&Trial| t.study.resolution == variant.study.resolution);
+        match trial(variant, alike, &part).map_err(RunError::stopped) {
+            Ok(trial) => trials.push(trial),
+            Err(RunError::Stopped) if deadline.watch.stop() => return Err(RunError::Stopped),
+            Err(RunError::Stopped) => late.push(variant),
+            Err(error) => failure = Some(error),
+        }
+    }
+    match failure {
+        Some(error) if trials.is_empty() && late.is_empty() => Err(error),
+        _ => Ok((trials, late)),
+    }
+}
+
+/// The plan based on the trials, described in words, with the factor by which it may be wrong.
+fn costed(
+    variants: &[Variant],
+    trials: &[Trial],
+    (calibration, factor): (String, f64),
+    settings: RunSettings,
+) -> Plan {
+    let groups = variants_of_groups(variants);
+    let (solves, core_seconds) = cost(&groups, trials);
+    let (mut unknowns, mut most_bytes) = (0, 0.0_f64);
+    for trial in trials {
+        let study = &trial.variant.study;
+        let r = full_resolution(trial, study);
+        unknowns = unknowns.max(r.nx * r.ny * r.planes());
+        most_bytes = most_bytes.max(size(study, r).bytes(&*study.solver.build()));
+    }
+    let packings = groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max()).sum();
+    let (variants, units) = (variants.len(), units(variants).len());
+    let memory_mb = (1e-6 * most_bytes).ceil() as usize;
+    let out_of_reach = out_of_reach(core_seconds, most_bytes, settings.memory);
+    let core_seconds_range = [core_seconds / factor, core_seconds * factor];
+    Plan {
+        variants,
+        packings,
+        solves,
+        units,
+        unknowns,
+        memory_mb,
+        core_seconds,
+        core_seconds_range,
+        calibration,
+        out_of_reach,
+    }
+}
+
+/// Why the available cores and memory do not suffice; `None` if they do.
+fn out_of_reach(core_seconds: f64, bytes: f64, memory: f64) -> Option<String> {
+    let cores = rayon::current_num_threads() as f64;
+    let [need, free] = [bytes, memory].map(|bytes| memory_in_words(1e-9 * bytes));
+    if bytes > memory {
+        return Some(format!("estimated {need} for one solve, of {free}"));
+    }
+    let days = core_seconds / cores / (24.0 * 3600.0);
+    (core_seconds / cores > REACH_SECONDS).then(|| format!("estimated {days:.0} days on {cores} cores"))
+}
+
+fn names<'a>(variants: impl IntoIterator<Item = &'a Variant>) -> String {
+    variants.into_iter().map(|variant| variant.name.as_str()).collect::<Vec<_>>().join(", ")
+}
+
+/// Reports the variants whose trials did not finish in time.
+fn late_in_words(late: &[&Variant], alone: bool) -> String {
+    if late.is_empty() {
+        return String::new();
+    }
+    let (start, names) = (if alone { "" } else { "; " }, names(late.iter().copied()));
+    format!("{start}unknowns × operator applications of {names}: no trial finished in time")
+}
+
+fn in_words(trials: &[Trial]) -> String {
+    if trials.is_empty() {
+        return String::new();
+    }
+    let widest = trials.iter().flat_map(|t| t.study.layer.period_um).fold(0.0, f64::max);
+    let names = names(trials.iter().map(|trial| trial.variant));
+    format!("{names} in cells of up to {widest} µm, scaled by volume")
+}
+
+/// For each requested resolution, variants evenly spread over the densities of grains.
+fn representatives(variants: &[Variant]) -> Vec<&Variant> {
+    let groups = variants_of_groups(variants);
+    let wanted = resolutions(&variants.iter().collect::<Vec<_>>());
+    let (each, mut chosen) = ((TRIALS / wanted.len()).max(2), Vec::new());
+    for (n, wanted) in wanted.into_iter().enumerate() {
+        let mut all = Vec::new();
+        for (k, group) in groups.iter().enumerate() {
+            let members = with_resolution(group, wanted);
+            // takes the inks of a group in turn, so that the trials do not all use the first
+            all.extend(members.get((k + n) % members.len().max(1)));
+        }
+        chosen.extend(spread(&by_density(all), each));
+    }
+    chosen
+}
+
+/// Those variants of a group that request this resolution.
+fn with_resolution<'a>(group: &[&'a Variant], wanted: WantedResolution) -> Vec<&'a Variant> {
+    group.iter().copied().filter(|variant| variant.study.resolution == wanted).collect()
+}
+
+/// The variants with grains, ordered by their density; the first variant if none has grains.
+fn by_density(all: Vec<&Variant>) -> Vec<&Variant> {
+    let first = all.first().copied();
+    let mut some: Vec<&Variant> = all.into_iter().filter(|v| !v.study.pigments.is_empty()).collect();
+    some.sort_by(|a, b| density(&a.study).total_cmp(&density(&b.study)));
+    if some.is_empty() { first.into_iter().collect() } else { some }
+}
+
+/// At most `most` variants of a list, evenly spread from the first to the last.
+fn spread<'a>(list: &[&'a Variant], most: usize) -> Vec<&'a Variant> {
+    let (count, last) = (list.len().min(most), list.len().saturating_sub(1));
+    (0..count).map(|k| list[k * last / (count - 1).max(1)]).collect()
+}
+
+/// The different requested resolutions of the variants.
+fn resolutions(variants: &[&Variant]) -> Vec<WantedResolution> {
+    let mut found = Vec::new();
+    for wanted in variants.iter().map(|variant| variant.study.resolution) {
+        if !found.contains(&wanted) {
+            found.push(wanted);
+        }
+    }
+    found
+}
+
+/// Solves the variant with the fastest packing at full size; returns its name and the cost per µm³
+/// relative to the small cell.
+fn at_full_size<'a>(trials: &[Trial<'a>], deadline: &Deadline) -> Result<Option<(&'a str, f64)>, RunError> {
+    let Some(trial) = trials.iter().min_by(|a, b| a.packing.total_cmp(&b.packing)) else { return Ok(None) };
+    let Variant { name, study, .. } = trial.variant;
+    if study.layer.period_um == trial.study.layer.period_um || grains(study) > MOST_GRAINS {
+        return Ok(None);
+    }
+    deadline.stage(&format!("calibrating with {name} at full size"));
+    match full_solve(trial, study, deadline).map_err(RunError::stopped) {
+        Ok(solve) => Ok(Some((name, solve / trial.solve))),
+        Err(RunError::Stopped) if !deadline.watch.stop() => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+/// Core seconds per µm³ of a solve at full size.
+fn full_solve(trial: &Trial, study: &Study, watch: &Deadline) -> Result<f64, RunError> {
+    let grids = (full_resolution(trial, study), trial.longer_waves);
+    let covers = covers(study, Packings::new(study, watch).get(0)?, grids, watch)?;
+    Ok(time_solves(study, &covers, watch)? / study.volume_um3())
+}
+
+/// Number of different solves, and core seconds: each group at the rates of the trials with the
+/// nearest density of grains.
+fn cost(groups: &[Vec<&Variant>], trials: &[Trial]) -> (usize, f64) {
+    let (mut solves, mut seconds) = (0, 0.0);
+    for group in groups {
+        for (n, wanted) in resolutions(group).into_iter().enumerate() {
+            let studies: Vec<&Study> =
+                with_resolution(group, wanted).into_iter().map(|variant| &variant.study).collect();
+            let [grids, own] = grids_and_solves(&studies);
+            solves += own;
+            let distance = |t: &&Trial| (density(&t.study) / density(studies[0])).ln().abs();
+            let alike = trials.iter().filter(|t| t.study.resolution == wanted);
+            let nearest = alike.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            // without grains there is no contrast to iterate on
+            if let (false, Some(trial)) = (studies[0].pigments.is_empty(), nearest) {
+                let realisations = studies.iter().map(|study| study.realisations);
+                // resolutions share the packings of their group
+                let packings = if n == 0 { realisations.clone().max().unwrap_or(0) } else { 0 };
+                let coverages = realisations.sum::<usize>() as f64;
+                let once = trial.packing * packings as f64 + trial.coverage * coverages;
+                let work = once + trial.grid * grids as f64 + trial.solve * own as f64;
+                seconds += studies[0].volume_um3() * work;
+            }
+        }
+    }
+    (solves, seconds)
+}
+
+/// Solves on the coarse grid that take as long as one on the finer grid.
+const FINER_COST: usize = 2;
+
+/// Numbers of grid searches and of solves of variants with the same packings and the same requested
+/// resolution.
+fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
+    let (mut solves, mut grids) = (HashSet::new(), HashSet::new());
+    // on the finer grid, and with tables of indices moved by their errors
+    let (mut finer, mut moved) = (0, 0);
+    for study in studies {
+        let method = (&study.solver, &study.goal);
+        for r in 0..study.realisations {
+            solves.extend(study.points(r).iter().map(|p| {
+                let indices = study.indices(p.incidence.wavelength_um);
+                Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
+            }));
+            finer += if study.is_checked(r) { study.solves_each() } else { 0 };
+            moved += study.solves_each() * study.moves_of(r).len();
+        }
+        let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
+        let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
+        grids.insert(Key::of("grid", &(light, indices, method)));
+    }
+    [grids.len(), solves.len() + moved + FINER_COST * finer]
+}
