@@ -10,7 +10,7 @@ use clap::Args;
 use inkwave::evaluate::manifest::Status;
 use inkwave::evaluate::survivors::Survivors;
 use inkwave::input::load::{load, stem};
-use inkwave::input::study::{Composed, Study};
+use inkwave::input::study::{Composed, Study, StudyKind};
 use inkwave::report::composed;
 use inkwave::report::publish::{Published, publish};
 use inkwave::run::{Collected, RunSettings};
@@ -45,7 +45,7 @@ pub fn run(args: &RunArgs) -> Result<()> {
     }
     let own = study.output.folder.as_ref().filter(|_| args.work.output.is_none());
     let path = own.map_or_else(|| args.work.folder(&args.study, ""), PathBuf::from);
-    if study.layer.composed.is_some() {
+    if study.composed().is_some() {
         return run_composed(&study, &path, settings);
     }
     let folder = opened(&path, Holds::Study)?;
@@ -165,13 +165,17 @@ const WORTH_COMPOSING_UM: f64 = 4.0;
 fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     let um = study.layer.thickness_um;
     let plane = study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
-    if study.layer.composed.is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
+    if study.composed().is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
         return Ok(());
     }
     let whole = by_size(&Sweep::of_one("", study.clone()), settings).core_seconds;
     let slab_um = um / (0.5 * um).round();
-    study.layer.composed =
-        Some(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None });
+    study.kind = StudyKind::Composed(Composed {
+        slab_um,
+        directions: [3, 3],
+        thicknesses_um: vec![um],
+        mixing: None,
+    });
     let slabs = by_size(&Sweep::of_one("", study), settings).core_seconds;
     say!(
         "[layer.composed] composes these {um} µm of slabs of {slab_um:.2} µm: by size some {:.1} processor hours \

@@ -113,7 +113,7 @@ fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> Res
         let help = "leave the option out; its studies can be run one by one, on several machines";
         return Err(miette!(help = help, "sweeps of composed layers have no shards and no common grids"));
     }
-    if let Some(other) = sweep.variants.iter().find(|v| v.study.layer.composed.is_none()) {
+    if let Some(other) = sweep.variants.iter().find(|v| v.study.composed().is_none()) {
         let help = "declare all variants composed, or none";
         return Err(miette!(help = help, "variant {} is not composed, and others are", other.name));
     }

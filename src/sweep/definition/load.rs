@@ -146,7 +146,7 @@ impl Sweep {
         let title = study.title.clone();
         let all = if portions.is_empty() { vec![study] } else { portions };
         let named = |(k, study): (usize, Study)| {
-            let slab = study.portion.as_ref().map(|_| format!("{name} slab {}", k + 1));
+            let slab = study.portion().map(|_| format!("{name} slab {}", k + 1));
             Variant { name: slab.unwrap_or_else(|| name.to_owned()), study, text: String::new() }
         };
         let variants: Vec<Variant> = all.into_iter().enumerate().map(named).collect();

@@ -27,7 +27,7 @@ pub type LayerDone<'a> = (usize, ComposedManifest<'a>);
 
 /// Whether any variant is a composed layer.
 pub fn is_composed(sweep: &Sweep) -> bool {
-    sweep.variants.iter().any(|variant| variant.study.layer.composed.is_some())
+    sweep.variants.iter().any(|variant| variant.study.composed().is_some())
 }
 
 /// The slabs of all variants, as a sweep to plan.

@@ -304,7 +304,7 @@ fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
             moved += study.solves_each() * study.moves_of(r).len();
         }
         let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
-        let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
+        let light = (&study.wavelengths_nm, study.written_angles(), study.wave.is_vector());
         grids.insert(Key::of("grid", &(light, indices, method)));
     }
     [grids.len(), solves.len() + moved + FINER_COST * finer]

@@ -2,7 +2,7 @@
 
 use crate::appearance::viewing::Viewing;
 use crate::input::forms::ThicknessWritten;
-use crate::input::study::{Composed, Study};
+use crate::input::study::{Composed, Study, StudyKind};
 use crate::input::{Faults, LightRule, StudyFile, limits};
 use crate::numerics::allowed::Whole;
 
@@ -55,7 +55,7 @@ pub(super) fn complete(study: &mut Study, composed: Composed) {
     study.layer.thickness_um = composed.thicknesses_um.first().copied().unwrap_or(f64::NAN);
     study.packing.thickness_um = composed.slab_um;
     study.variation.light = LightRule::Listed;
-    study.layer.composed = Some(composed);
+    study.kind = StudyKind::Composed(composed);
     if study.judgement.viewing != Viewing::default() || study.judgement.target_lab.is_some() {
         let of_exports =
             "other conditions have an effect in files of `inkwave export` only, targets have none";
@@ -131,7 +131,7 @@ mod tests {
         .unwrap();
         let portions = study.portions();
         let all: Vec<_> =
-            portions.iter().map(|p| (p.portion.as_ref().unwrap().position, p.layer.thickness_um)).collect();
+            portions.iter().map(|p| (p.portion().unwrap().position, p.layer.thickness_um)).collect();
         use Position::{Back, Front, Inner};
         assert_eq!(all, [(Inner, 2.0), (Front, 2.0), (Back, 2.0), (Inner, 1.0), (Front, 1.0), (Back, 1.0)]);
         // n_eff = √(0.2 · 4 + 0.8 · 2.25), and the media next to each slab
