@@ -11,7 +11,7 @@ use inkwave::run::{Collected, RunSettings};
 use inkwave::solve::accuracy::grid_error::GridError;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::alone::{run_portions, run_study};
+use inkwave::work::alone::{run_portions, run_study};
 use serde_json::Value;
 use std::path::Path;
 

@@ -16,9 +16,9 @@ use inkwave::report::publish::{Published, publish};
 use inkwave::run::{Collected, RunSettings};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::Sweep;
-use inkwave::sweep::alone::{Ran, RanPortions, run_portions, run_study, stored};
-use inkwave::sweep::plan::by_size;
+use inkwave::work::alone::{Ran, RanPortions, run_portions, run_study, stored};
+use inkwave::work::plan::by_size;
+use inkwave::work::variant::of_one;
 use miette::{IntoDiagnostic, Result, miette};
 use std::path::{Path, PathBuf};
 
@@ -40,7 +40,7 @@ pub fn run(args: &RunArgs) -> Result<()> {
     study.remarks.iter().for_each(note);
     let settings = args.work.settings()?;
     if args.work.plan {
-        tell_plan(&Sweep::of_one(&stem(&args.study), study.clone()), args.json, settings)?;
+        tell_plan(&of_one(&stem(&args.study), study.clone()), args.json, settings)?;
         return if args.json { Ok(()) } else { offer(study, settings) };
     }
     let own = study.output.folder.as_ref().filter(|_| args.work.output.is_none());
@@ -52,7 +52,7 @@ pub fn run(args: &RunArgs) -> Result<()> {
     if let Some(reason) = study.no_ink() {
         note!("no paper, colour and picture: {reason}");
     }
-    if let Some(reason) = by_size(&Sweep::of_one("", study.clone()), settings).out_of_reach {
+    if let Some(reason) = by_size(&of_one("", study.clone()), settings).out_of_reach {
         note!("out of reach: {reason} (--plan gives details; Ctrl-C stops)");
     }
     let progress = Progress::new();
@@ -168,7 +168,7 @@ fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     if study.composed().is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
         return Ok(());
     }
-    let whole = by_size(&Sweep::of_one("", study.clone()), settings).core_seconds;
+    let whole = by_size(&of_one("", study.clone()), settings).core_seconds;
     let slab_um = um / (0.5 * um).round();
     study.kind = StudyKind::Composed(Composed {
         slab_um,
@@ -176,7 +176,7 @@ fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
         thicknesses_um: vec![um],
         mixing: None,
     });
-    let slabs = by_size(&Sweep::of_one("", study), settings).core_seconds;
+    let slabs = by_size(&of_one("", study), settings).core_seconds;
     say!(
         "[layer.composed] composes these {um} µm of slabs of {slab_um:.2} µm: by size some {:.1} processor hours \
          instead of {:.1}, whatever the thickness",

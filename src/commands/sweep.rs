@@ -11,9 +11,11 @@ use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::publish::{Publisher, publish};
 use inkwave::sweep::reported::Reported;
-use inkwave::sweep::run::Scope;
-use inkwave::sweep::units::{Shard, ends_early, units};
-use inkwave::sweep::{Sweep, composed, folder, load, plan, run as runner};
+use inkwave::sweep::{Sweep, composed, folder, load};
+use inkwave::work::run::Scope;
+use inkwave::work::units::{Shard, ends_early, units};
+use inkwave::work::variant::Variant;
+use inkwave::work::{plan, run as runner};
 use miette::{IntoDiagnostic, Result, miette};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -62,7 +64,7 @@ pub fn run(args: &SweepArgs) -> Result<()> {
         return composed_sweep(&sweep, args, settings);
     }
     if args.work.plan {
-        return tell_plan(&sweep, args.json, settings);
+        return tell_plan(&sweep.variants, args.json, settings);
     }
     let shard = args.shard.as_deref().map(|text| shard(text, &sweep)).transpose()?;
     let part = shard.unwrap_or(Shard::ALL);
@@ -70,11 +72,14 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     let folder = begin(&sweep, &args.work.folder(&args.sweep, &end), args)?;
     let progress = Progress::new();
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
-    progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) }, ends_early(&sweep));
+    progress.expect(
+        if args.grids_only { 0 } else { runner::solves(&sweep.variants, part) },
+        ends_early(&sweep.variants),
+    );
     let mut publisher = Publisher::new(&sweep);
     let live = Live::new(&folder, &progress, Box::new(|| publisher.publish(&folder).is_ok()));
     let watch: &dyn RunWatch = if args.grids_only { &progress } else { &live };
-    let tally = progress.during(|| runner::run(&sweep, &folder, (part, scope), settings, watch));
+    let tally = progress.during(|| runner::run(&sweep.variants, &folder, (part, scope), settings, watch));
     let tally = tally.map_err(run_report)?;
     tell_damages(&tally.damages);
     if tally.waited >= WORTH_TELLING {
@@ -181,13 +186,13 @@ fn tell_shard(tally: &runner::Tally, shard: Shard, folder: &OutputFolder, stoppe
     Ok(())
 }
 
-/// Prints the expected cost of a sweep, or of a study as a sweep of one variant.
-pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> Result<()> {
+/// Prints the expected cost of one study or of the variants of a sweep.
+pub(super) fn tell_plan(variants: &[Variant], json: bool, settings: RunSettings) -> Result<()> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
     let progress = Progress::new();
     let settings = RunSettings { jobs: Some(jobs), ..settings };
-    let plan = progress.during(|| plan::plan(sweep, settings, &progress)).map_err(run_report)?;
+    let plan = progress.during(|| plan::plan(variants, settings, &progress)).map_err(run_report)?;
     if json {
         return say!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?);
     }
@@ -202,7 +207,7 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> Res
     say!("variants          {}", plan.variants)?;
     say!("packings          {}", plan.packings)?;
     // `run.target_delta_e` may be reached earlier.
-    let (most, about) = if ends_early(sweep) { ("at most ", "at most") } else { ("", "about") };
+    let (most, about) = if ends_early(variants) { ("at most ", "at most") } else { ("", "about") };
     say!("solves            {most}{}", plan.solves)?;
     say!("unknowns          {} in the largest solve", plan.unknowns)?;
     say!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs)?;
@@ -227,7 +232,7 @@ fn in_words(seconds: f64) -> String {
 /// that can be divided so.
 fn shard(text: &str, sweep: &Sweep) -> Result<Shard> {
     let shard = parse_shard(text)?;
-    let (count, most) = (shard.count, units(sweep).len());
+    let (count, most) = (shard.count, units(&sweep.variants).len());
     if count > most {
         let help = "each shard needs a unit (one realisation of the variants that share a packing); --plan counts them";
         return Err(miette!(

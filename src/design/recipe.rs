@@ -4,12 +4,12 @@ use super::file::{DesignFile, DesignTable, TargetTable, VaryTable};
 use super::surface::most_coefficients;
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::field::set;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
 use crate::input::study::Study;
 use crate::numerics::allowed::{Allowed, Whole};
 use crate::store::identity::Key;
-use crate::sweep::field::set;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 

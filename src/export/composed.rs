@@ -12,7 +12,7 @@ use crate::evaluate::manifest::Withheld;
 use crate::input::study::Study;
 use crate::report::composed::tables;
 use crate::run::watch::RunWatch;
-use crate::sweep::work::rounds::collect;
+use crate::work::rounds::collect;
 use std::path::Path;
 
 /// A finished composed layer, read back from its folder.

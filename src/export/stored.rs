@@ -6,7 +6,7 @@ use crate::evaluate::seen::{Seen, see};
 use crate::input::study::Study;
 use crate::run::{Collected, Stores};
 use crate::store::database::RECORDS;
-use crate::sweep::work::rounds::collect;
+use crate::work::rounds::collect;
 use serde::Deserialize;
 use std::path::Path;
 

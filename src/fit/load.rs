@@ -4,12 +4,12 @@ use super::file::{FitFile, FitGeometry, FitTable, MeasuredTable, PriorName};
 use super::prior::SHORTEST_NM;
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::field::set;
 use crate::input::forms::AlbedoWritten;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest};
 use crate::input::study::Study;
 use crate::numerics::allowed::Allowed;
-use crate::sweep::field::set;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 

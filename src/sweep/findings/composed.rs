@@ -14,7 +14,8 @@ use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::load::{AxisOutline, Sweep};
-use crate::sweep::work::alone::run_portions;
+use crate::work::alone::run_portions;
+use crate::work::variant::{Variant, of_one};
 use minijinja::context;
 use minijinja::value::Serde;
 use std::path::PathBuf;
@@ -30,17 +31,9 @@ pub fn is_composed(sweep: &Sweep) -> bool {
     sweep.variants.iter().any(|variant| variant.study.composed().is_some())
 }
 
-/// The slabs of all variants, as a sweep to plan.
-pub fn slabs(sweep: &Sweep) -> Sweep {
-    let mut all = Sweep { variants: Vec::new(), ..sweep.clone() };
-    all.outline.axes.clear();
-    all.outline.variants.clear();
-    for variant in &sweep.variants {
-        let one = Sweep::of_one(&variant.name, variant.study.clone());
-        all.outline.variants.extend(one.outline.variants);
-        all.variants.extend(one.variants);
-    }
-    all
+/// The slabs of all variants, to be planned.
+pub fn slabs(sweep: &Sweep) -> Vec<Variant> {
+    sweep.variants.iter().flat_map(|variant| of_one(&variant.name, variant.study.clone())).collect()
 }
 
 /// Runs and publishes one layer after another, until they are done or the watch says stop.

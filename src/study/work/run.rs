@@ -1,4 +1,5 @@
-//! Runs a sweep or one shard of it, alone or together with other processes in the same folder.
+//! Runs one study, the variants of a sweep, or one shard of them, alone or together with other
+//! processes in the same folder.
 //!
 //! Workers (threads and processes) take units from a shared [`Queue`], most expensive first; the
 //! grids of a group are chosen before its realisations. Every solve is stored before the next
@@ -17,7 +18,7 @@ use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
 use crate::store::queue::{Assignment, Queue, QueueStanding, QueuedTask};
 use crate::store::seal::Damage;
-use crate::sweep::definition::load::{Sweep, Variant};
+use crate::work::variant::Variant;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -34,7 +35,7 @@ const ROUND: usize = 1 << 32;
 /// Cost that puts grids before all units.
 const GRIDS_FIRST: f64 = 1e30;
 
-/// Result of running a sweep, over all workers of the folder.
+/// Result of running them, over all workers of the folder.
 #[derive(Debug)]
 pub struct Tally {
     /// Number of solves of the shard; shared solves count once per variant.
@@ -65,13 +66,13 @@ pub enum Scope {
 }
 
 /// Number of solves of a shard; shared solves count once per variant.
-pub fn solves(sweep: &Sweep, shard: Shard) -> usize {
-    let units = units(sweep);
-    units[shard.range(units.len())].iter().map(|unit| solves_of(sweep, unit)).sum()
+pub fn solves(variants: &[Variant], shard: Shard) -> usize {
+    let units = units(variants);
+    units[shard.range(units.len())].iter().map(|unit| solves_of(variants, unit)).sum()
 }
 
-fn solves_of(sweep: &Sweep, unit: &Unit) -> usize {
-    unit.variants.iter().map(|&v| sweep.variants[v].study.solves_of(unit.realisation)).sum()
+fn solves_of(variants: &[Variant], unit: &Unit) -> usize {
+    unit.variants.iter().map(|&v| variants[v].study.solves_of(unit.realisation)).sum()
 }
 
 /// Runs a shard in `folder` until it is finished or stopped.
@@ -80,31 +81,31 @@ fn solves_of(sweep: &Sweep, unit: &Unit) -> usize {
 /// Records cannot be written, or threads cannot be started; failures of variants are recorded
 /// instead.
 pub fn run(
-    sweep: &Sweep,
+    variants: &[Variant],
     folder: &OutputFolder,
     extent: (Shard, Scope),
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Tally, RunError> {
     watch.hear(Event::Begun);
-    let tally = run_to_end(sweep, folder, extent, settings, watch);
+    let tally = run_to_end(variants, folder, extent, settings, watch);
     watch.hear(Event::Over);
     tally
 }
 
 fn run_to_end(
-    sweep: &Sweep,
+    variants: &[Variant],
     folder: &OutputFolder,
     (shard, scope): (Shard, Scope),
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Tally, RunError> {
     let stores = Stores::open(folder)?;
-    let queue = stores.database().queue(name(sweep, shard, scope).as_str())?;
+    let queue = stores.database().queue(name(variants, shard, scope).as_str())?;
     if settings.retry_failed && queue.standing()?.workers == 1 {
         stores.failures.remove_all()?;
     }
-    let (mut rounds, mut waits) = (Rounds::new(sweep), 0);
+    let (mut rounds, mut waits) = (Rounds::new(variants), 0);
     let (mut before, mut failure) = (None, None);
     while let Some((round, units)) = next_round(&mut rounds, &stores, watch) {
         let jobs = jobs(&units[shard.range(units.len())], scope);
@@ -116,7 +117,7 @@ fn run_to_end(
         // units wait for their grids
         let crew = Crew::new(settings.jobs, groups.max(jobs.len() - groups))?;
         let worker = Worker {
-            sweep,
+            variants,
             folder,
             begun: Once::new(),
             stores: &stores,
@@ -131,7 +132,7 @@ fn run_to_end(
             waits: AtomicUsize::new(0),
             overtaken: AtomicBool::new(false),
         };
-        queue.enlist(worker.first, &worker.jobs.iter().map(|job| job.task(sweep)).collect::<Vec<_>>())?;
+        queue.enlist(worker.first, &worker.jobs.iter().map(|job| job.task(variants)).collect::<Vec<_>>())?;
         // While the only grids are being chosen, nothing else can be done: all threads take part.
         if groups == 1
             && let Some(task) = worker.take()
@@ -143,14 +144,14 @@ fn run_to_end(
         before = (!worker.overtaken.into_inner()).then_some(round);
         worker.trouble.into_inner().map_or(Ok(()), Err)?;
         failure = failure.or(worker.failure.into_inner());
-        if watch.stop() || scope == Scope::Grids || !ends_early(sweep) {
+        if watch.stop() || scope == Scope::Grids || !ends_early(variants) {
             break;
         }
         stores.database().refresh()?;
     }
     let QueueStanding { workers, solves: processed, failed, .. } = queue.standing()?;
     let publishes = if watch.stop() { workers == 1 } else { queue.publishes()? };
-    let (asked, finished, known) = (solves(sweep, shard), processed - failed, rounds.known());
+    let (asked, finished, known) = (solves(variants, shard), processed - failed, rounds.known());
     let (damages, waited) = (stores.database().damages(), WAIT * waits as u32);
     Ok(Tally { asked, finished, failed, publishes, damages, failure, waited, known })
 }
@@ -163,15 +164,15 @@ fn next_round(rounds: &mut Rounds, stores: &Stores, watch: &dyn RunWatch) -> Opt
     next
 }
 
-/// Name of the work, so that only processes with the same sweep and shard share it.
-pub(super) fn name(sweep: &Sweep, shard: Shard, scope: Scope) -> Key {
-    let studies: Vec<Key> = sweep.variants.iter().map(|variant| variant.study.key()).collect();
+/// Name of the work, so that only processes with the same studies and shard share it.
+pub(super) fn name(variants: &[Variant], shard: Shard, scope: Scope) -> Key {
+    let studies: Vec<Key> = variants.iter().map(|variant| variant.study.key()).collect();
     Key::of("work", &(studies, shard.index, shard.count, scope))
 }
 
 /// State shared by the threads of a process in one round.
 struct Worker<'a> {
-    sweep: &'a Sweep,
+    variants: &'a [Variant],
     folder: &'a OutputFolder,
     /// Set when the first solve begins.
     begun: Once,
@@ -241,7 +242,7 @@ impl Worker<'_> {
     fn carry_out(&self, task: usize, Job { unit, grids }: &Job) -> Result<(), RunError> {
         let news = News::new(self, task);
         let work = |v: usize| {
-            let Variant { name, study, .. } = &self.sweep.variants[v];
+            let Variant { name, study, .. } = &self.variants[v];
             let watch = NamedWatch { name, watch: &news };
             Work { worker: self, study, realisation: unit.realisation, watch }
         };
@@ -263,7 +264,7 @@ impl Worker<'_> {
             return Ok(self.queue.give_back(task)?);
         }
         if grids.is_some() {
-            return Ok(self.queue.finish(task, solves_of(self.sweep, unit), sum)?);
+            return Ok(self.queue.finish(task, solves_of(self.variants, unit), sum)?);
         }
         self.queue.reckon(task, sum as f64)?;
         Ok(self.queue.finish(task, 0, 0)?)
@@ -279,12 +280,12 @@ struct Job {
 }
 
 impl Job {
-    pub fn task(&self, sweep: &Sweep) -> QueuedTask {
-        let studies = self.unit.variants.iter().map(|v| &sweep.variants[*v].study);
+    pub fn task(&self, variants: &[Variant]) -> QueuedTask {
+        let studies = self.unit.variants.iter().map(|v| &variants[*v].study);
         let cost = match self.grids {
             None => GRIDS_FIRST * studies.map(|study| study.volume_um3()).sum::<f64>(),
             // an estimate until the grid is known
-            Some(_) => solves_of(sweep, &self.unit) as f64,
+            Some(_) => solves_of(variants, &self.unit) as f64,
         };
         QueuedTask { cost, after: self.grids }
     }

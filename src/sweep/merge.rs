@@ -82,9 +82,8 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
 
 fn refuse_other_sweep(sweep: &Sweep, first: &Path, shard: &Path) -> Result<(), MergeError> {
     let other = folder::read(shard)?;
-    let texts = |s: &Sweep| s.variants.iter().map(|v| v.text.clone()).collect::<Vec<_>>();
     // Studies name their tables by checksum: equal texts read equal tables.
-    if other.outline != sweep.outline || texts(&other) != texts(sweep) {
+    if other.outline != sweep.outline || other.texts != sweep.texts {
         let (first, other) = (first.display(), shard.display());
         return Err(MergeError::OtherSweep(format!("{other} belongs to another sweep than {first}")));
     }

@@ -1,4 +1,4 @@
-//! A single study, run as a sweep of one variant; its results are written to the top of the folder.
+//! A single study, worked off as one variant; its results are written to the top of the folder.
 //! A composed layer is one ordinary study for each of its slabs, in one store.
 
 use super::rounds::collect;
@@ -12,7 +12,7 @@ use crate::solve::accuracy::grid_error::JUDGEMENT;
 use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
 use crate::store::queue::QueueError;
-use crate::sweep::definition::load::Sweep;
+use crate::work::variant::of_one;
 use std::time::Duration;
 
 /// Result of running a study, over all processes of the folder.
@@ -37,8 +37,8 @@ pub fn run_study(
     watch: &dyn RunWatch,
 ) -> Result<Ran, RunError> {
     let settings = RunSettings { retry_failed: true, ..settings };
-    let sweep = Sweep::of_one("", study.clone());
-    let tally = run(&sweep, folder, (Shard::ALL, Scope::Solves), settings, watch)?;
+    let variants = of_one("", study.clone());
+    let tally = run(&variants, folder, (Shard::ALL, Scope::Solves), settings, watch)?;
     let stores = Stores::open(folder)?;
     let Some(collected) = collect(study, &stores, tally.known[0]) else {
         if tally.publishes {
@@ -83,7 +83,7 @@ pub fn run_portions(
     watch: &dyn RunWatch,
 ) -> Result<RanPortions, RunError> {
     let portions = study.portions();
-    let work = |portion: &Study| name(&Sweep::of_one("", portion.clone()), Shard::ALL, Scope::Solves);
+    let work = |portion: &Study| name(&of_one("", portion.clone()), Shard::ALL, Scope::Solves);
     let ours: Vec<Key> = portions.iter().map(work).collect();
     let mut ran = RanPortions { solved: Vec::new(), publishes: true };
     for portion in portions {
