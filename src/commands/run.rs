@@ -1,5 +1,5 @@
-//! `inkwave run STUDY.toml`: from a study file to the picture of an ink on paper. The slabs of a
-//! composed layer are solved one after another, and any thickness of it follows from them.
+//! `inkwave run STUDY.toml`: from a study file to the picture of an ink on paper. Of a composed
+//! layer the slabs are solved, and any thickness of it follows from them.
 
 use super::diagnostics::{mixed_up_report, run_report, tell_damages};
 use super::progress::{Live, Progress};
@@ -132,9 +132,9 @@ fn run_composed(study: &Study, path: &Path, settings: RunSettings) -> Result<()>
     let progress = Progress::new();
     progress.expect(study.solves(), false);
     let ran = progress.during(|| run_portions(study, &folder, settings, &progress));
-    let RanPortions { solved, publishes } =
+    let RanPortions { solved, damages, publishes } =
         ran.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
-    solved.iter().for_each(|(_, collected)| tell_damages(&collected.damages));
+    tell_damages(&damages);
     if progress.stopped() {
         let finished: usize = solved.iter().map(|(_, collected)| collected.finished()).sum();
         let kept = format!("stopped: {finished} of {} solves are finished and kept", study.solves());
@@ -170,12 +170,8 @@ fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     }
     let whole = by_size(&of_one("", study.clone()), settings).core_seconds;
     let slab_um = um / (0.5 * um).round();
-    study.kind = StudyKind::Composed(Composed {
-        slab_um,
-        directions: [3, 3],
-        thicknesses_um: vec![um],
-        mixing: None,
-    });
+    study.kind =
+        StudyKind::Composed(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None });
     let slabs = by_size(&of_one("", study), settings).core_seconds;
     say!(
         "[layer.composed] composes these {um} µm of slabs of {slab_um:.2} µm: by size some {:.1} processor hours \

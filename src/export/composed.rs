@@ -12,7 +12,7 @@ use crate::evaluate::manifest::Withheld;
 use crate::input::study::Study;
 use crate::report::composed::tables;
 use crate::run::watch::RunWatch;
-use crate::work::rounds::collect;
+use crate::work::alone::stored_portions;
 use std::path::Path;
 
 /// A finished composed layer, read back from its folder.
@@ -33,9 +33,7 @@ impl ComposedStored {
             return Ok(None);
         }
         let stores = stored::stores(path)?;
-        let portions = study.portions().into_iter();
-        let solved: Vec<SolvedPortion> =
-            portions.filter_map(|portion| Some((portion.clone(), collect(&portion, &stores, 0)?))).collect();
+        let solved = stored_portions(&study, &stores);
         let (finished, asked) = (solved.iter().map(|(_, c)| c.finished()).sum(), study.solves());
         if finished < asked {
             return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });

@@ -9,9 +9,9 @@ mod written;
 pub use super::file::TargetColour;
 pub use composed::{Composed, Portion, Position};
 pub use kind::StudyKind;
-pub use written::WrittenAngles;
 pub use moved::InputMove;
 pub use parts::{Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, WantedResolution};
+pub use written::WrittenAngles;
 
 use super::file::OutputTable;
 use super::variation::{CellRule, Draw, LightRule, Variation, signs, stratified_deg};
@@ -101,7 +101,8 @@ impl Study {
 
     /// The content hash without what distinguishes the slabs of a composed layer.
     fn key_of_layer(&self) -> Key {
-        let ensemble = (self.written_layer(), &self.pigments, &self.packing, self.realisations, &self.variation);
+        let ensemble =
+            (self.written_layer(), &self.pigments, &self.packing, self.realisations, &self.variation);
         let ends = (self.target_delta_e, self.target_colour);
         let light = (self.wave, &self.paper, &self.wavelengths_nm, self.written_angles());
         Key::of("study", &(ensemble, ends, light, &self.resolution, &self.solver, &self.goal))

@@ -118,7 +118,8 @@ impl Study {
     pub fn embedding_index(&self, wavelength_um: f64) -> f64 {
         let (binder, pigments) = self.binder_and_pigments(wavelength_um);
         let shares: Vec<_> = self.material_shares().into_iter().zip(pigments).collect();
-        let usual = if self.wave.is_vector() { MixingRule::MaxwellGarnett } else { MixingRule::VolumeAverage };
+        let usual =
+            if self.wave.is_vector() { MixingRule::MaxwellGarnett } else { MixingRule::VolumeAverage };
         let requested = match &self.kind {
             StudyKind::Composed(composed) => composed.mixing,
             StudyKind::Slab(portion) => portion.mixing,
