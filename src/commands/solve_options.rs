@@ -172,7 +172,7 @@ impl StudyPoint {
         if !(1..=all).contains(&number) {
             miette::bail!("--realisation is {number}; allowed is 1 … {all}, the realisations of the study");
         }
-        if study.layer.composed.is_some() {
+        if study.composed().is_some() {
             miette::bail!("--realisation: a composed layer has many slabs; remove [layer.composed]");
         }
         let packing = pack_realisation(&study, number - 1, &()).into_diagnostic()?;

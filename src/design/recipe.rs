@@ -277,12 +277,12 @@ fn checked_ends(task: &DesignTask, patch_is_named: bool) -> Result<DesignTarget,
     let studies = (0..1 << count).map(|c| task.study(&corner(c, count)));
     let studies = studies.collect::<Result<Vec<Study>, _>>()?;
     let study = &studies[studies.len() - 1];
-    if study.layer.composed.is_some() {
+    if study.composed().is_some() {
         let allowed = "a layer that is solved at once: surfaces are laid through solved spectra";
         let remedy = "remove [base.layer.composed] for layers of a few µm; for thicker ones, `inkwave sweep` composes every variant";
         return Err(vec![Fault::new("base.layer.composed", "given", allowed, remedy)]);
     }
-    if let Some(reason) = &study.angles.no_paper {
+    if let Some(reason) = study.no_paper() {
         let remedy = "write [angles] count = 5";
         return Err(vec![Fault::new("base.angles", reason, "0°, 45° and the hemisphere", remedy)]);
     }

@@ -37,7 +37,7 @@ impl Stored {
     /// No results there, an unfinished study, or results and store that do not fit.
     pub fn read(path: &Path) -> ExportResult<Self> {
         let study = study(path)?;
-        if study.layer.composed.is_some() {
+        if study.composed().is_some() {
             let reason = format!("{} holds a composed layer, which has no orders and no BDF", path.display());
             let remedy = "spectra.csv, medium.csv and results.json have its numbers";
             return Err(ExportError::Folder { reason, remedy });

@@ -185,8 +185,8 @@ impl FitReading<'_> {
             let remedy = "errors are estimated from the differences between cells: 8 are usual";
             self.faults.add("base.run.realisations", found, allowed, remedy);
         }
-        if let Some(reason) = &first.angles.no_paper {
-            self.faults.add("base.angles", reason.clone(), "0°, 45° and the hemisphere", "write count = 5");
+        if let Some(reason) = first.no_paper() {
+            self.faults.add("base.angles", reason, "0°, 45° and the hemisphere", "write count = 5");
         }
         let shortest = first.wavelengths_nm[0];
         if file.fit.prior == PriorName::KramersKronig && shortest < SHORTEST_NM {

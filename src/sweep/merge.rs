@@ -12,6 +12,7 @@ use crate::store::{PackingRecord, same};
 use crate::sweep::Sweep;
 use crate::sweep::definition::folder;
 use crate::sweep::definition::folder::OpenError;
+use crate::work::variant::solved_for;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -114,7 +115,7 @@ fn same_numbers(kind: &str, one: &[u8], other: &[u8]) -> bool {
 fn describe(sweep: &Sweep, folder: &OutputFolder, row: &Sealed) -> String {
     let hash = format!("{} {}", row.kind, row.key);
     let Ok(stores) = Stores::open(folder) else { return hash };
-    for variant in sweep.variants.iter().filter(|_| row.kind == PointRecord::KIND) {
+    for variant in solved_for(&sweep.variants).iter().filter(|_| row.kind == PointRecord::KIND) {
         let Some(resolved) = kept(&variant.study, &stores.grids) else { continue };
         let realisations = 0..variant.study.realisations;
         let mut points = realisations.flat_map(|r| all_point_keys(&variant.study, &resolved, r));

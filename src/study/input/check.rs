@@ -19,6 +19,7 @@ use super::variation::{CellRule, THICKNESS_CUT, Variation};
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::solve::Goal;
 use index::Tabulation;
+use paper::Directions;
 use std::path::Path;
 
 /// Default number of packings with varied cells.
@@ -77,7 +78,7 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
     let packing = pigments::packing(file, &layer, &pigments, placed, &mut faults);
     let mut remarks: Vec<String> = light::short_of_end(&file.light, &wavelengths_nm).into_iter().collect();
     let paper = paper::paper(file, &wavelengths_nm, folder, &mut optics, &mut remarks);
-    let angles = paper::angles(file, paper.coupling, &mut optics);
+    let Directions { angles, kind } = paper::directions(file, paper.coupling, &mut optics);
     let resolution = resolution(file, &mut optics);
     let goal = goal(&file.solver, &resolution, &mut optics);
     counts(file, &mut faults);
@@ -110,13 +111,13 @@ fn examine(file: &StudyFile, folder: &Path, name: &str) -> (Study, Faults, Fault
         goal,
         output: file.output.clone(),
         judgement,
-        portion: None,
+        kind,
         remarks,
     };
     study.remarks.extend(of_files);
     study.remarks.extend(index::bridged(&study));
     study.remarks.extend(study.undetermined_inputs());
-    if study.angles.no_paper.is_none() {
+    if study.no_paper().is_none() {
         study.remarks.extend(light::colour_takes_a_part(&study.wavelengths_nm));
         study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
     }
@@ -162,7 +163,6 @@ fn layer(table: &LayerTable, period_um: [f64; 2], binder: IndexSpectrum, faults:
         index_out: table.index_out,
         contrast: table.contrast,
         binder,
-        composed: None,
     }
 }
 

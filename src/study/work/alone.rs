@@ -1,19 +1,16 @@
 //! A single study, worked off as one variant; its results are written to the top of the folder.
-//! A composed layer is one ordinary study for each of its slabs, in one store.
+//! Of a composed layer the slabs are worked off, which share one store.
 
 use super::rounds::collect;
-use super::run::{Scope, name, run};
+use super::run::{Scope, Tally, run};
 use super::units::Shard;
+use crate::evaluate::composed::level::SolvedPortion;
 use crate::input::study::Study;
-use crate::run::resolve::Resolved;
-use crate::run::watch::{Event, RunWatch};
-use crate::run::{Collected, RunError, RunSettings, Stores, resolve};
-use crate::solve::accuracy::grid_error::JUDGEMENT;
+use crate::run::watch::RunWatch;
+use crate::run::{Collected, RunError, RunSettings, Stores};
 use crate::store::folder::OutputFolder;
-use crate::store::identity::Key;
-use crate::store::queue::QueueError;
+use crate::store::seal::Damage;
 use crate::work::variant::of_one;
-use std::time::Duration;
 
 /// Result of running a study, over all processes of the folder.
 #[derive(Debug)]
@@ -36,16 +33,10 @@ pub fn run_study(
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Ran, RunError> {
-    let settings = RunSettings { retry_failed: true, ..settings };
-    let variants = of_one("", study.clone());
-    let tally = run(&variants, folder, (Shard::ALL, Scope::Solves), settings, watch)?;
+    let tally = run_alone(study, folder, settings, watch)?;
     let stores = Stores::open(folder)?;
     let Some(collected) = collect(study, &stores, tally.known[0]) else {
-        if tally.publishes {
-            // A folder without any result is removed.
-            stores.failures.remove_all()?;
-        }
-        return Err(tally.failure.unwrap_or(RunError::Stopped));
+        return Err(no_result(tally, &stores));
     };
     Ok(Ran { collected: Collected { damages: tally.damages, ..collected }, publishes: tally.publishes })
 }
@@ -58,129 +49,64 @@ pub fn stored(study: &Study, folder: &OutputFolder) -> std::io::Result<Option<Co
     Ok(collect(study, &Stores::open(folder)?, 0))
 }
 
-/// Pause between two looks at what other processes have done.
-const BETWEEN_LOOKS: Duration = Duration::from_millis(500);
-
-/// Result of running the portions of a composed layer, over all processes of the folder.
+/// Result of running the slabs of a composed layer, over all processes of the folder.
 #[derive(Debug)]
 pub struct RanPortions {
-    /// Every portion with what was computed for it; those that a stop left out are missing.
-    pub solved: Vec<(Study, Collected)>,
+    /// Every slab with what was computed for it; those that a stop left out are missing.
+    pub solved: Vec<SolvedPortion>,
+    /// Damage that this process found in the store; what the layer needs has been recomputed.
+    pub damages: Vec<Damage>,
     /// Whether this process has to write the results.
     pub publishes: bool,
 }
 
-/// Runs the portions of a composed layer one after another; all have the grid of the first.
-/// Processes that run the same layer in one folder share the work on each portion, and wait for
-/// each other between portions.
+/// Runs the slabs of a composed layer in `folder`, like [`run_study`].
 ///
 /// # Errors
-/// As [`run_study`]; stopped before any realisation.
+/// As [`run_study`]: of one slab, no realisation could be packed, or no grid was found; stopped
+/// before the first realisation of any slab.
 pub fn run_portions(
     study: &Study,
     folder: &OutputFolder,
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<RanPortions, RunError> {
-    let portions = study.portions();
-    let work = |portion: &Study| name(&of_one("", portion.clone()), Shard::ALL, Scope::Solves);
-    let ours: Vec<Key> = portions.iter().map(work).collect();
-    let mut ran = RanPortions { solved: Vec::new(), publishes: true };
-    for portion in portions {
-        let stores = Stores::open(folder)?;
-        match ran.solved.first() {
-            Some((_, first)) => stores.grids.put(resolve::key(&portion).as_str(), &first.resolved)?,
-            None => take_grid_of_more_wavelengths(&portion, &stores)?,
-        }
-        drop(stores);
-        watch.stage(&portion.title);
-        match run_portion(&portion, &ours, folder, settings, watch) {
-            Err(RunError::Stopped) if !ran.solved.is_empty() => break,
-            done => {
-                let Ran { collected, publishes } = done?;
-                if ran.solved.is_empty() {
-                    keep_grid_for_fewer_wavelengths(&portion, &collected.resolved, &Stores::open(folder)?)?;
-                }
-                ran.solved.push((portion, collected));
-                ran.publishes = publishes;
-            }
-        }
+    let tally = run_alone(study, folder, settings, watch)?;
+    let stores = Stores::open(folder)?;
+    let solved = stored_portions(study, &stores);
+    let is_cut_short = watch.stop() && !solved.is_empty();
+    if solved.len() < study.portions().len() && !is_cut_short {
+        return Err(no_result(tally, &stores));
     }
-    Ok(ran)
+    Ok(RanPortions { solved, damages: tally.damages, publishes: tally.publishes })
 }
 
-/// Runs one portion, unless everything of it is stored already; waits while other processes are at
-/// work on another portion of `ours`.
-fn run_portion(
-    portion: &Study,
-    ours: &[Key],
+/// Every slab of a composed layer with everything that is stored for it; those of which nothing is
+/// stored are left out.
+pub fn stored_portions(study: &Study, stores: &Stores) -> Vec<SolvedPortion> {
+    let mut solved = Vec::new();
+    for portion in study.portions() {
+        if let Some(collected) = collect(&portion, stores, 0) {
+            solved.push((portion, collected));
+        }
+    }
+    solved
+}
+
+/// Works off a single study; what failed before is retried.
+fn run_alone(
+    study: &Study,
     folder: &OutputFolder,
     settings: RunSettings,
     watch: &dyn RunWatch,
-) -> Result<Ran, RunError> {
-    let mut damages = Vec::new();
-    loop {
-        let stores = Stores::open(folder)?;
-        let stored = collect(portion, &stores, 0);
-        damages.extend(stores.database().damages());
-        drop(stores);
-        if let Some(collected) = stored.filter(|stored| stored.finished() == portion.solves()) {
-            watch.hear(Event::Kept(collected.finished()));
-            return Ok(Ran { collected: Collected { damages, ..collected }, publishes: true });
-        }
-        match run_study(portion, folder, settings, watch) {
-            Err(RunError::Queue(QueueError::OtherWork { name, .. }))
-                if ours.iter().any(|key| key.as_str() == name) =>
-            {
-                if watch.stop() {
-                    return Err(RunError::Stopped);
-                }
-                std::thread::sleep(BETWEEN_LOOKS);
-            }
-            ran => {
-                let mut ran = ran?;
-                ran.collected.damages.splice(0..0, damages);
-                return Ok(ran);
-            }
-        }
-    }
+) -> Result<Tally, RunError> {
+    let settings = RunSettings { retry_failed: true, ..settings };
+    run(&of_one("", study.clone()), folder, (Shard::ALL, Scope::Solves), settings, watch)
 }
 
-/// Content hash of a portion with a single wavelength of its list: all that its grid must resolve.
-fn key_at(portion: &Study, wavelength_nm: f64) -> Key {
-    let packing = Key::of_packing(&portion.packing_request(0));
-    let indices = portion.indices(1e-3 * wavelength_nm);
-    let method = (&portion.resolution, &portion.solver, &portion.goal, JUDGEMENT);
-    Key::of_wave("grid at", &(packing, indices, wavelength_nm, method), portion.vector_wave())
-}
-
-/// Notes for every wavelength the grid that it was solved on, unless it has one.
-fn keep_grid_for_fewer_wavelengths(
-    portion: &Study,
-    resolved: &Resolved,
-    stores: &Stores,
-) -> std::io::Result<()> {
-    for &nm in &portion.wavelengths_nm {
-        let key = key_at(portion, nm);
-        if !stores.grids.has(key.as_str()) {
-            stores.grids.put(key.as_str(), resolved)?;
-        }
-    }
-    Ok(())
-}
-
-/// If all wavelengths of a portion were solved before on one grid, as part of a longer list, it is
-/// this portion's grid too: so these solves are used again.
-fn take_grid_of_more_wavelengths(portion: &Study, stores: &Stores) -> std::io::Result<()> {
-    if resolve::kept(portion, &stores.grids).is_some() {
-        return Ok(());
-    }
-    let at = |nm: &f64| stores.grids.get(key_at(portion, *nm).as_str());
-    let grids: Option<Vec<Resolved>> = portion.wavelengths_nm.iter().map(at).collect();
-    match grids.as_deref() {
-        Some([first, others @ ..]) if others.iter().all(|other| other == first) => {
-            stores.grids.put(resolve::key(portion).as_str(), first)
-        }
-        _ => Ok(()),
-    }
+/// Why a study has no result at all; the process that would publish removes the recorded failures,
+/// because a folder without any result is removed.
+fn no_result(tally: Tally, stores: &Stores) -> RunError {
+    let removed = if tally.publishes { stores.failures.remove_all() } else { Ok(()) };
+    removed.err().map_or_else(|| tally.failure.unwrap_or(RunError::Stopped), RunError::Store)
 }

@@ -11,7 +11,7 @@ use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::solve::demand::memory_in_words;
 use crate::store::identity::Key;
-use crate::work::variant::Variant;
+use crate::work::variant::{Variant, solved_for};
 use scaled::scaled;
 use serde::Serialize;
 use std::collections::HashSet;
@@ -69,6 +69,7 @@ pub struct Plan {
 /// # Errors
 /// No trial variant can be packed and solved, or the watch requests a stop.
 pub fn plan(variants: &[Variant], settings: RunSettings, watch: &dyn RunWatch) -> Result<Plan, RunError> {
+    let variants = &*solved_for(variants);
     let jobs = settings.jobs.unwrap_or_else(rayon::current_num_threads);
     let deadline = Deadline { watch, jobs, end: Instant::now() + LIMIT };
     let (mut trials, late) = tried(&representatives(variants), &deadline)?;
@@ -85,6 +86,7 @@ pub fn plan(variants: &[Variant], settings: RunSettings, watch: &dyn RunWatch) -
 
 /// Estimates the cost from the size alone, without trials.
 pub fn by_size(variants: &[Variant], settings: RunSettings) -> Plan {
+    let variants = &*solved_for(variants);
     let all = representatives(variants);
     let trials: Vec<Trial> = all.iter().copied().map(scaled).collect();
     costed(variants, &trials, (late_in_words(&all, true), BY_SIZE_FACTOR), settings)
@@ -304,7 +306,7 @@ fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
             moved += study.solves_each() * study.moves_of(r).len();
         }
         let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
-        let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
+        let light = (&study.wavelengths_nm, study.written_angles(), study.wave.is_vector());
         grids.insert(Key::of("grid", &(light, indices, method)));
     }
     [grids.len(), solves.len() + moved + FINER_COST * finer]

@@ -116,7 +116,7 @@ fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) ->
 /// Content hash of everything that a realisation's packing and grid depend on.
 pub(super) fn stage_key(study: &Study, realisation: usize) -> Key {
     let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
-    let light = (&study.wavelengths_nm, &study.angles, indices);
+    let light = (&study.wavelengths_nm, study.written_angles(), indices);
     let method = (&study.resolution, &study.solver, &study.goal);
     let inputs = (resolve::key(study), study.packing_request(realisation), light, method);
     Key::of_wave("stage", &inputs, study.vector_wave())

@@ -18,7 +18,7 @@ use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
 use crate::store::queue::{Assignment, Queue, QueueStanding, QueuedTask};
 use crate::store::seal::Damage;
-use crate::work::variant::Variant;
+use crate::work::variant::{Variant, solved_for};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -67,6 +67,7 @@ pub enum Scope {
 
 /// Number of solves of a shard; shared solves count once per variant.
 pub fn solves(variants: &[Variant], shard: Shard) -> usize {
+    let variants = &*solved_for(variants);
     let units = units(variants);
     units[shard.range(units.len())].iter().map(|unit| solves_of(variants, unit)).sum()
 }
@@ -87,8 +88,9 @@ pub fn run(
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Tally, RunError> {
+    let solved = solved_for(variants);
     watch.hear(Event::Begun);
-    let tally = run_to_end(variants, folder, extent, settings, watch);
+    let tally = run_to_end(&solved, folder, extent, settings, watch);
     watch.hear(Event::Over);
     tally
 }
@@ -108,7 +110,7 @@ fn run_to_end(
     let (mut rounds, mut waits) = (Rounds::new(variants), 0);
     let (mut before, mut failure) = (None, None);
     while let Some((round, units)) = next_round(&mut rounds, &stores, watch) {
-        let jobs = jobs(&units[shard.range(units.len())], scope);
+        let jobs = jobs(variants, &units[shard.range(units.len())], scope);
         // If the queue is empty but the round is unfinished, stop: repeating it would not help.
         if jobs.is_empty() || before == Some(round) {
             break;
@@ -165,7 +167,7 @@ fn next_round(rounds: &mut Rounds, stores: &Stores, watch: &dyn RunWatch) -> Opt
 }
 
 /// Name of the work, so that only processes with the same studies and shard share it.
-pub(super) fn name(variants: &[Variant], shard: Shard, scope: Scope) -> Key {
+fn name(variants: &[Variant], shard: Shard, scope: Scope) -> Key {
     let studies: Vec<Key> = variants.iter().map(|variant| variant.study.key()).collect();
     Key::of("work", &(studies, shard.index, shard.count, scope))
 }
@@ -247,7 +249,9 @@ impl Worker<'_> {
             Work { worker: self, study, realisation: unit.realisation, watch }
         };
         let first = work(unit.variants[0]);
-        let mut packings = Packings::new(first.study, &first.watch);
+        let grid_source = first.study.grid_source();
+        let packed = if grids.is_none() { &*grid_source } else { first.study };
+        let mut packings = Packings::new(packed, &first.watch);
         let mut sum = 0;
         for &v in unit.variants.iter().take_while(|_| !self.watch.stop()) {
             let done = match grids {
@@ -273,7 +277,8 @@ impl Worker<'_> {
 
 /// A task: to compute a unit, or to choose the grids of a group.
 struct Job {
-    /// The unit; if grids are chosen, all variants of the group in their first realisation.
+    /// The unit; if grids are chosen, the first realisation of all variants whose grids are chosen
+    /// on the same packings.
     pub unit: Unit,
     /// Number of the task that chooses the grids; `None` if this one does.
     pub grids: Option<usize>,
@@ -291,19 +296,60 @@ impl Job {
     }
 }
 
-/// The grids of all groups, followed by the units if these are to be solved.
-fn jobs(units: &[Unit], scope: Scope) -> Vec<Job> {
-    let mut groups: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+/// The choices of grids, followed by the units if these are to be solved. A choice serves all units
+/// whose grids are chosen on the same packings: those of a group, and all slabs of a layer.
+fn jobs(variants: &[Variant], units: &[Unit], scope: Scope) -> Vec<Job> {
+    let mut packings_of_group: BTreeMap<usize, Key> = BTreeMap::new();
+    let mut choices: BTreeMap<Key, BTreeSet<usize>> = BTreeMap::new();
     for unit in units {
-        groups.entry(unit.group).or_default().extend(&unit.variants);
+        let packings_key = || variants[unit.variants[0]].study.grid_source().packings_key();
+        let packings = packings_of_group.entry(unit.group).or_insert_with(packings_key);
+        choices.entry(packings.clone()).or_default().extend(&unit.variants);
     }
     let mut jobs = Vec::new();
-    for (&group, variants) in &groups {
-        let unit = Unit { group, variants: variants.iter().copied().collect(), realisation: 0 };
+    for (group, chosen_for) in choices.values().enumerate() {
+        let unit = Unit { group, variants: chosen_for.iter().copied().collect(), realisation: 0 };
         jobs.push(Job { unit, grids: None });
     }
     for unit in units.iter().filter(|_| scope == Scope::Solves) {
-        jobs.push(Job { unit: unit.clone(), grids: groups.keys().position(|&group| group == unit.group) });
+        let packings = &packings_of_group[&unit.group];
+        jobs.push(Job { unit: unit.clone(), grids: choices.keys().position(|key| key == packings) });
     }
     jobs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::check::check;
+    use crate::run::resolve;
+    use crate::work::variant::of_one;
+    use std::path::Path;
+
+    fn composed(index: f64) -> Variant {
+        let text = format!(
+            "[layer]\nthickness_um = 4\nbinder.index = 1.5\n[layer.composed]\nslab_um = 1\n[[pigment]]\nname = 'p'\n\
+             diameter_nm = 200\nvolume_fraction = 0.1\nindex = {index}\n[light]\nwavelengths_nm = [550]\n\
+             [run]\nrealisations = 2\n"
+        );
+        let study = check(&toml::from_str(&text).expect("a study file"), Path::new("."), "test");
+        of_one(&format!("{index}"), study.expect("a study")).remove(0)
+    }
+
+    /// *Planted*: every group chooses grids of its own.
+    #[test]
+    fn one_choice_of_grid_serves_all_slabs_of_a_layer() {
+        let layers = [composed(2.0), composed(2.2)];
+        let variants = solved_for(&layers);
+        assert_eq!(variants.len(), 8, "inner and outer slabs, whole and halved");
+        let keys: BTreeSet<_> = variants[..4].iter().map(|v| resolve::key(&v.study)).collect();
+        assert_eq!(keys.len(), 1, "the slabs of a layer have one grid");
+        let all = jobs(&variants, &units(&variants), Scope::Solves);
+        let (choices, solves): (Vec<_>, Vec<_>) = all.iter().partition(|job| job.grids.is_none());
+        // both layers have the same packings, and their grids are chosen on those of the first slab
+        assert_eq!(choices.len(), 1);
+        assert_eq!(choices[0].unit.variants, (0..8).collect::<Vec<_>>());
+        assert_eq!(solves.len(), 8, "2 realisations of 4 groups");
+        assert!(solves.iter().all(|job| job.grids == Some(0) && job.unit.variants.len() == 2));
+    }
 }

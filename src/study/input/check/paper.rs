@@ -6,7 +6,7 @@ use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG};
 use crate::input::file::{AnglesTable, CouplingName, StudyFile};
 use crate::input::forms::AlbedoWritten;
 use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest};
-use crate::input::study::{Angles, Paper};
+use crate::input::study::{Angles, Paper, StudyKind};
 use crate::input::{Faults, limits};
 use crate::material::columns::micrometres;
 use std::path::Path;
@@ -130,7 +130,14 @@ const USUAL_COUNT: usize = 5;
 /// Number of directions that are not strata.
 const EXACT: usize = 2;
 
-pub fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angles {
+/// The directions of the light, and what they allow to be computed.
+pub struct Directions {
+    pub angles: Angles,
+    /// The ink on its paper, or the layer alone.
+    pub kind: StudyKind,
+}
+
+pub fn directions(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Directions {
     let table = &file.angles;
     faults.number("angles.azimuth_deg", table.azimuth_deg, limits::AZIMUTH_DEG, "0 is the x direction");
     let remedy = "60 is usual";
@@ -157,7 +164,7 @@ pub fn angles(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Angl
 }
 
 /// Listed angles allow paper and colour if they include 0° and 45° and the surroundings permit it.
-fn listed(file: &StudyFile, exact_deg: Vec<f64>, coupling: Coupling) -> Angles {
+fn listed(file: &StudyFile, exact_deg: Vec<f64>, coupling: Coupling) -> Directions {
     let table = &file.angles;
     let absent = |deg: &f64| !exact_deg.iter().any(|have| (have - deg).abs() < 1e-9);
     let missing = [0.0, PRINT_DEG].into_iter().filter(absent).map(|deg: f64| deg.to_string());
@@ -177,17 +184,20 @@ fn listed(file: &StudyFile, exact_deg: Vec<f64>, coupling: Coupling) -> Angles {
     }
 }
 
-fn alone(table: &AnglesTable, exact_deg: Vec<f64>, reason: String) -> Angles {
+fn alone(table: &AnglesTable, exact_deg: Vec<f64>, reason: String) -> Directions {
     let AnglesTable { azimuth_deg, picture_max_deg, .. } = *table;
-    Angles { exact_deg, strata: 0, exit_strata: 0, azimuth_deg, picture_max_deg, no_paper: Some(reason) }
+    let angles = Angles { exact_deg, strata: 0, exit_strata: 0, azimuth_deg, picture_max_deg };
+    Directions { angles, kind: StudyKind::LayerAlone(reason) }
 }
 
-fn over_hemisphere(file: &StudyFile, exact_deg: Vec<f64>, strata: usize, coupling: Coupling) -> Angles {
+fn over_hemisphere(file: &StudyFile, exact_deg: Vec<f64>, strata: usize, coupling: Coupling) -> Directions {
     // A layer between two plane walls with vacuum on both sides is statistically the same from both
     // sides: solves from the incident side give Ā_b. A relief or another medium on the exit side
     // breaks this symmetry.
     let exit_strata = if coupling == Coupling::Gap && file.layer.relief.is_none() { 0 } else { strata };
-    Angles { strata, exit_strata, no_paper: None, ..alone(&file.angles, exact_deg, String::new()) }
+    let AnglesTable { azimuth_deg, picture_max_deg, .. } = file.angles;
+    let angles = Angles { exact_deg, strata, exit_strata, azimuth_deg, picture_max_deg };
+    Directions { angles, kind: StudyKind::InkOnPaper }
 }
 
 /// The picture shows an ink in air, on paper behind an air gap or in contact with it.
