@@ -1,11 +1,11 @@
 //! Studies of many variants: one file, one store, any number of machines.
 //!
 //! The path of a sweep: [`file`](mod@file) (as written) → [`expand`] (axes, exclusions, overrides →
-//! variants) → [`load`] (every variant a checked [`Study`](crate::input::study::Study)) → [`units`](crate::work::units)
-//! (what is computed together, shards) → [`run`](crate::work::run) → [`publish`](mod@publish) (table,
-//! contact sheets, [`conclusions`], pages). [`plan`](crate::work::plan) estimates the cost beforehand,
-//! [`merge`](mod@merge) joins the stores of several machines. The work itself is that of any
-//! study ([`work`](crate::work)).
+//! variants) → [`load`] (every variant a checked [`Study`](crate::input::study::Study)) →
+//! [`units`](crate::work::units) (what is computed together, shards) → [`run`](crate::work::run) →
+//! [`publish`](mod@publish) (table, contact sheets, [`conclusions`], pages).
+//! [`plan`](crate::work::plan) estimates the cost beforehand, [`merge`](mod@merge) joins the stores
+//! of several machines. The work itself is that of any study ([`work`](crate::work)).
 //!
 //! Of its folders each uses only those before it:
 //!

@@ -283,10 +283,7 @@ fn comparisons_are_a_leaf() {
     let leaning = leaning_on_the_leaf(&files);
     assert!(leaning.is_empty(), "nothing but {USERS_OF_THE_LEAF:?} uses {LEAF}: {leaning:?}");
     let used = |user: &&str| files.iter().any(|(name, text)| name == *user && text.contains(LEAF));
-    assert!(
-        USERS_OF_THE_LEAF.iter().all(|user| used(&user)),
-        "a user of {LEAF} has gone: take it off the list"
-    );
+    assert!(USERS_OF_THE_LEAF.iter().all(used), "a user of {LEAF} has gone: take it off the list");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The study that sweeps, fits and designs are based on: a file, or a table that is completed later.
+//! The study that sweeps, fits and designs are based on: a file, or a table that they complete.
 
 use super::fault::StudyError;
 use super::field::study_schema;
