@@ -131,9 +131,9 @@ mod tests {
         use Position::{Back, Front, Inner};
         assert_eq!(all, [(Inner, 2.0), (Front, 2.0), (Back, 2.0), (Inner, 1.0), (Front, 1.0), (Back, 1.0)]);
         // n_eff = √(0.2 · 4 + 0.8 · 2.25), and the media next to each slab
-        let own = 2.6_f64.sqrt();
+        let effective_index = 2.6_f64.sqrt();
         let media = |k: usize| portions[k].media(0.5);
-        assert!((media(0).incident.re - own).abs() < 1e-12 && media(0).exit == media(0).incident);
+        assert!((media(0).incident.re - effective_index).abs() < 1e-12 && media(0).exit == media(0).incident);
         assert_eq!((media(1).incident.re, media(1).exit), (1.0, media(0).exit));
         assert_eq!((media(2).incident, media(2).exit.re), (media(0).incident, 1.4));
         // each has packings of its own; what is solved is counted

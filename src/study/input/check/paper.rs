@@ -243,8 +243,8 @@ impl AnglesTable {
 
     fn over_hemisphere(&self, exact_deg: Vec<f64>, strata: usize, around: &Surroundings) -> Angles {
         // A layer between two plane walls with vacuum on both sides is statistically the same from
-        // both sides: solves from the incident side give Ā_b. A relief or another medium on the exit
-        // side breaks this symmetry.
+        // both sides: solves from the incident side give Ā_b. A relief or another medium on the
+        // exit side breaks this symmetry.
         let exit_strata = if around.coupling == Coupling::Gap && !around.has_relief { 0 } else { strata };
         Angles { strata, exit_strata, no_paper: None, ..self.alone(exact_deg, String::new()) }
     }
