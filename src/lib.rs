@@ -43,7 +43,7 @@
 //!
 //! ```text
 //! numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate
-//!          ← draw ← report ← compare, sweep ← design, fit ← export, schema
+//!          ← work ← draw ← report ← compare, design, fit, sweep ← export, schema
 //! ```
 //!
 //! [`architecture`] draws the data flow with the shapes of all arrays.
@@ -72,6 +72,7 @@
 //! - [`run`]: the computation. One solve, one realisation, a whole study, in parallel on all cores,
 //!   within the memory available.
 //! - [`evaluate`]: numbers with error bars. Spectra, appearance, the uncertainty budget, the summary.
+//! - [`work`]: what is solved together, in which order and by which process; its cost beforehand.
 //! - [`draw`]: all drawing. Charts, rasters, the picture of the source paper.
 //! - [`report`]: pages and tables of a study.
 //! - [`compare`]: strategies × grids × discretisations side by side.
@@ -118,4 +119,4 @@ pub mod schema;
 pub mod sweep;
 
 pub use inkwave_physics::{appearance, ink, material, numerics, solve, wave};
-pub use inkwave_study::{evaluate, input, run, store};
+pub use inkwave_study::{evaluate, input, run, store, work};

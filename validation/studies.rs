@@ -5,13 +5,13 @@ use inkwave::evaluate::manifest::Manifest;
 use inkwave::evaluate::seen::{Seen, see};
 use inkwave::evaluate::summary::summarise;
 use inkwave::input::load::load;
-use inkwave::input::study::Study;
+use inkwave::input::study::{Study, StudyKind};
 use inkwave::material::mixing::MixingRule;
 use inkwave::run::{Collected, RunSettings};
 use inkwave::solve::accuracy::grid_error::GridError;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::alone::{run_portions, run_study};
+use inkwave::work::alone::{run_portions, run_study};
 use serde_json::Value;
 use std::path::Path;
 
@@ -57,7 +57,9 @@ pub fn composed(text: &str) -> Value {
 /// of its wave equation.
 pub fn composed_between(text: &str, mixing: Option<MixingRule>) -> Value {
     let (mut study, folder) = (checked(text), tempfile::tempdir().expect("a temporary folder"));
-    study.layer.composed.iter_mut().for_each(|composed| composed.mixing = mixing);
+    if let StudyKind::Composed(composed) = &mut study.kind {
+        composed.mixing = mixing;
+    }
     let output = OutputFolder::open(folder.path(), Holds::Study).expect("a folder for the study");
     let solved = run_portions(&study, &output, RunSettings::default(), &()).expect("slabs that run").solved;
     serde_json::to_value(report(&study, &solved).expect("complete slabs")).expect("JSON")

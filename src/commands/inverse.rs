@@ -17,7 +17,7 @@ use inkwave::run::RunSettings;
 use inkwave::run::tangents::timed;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::Sweep;
+use inkwave::work::variant::of_one;
 use inkwave::{design, fit};
 use miette::{IntoDiagnostic, Result, miette};
 use std::path::PathBuf;
@@ -179,5 +179,5 @@ fn plan_design(task: &DesignTask, settings: RunSettings) -> Result<()> {
     )?;
     let middle = vec![0.5; task.variables.len()];
     let study = task.study(&middle).map_err(|faults| miette!("{}", faults[0]))?;
-    tell_plan(&Sweep::of_one("middle", study), false, settings)
+    tell_plan(&of_one("middle", study), false, settings)
 }

@@ -2,14 +2,13 @@
 //! DIR`: tables, contact sheets and pages of a sweep from its store, finished or not.
 
 use super::diagnostics::{folder_report, study_report, tell_damages};
-use super::sweep::tell;
+use super::sweep::report as report_on;
 use clap::Args;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::folder::{OpenError, read};
 use inkwave::sweep::merge::{MergeError, merge};
-use inkwave::sweep::publish::publish;
-use miette::{IntoDiagnostic, Result, miette};
+use miette::{Result, miette};
 use std::path::PathBuf;
 
 /// Join the shards of a sweep in one folder and report on it
@@ -32,8 +31,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     if merged.healed > 0 {
         note!("{} damaged records were replaced by intact copies from other shards", merged.healed);
     }
-    let reported = publish(&merged.sweep, &folder).into_diagnostic()?;
-    tell(&reported, &folder, false, "run the sweep again with its file")
+    report_on(&merged.sweep, &folder, false, "run the sweep again with its file")
 }
 
 /// Rebuild tables, contact sheets and pages of a sweep from its finished solves
@@ -62,7 +60,7 @@ pub fn report(args: &ReportArgs) -> Result<()> {
         *place = option.clone().or(place.take());
     }
     let folder = OutputFolder::open(&args.folder, Holds::Sweep).map_err(folder_report)?;
-    tell(&publish(&sweep, &folder).into_diagnostic()?, &folder, false, "run the sweep again with its file")
+    report_on(&sweep, &folder, false, "run the sweep again with its file")
 }
 
 fn open_report(error: OpenError) -> miette::Report {

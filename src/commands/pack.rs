@@ -41,7 +41,7 @@ pub fn run(args: &PackArgs) -> Result<()> {
     study.remarks.iter().for_each(note);
     study.packing.seed = args.seed.unwrap_or(study.packing.seed);
     study.realisations = args.realisations.map_or(study.realisations, usize::from);
-    if let Some(composed) = &study.layer.composed {
+    if let Some(composed) = study.composed() {
         note!(
             "layer.composed: a slab of {} µm is packed, between walls; `inkwave run` solves slabs without walls at their joints",
             composed.slab_um

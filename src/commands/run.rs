@@ -1,5 +1,5 @@
-//! `inkwave run STUDY.toml`: from a study file to the picture of an ink on paper. The slabs of a
-//! composed layer are solved one after another, and any thickness of it follows from them.
+//! `inkwave run STUDY.toml`: from a study file to the picture of an ink on paper. Of a composed
+//! layer the slabs are solved, and any thickness of it follows from them.
 
 use super::diagnostics::{mixed_up_report, run_report, tell_damages};
 use super::progress::{Live, Progress};
@@ -10,15 +10,15 @@ use clap::Args;
 use inkwave::evaluate::manifest::Status;
 use inkwave::evaluate::survivors::Survivors;
 use inkwave::input::load::{load, stem};
-use inkwave::input::study::{Composed, Study};
+use inkwave::input::study::{Composed, Study, StudyKind};
 use inkwave::report::composed;
 use inkwave::report::publish::{Published, publish};
 use inkwave::run::{Collected, RunSettings};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::sweep::Sweep;
-use inkwave::sweep::alone::{Ran, RanPortions, run_portions, run_study, stored};
-use inkwave::sweep::plan::by_size;
+use inkwave::work::alone::{Ran, RanPortions, run_portions, run_study, stored};
+use inkwave::work::plan::by_size;
+use inkwave::work::variant::of_one;
 use miette::{IntoDiagnostic, Result, miette};
 use std::path::{Path, PathBuf};
 
@@ -40,19 +40,19 @@ pub fn run(args: &RunArgs) -> Result<()> {
     study.remarks.iter().for_each(note);
     let settings = args.work.settings()?;
     if args.work.plan {
-        tell_plan(&Sweep::of_one(&stem(&args.study), study.clone()), args.json, settings)?;
+        tell_plan(&of_one(&stem(&args.study), study.clone()), args.json, settings)?;
         return if args.json { Ok(()) } else { offer(study, settings) };
     }
     let own = study.output.folder.as_ref().filter(|_| args.work.output.is_none());
     let path = own.map_or_else(|| args.work.folder(&args.study, ""), PathBuf::from);
-    if study.layer.composed.is_some() {
+    if study.composed().is_some() {
         return run_composed(&study, &path, settings);
     }
     let folder = opened(&path, Holds::Study)?;
     if let Some(reason) = study.no_ink() {
         note!("no paper, colour and picture: {reason}");
     }
-    if let Some(reason) = by_size(&Sweep::of_one("", study.clone()), settings).out_of_reach {
+    if let Some(reason) = by_size(&of_one("", study.clone()), settings).out_of_reach {
         note!("out of reach: {reason} (--plan gives details; Ctrl-C stops)");
     }
     let progress = Progress::new();
@@ -132,9 +132,9 @@ fn run_composed(study: &Study, path: &Path, settings: RunSettings) -> Result<()>
     let progress = Progress::new();
     progress.expect(study.solves(), false);
     let ran = progress.during(|| run_portions(study, &folder, settings, &progress));
-    let RanPortions { solved, publishes } =
+    let RanPortions { solved, damages, publishes } =
         ran.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
-    solved.iter().for_each(|(_, collected)| tell_damages(&collected.damages));
+    tell_damages(&damages);
     if progress.stopped() {
         let finished: usize = solved.iter().map(|(_, collected)| collected.finished()).sum();
         let kept = format!("stopped: {finished} of {} solves are finished and kept", study.solves());
@@ -165,14 +165,14 @@ const WORTH_COMPOSING_UM: f64 = 4.0;
 fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     let um = study.layer.thickness_um;
     let plane = study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
-    if study.layer.composed.is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
+    if study.composed().is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
         return Ok(());
     }
-    let whole = by_size(&Sweep::of_one("", study.clone()), settings).core_seconds;
+    let whole = by_size(&of_one("", study.clone()), settings).core_seconds;
     let slab_um = um / (0.5 * um).round();
-    study.layer.composed =
-        Some(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None });
-    let slabs = by_size(&Sweep::of_one("", study), settings).core_seconds;
+    study.kind =
+        StudyKind::Composed(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None });
+    let slabs = by_size(&of_one("", study), settings).core_seconds;
     say!(
         "[layer.composed] composes these {um} µm of slabs of {slab_um:.2} µm: by size some {:.1} processor hours \
          instead of {:.1}, whatever the thickness",

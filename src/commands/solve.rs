@@ -5,11 +5,11 @@ use super::solve_options::{LightArgs, StudyPoint};
 use super::solve_report;
 use super::solve_report::{Gradient, gradients};
 use super::terminal::say;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
-use inkwave::compare::external::protocol::WaveKind;
 use inkwave::export::npz::operator;
 use inkwave::input::case::Case;
+use inkwave::input::wave_kind::WaveKind;
 use inkwave::solve::accuracy::{Estimated, Solved, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};
 use inkwave::wave::contrast::coverage::{EXACT, error_among};
@@ -49,7 +49,7 @@ pub struct SolveArgs {
     tolerance: Option<f64>,
     /// Equation to solve: scalar (Helmholtz), or vector (Maxwell, for s and p polarisation)
     /// (default: the study's, or scalar)
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = wave_kinds())]
     wave: Option<WaveKind>,
     /// Discretisation along z (default: cubic; quartic if --accuracy is below 3e-3)
     #[arg(long, value_parser = PossibleValuesParser::new(SCHEMES).try_map(|name| scheme_named(&name)))]
@@ -102,6 +102,14 @@ const SCHEMES: [&str; 5] = ["tents", "quadratic", "cubic", "quartic", "second-di
 
 fn scheme_named(name: &str) -> serde_json::Result<Scheme> {
     serde_json::from_value(name.replace('-', "_").into())
+}
+
+/// The wave equations, by their names in files.
+fn wave_kinds() -> impl TypedValueParser<Value = WaveKind> {
+    let scalar = PossibleValue::new("scalar").help("The scalar wave equation");
+    let vector = PossibleValue::new("vector").help("Maxwell's equations, for s and p light");
+    PossibleValuesParser::new([scalar, vector])
+        .map(|name| if name == "vector" { WaveKind::Vector } else { WaveKind::Scalar })
 }
 
 /// Runs the command.

@@ -6,10 +6,10 @@ use super::diagnostics::{case_report, mixed_up_report};
 use clap::Args;
 use inkwave::appearance::bdf::Lobe;
 use inkwave::appearance::finite_area::{FiniteArea, FiniteAreaError};
-use inkwave::compare::external::protocol::WaveKind;
 use inkwave::input::case::Case;
 use inkwave::input::load::load;
 use inkwave::input::study::Study;
+use inkwave::input::wave_kind::WaveKind;
 use inkwave::run::point::pack_realisation;
 use inkwave::wave::{FarField, Incidence, Media, Scene, Side};
 use miette::{IntoDiagnostic, Result};
@@ -172,7 +172,7 @@ impl StudyPoint {
         if !(1..=all).contains(&number) {
             miette::bail!("--realisation is {number}; allowed is 1 … {all}, the realisations of the study");
         }
-        if study.layer.composed.is_some() {
+        if study.composed().is_some() {
             miette::bail!("--realisation: a composed layer has many slabs; remove [layer.composed]");
         }
         let packing = pack_realisation(&study, number - 1, &()).into_diagnostic()?;

@@ -6,14 +6,16 @@ use super::terminal::{note, this_command, to_resume};
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::run::RunSettings;
-use inkwave::run::watch::RunWatch;
+use inkwave::run::watch::{Event, RunWatch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::publish::{Publisher, publish};
 use inkwave::sweep::reported::Reported;
-use inkwave::sweep::run::Scope;
-use inkwave::sweep::units::{Shard, ends_early, units};
-use inkwave::sweep::{Sweep, composed, folder, load, plan, run as runner};
+use inkwave::sweep::{Sweep, composed, folder, load};
+use inkwave::work::run::Scope;
+use inkwave::work::units::{Shard, ends_early, units};
+use inkwave::work::variant::{Variant, solved_for};
+use inkwave::work::{plan, run as runner};
 use miette::{IntoDiagnostic, Result, miette};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -58,11 +60,9 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     remarks.into_iter().for_each(note);
     let settings = args.work.settings()?;
     let settings = RunSettings { retry_failed: args.retry_failed, ..settings };
-    if composed::is_composed(&sweep) {
-        return composed_sweep(&sweep, args, settings);
-    }
+    refuse_mixed(&sweep)?;
     if args.work.plan {
-        return tell_plan(&sweep, args.json, settings);
+        return tell_plan(&sweep.variants, args.json, settings);
     }
     let shard = args.shard.as_deref().map(|text| shard(text, &sweep)).transpose()?;
     let part = shard.unwrap_or(Shard::ALL);
@@ -70,11 +70,16 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     let folder = begin(&sweep, &args.work.folder(&args.sweep, &end), args)?;
     let progress = Progress::new();
     let scope = if args.grids_only { Scope::Grids } else { Scope::Solves };
-    progress.expect(if args.grids_only { 0 } else { runner::solves(&sweep, part) }, ends_early(&sweep));
+    progress.expect(
+        if args.grids_only { 0 } else { runner::solves(&sweep.variants, part) },
+        ends_early(&sweep.variants),
+    );
     let mut publisher = Publisher::new(&sweep);
     let live = Live::new(&folder, &progress, Box::new(|| publisher.publish(&folder).is_ok()));
-    let watch: &dyn RunWatch = if args.grids_only { &progress } else { &live };
-    let tally = progress.during(|| runner::run(&sweep, &folder, (part, scope), settings, watch));
+    // composed layers take long to evaluate: they have pages at the end
+    let has_live_pages = !args.grids_only && !composed::is_composed(&sweep);
+    let watch: &dyn RunWatch = if has_live_pages { &live } else { &progress };
+    let tally = progress.during(|| runner::run(&sweep.variants, &folder, (part, scope), settings, watch));
     let tally = tally.map_err(run_report)?;
     tell_damages(&tally.damages);
     if tally.waited >= WORTH_TELLING {
@@ -90,13 +95,28 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     if shard.is_some() {
         // The sweep is reported once the shards are merged; until then the page shows the results
         // of this one.
-        publish(&sweep, &folder).into_diagnostic()?;
+        match composed::is_composed(&sweep) {
+            true => _ = composed::publish(&sweep, &folder, &()).into_diagnostic()?,
+            false => _ = publish(&sweep, &folder).into_diagnostic()?,
+        }
         return tell_shard(&tally, part, &folder, progress.stopped());
     }
     if !tally.publishes {
         return tell_others(&folder);
     }
-    tell(&publish(&sweep, &folder).into_diagnostic()?, &folder, progress.stopped(), &this_command())
+    report(&sweep, &folder, progress.stopped(), &this_command())
+}
+
+/// Refuses composed layers among others: they have other numbers, tables and pages.
+fn refuse_mixed(sweep: &Sweep) -> Result<()> {
+    let is_whole = |variant: &&Variant| variant.study.composed().is_none();
+    match sweep.variants.iter().find(is_whole).filter(|_| composed::is_composed(sweep)) {
+        None => Ok(()),
+        Some(other) => {
+            let help = "declare all variants composed, or none";
+            Err(miette!(help = help, "variant {} is not composed, and others are", other.name))
+        }
+    }
 }
 
 /// Says that other processes continue here.
@@ -104,30 +124,34 @@ pub(super) fn tell_others(folder: &OutputFolder) -> Result<()> {
     say!("Other processes are still working in {} and will write the report.", folder.path().display())
 }
 
-/// A sweep of composed layers: one after another, in this process.
-fn composed_sweep(sweep: &Sweep, args: &SweepArgs, settings: RunSettings) -> Result<()> {
-    if args.work.plan {
-        return tell_plan(&composed::slabs(sweep), args.json, settings);
+/// Publishes what the store has of a sweep and prints where the results are.
+pub(super) fn report(sweep: &Sweep, folder: &OutputFolder, stopped: bool, go_on: &str) -> Result<()> {
+    if !composed::is_composed(sweep) {
+        return tell(&publish(sweep, folder).into_diagnostic()?, folder, stopped, go_on);
     }
-    if args.shard.is_some() || args.grids_only || args.grids.is_some() {
-        let help = "leave the option out; its studies can be run one by one, on several machines";
-        return Err(miette!(help = help, "sweeps of composed layers have no shards and no common grids"));
+    if stopped {
+        let help = format!("to resume: {go_on}");
+        return Err(miette!(help = help, "stopped: layers are evaluated when all of their slabs are there"));
     }
-    if let Some(other) = sweep.variants.iter().find(|v| v.study.layer.composed.is_none()) {
-        let help = "declare all variants composed, or none";
-        return Err(miette!(help = help, "variant {} is not composed, and others are", other.name));
+    let published = composed::publish(sweep, folder, &Stages).into_diagnostic()?;
+    say!("Report: {}", published.page.display())?;
+    let (complete, all) = (published.complete, sweep.variants.len());
+    if complete == all {
+        return Ok(());
     }
-    let folder = opened(&args.work.folder(&args.sweep, ""), Holds::Sweep)?;
-    folder::write(sweep, &folder).map_err(folder_report)?;
-    let progress = Progress::new();
-    let done = progress.during(|| composed::run(sweep, &folder, settings, &progress));
-    let done = done.map_err(run_report)?;
-    say!("Report: {}", composed::publish(sweep, &done, &folder).into_diagnostic()?.display())?;
-    if done.len() < sweep.variants.len() {
-        let (there, all) = (done.len(), sweep.variants.len());
-        return Err(miette!(help = to_resume(), "{there} of {all} layers are there"));
+    let help = format!("to resume: {go_on}, or merge the missing shards; the pages list solves that failed");
+    Err(miette!(help = help, "{complete} of {all} layers are finished"))
+}
+
+/// Prints the stages of an evaluation.
+struct Stages;
+
+impl RunWatch for Stages {
+    fn hear(&self, event: Event) {
+        if let Event::Stage(what) = event {
+            note!("{what}");
+        }
     }
-    Ok(())
 }
 
 /// Opens the output folder, writes the sweep to it and applies `--retry-failed` and `--grids`.
@@ -144,7 +168,7 @@ fn begin(sweep: &Sweep, path: &Path, args: &SweepArgs) -> Result<OutputFolder> {
 }
 
 /// Prints where the results are; incomplete results are an error, so that scripts notice.
-pub(super) fn tell(reported: &Reported, folder: &OutputFolder, stopped: bool, go_on: &str) -> Result<()> {
+fn tell(reported: &Reported, folder: &OutputFolder, stopped: bool, go_on: &str) -> Result<()> {
     for judged in &reported.conclusions {
         say!("{}: {} ({})", judged.table.id, judged.verdict.name(), judged.inequality)?;
     }
@@ -181,13 +205,13 @@ fn tell_shard(tally: &runner::Tally, shard: Shard, folder: &OutputFolder, stoppe
     Ok(())
 }
 
-/// Prints the expected cost of a sweep, or of a study as a sweep of one variant.
-pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> Result<()> {
+/// Prints the expected cost of one study or of the variants of a sweep.
+pub(super) fn tell_plan(variants: &[Variant], json: bool, settings: RunSettings) -> Result<()> {
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     let jobs = settings.jobs.unwrap_or(cores);
     let progress = Progress::new();
     let settings = RunSettings { jobs: Some(jobs), ..settings };
-    let plan = progress.during(|| plan::plan(sweep, settings, &progress)).map_err(run_report)?;
+    let plan = progress.during(|| plan::plan(variants, settings, &progress)).map_err(run_report)?;
     if json {
         return say!("{}", serde_json::to_string_pretty(&plan).into_diagnostic()?);
     }
@@ -202,7 +226,7 @@ pub(super) fn tell_plan(sweep: &Sweep, json: bool, settings: RunSettings) -> Res
     say!("variants          {}", plan.variants)?;
     say!("packings          {}", plan.packings)?;
     // `run.target_delta_e` may be reached earlier.
-    let (most, about) = if ends_early(sweep) { ("at most ", "at most") } else { ("", "about") };
+    let (most, about) = if ends_early(variants) { ("at most ", "at most") } else { ("", "about") };
     say!("solves            {most}{}", plan.solves)?;
     say!("unknowns          {} in the largest solve", plan.unknowns)?;
     say!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs)?;
@@ -227,7 +251,8 @@ fn in_words(seconds: f64) -> String {
 /// that can be divided so.
 fn shard(text: &str, sweep: &Sweep) -> Result<Shard> {
     let shard = parse_shard(text)?;
-    let (count, most) = (shard.count, units(sweep).len());
+    let most = units(&solved_for(&sweep.variants)).len();
+    let count = shard.count;
     if count > most {
         let help = "each shard needs a unit (one realisation of the variants that share a packing); --plan counts them";
         return Err(miette!(

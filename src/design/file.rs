@@ -12,8 +12,8 @@
 //! delta_e = 0.5
 //! ```
 
+use crate::input::base::Base;
 use crate::input::measured::{MeasuredCondition, MeasuredUnit, Patch};
-use crate::sweep::file::Base;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -4,12 +4,12 @@ use super::file::{DesignFile, DesignTable, TargetTable, VaryTable};
 use super::surface::most_coefficients;
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::field::set;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
 use crate::input::study::Study;
 use crate::numerics::allowed::{Allowed, Whole};
 use crate::store::identity::Key;
-use crate::sweep::field::set;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -277,12 +277,12 @@ fn checked_ends(task: &DesignTask, patch_is_named: bool) -> Result<DesignTarget,
     let studies = (0..1 << count).map(|c| task.study(&corner(c, count)));
     let studies = studies.collect::<Result<Vec<Study>, _>>()?;
     let study = &studies[studies.len() - 1];
-    if study.layer.composed.is_some() {
+    if study.composed().is_some() {
         let allowed = "a layer that is solved at once: surfaces are laid through solved spectra";
         let remedy = "remove [base.layer.composed] for layers of a few µm; for thicker ones, `inkwave sweep` composes every variant";
         return Err(vec![Fault::new("base.layer.composed", "given", allowed, remedy)]);
     }
-    if let Some(reason) = &study.angles.no_paper {
+    if let Some(reason) = study.no_paper() {
         let remedy = "write [angles] count = 5";
         return Err(vec![Fault::new("base.angles", reason, "0°, 45° and the hemisphere", remedy)]);
     }

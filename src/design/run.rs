@@ -16,7 +16,7 @@ use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
 use crate::store::marker::Holds;
-use crate::sweep::alone::run_study;
+use crate::work::alone::run_study;
 use map::{Map, distance, even_point, spread, study_at};
 use serde::Serialize;
 use std::fmt::{self, Display};

@@ -12,7 +12,7 @@ use crate::evaluate::manifest::Withheld;
 use crate::input::study::Study;
 use crate::report::composed::tables;
 use crate::run::watch::RunWatch;
-use crate::sweep::work::rounds::collect;
+use crate::work::alone::stored_portions;
 use std::path::Path;
 
 /// A finished composed layer, read back from its folder.
@@ -29,13 +29,11 @@ impl ComposedStored {
     /// No results there, an unfinished study, or results and store that do not fit.
     pub fn read(path: &Path) -> ExportResult<Option<Self>> {
         let study = stored::study(path)?;
-        if study.layer.composed.is_none() {
+        if study.composed().is_none() {
             return Ok(None);
         }
         let stores = stored::stores(path)?;
-        let portions = study.portions().into_iter();
-        let solved: Vec<SolvedPortion> =
-            portions.filter_map(|portion| Some((portion.clone(), collect(&portion, &stores, 0)?))).collect();
+        let solved = stored_portions(&study, &stores);
         let (finished, asked) = (solved.iter().map(|(_, c)| c.finished()).sum(), study.solves());
         if finished < asked {
             return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });
@@ -84,7 +82,7 @@ impl ComposedStored {
 
     /// The thickness asked for, µm: one of the study's.
     fn thickness(&self, asked: Option<f64>) -> ExportResult<f64> {
-        let all = self.study.layer.composed.iter().flat_map(|composed| &composed.thicknesses_um);
+        let all = self.study.composed().into_iter().flat_map(|composed| &composed.thicknesses_um);
         let found = asked.or_else(|| all.clone().next().copied()).unwrap_or(f64::NAN);
         if all.clone().any(|um| *um == found) {
             return Ok(found);
@@ -119,7 +117,7 @@ impl ComposedStored {
     /// The orders of every slab's solves, one file for each kind of slab.
     fn npz(&self, out: &mut Exported) -> ExportResult {
         for (study, collected) in &self.solved {
-            let kind = study.portion.as_ref().map(|portion| portion.in_words()).unwrap_or_default();
+            let kind = study.portion().map(|portion| portion.in_words()).unwrap_or_default();
             let name = format!("far-fields-{}.npz", kind.replace(", ", "-").replace(' ', "-"));
             out.add(&name, npz::far_fields(collected)?, &format!("all propagating orders: {kind}"));
         }

@@ -6,7 +6,7 @@ use crate::evaluate::seen::{Seen, see};
 use crate::input::study::Study;
 use crate::run::{Collected, Stores};
 use crate::store::database::RECORDS;
-use crate::sweep::work::rounds::collect;
+use crate::work::rounds::collect;
 use serde::Deserialize;
 use std::path::Path;
 
@@ -37,7 +37,7 @@ impl Stored {
     /// No results there, an unfinished study, or results and store that do not fit.
     pub fn read(path: &Path) -> ExportResult<Self> {
         let study = study(path)?;
-        if study.layer.composed.is_some() {
+        if study.composed().is_some() {
             let reason = format!("{} holds a composed layer, which has no orders and no BDF", path.display());
             let remedy = "spectra.csv, medium.csv and results.json have its numbers";
             return Err(ExportError::Folder { reason, remedy });

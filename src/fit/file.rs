@@ -15,9 +15,9 @@
 //! noise = 0.003
 //! ```
 
+use crate::input::base::Base;
 use crate::input::forms::AlbedoWritten;
 use crate::input::measured::{MeasuredCondition, MeasuredUnit, Patch};
-use crate::sweep::file::Base;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 

@@ -4,12 +4,12 @@ use super::file::{FitFile, FitGeometry, FitTable, MeasuredTable, PriorName};
 use super::prior::SHORTEST_NM;
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
+use crate::input::field::set;
 use crate::input::forms::AlbedoWritten;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest};
 use crate::input::study::Study;
 use crate::numerics::allowed::Allowed;
-use crate::sweep::field::set;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
@@ -185,8 +185,8 @@ impl FitReading<'_> {
             let remedy = "errors are estimated from the differences between cells: 8 are usual";
             self.faults.add("base.run.realisations", found, allowed, remedy);
         }
-        if let Some(reason) = &first.angles.no_paper {
-            self.faults.add("base.angles", reason.clone(), "0°, 45° and the hemisphere", "write count = 5");
+        if let Some(reason) = first.no_paper() {
+            self.faults.add("base.angles", reason, "0°, 45° and the hemisphere", "write count = 5");
         }
         let shortest = first.wavelengths_nm[0];
         if file.fit.prior == PriorName::KramersKronig && shortest < SHORTEST_NM {

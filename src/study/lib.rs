@@ -7,6 +7,7 @@ pub mod evaluate;
 pub mod input;
 pub mod run;
 pub mod store;
+pub mod work;
 
 // The folders of the physics, under the names they have in `inkwave`.
 pub use inkwave_physics::{appearance, ink, material, numerics, solve, wave};

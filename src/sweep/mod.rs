@@ -1,16 +1,16 @@
 //! Studies of many variants: one file, one store, any number of machines.
 //!
 //! The path of a sweep: [`file`](mod@file) (as written) → [`expand`] (axes, exclusions, overrides →
-//! variants) → [`load`] (every variant a checked [`Study`](crate::input::study::Study)) → [`units`]
-//! (what is computed together, shards) → [`run`](mod@run) → [`publish`](mod@publish) (table,
-//! contact sheets, [`conclusions`], pages). [`plan`](mod@plan) estimates the cost beforehand,
-//! [`merge`](mod@merge) joins the stores of several machines. A single study is a sweep of one
-//! variant ([`alone`]).
+//! variants) → [`load`] (every variant a checked [`Study`](crate::input::study::Study)) → [`units`](crate::work::units)
+//! (what is computed together, shards) → [`run`](crate::work::run) → [`publish`](mod@publish) (table,
+//! contact sheets, [`conclusions`], pages). [`plan`](crate::work::plan) estimates the cost beforehand,
+//! [`merge`](mod@merge) joins the stores of several machines. The work itself is that of any
+//! study ([`work`](crate::work)).
 //!
-//! Of its three folders each uses only those before it:
+//! Of its folders each uses only those before it:
 //!
 //! ```text
-//! definition ← work ← findings
+//! definition ← merge, findings
 //! ```
 //!
 //! # The store
@@ -25,9 +25,8 @@
 
 pub mod definition;
 pub mod findings;
-pub mod work;
+pub mod merge;
 
-pub use definition::load::{Sweep, Variant};
-pub use definition::{axes, claims, expand, field, file, folder, load};
+pub use definition::load::Sweep;
+pub use definition::{axes, claims, expand, file, folder, load};
 pub use findings::{composed, conclusions, outcome, publish, reported};
-pub use work::{alone, merge, plan, run, units};

@@ -110,21 +110,33 @@ fn fits_and_designs_of_composed_layers_are_refused() {
 
 fn start(file: &Path, output: &Path) -> Child {
     let mut command = command(file, output, &["--jobs", "1"]);
-    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts")
+    command.env("RAYON_NUM_THREADS", "1").stdout(Stdio::piped()).stderr(Stdio::piped());
+    command.spawn().expect("the program starts")
 }
 
-/// *Planted*: other slabs of the same layer counted as other work.
+/// Number of solves that a process says it has made.
+fn solved(output: &Output) -> usize {
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    let line = told.lines().find(|line| line.contains(" solves in "));
+    line.map_or(0, |line| line.split_whitespace().next().expect("a number").parse().expect("a number"))
+}
+
+/// Two processes on one composed layer end well and make every solve once, each some of them.
+/// *Planted*: every process with work of its own name.
 #[test]
 fn processes_in_one_folder_share_a_composed_layer() {
     let scratch = tempfile::tempdir().unwrap();
-    let (file, alone) = (study(scratch.path(), LAYER), scratch.path().join("alone"));
-    succeed(&file, &alone, &[]);
+    let text = LAYER.replace("realisations = 2", "realisations = 8");
+    let (file, alone) = (study(scratch.path(), &text), scratch.path().join("alone"));
+    let all = solved(&run(&file, &alone, &[]));
     let shared = scratch.path().join("shared");
-    let workers = [(); 3].map(|()| start(&file, &shared));
+    let workers = [(); 2].map(|()| start(&file, &shared));
     let ends = workers.map(|worker| worker.wait_with_output().expect("an end"));
     for end in &ends {
         assert!(end.status.success(), "{}", said(end));
+        assert!((1..all).contains(&solved(end)), "{} of {all}: {}", solved(end), said(end));
     }
+    assert_eq!(ends.iter().map(solved).sum::<usize>(), all, "each solve is made once");
     let (one, other) = (results(&alone), results(&shared));
     assert_eq!(other["status"], "complete");
     for key in ["spectra", "medium", "colours"] {
@@ -188,4 +200,46 @@ fn evaluation_hears_both_signals_and_loses_nothing() {
     let done = run(&file, &output, &[]);
     assert!(done.status.success() && !said(&done).contains("per hour"), "{}", said(&done));
     assert_eq!(results(&output)["spectra"], whole["spectra"]);
+}
+
+/// A sweep of composed layers in two shards, with grids that were chosen before, gives the same as
+/// the sweep in one process, each solve made once. *Planted*: every slab's grid chosen on its own.
+#[test]
+fn shards_of_composed_layers_are_merged() {
+    let scratch = tempfile::tempdir().unwrap();
+    let path = |name: &str| scratch.path().join(name).display().to_string();
+    let base = LAYER
+        .replace("realisations = 2", "realisations = 3")
+        .replace("wavelengths_nm = [430, 540, 660]", "wavelengths_nm = [540]");
+    std::fs::write(path("base.toml"), base).unwrap();
+    let axis = "base = \"base.toml\"\n[[axis]]\nname = \"paper\"\nfield = \"paper.albedo\"\nvalues = [1.0, 0.6]\n\
+                [[axis]]\nname = \"index\"\nfield = \"pigment.grains.index\"\nvalues = [2.0, 2.2]\n";
+    std::fs::write(path("sweep.toml"), axis).unwrap();
+    let sweep = path("sweep.toml");
+    let made = |arguments: &[&str]| {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"));
+        let done = command.args(arguments).output().expect("the program starts");
+        assert!(done.status.success(), "{}", said(&done));
+        solved(&done)
+    };
+    let whole = made(&["sweep", &sweep, "--output", &path("whole")]);
+    made(&["sweep", &sweep, "--output", &path("grids"), "--grids-only"]);
+    let shards = ["1/2", "2/2"].map(|shard| {
+        let (folder, grids) = (path(&shard[..1]), path("grids"));
+        made(&["sweep", &sweep, "--output", &folder, "--shard", shard, "--grids", &grids])
+    });
+    assert!(shards.iter().all(|&solves| solves > 0), "{shards:?}");
+    // papers share all solves: the two of a unit stay together
+    assert_eq!(shards.iter().sum::<usize>(), whole);
+    made(&["merge", &path("1"), &path("2"), "--output", &path("merged")]);
+    let table = |folder: &str| std::fs::read(scratch.path().join(folder).join("composed.csv")).unwrap();
+    assert!(table("merged") == table("whole"), "{}", String::from_utf8_lossy(&table("merged")));
+    for variant in std::fs::read_dir(scratch.path().join("whole/variants")).unwrap() {
+        let name = variant.unwrap().file_name();
+        let spectra = |folder: &str| {
+            results(&scratch.path().join(folder).join("variants").join(&name))["spectra"].clone()
+        };
+        assert_eq!(spectra("merged"), spectra("whole"), "{}", name.display());
+    }
+    assert!(!scratch.path().join("merged/PARTIAL").exists());
 }

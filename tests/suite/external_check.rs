@@ -3,7 +3,7 @@
 use inkwave::compare::check::{Conformity, ConformityVerdict, KNOWN, KnownCase, check};
 use inkwave::compare::external::ExternalTable;
 use inkwave::compare::external::judge::ReadAnswer;
-use inkwave::compare::external::protocol::WaveKind;
+use inkwave::input::wave_kind::WaveKind;
 use inkwave::solve::Silent;
 use serde_json::Value;
 use std::path::Path;

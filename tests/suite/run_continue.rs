@@ -8,7 +8,7 @@ use inkwave::run::watch::{Event, RunWatch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::store::{PointRecord, Record, Store};
-use inkwave::sweep::alone::run_study;
+use inkwave::work::alone::run_study;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};

@@ -10,8 +10,8 @@ use inkwave::store::marker::Holds;
 use inkwave::sweep::folder;
 use inkwave::sweep::load::load;
 use inkwave::sweep::publish::Publisher;
-use inkwave::sweep::run::{Scope, run};
-use inkwave::sweep::units::Shard;
+use inkwave::work::run::{Scope, run};
+use inkwave::work::units::Shard;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -50,7 +50,7 @@ fn pages_written_while_a_sweep_runs_say_what_is_missing_and_end_like_all_others(
     let mut told = Vec::new();
     for solves in [30, 25, 1000] {
         let watch = Impatient(AtomicUsize::new(solves));
-        run(&sweep, &folder, (Shard::ALL, Scope::Solves), settings, &watch).unwrap();
+        run(&sweep.variants, &folder, (Shard::ALL, Scope::Solves), settings, &watch).unwrap();
         let reported = publisher.publish(&folder).unwrap();
         let page = std::fs::read_to_string(place.path("live/report.html")).unwrap();
         let finished: usize = reported.outcomes.iter().map(|o| o.solves.finished).sum();

@@ -2,12 +2,12 @@
 
 use super::file::{ComparedCase, ComparisonFile};
 use crate::compare::error::CompareResult;
-use crate::compare::external::protocol::WaveKind;
 use crate::compare::row::Varied;
 use crate::compare::subject::Packed;
 use crate::input::case::Case;
 use crate::input::fault::Fault;
 use crate::input::load::stem;
+use crate::input::wave_kind::WaveKind;
 use crate::numerics::files;
 use crate::wave::{Ball, BodyShape, Media};
 use serde_json::{Value, json};

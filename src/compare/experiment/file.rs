@@ -3,7 +3,6 @@
 
 use crate::compare::error::{CompareError, CompareResult};
 use crate::compare::external::ExternalTable;
-use crate::compare::external::protocol::WaveKind;
 use crate::compare::row::Varied;
 use crate::compare::subject::{Packed, StudyWritten};
 use crate::input::fault::{Fault, Faults};
@@ -11,6 +10,7 @@ use crate::input::limits;
 use crate::input::load::read_file;
 use crate::input::locate::steps;
 use crate::input::tree::Node;
+use crate::input::wave_kind::WaveKind;
 use crate::numerics::allowed::Whole;
 use crate::solve::{Goal, Registry, Solver, SolverChoice};
 use crate::wave::Scheme;

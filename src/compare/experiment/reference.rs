@@ -3,8 +3,8 @@
 use super::cases::Subject;
 use super::file::{ComparisonFile, Points};
 use crate::compare::error::CompareResult;
-use crate::compare::external::protocol::WaveKind;
 use crate::input::case::Case;
+use crate::input::wave_kind::WaveKind;
 use crate::run::memory;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task};
 use crate::solve::{Coverages, Gmres, Goal, Solver, Watch};

@@ -3,36 +3,13 @@
 
 use crate::input::case::Case;
 use crate::input::case_inputs::CaseInputs;
+use crate::input::wave_kind::WaveKind;
 use crate::report::cell::plain;
-use crate::wave::{BodyShape, Wave};
-use clap::ValueEnum;
+use crate::wave::BodyShape;
 use num_complex::Complex64;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-
-/// The equation that a program solves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema, ValueEnum)]
-#[serde(rename_all = "snake_case")]
-pub enum WaveKind {
-    /// The scalar wave equation.
-    #[default]
-    Scalar,
-    /// Maxwell's equations, for s and p light.
-    Vector,
-}
-
-impl WaveKind {
-    /// The equation, for light of both polarisations where it has any.
-    pub fn wave(self) -> Wave {
-        if self == Self::Vector { Wave::Unpolarised } else { Wave::Scalar }
-    }
-
-    /// Its name in files and answers.
-    pub fn name(self) -> &'static str {
-        if self == Self::Vector { "vector" } else { "scalar" }
-    }
-}
 
 /// The question, on the program's standard input.
 #[derive(Clone, Debug, Serialize, JsonSchema)]

@@ -26,7 +26,7 @@ use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::ink::PackingRequest;
 use cell::NominalCell;
 use light::Light;
-use paper::Surroundings;
+use paper::{Directions, Surroundings};
 use std::path::Path;
 
 /// Checks every field of `file`. CSV paths are relative to `folder`; `name` is the default title.
@@ -115,7 +115,7 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let mut remarks: Vec<String> = file.light.short_of_end(&wavelengths_nm).into_iter().collect();
     let paper = file.paper.checked(file.layer.index_out, &tables, &mut wave_faults, &mut remarks);
     let surroundings = Surroundings::of(&file.layer, paper.coupling);
-    let angles = file.angles.checked(&surroundings, &mut wave_faults);
+    let Directions { angles, kind } = file.angles.checked(&surroundings, &mut wave_faults);
     let has_target = file.run.target_delta_e.is_some();
     let resolution = file.resolution.checked(file.light.wave, has_target, &mut wave_faults);
     let goal = file.solver.checked(&resolution, &mut wave_faults);
@@ -146,13 +146,13 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         goal,
         output,
         judgement,
-        portion: None,
+        kind,
         remarks,
     };
     study.remarks.extend(given.remarks);
     study.remarks.extend(index::bridged(&study));
     study.remarks.extend(study.undetermined_inputs());
-    if study.angles.no_paper.is_none() {
+    if study.no_paper().is_none() {
         study.remarks.extend(light::colour_takes_a_part(&study.wavelengths_nm));
         study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
     }

@@ -1,13 +1,17 @@
 //! A checked study: the only input of a run.
 
 mod composed;
+mod kind;
 mod moved;
 mod parts;
+mod written;
 
 pub use super::file::TargetColour;
 pub use composed::{Composed, Portion, Position};
+pub use kind::StudyKind;
 pub use moved::InputMove;
 pub use parts::{Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, WantedResolution};
+pub use written::WrittenAngles;
 
 use super::file::OutputTable;
 use super::variation::{CellRule, Draw, LightRule, Variation, signs, stratified_deg};
@@ -22,9 +26,12 @@ use serde::{Deserialize, Serialize};
 
 /// Everything that was requested, checked; only [`super::check`] creates it.
 #[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(from = "written::WrittenStudy", into = "written::WrittenStudy")]
 pub struct Study {
     /// Title of the report.
     pub title: String,
+    /// What is computed of the layer.
+    pub kind: StudyKind,
     /// The layer and its surroundings.
     pub layer: Layer,
     /// The pigments with grains, in order.
@@ -49,7 +56,6 @@ pub struct Study {
     /// Colours to which the target applies.
     pub target_colour: TargetColour,
     /// Largest share of packings that may have no room; no solve depends on it.
-    #[serde(default)]
     pub failed_packings: f64,
     /// How realisations vary.
     pub variation: Variation,
@@ -63,11 +69,7 @@ pub struct Study {
     pub output: OutputTable,
     /// Conditions and measurements that the prediction is compared with; no solve depends on them.
     pub judgement: Judgement,
-    /// The slab of a composed layer that this study describes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub portion: Option<Portion>,
-    /// Remarks for the user on what the file leaves open, one line each.
-    #[serde(skip)]
+    /// Remarks for the user on what the file leaves open, one line each; they are not written.
     pub remarks: Vec<String>,
 }
 
@@ -93,12 +95,16 @@ impl Study {
     /// Content hash of everything the results depend on: all but the title and the form of the
     /// output.
     pub fn key(&self) -> Key {
-        if let Some(portion) = &self.portion {
-            return Key::of("portion", &(portion, &Study { portion: None, ..self.clone() }.key()));
-        }
-        let ensemble = (&self.layer, &self.pigments, &self.packing, self.realisations, &self.variation);
+        let whole = self.key_of_layer();
+        self.portion().map_or(whole.clone(), |portion| Key::of("portion", &(portion, whole)))
+    }
+
+    /// The content hash without what distinguishes the slabs of a composed layer.
+    fn key_of_layer(&self) -> Key {
+        let ensemble =
+            (self.written_layer(), &self.pigments, &self.packing, self.realisations, &self.variation);
         let ends = (self.target_delta_e, self.target_colour);
-        let light = (self.wave, &self.paper, &self.wavelengths_nm, &self.angles);
+        let light = (self.wave, &self.paper, &self.wavelengths_nm, self.written_angles());
         Key::of("study", &(ensemble, ends, light, &self.resolution, &self.solver, &self.goal))
     }
 
@@ -111,7 +117,7 @@ impl Study {
             thickness_um: draw.thickness_um,
             ..self.packing.clone()
         };
-        let request = if let Some(portion) = &self.portion { portion.packed(whole) } else { whole };
+        let request = if let Some(portion) = self.portion() { portion.packed(whole) } else { whole };
         let paired = self.partner(realisation).is_some();
         if paired { request.fluctuating(&signs(realisation, self.pigments.len())) } else { request }
     }
@@ -135,7 +141,7 @@ impl Study {
     /// Whether some realisations are also solved on a finer grid.
     pub fn has_two_levels(&self) -> bool {
         let chosen = matches!(self.resolution, WantedResolution::Accuracy { .. });
-        let plain = self.portion.is_none() && self.layer.composed.is_none();
+        let plain = matches!(self.kind, StudyKind::InkOnPaper | StudyKind::LayerAlone(_));
         self.target_delta_e.is_some() && chosen && plain && self.pairs_cells()
     }
 
@@ -146,7 +152,7 @@ impl Study {
         let words = "light.step_nm and light.per_realisation give 1 wavelength per realisation of a range: a colour needs at \
                      least 2, better 10; step_nm = 20 is usual";
         let colourless = (single && !self.pigments.is_empty()).then(|| words.to_owned());
-        self.angles.no_paper.clone().or(colourless)
+        self.no_paper().map(str::to_owned).or(colourless)
     }
 
     /// Whether realisations share cells in pairs.
@@ -162,7 +168,10 @@ impl Study {
     pub fn packings_key(&self) -> Key {
         let (layer, variation) = (&self.layer, &self.variation);
         let cell = (layer.period_um, layer.thickness_um, variation.cell, variation.thickness_std_um);
-        Key::of("packings", &(&self.packing, cell))
+        match self.portion() {
+            None => Key::of("packings", &(&self.packing, cell)),
+            Some(portion) => Key::of("packings of a slab", &(&self.packing, cell, portion.packing_place())),
+        }
     }
 
     /// Materials of the grains in the order of [`Media::inclusions`]: the pigments' own (the core's
@@ -221,7 +230,7 @@ impl Study {
     /// both polarisations, whatever the illumination.
     pub fn polarisations(&self) -> &'static [Option<Polarisation>] {
         const BOTH: [Option<Polarisation>; 2] = [Some(Polarisation::S), Some(Polarisation::P)];
-        let on_paper = self.angles.no_paper.is_none();
+        let on_paper = self.no_paper().is_none();
         match self.wave {
             Wave::Scalar => &[None],
             Wave::S if !on_paper => &BOTH[..1],
@@ -249,7 +258,7 @@ impl Study {
     fn incidences(&self, draw: &Draw, wavelength: usize, nm: f64) -> Vec<Incidence> {
         let Angles { exact_deg, strata, exit_strata, .. } = &self.angles;
         // Slabs are turned by the wavelength itself: a part of the list keeps its solves.
-        let turns = if self.portion.is_some() { nm.round() as usize } else { wavelength };
+        let turns = if self.portion().is_some() { nm.round() as usize } else { wavelength };
         let (azimuth_deg, direction) = self.turn(draw, turns);
         if let Some(sides) = self.sides(nm * 1e-3) {
             return composed::portion_incidences(&sides, nm * 1e-3, azimuth_deg);
@@ -268,7 +277,7 @@ impl Study {
 
     /// Number of solves of one realisation on one grid.
     pub fn solves_each(&self) -> usize {
-        if self.portion.is_some() {
+        if self.portion().is_some() {
             return self.points(0).len();
         }
         self.solved_wavelengths() * self.angles.count() * self.polarisations().len()
@@ -276,7 +285,7 @@ impl Study {
 
     /// Number of solves of the whole study.
     pub fn solves(&self) -> usize {
-        if self.layer.composed.is_some() {
+        if self.composed().is_some() {
             return self.portions().iter().map(Study::solves).sum();
         }
         (0..self.realisations).map(|r| self.solves_of(r)).sum()

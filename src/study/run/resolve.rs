@@ -3,8 +3,10 @@
 //! Three test solves on the first packing that succeeds represent the whole study: the shortest
 //! wavelength at the smallest and at the largest angle, and the wavelength of the largest
 //! difference between grains and binder. The largest of their error estimates is the study's.
-//! Longer waves get coarser grids as far as two more test solves allow (`longer_waves`).
+//! Longer waves get coarser grids as far as two more test solves allow (`longer_waves`). All slabs
+//! of a composed layer have the grid of the first ([`Study::grid_source`]).
 
+mod lists;
 mod probed;
 
 use super::longer_waves::{self, Finest, coarsened, largest_contrast, probed_angles_deg};
@@ -114,8 +116,8 @@ impl Record for Resolved {
     const KIND: &'static str = "grid";
 }
 
-/// The study's grid: from the store, or from test solves on the first realisations, whose scenes
-/// are made on demand.
+/// The study's grid: from the store, or from test solves on the first realisations of
+/// [`Study::grid_source`], whose scenes are made on demand.
 ///
 /// # Errors
 /// The accuracy cannot be reached, the grid does not fit into `memory` (bytes), or a test solve
@@ -127,7 +129,13 @@ pub fn resolve(
     watch: &dyn RunWatch,
     scene: impl FnMut(usize) -> Result<Scene, RunError>,
 ) -> Result<Resolved, RunError> {
+    let source = study.grid_source();
+    let study = &*source;
     if let Some(resolved) = kept(study, store) {
+        return Ok(resolved);
+    }
+    if let Some(resolved) = lists::grid_of_longer_list(study, store) {
+        store.put(key(study).as_str(), &resolved)?;
         return Ok(resolved);
     }
     if let WantedResolution::Grid { points_per_um, planes_per_um, scheme } = study.resolution {
@@ -146,6 +154,7 @@ pub fn resolve(
     let differences = scenes.iter().map(|(r, scene)| grid_differences(&on(*r, scene), &resolved));
     resolved.grid_error = GridError::from_differences(&differences.collect::<Result<Vec<_>, _>>()?);
     store.put(key(study).as_str(), &resolved)?;
+    lists::keep_for_shorter_lists(study, &resolved, store)?;
     Ok(resolved)
 }
 
@@ -184,6 +193,8 @@ fn compared(study: &Study) -> usize {
 /// packings compared: studies may share the first and differ in others, because cells are drawn to
 /// hold whole grains.
 pub fn key(study: &Study) -> Key {
+    let source = study.grid_source();
+    let study = &*source;
     let packing = |realisation: usize| {
         let probes = probes(study, realisation);
         let media: Vec<_> = probes.iter().map(|probe| study.indices(probe.wavelength_um)).collect();

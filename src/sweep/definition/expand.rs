@@ -1,9 +1,9 @@
 //! Expands axes into variants: products and zips, minus exclusions, plus overrides.
 
 use super::axes::{Axis, names};
-use super::field;
 use super::file::{SweepFile, Where};
 use crate::input::fault::{Fault, Faults};
+use crate::input::field;
 use toml::Table;
 
 /// Maximum number of variants of a sweep.

@@ -20,15 +20,11 @@
 //! The schema says what these types do not express: the axes may complete the base study, and they
 //! set fields of a study.
 
-use crate::input::fault::StudyError;
-use crate::input::file::StudyFile;
-use crate::input::load::read_file;
-use schemars::generate::SchemaSettings;
-use schemars::transform::transform_subschemas;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use crate::input::base::Base;
+use crate::input::field::fields_schema;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
 /// A whole sweep file.
@@ -57,34 +53,6 @@ pub struct SweepFile {
     /// Inequalities about the variants, to be tested.
     #[serde(default)]
     pub conclusion: Vec<ConclusionTable>,
-}
-
-/// The study that all variants are based on.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[schemars(description = "")]
-#[serde(untagged, expecting = "a study file's path, or a table with a whole study")]
-pub enum Base {
-    /// A study file, relative to the sweep file.
-    Path(String),
-    /// The study itself; what an axis sets may be left out.
-    Table(#[schemars(schema_with = "base")] Table),
-}
-
-impl Base {
-    /// The study as a table, and the folder of the files that it names; `folder` is that of the
-    /// file with the base.
-    ///
-    /// # Errors
-    /// The study's file cannot be read, or is not TOML.
-    pub fn read(&self, folder: &Path) -> Result<(Table, PathBuf), StudyError> {
-        match self {
-            Base::Table(table) => Ok((table.clone(), folder.to_owned())),
-            Base::Path(base) => {
-                let path = folder.join(base);
-                Ok((read_file::<Table>(&path)?.1, path.parent().unwrap_or(Path::new("")).to_owned()))
-            }
-        }
-    }
 }
 
 /// `[[axis]]`: a field with its values, or named cases that set several fields at once.
@@ -122,7 +90,7 @@ pub struct CaseTable {
     pub label: String,
     /// Dotted name of a field (in quotes) → value.
     #[serde(default)]
-    #[schemars(schema_with = "fields")]
+    #[schemars(schema_with = "fields_schema")]
     pub set: Table,
 }
 
@@ -150,7 +118,7 @@ pub struct OverrideTable {
     #[schemars(with = "Names", example = Names::from([("share".to_owned(), "30 %".into())]))]
     pub condition: Where,
     /// Dotted name of a field → value.
-    #[schemars(schema_with = "fields")]
+    #[schemars(schema_with = "fields_schema")]
     pub set: Table,
 }
 
@@ -257,38 +225,4 @@ pub enum MeasuredQuantity {
     ContrastRatio,
     /// CIEDE2000 between each variant and its own `colour.target_lab`.
     DeltaEToTarget,
-}
-
-/// A study that the axes may complete.
-fn base(_: &mut SchemaGenerator) -> Schema {
-    let mut study = study();
-    unfinished(&mut study);
-    study
-}
-
-/// The schema of a study, without references.
-fn study() -> Schema {
-    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
-    let mut schema = settings.into_generator().into_root_schema_for::<StudyFile>();
-    ["$schema", "title"].iter().for_each(|key| drop(schema.remove(*key)));
-    schema
-}
-
-/// Makes every key optional, except those that distinguish the forms of a value or exclude each
-/// other.
-fn unfinished(schema: &mut Schema) {
-    if ["anyOf", "oneOf", "not"].iter().any(|key| schema.get(*key).is_some()) {
-        return;
-    }
-    schema.remove("required");
-    transform_subschemas(&mut unfinished, schema);
-}
-
-/// Dotted fields of a study with their values.
-fn fields(_: &mut SchemaGenerator) -> Schema {
-    let study = study();
-    let tables = study.get("properties").and_then(serde_json::Value::as_object);
-    let names: Vec<&str> = tables.into_iter().flat_map(|all| all.keys().map(String::as_str)).collect();
-    let pattern = format!("^({})([.\\[].*)?$", names.join("|"));
-    json_schema!({ "type": "object", "propertyNames": { "pattern": pattern } })
 }

@@ -17,7 +17,7 @@
 use super::claims::Claim;
 use super::expand::is_folder_name;
 use super::file::MeasuredQuantity;
-use super::load::{Input, Outline, Sweep, Variant};
+use super::load::{Input, Outline, Sweep};
 use crate::input::fault::StudyError;
 use crate::input::load::load;
 use crate::run::resolve::Resolved;
@@ -26,6 +26,7 @@ use crate::store::database::Database;
 use crate::store::folder::{FolderError, OutputFolder};
 use crate::store::marker::{Holds, Marker};
 use crate::store::record::FailureRecord;
+use crate::work::variant::Variant;
 use serde::{Deserialize, Serialize};
 use std::fmt::Display;
 use std::io;
@@ -60,7 +61,7 @@ pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
         make(folder.path().join(path).parent().unwrap_or(Path::new("")).to_owned())?;
         folder.write(path, bytes)?;
     }
-    for Variant { name, text, .. } in &sweep.variants {
+    for (Variant { name, .. }, text) in sweep.variants.iter().zip(&sweep.texts) {
         make(folder.path().join(VARIANTS).join(name))?;
         folder.write(&format!("{VARIANTS}/{name}/study.toml"), text.as_bytes())?;
     }
@@ -71,7 +72,7 @@ pub fn write(sweep: &Sweep, folder: &OutputFolder) -> Result<(), FolderError> {
 
 /// Content of `sweep.json`.
 fn sealed(sweep: &Sweep) -> serde_json::Result<Vec<u8>> {
-    let seal = Some(seal(&sweep.outline, sweep.variants.iter().map(|variant| variant.text.as_str()))?);
+    let seal = Some(seal(&sweep.outline, sweep.texts.iter().map(String::as_str))?);
     serde_json::to_vec_pretty(&SealedOutline { outline: sweep.outline.clone(), seal })
 }
 
@@ -99,13 +100,13 @@ pub fn read(path: &Path) -> Result<Sweep, OpenError> {
         return Err(changed("the checksum of sweep.json does not match it and the variants' study.toml"));
     }
     let mut variants = Vec::new();
-    for ((place, file), text) in outline.variants.iter().zip(&files).zip(texts) {
-        variants.push(Variant { name: place.name.clone(), study: load(file)?, text });
+    for (place, file) in outline.variants.iter().zip(&files) {
+        variants.push(Variant { name: place.name.clone(), study: load(file)? });
     }
     let inputs = inputs(path).map_err(|e| no_sweep(format!("inputs: {e}")))?;
     match inputs.iter().find(|input| !input.is_whole()) {
         Some(input) => Err(changed(&format!("{} is not the table that was read", input.path))),
-        None => Ok(Sweep { outline, variants, inputs }),
+        None => Ok(Sweep { outline, variants, texts, inputs }),
     }
 }
 

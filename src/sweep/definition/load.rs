@@ -9,8 +9,8 @@ use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
-use crate::input::study::Study;
 use crate::numerics::files;
+use crate::work::variant::Variant;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use toml::{Table, Value};
@@ -25,6 +25,8 @@ pub struct Sweep {
     pub outline: Outline,
     /// All variants, in order.
     pub variants: Vec<Variant>,
+    /// Each variant's study as a file, written to `variants/<name>`.
+    pub texts: Vec<String>,
     /// Tables read by the variants, stored with the results.
     pub inputs: Vec<Input>,
 }
@@ -103,17 +105,6 @@ pub struct Place {
     pub place: Vec<usize>,
 }
 
-/// One study of the sweep.
-#[derive(Clone, Debug)]
-pub struct Variant {
-    /// Name of the variant.
-    pub name: String,
-    /// The checked study.
-    pub study: Study,
-    /// The study as a file, written to `variants/<name>`.
-    pub text: String,
-}
-
 /// A table read by some variant.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Input {
@@ -139,23 +130,6 @@ impl Input {
     }
 }
 
-impl Sweep {
-    /// A study as a sweep of one variant; each slab of a composed layer is a variant.
-    pub fn of_one(name: &str, study: Study) -> Self {
-        let portions = study.portions();
-        let title = study.title.clone();
-        let all = if portions.is_empty() { vec![study] } else { portions };
-        let named = |(k, study): (usize, Study)| {
-            let slab = study.portion.as_ref().map(|_| format!("{name} slab {}", k + 1));
-            Variant { name: slab.unwrap_or_else(|| name.to_owned()), study, text: String::new() }
-        };
-        let variants: Vec<Variant> = all.into_iter().enumerate().map(named).collect();
-        let places = variants.iter().map(|v| Place { name: v.name.clone(), place: Vec::new() }).collect();
-        let outline = Outline { title, variants: places, ..Outline::default() };
-        Self { outline, variants, inputs: Vec::new() }
-    }
-}
-
 /// Reads the sweep file at `path` and checks it and all its variants.
 ///
 /// # Errors
@@ -168,7 +142,7 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
     let axes: Vec<Axis> =
         file.axis.iter().enumerate().map(|(i, table)| Axis::read(i, table, &mut faults)).collect();
     let drafts = expand(&file, &base, &axes, &mut faults);
-    let mut reading = Reading { axes: &axes, folder: &base_folder, inputs: Vec::new() };
+    let mut reading = Reading { axes: &axes, folder: &base_folder, texts: Vec::new(), inputs: Vec::new() };
     let mut variants = Vec::new();
     for draft in &drafts {
         variants.extend(reading.variant(draft, &mut faults)?);
@@ -179,7 +153,7 @@ pub fn load(path: &Path) -> Result<Sweep, StudyError> {
         claims::check_variants(&outline.claims, &studies, &mut faults);
     }
     if faults.0.is_empty() {
-        return Ok(Sweep { outline, variants, inputs: reading.inputs });
+        return Ok(Sweep { outline, variants, texts: reading.texts, inputs: reading.inputs });
     }
     let more = faults.0.len().saturating_sub(SHOWN_FAULTS);
     faults.0.truncate(SHOWN_FAULTS);
@@ -222,6 +196,7 @@ fn outline(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Fault
 struct Reading<'a> {
     axes: &'a [Axis],
     folder: &'a Path,
+    texts: Vec<String>,
     inputs: Vec<Input>,
 }
 
@@ -233,8 +208,8 @@ impl Reading<'_> {
             Ok(study) => {
                 let mut written = Value::Table(draft.study.clone());
                 self.keep_inputs("", &mut written)?;
-                let text = toml::to_string(&written).unwrap_or_default();
-                Ok(Some(Variant { name: draft.name.clone(), study, text }))
+                self.texts.push(toml::to_string(&written).unwrap_or_default());
+                Ok(Some(Variant { name: draft.name.clone(), study }))
             }
             Err(found) => {
                 found.into_iter().for_each(|fault| self.fault(draft, fault, faults));
@@ -321,7 +296,7 @@ mod tests {
             write("sweep.toml", &text);
             let sweep = load(&folder.path().join("sweep.toml")).expect("a sweep");
             assert_eq!(sweep.inputs.len(), 1, "{text}");
-            assert!(sweep.variants[0].text.contains(&format!("../../{}", sweep.inputs[0].path)), "{text}");
+            assert!(sweep.texts[0].contains(&format!("../../{}", sweep.inputs[0].path)), "{text}");
         }
     }
 }

@@ -3,7 +3,6 @@
 pub mod axes;
 pub mod claims;
 pub mod expand;
-pub mod field;
 pub mod file;
 pub mod folder;
 pub mod load;

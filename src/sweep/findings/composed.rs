@@ -4,17 +4,20 @@
 use super::publish::axis_columns;
 use crate::draw::chart::{Chart, Curve};
 use crate::evaluate::composed::manifest::{ComposedManifest, MediumRow};
+use crate::evaluate::manifest::Status;
 use crate::numerics::estimate::Estimate;
 use crate::report::cell::{numbers, table, with_errors};
 use crate::report::columns::FolderTables;
 use crate::report::composed::{coefficients, lines, publish as publish_layer};
 use crate::report::page::{Figure, on_study};
 use crate::report::publish::PublishResult;
+use crate::run::Stores;
 use crate::run::watch::RunWatch;
-use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
+use crate::sweep::definition::folder::VARIANTS;
 use crate::sweep::definition::load::{AxisOutline, Sweep};
-use crate::sweep::work::alone::run_portions;
+use crate::work::alone::stored_portions;
+use crate::work::variant::Variant;
 use minijinja::context;
 use minijinja::value::Serde;
 use std::path::PathBuf;
@@ -23,60 +26,48 @@ use std::path::PathBuf;
 const DRAWN: [usize; 3] = [2, 5, 7];
 
 /// A layer of the sweep, by the number of its variant.
-pub type LayerDone<'a> = (usize, ComposedManifest<'a>);
+type LayerDone<'a> = (usize, ComposedManifest<'a>);
+
+/// What is published of a sweep.
+#[derive(Clone, Debug)]
+pub struct PublishedLayers {
+    /// Path of the page.
+    pub page: PathBuf,
+    /// Number of layers of which every solve has a result.
+    pub complete: usize,
+}
 
 /// Whether any variant is a composed layer.
 pub fn is_composed(sweep: &Sweep) -> bool {
-    sweep.variants.iter().any(|variant| variant.study.layer.composed.is_some())
+    sweep.variants.iter().any(|variant| variant.study.composed().is_some())
 }
 
-/// The slabs of all variants, as a sweep to plan.
-pub fn slabs(sweep: &Sweep) -> Sweep {
-    let mut all = Sweep { variants: Vec::new(), ..sweep.clone() };
-    all.outline.axes.clear();
-    all.outline.variants.clear();
-    for variant in &sweep.variants {
-        let one = Sweep::of_one(&variant.name, variant.study.clone());
-        all.outline.variants.extend(one.outline.variants);
-        all.variants.extend(one.variants);
-    }
-    all
-}
-
-/// Runs and publishes one layer after another, until they are done or the watch says stop.
+/// Writes what the store has of the layers: each layer in its folder, and the page of all. A layer
+/// of which some slab has no complete realisation is left out; the watch hears why.
 ///
 /// # Errors
-/// As [`run_portions`].
-pub fn run<'a>(
-    sweep: &'a Sweep,
-    folder: &OutputFolder,
-    settings: RunSettings,
-    watch: &dyn RunWatch,
-) -> Result<Vec<LayerDone<'a>>, RunError> {
+/// Files that cannot be written, a store that cannot be read.
+pub fn publish(sweep: &Sweep, folder: &OutputFolder, watch: &dyn RunWatch) -> PublishResult<PublishedLayers> {
+    let stores = Stores::open(folder)?;
     let mut done = Vec::new();
-    for (k, variant) in sweep.variants.iter().enumerate() {
-        let own = folder.inside(&format!("variants/{}", variant.name))?;
-        let solved = match run_portions(&variant.study, &own, settings, watch) {
-            Err(RunError::Stopped) if !done.is_empty() => break,
-            solved => solved?.solved,
-        };
-        if watch.stop() {
-            break;
-        }
-        watch.stage(&format!("{}: evaluating the layer", variant.name));
-        match publish_layer(&variant.study, &solved, &own) {
+    for (k, Variant { name, study }) in sweep.variants.iter().enumerate() {
+        watch.stage(&format!("{name}: evaluating the layer"));
+        let of_variant = folder.inside(&format!("{VARIANTS}/{name}"))?;
+        match publish_layer(study, &stored_portions(study, &stores), &of_variant) {
             Ok(layer) => done.push((k, layer)),
-            Err(reason) => watch.stage(&format!("{}: {reason}", variant.name)),
+            Err(reason) => watch.stage(&format!("{name}: {reason}")),
         }
     }
-    Ok(done)
+    let page = write_page(sweep, &done, folder)?;
+    let complete = done.iter().filter(|(_, layer)| layer.status == Status::Complete).count();
+    if complete == sweep.variants.len() {
+        folder.complete()?;
+    }
+    Ok(PublishedLayers { page, complete })
 }
 
 /// Writes `composed.csv` and the page; returns the page's path.
-///
-/// # Errors
-/// Files that cannot be written.
-pub fn publish(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> PublishResult<PathBuf> {
+fn write_page(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> PublishResult<PathBuf> {
     let mut written = FolderTables::new(folder);
     let axes = axis_columns(sweep, AxisOutline::heading);
     written.write(
@@ -98,9 +89,6 @@ pub fn publish(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> Publ
         limits => ["Bars are those of the layers: chance, grid, and the error of composing."],
     };
     folder.write("report.html", on_study("{% extends \"page.html\" %}", page)?.as_bytes())?;
-    if done.len() == sweep.variants.len() {
-        folder.complete()?;
-    }
     Ok(folder.path().join("report.html"))
 }
 

@@ -87,7 +87,7 @@ fn a_page_of_260_variants_stays_below_1_megabyte() {
     };
     let all = (0..260).map(|i| finished(outline.variants[i].name.clone(), &nm, i as u64));
     let outcomes: Vec<Outcome> = all.collect();
-    let sweep = Sweep { outline, variants: Vec::new(), inputs: Vec::new() };
+    let sweep = Sweep { outline, variants: Vec::new(), texts: Vec::new(), inputs: Vec::new() };
     assert_eq!(wavelengths_nm(&outcomes), nm);
     let nearest = super::super::reported::nearest(&sweep.outline, &outcomes);
     let bytes = page(&sweep, &Reported { outcomes, conclusions: Vec::new(), nearest }).len();

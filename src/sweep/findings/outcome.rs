@@ -8,7 +8,8 @@ use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::{Estimate, Linked};
 use crate::sweep::definition::file::MeasuredQuantity;
-use crate::sweep::definition::load::{Sweep, Variant};
+use crate::sweep::definition::load::Sweep;
+use crate::work::variant::Variant;
 use std::collections::BTreeMap;
 
 /// The numbers of a variant for tables and conclusions.

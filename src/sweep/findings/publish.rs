@@ -19,7 +19,7 @@ use crate::run::Stores;
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::folder::VARIANTS;
 use crate::sweep::definition::load::{AxisOutline, Sweep};
-use crate::sweep::work::rounds::{collect, refused};
+use crate::work::rounds::{collect, refused};
 
 /// Rows and columns of a picture on a contact sheet.
 const SHEET_ANGLES: usize = 31;

@@ -59,7 +59,7 @@ pub struct Slabs {
 impl Level {
     /// The portions of one thickness; `None` unless each has realisations that are complete.
     pub fn new(portions: &[SolvedPortion], halved: bool) -> Option<Self> {
-        let own = |(study, _): &&SolvedPortion| study.portion.as_ref().is_some_and(|p| p.halved == halved);
+        let own = |(study, _): &&SolvedPortion| study.portion().is_some_and(|p| p.halved == halved);
         let solved: Vec<&SolvedPortion> = portions.iter().filter(own).collect();
         let slab_um = solved.first()?.0.layer.thickness_um;
         let wavelengths_um = solved[0].0.wavelengths_nm.iter().map(|nm| 1e-3 * nm).collect();
@@ -133,7 +133,7 @@ impl Slabs {
 
 /// The fluxes of all complete cells.
 fn ensemble((study, collected): &SolvedPortion) -> Option<Ensemble> {
-    let position = study.portion.as_ref()?.position;
+    let position = study.portion()?.position;
     let cells = complete_cells(study, collected);
     let of = |nm: &f64| solved_at(study, &cells, 1e-3 * nm);
     let wavelengths = study.wavelengths_nm.iter().map(of).collect::<Option<Vec<_>>>()?;

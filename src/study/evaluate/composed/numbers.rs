@@ -57,7 +57,7 @@ impl<'a> LayerTask<'a> {
     /// # Errors
     /// A layer that is not composed, paper without an albedo.
     pub fn new(study: &'a Study) -> Result<Self, String> {
-        let composed = study.layer.composed.as_ref().ok_or("the layer is not composed")?;
+        let composed = study.composed().ok_or("the layer is not composed")?;
         let albedo = |&nm: &f64| study.paper.albedo.at(nm).map_err(|error| error.to_string());
         Ok(Self {
             study,

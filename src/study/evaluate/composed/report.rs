@@ -158,7 +158,7 @@ fn spreading_rate(hiding: ErrorParts) -> ErrorParts {
 
 /// Packings and solves of one portion that have no result.
 fn failures((study, collected): &SolvedPortion) -> Vec<String> {
-    let words = study.portion.as_ref().map(|p| p.in_words()).unwrap_or_default();
+    let words = study.portion().map(|p| p.in_words()).unwrap_or_default();
     let packings = collected.refused.iter().map(|r| (r.realisation, r.reason.clone()));
     let solves = collected.failures().map(|f| (f.point.realisation, f.reason.clone()));
     packings.chain(solves).map(|(r, reason)| format!("{words}, realisation {r}: {reason}")).collect()

@@ -92,7 +92,6 @@ impl LayerTable {
             index_out: self.index_out,
             contrast: self.contrast,
             binder: self.binder.index.tabulated("layer.binder.index", tables, wave_faults),
-            composed: None,
         }
     }
 

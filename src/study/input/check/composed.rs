@@ -4,7 +4,7 @@ use super::light::check_list;
 use crate::appearance::viewing::Viewing;
 use crate::input::file::LayerTable;
 use crate::input::forms::ThicknessWritten;
-use crate::input::study::{Composed, Study};
+use crate::input::study::{Composed, Study, StudyKind};
 use crate::input::{Faults, LightRule, StudyFile, limits};
 
 /// Realisations below which a jackknife says little.
@@ -51,7 +51,7 @@ pub(super) fn complete(study: &mut Study, composed: Composed) {
     study.layer.thickness_um = composed.thicknesses_um.first().copied().unwrap_or(f64::NAN);
     study.packing.thickness_um = composed.slab_um;
     study.variation.light = LightRule::Listed;
-    study.layer.composed = Some(composed);
+    study.kind = StudyKind::Composed(composed);
     if study.judgement.viewing != Viewing::default() || study.judgement.target_lab.is_some() {
         let of_exports =
             "other conditions have an effect in files of `inkwave export` only, targets have none";
@@ -108,6 +108,7 @@ mod tests {
     use crate::input::check::check;
     use crate::input::fault::Fault;
     use crate::input::study::{Position, Study};
+    use crate::store::identity::Key;
     use std::path::Path;
 
     fn study(layer: &str, rest: &str) -> Result<Study, Vec<Fault>> {
@@ -116,6 +117,38 @@ mod tests {
              volume_fraction = 0.2\nindex = 2.0\n[light]\nwavelengths_nm = [450, 650]\n{rest}\n"
         );
         check(&toml::from_str(&text).expect("a study file"), Path::new("."), "test")
+    }
+
+    /// Results of before this program's enum of kinds are read, and hashes stay: what a study is of
+    /// is written with the layer, with the directions and beside them.
+    #[test]
+    fn what_a_study_is_of_is_written_in_its_places() {
+        let whole = study("thickness_um = 10\n[layer.composed]\nslab_um = 2", "").unwrap();
+        let alone = study("thickness_um = 1", "[angles]\npolar_deg = [0, 30]").unwrap();
+        let written = |study: &Study| serde_json::to_value(study).unwrap();
+        assert_eq!(written(&whole)["layer"]["composed"]["slab_um"], 2.0);
+        assert_eq!(written(&whole)["angles"]["no_paper"], serde_json::Value::Null);
+        assert!(
+            written(&alone)["angles"]["no_paper"].is_string() && written(&alone).get("portion").is_none()
+        );
+        for study in whole.portions().into_iter().chain([whole, alone]) {
+            let read: Study = serde_json::from_value(written(&study)).unwrap();
+            assert_eq!((&read.kind, read.key()), (&study.kind, study.key()));
+        }
+    }
+
+    /// Slabs of several layers may have one seed. *Planted*: packings named by seed and thickness.
+    #[test]
+    fn slabs_with_one_name_of_packings_have_the_same() {
+        let composed = "thickness_um = 10\n[layer.composed]\nslab_um = 2";
+        let contact = format!("index_out = 1.4\n{composed}");
+        let one = study(composed, "").unwrap().portions();
+        let two = study(&contact, "[paper]\ncoupling = 'optical_contact'").unwrap().portions();
+        for a in one.iter().chain(&two) {
+            for b in one.iter().chain(&two).filter(|b| b.packings_key() == a.packings_key()) {
+                assert_eq!(Key::of_packing(&a.packing_request(0)), Key::of_packing(&b.packing_request(0)));
+            }
+        }
     }
 
     #[test]
@@ -127,7 +160,7 @@ mod tests {
         .unwrap();
         let portions = study.portions();
         let all: Vec<_> =
-            portions.iter().map(|p| (p.portion.as_ref().unwrap().position, p.layer.thickness_um)).collect();
+            portions.iter().map(|p| (p.portion().unwrap().position, p.layer.thickness_um)).collect();
         use Position::{Back, Front, Inner};
         assert_eq!(all, [(Inner, 2.0), (Front, 2.0), (Back, 2.0), (Inner, 1.0), (Front, 1.0), (Back, 1.0)]);
         // n_eff = √(0.2 · 4 + 0.8 · 2.25), and the media next to each slab

@@ -7,7 +7,7 @@ use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG};
 use crate::input::file::{AnglesTable, CouplingName, LayerTable, PaperTable};
 use crate::input::forms::AlbedoWritten;
 use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest};
-use crate::input::study::{Angles, Paper};
+use crate::input::study::{Angles, Paper, StudyKind};
 use crate::input::{Faults, limits};
 use crate::material::columns::micrometres;
 use std::path::Path;
@@ -188,9 +188,16 @@ impl Surroundings {
     }
 }
 
+/// The directions of the light, and what they allow to be computed.
+pub(super) struct Directions {
+    pub angles: Angles,
+    /// The ink on its paper, or the layer alone.
+    pub kind: StudyKind,
+}
+
 impl AnglesTable {
     /// The directions of the light.
-    pub(super) fn checked(&self, surroundings: &Surroundings, faults: &mut Faults) -> Angles {
+    pub(super) fn checked(&self, surroundings: &Surroundings, faults: &mut Faults) -> Directions {
         faults.number("angles.azimuth_deg", self.azimuth_deg, limits::AZIMUTH_DEG, "0 is the x direction");
         let largest_deg = self.picture_max_deg;
         faults.number("angles.picture_max_deg", largest_deg, limits::PICTURE_MAX_DEG, "60 is usual");
@@ -217,7 +224,7 @@ impl AnglesTable {
 
     /// Listed angles allow paper and colour if they include 0° and 45° and the surroundings permit
     /// it.
-    fn listed(&self, exact_deg: Vec<f64>, surroundings: &Surroundings) -> Angles {
+    fn listed(&self, exact_deg: Vec<f64>, surroundings: &Surroundings) -> Directions {
         let is_absent = |deg: &f64| !exact_deg.iter().any(|listed| (listed - deg).abs() < 1e-9);
         let absent = [0.0, PRINT_DEG].into_iter().filter(is_absent);
         let absent: Vec<String> = absent.map(|deg: f64| deg.to_string()).collect();
@@ -236,16 +243,19 @@ impl AnglesTable {
         }
     }
 
-    fn alone(&self, exact_deg: Vec<f64>, reason: String) -> Angles {
+    fn alone(&self, exact_deg: Vec<f64>, reason: String) -> Directions {
         let AnglesTable { azimuth_deg, picture_max_deg, .. } = *self;
-        Angles { exact_deg, strata: 0, exit_strata: 0, azimuth_deg, picture_max_deg, no_paper: Some(reason) }
+        let angles = Angles { exact_deg, strata: 0, exit_strata: 0, azimuth_deg, picture_max_deg };
+        Directions { angles, kind: StudyKind::LayerAlone(reason) }
     }
 
-    fn over_hemisphere(&self, exact_deg: Vec<f64>, strata: usize, around: &Surroundings) -> Angles {
+    fn over_hemisphere(&self, exact_deg: Vec<f64>, strata: usize, around: &Surroundings) -> Directions {
         // A layer between two plane walls with vacuum on both sides is statistically the same from
         // both sides: solves from the incident side give Ā_b. A relief or another medium on the
         // exit side breaks this symmetry.
         let exit_strata = if around.coupling == Coupling::Gap && !around.has_relief { 0 } else { strata };
-        Angles { strata, exit_strata, no_paper: None, ..self.alone(exact_deg, String::new()) }
+        let AnglesTable { azimuth_deg, picture_max_deg, .. } = *self;
+        let angles = Angles { exact_deg, strata, exit_strata, azimuth_deg, picture_max_deg };
+        Directions { angles, kind: StudyKind::InkOnPaper }
     }
 }

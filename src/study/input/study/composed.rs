@@ -4,7 +4,7 @@
 //! layer's own index, by the mixing rule of its wave equation: so its solves have records, stores
 //! and progress as any others.
 
-use super::{Angles, Study};
+use super::{Angles, Study, StudyKind};
 use crate::appearance::composed::flux::{Hemisphere, Sides};
 use crate::appearance::composed::ordinates::Ordinates;
 use crate::appearance::paper::PRINT_DEG;
@@ -13,6 +13,7 @@ use crate::input::variation::LightRule;
 use crate::material::mixing::MixingRule;
 use crate::wave::{Incidence, Side, Wave};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// The seeds of a study's portions are this far apart.
 const SEEDS_APART: u64 = 1_000_003;
@@ -51,6 +52,10 @@ pub struct Portion {
     pub position: Position,
     /// Whether it has half the thickness: the comparison tells what composing costs.
     pub halved: bool,
+    /// Its number among the slabs of the layer, from 0.
+    number: u64,
+    /// Thickness of a slab that is not halved, µm.
+    slab_um: f64,
     /// Directions of every zone.
     directions: [usize; 2],
     /// Mixing rule of the half-spaces, if it is not that of the wave equation.
@@ -59,6 +64,26 @@ pub struct Portion {
 }
 
 impl Portion {
+    /// The first slab of the same layer.
+    fn first(&self) -> Self {
+        Self { position: Position::Inner, halved: false, number: 0, ..self.clone() }
+    }
+
+    /// Its thickness, µm.
+    fn thickness_um(&self) -> f64 {
+        if self.halved { 0.5 * self.slab_um } else { self.slab_um }
+    }
+
+    /// How far the seed of its packings is from that of the layer.
+    fn seed_offset(&self) -> u64 {
+        SEEDS_APART.wrapping_mul(self.number)
+    }
+
+    /// What distinguishes its packings from those of other slabs with the same request.
+    pub(super) fn packing_place(&self) -> (Position, u64) {
+        (self.position, self.number)
+    }
+
     /// What it is, in words.
     pub fn in_words(&self) -> String {
         let place = match self.position {
@@ -93,28 +118,32 @@ impl Study {
     pub fn embedding_index(&self, wavelength_um: f64) -> f64 {
         let (binder, pigments) = self.binder_and_pigments(wavelength_um);
         let shares: Vec<_> = self.material_shares().into_iter().zip(pigments).collect();
-        let own = if self.wave.is_vector() { MixingRule::MaxwellGarnett } else { MixingRule::VolumeAverage };
-        let composed = self.layer.composed.as_ref().and_then(|composed| composed.mixing);
-        let of_portion = self.portion.as_ref().and_then(|portion| portion.mixing);
-        let mixed = composed.or(of_portion).unwrap_or(own).mix(binder, &shares);
+        let usual =
+            if self.wave.is_vector() { MixingRule::MaxwellGarnett } else { MixingRule::VolumeAverage };
+        let requested = match &self.kind {
+            StudyKind::Composed(composed) => composed.mixing,
+            StudyKind::Slab(portion) => portion.mixing,
+            StudyKind::InkOnPaper | StudyKind::LayerAlone(_) => None,
+        };
+        let mixed = requested.unwrap_or(usual).mix(binder, &shares);
         (mixed * mixed).re.max(0.0).sqrt()
     }
 
     /// Real indices in front and behind: those of the layer's surroundings, or its own.
     pub(super) fn outer_indices(&self, wavelength_um: f64) -> [f64; 2] {
-        let own = || self.embedding_index(wavelength_um);
+        let within = || self.embedding_index(wavelength_um);
         let (before, behind) = (self.layer.index_in, self.layer.index_out);
-        match self.portion.as_ref().map(|portion| portion.position) {
+        match self.portion().map(|portion| portion.position) {
             None => [before, behind],
-            Some(Position::Inner) => [own(); 2],
-            Some(Position::Front) => [before, own()],
-            Some(Position::Back) => [own(), behind],
+            Some(Position::Inner) => [within(); 2],
+            Some(Position::Front) => [before, within()],
+            Some(Position::Back) => [within(), behind],
         }
     }
 
     /// The states of light on both sides of a portion; `None` for other studies.
     pub fn sides(&self, wavelength_um: f64) -> Option<Sides> {
-        let portion = self.portion.as_ref()?;
+        let portion = self.portion()?;
         let borders = [self.layer.index_in, self.layer.index_out, self.embedding_index(wavelength_um)];
         let medium = |(side, index): (usize, f64)| Hemisphere {
             ordinates: Ordinates::new(index, &borders, portion.directions),
@@ -129,40 +158,52 @@ impl Study {
     /// The studies that a composed layer takes: slabs of the thickness h and of h/2, within the
     /// layer and at its surfaces; equal surroundings share one surface. Empty for other studies.
     pub fn portions(&self) -> Vec<Study> {
-        let Some(composed) = &self.layer.composed else { return Vec::new() };
-        let all = [Position::Inner, Position::Front, Position::Back];
-        let needed = |p: &Position| *p != Position::Back || self.layer.index_in != self.layer.index_out;
-        let both = [false, true].into_iter().flat_map(|halved| all.map(|position| (position, halved)));
-        let both = both.filter(|(position, _)| needed(position)).enumerate();
-        both.map(|(k, (position, halved))| {
-            let Composed { directions, mixing, .. } = *composed;
-            self.portion(Portion { position, halved, directions, mixing }, composed, k as u64)
-        })
-        .collect()
+        let Some(composed) = self.composed() else { return Vec::new() };
+        let positions = match self.layer.index_in == self.layer.index_out {
+            true => &[Position::Inner, Position::Front][..],
+            false => &[Position::Inner, Position::Front, Position::Back],
+        };
+        let mut portions = Vec::new();
+        for halved in [false, true] {
+            for &position in positions {
+                let &Composed { slab_um, directions, mixing, .. } = composed;
+                let number = portions.len() as u64;
+                let portion = Portion { position, halved, number, slab_um, directions, mixing };
+                portions.push(self.of_portion(portion, self.packing.seed));
+            }
+        }
+        portions
     }
 
-    fn portion(&self, portion: Portion, composed: &Composed, number: u64) -> Study {
-        let thickness_um = if portion.halved { 0.5 * composed.slab_um } else { composed.slab_um };
+    /// The study whose grid this one is solved on: for a slab, the first slab of its layer, so that
+    /// differences between slabs are not those of grids; otherwise this study.
+    pub fn grid_source(&self) -> Cow<'_, Study> {
+        match self.portion() {
+            Some(portion) if portion.number > 0 => {
+                let layer_seed = self.packing.seed.wrapping_sub(portion.seed_offset());
+                Cow::Owned(self.of_portion(portion.first(), layer_seed))
+            }
+            _ => Cow::Borrowed(self),
+        }
+    }
+
+    /// The study of a slab, from that of its layer or of another slab; `layer_seed` is the layer's.
+    fn of_portion(&self, portion: Portion, layer_seed: u64) -> Study {
         let mut study = self.clone();
         study.title = format!("{}: {}", self.title, portion.in_words());
-        study.layer.composed = None;
-        study.layer.thickness_um = thickness_um;
-        study.packing.thickness_um = thickness_um;
-        study.packing.seed = self.packing.seed.wrapping_add(SEEDS_APART.wrapping_mul(number));
+        study.layer.thickness_um = portion.thickness_um();
+        study.packing.thickness_um = portion.thickness_um();
+        study.packing.seed = layer_seed.wrapping_add(portion.seed_offset());
         study.variation.light = LightRule::Listed;
         if self.wave.is_vector() {
             study.wave = Wave::Unpolarised;
         }
-        study.portion = Some(portion);
-        let largest = self.wavelengths_nm.first().and_then(|nm| study.sides(1e-3 * nm));
-        let largest = largest.map(|sides| sides.media[0].directions_deg()).unwrap_or_default();
-        study.angles = Angles {
-            exact_deg: vec![0.0, largest.into_iter().fold(0.0, f64::max)],
-            strata: 0,
-            exit_strata: 0,
-            no_paper: Some("a slab of a composed layer".to_owned()),
-            ..self.angles.clone()
-        };
+        study.kind = StudyKind::Slab(portion);
+        let shortest = self.wavelengths_nm.first().and_then(|nm| study.sides(1e-3 * nm));
+        let directions = shortest.map(|sides| sides.media[0].directions_deg()).unwrap_or_default();
+        let largest_deg = directions.into_iter().fold(0.0, f64::max);
+        study.angles =
+            Angles { exact_deg: vec![0.0, largest_deg], strata: 0, exit_strata: 0, ..self.angles.clone() };
         study
     }
 }
@@ -170,9 +211,11 @@ impl Study {
 /// Directions of a portion's light at a wavelength: side by side.
 pub(super) fn portion_incidences(sides: &Sides, wavelength_um: f64, azimuth_deg: f64) -> Vec<Incidence> {
     let from = if sides.alike { &[Side::Incident][..] } else { &[Side::Incident, Side::Exit] };
-    let of = |(medium, &from): (&Hemisphere, &Side)| {
-        let lit = move |polar_deg| Incidence { wavelength_um, polar_deg, azimuth_deg, from };
-        medium.directions_deg().into_iter().map(lit)
-    };
-    sides.media.iter().zip(from).flat_map(of).collect()
+    let mut incidences = Vec::new();
+    for (medium, &from) in sides.media.iter().zip(from) {
+        for polar_deg in medium.directions_deg() {
+            incidences.push(Incidence { wavelength_um, polar_deg, azimuth_deg, from });
+        }
+    }
+    incidences
 }

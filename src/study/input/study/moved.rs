@@ -1,7 +1,7 @@
 //! A study with a table of indices moved by its stated errors: what these errors do to every number
 //! is the difference between solves of both in the same packings.
 
-use super::Study;
+use super::{Study, StudyKind};
 use crate::material::spectra::{ErrorAxis, Spectrum};
 use std::collections::BTreeSet;
 
@@ -36,8 +36,10 @@ impl Study {
     /// All moves by one standard error to either side; none without errors in any table. The slabs
     /// of composed layers are not moved.
     pub fn input_moves(&self) -> Vec<InputMove> {
-        let is_composed = self.portion.is_some() || self.layer.composed.is_some();
-        if is_composed { Vec::new() } else { self.all_moves() }
+        match self.kind {
+            StudyKind::InkOnPaper | StudyKind::LayerAlone(_) => self.all_moves(),
+            StudyKind::Composed(_) | StudyKind::Slab(_) => Vec::new(),
+        }
     }
 
     /// All moves, also of the tables of a composed layer.
@@ -65,7 +67,7 @@ impl Study {
             "{names}: its errors of n and κ are not in the error bars of a composed layer; run the study with the table moved by \
              one error to see what they do"
         );
-        (self.layer.composed.is_some() && !names.is_empty()).then_some(remark)
+        (self.composed().is_some() && !names.is_empty()).then_some(remark)
     }
 
     /// Names of the tables whose errors are known, each once.

@@ -1,7 +1,6 @@
 //! The layer with its materials, the paper, and what is requested: directions, accuracy and what
 //! to compare with.
 
-use super::composed::Composed;
 use crate::appearance::paper::{Albedo, Coupling};
 use crate::appearance::viewing::Viewing;
 use crate::ink::PigmentGrains;
@@ -29,9 +28,6 @@ pub struct Layer {
     pub binder: IndexSpectrum,
     /// Which part of the contrast scatters.
     pub contrast: ContrastPart,
-    /// How it is composed of slabs, where it is too thick to be solved at once.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub composed: Option<Composed>,
 }
 
 /// One kind of grain.
@@ -115,8 +111,6 @@ pub struct Angles {
     pub azimuth_deg: f64,
     /// Largest angle of the picture's axes.
     pub picture_max_deg: f64,
-    /// Why the angles do not allow paper and colour; `None` if they do.
-    pub no_paper: Option<String>,
 }
 
 impl Angles {

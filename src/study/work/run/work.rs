@@ -4,13 +4,14 @@
 use super::{BETWEEN_NEWS, Worker};
 use crate::input::study::Study;
 use crate::run::realisation::{Packings, RealisationRun};
-use crate::run::resolve::{Resolved, resolve};
+use crate::run::resolve::{Resolved, kept, resolve};
 use crate::run::watch::{Event, RunWatch};
-use crate::run::{RunError, RunSettings};
+use crate::run::{RunError, RunSettings, Stores};
 use crate::solve::accuracy::AccuracyError;
 use crate::store::record::FailureRecord;
-use crate::sweep::work::rounds::stage_key;
 use crate::wave::Scene;
+use crate::work::rounds::stage_key;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError, RwLock};
 use std::time::Instant;
@@ -35,7 +36,10 @@ impl Work<'_> {
             Ok(Resolved { resolution: r, .. }) => {
                 Ok(r.nx * r.ny * r.planes() * self.study.solves_of(self.realisation))
             }
-            Err(error) => self.fail(0..self.study.realisations, error).map(|()| 0),
+            Err(error) => {
+                let source = self.study.grid_source();
+                self.fail(&source, 0..source.realisations, error).map(|()| 0)
+            }
         }
     }
 
@@ -44,7 +48,7 @@ impl Work<'_> {
         if !self.has_failed() {
             match self.realise(packings) {
                 Ok(failed) => return Ok(failed),
-                Err(error) => self.fail(self.realisation..self.realisation + 1, error)?,
+                Err(error) => self.fail(self.study, self.realisation..self.realisation + 1, error)?,
             }
         }
         let solves = self.study.solves_of(self.realisation);
@@ -54,11 +58,21 @@ impl Work<'_> {
 
     /// Whether the lack of a packing or grid is recorded for this realisation.
     fn has_failed(&self) -> bool {
-        self.worker.stores.failures.has(stage_key(self.study, self.realisation).as_str())
+        let failures = &self.worker.stores.failures;
+        failures.has(stage_key(self.study, self.realisation).as_str()) || self.lacks_grid()
     }
 
-    /// Records that realisations have no packing or no grid; any other failure ends the run.
-    fn fail(&self, realisations: Range<usize>, error: RunError) -> Result<(), RunError> {
+    /// Whether the grid of a slab is that of another one, for which none was found.
+    fn lacks_grid(&self) -> bool {
+        let Cow::Owned(source) = self.study.grid_source() else { return false };
+        let Stores { grids, failures, .. } = self.worker.stores;
+        let has_failed = |realisation| failures.has(stage_key(&source, realisation).as_str());
+        kept(&source, grids).is_none() && (0..source.realisations).all(has_failed)
+    }
+
+    /// Records that realisations of a study have no packing or no grid; any other failure ends the
+    /// run.
+    fn fail(&self, study: &Study, realisations: Range<usize>, error: RunError) -> Result<(), RunError> {
         let error = error.stopped();
         let (RunError::Packing { .. } | RunError::Resolution(_) | RunError::Wave(_) | RunError::Memory(_)) =
             error
@@ -71,12 +85,13 @@ impl Work<'_> {
         for realisation in realisations {
             let (variant, reason) = (self.watch.name.to_owned(), error.to_string());
             let record = FailureRecord { variant, realisation, incidence: None, reason };
-            self.worker.stores.failures.put(stage_key(self.study, realisation).as_str(), &record)?;
+            self.worker.stores.failures.put(stage_key(study, realisation).as_str(), &record)?;
         }
         let _ = self.worker.failure.set(error);
         Ok(())
     }
 
+    /// The study's grid; `packings` are those of [`Study::grid_source`].
     fn resolve(&self, packings: &mut Packings) -> Result<Resolved, RunError> {
         self.worker.room.within(|memory| {
             resolve(self.study, &self.worker.stores.grids, memory, &self.watch, |r| {
@@ -86,7 +101,10 @@ impl Work<'_> {
     }
 
     fn realise(&self, packings: &mut Packings) -> Result<usize, RunError> {
-        let resolved = &self.resolve(packings)?;
+        let resolved = &match self.study.grid_source() {
+            Cow::Borrowed(_) => self.resolve(packings)?,
+            Cow::Owned(source) => self.resolve(&mut Packings::new(&source, &self.watch))?,
+        };
         let Self { worker: &Worker { stores, settings, ref room, .. }, study, realisation, .. } = *self;
         room.within(|memory| {
             let (settings, watch) = (RunSettings { memory, ..settings }, &self.watch);

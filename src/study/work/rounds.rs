@@ -15,7 +15,7 @@ use crate::run::realisation::all_point_keys;
 use crate::run::resolve::{self, Resolved};
 use crate::run::{Collected, Realisation, Refused, Stores};
 use crate::store::identity::Key;
-use crate::sweep::definition::load::{Sweep, Variant};
+use crate::work::variant::Variant;
 use std::ops::Range;
 
 /// Realisations between two checks of the interval; fixed, so that a study always ends at the same
@@ -70,7 +70,7 @@ impl Standing {
 ///
 /// A study with `run.target_delta_e` ends with the realisation that reaches it, even if more are
 /// stored; it is known to miss it with `known` realisations.
-pub(crate) fn collect(study: &Study, stores: &Stores, known: usize) -> Option<Collected> {
+pub fn collect(study: &Study, stores: &Stores, known: usize) -> Option<Collected> {
     let standing = study.target_delta_e.map(|_| Standing::of(study, stores, known));
     let reached = standing.filter(|standing| standing.enough);
     let realisations = reached.map_or(study.realisations, |standing| standing.border);
@@ -88,7 +88,7 @@ fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collecte
 }
 
 /// Realisations recorded as having no packing or no grid.
-pub(crate) fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refused> {
+pub fn refused(study: &Study, stores: &Stores, tried: usize) -> Vec<Refused> {
     (0..tried)
         .filter_map(|realisation| {
             let record = stores.failures.get(stage_key(study, realisation).as_str())?;
@@ -116,7 +116,7 @@ fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) ->
 /// Content hash of everything that a realisation's packing and grid depend on.
 pub(super) fn stage_key(study: &Study, realisation: usize) -> Key {
     let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
-    let light = (&study.wavelengths_nm, &study.angles, indices);
+    let light = (&study.wavelengths_nm, study.written_angles(), indices);
     let method = (&study.resolution, &study.solver, &study.goal);
     let inputs = (resolve::key(study), study.packing_request(realisation), light, method);
     Key::of_wave("stage", &inputs, study.vector_wave())
@@ -140,19 +140,19 @@ fn has_all_solves(study: &Study, stores: &Stores, resolved: &Resolved, realisati
     all_point_keys(study, resolved, realisation).iter().all(|(_, key)| is_kept(key.as_str()))
 }
 
-/// The rounds of a sweep.
+/// The rounds of studies that are worked off together.
 #[derive(Debug)]
 pub(super) struct Rounds<'a> {
-    sweep: &'a Sweep,
+    variants: &'a [Variant],
     /// Progress of each variant, as far as known.
     standings: Vec<Standing>,
 }
 
 impl<'a> Rounds<'a> {
     /// Starts without any knowledge of the variants.
-    pub fn new(sweep: &'a Sweep) -> Self {
+    pub fn new(variants: &'a [Variant]) -> Self {
         let start = Standing { border: 0, open: true, enough: false };
-        Self { sweep, standings: vec![start; sweep.variants.len()] }
+        Self { variants, standings: vec![start; variants.len()] }
     }
 
     /// The number of realisations with which each variant is known to miss its target.
@@ -162,18 +162,18 @@ impl<'a> Rounds<'a> {
 
     /// Number of the current round, from 1, and its units; `None` if all variants are finished.
     pub fn next(&mut self, stores: &Stores) -> Option<(usize, Vec<Unit>)> {
-        if !ends_early(self.sweep) {
-            return Some((1, units(self.sweep)));
+        if !ends_early(self.variants) {
+            return Some((1, units(self.variants)));
         }
         let mut open = Vec::new();
-        for (Variant { study, .. }, standing) in self.sweep.variants.iter().zip(&mut self.standings) {
+        for (Variant { study, .. }, standing) in self.variants.iter().zip(&mut self.standings) {
             if standing.open {
                 *standing = Standing::of(study, stores, standing.known());
             }
             open.extend(standing.open.then(|| standing.round(study)));
         }
         let round = open.into_iter().min()?;
-        Some((round, units_within(self.sweep, &self.realisations(round))))
+        Some((round, units_within(self.variants, &self.realisations(round))))
     }
 
     /// The realisations of each variant in a round; variants without a target have all of theirs in
@@ -185,6 +185,6 @@ impl<'a> Rounds<'a> {
             None => 0..0,
             Some(_) => before..standing.border.clamp(before, round * BATCH),
         };
-        self.standings.iter().zip(&self.sweep.variants).map(of).collect()
+        self.standings.iter().zip(self.variants).map(of).collect()
     }
 }

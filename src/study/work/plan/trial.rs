@@ -16,8 +16,8 @@ use crate::solve::Solver;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
 use crate::store::store::Store;
-use crate::sweep::definition::load::Variant;
 use crate::wave::{Resolution, Scene};
+use crate::work::variant::Variant;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 

@@ -1,4 +1,4 @@
-//! Estimates the cost of a sweep before it runs, calibrated by a few of its own solves.
+//! Estimates the cost of studies before they run, calibrated by a few of their own solves.
 
 mod scaled;
 mod trial;
@@ -11,7 +11,7 @@ use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::solve::demand::memory_in_words;
 use crate::store::identity::Key;
-use crate::sweep::definition::load::{Sweep, Variant};
+use crate::work::variant::{Variant, solved_for};
 use scaled::scaled;
 use serde::Serialize;
 use std::collections::HashSet;
@@ -31,7 +31,7 @@ const TRIED_FACTOR: f64 = 2.5;
 /// That factor where a cost follows from unknowns and usual numbers of operator applications.
 const BY_SIZE_FACTOR: f64 = 10.0;
 
-/// Size and expected cost of a sweep.
+/// Size and expected cost of one study or of the variants of a sweep.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Plan {
     /// Number of variants.
@@ -53,7 +53,7 @@ pub struct Plan {
     pub core_seconds_range: [f64; 2],
     /// Describes the trials.
     pub calibration: String,
-    /// Why the sweep cannot be computed here, if time or memory are far from sufficient.
+    /// Why they cannot be computed here, if time or memory are far from sufficient.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub out_of_reach: Option<String>,
 }
@@ -68,10 +68,11 @@ pub struct Plan {
 ///
 /// # Errors
 /// No trial variant can be packed and solved, or the watch requests a stop.
-pub fn plan(sweep: &Sweep, settings: RunSettings, watch: &dyn RunWatch) -> Result<Plan, RunError> {
+pub fn plan(variants: &[Variant], settings: RunSettings, watch: &dyn RunWatch) -> Result<Plan, RunError> {
+    let variants = &*solved_for(variants);
     let jobs = settings.jobs.unwrap_or_else(rayon::current_num_threads);
     let deadline = Deadline { watch, jobs, end: Instant::now() + LIMIT };
-    let (mut trials, late) = tried(&representatives(sweep), &deadline)?;
+    let (mut trials, late) = tried(&representatives(variants), &deadline)?;
     let mut calibration = in_words(&trials);
     if let Some((name, factor)) = at_full_size(&trials, &deadline)? {
         calibration += &format!("; {name} at full size costs {factor:.2} times as much per µm³");
@@ -80,18 +81,19 @@ pub fn plan(sweep: &Sweep, settings: RunSettings, watch: &dyn RunWatch) -> Resul
     calibration += &late_in_words(&late, trials.is_empty());
     let factor = if late.is_empty() { TRIED_FACTOR } else { BY_SIZE_FACTOR };
     trials.extend(late.into_iter().map(scaled));
-    Ok(costed(sweep, &trials, (calibration, factor), settings))
+    Ok(costed(variants, &trials, (calibration, factor), settings))
 }
 
 /// Estimates the cost from the size alone, without trials.
-pub fn by_size(sweep: &Sweep, settings: RunSettings) -> Plan {
-    let all = representatives(sweep);
+pub fn by_size(variants: &[Variant], settings: RunSettings) -> Plan {
+    let variants = &*solved_for(variants);
+    let all = representatives(variants);
     let trials: Vec<Trial> = all.iter().copied().map(scaled).collect();
-    costed(sweep, &trials, (late_in_words(&all, true), BY_SIZE_FACTOR), settings)
+    costed(variants, &trials, (late_in_words(&all, true), BY_SIZE_FACTOR), settings)
 }
 
-fn variants_of_groups(sweep: &Sweep) -> Vec<Vec<&Variant>> {
-    groups(sweep).iter().map(|group| group.iter().map(|&v| &sweep.variants[v]).collect()).collect()
+fn variants_of_groups(variants: &[Variant]) -> Vec<Vec<&Variant>> {
+    groups(variants).iter().map(|group| group.iter().map(|&v| &variants[v]).collect()).collect()
 }
 
 /// Trials that finished in time, and the variants whose trials did not.
@@ -120,12 +122,12 @@ fn tried<'a>(variants: &[&'a Variant], deadline: &Deadline) -> Result<Tried<'a>,
 
 /// The plan based on the trials, described in words, with the factor by which it may be wrong.
 fn costed(
-    sweep: &Sweep,
+    variants: &[Variant],
     trials: &[Trial],
     (calibration, factor): (String, f64),
     settings: RunSettings,
 ) -> Plan {
-    let groups = variants_of_groups(sweep);
+    let groups = variants_of_groups(variants);
     let (solves, core_seconds) = cost(&groups, trials);
     let (mut unknowns, mut most_bytes) = (0, 0.0_f64);
     for trial in trials {
@@ -135,7 +137,7 @@ fn costed(
         most_bytes = most_bytes.max(size(study, r).bytes(&*study.solver.build()));
     }
     let packings = groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max()).sum();
-    let (variants, units) = (sweep.variants.len(), units(sweep).len());
+    let (variants, units) = (variants.len(), units(variants).len());
     let memory_mb = (1e-6 * most_bytes).ceil() as usize;
     let out_of_reach = out_of_reach(core_seconds, most_bytes, settings.memory);
     let core_seconds_range = [core_seconds / factor, core_seconds * factor];
@@ -187,9 +189,9 @@ fn in_words(trials: &[Trial]) -> String {
 }
 
 /// For each requested resolution, variants evenly spread over the densities of grains.
-fn representatives(sweep: &Sweep) -> Vec<&Variant> {
-    let groups = variants_of_groups(sweep);
-    let wanted = resolutions(&sweep.variants.iter().collect::<Vec<_>>());
+fn representatives(variants: &[Variant]) -> Vec<&Variant> {
+    let groups = variants_of_groups(variants);
+    let wanted = resolutions(&variants.iter().collect::<Vec<_>>());
     let (each, mut chosen) = ((TRIALS / wanted.len()).max(2), Vec::new());
     for (n, wanted) in wanted.into_iter().enumerate() {
         let mut all = Vec::new();
@@ -304,7 +306,7 @@ fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
             moved += study.solves_each() * study.moves_of(r).len();
         }
         let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
-        let light = (&study.wavelengths_nm, &study.angles, study.wave.is_vector());
+        let light = (&study.wavelengths_nm, study.written_angles(), study.wave.is_vector());
         grids.insert(Key::of("grid", &(light, indices, method)));
     }
     [grids.len(), solves.len() + moved + FINER_COST * finer]

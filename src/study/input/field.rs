@@ -1,6 +1,9 @@
 //! Fields of a study by their dotted names: `layer.thickness_um`, `pigment[0].index`,
 //! `pigment.yellow.index`, `pigment[*].index`.
 
+use super::file::StudyFile;
+use schemars::generate::SchemaSettings;
+use schemars::{Schema, SchemaGenerator, json_schema};
 use toml::{Table, Value};
 
 /// Sets `field`, creating missing tables.
@@ -69,6 +72,23 @@ fn chosen(items: &[Value], name: &str, step: &str) -> Result<Vec<usize>, String>
 
 fn item_name(item: &Value) -> Option<&str> {
     item.get("name")?.as_str()
+}
+
+/// The schema of a study, without references.
+pub(super) fn study_schema() -> Schema {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    let mut schema = settings.into_generator().into_root_schema_for::<StudyFile>();
+    ["$schema", "title"].iter().for_each(|key| drop(schema.remove(*key)));
+    schema
+}
+
+/// The schema of a table of dotted fields of a study with their values.
+pub fn fields_schema(_: &mut SchemaGenerator) -> Schema {
+    let study = study_schema();
+    let tables = study.get("properties").and_then(serde_json::Value::as_object);
+    let names: Vec<&str> = tables.into_iter().flat_map(|all| all.keys().map(String::as_str)).collect();
+    let pattern = format!("^({})([.\\[].*)?$", names.join("|"));
+    json_schema!({ "type": "object", "propertyNames": { "pattern": pattern } })
 }
 
 #[cfg(test)]

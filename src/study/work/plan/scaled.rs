@@ -5,8 +5,8 @@ use super::trial::Trial;
 use crate::input::study::{Study, WantedResolution};
 use crate::run::resolve::size;
 use crate::solve::accuracy::smooth_size;
-use crate::sweep::definition::load::Variant;
 use crate::wave::Resolution;
+use crate::work::variant::Variant;
 use std::f64::consts::TAU;
 
 /// Core seconds of an operator application, including the strategy's own work, per field component

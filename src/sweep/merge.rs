@@ -12,6 +12,7 @@ use crate::store::{PackingRecord, same};
 use crate::sweep::Sweep;
 use crate::sweep::definition::folder;
 use crate::sweep::definition::folder::OpenError;
+use crate::work::variant::solved_for;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -82,9 +83,8 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
 
 fn refuse_other_sweep(sweep: &Sweep, first: &Path, shard: &Path) -> Result<(), MergeError> {
     let other = folder::read(shard)?;
-    let texts = |s: &Sweep| s.variants.iter().map(|v| v.text.clone()).collect::<Vec<_>>();
     // Studies name their tables by checksum: equal texts read equal tables.
-    if other.outline != sweep.outline || texts(&other) != texts(sweep) {
+    if other.outline != sweep.outline || other.texts != sweep.texts {
         let (first, other) = (first.display(), shard.display());
         return Err(MergeError::OtherSweep(format!("{other} belongs to another sweep than {first}")));
     }
@@ -115,7 +115,7 @@ fn same_numbers(kind: &str, one: &[u8], other: &[u8]) -> bool {
 fn describe(sweep: &Sweep, folder: &OutputFolder, row: &Sealed) -> String {
     let hash = format!("{} {}", row.kind, row.key);
     let Ok(stores) = Stores::open(folder) else { return hash };
-    for variant in sweep.variants.iter().filter(|_| row.kind == PointRecord::KIND) {
+    for variant in solved_for(&sweep.variants).iter().filter(|_| row.kind == PointRecord::KIND) {
         let Some(resolved) = kept(&variant.study, &stores.grids) else { continue };
         let realisations = 0..variant.study.realisations;
         let mut points = realisations.flat_map(|r| all_point_keys(&variant.study, &resolved, r));

@@ -7,7 +7,7 @@
 //! most one group is split between two neighbouring shards.
 
 use crate::store::identity::Key;
-use crate::sweep::definition::load::Sweep;
+use crate::work::variant::Variant;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -16,7 +16,7 @@ use std::ops::Range;
 pub struct Unit {
     /// Index of the group.
     pub group: usize,
-    /// Indices of the variants in the sweep.
+    /// Indices of the variants in the list.
     pub variants: Vec<usize>,
     /// Number of the realisation, from 0.
     pub realisation: usize,
@@ -32,7 +32,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// The whole sweep.
+    /// The whole list of variants.
     pub const ALL: Self = Self { index: 1, count: 1 };
 
     /// The range of `units` in this shard; may be empty if there are more shards than units.
@@ -43,29 +43,29 @@ impl Shard {
 }
 
 /// Whether `run.target_delta_e` may end some variant before its last realisation.
-pub fn ends_early(sweep: &Sweep) -> bool {
-    sweep.variants.iter().any(|variant| variant.study.target_delta_e.is_some())
+pub fn ends_early(variants: &[Variant]) -> bool {
+    variants.iter().any(|variant| variant.study.target_delta_e.is_some())
 }
 
 /// Groups of variants whose packings are equal in all realisations, ordered by the packings'
 /// hashes.
-pub fn groups(sweep: &Sweep) -> Vec<Vec<usize>> {
+pub fn groups(variants: &[Variant]) -> Vec<Vec<usize>> {
     let mut groups: BTreeMap<Key, Vec<usize>> = BTreeMap::new();
-    for (v, variant) in sweep.variants.iter().enumerate() {
+    for (v, variant) in variants.iter().enumerate() {
         groups.entry(variant.study.packings_key()).or_default().push(v);
     }
     groups.into_values().collect()
 }
 
 /// All units, group by group.
-pub fn units(sweep: &Sweep) -> Vec<Unit> {
-    let all: Vec<Range<usize>> = sweep.variants.iter().map(|v| 0..v.study.realisations).collect();
-    units_within(sweep, &all)
+pub fn units(variants: &[Variant]) -> Vec<Unit> {
+    let all: Vec<Range<usize>> = variants.iter().map(|v| 0..v.study.realisations).collect();
+    units_within(variants, &all)
 }
 
 /// The units of some realisations of each variant, group by group.
-pub fn units_within(sweep: &Sweep, realisations: &[Range<usize>]) -> Vec<Unit> {
-    let groups = groups(sweep).into_iter().enumerate();
+pub fn units_within(variants: &[Variant], realisations: &[Range<usize>]) -> Vec<Unit> {
+    let groups = groups(variants).into_iter().enumerate();
     groups.flat_map(|(group, members)| units_of(group, &members, realisations)).collect()
 }
 

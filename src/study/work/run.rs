@@ -1,4 +1,5 @@
-//! Runs a sweep or one shard of it, alone or together with other processes in the same folder.
+//! Runs one study, the variants of a sweep, or one shard of them, alone or together with other
+//! processes in the same folder.
 //!
 //! Workers (threads and processes) take units from a shared [`Queue`], most expensive first; the
 //! grids of a group are chosen before its realisations. Every solve is stored before the next
@@ -17,7 +18,7 @@ use crate::store::folder::OutputFolder;
 use crate::store::identity::Key;
 use crate::store::queue::{Assignment, Queue, QueueStanding, QueuedTask};
 use crate::store::seal::Damage;
-use crate::sweep::definition::load::{Sweep, Variant};
+use crate::work::variant::{Variant, solved_for};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -34,7 +35,7 @@ const ROUND: usize = 1 << 32;
 /// Cost that puts grids before all units.
 const GRIDS_FIRST: f64 = 1e30;
 
-/// Result of running a sweep, over all workers of the folder.
+/// Result of running them, over all workers of the folder.
 #[derive(Debug)]
 pub struct Tally {
     /// Number of solves of the shard; shared solves count once per variant.
@@ -65,13 +66,14 @@ pub enum Scope {
 }
 
 /// Number of solves of a shard; shared solves count once per variant.
-pub fn solves(sweep: &Sweep, shard: Shard) -> usize {
-    let units = units(sweep);
-    units[shard.range(units.len())].iter().map(|unit| solves_of(sweep, unit)).sum()
+pub fn solves(variants: &[Variant], shard: Shard) -> usize {
+    let variants = &*solved_for(variants);
+    let units = units(variants);
+    units[shard.range(units.len())].iter().map(|unit| solves_of(variants, unit)).sum()
 }
 
-fn solves_of(sweep: &Sweep, unit: &Unit) -> usize {
-    unit.variants.iter().map(|&v| sweep.variants[v].study.solves_of(unit.realisation)).sum()
+fn solves_of(variants: &[Variant], unit: &Unit) -> usize {
+    unit.variants.iter().map(|&v| variants[v].study.solves_of(unit.realisation)).sum()
 }
 
 /// Runs a shard in `folder` until it is finished or stopped.
@@ -80,34 +82,35 @@ fn solves_of(sweep: &Sweep, unit: &Unit) -> usize {
 /// Records cannot be written, or threads cannot be started; failures of variants are recorded
 /// instead.
 pub fn run(
-    sweep: &Sweep,
+    variants: &[Variant],
     folder: &OutputFolder,
     extent: (Shard, Scope),
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Tally, RunError> {
+    let solved = solved_for(variants);
     watch.hear(Event::Begun);
-    let tally = run_to_end(sweep, folder, extent, settings, watch);
+    let tally = run_to_end(&solved, folder, extent, settings, watch);
     watch.hear(Event::Over);
     tally
 }
 
 fn run_to_end(
-    sweep: &Sweep,
+    variants: &[Variant],
     folder: &OutputFolder,
     (shard, scope): (Shard, Scope),
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Tally, RunError> {
     let stores = Stores::open(folder)?;
-    let queue = stores.database().queue(name(sweep, shard, scope).as_str())?;
+    let queue = stores.database().queue(name(variants, shard, scope).as_str())?;
     if settings.retry_failed && queue.standing()?.workers == 1 {
         stores.failures.remove_all()?;
     }
-    let (mut rounds, mut waits) = (Rounds::new(sweep), 0);
+    let (mut rounds, mut waits) = (Rounds::new(variants), 0);
     let (mut before, mut failure) = (None, None);
     while let Some((round, units)) = next_round(&mut rounds, &stores, watch) {
-        let jobs = jobs(&units[shard.range(units.len())], scope);
+        let jobs = jobs(variants, &units[shard.range(units.len())], scope);
         // If the queue is empty but the round is unfinished, stop: repeating it would not help.
         if jobs.is_empty() || before == Some(round) {
             break;
@@ -116,7 +119,7 @@ fn run_to_end(
         // units wait for their grids
         let crew = Crew::new(settings.jobs, groups.max(jobs.len() - groups))?;
         let worker = Worker {
-            sweep,
+            variants,
             folder,
             begun: Once::new(),
             stores: &stores,
@@ -131,7 +134,7 @@ fn run_to_end(
             waits: AtomicUsize::new(0),
             overtaken: AtomicBool::new(false),
         };
-        queue.enlist(worker.first, &worker.jobs.iter().map(|job| job.task(sweep)).collect::<Vec<_>>())?;
+        queue.enlist(worker.first, &worker.jobs.iter().map(|job| job.task(variants)).collect::<Vec<_>>())?;
         // While the only grids are being chosen, nothing else can be done: all threads take part.
         if groups == 1
             && let Some(task) = worker.take()
@@ -143,14 +146,14 @@ fn run_to_end(
         before = (!worker.overtaken.into_inner()).then_some(round);
         worker.trouble.into_inner().map_or(Ok(()), Err)?;
         failure = failure.or(worker.failure.into_inner());
-        if watch.stop() || scope == Scope::Grids || !ends_early(sweep) {
+        if watch.stop() || scope == Scope::Grids || !ends_early(variants) {
             break;
         }
         stores.database().refresh()?;
     }
     let QueueStanding { workers, solves: processed, failed, .. } = queue.standing()?;
     let publishes = if watch.stop() { workers == 1 } else { queue.publishes()? };
-    let (asked, finished, known) = (solves(sweep, shard), processed - failed, rounds.known());
+    let (asked, finished, known) = (solves(variants, shard), processed - failed, rounds.known());
     let (damages, waited) = (stores.database().damages(), WAIT * waits as u32);
     Ok(Tally { asked, finished, failed, publishes, damages, failure, waited, known })
 }
@@ -163,15 +166,15 @@ fn next_round(rounds: &mut Rounds, stores: &Stores, watch: &dyn RunWatch) -> Opt
     next
 }
 
-/// Name of the work, so that only processes with the same sweep and shard share it.
-pub(super) fn name(sweep: &Sweep, shard: Shard, scope: Scope) -> Key {
-    let studies: Vec<Key> = sweep.variants.iter().map(|variant| variant.study.key()).collect();
+/// Name of the work, so that only processes with the same studies and shard share it.
+fn name(variants: &[Variant], shard: Shard, scope: Scope) -> Key {
+    let studies: Vec<Key> = variants.iter().map(|variant| variant.study.key()).collect();
     Key::of("work", &(studies, shard.index, shard.count, scope))
 }
 
 /// State shared by the threads of a process in one round.
 struct Worker<'a> {
-    sweep: &'a Sweep,
+    variants: &'a [Variant],
     folder: &'a OutputFolder,
     /// Set when the first solve begins.
     begun: Once,
@@ -241,12 +244,14 @@ impl Worker<'_> {
     fn carry_out(&self, task: usize, Job { unit, grids }: &Job) -> Result<(), RunError> {
         let news = News::new(self, task);
         let work = |v: usize| {
-            let Variant { name, study, .. } = &self.sweep.variants[v];
+            let Variant { name, study, .. } = &self.variants[v];
             let watch = NamedWatch { name, watch: &news };
             Work { worker: self, study, realisation: unit.realisation, watch }
         };
         let first = work(unit.variants[0]);
-        let mut packings = Packings::new(first.study, &first.watch);
+        let grid_source = first.study.grid_source();
+        let packed = if grids.is_none() { &*grid_source } else { first.study };
+        let mut packings = Packings::new(packed, &first.watch);
         let mut sum = 0;
         for &v in unit.variants.iter().take_while(|_| !self.watch.stop()) {
             let done = match grids {
@@ -263,7 +268,7 @@ impl Worker<'_> {
             return Ok(self.queue.give_back(task)?);
         }
         if grids.is_some() {
-            return Ok(self.queue.finish(task, solves_of(self.sweep, unit), sum)?);
+            return Ok(self.queue.finish(task, solves_of(self.variants, unit), sum)?);
         }
         self.queue.reckon(task, sum as f64)?;
         Ok(self.queue.finish(task, 0, 0)?)
@@ -272,37 +277,79 @@ impl Worker<'_> {
 
 /// A task: to compute a unit, or to choose the grids of a group.
 struct Job {
-    /// The unit; if grids are chosen, all variants of the group in their first realisation.
+    /// The unit; if grids are chosen, the first realisation of all variants whose grids are chosen
+    /// on the same packings.
     pub unit: Unit,
     /// Number of the task that chooses the grids; `None` if this one does.
     pub grids: Option<usize>,
 }
 
 impl Job {
-    pub fn task(&self, sweep: &Sweep) -> QueuedTask {
-        let studies = self.unit.variants.iter().map(|v| &sweep.variants[*v].study);
+    pub fn task(&self, variants: &[Variant]) -> QueuedTask {
+        let studies = self.unit.variants.iter().map(|v| &variants[*v].study);
         let cost = match self.grids {
             None => GRIDS_FIRST * studies.map(|study| study.volume_um3()).sum::<f64>(),
             // an estimate until the grid is known
-            Some(_) => solves_of(sweep, &self.unit) as f64,
+            Some(_) => solves_of(variants, &self.unit) as f64,
         };
         QueuedTask { cost, after: self.grids }
     }
 }
 
-/// The grids of all groups, followed by the units if these are to be solved.
-fn jobs(units: &[Unit], scope: Scope) -> Vec<Job> {
-    let mut groups: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+/// The choices of grids, followed by the units if these are to be solved. A choice serves all units
+/// whose grids are chosen on the same packings: those of a group, and all slabs of a layer.
+fn jobs(variants: &[Variant], units: &[Unit], scope: Scope) -> Vec<Job> {
+    let mut packings_of_group: BTreeMap<usize, Key> = BTreeMap::new();
+    let mut choices: BTreeMap<Key, BTreeSet<usize>> = BTreeMap::new();
     for unit in units {
-        groups.entry(unit.group).or_default().extend(&unit.variants);
+        let packings_key = || variants[unit.variants[0]].study.grid_source().packings_key();
+        let packings = packings_of_group.entry(unit.group).or_insert_with(packings_key);
+        choices.entry(packings.clone()).or_default().extend(&unit.variants);
     }
     let mut jobs = Vec::new();
-    for (&group, variants) in &groups {
-        let unit = Unit { group, variants: variants.iter().copied().collect(), realisation: 0 };
+    for (group, chosen_for) in choices.values().enumerate() {
+        let unit = Unit { group, variants: chosen_for.iter().copied().collect(), realisation: 0 };
         jobs.push(Job { unit, grids: None });
     }
     for unit in units.iter().filter(|_| scope == Scope::Solves) {
-        jobs.push(Job { unit: unit.clone(), grids: groups.keys().position(|&group| group == unit.group) });
+        let packings = &packings_of_group[&unit.group];
+        jobs.push(Job { unit: unit.clone(), grids: choices.keys().position(|key| key == packings) });
     }
     jobs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::check::check;
+    use crate::run::resolve;
+    use crate::work::variant::of_one;
+    use std::path::Path;
+
+    fn composed(index: f64) -> Variant {
+        let text = format!(
+            "[layer]\nthickness_um = 4\nbinder.index = 1.5\n[layer.composed]\nslab_um = 1\n[[pigment]]\nname = 'p'\n\
+             diameter_nm = 200\nvolume_fraction = 0.1\nindex = {index}\n[light]\nwavelengths_nm = [550]\n\
+             [run]\nrealisations = 2\n"
+        );
+        let study = check(&toml::from_str(&text).expect("a study file"), Path::new("."), "test");
+        of_one(&format!("{index}"), study.expect("a study")).remove(0)
+    }
+
+    /// *Planted*: every group chooses grids of its own.
+    #[test]
+    fn one_choice_of_grid_serves_all_slabs_of_a_layer() {
+        let layers = [composed(2.0), composed(2.2)];
+        let variants = solved_for(&layers);
+        assert_eq!(variants.len(), 8, "inner and outer slabs, whole and halved");
+        let keys: BTreeSet<_> = variants[..4].iter().map(|v| resolve::key(&v.study)).collect();
+        assert_eq!(keys.len(), 1, "the slabs of a layer have one grid");
+        let all = jobs(&variants, &units(&variants), Scope::Solves);
+        let (choices, solves): (Vec<_>, Vec<_>) = all.iter().partition(|job| job.grids.is_none());
+        // both layers have the same packings, and their grids are chosen on those of the first slab
+        assert_eq!(choices.len(), 1);
+        assert_eq!(choices[0].unit.variants, (0..8).collect::<Vec<_>>());
+        assert_eq!(solves.len(), 8, "2 realisations of 4 groups");
+        assert!(solves.iter().all(|job| job.grids == Some(0) && job.unit.variants.len() == 2));
+    }
 }
