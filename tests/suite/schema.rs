@@ -396,3 +396,32 @@ fn bounds_are_the_same() {
         }
     }
 }
+
+/// Entries of lists have the bounds of their checks: the first and the last value that is allowed, and one beyond each.
+/// *Planted*: a schema that lets directions be 2 to 17.
+#[test]
+fn bounds_of_entries_are_the_same() {
+    let good = as_json(&std::fs::read_to_string(root().join("examples/yellow.toml")).expect("an example"));
+    let composed = with(&good, "/layer/composed", json!({ "slab_um": 2.0 }));
+    let composed = with(&composed, "/layer/thickness_um", json!(20));
+    let voxels = json!({ "voxels": "cut.npy", "voxel_nm": [20, 20, 20] });
+    let voxels = with(&good, "/layer/microstructure", voxels);
+    let judge = validator(Document::Study);
+    let lists: [(&Value, &str, &str, Value, Value); 8] = [
+        (&composed, "/layer/composed/directions", "[0]", json!([2, 16]), json!([1, 16])),
+        (&composed, "/layer/composed/directions", "[1]", json!([2, 16]), json!([2, 17])),
+        (&composed, "/layer/thickness_um", "[1]", json!([20, 1000]), json!([20, 1001])),
+        (&good, "/colour/target_lab", "", json!([85, -300, 300]), json!([85, -301, 300])),
+        (&good, "/colour/target_lab", "", json!([85, -300, 300]), json!([85, -300, 301])),
+        (&voxels, "/layer/microstructure/cuts", "[0]", json!([1, 100]), json!([0, 100])),
+        (&voxels, "/layer/microstructure/cuts", "[1]", json!([1, 100]), json!([1, 101])),
+        (&voxels, "/layer/microstructure/voxel_nm", "", json!([0.1, 20, 10_000]), json!([0.09, 20, 20])),
+    ];
+    for (base, place, entry, within, beyond) in lists {
+        let field = place.trim_start_matches('/').replace('/', ".") + entry;
+        let is_refused = |value: &Value| faults(value).iter().any(|fault| fault.field == field);
+        let (within, beyond) = (with(base, place, within), with(base, place, beyond));
+        assert!(judge.is_valid(&within) && !is_refused(&within), "{field}: {:?}", faults(&within));
+        assert!(!judge.is_valid(&beyond) && is_refused(&beyond), "{field} beyond: {:?}", faults(&beyond));
+    }
+}

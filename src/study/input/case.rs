@@ -51,7 +51,8 @@ impl Case {
         if !faults.0.is_empty() {
             return Err(faults.into());
         }
-        let (mut backgrounds, mut inclusions) = (Vec::new(), Vec::new());
+        let mut backgrounds = Vec::new();
+        let mut inclusions = Vec::new();
         let strata = strata(inputs, &mut backgrounds)?;
         let named = inputs.bodies().into_iter();
         let named = named.map(|(name, shape, eta)| (name, Body::new(shape, index_of(&mut inclusions, eta))));
@@ -85,7 +86,8 @@ fn inputs(document: Node) -> Result<Node, Fault> {
     let Some(inputs) = document.get("inputs") else { return Ok(document) };
     let schema = schemars::schema_for!(CaseInputs);
     let known = schema.get("properties").and_then(serde_json::Value::as_object).into_iter().flatten();
-    let (allowed, remedy) = ("all keys of the case in `inputs`", "move it into `inputs`, or remove it");
+    let allowed = "all keys of the case in `inputs`";
+    let remedy = "move it into `inputs`, or remove it";
     match known.map(|(key, _)| key).find(|key| *key != "note" && document.get(key).is_some()) {
         Some(key) => Err(Fault::new(key, "given beside `inputs`", allowed, remedy)),
         None => Ok(inputs.clone()),

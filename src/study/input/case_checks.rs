@@ -44,9 +44,10 @@ fn wavelength(inputs: &CaseInputs, faults: &mut Faults) {
     }
     if let Some(um) = inputs.wavelength {
         let remedy = if um > 20.0 {
-            let (nm, um) = (shown(um), shown(1e-3 * um));
             format!(
-                "if you meant nm, write {um}, or wavelength_nm = {nm}; wavelength_um takes any wavelength in µm"
+                "if you meant nm, write {}, or wavelength_nm = {}; wavelength_um takes any wavelength in µm",
+                shown(1e-3 * um),
+                shown(um)
             )
         } else {
             format!("{IN_UM}; wavelength_um takes any wavelength in µm")
@@ -153,7 +154,8 @@ fn bodies(inputs: &CaseInputs, faults: &mut Faults) {
 /// Checks that a grain lies inside the layer, up to rounding.
 fn within(grain: String, z: f64, radius: f64, height: f64, faults: &mut Faults) {
     let slack = 1e-9 * height.min(radius);
-    let (low, high) = (z - radius, z + radius);
+    let low = z - radius;
+    let high = z + radius;
     if low < -slack || high > height + slack {
         let found = format!("a grain from z = {low:.6} to {high:.6} µm");
         let remedy = "move it, make it smaller, or make the layer thicker";

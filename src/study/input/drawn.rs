@@ -70,9 +70,11 @@ impl Study {
 
     /// Equally probable thicknesses of the layer, µm; only the mean if the thickness is uniform.
     pub fn thicknesses_um(&self) -> Vec<f64> {
-        let (mean, std) = (self.layer.thickness_um, self.variation.thickness_std_um);
-        let count = if std > 0.0 { 32 } else { 1 };
-        (0..count).map(|k| thickness_um(mean, std, (k as f64 + 0.5) / count as f64)).collect()
+        let mean_um = self.layer.thickness_um;
+        let std_um = self.variation.thickness_std_um;
+        let count = if std_um > 0.0 { 32 } else { 1 };
+        let middle = |k: usize| (k as f64 + 0.5) / count as f64;
+        (0..count).map(|k| thickness_um(mean_um, std_um, middle(k))).collect()
     }
 
     /// The area nearest to `area` (µm²) in which whole grains give the requested volume fractions.

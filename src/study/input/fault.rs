@@ -62,7 +62,8 @@ impl SyntaxFault {
     pub fn in_words(&self, text: &str) -> String {
         let Some(span) = &self.span else { return self.message.clone() };
         let before = &text[..floor_char_boundary(text, span.start)];
-        let (line, start) = (before.matches('\n').count() + 1, before.rfind('\n').map_or(0, |i| i + 1));
+        let line = before.matches('\n').count() + 1;
+        let start = before.rfind('\n').map_or(0, |i| i + 1);
         format!("line {line}, column {}: {}", before[start..].chars().count() + 1, self.message)
     }
 

@@ -128,7 +128,7 @@ pub struct ColourTable {
     /// Summation: `"plain"` (default), or `"e308"` for the weights of ASTM E308.
     pub summation: Summation,
     /// Target L*, a*, b* of the print under these conditions, at 45:0.
-    #[schemars(inner(range(min = -300, max = 300)), example = (85, -10, 80))]
+    #[schemars(transform = limits::Entries(limits::CHROMA), example = (85, -10, 80))]
     pub target_lab: Option<[f64; 3]>,
 }
 

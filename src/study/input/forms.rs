@@ -1,6 +1,6 @@
 //! Values that can be written in several forms.
 
-use super::limits::{ABOVE_ZERO, ABSORPTION, ALBEDO, INDEX, NOT_NEGATIVE, THICKNESS_UM};
+use super::limits::{ABOVE_ZERO, ABSORPTION, ALBEDO, Entries, INDEX, NOT_NEGATIVE, THICKNESS_UM};
 use super::measured::{MeasuredCondition, MeasuredUnit, Patch};
 use crate::material::named::{MATERIALS, Synthetic};
 use crate::solve::{Registry, SolverChoice};
@@ -49,7 +49,7 @@ pub enum ThicknessWritten {
         std: f64,
     },
     /// Several thicknesses of a composed layer, µm: one set of solves answers all.
-    Several(#[schemars(inner(range(min = 0)))] Vec<f64>),
+    Several(#[schemars(transform = Entries(THICKNESS_UM))] Vec<f64>),
 }
 
 impl ThicknessWritten {

@@ -1,6 +1,8 @@
 //! Allowed ranges of a study's numbers, used by both the checks and the schema.
 
 use crate::numerics::allowed::{Allowed, Each, Whole};
+use schemars::Schema;
+use schemars::transform::Transform;
 
 /// Longer lists of wavelengths or angles are mistakes.
 pub const LONGEST_LIST: usize = 10_000;
@@ -22,6 +24,8 @@ pub const THICKNESS_UM: Allowed = Allowed::above(0.0, 1000.0, "µm");
 pub const PERIOD_UM: Allowed = Allowed::above(0.0, 1000.0, "µm");
 /// Overlap of given spheres that is taken as a contact.
 pub const OVERLAP_UM: Allowed = Allowed::between(0.0, 100.0, "µm");
+/// Equal cuts of a file of voxels, along x or y.
+pub const CUTS: Whole = Whole::between(1, 100);
 /// Edge of a voxel.
 pub const VOXEL_NM: Allowed = Allowed::between(0.1, 10_000.0, "nm");
 /// Real refractive index.
@@ -30,16 +34,24 @@ pub const INDEX: Allowed = Allowed::between(0.1, 10.0, "");
 pub const ABSORPTION: Allowed = Allowed::between(0.0, 10.0, "");
 /// Volume fraction: no random packing exceeds 0.64; thin layers reach less, which packing reports.
 pub const VOLUME_FRACTION: Allowed = Allowed::above(0.0, 0.64, "");
+/// Lightness L* of a print.
+pub const LIGHTNESS: Allowed = Allowed::between(0.0, 150.0, "");
+/// Coordinates a* and b* of a print.
+pub const CHROMA: Allowed = Allowed::between(-300.0, 300.0, "");
 /// Albedo of a paper.
 pub const ALBEDO: Allowed = Allowed::between(0.0, 1.0, "");
+/// Longest vacuum wavelength, nm.
+pub const LONGEST_WAVE_NM: f64 = 10_000.0;
 /// A vacuum wavelength.
-pub const WAVELENGTH_NM: Allowed = Allowed::between(100.0, 10_000.0, "nm");
+pub const WAVELENGTH_NM: Allowed = Allowed::between(100.0, LONGEST_WAVE_NM, "nm");
 /// Vacuum wavelengths.
 pub const WAVELENGTHS_NM: Each<Allowed> = Each { entry: WAVELENGTH_NM, most: LONGEST_LIST };
 /// Step of a range of wavelengths.
-pub const STEP_NM: Allowed = Allowed::above(0.0, 10_000.0, "nm");
+pub const STEP_NM: Allowed = Allowed::above(0.0, LONGEST_WAVE_NM, "nm");
 /// Wavelengths of one realisation.
 pub const PER_REALISATION: Whole = Whole::between(2, LONGEST_LIST);
+/// Directions in a zone of a composed layer.
+pub const ZONE_DIRECTIONS: Whole = Whole::between(2, 16);
 /// Number of directions: 0°, 45° and at least one stratum.
 pub const DIRECTIONS: Whole = Whole::between(3, 64);
 /// Angle from the normal.
@@ -66,3 +78,15 @@ pub const TOLERANCE: Allowed = Allowed::between(1e-13, 1e-2, "");
 pub const APPLICATIONS: Whole = Whole::between(1, 1_000_000);
 /// Side of the picture, pixels.
 pub const PICTURE_PIXELS: Whole = Whole::between(16, 8192);
+
+/// Attaches the range of each entry to the schema of a list or an array of any length.
+#[derive(Clone, Copy, Debug)]
+pub struct Entries<T>(pub T);
+
+impl<T: Transform> Transform for Entries<T> {
+    fn transform(&mut self, schema: &mut Schema) {
+        if let Some(items) = schema.get_mut("items").and_then(|items| items.try_into().ok()) {
+            self.0.transform(items);
+        }
+    }
+}

@@ -26,22 +26,22 @@ pub fn key_span_of(text: &str, field: &str) -> Option<Range<usize>> {
 fn place_of(text: &str, field: &str) -> Option<FieldPlace> {
     let document = DeTable::parse(text).ok()?;
     let mut steps = steps(field);
-    let (key, value) = document.get_ref().get_key_value(steps.next()?)?;
-    let (mut here, mut place) = (value, FieldPlace { key: key.span(), value: outline(key.span(), value) });
+    let (key, mut value) = document.get_ref().get_key_value(steps.next()?)?;
+    let mut place = FieldPlace { key: key.span(), value: outline(key.span(), value) };
     for step in steps {
-        let next = match here.get_ref() {
-            DeValue::Table(table) => table.get_key_value(step).map(|(key, value)| {
-                (value, FieldPlace { key: key.span(), value: outline(key.span(), value) })
-            }),
-            DeValue::Array(items) => step
-                .parse()
-                .ok()
-                .and_then(|i: usize| items.get(i))
-                .map(|item| (item, FieldPlace { key: item.span(), value: item.span() })),
-            _ => None,
-        };
-        let Some(next) = next else { break };
-        (here, place) = next;
+        match value.get_ref() {
+            DeValue::Table(table) => {
+                let Some((key, entry)) = table.get_key_value(step) else { break };
+                place = FieldPlace { key: key.span(), value: outline(key.span(), entry) };
+                value = entry;
+            }
+            DeValue::Array(items) => {
+                let Some(item) = step.parse().ok().and_then(|i: usize| items.get(i)) else { break };
+                place = FieldPlace { key: item.span(), value: item.span() };
+                value = item;
+            }
+            _ => break,
+        }
     }
     Some(place)
 }

@@ -79,7 +79,7 @@ impl fmt::Display for Patch {
     }
 }
 
-/// What is wanted of a file of measurements.
+/// What is requested of a file of measurements.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredRequest {
     /// The sample; without it the only one, or the first.
@@ -94,7 +94,7 @@ pub struct MeasuredRequest {
     pub geometries: Vec<MeasuredGeometry>,
     /// Range of wavelengths that is used, nm: outside it faults do not matter.
     pub used_nm: [f64; 2],
-    /// Conditions that a colour without a spectrum is wanted under.
+    /// Requested conditions of a colour without a spectrum.
     pub viewing: Viewing,
 }
 
@@ -178,23 +178,23 @@ impl MeasuredReading {
         let chosen = choose::choose(&file, request)?;
         let mut remarks: Vec<String> =
             file.remarks.iter().map(|remark| format!("{name}: {remark}")).collect();
-        let own = chosen.sample.name();
-        let source = match (chosen.of, own) {
+        let sample_name = chosen.sample.name();
+        let source = match (chosen.samples, sample_name) {
             (1, _) => name.to_owned(),
-            (of, "") => format!("{name}: unnamed, sample {} of {of}", chosen.place),
-            (of, own) => format!("{name}: {own:?}, sample {} of {of}", chosen.place),
+            (count, "") => format!("{name}: unnamed, sample {} of {count}", chosen.place),
+            (count, _) => format!("{name}: {sample_name:?}, sample {} of {count}", chosen.place),
         };
-        if chosen.of > 1 && request.patch.is_none() {
+        if chosen.samples > 1 && request.patch.is_none() {
             remarks.push(format!("using {source}; compare.patch = \"…\" selects another by name"));
         }
         let measured = match &chosen.sample.content {
             SampleContent::Spectrum(cells) => {
                 let white = choose::white(&file, chosen.sample, request)?;
                 remarks.extend(white.remark.map(|remark| format!("{source}: {remark}")));
-                let called = if chosen.of > 1 { format!("{own:?}, ") } else { String::new() };
+                let called = if chosen.samples > 1 { format!("{sample_name:?}, ") } else { String::new() };
                 let rows = choose::rows(cells, white.value, request.used_nm);
                 let rows = rows.map_err(|reason| format!("{called}{reason}"))?;
-                MeasuredContent::Spectrum(MeasuredSpectrum { source, rows, patches: chosen.of })
+                MeasuredContent::Spectrum(MeasuredSpectrum { source, rows, patches: chosen.samples })
             }
             SampleContent::Lab(..) => MeasuredContent::Colour(colour(&chosen, &request.viewing)?),
         };
@@ -220,22 +220,24 @@ fn samples(text: &str, name: &str) -> Result<(MeasuredFile, &'static str), Strin
     table::read(name.to_owned(), text).map(|file| (file, "a table"))
 }
 
-/// The colour of a sample under the conditions that are wanted, or under those that it has.
-fn colour(chosen: &choose::Chosen, wanted: &Viewing) -> Result<MeasuredColour, String> {
+/// The colour of a sample under the requested conditions, or under those that it has.
+fn colour(chosen: &choose::Chosen, requested: &Viewing) -> Result<MeasuredColour, String> {
     let mut all = Vec::new();
     for sample in std::iter::once(chosen.sample).chain(chosen.colours.iter().copied()) {
         let SampleContent::Lab(cells, stated) = &sample.content else { continue };
         let mut lab = [0.0; 3];
-        for (own, (cell, name)) in lab.iter_mut().zip(cells.iter().zip(["L*", "a*", "b*"])) {
+        for (i, name) in ["L*", "a*", "b*"].into_iter().enumerate() {
+            let cell = &cells[i];
             let value = cell.value().filter(|value| value.is_finite());
-            let (text, line) = (cell.text.trim(), cell.line);
-            *own = value
-                .ok_or_else(|| format!("line {line}, {name}: found {text:?} where a number is needed"))?;
+            lab[i] = value.ok_or_else(|| {
+                let text = cell.text.trim();
+                format!("line {}, {name}: found {text:?} where a number is needed", cell.line)
+            })?;
         }
-        all.push(MeasuredColour { lab, viewing: stated.viewing(wanted.summation) });
+        all.push(MeasuredColour { lab, viewing: stated.viewing(requested.summation) });
     }
-    let is_wanted = |colour: &&MeasuredColour| colour.viewing.as_ref() == Ok(wanted);
-    let first = all.iter().find(is_wanted).or(all.first()).ok_or("no L*, a*, b*")?;
+    let is_requested = |colour: &&MeasuredColour| colour.viewing.as_ref() == Ok(requested);
+    let first = all.iter().find(is_requested).or(all.first()).ok_or("no L*, a*, b*")?;
     if all.iter().any(|other| other.viewing == first.viewing && other.lab != first.lab) {
         let name = chosen.sample.name();
         return Err(format!(
@@ -258,7 +260,8 @@ impl MeasuredSpectrum {
             return None;
         }
         let after = self.rows.partition_point(|row| row[0] < nm).clamp(1, self.rows.len() - 1);
-        let ([x0, y0], [x1, y1]) = (self.rows[after - 1], self.rows[after]);
+        let [x0, y0] = self.rows[after - 1];
+        let [x1, y1] = self.rows[after];
         Some(y0 + (nm - x0) / (x1 - x0) * (y1 - y0))
     }
 
@@ -269,9 +272,9 @@ impl MeasuredSpectrum {
     /// # Errors
     /// The rows within the range carry no colour.
     pub fn colour(&self, viewing: &Viewing, range_nm: [f64; 2]) -> Result<Colour, ColourError> {
-        let own = self.range_nm();
-        let from = range_nm[0].max(own[0]).max(TABLE_RANGE_NM[0]);
-        let to = range_nm[1].min(own[1]).min(TABLE_RANGE_NM[1]);
+        let [first, last] = self.range_nm();
+        let from = range_nm[0].max(first).max(TABLE_RANGE_NM[0]);
+        let to = range_nm[1].min(last).min(TABLE_RANGE_NM[1]);
         let mut rows: Vec<[f64; 2]> =
             self.rows.iter().copied().filter(|[nm, _]| (from..=to).contains(nm)).collect();
         if rows.first().is_none_or(|[nm, _]| *nm > from) {

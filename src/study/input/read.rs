@@ -60,9 +60,9 @@ fn find_control_characters(node: &Node, place: &str, faults: &mut Vec<Fault>) {
             }
         }
         Node::List(items) => {
-            let steps = items.iter().enumerate();
-            steps
-                .for_each(|(i, item)| find_control_characters(item, &join(place, &format!("[{i}]")), faults));
+            for (i, item) in items.iter().enumerate() {
+                find_control_characters(item, &join(place, &format!("[{i}]")), faults);
+            }
         }
         Node::Table(entries) => {
             for (key, value) in entries {
@@ -96,7 +96,9 @@ struct Reader<'a> {
 impl Reader<'_> {
     /// Reads the node and records an error with its path, of which serde knows the end alone.
     fn recorded<T>(self, read: impl FnOnce(Self) -> Result<T, Misfit>) -> Result<T, Misfit> {
-        let (place, found, faults) = (self.place.clone(), described(&self.node), self.faults);
+        let place = self.place.clone();
+        let found = described(&self.node);
+        let faults = self.faults;
         read(self).map_err(|misfit| {
             faults.borrow_mut().extend(misfit.at(&place, found));
             Misfit::RECORDED
@@ -159,8 +161,8 @@ impl<'de> Deserializer<'de> for Reader<'_> {
                 }
             }
             Node::Table(entries) => {
-                let (left, place) = (entries.into_iter(), self.place);
-                visitor.visit_map(&mut Children { left, place, faults: self.faults })
+                let left = entries.into_iter();
+                visitor.visit_map(&mut Children { left, place: self.place, faults: self.faults })
             }
         }
     }

@@ -111,11 +111,12 @@ pub fn parse_toml(text: &str) -> Result<toml::Table, SyntaxFault> {
 
 /// The message of the TOML parser; for integers that are too large it would refer to its own code.
 fn toml_fault(text: &str, error: &toml::de::Error) -> SyntaxFault {
-    let (said, span) = (error.message().trim(), error.span());
+    let message = error.message().trim();
+    let span = error.span();
     let found = span.clone().and_then(|span| text.get(span)).unwrap_or_default();
     if !is_too_large(found) {
         let remedy = "correct the TOML here; https://toml.io shows its syntax";
-        return SyntaxFault { message: said.to_owned(), remedy, span };
+        return SyntaxFault { message: message.to_owned(), remedy, span };
     }
     let found = match found.len() {
         n if n > MOST_DIGITS => format!("{}… ({n} characters)", found.get(..MOST_DIGITS).unwrap_or_default()),

@@ -52,7 +52,11 @@ pub fn read_labels(path: &Path, take: &mut LabelReader) -> Result<LabelImage, St
 /// Labels of a NumPy array of one kind of numbers.
 type NpyLabels = Result<ArrayD<u8>, ReadNpyError>;
 
-fn of<T: ReadableElement + Copy>(bytes: &[u8], take: &mut LabelReader, number: fn(T) -> i64) -> NpyLabels {
+fn labels_of<T: ReadableElement + Copy>(
+    bytes: &[u8],
+    take: &mut LabelReader,
+    number: fn(T) -> i64,
+) -> NpyLabels {
     Ok(ArrayD::<T>::read_npy(bytes)?.mapv(|label| take(number(label))))
 }
 
@@ -95,16 +99,16 @@ fn at_most() -> String {
 fn from_npy(bytes: &[u8], take: &mut LabelReader) -> Result<ArrayD<u8>, String> {
     check_header(bytes)?;
     let kinds: [fn(&[u8], &mut LabelReader) -> NpyLabels; 9] = [
-        |b, take| of::<u8>(b, take, i64::from),
-        |b, take| of::<u16>(b, take, i64::from),
-        |b, take| of::<u32>(b, take, i64::from),
+        |b, take| labels_of::<u8>(b, take, i64::from),
+        |b, take| labels_of::<u16>(b, take, i64::from),
+        |b, take| labels_of::<u32>(b, take, i64::from),
         // larger labels become negative, which none of the study's is
-        |b, take| of::<u64>(b, take, |v| v as i64),
-        |b, take| of::<i8>(b, take, i64::from),
-        |b, take| of::<i16>(b, take, i64::from),
-        |b, take| of::<i32>(b, take, i64::from),
-        |b, take| of::<i64>(b, take, |v| v),
-        |b, take| of::<bool>(b, take, i64::from),
+        |b, take| labels_of::<u64>(b, take, |v| v as i64),
+        |b, take| labels_of::<i8>(b, take, i64::from),
+        |b, take| labels_of::<i16>(b, take, i64::from),
+        |b, take| labels_of::<i32>(b, take, i64::from),
+        |b, take| labels_of::<i64>(b, take, |v| v),
+        |b, take| labels_of::<bool>(b, take, i64::from),
     ];
     for kind in kinds {
         match kind(bytes, take) {
@@ -120,13 +124,15 @@ fn from_npy(bytes: &[u8], take: &mut LabelReader) -> Result<ArrayD<u8>, String> 
 fn from_tiff(bytes: &[u8], take: &mut LabelReader) -> Result<(ArrayD<u8>, bool), String> {
     let mut pages = Decoder::new(Cursor::new(bytes)).map_err(|e| e.to_string())?;
     let size = pages.dimensions().map_err(|e| e.to_string())?;
-    let (width, height) = (size.0 as usize, size.1 as usize);
+    let width = size.0 as usize;
+    let height = size.1 as usize;
     let in_page = width.saturating_mul(height);
     if in_page == 0 {
         return Err(format!("pages of {width} × {height} pixels"));
     }
     let mut labels: Vec<u8> = Vec::new();
-    let (mut depth, mut white_is_zero) = (0, false);
+    let mut depth = 0;
+    let mut white_is_zero = false;
     loop {
         depth += 1;
         let in_words = |e: tiff::TiffError| format!("page {depth}: {e}");

@@ -1,53 +1,49 @@
 //! Composed layers: the slabs they are cut into, and what they cannot hold.
 
+use super::light::check_list;
 use crate::appearance::viewing::Viewing;
+use crate::input::file::LayerTable;
 use crate::input::forms::ThicknessWritten;
 use crate::input::study::{Composed, Study, StudyKind};
 use crate::input::{Faults, LightRule, StudyFile, limits};
-use crate::numerics::allowed::Whole;
 
-/// Directions of a zone.
-const DIRECTIONS: Whole = Whole::between(2, 16);
 /// Realisations below which a jackknife says little.
 const USABLE: usize = 8;
 
-/// The slabs of a layer that is declared composed.
-pub(super) fn composed(file: &StudyFile, faults: &mut Faults) -> Option<Composed> {
-    let written = &file.layer.thickness_um;
-    let Some(table) = &file.layer.composed else {
-        if matches!(written, ThicknessWritten::Several(_)) {
-            let remedy = "add [layer.composed], or give one thickness";
-            faults.add("layer.thickness_um", "a list", "one thickness, µm", remedy);
+impl LayerTable {
+    /// The slabs of a layer that is declared composed.
+    pub(super) fn composed(&self, faults: &mut Faults) -> Option<Composed> {
+        let Some(table) = &self.composed else {
+            if matches!(self.thickness_um, ThicknessWritten::Several(_)) {
+                let remedy = "add [layer.composed], or give one thickness";
+                faults.add("layer.thickness_um", "a list", "one thickness, µm", remedy);
+            }
+            return None;
+        };
+        let thicknesses_um = self.thickness_um.all();
+        let remedy = "paints are 10 to 100 µm thick";
+        check_list("layer.thickness_um", &thicknesses_um, limits::THICKNESS_UM, remedy, faults);
+        if self.thickness_um.std() > 0.0 {
+            let remedy = "give a list of thicknesses, or remove [layer.composed]";
+            let found = self.thickness_um.std();
+            faults.add("layer.thickness_um.std", found, "0 where it is composed", remedy);
         }
-        return None;
-    };
-    let thicknesses_um = written.all();
-    let remedy = "paints are 10 to 100 µm thick";
-    super::light::check_list("layer.thickness_um", &thicknesses_um, limits::THICKNESS_UM, remedy, faults);
-    if written.std() > 0.0 {
-        let remedy = "give a list of thicknesses, or remove [layer.composed]";
-        faults.add("layer.thickness_um.std", written.std(), "0 where it is composed", remedy);
+        faults.number("layer.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
+        for (zone, count) in table.directions.into_iter().enumerate() {
+            let field = format!("layer.composed.directions[{zone}]");
+            let remedy = "3 is enough: errors are below 5e-4";
+            faults.whole(&field, count, limits::ZONE_DIRECTIONS, remedy);
+        }
+        let first_um = thicknesses_um.first().copied().unwrap_or(f64::NAN);
+        if table.slab_um > 0.5 * first_um * (1.0 + 1e-9) {
+            let allowed = format!("at most {} µm, half of the thinnest layer: two slabs", 0.5 * first_um);
+            let remedy = "take thinner slabs, or remove [layer.composed]: so thin a layer is solved at once";
+            faults.add("layer.composed.slab_um", table.slab_um, allowed, remedy);
+        }
+        let slabs = (first_um / table.slab_um).round().max(2.0);
+        let slab_um = first_um / slabs;
+        Some(Composed { slab_um, directions: table.directions, thicknesses_um, mixing: None })
     }
-    faults.number("layer.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
-    for (zone, count) in table.directions.into_iter().enumerate() {
-        let field = format!("layer.composed.directions[{zone}]");
-        faults.whole(&field, count, DIRECTIONS, "3 is enough: errors are below 5e-4");
-    }
-    let first = thicknesses_um.first().copied().unwrap_or(f64::NAN);
-    if table.slab_um > 0.5 * first * (1.0 + 1e-9) {
-        let allowed = format!("at most {} µm, half of the thinnest layer: two slabs", 0.5 * first);
-        let remedy = "take thinner slabs, or remove [layer.composed]: so thin a layer is solved at once";
-        faults.add("layer.composed.slab_um", table.slab_um, allowed, remedy);
-    }
-    let slabs = (first / table.slab_um).round().max(2.0);
-    Some(Composed { slab_um: first / slabs, directions: table.directions, thicknesses_um, mixing: None })
-}
-
-/// The file as if its layer were the thinnest slab: what is packed and solved must fit into that.
-pub(super) fn slab_file(file: &StudyFile, composed: &Composed) -> StudyFile {
-    let mut slab = file.clone();
-    slab.layer.thickness_um = ThicknessWritten::Even(0.5 * composed.slab_um);
-    slab
 }
 
 /// The layer whose slabs have been checked.
@@ -168,9 +164,9 @@ mod tests {
         use Position::{Back, Front, Inner};
         assert_eq!(all, [(Inner, 2.0), (Front, 2.0), (Back, 2.0), (Inner, 1.0), (Front, 1.0), (Back, 1.0)]);
         // n_eff = √(0.2 · 4 + 0.8 · 2.25), and the media next to each slab
-        let own = 2.6_f64.sqrt();
+        let effective_index = 2.6_f64.sqrt();
         let media = |k: usize| portions[k].media(0.5);
-        assert!((media(0).incident.re - own).abs() < 1e-12 && media(0).exit == media(0).incident);
+        assert!((media(0).incident.re - effective_index).abs() < 1e-12 && media(0).exit == media(0).incident);
         assert_eq!((media(1).incident.re, media(1).exit), (1.0, media(0).exit));
         assert_eq!((media(2).incident, media(2).exit.re), (media(0).incident, 1.4));
         // each has packings of its own; what is solved is counted

@@ -1,6 +1,7 @@
 //! Refractive indices: evaluates a number, a built-in spectrum or a table at every wavelength, and
 //! warns of files whose rows are far apart, which may be intended.
 
+use super::Tabulation;
 use crate::input::forms::{INDEX_KEYS, IndexWritten};
 use crate::input::study::{IndexSpectrum, Study};
 use crate::input::{Fault, Faults, keys_in_words, limits};
@@ -13,32 +14,57 @@ use num_complex::Complex64;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Wavelengths at which indices are needed, and where to find their tables.
-#[derive(Clone, Copy)]
-pub struct Tabulation<'a> {
-    pub wavelengths_nm: &'a [f64],
-    pub folder: &'a Path,
-}
-
-impl Tabulation<'_> {
+impl IndexWritten {
     /// The index at every wavelength; 1 everywhere after an error, which makes the study invalid
     /// anyway.
-    pub fn tabulate(self, field: &str, written: &IndexWritten, faults: &mut Faults) -> IndexSpectrum {
+    pub(super) fn tabulated(&self, field: &str, tables: &Tabulation, faults: &mut Faults) -> IndexSpectrum {
+        let wavelengths_nm = tables.wavelengths_nm;
         let before = faults.0.len();
-        let spectrum = spectrum(field, written, self.folder, faults).unwrap_or(Spectrum::VACUUM);
-        let key = if written.yaml.is_some() { "yaml" } else { "csv" };
-        let faulty = faulty_rows(&format!("{field}.{key}"), &spectrum, self.wavelengths_nm);
-        faults.0.extend(faulty.or_else(|| outside(field, &spectrum, self.wavelengths_nm)));
-        let values = self.wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
+        let spectrum = self.spectrum(field, tables.folder, faults).unwrap_or(Spectrum::VACUUM);
+        let key = if self.yaml.is_some() { "yaml" } else { "csv" };
+        let faulty = faulty_rows(&format!("{field}.{key}"), &spectrum, wavelengths_nm);
+        faults.0.extend(faulty.or_else(|| outside(field, &spectrum, wavelengths_nm)));
+        let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
         let index = values.collect::<Result<Vec<_>, _>>().unwrap_or_default();
-        faults.0.extend(unsound(field, &index, self.wavelengths_nm));
-        // invalid wavelengths are reported separately
-        let invalid = faults.0.len() > before || index.len() < self.wavelengths_nm.len();
-        let (source, index, spectrum) = match invalid {
-            true => (String::new(), vec![Complex64::ONE; self.wavelengths_nm.len()], Spectrum::VACUUM),
-            false => (source(&spectrum), index, spectrum),
+        faults.0.extend(unsound(field, &index, wavelengths_nm));
+        // wavelengths that are not allowed are reported with the light
+        let is_invalid = faults.0.len() > before || index.len() < wavelengths_nm.len();
+        let vacuum = || vec![Complex64::ONE; wavelengths_nm.len()];
+        IndexSpectrum {
+            source: if is_invalid { String::new() } else { source(&spectrum) },
+            index: if is_invalid { vacuum() } else { index },
+            spectrum: if is_invalid { Spectrum::VACUUM } else { spectrum },
+            dissolved: Vec::new(),
+            mixing: MixingRule::default(),
+        }
+    }
+
+    /// The spectrum that is written; `None` after an error.
+    fn spectrum(&self, field: &str, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
+        let Self { n, k, built_in, material, csv, yaml } = self;
+        let (key, written, found) = match (built_in, material, csv, yaml, n, k) {
+            (Some(name), None, None, None, None, None) => ("built_in", name, Spectrum::synthetic(name)),
+            (None, Some(name), None, None, None, None) => ("material", name, Spectrum::material(name)),
+            (None, None, Some(csv), None, n, None) => ("csv", csv, Spectrum::from_csv(folder.join(csv), *n)),
+            (None, None, None, Some(yaml), n, None) => {
+                ("yaml", yaml, Spectrum::from_yaml(folder.join(yaml), *n))
+            }
+            (None, None, None, None, Some(n), k) => return constant(field, *n, k.unwrap_or(0.0), faults),
+            _ => {
+                let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { material = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, \
+                               with n beside a file of k alone";
+                let found = keys_in_words(self, INDEX_KEYS);
+                faults.add(field, found, allowed, "write for example index = { n = 1.4, k = 0.1 }");
+                return None;
+            }
         };
-        IndexSpectrum { source, index, spectrum, dissolved: Vec::new(), mixing: MixingRule::default() }
+        match found {
+            Ok(spectrum) => Some(spectrum.without_folder()),
+            Err(error) => {
+                faults.push(not_found(&format!("{field}.{key}"), key, written, folder, &error));
+                None
+            }
+        }
     }
 }
 
@@ -47,10 +73,10 @@ const LARGEST_PART: f64 = 100.0;
 
 /// Refuses indices that no passive medium has: the formulas of records may have poles.
 fn unsound(field: &str, index: &[Complex64], wavelengths_nm: &[f64]) -> Option<Fault> {
-    let i = index
-        .iter()
-        .position(|eta| !(eta.re > 0.0 && eta.im >= 0.0 && eta.re.max(eta.im) <= LARGEST_PART))?;
-    let [n, k] = [index[i].re, index[i].im].map(shown);
+    let is_sound = |eta: &Complex64| eta.re > 0.0 && eta.im >= 0.0 && eta.re.max(eta.im) <= LARGEST_PART;
+    let i = index.iter().position(|eta| !is_sound(eta))?;
+    let n = shown(index[i].re);
+    let k = shown(index[i].im);
     let found = format!("n = {n}, k = {k} at {} nm", wavelengths_nm[i]);
     let remedy = "correct the file; absorption is a positive k here (time factor exp(-iωt))";
     Some(Fault::new(field, found, "n greater than 0 and k of at least 0, both at most 100", remedy))
@@ -64,26 +90,6 @@ fn source(spectrum: &Spectrum) -> String {
     }
 }
 
-fn spectrum(field: &str, written: &IndexWritten, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
-    let IndexWritten { n, k, built_in, material, csv, yaml } = written;
-    let (key, said, found) = match (built_in, material, csv, yaml, n, k) {
-        (Some(name), None, None, None, None, None) => ("built_in", name, Spectrum::synthetic(name)),
-        (None, Some(name), None, None, None, None) => ("material", name, Spectrum::material(name)),
-        (None, None, Some(csv), None, n, None) => ("csv", csv, Spectrum::from_csv(folder.join(csv), *n)),
-        (None, None, None, Some(yaml), n, None) => ("yaml", yaml, Spectrum::from_yaml(folder.join(yaml), *n)),
-        (None, None, None, None, Some(n), k) => return constant(field, *n, k.unwrap_or(0.0), faults),
-        _ => {
-            let allowed = "a number, { n = …, k = … }, { built_in = \"…\" }, { material = \"…\" }, { csv = \"…\" } or { yaml = \"…\" }, \
-                           with n beside a file of k alone";
-            let found = keys_in_words(written, INDEX_KEYS);
-            faults.add(field, found, allowed, "write for example index = { n = 1.4, k = 0.1 }");
-            return None;
-        }
-    };
-    let found = found.map(Spectrum::without_folder);
-    found.map_err(|error| faults.push(not_found(field, key, (said, &folder.join(said)), &error))).ok()
-}
-
 fn constant(field: &str, n: f64, k: f64, faults: &mut Faults) -> Option<Spectrum> {
     let before = faults.0.len();
     let remedy = "give the real part of the refractive index, 1.3 to 2.7 for pigments and binders";
@@ -93,32 +99,33 @@ fn constant(field: &str, n: f64, k: f64, faults: &mut Faults) -> Option<Spectrum
     if faults.0.len() > before { None } else { Spectrum::constant(n, k).ok() }
 }
 
-/// A name that is not known, or a file that holds no index.
-fn not_found(field: &str, key: &str, (said, path): (&str, &Path), error: &SpectrumError) -> Fault {
-    let (named, beside) = (format!("{said:?}"), matches!(error, SpectrumError::RealPart(_)));
+/// A name that is not known, or a file that holds no index: the value `written` of `key`.
+fn not_found(field: &str, key: &str, written: &str, folder: &Path, error: &SpectrumError) -> Fault {
     let take = "take one of these, or your own table with { csv = \"file.csv\" }";
-    let (found, allowed, remedy) = match key {
-        "built_in" => (named, Synthetic::ALL.map(Synthetic::name).join(", "), take.to_owned()),
-        "material" => {
-            let remedy = format!("{take}; organic pigments are in no open collection of indices");
-            (named, MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", "), remedy)
-        }
-        "csv" => {
-            let allowed = "a readable table wavelength_nm,kappa[,n] with rising or falling wavelengths, kappa ≥ 0 and n > 0";
-            let found = match error {
-                SpectrumError::File(_) | SpectrumError::RealPart(_) => error.to_string(),
-                other => format!("{} ({other})", path.display()),
-            };
-            (found, allowed.into(), "correct the table; its path is relative to the study file".into())
-        }
-        _ => {
-            let allowed = "a record of refractiveindex.info: tabulated nk, n, k, or formula 1 to 9";
-            let remedy = "download the record's YAML file; its path is relative to the study file";
-            (error.to_string(), allowed.into(), remedy.into())
-        }
+    let found = match (key, error) {
+        ("built_in" | "material", _) => format!("{written:?}"),
+        ("yaml", _) | (_, SpectrumError::File(_) | SpectrumError::RealPart(_)) => error.to_string(),
+        _ => format!("{} ({error})", folder.join(written).display()),
     };
-    let more = format!("write n beside the file where it has k alone: {{ {key} = \"…\", n = 1.4 }}");
-    Fault::new(format!("{field}.{key}"), found, allowed, if beside { more } else { remedy })
+    let allowed = match key {
+        "built_in" => Synthetic::ALL.map(Synthetic::name).join(", "),
+        "material" => MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", "),
+        "csv" => {
+            "a readable table wavelength_nm,kappa[,n] with rising or falling wavelengths, kappa ≥ 0 and n > 0"
+                .into()
+        }
+        _ => "a record of refractiveindex.info: tabulated nk, n, k, or formula 1 to 9".into(),
+    };
+    let remedy = match (key, error) {
+        (_, SpectrumError::RealPart(_)) => {
+            format!("write n beside the file where it has k alone: {{ {key} = \"…\", n = 1.4 }}")
+        }
+        ("built_in", _) => take.to_owned(),
+        ("material", _) => format!("{take}; organic pigments are in no open collection of indices"),
+        ("csv", _) => "correct the table; its path is relative to the study file".to_owned(),
+        _ => "download the record's YAML file; its path is relative to the study file".to_owned(),
+    };
+    Fault::new(field, found, allowed, remedy)
 }
 
 fn outside(field: &str, spectrum: &Spectrum, wavelengths_nm: &[f64]) -> Option<Fault> {
@@ -145,21 +152,20 @@ fn faulty_rows(field: &str, spectrum: &Spectrum, wavelengths_nm: &[f64]) -> Opti
 }
 
 /// One remark for every file with a wide gap within the study's wavelengths.
-pub fn bridged(study: &Study) -> BTreeSet<String> {
-    let (Some(&from), Some(&to)) = (study.wavelengths_nm.first(), study.wavelengths_nm.last()) else {
-        return BTreeSet::new();
-    };
+pub(super) fn bridged(study: &Study) -> BTreeSet<String> {
+    let Some(&from) = study.wavelengths_nm.first() else { return BTreeSet::new() };
+    let Some(&to) = study.wavelengths_nm.last() else { return BTreeSet::new() };
     let dissolved = study.dissolved.iter().map(|dissolved| &dissolved.material);
     let spectra = study.materials().chain(dissolved).chain([&study.layer.binder]).map(|m| &m.spectrum);
-    let of_spectra = spectra.filter_map(|s| Some(words(&s.name(), s.widest_gap_nm([from, to])?)));
-    let of_measured = study.judgement.measured.as_ref().and_then(|measured| {
+    let gaps = spectra.filter_map(|s| Some(gap_in_words(&s.name(), s.widest_gap_nm([from, to])?)));
+    let gap_measured = study.judgement.measured.as_ref().and_then(|measured| {
         let rows: Vec<f64> = measured.rows.iter().map(|row| row[0]).collect();
-        Some(words(&measured.source, widest_gap_nm(&rows, [from, to])?))
+        Some(gap_in_words(&measured.source, widest_gap_nm(&rows, [from, to])?))
     });
-    of_spectra.chain(of_measured).collect()
+    gaps.chain(gap_measured).collect()
 }
 
-fn words(file: &str, [from, to]: [f64; 2]) -> String {
+fn gap_in_words(file: &str, [from, to]: [f64; 2]) -> String {
     let width = to - from;
     format!(
         "{file}: no row between {from} and {to} nm; these {width} nm are interpolated linearly: \

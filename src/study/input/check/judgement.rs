@@ -1,72 +1,117 @@
 //! What the prediction is compared with: conditions, a target colour, a measured spectrum.
 
+use super::Tabulation;
 use crate::appearance::tristimulus::TABLE_RANGE_NM;
 use crate::appearance::viewing::{ColourError, Summation, Viewing};
+use crate::input::file::{ColourTable, CompareTable};
 use crate::input::measured::{MeasuredColour, MeasuredContent, MeasuredReading, MeasuredRequest};
 use crate::input::study::Judgement;
-use crate::input::{Fault, Faults, StudyFile};
-use std::path::Path;
+use crate::input::{Fault, Faults, limits};
 
-/// Reads what the prediction is compared with; remarks say what was taken where a file leaves
-/// something open.
-pub fn judgement(
-    file: &StudyFile,
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    faults: &mut Faults,
-    remarks: &mut Vec<String>,
-) -> Judgement {
-    let (viewing, mut target_lab) = (viewing(file, faults), target(file, faults));
-    if viewing.summation == Summation::E308 && !is_even(wavelengths_nm) {
-        let allowed =
-            "\"plain\" where the wavelengths are not evenly spaced: ASTM E308 has no weights for them";
-        let remedy = "write from_nm, to_nm and step_nm, or leave it out";
-        faults.add("colour.summation", "\"e308\"", allowed, remedy);
-    }
-    let beside = [
-        ("patch", file.compare.patch.as_ref().map(|patch| format!("{:?}", patch.to_string()))),
-        ("unit", file.compare.unit.map(|unit| format!("{unit:?}").to_lowercase())),
-        ("condition", file.compare.condition.map(|condition| condition.name().to_owned())),
-    ];
-    for (key, found) in beside {
-        if let (Some(found), None) = (found, &file.compare.measured) {
-            let what = if key == "patch" {
-                "a name"
-            } else if key == "unit" {
-                "a unit"
-            } else {
-                "a condition"
-            };
-            let allowed = format!("{what} beside compare.measured");
-            faults.add(format!("compare.{key}"), found, allowed, "add compare.measured");
+/// `[colour]`, checked.
+pub(super) struct PrintTarget {
+    pub viewing: Viewing,
+    /// L*, a*, b* under these conditions.
+    pub lab: Option<[f64; 3]>,
+}
+
+impl ColourTable {
+    /// The conditions, and the target colour as it is written.
+    pub(super) fn checked(&self, wavelengths_nm: &[f64], faults: &mut Faults) -> PrintTarget {
+        let illuminant = self.illuminant.as_deref().unwrap_or("D65");
+        let observer = self.observer.as_deref().unwrap_or("2");
+        let viewing = Viewing::new(illuminant, observer, self.summation).unwrap_or_else(|error| {
+            faults.push(viewing_fault(error));
+            Viewing::default()
+        });
+        if let Some(lab) = self.target_lab
+            && !is_lab(lab)
+        {
+            let remedy = "write for example target_lab = [85, -10, 80]";
+            faults.add("colour.target_lab", format!("{lab:?}"), lab_in_words(), remedy);
         }
+        if viewing.summation == Summation::E308 && !is_even(wavelengths_nm) {
+            let allowed =
+                "\"plain\" where the wavelengths are not evenly spaced: ASTM E308 has no weights for them";
+            let remedy = "write from_nm, to_nm and step_nm, or leave it out";
+            faults.add("colour.summation", "\"e308\"", allowed, remedy);
+        }
+        PrintTarget { viewing, lab: self.target_lab }
     }
-    let mut measured = None;
-    match read_measured(file, wavelengths_nm, folder, &viewing) {
-        Some(Ok(reading)) => {
-            remarks.extend(reading.remarks.iter().map(|remark| format!("compare.measured: {remark}")));
-            match reading.measured {
-                MeasuredContent::Colour(colour) => target_lab = wanted(colour, &viewing, target_lab, faults),
-                MeasuredContent::Spectrum(spectrum) => measured = Some(spectrum),
+}
+
+impl CompareTable {
+    /// Reads what the prediction is compared with; remarks say what was taken where a file leaves
+    /// something open.
+    pub(super) fn checked(
+        &self,
+        target: PrintTarget,
+        tables: &Tabulation,
+        faults: &mut Faults,
+        remarks: &mut Vec<String>,
+    ) -> Judgement {
+        self.check_keys_of_file(faults);
+        let mut judgement = Judgement { target_lab: target.lab, measured: None, viewing: target.viewing };
+        let Some(file_name) = &self.measured else { return judgement };
+        let request = MeasuredRequest {
+            patch: self.patch.clone(),
+            unit: self.unit,
+            condition: self.condition,
+            used_nm: match tables.wavelengths_nm {
+                [] => TABLE_RANGE_NM,
+                [first, .., last] => [*first, *last],
+                [only] => [*only; 2],
+            },
+            viewing: judgement.viewing.clone(),
+            ..MeasuredRequest::default()
+        };
+        let reading = match MeasuredReading::new(&tables.folder.join(file_name), &request) {
+            Ok(reading) => reading,
+            Err(error) => {
+                let allowed = "a spectrum of reflectances at 45:0, or L*, a*, b*, as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17";
+                let remedy = "correct the file, compare.patch, compare.unit or compare.condition; its path is relative to the study file";
+                faults.add("compare.measured", error, allowed, remedy);
+                return judgement;
+            }
+        };
+        remarks.extend(reading.remarks.iter().map(|remark| format!("compare.measured: {remark}")));
+        match reading.measured {
+            MeasuredContent::Colour(colour) => {
+                judgement.target_lab = measured_target(colour, &judgement, faults);
+            }
+            MeasuredContent::Spectrum(measured) => {
+                let is_outside = |&nm: &f64| measured.at(nm).is_none();
+                if !tables.wavelengths_nm.is_empty() && tables.wavelengths_nm.iter().all(is_outside) {
+                    let [low, high] = measured.range_nm();
+                    let found = format!("{} with values from {low} to {high} nm", measured.source);
+                    let allowed = "a spectrum with values at one of the wavelengths of [light] or more";
+                    faults.add("compare.measured", found, allowed, "give its wavelengths in nm");
+                }
+                judgement.measured = Some(measured);
             }
         }
-        Some(Err(error)) => {
-            let allowed = "a spectrum of reflectances at 45:0, or L*, a*, b*, as CSV (wavelength_nm,reflectance), CxF3 or CGATS.17";
-            let remedy = "correct the file, compare.patch, compare.unit or compare.condition; its path is relative to the study file";
-            faults.add("compare.measured", error, allowed, remedy);
+        judgement
+    }
+
+    /// Reports keys that say how a file is read where there is none.
+    fn check_keys_of_file(&self, faults: &mut Faults) {
+        if self.measured.is_some() {
+            return;
         }
-        None => {}
+        let mut refuse = |key: &str, found: String, kind: &str| {
+            let allowed = format!("{kind} beside compare.measured");
+            faults.add(format!("compare.{key}"), found, allowed, "add compare.measured");
+        };
+        if let Some(patch) = &self.patch {
+            refuse("patch", format!("{:?}", patch.to_string()), "a name");
+        }
+        if let Some(unit) = self.unit {
+            refuse("unit", format!("{unit:?}").to_lowercase(), "a unit");
+        }
+        if let Some(condition) = self.condition {
+            refuse("condition", condition.name().to_owned(), "a condition");
+        }
     }
-    if let Some(measured) = &measured
-        && !wavelengths_nm.is_empty()
-        && wavelengths_nm.iter().all(|&nm| measured.at(nm).is_none())
-    {
-        let [low, high] = measured.range_nm();
-        let found = format!("{} with values from {low} to {high} nm", measured.source);
-        let allowed = "a spectrum with values at one of the wavelengths of [light] or more";
-        faults.add("compare.measured", found, allowed, "give its wavelengths in nm");
-    }
-    Judgement { viewing, target_lab, measured }
 }
 
 /// Whether the steps are equal, up to rounding of the written numbers.
@@ -74,16 +119,6 @@ fn is_even(wavelengths_nm: &[f64]) -> bool {
     let steps = || wavelengths_nm.windows(2).map(|pair| pair[1] - pair[0]);
     let first = steps().next().unwrap_or(0.0);
     steps().all(|step| (step - first).abs() < 1e-6)
-}
-
-fn viewing(file: &StudyFile, faults: &mut Faults) -> Viewing {
-    let table = &file.colour;
-    let or = |name: &Option<String>, default: &str| name.clone().unwrap_or_else(|| default.to_owned());
-    let (illuminant, observer) = (or(&table.illuminant, "D65"), or(&table.observer, "2"));
-    Viewing::new(&illuminant, &observer, table.summation).unwrap_or_else(|error| {
-        faults.push(viewing_fault(error));
-        Viewing::default()
-    })
 }
 
 /// Reports an unknown illuminant or observer.
@@ -97,69 +132,34 @@ fn viewing_fault(error: ColourError) -> Fault {
     }
 }
 
-fn target(file: &StudyFile, faults: &mut Faults) -> Option<[f64; 3]> {
-    let lab = file.colour.target_lab?;
-    if !is_lab(lab) {
-        let remedy = "write for example target_lab = [85, -10, 80]";
-        faults.add("colour.target_lab", format!("{lab:?}"), LAB, remedy);
-    }
-    Some(lab)
-}
-
 /// Allowed Lab values of a print.
-const LAB: &str = "L* from 0 to 150, a* and b* from -300 to 300";
-
-fn is_lab(lab: [f64; 3]) -> bool {
-    (0.0..=150.0).contains(&lab[0]) && lab.iter().all(|x| x.abs() <= 300.0)
+fn lab_in_words() -> String {
+    format!("L* {}, a* and b* {}", limits::LIGHTNESS, limits::CHROMA)
 }
 
-/// The file of measurements, if there is one.
-fn read_measured(
-    file: &StudyFile,
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    viewing: &Viewing,
-) -> Option<Result<MeasuredReading, String>> {
-    let path = folder.join(file.compare.measured.as_ref()?);
-    let used_nm = match wavelengths_nm {
-        [] => TABLE_RANGE_NM,
-        [first, .., last] => [*first, *last],
-        [only] => [*only; 2],
-    };
-    let request = MeasuredRequest {
-        patch: file.compare.patch.clone(),
-        unit: file.compare.unit,
-        condition: file.compare.condition,
-        used_nm,
-        viewing: viewing.clone(),
-        ..MeasuredRequest::default()
-    };
-    Some(MeasuredReading::new(&path, &request))
+fn is_lab([lightness, a, b]: [f64; 3]) -> bool {
+    limits::LIGHTNESS.holds(lightness) && limits::CHROMA.holds(a) && limits::CHROMA.holds(b)
 }
 
 /// The measured colour as a target, if it refers to the study's conditions and is the only one.
-fn wanted(
-    colour: MeasuredColour,
-    viewing: &Viewing,
-    target_lab: Option<[f64; 3]>,
-    faults: &mut Faults,
-) -> Option<[f64; 3]> {
-    let allowed = format!("Lab under the conditions of [colour], {}, and stated", viewing.name());
-    let remedy = "write these as [colour] illuminant and observer; where the file does not state them, write its values as \
-                  colour.target_lab instead of the file";
-    let MeasuredColour { lab, viewing: own } = colour;
-    let found = match own.map(|own| (lab, own)) {
-        Ok((lab, own)) if own == *viewing && is_lab(lab) && target_lab.is_none() => return Some(lab),
-        Ok((_, own)) if own != *viewing => format!("Lab under {}", own.name()),
-        Ok((lab, _)) if !is_lab(lab) => format!("Lab {lab:?}; allowed are {LAB}"),
-        Ok(_) => {
+fn measured_target(colour: MeasuredColour, judgement: &Judgement, faults: &mut Faults) -> Option<[f64; 3]> {
+    let lab = colour.lab;
+    let found = match colour.viewing {
+        Err(reason) => format!("Lab alone, and {reason}"),
+        Ok(viewing) if viewing != judgement.viewing => format!("Lab under {}", viewing.name()),
+        Ok(_) if !is_lab(lab) => format!("Lab {lab:?}; allowed are {}", lab_in_words()),
+        Ok(_) if judgement.target_lab.is_some() => {
             let remedy = "leave out colour.target_lab or compare.measured";
             let found = "Lab alone, which is a target, beside colour.target_lab";
             faults.add("compare.measured", found, "one target", remedy);
-            return target_lab;
+            return judgement.target_lab;
         }
-        Err(reason) => format!("Lab alone, and {reason}"),
+        Ok(_) => return Some(lab),
     };
+    let conditions = judgement.viewing.name();
+    let allowed = format!("Lab under the conditions of [colour], {conditions}, and stated");
+    let remedy = "write these as [colour] illuminant and observer; where the file does not state them, write its values as \
+                  colour.target_lab instead of the file";
     faults.add("compare.measured", found, allowed, remedy);
     None
 }

@@ -1,12 +1,11 @@
 //! The wavelengths and their sampling; studies with Maxwell's equations that cannot be solved are
 //! refused before anything is packed.
 
-use super::grains::packed;
+use super::pigments::packed;
 use crate::appearance::tristimulus::{COLOUR_RANGE_NM, Colorimeter, TABLE_RANGE_NM, visible};
-use crate::input::file::{LightTable, SamplingName, StudyFile};
-use crate::input::limits::{self, LONGEST_LIST};
+use crate::input::file::{LightTable, PigmentTable, SamplingName};
+use crate::input::limits::{self, LONGEST_LIST, LONGEST_WAVE_NM};
 use crate::input::{Allowed, Fault, Faults, LightRule, Study, keys_in_words};
-use crate::material::mixing::MixingRule;
 use crate::numerics::allowed::shown;
 use crate::solve::SolverChoice;
 use num_complex::Complex64;
@@ -17,58 +16,100 @@ const SLACK_NM: f64 = 1e-6;
 /// Default wavelengths, nm: from, to, step.
 const VISIBLE: [f64; 3] = [400.0, 700.0, 20.0];
 
-pub fn wavelengths(light: &LightTable, faults: &mut Faults) -> Vec<f64> {
-    match (&light.wavelengths_nm, light.from_nm, light.to_nm, light.step_nm) {
-        (Some(list), None, None, None) => {
-            let remedy = "give vacuum wavelengths in nm, 400 to 700 for the visible";
-            check_list("light.wavelengths_nm", list, limits::WAVELENGTH_NM, remedy, faults);
-            list.clone()
+/// The light of a study.
+pub(super) struct Light {
+    /// Vacuum wavelengths, nm; none after an error in a range, so that nothing that depends on them
+    /// is checked.
+    pub wavelengths_nm: Vec<f64>,
+    /// Which of them a realisation uses.
+    pub rule: LightRule,
+}
+
+impl LightTable {
+    /// The wavelengths and their sampling.
+    pub(super) fn checked(&self, faults: &mut Faults) -> Light {
+        let wavelengths_nm = self.list_or_range_nm(faults);
+        let rule = self.rule(&wavelengths_nm, faults);
+        Light { wavelengths_nm, rule }
+    }
+
+    fn list_or_range_nm(&self, faults: &mut Faults) -> Vec<f64> {
+        match (&self.wavelengths_nm, self.from_nm, self.to_nm, self.step_nm) {
+            (Some(list), None, None, None) => {
+                let remedy = "give vacuum wavelengths in nm, 400 to 700 for the visible";
+                check_list("light.wavelengths_nm", list, limits::WAVELENGTH_NM, remedy, faults);
+                list.clone()
+            }
+            (None, Some(from), Some(to), Some(step)) => wavelength_range(from, to, step, faults),
+            (None, None, None, step) => {
+                wavelength_range(VISIBLE[0], VISIBLE[1], step.unwrap_or(VISIBLE[2]), faults)
+            }
+            _ => {
+                let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm, or step_nm alone from 400 to 700 nm";
+                let found = keys_in_words(self, &["wavelengths_nm", "from_nm", "to_nm", "step_nm"]);
+                let remedy = "write for example from_nm = 400, to_nm = 700, step_nm = 20";
+                faults.add("light", found, allowed, remedy);
+                Vec::new()
+            }
         }
-        (None, Some(from), Some(to), Some(step)) => wavelength_range(from, to, step, faults),
-        (None, None, None, step) => {
-            wavelength_range(VISIBLE[0], VISIBLE[1], step.unwrap_or(VISIBLE[2]), faults)
+    }
+
+    /// Wavelengths of a range are shifted between realisations, those of a list are used as they
+    /// are.
+    fn rule(&self, wavelengths_nm: &[f64], faults: &mut Faults) -> LightRule {
+        let last = wavelengths_nm.len().saturating_sub(1);
+        let is_shifted = self.wavelengths_nm.is_none() && self.sampling == SamplingName::Shifted && last > 0;
+        if let Some(count) = self.per_realisation {
+            let remedy = "10 to 16 is usual; it needs a range of wavelengths";
+            faults.whole("light.per_realisation", count, limits::PER_REALISATION, remedy);
+            if !is_shifted && !wavelengths_nm.is_empty() {
+                let allowed = "from_nm, to_nm and step_nm with sampling = \"shifted\"";
+                faults.add("light.per_realisation", count, allowed, "give a range, or leave it out");
+            }
         }
-        _ => {
-            let allowed = "either wavelengths_nm, or all of from_nm, to_nm and step_nm, or step_nm alone from 400 to 700 nm";
-            let found = keys_in_words(light, &["wavelengths_nm", "from_nm", "to_nm", "step_nm"]);
-            faults.add("light", found, allowed, "write for example from_nm = 400, to_nm = 700, step_nm = 20");
-            Vec::new()
+        if !is_shifted {
+            return LightRule::Listed;
         }
+        let strata = self.per_realisation.unwrap_or(last).max(1);
+        LightRule::Shifted { range_nm: [wavelengths_nm[0], wavelengths_nm[last]], strata }
+    }
+
+    /// Remark on a range whose last step does not end at `to_nm`.
+    pub(super) fn short_of_end(&self, wavelengths_nm: &[f64]) -> Option<String> {
+        let to = self.to_nm.unwrap_or(VISIBLE[1]);
+        let step = self.step_nm?;
+        let last = wavelengths_nm.last()?;
+        let count = wavelengths_nm.len() - 1;
+        let remark = format!(
+            "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last} nm (n = {count}); \
+             choose a step that divides the range to reach {to} nm"
+        );
+        (*last < to - 1e-6 * step).then_some(remark)
     }
 }
 
-/// Remark on a range whose last step does not end at `to_nm`.
-pub fn short_of_end(light: &LightTable, wavelengths_nm: &[f64]) -> Option<String> {
-    let (to, step, &last) = (light.to_nm.unwrap_or(VISIBLE[1]), light.step_nm?, wavelengths_nm.last()?);
-    let count = wavelengths_nm.len() - 1;
-    let remark = format!(
-        "light.to_nm = {to} is not from_nm + n · step_nm: the last wavelength is {last} nm (n = {count}); \
-         choose a step that divides the range to reach {to} nm"
-    );
-    (last < to - 1e-6 * step).then_some(remark)
-}
-
 /// Remark on spectra that end inside the visible range but still give a colour.
-pub fn colour_is_extrapolated(wavelengths_nm: &[f64]) -> Option<String> {
+pub(super) fn colour_is_extrapolated(wavelengths_nm: &[f64]) -> Option<String> {
     let [from, to] = COLOUR_RANGE_NM;
-    let seen = &wavelengths_nm[visible(wavelengths_nm)];
-    let (&first, &last) = (seen.first()?, seen.last()?);
-    let short = first > from + SLACK_NM || last < to - SLACK_NM;
+    let visible_nm = &wavelengths_nm[visible(wavelengths_nm)];
+    let first = *visible_nm.first()?;
+    let last = *visible_nm.last()?;
+    let is_short = first > from + SLACK_NM || last < to - SLACK_NM;
     let remark = format!(
         "light: the wavelengths reach from {first} to {last} nm, and colours need {from} to {to} nm: the spectra are continued by their \
          values at the ends, and the error bars of colours include what the rest could be"
     );
-    (short && Colorimeter::new(seen).is_ok()).then_some(remark)
+    (is_short && Colorimeter::new(visible_nm).is_ok()).then_some(remark)
 }
 
 /// Remark on wavelengths beyond those of colours.
-pub fn colour_takes_a_part(wavelengths_nm: &[f64]) -> Option<String> {
-    let [lo, hi] = TABLE_RANGE_NM;
-    let seen = &wavelengths_nm[visible(wavelengths_nm)];
+pub(super) fn colour_takes_a_part(wavelengths_nm: &[f64]) -> Option<String> {
+    let [from, to] = TABLE_RANGE_NM;
+    let visible_nm = &wavelengths_nm[visible(wavelengths_nm)];
     let remark = format!(
-        "light: colours take the wavelengths from {lo} to {hi} nm, where eyes see; the spectra have all of them"
+        "light: colours take the wavelengths from {from} to {to} nm, where eyes see; the spectra have all of them"
     );
-    (seen.len() < wavelengths_nm.len() && Colorimeter::new(seen).is_ok()).then_some(remark)
+    (visible_nm.len() < wavelengths_nm.len() && Colorimeter::new(visible_nm).is_ok()).then_some(remark)
 }
 
 /// The wavelengths of a range; empty after an error, so that nothing depending on them is checked.
@@ -76,8 +117,9 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
     let before = faults.0.len();
     faults.number("light.step_nm", step, limits::STEP_NM, "20 is usual");
     faults.number("light.from_nm", from, limits::WAVELENGTH_NM, "400 is usual");
-    if !(to >= from && to <= 1e4) {
-        faults.add("light.to_nm", to, format!("from from_nm = {from} to 10000 nm"), "700 is usual");
+    if !(to >= from && to <= LONGEST_WAVE_NM) {
+        let allowed = format!("from from_nm = {from} to {LONGEST_WAVE_NM} nm");
+        faults.add("light.to_nm", to, allowed, "700 is usual");
     }
     let count = ((to - from) / step + 1e-9).floor();
     if faults.0.len() == before && count >= LONGEST_LIST as f64 {
@@ -96,7 +138,7 @@ fn wavelength_range(from: f64, to: f64, step: f64, faults: &mut Faults) -> Vec<f
 }
 
 /// Checks that a list has entries, all allowed and increasing.
-pub fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults: &mut Faults) {
+pub(super) fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, faults: &mut Faults) {
     if list.is_empty() || list.len() > LONGEST_LIST {
         let found = format!("{} entries", list.len());
         faults.add(field, found, format!("1 to {LONGEST_LIST} entries, each {allowed}"), remedy);
@@ -109,38 +151,13 @@ pub fn check_list(field: &str, list: &[f64], allowed: Allowed, remedy: &str, fau
     }
 }
 
-/// Wavelengths of a range are shifted between realisations, those of a list are used as they are.
-pub fn light_rule(light: &LightTable, wavelengths_nm: &[f64], faults: &mut Faults) -> LightRule {
-    let last = wavelengths_nm.len().saturating_sub(1);
-    let range = light.wavelengths_nm.is_none() && light.sampling == SamplingName::Shifted && last > 0;
-    if let Some(count) = light.per_realisation {
-        let remedy = "10 to 16 is usual; it needs a range of wavelengths";
-        faults.whole("light.per_realisation", count, limits::PER_REALISATION, remedy);
-        if !range && !wavelengths_nm.is_empty() {
-            let allowed = "from_nm, to_nm and step_nm with sampling = \"shifted\"";
-            faults.add("light.per_realisation", count, allowed, "give a range, or leave it out");
-        }
-    }
-    if !range {
-        return LightRule::Listed;
-    }
-    let strata = light.per_realisation.unwrap_or(last).max(1);
-    LightRule::Shifted { range_nm: [wavelengths_nm[0], wavelengths_nm[last]], strata }
-}
-
-/// The mixing rule: that of vanishing grains for the chosen wave, unless the file sets another.
-pub(super) fn mixing(file: &StudyFile) -> MixingRule {
-    let vector = file.light.wave.is_vector();
-    file.layer.mixing.unwrap_or(if vector { MixingRule::MaxwellGarnett } else { MixingRule::VolumeAverage })
-}
-
 /// Reports features that are not available with Maxwell's equations.
-pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
+pub(super) fn refusals(pigments: &[PigmentTable], study: &Study, faults: &mut Faults) {
     if !study.wave.is_vector() {
         return;
     }
     let scalar = "or take light.wave = \"scalar\"";
-    if file.layer.relief.is_some() {
+    if study.packing.relief.is_some() {
         let allowed =
             "none with Maxwell's equations: the slope of a rough surface has no normal-field tensor yet";
         faults.add("layer.relief", "a rough surface", allowed, format!("remove [layer.relief], {scalar}"));
@@ -155,9 +172,9 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
         return;
     }
     let media: Vec<_> = study.wavelengths_nm.iter().map(|&nm| (nm, study.media(1e-3 * nm))).collect();
-    for (place, (i, _)) in packed(file).enumerate() {
-        let index = media.iter().map(|(nm, media)| (*nm, media.inclusions[place]));
-        faults.0.extend(metal(format!("pigment[{i}].index"), index, scalar));
+    for (core, pigment) in packed(pigments).enumerate() {
+        let index = media.iter().map(|(nm, media)| (*nm, media.inclusions[core]));
+        faults.0.extend(metal(pigment.field("index"), index, scalar));
     }
     let binder = media.iter().map(|(nm, media)| (*nm, media.backgrounds[0]));
     faults.0.extend(metal("layer.binder.index".to_owned(), binder, scalar));

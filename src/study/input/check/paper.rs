@@ -1,9 +1,10 @@
 //! The paper: its albedo as a number, a list or a table, and its contact with the layer. Directions
 //! of the light: 0°, 45° and strata over the hemisphere, as paper and picture need them, or a list.
 
+use super::Tabulation;
 use super::light::check_list;
 use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG};
-use crate::input::file::{AnglesTable, CouplingName, StudyFile};
+use crate::input::file::{AnglesTable, CouplingName, LayerTable, PaperTable};
 use crate::input::forms::AlbedoWritten;
 use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest};
 use crate::input::study::{Angles, Paper, StudyKind};
@@ -13,67 +14,75 @@ use std::path::Path;
 
 const REMEDY: &str = "0 is black, 1 is a perfect white, 0.9 is good paper";
 
-/// Reads the paper; remarks say what was taken where a file leaves something open.
-pub fn paper(
-    file: &StudyFile,
-    wavelengths_nm: &[f64],
-    folder: &Path,
-    faults: &mut Faults,
-    remarks: &mut Vec<String>,
-) -> Paper {
-    let coupling = match file.paper.coupling {
-        CouplingName::Gap => Coupling::Gap,
-        CouplingName::OpticalContact => Coupling::OpticalContact { index: file.layer.index_out },
-    };
-    let (source, albedo) = match &file.paper.albedo {
-        AlbedoWritten::Constant(value) => {
-            faults.number("paper.albedo", *value, limits::ALBEDO, REMEDY);
-            (value.to_string(), Albedo::Constant(*value))
+impl PaperTable {
+    /// Reads the paper, of which scatterers in optical contact are embedded in a medium of index
+    /// `index_out`; remarks say what was taken where a file leaves something open.
+    pub(super) fn checked(
+        &self,
+        index_out: f64,
+        tables: &Tabulation,
+        faults: &mut Faults,
+        remarks: &mut Vec<String>,
+    ) -> Paper {
+        let coupling = match self.coupling {
+            CouplingName::Gap => Coupling::Gap,
+            CouplingName::OpticalContact => Coupling::OpticalContact { index: index_out },
+        };
+        match &self.albedo {
+            AlbedoWritten::Constant(value) => {
+                faults.number("paper.albedo", *value, limits::ALBEDO, REMEDY);
+                Paper { source: value.to_string(), albedo: Albedo::Constant(*value), coupling }
+            }
+            AlbedoWritten::Rows(rows) => {
+                let source = format!("listed at {} wavelengths", rows.len());
+                let albedo = spectral("paper.albedo", rows.clone(), tables.wavelengths_nm, faults);
+                Paper { source, albedo, coupling }
+            }
+            AlbedoWritten::Csv { csv, patch, unit, condition } => {
+                let request = MeasuredRequest {
+                    patch: patch.clone(),
+                    one_must_be_named: true,
+                    unit: *unit,
+                    condition: *condition,
+                    geometries: Vec::new(),
+                    used_nm: range(tables.wavelengths_nm),
+                    ..MeasuredRequest::default()
+                };
+                let path = tables.folder.join(csv);
+                let albedo = match read(&path, &request, faults, remarks) {
+                    Some(rows) => {
+                        let used = used_rows(rows, request.used_nm);
+                        spectral("paper.albedo.csv", used, tables.wavelengths_nm, faults)
+                    }
+                    // a fault of the file is one already
+                    None => Albedo::Constant(1.0),
+                };
+                // only the file name: the same table is the same paper in any folder
+                let name = path.file_name().map_or(csv.as_str().into(), |name| name.to_string_lossy());
+                let source = match patch {
+                    Some(patch) => format!("{name}: {patch}"),
+                    None => name.into_owned(),
+                };
+                Paper { source, albedo, coupling }
+            }
         }
-        AlbedoWritten::Rows(rows) => {
-            let source = format!("listed at {} wavelengths", rows.len());
-            (source, spectral("paper.albedo", rows.clone(), wavelengths_nm, faults))
-        }
-        AlbedoWritten::Csv { csv, patch, unit, condition } => {
-            let request = MeasuredRequest {
-                patch: patch.clone(),
-                one_must_be_named: true,
-                unit: *unit,
-                condition: *condition,
-                geometries: Vec::new(),
-                used_nm: range(wavelengths_nm),
-                ..MeasuredRequest::default()
-            };
-            let path = folder.join(csv);
-            let rows = read(&path, &request, faults, remarks);
-            // only the file name: the same table is the same paper in any folder
-            let name = path.file_name().map_or_else(|| csv.clone(), |name| name.to_string_lossy().into());
-            let name = patch.as_ref().map_or(name.clone(), |patch| format!("{name}: {patch}"));
-            let albedo = match rows {
-                Some(rows) => {
-                    // what the study does not ask for is not judged
-                    let [from, to] = request.used_nm;
-                    let first = rows.iter().rposition(|row| row[0] <= from).unwrap_or(0);
-                    let last = rows.iter().position(|row| row[0] >= to).unwrap_or(rows.len() - 1);
-                    let used = rows[first.min(last)..=last.max(first)].to_vec();
-                    let used = if used.len() < 2 { rows } else { used };
-                    spectral("paper.albedo.csv", used, wavelengths_nm, faults)
-                }
-                // a fault of the file is one already
-                None => Albedo::Constant(1.0),
-            };
-            (name, albedo)
-        }
-    };
-    Paper { source, albedo, coupling }
+    }
+}
+
+/// The rows that a study needs: what it does not ask for is not judged.
+fn used_rows(rows: Vec<[f64; 2]>, [from_nm, to_nm]: [f64; 2]) -> Vec<[f64; 2]> {
+    let first = rows.iter().rposition(|row| row[0] <= from_nm).unwrap_or(0);
+    let last = rows.iter().position(|row| row[0] >= to_nm).unwrap_or(rows.len() - 1);
+    let used = &rows[first.min(last)..=last.max(first)];
+    if used.len() < 2 { rows } else { used.to_vec() }
 }
 
 /// A table that covers every wavelength of the study.
 fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &mut Faults) -> Albedo {
     let albedo = Albedo::Spectral(rows.clone());
-    if let Some(i) = rows.iter().position(|row| !(0.0..=1.0).contains(&row[1])) {
+    if let Some(i) = rows.iter().position(|row| !limits::ALBEDO.holds(row[1])) {
         let found = format!("{} at {} nm", rows[i][1], rows[i][0]);
-        faults.add(format!("{field}[{i}]"), found, "albedos from 0 to 1", REMEDY);
+        faults.add(format!("{field}[{i}]"), found, format!("albedos {}", limits::ALBEDO), REMEDY);
     } else if let Some(largest) = micrometres(rows.iter().map(|row| row[0])) {
         let found = format!("wavelengths up to {largest}, which look like µm");
         faults.add(field, found, "wavelengths in nm", "multiply the wavelengths by 1000");
@@ -99,22 +108,23 @@ fn read(
     faults: &mut Faults,
     remarks: &mut Vec<String>,
 ) -> Option<Vec<[f64; 2]>> {
-    let own_keys = |text: &str| text.replace("compare.", "paper.albedo.");
-    let reading = MeasuredReading::new(path, request).and_then(|reading| match reading.measured {
+    let with_keys_of_paper = |text: &str| text.replace("compare.", "paper.albedo.");
+    let spectrum = MeasuredReading::new(path, request).and_then(|reading| match reading.measured {
         MeasuredContent::Spectrum(spectrum) => Ok((spectrum.rows, reading.geometry, reading.remarks)),
         MeasuredContent::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
     });
-    let (rows, geometry, own) = match reading {
-        Ok(read) => read,
+    let (rows, geometry, remarks_of_file) = match spectrum {
+        Ok(spectrum) => spectrum,
         Err(error) => {
             let allowed = "a readable table with the columns wavelength_nm and albedo, or a spectrum as CGATS.17 or CxF3";
             let remedy = "correct the file, or name a sample beside it: { csv = \"…\", patch = \"…\" }; its path is relative \
                           to the study file";
-            faults.add("paper.albedo.csv", own_keys(&error), allowed, remedy);
+            faults.add("paper.albedo.csv", with_keys_of_paper(&error), allowed, remedy);
             return None;
         }
     };
-    remarks.extend(own.iter().map(|remark| format!("paper.albedo: {}", own_keys(remark))));
+    let in_words = |remark: &String| format!("paper.albedo: {}", with_keys_of_paper(remark));
+    remarks.extend(remarks_of_file.iter().map(in_words));
     if geometry == Some(MeasuredGeometry::Sphere(Some(true))) {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         remarks.push(format!(
@@ -130,94 +140,122 @@ const USUAL_COUNT: usize = 5;
 /// Number of directions that are not strata.
 const EXACT: usize = 2;
 
+/// What around the layer decides on paper and picture.
+#[derive(Clone, Copy)]
+pub(super) struct Surroundings {
+    pub index_in: f64,
+    pub index_out: f64,
+    /// Contact between layer and paper.
+    pub coupling: Coupling,
+    pub has_relief: bool,
+    pub is_composed: bool,
+}
+
+impl Surroundings {
+    /// Those of a layer.
+    pub(super) fn of(layer: &LayerTable, coupling: Coupling) -> Self {
+        Self {
+            index_in: layer.index_in,
+            index_out: layer.index_out,
+            coupling,
+            has_relief: layer.relief.is_some(),
+            is_composed: layer.composed.is_some(),
+        }
+    }
+
+    /// Reports what the picture does not show: it shows an ink in air, on paper behind an air gap
+    /// or in contact with it.
+    fn check(&self, faults: &mut Faults) {
+        let otherwise = if self.is_composed {
+            "give it an allowed value: a composed layer lies on its paper"
+        } else {
+            "list angles.polar_deg for a study without paper and picture"
+        };
+        if self.index_in != 1.0 {
+            faults.add("layer.index_in", self.index_in, "1, air above the ink", otherwise);
+        }
+        let below = self.index_out;
+        let (is_wrong, allowed) = match self.coupling {
+            Coupling::Gap => (below != 1.0, "1, the thin gap to the paper"),
+            Coupling::OpticalContact { .. } => {
+                (below.is_nan() || below <= 1.0, "greater than 1, the medium of the paper's scatterers")
+            }
+        };
+        if is_wrong {
+            let remedy = format!("choose paper.coupling to suit, or {otherwise}");
+            faults.add("layer.index_out", below, allowed, remedy);
+        }
+    }
+}
+
 /// The directions of the light, and what they allow to be computed.
-pub struct Directions {
+pub(super) struct Directions {
     pub angles: Angles,
     /// The ink on its paper, or the layer alone.
     pub kind: StudyKind,
 }
 
-pub fn directions(file: &StudyFile, coupling: Coupling, faults: &mut Faults) -> Directions {
-    let table = &file.angles;
-    faults.number("angles.azimuth_deg", table.azimuth_deg, limits::AZIMUTH_DEG, "0 is the x direction");
-    let remedy = "60 is usual";
-    faults.number("angles.picture_max_deg", table.picture_max_deg, limits::PICTURE_MAX_DEG, remedy);
-    match (&table.polar_deg, table.count) {
-        (Some(list), None) => {
-            let remedy = "give angles from the normal; 89 is nearly grazing";
-            check_list("angles.polar_deg", list, limits::POLAR_DEG, remedy, faults);
-            listed(file, list.clone(), coupling)
-        }
-        (None, count) => {
-            let count = count.unwrap_or(USUAL_COUNT);
-            surroundings(file, coupling, faults);
-            let remedy = "5 is usual; 0° and 45° are always among them";
-            faults.whole("angles.count", count, limits::DIRECTIONS, remedy);
-            over_hemisphere(file, vec![0.0, PRINT_DEG], count.saturating_sub(EXACT), coupling)
-        }
-        (Some(_), Some(_)) => {
-            let allowed = "either angles.count or angles.polar_deg";
-            faults.add("angles", "both count and polar_deg", allowed, "remove one of them");
-            alone(table, Vec::new(), String::new())
+impl AnglesTable {
+    /// The directions of the light.
+    pub(super) fn checked(&self, surroundings: &Surroundings, faults: &mut Faults) -> Directions {
+        faults.number("angles.azimuth_deg", self.azimuth_deg, limits::AZIMUTH_DEG, "0 is the x direction");
+        let largest_deg = self.picture_max_deg;
+        faults.number("angles.picture_max_deg", largest_deg, limits::PICTURE_MAX_DEG, "60 is usual");
+        match (&self.polar_deg, self.count) {
+            (Some(list), None) => {
+                let remedy = "give angles from the normal; 89 is nearly grazing";
+                check_list("angles.polar_deg", list, limits::POLAR_DEG, remedy, faults);
+                self.listed(list.clone(), surroundings)
+            }
+            (None, count) => {
+                let count = count.unwrap_or(USUAL_COUNT);
+                surroundings.check(faults);
+                let remedy = "5 is usual; 0° and 45° are always among them";
+                faults.whole("angles.count", count, limits::DIRECTIONS, remedy);
+                self.over_hemisphere(vec![0.0, PRINT_DEG], count.saturating_sub(EXACT), surroundings)
+            }
+            (Some(_), Some(_)) => {
+                let allowed = "either angles.count or angles.polar_deg";
+                faults.add("angles", "both count and polar_deg", allowed, "remove one of them");
+                self.alone(Vec::new(), String::new())
+            }
         }
     }
-}
 
-/// Listed angles allow paper and colour if they include 0° and 45° and the surroundings permit it.
-fn listed(file: &StudyFile, exact_deg: Vec<f64>, coupling: Coupling) -> Directions {
-    let table = &file.angles;
-    let absent = |deg: &f64| !exact_deg.iter().any(|have| (have - deg).abs() < 1e-9);
-    let missing = [0.0, PRINT_DEG].into_iter().filter(absent).map(|deg: f64| deg.to_string());
-    let missing: Vec<String> = missing.collect();
-    if !missing.is_empty() {
-        let reason = format!(
-            "angles.polar_deg does not list {}: paper and colour need 0 and 45, or angles.count instead of a list",
-            missing.join(" and ")
-        );
-        return alone(table, exact_deg, reason);
-    }
-    let mut unsuited = Faults::default();
-    surroundings(file, coupling, &mut unsuited);
-    match unsuited.0.first() {
-        Some(fault) => alone(table, exact_deg, format!("no paper and colour: {fault}")),
-        None => over_hemisphere(file, exact_deg, USUAL_COUNT - EXACT, coupling),
-    }
-}
-
-fn alone(table: &AnglesTable, exact_deg: Vec<f64>, reason: String) -> Directions {
-    let AnglesTable { azimuth_deg, picture_max_deg, .. } = *table;
-    let angles = Angles { exact_deg, strata: 0, exit_strata: 0, azimuth_deg, picture_max_deg };
-    Directions { angles, kind: StudyKind::LayerAlone(reason) }
-}
-
-fn over_hemisphere(file: &StudyFile, exact_deg: Vec<f64>, strata: usize, coupling: Coupling) -> Directions {
-    // A layer between two plane walls with vacuum on both sides is statistically the same from both
-    // sides: solves from the incident side give Ā_b. A relief or another medium on the exit side
-    // breaks this symmetry.
-    let exit_strata = if coupling == Coupling::Gap && file.layer.relief.is_none() { 0 } else { strata };
-    let AnglesTable { azimuth_deg, picture_max_deg, .. } = file.angles;
-    let angles = Angles { exact_deg, strata, exit_strata, azimuth_deg, picture_max_deg };
-    Directions { angles, kind: StudyKind::InkOnPaper }
-}
-
-/// The picture shows an ink in air, on paper behind an air gap or in contact with it.
-fn surroundings(file: &StudyFile, coupling: Coupling, faults: &mut Faults) {
-    let otherwise = match file.layer.composed {
-        Some(_) => "give it an allowed value: a composed layer lies on its paper",
-        None => "list angles.polar_deg for a study without paper and picture",
-    };
-    if file.layer.index_in != 1.0 {
-        faults.add("layer.index_in", file.layer.index_in, "1, air above the ink", otherwise);
-    }
-    let below = file.layer.index_out;
-    let (wrong, allowed) = match coupling {
-        Coupling::Gap => (below != 1.0, "1, the thin gap to the paper"),
-        Coupling::OpticalContact { .. } => {
-            (below.is_nan() || below <= 1.0, "greater than 1, the medium of the paper's scatterers")
+    /// Listed angles allow paper and colour if they include 0° and 45° and the surroundings permit
+    /// it.
+    fn listed(&self, exact_deg: Vec<f64>, surroundings: &Surroundings) -> Directions {
+        let is_absent = |deg: &f64| !exact_deg.iter().any(|listed| (listed - deg).abs() < 1e-9);
+        let absent = [0.0, PRINT_DEG].into_iter().filter(is_absent);
+        let absent: Vec<String> = absent.map(|deg: f64| deg.to_string()).collect();
+        if !absent.is_empty() {
+            let reason = format!(
+                "angles.polar_deg does not list {}: paper and colour need 0 and 45, or angles.count instead of a list",
+                absent.join(" and ")
+            );
+            return self.alone(exact_deg, reason);
         }
-    };
-    if wrong {
-        let remedy = format!("choose paper.coupling to suit, or {otherwise}");
-        faults.add("layer.index_out", below, allowed, remedy);
+        let mut unsuited = Faults::default();
+        surroundings.check(&mut unsuited);
+        match unsuited.0.first() {
+            Some(fault) => self.alone(exact_deg, format!("no paper and colour: {fault}")),
+            None => self.over_hemisphere(exact_deg, USUAL_COUNT - EXACT, surroundings),
+        }
+    }
+
+    fn alone(&self, exact_deg: Vec<f64>, reason: String) -> Directions {
+        let AnglesTable { azimuth_deg, picture_max_deg, .. } = *self;
+        let angles = Angles { exact_deg, strata: 0, exit_strata: 0, azimuth_deg, picture_max_deg };
+        Directions { angles, kind: StudyKind::LayerAlone(reason) }
+    }
+
+    fn over_hemisphere(&self, exact_deg: Vec<f64>, strata: usize, around: &Surroundings) -> Directions {
+        // A layer between two plane walls with vacuum on both sides is statistically the same from
+        // both sides: solves from the incident side give Ā_b. A relief or another medium on the
+        // exit side breaks this symmetry.
+        let exit_strata = if around.coupling == Coupling::Gap && !around.has_relief { 0 } else { strata };
+        let AnglesTable { azimuth_deg, picture_max_deg, .. } = *self;
+        let angles = Angles { exact_deg, strata, exit_strata, azimuth_deg, picture_max_deg };
+        Directions { angles, kind: StudyKind::InkOnPaper }
     }
 }

@@ -71,7 +71,7 @@ pub struct ComposedTable {
     #[schemars(transform = limits::THICKNESS_UM.mark())]
     pub slab_um: f64,
     /// Directions in which light is followed: in the cone from which it reaches air, and beyond.
-    #[schemars(inner(range(min = 2, max = 16)))]
+    #[schemars(transform = limits::Entries(limits::ZONE_DIRECTIONS))]
     pub directions: [usize; 2],
 }
 
@@ -214,7 +214,8 @@ mod tests {
 
     #[test]
     fn the_mean_stays_and_one_part_differs() {
-        let (binder, pigment) = (Complex64::new(1.558, 0.0), Complex64::new(1.8, 0.2));
+        let binder = Complex64::new(1.558, 0.0);
+        let pigment = Complex64::new(1.8, 0.2);
         let mean = molecular_mixture(binder, &[(0.3, pigment)]);
         for part in [ContrastPart::Full, ContrastPart::Real, ContrastPart::Imaginary] {
             let (b, p) = part.of(binder, &[0.3], &[pigment]);

@@ -46,7 +46,7 @@ pub struct MicrostructureTable {
     #[schemars(example = Continuation::Mirrored)]
     pub continuation: Option<Continuation>,
     /// Divides each file along x and y into equal cuts, each a realisation (default: `[1, 1]`).
-    #[schemars(inner(range(min = 1, max = 100)), example = (2, 2))]
+    #[schemars(transform = limits::Entries(limits::CUTS), example = (2, 2))]
     pub cuts: Option<[usize; 2]>,
 }
 
@@ -94,7 +94,7 @@ pub enum VoxelEdges {
     /// A cube.
     Cube(#[schemars(transform = limits::VOXEL_NM.mark())] f64),
     /// Along x, y and z.
-    Each(#[schemars(inner(range(min = 0.1, max = 10_000.0)))] [f64; 3]),
+    Each(#[schemars(transform = limits::Entries(limits::VOXEL_NM))] [f64; 3]),
 }
 
 impl VoxelEdges {

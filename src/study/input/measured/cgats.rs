@@ -101,7 +101,8 @@ pub fn read(text: &str) -> Result<MeasuredFile, String> {
     let mut file = MeasuredFile::default();
     let mut table = CgatsTable::default();
     let mut section = Section::Header;
-    let (mut tables, mut count) = (0, 0);
+    let mut tables = 0;
+    let mut count = 0;
     for (i, line) in text.lines().enumerate() {
         let mut words = words_of(line);
         if section == Section::Data && words.len() != table.fields.len() {
@@ -329,10 +330,10 @@ fn declared(header: &[(String, String)]) -> Declared {
     }
     all.condition = if let [one] = conditions[..] { Some(one) } else { None };
     // keywords of their own go before words elsewhere
-    let own_or = |own: Vec<String>, other: Vec<String>| if own.is_empty() { other } else { own };
+    let first_of = |keyword: Vec<String>, said: Vec<String>| if keyword.is_empty() { said } else { keyword };
     all.viewing = StatedViewing {
-        illuminants: own_or(viewing.illuminants, said.illuminants),
-        observers: own_or(viewing.observers, said.observers),
+        illuminants: first_of(viewing.illuminants, said.illuminants),
+        observers: first_of(viewing.observers, said.observers),
     };
     all
 }

@@ -25,7 +25,7 @@ pub struct Chosen<'a> {
     /// Its place among the file's samples, from 1.
     pub place: usize,
     /// Number of samples in the file.
-    pub of: usize,
+    pub samples: usize,
 }
 
 /// Names in words, at most some.
@@ -46,14 +46,14 @@ fn listed<'a>(names: impl Iterator<Item = &'a str>) -> String {
 /// None is meant, or several are.
 pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<Chosen<'a>, String> {
     let samples = &file.samples;
-    let (places, of) = places(samples);
+    let (places, count) = places(samples);
     let mut meant: Vec<usize> = match &request.patch {
         Some(patch) => named(samples, patch)?,
         // of colours alone one is the target
-        None if of > 1 && (request.one_must_be_named || samples.iter().all(is_colour)) => {
+        None if count > 1 && (request.one_must_be_named || samples.iter().all(is_colour)) => {
             let example = samples.iter().map(MeasuredSample::name).find(|name| !name.is_empty());
             let example = example.map_or(String::new(), |name| format!(", such as {name:?}"));
-            return Err(format!("{of} samples, of which none is named: write compare.patch{example}"));
+            return Err(format!("{count} samples, of which none is named: write compare.patch{example}"));
         }
         None => {
             // measurements of the first sample may be several objects of one name
@@ -68,7 +68,9 @@ pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<C
     // spectra of reflected light go before colours, which hold less
     let reflected: Vec<usize> =
         meant.iter().copied().filter(|&i| samples[i].kind == MeasuredKind::Reflectance).collect();
-    if let (true, Some(&other)) = (reflected.is_empty(), meant.first()) {
+    if reflected.is_empty()
+        && let Some(&other) = meant.first()
+    {
         return Err(format!(
             "{called} is {}, not reflectance: measure it in reflection",
             samples[other].kind.name()
@@ -82,7 +84,7 @@ pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<C
     by_condition(samples, &mut meant, &called, request.condition)?;
     by_geometry(samples, &mut meant, &called, &request.geometries)?;
     let Some(&first) = meant.first() else { return Err("no sample".into()) };
-    let (sample, place) = (&samples[first], places[first]);
+    let sample = &samples[first];
     let rest = || meant.iter().skip(1).map(|&i| &samples[i]);
     let colours: Vec<&MeasuredSample> = match sample.content {
         SampleContent::Lab(..) => rest().filter(|other| other.is_same_sample(sample)).collect(),
@@ -106,7 +108,7 @@ pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<C
         };
         return Err(format!("{} measurements of {called} that differ: {remedy}", meant.len()));
     }
-    Ok(Chosen { sample, colours, place, of })
+    Ok(Chosen { sample, colours, place: places[first], samples: count })
 }
 
 fn is_colour(sample: &MeasuredSample) -> bool {
@@ -117,57 +119,61 @@ fn is_colour(sample: &MeasuredSample) -> bool {
 fn places(samples: &[MeasuredSample]) -> (Vec<usize>, usize) {
     let mut known = std::collections::HashMap::new();
     let mut places = Vec::with_capacity(samples.len());
-    let mut of = 0;
+    let mut count = 0;
     for sample in samples {
         let device: Vec<u64> = sample.device.iter().map(|value| value.to_bits()).collect();
         let is_known = sample.is_same_sample(sample);
         let place = match known.get(&(&sample.names, device.clone())) {
             Some(&place) if is_known => place,
             _ => {
-                of += 1;
-                known.insert((&sample.names, device), of);
-                of
+                count += 1;
+                known.insert((&sample.names, device), count);
+                count
             }
         };
         places.push(place);
     }
-    (places, of)
+    (places, count)
 }
 
 /// The measurements that a name or amounts of ink stand for.
 fn named(samples: &[MeasuredSample], patch: &Patch) -> Result<Vec<usize>, String> {
-    let with_device = |wanted: &[f64]| -> Vec<usize> {
+    let with_device = |requested: &[f64]| -> Vec<usize> {
         let near = |sample: &MeasuredSample| {
-            sample.device.len() == wanted.len()
-                && sample.device.iter().zip(wanted).all(|(have, want)| (have - want).abs() <= DEVICE_ROUNDING)
+            sample.device.len() == requested.len()
+                && sample
+                    .device
+                    .iter()
+                    .zip(requested)
+                    .all(|(value, target)| (value - target).abs() <= DEVICE_ROUNDING)
         };
         (0..samples.len()).filter(|&i| near(&samples[i])).collect()
     };
-    let wanted = match patch {
-        Patch::Inks(wanted) => {
-            let found = with_device(wanted);
+    let requested = match patch {
+        Patch::Inks(requested) => {
+            let found = with_device(requested);
             if !found.is_empty() {
                 return Ok(found);
             }
-            let own = samples.iter().map(|sample| &sample.device).find(|device| !device.is_empty());
-            return Err(match own {
+            let stated = samples.iter().map(|sample| &sample.device).find(|device| !device.is_empty());
+            return Err(match stated {
                 Some(device) => {
-                    format!("no sample with the device values {wanted:?}; the first has {device:?}")
+                    format!("no sample with the device values {requested:?}; the first has {device:?}")
                 }
-                None => format!("no sample with the device values {wanted:?}: the file states none"),
+                None => format!("no sample with the device values {requested:?}: the file states none"),
             });
         }
         Patch::Name(name) => name.trim(),
     };
     let ranks = samples.iter().map(|sample| sample.names.len()).max().unwrap_or(0);
     for rank in 0..ranks {
-        let is = |i: &usize| samples[*i].names.get(rank).is_some_and(|name| name == wanted);
+        let is = |i: &usize| samples[*i].names.get(rank).is_some_and(|name| name == requested);
         let found: Vec<usize> = (0..samples.len()).filter(is).collect();
         if !found.is_empty() {
             return Ok(found);
         }
     }
-    let numbers: Option<Vec<f64>> = wanted
+    let numbers: Option<Vec<f64>> = requested
         .split(|c: char| c.is_whitespace() || matches!(c, ',' | '/' | ';'))
         .map(|part| part.trim_start_matches(|c: char| c.is_alphabetic() || c == '='))
         .filter(|part| !part.is_empty())
@@ -179,7 +185,8 @@ fn named(samples: &[MeasuredSample], patch: &Patch) -> Result<Vec<usize>, String
         return Ok(found);
     }
     let unnamed = samples.iter().all(|sample| sample.name().is_empty());
-    if let (true, Ok(number)) = (unnamed, wanted.parse::<usize>())
+    if unnamed
+        && let Ok(number) = requested.parse::<usize>()
         && (1..=samples.len()).contains(&number)
     {
         return Ok(vec![number - 1]);
@@ -190,15 +197,15 @@ fn named(samples: &[MeasuredSample], patch: &Patch) -> Result<Vec<usize>, String
         (true, count) => format!("no names: \"1\" to \"{count}\" select by place"),
         _ => found,
     };
-    Err(format!("no sample {wanted:?}; found {found}"))
+    Err(format!("no sample {requested:?}; found {found}"))
 }
 
-/// Keeps the measurements under the condition that is asked for, or the only one.
+/// Keeps the measurements under the requested condition, or the only one.
 fn by_condition(
     samples: &[MeasuredSample],
     meant: &mut Vec<usize>,
     called: &str,
-    wanted: Option<MeasuredCondition>,
+    requested: Option<MeasuredCondition>,
 ) -> Result<(), String> {
     let mut found: Vec<Option<MeasuredCondition>> = Vec::new();
     for &i in meant.iter() {
@@ -209,12 +216,14 @@ fn by_condition(
     let name =
         |condition: &Option<MeasuredCondition>| condition.map_or("none stated", MeasuredCondition::name);
     let names = found.iter().map(name).collect::<Vec<_>>().join(", ");
-    match wanted {
-        Some(_) if found.contains(&wanted) => {
-            meant.retain(|&i| samples[i].condition == wanted);
+    match requested {
+        Some(_) if found.contains(&requested) => {
+            meant.retain(|&i| samples[i].condition == requested);
             Ok(())
         }
-        Some(wanted) => Err(format!("{called} has no measurement under {}; found: {names}", wanted.name())),
+        Some(requested) => {
+            Err(format!("{called} has no measurement under {}; found: {names}", requested.name()))
+        }
         None if found.len() > 1 => {
             let example = found.iter().flatten().next().map_or("M0", |condition| condition.name());
             Err(format!(
@@ -237,7 +246,8 @@ fn by_geometry(
     if allowed.is_empty() {
         return Ok(());
     }
-    let is_allowed = |i: &usize| samples[*i].geometry.as_ref().is_some_and(|own| allowed.contains(own));
+    let is_allowed =
+        |i: &usize| samples[*i].geometry.as_ref().is_some_and(|geometry| allowed.contains(geometry));
     if meant.iter().any(is_allowed) {
         meant.retain(is_allowed);
         return Ok(());
@@ -388,7 +398,8 @@ pub fn rows(cells: &[SpectralCell], white: f64, used_nm: [f64; 2]) -> Result<Vec
 
 /// The value of a cell as a reflectance factor.
 fn sound(nm: f64, cell: &SpectralCell, white: f64) -> Result<f64, String> {
-    let (text, line) = (cell.value.text.trim(), cell.value.line);
+    let text = cell.value.text.trim();
+    let line = cell.value.line;
     if text.is_empty() {
         return Err(format!("line {line}, {nm} nm: an empty cell; enter a number, or remove the row"));
     }

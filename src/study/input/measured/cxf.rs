@@ -74,12 +74,11 @@ pub fn read(text: &str) -> Result<MeasuredFile, String> {
             _ => specification.kind,
         };
         let (names, device) = object(node);
-        let (condition, geometry) = (specification.condition, specification.geometry.clone());
         file.samples.push(MeasuredSample {
             names,
             device,
-            condition,
-            geometry,
+            condition: specification.condition,
+            geometry: specification.geometry.clone(),
             kind,
             white: specification.white,
             content,
@@ -171,26 +170,26 @@ impl Specification {
 /// First wavelength and step of the first range below a node.
 fn range(node: Node) -> Option<(Option<f64>, f64)> {
     let range = named(node, "WavelengthRange").next()?;
-    let of = |name: &str| range.attribute(name).and_then(|text| number(text, true));
-    Some((of("StartWL"), of("Increment")?))
+    let attribute = |name: &str| range.attribute(name).and_then(|text| number(text, true));
+    Some((attribute("StartWL"), attribute("Increment")?))
 }
 
 /// Directions of light and view.
 fn geometry(node: Node) -> Option<MeasuredGeometry> {
     let choice = named(node, "GeometryChoice").next()?;
-    let own = choice.children().find(Node::is_element)?;
-    let all: Vec<&str> = own
+    let chosen = choice.children().find(Node::is_element)?;
+    let all: Vec<&str> = chosen
         .descendants()
         .filter_map(|node| node.text())
         .map(str::trim)
         .filter(|text| !text.is_empty())
         .collect();
     let said = all.join(" ");
-    let kind = own.tag_name().name();
+    let kind = chosen.tag_name().name();
     match kind {
         "SingleAngle" => {
-            let of = |name| text_of(own, name).and_then(|text| number(text, true));
-            match (of("IlluminationAngle"), of("MeasurementAngle")) {
+            let angle = |name| text_of(chosen, name).and_then(|text| number(text, true));
+            match (angle("IlluminationAngle"), angle("MeasurementAngle")) {
                 (Some(a), Some(b)) if (a.abs() == 45.0 && b == 0.0) || (a == 0.0 && b.abs() == 45.0) => {
                     Some(MeasuredGeometry::LitAt45)
                 }
@@ -232,18 +231,15 @@ fn says_unknown(said: &str) -> bool {
 fn viewing(node: Node) -> StatedViewing {
     let illuminant = named(node, "Illuminant").next().and_then(|light| {
         let name = light.text().unwrap_or_default().trim();
-        let own = if name.eq_ignore_ascii_case("custom") || name.is_empty() {
-            light.attribute("Name")
-        } else {
-            Some(name)
-        };
-        own.map(str::to_owned)
+        let is_custom = name.eq_ignore_ascii_case("custom") || name.is_empty();
+        let stated = if is_custom { light.attribute("Name") } else { Some(name) };
+        stated.map(str::to_owned)
     });
     let observer = named(node, "Observer").next().and_then(|eye| {
         let name = eye.text().unwrap_or_default().trim();
         let custom = || Some(format!("{}, {} degree", eye.attribute("Name")?, eye.attribute("Angle")?));
-        let own = if name.starts_with("Custom") { custom() } else { Some(name.to_owned()) };
-        own.as_deref().and_then(words::stated_observer)
+        let stated = if name.starts_with("Custom") { custom() } else { Some(name.to_owned()) };
+        stated.as_deref().and_then(words::stated_observer)
     });
     StatedViewing { illuminants: illuminant.into_iter().collect(), observers: observer.into_iter().collect() }
 }
@@ -282,7 +278,8 @@ fn too_large(text: &str) -> Option<String> {
     if namespaces > MOST_NAMESPACES {
         return Some(format!("{namespaces} declarations of namespaces; at most {MOST_NAMESPACES} are read"));
     }
-    let (mut rest, mut depth) = (text, 0usize);
+    let mut rest = text;
+    let mut depth = 0usize;
     while let Some(start) = rest.find('<') {
         rest = &rest[start + 1..];
         let (tag, after) = tag(rest);

@@ -68,7 +68,6 @@ pub fn band(name: &str) -> Option<BandField> {
     let mut rest = rest;
     while let Some(first) = rest.chars().next() {
         let is_number = |c: char| c.is_ascii_digit() || c == '.';
-        let end = |same: fn(char) -> bool, of: &str| of.find(|c| !same(c)).unwrap_or(of.len());
         if first.is_ascii_digit() {
             let (digits, after) = rest.split_at(rest.find(|c| !is_number(c)).unwrap_or(rest.len()));
             let nm: f64 = digits.parse().ok()?;
@@ -77,7 +76,7 @@ pub fn band(name: &str) -> Option<BandField> {
             }
             rest = after;
         } else if first.is_alphabetic() {
-            let (word, after) = rest.split_at(end(char::is_alphabetic, rest));
+            let (word, after) = rest.split_at(rest.find(|c: char| !c.is_alphabetic()).unwrap_or(rest.len()));
             parts.push(word);
             rest = after;
         } else {
@@ -193,7 +192,7 @@ impl FieldTable {
     /// The meanings of fields.
     pub fn new(fields: &[String]) -> Self {
         let names_bare: Vec<String> = fields.iter().map(|name| bare(name)).collect();
-        let place = |name: &str| names_bare.iter().position(|own| own == name);
+        let place = |name: &str| names_bare.iter().position(|other| other == name);
         let all = |group: &[&str]| group.iter().map(|name| place(name)).collect::<Option<Vec<usize>>>();
         let names = NAMES.iter().filter_map(|rank| rank.iter().find_map(|name| place(name))).collect();
         let mut device = DEVICES.iter().find_map(|group| all(group)).unwrap_or_default();
@@ -206,12 +205,12 @@ impl FieldTable {
         }
         let lab = LABS.iter().find_map(|group| all(group)).map(|places| [places[0], places[1], places[2]]);
         let bands = fields.iter().enumerate().filter_map(|(i, name)| Some((i, band(name)?))).collect();
-        let at = |wanted: &[&str]| -> Vec<usize> {
-            (0..fields.len()).filter(|&i| wanted.contains(&names_bare[i].as_str())).collect()
+        let columns = |known: &[&str]| -> Vec<usize> {
+            (0..fields.len()).filter(|&i| known.contains(&names_bare[i].as_str())).collect()
         };
-        let wavelengths = at(&["SPECTRALNM", "WAVELENGTH", "WAVELENGTHNM", "NM"]);
+        let wavelengths = columns(&["SPECTRALNM", "WAVELENGTH", "WAVELENGTHNM", "NM"]);
         let values =
-            at(&["SPECTRALPCT", "SPECTRALDEC", "SPECTRALVALUE", "REFLECTANCE", "SPECTRALREFLECTANCE"]);
+            columns(&["SPECTRALPCT", "SPECTRALDEC", "SPECTRALVALUE", "REFLECTANCE", "SPECTRALREFLECTANCE"]);
         let white = |i: usize| match names_bare[i].as_str() {
             "SPECTRALPCT" => Some(100.0),
             "SPECTRALDEC" => Some(1.0),
@@ -250,13 +249,13 @@ impl FieldTable {
     pub fn take(&self, cells: &[Written], declared: &Declared, into: &mut MeasuredFile) {
         let names: Vec<String> = self.names.iter().map(|&i| cells[i].text.trim().to_owned()).collect();
         let device: Option<Vec<f64>> = self.device.iter().map(|&i| number(&cells[i].text, true)).collect();
-        let own = |place: Option<usize>| place.map(|i| cells[i].text.as_str()).unwrap_or_default();
+        let text = |place: Option<usize>| place.map(|i| cells[i].text.as_str()).unwrap_or_default();
         let geometry =
-            words::geometries(own(self.geometry)).into_iter().next().or_else(|| declared.geometry(&names));
+            words::geometries(text(self.geometry)).into_iter().next().or_else(|| declared.geometry(&names));
         let plain = MeasuredSample {
             names,
             device: device.unwrap_or_default(),
-            condition: words::conditions(own(self.condition)).first().copied().or(declared.condition),
+            condition: words::conditions(text(self.condition)).first().copied().or(declared.condition),
             geometry,
             kind: declared.kind,
             white: declared.white,
@@ -269,12 +268,12 @@ impl FieldTable {
             }
         }
         for condition in conditions {
-            let own = self.bands.iter().filter(|(_, band)| band.condition == condition);
-            let spectrum = own
+            let bands = self.bands.iter().filter(|(_, band)| band.condition == condition);
+            let spectrum = bands
                 .clone()
                 .map(|(i, band)| SpectralCell { nm: Some(band.nm), value: cells[*i].clone() })
                 .collect();
-            let first = own.map(|(_, band)| *band).next();
+            let first = bands.map(|(_, band)| *band).next();
             let kind = first.map(|band| band.kind).filter(|kind| *kind != MeasuredKind::Reflectance);
             into.samples.push(MeasuredSample {
                 condition: condition.or(plain.condition),

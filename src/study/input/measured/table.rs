@@ -232,9 +232,9 @@ fn columns_of_samples(table: &TextTable, block: &TableBlock, into: &mut Measured
     let above = declared(block.preamble.iter());
     let several = columns.len() > 1;
     for &column in &columns {
-        let mut own = declared([name(column).to_owned()].iter());
+        let mut of_column = declared([name(column).to_owned()].iter());
         if name(column).contains('%') || name(column).to_lowercase().contains("percent") {
-            own.white = Some(100.0);
+            of_column.white = Some(100.0);
         }
         let cell = |row: &TextLine| SpectralCell {
             nm: table.number(&row.cells[place]).map(|value| in_nm(value, factor)),
@@ -252,10 +252,10 @@ fn columns_of_samples(table: &TextTable, block: &TableBlock, into: &mut Measured
         into.samples.push(MeasuredSample {
             names: sample_name.into_iter().filter(|name| !name.is_empty()).collect(),
             device: Vec::new(),
-            condition: own.condition.or(above.condition),
-            geometry: own.geometries.into_iter().chain(above.geometries.clone()).next(),
+            condition: of_column.condition.or(above.condition),
+            geometry: of_column.geometries.into_iter().chain(above.geometries.clone()).next(),
             kind,
-            white: percent.or(own.white).or(above.white),
+            white: percent.or(of_column.white).or(above.white),
             content: SampleContent::Spectrum(spectrum),
         });
     }

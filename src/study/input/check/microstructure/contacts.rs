@@ -57,8 +57,9 @@ impl ContactRule {
         let mut contacts = Contacts::default();
         let mut factors: Vec<Vec<f64>> = Vec::new();
         each_overlap(cell, &grains, |SphereOverlap { first, second, depth_um }| {
-            let sphere = |of: SphereOfGrain| grains[of.grain].spheres[of.sphere];
-            let (one, other) = (sphere(first), second.map(sphere));
+            let sphere_at = |place: SphereOfGrain| grains[place.grain].spheres[place.sphere];
+            let one = sphere_at(first);
+            let other = second.map(sphere_at);
             let smaller = other.map_or(one.radius_um, |other| other.radius_um.min(one.radius_um));
             contacts.add(depth_um, Sphere { radius_um: smaller, ..one });
             if depth_um > self.limit_um(smaller) {
@@ -72,10 +73,10 @@ impl ContactRule {
             factors.resize_with(grains.len(), Vec::new);
             // both by the same factor; a face does not give way
             let radii = one.radius_um + other.map_or(0.0, |other| other.radius_um);
-            for own in [Some(first), second].into_iter().flatten() {
-                let of_grain = &mut factors[own.grain];
-                of_grain.resize(grains[own.grain].spheres.len(), 1.0);
-                of_grain[own.sphere] = of_grain[own.sphere].min((radii - depth_um) / radii);
+            for SphereOfGrain { grain, sphere } in [Some(first), second].into_iter().flatten() {
+                let of_grain = &mut factors[grain];
+                of_grain.resize(grains[grain].spheres.len(), 1.0);
+                of_grain[sphere] = of_grain[sphere].min((radii - depth_um) / radii);
             }
             ControlFlow::Continue(())
         })?;
@@ -98,7 +99,8 @@ impl Contacts {
     fn add(&mut self, depth_um: f64, smaller: Sphere) {
         self.count += 1;
         if depth_um > self.deepest_um {
-            (self.deepest_um, self.diameter_um) = (depth_um, 2.0 * smaller.radius_um);
+            self.deepest_um = depth_um;
+            self.diameter_um = 2.0 * smaller.radius_um;
             self.place_um = smaller.center_um;
         }
     }

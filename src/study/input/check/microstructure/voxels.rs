@@ -1,10 +1,9 @@
 //! Voxels of a microstructure: labels become pigments, files become cuts.
 
-use super::{FIELD, Given, GrainFiles};
+use super::{FIELD, Given, GivenSizes, StatedLayer};
 use crate::ink::packing::sizes::MOST_GRAINS;
 use crate::ink::{Measure, SizeDistribution, VoxelCut};
-use crate::input::check::pigments::packed_names;
-use crate::input::file::{Continuation, LabelPigments, MicrostructureTable, StudyFile, VoxelEdges};
+use crate::input::file::{Continuation, LabelPigments, MicrostructureTable, VoxelEdges};
 use crate::input::voxels::{LabelImage, MOST_VOXELS, read_labels};
 use crate::input::{Fault, Faults, limits};
 use ndarray::{Array3, ArrayView1, Axis, concatenate, s};
@@ -16,56 +15,68 @@ use std::path::Path;
 /// |nx| + |ny| + |nz|.
 const STAIRS: f64 = 1.5;
 
-/// The cuts of all files; `None` after an error.
-pub fn voxels(
-    file: &StudyFile,
-    folder: &Path,
-    (table, names): GrainFiles,
-    faults: &mut Faults,
-) -> Option<Given> {
-    let before = faults.0.len();
-    let field = "layer.microstructure.voxel_nm";
-    let remedy = "give the edge of a voxel in nm";
-    let Some(edges_nm) = table.voxel_nm.map(VoxelEdges::xyz) else {
-        faults.add(field, "nothing", limits::VOXEL_NM.to_string(), remedy);
-        return None;
-    };
-    if let Some(&edge) = edges_nm.iter().find(|&&edge| !limits::VOXEL_NM.holds(edge)) {
-        faults.number(field, edge, limits::VOXEL_NM, remedy);
-    }
-    let pigments = packed_names(file);
-    let known = known_labels(table, &pigments, faults);
-    if faults.0.len() > before {
-        return None;
-    }
-    let height = 1e3 * file.layer.thickness_um.mean() / edges_nm[2];
-    let (cuts, contents, remarks) = (Vec::new(), BTreeMap::new(), Vec::new());
-    let mut reader = VoxelReader { table, known, height, cuts, contents, remarks };
-    for path in names.all() {
-        if let Err(fault) = reader.read(path, &folder.join(path)) {
-            faults.push(Fault { found: format!("{path}: {}", fault.found), ..fault });
+impl MicrostructureTable {
+    /// The cuts of all files of voxels; `None` after an error.
+    pub(super) fn voxels(
+        &self,
+        names: &[String],
+        stated: &StatedLayer,
+        folder: &Path,
+        faults: &mut Faults,
+    ) -> Option<Given> {
+        let before = faults.0.len();
+        let field = "layer.microstructure.voxel_nm";
+        let remedy = "give the edge of a voxel in nm";
+        let Some(edges_nm) = self.voxel_nm.map(VoxelEdges::xyz) else {
+            faults.add(field, "nothing", limits::VOXEL_NM.to_string(), remedy);
+            return None;
+        };
+        if let Some(&edge) = edges_nm.iter().find(|&&edge| !limits::VOXEL_NM.holds(edge)) {
+            faults.number(field, edge, limits::VOXEL_NM, remedy);
         }
-    }
-    if faults.0.len() > before || reader.cuts.is_empty() {
-        return None;
-    }
-    let mut given = match reader.given(file, edges_nm, pigments.len()) {
-        Ok(given) => given,
-        Err(fault) => {
-            faults.push(fault);
+        for (axis, count) in self.cuts.into_iter().flatten().enumerate() {
+            let field = format!("layer.microstructure.cuts[{axis}]");
+            faults.whole(&field, count, limits::CUTS, "[2, 2] makes four realisations of one file");
+        }
+        let known = known_labels(self, &stated.pigments, faults);
+        if faults.0.len() > before {
             return None;
         }
-    };
-    let [lx, ly, h] = given.cell_um;
-    let other = |[x, y]: &[f64; 2]| (x - lx).abs() > 1e-6 * lx || (y - ly).abs() > 1e-6 * ly;
-    if let Some([x, y]) = file.layer.period_um.map(|pair| pair.xy()).filter(other) {
-        let allowed = format!("{lx} × {ly} µm, the width of a cut");
-        faults.add("layer.period_um", format!("{x} × {y} µm"), allowed, "leave it out");
-        return None;
+        let mut reader = VoxelReader {
+            table: self,
+            known,
+            height: 1e3 * stated.thickness_um / edges_nm[2],
+            cuts: Vec::new(),
+            contents: BTreeMap::new(),
+            remarks: Vec::new(),
+        };
+        for name in names {
+            if let Err(fault) = reader.read(name, &folder.join(name)) {
+                faults.push(Fault { found: format!("{name}: {}", fault.found), ..fault });
+            }
+        }
+        if faults.0.len() > before || reader.cuts.is_empty() {
+            return None;
+        }
+        let mut given = match reader.given(stated, edges_nm) {
+            Ok(given) => given,
+            Err(fault) => {
+                faults.push(fault);
+                return None;
+            }
+        };
+        if let Some([x, y]) = stated.period_um {
+            let [lx, ly, _] = given.cell_um;
+            if (x - lx).abs() > 1e-6 * lx || (y - ly).abs() > 1e-6 * ly {
+                let allowed = format!("{lx} × {ly} µm, the width of a cut");
+                faults.add("layer.period_um", format!("{x} × {y} µm"), allowed, "leave it out");
+                return None;
+            }
+            // a written period may have more digits than the edge of a voxel
+            given.cell_um = [x, y, given.cell_um[2]];
+        }
+        Some(given)
     }
-    // a written period may have more digits than the edge of a voxel
-    given.cell_um = file.layer.period_um.map_or([lx, ly, h], |pair| [pair.xy()[0], pair.xy()[1], h]);
-    Some(given)
 }
 
 /// What the labels other than 0 are, as k + 1 for pigment k.
@@ -79,7 +90,7 @@ enum KnownLabels {
 /// The pigment of every label.
 fn known_labels(table: &MicrostructureTable, pigments: &[String], faults: &mut Faults) -> KnownLabels {
     let kind_of = |name: &String| {
-        let place = pigments.iter().position(|own| own == name);
+        let place = pigments.iter().position(|pigment| pigment == name);
         place.and_then(|k| u8::try_from(k + 1).ok())
     };
     let allowed_names = || format!("the name of a pigment with grains: {}", pigments.join(", "));
@@ -141,7 +152,7 @@ impl VoxelReader<'_> {
             return Err(Fault::new(FIELD, found, super::DIFFERENT, super::NO_REPEATS));
         }
         let [across, along] = self.table.cuts.unwrap_or([1, 1]);
-        if across * along == 0 || nx % across > 0 || ny % along > 0 {
+        if nx % across > 0 || ny % along > 0 {
             let found = format!("{nx} × {ny} voxels in {across} × {along} cuts");
             let allowed = "numbers that divide the voxels evenly";
             return Err(Fault::new(FIELD, found, allowed, "change cuts, or trim the array"));
@@ -211,20 +222,21 @@ impl VoxelReader<'_> {
         Err(Fault::new(FIELD, counts.join(", ") + &more, &allowed, remedy))
     }
 
-    fn given(self, file: &StudyFile, edges_nm: [f64; 3], pigments: usize) -> Result<Given, Fault> {
+    fn given(self, stated: &StatedLayer, edges_nm: [f64; 3]) -> Result<Given, Fault> {
         let (nx, ny, nz) = self.cuts[0].dim();
-        let mirror = self.table.continuation == Some(Continuation::Mirrored);
-        let times = if mirror { 2 } else { 1 };
+        let is_mirrored = self.table.continuation == Some(Continuation::Mirrored);
+        let times = if is_mirrored { 2 } else { 1 };
         self.check_number(
             (times * nx).saturating_mul(times * ny).saturating_mul(nz).saturating_mul(self.cuts.len()),
         )?;
-        let wide = |n: usize, axis: usize| (1e6 * edges_nm[axis] * (times * n) as f64).round() / 1e9;
-        let cell_um = [wide(nx, 0), wide(ny, 1), file.layer.thickness_um.mean()];
-        let pigments = (0..pigments).map(|k| share_and_size(&self.cuts, k as u8 + 1, edges_nm)).collect();
+        let width_um = |n: usize, axis: usize| (1e6 * edges_nm[axis] * (times * n) as f64).round() / 1e9;
+        let cell_um = [width_um(nx, 0), width_um(ny, 1), stated.thickness_um];
+        let labels = (1..=u8::MAX).take(stated.pigments.len());
+        let pigments = labels.map(|label| sizes(&self.cuts, label, edges_nm)).collect();
         let mut voxels = Vec::new();
         for labels in self.cuts {
-            let labels = if mirror { mirrored(labels) } else { labels };
-            let merged = VoxelCut::of_at_most(MOST_GRAINS, &labels, mirror);
+            let labels = if is_mirrored { mirrored(labels) } else { labels };
+            let merged = VoxelCut::of_at_most(MOST_GRAINS, &labels, is_mirrored);
             voxels.push(merged.ok_or_else(|| {
                 let found = format!("voxels that merge to more than {MOST_GRAINS} boxes of one label");
                 Fault::new(FIELD, found, "coarser images", "crop the image, or remove its noise")
@@ -246,26 +258,35 @@ fn mirrored(mut labels: Array3<u8>) -> Array3<u8> {
 
 /// Share of a label, and the diameter of spheres with its surface per volume; `None` if it is
 /// absent.
-fn share_and_size(cuts: &[Array3<u8>], own: u8, edges_nm: [f64; 3]) -> Option<(f64, SizeDistribution)> {
+fn sizes(cuts: &[Array3<u8>], label: u8, edges_nm: [f64; 3]) -> Option<GivenSizes> {
     let all: usize = cuts.iter().map(Array3::len).sum();
-    let number = cuts.iter().flatten().filter(|&&label| label == own).count();
+    let number = cuts.iter().flatten().filter(|&&other| other == label).count();
+    if number == 0 {
+        return None;
+    }
     let volume: f64 = edges_nm.iter().product();
-    let faces = |axis: usize| cuts.iter().map(|cut| faces(cut, own, axis)).sum::<usize>() as f64;
+    let faces = |axis: usize| cuts.iter().map(|cut| faces(cut, label, axis)).sum::<usize>() as f64;
     let area = (0..3).map(|axis| faces(axis) * volume / edges_nm[axis]).sum::<f64>();
     let value_nm = 6.0 * STAIRS * number as f64 * volume / area;
     let size = SizeDistribution::Constant { value_nm, of: Measure::EffectiveDiameter };
-    (number > 0).then_some((number as f64 / all as f64, size))
+    Some(GivenSizes { volume_fraction: number as f64 / all as f64, size })
 }
 
 /// Faces of a label across one axis: both ends of every run. The layer's faces count.
-fn faces(labels: &Array3<u8>, own: u8, axis: usize) -> usize {
-    labels.lanes(Axis(axis)).into_iter().map(|lane| ends(lane, own, axis < 2)).sum()
+fn faces(labels: &Array3<u8>, label: u8, axis: usize) -> usize {
+    let is_periodic = axis < 2;
+    labels.lanes(Axis(axis)).into_iter().map(|lane| ends(lane, label, is_periodic)).sum()
 }
 
 /// Ends of the runs of a label along one line of voxels.
-fn ends(lane: ArrayView1<u8>, own: u8, periodic: bool) -> usize {
-    let inside = lane.iter().zip(lane.iter().skip(1)).filter(|(a, b)| (**a == own) != (**b == own)).count();
-    let [first, last] = [lane[0], lane[lane.len() - 1]].map(|end| end == own);
-    let outer = if periodic { usize::from(first != last) } else { usize::from(first) + usize::from(last) };
+fn ends(lane: ArrayView1<u8>, label: u8, is_periodic: bool) -> usize {
+    let is_end = |(a, b): &(&u8, &u8)| (**a == label) != (**b == label);
+    let inside = lane.iter().zip(lane.iter().skip(1)).filter(is_end).count();
+    let at_start = lane[0] == label;
+    let at_end = lane[lane.len() - 1] == label;
+    let outer = match is_periodic {
+        true => usize::from(at_start != at_end),
+        false => usize::from(at_start) + usize::from(at_end),
+    };
     inside + outer
 }
