@@ -13,7 +13,7 @@ use std::ops::Range;
 
 /// A rigid body in its own frame: one grain, or the grains of one agglomerate.
 #[derive(Clone, Debug)]
-pub(crate) struct GrainSpheres {
+pub(crate) struct RigidBody {
     pub pigment: usize,
     /// The spheres of the body, or the one around a convex body.
     pub spheres: Vec<Sphere>,
@@ -38,7 +38,7 @@ pub(crate) struct Part {
 pub(crate) struct PackingPlan<'r> {
     pub request: &'r PackingRequest,
     pub cell: CellBox,
-    pub bodies: Vec<GrainSpheres>,
+    pub bodies: Vec<RigidBody>,
     pub fields: Vec<Option<AxisField>>,
     pub shares: Vec<Share>,
     /// Notes to the user about a cell that is too small.
@@ -112,7 +112,7 @@ impl<'r> PackingPlan<'r> {
     }
 }
 
-impl GrainSpheres {
+impl RigidBody {
     /// A body of grains in its frame.
     fn new(pigment: usize, grains: Vec<PlacedGrain>) -> Self {
         let (mut spheres, mut solids, mut parts) = (Vec::new(), Vec::new(), Vec::new());
@@ -134,6 +134,11 @@ impl GrainSpheres {
         let arm = |i: usize, n| self.solids.get(i).map_or(self.spheres[i].radius_um, |s| dot(s.arm(n), n));
         let end = |n: V3| self.spheres.iter().enumerate().map(move |(i, s)| dot(s.center_um, n) + arm(i, n));
         end(n).fold(f64::MIN, f64::max) + end(scale(n, -1.0)).fold(f64::MIN, f64::max)
+    }
+
+    /// Axes of the grains of the body as rotated.
+    pub fn axes(&self, rotation: Rotation) -> impl Iterator<Item = V3> + '_ {
+        self.parts.iter().map(move |part| rotation.turn(part.axis))
     }
 
     pub fn single_sphere(&self) -> bool {
@@ -173,7 +178,7 @@ fn check_size(request: &PackingRequest, k: usize, p: &PigmentGrains, t: &Templat
     PackError::unless(extent <= widest(request), &field, found, allowed, remedy)?;
     let thin = match &t.form {
         Some(form) => 2.0 * radius * form.thin_um(),
-        None => thinnest(&GrainSpheres::new(k, vec![t.grain(radius)])),
+        None => thinnest(&RigidBody::new(k, vec![t.grain(radius)])),
     };
     let found = format!("{:.1} nm thick for the largest grain", 1e3 * thin);
     let allowed = format!("at most the layer, {:.1} nm", 1e3 * request.thickness_um);
@@ -186,7 +191,7 @@ const DIRECTIONS: usize = 400;
 
 /// Smallest extent over a fine sampling of the half sphere: the least thickness of layer that can
 /// hold the grain.
-fn thinnest(body: &GrainSpheres) -> f64 {
+fn thinnest(body: &RigidBody) -> f64 {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     (0..DIRECTIONS).map(direction).chain(axes).map(|n| body.extent(n)).fold(f64::MAX, f64::min)
 }
@@ -207,13 +212,13 @@ fn group(
     request: &PackingRequest,
     mut grains: Vec<PlacedGrain>,
     draws: &mut Draws,
-) -> Result<Vec<GrainSpheres>, PackError> {
-    let alone = |grain| GrainSpheres::new(k, vec![grain]);
+) -> Result<Vec<RigidBody>, PackError> {
+    let alone = |grain| RigidBody::new(k, vec![grain]);
     let Some(rule) = &request.pigments[k].agglomeration else {
         return Ok(grains.into_iter().map(alone).collect());
     };
     let sticky = (rule.degree * grains.len() as f64).round() as usize;
-    let mut bodies: Vec<GrainSpheres> = grains.split_off(sticky).into_iter().map(alone).collect();
+    let mut bodies: Vec<RigidBody> = grains.split_off(sticky).into_iter().map(alone).collect();
     let mut left = grains.as_slice();
     while !left.is_empty() {
         let (members, rest) = left.split_at(rule.draw_count(draws).min(left.len()));
@@ -232,10 +237,10 @@ fn agglomerate(
     rule: &Agglomeration,
     members: &[PlacedGrain],
     draws: &mut Draws,
-) -> Result<GrainSpheres, PackError> {
+) -> Result<RigidBody, PackError> {
     let mut best = f64::MAX;
     for _ in 0..DRAWS_OF_AGGLOMERATE {
-        let body = GrainSpheres::new(k, rule.join(members, draws));
+        let body = RigidBody::new(k, rule.join(members, draws));
         let thick = if request.walls { thinnest(&body) } else { 0.0 };
         if 2.0 * body.reach <= widest(request) && thick <= request.thickness_um {
             return Ok(body);
