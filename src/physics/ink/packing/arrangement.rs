@@ -347,10 +347,10 @@ impl Arrangement<'_> {
         for (arm, sphere) in self.arm[range.clone()].iter_mut().zip(&body.spheres) {
             *arm = rotation.turn(sphere.center_um);
         }
-        for (solid, own) in self.solid[range].iter_mut().flatten().zip(&body.solids) {
+        for (solid, part) in self.solid[range].iter_mut().flatten().zip(&body.solids) {
             // A lone body has the rotation to its last bit, which a product would round.
-            let lone = own.rotation == Rotation::IDENTITY;
-            solid.rotation = if lone { rotation } else { own.rotation.then(rotation) };
+            let lone = part.rotation == Rotation::IDENTITY;
+            solid.rotation = if lone { rotation } else { part.rotation.then(rotation) };
         }
         self.set_centre(b, pose.centre);
     }

@@ -4,7 +4,7 @@ use super::arrangement::Arrangement;
 use super::hard_bodies::{add_all, equilibrate};
 use super::placed::{Method, Packing, PackingAccount};
 use super::plan::PackingPlan;
-use super::relaxation::{Relaxed, relax};
+use super::relaxation::starts::{Relaxed, relax};
 use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest};
 use super::settle::settle;
 use crate::ink::error::{Course, PackError, PackWatch};
@@ -50,7 +50,7 @@ pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packi
         },
     };
     Ok(match request.cut_um {
-        Some(heights) => packing.between(heights),
+        Some([from_um, to_um]) => packing.between(from_um, to_um),
         None => packing,
     })
 }

@@ -50,9 +50,14 @@ impl<'r> PackingPlan<'r> {
     pub fn new(request: &'r PackingRequest, draws: &mut Draws) -> Result<Self, PackError> {
         request.check()?;
         let cell = CellBox::new(request.period_um, request.thickness_um, request.walls);
-        let fields = request.pigments.iter().map(|p| p.orientation.field()).collect();
-        let (bodies, shares, notes) = (Vec::new(), Vec::new(), Vec::new());
-        let mut plan = Self { request, cell, bodies, fields, shares, notes };
+        let mut plan = Self {
+            request,
+            cell,
+            bodies: Vec::new(),
+            fields: request.pigments.iter().map(|p| p.orientation.field()).collect(),
+            shares: Vec::new(),
+            notes: Vec::new(),
+        };
         let room_um3 = request.window_um3();
         for (k, pigment) in request.pigments.iter().enumerate() {
             let template = pigment.shape.template();
@@ -72,9 +77,14 @@ impl<'r> PackingPlan<'r> {
 
     /// The plan with fewer bodies in the same cell.
     pub fn subset(&self, kept: impl Iterator<Item = usize>) -> Self {
-        let bodies = kept.map(|b| self.bodies[b].clone()).collect();
-        let (fields, shares) = (self.fields.clone(), self.shares.clone());
-        Self { request: self.request, cell: self.cell, bodies, fields, shares, notes: Vec::new() }
+        Self {
+            request: self.request,
+            cell: self.cell,
+            bodies: kept.map(|b| self.bodies[b].clone()).collect(),
+            fields: self.fields.clone(),
+            shares: self.shares.clone(),
+            notes: Vec::new(),
+        }
     }
 
     /// A random rotation of body b, in its field if it has one.
@@ -93,17 +103,23 @@ impl<'r> PackingPlan<'r> {
     /// Volume fraction and number of the grains of the first `placed` bodies.
     pub fn reached(&self, placed: usize) -> Reached {
         let bodies = &self.bodies[..placed];
-        let volumes = bodies.iter().map(|body| body.parts.iter().map(|p| p.volume_um3).sum::<f64>());
-        let volume = volumes.fold(0.0, |sum, own| sum + own);
+        let volume_of = |body: &RigidBody| body.parts.iter().map(|p| p.volume_um3).sum::<f64>();
+        let volume = bodies.iter().map(volume_of).fold(0.0, |sum, volume| sum + volume);
         let grains = bodies.iter().map(|b| b.parts.len()).sum();
         Reached { fraction: volume / self.cell.size.iter().product::<f64>(), grains }
     }
 
     /// What the watch hears when the first `placed` bodies are in place.
     pub fn progress(&self, stage: &'static str, step: u64, placed: usize) -> PackProgress {
-        let Reached { fraction, grains: grains_placed } = self.reached(placed);
-        let (grains_wanted, rest) = (self.whole().grains, PackProgress::default());
-        PackProgress { stage, step, grains_placed, grains_wanted, fraction, ..rest }
+        let reached = self.reached(placed);
+        PackProgress {
+            stage,
+            step,
+            grains_placed: reached.grains,
+            grains_wanted: self.whole().grains,
+            fraction: reached.fraction,
+            ..PackProgress::default()
+        }
     }
 
     /// Total pigment volume over cell volume, and number of all grains.
@@ -115,7 +131,9 @@ impl<'r> PackingPlan<'r> {
 impl RigidBody {
     /// A body of grains in its frame.
     fn new(pigment: usize, grains: Vec<PlacedGrain>) -> Self {
-        let (mut spheres, mut solids, mut parts) = (Vec::new(), Vec::new(), Vec::new());
+        let mut spheres = Vec::new();
+        let mut solids = Vec::new();
+        let mut parts = Vec::new();
         for grain in grains {
             let start = spheres.len();
             spheres.extend(grain.spheres);
@@ -155,11 +173,11 @@ fn widest(request: &PackingRequest) -> f64 {
 impl PackingRequest {
     /// Largest extent of a grain, µm; infinite with agglomerates, whose size is a matter of chance.
     pub fn widest_body_um(&self) -> f64 {
-        let of = |pigment: &PigmentGrains| match pigment.agglomeration {
+        let widest = |pigment: &PigmentGrains| match pigment.agglomeration {
             Some(_) => f64::INFINITY,
             None => largest_extent_um(pigment, &pigment.shape.template()),
         };
-        self.pigments.iter().map(of).fold(0.0, f64::max)
+        self.pigments.iter().map(widest).fold(0.0, f64::max)
     }
 }
 
@@ -201,9 +219,9 @@ fn thinnest(body: &RigidBody) -> f64 {
 fn direction(i: usize) -> V3 {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let z = (i as f64 + 0.5) / DIRECTIONS as f64;
-    let (s, c) = (golden * i as f64).sin_cos();
+    let (sine, cosine) = (golden * i as f64).sin_cos();
     let planar = (1.0 - z * z).sqrt();
-    [planar * c, planar * s, z]
+    [planar * cosine, planar * sine, z]
 }
 
 /// Glues the requested fraction of the grains into agglomerates, in the order of drawing.

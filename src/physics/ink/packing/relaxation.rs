@@ -7,10 +7,8 @@
 //! (ε = 0) vanishes. Where bodies jam they start anew (`starts`).
 
 mod forces;
-mod starts;
+pub(super) mod starts;
 mod steps;
-
-pub(crate) use starts::{Relaxed, relax};
 
 use super::arrangement::Arrangement;
 use super::plan::{PackingPlan, RigidBody};

@@ -223,7 +223,8 @@ mod tests {
     #[test]
     fn an_ideal_gas_between_walls_has_no_correlation() {
         let mut draws = Draws::new(2, 0);
-        let (radius_um, n) = (1e-5, 4000);
+        let radius_um = 1e-5;
+        let n = 4000;
         let mut point = |_| {
             let center_um = [draws.between(0.0, 2.0), draws.between(0.0, 2.0), draws.between(2e-5, 0.29998)];
             Grain::new(vec![Sphere { center_um, radius_um }], 0)
