@@ -253,7 +253,8 @@ impl Arrangement<'_> {
         })
     }
 
-    /// Whether two bodies of which one is convex are apart although the spheres around them are not.
+    /// Whether two bodies of which one is convex are apart although the spheres around them
+    /// overlap.
     fn are_apart(&self, s: usize, t: usize, d: V3) -> bool {
         let margin = CONVEX_MARGIN * (self.thin_um(s) + self.thin_um(t));
         !self.are_spheres(s, t) && self.contact(s, t, d, margin).is_none_or(|c| c.gap_um > margin)

@@ -59,8 +59,8 @@ impl CellBox {
     }
 }
 
-/// Points sorted into the cells of a grid, updated as they come and move one at a time; a sphere can
-/// touch only spheres whose centres lie in the neighbouring cells.
+/// Points sorted into the cells of a grid, updated as they come and move one at a time; a sphere
+/// can touch only spheres whose centres lie in the neighbouring cells.
 pub(crate) struct CellGrid {
     count: [usize; 3],
     cells_per_um: V3,

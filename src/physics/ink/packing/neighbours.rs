@@ -1,5 +1,5 @@
-//! Spheres in the cell, and Verlet lists of their neighbours, with a skin that keeps the lists valid
-//! over many small steps.
+//! Spheres in the cell, and Verlet lists of their neighbours, with a skin that keeps the lists
+//! valid over many small steps.
 
 use super::cell::{CellBox, grid_cell, grid_count, neighbours};
 use crate::numerics::vector::{V3, dot};

@@ -94,8 +94,8 @@ impl<'a> OverlapRelaxation<'a> {
 
     /// Inserts bodies at random until the cell holds `count` of them; all of them move.
     fn insert(&mut self, count: usize, draws: &mut Draws) {
-        // Bodies still in (inflated) contact stay on the moving list, without the forces of the last
-        // evaluation.
+        // Bodies still in (inflated) contact stay on the moving list, without the forces of the
+        // last evaluation.
         self.loads.clear();
         self.moves.fill(false);
         self.moving = std::mem::take(&mut self.loads.joined);

@@ -18,8 +18,8 @@ pub(crate) struct Relaxed<'a> {
     pub steps: u64,
 }
 
-/// Relaxes all bodies of a plan, from other places if they jam. If they do not fit, the error states
-/// how many would.
+/// Relaxes all bodies of a plan, from other places if they jam. If they do not fit, the error
+/// states how many would.
 pub(crate) fn relax<'a>(plan: &'a PackingPlan<'a>, course: &mut Course) -> Result<Relaxed<'a>, PackError> {
     let starts = (BODIES_OF_ALL_STARTS / plan.bodies.len()).clamp(1, MOST_STARTS);
     let mut steps = 0;
