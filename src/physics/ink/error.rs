@@ -109,8 +109,12 @@ impl PackError {
         allowed: impl ToString,
         remedy: impl ToString,
     ) -> Self {
-        let [field, found] = [field.to_string(), found.to_string()];
-        Self::BadInput { field, found, allowed: allowed.to_string(), remedy: remedy.to_string() }
+        Self::BadInput {
+            field: field.to_string(),
+            found: found.to_string(),
+            allowed: allowed.to_string(),
+            remedy: remedy.to_string(),
+        }
     }
 
     /// Refuses an input that is not sound.

@@ -94,9 +94,11 @@ impl ReliefRequest {
         match self.rule {
             ReliefRule::Flat => Ok(()),
             ReliefRule::Following { follow, smoothing_um } => {
-                let (field, sound) = ("relief.rule.follow", FOLLOW.holds(follow));
+                let field = "relief.rule.follow";
+                let sound = FOLLOW.holds(follow);
                 PackError::unless(sound, field, follow, "0 (flat) to 1", "lower it")?;
-                let (field, sound) = ("relief.rule.smoothing_um", LENGTH_UM.holds(smoothing_um));
+                let field = "relief.rule.smoothing_um";
+                let sound = LENGTH_UM.holds(smoothing_um);
                 PackError::unless(sound, field, smoothing_um, "finite, at least 0", "about one grain radius")
             }
             ReliefRule::Random { rms_um, correlation_um } => {
@@ -115,7 +117,8 @@ impl ReliefRequest {
         let sound = (0.0..=highest).contains(&rms_um);
         let allowed = format!("0 … {highest} µm, half of the depth above which grains end");
         PackError::unless(sound, "relief.rule.rms_um", rms_um, allowed, "raise relief.depth_um")?;
-        let [least, most] = [std::f64::consts::SQRT_2 * rms_um / STEEPEST, period_um / LENGTHS];
+        let least = std::f64::consts::SQRT_2 * rms_um / STEEPEST;
+        let most = period_um / LENGTHS;
         let sound = (least..=most).contains(&correlation_um) && correlation_um > 0.0;
         let allowed = format!("{least:.4} … {most:.4} µm, for slopes up to 45° and cells of 5 lengths");
         let remedy = "lower rms_um, or raise layer.period_um";

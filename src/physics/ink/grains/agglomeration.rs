@@ -136,7 +136,7 @@ pub(crate) struct PlacedGrain {
 
 impl PlacedGrain {
     fn surfaces(&self) -> impl Iterator<Item = GrainSurface<'_>> {
-        self.spheres.iter().map(|s| (s, self.solid.as_ref()))
+        self.spheres.iter().map(|sphere| GrainSurface { sphere, solid: self.solid.as_ref() })
     }
 
     fn turned(&self, turn: Rotation) -> Self {
@@ -152,7 +152,8 @@ impl PlacedGrain {
 
     /// A distance that this convex body and another surely have, µm; none between spheres.
     fn proven_gap_um(&self, other: &Self) -> Option<f64> {
-        let (one, two) = (self.solid.as_ref()?, other.solid.as_ref()?);
+        let one = self.solid.as_ref()?;
+        let two = other.solid.as_ref()?;
         Some(proven_gap_um(one, two, sub(other.spheres[0].center_um, self.spheres[0].center_um)))
     }
 }
@@ -193,7 +194,8 @@ const MOST_FLIGHTS: usize = 10_000;
 /// The incoming grain in first contact; where no flight hits, the spheres around the grain and the
 /// aggregate touch instead.
 fn landed(placed: &[PlacedGrain], grain: PlacedGrain, draws: &mut Draws) -> PlacedGrain {
-    let (there, incoming) = (all_spheres(placed), &grain.spheres);
+    let there = all_spheres(placed);
+    let incoming = &grain.spheres;
     let centre = centre_of(&there);
     for _ in 0..MOST_FLIGHTS {
         let target = there[draws.below(there.len())];
@@ -210,9 +212,9 @@ fn landed(placed: &[PlacedGrain], grain: PlacedGrain, draws: &mut Draws) -> Plac
         }
     }
     let from = draws.direction();
-    let own_centre = centre_of(incoming);
-    let apart = (reach_um(&there, centre) + reach_um(incoming, own_centre)) * (1.0 + CONVEX_GAP);
-    grain.moved(sub(add(centre, scale(from, apart)), own_centre))
+    let grain_centre = centre_of(incoming);
+    let apart = (reach_um(&there, centre) + reach_um(incoming, grain_centre)) * (1.0 + CONVEX_GAP);
+    grain.moved(sub(add(centre, scale(from, apart)), grain_centre))
 }
 
 fn all_spheres(grains: &[PlacedGrain]) -> Vec<Sphere> {
@@ -230,24 +232,30 @@ fn about_centre(grains: Vec<PlacedGrain>) -> Vec<PlacedGrain> {
 }
 
 /// A sphere of a grain, and the convex body that it is around.
-type GrainSurface<'a> = (&'a Sphere, Option<&'a Solid>);
+#[derive(Clone, Copy)]
+struct GrainSurface<'a> {
+    sphere: &'a Sphere,
+    solid: Option<&'a Solid>,
+}
 
 /// Length of a grain's flight along −from until it is the gap of the glue short of touching one of
 /// those there.
 fn first_contact(there: &[PlacedGrain], incoming: &PlacedGrain, start: V3, from: V3) -> Option<f64> {
     let surfaces = there.iter().flat_map(PlacedGrain::surfaces);
     let pairs = surfaces.flat_map(|a| incoming.surfaces().map(move |b| (a, b)));
-    pairs.filter_map(|(a, b)| path_of(a, b, start, from)).reduce(f64::min)
+    pairs.filter_map(|(there, flying)| path_of(there, flying, start, from)).reduce(f64::min)
 }
 
-/// Length of the flight of surface b, which starts at `start` from its place.
-fn path_of((a, body): GrainSurface, (b, other): GrainSurface, start: V3, from: V3) -> Option<f64> {
+/// Length of a surface's flight, which starts at `start` from its place.
+fn path_of(there: GrainSurface, flying: GrainSurface, start: V3, from: V3) -> Option<f64> {
+    let a = there.sphere;
+    let b = flying.sphere;
     let reach = a.radius_um + b.radius_um + GLUE_GAP * a.radius_um.min(b.radius_um);
     let offset = sub(add(b.center_um, start), a.center_um);
     let along = dot(offset, from);
     let miss2 = dot(offset, offset) - along * along;
     let path = (miss2 < reach * reach).then(|| along - (reach * reach - miss2).sqrt())?;
-    let Some((body, other)) = body.zip(other) else { return Some(path) };
+    let Some((body, other)) = there.solid.zip(flying.solid) else { return Some(path) };
     Some(path + path_of_solids(body, other, sub(offset, scale(from, path)), from)?)
 }
 
@@ -261,8 +269,9 @@ fn path_of_solids(a: &Solid, b: &Solid, offset: V3, from: V3) -> Option<f64> {
     let mut path = 0.0;
     for _ in 0..STEPS {
         let apart = sub(offset, scale(from, path));
-        let found = contact(a, b, apart, norm(offset))?;
-        let (left, rate) = (found.gap_um - gap, dot(found.normal, from));
+        let nearest = contact(a, b, apart, norm(offset))?;
+        let left = nearest.gap_um - gap;
+        let rate = dot(nearest.normal, from);
         if left < 0.01 * gap {
             return Some(path);
         }

@@ -38,13 +38,14 @@ impl SupportMap for Scaled<'_> {
 pub fn contact(first: &Solid, second: &Solid, apart: V3, within_um: f64) -> Option<Contact> {
     // parry's tolerances are absolute, for bodies of the size of one.
     let unit_um = first.form.reach_um().max(second.form.reach_um());
-    let [a, b] = [first, second].map(|solid| Scaled { solid, unit_um });
+    let a = Scaled { solid: first, unit_um };
+    let b = Scaled { solid: second, unit_um };
     let place = Pose::from_translation(Vector::from_array(scale(apart, 1.0 / unit_um)));
-    let found = contact_support_map_support_map(&place, &a, &b, within_um / unit_um)?;
-    let [normal, one, two] = [found.normal1, found.point1, found.point2].map(|v| v.to_array());
-    let sound = found.dist.is_finite() && normal.iter().all(|x| x.is_finite());
-    let arms = [scale(one, unit_um), scale(two, unit_um)];
-    sound.then_some(Contact { gap_um: found.dist * unit_um, normal, arms })
+    let nearest = contact_support_map_support_map(&place, &a, &b, within_um / unit_um)?;
+    let normal = nearest.normal1.to_array();
+    let sound = nearest.dist.is_finite() && normal.iter().all(|x| x.is_finite());
+    let arms = [scale(nearest.point1.to_array(), unit_um), scale(nearest.point2.to_array(), unit_um)];
+    sound.then_some(Contact { gap_um: nearest.dist * unit_um, normal, arms })
 }
 
 /// A distance that two bodies surely have, µm: that of their shadows along the best direction
@@ -52,15 +53,17 @@ pub fn contact(first: &Solid, second: &Solid, apart: V3, within_um: f64) -> Opti
 pub fn proven_gap_um(first: &Solid, second: &Solid, apart: V3) -> f64 {
     let between = |n: V3| dot(n, apart) - half_width(first, n) - half_width(second, scale(n, -1.0));
     let far = first.form.reach_um() + second.form.reach_um() + dot(apart, apart).sqrt();
-    let found = contact(first, second, apart, far).map(|c| c.normal);
+    let nearest = contact(first, second, apart, far).map(|c| c.normal);
     let flat = [first, second].into_iter().flat_map(normals).flat_map(|n| [n, scale(n, -1.0)]);
-    flat.chain(found).chain([unit(apart)]).map(|n| between(unit(n))).fold(f64::NEG_INFINITY, f64::max)
+    flat.chain(nearest).chain([unit(apart)]).map(|n| between(unit(n))).fold(f64::NEG_INFINITY, f64::max)
 }
 
 /// Largest coordinate of a body along the unit vector n, relative to its centre, µm.
 fn half_width(solid: &Solid, n: V3) -> f64 {
     let axis = |v: V3| dot(solid.rotation.turn(v), n);
-    let [x, y, z] = [axis([1.0, 0.0, 0.0]), axis([0.0, 1.0, 0.0]), axis([0.0, 0.0, 1.0])];
+    let x = axis([1.0, 0.0, 0.0]);
+    let y = axis([0.0, 1.0, 0.0]);
+    let z = axis([0.0, 0.0, 1.0]);
     match &solid.form {
         Form::Ellipsoid { semi_axes_um: [a, b, c] } => (a * x).hypot(b * y).hypot(c * z),
         Form::Disc { radius_um, half_length_um } => radius_um * x.hypot(y) + half_length_um * z.abs(),
@@ -74,8 +77,8 @@ fn half_width(solid: &Solid, n: V3) -> f64 {
 /// Normals of a body's flat faces.
 fn normals(solid: &Solid) -> Vec<V3> {
     let corners = if let Form::Prism { corners_um, .. } = &solid.form { &corners_um[..] } else { &[] };
-    let own = edges(corners).map(|(a, b)| outward(a, b)).chain([[0.0, 0.0, 1.0]]);
-    own.map(|n| solid.rotation.turn(n)).collect()
+    let in_frame = edges(corners).map(|(a, b)| outward(a, b)).chain([[0.0, 0.0, 1.0]]);
+    in_frame.map(|n| solid.rotation.turn(n)).collect()
 }
 
 /// Steps from a point of the inner body's surface to the one farthest out of the other.
@@ -87,7 +90,8 @@ const ASCENTS: usize = 50;
 /// Each step goes to the point farthest along the normal, which increases a convex function; it
 /// starts from corners all around, and of flat faces from the point farthest along each.
 pub fn excess_um(inner: &Solid, outer: &Solid, apart: V3) -> f64 {
-    let (inner, outer) = (inner.placed(apart), outer.placed([0.0; 3]));
+    let inner = inner.placed(apart);
+    let outer = outer.placed([0.0; 3]);
     let farthest = |n: V3| add(apart, inner.arm(n));
     let flat = normals(&outer).into_iter().flat_map(|n| [farthest(n), farthest(scale(n, -1.0))]);
     let ascended = |start: V3| {
@@ -129,9 +133,11 @@ mod tests {
     #[test]
     fn contact_and_proof_agree_with_dense_points_of_the_surfaces() {
         let mut draws = Draws::new(7, 0);
-        let (mut apart, mut meeting) = (0, 0);
+        let mut apart = 0;
+        let mut meeting = 0;
         for _ in 0..400 {
-            let [first, mut second] = [drawn(&mut draws), drawn(&mut draws)];
+            let first = drawn(&mut draws);
+            let mut second = drawn(&mut draws);
             let delta = scale(draws.direction(), draws.between(0.3, 2.0));
             second.center_um = delta;
             let steps = 40;
@@ -159,11 +165,13 @@ mod tests {
         let mut draws = Draws::new(8, 0);
         let mut inside = 0;
         for _ in 0..400 {
-            let [outer, mut inner] = [drawn(&mut draws), drawn(&mut draws)];
+            let outer = drawn(&mut draws);
+            let mut inner = drawn(&mut draws);
             inner.form = inner.form.scaled(0.3);
             let apart = scale(draws.direction(), draws.between(0.0, 0.3));
             let points = inner.triangles(40).into_iter().flatten().map(|p| depth_um(&outer, add(apart, p)));
-            let (most, found) = (points.fold(f64::MIN, f64::max), excess_um(&inner, &outer, apart));
+            let most = points.fold(f64::MIN, f64::max);
+            let found = excess_um(&inner, &outer, apart);
             assert!(found > most - 1e-12 && found < most + 2e-3, "{inner:?} {outer:?}: {most} {found}");
             inside += usize::from(found < 0.0);
         }

@@ -120,9 +120,9 @@ impl AxisField {
         top / bottom
     }
 
-    /// Whether axes of mean (u·n)² `found` are less ordered than the distribution.
-    pub fn wants_more(&self, found: f64) -> bool {
-        if self.kappa > 0.0 { found < self.mean_square() } else { found > self.mean_square() }
+    /// Whether axes of mean (u·n)² `mean_square` are less ordered than the distribution.
+    pub fn wants_more(&self, mean_square: f64) -> bool {
+        if self.kappa > 0.0 { mean_square < self.mean_square() } else { mean_square > self.mean_square() }
     }
 
     /// Torque per unit field strength, summed over the axes: towards n for κ > 0, away for κ < 0.

@@ -17,7 +17,8 @@ fn cylinders_of_length_6_have_the_stated_effective_diameters() {
 fn inscribed_beads_approach_the_ellipsoid_from_inside() {
     let exact = 4.0 * PI / 3.0 * 2.0;
     let volume = |spheres| Shape::BeadedEllipsoid { aspect_ratio: 2.0, spheres }.template().volume.um3;
-    let (coarse, fine) = (exact - volume(11), exact - volume(21));
+    let coarse = exact - volume(11);
+    let fine = exact - volume(21);
     // Order: the gap between an envelope and its n members shrinks as 1/n²: a factor 4 from 10
     // to 20 gaps.
     assert!(fine > 0.0 && coarse / fine > 3.5 && coarse / fine < 4.5, "{coarse} {fine}");

@@ -166,9 +166,7 @@ impl SizeDistribution {
                 let found = format!("median {median_nm}, sigma {sigma}");
                 Some(("size", found, "a median above 0 and sigma from 0 to 2"))
             }
-            Self::Percentiles { d10_nm, d50_nm, d90_nm, .. } => {
-                percentiles_defect([*d10_nm, *d50_nm, *d90_nm])
-            }
+            Self::Percentiles { d10_nm, d50_nm, d90_nm, .. } => percentiles_defect(*d10_nm, *d50_nm, *d90_nm),
             Self::List { values_nm, weights, .. } => list_defect(values_nm, weights),
             _ => None,
         }
@@ -181,7 +179,7 @@ impl SizeDistribution {
                 LogNormalLaw::new(median_nm, sigma, by, cut_at_sigmas)
             }
             Self::Percentiles { d10_nm, d50_nm, d90_nm, by, .. } => {
-                LogNormalLaw::new(d50_nm, LogNormalLaw::sigma_of([d10_nm, d90_nm]), by, CUT_AT)
+                LogNormalLaw::new(d50_nm, LogNormalLaw::sigma_of(d10_nm, d90_nm), by, CUT_AT)
             }
             _ => LogNormalLaw::new(f64::NAN, 0.0, By::Number, CUT_AT),
         }
@@ -230,20 +228,21 @@ impl SizeDistribution {
     }
 }
 
-fn percentiles_defect([d10, d50, d90]: [f64; 3]) -> Option<(&'static str, String, &'static str)> {
+fn percentiles_defect(d10: f64, d50: f64, d90: f64) -> Option<(&'static str, String, &'static str)> {
     let found = format!("d10 {d10}, d50 {d50}, d90 {d90} nm");
     if ![d10, d50, d90].iter().all(|d| SIZE_NM.holds(*d)) || d10 >= d50 || d50 >= d90 {
         let allowed = "d10_nm below d50_nm below d90_nm, all above 0; kind = \"constant\" for one size";
         return Some(("size", found, allowed));
     }
-    let sigma = LogNormalLaw::sigma_of([d10, d90]);
+    let sigma = LogNormalLaw::sigma_of(d10, d90);
     if !SIGMA.holds(sigma) {
         return Some(("size", found, "a deviation ln(d90/d10)/2.56 of up to 2"));
     }
-    let through = [d50 * (-TENTH * sigma).exp(), d50 * (TENTH * sigma).exp()];
-    let said = format!("{found}; the log-normal law has d10 {:.1}, d90 {:.1} nm", through[0], through[1]);
+    let d10_of_law = d50 * (-TENTH * sigma).exp();
+    let d90_of_law = d50 * (TENTH * sigma).exp();
+    let found = format!("{found}; the log-normal law has d10 {d10_of_law:.1}, d90 {d90_of_law:.1} nm");
     let allowed = "d10 and d90 within 5 % of the log-normal law through d50 (d50 = √(d10 d90)); for other laws kind = \"list\"";
-    ((through[0] / d10 - 1.0).abs() > SKEW).then_some(("size", said, allowed))
+    ((d10_of_law / d10 - 1.0).abs() > SKEW).then_some(("size", found, allowed))
 }
 
 fn list_defect(values: &[f64], weights: &[f64]) -> Option<(&'static str, String, &'static str)> {

@@ -83,8 +83,10 @@ fn reached(law: &SizeDistribution, share: f64, power: i32) -> f64 {
 #[test]
 fn percentiles_come_back_by_volume_and_by_number() {
     let of = Measure::EffectiveDiameter;
-    let [d10_nm, d50_nm, d90_nm] = [108.0, 200.0, 370.0];
-    let sigma = LogNormalLaw::sigma_of([d10_nm, d90_nm]);
+    let d10_nm = 108.0;
+    let d50_nm = 200.0;
+    let d90_nm = 370.0;
+    let sigma = LogNormalLaw::sigma_of(d10_nm, d90_nm);
     for (by, power, other) in [(By::Volume, 3, -1.0), (By::Number, 0, 1.0)] {
         let laws = [
             SizeDistribution::Percentiles { d10_nm, d50_nm, d90_nm, by, of },

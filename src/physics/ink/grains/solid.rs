@@ -130,12 +130,15 @@ impl Form {
         let ends = |half: f64| [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]].map(|n| (n, half));
         let [a, b] = match self {
             Form::Ellipsoid { semi_axes_um: axes } => {
-                let [p, d]: [V3; 2] = [p, d].map(|v| std::array::from_fn(|i| v[i] / axes[i]));
+                // in units of the semi-axes, where the ellipsoid is a sphere of radius 1
+                let p: V3 = std::array::from_fn(|i| p[i] / axes[i]);
+                let d: V3 = std::array::from_fn(|i| d[i] / axes[i]);
                 roots(dot(d, d), dot(p, d), dot(p, p) - 1.0)?
             }
             Form::Disc { radius_um, half_length_um } => {
-                let [dd, pd, pp] = [(d, d), (p, d), (p, p)].map(|(a, b)| a[0] * b[0] + a[1] * b[1]);
-                clipped(roots(dd, pd, pp - radius_um * radius_um)?, p, d, ends(*half_length_um))
+                let planar = |a: V3, b: V3| a[0] * b[0] + a[1] * b[1];
+                let round = roots(planar(d, d), planar(p, d), planar(p, p) - radius_um * radius_um)?;
+                clipped(round, p, d, ends(*half_length_um))
             }
             Form::Prism { corners_um, half_length_um } => {
                 let sides = edges(corners_um).map(|(a, b)| {
@@ -159,8 +162,9 @@ impl Form {
                 (depth, std::array::from_fn(|i| p[i] / (axes[i] * axes[i])))
             }
             Form::Disc { radius_um, half_length_um } => {
-                let (side, end) = (x.hypot(y) - radius_um, end(*half_length_um));
-                if side > end.0 { (side, [x, y, 0.0]) } else { end }
+                let side = x.hypot(y) - radius_um;
+                let (end_depth, end_normal) = end(*half_length_um);
+                if side > end_depth { (side, [x, y, 0.0]) } else { (end_depth, end_normal) }
             }
             Form::Prism { corners_um, half_length_um } => {
                 let sides = edges(corners_um).map(|(a, b)| {
@@ -220,8 +224,9 @@ impl Solid {
 
     /// Outward normal of the surface nearest to a point on it.
     pub fn normal(&self, point: V3) -> V3 {
-        let (_, own) = self.form.nearest_face(self.rotation.inverse().turn(sub(point, self.center_um)));
-        unit(self.rotation.turn(own))
+        let in_frame = self.rotation.inverse().turn(sub(point, self.center_um));
+        let (_, outwards) = self.form.nearest_face(in_frame);
+        unit(self.rotation.turn(outwards))
     }
 
     /// Corners of a prism relative to its centre: the lower end, then the upper one.
@@ -275,9 +280,11 @@ fn roots(a: f64, b: f64, c: f64) -> Option<[f64; 2]> {
 }
 
 /// The part of an interval of the line p + t d within half-spaces n · x ≤ offset.
-fn clipped([mut a, mut b]: [f64; 2], p: V3, d: V3, within: impl IntoIterator<Item = (V3, f64)>) -> [f64; 2] {
+fn clipped(interval: [f64; 2], p: V3, d: V3, within: impl IntoIterator<Item = (V3, f64)>) -> [f64; 2] {
+    let [mut a, mut b] = interval;
     for (n, offset) in within {
-        let (rate, room) = (dot(n, d), offset - dot(n, p));
+        let rate = dot(n, d);
+        let room = offset - dot(n, p);
         match rate {
             rate if rate > 0.0 => b = b.min(room / rate),
             rate if rate < 0.0 => a = a.max(room / rate),

@@ -48,8 +48,8 @@ pub(super) fn bead(z: f64, radius: f64) -> Sphere {
 /// A chain of `n` spheres between −reach and reach; `radius` is a function of the position from −1
 /// to 1.
 pub(super) fn chain(n: usize, reach: f64, radius: impl Fn(f64) -> f64) -> Vec<Sphere> {
-    let at = |i: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
-    let beads: Vec<Sphere> = (0..n).map(|i| bead(reach * at(i), radius(at(i)))).collect();
+    let position = |i: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
+    let beads: Vec<Sphere> = (0..n).map(|i| bead(reach * position(i), radius(position(i)))).collect();
     let thickest = beads.iter().map(|s| s.radius_um).fold(0.0, f64::max);
     beads.iter().map(|s| bead(s.center_um[2] / thickest, s.radius_um / thickest)).collect()
 }
@@ -66,7 +66,8 @@ pub(super) fn inscribed(a: f64, n: usize) -> Vec<Sphere> {
 pub(super) fn centred(rows: &[[f64; 4]]) -> Vec<Sphere> {
     let thickest = rows.iter().map(|s| s[3]).fold(0.0, f64::max);
     let weights: Vec<f64> = rows.iter().map(|s| (s[3] / thickest).powi(3)).collect();
-    let (places, total) = (rows.iter().map(|s| [s[0], s[1], s[2]]), weights.iter().sum::<f64>());
+    let places = rows.iter().map(|s| [s[0], s[1], s[2]]);
+    let total = weights.iter().sum::<f64>();
     let centre = places.clone().zip(&weights).fold([0.0; 3], |c, (p, w)| add(c, scale(p, w / total)));
     let arms: Vec<V3> = places.map(|p| scale(sub(p, centre), 1.0 / thickest)).collect();
     let back = Rotation::from_z_to(long_axis(&arms, &weights)).inverse();

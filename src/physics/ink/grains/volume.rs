@@ -114,7 +114,8 @@ fn lattice_mean(shift: [f64; 2], mut f: impl FnMut([f64; 2]) -> f64) -> f64 {
 fn chord_length(spheres: &[Sphere], at: [f64; 2], chords: &mut Vec<[f64; 2]>) -> f64 {
     chords.clear();
     for s in spheres {
-        let (dx, dy) = (at[0] - s.center_um[0], at[1] - s.center_um[1]);
+        let dx = at[0] - s.center_um[0];
+        let dy = at[1] - s.center_um[1];
         let h2 = s.radius_um * s.radius_um - dx * dx - dy * dy;
         if h2 > 0.0 {
             chords.push([s.center_um[2] - h2.sqrt(), s.center_um[2] + h2.sqrt()]);
@@ -144,7 +145,8 @@ pub fn in_slices(spheres: &[Sphere], solid: Option<&Solid>, height: f64, slices:
         return of_solid(solid, height, slices);
     }
     let within = |k: usize| {
-        let [from, to] = [k, k + 1].map(|k| k as f64 * height);
+        let from = k as f64 * height;
+        let to = (k + 1) as f64 * height;
         spheres.iter().map(|s| between(s, from, to)).sum()
     };
     (0..slices).map(within).collect()
@@ -160,7 +162,8 @@ fn of_solid(solid: &Solid, height: f64, slices: usize) -> Vec<f64> {
         let from = [at(0, line % LINES), at(1, line / LINES), 0.0];
         let Some([low, high]) = solid.chord(from, [0.0, 0.0, 1.0]) else { continue };
         for (k, volume) in volumes.iter_mut().enumerate() {
-            let [bottom, top] = [k, k + 1].map(|k| k as f64 * height);
+            let bottom = k as f64 * height;
+            let top = (k + 1) as f64 * height;
             *volume += step[0] * step[1] * (high.min(top) - low.max(bottom)).max(0.0);
         }
     }
@@ -169,8 +172,10 @@ fn of_solid(solid: &Solid, height: f64, slices: usize) -> Vec<f64> {
 
 /// Volume of a sphere between two heights, µm³.
 fn between(sphere: &Sphere, from: f64, to: f64) -> f64 {
-    let (z, r) = (sphere.center_um[2], sphere.radius_um);
-    let [low, high] = [from, to].map(|height| (height - z).clamp(-r, r));
+    let z = sphere.center_um[2];
+    let r = sphere.radius_um;
+    let low = (from - z).clamp(-r, r);
+    let high = (to - z).clamp(-r, r);
     PI * (r * r * (high - low) - (high.powi(3) - low.powi(3)) / 3.0)
 }
 

@@ -1,15 +1,16 @@
-//! The cell that bodies are placed in, and a grid of spheres over it, updated at single insertions
-//! and moves (sequential addition, Monte Carlo).
+//! The cell that bodies are placed in, periodic along x and y and between walls or periodic along
+//! z; and grids over it.
 
 use crate::numerics::Draws;
 use crate::numerics::vector::V3;
 
-/// The cell: side lengths, and the distance beyond which a periodic image is nearer (infinite
-/// across walls).
+/// The cell.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CellBox {
+    /// Side lengths, µm.
     pub size: V3,
     pub walls: bool,
+    /// Distance beyond which a periodic image is nearer; infinite across walls.
     half: V3,
 }
 
@@ -24,9 +25,10 @@ impl CellBox {
         axis < 2 || !self.walls
     }
 
+    /// The image of a place in the cell.
     pub fn wrap(&self, mut p: V3) -> V3 {
-        for (a, (x, size)) in p.iter_mut().zip(&self.size).enumerate() {
-            if self.periodic(a) && !(*x >= 0.0 && *x < *size) {
+        for (axis, (x, size)) in p.iter_mut().zip(&self.size).enumerate() {
+            if self.periodic(axis) && !(*x >= 0.0 && *x < *size) {
                 *x -= size * (*x / size).floor();
                 // A tiny negative number rounds up to the period.
                 if *x >= *size {
@@ -53,55 +55,61 @@ impl CellBox {
 
     /// A uniform place.
     pub fn draw_place(&self, draws: &mut Draws) -> V3 {
-        std::array::from_fn(|a| draws.between(0.0, self.size[a]))
+        std::array::from_fn(|axis| draws.between(0.0, self.size[axis]))
     }
 }
 
-/// Spheres by grid cell; a sphere can touch only spheres of the neighbouring cells.
-pub(crate) struct Buckets {
+/// Points sorted into the cells of a grid, updated as they come and move one at a time; a sphere
+/// can touch only spheres whose centres lie in the neighbouring cells.
+pub(crate) struct CellGrid {
     count: [usize; 3],
-    scale: V3,
+    cells_per_um: V3,
+    /// Points of every grid cell.
     members: Vec<Vec<u32>>,
-    /// Cell of every sphere.
+    /// Grid cell of every point.
     home: Vec<usize>,
     /// Neighbouring cells (including the cell itself), each once even if the grid is narrower than
     /// three cells.
     near: Vec<Vec<u32>>,
 }
 
-impl Buckets {
-    /// A grid for `points` spheres whose cells are at least `reach` wide.
+impl CellGrid {
+    /// A grid for `points` points whose cells are at least `reach` wide.
     pub fn new(cell: &CellBox, reach: f64, points: usize) -> Self {
         let count = grid_count(cell, reach, points);
-        let scale = std::array::from_fn(|a| count[a] as f64 / cell.size[a]);
-        let cells = count.iter().product();
-        let near = (0..cells).map(|c| neighbours(c, count, cell)).collect();
-        Self { count, scale, members: vec![Vec::new(); cells], home: vec![0; points], near }
-    }
-
-    pub fn cell_of(&self, p: V3) -> usize {
-        grid_cell(p, self.scale, self.count)
-    }
-
-    pub fn insert(&mut self, sphere: usize, at: V3) {
-        self.home[sphere] = self.cell_of(at);
-        self.members[self.home[sphere]].push(sphere as u32);
-    }
-
-    /// Puts a sphere that has moved into its new cell.
-    pub fn follow(&mut self, sphere: usize, at: V3) {
-        let home = self.home[sphere];
-        if home != self.cell_of(at) {
-            self.members[home].retain(|s| *s != sphere as u32);
-            self.insert(sphere, at);
+        let cells: usize = count.iter().product();
+        Self {
+            count,
+            cells_per_um: std::array::from_fn(|axis| count[axis] as f64 / cell.size[axis]),
+            members: vec![Vec::new(); cells],
+            home: vec![0; points],
+            near: (0..cells).map(|c| neighbours(c, count, cell)).collect(),
         }
     }
 
-    /// Spheres in the cells around `cell`.
+    pub fn cell_of(&self, place: V3) -> usize {
+        grid_cell(place, self.cells_per_um, self.count)
+    }
+
+    pub fn insert(&mut self, point: usize, place: V3) {
+        self.home[point] = self.cell_of(place);
+        self.members[self.home[point]].push(point as u32);
+    }
+
+    /// Puts a point that has moved into its new cell.
+    pub fn follow(&mut self, point: usize, place: V3) {
+        let home = self.home[point];
+        if home != self.cell_of(place) {
+            self.members[home].retain(|member| *member != point as u32);
+            self.insert(point, place);
+        }
+    }
+
+    /// Points in the cells around `cell`.
     #[inline]
     pub fn around(&self, cell: usize) -> impl Iterator<Item = usize> + '_ {
         let lists = self.near[cell].iter().map(|c| &self.members[*c as usize]);
-        lists.flat_map(|list| list.iter().map(|s| *s as usize))
+        lists.flat_map(|list| list.iter().map(|point| *point as usize))
     }
 }
 
@@ -110,32 +118,33 @@ impl Buckets {
 pub(crate) fn grid_count(cell: &CellBox, reach: f64, points: usize) -> [usize; 3] {
     let most = (4 * points + 64) as f64;
     let volume: f64 = cell.size.iter().product();
-    let wide = reach.max((volume / most).cbrt());
-    std::array::from_fn(|a| (cell.size[a] / wide).floor().clamp(1.0, most) as usize)
+    let edge = reach.max((volume / most).cbrt());
+    std::array::from_fn(|axis| (cell.size[axis] / edge).floor().clamp(1.0, most) as usize)
 }
 
-/// Number of the grid cell that holds a place; `scale` is the number of cells per length.
+/// Number of the grid cell that holds a place.
 #[inline]
-pub(crate) fn grid_cell(p: V3, scale: V3, count: [usize; 3]) -> usize {
-    let [x, y, z] = [0, 1, 2].map(|a| ((p[a] * scale[a]) as usize).min(count[a] - 1));
-    (z * count[1] + y) * count[0] + x
+pub(crate) fn grid_cell(place: V3, cells_per_um: V3, count: [usize; 3]) -> usize {
+    let along = |axis: usize| ((place[axis] * cells_per_um[axis]) as usize).min(count[axis] - 1);
+    (along(2) * count[1] + along(1)) * count[0] + along(0)
 }
 
-/// Indices adjacent to `place` along an axis of `count` cells, including itself, ascending and
+/// Indices adjacent to `index` along an axis of `count` cells, including itself, ascending and
 /// without repetition.
-fn along(place: usize, count: usize, periodic: bool) -> Vec<usize> {
+fn adjacent(index: usize, count: usize, periodic: bool) -> Vec<usize> {
     let n = count as isize;
-    let near = (-1..=1).map(|step| place as isize + step).filter(|i| periodic || (0..n).contains(i));
-    let mut found: Vec<usize> = near.map(|i| i.rem_euclid(n) as usize).collect();
-    found.sort_unstable();
-    found.dedup();
-    found
+    let near = (-1..=1).map(|step| index as isize + step).filter(|i| periodic || (0..n).contains(i));
+    let mut indices: Vec<usize> = near.map(|i| i.rem_euclid(n) as usize).collect();
+    indices.sort_unstable();
+    indices.dedup();
+    indices
 }
 
 /// Cells adjacent to cell `c`, including itself, without repetition, in a fixed order.
 pub(crate) fn neighbours(c: usize, count: [usize; 3], cell: &CellBox) -> Vec<u32> {
-    let place = [c % count[0], c / count[0] % count[1], c / (count[0] * count[1])];
-    let [xs, ys, zs] = [0, 1, 2].map(|a| along(place[a], count[a], cell.periodic(a)));
+    let xs = adjacent(c % count[0], count[0], cell.periodic(0));
+    let ys = adjacent(c / count[0] % count[1], count[1], cell.periodic(1));
+    let zs = adjacent(c / (count[0] * count[1]), count[2], cell.periodic(2));
     let mut all = Vec::with_capacity(27);
     for z in &zs {
         for y in &ys {

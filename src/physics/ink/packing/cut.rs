@@ -29,21 +29,26 @@ impl Grain {
 impl Packing {
     /// The layer between two heights: grains across the planes are cut there, and their volume
     /// inside is what counts. Grains of a cell that is periodic in z continue beyond its faces.
-    pub(crate) fn between(mut self, [from, to]: [f64; 2]) -> Self {
-        let (thickness_um, period) = (to - from, self.thickness_um());
+    pub(crate) fn between(mut self, from_um: f64, to_um: f64) -> Self {
+        let thickness_um = to_um - from_um;
+        let period = self.thickness_um();
         let images = if self.walls() { &[0.0][..] } else { &[-1.0, 0.0, 1.0] };
-        let of = |grain: &Grain| -> Vec<Grain> {
-            let lifted = images.iter().map(|image| grain.lifted(image * period - from));
+        let images_inside = |grain: &Grain| -> Vec<Grain> {
+            let lifted = images.iter().map(|image| grain.lifted(image * period - from_um));
             lifted.filter(|g| g.extent_um(2)[0] < thickness_um && g.extent_um(2)[1] > 0.0).collect()
         };
-        let grains: Vec<Grain> = self.grains().iter().flat_map(of).collect();
+        let grains: Vec<Grain> = self.grains().iter().flat_map(images_inside).collect();
         let box_um3 = self.period_um()[0] * self.period_um()[1] * thickness_um;
         for (pigment, share) in self.shares.iter_mut().enumerate() {
-            let own = grains.iter().filter(|grain| grain.pigment == pigment);
-            let volume = own.clone().map(|grain| grain.volume_below(thickness_um)).sum::<f64>();
-            (share.achieved_fraction, share.grains) = (volume / box_um3, own.count());
+            let of_pigment = grains.iter().filter(|grain| grain.pigment == pigment);
+            let volume = of_pigment.clone().map(|grain| grain.volume_below(thickness_um)).sum::<f64>();
+            share.achieved_fraction = volume / box_um3;
+            share.grains = of_pigment.count();
         }
-        (self.thickness_um, self.grains, self.walls, self.cut) = (thickness_um, grains, false, true);
+        self.thickness_um = thickness_um;
+        self.grains = grains;
+        self.walls = false;
+        self.cut = true;
         self
     }
 }
@@ -103,7 +108,8 @@ mod tests {
             };
             (0..6).map(of).sum::<f64>() / 6.0
         };
-        let (wall, cut) = (near([0.0, 0.05], true), near([0.0, 0.05], false));
+        let wall = near([0.0, 0.05], true);
+        let cut = near([0.0, 0.05], false);
         // Six cells of 1.5 µm hold some 90 grains at the plane: 0.2 ± 0.02.
         assert!(wall < 0.12 && (cut - 0.2).abs() < 0.06, "{wall} {cut}");
     }

@@ -14,7 +14,8 @@ impl PackingRequest {
     /// # Errors
     /// [`PackError::BadInput`] with the number of grains and what would do.
     pub fn fits(&self, memory: f64) -> Result<(), PackError> {
-        let (mut grains, mut bytes) = (0.0, 0.0);
+        let mut grains = 0.0;
+        let mut bytes = 0.0;
         let mut count = |number: f64, spheres: f64| {
             grains += number;
             bytes += number * (GRAIN_BYTES + spheres * SPHERE_BYTES);

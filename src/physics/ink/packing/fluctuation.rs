@@ -40,6 +40,14 @@ struct PigmentInWindow {
     filled: f64,
 }
 
+/// Bodies of all pigments together.
+struct Crowd {
+    /// Volume fraction of the bodies' envelopes.
+    fraction: f64,
+    /// Their mean diameter, µm.
+    diameter_um: f64,
+}
+
 impl PigmentInWindow {
     /// Volume of the bodies' envelopes in the window, µm³.
     fn envelope_um3(&self) -> f64 {
@@ -83,32 +91,33 @@ impl PackingRequest {
 
     /// Part of the deviations that leaves the fullest cell within reach, 0 to 1.
     fn packable(&self, bodies: &[PigmentInWindow], factor: &[Vec<f64>]) -> f64 {
-        let (fraction, diameter_um) = self.crowd(bodies);
+        let Crowd { fraction, diameter_um } = self.crowd(bodies);
         let room = REACHED / self.accessible(fraction, diameter_um) - 1.0;
         let most = |row: &Vec<f64>| row.iter().map(|l| l.abs()).sum::<f64>();
         let fullest: f64 = bodies.iter().zip(factor).map(|(b, row)| b.envelope_um3() * most(row)).sum();
         (room.max(0.0) * fraction * self.window_um3() / fullest).min(1.0)
     }
 
-    /// Volume fraction of the bodies' envelopes, and their mean diameter, µm.
-    fn crowd(&self, bodies: &[PigmentInWindow]) -> (f64, f64) {
+    /// How crowded the bodies are.
+    fn crowd(&self, bodies: &[PigmentInWindow]) -> Crowd {
         let all: f64 = bodies.iter().map(|b| b.volume_um3).sum();
         let fraction = bodies.iter().map(PigmentInWindow::envelope_um3).sum::<f64>() / self.window_um3();
         let diameters = bodies.iter().map(|b| b.volume_um3 * (6.0 / PI * b.body_um3 / b.filled).cbrt());
-        (fraction, diameters.sum::<f64>() / all)
+        Crowd { fraction, diameter_um: diameters.sum::<f64>() / all }
     }
 
     /// Structure factor of the bodies' places, averaged over the wave vectors that belong to the
     /// window: the variance of their number over its mean.
     fn structure_factor(&self, bodies: &[PigmentInWindow]) -> f64 {
-        let (fraction, diameter) = self.crowd(bodies);
-        let dilute = self.method == MethodChoice::Auto && self.accessible(fraction, diameter) <= AUTO_LIMIT;
+        let Crowd { fraction, diameter_um } = self.crowd(bodies);
+        let crowding = self.accessible(fraction, diameter_um);
+        let dilute = self.method == MethodChoice::Auto && crowding <= AUTO_LIMIT;
         if self.equilibration.is_some() {
             percus_yevick(fraction)
         } else if dilute || self.method == MethodChoice::SequentialAddition {
             (1.0 - fraction).powf(SEQUENTIAL)
         } else {
-            relaxed(fraction, diameter / (self.period_um[0] * self.period_um[1]).sqrt())
+            relaxed(fraction, diameter_um / (self.period_um[0] * self.period_um[1]).sqrt())
         }
     }
 
@@ -134,8 +143,13 @@ fn mean_grain_um3(pigment: &PigmentGrains) -> f64 {
         let nm = pigment.size.quantile_nm((k as f64 + 0.5) / QUANTILES as f64);
         template.volume.um3 * pigment.size.radius_um(nm, &template).powi(3)
     };
-    let (first, second) = (0..QUANTILES).map(volume).fold((0.0, 0.0), |(a, b), v| (a + v, b + v * v));
-    second / first
+    let mut sum = 0.0;
+    let mut squares = 0.0;
+    for um3 in (0..QUANTILES).map(volume) {
+        sum += um3;
+        squares += um3 * um3;
+    }
+    squares / sum
 }
 
 /// S of a relaxed packing in a window of `1/smallness` diameters.
@@ -155,9 +169,9 @@ fn relative_covariance(bodies: &[PigmentInWindow], structure_factor: f64) -> Vec
     let weights: Vec<f64> = bodies.iter().map(|b| b.volume_um3 * b.body_um3).collect();
     let sum: f64 = weights.iter().sum();
     let entry = |i: usize, j: usize| {
-        let own = if i == j { weights[i] } else { 0.0 };
+        let alone = if i == j { weights[i] } else { 0.0 };
         let shared = (1.0 - structure_factor) * weights[i] * weights[j] / sum;
-        (own - shared) / (bodies[i].volume_um3 * bodies[j].volume_um3)
+        (alone - shared) / (bodies[i].volume_um3 * bodies[j].volume_um3)
     };
     (0..bodies.len()).map(|i| (0..bodies.len()).map(|j| entry(i, j)).collect()).collect()
 }
@@ -290,7 +304,8 @@ mod tests {
         let one = of(&[0.3], 20.0);
         let whole: Vec<PigmentInWindow> = one.pigments.iter().map(|p| one.bodies(p)).collect();
         let single = relative_covariance(&whole, one.structure_factor(&whole))[0][0];
-        let [a, b] = [2.0 / 3.0, 1.0 / 3.0];
+        let a = 2.0 / 3.0;
+        let b = 1.0 / 3.0;
         let sum = a * a * covariance[0][0] + 2.0 * a * b * covariance[0][1] + b * b * covariance[1][1];
         assert!((sum / single - 1.0).abs() < 1e-12, "{sum} {single}");
     }

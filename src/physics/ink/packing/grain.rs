@@ -41,7 +41,10 @@ pub struct Layered {
 impl Layered {
     /// The convex body, or its spheres as such.
     pub fn solids(&self) -> Vec<Solid> {
-        self.solid.clone().map_or_else(|| self.spheres.iter().map(Sphere::solid).collect(), |own| vec![own])
+        match &self.solid {
+            Some(solid) => vec![solid.clone()],
+            None => self.spheres.iter().map(Sphere::solid).collect(),
+        }
     }
 }
 
@@ -57,9 +60,14 @@ impl Grain {
     /// A convex body; its axis is the form's z axis.
     pub fn convex(solid: Solid, pigment: usize) -> Self {
         let around = Sphere { center_um: solid.center_um, radius_um: solid.form.reach_um() };
-        let (axis, volume_um3) = (solid.rotation.turn([0.0, 0.0, 1.0]), solid.form.volume_um3());
-        let (spheres, solid) = (vec![around], Some(solid));
-        Self { spheres, solid, pigment, axis, agglomerate: None, volume_um3 }
+        Self {
+            spheres: vec![around],
+            pigment,
+            axis: solid.rotation.turn([0.0, 0.0, 1.0]),
+            agglomerate: None,
+            volume_um3: solid.form.volume_um3(),
+            solid: Some(solid),
+        }
     }
 
     /// Lowest and highest coordinate along an axis, µm.
@@ -67,8 +75,9 @@ impl Grain {
         if let Some(solid) = &self.solid {
             return solid.extent_um(axis);
         }
-        let ends = self.spheres.iter().map(|s| [-1.0, 1.0].map(|end| s.center_um[axis] + end * s.radius_um));
-        ends.fold([f64::MAX, f64::MIN], |e, [low, high]| [e[0].min(low), e[1].max(high)])
+        let low = self.spheres.iter().map(|s| s.center_um[axis] - s.radius_um).fold(f64::MAX, f64::min);
+        let high = self.spheres.iter().map(|s| s.center_um[axis] + s.radius_um).fold(f64::MIN, f64::max);
+        [low, high]
     }
 
     /// Centre of mass of the spheres, each weighted by its volume; not wrapped.
@@ -115,8 +124,8 @@ impl VoxelCut {
 
     /// Voxels of a pigment.
     pub fn volume(&self, pigment: usize) -> usize {
-        let own = self.boxes.iter().filter(|b| b[6] == pigment);
-        own.map(|b| (0..3).map(|axis| b[axis + 3] - b[axis]).product::<usize>()).sum()
+        let of_pigment = self.boxes.iter().filter(|b| b[6] == pigment);
+        of_pigment.map(|b| (0..3).map(|axis| b[axis + 3] - b[axis]).product::<usize>()).sum()
     }
 
     /// The boxes in a cell of this size, µm.
@@ -136,7 +145,8 @@ fn grown(left: &Array3<u8>, low: [usize; 3]) -> [usize; 3] {
     let mut high = low.map(|i| i + 1);
     for axis in 0..3 {
         while high[axis] < left.shape()[axis] {
-            let (mut from, mut to) = (low, high);
+            let mut from = low;
+            let mut to = high;
             from[axis] = high[axis];
             to[axis] += 1;
             let next = left.slice(s![from[0]..to[0], from[1]..to[1], from[2]..to[2]]);

@@ -2,10 +2,11 @@
 //!
 //! A [`request`] is turned into bodies (`plan`), which [`pack`](mod@pack) places by random
 //! sequential addition (`hard_bodies`) or relaxation of overlaps (`relaxation`) and, if requested,
-//! equilibrates (`hard_bodies`). The check in `overlap` shares no code with them; only a result
-//! that passes it becomes a [`placed::Packing`].
+//! equilibrates (`hard_bodies`). Their places in the `cell`, and the search for `neighbours`, are
+//! those of one `arrangement`, which all methods move bodies by. The check in `overlap` shares no
+//! code with them; only a result that passes it becomes a [`placed::Packing`].
 
-mod bodies;
+mod arrangement;
 pub(crate) mod cell;
 mod cut;
 mod demand;

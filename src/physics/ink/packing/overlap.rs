@@ -104,17 +104,21 @@ impl SortedSpheres {
         margin_um: f64,
         mut visit: impl FnMut(usize) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
-        let (place, radius) = (self.place_of(i), self.entries[i].sphere.radius_um);
+        let place = self.place_of(i);
+        let radius = self.entries[i].sphere.radius_um;
         for (k, class) in self.classes.iter().enumerate().skip(self.class[i]) {
             let reach = radius + class.largest_um + margin_um;
             if class.members.is_empty() || reach < 0.0 {
                 continue;
             }
             let along = |axis: usize| {
-                let (count, length) = (class.count[axis], self.size[axis]);
+                let count = class.count[axis];
+                let length = self.size[axis];
                 cells_within(place[axis], reach, length / count as f64, count, axis < 2 || !self.walls)
             };
-            let (xs, ys, zs) = (along(0), along(1), along(2));
+            let xs = along(0);
+            let ys = along(1);
+            let zs = along(2);
             for cell_z in zs {
                 for cell_y in ys.clone() {
                     for cell_x in xs.clone() {
@@ -149,8 +153,8 @@ const MOST_CLASSES: usize = 64;
 impl SizeClass {
     /// Number of the cell at a place along x, y, z.
     fn number(&self, cell: [i64; 3]) -> usize {
-        let [x, y, z] = [0, 1, 2].map(|axis| cell[axis].rem_euclid(self.count[axis] as i64) as usize);
-        (z * self.count[1] + y) * self.count[0] + x
+        let along = |axis: usize| cell[axis].rem_euclid(self.count[axis] as i64) as usize;
+        (along(2) * self.count[1] + along(1)) * self.count[0] + along(0)
     }
 
     /// Number of the cell that holds a centre; what lies beyond a wall counts to the last cell.
@@ -191,8 +195,7 @@ fn cells_within(
 /// non-finite numbers or grains wider than the period.
 pub fn smallest_gap(size: [f64; 3], walls: bool, grains: &[Grain]) -> Result<Option<f64>, PackError> {
     check_numbers(size, walls, grains)?;
-    // The smallest gap, and the grains that it is between; none is a wall.
-    let mut worst = (f64::INFINITY, 0, None);
+    let mut worst = SmallestGap { gap_um: f64::INFINITY, first: 0, second: None };
     let spheres = SortedSpheres::new(size, walls, grains);
     let entries = &spheres.entries;
     let largest = entries.iter().map(|e| e.sphere.radius_um).fold(0.0, f64::max);
@@ -202,20 +205,21 @@ pub fn smallest_gap(size: [f64; 3], walls: bool, grains: &[Grain]) -> Result<Opt
             let ends = [-1.0, 1.0].map(|side| a.sphere.center_um[2] + side * a.sphere.radius_um);
             let [low, high] = grains[a.grain].solid.as_ref().map_or(ends, |solid| solid.extent_um(2));
             let to_wall = low.min(size[2] - high);
-            if to_wall < worst.0 {
-                worst = (to_wall, a.grain, None);
+            if to_wall < worst.gap_um {
+                worst = SmallestGap { gap_um: to_wall, first: a.grain, second: None };
             }
         }
-        let _: ControlFlow<()> = spheres.near(i, worst.0.min(largest), |j| {
-            let (first, second) = (&entries[i.min(j)], &entries[i.max(j)]);
+        let _: ControlFlow<()> = spheres.near(i, worst.gap_um.min(largest), |j| {
+            let first = &entries[i.min(j)];
+            let second = &entries[i.max(j)];
             if first.grain != second.grain {
                 // the later one along x seen from the earlier one, and the other way round
                 let ahead = second.x - first.x;
                 for (from, to, apart) in [(first, second, ahead), (second, first, size[0] - ahead)] {
                     if apart <= from.sphere.radius_um + 2.0 * largest {
-                        let gap = gap([from, to], cell, grains, worst.0);
-                        if gap < worst.0 {
-                            worst = (gap, from.grain, Some(to.grain));
+                        let gap_um = gap(from, to, cell, grains, worst.gap_um);
+                        if gap_um < worst.gap_um {
+                            worst = SmallestGap { gap_um, first: from.grain, second: Some(to.grain) };
                         }
                     }
                 }
@@ -223,12 +227,21 @@ pub fn smallest_gap(size: [f64; 3], walls: bool, grains: &[Grain]) -> Result<Opt
             ControlFlow::Continue(())
         });
     }
-    let (gap, first, second) = worst;
-    if gap < -ROUNDING * size[0].max(size[1]).max(size[2]) {
+    let SmallestGap { gap_um, first, second } = worst;
+    if gap_um < -ROUNDING * size[0].max(size[1]).max(size[2]) {
         let second = second.map_or("a wall".to_string(), |grain| format!("grain {grain}"));
-        return Err(PackError::Overlap { first: format!("grain {first}"), second, overlap_um: -gap });
+        return Err(PackError::Overlap { first: format!("grain {first}"), second, overlap_um: -gap_um });
     }
-    Ok((gap <= largest).then_some(gap.max(0.0)))
+    Ok((gap_um <= largest).then_some(gap_um.max(0.0)))
+}
+
+/// The smallest gap so far.
+struct SmallestGap {
+    gap_um: f64,
+    /// One of the grains that it is between.
+    first: usize,
+    /// The other one; `None` for a wall.
+    second: Option<usize>,
 }
 
 /// A sphere of a grain, by number.
@@ -266,14 +279,15 @@ pub fn each_overlap(
     let slack = ROUNDING * size[0].max(size[1]).max(size[2]);
     let named = |entry: &GridEntry| SphereOfGrain { grain: entry.grain, sphere: entry.number };
     for (i, a) in spheres.entries.iter().enumerate() {
-        let (z, radius) = (a.sphere.center_um[2], a.sphere.radius_um);
+        let z = a.sphere.center_um[2];
+        let radius = a.sphere.radius_um;
         let depth_um = (radius - z).max(z + radius - size[2]);
         if depth_um > slack && visit(SphereOverlap { first: named(a), second: None, depth_um }).is_break() {
             return Ok(());
         }
         let ended = spheres.near(i, 0.0, |j| {
             let b = &spheres.entries[j];
-            let depth_um = -gap([a, b], [size[0], size[1], f64::INFINITY], grains, f64::INFINITY);
+            let depth_um = -gap(a, b, [size[0], size[1], f64::INFINITY], grains, f64::INFINITY);
             if a.grain == b.grain || depth_um <= slack {
                 return ControlFlow::Continue(());
             }
@@ -296,7 +310,7 @@ impl GridEntry {
 
 /// Gap between two entries in their nearest images; a lower bound if it is larger than `known`
 /// already.
-fn gap([a, b]: [&GridEntry; 2], cell: [f64; 3], grains: &[Grain], known: f64) -> f64 {
+fn gap(a: &GridEntry, b: &GridEntry, cell: [f64; 3], grains: &[Grain], known: f64) -> f64 {
     let near: [f64; 3] = std::array::from_fn(|axis| {
         let delta = b.sphere.center_um[axis] - a.sphere.center_um[axis];
         if cell[axis].is_finite() { delta - cell[axis] * (delta / cell[axis]).round() } else { delta }
@@ -306,7 +320,8 @@ fn gap([a, b]: [&GridEntry; 2], cell: [f64; 3], grains: &[Grain], known: f64) ->
     if [a, b].iter().all(|e| grains[e.grain].solid.is_none()) || around >= known {
         return around;
     }
-    let (one, two) = (a.solid(grains), b.solid(grains));
+    let one = a.solid(grains);
+    let two = b.solid(grains);
     // Long bodies may meet in another image than that with the nearest centre.
     let shifted = |axis: usize, k: i32| near[axis] + if k == 0 { 0.0 } else { f64::from(k) * cell[axis] };
     let [xs, ys, zs] = cell.map(|length| if 2.0 * reach > length { -1..=1 } else { 0..=0 });
@@ -322,17 +337,20 @@ fn gap([a, b]: [&GridEntry; 2], cell: [f64; 3], grains: &[Grain], known: f64) ->
 /// Gap between the upright boxes around two bodies, along the axis where it is widest.
 fn boxes_gap(one: &Solid, two: &Solid, apart: [f64; 3]) -> f64 {
     let along = |axis: usize| {
-        let [a, b] = [one, two].map(|solid| solid.extent_um(axis).map(|x| x - solid.center_um[axis]));
-        (apart[axis] + b[0] - a[1]).max(a[0] - apart[axis] - b[1])
+        let about_centre = |solid: &Solid| solid.extent_um(axis).map(|x| x - solid.center_um[axis]);
+        let [one_low, one_high] = about_centre(one);
+        let [two_low, two_high] = about_centre(two);
+        (apart[axis] + two_low - one_high).max(one_low - apart[axis] - two_high)
     };
     along(0).max(along(1)).max(along(2))
 }
 
 fn sorted(size: [f64; 3], grains: &[Grain]) -> Vec<GridEntry> {
     let mut entries: Vec<GridEntry> = Vec::new();
-    for (grain, own) in grains.iter().enumerate() {
-        for (number, sphere) in own.spheres.iter().enumerate() {
-            let [x, y] = [0, 1].map(|i| sphere.center_um[i].rem_euclid(size[i]));
+    for (grain, Grain { spheres, .. }) in grains.iter().enumerate() {
+        for (number, sphere) in spheres.iter().enumerate() {
+            let x = sphere.center_um[0].rem_euclid(size[0]);
+            let y = sphere.center_um[1].rem_euclid(size[1]);
             entries.push(GridEntry { x, y, grain, number, sphere: *sphere });
         }
     }
@@ -341,7 +359,8 @@ fn sorted(size: [f64; 3], grains: &[Grain]) -> Vec<GridEntry> {
 }
 
 fn check_numbers(lengths: [f64; 3], walls: bool, grains: &[Grain]) -> Result<(), PackError> {
-    let (sound, found) = (are_lengths(lengths), format!("{lengths:?} µm"));
+    let sound = are_lengths(lengths);
+    let found = format!("{lengths:?} µm");
     PackError::unless(sound, "period and thickness", found, "finite and above 0", "check the cell")?;
     for (k, grain) in grains.iter().enumerate() {
         let sound = |s: &Sphere| s.center_um.iter().all(|c| c.is_finite()) && s.radius_um > 0.0;
@@ -401,7 +420,8 @@ mod tests {
         let mut draws = Draws::new(5, 0);
         for trial in 0..200 {
             let size = [draws.between(0.5, 3.0), draws.between(0.5, 3.0), [0.4, 1.0, 3.0][trial % 3]];
-            let (walls, spread) = (trial % 2 == 0, [0.0, 2.0, 6.0][trial / 2 % 3]);
+            let walls = trial % 2 == 0;
+            let spread = [0.0, 2.0, 6.0][trial / 2 % 3];
             let count = 2 + draws.below(60);
             let mut grain = |_| {
                 let radius_um = 0.1 * draws.between(-spread, 0.0).exp();
@@ -426,7 +446,8 @@ mod tests {
             // identity: the same distances, rounded
             assert!(found == expected || (found - expected).abs() < 1e-12, "{trial}: {found} {expected}");
             if walls {
-                let (mut deepest, mut overlaps) = (0.0, 0);
+                let mut deepest = 0.0;
+                let mut overlaps = 0;
                 let visited = each_overlap(size, &grains, |overlap| {
                     (deepest, overlaps) = (overlap.depth_um.max(deepest), overlaps + 1);
                     ControlFlow::Continue(())

@@ -48,11 +48,15 @@ pub struct Share {
 impl Share {
     /// Volume fraction of given grains; it also counts as the requested one.
     fn of_given(grains: &[Grain], pigment: usize, box_um3: f64) -> Self {
-        let own = grains.iter().filter(|g| g.pigment == pigment);
-        let fraction = own.clone().map(|g| g.volume_um3).sum::<f64>() / box_um3;
-        let (requested_fraction, achieved_fraction) = (fraction, fraction);
-        let grains = own.count();
-        Self { requested_fraction, achieved_fraction, fraction_error: 0.0, grains, size_factor: 1.0 }
+        let of_pigment = grains.iter().filter(|g| g.pigment == pigment);
+        let fraction = of_pigment.clone().map(|g| g.volume_um3).sum::<f64>() / box_um3;
+        Self {
+            requested_fraction: fraction,
+            achieved_fraction: fraction,
+            fraction_error: 0.0,
+            grains: of_pigment.count(),
+            size_factor: 1.0,
+        }
     }
 }
 
@@ -79,9 +83,16 @@ pub struct PackingAccount {
 
 impl PackingAccount {
     pub(crate) fn new(method: Method, request: &PackingRequest) -> Self {
-        let (seed, stream, notes) = (request.seed, request.stream, Vec::new());
-        let (acceptance, smallest_gap_um) = (None, None);
-        Self { method, seed, stream, steps: 0, sweeps: 0, acceptance, smallest_gap_um, notes }
+        Self {
+            method,
+            seed: request.seed,
+            stream: request.stream,
+            steps: 0,
+            sweeps: 0,
+            acceptance: None,
+            smallest_gap_um: None,
+            notes: Vec::new(),
+        }
     }
 }
 
@@ -134,12 +145,15 @@ impl Packing {
 
     /// The given grains of a request's realisation, if it has any.
     pub(crate) fn given(request: &PackingRequest) -> Option<Result<Self, PackError>> {
-        let (cut, [lx, ly]) = (usize::try_from(request.stream).ok()?, request.period_um);
-        let (grains, method) = match request.voxels.get(cut) {
-            Some(voxels) => (voxels.grains([lx, ly, request.thickness_um]), Method::Voxels),
-            None => (request.given.get(cut)?.clone(), Method::Given),
-        };
-        Some(Self::placed_before(request, grains, request.pigments.len(), method))
+        let cut = usize::try_from(request.stream).ok()?;
+        let pigments = request.pigments.len();
+        if let Some(voxels) = request.voxels.get(cut) {
+            let [lx, ly] = request.period_um;
+            let grains = voxels.grains([lx, ly, request.thickness_um]);
+            return Some(Self::placed_before(request, grains, pigments, Method::Voxels));
+        }
+        let grains = request.given.get(cut)?.clone();
+        Some(Self::placed_before(request, grains, pigments, Method::Given))
     }
 
     /// Given grains of `kinds` pigments in a request's cell.
@@ -161,11 +175,22 @@ impl Packing {
         shares: Vec<Share>,
         mut account: PackingAccount,
     ) -> Result<Self, PackError> {
-        let (period_um, thickness_um, walls) = (request.period_um, request.thickness_um, request.walls);
+        let period_um = request.period_um;
+        let thickness_um = request.thickness_um;
+        let walls = request.walls;
         let size_um = [period_um[0], period_um[1], thickness_um];
         account.smallest_gap_um = overlap::smallest_gap(size_um, walls, &grains)?;
-        let (cut, relief, shells_um) = (false, None, Vec::new());
-        let bare = Self { period_um, thickness_um, walls, cut, grains, shares, account, relief, shells_um };
+        let bare = Self {
+            period_um,
+            thickness_um,
+            walls,
+            cut: false,
+            grains,
+            shares,
+            account,
+            relief: None,
+            shells_um: Vec::new(),
+        };
         bare.with_shells(request.shells_um())
     }
 
@@ -237,7 +262,8 @@ impl Packing {
         let first =
             self.shells_um.len() + self.shells_um[..grain.pigment].iter().map(Vec::len).sum::<usize>();
         let layers = shell.iter().enumerate().rev().map(|(i, &thickness)| (first + i, thickness));
-        let (mut depth, mut bodies) = (0.0, Vec::with_capacity(shell.len() + 1));
+        let mut depth = 0.0;
+        let mut bodies = Vec::with_capacity(shell.len() + 1);
         for (material, thickness) in layers.chain([(grain.pigment, 0.0)]) {
             let solid = grain.solid.as_ref().map(|solid| solid.inset(depth));
             let spheres = match &solid {

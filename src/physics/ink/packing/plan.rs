@@ -13,7 +13,7 @@ use std::ops::Range;
 
 /// A rigid body in its own frame: one grain, or the grains of one agglomerate.
 #[derive(Clone, Debug)]
-pub(crate) struct GrainSpheres {
+pub(crate) struct RigidBody {
     pub pigment: usize,
     /// The spheres of the body, or the one around a convex body.
     pub spheres: Vec<Sphere>,
@@ -38,7 +38,7 @@ pub(crate) struct Part {
 pub(crate) struct PackingPlan<'r> {
     pub request: &'r PackingRequest,
     pub cell: CellBox,
-    pub bodies: Vec<GrainSpheres>,
+    pub bodies: Vec<RigidBody>,
     pub fields: Vec<Option<AxisField>>,
     pub shares: Vec<Share>,
     /// Notes to the user about a cell that is too small.
@@ -50,9 +50,14 @@ impl<'r> PackingPlan<'r> {
     pub fn new(request: &'r PackingRequest, draws: &mut Draws) -> Result<Self, PackError> {
         request.check()?;
         let cell = CellBox::new(request.period_um, request.thickness_um, request.walls);
-        let fields = request.pigments.iter().map(|p| p.orientation.field()).collect();
-        let (bodies, shares, notes) = (Vec::new(), Vec::new(), Vec::new());
-        let mut plan = Self { request, cell, bodies, fields, shares, notes };
+        let mut plan = Self {
+            request,
+            cell,
+            bodies: Vec::new(),
+            fields: request.pigments.iter().map(|p| p.orientation.field()).collect(),
+            shares: Vec::new(),
+            notes: Vec::new(),
+        };
         let room_um3 = request.window_um3();
         for (k, pigment) in request.pigments.iter().enumerate() {
             let template = pigment.shape.template();
@@ -72,9 +77,14 @@ impl<'r> PackingPlan<'r> {
 
     /// The plan with fewer bodies in the same cell.
     pub fn subset(&self, kept: impl Iterator<Item = usize>) -> Self {
-        let bodies = kept.map(|b| self.bodies[b].clone()).collect();
-        let (fields, shares) = (self.fields.clone(), self.shares.clone());
-        Self { request: self.request, cell: self.cell, bodies, fields, shares, notes: Vec::new() }
+        Self {
+            request: self.request,
+            cell: self.cell,
+            bodies: kept.map(|b| self.bodies[b].clone()).collect(),
+            fields: self.fields.clone(),
+            shares: self.shares.clone(),
+            notes: Vec::new(),
+        }
     }
 
     /// A random rotation of body b, in its field if it has one.
@@ -93,17 +103,23 @@ impl<'r> PackingPlan<'r> {
     /// Volume fraction and number of the grains of the first `placed` bodies.
     pub fn reached(&self, placed: usize) -> Reached {
         let bodies = &self.bodies[..placed];
-        let volumes = bodies.iter().map(|body| body.parts.iter().map(|p| p.volume_um3).sum::<f64>());
-        let volume = volumes.fold(0.0, |sum, own| sum + own);
+        let volume_of = |body: &RigidBody| body.parts.iter().map(|p| p.volume_um3).sum::<f64>();
+        let volume = bodies.iter().map(volume_of).fold(0.0, |sum, volume| sum + volume);
         let grains = bodies.iter().map(|b| b.parts.len()).sum();
         Reached { fraction: volume / self.cell.size.iter().product::<f64>(), grains }
     }
 
     /// What the watch hears when the first `placed` bodies are in place.
     pub fn progress(&self, stage: &'static str, step: u64, placed: usize) -> PackProgress {
-        let Reached { fraction, grains: grains_placed } = self.reached(placed);
-        let (grains_wanted, rest) = (self.whole().grains, PackProgress::default());
-        PackProgress { stage, step, grains_placed, grains_wanted, fraction, ..rest }
+        let reached = self.reached(placed);
+        PackProgress {
+            stage,
+            step,
+            grains_placed: reached.grains,
+            grains_wanted: self.whole().grains,
+            fraction: reached.fraction,
+            ..PackProgress::default()
+        }
     }
 
     /// Total pigment volume over cell volume, and number of all grains.
@@ -112,10 +128,12 @@ impl<'r> PackingPlan<'r> {
     }
 }
 
-impl GrainSpheres {
+impl RigidBody {
     /// A body of grains in its frame.
     fn new(pigment: usize, grains: Vec<PlacedGrain>) -> Self {
-        let (mut spheres, mut solids, mut parts) = (Vec::new(), Vec::new(), Vec::new());
+        let mut spheres = Vec::new();
+        let mut solids = Vec::new();
+        let mut parts = Vec::new();
         for grain in grains {
             let start = spheres.len();
             spheres.extend(grain.spheres);
@@ -136,6 +154,11 @@ impl GrainSpheres {
         end(n).fold(f64::MIN, f64::max) + end(scale(n, -1.0)).fold(f64::MIN, f64::max)
     }
 
+    /// Axes of the grains of the body as rotated.
+    pub fn axes(&self, rotation: Rotation) -> impl Iterator<Item = V3> + '_ {
+        self.parts.iter().map(move |part| rotation.turn(part.axis))
+    }
+
     pub fn single_sphere(&self) -> bool {
         self.solids.is_empty() && self.spheres.len() == 1 && self.spheres[0].center_um == [0.0; 3]
     }
@@ -150,11 +173,11 @@ fn widest(request: &PackingRequest) -> f64 {
 impl PackingRequest {
     /// Largest extent of a grain, µm; infinite with agglomerates, whose size is a matter of chance.
     pub fn widest_body_um(&self) -> f64 {
-        let of = |pigment: &PigmentGrains| match pigment.agglomeration {
+        let widest = |pigment: &PigmentGrains| match pigment.agglomeration {
             Some(_) => f64::INFINITY,
             None => largest_extent_um(pigment, &pigment.shape.template()),
         };
-        self.pigments.iter().map(of).fold(0.0, f64::max)
+        self.pigments.iter().map(widest).fold(0.0, f64::max)
     }
 }
 
@@ -173,7 +196,7 @@ fn check_size(request: &PackingRequest, k: usize, p: &PigmentGrains, t: &Templat
     PackError::unless(extent <= widest(request), &field, found, allowed, remedy)?;
     let thin = match &t.form {
         Some(form) => 2.0 * radius * form.thin_um(),
-        None => thinnest(&GrainSpheres::new(k, vec![t.grain(radius)])),
+        None => thinnest(&RigidBody::new(k, vec![t.grain(radius)])),
     };
     let found = format!("{:.1} nm thick for the largest grain", 1e3 * thin);
     let allowed = format!("at most the layer, {:.1} nm", 1e3 * request.thickness_um);
@@ -186,7 +209,7 @@ const DIRECTIONS: usize = 400;
 
 /// Smallest extent over a fine sampling of the half sphere: the least thickness of layer that can
 /// hold the grain.
-fn thinnest(body: &GrainSpheres) -> f64 {
+fn thinnest(body: &RigidBody) -> f64 {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     (0..DIRECTIONS).map(direction).chain(axes).map(|n| body.extent(n)).fold(f64::MAX, f64::min)
 }
@@ -196,9 +219,9 @@ fn thinnest(body: &GrainSpheres) -> f64 {
 fn direction(i: usize) -> V3 {
     let golden = std::f64::consts::PI * (3.0 - 5f64.sqrt());
     let z = (i as f64 + 0.5) / DIRECTIONS as f64;
-    let (s, c) = (golden * i as f64).sin_cos();
+    let (sine, cosine) = (golden * i as f64).sin_cos();
     let planar = (1.0 - z * z).sqrt();
-    [planar * c, planar * s, z]
+    [planar * cosine, planar * sine, z]
 }
 
 /// Glues the requested fraction of the grains into agglomerates, in the order of drawing.
@@ -207,13 +230,13 @@ fn group(
     request: &PackingRequest,
     mut grains: Vec<PlacedGrain>,
     draws: &mut Draws,
-) -> Result<Vec<GrainSpheres>, PackError> {
-    let alone = |grain| GrainSpheres::new(k, vec![grain]);
+) -> Result<Vec<RigidBody>, PackError> {
+    let alone = |grain| RigidBody::new(k, vec![grain]);
     let Some(rule) = &request.pigments[k].agglomeration else {
         return Ok(grains.into_iter().map(alone).collect());
     };
     let sticky = (rule.degree * grains.len() as f64).round() as usize;
-    let mut bodies: Vec<GrainSpheres> = grains.split_off(sticky).into_iter().map(alone).collect();
+    let mut bodies: Vec<RigidBody> = grains.split_off(sticky).into_iter().map(alone).collect();
     let mut left = grains.as_slice();
     while !left.is_empty() {
         let (members, rest) = left.split_at(rule.draw_count(draws).min(left.len()));
@@ -232,10 +255,10 @@ fn agglomerate(
     rule: &Agglomeration,
     members: &[PlacedGrain],
     draws: &mut Draws,
-) -> Result<GrainSpheres, PackError> {
+) -> Result<RigidBody, PackError> {
     let mut best = f64::MAX;
     for _ in 0..DRAWS_OF_AGGLOMERATE {
-        let body = GrainSpheres::new(k, rule.join(members, draws));
+        let body = RigidBody::new(k, rule.join(members, draws));
         let thick = if request.walls { thinnest(&body) } else { 0.0 };
         if 2.0 * body.reach <= widest(request) && thick <= request.thickness_um {
             return Ok(body);

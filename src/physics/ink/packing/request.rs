@@ -250,7 +250,8 @@ impl PackingRequest {
     /// Checks every number that can be checked before grains are drawn.
     pub fn check(&self) -> Result<(), PackError> {
         let lengths = [self.period_um[0], self.period_um[1], self.thickness_um];
-        let (sound, found) = (are_lengths(lengths), format!("{lengths:?} µm"));
+        let sound = are_lengths(lengths);
+        let found = format!("{lengths:?} µm");
         PackError::unless(sound, "period_um and thickness_um", found, "finite, above 0", "set the cell")?;
         self.pigments.iter().enumerate().try_for_each(|(k, pigment)| check_pigment(k, pigment))?;
         let total: f64 = self.pigments.iter().map(|p| p.volume_fraction).sum();
@@ -288,7 +289,8 @@ pub(super) fn are_lengths(sides: [f64; 3]) -> bool {
 const FCC: f64 = 0.740_480_489_693_061;
 
 fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
-    let (share, field) = (pigment.volume_fraction, format!("pigment[{k}].volume_fraction"));
+    let share = pigment.volume_fraction;
+    let field = format!("pigment[{k}].volume_fraction");
     let remedy = "give a fraction of the layer's volume, not a percentage";
     PackError::unless((0.0..=1.0).contains(&share), field, share, "0 to 1", remedy)?;
     let fractal = pigment.agglomeration.as_ref().is_some_and(|rule| rule.fractal.is_some());

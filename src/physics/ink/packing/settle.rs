@@ -31,14 +31,16 @@ impl HeightColumns {
         let height = |z: f64| if face == RoughFace::Incident { thickness - z } else { z };
         for s in spheres() {
             let [x, y, z] = s.center_um;
-            columns.add([x, y].map(|c| [c - s.radius_um, c + s.radius_um]), |at| {
-                let (dx, dy) = (at[0] - x, at[1] - y);
-                let square = s.radius_um * s.radius_um - dx * dx - dy * dy;
+            let r = s.radius_um;
+            columns.add([x - r, x + r], [y - r, y + r], |column_x, column_y| {
+                let dx = column_x - x;
+                let dy = column_y - y;
+                let square = r * r - dx * dx - dy * dy;
                 (square > 0.0).then(|| [height(z) - square.sqrt(), height(z) + square.sqrt()])
             });
         }
         for solid in solids() {
-            columns.add([0, 1].map(|axis| solid.extent_um(axis)), |[x, y]| {
+            columns.add(solid.extent_um(0), solid.extent_um(1), |x, y| {
                 let [a, b] = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0])?.map(height);
                 Some([a.min(b), a.max(b)])
             });
@@ -48,27 +50,27 @@ impl HeightColumns {
     }
 
     /// Adds a grain of the given extents along x and y, with its interval of height at a position.
-    fn add(&mut self, extents_um: [[f64; 2]; 2], interval: impl Fn([f64; 2]) -> Option<[f64; 2]>) {
-        let count = self.count;
-        let pitch = [0, 1].map(|axis| self.period_um[axis] / count[axis] as f64);
-        let [columns, rows] = [0, 1].map(|axis| {
-            let [low, high] = extents_um[axis].map(|end| end / pitch[axis]);
-            low.ceil() as i64..=high.floor() as i64
-        });
-        for j in rows {
-            for i in columns.clone() {
-                let column = [i.rem_euclid(count[0] as i64), j.rem_euclid(count[1] as i64)];
-                let place = column[1] as usize * count[0] + column[0] as usize;
-                self.pigment[place].extend(interval([i as f64 * pitch[0], j as f64 * pitch[1]]));
+    fn add(&mut self, x_um: [f64; 2], y_um: [f64; 2], interval: impl Fn(f64, f64) -> Option<[f64; 2]>) {
+        let [nx, ny] = self.count;
+        let pitch_x = self.period_um[0] / nx as f64;
+        let pitch_y = self.period_um[1] / ny as f64;
+        for j in within(y_um, pitch_y) {
+            for i in within(x_um, pitch_x) {
+                let column = i.rem_euclid(nx as i64) as usize;
+                let row = j.rem_euclid(ny as i64) as usize;
+                self.pigment[row * nx + column].extend(interval(i as f64 * pitch_x, j as f64 * pitch_y));
             }
         }
     }
 
     /// Periodic Gaussian filter of a function on the columns.
     fn smoothed(&self, values: &[f64], sigma_um: f64) -> Vec<f64> {
-        let ([nx, ny], [lx, ly]) = (self.count, self.period_um);
-        let in_x = smoothed(values, [nx, 1], [ny, nx], sigma_um * nx as f64 / lx);
-        smoothed(&in_x, [ny, nx], [nx, 1], sigma_um * ny as f64 / ly)
+        let [nx, ny] = self.count;
+        let [lx, ly] = self.period_um;
+        let along_x = AxisLines { points: nx, stride: 1, lines: ny, line_stride: nx };
+        let along_y = AxisLines { points: ny, stride: nx, lines: nx, line_stride: 1 };
+        let smooth_in_x = along_x.smoothed(values, sigma_um * nx as f64 / lx);
+        along_y.smoothed(&smooth_in_x, sigma_um * ny as f64 / ly)
     }
 
     /// Gaussian heights of standard deviation `rms_um` with the autocorrelation exp(−r²/ℓ²) and no
@@ -90,12 +92,18 @@ impl HeightColumns {
 
     /// Mean over columns of the pigment's length below the surface.
     fn pigment_below(&self, surface: impl Fn(usize) -> f64) -> f64 {
-        let below = |(k, column): (usize, &Vec<[f64; 2]>)| {
+        let below = |k: usize| {
             let top = surface(k);
-            column.iter().map(|c| (c[1].min(top) - c[0]).max(0.0)).sum::<f64>()
+            self.pigment[k].iter().map(|c| (c[1].min(top) - c[0]).max(0.0)).sum::<f64>()
         };
-        self.pigment.iter().enumerate().map(below).sum::<f64>() / self.pigment.len() as f64
+        (0..self.pigment.len()).map(below).sum::<f64>() / self.pigment.len() as f64
     }
+}
+
+/// Numbers of the columns within an interval.
+fn within(interval_um: [f64; 2], pitch_um: f64) -> std::ops::RangeInclusive<i64> {
+    let [low, high] = interval_um;
+    (low / pitch_um).ceil() as i64..=(high / pitch_um).floor() as i64
 }
 
 /// The binder's surface over a packing.
@@ -148,22 +156,35 @@ fn bisect(f: impl Fn(f64) -> f64, target: f64, mut low: f64, mut high: f64) -> f
     0.5 * (low + high)
 }
 
-/// Periodic Gaussian filter along one axis of `n` points with stride `along`, for `lines` lines
-/// `apart` from each other.
-fn smoothed(values: &[f64], [n, along]: [usize; 2], [lines, apart]: [usize; 2], sigma: f64) -> Vec<f64> {
-    let reach = ((4.0 * sigma).ceil() as usize).min(n / 2);
-    let weight = |k: usize| if k == 0 { 1.0 } else { (-0.5 * (k as f64 / sigma).powi(2)).exp() };
-    let weights: Vec<f64> = (0..=reach).map(weight).collect();
-    let total = weights[0] + 2.0 * weights[1..].iter().sum::<f64>();
-    let mut out = vec![0.0; values.len()];
-    for line in 0..lines {
-        let at = |i: usize| values[line * apart + (i % n) * along];
-        for i in 0..n {
-            let both = |k: usize| weights[k] * (at(i + k) + at(i + n - k));
-            out[line * apart + i * along] = (weights[0] * at(i) + (1..=reach).map(both).sum::<f64>()) / total;
+/// The lines of a grid along one of its axes.
+struct AxisLines {
+    /// Points of a line, and how far apart they are stored.
+    points: usize,
+    stride: usize,
+    /// Lines, and how far apart their first points are stored.
+    lines: usize,
+    line_stride: usize,
+}
+
+impl AxisLines {
+    /// Periodic Gaussian filter along the lines; `sigma` in points.
+    fn smoothed(&self, values: &[f64], sigma: f64) -> Vec<f64> {
+        let n = self.points;
+        let reach = ((4.0 * sigma).ceil() as usize).min(n / 2);
+        let weight = |k: usize| if k == 0 { 1.0 } else { (-0.5 * (k as f64 / sigma).powi(2)).exp() };
+        let weights: Vec<f64> = (0..=reach).map(weight).collect();
+        let total = weights[0] + 2.0 * weights[1..].iter().sum::<f64>();
+        let mut out = vec![0.0; values.len()];
+        for line in 0..self.lines {
+            let index = |i: usize| line * self.line_stride + (i % n) * self.stride;
+            for i in 0..n {
+                let both = |k: usize| weights[k] * (values[index(i + k)] + values[index(i + n - k)]);
+                let sum = weights[0] * values[index(i)] + (1..=reach).map(both).sum::<f64>();
+                out[index(i)] = sum / total;
+            }
         }
+        out
     }
-    out
 }
 
 #[cfg(test)]
@@ -193,7 +214,8 @@ mod tests {
         let following = ReliefRule::Following { follow: 0.6, smoothing_um: 0.1 };
         let boxes = PigmentGrains::of(Shape::Box { edges: [1.0, 1.5, 0.8] }, 250.0, 0.35);
         let spheres = || PigmentGrains::spheres(250.0, 0.4);
-        let [above, below] = [RoughFace::Incident, RoughFace::Exit];
+        let above = RoughFace::Incident;
+        let below = RoughFace::Exit;
         for (grains, rule, face) in
             [(spheres(), ReliefRule::Flat, above), (spheres(), following, below), (boxes, following, above)]
         {
@@ -233,7 +255,8 @@ mod tests {
     /// of ℓ/2, or heights that keep their mean.
     #[test]
     fn a_random_surface_has_its_height_and_correlation_length() {
-        let (rms, length) = (0.04, 0.2);
+        let rms = 0.04;
+        let length = 0.2;
         let [mut squares, mut products, mut means] = [0.0; 3];
         for stream in 0..24 {
             let rule = ReliefRule::Random { rms_um: rms, correlation_um: length };
@@ -247,7 +270,8 @@ mod tests {
             };
             let packing = pack(&request, &mut ()).unwrap();
             let relief = packing.relief().unwrap();
-            let (level, [nx, ny]) = (relief.mean_height_um(), relief.count);
+            let level = relief.mean_height_um();
+            let [nx, ny] = relief.count;
             let apart = (length * nx as f64 / 2.0).round() as usize;
             let at = |i: usize, j: usize| relief.heights_um[j * nx + i % nx] - level;
             let pairs = (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j)));
@@ -261,7 +285,8 @@ mod tests {
         // 24 surfaces of (2 µm)²/(π ℓ²/2) = 64 independent spots: √(2/1500) = 4 % of the variance,
         // three times; heights are cut off at 7 standard deviations
         assert!((squares / rms.powi(2) - 1.0).abs() < 0.12, "{}", squares.sqrt());
-        let [expected, found] = [(-1.0_f64).exp(), products / squares];
+        let expected = (-1.0_f64).exp();
+        let found = products / squares;
         assert!((found - expected).abs() < 0.08, "{found} against {expected}");
         assert!((means - 0.7).abs() < 0.01, "{means}: the dry volume");
     }

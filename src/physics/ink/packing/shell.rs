@@ -46,7 +46,8 @@ impl PigmentGrains {
     /// Checks that a core remains in the grain of this thickest radius.
     pub(super) fn check_core(&self, k: usize, template: &Template, radius_um: f64) -> Result<(), PackError> {
         let deepest = deepest_um(&template.spheres, template.form.as_ref());
-        let (layers, most) = (self.shell_nm.iter().sum::<f64>(), 1e3 * radius_um * deepest);
+        let layers = self.shell_nm.iter().sum::<f64>();
+        let most = 1e3 * radius_um * deepest;
         if layers < most {
             return Ok(());
         }
@@ -80,7 +81,8 @@ impl PigmentGrains {
     /// Adds the volumes of the core and the layers of a grain of this thickest radius.
     fn add_volumes(&self, template: &Template, radius_um: f64, volumes: &mut [f64]) {
         let grain = template.grain(radius_um);
-        let (mut outer, mut depth) = (grain.volume_um3, 0.0);
+        let mut outer = grain.volume_um3;
+        let mut depth = 0.0;
         for (i, thickness) in self.shell_nm.iter().enumerate().rev() {
             depth += 1e-3 * thickness;
             let inner = match &grain.solid {
@@ -113,8 +115,11 @@ impl Form {
 
     /// The core inside layers of this thickness, which must be below [`Form::deepest_um`].
     pub fn inset(&self, depth_um: f64) -> Form {
-        let moved = |(c, s): (&[f64; 2], [f64; 2])| [c[0] + depth_um * s[0], c[1] + depth_um * s[1]];
-        self.resized(|x| x - depth_um, |corners| corners.iter().zip(shifts(corners)).map(moved).collect())
+        let inset_corners = |corners: &[[f64; 2]]| {
+            let with_shifts = corners.iter().zip(shifts(corners));
+            with_shifts.map(|(c, s)| [c[0] + depth_um * s[0], c[1] + depth_um * s[1]]).collect()
+        };
+        self.resized(|x| x - depth_um, inset_corners)
     }
 }
 
@@ -122,7 +127,8 @@ impl Form {
 fn shifts(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let normals: Vec<V3> = edges(corners).map(|(a, b)| outward(a, b)).collect();
     let before = normals.iter().cycle().skip(normals.len() - 1);
-    before.zip(&normals).map(|(p, q)| [0, 1].map(|axis| -(p[axis] + q[axis]) / (1.0 + dot(*p, *q)))).collect()
+    let shift = |p: &V3, q: &V3| [0, 1].map(|axis| -(p[axis] + q[axis]) / (1.0 + dot(*p, *q)));
+    before.zip(&normals).map(|(p, q)| shift(p, q)).collect()
 }
 
 impl Solid {

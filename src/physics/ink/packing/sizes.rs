@@ -37,7 +37,7 @@ impl PigmentGrains {
         volume: f64,
         draws: &mut Draws,
     ) -> Result<(Vec<f64>, Share), PackError> {
-        let (requested_fraction, target) = (self.volume_fraction, self.volume_fraction * volume);
+        let target = self.volume_fraction * volume;
         let drawn = if self.size.has_spread() { Self::of_a_law } else { Self::alike };
         let mut radii = drawn(self, template, target, draws)?;
         let sum = radii.iter().fold(0.0, |sum, radius| sum + template.volume.um3 * radius.powi(3));
@@ -46,21 +46,28 @@ impl PigmentGrains {
         radii.iter_mut().for_each(|r| *r *= size_factor);
         let achieved_fraction = sum * size_factor.powi(3) / volume;
         let fraction_error = achieved_fraction * template.volume.error_um3 / template.volume.um3;
-        let grains = radii.len();
-        Ok((radii, Share { requested_fraction, achieved_fraction, fraction_error, grains, size_factor }))
+        let share = Share {
+            requested_fraction: self.volume_fraction,
+            achieved_fraction,
+            fraction_error,
+            grains: radii.len(),
+            size_factor,
+        };
+        Ok((radii, share))
     }
 
     /// Grains of one size: the number nearest to the volume.
     fn alike(&self, template: &Template, target: f64, draws: &mut Draws) -> Result<Vec<f64>, PackError> {
-        let (mut radii, mut sum) = (Vec::new(), 0.0);
+        let mut radii = Vec::new();
+        let mut sum = 0.0;
         while sum < target {
             let radius = self.size.radius_um(self.size.draw_nm(draws), template);
-            let own = template.volume.um3 * radius.powi(3);
-            if sum + own - target > target - sum {
+            let um3 = template.volume.um3 * radius.powi(3);
+            if sum + um3 - target > target - sum {
                 break;
             }
             radii.push(radius);
-            sum += own;
+            sum += um3;
             if radii.len() > MOST_GRAINS {
                 return Err(too_many(format!("radius {radius} µm")));
             }
@@ -73,16 +80,18 @@ impl PigmentGrains {
     /// distribution with σ = 0.5, the mean volume at 5 grains per cell would be 0.69 of the
     /// distribution's.
     fn of_a_law(&self, template: &Template, target: f64, draws: &mut Draws) -> Result<Vec<f64>, PackError> {
-        let wanted = target / self.mean_um3(template);
-        if wanted.is_nan() || wanted > MOST_GRAINS as f64 {
-            return Err(too_many(format!("{wanted:.1e} grains")));
+        let expected = target / self.mean_um3(template);
+        if expected.is_nan() || expected > MOST_GRAINS as f64 {
+            return Err(too_many(format!("{expected:.1e} grains")));
         }
         // The fraction is met in the mean over cells; only a fraction of one grain is rounded, as
         // for grains of one size.
-        let count = match wanted {
-            w if w < LEAST_GRAINS => 0,
-            w if w < 1.0 => 1,
-            w => w as usize + usize::from(draws.uniform() < w.fract()),
+        let count = if expected < LEAST_GRAINS {
+            0
+        } else if expected < 1.0 {
+            1
+        } else {
+            expected as usize + usize::from(draws.uniform() < expected.fract())
         };
         let sizes = self.size.strata_nm(count, draws);
         Ok(sizes.into_iter().map(|nm| self.size.radius_um(nm, template)).collect())
@@ -93,7 +102,8 @@ impl PigmentGrains {
         if !sizes.is_empty() || self.volume_fraction == 0.0 {
             return Ok(());
         }
-        let (field, found) = (format!("pigment[{k}].volume_fraction"), format!("{:?}", self.volume_fraction));
+        let field = format!("pigment[{k}].volume_fraction");
+        let found = format!("{:?}", self.volume_fraction);
         let allowed = too_few_grains(self.least_share(volume_um3), "the cell");
         Err(PackError::input(field, found, allowed, MORE_ROOM))
     }

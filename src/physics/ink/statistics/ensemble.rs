@@ -38,8 +38,12 @@ pub struct Statistics {
 
 /// Statistics over realisations of one request; empty without realisations.
 pub fn gather(packings: &[Packing]) -> Statistics {
-    let (curves, scalars, remarks) = (Vec::new(), Vec::new(), Vec::new());
-    let mut all = Statistics { realisations: packings.len(), curves, scalars, remarks };
+    let mut all = Statistics {
+        realisations: packings.len(),
+        curves: Vec::new(),
+        scalars: Vec::new(),
+        remarks: Vec::new(),
+    };
     let Some(first) = packings.first().filter(|p| !p.grains().is_empty()) else { return all };
     let d = mean_diameter_um(first);
     // Boxes of voxels have no centres that mean anything.
@@ -114,7 +118,8 @@ fn curve(name: &str, x_label: &str, y_label: &str, x: Vec<f64>, y: Vec<Estimate>
 fn nearest(pairs: &[PairStatistics]) -> StatisticCurve {
     const CLASSES: usize = 40;
     let all = || pairs.iter().flat_map(|p| &p.nearest_um).copied().filter(|r| r.is_finite());
-    let (low, high) = all().fold((f64::MAX, 0.0), |(l, h): (f64, f64), r| (l.min(r), h.max(r)));
+    let low = all().fold(f64::MAX, f64::min);
+    let high = all().fold(0.0, f64::max);
     let width = ((high - low) / CLASSES as f64).max(1e-9);
     let density = |p: &PairStatistics, i: usize| {
         let class = |r: &&f64| (((**r - low) / width) as usize).min(CLASSES - 1) == i && r.is_finite();
@@ -145,7 +150,8 @@ fn profiles(sections: &[SectionStatistics]) -> Vec<StatisticCurve> {
     let mut curves = vec![curve("profile", label, "volume fraction φ(z)", z.clone(), total)];
     let pigments = sections[0].profile.len();
     for k in (0..pigments).filter(|_| pigments > 1) {
-        let (name, y_label) = (format!("profile_pigment_{k}"), format!("φ(z) of pigment {k}"));
+        let name = format!("profile_pigment_{k}");
+        let y_label = format!("φ(z) of pigment {k}");
         let y = pointwise(sections, z.len(), |s, i| s.profile[k][i]);
         curves.push(curve(&name, label, &y_label, z.clone(), y));
     }
@@ -256,7 +262,8 @@ mod tests {
             Packing::from_grains([period; 2], 1.0, true, vec![Grain::new(vec![sphere], 0)]).unwrap()
         };
         let curve = |periods: [f64; 2]| gather(&periods.map(packing)).curves[2].x.clone();
-        let (smaller_last, smaller_first) = (curve([1.6, 1.2]), curve([1.2, 1.6]));
+        let smaller_last = curve([1.6, 1.2]);
+        let smaller_first = curve([1.2, 1.6]);
         assert_eq!(smaller_last, smaller_first);
         assert!((smaller_last.last().unwrap() - 0.6).abs() < 0.02, "{smaller_last:?}");
     }

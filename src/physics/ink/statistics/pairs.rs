@@ -1,6 +1,6 @@
 //! Pairs of grain centres: pair correlation g(r) and nearest neighbours.
 
-use crate::ink::packing::cell::{Buckets, CellBox};
+use crate::ink::packing::cell::{CellBox, CellGrid};
 use crate::ink::{Grain, Packing};
 use crate::numerics::vector::{V3, norm};
 use std::f64::consts::PI;
@@ -86,7 +86,7 @@ fn count(cell: &CellBox, centres: &[V3], edges: &[f64], width: f64) -> (Vec<f64>
     let furthest = edges.last().copied().unwrap_or(0.0).max(width);
     let mut counts = vec![0.0; edges.len().saturating_sub(1)];
     let mut nearest = vec![f64::INFINITY; centres.len()];
-    let mut grid = Buckets::new(cell, furthest, centres.len());
+    let mut grid = CellGrid::new(cell, furthest, centres.len());
     for (i, p) in centres.iter().enumerate() {
         for j in grid.around(grid.cell_of(*p)) {
             let r = norm(cell.delta(*p, centres[j]));
@@ -107,7 +107,7 @@ fn count_sampled(cell: &CellBox, centres: &[V3], step: usize, edges: &[f64]) -> 
     let width = edges.get(1).copied().unwrap_or(1.0);
     let furthest = edges.last().copied().unwrap_or(0.0).max(width);
     let mut counts = vec![0.0; edges.len().saturating_sub(1)];
-    let mut grid = Buckets::new(cell, furthest, centres.len());
+    let mut grid = CellGrid::new(cell, furthest, centres.len());
     centres.iter().enumerate().for_each(|(i, p)| grid.insert(i, *p));
     let mut nearest = vec![0.0; centres.len()];
     for i in (0..centres.len()).step_by(step) {
@@ -134,7 +134,7 @@ fn seek_further(cell: &CellBox, centres: &[V3], known: f64, nearest: &mut [f64])
             return;
         }
         reach *= 2.0;
-        let mut grid = Buckets::new(cell, reach, centres.len());
+        let mut grid = CellGrid::new(cell, reach, centres.len());
         centres.iter().enumerate().for_each(|(i, p)| grid.insert(i, *p));
         for i in alone {
             let others = grid.around(grid.cell_of(centres[i])).filter(|j| *j != i);
@@ -223,7 +223,8 @@ mod tests {
     #[test]
     fn an_ideal_gas_between_walls_has_no_correlation() {
         let mut draws = Draws::new(2, 0);
-        let (radius_um, n) = (1e-5, 4000);
+        let radius_um = 1e-5;
+        let n = 4000;
         let mut point = |_| {
             let center_um = [draws.between(0.0, 2.0), draws.between(0.0, 2.0), draws.between(2e-5, 0.29998)];
             Grain::new(vec![Sphere { center_um, radius_um }], 0)

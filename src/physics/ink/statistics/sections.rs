@@ -69,7 +69,7 @@ pub fn section_statistics(
     let r_um: Vec<f64> = (0..=steps).map(|i| i as f64 * step_um).collect();
     let height = packing.thickness_um();
     let z_um: Vec<f64> = (0..planes).map(|k| (k as f64 + 0.5) * height / planes as f64).collect();
-    let mut found = SectionStatistics {
+    let mut statistics = SectionStatistics {
         profile: vec![vec![0.0; planes]; packing.shares().len()],
         s2_x: vec![0.0; r_um.len()],
         s2_y: vec![0.0; r_um.len()],
@@ -81,19 +81,19 @@ pub fn section_statistics(
     };
     let weight = 1.0 / planes as f64;
     for plane in 0..planes {
-        let discs = discs(packing, found.z_um[plane]);
-        for (pigment, profile) in found.profile.iter_mut().enumerate() {
+        let discs = discs(packing, statistics.z_um[plane]);
+        for (pigment, profile) in statistics.profile.iter_mut().enumerate() {
             profile[plane] = Lines::new(&discs, Some(pigment), period, spacing_um, 0).covered();
         }
         for axis in 0..2 {
             let lines = Lines::new(&discs, None, period, spacing_um, axis);
-            found.chords_per_um[axis] += weight * lines.chords_per_um();
-            let s2 = if axis == 0 { &mut found.s2_x } else { &mut found.s2_y };
-            s2.iter_mut().zip(&found.r_um).for_each(|(s, r)| *s += weight * lines.both_ends(*r));
+            statistics.chords_per_um[axis] += weight * lines.chords_per_um();
+            let s2 = if axis == 0 { &mut statistics.s2_x } else { &mut statistics.s2_y };
+            s2.iter_mut().zip(&statistics.r_um).for_each(|(s, r)| *s += weight * lines.both_ends(*r));
         }
     }
-    found.mean_square_profile = found.total_profile().iter().map(|p| p * p).sum::<f64>() * weight;
-    found
+    statistics.mean_square_profile = statistics.total_profile().iter().map(|p| p * p).sum::<f64>() * weight;
+    statistics
 }
 
 /// A sphere cut by a plane, or the sphere around a convex body.
@@ -107,7 +107,8 @@ pub(crate) struct Disc<'a> {
 }
 
 pub(crate) fn discs(packing: &Packing, z: f64) -> Vec<Disc<'_>> {
-    let (height, ends) = (packing.thickness_um(), packing.walls() || packing.is_cut());
+    let height = packing.thickness_um();
+    let ends = packing.walls() || packing.is_cut();
     let mut discs = Vec::new();
     for grain in packing.grains() {
         for s in &grain.spheres {
@@ -132,7 +133,8 @@ impl Disc<'_> {
             let half = (self.radius * self.radius - miss * miss).max(0.0).sqrt();
             return Some([along - half, along + half]);
         };
-        let (mut from, mut direction) = ([along, self.centre[1 - axis] + miss, z], [0.0; 3]);
+        let mut from = [along, self.centre[1 - axis] + miss, z];
+        let mut direction = [0.0; 3];
         if axis == 1 {
             from.swap(0, 1);
         }
@@ -150,7 +152,8 @@ struct Lines {
 impl Lines {
     /// Lines along `axis` (0: x, 1: y), at the midpoints of equal strips.
     fn new(discs: &[Disc], pigment: Option<usize>, period: [f64; 2], spacing: f64, axis: usize) -> Self {
-        let (length, across) = (period[axis], period[1 - axis]);
+        let length = period[axis];
+        let across = period[1 - axis];
         let n = (across / spacing).ceil().max(1.0) as usize;
         let pitch = across / n as f64;
         let mut chords = vec![Vec::new(); n];
@@ -186,8 +189,8 @@ impl Lines {
     /// Fraction of the points x for which x and x + r are both covered.
     fn both_ends(&self, r: f64) -> f64 {
         let shifts = [r, r - self.length];
-        let own = |line: &Vec<[f64; 2]>| shifts.iter().map(|shift| overlap(line, *shift)).sum::<f64>();
-        let sum: f64 = self.chords.iter().map(own).sum();
+        let both = |line: &Vec<[f64; 2]>| shifts.iter().map(|shift| overlap(line, *shift)).sum::<f64>();
+        let sum: f64 = self.chords.iter().map(both).sum();
         sum / (self.length * self.chords.len() as f64)
     }
 }
@@ -209,7 +212,8 @@ fn overlap(line: &[[f64; 2]], shift: f64) -> f64 {
     let mut j = line.partition_point(|interval| interval[1] + shift <= low);
     let mut sum = 0.0;
     while i < line.len() && j < line.len() {
-        let (a, b) = (line[i], [line[j][0] + shift, line[j][1] + shift]);
+        let a = line[i];
+        let b = [line[j][0] + shift, line[j][1] + shift];
         sum += (a[1].min(b[1]) - a[0].max(b[0])).max(0.0);
         if a[1] < b[1] { i += 1 } else { j += 1 }
     }

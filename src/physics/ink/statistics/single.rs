@@ -20,8 +20,8 @@ pub struct OrientationTensor {
 
 /// The tensor of one pigment, or of all for `None`; the result is `None` without elongated grains.
 pub fn orientation_tensor(packing: &Packing, pigment: Option<usize>) -> Option<OrientationTensor> {
-    let own = packing.grains().iter().filter(|g| pigment.is_none_or(|k| k == g.pigment));
-    let elongated = own.filter(|g| g.solid.is_some() || g.spheres.len() > 1);
+    let grains = packing.grains().iter().filter(|g| pigment.is_none_or(|k| k == g.pigment));
+    let elongated = grains.filter(|g| g.solid.is_some() || g.spheres.len() > 1);
     let axes: Vec<[f64; 3]> = elongated.map(|g| g.axis).collect();
     let mean = |a: usize, b: usize| axes.iter().map(|u| u[a] * u[b]).sum::<f64>() / axes.len() as f64;
     let unit = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -68,16 +68,21 @@ impl ReachedSizes {
 /// weight, with linear interpolation between grains.
 fn percentile_nm(um3: &[f64], share: f64, weight: fn(f64) -> f64) -> f64 {
     let diameter = |volume: f64| 1e3 * (6.0 * volume / PI).cbrt();
-    let wanted = share * um3.iter().map(|v| weight(*v)).sum::<f64>();
-    let (mut below, mut last) = (0.0, None);
+    let target = share * um3.iter().map(|v| weight(*v)).sum::<f64>();
+    let mut below = 0.0;
+    // the grain before: middle of its weight, and diameter
+    let mut last: Option<(f64, f64)> = None;
     for &volume in um3 {
-        let (middle, here) = (below + 0.5 * weight(volume), diameter(volume));
-        if middle >= wanted {
-            return last.map_or(here, |(at, d): (f64, f64)| d + (here - d) * (wanted - at) / (middle - at));
+        let middle = below + 0.5 * weight(volume);
+        let nm = diameter(volume);
+        if middle >= target {
+            let Some((last_middle, last_nm)) = last else { return nm };
+            return last_nm + (nm - last_nm) * (target - last_middle) / (middle - last_middle);
         }
-        (below, last) = (below + weight(volume), Some((middle, here)));
+        below += weight(volume);
+        last = Some((middle, nm));
     }
-    last.map_or(0.0, |(_, d)| d)
+    last.map_or(0.0, |(_, nm)| nm)
 }
 
 /// Columns per side for what is beyond a relief.
@@ -108,8 +113,8 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
     for (pigment, shell) in packing.shells_um().iter().enumerate() {
         let materials = || (layers..layers + shell.len()).chain([pigment]);
         let sum: f64 = fractions.iter().flat_map(|slice| materials().map(|m| slice[m])).sum();
-        let wanted = dry * packing.achieved_fraction(pigment) * slices as f64;
-        let factor = if sum > 0.0 { wanted / sum } else { 0.0 };
+        let target = dry * packing.achieved_fraction(pigment) * slices as f64;
+        let factor = if sum > 0.0 { target / sum } else { 0.0 };
         fractions.iter_mut().for_each(|slice| materials().for_each(|m| slice[m] *= factor));
         layers += shell.len();
     }
@@ -124,9 +129,10 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
 
 /// Fraction of each slice beyond the binder's surface, without regard to grains.
 fn beyond_surface(packing: &Packing, slices: usize, height: f64) -> Vec<f64> {
-    let [xs, ys] =
-        packing.period_um().map(|l| (0..COLUMNS).map(move |i| l * (i as f64 + 0.5) / COLUMNS as f64));
-    let filled: Vec<[f64; 2]> = ys.flat_map(|y| xs.clone().map(move |x| packing.filled_um(x, y))).collect();
+    let [lx, ly] = packing.period_um();
+    let place = |i: usize, period: f64| period * (i as f64 + 0.5) / COLUMNS as f64;
+    let column = |k: usize| packing.filled_um(place(k % COLUMNS, lx), place(k / COLUMNS, ly));
+    let filled: Vec<[f64; 2]> = (0..COLUMNS * COLUMNS).map(column).collect();
     let share = |slice: usize| {
         let above = |z: f64| ((z - slice as f64 * height) / height).clamp(0.0, 1.0);
         filled.iter().map(|[from, to]| above(*from) + 1.0 - above(*to)).sum::<f64>() / filled.len() as f64
@@ -144,7 +150,10 @@ mod tests {
     /// Choate by number. *Planted*: numbers for volumes.
     #[test]
     fn packed_sizes_have_the_percentiles_asked_for() {
-        let (d10_nm, d50_nm, d90_nm, of) = (154.8, 200.0, 258.4, Measure::EffectiveDiameter);
+        let d10_nm = 154.8;
+        let d50_nm = 200.0;
+        let d90_nm = 258.4;
+        let of = Measure::EffectiveDiameter;
         let law = SizeDistribution::Percentiles { d10_nm, d50_nm, d90_nm, by: By::Volume, of };
         let sizes = law.strata_nm(4000, &mut Draws::new(3, 0));
         let volumes = sizes.iter().map(|nm| PI / 6.0 * (1e-3 * nm).powi(3)).collect();

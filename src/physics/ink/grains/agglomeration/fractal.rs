@@ -56,15 +56,17 @@ impl Fractal {
             return vec![grain.turned(draws.rotation())];
         }
         let (one, other) = grains.split_at(grains.len() / 2);
-        let (one, other) = (self.aggregate(one, draws), self.aggregate(other, draws));
+        let one = self.aggregate(one, draws);
+        let other = self.aggregate(other, draws);
         self.join(one, other, draws)
     }
 
     fn join(&self, one: Vec<PlacedGrain>, other: Vec<PlacedGrain>, draws: &mut Draws) -> Vec<PlacedGrain> {
-        let (one, other) = (about_centre(one), about_centre(other));
-        let wanted = self.distance(&one, &other);
-        let [reach, others] = [&one, &other].map(|grains| reach_um(&all_spheres(grains), [0.0; 3]));
-        let far = 2.0 * (reach + others);
+        let one = about_centre(one);
+        let other = about_centre(other);
+        let target = self.distance(&one, &other);
+        let reach = |grains: &[PlacedGrain]| reach_um(&all_spheres(grains), [0.0; 3]);
+        let far = 2.0 * (reach(&one) + reach(&other));
         let mut best: Option<(f64, Vec<PlacedGrain>)> = None;
         for trial in 0..MOST_TRIALS {
             if trial >= TRIALS && best.is_some() {
@@ -75,11 +77,11 @@ impl Fractal {
             let from = draws.direction();
             let paths = turned.iter().filter_map(|g| first_contact(&one, g, scale(from, far), from));
             let Some(path) = paths.reduce(f64::min) else { continue };
-            let miss = (far - path - wanted).abs();
+            let miss = (far - path - target).abs();
             if best.as_ref().is_none_or(|(least, _)| miss < *least) {
                 best = Some((miss, turned.into_iter().map(|g| g.moved(scale(from, far - path))).collect()));
             }
-            if miss < NEAR * wanted {
+            if miss < NEAR * target {
                 break;
             }
         }
@@ -92,7 +94,8 @@ impl Fractal {
     /// Distance Γ of the centres of mass that gives the union its radius of gyration; 0 if the
     /// clusters are too open already.
     fn distance(&self, one: &[PlacedGrain], other: &[PlacedGrain]) -> f64 {
-        let ([m1, s1], [m2, s2]) = (mass_and_inertia(one), mass_and_inertia(other));
+        let MassMoments { mass: m1, inertia: s1 } = MassMoments::new(one);
+        let MassMoments { mass: m2, inertia: s2 } = MassMoments::new(other);
         let count = (one.len() + other.len()) as f64;
         let radius = one.iter().chain(other).map(|g| mass(&g.spheres).cbrt()).sum::<f64>() / count;
         let gyration = radius * (count / self.prefactor).powf(1.0 / self.dimension);
@@ -105,10 +108,24 @@ fn mass(spheres: &[Sphere]) -> f64 {
     spheres.iter().map(|s| s.radius_um.powi(3)).sum()
 }
 
-/// Mass, and mass times the squared radius of gyration about the origin, of grains as points.
-fn mass_and_inertia(grains: &[PlacedGrain]) -> [f64; 2] {
-    let of = |g: &PlacedGrain| (mass(&g.spheres), centre_of_mass(&g.spheres));
-    grains.iter().map(of).fold([0.0; 2], |[m, s], (own, at)| [m + own, s + own * dot(at, at)])
+/// Moments of the mass of grains as points.
+struct MassMoments {
+    mass: f64,
+    /// Mass times the squared radius of gyration about the origin.
+    inertia: f64,
+}
+
+impl MassMoments {
+    fn new(grains: &[PlacedGrain]) -> Self {
+        let mut moments = Self { mass: 0.0, inertia: 0.0 };
+        for grain in grains {
+            let mass = mass(&grain.spheres);
+            let centre = centre_of_mass(&grain.spheres);
+            moments.mass += mass;
+            moments.inertia += mass * dot(centre, centre);
+        }
+        moments
+    }
 }
 
 #[cfg(test)]
@@ -119,12 +136,12 @@ mod tests {
 
     /// ln R_g over the mean of 12 clusters of 2^k unit spheres.
     fn gyration(count: usize, make: &dyn Fn(&[PlacedGrain], &mut Draws) -> Vec<PlacedGrain>) -> f64 {
-        let of = |stream: u64| {
+        let of_cluster = |stream: u64| {
             let grains = vec![Shape::Sphere.template().grain(1.0); count];
-            let [m, s] = mass_and_inertia(&about_centre(make(&grains, &mut Draws::new(3, stream))));
-            (s / m).sqrt().ln()
+            let moments = MassMoments::new(&about_centre(make(&grains, &mut Draws::new(3, stream))));
+            (moments.inertia / moments.mass).sqrt().ln()
         };
-        (0..12).map(of).sum::<f64>() / 12.0
+        (0..12).map(of_cluster).sum::<f64>() / 12.0
     }
 
     /// D and k from the clusters of 16 to 256 spheres: least squares of ln N over ln R_g.
@@ -132,7 +149,8 @@ mod tests {
         let counts = [16_usize, 32, 64, 128, 256];
         let points: Vec<[f64; 2]> = counts.map(|n| [gyration(n, make), (n as f64).ln()]).to_vec();
         let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / points.len() as f64;
-        let [x, y] = [mean(0), mean(1)];
+        let x = mean(0);
+        let y = mean(1);
         let slope = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum::<f64>()
             / points.iter().map(|p| (p[0] - x).powi(2)).sum::<f64>();
         [slope, (y - slope * x).exp()]

@@ -58,7 +58,7 @@ impl LogNormalLaw {
     }
 
     /// Deviation σ of the distribution with these d10 and d90.
-    pub fn sigma_of([d10, d90]: [f64; 2]) -> f64 {
+    pub fn sigma_of(d10: f64, d90: f64) -> f64 {
         (d90 / d10).ln() / (2.0 * TENTH)
     }
 
@@ -78,8 +78,10 @@ impl LogNormalLaw {
 
     /// Number mean of the cubed size, nm³: ∫ e^{sz} φ(z) dz = e^{s²/2} ∫ φ(z − s) dz with s = 3σ.
     pub fn mean_cube_nm3(&self) -> f64 {
-        let (s, normal) = (3.0 * self.sigma, Normal::standard());
-        let [low, high] = [self.middle - self.cut - s, self.middle + self.cut - s];
+        let s = 3.0 * self.sigma;
+        let normal = Normal::standard();
+        let low = self.middle - self.cut - s;
+        let high = self.middle + self.cut - s;
         let within = normal.cdf(high) - normal.cdf(low);
         self.median_nm.powi(3) * (0.5 * s * s).exp() * within / kept(self.cut, self.middle)
     }
@@ -94,7 +96,8 @@ fn kept(cut: f64, middle: f64) -> f64 {
 /// Quantile of the normal distribution truncated at `cut` standard deviations from `middle`.
 pub(super) fn cut_quantile(share: f64, cut: f64, middle: f64) -> f64 {
     let normal = Normal::standard();
-    let [low, high] = [middle - cut, middle + cut];
+    let low = middle - cut;
+    let high = middle + cut;
     // computed in the nearer tail to avoid cancellation
     let z = if middle == 0.0 && share < 0.5 {
         normal.inverse_cdf(normal.cdf(low) + share * kept(cut, middle))

@@ -2,41 +2,51 @@
 
 use super::OverlapRelaxation;
 use crate::ink::grains::orientation::AxisField;
+use crate::ink::packing::arrangement::Pose;
 use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale};
 
-impl OverlapRelaxation<'_, '_> {
+/// Motion of a body in one step.
+struct BodyStep {
+    displacement: V3,
+    /// Rotation vector, rad.
+    turn: V3,
+}
+
+impl OverlapRelaxation<'_> {
     /// One Euler step of all bodies under load, which then form the new moving list.
     pub(super) fn advance(&mut self) {
-        let h = self.step / self.settings.translational_viscosity;
-        let (ramp, mut outrun) = (self.ramp(), false);
+        let ramp = self.ramp();
         let aligning = self.aligning(ramp);
+        let mut outrun = false;
         for k in 0..self.loads.joined.len() {
             let b = self.loads.joined[k] as usize;
             self.loads.touched[b] = false;
-            let [by, turn] = self.motion(b, h, ramp, &aligning);
-            let centre = add(self.bodies.centre[b], by);
+            let BodyStep { displacement, turn } = self.take_step(b, ramp, &aligning);
+            let Pose { centre, rotation } = self.arrangement.pose(b);
+            let centre = add(centre, displacement);
             if turn == [0.0; 3] {
-                self.bodies.shift(b, centre);
+                self.arrangement.shift(b, centre);
             } else {
-                self.bodies.put(b, centre, self.bodies.rotation[b].then(Rotation::by(turn)));
+                self.arrangement.put(b, Pose { centre, rotation: rotation.then(Rotation::by(turn)) });
             }
-            outrun |= self.bodies.range(b).any(|s| self.list.outrun(self.bodies, s));
+            outrun |= self.arrangement.has_outrun_lists(b);
         }
         self.moving.iter().for_each(|b| self.moves[*b as usize] = false);
         self.loads.joined.iter().for_each(|b| self.moves[*b as usize] = true);
         std::mem::swap(&mut self.moving, &mut self.loads.joined);
         self.loads.joined.clear();
         if outrun {
-            self.list.adapt(self.steps - self.listed, self.mean_radius);
-            self.list.remake(self.bodies, self.inflation);
+            self.arrangement.list_neighbours_after(self.steps - self.listed, self.inflation);
             self.listed = self.steps;
         }
     }
 
     /// Translation and rotation of a body in one step; clears its forces.
-    fn motion(&mut self, b: usize, h: f64, ramp: f64, aligning: &[bool]) -> [V3; 2] {
+    fn take_step(&mut self, b: usize, ramp: f64, aligning: &[bool]) -> BodyStep {
+        let h = self.step / self.settings.translational_viscosity;
+        let force = std::mem::take(&mut self.loads.force[b]);
         let torque = std::mem::take(&mut self.loads.torque[b]);
-        let by = scale(std::mem::take(&mut self.loads.force[b]), h); // Δx = F Δt/μ
+        let displacement = scale(force, h); // Δx = F Δt/μ
         let mut turn = [0.0; 3];
         if self.loads.inertia[b] > 0.0 {
             // Δφ = M Δt/J, plus the rotation by the aligning field
@@ -44,8 +54,13 @@ impl OverlapRelaxation<'_, '_> {
         }
         // No point of the body moves by more than the limit per step.
         let body = &self.plan.bodies[b];
-        let (path, limit) = (norm(by) + norm(turn) * body.reach, self.settings.step_limit_radii * body.thin);
-        if path > limit { [by, turn].map(|part| scale(part, limit / path)) } else { [by, turn] }
+        let path = norm(displacement) + norm(turn) * body.reach;
+        let limit = self.settings.step_limit_radii * body.thin;
+        if path > limit {
+            let part = limit / path;
+            return BodyStep { displacement: scale(displacement, part), turn: scale(turn, part) };
+        }
+        BodyStep { displacement, turn }
     }
 
     /// Strength of the aligning torque at this step of the batch: 1 falling linearly to 0.
@@ -64,10 +79,16 @@ impl OverlapRelaxation<'_, '_> {
     /// Whether the mean square cosine between a pigment's axes and its field is below that of the
     /// distribution.
     fn falls_short(&self, pigment: usize, field: AxisField) -> bool {
-        let own = (0..self.bodies.placed).filter(|b| self.plan.bodies[*b].pigment == pigment);
-        let squares = own.flat_map(|b| self.bodies.axes(b)).map(|u| dot(u, field.axis).powi(2));
-        let (n, sum) = squares.fold((0.0, 0.0), |(n, s), q| (n + 1.0, s + q));
-        n > 0.0 && field.wants_more(sum / n)
+        let mut axes = 0.0;
+        let mut squares = 0.0;
+        let bodies = self.plan.bodies[..self.arrangement.placed()].iter().enumerate();
+        for (b, body) in bodies.filter(|(_, body)| body.pigment == pigment) {
+            for axis in body.axes(self.arrangement.pose(b).rotation) {
+                axes += 1.0;
+                squares += dot(axis, field.axis).powi(2);
+            }
+        }
+        axes > 0.0 && field.wants_more(squares / axes)
     }
 
     /// Rotation by the aligning field in one step.
@@ -75,7 +96,8 @@ impl OverlapRelaxation<'_, '_> {
         let body = &self.plan.bodies[b];
         match &self.plan.fields[body.pigment] {
             Some(field) if aligning[body.pigment] => {
-                let torque = scale(field.torque(self.bodies.axes(b)), 1.0 / body.parts.len() as f64);
+                let axes = body.axes(self.arrangement.pose(b).rotation);
+                let torque = scale(field.torque(axes), 1.0 / body.parts.len() as f64);
                 // The torque is ½ at 45°.
                 scale(torque, 2.0 * ramp * self.settings.aligning_deg_per_step.to_radians())
             }
