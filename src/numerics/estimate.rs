@@ -1,13 +1,13 @@
 //! A number with its standard error, the jackknife for statistics that are not linear, and sums of
 //! correlated numbers of the same realisations.
 
-use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::collections::BTreeMap;
 
 /// A value and its standard error (one standard deviation of the value). The error is `None`, not
 /// zero, where a single realisation leaves it unknown.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Estimate {
     /// The value.
     pub value: f64,

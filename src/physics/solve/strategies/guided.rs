@@ -16,14 +16,17 @@ use faer::{ColRef, Mat};
 use ndarray::{Array2, ArrayView1};
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::AddAssign;
 
 /// Selection of the guided modes to treat.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GuidedModes {
     /// Modes with |eigenvalue| below this multiple of k0² count as near-null; 0 switches the
     /// correction off.

@@ -6,7 +6,6 @@ use crate::numerics::fourier::Harmonics;
 use crate::wave::bloch::BlochVector;
 use crate::wave::{Grid, Incidence, Layout, Media, Side, WaveError};
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -73,7 +72,8 @@ impl Setting {
 const PHASE_LIMIT: f64 = 2.9;
 
 /// Choice of ⟨k²⟩. It belongs to the discretisation: all strategies for a problem share it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mean {
     /// Whether ⟨k²⟩ is the average of each cell instead of the whole layer (P2, below (3.12)).
     pub depends_on_z: bool,
