@@ -6,13 +6,11 @@
 
 pub mod allowed;
 pub mod dense;
-pub mod draws;
+mod draws;
 pub mod estimate;
 pub mod files;
 pub mod fourier;
 pub mod interpolate;
 pub mod vector;
 
-pub use draws::Draws;
-pub use estimate::Estimate;
-pub use vector::Rotation;
+pub use draws::{Draws, Sequence, are_weights, weighted};

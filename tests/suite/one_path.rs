@@ -17,6 +17,8 @@ struct PublicNames {
     modules: BTreeSet<String>,
     exports: Vec<String>,
     items: BTreeSet<String>,
+    /// Re-exports that give an item another name.
+    renamed: Vec<String>,
 }
 
 /// All modules of one crate.
@@ -45,10 +47,12 @@ impl Library {
         paths
     }
 
-    /// Items with several paths, each with all of them.
+    /// Items with several paths, each with all of them, and re-exports of the crate's own items under another name.
     fn repeated(&self) -> Vec<String> {
         let several = self.paths().into_values().filter(|paths| paths.len() > 1);
-        several.map(|paths| paths.into_iter().collect::<Vec<_>>().join(", ")).collect()
+        let several = several.map(|paths| paths.into_iter().collect::<Vec<_>>().join(", "));
+        let inner = self.0.iter().filter(|(module, _)| !module.is_empty());
+        several.chain(inner.flat_map(|(_, names)| names.renamed.iter().cloned())).collect()
     }
 
     /// Whether every module on the way to this one is public.
@@ -110,6 +114,7 @@ fn public_names(text: &str) -> PublicNames {
             while !tree.contains(';') {
                 tree.push_str(lines.next().expect("a use ends with a semicolon").trim());
             }
+            names.renamed.extend(tree.contains(" as ").then(|| tree.clone()));
             let tree = use_tree(tree.trim_end_matches(';')).expect("a use begins with `use`").to_string();
             names.exports.extend(expanded(&tree));
         } else if let Some(module) = item.strip_prefix("mod ") {
@@ -136,7 +141,8 @@ fn sources(folder: &str) -> Vec<(String, String)> {
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).expect("a folder of a crate") {
             let path = entry.expect("an entry").path();
-            let name = path.strip_prefix(&root).expect("below the crate").to_string_lossy().replace('\\', "/");
+            let name =
+                path.strip_prefix(&root).expect("below the crate").to_string_lossy().replace('\\', "/");
             if path.is_dir() {
                 folders.push(path);
             } else if name.ends_with(".rs") && !name.ends_with("_tests.rs") {
@@ -149,13 +155,14 @@ fn sources(folder: &str) -> Vec<(String, String)> {
 
 #[test]
 fn public_items_have_one_path() {
+    let mut repeated = Vec::new();
     for folder in LIBRARIES {
         let library = Library::new(&sources(folder));
         // what is checked is there: the crates have some hundred public items
         assert!(library.paths().len() > 40, "{folder}: {}", library.paths().len());
-        let repeated = library.repeated();
-        assert!(repeated.is_empty(), "{folder}: items with several paths:\n{}", repeated.join("\n"));
+        repeated.extend(library.repeated().into_iter().map(|paths| format!("{folder}: {paths}")));
     }
+    assert!(repeated.is_empty(), "items with several paths:\n{}", repeated.join("\n"));
 }
 
 /// The planted faults: a second path by a public module, by a renaming, and by a re-export of a re-export.
@@ -163,14 +170,20 @@ fn public_items_have_one_path() {
 fn planted_paths_are_seen() {
     let file = |path: &str, text: &str| (path.to_string(), text.to_string());
     let files = [
-        file("lib.rs", "pub mod a;\nmod hidden;\npub use hidden::Alone;\npub use a::x::{X, Y as Z};\npub use other::W;"),
-        file("a/mod.rs", "pub mod x;\nmod y;\npub use y::{\n    deep,\n};\npub use super::Alone;"),
+        file(
+            "lib.rs",
+            "pub mod a;\nmod hidden;\npub use hidden::Alone;\npub use a::x::{X, Y};\npub use other::W;",
+        ),
+        file(
+            "a/mod.rs",
+            "pub mod x;\nmod y;\npub use y::{\n    deep,\n};\npub use super::Alone;\npub use y::deep as low;",
+        ),
         file("a/x.rs", "pub struct X;\npub struct Y<T>(T);\npub const fn only() {}\npub(crate) fn not() {}"),
         file("a/y.rs", "pub fn deep() {}"),
         file("hidden.rs", "pub struct Alone;\n#[cfg(test)]\nmod tests {\npub struct Alone;\n}"),
     ];
     let repeated = Library::new(&files).repeated();
-    assert_eq!(repeated, ["X, a::x::X", "Y, a::x::Y", "Alone, a::Alone"]);
+    assert_eq!(repeated, ["X, a::x::X", "Y, a::x::Y", "Alone, a::Alone", "pub use y::deep as low;"]);
     let paths = Library::new(&files).paths();
     assert!(paths.contains_key(&["a", "x", "only"].map(String::from)[..]));
     assert!(!paths.contains_key(&["a", "x", "not"].map(String::from)[..]));

@@ -5,11 +5,12 @@ use crate::compare::error::CompareResult;
 use crate::compare::external::protocol::WaveKind;
 use crate::compare::row::Varied;
 use crate::compare::subject::Packed;
+use crate::ink::Sphere;
 use crate::input::case::Case;
 use crate::input::fault::Fault;
 use crate::input::load::stem;
 use crate::numerics::files;
-use crate::wave::{Ball, BodyShape, Media};
+use crate::wave::{BodyShape, Media};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -139,7 +140,7 @@ fn inputs_of(case: &Case) -> Result<Value, String> {
     let mut spheres = Vec::new();
     for body in &scene.bodies {
         let BodyShape::Balls(balls) = &body.shape else { return Err(NO_CASE.into()) };
-        let [Ball { center_um, radius_um }] = balls[..] else { return Err(NO_CASE.into()) };
+        let [Sphere { center_um, radius_um }] = balls[..] else { return Err(NO_CASE.into()) };
         let eta = index(media.index_of(body.material));
         spheres.push(json!({ "center": center_um, "radius": radius_um, "eta": eta }));
     }

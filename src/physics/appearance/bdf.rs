@@ -89,13 +89,14 @@ pub(super) struct LobeData {
 /// ```
 /// use inkwave_physics::appearance::bdf::{Bdf, Lobe};
 /// use inkwave_physics::solve::{Gmres, Goal, Silent, Solver};
+/// use inkwave_physics::ink::Sphere;
 /// use inkwave_physics::wave::{
-///     Ball, Body, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, BodyShape, Side,
+///     Body, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, BodyShape, Side,
 /// };
 ///
 /// // Two "realisations": one ball at two depths.
 /// let solved = |depth_um: f64| -> Result<FarField, Box<dyn std::error::Error>> {
-///     let ball = Ball { center_um: [0.3, 0.3, depth_um], radius_um: 0.12 };
+///     let ball = Sphere { center_um: [0.3, 0.3, depth_um], radius_um: 0.12 };
 ///     let scene = Scene::layer([0.7, 0.7], 0.4, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
 ///     let media = Media {
 ///         incident: 1.0.into(),

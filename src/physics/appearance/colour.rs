@@ -1,6 +1,7 @@
 //! Colour of a spectrum: XYZ, CIE Lab, sRGB, and colour differences with their uncertainty.
 
-pub use super::tristimulus::{Colorimeter, ColourError};
+use super::tristimulus::Colorimeter;
+use super::viewing::ColourError;
 use crate::numerics::estimate::{Estimate, jackknife_covariance};
 use colorimetry::lab::CieLab;
 use colorimetry::observer::Observer;

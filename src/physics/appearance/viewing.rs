@@ -211,7 +211,7 @@ mod tests {
     /// sums, and its sums over 1 nm.
     #[test]
     fn sums_are_those_of_an_independent_library() {
-        use crate::appearance::colour::Colorimeter;
+        use crate::appearance::tristimulus::Colorimeter;
         let text = include_str!("../../../validation/data/colour_conditions.json");
         let json: serde_json::Value = serde_json::from_str(text).unwrap();
         let cases = json["cases"].as_array().unwrap();
@@ -244,7 +244,7 @@ mod tests {
     /// White stays white on every screen, whatever the light.
     #[test]
     fn white_is_white_under_every_light() {
-        use crate::appearance::colour::Colorimeter;
+        use crate::appearance::tristimulus::Colorimeter;
         let grid: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * f64::from(i)).collect();
         for name in illuminant_names() {
             let viewing = Viewing::new(name, "10", Summation::Plain).unwrap();

@@ -7,7 +7,9 @@ pub use error::SpectrumError;
 
 use super::columns::widest_gap_nm;
 use super::dispersion::Dispersion;
-use super::named::{MATERIALS, NamedIndex, NamedMaterial, SYNTHETIC_RANGE_NM, Synthetic};
+#[cfg(feature = "serde")]
+use super::named::{MATERIALS, NamedMaterial};
+use super::named::{NamedIndex, SYNTHETIC_RANGE_NM, Synthetic};
 use super::usable::Unusable;
 use crate::numerics::files::FileError;
 use num_complex::Complex64;

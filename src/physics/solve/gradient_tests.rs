@@ -1,7 +1,8 @@
 use super::*;
+use crate::ink::Sphere;
 use crate::solve::{Gmres, Silent};
 use crate::wave::{
-    Ball, Body, BodyShape, Geometry, Incidence, Mean, Media, Precision, Resolution, Scene, Scheme, Wave,
+    Body, BodyShape, Geometry, Incidence, Mean, Media, Precision, Resolution, Scene, Scheme, Wave,
 };
 
 const GOAL: Goal = Goal { tolerance: 1e-12, max_applications: 5000 };
@@ -10,7 +11,7 @@ const PIGMENT: Medium = Medium::Inclusion(0);
 fn scene() -> Scene {
     let grains = [[0.10, 0.12, 0.15, 0.10], [0.42, 0.20, 0.30, 0.12], [0.25, 0.48, 0.18, 0.11]];
     let body = |[x, y, z, radius_um]: [f64; 4]| {
-        Body::new(BodyShape::Balls(vec![Ball { center_um: [x, y, z], radius_um }]), 0)
+        Body::new(BodyShape::Balls(vec![Sphere { center_um: [x, y, z], radius_um }]), 0)
     };
     Scene::layer([0.6, 0.62], 0.5, grains.map(body).to_vec())
 }

@@ -5,10 +5,11 @@
 //! cannot crowd a cell, so the work is proportional to their number. Nothing here is shared with
 //! the packing methods but the proof that two convex bodies are apart.
 
-use super::{Ball, Body, BodyShape, Scene, WaveError};
+use super::{Body, BodyShape, Scene, WaveError};
+use crate::ink::Sphere;
 use crate::ink::grains::contact::{excess_um, proven_gap_um};
 use crate::ink::{Form, Solid};
-use crate::numerics::Rotation;
+use crate::numerics::vector::Rotation;
 use crate::numerics::vector::sub;
 use std::collections::HashMap;
 
@@ -71,7 +72,7 @@ fn pieces_of((body, of): (usize, &Body), ly: f64) -> Vec<Piece> {
     match &of.shape {
         BodyShape::Balls(balls) => {
             let whole = balls.len() == 1;
-            let of = |b: &Ball| piece(b.center_um.map(|c| [c; 2]), b.radius_um, Some(b.solid()), whole);
+            let of = |b: &Sphere| piece(b.center_um.map(|c| [c; 2]), b.radius_um, Some(b.solid()), whole);
             balls.iter().flat_map(of).collect()
         }
         BodyShape::Solid(solid) => {

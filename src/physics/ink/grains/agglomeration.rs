@@ -7,9 +7,11 @@ pub use fractal::Fractal;
 use super::contact::{contact, proven_gap_um};
 use super::solid::Solid;
 use super::sphere::{Sphere, centre_of_mass, reach_um};
-use crate::numerics::allowed::{Allowed, Each, Whole};
-use crate::numerics::draws::{Draws, are_weights, weighted};
+#[cfg(feature = "schema")]
+use crate::numerics::allowed::Each;
+use crate::numerics::allowed::{Allowed, Whole};
 use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale, sub};
+use crate::numerics::{Draws, are_weights, weighted};
 use std::iter;
 
 /// Fraction of grains in agglomerates.

@@ -2,7 +2,10 @@
 
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
-use crate::numerics::files::{also_by_name, no_keys};
+#[cfg(feature = "schema")]
+use crate::numerics::files::also_by_name;
+#[cfg(feature = "serde")]
+use crate::numerics::files::no_keys;
 use crate::numerics::vector::{V3, add, cross, dot, scale, unit};
 
 /// Concentration parameter κ of the Watson distribution.

@@ -6,7 +6,10 @@ use super::solid::{self, Form, Solid};
 use super::sphere::{Sphere, bead, centred, chain, inscribed};
 use super::volume::{Volume, union_volume};
 use crate::numerics::allowed::{Allowed, Whole};
-use crate::numerics::files::{also_by_name, no_keys, ratio};
+#[cfg(feature = "schema")]
+use crate::numerics::files::also_by_name;
+#[cfg(feature = "serde")]
+use crate::numerics::files::{no_keys, ratio};
 use crate::numerics::vector::scale;
 use std::f64::consts::PI;
 
@@ -127,13 +130,16 @@ pub enum Shape {
     },
 }
 
+#[cfg(feature = "serde")]
 fn count<const N: usize>() -> usize {
     N
 }
 /// Two lengths of 1, and a third.
+#[cfg(feature = "serde")]
 fn lengths<const N: u32>() -> [f64; 3] {
     [1.0, 1.0, N.into()]
 }
+#[cfg(feature = "serde")]
 fn hexagon() -> Vec<[f64; 2]> {
     let h = 0.75f64.sqrt();
     vec![[1.0, 0.0], [0.5, h], [-0.5, h], [-1.0, 0.0], [-0.5, -h], [0.5, -h]]

@@ -5,14 +5,18 @@ mod law;
 pub use law::By;
 
 use super::shape::Template;
-use crate::numerics::allowed::{Allowed, Each};
-use crate::numerics::draws::{Draws, are_weights};
+use crate::numerics::allowed::Allowed;
+#[cfg(feature = "schema")]
+use crate::numerics::allowed::Each;
+#[cfg(feature = "serde")]
 use crate::numerics::files::ratio;
+use crate::numerics::{Draws, are_weights};
 use law::{CUT_AT, LogNormalLaw, TENTH};
 
 /// A size of grains.
 const SIZE_NM: Allowed = Allowed::above(0.0, f64::MAX, "nm");
 /// Sizes of grains.
+#[cfg(feature = "schema")]
 const SIZES_NM: Each<Allowed> = Each { entry: SIZE_NM, most: usize::MAX >> 12 };
 /// Standard deviation of sizes.
 const SPREAD_NM: Allowed = Allowed::between(0.0, f64::MAX, "nm");

@@ -4,6 +4,7 @@ use crate::ink::{
     Agglomeration, Grain, Orientation, PackError, ReliefRequest, Shape, SizeDistribution, VoxelCut,
 };
 use crate::numerics::allowed::Allowed;
+#[cfg(feature = "serde")]
 use crate::numerics::files::name_or_table;
 
 /// Request for a packing; see [`super::pack`]. Units are in the field names.

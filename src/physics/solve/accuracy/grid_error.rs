@@ -11,8 +11,8 @@ use super::error::{AccuracyError, Result};
 use super::search::{raised, scaled_cells, scaled_points};
 use super::task::Task;
 use crate::numerics::estimate::Estimate;
+use crate::numerics::estimate::largest;
 use crate::solve::Watch;
-use crate::wave::physical::largest;
 use crate::wave::{Geometry, Resolution, WaveError};
 
 /// Ratio of points and cells of the coarser grid to the own grid.

@@ -11,7 +11,7 @@
 use super::relaxation::contrasts;
 use crate::solve::ledger::ratio_of_terms;
 use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver};
-use crate::wave::operator::banded::ShiftedMean;
+use crate::wave::ShiftedMean;
 use crate::wave::{Field, Problem};
 use ndarray::Array2;
 use num_complex::Complex64;

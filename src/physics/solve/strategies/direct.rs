@@ -117,7 +117,7 @@ fn by_faer(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
 #[cfg(all(test, feature = "lapack"))]
 mod tests {
     use super::*;
-    use crate::numerics::draws::Draws;
+    use crate::numerics::Draws;
 
     #[test]
     fn lapack_and_faer_agree() {

@@ -9,7 +9,7 @@
 
 use crate::numerics::dense::{MatrixEntry, symmetric_eigen};
 use crate::numerics::fourier::{Real, narrow};
-use crate::solve::demand::Size;
+use crate::solve::Size;
 use crate::wave::Problem;
 use faer::linalg::solvers::PartialPivLu;
 use faer::{ColRef, Mat};

@@ -8,16 +8,16 @@
 //! and metals (Re η² < 0) as grains or around them.
 
 mod absorption;
-pub mod cell;
-pub mod contrast;
+mod cell;
+mod contrast;
 mod kernels;
-pub mod mean;
-pub mod moments;
+mod mean;
+mod moments;
 mod power;
-pub mod problem;
-pub mod scattering;
+mod problem;
+mod scattering;
 mod solid_sources;
-pub mod sources;
+mod sources;
 
 pub use crate::wave::light::Polarisation;
 pub use contrast::Averaging;

@@ -11,6 +11,7 @@ use super::{PlacedGrain, about_centre, all_spheres, first_contact};
 use crate::ink::grains::sphere::{Sphere, centre_of_mass, reach_um};
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
+#[cfg(feature = "serde")]
 use crate::numerics::files::ratio;
 use crate::numerics::vector::{dot, scale};
 

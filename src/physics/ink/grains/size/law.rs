@@ -13,7 +13,7 @@
 //! volume lies at 3σ ± c by number.
 
 use super::SizeDistribution;
-use crate::numerics::draws::{Draws, weighted};
+use crate::numerics::{Draws, weighted};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 /// 90th percentile of the standard normal distribution.

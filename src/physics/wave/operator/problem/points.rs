@@ -2,8 +2,7 @@
 //! converted between harmonics and points.
 
 use crate::numerics::fourier::PlaneScratch;
-use crate::wave::contrast::coverage::Channel;
-use crate::wave::{Coverage, Field, Media, Problem};
+use crate::wave::{Channel, Coverage, Field, Media, Problem};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
