@@ -1,9 +1,10 @@
 //! Placement of grains.
 //!
-//! A [`request`] is turned into bodies (`plan`), which [`pack`](mod@pack) places by random
-//! sequential addition (`hard_bodies`) or relaxation of overlaps (`relaxation`) and, if requested,
-//! equilibrates (`hard_bodies`). The check in `overlap` shares no code with them; only a result
-//! that passes it becomes a [`placed::Packing`].
+//! A [`PackingRequest`](crate::ink::PackingRequest) is turned into bodies (`plan`), which
+//! [`pack`](crate::ink::pack()) places by random sequential addition (`hard_bodies`) or relaxation
+//! of overlaps (`relaxation`) and, if requested, equilibrates (`hard_bodies`). The check in
+//! `overlap` shares no code with them; only a result that passes it becomes a
+//! [`Packing`](crate::ink::Packing).
 
 mod bodies;
 pub(crate) mod cell;

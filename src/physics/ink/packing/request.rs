@@ -7,7 +7,7 @@ use crate::numerics::allowed::Allowed;
 #[cfg(feature = "serde")]
 use crate::numerics::files::name_or_table;
 
-/// Request for a packing; see [`super::pack`]. Units are in the field names.
+/// Request for a packing; see [`pack`](crate::ink::pack()). Units are in the field names.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(
     feature = "serde",

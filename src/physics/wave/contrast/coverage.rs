@@ -82,8 +82,8 @@ pub struct Coverage {
     pub layout: Layout,
     /// Per channel, planes × points (x fastest) in µm: ∫ ψ_p χ dz, band-limited in the plane.
     pub moments: Vec<Array2<f64>>,
-    /// Pairs of channels, and per pair the field that folds the harmonics beyond the grid (µm³),
-    /// see [`super::folding`].
+    /// Pairs of channels, and per pair the field that folds the harmonics beyond the grid (µm³):
+    /// their effect on the kept harmonics, in second order.
     pub pairs: Vec<[usize; 2]>,
     /// One field per pair: planes × points.
     pub folded: Vec<Array2<f64>>,

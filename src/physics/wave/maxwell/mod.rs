@@ -1,9 +1,9 @@
 //! Maxwell's equations on the same scenes, grids and strategies: the vector wave in s and p
 //! polarisation.
 //!
-//! Unknowns are two moments per cell of each component of E ([`mean`]), the mean medium is exact
+//! Unknowns are two moments per cell of each component of E, the mean medium is exact
 //! per harmonic as a TE and a TM problem, and the contrast is a symmetric tensor built from the
-//! grains' normals ([`contrast`]): with plain averaging the error is proportional to the spacing,
+//! grains' normals ([`Averaging`]): with plain averaging the error is proportional to the spacing,
 //! with the tensor to its third power. Homogeneous layers are exact. Not supported: rough surfaces,
 //! and metals (Re η² < 0) as grains or around them.
 

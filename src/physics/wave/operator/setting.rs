@@ -19,7 +19,7 @@ pub struct Setting {
     pub k0: f64,
     /// The harmonics in use: columns of a field.
     pub harmonics: Arc<Harmonics>,
-    /// Lateral wavevectors of every harmonic, 1/µm: centred on zero, see [`crate::wave::bloch`].
+    /// Lateral wavevectors of every harmonic, 1/µm: centred on zero.
     pub lateral: Vec<[f64; 2]>,
     /// Normal wavenumbers of every harmonic in the half-spaces (incident side, exit side), 1/µm.
     pub kappa: [Vec<Complex64>; 2],
