@@ -4,6 +4,8 @@
 //!
 //! Small functions of hot loops say `#[inline]`: incremental builds inline no others across crates.
 
+#![warn(unnameable_types)]
+
 pub mod allowed;
 pub mod dense;
 mod draws;

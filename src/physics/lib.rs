@@ -89,7 +89,7 @@
 //! (about 2010), and *Diffraction task solution for lighting simulation inside ink layer*, preprint
 //! 75 (2009). Equation numbers are P2's unless P1 is named.
 
-#![warn(missing_docs)]
+#![warn(missing_docs, unnameable_types)]
 
 pub mod appearance;
 pub mod ink;

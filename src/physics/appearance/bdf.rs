@@ -233,7 +233,7 @@ impl LobeData {
         let order = |(&k, column): (&usize, &Vec<View>)| {
             let Order { m, n, direction, .. } = first[k];
             let samples: Vec<f64> = column.iter().map(|view| view.efficiency).collect();
-            OrderMean::new((m, n), direction, &samples, coherent_efficiency(column.iter()), density)
+            OrderMean::new(m, n, direction, &samples, coherent_efficiency(column.iter()), density)
         };
         let orders: Vec<OrderMean> = kept.iter().zip(&columns).map(order).collect();
         let specular = orders.iter().position(|o| o.m == 0 && o.n == 0);

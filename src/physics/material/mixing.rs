@@ -62,7 +62,8 @@ mod tests {
         // Hashin and Shtrikman: for balls denser than the binder it is the lower bound, below ⟨ε⟩
         // and above 1/⟨1/ε⟩.
         let (host, grain) = (binder * binder, pigment * pigment);
-        let [low, high] = [1.0 / (0.7 / host + 0.3 / grain), 0.7 * host + 0.3 * grain];
+        let low = 1.0 / (0.7 / host + 0.3 / grain);
+        let high = 0.7 * host + 0.3 * grain;
         let mixed = mix(0.3) * mix(0.3);
         assert!(low.re < mixed.re && mixed.re < high.re, "{low} {mixed} {high}");
         // One ball in many: ε = ε_b (1 + 3 f (ε_i − ε_b)/(ε_i + 2 ε_b)) to the first order.

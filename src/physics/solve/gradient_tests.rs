@@ -52,7 +52,7 @@ fn tangent_of(geometry: &Geometry, pigment: Complex64, from: Side, p: usize, cou
     };
     let neighbours: Vec<Neighbour> = (0..count).map(neighbour).collect();
     let u = solved(&*system);
-    tangent((&*system, &u), &neighbours, (&Gmres::default(), GOAL), &mut Silent).expect("converges")
+    tangent(&*system, &u, &neighbours, &Gmres::default(), GOAL, &mut Silent).expect("converges")
 }
 
 fn slopes_of(tangent: &FarSlopes) -> [Slopes; 3] {
@@ -123,7 +123,7 @@ fn the_adjoint_of_one_functional_gives_the_tangent_of_every_medium() {
         let system = systems(&geometry(Wave::Scalar), pigment, from).remove(0);
         let problem = system.split().expect("the scalar wave");
         let u = solved(problem);
-        let w = adjoint((problem, &u), weights, (&Gmres::default(), GOAL), &mut Silent).expect("converges");
+        let w = adjoint(problem, &u, weights, &Gmres::default(), GOAL, &mut Silent).expect("converges");
         for medium in [PIGMENT, Medium::Background(0)] {
             let neighbour = |direction: Complex64| {
                 let step = 1e-4 * direction;
@@ -131,7 +131,7 @@ fn the_adjoint_of_one_functional_gives_the_tangent_of_every_medium() {
                 Neighbour { step, system }
             };
             let neighbours = crate::wave::DIRECTIONS.map(neighbour);
-            let tangent = tangent((problem, &u), &neighbours, (&Gmres::default(), GOAL), &mut Silent);
+            let tangent = tangent(problem, &u, &neighbours, &Gmres::default(), GOAL, &mut Silent);
             let [r, t, _] = slopes_of(&tangent.expect("converges"));
             let adjoint = sensitivity(problem, &u, &w, medium).expect("sound");
             for i in 0..2 {

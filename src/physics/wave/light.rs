@@ -108,7 +108,9 @@ pub struct Incidence {
 impl Incidence {
     /// Rejects wavelengths that are not positive and angles outside 0° ≤ σ < 90°.
     pub fn check(&self) -> Result<(), super::WaveError> {
-        let [wavelength, polar, azimuth] = [self.wavelength_um, self.polar_deg, self.azimuth_deg];
+        let wavelength = self.wavelength_um;
+        let polar = self.polar_deg;
+        let azimuth = self.azimuth_deg;
         let grazing = "grazing light carries no flux into the layer: use 89 or less";
         let rules = [
             ("wavelength (µm)", wavelength, wavelength > 0.0, "finite and above 0", "give it in µm"),

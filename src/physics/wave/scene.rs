@@ -168,7 +168,8 @@ impl Scene {
         let mut bottom = 0.0;
         let slack = 1e-9 * self.thickness_um();
         let is_reached = |stratum: &Stratum| {
-            let [low, high] = [bottom, bottom + stratum.thickness_um];
+            let low = bottom;
+            let high = low + stratum.thickness_um;
             bottom = high;
             self.bodies.iter().map(Body::extent_um).any(|[lo, hi]| lo < high - slack && hi > low + slack)
         };

@@ -250,7 +250,8 @@ fn contrast_block(problem: &Problem, modes: &[Mode]) -> Mat<Complex64> {
     let planes = problem.shape().0;
     let profiles: Vec<Vec<Complex64>> =
         modes.iter().map(|m| problem.mean.profile_on_planes(m.harmonic, &m.nodes)).collect();
-    let [nx, ny] = [problem.coverage.grid.resolution.nx, problem.coverage.grid.resolution.ny];
+    let nx = problem.coverage.grid.resolution.nx;
+    let ny = problem.coverage.grid.resolution.ny;
     // Planes run fastest, so that a pair of harmonics reads contiguous memory.
     let mut spectra = Array2::zeros((nx * ny, planes));
     for p in 0..planes {

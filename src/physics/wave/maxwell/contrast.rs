@@ -128,8 +128,12 @@ fn effective<'a>(
 
 /// Adjugate and determinant of a symmetric tensor.
 fn adjugate(&[xx, xy, yy, xz, yz, zz]: &Symmetric) -> (Symmetric, Complex64) {
-    let [a, b, c] = [yy * zz - yz * yz, xz * yz - xy * zz, xx * zz - xz * xz];
-    let [d, e, f] = [xy * yz - xz * yy, xy * xz - xx * yz, xx * yy - xy * xy];
+    let a = yy * zz - yz * yz;
+    let b = xz * yz - xy * zz;
+    let c = xx * zz - xz * xz;
+    let d = xy * yz - xz * yy;
+    let e = xy * xz - xx * yz;
+    let f = xx * yy - xy * xy;
     ([a, b, c, d, e, f], xx * a + xy * b + xz * d)
 }
 

@@ -21,5 +21,5 @@ mod sources;
 
 pub use crate::wave::light::Polarisation;
 pub use contrast::Averaging;
-pub use moments::NormalMoments;
+pub use moments::{ChannelFields, NormalMoments};
 pub use problem::{Polarised, VectorProblem};

@@ -131,7 +131,8 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
 
 impl<'a> MomentBuilder<'a> {
     fn new(scene: &'a Scene, grid: &'a Grid, channels: &'a [Channel], error: f64) -> MomentBuilder<'a> {
-        let [nx, ny] = [grid.resolution.nx, grid.resolution.ny];
+        let nx = grid.resolution.nx;
+        let ny = grid.resolution.ny;
         let [mmax, nmax] = [nx, ny].map(|n| (n - 1) / 2);
         let k = |max: usize, period: f64| TAU * max as f64 / period;
         let kmax = k(mmax, grid.period_um[0]).hypot(k(nmax, grid.period_um[1]));

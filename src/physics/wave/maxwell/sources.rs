@@ -54,7 +54,8 @@ impl NormalField {
 
     /// N between two concentric spheres.
     pub fn of_layer(inner_um: f64, outer_um: f64) -> NormalField {
-        let [inner, outer] = [inner_um * inner_um, outer_um * outer_um];
+        let inner = inner_um * inner_um;
+        let outer = outer_um * outer_um;
         NormalField { constant: (inner + outer) / (inner * outer), slope: 1.0 / (inner * outer) }
     }
 }

@@ -86,9 +86,8 @@ impl Problem {
         incidence: &Incidence,
         mean: Mean,
     ) -> Result<Problem, WaveError> {
-        let light = (media, incidence);
         let (setting, mean_k2) =
-            Setting::new(coverage, &coverage.harmonics, light, mean, |k0, eta, [x, y]| {
+            Setting::new(coverage, &coverage.harmonics, media, incidence, mean, |k0, eta, [x, y]| {
                 decaying_root(k0 * k0 * eta * eta - (x * x + y * y))
             })?;
         let lateral_k2 = setting.lateral.iter().map(|[x, y]| x * x + y * y).collect();

@@ -37,7 +37,8 @@ impl Setting {
     pub(in crate::wave) fn new(
         layout: &Layout,
         harmonics: &Arc<Harmonics>,
-        (media, incidence): (&Media, &Incidence),
+        media: &Media,
+        incidence: &Incidence,
         mean: Mean,
         normal: impl Fn(f64, Complex64, [f64; 2]) -> Complex64,
     ) -> Result<(Setting, Vec<Complex64>), WaveError> {

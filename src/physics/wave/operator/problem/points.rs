@@ -12,7 +12,8 @@ use rayon::prelude::*;
 pub(super) fn strengths(coverage: &Coverage, media: &Media, k0: f64) -> Vec<Complex64> {
     let points = coverage.grid.points() as f64;
     let contrast = |c: &Channel| {
-        let [inclusion, background] = [media.index_of(c.material), media.backgrounds[c.background]];
+        let inclusion = media.index_of(c.material);
+        let background = media.backgrounds[c.background];
         (inclusion * inclusion - background * background) * (k0 * k0)
     };
     let single: Vec<Complex64> = coverage.channels.iter().map(contrast).collect();
