@@ -9,10 +9,9 @@
 mod support;
 
 use inkwave::run::crew::processor_seconds;
-use inkwave::solve::{Gmres, Goal, Silent, Solver, System};
-use inkwave::wave::contrast::coverage::error_for;
+use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorProblem};
-use inkwave::wave::{Coverage, Incidence, Mean, Media, Precision, Problem, Resolution, Scheme, Side};
+use inkwave::wave::{Coverage, Incidence, Mean, Media, Precision, Problem, Resolution, Scheme, Side, System};
 use num_complex::Complex64;
 use std::sync::Arc;
 
@@ -64,11 +63,13 @@ fn compare(period: f64) -> Vec<Row> {
     let scene = support::scene(period, 1.0);
     let timed = |start: f64| clock() - start;
     let start = clock();
-    let coverage =
-        Arc::new(Coverage::with(&scene, grid, Precision::of(error_for(ACCURACY))).expect("coverage"));
+    let coverage = Arc::new(
+        Coverage::with(&scene, grid, Precision::of(Precision::error_for(ACCURACY))).expect("coverage"),
+    );
     let (covered, start) = (timed(start), clock());
-    let moments =
-        Arc::new(NormalMoments::with(&scene, grid, Precision::of(error_for(ACCURACY))).expect("moments"));
+    let moments = Arc::new(
+        NormalMoments::with(&scene, grid, Precision::of(Precision::error_for(ACCURACY))).expect("moments"),
+    );
     let made = timed(start);
     let scalar = repeated(|| scalar(&coverage));
     let [one, both, _] = ASKED;

@@ -58,7 +58,7 @@
 //!   files.
 //! - [`ink`]: the geometry. Shapes and sizes of [grains](ink::grains), [packings](ink::packing) by
 //!   sequential addition, by relaxation of overlaps or equilibrated, their
-//!   [statistics](ink::statistics), and the [relief](ink::relief) of the binder. A
+//!   [statistics](ink::statistics), and the [relief](ink::Relief) of the binder. A
 //!   [`Packing`](ink::Packing) never contains overlapping grains.
 //! - [`wave`]: the equation. A [`Scene`](wave::Scene) on a [`Grid`](wave::Grid) gives a
 //!   [`Coverage`](wave::Coverage), the geometry's exact Fourier coefficients; with media and an

@@ -1,9 +1,8 @@
 //! Small cells that claims on strategies and identities share.
 
+use inkwave::ink::Sphere;
 use inkwave::solve::{Goal, Silent, Solution, SolveError, Solver};
-use inkwave::wave::{
-    Ball, Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side,
-};
+use inkwave::wave::{Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use num_complex::Complex64;
 
 /// A real mean, which relaxation needs.
@@ -34,7 +33,7 @@ impl Cell {
             [0.12, 0.33, 0.40, 0.08],
         ];
         let grain = |[x, y, z, radius_um]: [f64; 4]| {
-            Body::new(BodyShape::Balls(vec![Ball { center_um: [x, y, z], radius_um }]), 0)
+            Body::new(BodyShape::Balls(vec![Sphere { center_um: [x, y, z], radius_um }]), 0)
         };
         Scene::layer([0.7, 0.62], 0.55, grains.map(grain).to_vec())
     }

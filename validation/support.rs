@@ -1,9 +1,10 @@
 //! Reference cases with their expected amplitudes, and short ways to solve and to compare.
 
+use inkwave::ink::Sphere;
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{AccuracyError, Estimated, Task, suited_scheme};
 use inkwave::solve::{Account, Coverages, Gmres, Goal, Silent, Solution, Solver};
-use inkwave::wave::{Ball, Body, BodyShape, FarField, Mean, Order, Problem, Resolution, Scheme};
+use inkwave::wave::{Body, BodyShape, FarField, Mean, Order, Problem, Resolution, Scheme};
 use num_complex::Complex64;
 use serde::Deserialize;
 use std::sync::OnceLock;
@@ -163,5 +164,5 @@ pub fn fitted_slope(errors: &[(f64, f64)]) -> f64 {
 
 /// A grain of one ball.
 pub fn ball(center_um: [f64; 3], radius_um: f64) -> Body {
-    Body::new(BodyShape::Balls(vec![Ball { center_um, radius_um }]), 0)
+    Body::new(BodyShape::Balls(vec![Sphere { center_um, radius_um }]), 0)
 }

@@ -1,7 +1,8 @@
 //! Tiny problems on awkward grids, and small helpers for full matrices.
 
+use inkwave::ink::Sphere;
 use inkwave::wave::{
-    Ball, Body, BodyShape, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side,
+    Body, BodyShape, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side,
 };
 use num_complex::Complex64;
 
@@ -22,7 +23,7 @@ pub const SETTINGS: [Setting; 6] = [
 
 /// A grain of one ball.
 pub fn ball(center_um: [f64; 3], radius_um: f64) -> Body {
-    Body::new(BodyShape::Balls(vec![Ball { center_um, radius_um }]), 0)
+    Body::new(BodyShape::Balls(vec![Sphere { center_um, radius_um }]), 0)
 }
 
 pub fn problem(setting: Setting, scheme: Scheme, mean: Mean) -> Problem {

@@ -3,7 +3,6 @@
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::{AccuracyError, Estimated, Task};
 use inkwave::solve::{Coverages, Gmres, Goal, Silent, Solver};
-use inkwave::wave::contrast::coverage::error_for;
 use inkwave::wave::maxwell::{Averaging, NormalMoments, Polarisation, VectorProblem};
 use inkwave::wave::{FarField, Field, Mean, Order, Precision, Resolution, Scheme, System, Wave};
 use num_complex::Complex64;
@@ -142,7 +141,11 @@ pub fn resolution(case: &Case, points: usize, cells: usize) -> Resolution {
 pub fn solve_to(case: &Case, accuracy: f64) -> Result<Estimated, AccuracyError> {
     let solver = Gmres::default();
     let task = Task {
-        coverages: &Coverages::new(Wave::Unpolarised, &case.scene, Precision::of(error_for(accuracy))),
+        coverages: &Coverages::new(
+            Wave::Unpolarised,
+            &case.scene,
+            Precision::of(Precision::error_for(accuracy)),
+        ),
         media: &case.media,
         incidence: &case.incidence,
         mean: Mean::default(),

@@ -15,7 +15,6 @@ use crate::input::wave_kind::WaveKind;
 use crate::run::memory;
 use crate::solve::accuracy::{Task, suited_scheme};
 use crate::solve::{Coverages, Gmres, Goal, Watch};
-use crate::wave::contrast::coverage::error_for;
 use crate::wave::{Mean, Precision};
 use serde_json::{Value, json};
 use slips::{CASE_SLIPS, OrderSlip, SLIPS, SlipLight, changed};
@@ -185,7 +184,7 @@ impl KnownCase {
         let case = self.case()?;
         let wave = self.wave.wave();
         let task = Task {
-            coverages: &Coverages::new(wave, &case.scene, Precision::of(error_for(ACCURACY))),
+            coverages: &Coverages::new(wave, &case.scene, Precision::of(Precision::error_for(ACCURACY))),
             media: &case.media,
             incidence: &case.incidence,
             mean: Mean { depends_on_z: true, absorbing: true },

@@ -12,7 +12,6 @@ use inkwave::input::case::Case;
 use inkwave::input::wave_kind::WaveKind;
 use inkwave::solve::accuracy::{Estimated, Solved, Task, suited_scheme};
 use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};
-use inkwave::wave::contrast::coverage::{EXACT, error_among};
 use inkwave::wave::{Incidence, Mean, Precision, Resolution, Scheme};
 use miette::{IntoDiagnostic, Result};
 use std::ops::ControlFlow;
@@ -123,7 +122,11 @@ pub fn run(mut args: SolveArgs) -> Result<()> {
     let snapped = args.light.snap(&mut case)?;
     // A grid given explicitly may be as fine as the user likes.
     let contrast = case.media.largest_contrast();
-    let error = if args.nz.is_some() { EXACT } else { error_among(args.accuracy(), contrast) };
+    let error = if args.nz.is_some() {
+        Precision::EXACT.error
+    } else {
+        Precision::error_among(args.accuracy(), contrast)
+    };
     let wave = args.wave().wave();
     let coverages = Coverages::new(wave, &case.scene, Precision::of(error));
     let (solved, gradients) = estimate(args, &case, &coverages)?;

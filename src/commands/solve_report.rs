@@ -174,7 +174,7 @@ fn slopes(task: &Task, solved: &[Solved], medium: Medium) -> Result<Vec<FarSlope
             .filter_map(|(step, systems)| Some(Neighbour { step: *step, system: systems.next()? }))
             .collect();
         let field = &solution.field;
-        slopes.push(tangent((&**system, field), &neighbours, (task.solver, task.goal), &mut Silent)?);
+        slopes.push(tangent(&**system, field, &neighbours, task.solver, task.goal, &mut Silent)?);
     }
     Ok(slopes)
 }

@@ -6,7 +6,8 @@ pub use map::DesignAnswer;
 
 use super::recipe::{DesignTask, corner, short};
 use super::surface::{Spectra3, spectra};
-use crate::appearance::colour::{ColourError, ciede2000};
+use crate::appearance::colour::ciede2000;
+use crate::appearance::viewing::ColourError;
 use crate::evaluate::ink::InkError;
 use crate::evaluate::seen::see;
 use crate::evaluate::summary::summarise;

@@ -1,9 +1,10 @@
 //! Response surfaces: spectra of the layer over paper, black and white, less those of its coherent
 //! film, as polynomials over the box.
 
-use crate::appearance::colour::{Colorimeter, ColourError};
 use crate::appearance::paper::PRINT_DEG;
+use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::visible;
+use crate::appearance::viewing::ColourError;
 use crate::evaluate::ink::{InkError, InkOnPaper};
 use crate::evaluate::ink_maker::{BLACK, WHITE};
 use crate::evaluate::on_paper::LayerOnPaper;

@@ -5,7 +5,7 @@ use super::figure::{Canvas, DrawResult, FONT, failed};
 use super::raster::{
     BACKGROUND, BINDER, Camera, Frame, Raster, Rgb, drawn, framed, mix, pigment_colour, shade,
 };
-use crate::ink::grains::shape::Template;
+use crate::ink::Template;
 use crate::ink::{Packing, Shape, Solid, Sphere};
 use crate::numerics::vector::{dot, norm};
 use plotters::prelude::*;

@@ -1,6 +1,6 @@
 use super::*;
-use crate::appearance::colour::Colorimeter;
 use crate::appearance::paper::{Coupling, MirroredSky};
+use crate::appearance::tristimulus::Colorimeter;
 use crate::contact_sheet::{ContactSheet, SHEET_LEFT, SHEET_TOP};
 use inkwave_validation::fixtures::molecular_ink;
 use ndarray::Array2;

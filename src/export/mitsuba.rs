@@ -18,7 +18,7 @@
 //! The layout was derived from existing files and is checked with Mitsuba itself
 //! (`scripts/check-exports`).
 
-use crate::appearance::colour::Colorimeter;
+use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::visible;
 use crate::evaluate::directional::{Direction, DirectionalPrint};
 use crate::evaluate::ink::InkError;

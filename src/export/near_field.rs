@@ -175,17 +175,16 @@ fn encode(values: &[f32]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wave::scene::Material;
-    use crate::wave::{
-        Ball, Body, BodyShape, Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Side,
-    };
+    use crate::ink::Sphere;
+    use crate::wave::Material;
+    use crate::wave::{Body, BodyShape, Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
     use std::sync::Arc;
 
     /// A ball of the binder's own index scatters nothing: the wave is the plane wave itself, at
     /// every point.
     #[test]
     fn without_contrast_the_wave_is_the_incident_one() {
-        let ball = Ball { center_um: [0.4, 0.3, 0.25], radius_um: 0.2 };
+        let ball = Sphere { center_um: [0.4, 0.3, 0.25], radius_um: 0.2 };
         let scene = Scene::layer(
             [1.0, 0.8],
             0.5,
@@ -221,7 +220,7 @@ mod tests {
     /// Between the middle of a ball and the binder beside it, the contrast steps by η² − η_binder².
     #[test]
     fn the_contrast_in_the_middle_of_a_ball_is_the_balls() {
-        let ball = Ball { center_um: [0.5, 0.4, 0.25], radius_um: 0.2 };
+        let ball = Sphere { center_um: [0.5, 0.4, 0.25], radius_um: 0.2 };
         let scene = Scene::layer([1.0, 0.8], 0.5, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
         let (binder, grain) = (Complex64::new(1.5, 0.0), Complex64::new(1.8, 0.1));
         let one = Complex64::ONE;

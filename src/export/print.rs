@@ -3,7 +3,8 @@
 
 use super::request::{ExportError, ExportResult};
 use super::stored::Stored;
-use crate::appearance::colour::{Colorimeter, Colour};
+use crate::appearance::colour::Colour;
+use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::lagrange_shares;
 use crate::appearance::tristimulus::visible;
 use crate::appearance::viewing::Viewing;

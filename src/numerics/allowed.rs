@@ -1,7 +1,7 @@
 //! Allowed ranges of numbers, each defined once for checks, error messages and schemas.
 
-use schemars::Schema;
-use schemars::transform::Transform;
+#[cfg(feature = "schema")]
+use schemars::{Schema, transform::Transform};
 use std::fmt;
 
 /// Magnitude below which numbers are shown in scientific notation; see also [`LARGE`].
@@ -99,6 +99,7 @@ impl fmt::Display for Allowed {
 }
 
 /// Adds the range to a schema, which has no place for units.
+#[cfg(feature = "schema")]
 impl Transform for Allowed {
     fn transform(&mut self, schema: &mut Schema) {
         let low = if self.low_is_open { "exclusiveMinimum" } else { "minimum" };
@@ -142,6 +143,7 @@ impl fmt::Display for Whole {
     }
 }
 
+#[cfg(feature = "schema")]
 impl Transform for Whole {
     fn transform(&mut self, schema: &mut Schema) {
         schema.insert("minimum".into(), self.low.into());
@@ -165,6 +167,7 @@ impl<T: Copy> Each<T> {
     }
 }
 
+#[cfg(feature = "schema")]
 impl<T: Transform> Transform for Each<T> {
     fn transform(&mut self, schema: &mut Schema) {
         schema.insert("minItems".into(), 1.into());

@@ -1,13 +1,13 @@
 //! A number with its standard error, the jackknife for statistics that are not linear, and sums of
 //! correlated numbers of the same realisations.
 
-use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 use std::collections::BTreeMap;
 
 /// A value and its standard error (one standard deviation of the value). The error is `None`, not
 /// zero, where a single realisation leaves it unknown.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Estimate {
     /// The value.
     pub value: f64,
@@ -153,6 +153,11 @@ impl Linked {
     }
 }
 
+/// The largest of some numbers, NaN if any of them is NaN; 0 if there are none.
+pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().fold(0.0, |a: f64, b: f64| if a.is_nan() || a > b { a } else { b })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -234,5 +239,11 @@ mod tests {
         assert_eq!(sum.estimate.standard_error, Some(34.0_f64.sqrt()));
         let unknown = Linked { estimate: Estimate::unknown_error(1.0), deviations: BTreeMap::new() };
         assert_eq!(Linked::sum([(1.0, &one(0, 5.0)), (1.0, &unknown)]).estimate.standard_error, None);
+    }
+
+    #[test]
+    fn maxima_keep_what_is_no_number() {
+        assert!(largest([1.0, f64::NAN, 2.0]).is_nan() && largest([f64::NAN]).is_nan());
+        assert_eq!((largest([1.0, 3.0, 2.0]), largest([])), (3.0, 0.0));
     }
 }

@@ -1,15 +1,18 @@
 //! Reading of user files: only regular files of a bounded size, so that devices, pipes and mistyped
-//! paths cannot block the program. Reading and schema of choices tagged by `kind` that a file may
-//! also give by name alone.
+//! paths cannot block the program. With the feature `serde`, also reading of choices tagged by
+//! `kind` that a file may give by name alone.
 
-use schemars::Schema;
-use serde::de::value::{MapAccessDeserializer, MapDeserializer, StrDeserializer};
-use serde::de::{self, Deserialize, Deserializer, MapAccess, Visitor};
-use serde_json::{Map, Value, json};
-use std::fmt::{self, Display};
+#[cfg(feature = "serde")]
+mod tagged;
+
+#[cfg(feature = "schema")]
+pub use tagged::also_by_name;
+#[cfg(feature = "serde")]
+pub use tagged::{name_or_table, no_keys, ratio};
+
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, Error, ErrorKind, Read};
-use std::marker::PhantomData;
 use std::path::Path;
 
 /// Largest study, sweep or comparison, bytes: a list of 10 000 numbers takes a tenth of it, and
@@ -66,58 +69,6 @@ pub fn read_bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         return Err(Error::new(ErrorKind::FileTooLarge, what));
     }
     Ok(bytes)
-}
-
-/// Lets a choice tagged by `kind` be written as its bare name if it has no required key.
-pub fn also_by_name(schema: &mut Schema) {
-    let Some(choices) = schema.get_mut("oneOf").and_then(Value::as_array_mut) else { return };
-    let names: Vec<Value> = choices.iter().filter_map(Value::as_object).filter_map(bare_name).collect();
-    choices.splice(0..0, names);
-}
-
-fn bare_name(choice: &Map<String, Value>) -> Option<Value> {
-    let alone = choice.get("required")?.as_array()?.iter().all(|key| key == "kind");
-    let name = choice.get("properties")?.get("kind")?.get("const")?;
-    let description = choice.get("description").cloned().unwrap_or_default();
-    alone.then(|| json!({ "description": description, "type": "string", "const": name }))
-}
-
-/// Reads a choice tagged by `kind` from its bare name (`shape = "cylinder"`) or a table.
-pub fn name_or_table<'de, T: Deserialize<'de>, D: Deserializer<'de>>(from: D) -> Result<T, D::Error> {
-    from.deserialize_any(NameOrTable(PhantomData))
-}
-
-struct NameOrTable<T>(PhantomData<T>);
-
-impl<'de, T: Deserialize<'de>> Visitor<'de> for NameOrTable<T> {
-    type Value = T;
-
-    fn expecting(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.write_str("a name, or a table with `kind`")
-    }
-
-    fn visit_str<E: de::Error>(self, name: &str) -> Result<T, E> {
-        let pair = (StrDeserializer::<E>::new("kind"), StrDeserializer::<E>::new(name));
-        T::deserialize(MapDeserializer::<_, E>::new([pair].into_iter()))
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<T, A::Error> {
-        T::deserialize(MapAccessDeserializer::new(map))
-    }
-}
-
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct NoKeys {}
-
-/// The default N/D of a key.
-pub fn ratio<const N: u32, const D: u32>() -> f64 {
-    f64::from(N) / f64::from(D)
-}
-
-/// Reads a choice that has no keys but `kind`: serde by itself passes over any others.
-pub fn no_keys<'de, D: Deserializer<'de>>(from: D) -> Result<(), D::Error> {
-    NoKeys::deserialize(from).map(|_| ())
 }
 
 #[cfg(test)]

@@ -4,15 +4,15 @@
 //!
 //! Small functions of hot loops say `#[inline]`: incremental builds inline no others across crates.
 
+#![warn(unnameable_types)]
+
 pub mod allowed;
 pub mod dense;
-pub mod draws;
+mod draws;
 pub mod estimate;
 pub mod files;
 pub mod fourier;
 pub mod interpolate;
 pub mod vector;
 
-pub use draws::Draws;
-pub use estimate::Estimate;
-pub use vector::Rotation;
+pub use draws::{Draws, Sequence, are_weights, weighted};

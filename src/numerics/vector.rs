@@ -1,7 +1,5 @@
 //! Three-vectors and rotations: the few operations that packings need.
 
-use serde::{Deserialize, Serialize};
-
 /// Cartesian components (x, y, z).
 pub type V3 = [f64; 3];
 
@@ -49,7 +47,8 @@ pub fn unit(a: V3) -> V3 {
 }
 
 /// A rotation as a unit quaternion (w, x, y, z).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Rotation(pub [f64; 4]);
 
 impl Rotation {

@@ -1,12 +1,13 @@
 //! Unions and reliefs in the contrast field, against the same scene described in another way.
 
+use inkwave::ink::Sphere;
 use inkwave::ink::{Form, PackingRequest, PigmentGrains, ReliefRequest, RoughFace, Solid, pack};
-use inkwave::numerics::Rotation;
+use inkwave::numerics::vector::Rotation;
 use inkwave::solve::accuracy::largest_difference;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
 use inkwave::wave::{
-    Ball, Body, BodyShape, FarField, HeightField, Incidence, Material, Mean, Media, Problem, Resolution,
-    Scene, Scheme, Side, Stratum,
+    Body, BodyShape, FarField, HeightField, Incidence, Material, Mean, Media, Problem, Resolution, Scene,
+    Scheme, Side, Stratum,
 };
 use num_complex::Complex64;
 
@@ -30,16 +31,16 @@ fn solve(scene: &Scene, points: usize, cells: usize) -> FarField {
     problem.far_field(&solution.field)
 }
 
-fn ball(x: f64, y: f64, z: f64, radius_um: f64) -> Ball {
-    Ball { center_um: [x, y, z], radius_um }
+fn ball(x: f64, y: f64, z: f64, radius_um: f64) -> Sphere {
+    Sphere { center_um: [x, y, z], radius_um }
 }
 
-fn grain(balls: Vec<Ball>) -> Body {
+fn grain(balls: Vec<Sphere>) -> Body {
     Body::new(BodyShape::Balls(balls), 0)
 }
 
 /// What is not a grain between a level and a face of the layer.
-fn flat([z, face_um]: [f64; 2], balls: &[Ball], solids: &[Solid]) -> Body {
+fn flat([z, face_um]: [f64; 2], balls: &[Sphere], solids: &[Solid]) -> Body {
     let surface = HeightField { z_um: vec![z], count: [1, 1], period_um: PERIOD };
     let material = if face_um == 0.0 { Material::Incident } else { Material::Exit };
     let shape = BodyShape::Open { surface, face_um, balls: balls.to_vec(), solids: solids.to_vec() };
@@ -144,7 +145,7 @@ fn chains_are_treated_alike_along_x_and_y() {
             c[2] += 0.02 * (i as f64 - 2.0);
             c
         };
-        let balls = (0..5).map(|i| Ball { center_um: centre(i), radius_um: 0.1 }).collect();
+        let balls = (0..5).map(|i| Sphere { center_um: centre(i), radius_um: 0.1 }).collect();
         Scene::layer(PERIOD, 0.6, vec![grain(balls)])
     };
     let orders = |scene: &Scene, azimuth_deg| {

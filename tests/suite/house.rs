@@ -163,7 +163,7 @@ fn source(path: &str, text: &str) -> Source {
 }
 
 /// What follows `use` in a line that begins with it.
-fn use_tree(line: &str) -> Option<&str> {
+pub fn use_tree(line: &str) -> Option<&str> {
     without_visibility(line).strip_prefix("use ")
 }
 
@@ -177,7 +177,7 @@ pub fn without_visibility(line: &str) -> &str {
 }
 
 /// `a::{b, c::{d, e}}` → `a::b`, `a::c::d`, `a::c::e`; what it is renamed to is left out.
-fn expanded(tree: &str) -> Vec<String> {
+pub fn expanded(tree: &str) -> Vec<String> {
     let Some((head, rest)) = tree.split_once('{') else {
         let name = tree.split(" as ").next().unwrap_or(tree).trim();
         return if name.is_empty() { Vec::new() } else { vec![name.to_string()] };

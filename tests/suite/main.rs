@@ -35,6 +35,7 @@ mod merge;
 mod merge_comparisons;
 mod microstructure;
 mod nested;
+mod one_path;
 mod operator_export;
 mod packing_grains;
 mod packing_output;

@@ -3,7 +3,7 @@
 
 use inkwave::input::case::Case;
 use inkwave::solve::Registry;
-use inkwave::solve::demand::Size;
+use inkwave::solve::Size;
 use inkwave::wave::{Resolution, Scheme, Wave};
 use serde_json::json;
 use std::process::{Command, Stdio};

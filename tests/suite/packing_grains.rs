@@ -1,7 +1,7 @@
 //! Clusters, mixtures, orientation, agglomerates, walls: what every kind of grain must keep.
 
-use inkwave::ink::grains::agglomeration::GrainCount;
-use inkwave::ink::grains::shape::Template;
+use inkwave::ink::GrainCount;
+use inkwave::ink::Template;
 use inkwave::ink::pack;
 use inkwave::ink::statistics::{OrientationTensor, orientation_tensor, section_statistics};
 use inkwave::ink::{

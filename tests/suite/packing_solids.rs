@@ -2,7 +2,7 @@
 //! agglomerates.
 
 use super::packing_grains::agglomeration_of;
-use inkwave::ink::grains::agglomeration::Fractal;
+use inkwave::ink::Fractal;
 use inkwave::ink::grains::contact::{contains, proven_gap_um};
 use inkwave::ink::statistics::{orientation_tensor, profile, section_statistics};
 use inkwave::ink::{
@@ -11,7 +11,7 @@ use inkwave::ink::{
 };
 use inkwave::input::check::check;
 use inkwave::input::file::StudyFile;
-use inkwave::numerics::Rotation;
+use inkwave::numerics::vector::Rotation;
 use inkwave::numerics::vector::{norm, sub};
 use std::path::Path;
 

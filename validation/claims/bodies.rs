@@ -6,7 +6,7 @@ use crate::support::fitted_slope;
 use crate::vector;
 use inkwave::ink::{Grain, Packing};
 use inkwave::input::case::Case;
-use inkwave::numerics::Rotation;
+use inkwave::numerics::vector::Rotation;
 use inkwave::numerics::vector::unit;
 use inkwave::solve::accuracy::largest_difference;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};

@@ -8,9 +8,7 @@
 use crate::claim::{Claim, Findings, Level};
 use crate::formulas::mie::Sphere;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
-use inkwave::wave::{
-    Ball, Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side,
-};
+use inkwave::wave::{Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -64,8 +62,10 @@ pub(super) const PLACE: [f64; 2] = [0.3, 0.6];
 /// A sphere in a cell of its host, with a grid that resolves it.
 pub(super) fn array(sphere: &Sphere, side: f64) -> (Scene, Media, Resolution) {
     let height = 2.2 * sphere.radius_um;
-    let ball =
-        Ball { center_um: [PLACE[0] * side, PLACE[1] * side, 0.5 * height], radius_um: sphere.radius_um };
+    let ball = inkwave::ink::Sphere {
+        center_um: [PLACE[0] * side, PLACE[1] * side, 0.5 * height],
+        radius_um: sphere.radius_um,
+    };
     let scene = Scene::layer([side; 2], height, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
     let host = Complex64::from(sphere.host);
     let media = Media { incident: host, exit: host, backgrounds: vec![host], inclusions: vec![sphere.index] };

@@ -31,12 +31,12 @@ fn by_tangent(problem: &Problem, u: &Field) -> FarSlopes {
         Neighbour { step, system }
     };
     let neighbours = DIRECTIONS.map(neighbour);
-    tangent((problem, u), &neighbours, (&Gmres::default(), GOAL), &mut Silent).expect("converges")
+    tangent(problem, u, &neighbours, &Gmres::default(), GOAL, &mut Silent).expect("converges")
 }
 
 /// Derivatives of c_R R + c_T T by the adjoint.
 fn by_adjoint(problem: &Problem, u: &Field, weights: [f64; 2]) -> Slopes {
-    let w = adjoint((problem, u), weights, (&Gmres::default(), GOAL), &mut Silent).expect("converges");
+    let w = adjoint(problem, u, weights, &Gmres::default(), GOAL, &mut Silent).expect("converges");
     sensitivity(problem, u, &w, PIGMENT).expect("sound")
 }
 

@@ -5,7 +5,7 @@ use crate::formulas::films::{Film, amplitudes};
 use crate::support::references;
 use inkwave::numerics::Draws;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
-use inkwave::wave::scene::Stratum;
+use inkwave::wave::Stratum;
 use inkwave::wave::{Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
 use num_complex::Complex64;
 

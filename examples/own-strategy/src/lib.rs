@@ -3,7 +3,7 @@
 //! and joins a [`Registry`]; its tests run it in a comparison, against the referee and under two
 //! claims.
 
-use inkwave::solve::ledger::flat;
+use inkwave::solve::flat;
 use inkwave::solve::vectors::{dot, norm};
 use inkwave::solve::{Ledger, Registry, Solution, SolveError, Solver};
 use inkwave::wave::Field;

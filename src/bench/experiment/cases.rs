@@ -2,6 +2,7 @@
 
 use super::file::{ComparedCase, ComparisonFile};
 use crate::error::CompareResult;
+use crate::ink::Sphere;
 use crate::input::case::Case;
 use crate::input::fault::Fault;
 use crate::input::load::stem;
@@ -9,7 +10,7 @@ use crate::input::wave_kind::WaveKind;
 use crate::numerics::files;
 use crate::row::Varied;
 use crate::subject::Packed;
-use crate::wave::{Ball, BodyShape, Media};
+use crate::wave::{BodyShape, Media};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -139,7 +140,7 @@ fn inputs_of(case: &Case) -> Result<Value, String> {
     let mut spheres = Vec::new();
     for body in &scene.bodies {
         let BodyShape::Balls(balls) = &body.shape else { return Err(NO_CASE.into()) };
-        let [Ball { center_um, radius_um }] = balls[..] else { return Err(NO_CASE.into()) };
+        let [Sphere { center_um, radius_um }] = balls[..] else { return Err(NO_CASE.into()) };
         let eta = index(media.index_of(body.material));
         spheres.push(json!({ "center": center_um, "radius": radius_um, "eta": eta }));
     }

@@ -6,7 +6,7 @@ use crate::design::recipe::DesignTask;
 use crate::design::surface::{Eye, Spectra3, Surfaces, spectra};
 use crate::evaluate::seen::film_alone;
 use crate::input::study::Study;
-use crate::numerics::draws::Sequence;
+use crate::numerics::Sequence;
 use rayon::prelude::*;
 use serde::Serialize;
 

@@ -7,7 +7,7 @@ use crate::fit::law::Data;
 use crate::fit::load::{FitTask, load};
 use crate::fit::prior::IndexPrior;
 use crate::fit::response::Origin;
-use crate::numerics::draws::Draws;
+use crate::numerics::Draws;
 use num_complex::Complex64;
 
 const FIT: &str = "[base]\n[base.layer]\nthickness_um = 1.0\nbinder.index = 1.5\n[[base.pigment]]\nname = \"a\"\n\

@@ -1,7 +1,7 @@
 //! The numbers of a fit: the index with its errors, whether they can be trusted, and predictions.
 
-use crate::appearance::colour::Colorimeter;
 use crate::appearance::kubelka_munk::KubelkaMunk;
+use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::{self, Quantity};
 use crate::fit::law::{Data, FitStep, few_cells, jackknife, rms};
 use crate::fit::load::{Drawdown, FitTask};

@@ -7,7 +7,7 @@ use crate::fit::file::PriorName;
 use crate::fit::law::{Data, few_cells};
 use crate::fit::prior::IndexPrior;
 use crate::fit::response::{Origin, Response};
-use crate::numerics::draws::Draws;
+use crate::numerics::Draws;
 use crate::solve::accuracy::grid_error::GridError;
 use faer::Mat;
 use faer::linalg::solvers::Solve;

@@ -89,13 +89,14 @@ pub(super) struct LobeData {
 /// ```
 /// use inkwave_physics::appearance::bdf::{Bdf, Lobe};
 /// use inkwave_physics::solve::{Gmres, Goal, Silent, Solver};
+/// use inkwave_physics::ink::Sphere;
 /// use inkwave_physics::wave::{
-///     Ball, Body, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, BodyShape, Side,
+///     Body, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, BodyShape, Side,
 /// };
 ///
 /// // Two "realisations": one ball at two depths.
 /// let solved = |depth_um: f64| -> Result<FarField, Box<dyn std::error::Error>> {
-///     let ball = Ball { center_um: [0.3, 0.3, depth_um], radius_um: 0.12 };
+///     let ball = Sphere { center_um: [0.3, 0.3, depth_um], radius_um: 0.12 };
 ///     let scene = Scene::layer([0.7, 0.7], 0.4, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
 ///     let media = Media {
 ///         incident: 1.0.into(),
@@ -232,7 +233,7 @@ impl LobeData {
         let order = |(&k, column): (&usize, &Vec<View>)| {
             let Order { m, n, direction, .. } = first[k];
             let samples: Vec<f64> = column.iter().map(|view| view.efficiency).collect();
-            OrderMean::new((m, n), direction, &samples, coherent_efficiency(column.iter()), density)
+            OrderMean::new(m, n, direction, &samples, coherent_efficiency(column.iter()), density)
         };
         let orders: Vec<OrderMean> = kept.iter().zip(&columns).map(order).collect();
         let specular = orders.iter().position(|o| o.m == 0 && o.n == 0);

@@ -85,7 +85,7 @@ impl Lattice {
         let density = 1.0 / (self.step[0] * self.step[1]);
         let columns: Vec<(BinPlace, Vec<f64>)> = cells.into_iter().collect();
         let order = |(place, samples): &(BinPlace, Vec<f64>)| {
-            OrderMean::new(*place, self.direction(*place), samples, None, density)
+            OrderMean::new(place.0, place.1, self.direction(*place), samples, None, density)
         };
         let orders = columns.iter().map(order).collect();
         let efficiencies = Array2::from_shape_fn((fields.len(), columns.len()), |(r, k)| columns[k].1[r]);

@@ -77,7 +77,8 @@ pub(super) fn view(order: &Order, lobe: Lobe) -> View {
 impl OrderMean {
     /// The mean of an order's efficiencies; `density` is the number of orders in dα dβ.
     pub(super) fn new(
-        (m, n): (i32, i32),
+        m: i32,
+        n: i32,
         direction: [f64; 2],
         samples: &[f64],
         coherent: Option<f64>,

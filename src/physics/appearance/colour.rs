@@ -1,11 +1,11 @@
 //! Colour of a spectrum: XYZ, CIE Lab, sRGB, and colour differences with their uncertainty.
 
-pub use super::tristimulus::{Colorimeter, ColourError};
+use super::tristimulus::Colorimeter;
+use super::viewing::ColourError;
 use crate::numerics::estimate::{Estimate, jackknife_covariance};
 use colorimetry::lab::CieLab;
 use colorimetry::observer::Observer;
 use colorimetry::xyz::{RelXYZ, XYZ};
-use serde::Serialize;
 
 /// Tolerance of the gamut test: rounding of the division by white.
 const GAMUT_SLACK: f64 = 1e-9;
@@ -16,7 +16,8 @@ const GAMUT_SLACK: f64 = 1e-9;
 /// the value of white and not clipped; `srgb` and `srgb8` are clipped to 0–1 before the transfer
 /// curve (IEC 61966-2-1), and `out_of_gamut` states whether clipping changed the colour.
 /// `lab_covariance` is `None` for a single realisation.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Colour {
     /// X, Y, Z; a perfect white has Y = 100.
     pub xyz: [f64; 3],

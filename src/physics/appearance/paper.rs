@@ -33,8 +33,6 @@
 //! R, T and A are those of the light that was solved: the scalar wave (s-polarised light), s, p, or
 //! unpolarised. Light returned by the paper is unpolarised.
 
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use std::cmp::Ordering;
 use thiserror::Error;
 
@@ -86,8 +84,9 @@ pub const PRINT_DEG: f64 = 45.0;
 const LEAST_ESCAPE: f64 = 1e-12;
 
 /// Whether skylight mirrored by the layer is included: P1 leaves it open.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MirroredSky {
     /// R(o) + g T(o) T̄: all the light of a uniform sky.
     #[default]
@@ -117,8 +116,8 @@ pub fn returned(albedo: f64, transmitted: f64, absorbed: f64, index: f64) -> Res
 }
 
 /// What is between the layer and the paper.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Coupling {
     /// A thin gap of vacuum, wide enough to be incoherent (P1).
     #[default]
@@ -142,8 +141,8 @@ impl Coupling {
 
 /// Albedo ρ of the paper, 0–1: the same at every wavelength, or (wavelength_nm, ρ) rows, linear in
 /// between.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(untagged))]
 pub enum Albedo {
     /// One albedo for all wavelengths, 0 to 1.
     Constant(f64),
@@ -180,12 +179,13 @@ fn interpolate(rows: &[[f64; 2]], nm: f64) -> Result<f64, PaperError> {
 }
 
 /// The paper under the layer.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Substrate {
     /// Share of the light that the paper returns.
     pub albedo: Albedo,
     /// What is between ink and paper.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub coupling: Coupling,
 }
 

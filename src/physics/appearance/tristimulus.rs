@@ -3,11 +3,10 @@
 mod beyond;
 mod spacing;
 
-pub use super::viewing::ColourError;
 pub use beyond::{COLOUR_RANGE_NM, MOST_OUTSIDE};
 pub use spacing::Guide;
 
-use super::viewing::{Summation, Viewing};
+use super::viewing::{ColourError, Summation, Viewing};
 use crate::numerics::interpolate::lagrange;
 use beyond::SpectrumEnd;
 use std::ops::Range;

@@ -2,8 +2,6 @@
 
 use colorimetry::illuminant::CieIlluminant;
 use colorimetry::observer::Observer;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
-use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 /// Why a spectrum has no colour.
@@ -97,8 +95,9 @@ const OBSERVERS: [(&str, Observer); 4] = [
 ];
 
 /// Rule by which spectra are summed to tristimulus values.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Summation {
     /// Every 5 nm, every nm under lamps, whatever the spectra's step; nothing beyond the ends of
     /// their range (CIE 15).
@@ -110,7 +109,8 @@ pub enum Summation {
 }
 
 /// Illuminant, observer and summation.
-#[derive(Clone, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Viewing {
     illuminant: String,
     observer: String,
@@ -125,18 +125,21 @@ impl Default for Viewing {
 }
 
 /// Names of illuminants for a file's schema; case does not matter.
-pub fn illuminants(_: &mut SchemaGenerator) -> Schema {
+#[cfg(feature = "schema")]
+pub fn illuminants(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     offered(&illuminant_names())
 }
 
 /// Names of observers for a file's schema; a degree sign is accepted.
-pub fn observers(_: &mut SchemaGenerator) -> Schema {
+#[cfg(feature = "schema")]
+pub fn observers(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     offered(&OBSERVERS.map(|(name, _)| name))
 }
 
 /// Schema of a text with suggested values: editors offer them.
-fn offered(names: &[&str]) -> Schema {
-    json_schema!({ "type": "string", "anyOf": [{ "enum": names }, {}] })
+#[cfg(feature = "schema")]
+fn offered(names: &[&str]) -> schemars::Schema {
+    schemars::json_schema!({ "type": "string", "anyOf": [{ "enum": names }, {}] })
 }
 
 impl Viewing {
@@ -208,7 +211,7 @@ mod tests {
     /// sums, and its sums over 1 nm.
     #[test]
     fn sums_are_those_of_an_independent_library() {
-        use crate::appearance::colour::Colorimeter;
+        use crate::appearance::tristimulus::Colorimeter;
         let text = include_str!("../../../validation/data/colour_conditions.json");
         let json: serde_json::Value = serde_json::from_str(text).unwrap();
         let cases = json["cases"].as_array().unwrap();
@@ -241,7 +244,7 @@ mod tests {
     /// White stays white on every screen, whatever the light.
     #[test]
     fn white_is_white_under_every_light() {
-        use crate::appearance::colour::Colorimeter;
+        use crate::appearance::tristimulus::Colorimeter;
         let grid: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * f64::from(i)).collect();
         for name in illuminant_names() {
             let viewing = Viewing::new(name, "10", Summation::Plain).unwrap();

@@ -5,16 +5,16 @@
 //! before it becomes a [`Packing`]; a [`Relief`] may then lower the binder. [`statistics`] only
 //! reads packings.
 
-pub mod error;
+mod error;
 pub mod grains;
 pub mod packing;
-pub mod relief;
+pub(crate) mod relief;
 pub mod statistics;
 
-pub use error::{PackError, PackProgress, PackWatch};
-pub use grains::agglomeration::Agglomeration;
-pub use grains::orientation::Orientation;
-pub use grains::shape::Shape;
+pub use error::{PackError, PackProgress, PackWatch, Reached};
+pub use grains::agglomeration::{Agglomeration, CountList, Fractal, GrainCount, Range};
+pub use grains::orientation::{AxisField, Orientation};
+pub use grains::shape::{Shape, Template};
 pub use grains::size::{By, Measure, SizeDistribution};
 pub use grains::solid::{Form, Solid};
 pub use grains::sphere::Sphere;

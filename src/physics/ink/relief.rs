@@ -10,8 +10,6 @@
 use super::error::PackError;
 use crate::numerics::allowed::Allowed;
 use crate::numerics::interpolate::bilinear;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Depths and lengths of a relief; a depth stays below the layer's thickness.
 const LENGTH_UM: Allowed = Allowed::between(0.0, f64::MAX, "µm");
@@ -19,24 +17,26 @@ const LENGTH_UM: Allowed = Allowed::between(0.0, f64::MAX, "µm");
 const FOLLOW: Allowed = Allowed::between(0.0, 1.0, "");
 
 /// Request for the binder's surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ReliefRequest {
     /// Thickness difference between the layer of grains, H, and the levelled dry ink: the volume
     /// fractions refer to the dry volume, area × (H − depth).
-    #[schemars(transform = LENGTH_UM.mark(), example = 0.15)]
+    #[cfg_attr(feature = "schema", schemars(transform = LENGTH_UM.mark(), example = 0.15))]
     pub depth_um: f64,
     /// The surface's shape.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub rule: ReliefRule,
     /// The side of the layer that is rough.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub face: RoughFace,
 }
 
 /// A face of the layer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum RoughFace {
     /// z = 0: the print's surface.
     #[default]
@@ -46,8 +46,13 @@ pub enum RoughFace {
 }
 
 /// The shape of the surface.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ReliefRule {
     /// One level everywhere.
     #[default]
@@ -57,21 +62,21 @@ pub enum ReliefRule {
     /// structures. Never above the layer.
     Following {
         /// Degree to which the surface follows the grains: 0 (flat) to 1.
-        #[schemars(transform = FOLLOW.mark(), example = 0.5)]
+        #[cfg_attr(feature = "schema", schemars(transform = FOLLOW.mark(), example = 0.5))]
         follow: f64,
         /// Standard deviation of the smoothing, µm, at least 0.
-        #[schemars(transform = LENGTH_UM.mark(), example = 0.1)]
+        #[cfg_attr(feature = "schema", schemars(transform = LENGTH_UM.mark(), example = 0.1))]
         smoothing_um: f64,
     },
     /// Level + a height of its own in every realisation: Gaussian, with the autocorrelation
     /// exp(−r²/ℓ²). Valleys bare the grains below.
     Random {
         /// Standard deviation of the height, µm, at most half of `depth_um`.
-        #[schemars(transform = LENGTH_UM.mark(), example = 0.05)]
+        #[cfg_attr(feature = "schema", schemars(transform = LENGTH_UM.mark(), example = 0.05))]
         rms_um: f64,
         /// Correlation length ℓ, µm: at least √2 rms_um (slopes of 45°), at most a fifth of the
         /// period.
-        #[schemars(transform = LENGTH_UM.mark(), example = 0.2)]
+        #[cfg_attr(feature = "schema", schemars(transform = LENGTH_UM.mark(), example = 0.2))]
         correlation_um: f64,
     },
 }

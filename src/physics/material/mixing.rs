@@ -1,8 +1,6 @@
 //! Mixtures of grains too small to scatter.
 
 use num_complex::Complex64;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// The homogeneous index a mixture tends to as its grains shrink: η² = Σ f η² + (1 − Σ f)
 /// η_binder².
@@ -17,8 +15,9 @@ pub fn molecular_mixture(binder: Complex64, shares: &[(f64, Complex64)]) -> Comp
 
 /// How pigments without grains mix with the binder: the limit of vanishing grains of a wave
 /// equation.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "kebab-case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MixingRule {
     /// ε = ⟨ε⟩, the limit of the scalar wave, which feels no surface charge.
     #[default]
@@ -63,7 +62,8 @@ mod tests {
         // Hashin and Shtrikman: for balls denser than the binder it is the lower bound, below ⟨ε⟩
         // and above 1/⟨1/ε⟩.
         let (host, grain) = (binder * binder, pigment * pigment);
-        let [low, high] = [1.0 / (0.7 / host + 0.3 / grain), 0.7 * host + 0.3 * grain];
+        let low = 1.0 / (0.7 / host + 0.3 / grain);
+        let high = 0.7 * host + 0.3 * grain;
         let mixed = mix(0.3) * mix(0.3);
         assert!(low.re < mixed.re && mixed.re < high.re, "{low} {mixed} {high}");
         // One ball in many: ε = ε_b (1 + 3 f (ε_i − ε_b)/(ε_i + 2 ε_b)) to the first order.

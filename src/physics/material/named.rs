@@ -10,9 +10,10 @@
 //! spectra come from a CSV file.
 
 use super::columns::{common, widest};
-use super::dispersion::{Dispersion, RecordText};
+use super::dispersion::Dispersion;
+#[cfg(feature = "serde")]
+use super::dispersion::RecordText;
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
 
 /// A listed material: its name, its description, and its records with their weights in ε̄.
 #[derive(Debug)]
@@ -72,6 +73,7 @@ impl NamedMaterial {
     }
 
     /// Index of the material against wavelength.
+    #[cfg(feature = "serde")]
     pub fn index(&self) -> NamedIndex {
         // Tests read every record.
         let read = |text| Dispersion::parse(self.name, text).expect("a record of the program's own");
@@ -80,13 +82,15 @@ impl NamedMaterial {
     }
 
     /// References and comments of the measurements, one per record.
+    #[cfg(feature = "serde")]
     pub fn sources(&self) -> Vec<RecordText> {
         self.records.iter().map(|(_, text)| serde_norway::from_str(text).unwrap_or_default()).collect()
     }
 }
 
 /// n(λ) + iκ(λ) of a named material.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NamedIndex {
     pub(super) name: String,
     /// Records with their weights in the average of ε.
@@ -117,8 +121,8 @@ impl NamedIndex {
 }
 
 /// The built-in synthetic pigments (κ(λ) of `validation/data/pigments.json`, Re η = 1.4).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Synthetic {
     /// Absorbs green.
     Red,

@@ -7,11 +7,12 @@ pub use error::SpectrumError;
 
 use super::columns::widest_gap_nm;
 use super::dispersion::Dispersion;
-use super::named::{MATERIALS, NamedIndex, NamedMaterial, SYNTHETIC_RANGE_NM, Synthetic};
+#[cfg(feature = "serde")]
+use super::named::{MATERIALS, NamedMaterial};
+use super::named::{NamedIndex, SYNTHETIC_RANGE_NM, Synthetic};
 use super::usable::Unusable;
 use crate::numerics::files::FileError;
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// Re η of every pigment in P1 section 5, and of the built-in synthetic ones.
@@ -22,7 +23,8 @@ const LARGEST: f64 = 10.0;
 const LEAST_N: f64 = 0.01;
 
 /// One row of a tabulated spectrum: η = n + iκ at a vacuum wavelength.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sample {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,
@@ -33,7 +35,8 @@ pub struct Sample {
 }
 
 /// Standard errors of one row of a table.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct RowError {
     /// Of n.
     pub n: f64,
@@ -70,7 +73,8 @@ impl RowError {
 }
 
 /// Independent parts of the errors of n and κ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum ErrorAxis {
     /// That of n, with what κ changes along with it.
     N,
@@ -79,24 +83,25 @@ pub enum ErrorAxis {
 }
 
 /// A tabulated spectrum, increasing in wavelength; linear between its rows.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Table {
     name: String,
     samples: Vec<Sample>,
     /// Ranges without sound rows.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
     unusable: Vec<Unusable>,
     /// Errors of the rows; empty where the table has none.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
     errors: Vec<RowError>,
     /// Remarks of the file that n or κ is not determined.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
     undetermined: Vec<String>,
 }
 
 /// Index of refraction η(λ) = n + iκ of one material; κ > 0 absorbs (time factor e^{−iωt}).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Spectrum {
     /// A constant index for all wavelengths.
     Constant {
@@ -138,6 +143,7 @@ impl Spectrum {
     ///
     /// # Errors
     /// A name that is not in the list.
+    #[cfg(feature = "serde")]
     pub fn material(name: &str) -> Result<Self, SpectrumError> {
         let Some(material) = NamedMaterial::find(name) else {
             let known = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
@@ -164,6 +170,7 @@ impl Spectrum {
     ///
     /// # Errors
     /// Unreadable files, files that are no such record, n nowhere or twice.
+    #[cfg(feature = "serde")]
     pub fn from_yaml(path: impl AsRef<Path>, n: Option<f64>) -> Result<Self, SpectrumError> {
         let record = Dispersion::read(path.as_ref())?;
         Ok(Self::Recorded(match the_other(path.as_ref(), record.n.is_some(), n)? {

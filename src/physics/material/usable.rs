@@ -2,10 +2,9 @@
 //! blocks no file: the faulty rows are left out, and the ranges between their sound neighbours are
 //! remembered with the reason.
 
-use serde::{Deserialize, Serialize};
-
 /// A range of wavelengths within which a table cannot be used.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Unusable {
     /// The neighbouring sound rows, nm; at an end of the table the faulty row itself.
     pub between_nm: [f64; 2],

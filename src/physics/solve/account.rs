@@ -1,15 +1,18 @@
 //! Goal, account and errors of a solve, and what watches it.
 
 use crate::wave::{Field, Resolution};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::ControlFlow;
 use thiserror::Error;
 
 /// Goal of a solve.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Goal {
     /// Relative residual to reach.
     pub tolerance: f64,
@@ -77,7 +80,8 @@ impl Watch for Silent {
 }
 
 /// The account of a solve.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Clone, Debug, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Account {
     /// Name of the strategy.
     pub solver: String,

@@ -3,7 +3,7 @@
 //! Numbers of bytes are floating-point numbers, which cannot overflow for any grid. Every term is
 //! an upper bound; `tests/suite/memory.rs` compares the sum with the memory measured.
 
-pub use super::solver::Size;
+use super::solver::Size;
 use super::solver::{Fit, Solver};
 use crate::wave::Resolution;
 use thiserror::Error;

@@ -52,9 +52,11 @@ pub struct Neighbour {
 /// # Errors
 /// The strategy does not reach the goal.
 pub fn tangent(
-    (system, u): (&dyn System, &Field),
+    system: &dyn System,
+    u: &Field,
     neighbours: &[Neighbour],
-    (solver, goal): (&dyn Solver, Goal),
+    solver: &dyn Solver,
+    goal: Goal,
     watch: &mut dyn Watch,
 ) -> Result<FarSlopes, SolveError> {
     let share = 1.0 / neighbours.len() as f64;
@@ -118,9 +120,11 @@ fn efficiency(order: &Order, slopes: &[[Complex64; 2]; 2], side: usize) -> Slope
 /// # Errors
 /// The strategy does not reach the goal, or the opposite direction is refused.
 pub fn adjoint(
-    (problem, u): (&Problem, &Field),
+    problem: &Problem,
+    u: &Field,
     weights: [f64; 2],
-    (solver, goal): (&dyn Solver, Goal),
+    solver: &dyn Solver,
+    goal: Goal,
     watch: &mut dyn Watch,
 ) -> Result<Field, AccuracyError> {
     let reversed = problem.reversed()?;

@@ -1,7 +1,8 @@
 use super::*;
+use crate::ink::Sphere;
 use crate::solve::{Gmres, Silent};
 use crate::wave::{
-    Ball, Body, BodyShape, Geometry, Incidence, Mean, Media, Precision, Resolution, Scene, Scheme, Wave,
+    Body, BodyShape, Geometry, Incidence, Mean, Media, Precision, Resolution, Scene, Scheme, Wave,
 };
 
 const GOAL: Goal = Goal { tolerance: 1e-12, max_applications: 5000 };
@@ -10,7 +11,7 @@ const PIGMENT: Medium = Medium::Inclusion(0);
 fn scene() -> Scene {
     let grains = [[0.10, 0.12, 0.15, 0.10], [0.42, 0.20, 0.30, 0.12], [0.25, 0.48, 0.18, 0.11]];
     let body = |[x, y, z, radius_um]: [f64; 4]| {
-        Body::new(BodyShape::Balls(vec![Ball { center_um: [x, y, z], radius_um }]), 0)
+        Body::new(BodyShape::Balls(vec![Sphere { center_um: [x, y, z], radius_um }]), 0)
     };
     Scene::layer([0.6, 0.62], 0.5, grains.map(body).to_vec())
 }
@@ -51,7 +52,7 @@ fn tangent_of(geometry: &Geometry, pigment: Complex64, from: Side, p: usize, cou
     };
     let neighbours: Vec<Neighbour> = (0..count).map(neighbour).collect();
     let u = solved(&*system);
-    tangent((&*system, &u), &neighbours, (&Gmres::default(), GOAL), &mut Silent).expect("converges")
+    tangent(&*system, &u, &neighbours, &Gmres::default(), GOAL, &mut Silent).expect("converges")
 }
 
 fn slopes_of(tangent: &FarSlopes) -> [Slopes; 3] {
@@ -122,7 +123,7 @@ fn the_adjoint_of_one_functional_gives_the_tangent_of_every_medium() {
         let system = systems(&geometry(Wave::Scalar), pigment, from).remove(0);
         let problem = system.split().expect("the scalar wave");
         let u = solved(problem);
-        let w = adjoint((problem, &u), weights, (&Gmres::default(), GOAL), &mut Silent).expect("converges");
+        let w = adjoint(problem, &u, weights, &Gmres::default(), GOAL, &mut Silent).expect("converges");
         for medium in [PIGMENT, Medium::Background(0)] {
             let neighbour = |direction: Complex64| {
                 let step = 1e-4 * direction;
@@ -130,7 +131,7 @@ fn the_adjoint_of_one_functional_gives_the_tangent_of_every_medium() {
                 Neighbour { step, system }
             };
             let neighbours = crate::wave::DIRECTIONS.map(neighbour);
-            let tangent = tangent((problem, &u), &neighbours, (&Gmres::default(), GOAL), &mut Silent);
+            let tangent = tangent(problem, &u, &neighbours, &Gmres::default(), GOAL, &mut Silent);
             let [r, t, _] = slopes_of(&tangent.expect("converges"));
             let adjoint = sensitivity(problem, &u, &w, medium).expect("sound");
             for i in 0..2 {

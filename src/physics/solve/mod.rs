@@ -5,21 +5,20 @@
 //! mean medium. [`accuracy`] searches the grid for a requested error and estimates the error of the
 //! result.
 
-pub mod account;
+mod account;
 pub mod accuracy;
 mod basis;
 pub mod demand;
 pub mod gradient;
-pub mod ledger;
-pub mod registry;
-pub mod solver;
-pub mod strategies;
+mod ledger;
+mod registry;
+mod solver;
+mod strategies;
 pub mod vectors;
 
-pub use crate::wave::System;
 pub use account::{Account, Goal, GridTrial, Silent, Solution, SolveError, Step, Watch};
-pub use accuracy::Coverages;
+pub use accuracy::task::Coverages;
 pub use ledger::{Ledger, flat};
-pub use registry::{Registry, SolverChoice};
+pub use registry::{Entry, Registry, SolverChoice};
 pub use solver::{Fit, Size, Solver};
 pub use strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, GuidedModes, Idr, Relaxation};

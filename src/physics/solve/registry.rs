@@ -6,8 +6,6 @@
 
 use super::strategies::{Bicgstab, Born, ConvergentBorn, Direct, Gmres, Idr, Relaxation};
 use super::{SolveError, Solver};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Constructs a strategy with its default settings.
 type Make = Box<dyn Fn() -> Box<dyn Solver> + Send + Sync>;
@@ -95,12 +93,13 @@ fn unknown(name: &str, known: String) -> SolveError {
 macro_rules! built_in {
     ($($name:literal => $variant:ident($settings:ty), $description:literal;)+) => {
         /// A built-in strategy with its settings, as a study file writes it.
-        #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-        #[serde(deny_unknown_fields)]
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+        #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
         pub enum SolverChoice {
             $(
                 #[doc = $description]
-                #[serde(rename = $name)]
+                #[cfg_attr(feature = "serde", serde(rename = $name))]
                 $variant($settings),
             )+
         }

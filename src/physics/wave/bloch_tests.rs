@@ -1,8 +1,9 @@
 //! The reduced vector, its ties, and the labels of orders.
 
 use super::*;
+use crate::ink::Sphere;
 use crate::wave::Coverage;
-use crate::wave::{Ball, Body, BodyShape, Mean, Problem, Resolution, Scene, Scheme};
+use crate::wave::{Body, BodyShape, Mean, Problem, Resolution, Scene, Scheme};
 use std::sync::Arc;
 
 fn coverage(resolution: [usize; 2], bodies: Vec<Body>) -> Arc<Coverage> {
@@ -13,7 +14,7 @@ fn coverage(resolution: [usize; 2], bodies: Vec<Body>) -> Arc<Coverage> {
 }
 
 fn grain() -> Vec<Body> {
-    let ball = Ball { center_um: [0.2, 0.2, 0.15], radius_um: 0.1 };
+    let ball = Sphere { center_um: [0.2, 0.2, 0.15], radius_um: 0.1 };
     vec![Body::new(BodyShape::Balls(vec![ball]), 0)]
 }
 

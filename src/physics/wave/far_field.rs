@@ -156,7 +156,8 @@ impl Setting {
 
     /// The order (m, n), which is harmonic `i`.
     fn order(&self, i: usize, [m, n]: [i32; 2], leaving: &impl Fn(usize, usize, f64) -> Leaving) -> Order {
-        let [back, onward] = [self.entry_side(), 1 - self.entry_side()];
+        let back = self.entry_side();
+        let onward = 1 - self.entry_side();
         let incident = if i == self.incident_harmonic { 1.0 } else { 0.0 };
         let ([reflected, crossed_back], reflected_efficiency) = leaving(back, i, incident);
         let ([transmitted, crossed_onward], transmitted_efficiency) = leaving(onward, i, 0.0);

@@ -8,15 +8,14 @@ use super::{Material, Scene, WaveError};
 use element::Element;
 use ndarray::Array2;
 use num_complex::Complex64;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Unknowns: rows are planes (nodes, with bubbles between them), columns harmonics.
 pub type Field = Array2<Complex64>;
 
 /// The discretisation in z (all share the exact boundary conditions of P2 (3.4)).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Scheme {
     /// Exact difference scheme, contrast at the nodes with tent moments.
     Tents,
@@ -44,7 +43,8 @@ impl Scheme {
 }
 
 /// Resolution of a scene: points along x and y, cells along z.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Resolution {
     /// Points along x, at least 1.
     pub nx: usize,
@@ -53,7 +53,7 @@ pub struct Resolution {
     /// Cells along z, at least 1.
     pub cells: usize,
     /// Discretisation along z.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub scheme: Scheme,
 }
 

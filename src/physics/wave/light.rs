@@ -1,12 +1,10 @@
 //! The light: the incident plane wave, the wave equation and polarisation.
 
 use super::Scheme;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Linear polarisation of a plane wave: s has E along s = ẑ × p̂, p has H along it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Polarisation {
     /// E perpendicular to the plane of incidence.
     S,
@@ -20,8 +18,9 @@ impl Polarisation {
 }
 
 /// Which equation is solved, and for which light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Wave {
     /// The scalar wave equation: like s light, without polarisation.
     #[default]
@@ -80,8 +79,9 @@ impl Wave {
 }
 
 /// A side of the layer 0 ≤ z ≤ H. By default light comes from the incident side, z < 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Side {
     /// z < 0.
     #[default]
@@ -92,7 +92,8 @@ pub enum Side {
 
 /// A plane wave: vacuum wavelength in µm, polar angle from the layer's normal (0° ≤ σ < 90°) and
 /// azimuth φ, both in the half-space of incidence (P2 section 2: kx = k sin σ cos φ).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Incidence {
     /// Vacuum wavelength, µm.
     pub wavelength_um: f64,
@@ -107,7 +108,9 @@ pub struct Incidence {
 impl Incidence {
     /// Rejects wavelengths that are not positive and angles outside 0° ≤ σ < 90°.
     pub fn check(&self) -> Result<(), super::WaveError> {
-        let [wavelength, polar, azimuth] = [self.wavelength_um, self.polar_deg, self.azimuth_deg];
+        let wavelength = self.wavelength_um;
+        let polar = self.polar_deg;
+        let azimuth = self.azimuth_deg;
         let grazing = "grazing light carries no flux into the layer: use 89 or less";
         let rules = [
             ("wavelength (µm)", wavelength, wavelength > 0.0, "finite and above 0", "give it in µm"),

@@ -3,31 +3,37 @@
 //! Lengths are in µm, angles in degrees, time factor e^{−iωt}; the layer is 0 ≤ z ≤ H and light
 //! from the incident side travels towards +z.
 
-pub mod bloch;
-pub mod contrast;
-pub mod error;
-pub mod far_field;
-pub mod geometry;
-pub mod grid;
-pub mod light;
+mod bloch;
+pub(crate) mod contrast;
+mod error;
+mod far_field;
+mod geometry;
+pub(crate) mod grid;
+pub(crate) mod light;
 pub mod maxwell;
-pub mod operator;
+pub(crate) mod operator;
 mod overlap;
-pub mod physical;
-pub mod scene;
-pub mod system;
+pub(crate) mod physical;
+pub(crate) mod scene;
+pub(crate) mod system;
 
 pub use bloch::Snapped;
-pub use contrast::coverage::{Coverage, Precision};
+pub use contrast::coverage::{Coverage, Precision, Stop};
 pub use error::WaveError;
 pub use far_field::{FURTHER, FarField, Order};
 pub use geometry::Geometry;
-pub(crate) use grid::element::{Element, MAX_DEGREE};
-pub use grid::{Channel, Field, Grid, Layout, Resolution, Scheme};
-pub use light::{Incidence, Polarisation, Side, Wave};
+pub use grid::element::Element;
+pub(crate) use grid::element::MAX_DEGREE;
+pub use grid::{Channel, Field, Grid, Layout, MOST_POINTS, Resolution, Scheme};
+pub(crate) use light::Polarisation;
+pub use light::{Incidence, Side, Wave};
+pub use operator::banded::ShiftedMean;
 pub(crate) use operator::cell::decaying_root;
+pub use operator::inverse::MeanInverse;
+pub use operator::mean::MeanOperator;
 pub use operator::problem::{DIRECTIONS, Mean, Medium, Problem};
-pub use operator::{scattering::Scatter, setting::Setting};
+pub use operator::scattering::{Scatter, Scattering};
+pub use operator::setting::Setting;
 pub use physical::{TotalErrors, Unphysical};
-pub use scene::{Ball, Body, BodyShape, HeightField, Material, Media, Scene, Stratum};
+pub use scene::{Body, BodyShape, HeightField, Material, Media, Scene, Stratum};
 pub use system::System;

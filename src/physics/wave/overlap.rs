@@ -5,10 +5,11 @@
 //! cannot crowd a cell, so the work is proportional to their number. Nothing here is shared with
 //! the packing methods but the proof that two convex bodies are apart.
 
-use super::{Ball, Body, BodyShape, Scene, WaveError};
+use super::{Body, BodyShape, Scene, WaveError};
+use crate::ink::Sphere;
 use crate::ink::grains::contact::{excess_um, proven_gap_um};
 use crate::ink::{Form, Solid};
-use crate::numerics::Rotation;
+use crate::numerics::vector::Rotation;
 use crate::numerics::vector::sub;
 use std::collections::HashMap;
 
@@ -38,7 +39,8 @@ impl Scene {
         if let Some((body, overlap_um)) = images.into_iter().find(|&(_, overlap)| overlap > slack) {
             return Err(WaveError::OverlapsImage { body, overlap_um });
         }
-        let pieces: Vec<_> = self.bodies.iter().enumerate().flat_map(|body| pieces_of(body, ly)).collect();
+        let pieces: Vec<_> =
+            self.bodies.iter().enumerate().flat_map(|(index, body)| pieces_of(index, body, ly)).collect();
         let mut cells = Cells::new(self, &pieces);
         pieces.iter().try_for_each(|piece| cells.enter(piece, slack))?;
         let within = self.bodies.iter().map(|body| body.within).enumerate();
@@ -66,13 +68,13 @@ struct Piece {
     whole: bool,
 }
 
-fn pieces_of((body, of): (usize, &Body), ly: f64) -> Vec<Piece> {
-    let piece = |ranges, radius, solid, whole| vec![Piece { body, ranges, radius, solid, whole }];
-    match &of.shape {
+fn pieces_of(index: usize, body: &Body, ly: f64) -> Vec<Piece> {
+    let piece = |ranges, radius, solid, whole| vec![Piece { body: index, ranges, radius, solid, whole }];
+    match &body.shape {
         BodyShape::Balls(balls) => {
             let whole = balls.len() == 1;
-            let of = |b: &Ball| piece(b.center_um.map(|c| [c; 2]), b.radius_um, Some(b.solid()), whole);
-            balls.iter().flat_map(of).collect()
+            let ball = |b: &Sphere| piece(b.center_um.map(|c| [c; 2]), b.radius_um, Some(b.solid()), whole);
+            balls.iter().flat_map(ball).collect()
         }
         BodyShape::Solid(solid) => {
             piece([0, 1, 2].map(|axis| solid.extent_um(axis)), 0.0, Some(solid.clone()), true)
@@ -98,9 +100,10 @@ impl Piece {
     /// axis on which one of them does not depend.
     fn centre_from(&self, other: &Piece, [lx, ly]: [f64; 2]) -> [f64; 3] {
         [(0, lx), (1, ly), (2, f64::INFINITY)].map(|(axis, period)| {
-            let [own, from] = [self, other].map(|piece| piece.ranges[axis]);
-            let apart = middle(own) - middle(from);
-            if own == ENDLESS || from == ENDLESS { 0.0 } else { nearest(apart, period) }
+            let range = self.ranges[axis];
+            let other_range = other.ranges[axis];
+            let apart = middle(range) - middle(other_range);
+            if range == ENDLESS || other_range == ENDLESS { 0.0 } else { nearest(apart, period) }
         })
     }
 

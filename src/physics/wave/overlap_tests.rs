@@ -1,5 +1,5 @@
 use super::*;
-use crate::wave::Ball;
+use crate::ink::Sphere;
 
 fn scene(shapes: &[BodyShape]) -> Scene {
     let body = |shape: &BodyShape| Body::new(shape.clone(), 0);
@@ -7,7 +7,7 @@ fn scene(shapes: &[BodyShape]) -> Scene {
 }
 
 fn ball(x: f64, y: f64, z: f64, radius_um: f64) -> BodyShape {
-    BodyShape::Balls(vec![Ball { center_um: [x, y, z], radius_um }])
+    BodyShape::Balls(vec![Sphere { center_um: [x, y, z], radius_um }])
 }
 
 fn disc(x_um: f64, z_um: f64, radius_um: f64) -> BodyShape {

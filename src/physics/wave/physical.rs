@@ -136,11 +136,6 @@ fn finite(far: &FarField, errors: &TotalErrors) -> Result<(), Unphysical> {
     Ok(())
 }
 
-/// The largest of some numbers, NaN if any of them is NaN; 0 if there are none.
-pub fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
-    values.into_iter().fold(0.0, |a: f64, b: f64| if a.is_nan() || a > b { a } else { b })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -214,11 +209,5 @@ mod tests {
         let mut hidden = far(0.3, 0.4, 0.3);
         hidden.orders[0].transmitted.im = none;
         assert!(hidden.judged(TotalErrors::of_amplitudes(0.1, 0.0)).is_err());
-    }
-
-    #[test]
-    fn maxima_keep_what_is_no_number() {
-        assert!(largest([1.0, f64::NAN, 2.0]).is_nan() && largest([f64::NAN]).is_nan());
-        assert_eq!((largest([1.0, 3.0, 2.0]), largest([])), (3.0, 0.0));
     }
 }

@@ -2,17 +2,15 @@
 //! indices.
 
 use super::WaveError;
-use crate::ink::Solid;
+use crate::ink::{Solid, Sphere};
 use num_complex::Complex64;
-
-/// A ball in µm; `center_um` may lie outside the cell and is wrapped periodically in x and y.
-pub use crate::ink::Sphere as Ball;
 
 /// A body's shape, lengths in µm. Bodies along y serve the two-dimensional references.
 #[derive(Clone, Debug, PartialEq)]
 pub enum BodyShape {
-    /// Union of the balls of one grain; overlapping volume counts once.
-    Balls(Vec<Ball>),
+    /// Union of the balls of one grain, µm; overlapping volume counts once. Centres may lie outside
+    /// the cell and are wrapped periodically in x and y.
+    Balls(Vec<Sphere>),
     /// A convex body with an exact surface.
     Solid(Solid),
     /// Infinite circular cylinder along y.
@@ -38,7 +36,7 @@ pub enum BodyShape {
         /// z of the face: 0 or the thickness of the layer, µm.
         face_um: f64,
         /// Balls of the grains that protrude from it.
-        balls: Vec<Ball>,
+        balls: Vec<Sphere>,
         /// Convex grains that protrude from it.
         solids: Vec<Solid>,
     },
@@ -97,9 +95,10 @@ pub struct Stratum {
 /// The geometry of one periodic cell, 0 ≤ z ≤ H, independent of wavelength and angle.
 ///
 /// ```
-/// use inkwave_physics::wave::{Ball, Body, Media, Scene, BodyShape};
+/// use inkwave_physics::ink::Sphere;
+/// use inkwave_physics::wave::{Body, Media, Scene, BodyShape};
 ///
-/// let ball = Ball { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
+/// let ball = Sphere { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
 /// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
 /// let media = Media {
 ///     incident: 1.0.into(),
@@ -111,7 +110,7 @@ pub struct Stratum {
 /// assert_eq!(scene.thickness_um(), 0.3);
 ///
 /// // A body that leaves the layer is rejected, with its position and a remedy.
-/// let high = Ball { center_um: [0.1, 0.2, 0.05], radius_um: 0.1 };
+/// let high = Sphere { center_um: [0.1, 0.2, 0.05], radius_um: 0.1 };
 /// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(BodyShape::Balls(vec![high]), 0)]);
 /// assert!(scene.check(&media).unwrap_err().to_string().contains("move it or make the layer thicker"));
 /// # Ok::<(), inkwave_physics::wave::WaveError>(())
@@ -169,7 +168,8 @@ impl Scene {
         let mut bottom = 0.0;
         let slack = 1e-9 * self.thickness_um();
         let is_reached = |stratum: &Stratum| {
-            let [low, high] = [bottom, bottom + stratum.thickness_um];
+            let low = bottom;
+            let high = low + stratum.thickness_um;
             bottom = high;
             self.bodies.iter().map(Body::extent_um).any(|[lo, hi]| lo < high - slack && hi > low + slack)
         };

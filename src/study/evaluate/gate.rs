@@ -1,6 +1,6 @@
 //! The gate that every published number passes: withholds impossible ones, with the reason.
 //!
-//! Totals of the layer have further checks of their own ([`crate::wave::physical`],
+//! Totals of the layer have further checks of their own ([`crate::wave::Unphysical`],
 //! [`super::manifest::Manifest::unphysical`]). Curves fitted to few directions and cells may still
 //! overshoot where a colour or a BRDF is derived from them.
 

@@ -1,5 +1,5 @@
 use super::*;
-use crate::appearance::colour::Colorimeter;
+use crate::appearance::tristimulus::Colorimeter;
 
 fn estimate(value: f64, error: f64) -> Estimate {
     Estimate { value, standard_error: Some(error) }

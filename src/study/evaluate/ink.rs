@@ -14,10 +14,10 @@ use super::on_paper::{
 use super::regression::Fits;
 use super::samples::{SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
-use crate::appearance::colour::ColourError;
 use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
 use crate::appearance::tristimulus::{TABLE_RANGE_NM, visible};
+use crate::appearance::viewing::ColourError;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::Range;
 use thiserror::Error;

@@ -90,7 +90,7 @@ impl MadeUp<'_> {
     /// The ink of this number of realisations, and their solves.
     pub fn ink(&self, realisations: usize, seed: u64) -> (InkOnPaper, Vec<SolvedRealisation>) {
         let mut draws = crate::numerics::Draws::new(seed, 3);
-        let sequence = crate::numerics::draws::Sequence::<2>::new(seed);
+        let sequence = crate::numerics::Sequence::<2>::new(seed);
         let solved: Vec<_> =
             (0..realisations).map(|r| self.realisation(sequence.point(r), || draws.normal())).collect();
         let basis = SpectralBasis::Splines { range_nm: RANGE_NM, intervals: self.wavelengths };

@@ -11,11 +11,11 @@ use super::seen::{LayerSeen, MovedLayers, NoInk, Seen, see};
 use super::survivors::Survivors;
 use super::uncertainty::{ColourParts, Conditions, Shift, UNMOVED, Uncertainty};
 use crate::input::study::{Study, TargetColour};
+use crate::numerics::estimate::largest;
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
 use crate::run::Collected;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::store::{METHOD_VERSION, PointRecord};
-use crate::wave::physical::largest;
 
 /// Minimum number of packings before an interval can end the run: the scatter of fewer is too
 /// uncertain, and studies that happen to scatter least would end first.

@@ -3,12 +3,13 @@
 use super::fault::{Fault, Faults};
 use super::forms::Pair;
 use super::limits;
+use crate::ink::Sphere;
 use crate::ink::{Shape, Solid};
-use crate::numerics::Rotation;
 use crate::numerics::allowed::shown;
 use crate::numerics::files::name_or_table;
+use crate::numerics::vector::Rotation;
 use crate::numerics::vector::unit;
-use crate::wave::{Ball, BodyShape, Side};
+use crate::wave::{BodyShape, Side};
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
 use serde_json::json;
@@ -170,7 +171,7 @@ impl CaseInputs {
     pub(super) fn bodies(&self) -> Vec<(String, BodyShape, [f64; 2])> {
         let mut all = Vec::new();
         for (i, s) in self.spheres.iter().flatten().enumerate() {
-            let ball = Ball { center_um: s.center, radius_um: s.radius };
+            let ball = Sphere { center_um: s.center, radius_um: s.radius };
             all.push((format!("spheres[{i}]"), BodyShape::Balls(vec![ball]), s.eta));
         }
         for (i, c) in self.cylinders.iter().flatten().enumerate() {

@@ -3,7 +3,7 @@
 use super::study::Study;
 use super::variation::{AREA, ASPECT, CellRule, Draw, LightRule, between, thickness_um};
 use crate::ink::{PigmentGrains, SizeDistribution};
-use crate::numerics::draws::Sequence;
+use crate::numerics::Sequence;
 
 /// With several pigments, whole grains are sought within this fraction of the drawn area.
 const AREA_SEARCH: f64 = 0.04;

@@ -12,8 +12,10 @@ mod words;
 
 pub use words::MeasuredGeometry;
 
-use crate::appearance::colour::{Colorimeter, Colour, ColourError};
+use crate::appearance::colour::Colour;
+use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::TABLE_RANGE_NM;
+use crate::appearance::viewing::ColourError;
 use crate::appearance::viewing::Viewing;
 use crate::material::text_table::read_text;
 use sample::{MeasuredFile, SampleContent};

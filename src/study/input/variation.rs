@@ -4,7 +4,7 @@
 //! the same few guided resonances are hit or missed each time, and a small cell is biased. Quantum
 //! Monte Carlo solves the same problem by twist averaging (Lin, Zong, Ceperley 2001). Here the
 //! lattice itself varies: area, aspect ratio and azimuth, all drawn uniformly by a
-//! [`Sequence`](crate::numerics::draws::Sequence), together with the directions over the
+//! [`Sequence`](crate::numerics::Sequence), together with the directions over the
 //! hemisphere and the wavelengths. Realisation r has the same draws whatever the number of
 //! realisations, so that a study can be extended.
 //!

@@ -3,8 +3,9 @@
 use super::resolve::Resolved;
 use super::watch::RunWatch;
 use crate::input::study::{Point, Study};
+use crate::solve::Size;
 use crate::solve::Solver;
-use crate::solve::demand::{Admitted, Size, TooLarge};
+use crate::solve::demand::{Admitted, TooLarge};
 use crate::store::{Damage, Database, FailureRecord, Key, OutputFolder, PackingRecord, PointRecord, Store};
 use std::io;
 use std::path::Path;

@@ -274,7 +274,7 @@ impl CellTask<'_> {
             Ok(Neighbour { step: step.into(), system: own(systems_of(&moved, &geometry, point)?, point) })
         };
         let neighbours = [neighbour(STEP)?, neighbour(-STEP)?];
-        let slopes = tangent((&**system, &field), &neighbours, (solver, study.goal), &mut Stopper(watch))?;
+        let slopes = tangent(&**system, &field, &neighbours, solver, study.goal, &mut Stopper(watch))?;
         let far = system.far_field(&field);
         let kept = far.orders.iter().zip(&slopes.orders);
         let kept = kept.filter(|(order, _)| order.reflected_propagates || order.transmitted_propagates);

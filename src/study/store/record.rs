@@ -1,7 +1,7 @@
 //! The record of one solve: its propagating orders, its energy balance and its cost.
 
 use super::store::Record;
-use crate::wave::far_field::FURTHER;
+use crate::wave::FURTHER;
 use crate::wave::maxwell::Polarisation;
 use crate::wave::{FarField, Incidence, Order};
 use num_complex::Complex64;

@@ -1,5 +1,6 @@
 use super::*;
-use crate::appearance::colour::{Colorimeter, Colour};
+use crate::appearance::colour::Colour;
+use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::ink_maker::Target;
 use crate::sweep::definition::load::{Outline, Place};
 use ndarray::Array2;

@@ -185,7 +185,7 @@ fn target_in_words(lab: [f64; 3], study: &Study) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::appearance::colour::Colorimeter;
+    use crate::appearance::tristimulus::Colorimeter;
 
     /// A yellow with two realisations that move b* by ± `by`, and an independent variance of 0.01
     /// in L*.

@@ -2,7 +2,7 @@
 
 use super::tiny::*;
 use faer::{Mat, Side};
-use inkwave::wave::operator::banded::ShiftedMean;
+use inkwave::wave::ShiftedMean;
 use inkwave::wave::{Field, Mean, Problem};
 use num_complex::Complex64;
 

@@ -1,7 +1,7 @@
 //! All strategies against the dense solve, what they refuse, and what they cost.
 
 use super::tiny::*;
-use inkwave::solve::registry::Entry;
+use inkwave::solve::Entry;
 use inkwave::solve::{
     Born, Direct, Gmres, Goal, Registry, Relaxation, Silent, SolveError, Solver, Step, Watch,
 };

@@ -1,10 +1,10 @@
 //! The strategies on the vector problem: one discrete system, one solution, one yardstick.
 
 use inkwave::solve::{
-    Bicgstab, Born, ConvergentBorn, Direct, Gmres, Goal, Idr, Relaxation, Silent, SolveError, Solver, System,
+    Bicgstab, Born, ConvergentBorn, Direct, Gmres, Goal, Idr, Relaxation, Silent, SolveError, Solver,
 };
 use inkwave::wave::maxwell::{Averaging, Polarisation};
-use inkwave::wave::{Field, Mean};
+use inkwave::wave::{Field, Mean, System};
 use inkwave_validation::vector::*;
 
 const GOAL: Goal = Goal { tolerance: 1e-12, max_applications: 5000 };

@@ -1,16 +1,17 @@
 //! Grains of several balls: shares by power against single balls, rotations and the scalar coverage.
 
+use inkwave::ink::Sphere;
 use inkwave::input::case::Case;
 use inkwave::solve::accuracy::largest_of_all;
 use inkwave::wave::maxwell::{Averaging, NormalMoments};
-use inkwave::wave::{Ball, Body, BodyShape, Coverage, Mean, Resolution, Scene, Scheme};
+use inkwave::wave::{Body, BodyShape, Coverage, Mean, Resolution, Scene, Scheme};
 use inkwave_validation::vector::*;
 
-fn ball(center_um: [f64; 3], radius_um: f64) -> Ball {
-    Ball { center_um, radius_um }
+fn ball(center_um: [f64; 3], radius_um: f64) -> Sphere {
+    Sphere { center_um, radius_um }
 }
 
-fn scene(balls: Vec<Ball>) -> Scene {
+fn scene(balls: Vec<Sphere>) -> Scene {
     Scene::layer([0.6, 0.6], 0.6, vec![Body::new(BodyShape::Balls(balls), 0)])
 }
 

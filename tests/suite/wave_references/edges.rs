@@ -1,9 +1,10 @@
 //! Places where formulas divide by zero or shapes degenerate: right answers or a clear refusal, never NaN.
 
 use super::support::*;
+use inkwave::ink::Sphere;
 use inkwave::input::case::Case;
 use inkwave::wave::{
-    Ball, Body, BodyShape, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side,
+    Body, BodyShape, FarField, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side,
 };
 use num_complex::Complex64;
 
@@ -169,7 +170,7 @@ fn whatever_cannot_be_right_is_refused() {
 
 #[test]
 fn lateral_positions_must_be_numbers() {
-    let lateral = BodyShape::Balls(vec![Ball { center_um: [f64::NAN, 0.1, 0.25], radius_um: 0.1 }]);
+    let lateral = BodyShape::Balls(vec![Sphere { center_um: [f64::NAN, 0.1, 0.25], radius_um: 0.1 }]);
     let case = case(0.5, 0.5, vec![Body::new(lateral, 0)], 1.4.into(), light(0.55, 0.0));
     let error = case.scene.check(&case.media).expect_err("NaN is no position").to_string();
     assert!(error.contains("body 0"), "{error}");

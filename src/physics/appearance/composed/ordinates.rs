@@ -133,6 +133,9 @@ pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
 
 /// Gaussian nodes and weights of ∫₀¹ 2v f(v) dv, rising: inner nodes of the Radau rule, the roots
 /// of P_n + P_{n+1}, whose weights carry the factor v.
+///
+/// An own rule: `gauss_quad::GaussJacobi` (0.2.3) puts the middle one of an odd number of nodes at
+/// x = 0, which is true of symmetric weights only (three nodes are −0.575, 0.181 and 0.823).
 pub fn gauss(count: usize) -> Vec<(f64, f64)> {
     let f = |x: f64| legendre(count, x) + legendre(count + 1, x);
     let steps = BRACKETS * count.max(1);

@@ -47,7 +47,8 @@ impl Plate {
     /// With `by` more of the light reflected and less transmitted, as far as there is any.
     pub fn moved(mut self, by: f64) -> Self {
         for k in 0..2 {
-            let [r, t] = [&mut self.reflection[k], &mut self.transmission[k]];
+            let r = &mut self.reflection[k];
+            let t = &mut self.transmission[k];
             for j in 0..r.ncols() {
                 let [back, onward] = [&*r, &*t].map(|m| (0..m.nrows()).map(|i| m[(i, j)]).sum::<f64>());
                 if back > by && onward > by {

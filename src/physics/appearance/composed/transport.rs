@@ -73,7 +73,8 @@ impl Transport {
             (0..terms).map(|l| term(l, sign) * polynomials[i][l] * polynomials[j][l]).sum()
         };
         let shape = |sign: f64| Mat::from_fn(n, n, |i, j| weights[i] / cosines[i] * phase(i, j, sign));
-        let [mut back, mut onward] = [shape(-1.0), shape(1.0)];
+        let mut back = shape(-1.0);
+        let mut onward = shape(1.0);
         for j in 0..n {
             let sum: f64 = (0..n).map(|i| back[(i, j)] + onward[(i, j)]).sum();
             let path = thickness_um / cosines[j];

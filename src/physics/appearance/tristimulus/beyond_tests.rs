@@ -1,6 +1,7 @@
-use crate::appearance::tristimulus::{Colorimeter, ColourError};
+use crate::appearance::tristimulus::Colorimeter;
+use crate::appearance::viewing::ColourError;
 use crate::appearance::viewing::{Summation, Viewing};
-use crate::numerics::draws::Draws;
+use crate::numerics::Draws;
 
 const STEP_NM: f64 = 5.0;
 

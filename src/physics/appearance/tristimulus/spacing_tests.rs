@@ -1,7 +1,7 @@
 use crate::appearance::tristimulus::beyond::tests::printed;
 use crate::appearance::tristimulus::{Colorimeter, Guide};
 use crate::appearance::viewing::{Summation, Viewing};
-use crate::numerics::draws::Draws;
+use crate::numerics::Draws;
 
 const FINE_NM: f64 = 5.0;
 

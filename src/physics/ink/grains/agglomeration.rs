@@ -7,11 +7,11 @@ pub use fractal::Fractal;
 use super::contact::{contact, proven_gap_um};
 use super::solid::Solid;
 use super::sphere::{Sphere, centre_of_mass, reach_um};
-use crate::numerics::allowed::{Allowed, Each, Whole};
-use crate::numerics::draws::{Draws, are_weights, weighted};
+#[cfg(feature = "schema")]
+use crate::numerics::allowed::Each;
+use crate::numerics::allowed::{Allowed, Whole};
 use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale, sub};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use crate::numerics::{Draws, are_weights, weighted};
 use std::iter;
 
 /// Fraction of grains in agglomerates.
@@ -20,32 +20,38 @@ const DEGREE: Allowed = Allowed::between(0.0, 1.0, "");
 const GRAINS: Whole = Whole::between(2, 500);
 
 /// Which grains stick together.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Agglomeration {
     /// Share of the pigment's grains (by number) that sit in agglomerates, 0 to 1.
-    #[schemars(transform = DEGREE.mark(), example = 0.8)]
+    #[cfg_attr(feature = "schema", schemars(transform = DEGREE.mark(), example = 0.8))]
     pub degree: f64,
     /// How many grains stick together.
-    #[schemars(example = 5)]
+    #[cfg_attr(feature = "schema", schemars(example = 5))]
     pub grains: GrainCount,
     /// Makes them fractal clusters, such as carbon black's (of spheres only): without it grains fly
     /// in one by one, which gives dense ones.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(example = Fractal { dimension: 1.78, prefactor: 1.3 })]
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    #[cfg_attr(feature = "schema", schemars(example = Fractal { dimension: 1.78, prefactor: 1.3 }))]
     pub fractal: Option<Fractal>,
 }
 
 /// Number of grains in one agglomerate. A last, incomplete agglomerate keeps the grains that are
 /// left.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(
-    untagged,
-    expecting = "a whole number, { from = …, to = … } or { values = […], weights = […] }, in whole numbers from 2"
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(
+    feature = "serde",
+    serde(
+        untagged,
+        expecting = "a whole number, { from = …, to = … } or { values = […], weights = […] }, in whole numbers from 2"
+    )
 )]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum GrainCount {
     /// `grains = 5`
-    Constant(#[schemars(transform = GRAINS.mark())] usize),
+    Constant(#[cfg_attr(feature = "schema", schemars(transform = GRAINS.mark()))] usize),
     /// `grains = { from = 2, to = 6 }`: each number equally likely.
     Uniform(Range),
     /// `grains = { values = [2, 3, 8], weights = [5, 3, 1] }`
@@ -53,27 +59,28 @@ pub enum GrainCount {
 }
 
 /// Whole numbers from `from` to `to`, both included.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-#[schemars(rename = "GrainRange")]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "GrainRange"))]
 pub struct Range {
     /// Smallest number of grains, at least 2.
-    #[schemars(transform = GRAINS.mark(), example = 2)]
+    #[cfg_attr(feature = "schema", schemars(transform = GRAINS.mark(), example = 2))]
     pub from: usize,
     /// Largest number of grains, at most 500.
-    #[schemars(transform = GRAINS.mark(), example = 6)]
+    #[cfg_attr(feature = "schema", schemars(transform = GRAINS.mark(), example = 6))]
     pub to: usize,
 }
 
 /// Numbers of grains with the frequencies of agglomerates of each.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct CountList {
     /// Numbers of grains, 2 to 500 each.
-    #[schemars(transform = Each { entry: GRAINS, most: 500 }, example = (2, 3, 8))]
+    #[cfg_attr(feature = "schema", schemars(transform = Each { entry: GRAINS, most: 500 }, example = (2, 3, 8)))]
     pub values: Vec<usize>,
     /// Frequency of each number, at least 0; the weights are normalised.
-    #[schemars(inner(range(min = 0)), example = (5, 3, 1))]
+    #[cfg_attr(feature = "schema", schemars(inner(range(min = 0)), example = (5, 3, 1)))]
     pub weights: Vec<f64>,
 }
 

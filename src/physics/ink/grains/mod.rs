@@ -1,11 +1,11 @@
 //! Grains: shape as a rigid union of balls or a convex body, size, volume, orientation, and
 //! agglomerates.
 
-pub mod agglomeration;
+pub(crate) mod agglomeration;
 pub mod contact;
-pub mod orientation;
-pub mod shape;
-pub mod size;
-pub mod solid;
-pub mod sphere;
+pub(crate) mod orientation;
+pub(crate) mod shape;
+pub(crate) mod size;
+pub(crate) mod solid;
+pub(crate) mod sphere;
 pub mod volume;

@@ -2,10 +2,11 @@
 
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
-use crate::numerics::files::{also_by_name, no_keys};
+#[cfg(feature = "schema")]
+use crate::numerics::files::also_by_name;
+#[cfg(feature = "serde")]
+use crate::numerics::files::no_keys;
 use crate::numerics::vector::{V3, add, cross, dot, scale, unit};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Concentration parameter κ of the Watson distribution.
 const STRENGTH: Allowed = Allowed::between(0.0, f64::MAX, "");
@@ -19,34 +20,38 @@ const STRENGTH: Allowed = Allowed::between(0.0, f64::MAX, "");
 /// pigment's order is below that of the distribution, and ramps down, so that it does not prevent
 /// convergence. Contacts rotate grains out of alignment, so the packing reports the tensor
 /// achieved.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(transform = also_by_name)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = also_by_name))]
 pub enum Orientation {
     /// Isotropic, no field.
     #[default]
-    #[serde(deserialize_with = "no_keys")]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "no_keys"))]
     Random,
     /// Axes in the plane of the layer.
     InPlane {
         /// κ of the Watson distribution, at least 0; perfect alignment without it.
-        #[schemars(transform = STRENGTH.mark(), example = 8.0)]
+        #[cfg_attr(feature = "schema", schemars(transform = STRENGTH.mark(), example = 8.0))]
         strength: Option<f64>,
     },
     /// Axes along z.
     Perpendicular {
         /// κ of the Watson distribution, at least 0; perfect alignment without it.
-        #[schemars(transform = STRENGTH.mark(), example = 8.0)]
+        #[cfg_attr(feature = "schema", schemars(transform = STRENGTH.mark(), example = 8.0))]
         strength: Option<f64>,
     },
     /// Axes along any direction.
     Along {
         /// Direction of alignment, of any length above 0; z points from the incident to the exit
         /// side.
-        #[schemars(example = (0.0, 0.0, 1.0))]
+        #[cfg_attr(feature = "schema", schemars(example = (0.0, 0.0, 1.0)))]
         direction: [f64; 3],
         /// κ of the Watson distribution, at least 0; perfect alignment without it.
-        #[schemars(transform = STRENGTH.mark(), example = 8.0)]
+        #[cfg_attr(feature = "schema", schemars(transform = STRENGTH.mark(), example = 8.0))]
         strength: Option<f64>,
     },
 }

@@ -6,10 +6,11 @@ use super::solid::{self, Form, Solid};
 use super::sphere::{Sphere, bead, centred, chain, inscribed};
 use super::volume::{Volume, union_volume};
 use crate::numerics::allowed::{Allowed, Whole};
-use crate::numerics::files::{also_by_name, no_keys, ratio};
+#[cfg(feature = "schema")]
+use crate::numerics::files::also_by_name;
+#[cfg(feature = "serde")]
+use crate::numerics::files::{no_keys, ratio};
 use crate::numerics::vector::scale;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// Length of a grain in radii; 2 is a sphere.
@@ -33,105 +34,112 @@ const SPHERES: Whole = Whole::between(2, 200);
 /// Clusters of spheres have lengths in radii R of their thickest sphere. `ellipsoid`, `box`, `disc`
 /// and `prism` are exact convex bodies: their lengths are proportions, which the size scales (in
 /// case files they are µm).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Default, JsonSchema)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
-#[schemars(transform = also_by_name)]
+#[derive(Clone, Debug, PartialEq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(transform = also_by_name))]
 pub enum Shape {
     /// One sphere.
     #[default]
-    #[serde(deserialize_with = "no_keys")]
+    #[cfg_attr(feature = "serde", serde(deserialize_with = "no_keys"))]
     Sphere,
     /// Equal spheres at equal spacing; `length_in_radii` includes the round ends. P1 section 5:
     /// length 6 R.
     Cylinder {
         /// Tip-to-tip length over R, above 2.
-        #[serde(default = "ratio::<6, 1>")]
-        #[schemars(transform = LENGTH_IN_RADII.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "ratio::<6, 1>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = LENGTH_IN_RADII.mark()))]
         length_in_radii: f64,
         /// Number of spheres on the axis, 2 to 200.
-        #[serde(default = "count::<5>")]
-        #[schemars(transform = SPHERES.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "count::<5>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = SPHERES.mark()))]
         spheres: usize,
     },
     /// P1 Fig. 1: radii decrease parabolically from R in the middle to `tip_in_radii` R at the
     /// ends.
     RiceGrain {
         /// Tip-to-tip length over R, above 2.
-        #[serde(default = "ratio::<6, 1>")]
-        #[schemars(transform = LENGTH_IN_RADII.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "ratio::<6, 1>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = LENGTH_IN_RADII.mark()))]
         length_in_radii: f64,
         /// Radius of the end spheres over R, above 0 up to 1.
-        #[serde(default = "ratio::<1, 2>")]
-        #[schemars(transform = TIP_IN_RADII.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "ratio::<1, 2>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = TIP_IN_RADII.mark()))]
         tip_in_radii: f64,
         /// Number of spheres on the axis, 2 to 200.
-        #[serde(default = "count::<7>")]
-        #[schemars(transform = SPHERES.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "count::<7>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = SPHERES.mark()))]
         spheres: usize,
     },
     /// Ellipsoid with three axes; bare: the third twice as long as the others.
     Ellipsoid {
         /// Lengths of the axes, tip to tip, along x, y and z: z is the grain's axis.
-        #[serde(default = "lengths::<2>")]
-        #[schemars(inner(range(min = 0)))]
+        #[cfg_attr(feature = "serde", serde(default = "lengths::<2>"))]
+        #[cfg_attr(feature = "schema", schemars(inner(range(min = 0))))]
         axes: [f64; 3],
     },
     /// Box with three edges; bare: a cube.
     Box {
         /// Lengths of the edges along x, y and z: z is the grain's axis.
-        #[serde(default = "lengths::<1>")]
-        #[schemars(inner(range(min = 0)))]
+        #[cfg_attr(feature = "serde", serde(default = "lengths::<1>"))]
+        #[cfg_attr(feature = "schema", schemars(inner(range(min = 0))))]
         edges: [f64; 3],
     },
     /// Circular disc, platelet or rod with flat ends; bare: five times as wide as thick.
     Disc {
         /// Diameter of the ends.
-        #[serde(default = "ratio::<1, 1>")]
-        #[schemars(transform = LENGTH.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "ratio::<1, 1>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = LENGTH.mark()))]
         diameter: f64,
         /// Distance between the ends along z, the grain's axis.
-        #[serde(default = "ratio::<1, 5>")]
-        #[schemars(transform = LENGTH.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "ratio::<1, 5>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = LENGTH.mark()))]
         thickness: f64,
     },
     /// Prism over a convex polygon; bare: hexagonal, as long as its edges.
     Prism {
         /// Corners of the polygon in order, x and y; its centre of mass becomes the grain's axis.
-        #[serde(default = "hexagon")]
-        #[schemars(length(min = 3, max = 64))]
+        #[cfg_attr(feature = "serde", serde(default = "hexagon"))]
+        #[cfg_attr(feature = "schema", schemars(length(min = 3, max = 64)))]
         corners: Vec<[f64; 2]>,
         /// Distance between the ends along z, the grain's axis.
-        #[serde(default = "ratio::<1, 1>")]
-        #[schemars(transform = LENGTH.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "ratio::<1, 1>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = LENGTH.mark()))]
         length: f64,
     },
     /// Spheres inscribed in a prolate ellipsoid of semi-axes R and `aspect_ratio` R, tips included;
     /// unlike `ellipsoid` it can make fractals.
     BeadedEllipsoid {
         /// Length over width, above 1.
-        #[serde(default = "ratio::<2, 1>")]
-        #[schemars(transform = ASPECT_RATIO.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "ratio::<2, 1>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = ASPECT_RATIO.mark()))]
         aspect_ratio: f64,
         /// Number of spheres on the axis, 2 to 200.
-        #[serde(default = "count::<9>")]
-        #[schemars(transform = SPHERES.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "count::<9>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = SPHERES.mark()))]
         spheres: usize,
     },
     /// Any rigid cluster: rows of x, y, z, radius in a common unit; the size then scales it.
     Cluster {
         /// x, y, z, radius of each sphere, 1 to 1000 of them.
-        #[schemars(length(min = 1, max = 1000), example = ((0.0, 0.0, 0.0, 1.0), (1.5, 0.0, 0.0, 1.0)))]
+        #[cfg_attr(feature = "schema", schemars(length(min = 1, max = 1000), example = ((0.0, 0.0, 0.0, 1.0), (1.5, 0.0, 0.0, 1.0))))]
         spheres: Vec<[f64; 4]>,
     },
 }
 
+#[cfg(feature = "serde")]
 fn count<const N: usize>() -> usize {
     N
 }
 /// Two lengths of 1, and a third.
+#[cfg(feature = "serde")]
 fn lengths<const N: u32>() -> [f64; 3] {
     [1.0, 1.0, N.into()]
 }
+#[cfg(feature = "serde")]
 fn hexagon() -> Vec<[f64; 2]> {
     let h = 0.75f64.sqrt();
     vec![[1.0, 0.0], [0.5, h], [-0.5, h], [-1.0, 0.0], [-0.5, -h], [0.5, -h]]

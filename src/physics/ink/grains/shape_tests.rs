@@ -37,7 +37,7 @@ fn a_cluster_is_centred_and_turned_to_its_long_axis() {
 
 #[test]
 fn shapes_read_as_names_and_tables_and_refuse_unknown_keys() {
-    #[derive(Deserialize)]
+    #[derive(serde::Deserialize)]
     struct Line {
         #[serde(deserialize_with = "crate::numerics::files::name_or_table")]
         shape: Shape,

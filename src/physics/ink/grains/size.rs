@@ -5,16 +5,18 @@ mod law;
 pub use law::By;
 
 use super::shape::Template;
-use crate::numerics::allowed::{Allowed, Each};
-use crate::numerics::draws::{Draws, are_weights};
+use crate::numerics::allowed::Allowed;
+#[cfg(feature = "schema")]
+use crate::numerics::allowed::Each;
+#[cfg(feature = "serde")]
 use crate::numerics::files::ratio;
+use crate::numerics::{Draws, are_weights};
 use law::{CUT_AT, LogNormalLaw, TENTH};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// A size of grains.
 const SIZE_NM: Allowed = Allowed::above(0.0, f64::MAX, "nm");
 /// Sizes of grains.
+#[cfg(feature = "schema")]
 const SIZES_NM: Each<Allowed> = Each { entry: SIZE_NM, most: usize::MAX >> 12 };
 /// Standard deviation of sizes.
 const SPREAD_NM: Allowed = Allowed::between(0.0, f64::MAX, "nm");
@@ -28,8 +30,9 @@ const CUT: Allowed = Allowed::above(0.0, 10.0, "");
 const SKEW: f64 = 0.05;
 
 /// Length of the grain that a size specifies.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum Measure {
     /// Diameter of the sphere of equal volume, of the **union** for grains of several spheres (P1
     /// section 5 calls it the effective diameter).
@@ -43,85 +46,90 @@ pub enum Measure {
 
 /// Distribution of a pigment's grain sizes, by number unless `by` says otherwise. `of` selects the
 /// length.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(tag = "kind", rename_all = "snake_case", deny_unknown_fields)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum SizeDistribution {
     /// One size for all grains.
     Constant {
         /// The size, nm.
-        #[schemars(transform = SIZE_NM.mark(), example = 250)]
+        #[cfg_attr(feature = "schema", schemars(transform = SIZE_NM.mark(), example = 250))]
         value_nm: f64,
         /// Length that the size specifies.
-        #[serde(default)]
+        #[cfg_attr(feature = "serde", serde(default))]
         of: Measure,
     },
     /// Normal distribution truncated at ± `cut_at_sigmas` (default 3) standard deviations.
     Normal {
         /// Mean size, nm.
-        #[schemars(transform = SIZE_NM.mark(), example = 250)]
+        #[cfg_attr(feature = "schema", schemars(transform = SIZE_NM.mark(), example = 250))]
         mean_nm: f64,
         /// Standard deviation before truncation, nm.
-        #[schemars(transform = SPREAD_NM.mark(), example = 30)]
+        #[cfg_attr(feature = "schema", schemars(transform = SPREAD_NM.mark(), example = 30))]
         standard_deviation_nm: f64,
         /// Truncation in standard deviations, above 0 up to 10.
-        #[serde(default = "ratio::<3, 1>")]
-        #[schemars(transform = CUT.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "ratio::<3, 1>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = CUT.mark()))]
         cut_at_sigmas: f64,
         /// Length that the size specifies.
-        #[serde(default)]
+        #[cfg_attr(feature = "serde", serde(default))]
         of: Measure,
     },
     /// Log-normal distribution: ln(size) is normal around ln(median) with deviation `sigma`,
     /// truncated at ± `cut_at_sigmas` (default 3), by number or by volume.
     LogNormal {
         /// Median size, nm.
-        #[schemars(transform = SIZE_NM.mark(), example = 250)]
+        #[cfg_attr(feature = "schema", schemars(transform = SIZE_NM.mark(), example = 250))]
         median_nm: f64,
         /// Whether median and truncation refer to the number of grains or to their volume.
-        #[schemars(example = By::Volume)]
+        #[cfg_attr(feature = "schema", schemars(example = By::Volume))]
         by: By,
         /// Standard deviation of ln(size) before truncation, 0 to 2.
-        #[schemars(transform = SIGMA.mark(), example = 0.2)]
+        #[cfg_attr(feature = "schema", schemars(transform = SIGMA.mark(), example = 0.2))]
         sigma: f64,
         /// Truncation in standard deviations of ln(size), above 0 up to 10.
-        #[serde(default = "ratio::<3, 1>")]
-        #[schemars(transform = CUT.mark())]
+        #[cfg_attr(feature = "serde", serde(default = "ratio::<3, 1>"))]
+        #[cfg_attr(feature = "schema", schemars(transform = CUT.mark()))]
         cut_at_sigmas: f64,
         /// Length that the size specifies.
-        #[serde(default)]
+        #[cfg_attr(feature = "serde", serde(default))]
         of: Measure,
     },
     /// The log-normal distribution through these percentiles, as particle sizers report them,
     /// truncated at ± 3 standard deviations.
     Percentiles {
         /// 10th percentile of the sizes, nm.
-        #[schemars(transform = SIZE_NM.mark(), example = 150)]
+        #[cfg_attr(feature = "schema", schemars(transform = SIZE_NM.mark(), example = 150))]
         d10_nm: f64,
         /// Median of the sizes, nm.
-        #[schemars(transform = SIZE_NM.mark(), example = 200)]
+        #[cfg_attr(feature = "schema", schemars(transform = SIZE_NM.mark(), example = 200))]
         d50_nm: f64,
         /// 90th percentile of the sizes, nm.
-        #[schemars(transform = SIZE_NM.mark(), example = 266)]
+        #[cfg_attr(feature = "schema", schemars(transform = SIZE_NM.mark(), example = 266))]
         d90_nm: f64,
         /// Whether the percentiles refer to the grains' volume, as particle sizers report, or to
         /// their number.
-        #[serde(default)]
+        #[cfg_attr(feature = "serde", serde(default))]
         by: By,
         /// Length that the size specifies.
-        #[serde(default)]
+        #[cfg_attr(feature = "serde", serde(default))]
         of: Measure,
     },
     /// Listed sizes, drawn with the given weights (equal by default).
     List {
         /// The sizes, nm.
-        #[schemars(transform = SIZES_NM.mark(), example = (200, 300))]
+        #[cfg_attr(feature = "schema", schemars(transform = SIZES_NM.mark(), example = (200, 300)))]
         values_nm: Vec<f64>,
         /// Frequency of each size by number, at least 0; the weights are normalised.
-        #[serde(default)]
-        #[schemars(inner(range(min = 0)), example = (1, 2))]
+        #[cfg_attr(feature = "serde", serde(default))]
+        #[cfg_attr(feature = "schema", schemars(inner(range(min = 0)), example = (1, 2)))]
         weights: Vec<f64>,
         /// Length that the size specifies.
-        #[serde(default)]
+        #[cfg_attr(feature = "serde", serde(default))]
         of: Measure,
     },
 }

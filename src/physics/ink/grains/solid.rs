@@ -1,11 +1,11 @@
 //! Convex bodies with exact surfaces: ellipsoids, discs and rods with flat ends, prisms and boxes.
 
 use crate::numerics::vector::{Rotation, V3, add, cross, dot, norm, scale, sub, unit};
-use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// A convex form about its centre, in its own frame; lengths in µm.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Form {
     /// Ellipsoid with these semi-axes along x, y and z.
     Ellipsoid {
@@ -29,7 +29,8 @@ pub enum Form {
 }
 
 /// A form in its place.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Solid {
     /// Shape and size.
     pub form: Form,

@@ -2,10 +2,10 @@
 
 use super::solid::{Form, Solid};
 use crate::numerics::vector::{Rotation, V3, add, dot, norm, scale, sub, unit};
-use serde::{Deserialize, Serialize};
 
 /// A sphere of pigment, µm.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sphere {
     /// Centre (x, y, z), µm; z from 0 at the incident side to H.
     pub center_um: [f64; 3],

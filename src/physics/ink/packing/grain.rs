@@ -6,16 +6,18 @@ use crate::ink::grains::sphere::{Sphere, centre_of_mass};
 use crate::ink::grains::volume::union_volume;
 use crate::numerics::vector::{V3, sub, unit};
 use ndarray::{Array3, s};
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+#[cfg(feature = "serde")]
+use serde::{Deserialize, Deserializer, Serializer};
 
 /// A rigid union of spheres, or a convex body. The coordinates of a grain are contiguous (not
 /// wrapped individually), and its first centre lies in the cell.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Grain {
     /// Spheres of the union, µm; of a convex body the sphere around it.
     pub spheres: Vec<Sphere>,
     /// The convex body, if the grain is one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub solid: Option<Solid>,
     /// Index into the request's pigments.
     pub pigment: usize,
@@ -87,14 +89,15 @@ impl Grain {
 }
 
 /// The voxels of one cut that belong to pigments, merged to boxes that touch and do not overlap.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct VoxelCut {
     /// Voxels along x, y and z, from the lit face down; they divide the cell evenly.
     pub count: [usize; 3],
     /// Whether the cut was mirrored along x and y, which made it periodic.
     pub mirrored: bool,
     /// First voxel along x, y, z, the first one beyond the box, and the pigment.
-    #[serde(serialize_with = "as_text", deserialize_with = "from_text")]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "as_text", deserialize_with = "from_text"))]
     pub boxes: Vec<[usize; 7]>,
 }
 
@@ -160,11 +163,13 @@ fn grown(left: &Array3<u8>, low: [usize; 3]) -> [usize; 3] {
 }
 
 /// One text instead of a line per number.
+#[cfg(feature = "serde")]
 fn as_text<S: Serializer>(boxes: &[[usize; 7]], to: S) -> Result<S::Ok, S::Error> {
     let words: Vec<String> = boxes.iter().flatten().map(usize::to_string).collect();
     to.serialize_str(&words.join(" "))
 }
 
+#[cfg(feature = "serde")]
 fn from_text<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<[usize; 7]>, D::Error> {
     let text = String::deserialize(from)?;
     let numbers: Result<Vec<usize>, _> = text.split_whitespace().map(str::parse).collect();

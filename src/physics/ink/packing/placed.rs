@@ -2,11 +2,10 @@
 
 use super::{overlap, shell};
 use crate::ink::{Grain, Layered, PackError, PackingRequest, Relief, RoughFace, Sphere};
-use serde::{Deserialize, Serialize};
 
 /// Method of placement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Method {
     /// Random sequential addition.
     SequentialAddition,
@@ -31,7 +30,8 @@ impl Method {
 }
 
 /// Volume fraction of one pigment: as requested and as achieved with whole grains.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Share {
     /// Requested volume fraction; see [`crate::ink::Relief`] for its reference volume.
     pub requested_fraction: f64,
@@ -61,7 +61,8 @@ impl Share {
 }
 
 /// Record of how a packing was made.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct PackingAccount {
     /// Method of placement.
     pub method: Method,

@@ -1,10 +1,10 @@
 //! The list of rigid bodies to place: number, sizes and agglomerates of the grains.
 
 use super::cell::CellBox;
+use crate::ink::Template;
 use crate::ink::error::{PackError, PackProgress, Reached};
 use crate::ink::grains::agglomeration::{Agglomeration, PlacedGrain};
 use crate::ink::grains::orientation::AxisField;
-use crate::ink::grains::shape::Template;
 use crate::ink::grains::sphere::{Sphere, reach_um};
 use crate::ink::{PackingRequest, PigmentGrains, Share, Solid};
 use crate::numerics::Draws;

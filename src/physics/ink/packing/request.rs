@@ -4,13 +4,16 @@ use crate::ink::{
     Agglomeration, Grain, Orientation, PackError, ReliefRequest, Shape, SizeDistribution, VoxelCut,
 };
 use crate::numerics::allowed::Allowed;
+#[cfg(feature = "serde")]
 use crate::numerics::files::name_or_table;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
-/// Request for a packing; see [`super::pack`]. Units are in the field names.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+/// Request for a packing; see [`pack`](crate::ink::pack()). Units are in the field names.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct PackingRequest {
     /// Lateral periods (Lx, Ly), µm.
     pub period_um: [f64; 2],
@@ -36,17 +39,17 @@ pub struct PackingRequest {
     pub relief: Option<ReliefRequest>,
     /// Grains in given places, one list per realisation ([`PackingRequest::stream`]); nothing is
     /// packed then.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     pub given: Vec<Vec<Grain>>,
     /// Labelled voxels instead, one cut per realisation.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     pub voxels: Vec<VoxelCut>,
     /// Heights between which the packing is the layer, µm: grains across them are cut.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub cut_um: Option<[f64; 2]>,
     /// Volume fraction of all grains by which [`MethodChoice::Auto`] chooses, if not this cell's
     /// own: cells of one layer that hold more or less than it are packed alike.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub usual_fraction: Option<f64>,
 }
 
@@ -73,26 +76,26 @@ impl Default for PackingRequest {
 }
 
 /// The grains of one pigment.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct PigmentGrains {
     /// Shape of the grains.
-    #[serde(default, deserialize_with = "name_or_table")]
+    #[cfg_attr(feature = "serde", serde(default, deserialize_with = "name_or_table"))]
     pub shape: Shape,
     /// Distribution of their sizes.
     pub size: SizeDistribution,
     /// Thicknesses of the layers around the core of every grain, from the core outwards, nm; they
     /// belong to the grain: its size and volume include them.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub shell_nm: Vec<f64>,
     /// Union volume of the grains over the volume of the layer (with relief: over the dry volume,
     /// see [`crate::ink::Relief`]).
     pub volume_fraction: f64,
     /// Alignment of their axes.
-    #[serde(default, deserialize_with = "name_or_table")]
+    #[cfg_attr(feature = "serde", serde(default, deserialize_with = "name_or_table"))]
     pub orientation: Orientation,
     /// Agglomeration of the grains, if any.
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub agglomeration: Option<Agglomeration>,
     /// Rule by which a number of whole grains meets the volume fraction.
     ///
@@ -101,7 +104,7 @@ pub struct PigmentGrains {
     /// random, with one size drawn from each of as many equal fractions of the distribution. Over
     /// many cells, number, sizes and volume are unbiased, though a small cell may hold more or less
     /// (reported).
-    #[serde(default)]
+    #[cfg_attr(feature = "serde", serde(default))]
     pub share: ShareRule,
 }
 
@@ -126,8 +129,9 @@ impl PigmentGrains {
 }
 
 /// Rule by which a number of whole grains meets a volume fraction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum ShareRule {
     /// The number of grains whose expected volume is nearest; the remainder is reported.
     #[default]
@@ -138,8 +142,9 @@ pub enum ShareRule {
 }
 
 /// Choice of the packing method.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum MethodChoice {
     /// Sequential addition up to 0.22 of the accessible volume, relaxation above.
     #[default]
@@ -154,8 +159,13 @@ pub enum MethodChoice {
 pub const AUTO_LIMIT: f64 = 0.22;
 
 /// Limits of random sequential addition.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct SequentialSettings {
     /// Attempts for one grain before the packing counts as blocked.
     pub attempts_per_grain: u64,
@@ -183,34 +193,39 @@ const VISCOSITY: Allowed = Allowed::between(0.1, 100.0, "");
 const ALIGNING_DEG: Allowed = Allowed::between(0.0, 20.0, "°");
 
 /// Relaxation of overlaps (P1 section 3), first-order dynamics μ v = F, J ω = M with Euler steps.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(default, deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct RelaxationSettings {
     /// Fraction of an overlap by which each of two free spheres moves in one step: time step ×
     /// stiffness / μ.
-    #[schemars(transform = STEP.mark())]
+    #[cfg_attr(feature = "schema", schemars(transform = STEP.mark()))]
     pub step: f64,
     /// Largest displacement of a sphere in one step, in radii (P1: 0.2).
-    #[schemars(transform = STEP_LIMIT_RADII.mark())]
+    #[cfg_attr(feature = "schema", schemars(transform = STEP_LIMIT_RADII.mark()))]
     pub step_limit_radii: f64,
     /// Relative distance before contact at which forces start to act.
-    #[schemars(transform = INFLATION.mark())]
+    #[cfg_attr(feature = "schema", schemars(transform = INFLATION.mark()))]
     pub inflation: f64,
     /// Number of equal batches in which grains are added, each relaxed before the next.
-    #[schemars(transform = BATCHES.mark())]
+    #[cfg_attr(feature = "schema", schemars(transform = BATCHES.mark()))]
     pub batches: usize,
     /// Largest number of steps before the relaxation is abandoned.
-    #[schemars(transform = MAX_STEPS.mark())]
+    #[cfg_attr(feature = "schema", schemars(transform = MAX_STEPS.mark()))]
     pub max_steps: u64,
     /// Viscosity of translation, μ, relative to the time scale of `step`.
-    #[schemars(transform = VISCOSITY.mark())]
+    #[cfg_attr(feature = "schema", schemars(transform = VISCOSITY.mark()))]
     pub translational_viscosity: f64,
     /// Viscosity of rotation, J, relative to μ times the square of the grain's longest arm.
-    #[schemars(transform = VISCOSITY.mark())]
+    #[cfg_attr(feature = "schema", schemars(transform = VISCOSITY.mark()))]
     pub rotational_viscosity: f64,
     /// Aligning torque at the start of a batch: degrees per step of a freely rotating grain at 45°
     /// to the field.
-    #[schemars(transform = ALIGNING_DEG.mark())]
+    #[cfg_attr(feature = "schema", schemars(transform = ALIGNING_DEG.mark()))]
     pub aligning_deg_per_step: f64,
     /// Steps over which the aligning torque ramps down to zero.
     pub aligning_steps: u64,
@@ -233,11 +248,12 @@ impl Default for RelaxationSettings {
 }
 
 /// Hard-body Monte Carlo after the packing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct EquilibrationSettings {
     /// One sweep tries one move per grain. Spheres at 30 % need about 200, at 50 % about 2500.
-    #[schemars(example = 250)]
+    #[cfg_attr(feature = "schema", schemars(example = 250))]
     pub sweeps: u64,
 }
 

@@ -7,7 +7,7 @@
 //! of an ellipsoid longer by it: the whole is then a form of the same kind, to which sizes refer.
 //! (The points within a given distance of an ellipsoid or of a body with edges are no such form.)
 
-use crate::ink::grains::shape::Template;
+use crate::ink::Template;
 use crate::ink::grains::solid::{Form, Solid, edges, outward};
 use crate::ink::grains::volume::union_volume;
 use crate::ink::{PackError, PigmentGrains, Sphere};

@@ -1,6 +1,6 @@
 //! Number and sizes of a pigment's grains in the cell.
 
-use crate::ink::grains::shape::Template;
+use crate::ink::Template;
 use crate::ink::{PackError, PigmentGrains, Share, ShareRule};
 use crate::numerics::Draws;
 

@@ -6,10 +6,10 @@ use super::single::{ReachedSizes, orientation_tensor};
 use crate::ink::{Grain, Method, Packing, Relief, Solid, Sphere};
 use crate::numerics::estimate::Estimate;
 use rayon::prelude::*;
-use serde::Serialize;
 
 /// A function with standard errors.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct StatisticCurve {
     /// File stem, e.g. "pair_correlation".
     pub name: String,
@@ -24,7 +24,8 @@ pub struct StatisticCurve {
 }
 
 /// All statistics of an ensemble.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Statistics {
     /// Number of packings.
     pub realisations: usize,

@@ -3,7 +3,6 @@
 
 use crate::ink::grains::volume::in_slices;
 use crate::ink::{Layered, Method, Packing};
-use serde::{Deserialize, Serialize};
 use std::array::from_fn;
 use std::f64::consts::PI;
 
@@ -33,7 +32,8 @@ pub fn orientation_tensor(packing: &Packing, pigment: Option<usize>) -> Option<O
 const SHARES: [f64; 3] = [0.1, 0.5, 0.9];
 
 /// d10, d50 and d90 of the effective diameters of packed grains, nm.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ReachedSizes {
     /// Percentiles by number of grains.
     pub by_number_nm: [f64; 3],

@@ -93,7 +93,7 @@ pub(super) fn read(path: &Path, n: Option<f64>) -> Result<Spectrum, SpectrumErro
             [(with_n, IndexColumn::N, &mut record.n), (with_kappa, IndexColumn::Kappa, &mut record.kappa)]
         {
             let Some(block) = block else { continue };
-            let (rows, gaps) = column(block, quantity, (&name, decimal_comma))?;
+            let (rows, gaps) = column(block, quantity, &name, decimal_comma)?;
             *place = Some(DataSource::Table(rows));
             record.unusable.extend(gaps);
         }
@@ -107,7 +107,7 @@ pub(super) fn read(path: &Path, n: Option<f64>) -> Result<Spectrum, SpectrumErro
     }
     let beside = the_other(path, with_n.is_some(), n)?;
     let undetermined = remarks(text);
-    let table = table(only, beside, (&name, decimal_comma))?;
+    let table = table(only, beside, &name, decimal_comma)?;
     Ok(Spectrum::Tabulated(Table { name, undetermined, ..table }))
 }
 
@@ -268,7 +268,8 @@ impl Block {
 fn column(
     block: &Block,
     quantity: IndexColumn,
-    (name, decimal_comma): (&str, bool),
+    name: &str,
+    decimal_comma: bool,
 ) -> Result<(Vec<[f64; 2]>, Vec<Unusable>), FileError> {
     let (numbers, faults) = block.all(decimal_comma).map_err(|reason| FileError::new(name, reason))?;
     let rows = numbers.iter().zip(faults).map(|(numbers, fault)| {
@@ -286,7 +287,7 @@ fn column(
 }
 
 /// n and κ in common rows, with their errors.
-fn table(block: &Block, n: Option<f64>, (name, decimal_comma): (&str, bool)) -> Result<Table, FileError> {
+fn table(block: &Block, n: Option<f64>, name: &str, decimal_comma: bool) -> Result<Table, FileError> {
     let (numbers, faults) = block.all(decimal_comma).map_err(|reason| FileError::new(name, reason))?;
     let mut rows = Vec::new();
     for (i, (numbers, fault)) in numbers.iter().zip(faults).enumerate() {

@@ -7,9 +7,9 @@
 use super::error::{AccuracyError, Result};
 use super::search::{error_share, scaled_cells, scaled_plane};
 use super::task::{Estimated, Solved, Task};
+use crate::numerics::estimate::largest;
 use crate::solve::account::{SolveError, Watch};
 use crate::wave::grid::share_cells;
-use crate::wave::physical::largest;
 use crate::wave::{BodyShape, FarField, Grid, Order, Resolution, TotalErrors, WaveError};
 
 /// Ratio of the number of points or cells of a coarser companion to that of the result.

@@ -2,7 +2,7 @@
 
 use crate::solve::account::SolveError;
 use crate::solve::demand::{TooLarge, memory_in_words};
-use crate::wave::grid::MOST_POINTS;
+use crate::wave::MOST_POINTS;
 use crate::wave::{Resolution, Unphysical, WaveError};
 use thiserror::Error;
 

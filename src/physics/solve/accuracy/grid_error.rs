@@ -11,10 +11,9 @@ use super::error::{AccuracyError, Result};
 use super::search::{raised, scaled_cells, scaled_points};
 use super::task::Task;
 use crate::numerics::estimate::Estimate;
+use crate::numerics::estimate::largest;
 use crate::solve::Watch;
-use crate::wave::physical::largest;
 use crate::wave::{Geometry, Resolution, WaveError};
-use serde::{Deserialize, Serialize};
 
 /// Ratio of points and cells of the coarser grid to the own grid.
 const COARSER: f64 = 0.8;
@@ -30,7 +29,8 @@ pub const JUDGEMENT: &str = "scaled companions";
 const ROUNDING: f64 = 1e-12;
 
 /// Expected discretisation errors of the layer's R and T: the largest over the probes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct GridError {
     /// Error of the reflectance.
     pub reflectance: f64,

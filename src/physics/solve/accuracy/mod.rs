@@ -4,9 +4,9 @@ mod companions;
 mod error;
 pub mod grid_error;
 mod search;
-mod task;
+pub(super) mod task;
 
 pub use companions::{error_estimate, largest_difference, largest_of_all};
 pub use error::AccuracyError;
 pub use search::{raised, smooth_size, suited_scheme};
-pub use task::{Coverages, Estimated, Solved, Task};
+pub use task::{Estimated, Solved, Task};

@@ -5,8 +5,8 @@ use super::error::{AccuracyError, Result};
 use super::task::{Estimated, Task};
 use crate::solve::account::{GridTrial, Watch};
 use crate::solve::demand::TooLarge;
+use crate::wave::MOST_POINTS;
 use crate::wave::contrast::nufft::is_smooth;
-use crate::wave::grid::MOST_POINTS;
 use crate::wave::{Resolution, Scheme, Unphysical, WaveError};
 
 /// Error assigned to a result that violates a physical law when the grid is refined.

@@ -8,12 +8,15 @@ use crate::solve::vectors::{dot, norm};
 use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::Field;
 use num_complex::Complex64;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// BiCGSTAB; two operator applications per step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Bicgstab {
     /// Number of restarts from the true residual when the recurrence breaks down or has drifted.
     pub most_restarts: usize,

@@ -11,16 +11,19 @@
 use super::relaxation::contrasts;
 use crate::solve::ledger::ratio_of_terms;
 use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver};
-use crate::wave::operator::banded::ShiftedMean;
+use crate::wave::ShiftedMean;
 use crate::wave::{Field, Problem};
 use ndarray::Array2;
 use num_complex::Complex64;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// The Born series: adds terms until they are small; fails early if they grow.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Born {
     /// Steps over which the ratio of successive terms is averaged (geometric mean).
     pub window: usize,
@@ -67,8 +70,13 @@ fn advice(ratio: Option<f64>) -> String {
 }
 
 /// The convergent Born series; the defaults were fastest on packed ink cells.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct ConvergentBorn {
     /// Largest |V| over ε, below 1.
     pub scale: f64,

@@ -3,13 +3,16 @@
 use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::{Field, System};
 use num_complex::Complex64;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Dense LU; rejects problems above `max_unknowns` (memory: 16 bytes times their square; time:
 /// their cube).
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Direct {
     /// Largest number of complex unknowns.
     pub max_unknowns: usize,
@@ -114,7 +117,7 @@ fn by_faer(matrix: &[Complex64], right: &[Complex64]) -> Vec<Complex64> {
 #[cfg(all(test, feature = "lapack"))]
 mod tests {
     use super::*;
-    use crate::numerics::draws::Draws;
+    use crate::numerics::Draws;
 
     #[test]
     fn lapack_and_faer_agree() {

@@ -9,21 +9,24 @@
 
 use crate::numerics::dense::{MatrixEntry, symmetric_eigen};
 use crate::numerics::fourier::{Real, narrow};
-use crate::solve::demand::Size;
+use crate::solve::Size;
 use crate::wave::Problem;
 use faer::linalg::solvers::PartialPivLu;
 use faer::{ColRef, Mat};
 use ndarray::{Array2, ArrayView1};
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::ops::AddAssign;
 
 /// Selection of the guided modes to treat.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct GuidedModes {
     /// Modes with |eigenvalue| below this multiple of k0² count as near-null; 0 switches the
     /// correction off.
@@ -247,7 +250,8 @@ fn contrast_block(problem: &Problem, modes: &[Mode]) -> Mat<Complex64> {
     let planes = problem.shape().0;
     let profiles: Vec<Vec<Complex64>> =
         modes.iter().map(|m| problem.mean.profile_on_planes(m.harmonic, &m.nodes)).collect();
-    let [nx, ny] = [problem.coverage.grid.resolution.nx, problem.coverage.grid.resolution.ny];
+    let nx = problem.coverage.grid.resolution.nx;
+    let ny = problem.coverage.grid.resolution.ny;
     // Planes run fastest, so that a pair of harmonics reads contiguous memory.
     let mut spectra = Array2::zeros((nx * ny, planes));
     for p in 0..planes {

@@ -10,8 +10,6 @@ use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::Field;
 use crate::wave::system::Double;
 use recurrence::Recurrence;
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 const ADVICE: &str = "raise idr.shadow_space or solver.max_applications, or use strategy = \"krylov\"";
 /// Vectors besides directions and images: field, residual, incident wave; phases, residual and
@@ -19,11 +17,16 @@ const ADVICE: &str = "raise idr.shadow_space or solver.max_applications, or use 
 const OTHER_VECTORS: usize = 8;
 
 /// IDR(s): s + 1 operator applications per cycle of s + 1 steps.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Idr {
     /// Dimension s of the shadow space: more of it needs fewer applications and more memory.
-    #[schemars(range(min = 1, max = 64))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = 64)))]
     pub shadow_space: usize,
     /// Number of restarts from the true residual when the recurrence breaks down or has drifted.
     pub most_restarts: usize,

@@ -9,13 +9,16 @@ use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::Field;
 use crate::wave::system::Double;
 use run::{KrylovRun, RightFactor};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Restarted GMRES; memory: the basis (at most `restart` vectors) and 4 vectors of 16 bytes per
 /// unknown.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Gmres {
     /// Basis vectors kept before a restart.
     pub restart: usize,

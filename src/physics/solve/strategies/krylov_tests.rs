@@ -2,9 +2,12 @@
 
 use super::super::coarse::CoarsePlan;
 use super::*;
+use crate::ink::Sphere;
 use crate::solve::vectors::norm;
-use crate::solve::{Born, Direct, Goal, Idr, Silent, Step, System, Watch};
-use crate::wave::{Ball, Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side};
+use crate::solve::{Born, Direct, Goal, Idr, Silent, Step, Watch};
+use crate::wave::{
+    Body, BodyShape, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, Side, System,
+};
 use faer::linalg::solvers::Solve;
 use num_complex::Complex64;
 use std::ops::ControlFlow;
@@ -14,7 +17,7 @@ const SCHEMES: [Scheme; 5] =
 
 /// A cell smaller than the wave, so that even one point in the plane is a valid grid.
 fn problem([nx, ny, cells]: [usize; 3], scheme: Scheme, pigment: Complex64, side: Side) -> Problem {
-    let ball = Ball { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
+    let ball = Sphere { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
     let body = Body::new(BodyShape::Balls(vec![ball]), 0);
     let scene = Scene::layer([0.3, 0.26], 0.16, vec![body]);
     let one = Complex64::ONE;
@@ -222,7 +225,7 @@ fn a_basis_that_is_too_short_grows_within_its_leave() {
 /// Balls in a clear binder, packed into a small cell.
 fn hard(index: f64) -> Problem {
     let centres = [[0.2, 0.2, 0.2], [0.6, 0.3, 0.45], [0.3, 0.6, 0.7], [0.65, 0.65, 0.2], [0.1, 0.45, 0.45]];
-    let ball = |center_um| Body::new(BodyShape::Balls(vec![Ball { center_um, radius_um: 0.125 }]), 0);
+    let ball = |center_um| Body::new(BodyShape::Balls(vec![Sphere { center_um, radius_um: 0.125 }]), 0);
     let scene = Scene::layer([0.8, 0.8], 0.9, centres.map(ball).to_vec());
     let one = Complex64::ONE;
     let (backgrounds, inclusions) = (vec![1.5.into()], vec![index.into()]);

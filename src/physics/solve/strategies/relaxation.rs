@@ -15,12 +15,15 @@ use crate::solve::vectors::norm;
 use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
 use crate::wave::{Field, Mean, Problem};
 use march::{March, Memory};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Settings of the relaxation; the defaults converge on every reference case with a real mean.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(deny_unknown_fields, default)
+)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Relaxation {
     /// Product of τ and the largest |V|.
     pub tau: f64,

@@ -1,14 +1,15 @@
 //! One relaxation step as a full matrix: contraction, and what breaks it.
 
 use super::*;
-use crate::wave::{Ball, Body, BodyShape, Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
+use crate::ink::Sphere;
+use crate::wave::{Body, BodyShape, Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
 use faer::Mat;
 use num_complex::Complex64;
 
 const SCHEMES: [Scheme; 4] = [Scheme::Tents, Scheme::Quadratic, Scheme::Cubic, Scheme::SecondDifference];
 
 fn problem([nx, ny]: [usize; 2], scheme: Scheme, kappa: f64, absorbing_mean: bool) -> Problem {
-    let ball = Ball { center_um: [0.1, 0.13, 0.12], radius_um: 0.1 };
+    let ball = Sphere { center_um: [0.1, 0.13, 0.12], radius_um: 0.1 };
     let scene = Scene::layer([0.34, 0.3], 0.24, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
     let media = Media {
         incident: 1.0.into(),

@@ -7,13 +7,11 @@
 
 mod cell_sum;
 
-pub use crate::wave::grid::Channel;
-
 use super::folding::{CellCoefficients, Folding, REACH};
 use super::nufft::{SourceTransform, Spreading};
 use super::section::{Demands, Sampling};
 use crate::numerics::fourier::{Harmonics, PlaneFft, Real};
-use crate::wave::{Body, Grid, Layout, Material, Resolution, Scene, WaveError};
+use crate::wave::{Body, Channel, Grid, Layout, Material, Resolution, Scene, WaveError};
 use cell_sum::CellSum;
 use ndarray::Array2;
 use rayon::prelude::*;
@@ -22,7 +20,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 /// Default relative error of the coefficients.
-pub const EXACT: f64 = 1e-10;
+const EXACT: f64 = 1e-10;
 /// Largest error accepted: beyond it, the work saved is negligible compared with a solve.
 const LOOSEST: f64 = 1e-3;
 /// Error from which single precision suffices.
@@ -32,21 +30,6 @@ const INK_LIKE: f64 = 1.2;
 /// Factor on the error for harmonics beyond the grid, which enter in second order only; at most 1
 /// %.
 const OUTER: f64 = 300.0;
-
-/// Error of the coefficients that is negligible beside an error `accuracy` of the amplitudes: in
-/// ink, amplitudes change by less than a hundredth of the coefficients' error. Strong contrast and
-/// its resonances amplify it: see [`error_among`].
-pub fn error_for(accuracy: f64) -> f64 {
-    0.1 * accuracy
-}
-
-/// Error of the coefficients for bodies whose contrast |η_i² − η_b²| is at most `contrast`; see
-/// [`error_for`]. *Measured*: for bars of 2.5 in vacuum (5.25), amplitudes changed by ten times the
-/// error of the coefficients, so that differences between companions showed that error instead of
-/// the grids'.
-pub fn error_among(accuracy: f64, contrast: f64) -> f64 {
-    error_for(accuracy) / (contrast / INK_LIKE).powi(3).max(1.0)
-}
 
 /// Polled during the computation of a coverage, which takes long for many grains: true ends it with
 /// [`WaveError::Stopped`].
@@ -72,6 +55,21 @@ impl Precision<'_> {
         Precision { error, stop: &|| false }
     }
 
+    /// Error of the coefficients that is negligible beside an error `accuracy` of the amplitudes: in
+    /// ink, amplitudes change by less than a hundredth of the coefficients' error. Strong contrast
+    /// and its resonances amplify it: see [`Precision::error_among`].
+    pub fn error_for(accuracy: f64) -> f64 {
+        0.1 * accuracy
+    }
+
+    /// Error of the coefficients for bodies whose contrast |η_i² − η_b²| is at most `contrast`; see
+    /// [`Precision::error_for`]. *Measured*: for bars of 2.5 in vacuum (5.25), amplitudes changed by
+    /// ten times the error of the coefficients, so that differences between companions showed that
+    /// error instead of the grids'.
+    pub fn error_among(accuracy: f64, contrast: f64) -> f64 {
+        Self::error_for(accuracy) / (contrast / INK_LIKE).powi(3).max(1.0)
+    }
+
     /// The error clamped to its bounds.
     pub(in crate::wave) fn bounded_error(&self) -> f64 {
         self.error.clamp(EXACT, LOOSEST)
@@ -84,8 +82,8 @@ pub struct Coverage {
     pub layout: Layout,
     /// Per channel, planes × points (x fastest) in µm: ∫ ψ_p χ dz, band-limited in the plane.
     pub moments: Vec<Array2<f64>>,
-    /// Pairs of channels, and per pair the field that folds the harmonics beyond the grid (µm³),
-    /// see [`super::folding`].
+    /// Pairs of channels, and per pair the field that folds the harmonics beyond the grid (µm³):
+    /// their effect on the kept harmonics, in second order.
     pub pairs: Vec<[usize; 2]>,
     /// One field per pair: planes × points.
     pub folded: Vec<Array2<f64>>,

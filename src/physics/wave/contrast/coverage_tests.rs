@@ -1,7 +1,8 @@
 //! Moments of the grains' indicator functions against closed forms and brute force.
 
 use super::*;
-use crate::wave::{Ball, BodyShape, Scheme};
+use crate::ink::Sphere;
+use crate::wave::{BodyShape, Scheme};
 use gauss_quad::GaussLegendre;
 use num_complex::Complex64;
 use std::f64::consts::PI;
@@ -13,8 +14,8 @@ fn scene(shape: BodyShape) -> Scene {
     Scene::layer(PERIOD, HEIGHT, vec![Body::new(shape, 0)])
 }
 
-fn ball(center_um: [f64; 3], radius_um: f64) -> Ball {
-    Ball { center_um, radius_um }
+fn ball(center_um: [f64; 3], radius_um: f64) -> Sphere {
+    Sphere { center_um, radius_um }
 }
 
 fn coverage(shape: BodyShape, nx: usize, ny: usize, cells: usize, scheme: Scheme) -> Coverage {
@@ -47,7 +48,7 @@ fn bessel_j1(x: f64) -> f64 {
 }
 
 /// ∫ ψ_p(z) e^{−ik·c} 2πρ J₁(kρ)/k dz / (Lx Ly) for one ball: its discs' transforms, P1 section 4.
-fn ball_moment(c: &Coverage, ball: &Ball, plane: usize, [m, n]: [i32; 2]) -> Complex64 {
+fn ball_moment(c: &Coverage, ball: &Sphere, plane: usize, [m, n]: [i32; 2]) -> Complex64 {
     let (kx, ky) = (TAU * f64::from(m) / PERIOD[0], TAU * f64::from(n) / PERIOD[1]);
     let k = kx.hypot(ky);
     let disc = |z: f64| {
@@ -143,7 +144,7 @@ fn a_unions_coefficients_agree_with_a_fine_voxel_sum() {
     for i in 0..n * n * n {
         let [x, y, z] = [i % n, i / n % n, i / n / n].map(|i| (i as f64 + 0.5) / n as f64);
         let nearest = |d: f64, period: f64| d - period * (d / period).round();
-        let inside = |b: &Ball| {
+        let inside = |b: &Sphere| {
             let d =
                 [x * PERIOD[0] - b.center_um[0], y * PERIOD[1] - b.center_um[1], z * HEIGHT - b.center_um[2]];
             nearest(d[0], PERIOD[0]).powi(2) + nearest(d[1], PERIOD[1]).powi(2) + d[2] * d[2]

@@ -58,7 +58,8 @@ struct Buffers<T: Real> {
 impl<'a, T: Real> Folding<'a, T> {
     /// Plans the transforms of a grid.
     pub fn new(grid: &'a Grid) -> Self {
-        let [nx, ny] = [grid.resolution.nx, grid.resolution.ny];
+        let nx = grid.resolution.nx;
+        let ny = grid.resolution.ny;
         let [wx, wy] = [nx, ny].map(|n| if n == 1 { 1 } else { REACH * n });
         let (harmonics, inner) = (Harmonics::new(wx, wy), Harmonics::new(nx, ny));
         let [mmax, nmax] = [nx, ny].map(|n| (n as i32 - 1) / 2);

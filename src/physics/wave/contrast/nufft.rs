@@ -140,7 +140,8 @@ impl<'a, T: Real> Sources<'a, T> {
             let ([from, to], fine) = (extents[axis], self.transform.fine[axis] as f64);
             let center = 0.5 * (from + to) / self.period_um[axis] * fine;
             let reach = 0.5 * (to - from) / self.period_um[axis] * fine + margin;
-            let [low, high] = [(center - reach).floor(), (center + reach).ceil()];
+            let low = (center - reach).floor();
+            let high = (center + reach).ceil();
             (self.origin[axis], self.size[axis]) = (low as i64, (high - low) as usize + 1);
         }
         self.patch.clear();

@@ -8,9 +8,10 @@
 use super::folding::CellCoefficients;
 use super::section::extents;
 use crate::ink::Solid;
+use crate::ink::Sphere;
 use crate::numerics::fourier::{PlaneFft, Real};
 use crate::numerics::interpolate::bilinear;
-use crate::wave::{Ball, Element, HeightField};
+use crate::wave::{Element, HeightField};
 use gauss_quad::GaussLegendre;
 
 /// The space between a surface and a face of the layer in one cell of the grid, around the grains
@@ -19,7 +20,7 @@ pub(crate) struct OpenSpace<'a> {
     pub surface: &'a HeightField,
     /// z of the face, µm.
     pub face_um: f64,
-    pub balls: &'a [Ball],
+    pub balls: &'a [Sphere],
     pub solids: &'a [Solid],
     /// Heights of the cell's faces, µm.
     pub range_um: [f64; 2],
@@ -91,7 +92,7 @@ impl OpenSpace<'_> {
     fn chords(&self) -> Vec<(usize, [f64; 2])> {
         let [lo, hi] = self.range_um;
         let mut chords = Vec::new();
-        let near = |b: &&Ball| b.center_um[2] - b.radius_um < hi && b.center_um[2] + b.radius_um > lo;
+        let near = |b: &&Sphere| b.center_um[2] - b.radius_um < hi && b.center_um[2] + b.radius_um > lo;
         for ball in self.balls.iter().filter(near) {
             for (column, _) in self.crossed(extents(ball)) {
                 let chord = chord(ball, self.place(column), self.surface.period_um);
@@ -142,7 +143,7 @@ impl OpenSpace<'_> {
 }
 
 /// Interval of the vertical line at (x, y) inside a ball or its nearest image.
-fn chord(ball: &Ball, [x, y]: [f64; 2], period: [f64; 2]) -> Option<[f64; 2]> {
+fn chord(ball: &Sphere, [x, y]: [f64; 2], period: [f64; 2]) -> Option<[f64; 2]> {
     let nearest = |d: f64, l: f64| d - l * (d / l).round();
     let dx = nearest(x - ball.center_um[0], period[0]);
     let dy = nearest(y - ball.center_um[1], period[1]);

@@ -5,7 +5,8 @@
 //! not contribute. On a ball, n dS is the edge's outward normal times its length times dz, ring by
 //! ring, and a union of balls consists of the rings' arcs outside all other balls.
 
-use crate::wave::scene::{Ball, BodyShape};
+use crate::ink::Sphere;
+use crate::wave::BodyShape;
 use gauss_quad::GaussLegendre;
 use std::f64::consts::{PI, TAU};
 use std::sync::OnceLock;
@@ -72,7 +73,7 @@ impl Sampling {
     ///
     /// The range is divided where arcs appear and vanish. Whole rings are entire functions of z;
     /// for arcs z = lo + (hi − lo) sin²t removes the square roots at their ends.
-    pub fn rings(&self, balls: &[Ball], i: usize, range: [f64; 2], ring: &mut impl FnMut(f64, f64, &Edge)) {
+    pub fn rings(&self, balls: &[Sphere], i: usize, range: [f64; 2], ring: &mut impl FnMut(f64, f64, &Edge)) {
         let mut points = Vec::new();
         for part in breakpoints(balls, i, range).windows(2) {
             let (lo, length) = (part[0], part[1] - part[0]);
@@ -100,7 +101,7 @@ impl Sampling {
 
     /// Adds points along an arc: the trapezoidal rule on a whole circle, Gauss–Legendre on a part;
     /// both converge geometrically once they resolve e^{−ik·x}.
-    pub fn push_arc(&self, ball: &Ball, z: f64, [start, end]: [f64; 2], points: &mut Vec<EdgePoint>) {
+    pub fn push_arc(&self, ball: &Sphere, z: f64, [start, end]: [f64; 2], points: &mut Vec<EdgePoint>) {
         let radius = (ball.radius_um.powi(2) - (z - ball.center_um[2]).powi(2)).max(0.0).sqrt();
         let mut push = |[c, s]: [f64; 2], weight: f64| {
             let position = [ball.center_um[0] + radius * c, ball.center_um[1] + radius * s];
@@ -148,7 +149,7 @@ pub(super) fn heights([lo, length]: [f64; 2], count: usize, roots: bool) -> impl
 }
 
 /// Lateral extents of a ball, µm.
-pub(in crate::wave) fn extents(ball: &Ball) -> [[f64; 2]; 2] {
+pub(in crate::wave) fn extents(ball: &Sphere) -> [[f64; 2]; 2] {
     [0, 1].map(|i| [ball.center_um[i] - ball.radius_um, ball.center_um[i] + ball.radius_um])
 }
 
@@ -165,7 +166,7 @@ pub fn strip(shape: &BodyShape, z: f64) -> Option<[f64; 2]> {
 }
 
 /// Heights within `range` between which the number of arcs of ball `i` is constant.
-pub(in crate::wave) fn breakpoints(balls: &[Ball], i: usize, [lo, hi]: [f64; 2]) -> Vec<f64> {
+pub(in crate::wave) fn breakpoints(balls: &[Sphere], i: usize, [lo, hi]: [f64; 2]) -> Vec<f64> {
     let own = &balls[i];
     let (lo, hi) = (lo.max(own.center_um[2] - own.radius_um), hi.min(own.center_um[2] + own.radius_um));
     let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
@@ -178,7 +179,7 @@ pub(in crate::wave) fn breakpoints(balls: &[Ball], i: usize, [lo, hi]: [f64; 2])
 }
 
 /// Lowest and highest point of the circle in which the surfaces of two balls intersect.
-fn meeting_heights(a: &Ball, b: &Ball) -> Option<[f64; 2]> {
+fn meeting_heights(a: &Sphere, b: &Sphere) -> Option<[f64; 2]> {
     let delta: [f64; 3] = std::array::from_fn(|i| b.center_um[i] - a.center_um[i]);
     let distance = delta.iter().map(|d| d * d).sum::<f64>().sqrt();
     let along = (distance.powi(2) + a.radius_um.powi(2) - b.radius_um.powi(2)) / (2.0 * distance);
@@ -196,14 +197,14 @@ struct SectionDisc {
     radius: f64,
 }
 
-fn disc_of(ball: &Ball, z: f64) -> Option<SectionDisc> {
+fn disc_of(ball: &Sphere, z: f64) -> Option<SectionDisc> {
     let square = ball.radius_um.powi(2) - (z - ball.center_um[2]).powi(2);
     (square > 0.0)
         .then(|| SectionDisc { center: [ball.center_um[0], ball.center_um[1]], radius: square.sqrt() })
 }
 
 /// Intervals [start, end] of ball `i`'s edge at height `z` that lie outside all other balls.
-pub(in crate::wave) fn free_arcs(balls: &[Ball], i: usize, z: f64) -> Vec<[f64; 2]> {
+pub(in crate::wave) fn free_arcs(balls: &[Sphere], i: usize, z: f64) -> Vec<[f64; 2]> {
     let Some(own) = disc_of(&balls[i], z) else { return Vec::new() };
     let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
     let mut covered = Vec::new();

@@ -1,11 +1,12 @@
 //! Moments of convex bodies against closed forms, other descriptions of the same body, and brute
 //! force.
 
+use crate::ink::Sphere;
 use crate::ink::grains::contact::contains;
 use crate::ink::{Form, Solid};
-use crate::numerics::{Draws, Rotation};
+use crate::numerics::{Draws, vector::Rotation};
 use crate::wave::maxwell::NormalMoments;
-use crate::wave::{Ball, Body, BodyShape, Coverage, Resolution, Scene, Scheme};
+use crate::wave::{Body, BodyShape, Coverage, Resolution, Scene, Scheme};
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
@@ -69,7 +70,7 @@ fn an_ellipsoid_of_equal_axes_is_a_ball() {
     let form = Form::Ellipsoid { semi_axes_um: [radius_um; 3] };
     let rotation = Rotation::by([0.3, -0.4, 1.0]);
     let shapes = [
-        BodyShape::Balls(vec![Ball { center_um, radius_um }]),
+        BodyShape::Balls(vec![Sphere { center_um, radius_um }]),
         BodyShape::Solid(Solid { form, center_um, rotation }),
     ];
     let [ball, solid] = shapes.clone().map(|shape| coverage(shape, 9, 3, Scheme::Cubic));

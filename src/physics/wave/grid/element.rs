@@ -32,7 +32,7 @@ pub struct Element {
 }
 
 impl Element {
-    /// Tables for `degree` from 1 to [`MAX_DEGREE`].
+    /// Tables for `degree` from 1 to 4.
     pub fn new(degree: usize) -> Element {
         let points = lobatto_points(degree);
         let rule = GaussLegendre::new(degree + 2).expect("at least two nodes");

@@ -92,7 +92,8 @@ impl AbsorbingCell {
     /// Coefficients a and b of J = a + bτ from J = −y on both Gauss planes: ψ = ½ ∓ √3 τ.
     fn source(&self, harmonic: usize, component: usize, y: &Field) -> [Complex64; 2] {
         let row = CELL_ROWS * self.index + component;
-        let [first, second] = [y[[row, harmonic]], y[[row + 3, harmonic]]];
+        let first = y[[row, harmonic]];
+        let second = y[[row + 3, harmonic]];
         [-0.5 * (first + second), -(3f64.sqrt()) * (second - first)]
     }
 }

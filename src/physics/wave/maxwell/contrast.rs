@@ -16,7 +16,6 @@ use super::sources::FIELDS;
 use crate::wave::{Media, WaveError};
 use num_complex::Complex64;
 use rayon::prelude::*;
-use serde::{Deserialize, Serialize};
 
 /// Components xx, xy, yy, xz, yz, zz of a symmetric tensor.
 pub type Symmetric = [Complex64; 6];
@@ -26,8 +25,8 @@ const LEAST_DETERMINANT: f64 = 1e-3;
 
 /// Rule for the product of contrast and field where a grain's surface cuts through a point's
 /// neighbourhood.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 pub enum Averaging {
     /// Along the surface normal: observed order 2.5 or higher.
     #[default]
@@ -129,8 +128,12 @@ fn effective<'a>(
 
 /// Adjugate and determinant of a symmetric tensor.
 fn adjugate(&[xx, xy, yy, xz, yz, zz]: &Symmetric) -> (Symmetric, Complex64) {
-    let [a, b, c] = [yy * zz - yz * yz, xz * yz - xy * zz, xx * zz - xz * xz];
-    let [d, e, f] = [xy * yz - xz * yy, xy * xz - xx * yz, xx * yy - xy * xy];
+    let a = yy * zz - yz * yz;
+    let b = xz * yz - xy * zz;
+    let c = xx * zz - xz * xz;
+    let d = xy * yz - xz * yy;
+    let e = xy * xz - xx * yz;
+    let f = xx * yy - xy * xy;
     ([a, b, c, d, e, f], xx * a + xy * b + xz * d)
 }
 

@@ -1,25 +1,25 @@
 //! Maxwell's equations on the same scenes, grids and strategies: the vector wave in s and p
 //! polarisation.
 //!
-//! Unknowns are two moments per cell of each component of E ([`mean`]), the mean medium is exact
+//! Unknowns are two moments per cell of each component of E, the mean medium is exact
 //! per harmonic as a TE and a TM problem, and the contrast is a symmetric tensor built from the
-//! grains' normals ([`contrast`]): with plain averaging the error is proportional to the spacing,
+//! grains' normals ([`Averaging`]): with plain averaging the error is proportional to the spacing,
 //! with the tensor to its third power. Homogeneous layers are exact. Not supported: rough surfaces,
 //! and metals (Re η² < 0) as grains or around them.
 
 mod absorption;
-pub mod cell;
-pub mod contrast;
+mod cell;
+mod contrast;
 mod kernels;
-pub mod mean;
-pub mod moments;
+mod mean;
+mod moments;
 mod power;
-pub mod problem;
-pub mod scattering;
+mod problem;
+mod scattering;
 mod solid_sources;
-pub mod sources;
+mod sources;
 
 pub use crate::wave::light::Polarisation;
 pub use contrast::Averaging;
-pub use moments::NormalMoments;
+pub use moments::{ChannelFields, NormalMoments};
 pub use problem::{Polarised, VectorProblem};

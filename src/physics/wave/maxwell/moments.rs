@@ -7,12 +7,12 @@
 
 use super::solid_sources::{self, Core};
 use super::sources::{self, FIELDS, NormalField, Slab, Source, VALUES};
-use crate::ink::Solid;
+use crate::ink::{Solid, Sphere};
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
-use crate::wave::contrast::coverage::{Channel, Precision, find_channels, overlap};
+use crate::wave::contrast::coverage::{Precision, find_channels, overlap};
 use crate::wave::contrast::nufft::{SourceTransform, Sources, Spreading};
 use crate::wave::contrast::section::{Demands, Sampling, extents};
-use crate::wave::{Ball, Body, BodyShape, Grid, Layout, Resolution, Scene, Scheme, WaveError};
+use crate::wave::{Body, BodyShape, Channel, Grid, Layout, Resolution, Scene, Scheme, WaveError};
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -131,7 +131,8 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
 
 impl<'a> MomentBuilder<'a> {
     fn new(scene: &'a Scene, grid: &'a Grid, channels: &'a [Channel], error: f64) -> MomentBuilder<'a> {
-        let [nx, ny] = [grid.resolution.nx, grid.resolution.ny];
+        let nx = grid.resolution.nx;
+        let ny = grid.resolution.ny;
         let [mmax, nmax] = [nx, ny].map(|n| (n - 1) / 2);
         let k = |max: usize, period: f64| TAU * max as f64 / period;
         let kmax = k(mmax, grid.period_um[0]).hypot(k(nmax, grid.period_um[1]));
@@ -222,7 +223,7 @@ impl<'a> MomentSum<'a> {
     }
 
     /// Adds a ball less the core inside it.
-    fn add_layer(&mut self, ball: &Ball, core: &Ball, normal: NormalField) {
+    fn add_layer(&mut self, ball: &Sphere, core: &Sphere, normal: NormalField) {
         let slab = self.slab;
         self.spread(extents(ball), |mut push| sources::of_single(ball, normal, &slab, &mut push));
         self.spread(extents(core), |push| {

@@ -4,12 +4,12 @@
 //! by the discs' free arcs and by segments of their radical lines, along which the balls' surfaces
 //! meet.
 
-use crate::wave::Ball;
+use crate::ink::Sphere;
 use crate::wave::contrast::section::{self, Edge, EdgePoint, Sampling, breakpoints, free_arcs};
 
 /// Calls `edge(z, weight, points)` for heights within a range on the edge of ball `i`'s share.
 pub(super) fn share_edges(
-    balls: &[Ball],
+    balls: &[Sphere],
     i: usize,
     range: [f64; 2],
     sampling: &Sampling,
@@ -30,12 +30,12 @@ pub(super) fn share_edges(
 
 /// Centre and squared radius of a ball's disc at a height; the square may be negative, powers
 /// remain defined.
-fn disc(ball: &Ball, z: f64) -> ([f64; 2], f64) {
+fn disc(ball: &Sphere, z: f64) -> ([f64; 2], f64) {
     let [x, y, height] = ball.center_um;
     ([x, y], ball.radius_um.powi(2) - (z - height).powi(2))
 }
 
-fn share_edge(balls: &[Ball], i: usize, z: f64, sampling: &Sampling, points: &mut Vec<EdgePoint>) {
+fn share_edge(balls: &[Sphere], i: usize, z: f64, sampling: &Sampling, points: &mut Vec<EdgePoint>) {
     points.clear();
     for arc in free_arcs(balls, i, z) {
         sampling.push_arc(&balls[i], z, arc, points);
@@ -47,7 +47,13 @@ fn share_edge(balls: &[Ball], i: usize, z: f64, sampling: &Sampling, points: &mu
 
 /// Points along the segment of the radical line of discs `i` and `j` that bounds the share of disc
 /// `i`.
-fn push_chord(balls: &[Ball], [i, j]: [usize; 2], z: f64, sampling: &Sampling, points: &mut Vec<EdgePoint>) {
+fn push_chord(
+    balls: &[Sphere],
+    [i, j]: [usize; 2],
+    z: f64,
+    sampling: &Sampling,
+    points: &mut Vec<EdgePoint>,
+) {
     let ((own, own_square), (other, other_square)) = (disc(&balls[i], z), disc(&balls[j], z));
     let delta = [0, 1].map(|k| other[k] - own[k]);
     let distance = delta[0].hypot(delta[1]);

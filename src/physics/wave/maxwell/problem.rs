@@ -68,7 +68,7 @@ impl VectorProblem {
         let Resolution { nx, ny, .. } = moments.grid.resolution;
         let harmonics = Arc::new(Harmonics::new(nx, ny));
         let (setting, mean_k2) =
-            Setting::new(moments, &harmonics, (media, incidence), mean, |k0, eta, [x, y]| {
+            Setting::new(moments, &harmonics, media, incidence, mean, |k0, eta, [x, y]| {
                 let (k, q) = (k0 * eta, x.hypot(y));
                 decaying_root(k * k - q * q)
             })?;

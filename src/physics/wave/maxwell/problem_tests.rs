@@ -1,11 +1,12 @@
 //! Refusals, each with its reason.
 
 use super::*;
+use crate::ink::Sphere;
 use crate::solve::{Gmres, Goal, Silent, Solver};
-use crate::wave::{Ball, Body, BodyShape, FarField, Resolution, Scene, Scheme, Side};
+use crate::wave::{Body, BodyShape, FarField, Resolution, Scene, Scheme, Side};
 
 fn problem(pigment: Complex64, scheme: Scheme) -> Result<Arc<VectorProblem>, WaveError> {
-    let ball = Ball { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
+    let ball = Sphere { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
     let scene = Scene::layer([0.3, 0.26], 0.16, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
     let one = Complex64::ONE;
     let media =

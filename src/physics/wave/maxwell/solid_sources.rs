@@ -7,11 +7,12 @@
 //! convex bodies.
 
 use super::sources::{FIELDS, NormalField, Slab, Source, VALUES, fan};
+use crate::ink::Sphere;
 use crate::ink::grains::solid::{edges, outward};
 use crate::ink::{Form, Solid};
 use crate::numerics::vector::{Rotation, V3, dot, scale, sub};
 use crate::wave::contrast::section::{Edge, Sampling};
-use crate::wave::{Ball, Body, BodyShape, Scene};
+use crate::wave::{Body, BodyShape, Scene};
 
 /// Components xx, xy, yy, xz, yz, zz of n nᵀ.
 type Square = [f64; FIELDS - 1];
@@ -173,7 +174,7 @@ const ROUNDING: f64 = 1e-9;
 /// What lies directly inside a body.
 pub(super) enum Core {
     /// One sphere about the centre of the sphere around it, with N between them.
-    Concentric(Ball, NormalField),
+    Concentric(Sphere, NormalField),
     /// The convex bodies, beginning with the outer one.
     Bodies(Vec<Solid>),
 }
@@ -215,7 +216,7 @@ fn concentric(host: &Body, inner: &[&Body], period_um: [f64; 2]) -> Option<Core>
     same.then(|| Core::Concentric(core, NormalField::of_layer(core.radius_um, outer.radius_um)))
 }
 
-fn sphere(body: &Body) -> Option<Ball> {
+fn sphere(body: &Body) -> Option<Sphere> {
     match &body.shape {
         BodyShape::Balls(balls) if balls.len() == 1 => Some(balls[0]),
         _ => None,

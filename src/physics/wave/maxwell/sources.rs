@@ -9,7 +9,7 @@
 //! plan; r = R sin θ removes the square root at the rim.
 
 use super::power::share_edges;
-use crate::wave::Ball;
+use crate::ink::Sphere;
 use crate::wave::contrast::section::{Edge, Sampling, gauss_of_degree, gauss_rule};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -54,7 +54,8 @@ impl NormalField {
 
     /// N between two concentric spheres.
     pub fn of_layer(inner_um: f64, outer_um: f64) -> NormalField {
-        let [inner, outer] = [inner_um * inner_um, outer_um * outer_um];
+        let inner = inner_um * inner_um;
+        let outer = outer_um * outer_um;
         NormalField { constant: (inner + outer) / (inner * outer), slope: 1.0 / (inner * outer) }
     }
 }
@@ -104,7 +105,7 @@ fn ball_values([x, y]: [f64; 2], normal: NormalField, heights: &HeightMoments, w
 }
 
 /// Sources of ball `i` of one grain within a cell: its own volume, or its part of the union.
-pub fn of_ball(balls: &[Ball], i: usize, slab: &Slab, push: &mut impl FnMut(Source)) {
+pub fn of_ball(balls: &[Sphere], i: usize, slab: &Slab, push: &mut impl FnMut(Source)) {
     match balls {
         [ball] => of_single(ball, NormalField::of_ball(ball.radius_um), slab, push),
         _ => of_share(balls, i, slab, push),
@@ -112,7 +113,7 @@ pub fn of_ball(balls: &[Ball], i: usize, slab: &Slab, push: &mut impl FnMut(Sour
 }
 
 /// Sources of a ball within a cell, with N of its own or of the layer that ends at its surface.
-pub fn of_single(ball: &Ball, normal: NormalField, slab: &Slab, push: &mut impl FnMut(Source)) {
+pub fn of_single(ball: &Sphere, normal: NormalField, slab: &Slab, push: &mut impl FnMut(Source)) {
     let [cx, cy, cz] = ball.center_um;
     for (theta, weight) in profile_nodes(cz, ball.radius_um, slab) {
         let (sine, cosine) = theta.sin_cos();
@@ -164,7 +165,7 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
 }
 
 /// Cuts at heights; a ball's part of a cut is a fan of cones from its centre to the part's edge.
-fn of_share(balls: &[Ball], i: usize, slab: &Slab, push: &mut impl FnMut(Source)) {
+fn of_share(balls: &[Sphere], i: usize, slab: &Slab, push: &mut impl FnMut(Source)) {
     let [x, y, z_center] = balls[i].center_um;
     // The cone's Jacobian and N increase the degree by three.
     share_edges(balls, i, slab.range_um, slab.sampling, &mut |z, weight, edge| {
@@ -175,7 +176,7 @@ fn of_share(balls: &[Ball], i: usize, slab: &Slab, push: &mut impl FnMut(Source)
 }
 
 /// A source of a ball at a place relative to its centre.
-fn ball_source(ball: &Ball, [x, y]: [f64; 2], heights: &HeightMoments, weight: f64) -> Source {
+fn ball_source(ball: &Sphere, [x, y]: [f64; 2], heights: &HeightMoments, weight: f64) -> Source {
     let values = ball_values([x, y], NormalField::of_ball(ball.radius_um), heights, weight);
     Source { position: [ball.center_um[0] + x, ball.center_um[1] + y], values }
 }

@@ -4,8 +4,6 @@
 //! See [`super::cell`] for the coefficients of each cell. Rows of a field: node j is row `degree ·
 //! j`, followed by the cell's bubbles; columns are harmonics.
 
-pub use super::cell::{NodeCoefficients, decaying_root, left_share};
-
 use super::cell::cell_factors;
 use super::inverse::{MeanInverse, row_of};
 use super::sharing::tabulated;

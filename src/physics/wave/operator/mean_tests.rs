@@ -3,6 +3,7 @@
 use super::*;
 use crate::numerics::fourier::narrow;
 use crate::wave::operator::cell::SMALL;
+use crate::wave::operator::cell::{NodeCoefficients, decaying_root, left_share};
 use crate::wave::{Resolution, Scene};
 use num_complex::Complex;
 use proptest::prelude::*;

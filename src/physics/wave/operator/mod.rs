@@ -9,5 +9,3 @@ pub mod problem;
 pub mod scattering;
 pub mod setting;
 pub(in crate::wave) mod sharing;
-
-pub use problem::Problem;

@@ -27,9 +27,10 @@ use std::sync::{Arc, OnceLock};
 /// 1.
 ///
 /// ```
-/// use inkwave_physics::wave::{Ball, Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, BodyShape, Side};
+/// use inkwave_physics::ink::Sphere;
+/// use inkwave_physics::wave::{Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, BodyShape, Side};
 ///
-/// let ball = Ball { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
+/// let ball = Sphere { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
 /// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
 /// let media =
 ///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.558.into()], inclusions: vec![1.4.into()] };
@@ -85,9 +86,8 @@ impl Problem {
         incidence: &Incidence,
         mean: Mean,
     ) -> Result<Problem, WaveError> {
-        let light = (media, incidence);
         let (setting, mean_k2) =
-            Setting::new(coverage, &coverage.harmonics, light, mean, |k0, eta, [x, y]| {
+            Setting::new(coverage, &coverage.harmonics, media, incidence, mean, |k0, eta, [x, y]| {
                 decaying_root(k0 * k0 * eta * eta - (x * x + y * y))
             })?;
         let lateral_k2 = setting.lateral.iter().map(|[x, y]| x * x + y * y).collect();

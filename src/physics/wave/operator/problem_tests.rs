@@ -1,14 +1,14 @@
 //! Hypotheses of the theory as full matrices on a tiny grid, and refusals.
 
 use super::*;
-use crate::solve::System;
-use crate::wave::{Ball, Body, BodyShape, Resolution, Scheme, Side};
+use crate::ink::Sphere;
+use crate::wave::{Body, BodyShape, Resolution, Scheme, Side, System};
 
 const SCHEMES: [Scheme; 5] =
     [Scheme::SecondDifference, Scheme::Tents, Scheme::Quadratic, Scheme::Cubic, Scheme::Quartic];
 
 fn scene() -> Scene {
-    let ball = Ball { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
+    let ball = Sphere { center_um: [0.1, 0.13, 0.08], radius_um: 0.07 };
     Scene::layer([0.3, 0.26], 0.16, vec![Body::new(BodyShape::Balls(vec![ball]), 0)])
 }
 

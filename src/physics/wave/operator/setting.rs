@@ -6,7 +6,6 @@ use crate::numerics::fourier::Harmonics;
 use crate::wave::bloch::BlochVector;
 use crate::wave::{Grid, Incidence, Layout, Media, Side, WaveError};
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -20,7 +19,7 @@ pub struct Setting {
     pub k0: f64,
     /// The harmonics in use: columns of a field.
     pub harmonics: Arc<Harmonics>,
-    /// Lateral wavevectors of every harmonic, 1/µm: centred on zero, see [`crate::wave::bloch`].
+    /// Lateral wavevectors of every harmonic, 1/µm: centred on zero.
     pub lateral: Vec<[f64; 2]>,
     /// Normal wavenumbers of every harmonic in the half-spaces (incident side, exit side), 1/µm.
     pub kappa: [Vec<Complex64>; 2],
@@ -38,7 +37,8 @@ impl Setting {
     pub(in crate::wave) fn new(
         layout: &Layout,
         harmonics: &Arc<Harmonics>,
-        (media, incidence): (&Media, &Incidence),
+        media: &Media,
+        incidence: &Incidence,
         mean: Mean,
         normal: impl Fn(f64, Complex64, [f64; 2]) -> Complex64,
     ) -> Result<(Setting, Vec<Complex64>), WaveError> {
@@ -73,7 +73,8 @@ impl Setting {
 const PHASE_LIMIT: f64 = 2.9;
 
 /// Choice of ⟨k²⟩. It belongs to the discretisation: all strategies for a problem share it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Mean {
     /// Whether ⟨k²⟩ is the average of each cell instead of the whole layer (P2, below (3.12)).
     pub depends_on_z: bool,

@@ -1,10 +1,12 @@
 //! Colours and the picture of an ink on its paper, with the errors due to fits and angles.
 
 use super::{InkError, InkOnPaper, Places};
-use crate::appearance::colour::{Colorimeter, Colour, ColourError};
+use crate::appearance::colour::Colour;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
+use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::Guide;
+use crate::appearance::viewing::ColourError;
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::layer::{EnsembleMean, LayerEnsemble, Total};
 use crate::evaluate::on_paper::curves::anchors;

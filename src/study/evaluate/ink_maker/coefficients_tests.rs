@@ -8,7 +8,7 @@ use crate::evaluate::layer::LayerEnsemble;
 use crate::evaluate::levels::GridPart;
 use crate::evaluate::wavelengths::SpectralBasis;
 use crate::numerics::Draws;
-use crate::numerics::draws::Sequence;
+use crate::numerics::Sequence;
 use crate::numerics::estimate::coverage_factor_95;
 use crate::solve::accuracy::grid_error::GridError;
 use crate::wave::Wave;

@@ -8,8 +8,7 @@ use crate::input::file::ContrastPart;
 use crate::input::measured::MeasuredSpectrum;
 use crate::material::mixing::MixingRule;
 use crate::material::spectra::Spectrum;
-use crate::wave::Scheme;
-use crate::wave::contrast::coverage::{EXACT, error_for};
+use crate::wave::{Precision, Scheme};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
@@ -155,7 +154,11 @@ impl WantedResolution {
     /// Relative error of the contrast's Fourier coefficients that is negligible compared with that
     /// of the grid; a given grid may be arbitrarily fine.
     pub fn coverage_error(&self) -> f64 {
-        if let Self::Accuracy { amplitude, .. } = *self { error_for(amplitude) } else { EXACT }
+        if let Self::Accuracy { amplitude, .. } = *self {
+            Precision::error_for(amplitude)
+        } else {
+            Precision::EXACT.error
+        }
     }
 }
 

@@ -2,11 +2,11 @@
 
 use crate::input::study::{Study, WantedResolution};
 use crate::input::variation::Draw;
+use crate::numerics::estimate::largest;
 use crate::run::point::Stopper;
 use crate::run::watch::RunWatch;
 use crate::solve::Coverages;
 use crate::solve::accuracy::{AccuracyError, Estimated, Task, smooth_size};
-use crate::wave::physical::largest;
 use crate::wave::{Incidence, Mean, Media, Precision, Resolution, Scene, Scheme};
 
 /// One packing for test solves.

@@ -11,10 +11,9 @@ use super::{PlacedGrain, about_centre, all_spheres, first_contact};
 use crate::ink::grains::sphere::{Sphere, centre_of_mass, reach_um};
 use crate::numerics::Draws;
 use crate::numerics::allowed::Allowed;
+#[cfg(feature = "serde")]
 use crate::numerics::files::ratio;
 use crate::numerics::vector::{dot, scale};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
 
 /// Fractal dimension.
 const DIMENSION: Allowed = Allowed::between(1.5, 2.5, "");
@@ -22,15 +21,16 @@ const DIMENSION: Allowed = Allowed::between(1.5, 2.5, "");
 const PREFACTOR: Allowed = Allowed::between(0.8, 2.0, "");
 
 /// The law N = prefactor · (R_g/a)^dimension of N grains of mean radius a.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub struct Fractal {
     /// Fractal dimension D; 1.78 for clusters that diffuse until they touch.
-    #[schemars(transform = DIMENSION.mark(), example = 1.78)]
+    #[cfg_attr(feature = "schema", schemars(transform = DIMENSION.mark(), example = 1.78))]
     pub dimension: f64,
     /// Prefactor k.
-    #[serde(default = "ratio::<13, 10>")]
-    #[schemars(transform = PREFACTOR.mark())]
+    #[cfg_attr(feature = "serde", serde(default = "ratio::<13, 10>"))]
+    #[cfg_attr(feature = "schema", schemars(transform = PREFACTOR.mark()))]
     pub prefactor: f64,
 }
 

@@ -13,9 +13,7 @@
 //! volume lies at 3σ ± c by number.
 
 use super::SizeDistribution;
-use crate::numerics::draws::{Draws, weighted};
-use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use crate::numerics::{Draws, weighted};
 use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 
 /// 90th percentile of the standard normal distribution.
@@ -24,8 +22,9 @@ pub(super) const TENTH: f64 = 1.281_551_565_544_600_4;
 pub(super) const CUT_AT: f64 = 3.0;
 
 /// Weighting of a size distribution: by number of grains, or by volume, as particle sizers report.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 pub enum By {
     /// By number: all grains have equal weight.
     Number,

@@ -91,9 +91,10 @@ impl CoarseCell {
     /// Subtracts from one of the nodes what values at the inner points, and the loads that cause
     /// them, load it with.
     pub fn unload(&self, side: usize, [values, load]: &[Vec<c32>; 2], node: &mut [c32]) {
-        let [share, own] = [&self.shares[side], &self.loads[side]];
+        let share = &self.shares[side];
+        let loads = &self.loads[side];
         for r in 0..load.len() {
-            node[r % self.count] -= share[r] * load[r] - own[r] * values[r];
+            node[r % self.count] -= share[r] * load[r] - loads[r] * values[r];
         }
     }
 

@@ -4,7 +4,7 @@
 use crate::numerics::dense::MatrixEntry;
 use crate::solve::ledger::{Ledger, flat};
 use crate::solve::vectors::{dot, norm};
-use crate::wave::operator::banded::ShiftedMean;
+use crate::wave::ShiftedMean;
 use crate::wave::{Field, Problem};
 use faer::Mat;
 use ndarray::Array2;

@@ -3,12 +3,13 @@
 
 use super::Builder;
 use crate::ink::Solid;
+use crate::ink::Sphere;
 use crate::numerics::fourier::{PlaneScratch, Real, narrow};
 use crate::wave::contrast::folding::CellCoefficients;
 use crate::wave::contrast::nufft::Sources;
 use crate::wave::contrast::relief::{OpenSpace, raster};
 use crate::wave::contrast::section::{self, EdgePoint, extents};
-use crate::wave::{Ball, Body, BodyShape, MAX_DEGREE};
+use crate::wave::{Body, BodyShape, MAX_DEGREE};
 use num_complex::{Complex, Complex64};
 use std::f64::consts::TAU;
 
@@ -81,7 +82,7 @@ impl<'a, T: Real> CellSum<'a, T> {
     }
 
     /// Adds the free surface of one ball of a union.
-    fn add_ball(&mut self, balls: &[Ball], i: usize, range: [f64; 2]) {
+    fn add_ball(&mut self, balls: &[Sphere], i: usize, range: [f64; 2]) {
         let builder = self.builder;
         self.sources.open(extents(&balls[i]));
         builder.sampling.rings(balls, i, range, &mut |z, weight, points| {

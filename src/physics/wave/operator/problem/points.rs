@@ -2,8 +2,7 @@
 //! converted between harmonics and points.
 
 use crate::numerics::fourier::PlaneScratch;
-use crate::wave::contrast::coverage::Channel;
-use crate::wave::{Coverage, Field, Media, Problem};
+use crate::wave::{Channel, Coverage, Field, Media, Problem};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -13,7 +12,8 @@ use rayon::prelude::*;
 pub(super) fn strengths(coverage: &Coverage, media: &Media, k0: f64) -> Vec<Complex64> {
     let points = coverage.grid.points() as f64;
     let contrast = |c: &Channel| {
-        let [inclusion, background] = [media.index_of(c.material), media.backgrounds[c.background]];
+        let inclusion = media.index_of(c.material);
+        let background = media.backgrounds[c.background];
         (inclusion * inclusion - background * background) * (k0 * k0)
     };
     let single: Vec<Complex64> = coverage.channels.iter().map(contrast).collect();
