@@ -29,7 +29,10 @@ fn generated_pages_are_as_they_were_generated() {
 /// Pages whose numbers may be older than the method, and why they are not made anew with it.
 const OLDER: [(&str, &str); 9] = [
     ("reports/benchmarks", "costs alone, which methods 7 to 10 leave alone"),
-    ("reports/comparison", "single cells of the requested volume fraction, which methods 2, 3 and 6 to 10 leave alone"),
+    (
+        "reports/comparison",
+        "single cells of the requested volume fraction, which methods 2, 3 and 6 to 10 leave alone",
+    ),
     ("reports/peers", "layers solved at once, which methods 8 to 10 leave alone"),
     (
         "reports/latest",

@@ -284,7 +284,7 @@ fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
         )),
         Trust::Contradicted => all.push(format!(
             "χ² is {chi_squared:.0} for {data} data and {degrees_of_freedom:.1} degrees of freedom: no index fits these spectra, so no \
-             errors are stated. Check thickness (a thickness 10 % wrong does this to an even layer; also = [\"thickness\"] fits it), its \
+             errors are stated. Check thickness (an error of 10 % is enough where the layer is even; also = [\"thickness\"] fits it), its \
              spread, the backings' albedos, the binder's index, coupling and geometry"
         )),
     }
@@ -304,10 +304,10 @@ fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
     }
     if moved > super::SMALL_STEP && outcome.linearisations == super::LINEARISATIONS[1] {
         all.push(format!(
-            "the last step still moved the spectra by {moved:.1} of the noise: the fit has not settled"
+            "the fit has not converged: its last step changed the spectra by {moved:.1} times the noise"
         ));
     }
-    all.push("the size of the grains is taken as stated: these spectra hardly constrain it".into());
+    all.push("the grain size is taken from the study: these spectra hardly constrain it".into());
     all
 }
 
@@ -326,7 +326,7 @@ fn outside(
     let error = error.map_or(String::new(), |error| format!(" ± {error:.3}"));
     let name = if key == "n" { "n" } else { "κ" };
     Some(format!(
-        "{name} = {found:.3}{error} at {} nm lies outside fit.{key} = [{}, {}] ({count} of {} wavelengths do): the search began inside, and \
+        "{name} = {found:.3}{error} at {} nm lies outside fit.{key} = [{}, {}] (so do {count} of {} wavelengths): the search began inside, and \
          a solution farther out may fit better; widen fit.{key} and fit again",
         worst.wavelength_nm,
         range[0],
