@@ -165,7 +165,7 @@ pub struct DesignRun<'a> {
     pub folder: &'a OutputFolder,
     /// How runs are carried out.
     pub settings: RunSettings,
-    /// Who is told of the work.
+    /// Receives the progress of the work, and may stop it.
     pub watch: &'a dyn RunWatch,
 }
 
@@ -298,7 +298,7 @@ impl DesignRun<'_> {
         }))
     }
 
-    /// The study of a recipe. A verifying run has as many packings as wished, and others than the
+    /// The study of a recipe. A verifying run has the requested number of packings, and others than the
     /// variants and every earlier one: searches fit their answer to the chance of the runs before.
     fn study(&self, places: &[f64], round: Option<usize>) -> Result<Study, DesignError> {
         let mut study = study_at(self.task, places)?;

@@ -297,7 +297,7 @@ fn the_cluster_recipe_copies_what_the_build_needs() {
     }
 }
 
-/// `forbid` would refuse ndarray's macro `s!`; `deny` with nobody who allows it is as good.
+/// `forbid` would refuse ndarray's macro `s!`; `deny` is as good where no file allows it.
 #[test]
 fn no_code_is_unsafe() {
     assert!(
@@ -397,4 +397,36 @@ fn a_schedule_without_cargo_says_so() {
     let done = home.night(None, &[], "/nowhere");
     let log = std::fs::read_to_string(home.path("inkwave-nights/log")).expect("a log");
     assert!(done.status.code() == Some(127) && log.contains("cargo is not found"), "{log}");
+}
+
+/// The checks of dependencies run where their tools and databases are, and say what they skip. *Planted*: a tool that is there and not
+/// called; a failure of one that passes for a skip.
+#[cfg(target_os = "linux")]
+#[test]
+fn checks_of_dependencies_run_or_say_that_they_are_skipped() {
+    let home = Home::new();
+    let check = |cargo: &str| {
+        std::fs::write(home.path("bin/cargo"), format!("#!/bin/sh\necho \"$@\" >> \"$HOME/calls\"\n{cargo}\n"))
+            .expect("a script");
+        std::fs::write(home.path("calls"), "").expect("a file");
+        let mut check = Command::new(root().join("scripts/check-dependencies"));
+        check.env_clear().env("HOME", home.0.path()).env("PATH", format!("{}:/usr/bin:/bin", home.bin()));
+        let done = check.output().expect("the script starts");
+        let calls = std::fs::read_to_string(home.path("calls")).expect("calls");
+        (done.status.success(), String::from_utf8_lossy(&done.stdout).into_owned(), calls)
+    };
+    let (passed, said, _) = check("exit 101");
+    assert!(passed && said.contains("cargo deny (not installed)") && said.contains("cargo audit (not installed)"));
+
+    let (passed, said, calls) = check("exit 0");
+    assert!(passed && said.matches("(no database in").count() == 2, "{said}");
+    assert!(calls.contains("check licenses bans sources") && !calls.contains("advisories"), "{calls}");
+
+    for database in ["advisory-dbs", "advisory-db"] {
+        std::fs::create_dir_all(home.path(".cargo").join(database)).expect("a folder");
+    }
+    let (passed, said, calls) = check("exit 0");
+    assert!(passed && said.is_empty() && calls.contains("advisories") && calls.contains("audit --no-fetch"), "{said} {calls}");
+    let (passed, said, _) = check("case \"$*\" in *advisories*) exit 1;; esac");
+    assert!(!passed, "an advisory is no reason to go on: {said}");
 }

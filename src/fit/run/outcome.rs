@@ -239,7 +239,7 @@ fn product(a: &[f64], b: &[f64], covariance: &Mat<f64>) -> f64 {
 }
 
 impl Trust {
-    /// What χ² says with so many degrees of freedom.
+    /// Verdict of χ² on a study, given the degrees of freedom.
     pub(super) fn of(chi_squared: f64, degrees_of_freedom: f64) -> Self {
         let freedom = degrees_of_freedom.max(1.0);
         let limit = ChiSquared::new(freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(UNLIKELY));
@@ -252,7 +252,7 @@ impl Trust {
     }
 }
 
-/// Whether χ² with so many degrees of freedom would find errors larger than stated.
+/// Whether χ² with these degrees of freedom would find errors larger than stated.
 fn is_a_test(degrees_of_freedom: f64) -> bool {
     let Ok(law) = ChiSquared::new(degrees_of_freedom) else { return false };
     1.0 - law.cdf(law.inverse_cdf(UNLIKELY) / NOTICED.powi(2)) >= POWER
@@ -272,7 +272,7 @@ fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
         Trust::Consistent => {}
         Trust::Untested => all.push(format!(
             "no verdict on the study: {data} data less {:.1} effective unknowns leave {degrees_of_freedom:.1} degrees of freedom, too few \
-             for χ² ({chi_squared:.0}) to find a wrong thickness, binder or noise; the errors hold only if all of these are right. Measure \
+             for χ² ({chi_squared:.0}) to reveal a wrong thickness, binder or noise; the errors are valid only if all of these are right. Measure \
              at more wavelengths or on another card",
             outcome.effective_unknowns
         )),
