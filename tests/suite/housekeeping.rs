@@ -406,8 +406,11 @@ fn a_schedule_without_cargo_says_so() {
 fn checks_of_dependencies_run_or_say_that_they_are_skipped() {
     let home = Home::new();
     let check = |cargo: &str| {
-        std::fs::write(home.path("bin/cargo"), format!("#!/bin/sh\necho \"$@\" >> \"$HOME/calls\"\n{cargo}\n"))
-            .expect("a script");
+        std::fs::write(
+            home.path("bin/cargo"),
+            format!("#!/bin/sh\necho \"$@\" >> \"$HOME/calls\"\n{cargo}\n"),
+        )
+        .expect("a script");
         std::fs::write(home.path("calls"), "").expect("a file");
         let mut check = Command::new(root().join("scripts/check-dependencies"));
         check.env_clear().env("HOME", home.0.path()).env("PATH", format!("{}:/usr/bin:/bin", home.bin()));
@@ -416,7 +419,9 @@ fn checks_of_dependencies_run_or_say_that_they_are_skipped() {
         (done.status.success(), String::from_utf8_lossy(&done.stdout).into_owned(), calls)
     };
     let (passed, said, _) = check("exit 101");
-    assert!(passed && said.contains("cargo deny (not installed)") && said.contains("cargo audit (not installed)"));
+    assert!(
+        passed && said.contains("cargo deny (not installed)") && said.contains("cargo audit (not installed)")
+    );
 
     let (passed, said, calls) = check("exit 0");
     assert!(passed && said.matches("(no database in").count() == 2, "{said}");
@@ -426,7 +431,10 @@ fn checks_of_dependencies_run_or_say_that_they_are_skipped() {
         std::fs::create_dir_all(home.path(".cargo").join(database)).expect("a folder");
     }
     let (passed, said, calls) = check("exit 0");
-    assert!(passed && said.is_empty() && calls.contains("advisories") && calls.contains("audit --no-fetch"), "{said} {calls}");
+    assert!(
+        passed && said.is_empty() && calls.contains("advisories") && calls.contains("audit --no-fetch"),
+        "{said} {calls}"
+    );
     let (passed, said, _) = check("case \"$*\" in *advisories*) exit 1;; esac");
     assert!(!passed, "an advisory is no reason to go on: {said}");
 }

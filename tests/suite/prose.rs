@@ -122,7 +122,9 @@ fn the_prose_of_the_sources_is_plain() {
     assert_eq!(leaning_summaries(&planted).len(), 1);
     assert_eq!(long_comments(&planted).len(), 1);
     assert!(long_comments(&planted.replace("/// x", "/// ```text\n/// x")).is_empty());
-    for path in files(&root().join("src")).into_iter().filter(|path| path.extension().is_some_and(|e| e == "rs")) {
+    for path in
+        files(&root().join("src")).into_iter().filter(|path| path.extension().is_some_and(|e| e == "rs"))
+    {
         let text = std::fs::read_to_string(&path).expect("a source file");
         let mut faults = leaning_summaries(&text);
         if NARROW.iter().any(|folder| path.starts_with(root().join(folder))) {
@@ -141,7 +143,13 @@ fn no_prose_has_a_phrase_of_the_list() {
     assert!(calques("shallow").is_empty());
     let all: Vec<PathBuf> = READ.iter().flat_map(|name| files(&root().join(name))).collect();
     let read: Vec<PathBuf> = all.into_iter().filter(|path| holds_prose(path)).collect();
-    for kind in ["README.md", "src/report/page.html", "src/commands/solve.rs", "scripts/nightly", "validation/golden.py"] {
+    for kind in [
+        "README.md",
+        "src/report/page.html",
+        "src/commands/solve.rs",
+        "scripts/nightly",
+        "validation/golden.py",
+    ] {
         assert!(read.iter().any(|path| path.ends_with(kind)), "{kind} is not read");
     }
     let mut faults = Vec::new();
