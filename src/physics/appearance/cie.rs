@@ -54,8 +54,8 @@ pub(super) fn matching_functions(observer: &str, nm: usize) -> Option<[f64; 3]> 
 mod tests {
     use super::*;
 
-    /// Every table has its 401 rows of finite numbers, and columns are where their names say:
-    /// D65 and A are 100 at 560 nm, and the photopic eye is most sensitive at 555 nm. *Planted*: a row
+    /// Every table has its 401 rows of finite numbers, and columns are where their names say: D65
+    /// and A are 100 at 560 nm, and the photopic eye is most sensitive at 555 nm. *Planted*: a row
     /// that lacks a number.
     #[test]
     fn tables_are_complete() {
