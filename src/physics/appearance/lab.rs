@@ -78,7 +78,7 @@ fn saturation(chroma: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// White, black, and half of white's Y: L* = 116 ∛0.5 − 16; the linear part meets the cube root.
+    /// White, black, and half of white: L* = 116 ∛0.5 − 16; the linear part meets the cube root.
     #[test]
     fn lightness_runs_from_black_to_white() {
         let white = [95.0, 100.0, 109.0];
@@ -92,7 +92,8 @@ mod tests {
     }
 
     /// Pairs of Sharma, Wu and Dalal's table that tell wrong programs from right ones: hues on both
-    /// sides of 0°, a hue difference of 180°, blue, grey. *Planted*: hues averaged the long way round.
+    /// sides of 0°, a hue difference of 180°, blue, grey. *Planted*: hues averaged the long way
+    /// round.
     #[test]
     fn published_pairs_are_met() {
         let pairs = [
