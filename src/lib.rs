@@ -81,7 +81,7 @@
 //!   tables are made of.
 //! - [`report`]: pages and tables of a study.
 //! - [`sweep`]: studies of many variants, on one machine or many.
-//! - [`design`]: from a wanted colour to recipes.
+//! - [`design`]: from a target colour to recipes.
 //! - [`fit`]: from measured drawdowns to a pigment's index.
 //! - [`export`]: other programs' formats.
 //! - [`schema`]: JSON Schemas and commented examples of all input files.

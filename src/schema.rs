@@ -26,7 +26,7 @@ pub enum Document {
     Compare,
     /// Measured drawdowns, for `fit`.
     Fit,
-    /// A wanted colour, for `design`.
+    /// A target colour, for `design`.
     Design,
     /// One explicit geometry, for `solve` and `compare`.
     Case,

@@ -28,7 +28,7 @@ const POINTS_PER_UM: f64 = 12.0;
 const CELLS: usize = 6;
 
 impl Layers {
-    /// Side of the square cell that so many grains fill to `FRACTION`.
+    /// Side of the square cell that these grains fill to `FRACTION`.
     pub fn side_um(&self) -> f64 {
         let volume = std::f64::consts::PI / 6.0 * (1e-3 * DIAMETER_NM).powi(3);
         (self.grains as f64 * volume / (FRACTION * THICKNESS_UM)).sqrt()

@@ -2,7 +2,7 @@
 """Derives every number that a run publishes, from its study and its solves, independently of the program.
 
     python3 validation/golden.py --take FOLDER NAME   # the solves of a finished run of validation/data/golden/NAME.toml
-    python3 validation/golden.py [NAME …]             # the numbers that follow from them; all studies unless told
+    python3 validation/golden.py [NAME …]             # the numbers that follow from them; all studies if none is named
     python3 validation/golden.py --check [NAME …]     # changes nothing; status 1 where a file holds other numbers
 
 Standard library alone, and nothing of the program: own interference matrices, own quadratures, own least squares, own

@@ -3,7 +3,7 @@
 //! Times drift from machine to machine and from hour to hour. What most benches share is the machine's: the median, over all
 //! benches, of a run's times over their baseline. A bench has changed when its own time has, beyond that and its noise. The
 //! baseline of a bench is the median of several earlier runs on the same machine. The table's unit, the transforms alone
-//! (`operator/floor` on the largest grid), is a bench like others: when it changes, that is said once, and not of all.
+//! (`operator/floor` on the largest grid), is a bench like others: when it changes, that is reported once, and not for all.
 
 use clap::Parser;
 use inkwave::draw::chart::{Chart, Curve, Style};

@@ -131,7 +131,7 @@ def fit(file, output) -> dict:
 
 
 def design(file, output) -> dict:
-    """Looks for recipes of a wanted colour, or resumes; what `design.json` says under `design`."""
+    """Looks for recipes of a target colour, or resumes; what `design.json` says under `design`."""
     _call("design", file, "--output", output, show=True)
     return json.loads((pathlib.Path(output) / "design.json").read_text())["design"]
 

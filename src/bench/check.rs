@@ -1,5 +1,5 @@
-//! Conformity of a program: a film, a grating and a sphere whose answers are known, and the usual
-//! slips by name.
+//! Conformity of a program: a film, a grating and a sphere whose answers are known, and common
+//! mistakes by name.
 //!
 //! The cases are small, without symmetry, and lit from directions of the reciprocal lattice, so
 //! that programs with periodic boundaries solve them as well.

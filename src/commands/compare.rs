@@ -18,14 +18,14 @@ use std::path::{Path, PathBuf};
 /// Compare strategies, discretisations and other programs on one geometry or several
 #[derive(Args)]
 pub struct CompareArgs {
-    /// Comparison file (TOML); a study (TOML) or a case (JSON) is compared with the default lists
+    /// Comparison file (TOML); a study (TOML) or a case (JSON) is solved by the default strategies on the default grids
     #[arg(required_unless_present = "check")]
     file: Option<PathBuf>,
-    /// Check a program of `[[external]]` instead: its answers for a film, a grating and a sphere,
-    /// and the usual slips by name; all words behind this option are its command
+    /// Run the conformance test on an external program (film, grating, sphere); common mistakes are
+    /// named. The rest of the line is its command
     #[arg(long, value_name = "COMMAND", num_args = 1.., allow_hyphen_values = true, conflicts_with_all = ["file", "plan"])]
     check: Vec<String>,
-    /// Value of the knob of the program under --check
+    /// Setting passed to the program under --check, such as a number of harmonics
     #[arg(long, requires = "check", conflicts_with = "file", allow_negative_numbers = true)]
     knob: Option<f64>,
     /// Output folder
@@ -91,13 +91,13 @@ fn checked(args: &CompareArgs) -> Result<()> {
         ConformityVerdict::Slips(slips) => {
             let [names, remedies] =
                 [0, 1].map(|k| slips.iter().map(|s| s[k].as_str()).collect::<Vec<_>>().join("; or "));
-            Err(miette!(help = remedies, "{name} has a slip: {names}"))
+            Err(miette!(help = remedies, "{name} does not conform; likely mistake: {names}"))
         }
         ConformityVerdict::Unknown => {
-            let help = "no usual slip explains the answers: a finer --knob where errors are small; `inkwave schema external --annotated` describes them";
+            let help = "no common mistake explains the answers; where errors are small, try a finer --knob; `inkwave schema external --annotated` describes requests and answers";
             Err(miette!(help = help, "{name} does not conform"))
         }
-        ConformityVerdict::Silent => Err(miette!(help = "it refuses all of them", "{name} answered no case")),
+        ConformityVerdict::Silent => Err(miette!(help = "it refused all of them", "{name} answered no case")),
     }
 }
 
@@ -123,7 +123,7 @@ fn tell_row(row: &Row) {
 /// Prints the keys that have no effect in a comparison.
 fn tell_unused(keys: &[String]) {
     if !keys.is_empty() {
-        let why = "comparisons solve the first packing at one wavelength and angle, with grids and residuals of their own";
+        let why = "a comparison solves the first packing at one wavelength and angle, on its own grids and to its own residual";
         note!("Without effect here: {} ({why}).", keys.join(", "));
     }
 }

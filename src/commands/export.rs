@@ -14,7 +14,7 @@ use miette::{MietteDiagnostic, Result, miette};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
-/// Turn a finished study into files for other programs
+/// Write files for other programs from a finished study
 #[derive(Debug, Args)]
 pub struct ExportArgs {
     /// Folder of a finished `inkwave run`, or of one variant of a sweep (SWEEP/variants/NAME)
@@ -25,10 +25,10 @@ pub struct ExportArgs {
     /// Output folder (default: FOLDER/export)
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Solve again at this wavelength (nm) and angle (degrees, default 0) and add near-field.vti
+    /// Also write near-field.vti, from a new solve at this wavelength (nm) and angle (degrees, default 0)
     #[arg(long, value_name = "NM[:DEG]", value_parser = near_field)]
     pub near_field: Option<NearField>,
-    /// Which layer of a composed study (µm; default: its first thickness)
+    /// Thickness of the layer to export, for a composed study (µm; default: its first)
     #[arg(long, value_name = "UM")]
     pub thickness: Option<f64>,
 }

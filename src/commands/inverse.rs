@@ -1,5 +1,5 @@
 //! `inkwave fit FIT.toml`: from measured drawdowns to a pigment's index; `inkwave design
-//! DESIGN.toml`: from a wanted colour to recipes.
+//! DESIGN.toml`: from a target colour to recipes.
 
 use super::diagnostics::{folder_report, mixed_up_report, step_report};
 use super::progress::Progress;
@@ -24,8 +24,9 @@ use std::path::PathBuf;
 
 /// Fit a pigment's index n + iκ to spectra of drawdowns
 ///
-/// Writes `pigment.csv` (n, κ, their standard errors and correlation; an `index = { csv }` of any
-/// study), `fit.json` and a page, and `pigment-other.csv` where a second solution fits as well. An interrupted fit is resumed by the same command.
+/// Writes `pigment.csv` (n, κ, their standard errors and correlation), which any study takes as
+/// `index = { csv = "pigment.csv" }`; `fit.json`; a page; and `pigment-other.csv` where a second
+/// solution fits equally well. The same command resumes an interrupted fit.
 #[derive(Debug, Args)]
 pub struct FitArgs {
     /// Fit file (TOML); `inkwave schema fit --annotated` prints every key
@@ -57,7 +58,7 @@ pub fn fit(args: &FitArgs) -> Result<()> {
     }
     say!("Report: {}", folder.path().join("report.html").display())?;
     if outcome.trust == Trust::Contradicted {
-        let help = "the remarks above and the page say what to check";
+        let help = "the remarks above and the report name what to check";
         return Err(miette!(help = help, "the measured spectra contradict the study: no errors are stated"));
     }
     Ok(())
@@ -102,7 +103,7 @@ fn plan_fit(task: &FitTask, settings: RunSettings) -> Result<()> {
         say!("predictions: {} solves, {}", solves.predicted, processor_time(costs.predicted))?;
     }
     say!(
-        "in all {} to {} (trial solves; a busy machine takes longer on the clock)",
+        "in all {} to {}, from trial solves; wall-clock time is longer on a busy machine",
         processor_time(begin + costs.total(least)),
         processor_time(begin + costs.total(most))
     )
@@ -117,11 +118,10 @@ fn processor_time(seconds: f64) -> String {
     }
 }
 
-/// Find recipes for a wanted colour
+/// Find recipes for a target colour
 ///
-/// Runs variants of a study, lays response surfaces through their spectra, and verifies what these
-/// answer by further runs. Writes `design.json` and a page. An interrupted design is resumed by the
-/// same command.
+/// Runs variants of a study, fits response surfaces to the spectra and verifies their best recipes by
+/// further runs. Writes `design.json` and a page. The same command resumes an interrupted design.
 #[derive(Debug, Args)]
 pub struct DesignArgs {
     /// Design file (TOML); `inkwave schema design --annotated` prints every key
@@ -152,13 +152,16 @@ pub fn design(args: &DesignArgs) -> Result<()> {
         note!("verified: {}: ΔE₀₀ {delta_e}, contrast ratio {ratio}", run.recipe);
     }
     for left in &outcome.left_out {
-        note!("left out, without a colour: {left}");
+        note!("left out, because it has no colour: {left}");
     }
     let ranges = ranges(&task, &outcome);
     if !ranges.is_empty() {
         note!("recipes of nearly equal colour: {}", ranges.join("; "));
     }
-    note!("the surfaces miss a variant's colour by ΔE₀₀ {:.2} (median)", outcome.surface_error);
+    note!(
+        "median prediction error of the response surfaces: ΔE₀₀ {:.2} (each variant left out in turn)",
+        outcome.surface_error
+    );
     say!("Report: {}", folder.path().join("report.html").display())?;
     if outcome.met {
         return Ok(());

@@ -11,7 +11,7 @@ use inkwave::sweep::merge::{MergeError, merge};
 use miette::{Result, miette};
 use std::path::PathBuf;
 
-/// Join the shards of a sweep in one folder and report on it
+/// Merge the shards of a sweep into one folder and write its report
 #[derive(Debug, Args)]
 pub struct MergeArgs {
     /// Folders of the shards
@@ -34,7 +34,7 @@ pub fn run(args: &MergeArgs) -> Result<()> {
     report_on(&merged.sweep, &folder, false, "run the sweep again with its file")
 }
 
-/// Rebuild tables, contact sheets and pages of a sweep from its finished solves
+/// Write tables, contact sheets and pages of a sweep again from its finished solves
 #[derive(Debug, Args)]
 pub struct ReportArgs {
     /// Folder of the sweep
@@ -55,7 +55,10 @@ pub fn report(args: &ReportArgs) -> Result<()> {
     for (option, place) in [(&args.rows, &mut sheet.rows), (&args.columns, &mut sheet.columns)] {
         if let Some(wanted) = option.as_ref().filter(|wanted| !names.contains(wanted)) {
             let allowed = names.join(", ");
-            return Err(miette!(help = "name one of the axes", "found axis {wanted:?}; allowed: {allowed}"));
+            return Err(miette!(
+                help = "give the name of one of the axes",
+                "found axis {wanted:?}; allowed: {allowed}"
+            ));
         }
         *place = option.clone().or(place.take());
     }

@@ -18,7 +18,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Pack the grains of a study and report on their statistics
+/// Pack the grains of a study and report their statistics, without solving the wave equation
 #[derive(Args, Debug)]
 pub struct PackArgs {
     /// Study file (TOML); light, indices and paper may be left out
@@ -43,7 +43,7 @@ pub fn run(args: &PackArgs) -> Result<()> {
     study.realisations = args.realisations.map_or(study.realisations, usize::from);
     if let Some(composed) = study.composed() {
         note!(
-            "layer.composed: a slab of {} µm is packed, between walls; `inkwave run` solves slabs without walls at their joints",
+            "layer.composed: this packs one slab of {} µm between walls; `inkwave run` takes slabs without walls where they join",
             composed.slab_um
         );
     }

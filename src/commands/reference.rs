@@ -10,8 +10,7 @@ use inkwave::schema::Document;
 use miette::{IntoDiagnostic, Result, WrapErr, miette};
 use std::path::PathBuf;
 
-/// Print the JSON Schema of an input file, for completion and checks in editors, or a file with
-/// every key
+/// Print the JSON Schema of an input file, for editors, or a commented file with every key
 #[derive(Args)]
 pub struct SchemaArgs {
     /// Kind of input file
@@ -30,10 +29,10 @@ pub fn schema(args: &SchemaArgs) -> Result<()> {
     say(serde_json::to_string_pretty(&args.kind.schema()).into_diagnostic()?)
 }
 
-/// List the materials for index = { material = "…" }: use, range, index at 550 nm, source
+/// List the measured materials for `index = { material = "…" }`: use, range, index at 550 nm, source
 #[derive(Args)]
 pub struct MaterialsArgs {
-    /// Only this material, with its comment
+    /// Show only this material, with the comment of its source
     pub name: Option<String>,
 }
 
@@ -44,7 +43,7 @@ pub fn materials(args: &MaterialsArgs) -> Result<()> {
     };
     let Some(known) = NamedMaterial::find(name) else {
         let names = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
-        let help = "organic pigments are in no open collection of indices: give measured n and κ as csv";
+        let help = "no open collection of indices holds organic pigments: give measured n and κ as index = { csv = \"…\" }";
         return Err(miette!(help = help, "no material {name:?}; known are {names}"));
     };
     say(row(known))?;

@@ -138,7 +138,10 @@ fn run_composed(study: &Study, path: &Path, settings: RunSettings) -> Result<()>
     if progress.stopped() {
         let finished: usize = solved.iter().map(|(_, collected)| collected.finished()).sum();
         let kept = format!("stopped: {finished} of {} solves are finished and kept", study.solves());
-        return Err(miette!(help = to_resume(), "{kept}; a composed layer is evaluated when all are there"));
+        return Err(miette!(
+            help = to_resume(),
+            "{kept}; a composed layer is evaluated when all are finished"
+        ));
     }
     if !publishes {
         return tell_others(&folder);
@@ -174,8 +177,8 @@ fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
         StudyKind::Composed(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None });
     let slabs = by_size(&of_one("", study), settings).core_seconds;
     say!(
-        "[layer.composed] composes these {um} µm of slabs of {slab_um:.2} µm: by size some {:.1} processor hours \
-         instead of {:.1}, whatever the thickness",
+        "with [layer.composed], slabs of {slab_um:.2} µm would give these {um} µm, and any other thickness, in about {:.1} \
+         processor hours instead of {:.1} (estimated from the numbers of unknowns)",
         slabs / 3600.0,
         whole / 3600.0
     )

@@ -22,19 +22,19 @@ const DEFAULT_ACCURACY: f64 = 1e-3;
 
 /// Solve one explicit geometry and print its orders as JSON
 ///
-/// The case is the `inputs` object of a reference case (slab, multilayer, spheres3d, ink3d,
-/// cylinder2d, lamellar2d) as JSON or TOML: lengths in µm, angles in degrees, indices as [re, im].
-/// A result has `remarks` where a length looks like one in another unit. With the vector wave, `R.s.p` of an
-/// order is the amplitude of p light that leaves for s light of amplitude 1 that arrives: incident first.
-/// With --realisation it is a realisation of a study.
+/// A case (JSON or TOML; `inkwave schema case --annotated` prints every key) describes one cell:
+/// lengths in µm, angles in degrees, indices as [re, im]. `remarks` in the result name lengths that
+/// look as if they were in another unit. With the vector wave, `R.s.p` of an order is the amplitude of the
+/// p light that leaves, for s light of amplitude 1 that arrives. With --realisation the geometry is a
+/// realisation of a study instead.
 #[derive(Args)]
 pub struct SolveArgs {
     /// Case file; an object that holds the case as `inputs` is accepted too
     case: PathBuf,
-    /// Largest amplitude error; chooses the grid (default: 1e-3 unless --nxy and --nz are given)
+    /// Requested amplitude error, for which a grid is searched (default: 1e-3 unless --nxy and --nz are given)
     #[arg(long, value_name = "ERROR", conflicts_with_all = ["nxy", "nz"], allow_negative_numbers = true)]
     accuracy: Option<f64>,
-    /// Strategy; relaxation needs --real-mean
+    /// Strategy that solves the discrete system; relaxation needs --real-mean
     #[arg(long, default_value = SolverChoice::NAMES[0], value_parser = PossibleValuesParser::new(SolverChoice::NAMES))]
     solver: String,
     /// Points along x and y of one period
@@ -46,8 +46,7 @@ pub struct SolveArgs {
     /// Relative residual to reach (default: a fiftieth of the accuracy, or 1e-6 with --nz)
     #[arg(long, allow_negative_numbers = true)]
     tolerance: Option<f64>,
-    /// Equation to solve: scalar (Helmholtz), or vector (Maxwell, for s and p polarisation)
-    /// (default: the study's, or scalar)
+    /// Equation to solve (default: the study's, or scalar)
     #[arg(long, value_parser = wave_kinds())]
     wave: Option<WaveKind>,
     /// Discretisation along z (default: cubic; quartic if --accuracy is below 3e-3)
@@ -62,12 +61,12 @@ pub struct SolveArgs {
     /// Memory for one solve, GB
     #[arg(long, default_value_t = 4.0)]
     memory_gb: f64,
-    /// Write grid, media, moments, right-hand side and solution as NumPy arrays (scalar wave):
-    /// python/apply_operator.py applies the operator to them
+    /// Write the discrete problem and its solution as NumPy arrays (scalar wave), which
+    /// python/apply_operator.py reads
     #[arg(long, value_name = "FILE.npz")]
     export_operator: Option<PathBuf>,
-    /// Add `gradients`: derivatives of orders and totals with respect to n and κ of every medium;
-    /// `text` prints those of the totals alone
+    /// Add `gradients`, derivatives of orders and totals with respect to n and κ of every medium;
+    /// `text` prints only those of the totals
     ///
     /// Each of `gradients` has `medium` (background or inclusion and its number), `index`, and `dn`
     /// and `dk` of `R_total`, `T_total`, `A_total` and of each order's `eff_R` and `eff_T`; `R` and

@@ -29,10 +29,10 @@ pub struct LightArgs {
     ///
     /// Without this option any direction is solved, through its Bloch vector. `snapped` in the
     /// output holds the direction solved, `polar_deg`, `azimuth_deg` and `vector` [m, n] with kx =
-    /// 2πm/Lx and ky = 2πn/Ly, and the one given, `asked`.
+    /// 2πm/Lx and ky = 2πn/Ly, and the requested one, `asked`.
     #[arg(long)]
     snap: bool,
-    /// Add `finite_area`: light per steradian from a lit square of this side, µm (scalar wave)
+    /// Add `finite_area`, the light per steradian from an illuminated square of this side, µm (scalar wave)
     ///
     /// Every order becomes a lobe of finite width. `finite_area` has `side_um`; `polar_deg`, from
     /// the layer's normal on the side that the light leaves to; `azimuth_deg`, of the direction of

@@ -27,7 +27,7 @@ const TASK_NUMBER: [&str; 4] = ["SLURM_ARRAY_TASK_ID", "PBS_ARRAYID", "PBS_ARRAY
 /// Shortest waiting time that is reported.
 const WORTH_TELLING: Duration = Duration::from_millis(100);
 
-/// Run a study of many variants; it can be interrupted, resumed and divided among machines
+/// Run many variants of a study; the work can be interrupted, resumed and divided among machines
 #[derive(Debug, Args)]
 pub struct SweepArgs {
     /// Sweep file (TOML); `inkwave schema sweep --annotated` prints every key
@@ -84,7 +84,7 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     tell_damages(&tally.damages);
     if tally.waited >= WORTH_TELLING {
         let seconds = tally.waited.as_secs_f64();
-        note!("this process's workers waited {seconds:.1} s for others");
+        note!("the workers of this process waited {seconds:.1} s for other processes");
     }
     if args.grids_only && progress.stopped() {
         return Err(miette!(help = to_resume(), "stopped before all grids were chosen"));
@@ -219,10 +219,10 @@ pub(super) fn tell_plan(variants: &[Variant], json: bool, settings: RunSettings)
         say!("out of reach: {reason}")?;
     }
     let [least, longest] = plan.core_seconds_range;
-    let time = |cores: f64| {
-        let range = format!("{} to {}", in_words(least / cores), in_words(longest / cores));
-        format!("{} ({range})", in_words(plan.core_seconds / cores))
-    };
+    // no number of cores ends before one solve has ended
+    let one_solve = 1.0 / plan.solves.max(1) as f64;
+    let time = |core_seconds: f64, cores: f64| in_words(core_seconds * one_solve.max(1.0 / cores));
+    let range = format!("{} to {}", time(least, jobs as f64), time(longest, jobs as f64));
     say!("variants          {}", plan.variants)?;
     say!("packings          {}", plan.packings)?;
     // `run.target_delta_e` may be reached earlier.
@@ -230,15 +230,17 @@ pub(super) fn tell_plan(variants: &[Variant], json: bool, settings: RunSettings)
     say!("solves            {most}{}", plan.solves)?;
     say!("unknowns          {} in the largest solve", plan.unknowns)?;
     say!("memory            {} MB for {jobs} solves at a time", plan.memory_mb * jobs)?;
-    let free = "on cores that do nothing else";
-    say!("time              {about} {} on {jobs} cores, {} on 100, {free}", time(jobs as f64), time(100.0))?;
-    say!("largest division  {} shards", plan.units)?;
-    say!("calibrated with   {}", plan.calibration)
+    let on_jobs = time(plan.core_seconds, jobs as f64);
+    let on_hundred = time(plan.core_seconds, 100.0);
+    say!("time              {about} {on_jobs} on {jobs} idle cores (range {range}), {on_hundred} on 100")?;
+    say!("shards            {} at most", plan.units)?;
+    say!("estimated from    {}", plan.calibration)
 }
 
 /// Formats a time with two or three digits.
 fn in_words(seconds: f64) -> String {
     match seconds {
+        s if s < 0.1 => "less than 0.1 s".to_owned(),
         s if s < 1.0 => format!("{s:.1} s"),
         s if s < 100.0 => format!("{s:.0} s"),
         s if s < 6000.0 => format!("{:.0} min", s / 60.0),

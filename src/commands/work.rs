@@ -18,13 +18,13 @@ pub struct WorkArgs {
     /// Output folder (created if missing; interrupted work is resumed)
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Number of parallel solves (default: number of processors); fewer need less memory
+    /// Number of parallel solves (default: number of processors); fewer take less memory
     #[arg(long, short, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     pub jobs: Option<u16>,
     /// Memory for all parallel solves, GB (default: four fifths of the free memory)
     #[arg(long, value_name = "GB", allow_negative_numbers = true)]
     pub memory_gb: Option<f64>,
-    /// Print the expected cost, after a short trial, and exit
+    /// Print the expected time and memory, after a short trial, and exit
     #[arg(long)]
     pub plan: bool,
 }
@@ -98,7 +98,7 @@ pub fn start_threads() -> Result<()> {
     }
     if threads < wanted {
         note!(
-            "{threads} of {wanted} threads: the limit of address space (ulimit -v) leaves no room for more"
+            "using {threads} of {wanted} threads: the limit of address space (ulimit -v) is too low for more"
         );
     }
     if is_limited() {

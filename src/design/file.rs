@@ -70,7 +70,7 @@ pub struct VaryTable {
     pub from: f64,
     /// Largest value.
     pub to: f64,
-    /// Cost of one unit of the field, in any currency: recipes as near as wished are ranked by it.
+    /// Cost of one unit of the field, in any currency: recipes within the requested ΔE₀₀ are ranked by it.
     pub cost: f64,
 }
 

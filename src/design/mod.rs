@@ -1,4 +1,4 @@
-//! From a wanted colour to recipes: response surfaces of spectra over the fields of a study, and
+//! From a target colour to recipes: response surfaces of spectra over the fields of a study, and
 //! runs that verify what they answer.
 //!
 //! [`file`](mod@file) (as written) → [`recipe`] (a point of the box → a checked study) →

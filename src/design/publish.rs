@@ -55,7 +55,7 @@ pub fn publish(task: &DesignTask, outcome: &DesignOutcome, folder: &OutputFolder
         ranges => ranges(task, outcome),
         left_out => Serde(&outcome.left_out),
         note => format!(
-            "Response surfaces rest on {} variants; without a variant they miss its colour by ΔE₀₀ {:.2} (median).",
+            "The response surfaces are fitted to {} variants. Each variant left out in turn, they predict its colour with a median error of ΔE₀₀ {:.2}.",
             outcome.variants, outcome.surface_error
         ),
         program => made_by(),

@@ -257,7 +257,7 @@ fn check_settings(file: &DesignFile, faults: &mut Faults) {
     faults.number("design.delta_e", delta_e, Allowed::between(0.05, 20.0, ""), usual);
     let needed = most_coefficients(file.vary.len()) + 2;
     if let Some(count) = variants {
-        let remedy = "leave it out: half as many again as the surfaces have coefficients";
+        let remedy = "leave it out: the default is 1.5 times the number of coefficients of the surfaces";
         faults.whole("design.variants", count, Whole::between(needed, 1000), remedy);
     }
     faults.whole("design.verifications", verifications, Whole::between(1, 50), "4 is usual");
@@ -278,7 +278,7 @@ fn checked_ends(task: &DesignTask, patch_is_named: bool) -> Result<DesignTarget,
     let studies = studies.collect::<Result<Vec<Study>, _>>()?;
     let study = &studies[studies.len() - 1];
     if study.composed().is_some() {
-        let allowed = "a layer that is solved at once: surfaces are laid through solved spectra";
+        let allowed = "a layer that is solved directly: response surfaces are fitted to its spectra";
         let remedy = "remove [base.layer.composed] for layers of a few µm; for thicker ones, `inkwave sweep` composes every variant";
         return Err(vec![Fault::new("base.layer.composed", "given", allowed, remedy)]);
     }
@@ -291,7 +291,7 @@ fn checked_ends(task: &DesignTask, patch_is_named: bool) -> Result<DesignTarget,
     {
         let found = format!("nothing, and {} samples in the file", measured.patches);
         let allowed = format!("the name of one of them; the first is {}", measured.source);
-        let remedy = "write target.patch = \"…\" with the name of the sample whose colour is wanted";
+        let remedy = "write target.patch = \"…\" with the name of the sample that has the target colour";
         return Err(vec![Fault::new("target.patch", found, allowed, remedy)]);
     }
     let of_files = |remark: &&String| ["compare.", "paper."].iter().any(|start| remark.starts_with(start));

@@ -59,9 +59,9 @@ pub enum DesignError {
     NoColour(String),
     /// Too many variants are without a colour.
     #[error(
-        "{left} of {planned} variants gave no colour, and the surfaces need {needed} that have one. The first is \
+        "{left} of {planned} variants gave no colour, and the response surfaces need {needed} with a colour. The first is \
          {first}. Narrow the ranges in [[vary]] to recipes that have a colour, plan more of them (design.variants), \
-         or, where chance withholds it, raise run.realisations of the base"
+         or, where too few packings are the reason, raise run.realisations of the base"
     )]
     TooFew {
         /// Variants without a colour so far.
@@ -132,7 +132,7 @@ pub struct Verified {
 /// The result of a design.
 #[derive(Clone, Debug, Serialize)]
 pub struct DesignOutcome {
-    /// Whether a verified recipe is as near as wished.
+    /// Whether a verified recipe is within the requested ΔE₀₀.
     pub met: bool,
     /// L*, a*, b* wanted.
     pub target: [f64; 3],
@@ -166,7 +166,7 @@ pub struct DesignRun<'a> {
     pub folder: &'a OutputFolder,
     /// How runs are carried out.
     pub settings: RunSettings,
-    /// Who is told of the work.
+    /// Receives the progress of the work, and may stop it.
     pub watch: &'a dyn RunWatch,
 }
 
@@ -299,7 +299,7 @@ impl DesignRun<'_> {
         }))
     }
 
-    /// The study of a recipe. A verifying run has as many packings as wished, and others than the
+    /// The study of a recipe. A verifying run has the requested number of packings, and others than the
     /// variants and every earlier one: searches fit their answer to the chance of the runs before.
     fn study(&self, places: &[f64], round: Option<usize>) -> Result<Study, DesignError> {
         let mut study = study_at(self.task, places)?;
@@ -317,7 +317,7 @@ impl DesignRun<'_> {
         self.meets(run) && run.delta_e_2000.value + error(run) <= self.task.settings.delta_e
     }
 
-    /// Whether a recipe is as near as wished and hides enough.
+    /// Whether a recipe is within the requested ΔE₀₀ and hides enough.
     fn meets(&self, run: &Verified) -> bool {
         run.delta_e_2000.value <= self.task.settings.delta_e && self.task.hides(run.contrast_ratio.value)
     }
@@ -377,26 +377,26 @@ impl DesignRun<'_> {
         let wish = task.settings.delta_e;
         let distance = best.delta_e_2000.in_words(2);
         if met {
-            return format!("{}: ΔE₀₀ {distance} to the target; wished: {wish}", best.recipe);
+            return format!("{}: ΔE₀₀ {distance} to the target (requested: {wish})", best.recipe);
         }
         let ends: Vec<String> = (0..task.variables.len()).filter_map(|i| at_end(task, best, i)).collect();
         let ends = if ends.is_empty() { String::new() } else { format!(" It lies at {}.", ends.join(", ")) };
         if let Some(least) = task.contrast_ratio.filter(|least| best.contrast_ratio.value < *least) {
             let ratio = best.contrast_ratio.in_words(3);
             return format!(
-                "No recipe in these ranges has the colour and hides enough: nearest is {} with ΔE₀₀ {distance} and a contrast \
-                 ratio of {ratio}; wished: {wish} and {least}.{ends}",
+                "No recipe in these ranges has the colour and hides enough: the nearest is {} with ΔE₀₀ {distance} and a contrast \
+                 ratio of {ratio} (requested: {wish} and {least}).{ends}",
                 best.recipe
             );
         }
         if best.delta_e_2000.value - error(best) > wish {
             return format!(
-                "Out of reach in these ranges: the nearest recipe, {}, is ΔE₀₀ {distance} away; wished: {wish}.{ends}",
+                "Out of reach in these ranges: the nearest recipe, {}, is ΔE₀₀ {distance} away (requested: {wish}).{ends}",
                 best.recipe
             );
         }
         format!(
-            "Not proven: {} is ΔE₀₀ {distance} away; wished: {wish}. Its error is as large as what is missing: raise \
+            "Not proven: {} is ΔE₀₀ {distance} away (requested: {wish}), and its error is too large to decide: raise \
              design.realisations or design.verifications.{ends}",
             best.recipe
         )

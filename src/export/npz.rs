@@ -9,8 +9,8 @@
 //! alpha, r = f["order_alpha"][rows], f["order_reflected"][rows]
 //! ```
 //!
-//! The discrete problem of a scalar solve as NumPy arrays (`.npz`), with its solution: whoever has
-//! them can apply the operator without this program, as `python/apply_operator.py` does.
+//! The discrete problem of a scalar solve as NumPy arrays (`.npz`), with its solution:
+//! enough to apply the operator without this program, as `python/apply_operator.py` does.
 //!
 //! Planes are the points of all cells along z: node j is plane `degree` · j, with the inner points
 //! of cell j behind it; unknowns are harmonics (columns) of the nodes, and of the bubbles of each

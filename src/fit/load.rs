@@ -13,9 +13,9 @@ use crate::numerics::allowed::Allowed;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
 
-/// Largest reflectance factor accepted: light cannot come out of nothing, calibrations may err.
+/// Largest reflectance factor accepted: a layer does not emit light, but calibrations may err.
 const BRIGHTEST: f64 = 1.02;
-/// Least one: noise of an instrument at its black.
+/// Smallest reflectance factor accepted: instrument noise at black.
 const DARKEST: f64 = -0.02;
 /// Largest file that is compared with others byte by byte: spectra are smaller by far.
 const LARGEST_COMPARED: u64 = 1 << 22;
@@ -125,9 +125,9 @@ impl FitReading<'_> {
             }
         }
         if self.base.get("layer").is_some_and(|layer| layer.get("composed").is_some()) {
-            let allowed = "a layer that is solved at once: a fit needs its derivatives";
+            let allowed = "a layer that is solved directly: a fit needs the derivatives of its solves";
             let remedy =
-                "remove [base.layer.composed], and fit drawdowns of a few µm, where the index is seen best";
+                "remove [base.layer.composed], and fit drawdowns of a few µm, which determine the index best";
             self.faults.add("base.layer.composed", "given", allowed, remedy);
         }
         self.pigment = self.find_pigment(pigment.as_deref());

@@ -122,7 +122,7 @@ pub struct FitCosts {
 }
 
 impl FitCosts {
-    /// Of a fit with so many linearisations.
+    /// Processor seconds of a fit with a number of linearisations.
     pub fn total(&self, linearisations: usize) -> f64 {
         self.table + linearisations as f64 * self.linearisation + self.predicted
     }

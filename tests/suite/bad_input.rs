@@ -1,4 +1,4 @@
-//! Bad input: every fault is told with its field, what was found, what is allowed and what to try; the exit
+//! Bad input: every fault is reported with its field, what was found, what is allowed and what to try; the exit
 //! code is not zero and nothing is written.
 
 use crate::run_support::{TINY, run, study};
@@ -21,7 +21,7 @@ fn refused(study: &Path, output: &Path) -> String {
 }
 
 #[test]
-fn every_slip_is_told_with_field_value_range_and_remedy() {
+fn every_mistake_is_reported_with_field_value_range_and_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let csv = |name: &str, rows: &str| {
         std::fs::write(folder.path().join(name), format!("wavelength_nm,kappa\n{rows}")).unwrap();
@@ -64,7 +64,7 @@ fn all_faults_are_told_at_once() {
 }
 
 #[test]
-fn a_fault_of_the_light_is_told_once() {
+fn a_fault_of_the_light_is_reported_once() {
     let folder = tempfile::tempdir().unwrap();
     let text = TINY.replace("from_nm = 400", "from_nm = 1");
     let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
@@ -75,7 +75,7 @@ fn a_fault_of_the_light_is_told_once() {
 }
 
 #[test]
-fn a_sweep_is_told_its_own_command() {
+fn a_sweep_gets_the_name_of_its_own_command() {
     let folder = tempfile::tempdir().unwrap();
     let path = study(
         folder.path(),

@@ -1,4 +1,4 @@
-//! `inkwave solve` from outside: what a good run prints, and what bad input is told.
+//! `inkwave solve` from outside: what a good run prints, and how bad input is refused.
 
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -213,7 +213,7 @@ fn entries_that_do_not_fit_are_named_with_their_place() {
     }
 }
 
-/// Grains repeat with a period that nobody else knows; films have none.
+/// Grains repeat with a period that only the file knows; films have none.
 #[test]
 fn a_period_is_asked_for_where_grains_repeat_with_it() {
     let mut case = good();
@@ -292,7 +292,7 @@ fn options_out_of_range_are_told_what_to_try() {
 
 /// Keys of a case beside its `inputs` would have no effect; a study is not a case.
 #[test]
-fn what_is_no_case_is_told_what_to_do() {
+fn what_is_no_case_is_refused_with_a_remedy() {
     let beside = json!({ "kind": "spheres3d", "inputs": good(), "wavelength": 0.6 }).to_string();
     refuses_text("case.json", &beside, &[], &["wavelength: found given beside `inputs`", "move it"]);
     let study = "[layer]\nthickness_um = 1\n";
@@ -314,7 +314,7 @@ pub fn solved(text: &str, name: &str, options: &[&str]) -> Value {
     let folder = Folder::new();
     let output = inkwave(&folder.file(name, text), options);
     assert!(output.status.success(), "{}", message(&output));
-    assert!(output.stderr.is_empty(), "nothing but the result when nobody watches: {}", message(&output));
+    assert!(output.stderr.is_empty(), "nothing but the result without a terminal: {}", message(&output));
     serde_json::from_slice(&output.stdout).expect("standard output is JSON")
 }
 

@@ -39,7 +39,7 @@ fn a_colour_is_extrapolated_within_its_bars_or_not_published() {
     let held = |i: usize| (lab[i] - truth[i]).abs() <= 1.96 * error[i].hypot(chance[i]);
     assert!((0..3).all(held) && (0.1..10.0).contains(&beyond), "{lab:?} ± {error:?}, {truth:?} ± {chance:?}");
     assert!(said.contains("from 440 to 700 nm, and colours need 400 to 700 nm"), "{said}");
-    assert!(page.contains("their ends stand for the rest"));
+    assert!(page.contains("the rest is continued by the end values"));
 
     let (short, _, page) = run("short", "from_nm = 400", "to_nm = 600");
     assert_eq!(short["colours"].as_array().unwrap().len(), 0);

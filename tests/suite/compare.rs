@@ -261,7 +261,7 @@ fn a_matrix_tells_costs_and_reasons() {
     write(&matrix, folder.path());
     let page = std::fs::read_to_string(folder.path().join("out/comparison.html")).expect("the page");
     assert!(page.contains("1.5\u{a0}+\u{a0}0i") && page.contains("diverges"));
-    // the limit that nobody asked for, and how to make the page again
+    // the default limit, and how to make the page again
     assert!(
         page.contains("after 2000 applications") && page.contains("my matrix.toml&#x27; --output"),
         "{page}"

@@ -17,7 +17,7 @@ use std::path::Path;
 
 const STUDY: &str = include_str!("../../examples/yellow.toml");
 
-/// Runs `test` on so many inputs, the same ones every time.
+/// Runs `test` on `cases` inputs, the same ones every time.
 fn fuzz<S: Strategy>(cases: u32, inputs: S, test: impl Fn(S::Value) -> Result<(), TestCaseError>) {
     let config = Config { cases, failure_persistence: None, ..Config::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));

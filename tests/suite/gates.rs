@@ -260,7 +260,7 @@ fn names_and_long_lines_that_printers_stumble_over_are_told() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn output_that_cannot_be_written_is_told_and_a_closed_pipe_is_not() {
+fn output_that_cannot_be_written_is_an_error_and_a_closed_pipe_is_not() {
     let folder = Folder::new();
     let film = json!({ "wavelength": 0.5, "layers_from_z0": [{ "thickness": 0.2, "eta": [1.5, 0.1] }] });
     let case = folder.file("case.json", &film.to_string());
@@ -279,7 +279,7 @@ fn output_that_cannot_be_written_is_told_and_a_closed_pipe_is_not() {
     let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full");
     let done =
         inkwave("solve", &folder.file("none.json", "{"), &[]).stderr(full).output().expect("it starts");
-    assert_eq!(done.status.code(), Some(1), "an error nobody can read is an error still");
+    assert_eq!(done.status.code(), Some(1), "an error that cannot be printed is still an error");
 }
 
 #[cfg(target_os = "linux")]

@@ -2,6 +2,7 @@
 
 use inkwave::draw::seal;
 use inkwave::store::identity::METHOD_VERSION;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -28,7 +29,10 @@ fn generated_pages_are_as_they_were_generated() {
 /// Pages whose numbers may be older than the method, and why they are not made anew with it.
 const OLDER: [(&str, &str); 9] = [
     ("reports/benchmarks", "costs alone, which methods 7 to 10 leave alone"),
-    ("reports/comparison", "single cells of the asked share, which methods 2, 3 and 6 to 10 leave alone"),
+    (
+        "reports/comparison",
+        "single cells of the requested volume fraction, which methods 2, 3 and 6 to 10 leave alone",
+    ),
     ("reports/peers", "layers solved at once, which methods 8 to 10 leave alone"),
     (
         "reports/latest",
@@ -53,7 +57,7 @@ fn pages(folder: &Path) -> Vec<PathBuf> {
 /// made anew is taken off the list. *Planted*: a version counted up, or a page without one.
 #[test]
 fn committed_pages_are_no_older_than_their_method() {
-    let mut excused = std::collections::BTreeSet::new();
+    let mut excused = BTreeSet::new();
     for page in pages(&root().join("reports")) {
         let name = page.strip_prefix(root()).expect("below the root").to_owned();
         if seal::method_of(&read(&page)) == Some(METHOD_VERSION) {
@@ -64,7 +68,7 @@ fn committed_pages_are_no_older_than_their_method() {
             panic!("{} is older than method {METHOD_VERSION}: make it anew with its script, or say in OLDER why not", name.display())
         }));
     }
-    let all: std::collections::BTreeSet<&str> = OLDER.iter().map(|(place, _)| *place).collect();
+    let all: BTreeSet<&str> = OLDER.iter().map(|(place, _)| *place).collect();
     assert_eq!(all, excused, "a page of the list was made anew, or is not there");
 }
 
@@ -111,6 +115,56 @@ fn commits_that_pages_name_are_in_the_repository() {
         let known =
             || git(&["cat-file", "-e", &format!("{commit}^{{commit}}")]).is_ok_and(|o| o.status.success());
         assert!(commit == "not in this repository" || known(), "{commit}");
+    }
+}
+
+/// Files in a folder and below, by their paths from `root`, with `/` between the parts.
+fn files_below(folder: &Path, root: &Path) -> BTreeSet<String> {
+    let mut files = BTreeSet::new();
+    for path in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+        if path.is_dir() {
+            files.extend(files_below(&path, root));
+        } else {
+            let parts = path.strip_prefix(root).expect("below the root").iter();
+            files.insert(parts.map(|part| part.to_string_lossy()).collect::<Vec<_>>().join("/"));
+        }
+    }
+    files
+}
+
+/// Files that the lines of an index name, a table row each, in order: `| [name](name) | what it shows |`.
+fn indexed(page: &str) -> Vec<String> {
+    let rows = page.lines().filter_map(|line| line.strip_prefix("| [")?.split_once("]("));
+    rows.map(|(name, rest)| {
+        assert!(rest.starts_with(&format!("{name}) | ")), "{name} leads to {rest}");
+        name.to_owned()
+    })
+    .collect()
+}
+
+/// The index of the examples has one line for every file, and none for a file that is gone. *Planted*: a file without a
+/// line, a line without a file, a file named twice.
+#[test]
+fn every_example_has_its_line_in_the_index() {
+    let examples = root().join("examples");
+    let mut files = files_below(&examples, &examples);
+    files.remove("README.md");
+    let lines = indexed(&read("examples/README.md"));
+    let named: BTreeSet<String> = lines.iter().cloned().collect();
+    assert_eq!(named, files, "lines of examples/README.md (left) and files of examples (right)");
+    assert_eq!(named.len(), lines.len(), "a file is named twice in {lines:?}");
+}
+
+/// Links of README, of the examples' index and of CONTRIBUTING lead to files of the repository. *Planted*: a link to a
+/// page that is gone.
+#[test]
+fn links_of_the_readme_lead_somewhere() {
+    for page in ["README.md", "examples/README.md", "CONTRIBUTING.md"] {
+        let text = read(page);
+        let folder = root().join(page).parent().expect("a folder").to_owned();
+        let targets = text.split("](").skip(1).filter_map(|rest| rest.split([')', '#']).next());
+        let lost: Vec<&str> = targets.filter(|target| !folder.join(target).exists()).collect();
+        assert!(lost.is_empty(), "{page} links to what is not there: {lost:?}");
     }
 }
 
@@ -243,7 +297,7 @@ fn the_cluster_recipe_copies_what_the_build_needs() {
     }
 }
 
-/// `forbid` would refuse ndarray's macro `s!`; `deny` with nobody who allows it is as good.
+/// `forbid` would refuse ndarray's macro `s!`; `deny` is as good where no file allows it.
 #[test]
 fn no_code_is_unsafe() {
     assert!(
@@ -343,4 +397,44 @@ fn a_schedule_without_cargo_says_so() {
     let done = home.night(None, &[], "/nowhere");
     let log = std::fs::read_to_string(home.path("inkwave-nights/log")).expect("a log");
     assert!(done.status.code() == Some(127) && log.contains("cargo is not found"), "{log}");
+}
+
+/// The checks of dependencies run where their tools and databases are, and say what they skip. *Planted*: a tool that is there and not
+/// called; a failure of one that passes for a skip.
+#[cfg(target_os = "linux")]
+#[test]
+fn checks_of_dependencies_run_or_say_that_they_are_skipped() {
+    let home = Home::new();
+    let check = |cargo: &str| {
+        std::fs::write(
+            home.path("bin/cargo"),
+            format!("#!/bin/sh\necho \"$@\" >> \"$HOME/calls\"\n{cargo}\n"),
+        )
+        .expect("a script");
+        std::fs::write(home.path("calls"), "").expect("a file");
+        let mut check = Command::new(root().join("scripts/check-dependencies"));
+        check.env_clear().env("HOME", home.0.path()).env("PATH", format!("{}:/usr/bin:/bin", home.bin()));
+        let done = check.output().expect("the script starts");
+        let calls = std::fs::read_to_string(home.path("calls")).expect("calls");
+        (done.status.success(), String::from_utf8_lossy(&done.stdout).into_owned(), calls)
+    };
+    let (passed, said, _) = check("exit 101");
+    assert!(
+        passed && said.contains("cargo deny (not installed)") && said.contains("cargo audit (not installed)")
+    );
+
+    let (passed, said, calls) = check("exit 0");
+    assert!(passed && said.matches("(no database in").count() == 2, "{said}");
+    assert!(calls.contains("check licenses bans sources") && !calls.contains("advisories"), "{calls}");
+
+    for database in ["advisory-dbs", "advisory-db"] {
+        std::fs::create_dir_all(home.path(".cargo").join(database)).expect("a folder");
+    }
+    let (passed, said, calls) = check("exit 0");
+    assert!(
+        passed && said.is_empty() && calls.contains("advisories") && calls.contains("audit --no-fetch"),
+        "{said} {calls}"
+    );
+    let (passed, said, _) = check("case \"$*\" in *advisories*) exit 1;; esac");
+    assert!(!passed, "an advisory is no reason to go on: {said}");
 }

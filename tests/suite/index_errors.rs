@@ -91,7 +91,7 @@ fn added(with: &Value, without: &Value, path: &str) -> f64 {
 /// Bars with the errors of n and κ are those without, plus in squares what runs with the table moved by one error on both
 /// sides change: along the error of n with what κ changes along, and by the rest of κ's.
 #[test]
-fn bars_hold_what_runs_with_a_moved_table_change() {
+fn error_bars_include_what_runs_with_a_moved_table_change() {
     let folder = tempfile::tempdir().unwrap();
     let (with, said) = with_table(folder.path(), "with", GRAINS, &with_errors());
     assert!(said.contains("n is not determined: two branches fit"), "{said}");

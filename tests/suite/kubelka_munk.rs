@@ -60,6 +60,6 @@ fn two_fluxes_of_stored_solves_predict_a_third_backing_and_a_thin_layer_has_no_c
     let results: serde_json::Value =
         serde_json::from_slice(&std::fs::read(out.join("results.json")).unwrap()).unwrap();
     let reason = results["ink_maker"]["no_kubelka_munk"].as_str().expect("a reason");
-    assert!(reason.contains("diffuse light") && !out.join("kubelka-munk.csv").exists(), "{reason}");
+    assert!(reason.contains("is unscattered") && !out.join("kubelka-munk.csv").exists(), "{reason}");
     assert!(std::fs::read_to_string(out.join("report.html")).unwrap().contains(reason));
 }

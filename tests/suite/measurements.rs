@@ -421,7 +421,7 @@ fn tables_of_instruments() {
     assert!(close(values("400,0.9,0.05\n550,0.9,0.4\n700,0.9,0.8\n", "2"), wanted));
 }
 
-/// What is wrong where nobody looks blocks nothing; what is used is named by line, sample and value.
+/// A wrong value that the study does not use blocks nothing; what is used is named by line, sample and value.
 #[test]
 fn faults_count_only_where_values_are_used() {
     let first = asked("", None, None);

@@ -88,14 +88,14 @@ fn a_seed_is_a_packing_and_a_stream_is_a_realisation() {
 }
 
 #[test]
-fn the_limit_is_told_with_figures() {
+fn the_limit_is_reported_with_figures() {
     let mut asked = request(450.0, 0.64, MethodChoice::Relaxation);
     asked.relaxation.max_steps = 3000;
     match pack(&asked, &mut ()) {
         Err(PackError::NotReached { requested, reached, largest_overlap_um, wanted, .. }) => {
             assert!((requested - 0.64).abs() < 0.002);
             let reached = reached.expect("fewer of these grains fit");
-            // Bounds: H/d = 2.2 allows about 0.52 (design note); what is told must be near it and below the request.
+            // Bounds: H/d = 2.2 allows about 0.52 (design note); the report must be near it and below the request.
             assert!(reached.fraction > 0.45 && reached.fraction < requested && reached.grains < wanted);
             assert!(largest_overlap_um > 0.0 && largest_overlap_um < 0.45);
         }
@@ -103,7 +103,7 @@ fn the_limit_is_told_with_figures() {
     }
 }
 
-/// A blocked addition is told as such, and the automatic choice goes on with relaxation.
+/// A blocked addition is reported as such, and the automatic choice goes on with relaxation.
 #[test]
 fn blocked_addition_has_its_own_error() {
     let mut asked = request(250.0, 0.3, MethodChoice::SequentialAddition);

@@ -42,7 +42,7 @@ fn needles_and_thick_layers_are_estimated_in_time() {
 }
 
 #[test]
-fn what_is_out_of_reach_is_told_by_the_plan_and_before_a_run() {
+fn the_plan_and_a_run_say_what_is_out_of_reach() {
     let far = rutile().replace("thickness_um = 20", "thickness_um = 20\nperiod_um = 60");
     assert!(plan(&far).contains("out of reach: estimated"));
     let folder = tempfile::tempdir().unwrap();

@@ -24,7 +24,7 @@ fn points(out: &Path) -> Vec<PointRecord> {
     store.database().keys(PointRecord::KIND).iter().filter_map(|key| store.get(key)).collect()
 }
 
-/// Stops after so many solves.
+/// Stops after a number of solves.
 struct StopAfter {
     solves: usize,
     done: AtomicUsize,
@@ -110,7 +110,7 @@ fn a_change_recomputes_what_depends_on_it() {
 }
 
 #[test]
-fn a_solve_that_fails_is_told_and_does_not_stop_the_others() {
+fn a_solve_that_fails_is_reported_and_does_not_stop_the_others() {
     let folder = tempfile::tempdir().unwrap();
     let steps = |out: &Path, of_first: bool| {
         let records = points(out);

@@ -142,7 +142,7 @@ fn files_with_every_key_name_every_key() {
         assert!(!refused(document, &as_json(document.every_key())), "{document:?}");
     }
     assert_eq!(faults(&as_json(Document::Study.every_key())), []);
-    // The planted fault: a key that nobody wrote about.
+    // The planted fault: a key without a description.
     let without = Document::Study.every_key().replace("per_realisation", "…");
     assert_eq!(keys_missing_in(&without, Document::Study), ["per_realisation"]);
 }

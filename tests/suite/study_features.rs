@@ -106,7 +106,7 @@ fn a_folder_does_not_change_the_hash() {
 
 /// What a file leaves open is said, on a run's error stream too; results do not hold it.
 #[test]
-fn a_range_that_ends_early_and_a_sample_that_nobody_named_are_said() {
+fn a_range_that_ends_early_and_an_unnamed_sample_are_remarked_on() {
     let folder = tempfile::tempdir().unwrap();
     let cgats = "CGATS.17\nBEGIN_DATA_FORMAT\nSAMPLE_NAME SPEC_400 SPEC_700\nEND_DATA_FORMAT\n\
                  BEGIN_DATA\n\"first ink\" 20 40\n\"second ink\" 30 90\nEND_DATA\n";

@@ -273,7 +273,7 @@ fn slips_in_exclusions_and_in_the_base_are_told() {
 }
 
 #[test]
-fn a_study_is_told_its_own_command() {
+fn a_study_gets_the_name_of_its_own_command() {
     let start = TINY.find("[base.layer]").unwrap();
     let study = TINY[start..TINY.find("[[axis]]").unwrap()].replace("base.", "");
     let place = Place::new(&study);

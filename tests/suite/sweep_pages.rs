@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Stops after so many solves.
+/// Stops after a number of solves.
 struct Impatient(AtomicUsize);
 
 impl RunWatch for Impatient {
@@ -150,7 +150,7 @@ fn cells<'a>(page: &'a str, labels: [&str; 2]) -> Vec<&'a str> {
     row.split("<td class=\"n\">").skip(1).map(|cell| cell.split("</td>").next().unwrap()).collect()
 }
 
-/// *Planted*: a blue ink had a ΔE to a yellow one that nobody had asked for, and the axis of diameters no unit.
+/// *Planted*: a blue ink had a ΔE to a yellow one that was not requested, and the axis of diameters no unit.
 #[test]
 fn differences_between_inks_are_shown_where_they_are_asked_for_and_axes_have_units() {
     let base = TINY.split("[[axis]]").next().unwrap();

@@ -48,7 +48,7 @@ fn airy(index: Complex64, thickness_um: f64, wavelength_um: f64, polar_deg: f64,
     [reflected.norm_sqr(), ((1.0 - r * r) * phase / denominator).norm_sqr()]
 }
 
-/// A pigment without grains mixes by Maxwell Garnett's rule unless told, and the film is Airy's in s, p and both.
+/// A pigment without grains mixes by Maxwell Garnett's rule by default, and the film is Airy's in s, p and both.
 #[test]
 fn a_film_without_grains_is_airys_in_every_polarisation() {
     let base = "[layer]\nperiod_um = 0.8\nthickness_um = 0.7\nbinder.index = 1.558\n\

@@ -37,7 +37,7 @@ fn workers_share_the_work_and_the_others_finish_what_a_killed_one_began() {
     let ends: Vec<_> = workers.into_iter().map(|worker| worker.wait_with_output().unwrap()).collect();
     ends.iter().for_each(|end| assert!(end.status.success(), "{}", said(end)));
     let reports = ends.iter().filter(|end| said(end).contains("Report:")).count();
-    assert!(reports >= 1, "whoever finds all units finished writes the report");
+    assert!(reports >= 1, "a process that finds all units finished writes the report");
     for (alone, shared) in results(&place.path("alone")).iter().zip(&results(&place.path("shared"))) {
         assert!(alone == shared, "{} differs", alone.0.display());
     }
@@ -129,7 +129,7 @@ fn bars() -> String {
 }
 
 #[test]
-fn variants_end_at_their_wanted_bar_whoever_works() {
+fn variants_end_at_their_target_interval_with_any_number_of_processes() {
     let place = Place::new(&bars());
     place.sweep("alone", &[]);
     let table = std::fs::read_to_string(place.path("alone/sweep.csv")).unwrap();

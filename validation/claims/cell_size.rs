@@ -85,7 +85,7 @@ fn measure(level: Level, findings: &mut Findings) {
         );
         if level == Level::Full && name == "transmittance" {
             let (difference, bar) = apart(0, judged[0]);
-            let because = "the power of the comparison: a cell of 1.2 µm is told from one of 2.4 µm";
+            let because = "the power of the comparison: a cell of 1.2 µm is distinguished from one of 2.4 µm";
             let what = "transmittance, 1.2 against 2.4 µm, in standard errors";
             findings.check(what, difference / bar, Bound::AtLeast(4.0), Reason::Significance, because);
         }

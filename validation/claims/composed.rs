@@ -154,7 +154,7 @@ fn half_spaces(ink: Ink, other: MixingRule, realisations: usize, findings: &mut 
         farthest,
         Bound::AtMost(HALF_SPACES),
         Reason::Significance,
-        "the packings are the same, so chance is mostly in common; the bars hold what composing costs",
+        "the packings are the same, so that most of their scatter is common; the error bars include the cost of composing",
     );
     let [here, there] =
         both.each_ref().map(|own| estimate(&own["medium"][0]["kubelka_munk_scattering_per_um"]));

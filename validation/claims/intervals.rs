@@ -180,7 +180,7 @@ fn small_studies(
     findings.tables.push(table(&kind, &all, truth));
 }
 
-/// What is promised, widened by what chance does to the share of so many studies: 2.6 of its standard errors, one in a
+/// What is promised, widened by what chance does to the share of a number of studies: 2.6 of its standard errors, one in a
 /// hundred. A share near one says little of its own error, which is at least that of two independent numbers a study.
 /// Four studies are too few for that.
 fn bounds(level: Level, share: &Estimate, studies: usize) -> [f64; 2] {

@@ -86,7 +86,7 @@ fn misfit(measured: &[Estimate], truth: &[f64], truth_error: &[f64]) -> f64 {
 const CHANCE: &str = "χ² over 100 bins and the largest deviation, as shares of their limits at a nominal probability of 1e-3 together";
 
 /// Largest deviation beyond the share of the truth that the formula itself is known to be off, in standard errors over
-/// their limit for so many bins.
+/// their limit for this number of bins.
 fn excess(measured: &[Estimate], truth: &[f64], model_error: f64) -> f64 {
     let beyond = |(m, t): (&Estimate, &f64)| {
         ((m.value - t).abs() - model_error * t).max(0.0) / m.standard_error.unwrap()

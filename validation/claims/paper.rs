@@ -160,7 +160,7 @@ fn curve_errors(index: Complex64, thickness_um: f64) -> [f64; 2] {
 }
 
 /// Curves between the angles solved. What a wrong film leaves is smooth where it turns by less than a fringe from 0° to 60°, which
-/// half a micrometre keeps; a clear layer twice as thick does not, and is told beside.
+/// half a micrometre keeps; a clear layer twice as thick does not, and is listed separately.
 fn curves(findings: &mut Findings) {
     let inks = [(1.558, 0.0), (1.558, 0.05), (1.4, 0.1), (1.4, 0.3)].map(|(n, k)| Complex64::new(n, k));
     let mut rows = Vec::new();

@@ -10,7 +10,7 @@ use serde_json::Value;
 pub const CLAIM: Claim = Claim {
     id: "29-published-tables",
     statement: "Published tables of crossed gratings: every efficiency of Li's checkerboard and of his cylindrical pillars is met within what the tables themselves are worth.",
-    because: "Tables that nobody here computed. Mirror images must be equal; by how much they differ in a table is a measure of its own error, which comes from its truncated orders.",
+    because: "Tables computed elsewhere. Mirror images must be equal; by how much they differ in a table is a measure of its own error, which comes from its truncated orders.",
     file: file!(),
     measure,
 };

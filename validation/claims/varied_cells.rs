@@ -71,7 +71,7 @@ fn periods(level: Level, findings: &mut Findings) {
                 because,
             );
             let fixed = layer("fixed", 1.6, kappa, 24);
-            let because = "the power of the comparison: square cells at one azimuth are told from varied ones (0.7965 against 0.771)";
+            let because = "the power of the comparison: square cells at one azimuth are distinguished from varied ones (0.7965 against 0.771)";
             findings.check(
                 "fixed square cells of 1.6 µm, that probability",
                 chance(&fixed, &layers[1]),

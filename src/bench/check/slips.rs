@@ -1,5 +1,5 @@
-//! The usual slips of programs, as changes of right answers; and those in what a program reads:
-//! right answers to another case.
+//! Common mistakes of programs, as changes of right answers, and of what a program reads, as right
+//! answers to another case.
 
 use crate::external::judge::ExpectedOrder;
 use crate::external::protocol::AnsweredSide::{self, Reflected, Transmitted};

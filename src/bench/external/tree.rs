@@ -56,7 +56,7 @@ impl ProcessTree {
         let Some(root) = process(self.root) else { return };
         let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
         let numbers = entries.filter_map(|entry| entry.file_name().to_str()?.parse().ok());
-        // Whoever is older than the program was not started by it.
+        // A process older than the program was not started by it.
         let candidates: Vec<Process> =
             numbers.filter_map(process).filter(|process| process.start >= root.start).collect();
         let before = std::mem::take(&mut self.members);

@@ -241,7 +241,7 @@ fn product(a: &[f64], b: &[f64], covariance: &Mat<f64>) -> f64 {
 }
 
 impl Trust {
-    /// What χ² says with so many degrees of freedom.
+    /// Verdict of χ² on a study, given the degrees of freedom.
     pub(super) fn of(chi_squared: f64, degrees_of_freedom: f64) -> Self {
         let freedom = degrees_of_freedom.max(1.0);
         let limit = ChiSquared::new(freedom).map_or(f64::INFINITY, |law| law.inverse_cdf(UNLIKELY));
@@ -254,7 +254,7 @@ impl Trust {
     }
 }
 
-/// Whether χ² with so many degrees of freedom would find errors larger than stated.
+/// Whether χ² with these degrees of freedom would find errors larger than stated.
 fn is_a_test(degrees_of_freedom: f64) -> bool {
     let Ok(law) = ChiSquared::new(degrees_of_freedom) else { return false };
     1.0 - law.cdf(law.inverse_cdf(UNLIKELY) / NOTICED.powi(2)) >= POWER
@@ -274,7 +274,7 @@ fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
         Trust::Consistent => {}
         Trust::Untested => all.push(format!(
             "no verdict on the study: {data} data less {:.1} effective unknowns leave {degrees_of_freedom:.1} degrees of freedom, too few \
-             for χ² ({chi_squared:.0}) to find a wrong thickness, binder or noise; the errors hold only if all of these are right. Measure \
+             for χ² ({chi_squared:.0}) to reveal a wrong thickness, binder or noise; the errors are valid only if all of these are right. Measure \
              at more wavelengths or on another card",
             outcome.effective_unknowns
         )),
@@ -286,7 +286,7 @@ fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
         )),
         Trust::Contradicted => all.push(format!(
             "χ² is {chi_squared:.0} for {data} data and {degrees_of_freedom:.1} degrees of freedom: no index fits these spectra, so no \
-             errors are stated. Check thickness (a thickness 10 % wrong does this to an even layer; also = [\"thickness\"] fits it), its \
+             errors are stated. Check thickness (an error of 10 % is enough where the layer is even; also = [\"thickness\"] fits it), its \
              spread, the backings' albedos, the binder's index, coupling and geometry"
         )),
     }
@@ -306,10 +306,10 @@ fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
     }
     if moved > super::SMALL_STEP && outcome.linearisations == super::LINEARISATIONS[1] {
         all.push(format!(
-            "the last step still moved the spectra by {moved:.1} of the noise: the fit has not settled"
+            "the fit has not converged: its last step changed the spectra by {moved:.1} times the noise"
         ));
     }
-    all.push("the size of the grains is taken as stated: these spectra hardly constrain it".into());
+    all.push("the grain size is taken from the study: these spectra hardly constrain it".into());
     all
 }
 
@@ -328,7 +328,7 @@ fn outside(
     let error = error.map_or(String::new(), |error| format!(" ± {error:.3}"));
     let name = if key == "n" { "n" } else { "κ" };
     Some(format!(
-        "{name} = {found:.3}{error} at {} nm lies outside fit.{key} = [{}, {}] ({count} of {} wavelengths do): the search began inside, and \
+        "{name} = {found:.3}{error} at {} nm lies outside fit.{key} = [{}, {}] (so do {count} of {} wavelengths): the search began inside, and \
          a solution farther out may fit better; widen fit.{key} and fit again",
         worst.wavelength_nm,
         range[0],

@@ -32,7 +32,7 @@ pub(super) fn concluded(task: &FitTask, mut solutions: Vec<FitSolution>) -> Resu
     let worse = cost(other) - cost(best);
     if worse.max(other.outcome.chi_squared - outcome.chi_squared) > AS_GOOD {
         let excluded = format!(
-            "a second solution with n ≈ {:.2} on the mean, which fitted the coarse table, is excluded by the solves (χ² {:.0} \
+            "a second solution with mean n ≈ {:.2}, which fitted the coarse table, is excluded by the solves (χ² {:.0} \
              against {:.0}; −2 ln of the probability of the data larger by {worse:.0})",
             mean_n(other),
             other.outcome.chi_squared,
@@ -63,7 +63,7 @@ fn with_advice(
     let said = match other {
         Some(other) => {
             format!(
-                "n is not determined: two solutions fit equally well, with n ≈ {:.2} and n ≈ {:.2} on the mean (χ² {:.0} and {:.0}). ",
+                "n is not determined: two solutions fit equally well, with mean n ≈ {:.2} and {:.2} (χ² {:.0} and {:.0}). ",
                 mean_n(best),
                 mean_n(other),
                 outcome.chi_squared,

@@ -1,11 +1,10 @@
 //! Colour of a spectrum: XYZ, CIE Lab, sRGB, and colour differences with their uncertainty.
 
+pub use super::lab::ciede2000;
+use super::lab::lab_from_xyz;
 use super::tristimulus::Colorimeter;
 use super::viewing::ColourError;
 use crate::numerics::estimate::{Estimate, jackknife_covariance};
-use colorimetry::lab::CieLab;
-use colorimetry::observer::Observer;
-use colorimetry::xyz::{RelXYZ, XYZ};
 
 /// Tolerance of the gamut test: rounding of the division by white.
 const GAMUT_SLACK: f64 = 1e-9;
@@ -59,7 +58,7 @@ impl Colorimeter {
     pub fn colour_of(&self, xyz: [f64; 3]) -> Colour {
         let (white_xyz, linear_rgb) = (self.white_xyz, self.linear_rgb(xyz));
         let srgb = linear_rgb.map(|c| srgb_curve(c.clamp(0.0, 1.0)));
-        let lab = CieLab::from_rxyz(RelXYZ::new(xyz, XYZ::new(white_xyz, Observer::Cie1931))).to_array();
+        let lab = lab_from_xyz(xyz, white_xyz);
         let srgb8 = srgb.map(|c| (255.0 * c).round() as u8);
         let out_of_gamut = linear_rgb.iter().any(|c| !(-GAMUT_SLACK..=1.0 + GAMUT_SLACK).contains(c));
         Colour { xyz, white_xyz, lab, linear_rgb, srgb, srgb8, out_of_gamut, lab_covariance: None }
@@ -168,13 +167,6 @@ const INDEPENDENT: [[f64; 3]; 3] = [[0.0; 3]; 3];
 /// IEC 61966-2-1 transfer curve for 0 ≤ c ≤ 1.
 pub fn srgb_curve(c: f64) -> f64 {
     if c <= 0.0031308 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
-}
-
-/// ΔE₀₀ (CIEDE2000) between two colours L*, a*, b*.
-pub fn ciede2000(p: [f64; 3], q: [f64; 3]) -> f64 {
-    let white = Observer::Cie1931.xyz_d65();
-    // same observer and white on both sides, so the crate cannot fail
-    CieLab::new(p, white).ciede2000(&CieLab::new(q, white)).unwrap_or_else(|_| distance(p, q))
 }
 
 fn distance(p: [f64; 3], q: [f64; 3]) -> f64 {

@@ -15,10 +15,12 @@
 pub mod bdf;
 mod bdf_binned;
 mod bdf_orders;
+mod cie;
 pub mod colour;
 pub mod composed;
 pub mod finite_area;
 pub mod kubelka_munk;
+mod lab;
 pub mod paper;
 pub mod picture;
 pub mod tristimulus;

@@ -1,7 +1,6 @@
 //! Illuminant and observer of a colour, and why there is none.
 
-use colorimetry::illuminant::CieIlluminant;
-use colorimetry::observer::Observer;
+use super::cie;
 use thiserror::Error;
 
 /// Why a spectrum has no colour.
@@ -69,30 +68,11 @@ pub enum ColourError {
     },
 }
 
-/// The illuminants of CIE 15:2018, which are known by these names.
-const ILLUMINANTS: [CieIlluminant; 39] = {
-    use CieIlluminant::*;
-    [
-        D65, D50, E, A, F1, F2, F3, F4, F5, F6, F7, F8, F9, F10, F11, F12, F3_1, F3_2, F3_3, F3_4, F3_5,
-        F3_6, F3_7, F3_8, F3_9, F3_10, F3_11, F3_12, F3_13, F3_14, F3_15, LED_B1, LED_B2, LED_B3, LED_B4,
-        LED_B5, LED_BH1, LED_RGB1, LED_V1,
-    ]
-};
-
-fn illuminant_names() -> [&'static str; 39] {
-    ILLUMINANTS.each_ref().map(|light| light.as_ref())
-}
-
 /// Illuminants without spectral lines.
 const SMOOTH: [&str; 4] = ["D65", "D50", "E", "A"];
 
-/// The standard observers by their usual names.
-const OBSERVERS: [(&str, Observer); 4] = [
-    ("2", Observer::Cie1931),
-    ("10", Observer::Cie1964),
-    ("2015_2", Observer::Cie2015),
-    ("2015_10", Observer::Cie2015_10),
-];
+/// The standard observers by their usual names: CIE 1931, 1964, and both of 2015.
+const OBSERVERS: [&str; 4] = ["2", "10", "2015_2", "2015_10"];
 
 /// Rule by which spectra are summed to tristimulus values.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -127,13 +107,13 @@ impl Default for Viewing {
 /// Names of illuminants for a file's schema; case does not matter.
 #[cfg(feature = "schema")]
 pub fn illuminants(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-    offered(&illuminant_names())
+    offered(cie::illuminant_names())
 }
 
 /// Names of observers for a file's schema; a degree sign is accepted.
 #[cfg(feature = "schema")]
 pub fn observers(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
-    offered(&OBSERVERS.map(|(name, _)| name))
+    offered(&OBSERVERS)
 }
 
 /// Schema of a text with suggested values: editors offer them.
@@ -153,12 +133,12 @@ impl Viewing {
             let (value, allowed) = (value.to_owned(), allowed.join(", "));
             ColourError::UnknownName { what, value, allowed }
         };
-        let light = illuminant_names().into_iter().find(|name| name.eq_ignore_ascii_case(illuminant.trim()));
-        let light = light.ok_or_else(|| unknown("illuminant", illuminant, &illuminant_names()))?;
-        let observers = OBSERVERS.map(|(name, _)| name);
-        let seen = observers.into_iter().find(|name| *name == observer.trim().trim_end_matches('°'));
-        let seen = seen.ok_or_else(|| unknown("observer", observer, &observers))?;
-        Ok(Self { illuminant: light.to_owned(), observer: seen.to_owned(), summation })
+        let lights = cie::illuminant_names();
+        let light = lights.iter().find(|name| name.eq_ignore_ascii_case(illuminant.trim()));
+        let light = light.ok_or_else(|| unknown("illuminant", illuminant, lights))?;
+        let known = OBSERVERS.iter().find(|name| **name == observer.trim().trim_end_matches('°'));
+        let known = known.ok_or_else(|| unknown("observer", observer, &OBSERVERS))?;
+        Ok(Self { illuminant: (*light).to_owned(), observer: (*known).to_owned(), summation })
     }
 
     /// Name of the illuminant, such as `D50`.
@@ -185,12 +165,12 @@ impl Viewing {
 
     /// S(λ) (x̄, ȳ, z̄)(λ) at a whole number of nm, 380 to 780.
     pub(super) fn row(&self, nm: usize) -> [f64; 3] {
-        let light = ILLUMINANTS.into_iter().find(|light| light.as_ref() == self.illuminant);
-        let light = light.unwrap_or(CieIlluminant::D65).illuminant().as_ref()[nm];
-        let observer = OBSERVERS.into_iter().find(|(name, _)| *name == self.observer);
-        let observer = observer.map_or(Observer::Cie1931, |(_, observer)| observer);
-        // all callers stay inside the tables, so the lookup cannot fail
-        observer.xyz_at_wavelength(nm).map_or([0.0; 3], |xyz| xyz.to_array().map(|x| light * x))
+        // names are checked where a `Viewing` is made, and all callers stay inside the tables
+        let power = cie::illuminant(&self.illuminant, nm).or_else(|| cie::illuminant("D65", nm));
+        let functions = cie::matching_functions(&self.observer, nm);
+        let functions = functions.or_else(|| cie::matching_functions("2", nm)).unwrap_or_default();
+        let power = power.unwrap_or_default();
+        functions.map(|function| power * function)
     }
 }
 
@@ -246,7 +226,7 @@ mod tests {
     fn white_is_white_under_every_light() {
         use crate::appearance::tristimulus::Colorimeter;
         let grid: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * f64::from(i)).collect();
-        for name in illuminant_names() {
+        for name in cie::illuminant_names() {
             let viewing = Viewing::new(name, "10", Summation::Plain).unwrap();
             let meter = Colorimeter::under(&grid, &viewing).unwrap();
             assert_eq!(meter.colour(&[1.0; 31]).unwrap().srgb8, [255; 3], "{name}");

@@ -53,7 +53,7 @@ fn colours_that_cannot_be_are_withheld() {
 /// A spline through few wavelengths may dip below 0, which is acceptable. What is far outside is
 /// left unchanged, and refused.
 #[test]
-fn totals_keep_within_0_and_1_and_their_errors_hold_the_overshoot() {
+fn totals_keep_within_0_and_1_and_their_errors_include_the_overshoot() {
     assert_eq!(bounded(estimate(-0.04, 0.03)), estimate(0.0, 0.05));
     assert_eq!(bounded(estimate(0.3, 0.03)), estimate(0.3, 0.03));
     assert_eq!(bounded(Estimate::unknown_error(1.02)), Estimate::unknown_error(1.0));

@@ -75,7 +75,7 @@ pub fn plan(variants: &[Variant], settings: RunSettings, watch: &dyn RunWatch) -
     let (mut trials, late) = tried(&representatives(variants), &deadline)?;
     let mut calibration = in_words(&trials);
     if let Some((name, factor)) = at_full_size(&trials, &deadline)? {
-        calibration += &format!("; {name} at full size costs {factor:.2} times as much per µm³");
+        calibration += &format!("; at full size {name} takes {factor:.2} times as long per µm³");
         trials.iter_mut().for_each(|t| (t.solve, t.grid) = (t.solve * factor, t.grid * factor));
     }
     calibration += &late_in_words(&late, trials.is_empty());
@@ -176,7 +176,9 @@ fn late_in_words(late: &[&Variant], alone: bool) -> String {
         return String::new();
     }
     let (start, names) = (if alone { "" } else { "; " }, names(late.iter().copied()));
-    format!("{start}unknowns × operator applications of {names}: no trial finished in time")
+    format!(
+        "{start}the number of unknowns and the usual number of operator applications ({names}: no trial finished in time)"
+    )
 }
 
 fn in_words(trials: &[Trial]) -> String {
@@ -185,7 +187,7 @@ fn in_words(trials: &[Trial]) -> String {
     }
     let widest = trials.iter().flat_map(|t| t.study.layer.period_um).fold(0.0, f64::max);
     let names = names(trials.iter().map(|trial| trial.variant));
-    format!("{names} in cells of up to {widest} µm, scaled by volume")
+    format!("trial solves of {names} in cells of up to {widest} µm, scaled by volume")
 }
 
 /// For each requested resolution, variants evenly spread over the densities of grains.

@@ -38,7 +38,7 @@ impl Small {
     }
 }
 
-/// The truth's ink in a few cells of 1.6 µm; with so many times the truth's points and planes.
+/// The truth's ink in a few cells of 1.6 µm, on a grid `finer` times as fine as the truth's.
 fn small_study(truth: &str, cells: Cells, (seed, finer): (u64, f64)) -> String {
     let mut study: toml::Table = truth.parse().expect("a study file");
     let own = |key: &str| study["resolution"][key].as_integer().expect("points or planes") as f64;

@@ -79,12 +79,12 @@ fn in_words(straight: &[f64]) -> String {
     let least = straight.iter().copied().filter(|share| share.is_finite()).fold(f64::INFINITY, f64::min);
     if least <= STRAIGHT_ON || !least.is_finite() {
         let reason = "too little light is transmitted, or no layer with plane faces has these R and T in diffuse light";
-        return format!("K and S do not follow from this layer: {reason}");
+        return format!("No K and S: {reason}");
     }
     format!(
-        "K and S describe diffuse light, but at every wavelength {:.0} % or more of what this layer transmits at the normal, \
-         standard error included, is unscattered ({:.0} % at most is allowed): it is too thin, scatters too little or is not \
-         known well enough, and S would depend on its thickness",
+        "No K and S: at every wavelength at least {:.0} % of the light transmitted at normal incidence is unscattered, standard \
+         error included (limit {:.0} %); the layer is too thin or scatters too little for Kubelka–Munk theory, or more \
+         realisations are needed",
         100.0 * least,
         100.0 * STRAIGHT_ON
     )
