@@ -12,7 +12,7 @@ use crate::input::tree::Node;
 use crate::input::wave_kind::WaveKind;
 use crate::numerics::allowed::Whole;
 use crate::row::Varied;
-use crate::solve::{Goal, Registry, Solver, SolverChoice};
+use crate::solve::{Goal, Registry, SolverChoice};
 use crate::subject::{Packed, StudyWritten};
 use crate::wave::MOST_POINTS;
 use crate::wave::Scheme;
