@@ -5,10 +5,10 @@ use super::request::{ExportError, ExportResult, Format, Request};
 use super::run::{Exported, in_air};
 use super::{npz, stored};
 use crate::evaluate::composed::level::SolvedPortion;
-use crate::evaluate::composed::manifest::{ComposedManifest, ErrorParts};
+use crate::evaluate::composed::manifest::ComposedManifest;
 use crate::evaluate::composed::report::report;
 use crate::evaluate::composed::view::ComposedView;
-use crate::evaluate::manifest::Withheld;
+use crate::evaluate::published::{ErrorParts, Withheld};
 use crate::input::study::Study;
 use crate::report::composed::tables;
 use crate::run::watch::RunWatch;
@@ -101,7 +101,8 @@ impl ComposedStored {
         let mut spectra = Vec::new();
         for geometry in InstrumentGeometry::ALL {
             let own = report.spectra.iter().filter(|row| row.thickness_um == um);
-            let values = own.map(|row| Some(geometry.of(row.lit_at_45, row.natural_light)?.estimate()));
+            let values =
+                own.map(|row| Some(geometry.of(row.layer.lit_at_45, row.layer.natural_light)?.estimate()));
             let values: Option<Vec<_>> = values.collect();
             let withheld = || {
                 let reasons: Vec<_> = report.withheld.iter().map(Withheld::in_words).collect();

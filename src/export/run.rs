@@ -276,7 +276,7 @@ impl Exporter<'_> {
         let index_out = self.study().layer.index_out;
         let bdfs = tables::distributions(&self.stored.seen.bdfs, amplitude_error, index_out)?;
         out.add("results.json", serde_json::to_vec_pretty(&manifest)?, "all numbers with their errors");
-        out.add("spectra.csv", tables::spectra(&manifest.spectra)?, "spectra of the layer and of the print");
+        out.add("spectra.csv", tables::rows(&manifest.spectra)?, "spectra of the layer and of the print");
         out.add("bdf.csv", bdfs, "distributions of the layer alone, order by order");
         out.describe(self.study(), &self.request.created)
     }

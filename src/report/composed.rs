@@ -2,7 +2,7 @@
 
 mod tables;
 
-pub use tables::{coefficients, tables};
+pub use tables::tables;
 
 use super::columns::FolderTables;
 use super::page::{Figure, on_study, png_data};
@@ -11,17 +11,19 @@ use super::sheet;
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::evaluate::composed::level::SolvedPortion;
-use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, ComposedRow, ErrorParts};
+use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, ComposedRow};
 use crate::evaluate::composed::report::report;
 use crate::evaluate::composed::view::ComposedView;
 use crate::evaluate::ink::InkError;
 use crate::evaluate::manifest::Status;
+use crate::evaluate::published::{ErrorParts, PublishedRow};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::run::crew::processor_seconds;
 use crate::store::folder::OutputFolder;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
+use serde::Serialize;
 
 /// Writes `results.json`, tables and page; returns what is published.
 ///
@@ -101,8 +103,8 @@ pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
 }
 
 fn spectral_line(row: &ComposedRow) -> String {
-    let [r, t] = [row.reflectance_normal, row.transmittance_normal].map(|j| words_of(j, 4));
-    let [dr, dt] = [row.reflectance_diffuse, row.transmittance_diffuse].map(|j| words_of(j, 4));
+    let [r, t] = [row.layer.reflectance_normal, row.layer.transmittance_normal].map(|j| words_of(j, 4));
+    let [dr, dt] = [row.layer.reflectance_diffuse, row.layer.transmittance_diffuse].map(|j| words_of(j, 4));
     let (um, nm) = (row.thickness_um, row.wavelength_nm);
     format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {dr}, T {dt}")
 }
@@ -159,8 +161,8 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
     };
     let mut curves = Vec::new();
     for nm in sheet::shown_nm(&manifest.study.wavelengths_nm) {
-        curves.push(curve(nm, "R", |row| row.reflectance_diffuse));
-        curves.push(curve(nm, "T", |row| row.transmittance_diffuse));
+        curves.push(curve(nm, "R", |row| row.layer.reflectance_diffuse));
+        curves.push(curve(nm, "T", |row| row.layer.transmittance_diffuse));
     }
     against_thickness("share of the light", curves)
 }
@@ -208,7 +210,7 @@ fn spectra_chart(manifest: &ComposedManifest) -> Chart {
     let mut curves = Vec::new();
     for um in &manifest.composed.thicknesses_um {
         let rows = manifest.spectra.iter().filter(|row| row.thickness_um == *um);
-        let points = rows.filter_map(|row| Some((row.wavelength_nm, row.natural_light?.estimate())));
+        let points = rows.filter_map(|row| Some((row.wavelength_nm, row.layer.natural_light?.estimate())));
         curves.push(Curve::measured(format!("{um} µm"), points));
     }
     let chart = Chart::linear("", "wavelength, nm", "share of a perfect white", curves);
@@ -216,22 +218,50 @@ fn spectra_chart(manifest: &ComposedManifest) -> Chart {
 }
 
 /// Coefficients of the medium at a few wavelengths.
-fn shown_medium(manifest: &ComposedManifest) -> Vec<(String, ErrorParts)> {
+fn shown_medium(manifest: &ComposedManifest) -> Vec<(String, Estimate)> {
     let shown = sheet::shown_nm(&manifest.study.wavelengths_nm);
     let mut rows = Vec::new();
     for row in manifest.medium.iter().filter(|row| shown.contains(&row.wavelength_nm)) {
-        for (name, judged) in coefficients(row).into_iter().filter_map(|(name, it)| Some((name, it?))) {
-            let name = name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ");
-            rows.push((format!("{name}, {:.0} nm", row.wavelength_nm), judged));
+        for number in row.numbers() {
+            let Some(estimate) = number.estimate else { continue };
+            let name = heading(number.name);
+            rows.push((format!("{name}, {:.0} nm", row.wavelength_nm), estimate));
         }
     }
     rows
 }
 
-/// Largest parts of the bars of R and T: chance, model, grid and directions.
-fn largest_parts(manifest: &ComposedManifest) -> [f64; 4] {
-    let all: Vec<_> =
-        manifest.spectra.iter().flat_map(|row| row.numbers().into_iter().take(6)).flatten().collect();
-    let parts: [fn(&ErrorParts) -> f64; 4] = [|j| j.chance, |j| j.model, |j| j.grid, |j| j.directions];
-    parts.map(|of| all.iter().map(of).fold(0.0, f64::max))
+/// A number's name with its unit, for readers.
+pub fn heading(name: &str) -> String {
+    name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ")
+}
+
+/// Largest parts of the bars of R and T.
+#[derive(Default, Serialize)]
+struct LargestParts {
+    chance: f64,
+    model: f64,
+    grid: f64,
+    directions: f64,
+}
+
+fn largest_parts(manifest: &ComposedManifest) -> LargestParts {
+    let mut largest = LargestParts::default();
+    for ComposedRow { layer, .. } in &manifest.spectra {
+        let totals = [
+            layer.reflectance_normal,
+            layer.transmittance_normal,
+            layer.reflectance_45,
+            layer.transmittance_45,
+            layer.reflectance_diffuse,
+            layer.transmittance_diffuse,
+        ];
+        for parts in totals.into_iter().flatten() {
+            largest.chance = largest.chance.max(parts.chance);
+            largest.model = largest.model.max(parts.model);
+            largest.grid = largest.grid.max(parts.grid);
+            largest.directions = largest.directions.max(parts.directions);
+        }
+    }
+    largest
 }

@@ -10,7 +10,8 @@ use crate::draw::OutputError;
 use crate::draw::figure::Bitmap;
 use crate::draw::picture::{PictureStyle, render};
 use crate::evaluate::ink::InkError;
-use crate::evaluate::manifest::{Manifest, Status, Withheld};
+use crate::evaluate::manifest::{Manifest, Status};
+use crate::evaluate::published::Withheld;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
@@ -117,7 +118,7 @@ pub(crate) fn publish_seen(
         folder.write("picture-with-axes.png", &pictures.labelled)?;
     }
     let mut written = FolderTables::new(folder);
-    let spectra = tables::spectra(&manifest.spectra)?;
+    let spectra = tables::rows(&manifest.spectra)?;
     written.write("spectra.csv", &spectra, "spectra of the layer alone, and on its paper", &[])?;
     let amplitude_error = manifest.certainty.amplitude_error_estimate;
     let bdf = tables::distributions(&seen.bdfs, amplitude_error, study.layer.index_out)?;

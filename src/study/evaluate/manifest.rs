@@ -1,6 +1,7 @@
 //! `results.json`: the numbers and their provenance.
 
 use super::ink_maker::InkMaker;
+use super::published::{NamedNumber, PublishedRow, Quantity, Withheld};
 use super::survivors::Survivors;
 pub use super::uncertainty::Budget;
 use super::uncertainty::nothing;
@@ -132,22 +133,6 @@ impl SpectrumRow {
     }
 }
 
-/// A number that was withheld.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Withheld {
-    /// Which number.
-    pub number: String,
-    /// The reason.
-    pub reason: String,
-}
-
-impl Withheld {
-    /// The number and the reason in one line.
-    pub fn in_words(&self) -> String {
-        format!("{}: {}", self.number, self.reason)
-    }
-}
-
 /// Numbers of requested and finished items.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub struct Count {
@@ -267,4 +252,57 @@ pub struct SpectrumRow {
     /// Number of each realisation and its contribution to R and T.
     #[serde(skip)]
     pub deviations: Vec<(usize, [f64; 2])>,
+}
+
+/// A number of a spectrum.
+struct SpectrumColumn {
+    name: &'static str,
+    quantity: Quantity,
+    estimate: fn(&SpectrumRow) -> Option<Estimate>,
+}
+
+const fn share(name: &'static str, estimate: fn(&SpectrumRow) -> Option<Estimate>) -> SpectrumColumn {
+    SpectrumColumn { name, quantity: Quantity::Share, estimate }
+}
+
+const fn factor(name: &'static str, estimate: fn(&SpectrumRow) -> Option<Estimate>) -> SpectrumColumn {
+    SpectrumColumn { name, quantity: Quantity::Factor, estimate }
+}
+
+/// The numbers of a spectrum in the order of `spectra.csv`.
+const SPECTRUM: [SpectrumColumn; 8] = [
+    share("reflectance", |row| Some(row.reflectance)),
+    share("specular_reflectance", |row| Some(row.specular_reflectance)),
+    share("transmittance", |row| Some(row.transmittance)),
+    share("specular_transmittance", |row| Some(row.specular_transmittance)),
+    share("absorptance", |row| Some(row.absorptance)),
+    factor("natural_light", |row| row.natural_light),
+    factor("lit_at_45", |row| row.lit_at_45),
+    share("coherent_transmittance", |row| row.coherent_transmittance),
+];
+
+impl PublishedRow for SpectrumRow {
+    const PLACE: &'static [&'static str] = &["wavelength_nm", "polar_deg"];
+
+    fn names() -> Vec<&'static str> {
+        SPECTRUM.iter().map(|column| column.name).collect()
+    }
+
+    fn place(&self) -> Vec<f64> {
+        vec![self.wavelength_nm, self.polar_deg]
+    }
+
+    fn wavelength_nm(&self) -> f64 {
+        self.wavelength_nm
+    }
+
+    fn numbers(&self) -> Vec<NamedNumber> {
+        let number = |column: &SpectrumColumn| NamedNumber {
+            name: column.name,
+            in_words: column.name,
+            quantity: column.quantity,
+            estimate: (column.estimate)(self),
+        };
+        SPECTRUM.iter().map(number).collect()
+    }
 }

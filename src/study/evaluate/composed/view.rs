@@ -42,16 +42,15 @@ impl ComposedView {
     /// # Errors
     /// A portion without complete realisations, paper without an albedo.
     pub fn new(study: &Study, solved: &[SolvedPortion], thickness_um: f64) -> Result<Self, String> {
-        let question = LayerTask::new(study)?;
+        let task = LayerTask::new(study)?;
         let level = Level::new(solved, false).ok_or("not every slab has a complete realisation yet")?;
         let slabs = level.slabs(Change::default());
-        let of = |(slabs, albedo): (&Slabs, &f64)| {
-            seen(slabs, question.slab_count(thickness_um), study.wave, *albedo)
-        };
+        let of =
+            |(slabs, albedo): (&Slabs, &f64)| seen(slabs, task.slab_count(thickness_um), study.wave, *albedo);
         Ok(Self {
             wavelengths_nm: study.wavelengths_nm.clone(),
             media: slabs.iter().map(|slabs| slabs.media[0].clone()).collect(),
-            numbers: slabs.iter().zip(&question.albedos).map(of).collect(),
+            numbers: slabs.iter().zip(&task.albedos).map(of).collect(),
         })
     }
 
