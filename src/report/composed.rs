@@ -4,9 +4,8 @@ mod tables;
 
 pub use tables::tables;
 
-use super::columns::FolderTables;
 use super::page::{Figure, on_study, png_data};
-use super::publish::{Pictures, PublishError, PublishResult, picture_angles};
+use super::publish::{NamedPictures, Pictures, Publication, PublishError, PublishResult, picture_angles};
 use super::sheet;
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
@@ -15,7 +14,6 @@ use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, Com
 use crate::evaluate::composed::report::report;
 use crate::evaluate::composed::view::ComposedView;
 use crate::evaluate::ink::InkError;
-use crate::evaluate::manifest::Status;
 use crate::evaluate::published::{ErrorParts, PublishedRow};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
@@ -37,36 +35,33 @@ pub fn publish<'a>(
     let manifest = report(study, solved).map_err(PublishError::Slabs)?;
     let manifest = ComposedManifest { process_seconds: processor_seconds(), ..manifest };
     let pictures = pictures(&manifest, solved)?;
-    let page = page(&manifest, pictures.first())?;
-    folder.begin()?;
-    for (k, (um, picture)) in pictures.iter().enumerate() {
-        let of = if k == 0 { String::new() } else { format!("-{um}um") };
-        folder.write(&format!("picture{of}.png"), &picture.plain)?;
-        folder.write(&format!("picture{of}-with-axes.png"), &picture.labelled)?;
+    let page = page(&manifest, pictures.first().map(|first| &first.pictures))?;
+    Publication {
+        study,
+        status: manifest.origin.status,
+        tables: tables(&manifest)?.into(),
+        results: serde_json::to_vec_pretty(&manifest)?,
+        page: on_study(include_str!("composed.html"), page)?,
+        pictures,
     }
-    let mut written = FolderTables::new(folder);
-    for (name, table, about) in tables(&manifest)? {
-        written.write(name, &table, about, &[])?;
-    }
-    written.describe(&study.title)?;
-    folder.write("results.json", &serde_json::to_vec_pretty(&manifest)?)?;
-    folder.write("report.html", on_study(include_str!("composed.html"), page)?.as_bytes())?;
-    if manifest.status == Status::Complete {
-        folder.complete()?;
-    }
+    .write(folder)?;
     Ok(manifest)
 }
 
-/// The picture of each thickness asked for, µm; none without a colour.
-fn pictures(manifest: &ComposedManifest, solved: &[SolvedPortion]) -> PublishResult<Vec<(f64, Pictures)>> {
-    let (study, angles) = (manifest.study, picture_angles(manifest.study));
-    let mut pictures = Vec::new();
-    for &ComposedColours { thickness_um: um, .. } in &manifest.colours {
+/// The pictures of each thickness requested, the first without its thickness in the name; none
+/// without a colour.
+fn pictures(manifest: &ComposedManifest, solved: &[SolvedPortion]) -> PublishResult<Vec<NamedPictures>> {
+    let study = manifest.study;
+    let angles = picture_angles(study);
+    let mut all = Vec::new();
+    for (k, colours) in manifest.colours.iter().enumerate() {
+        let um = colours.thickness_um;
         let view = ComposedView::new(study, solved, um).map_err(PublishError::Slabs)?;
         let picture = view.picture(&angles, study.output.mirrored_sky).map_err(InkError::from)?;
-        pictures.push((um, Pictures::new(&picture, study)?));
+        let name = if k == 0 { "picture".to_owned() } else { format!("picture-{um}um") };
+        all.push(NamedPictures::new(name, Pictures::new(&picture, study)?));
     }
-    Ok(pictures)
+    Ok(all)
 }
 
 /// Smaller errors are rounding, and are not shown.
@@ -109,10 +104,10 @@ fn spectral_line(row: &ComposedRow) -> String {
     format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {dr}, T {dt}")
 }
 
-fn page(manifest: &ComposedManifest, picture: Option<&(f64, Pictures)>) -> DrawResult<Value> {
+fn page(manifest: &ComposedManifest, pictures: Option<&Pictures>) -> DrawResult<Value> {
     let study = manifest.study;
     Ok(context! {
-        picture => picture.map(|(_, png)| png_data(&png.labelled)),
+        picture => pictures.map(|pictures| png_data(&pictures.labelled)),
         figures => Serde(figures(manifest)?),
         ink_maker => true,
         shown_medium => Serde(shown_medium(manifest)),

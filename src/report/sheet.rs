@@ -165,7 +165,7 @@ pub(crate) fn provenance(manifest: &Manifest<&Study>) -> Value {
         wave => manifest.study.wave.in_words(),
         grid => format!("{}, {grid}{}", words(manifest.resolution), longest.unwrap_or_default()),
         solver => manifest.study.solver.build().name(),
-        mixed => (manifest.builds.len() > 1).then_some("different builds: "),
+        mixed => (manifest.origin.builds.len() > 1).then_some("different builds: "),
     }
 }
 

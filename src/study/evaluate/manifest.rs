@@ -6,8 +6,11 @@ use super::survivors::Survivors;
 pub use super::uncertainty::Budget;
 use super::uncertainty::nothing;
 use crate::appearance::colour::Colour;
+use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
+use crate::store::identity::METHOD_VERSION;
 use crate::store::packing_record::PackingRecord;
+use crate::store::record::PointRecord;
 use crate::wave::Resolution;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -27,11 +30,9 @@ pub enum Status {
     Partial,
 }
 
-/// All results of a run. Standard errors include randomness, cell, angles and wavelengths (by the
-/// jackknife over realisations), the error of the grid and that of the residual, added in
-/// quadrature; `null` if a single realisation leaves them unknown.
+/// Where the numbers of a study come from, whichever evaluator made them.
 #[derive(Clone, Debug, Serialize)]
-pub struct Manifest<Study: Serialize> {
+pub struct Origin {
     /// Whether the results are complete.
     pub status: Status,
     /// The study's title.
@@ -46,6 +47,36 @@ pub struct Manifest<Study: Serialize> {
     pub method_version: u32,
     /// Seed of the study.
     pub seed: u64,
+}
+
+impl Origin {
+    /// Of the numbers of a study that has these records.
+    pub fn new<'a>(study: &Study, records: impl IntoIterator<Item = &'a PointRecord>, solves: Count) -> Self {
+        Self {
+            status: if solves.finished >= solves.asked { Status::Complete } else { Status::Partial },
+            title: study.title.clone(),
+            study_hash: study.key().to_string(),
+            program: program(),
+            builds: records.into_iter().map(|record| record.build.clone()).collect(),
+            method_version: METHOD_VERSION,
+            seed: study.packing.seed,
+        }
+    }
+}
+
+/// The program and its version.
+pub fn program() -> String {
+    concat!("inkwave ", env!("CARGO_PKG_VERSION")).to_owned()
+}
+
+/// All results of a run. Standard errors include randomness, cell, angles and wavelengths (by the
+/// jackknife over realisations), the error of the grid and that of the residual, added in
+/// quadrature; `null` if a single realisation leaves them unknown.
+#[derive(Clone, Debug, Serialize)]
+pub struct Manifest<S: Serialize> {
+    /// Where the numbers come from.
+    #[serde(flatten)]
+    pub origin: Origin,
     /// Requested and finished realisations.
     pub realisations: Count,
     /// Requested and finished solves.
@@ -87,14 +118,14 @@ pub struct Manifest<Study: Serialize> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub process_seconds: Option<f64>,
     /// The study with all defaults filled in.
-    pub study: Study,
+    pub study: S,
 }
 
 /// Totals outside 0–1 by more than this are invalid; every single solve has passed a stricter
 /// check.
 const BEYOND: f64 = 0.03;
 
-impl<Study: Serialize> Manifest<Study> {
+impl<S: Serialize> Manifest<S> {
     /// The first invalid number: NaN, infinite, or a total outside 0–1 by more than its error.
     pub fn unphysical(&self) -> Option<String> {
         let c = &self.certainty;

@@ -1,11 +1,10 @@
 //! The numbers of a composed layer as they are published.
 
 use super::quantities::{Lab, LayerNumbers, MediumNumbers};
-use crate::evaluate::manifest::{Count, Status};
+use crate::evaluate::manifest::{Count, Origin};
 use crate::evaluate::published::{ErrorParts, NamedNumber, PublishedRow, Withheld};
 use crate::input::study::{Composed, Study};
 use serde::Serialize;
-use std::collections::BTreeSet;
 
 /// A layer at one wavelength. `null` is a number that cannot be ([`ComposedManifest::withheld`] says
 /// why).
@@ -123,20 +122,9 @@ pub struct DepthRow {
 /// All numbers of a composed layer: the file `results.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct ComposedManifest<'a> {
-    /// Whether every solve is there.
-    pub status: Status,
-    /// Title, for people.
-    pub title: String,
-    /// Content hash of the study.
-    pub study_hash: String,
-    /// Program and version.
-    pub program: String,
-    /// Builds that made the records.
-    pub builds: BTreeSet<String>,
-    /// Version of the method.
-    pub method_version: u32,
-    /// Seed of the packings.
-    pub seed: u64,
+    /// Where the numbers come from.
+    #[serde(flatten)]
+    pub origin: Origin,
     /// How it was composed.
     pub composed: &'a Composed,
     /// Solves asked for and finished.

@@ -10,12 +10,10 @@ use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
-use crate::evaluate::manifest::{Count, Status};
+use crate::evaluate::manifest::{Count, Origin};
 use crate::evaluate::published::{ErrorParts, Quantity, Withheld};
-use crate::evaluate::summary::program;
 use crate::evaluate::wavelengths::nearest;
 use crate::input::study::{Composed, Study};
-use crate::store::identity::METHOD_VERSION;
 
 /// Slabs of the curve against thickness, up to a layer that practically no light passes.
 const CURVE: [usize; 16] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 1024, 4096];
@@ -66,13 +64,7 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     let finished = solved.iter().map(|(_, collected)| collected.finished()).sum();
     let solves = Count { asked: study.solves(), finished };
     Ok(ComposedManifest {
-        status: if finished == solves.asked { Status::Complete } else { Status::Partial },
-        title: study.title.clone(),
-        study_hash: study.key().to_string(),
-        program: program(),
-        builds: records().map(|record| record.build.clone()).collect(),
-        method_version: METHOD_VERSION,
-        seed: study.packing.seed,
+        origin: Origin::new(study, records(), solves),
         composed,
         solves,
         failures: solved.iter().flat_map(failures).collect(),
