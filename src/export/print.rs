@@ -136,7 +136,8 @@ impl Print {
 
 impl PrintSpectrum {
     fn page_lab_if_other(&self) -> Option<String> {
-        let (own, page) = (self.colour.as_ref()?.lab, self.page_lab?);
+        let own = self.colour.as_ref()?.lab;
+        let page = self.page_lab?;
         let other = (0..3).any(|i| (own[i] - page[i]).abs() > ROUNDING);
         let [l, a, b] = page;
         other.then(|| format!("L* {l:.2} a* {a:.2} b* {b:.2} ({})", self.geometry.name()))
@@ -202,7 +203,8 @@ pub fn resample(wavelengths_nm: &[f64], values: &[Estimate], grid: &[u32]) -> Ve
 
 fn error_between(wavelengths_nm: &[f64], values: &[Estimate], nm: f64) -> Option<f64> {
     let after = wavelengths_nm.partition_point(|&x| x < nm).clamp(1, wavelengths_nm.len() - 1);
-    let (lo, hi) = (wavelengths_nm[after - 1], wavelengths_nm[after]);
+    let lo = wavelengths_nm[after - 1];
+    let hi = wavelengths_nm[after];
     let t = ((nm - lo) / (hi - lo)).clamp(0.0, 1.0);
     Some((1.0 - t) * values[after - 1].standard_error? + t * values[after].standard_error?)
 }

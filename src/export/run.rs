@@ -40,7 +40,8 @@ pub fn export(
 ) -> ExportResult<Exported> {
     let exporter = Exporter { finished, thickness_um: thickness(finished, request)?, request, watch };
     let near_field = request.near_field.map(|light| exporter.near_field_fits(light)).transpose()?;
-    let (mut formats, mut out) = (request.formats.clone(), Exported::default());
+    let mut formats = request.formats.clone();
+    let mut out = Exported::default();
     formats.extend(near_field.map(|()| Format::Vti));
     for format in formats {
         match format {
@@ -101,7 +102,8 @@ impl Exported {
             }
             Err(reason) => self.remarks.push(format!("no ink-rgb.bsdf: {reason}")),
         }
-        let (mirrored, chosen) = (samples::specular(print)?, samples::brdf(print)?);
+        let mirrored = samples::specular(print)?;
+        let chosen = samples::brdf(print)?;
         self.add("specular.csv", mirrored, "mirror part, left out of the material, and albedo");
         self.add("brdf-samples.csv", chosen, "BRDF of the ink on its paper at chosen directions");
         Ok(())
@@ -122,11 +124,12 @@ impl Exported {
     /// The study, and all files described together.
     fn describe(&mut self, study: &Study, created: &str) -> ExportResult {
         self.add(STUDY, serde_json::to_vec_pretty(study)?, "the study with every default filled in");
-        let (title, study_hash) = (study.title.clone(), study.key().to_string());
+        let title = study.title.clone();
+        let study_hash = study.key().to_string();
         let run = Run { title, study_hash, created: created.to_owned() };
-        let [crate_, package] =
-            [provenance::ro_crate(&run, &self.files), provenance::data_package(&run, &self.files)];
-        self.add("ro-crate-metadata.json", serde_json::to_vec_pretty(&crate_)?, "RO-Crate");
+        let research_crate = provenance::ro_crate(&run, &self.files);
+        let package = provenance::data_package(&run, &self.files);
+        self.add("ro-crate-metadata.json", serde_json::to_vec_pretty(&research_crate)?, "RO-Crate");
         self.add("datapackage.json", serde_json::to_vec_pretty(&package)?, "Data Package");
         Ok(())
     }

@@ -79,7 +79,7 @@ fn words_of(judged: Option<ErrorParts>, decimals: usize) -> String {
 
 fn lab(judged: Option<[ErrorParts; 3]>) -> String {
     let Some(judged) = judged else { return "no colour".to_owned() };
-    let [l, a, b] = [0, 1, 2].map(|i| words(&judged[i], 2));
+    let [l, a, b] = judged.map(|part| words(&part, 2));
     format!("L* {l}, a* {a}, b* {b}")
 }
 
@@ -87,7 +87,9 @@ fn lab(judged: Option<[ErrorParts; 3]>) -> String {
 pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
     let mut lines = Vec::new();
     for c in &manifest.colours {
-        let (um, seen, ratio) = (c.thickness_um, lab(c.natural_light), words_of(c.contrast_ratio, 3));
+        let um = c.thickness_um;
+        let seen = lab(c.natural_light);
+        let ratio = words_of(c.contrast_ratio, 3);
         lines.push(format!("{um} µm: {seen} under natural light, contrast ratio {ratio}"));
     }
     if lines.is_empty() {
@@ -98,10 +100,13 @@ pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
 }
 
 fn spectral_line(row: &ComposedRow) -> String {
-    let [r, t] = [row.layer.reflectance_normal, row.layer.transmittance_normal].map(|j| words_of(j, 4));
-    let [dr, dt] = [row.layer.reflectance_diffuse, row.layer.transmittance_diffuse].map(|j| words_of(j, 4));
-    let (um, nm) = (row.thickness_um, row.wavelength_nm);
-    format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {dr}, T {dt}")
+    let um = row.thickness_um;
+    let nm = row.wavelength_nm;
+    let r = words_of(row.layer.reflectance_normal, 4);
+    let t = words_of(row.layer.transmittance_normal, 4);
+    let diffuse_r = words_of(row.layer.reflectance_diffuse, 4);
+    let diffuse_t = words_of(row.layer.transmittance_diffuse, 4);
+    format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {diffuse_r}, T {diffuse_t}")
 }
 
 fn page(manifest: &ComposedManifest, pictures: Option<&Pictures>) -> DrawResult<Value> {

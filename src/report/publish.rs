@@ -124,7 +124,8 @@ pub(crate) fn publish_seen(
     .write(folder)?;
     let colour = colour_in_words(manifest);
     let withheld = manifest.withheld.iter().map(Withheld::in_words).collect();
-    let (no_colour, widest) = (manifest.no_colour.clone(), missed_target(manifest));
+    let no_colour = manifest.no_colour.clone();
+    let widest = missed_target(manifest);
     Ok(Published { status: manifest.origin.status, colour, no_colour, widest, withheld })
 }
 
@@ -219,6 +220,7 @@ fn pictures(study: &Study, seen: &Seen) -> PublishResult<Option<Pictures>> {
 
 fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> PublishResult<Vec<u8>> {
     let bitmap: Bitmap = render(picture, style)?;
-    let (key, program) = (study.key().to_string(), crate::evaluate::summary::program());
+    let key = study.key().to_string();
+    let program = crate::evaluate::summary::program();
     Ok(bitmap.png(&[("Title", study.title.as_str()), ("Software", &program), ("Study", &key)])?)
 }

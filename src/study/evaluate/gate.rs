@@ -51,7 +51,8 @@ pub fn impossible(quantity: Quantity, number: Estimate) -> Option<String> {
 
 /// Removes impossible colours and gives the reasons.
 pub(super) fn colours(notes: Vec<ColourNote>) -> (Vec<ColourNote>, Vec<Withheld>) {
-    let (mut kept, mut withheld) = (Vec::new(), Vec::new());
+    let mut kept = Vec::new();
+    let mut withheld = Vec::new();
     for note in notes {
         match impossible_colour(&note.colour, note.lab_standard_error) {
             None => kept.push(note),
@@ -217,7 +218,8 @@ pub(super) fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Opt
         return Some(format!("Lab ({lab}) is not a number"));
     }
     if let Some(c) = (0..3).find(|c: &usize| colour.xyz[*c] < -SLACK * colour.white_xyz[*c]) {
-        let (name, value) = (["X", "Y", "Z"][c], shown(colour.xyz[c]));
+        let name = ["X", "Y", "Z"][c];
+        let value = shown(colour.xyz[c]);
         return Some(format!("Lab ({lab}) has {name} = {value}, below 0"));
     }
     let lightness_error = error.map_or(100.0 * UNKNOWN, |e| e[0]);

@@ -32,7 +32,7 @@ pub enum Status {
 
 /// Where the numbers of a study come from, whichever evaluator made them.
 #[derive(Clone, Debug, Serialize)]
-pub struct Origin {
+pub struct Provenance {
     /// Whether the results are complete.
     pub status: Status,
     /// The study's title.
@@ -49,7 +49,7 @@ pub struct Origin {
     pub seed: u64,
 }
 
-impl Origin {
+impl Provenance {
     /// Of the numbers of a study that has these records.
     pub fn new<'a>(study: &Study, records: impl IntoIterator<Item = &'a PointRecord>, solves: Count) -> Self {
         Self {
@@ -76,7 +76,7 @@ pub fn program() -> String {
 pub struct Manifest<S: Serialize> {
     /// Where the numbers come from.
     #[serde(flatten)]
-    pub origin: Origin,
+    pub origin: Provenance,
     /// Requested and finished realisations.
     pub realisations: Count,
     /// Requested and finished solves.

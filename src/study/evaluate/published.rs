@@ -111,14 +111,11 @@ macro_rules! named_numbers {
     (@words $field:ident) => { stringify!($field) };
     (@words $field:ident $words:literal) => { $words };
     (
-        $(#[$about:meta])*
-        pub struct $name:ident {
+        $(#[$about:meta])* pub struct $name:ident {
             $( $(#[$doc:meta])* $field:ident: $quantity:ident $($words:literal)?, )*
         }
     ) => {
-        $(#[$about])*
-        #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-        pub struct $name<T> {
+        $(#[$about])* #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)] pub struct $name<T> {
             $( $(#[$doc])* pub $field: T, )*
         }
 

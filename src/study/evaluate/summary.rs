@@ -4,7 +4,7 @@ use super::gate;
 use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::ink_maker;
 use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
-use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, Origin, SpectrumRow};
+use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, Provenance, SpectrumRow};
 pub use super::manifest::{LIT_AT_45, NATURAL_LIGHT, program};
 use super::published::Withheld;
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
@@ -27,7 +27,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
     let solves = Count { asked: study.solves() - collected.spared(study), finished: collected.finished() };
     let grid = seen.grid.largest(&study.wavelengths_nm);
-    let certainty = certainty(collected, &records().collect::<Vec<_>>(), (seen, grid));
+    let certainty = certainty(collected, &records().collect::<Vec<_>>(), seen, grid);
     let survivors = Survivors::new(study, collected);
     let uncertainty = Uncertainty {
         grid: seen.grid.clone(),
@@ -36,7 +36,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
     };
     let mut manifest = Manifest {
-        origin: Origin::new(study, records(), solves),
+        origin: Provenance::new(study, records(), solves),
         realisations: Count { asked: study.realisations, finished: collected.complete().count() },
         solves,
         failures: failures(collected),
@@ -128,7 +128,7 @@ fn failures(collected: &Collected) -> Vec<FailureNote> {
     notes.collect()
 }
 
-fn certainty(collected: &Collected, records: &[&PointRecord], (seen, grid): (&Seen, GridError)) -> Certainty {
+fn certainty(collected: &Collected, records: &[&PointRecord], seen: &Seen, grid: GridError) -> Certainty {
     let count = records.len().max(1) as f64;
     let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
     let steps: usize = records.iter().map(|r| r.account.steps).sum();

@@ -9,24 +9,24 @@ use crate::evaluate::published::{ErrorParts, PublishedRow, Quantity, Withheld};
 use crate::numerics::estimate::Estimate;
 
 /// R and T of one kind of light, which add up to 1 at most.
-struct Totals {
+struct LightTotals {
     names: &'static str,
     reflectance: fn(&mut ComposedRow) -> &mut Option<ErrorParts>,
     transmittance: fn(&mut ComposedRow) -> &mut Option<ErrorParts>,
 }
 
-const TOTALS: [Totals; 3] = [
-    Totals {
+const TOTALS: [LightTotals; 3] = [
+    LightTotals {
         names: "reflectance_normal and transmittance_normal",
         reflectance: |row| &mut row.layer.reflectance_normal,
         transmittance: |row| &mut row.layer.transmittance_normal,
     },
-    Totals {
+    LightTotals {
         names: "reflectance_45 and transmittance_45",
         reflectance: |row| &mut row.layer.reflectance_45,
         transmittance: |row| &mut row.layer.transmittance_45,
     },
-    Totals {
+    LightTotals {
         names: "reflectance_diffuse and transmittance_diffuse",
         reflectance: |row| &mut row.layer.reflectance_diffuse,
         transmittance: |row| &mut row.layer.transmittance_diffuse,
@@ -43,7 +43,7 @@ pub fn rows(rows: &mut [ComposedRow]) -> Vec<Withheld> {
         let title = format!("{} of {um} µm", number.in_words);
         withheld.extend(withhold(rows, title, reason, |row| row.layer.withhold(number.name)));
     }
-    for Totals { names, reflectance, transmittance } in TOTALS {
+    for LightTotals { names, reflectance, transmittance } in TOTALS {
         let reason = |row: &mut ComposedRow| {
             let r = (*reflectance(row))?;
             let t = (*transmittance(row))?;
@@ -61,7 +61,7 @@ pub fn rows(rows: &mut [ComposedRow]) -> Vec<Withheld> {
 }
 
 /// A spectrum of a layer; `None` where it is withheld.
-type Spectrum = fn(&ComposedRow) -> Option<ErrorParts>;
+type LayerSpectrum = fn(&ComposedRow) -> Option<ErrorParts>;
 
 /// A colour that can be, with the bars of its L*, a*, b*.
 struct JudgedColour {
@@ -123,7 +123,7 @@ impl LayerInColour<'_> {
 
     /// The colour of a spectrum, whose Lab has these bars but for what the wavelengths leave open;
     /// the reason if it cannot be.
-    fn judged(&self, spectrum: Spectrum, lab: Lab<ErrorParts>) -> Result<JudgedColour, String> {
+    fn judged(&self, spectrum: LayerSpectrum, lab: Lab<ErrorParts>) -> Result<JudgedColour, String> {
         let values = self.values(spectrum);
         let colour = self.eye.colour(&values).map_err(|error| error.to_string())?;
         let mut shifts = self.eye.spacing(&values, colour.xyz, None);
@@ -143,8 +143,8 @@ impl LayerInColour<'_> {
 
     /// The contrast ratio with what the wavelengths leave open; the reason if it cannot be.
     fn contrast_ratio(&self, ratio: ErrorParts) -> Result<ErrorParts, String> {
-        let over_black: Spectrum = |row| row.layer.over_black;
-        let over_white: Spectrum = |row| row.layer.over_white;
+        let over_black: LayerSpectrum = |row| row.layer.over_black;
+        let over_white: LayerSpectrum = |row| row.layer.over_white;
         let black = self.values(over_black);
         let white = self.values(over_white);
         let error = |values: &[f64]| {
@@ -160,12 +160,12 @@ impl LayerInColour<'_> {
     }
 
     /// The values of a spectrum before the gate.
-    fn values(&self, spectrum: Spectrum) -> Vec<f64> {
+    fn values(&self, spectrum: LayerSpectrum) -> Vec<f64> {
         self.all.iter().map(|row| spectrum(row).map_or(f64::NAN, |number| number.value)).collect()
     }
 
     /// Whether the gate has left out a number of a spectrum.
-    fn lacks(&self, spectrum: Spectrum) -> bool {
+    fn lacks(&self, spectrum: LayerSpectrum) -> bool {
         self.kept.iter().any(|row| spectrum(row).is_none())
     }
 }

@@ -1,7 +1,7 @@
 //! The numbers of a composed layer as they are published.
 
 use super::quantities::{Lab, LayerNumbers, MediumNumbers};
-use crate::evaluate::manifest::{Count, Origin};
+use crate::evaluate::manifest::{Count, Provenance};
 use crate::evaluate::published::{ErrorParts, NamedNumber, PublishedRow, Withheld};
 use crate::input::study::{Composed, Study};
 use serde::Serialize;
@@ -124,7 +124,7 @@ pub struct DepthRow {
 pub struct ComposedManifest<'a> {
     /// Where the numbers come from.
     #[serde(flatten)]
-    pub origin: Origin,
+    pub origin: Provenance,
     /// How it was composed.
     pub composed: &'a Composed,
     /// Solves asked for and finished.

@@ -95,7 +95,8 @@ impl<'a> LayerTask<'a> {
             let contrast_ratio = layer.colours.map_or(f64::NAN, |colours| colours.contrast_ratio);
             (1.0 - contrast_ratio).max(f64::MIN_POSITIVE).ln()
         };
-        let (at_from, at_to) = (exponent(&below), exponent(&above));
+        let at_from = exponent(&below);
+        let at_to = exponent(&above);
         let thickness_um = from_um + (to_um - from_um) * ((1.0 - HIDING).ln() - at_from) / (at_to - at_from);
         HidingNumbers { below, above, thickness_um }
     }
@@ -195,7 +196,8 @@ pub fn lights(medium: &Hemisphere, wave: Wave) -> [Mat<f64>; 3] {
     let shares = polarised(medium, wave);
     let mut all: [Mat<f64>; 3] = std::array::from_fn(|_| Mat::zeros(medium.states(), 1));
     all[0][(0, 0)] = 1.0;
-    let (nodes, sum) = (medium.ordinates.count(), medium.ordinates.weights.iter().sum::<f64>());
+    let nodes = medium.ordinates.count();
+    let sum = medium.ordinates.weights.iter().sum::<f64>();
     for (polarisation, share) in shares.into_iter().enumerate() {
         if medium.oblique_deg.is_some() {
             all[1][(medium.state(nodes + 1, polarisation), 0)] = share;

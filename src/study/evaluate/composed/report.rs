@@ -10,7 +10,7 @@ use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
-use crate::evaluate::manifest::{Count, Origin};
+use crate::evaluate::manifest::{Count, Provenance};
 use crate::evaluate::published::{ErrorParts, Quantity, Withheld};
 use crate::evaluate::wavelengths::nearest;
 use crate::input::study::{Composed, Study};
@@ -33,7 +33,8 @@ const LARGE: f64 = 1.0;
 /// A portion without complete realisations, paper without an albedo.
 pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<ComposedManifest<'a>, String> {
     let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
-    let (whole, half) = (level(false)?, level(true)?);
+    let whole = level(false)?;
+    let half = level(true)?;
     let no_colour = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
     let mut task = LayerTask::new(study)?;
     let composed = task.composed;
@@ -64,7 +65,7 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     let finished = solved.iter().map(|(_, collected)| collected.finished()).sum();
     let solves = Count { asked: study.solves(), finished };
     Ok(ComposedManifest {
-        origin: Origin::new(study, records(), solves),
+        origin: Provenance::new(study, records(), solves),
         composed,
         solves,
         failures: solved.iter().flat_map(failures).collect(),

@@ -113,7 +113,8 @@ impl DirectionalPrint for ComposedView {
     fn disagreement(&self, polar_deg: f64) -> Result<Vec<Disagreement>, InkError> {
         let mut all = Vec::new();
         for (w, medium) in self.media.iter().enumerate() {
-            let (count, lit) = (medium.ordinates.count(), self.shares(w, polar_deg));
+            let count = medium.ordinates.count();
+            let lit = self.shares(w, polar_deg);
             let own = |o: usize| -> f64 { lit.iter().map(|(i, s)| s * self.numbers[w][o * count + i]).sum() };
             let albedo: f64 = (0..count).map(|o| own(o) * projected_sr(medium, o)).sum();
             all.push(Disagreement::unknown_error(albedo - self.diffuse_albedo(w, polar_deg)));
@@ -139,10 +140,12 @@ fn seen(slabs: &Slabs, count: f64, wave: Wave, albedo: f64) -> Vec<f64> {
     let bias = layer.plate.reflection[0][(0, 0)] + layer.change_of_beam().reflected - layer.mirrored(0.0);
     for step in 0..=STEPS {
         let angle = (STEP_DEG * step as f64).to_radians();
-        let (cosine, sine) = (angle.cos(), before.ordinates.index * angle.sin());
+        let cosine = angle.cos();
+        let sine = before.ordinates.index * angle.sin();
         let weights = lagrange(&cosines, cosine);
         let mean = |k: usize| weights.iter().zip(&totals).map(|(w, x)| w * x[k]).sum::<f64>();
-        let (all_light, alone) = (mean(0), Lobes { reflected: mean(1), transmitted: mean(2) });
+        let all_light = mean(0);
+        let alone = Lobes { reflected: mean(1), transmitted: mean(2) };
         let changed = alone.changed(layer.change_of_interpolated(sine));
         let passes = ratio(changed.transmitted, alone.transmitted);
         let returned = passes * paper.returned * paper.leaving * (all_light - alone.reflected);
