@@ -4,10 +4,8 @@ use super::diagnostics::folder_report;
 use super::progress::Progress;
 use super::terminal::say;
 use clap::Args;
-use inkwave::export::composed::ComposedStored;
+use inkwave::export::folder::StoredFolder;
 use inkwave::export::request::{ExportError, Format, NearField, Request};
-use inkwave::export::run::{Exported, export};
-use inkwave::export::stored::Stored;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::{self, Holds, shell_word};
 use miette::{MietteDiagnostic, Result, miette};
@@ -36,8 +34,7 @@ pub struct ExportArgs {
 /// Reads the folder and writes the files.
 pub fn run(args: &ExportArgs) -> Result<()> {
     let refused = |error: ExportError| refusal(&error, &args.folder);
-    let composed = ComposedStored::read(&args.folder).map_err(refused)?;
-    let alone = composed.is_none().then(|| Stored::read(&args.folder)).transpose().map_err(refused)?;
+    let finished = StoredFolder::read(&args.folder).map_err(refused)?;
     let folder = args.output.clone().unwrap_or_else(|| args.folder.join("export"));
     let folder = OutputFolder::open(&folder, Holds::Exports).map_err(folder_report)?;
     let progress = Progress::new();
@@ -47,11 +44,7 @@ pub fn run(args: &ExportArgs) -> Result<()> {
         thickness_um: args.thickness,
         created: humantime::format_rfc3339_seconds(SystemTime::now()).to_string(),
     };
-    let exported = progress.during(|| match (&composed, &alone) {
-        (Some(composed), _) => composed.export(&request, &progress),
-        (None, Some(alone)) => export(alone, &request, &progress),
-        (None, None) => Ok(Exported::default()),
-    });
+    let exported = progress.during(|| finished.export(&request, &progress));
     let exported = exported.inspect_err(|_| folder.discard_when_empty()).map_err(refused)?;
     for file in &exported.files {
         folder.write(&file.name, &file.bytes).map_err(folder_report)?;

@@ -154,7 +154,7 @@ fn run_composed(study: &Study, path: &Path, settings: RunSettings) -> Result<()>
         say!("{}: {line}", study.title)?;
     }
     say!("Report: {}", folder.path().join("report.html").display())?;
-    if published.status == Status::Complete {
+    if published.origin.status == Status::Complete {
         return Ok(());
     }
     let help = if progress.stopped() { to_resume() } else { "the report lists the reasons".to_owned() };

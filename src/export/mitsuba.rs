@@ -63,7 +63,8 @@ impl MaterialTable {
 
     /// The file for the renderer's spectral variants.
     pub fn spectral(&self, description: &str) -> Vec<u8> {
-        let (angles, waves) = (self.theta_deg.len(), self.wavelengths_nm.len());
+        let angles = self.theta_deg.len();
+        let waves = self.wavelengths_nm.len();
         let values = self.slabs.iter().flatten().map(|&x| x as f32).collect();
         let wavelengths = self.wavelengths_nm.iter().map(|&nm| nm as f32).collect();
         let mut fields = self.common(description);
@@ -82,7 +83,8 @@ impl MaterialTable {
         let meter = Colorimeter::new(&self.wavelengths_nm[seen.clone()])?;
         let angles = self.theta_deg.len();
         let mut values = vec![0.0_f32; angles * 3 * CELLS];
-        let (mut lit, mut clipped) = (0_usize, 0_usize);
+        let mut lit = 0_usize;
+        let mut clipped = 0_usize;
         for (slab, out) in self.slabs.iter().zip(values.chunks_mut(3 * CELLS)) {
             for cell in 0..CELLS {
                 let spectrum: Vec<f64> = spectrum(slab, cell).collect();
@@ -161,7 +163,8 @@ fn slab(ink: &dyn DirectionalPrint, light_deg: f64) -> Vec<f64> {
 /// below the horizon.
 fn view(light_deg: f64, [row, column]: [usize; 2]) -> Option<(Direction, f64)> {
     let share = |i: usize| i as f64 / (POINTS - 1) as f64;
-    let (theta, phi) = (share(column).powi(2) * FRAC_PI_2, TAU * share(row) - PI);
+    let theta = share(column).powi(2) * FRAC_PI_2;
+    let phi = TAU * share(row) - PI;
     let m = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()];
     let light = [light_deg.to_radians().sin(), 0.0, light_deg.to_radians().cos()];
     let along: f64 = light.iter().zip(m).map(|(a, b)| a * b).sum();

@@ -1,9 +1,8 @@
 //! Files for other programs, made from stored results.
 //!
-//! [`stored`] reads a finished study back; [`run`](mod@run) makes the files requested, [`composed`]
-//! does both for a composed layer. Each writer
-//! takes plain numbers and returns bytes; `scripts/check-exports` opens every file with the program
-//! it is meant for.
+//! [`folder`] reads a [`finished`] study back, [`stored`] as a layer solved as a whole or
+//! [`composed`] of slabs; [`run`](mod@run) makes the files requested of either. Each writer takes
+//! plain numbers and returns bytes; `scripts/check-exports` opens every file with the program it is meant for.
 //!
 //! - [`mitsuba`]: a measured material for the renderer, with scenes and [`samples`] to check it
 //! - [`spectra`]: the spectra of the [`print`](mod@print) with Lab for colour programs
@@ -13,6 +12,8 @@
 //! - [`grains`]: positions of a packing, and a view of it in the browser
 
 pub mod composed;
+pub mod finished;
+pub mod folder;
 pub mod grains;
 pub mod mitsuba;
 pub mod near_field;

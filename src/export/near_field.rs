@@ -20,8 +20,10 @@ const HEIGHTS_PER_CELL: usize = 4;
 /// and `contrast`, the η² − ⟨η²⟩ that the solver multiplies by: averaged around its planes and
 /// band-limited in them.
 pub fn image(problem: &Problem, field: &Field) -> Image {
-    let (grid, resolution) = (&problem.coverage.grid, problem.coverage.grid.resolution);
-    let (planes, contrasts) = (plane_values(problem, field), plane_contrasts(problem));
+    let grid = &problem.coverage.grid;
+    let resolution = problem.coverage.grid.resolution;
+    let planes = plane_values(problem, field);
+    let contrasts = plane_contrasts(problem);
     let phases = phases(problem);
     let heights = HEIGHTS_PER_CELL * grid.cells() + 1;
     let points = grid.points();
@@ -202,7 +204,9 @@ mod tests {
         let coverage = Arc::new(Coverage::new(&scene, resolution).unwrap());
         let problem = Problem::new(&coverage, &media, &incidence, Mean::default()).unwrap();
         let image = image(&problem, &problem.background_wave());
-        let (k, theta, phi) = (TAU / 0.5, 50.0_f64.to_radians(), 30.0_f64.to_radians());
+        let k = TAU / 0.5;
+        let theta = 50.0_f64.to_radians();
+        let phi = 30.0_f64.to_radians();
         let wave = [theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos()].map(|c| k * c);
         let [nx, ny, nz] = image.points;
         assert_eq!([nx, ny, nz], [12, 10, 21]);
@@ -222,7 +226,8 @@ mod tests {
     fn the_contrast_in_the_middle_of_a_ball_is_the_balls() {
         let ball = Sphere { center_um: [0.5, 0.4, 0.25], radius_um: 0.2 };
         let scene = Scene::layer([1.0, 0.8], 0.5, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
-        let (binder, grain) = (Complex64::new(1.5, 0.0), Complex64::new(1.8, 0.1));
+        let binder = Complex64::new(1.5, 0.0);
+        let grain = Complex64::new(1.8, 0.1);
         let one = Complex64::ONE;
         let media = Media { incident: one, exit: one, backgrounds: vec![binder], inclusions: vec![grain] };
         let incidence =

@@ -132,7 +132,8 @@ fn grid(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
 /// k² of the mean medium and of the backgrounds, 1/µm², contrasts k²(η² − η_background²), and the
 /// moments of what has them, µm; folded fields belong to pairs of contrasts, µm³.
 fn media(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
-    let (coverage, media) = (&problem.coverage, &problem.media);
+    let coverage = &problem.coverage;
+    let media = &problem.media;
     let k0 = TAU / problem.incidence.wavelength_um;
     let k2 = |eta: Complex64| (k0 * eta) * (k0 * eta);
     let backgrounds = coverage.grid.background.iter().map(|&b| k2(media.backgrounds[b]));
@@ -150,7 +151,8 @@ fn media(npz: &mut Archive, problem: &Problem) -> Result<(), WriteNpzError> {
 /// Fields × planes × ny × nx.
 fn on_planes(coverage: &Coverage, fields: &[Array2<f64>]) -> Array4<f64> {
     let grid = &coverage.grid;
-    let (nx, ny) = (grid.resolution.nx, grid.resolution.ny);
+    let nx = grid.resolution.nx;
+    let ny = grid.resolution.ny;
     let shape = (fields.len(), grid.planes(), ny, nx);
     Array4::from_shape_fn(shape, |(f, plane, y, x)| fields[f][[plane, y * nx + x]])
 }

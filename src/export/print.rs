@@ -2,17 +2,12 @@
 //! under the study's light.
 
 use super::request::{ExportError, ExportResult};
-use super::stored::Stored;
 use crate::appearance::colour::Colour;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::lagrange_shares;
 use crate::appearance::tristimulus::visible;
 use crate::appearance::viewing::Viewing;
-use crate::evaluate::manifest::Manifest;
-use crate::evaluate::seen::see;
-use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
-use crate::input::variation::LightRule;
 use crate::numerics::estimate::Estimate;
 
 /// Step of exported spectra: with 20 nm the summation rules of other programs move Lab by ΔE 0.15.
@@ -92,20 +87,23 @@ const ROUNDING: f64 = 0.005;
 
 impl Print {
     /// A study's spectra on the grid of `bands`, with the colours of their own values.
-    pub(super) fn new(
-        study: &Study,
-        created: &str,
-        (wavelengths_nm, meter): Bands,
-        (interpolated, mut spectra): (bool, Vec<PrintSpectrum>),
-    ) -> Self {
+    pub(super) fn new(study: &Study, created: &str, bands: Bands, print: PrintSpectra) -> Self {
+        let PrintSpectra { mut spectra, interpolated, has_colours } = print;
+        let meter = bands.meter.filter(|_| has_colours);
         for spectrum in &mut spectra {
             let reflectance: Vec<f64> = spectrum.values.iter().map(|e| e.value).collect();
             let colour = meter.as_ref().and_then(|meter| meter.colour(&reflectance).ok());
             spectrum.colour = colour.map(|c| Colour { lab_covariance: spectrum.lab_covariance, ..c });
         }
-        let (title, study_hash) = (study.title.clone(), study.key().to_string());
-        let (created, viewing) = (created.to_owned(), study.judgement.viewing.clone());
-        Self { title, study_hash, created, viewing, interpolated, wavelengths_nm, spectra }
+        Self {
+            title: study.title.clone(),
+            study_hash: study.key().to_string(),
+            created: created.to_owned(),
+            viewing: study.judgement.viewing.clone(),
+            interpolated,
+            wavelengths_nm: bands.wavelengths_nm,
+            spectra,
+        }
     }
 
     /// Where the spectra of the file come from.
@@ -139,27 +137,46 @@ impl Print {
 
 impl PrintSpectrum {
     fn page_lab_if_other(&self) -> Option<String> {
-        let (own, page) = (self.colour.as_ref()?.lab, self.page_lab?);
+        let own = self.colour.as_ref()?.lab;
+        let page = self.page_lab?;
         let other = (0..3).any(|i| (own[i] - page[i]).abs() > ROUNDING);
         let [l, a, b] = page;
         other.then(|| format!("L* {l:.2} a* {a:.2} b* {b:.2} ({})", self.geometry.name()))
     }
 }
 
-/// Wavelengths of a file, and the colorimeter that sums over them, if they suffice for colours.
-pub(super) type Bands = (Vec<u32>, Option<Colorimeter>);
+/// The spectra of a print on the wavelengths of its file.
+pub(super) struct PrintSpectra {
+    /// Without colours yet.
+    pub spectra: Vec<PrintSpectrum>,
+    /// Whether they were interpolated to these wavelengths.
+    pub interpolated: bool,
+    /// Whether the study's numbers hold colours.
+    pub has_colours: bool,
+}
 
-/// Every 10 nm inside those of a study's wavelengths that colours can take.
-pub(super) fn bands(study: &Study, format: &str) -> ExportResult<Bands> {
-    let seen = &study.wavelengths_nm[visible(&study.wavelengths_nm)];
-    let grid = uniform_grid(seen);
-    if grid.len() < 2 || seen.len() < 2 {
-        let needed =
-            "needs at least two multiples of 10 nm inside the study's wavelengths, within 380 to 780 nm";
-        return Err(ExportError::Refused(format!("{format} {needed}")));
+/// Wavelengths of a file, and the colorimeter that sums over them, if they suffice for colours.
+pub(super) struct Bands {
+    /// A uniform grid, nm.
+    pub wavelengths_nm: Vec<u32>,
+    /// Sums spectra on that grid to colours.
+    pub meter: Option<Colorimeter>,
+}
+
+impl Bands {
+    /// Every 10 nm inside those of a study's wavelengths that colours can take.
+    pub fn new(study: &Study, format: &str) -> ExportResult<Self> {
+        let seen = &study.wavelengths_nm[visible(&study.wavelengths_nm)];
+        let wavelengths_nm = uniform_grid(seen);
+        if wavelengths_nm.len() < 2 || seen.len() < 2 {
+            let needed =
+                "needs at least two multiples of 10 nm inside the study's wavelengths, within 380 to 780 nm";
+            return Err(ExportError::Refused(format!("{format} {needed}")));
+        }
+        let nm: Vec<f64> = wavelengths_nm.iter().map(|&nm| f64::from(nm)).collect();
+        let meter = Colorimeter::under(&nm, &study.judgement.viewing).ok();
+        Ok(Self { wavelengths_nm, meter })
     }
-    let nm: Vec<f64> = grid.iter().map(|&nm| f64::from(nm)).collect();
-    Ok((grid, Colorimeter::under(&nm, &study.judgement.viewing).ok()))
 }
 
 /// Multiples of 10 nm inside a grid of rising wavelengths.
@@ -187,55 +204,10 @@ pub fn resample(wavelengths_nm: &[f64], values: &[Estimate], grid: &[u32]) -> Ve
 
 fn error_between(wavelengths_nm: &[f64], values: &[Estimate], nm: f64) -> Option<f64> {
     let after = wavelengths_nm.partition_point(|&x| x < nm).clamp(1, wavelengths_nm.len() - 1);
-    let (lo, hi) = (wavelengths_nm[after - 1], wavelengths_nm[after]);
+    let lo = wavelengths_nm[after - 1];
+    let hi = wavelengths_nm[after];
     let t = ((nm - lo) / (hi - lo)).clamp(0.0, 1.0);
     Some((1.0 - t) * values[after - 1].standard_error? + t * values[after].standard_error?)
-}
-
-/// The spectra with their colours. Fitted spectra are evaluated at the wavelengths of the file,
-/// listed ones are interpolated. Lab is computed from the exported values, so that other programs
-/// find the same.
-pub(super) fn print(stored: &Stored, format: &str, created: &str) -> ExportResult<Print> {
-    let study = &stored.study;
-    let (grid, meter) = bands(study, format)?;
-    let own = summarise(study, &stored.collected, &stored.seen);
-    let fitted = matches!(study.variation.light, LightRule::Shifted { .. });
-    let spectra = if fitted {
-        let wavelengths_nm = grid.iter().map(|&nm| f64::from(nm)).collect();
-        let on_grid = Study { wavelengths_nm, ..study.clone() };
-        let seen = see(&on_grid, &stored.collected)?;
-        known(&summarise(&on_grid, &stored.collected, &seen), &own)
-    } else {
-        let mut known = known(&own, &own);
-        known.iter_mut().for_each(|k| k.values = resample(&study.wavelengths_nm, &k.values, &grid));
-        known
-    };
-    if let ([], Some(reason)) = (spectra.as_slice(), own.withheld.first()) {
-        return Err(ExportError::no_ink(format, &reason.in_words()));
-    }
-    // a number that the page withholds is in no file
-    Ok(Print::new(study, created, (grid, meter.filter(|_| own.ink_maker.is_some())), (!fitted, spectra)))
-}
-
-/// Both spectra of the print, those that are known at every wavelength; Lab of the page is that of
-/// `own`.
-fn known(manifest: &Manifest<&Study>, own: &Manifest<&Study>) -> Vec<PrintSpectrum> {
-    let mut all = Vec::new();
-    for geometry in InstrumentGeometry::ALL {
-        // the ink on its paper is evaluated at normal incidence only
-        let normal = manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
-        let values = normal.map(|row| geometry.of(row.lit_at_45, row.natural_light)).collect();
-        let colour = |manifest: &Manifest<&Study>| {
-            let maker = manifest.ink_maker.as_ref()?;
-            Some(geometry.of(&maker.print, &maker.natural_light).colour)
-        };
-        if let Some(values) = values {
-            let lab_covariance = colour(manifest).and_then(|colour| colour.lab_covariance);
-            let page_lab = colour(own).map(|colour| colour.lab);
-            all.push(PrintSpectrum { geometry, values, lab_covariance, colour: None, page_lab });
-        }
-    }
-    all
 }
 
 #[cfg(test)]

@@ -15,6 +15,13 @@ pub struct Described {
     pub about: String,
 }
 
+impl Described {
+    /// A file with its description.
+    pub fn new(name: &str, bytes: impl Into<Vec<u8>>, about: &str) -> Self {
+        Self { name: name.to_owned(), bytes: bytes.into(), about: about.to_owned() }
+    }
+}
+
 /// What a crate says about the run as a whole.
 #[derive(Clone, Debug)]
 pub struct Run {

@@ -1,20 +1,18 @@
 //! `inkwave export`: from a finished study to files in the formats asked for.
 
+use super::finished::{FinishedStudy, PackedLayer};
 use super::mitsuba::{self, MaterialTable};
-use super::print::{Print, print};
+use super::print::Print;
 use super::provenance::{self, Described, Run, STUDY};
-use super::request::{ExportError, ExportResult, Format, Request};
+use super::request::{ExportError, ExportResult, Format, NearField, Request};
 use super::spectra::{self, Dialect};
-use super::stored::Stored;
 use super::voxels::{self, Voxels};
-use super::{grains, near_field, npz, samples};
-use crate::evaluate::directional::{DirectionalInk, DirectionalPrint};
-use crate::evaluate::ink::InkOnPaper;
-use crate::evaluate::summary::{program, summarise};
+use super::{grains, near_field, samples};
+use crate::evaluate::directional::DirectionalPrint;
+use crate::evaluate::summary::program;
 use crate::ink::{Method, Packing};
 use crate::input::study::Study;
 use crate::report::packing::grains_csv;
-use crate::report::tables;
 use crate::run::point::{Stopper, pack_realisation};
 use crate::run::watch::RunWatch;
 use crate::wave::{Coverage, Incidence, Mean, Problem, Scene, Side};
@@ -33,25 +31,24 @@ pub struct Exported {
 /// Makes all files that `request` asks for, in memory.
 ///
 /// # Errors
-/// A study that does not carry what a format needs.
-pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> ExportResult<Exported> {
-    let exporter = Exporter { stored, request, watch };
-    let um = stored.study.layer.thickness_um;
-    if let Some(found) = request.thickness_um.filter(|asked| *asked != um) {
-        return Err(ExportError::thickness(found, &um.to_string()));
-    }
-    exporter.near_field_fits()?;
-    let (mut formats, mut out) = (request.formats.clone(), Exported::default());
-    formats.extend(request.near_field.map(|_| Format::Vti));
+/// A format that shows one packing of a layer that has none of its own; a study that does not carry
+/// what a format needs.
+pub fn export(
+    finished: &dyn FinishedStudy,
+    request: &Request,
+    watch: &dyn RunWatch,
+) -> ExportResult<Exported> {
+    let exporter = Exporter { finished, thickness_um: thickness(finished, request)?, request, watch };
+    let near_field = request.near_field.map(|light| exporter.near_field_fits(light)).transpose()?;
+    let mut formats = request.formats.clone();
+    let mut out = Exported::default();
+    formats.extend(near_field.map(|()| Format::Vti));
     for format in formats {
         match format {
             Format::Mitsuba => exporter.mitsuba(&mut out)?,
             Format::Cxf => out.cxf(&exporter.print("cxf")?)?,
             Format::Cgats => out.cgats(&exporter.print("cgats")?),
-            Format::Npz => {
-                let orders = npz::far_fields(&stored.collected)?;
-                out.add("far-fields.npz", orders, "all propagating orders of all solves");
-            }
+            Format::Npz => out.files.extend(finished.far_fields()?),
             Format::Vti => exporter.vti(&mut out)?,
             Format::Positions => exporter.positions(&mut out)?,
             Format::Labels => exporter.labels(&mut out)?,
@@ -62,8 +59,19 @@ pub fn export(stored: &Stored, request: &Request, watch: &dyn RunWatch) -> Expor
     Ok(out)
 }
 
+/// The thickness requested, or the study's first one, µm.
+fn thickness(finished: &dyn FinishedStudy, request: &Request) -> ExportResult<f64> {
+    let all = finished.thicknesses_um();
+    let requested = request.thickness_um.or_else(|| all.first().copied()).unwrap_or(f64::NAN);
+    if all.contains(&requested) {
+        return Ok(requested);
+    }
+    let allowed = all.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+    Err(ExportError::thickness(requested, &allowed))
+}
+
 /// Materials of renderers lie in air.
-pub(super) fn in_air(study: &Study) -> ExportResult {
+fn in_air(study: &Study) -> ExportResult {
     match study.layer.index_in {
         1.0 => Ok(()),
         index => Err(ExportError::Refused(format!(
@@ -73,12 +81,12 @@ pub(super) fn in_air(study: &Study) -> ExportResult {
 }
 
 impl Exported {
-    pub(super) fn add(&mut self, name: &str, bytes: impl Into<Vec<u8>>, about: &str) {
-        self.files.push(Described { name: name.to_owned(), bytes: bytes.into(), about: about.to_owned() });
+    fn add(&mut self, name: &str, bytes: impl Into<Vec<u8>>, about: &str) {
+        self.files.push(Described::new(name, bytes, about));
     }
 
     /// The print as a material for renderers, with tables to check it.
-    pub(super) fn material(&mut self, print: &dyn DirectionalPrint, study: &Study) -> ExportResult {
+    fn material(&mut self, print: &dyn DirectionalPrint, study: &Study) -> ExportResult {
         let table = MaterialTable::new(print);
         let about = description(study);
         self.add("ink-spectral.bsdf", table.spectral(&about), "material for Mitsuba 3, spectral variants");
@@ -94,32 +102,34 @@ impl Exported {
             }
             Err(reason) => self.remarks.push(format!("no ink-rgb.bsdf: {reason}")),
         }
-        let (mirrored, chosen) = (samples::specular(print)?, samples::brdf(print)?);
+        let mirrored = samples::specular(print)?;
+        let chosen = samples::brdf(print)?;
         self.add("specular.csv", mirrored, "mirror part, left out of the material, and albedo");
         self.add("brdf-samples.csv", chosen, "BRDF of the ink on its paper at chosen directions");
         Ok(())
     }
 
     /// Spectra as CxF3.
-    pub(super) fn cxf(&mut self, print: &Print) -> ExportResult {
+    fn cxf(&mut self, print: &Print) -> ExportResult {
         Ok(self.add("spectra.cxf", spectra::cxf(print)?, "spectra of the print with Lab, CxF3"))
     }
 
     /// Spectra in both dialects of CGATS.
-    pub(super) fn cgats(&mut self, print: &Print) {
+    fn cgats(&mut self, print: &Print) {
         let text = |dialect| spectra::cgats(print, dialect);
         self.add("spectra.cgats", text(Dialect::Standard), "spectra of the print with Lab, CGATS.17");
         self.add("spectra.sp", text(Dialect::Argyll), "spectra of the print with Lab for ArgyllCMS");
     }
 
     /// The study, and all files described together.
-    pub(super) fn describe(&mut self, study: &Study, created: &str) -> ExportResult {
+    fn describe(&mut self, study: &Study, created: &str) -> ExportResult {
         self.add(STUDY, serde_json::to_vec_pretty(study)?, "the study with every default filled in");
-        let (title, study_hash) = (study.title.clone(), study.key().to_string());
+        let title = study.title.clone();
+        let study_hash = study.key().to_string();
         let run = Run { title, study_hash, created: created.to_owned() };
-        let [crate_, package] =
-            [provenance::ro_crate(&run, &self.files), provenance::data_package(&run, &self.files)];
-        self.add("ro-crate-metadata.json", serde_json::to_vec_pretty(&crate_)?, "RO-Crate");
+        let research_crate = provenance::ro_crate(&run, &self.files);
+        let package = provenance::data_package(&run, &self.files);
+        self.add("ro-crate-metadata.json", serde_json::to_vec_pretty(&research_crate)?, "RO-Crate");
         self.add("datapackage.json", serde_json::to_vec_pretty(&package)?, "Data Package");
         Ok(())
     }
@@ -136,41 +146,45 @@ fn description(study: &Study) -> String {
 }
 
 struct Exporter<'a> {
-    stored: &'a Stored,
+    finished: &'a dyn FinishedStudy,
+    /// Thickness of the layer that is exported, µm.
+    thickness_um: f64,
     request: &'a Request,
     watch: &'a dyn RunWatch,
 }
 
 impl Exporter<'_> {
     fn study(&self) -> &Study {
-        &self.stored.study
-    }
-
-    fn ink(&self, format: &str) -> ExportResult<&InkOnPaper> {
-        self.stored.seen.ink.as_ref().map_err(|reason| ExportError::no_ink(format, &reason.to_string()))
+        self.finished.study()
     }
 
     fn mitsuba(&self, out: &mut Exported) -> ExportResult {
-        let (ink, study) = (self.ink("mitsuba")?, self.study());
-        in_air(study)?;
+        in_air(self.study())?;
         self.watch.stage("tabulating the material");
-        out.material(&DirectionalInk::new(ink)?, study)
+        let print = self.finished.directions(self.thickness_um)?;
+        out.material(print.as_ref(), self.study())?;
+        if self.finished.is_isotropic() {
+            let um = self.thickness_um;
+            out.remarks.push(format!("the material is the layer of {um} µm, a mean over the azimuth"));
+        }
+        Ok(())
     }
 
-    fn packing(&self) -> ExportResult<Packing> {
+    /// The first packing, for a format that shows it.
+    fn packing(&self, format: &str) -> ExportResult<Packing> {
+        let PackedLayer { study, .. } = self.finished.packed(format)?;
         self.watch.stage("packing realisation 1 again");
-        Ok(pack_realisation(self.study(), 0, self.watch)?)
+        Ok(pack_realisation(study, 0, self.watch)?)
     }
 
     /// Spectra on a grid of 10 nm with their colours.
     fn print(&self, format: &str) -> ExportResult<Print> {
-        self.ink(format)?;
-        print(self.stored, format, &self.request.created)
+        self.finished.print(self.thickness_um, format, &self.request.created)
     }
 
     fn vti(&self, out: &mut Exported) -> ExportResult {
         let study = self.study();
-        let packing = self.packing()?;
+        let packing = self.packing("vti")?;
         let names = study.material_names();
         let asked = self.request.near_field.map(|light| light.wavelength_nm);
         let w = asked.map_or(Ok(study.wavelengths_nm.len() / 2), |nm| self.wavelength(nm))?;
@@ -179,14 +193,17 @@ impl Exporter<'_> {
         let about = "η² less that of the binder, and every pigment's share; lengths in µm";
         out.add("contrast.vti", image.vti(), about);
         match self.request.near_field {
-            Some(light) => self.near_field(&packing, wavelength_nm, light.polar_deg, out),
+            Some(light) => {
+                let layer = self.finished.packed("near field")?;
+                self.near_field(layer, &packing, NearField { wavelength_nm, ..light }, out)
+            }
             None => Ok(()),
         }
     }
 
     /// Refuses a near field that cannot be solved, before anything is made.
-    fn near_field_fits(&self) -> ExportResult {
-        let Some(light) = self.request.near_field else { return Ok(()) };
+    fn near_field_fits(&self, light: NearField) -> ExportResult {
+        self.finished.packed("near field")?;
         if self.study().wave.is_vector() {
             return Err(ExportError::Refused(format!(
                 "near field: light.wave is {}; allowed is \"scalar\": Maxwell's equations are solved for moments of E, which no volume shows yet",
@@ -199,16 +216,17 @@ impl Exporter<'_> {
     /// A solve of the packing for one of the study's wavelengths.
     fn near_field(
         &self,
+        layer: PackedLayer,
         packing: &Packing,
-        wavelength_nm: f64,
-        polar_deg: f64,
+        light: NearField,
         out: &mut Exported,
     ) -> ExportResult {
-        let study = self.study();
+        let PackedLayer { study, resolution } = layer;
         self.watch.stage("solving for the near field");
-        let (wavelength_um, azimuth_deg) = (1e-3 * wavelength_nm, study.angles.azimuth_deg);
+        let wavelength_um = 1e-3 * light.wavelength_nm;
+        let azimuth_deg = study.angles.azimuth_deg;
+        let polar_deg = light.polar_deg;
         let incidence = Incidence { wavelength_um, polar_deg, azimuth_deg, from: Side::Incident };
-        let resolution = self.stored.collected.resolved.resolution;
         let coverage = Arc::new(Coverage::new(&Scene::from_packing(packing), resolution)?);
         let media = study.media(wavelength_um);
         let problem = Problem::new(&coverage, &media, &incidence, Mean::default())?;
@@ -219,7 +237,7 @@ impl Exporter<'_> {
     }
 
     fn positions(&self, out: &mut Exported) -> ExportResult {
-        let packing = self.packing()?;
+        let packing = self.packing("positions")?;
         if packing.method() == Method::Voxels {
             out.remarks
                 .push("no positions: voxels have no grains to place; `--to labels` writes them".into());
@@ -238,7 +256,7 @@ impl Exporter<'_> {
 
     /// Voxels that `layer.microstructure` reads; those of a study that has read some are the same.
     fn labels(&self, out: &mut Exported) -> ExportResult {
-        let packing = self.packing()?;
+        let packing = self.packing("labels")?;
         let labels = voxels::labels(&packing, self.study().packing.voxels.first().map(|cut| cut.count));
         let mut bytes = Vec::new();
         labels.write_npy(&mut bytes).map_err(WriteNpzError::from)?;
@@ -254,7 +272,8 @@ impl Exporter<'_> {
     }
 
     fn viewer(&self, out: &mut Exported) -> ExportResult {
-        let (study, packing) = (self.study(), self.packing()?);
+        let study = self.study();
+        let packing = self.packing("viewer")?;
         let page = grains::page(&packing, &study.title, &study.material_names());
         Ok(out.add("packing.html", page, "interactive view of the first packing"))
     }
@@ -269,15 +288,9 @@ impl Exporter<'_> {
         Err(ExportError::Refused(format!("near field: found {nm} nm; {allowed}")))
     }
 
-    /// Adds the tables of the run, and describes all files together.
+    /// Adds numbers and tables of the run, and describes all files together.
     fn provenance(&self, out: &mut Exported) -> ExportResult {
-        let manifest = summarise(self.study(), &self.stored.collected, &self.stored.seen);
-        let amplitude_error = manifest.certainty.amplitude_error_estimate;
-        let index_out = self.study().layer.index_out;
-        let bdfs = tables::distributions(&self.stored.seen.bdfs, amplitude_error, index_out)?;
-        out.add("results.json", serde_json::to_vec_pretty(&manifest)?, "all numbers with their errors");
-        out.add("spectra.csv", tables::spectra(&manifest.spectra)?, "spectra of the layer and of the print");
-        out.add("bdf.csv", bdfs, "distributions of the layer alone, order by order");
+        out.files.extend(self.finished.results()?);
         out.describe(self.study(), &self.request.created)
     }
 }

@@ -30,7 +30,8 @@ const STEP_DEG: f64 = 5.0;
 /// What [`csv`] refuses.
 pub fn brdf(ink: &dyn DirectionalPrint) -> csv::Result<Vec<u8>> {
     let rows = directions(ink).into_iter().flat_map(|(light_deg, view)| {
-        let (waves, place) = (ink.wavelengths_nm().iter(), (light_deg, view.polar_deg, view.azimuth_deg));
+        let waves = ink.wavelengths_nm().iter();
+        let place = (light_deg, view.polar_deg, view.azimuth_deg);
         waves.enumerate().map(move |(w, nm)| (nm, place, ink.brdf(w, light_deg, view)))
     });
     table(["wavelength_nm", "light_polar_deg", "view_polar_deg", "azimuth_deg", "brdf_per_sr"], rows)
@@ -51,7 +52,8 @@ fn directions(ink: &dyn DirectionalPrint) -> Vec<(f64, Direction)> {
 
 /// The radical inverse of `k`: its digits in `base`, mirrored at the point.
 fn halton(mut k: usize, base: usize) -> f64 {
-    let (mut value, mut digit) = (0.0, 1.0);
+    let mut value = 0.0;
+    let mut digit = 1.0;
     while k > 0 {
         digit /= base as f64;
         value += digit * (k % base) as f64;
@@ -71,7 +73,8 @@ pub fn specular(ink: &dyn DirectionalPrint) -> ExportResult<Vec<u8>> {
     let mut rows = Vec::new();
     for deg in (0..).map(|k| STEP_DEG * f64::from(k)).take_while(|&deg| deg <= largest) {
         for (w, (nm, apart)) in ink.wavelengths_nm().iter().zip(ink.disagreement(deg)?).enumerate() {
-            let (mirrored, albedo) = (ink.specular(w, deg).max(0.0), ink.diffuse_albedo(w, deg).max(0.0));
+            let mirrored = ink.specular(w, deg).max(0.0);
+            let albedo = ink.diffuse_albedo(w, deg).max(0.0);
             let errors = (apart.standard_error(), apart.chance, apart.of_fits);
             rows.push((nm, deg, mirrored, albedo, (albedo + apart.value).max(0.0), errors));
         }

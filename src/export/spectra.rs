@@ -65,7 +65,8 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     own("LAB_NOTE", &if has_lab(print) { print.lab_note() } else { no_lab.to_owned() });
     own("SPECTRAL_NORM", "100.000000");
     own("MEAS_TYPE", "REFLECTIVE");
-    let (first, last) = (print.wavelengths_nm.first(), print.wavelengths_nm.last());
+    let first = print.wavelengths_nm.first();
+    let last = print.wavelengths_nm.last();
     own("SPECTRAL_BANDS", &print.wavelengths_nm.len().to_string());
     own("SPECTRAL_START_NM", &format!("{:.6}", f64::from(first.copied().unwrap_or(0))));
     own("SPECTRAL_END_NM", &format!("{:.6}", f64::from(last.copied().unwrap_or(0))));

@@ -1,9 +1,19 @@
 //! A finished study, read back from its folder: the study in `results.json` and the records of its
 //! solves.
 
+use super::finished::{FinishedStudy, PackedLayer};
+use super::npz;
+use super::print::{Bands, InstrumentGeometry, Print, PrintSpectra, PrintSpectrum, resample};
+use super::provenance::Described;
 use super::request::{ExportError, ExportResult};
+use crate::evaluate::directional::{DirectionalInk, DirectionalPrint};
+use crate::evaluate::ink::InkOnPaper;
+use crate::evaluate::manifest::Manifest;
 use crate::evaluate::seen::{Seen, see};
+use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
+use crate::input::variation::LightRule;
+use crate::report::tables;
 use crate::run::{Collected, Stores};
 use crate::store::database::RECORDS;
 use crate::work::rounds::collect;
@@ -42,6 +52,11 @@ impl Stored {
             let remedy = "spectra.csv, medium.csv and results.json have its numbers";
             return Err(ExportError::Folder { reason, remedy });
         }
+        Self::of_study(study, path)
+    }
+
+    /// What the folder holds of the study that was read from it.
+    pub(super) fn of_study(study: Study, path: &Path) -> ExportResult<Self> {
         let collected = collect(&study, &stores(path)?, 0);
         let asked = study.solves() - collected.as_ref().map_or(0, |collected| collected.spared(&study));
         let finished = collected.as_ref().map_or(0, Collected::finished);
@@ -51,6 +66,106 @@ impl Stored {
         let seen = see(&study, &collected)?;
         Ok(Self { study, collected, seen })
     }
+}
+
+impl Stored {
+    fn ink(&self, format: &str) -> ExportResult<&InkOnPaper> {
+        self.seen.ink.as_ref().map_err(|reason| ExportError::no_ink(format, &reason.to_string()))
+    }
+}
+
+impl FinishedStudy for Stored {
+    fn study(&self) -> &Study {
+        &self.study
+    }
+
+    fn thicknesses_um(&self) -> Vec<f64> {
+        vec![self.study.layer.thickness_um]
+    }
+
+    fn is_isotropic(&self) -> bool {
+        false
+    }
+
+    fn directions(&self, _: f64) -> ExportResult<Box<dyn DirectionalPrint + '_>> {
+        Ok(Box::new(DirectionalInk::new(self.ink("mitsuba")?)?))
+    }
+
+    fn print(&self, _: f64, format: &str, created: &str) -> ExportResult<Print> {
+        self.ink(format)?;
+        print(self, format, created)
+    }
+
+    fn far_fields(&self) -> ExportResult<Vec<Described>> {
+        let orders = npz::far_fields(&self.collected)?;
+        Ok(vec![Described::new("far-fields.npz", orders, "all propagating orders of all solves")])
+    }
+
+    fn results(&self) -> ExportResult<Vec<Described>> {
+        let manifest = summarise(&self.study, &self.collected, &self.seen);
+        let amplitude_error = manifest.certainty.amplitude_error_estimate;
+        let bdfs = tables::distributions(&self.seen.bdfs, amplitude_error, self.study.layer.index_out)?;
+        let results = serde_json::to_vec_pretty(&manifest)?;
+        let spectra = tables::rows(&manifest.spectra)?;
+        Ok(vec![
+            Described::new("results.json", results, "all numbers with their errors"),
+            Described::new("spectra.csv", spectra, "spectra of the layer and of the print"),
+            Described::new("bdf.csv", bdfs, "distributions of the layer alone, order by order"),
+        ])
+    }
+
+    fn packed(&self, _: &str) -> ExportResult<PackedLayer<'_>> {
+        Ok(PackedLayer { study: &self.study, resolution: self.collected.resolved.resolution })
+    }
+}
+
+/// The spectra with their colours. Fitted spectra are evaluated at the wavelengths of the file,
+/// listed ones are interpolated. Lab is computed from the exported values, so that other programs
+/// find the same.
+fn print(stored: &Stored, format: &str, created: &str) -> ExportResult<Print> {
+    let study = &stored.study;
+    let bands = Bands::new(study, format)?;
+    let own = summarise(study, &stored.collected, &stored.seen);
+    let fitted = matches!(study.variation.light, LightRule::Shifted { .. });
+    let spectra = if fitted {
+        let wavelengths_nm = bands.wavelengths_nm.iter().map(|&nm| f64::from(nm)).collect();
+        let on_grid = Study { wavelengths_nm, ..study.clone() };
+        let seen = see(&on_grid, &stored.collected)?;
+        known(&summarise(&on_grid, &stored.collected, &seen), &own)
+    } else {
+        let mut known = known(&own, &own);
+        known
+            .iter_mut()
+            .for_each(|k| k.values = resample(&study.wavelengths_nm, &k.values, &bands.wavelengths_nm));
+        known
+    };
+    if let ([], Some(reason)) = (spectra.as_slice(), own.withheld.first()) {
+        return Err(ExportError::no_ink(format, &reason.in_words()));
+    }
+    // a number that the page withholds is in no file
+    let has_colours = own.ink_maker.is_some();
+    Ok(Print::new(study, created, bands, PrintSpectra { spectra, interpolated: !fitted, has_colours }))
+}
+
+/// Both spectra of the print, those that are known at every wavelength; Lab of the page is that of
+/// `own`.
+fn known(manifest: &Manifest<&Study>, own: &Manifest<&Study>) -> Vec<PrintSpectrum> {
+    let mut all = Vec::new();
+    for geometry in InstrumentGeometry::ALL {
+        // the ink on its paper is evaluated at normal incidence only
+        let normal = manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
+        let values = normal.map(|row| geometry.of(row.lit_at_45, row.natural_light)).collect();
+        let colour = |manifest: &Manifest<&Study>| {
+            let maker = manifest.ink_maker.as_ref()?;
+            Some(geometry.of(&maker.print, &maker.natural_light).colour)
+        };
+        if let Some(values) = values {
+            let lab_covariance = colour(manifest).and_then(|colour| colour.lab_covariance);
+            let page_lab = colour(own).map(|colour| colour.lab);
+            all.push(PrintSpectrum { geometry, values, lab_covariance, colour: None, page_lab });
+        }
+    }
+    all
 }
 
 /// The checked study in `results.json`; its content hash shows that it is unchanged.

@@ -73,7 +73,8 @@ impl Voxels {
         let beyond = "beyond_relief".to_owned();
         for (name, values) in std::iter::once(&beyond).chain(materials).zip(&self.shares) {
             if values.iter().any(|&v| v > 0.0) {
-                let (name, values) = (format!("share_{name}"), values.clone());
+                let name = format!("share_{name}");
+                let values = values.clone();
                 arrays.push(PointArray { name, components: 1, values });
             }
         }
@@ -206,7 +207,8 @@ mod tests {
                 ..Default::default()
             };
             let voxels = Voxels::of(&pack(&request, &mut ()).unwrap());
-            let (plane, contrast) = (voxels.count[0] * voxels.count[1], voxels.contrast(&media));
+            let plane = voxels.count[0] * voxels.count[1];
+            let contrast = voxels.contrast(&media);
             // a plane at the very face, which hardly any grain touches
             let at = if face == RoughFace::Incident { 0 } else { contrast.len() - plane };
             let expected = Complex64::from(outermost.powi(2) - 2.25);

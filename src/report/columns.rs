@@ -313,6 +313,9 @@ impl<'a> FolderTables<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::composed::manifest::{ComposedRow, MediumRow};
+    use crate::evaluate::manifest::SpectrumRow;
+    use crate::evaluate::published::PublishedRow;
 
     #[test]
     fn a_columns_error_has_its_unit_and_its_name() {
@@ -322,6 +325,18 @@ mod tests {
         assert_eq!(column("bdf.csv", "n").unwrap().kind, "integer");
         assert_eq!(column("pigment.csv", "n").unwrap().kind, NUMBER);
         assert_eq!(column("spectra.csv", "bdf"), None);
+    }
+
+    /// A quantity that is published has a unit and a meaning. *Planted*: a quantity added to a row
+    /// and not to the list of columns.
+    #[test]
+    fn every_published_number_is_described() {
+        let undescribed = |table: &str, names: Vec<&'static str>| {
+            names.into_iter().filter(|name| column(table, name).is_none()).collect::<Vec<_>>()
+        };
+        assert_eq!(undescribed("spectra.csv", SpectrumRow::names()), Vec::<&str>::new());
+        assert_eq!(undescribed("spectra.csv", ComposedRow::names()), Vec::<&str>::new());
+        assert_eq!(undescribed("medium.csv", MediumRow::names()), Vec::<&str>::new());
     }
 
     #[test]

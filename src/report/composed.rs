@@ -2,27 +2,27 @@
 
 mod tables;
 
-pub use tables::{coefficients, tables};
+pub use tables::tables;
 
-use super::columns::FolderTables;
 use super::page::on_study;
-use super::publish::{Pictures, PublishError, PublishResult, picture_angles};
+use super::publish::{NamedPictures, Pictures, Publication, PublishError, PublishResult, picture_angles};
 use super::sheet;
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::draw::page::{Figure, png_data};
 use crate::evaluate::composed::level::SolvedPortion;
-use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, ComposedRow, ErrorParts};
+use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, ComposedRow};
 use crate::evaluate::composed::report::report;
 use crate::evaluate::composed::view::ComposedView;
 use crate::evaluate::ink::InkError;
-use crate::evaluate::manifest::Status;
+use crate::evaluate::published::{ErrorParts, PublishedRow};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::run::crew::processor_seconds;
 use crate::store::folder::OutputFolder;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
+use serde::Serialize;
 
 /// Writes `results.json`, tables and page; returns what is published.
 ///
@@ -36,36 +36,33 @@ pub fn publish<'a>(
     let manifest = report(study, solved).map_err(PublishError::Slabs)?;
     let manifest = ComposedManifest { process_seconds: processor_seconds(), ..manifest };
     let pictures = pictures(&manifest, solved)?;
-    let page = page(&manifest, pictures.first())?;
-    folder.begin()?;
-    for (k, (um, picture)) in pictures.iter().enumerate() {
-        let of = if k == 0 { String::new() } else { format!("-{um}um") };
-        folder.write(&format!("picture{of}.png"), &picture.plain)?;
-        folder.write(&format!("picture{of}-with-axes.png"), &picture.labelled)?;
+    let page = page(&manifest, pictures.first().map(|first| &first.pictures))?;
+    Publication {
+        study,
+        status: manifest.origin.status,
+        tables: tables(&manifest)?.into(),
+        results: serde_json::to_vec_pretty(&manifest)?,
+        page: on_study(include_str!("composed.html"), page)?,
+        pictures,
     }
-    let mut written = FolderTables::new(folder);
-    for (name, table, about) in tables(&manifest)? {
-        written.write(name, &table, about, &[])?;
-    }
-    written.describe(&study.title)?;
-    folder.write("results.json", &serde_json::to_vec_pretty(&manifest)?)?;
-    folder.write("report.html", on_study(include_str!("composed.html"), page)?.as_bytes())?;
-    if manifest.status == Status::Complete {
-        folder.complete()?;
-    }
+    .write(folder)?;
     Ok(manifest)
 }
 
-/// The picture of each thickness asked for, µm; none without a colour.
-fn pictures(manifest: &ComposedManifest, solved: &[SolvedPortion]) -> PublishResult<Vec<(f64, Pictures)>> {
-    let (study, angles) = (manifest.study, picture_angles(manifest.study));
-    let mut pictures = Vec::new();
-    for &ComposedColours { thickness_um: um, .. } in &manifest.colours {
+/// The pictures of each thickness requested, the first without its thickness in the name; none
+/// without a colour.
+fn pictures(manifest: &ComposedManifest, solved: &[SolvedPortion]) -> PublishResult<Vec<NamedPictures>> {
+    let study = manifest.study;
+    let angles = picture_angles(study);
+    let mut all = Vec::new();
+    for (k, colours) in manifest.colours.iter().enumerate() {
+        let um = colours.thickness_um;
         let view = ComposedView::new(study, solved, um).map_err(PublishError::Slabs)?;
         let picture = view.picture(&angles, study.output.mirrored_sky).map_err(InkError::from)?;
-        pictures.push((um, Pictures::new(&picture, study)?));
+        let name = if k == 0 { "picture".to_owned() } else { format!("picture-{um}um") };
+        all.push(NamedPictures::new(name, Pictures::new(&picture, study)?));
     }
-    Ok(pictures)
+    Ok(all)
 }
 
 /// Smaller errors are rounding, and are not shown.
@@ -83,7 +80,7 @@ fn words_of(judged: Option<ErrorParts>, decimals: usize) -> String {
 
 fn lab(judged: Option<[ErrorParts; 3]>) -> String {
     let Some(judged) = judged else { return "no colour".to_owned() };
-    let [l, a, b] = [0, 1, 2].map(|i| words(&judged[i], 2));
+    let [l, a, b] = judged.map(|part| words(&part, 2));
     format!("L* {l}, a* {a}, b* {b}")
 }
 
@@ -91,7 +88,9 @@ fn lab(judged: Option<[ErrorParts; 3]>) -> String {
 pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
     let mut lines = Vec::new();
     for c in &manifest.colours {
-        let (um, seen, ratio) = (c.thickness_um, lab(c.natural_light), words_of(c.contrast_ratio, 3));
+        let um = c.thickness_um;
+        let seen = lab(c.natural_light);
+        let ratio = words_of(c.contrast_ratio, 3);
         lines.push(format!("{um} µm: {seen} under natural light, contrast ratio {ratio}"));
     }
     if lines.is_empty() {
@@ -102,16 +101,19 @@ pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
 }
 
 fn spectral_line(row: &ComposedRow) -> String {
-    let [r, t] = [row.reflectance_normal, row.transmittance_normal].map(|j| words_of(j, 4));
-    let [dr, dt] = [row.reflectance_diffuse, row.transmittance_diffuse].map(|j| words_of(j, 4));
-    let (um, nm) = (row.thickness_um, row.wavelength_nm);
-    format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {dr}, T {dt}")
+    let um = row.thickness_um;
+    let nm = row.wavelength_nm;
+    let r = words_of(row.layer.reflectance_normal, 4);
+    let t = words_of(row.layer.transmittance_normal, 4);
+    let diffuse_r = words_of(row.layer.reflectance_diffuse, 4);
+    let diffuse_t = words_of(row.layer.transmittance_diffuse, 4);
+    format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {diffuse_r}, T {diffuse_t}")
 }
 
-fn page(manifest: &ComposedManifest, picture: Option<&(f64, Pictures)>) -> DrawResult<Value> {
+fn page(manifest: &ComposedManifest, pictures: Option<&Pictures>) -> DrawResult<Value> {
     let study = manifest.study;
     Ok(context! {
-        picture => picture.map(|(_, png)| png_data(&png.labelled)),
+        picture => pictures.map(|pictures| png_data(&pictures.labelled)),
         figures => Serde(figures(manifest)?),
         ink_maker => true,
         shown_medium => Serde(shown_medium(manifest)),
@@ -160,8 +162,8 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
     };
     let mut curves = Vec::new();
     for nm in sheet::shown_nm(&manifest.study.wavelengths_nm) {
-        curves.push(curve(nm, "R", |row| row.reflectance_diffuse));
-        curves.push(curve(nm, "T", |row| row.transmittance_diffuse));
+        curves.push(curve(nm, "R", |row| row.layer.reflectance_diffuse));
+        curves.push(curve(nm, "T", |row| row.layer.transmittance_diffuse));
     }
     against_thickness("share of the light", curves)
 }
@@ -209,7 +211,7 @@ fn spectra_chart(manifest: &ComposedManifest) -> Chart {
     let mut curves = Vec::new();
     for um in &manifest.composed.thicknesses_um {
         let rows = manifest.spectra.iter().filter(|row| row.thickness_um == *um);
-        let points = rows.filter_map(|row| Some((row.wavelength_nm, row.natural_light?.estimate())));
+        let points = rows.filter_map(|row| Some((row.wavelength_nm, row.layer.natural_light?.estimate())));
         curves.push(Curve::measured(format!("{um} µm"), points));
     }
     let chart = Chart::linear("", "wavelength, nm", "share of a perfect white", curves);
@@ -217,22 +219,50 @@ fn spectra_chart(manifest: &ComposedManifest) -> Chart {
 }
 
 /// Coefficients of the medium at a few wavelengths.
-fn shown_medium(manifest: &ComposedManifest) -> Vec<(String, ErrorParts)> {
+fn shown_medium(manifest: &ComposedManifest) -> Vec<(String, Estimate)> {
     let shown = sheet::shown_nm(&manifest.study.wavelengths_nm);
     let mut rows = Vec::new();
     for row in manifest.medium.iter().filter(|row| shown.contains(&row.wavelength_nm)) {
-        for (name, judged) in coefficients(row).into_iter().filter_map(|(name, it)| Some((name, it?))) {
-            let name = name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ");
-            rows.push((format!("{name}, {:.0} nm", row.wavelength_nm), judged));
+        for number in row.numbers() {
+            let Some(estimate) = number.estimate else { continue };
+            let name = heading(number.name);
+            rows.push((format!("{name}, {:.0} nm", row.wavelength_nm), estimate));
         }
     }
     rows
 }
 
-/// Largest parts of the bars of R and T: chance, model, grid and directions.
-fn largest_parts(manifest: &ComposedManifest) -> [f64; 4] {
-    let all: Vec<_> =
-        manifest.spectra.iter().flat_map(|row| row.numbers().into_iter().take(6)).flatten().collect();
-    let parts: [fn(&ErrorParts) -> f64; 4] = [|j| j.chance, |j| j.model, |j| j.grid, |j| j.directions];
-    parts.map(|of| all.iter().map(of).fold(0.0, f64::max))
+/// A number's name with its unit, for readers.
+pub fn heading(name: &str) -> String {
+    name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ")
+}
+
+/// Largest parts of the bars of R and T.
+#[derive(Default, Serialize)]
+struct LargestParts {
+    chance: f64,
+    model: f64,
+    grid: f64,
+    directions: f64,
+}
+
+fn largest_parts(manifest: &ComposedManifest) -> LargestParts {
+    let mut largest = LargestParts::default();
+    for ComposedRow { layer, .. } in &manifest.spectra {
+        let totals = [
+            layer.reflectance_normal,
+            layer.transmittance_normal,
+            layer.reflectance_45,
+            layer.transmittance_45,
+            layer.reflectance_diffuse,
+            layer.transmittance_diffuse,
+        ];
+        for parts in totals.into_iter().flatten() {
+            largest.chance = largest.chance.max(parts.chance);
+            largest.model = largest.model.max(parts.model);
+            largest.grid = largest.grid.max(parts.grid);
+            largest.directions = largest.directions.max(parts.directions);
+        }
+    }
+    largest
 }

@@ -3,14 +3,15 @@
 use super::columns::FolderTables;
 use super::page::on_study;
 use super::sheet::{colour_in_words, missed_target, sheet};
-use super::tables;
+use super::tables::{self, NamedTable};
 use crate::appearance::bdf::BdfError;
 use crate::appearance::picture::InkPicture;
 use crate::draw::OutputError;
 use crate::draw::figure::Bitmap;
 use crate::draw::picture::{PictureStyle, render};
 use crate::evaluate::ink::InkError;
-use crate::evaluate::manifest::{Manifest, Status, Withheld};
+use crate::evaluate::manifest::{Manifest, Status};
+use crate::evaluate::published::Withheld;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
@@ -20,6 +21,7 @@ use crate::store::folder::{FolderError, OutputFolder};
 
 /// Rows and columns of the picture.
 const PICTURE_ANGLES: usize = 61;
+
 /// Why the results could not be written.
 #[derive(Debug, thiserror::Error)]
 pub enum PublishError {
@@ -111,31 +113,79 @@ pub(crate) fn publish_seen(
     // the picture shows the same curves at other angles
     let pictures = if manifest.withheld.is_empty() { pictures(study, seen)? } else { None };
     let page = sheet(manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
-    folder.begin()?;
-    if let Some(pictures) = &pictures {
-        folder.write("picture.png", &pictures.plain)?;
-        folder.write("picture-with-axes.png", &pictures.labelled)?;
+    Publication {
+        study,
+        status: manifest.origin.status,
+        tables: tables_of(manifest, seen)?,
+        results: serde_json::to_vec_pretty(manifest)?,
+        page: on_study(include_str!("sheet.html"), page)?,
+        pictures: pictures.into_iter().map(|pictures| NamedPictures::new("picture", pictures)).collect(),
     }
-    let mut written = FolderTables::new(folder);
-    let spectra = tables::spectra(&manifest.spectra)?;
-    written.write("spectra.csv", &spectra, "spectra of the layer alone, and on its paper", &[])?;
-    let amplitude_error = manifest.certainty.amplitude_error_estimate;
-    let bdf = tables::distributions(&seen.bdfs, amplitude_error, study.layer.index_out)?;
-    written.write("bdf.csv", &bdf, "distributions of the layer alone, order by order", &[])?;
-    let factor = manifest.certainty.coverage_factor_95;
-    for (name, table, about) in tables::ink_maker(manifest.ink_maker.as_ref(), factor)? {
-        written.write(name, &table, about, &[])?;
-    }
-    written.describe(&study.title)?;
-    folder.write("results.json", &serde_json::to_vec_pretty(manifest)?)?;
-    folder.write("report.html", on_study(include_str!("sheet.html"), page)?.as_bytes())?;
-    if manifest.status == Status::Complete {
-        folder.complete()?;
-    }
+    .write(folder)?;
     let colour = colour_in_words(manifest);
     let withheld = manifest.withheld.iter().map(Withheld::in_words).collect();
-    let (no_colour, widest) = (manifest.no_colour.clone(), missed_target(manifest));
-    Ok(Published { status: manifest.status, colour, no_colour, widest, withheld })
+    let no_colour = manifest.no_colour.clone();
+    let widest = missed_target(manifest);
+    Ok(Published { status: manifest.origin.status, colour, no_colour, widest, withheld })
+}
+
+/// All tables of a layer that is solved as a whole.
+fn tables_of(manifest: &Manifest<&Study>, seen: &Seen) -> csv::Result<Vec<NamedTable>> {
+    let amplitude_error = manifest.certainty.amplitude_error_estimate;
+    let bdf = tables::distributions(&seen.bdfs, amplitude_error, manifest.study.layer.index_out)?;
+    let mut all = vec![
+        ("spectra.csv", tables::rows(&manifest.spectra)?, "spectra of the layer alone, and on its paper"),
+        ("bdf.csv", bdf, "distributions of the layer alone, order by order"),
+    ];
+    let factor = manifest.certainty.coverage_factor_95;
+    all.extend(tables::ink_maker(manifest.ink_maker.as_ref(), factor)?);
+    Ok(all)
+}
+
+/// What a study's folder holds beside its records, whichever evaluator made the numbers.
+pub(super) struct Publication<'a> {
+    pub(super) study: &'a Study,
+    pub(super) status: Status,
+    pub(super) pictures: Vec<NamedPictures>,
+    pub(super) tables: Vec<NamedTable>,
+    /// `results.json`.
+    pub(super) results: Vec<u8>,
+    /// `report.html`.
+    pub(super) page: String,
+}
+
+impl Publication<'_> {
+    /// Writes all files; removes the mark of partial results where these are complete.
+    pub(super) fn write(self, folder: &OutputFolder) -> PublishResult {
+        folder.begin()?;
+        for NamedPictures { name, pictures } in &self.pictures {
+            folder.write(&format!("{name}.png"), &pictures.plain)?;
+            folder.write(&format!("{name}-with-axes.png"), &pictures.labelled)?;
+        }
+        let mut written = FolderTables::new(folder);
+        for (name, table, about) in &self.tables {
+            written.write(name, table, about, &[])?;
+        }
+        written.describe(&self.study.title)?;
+        folder.write("results.json", &self.results)?;
+        folder.write("report.html", self.page.as_bytes())?;
+        if self.status == Status::Complete {
+            folder.complete()?;
+        }
+        Ok(())
+    }
+}
+
+/// Pictures of a layer and the name of their files.
+pub(super) struct NamedPictures {
+    name: String,
+    pub(super) pictures: Pictures,
+}
+
+impl NamedPictures {
+    pub(super) fn new(name: impl Into<String>, pictures: Pictures) -> Self {
+        Self { name: name.into(), pictures }
+    }
 }
 
 /// The picture of P1 Fig. 6 as PNG, with and without axes.
@@ -170,6 +220,7 @@ fn pictures(study: &Study, seen: &Seen) -> PublishResult<Option<Pictures>> {
 
 fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> PublishResult<Vec<u8>> {
     let bitmap: Bitmap = render(picture, style)?;
-    let (key, program) = (study.key().to_string(), crate::evaluate::summary::program());
+    let key = study.key().to_string();
+    let program = crate::evaluate::summary::program();
     Ok(bitmap.png(&[("Title", study.title.as_str()), ("Software", &program), ("Study", &key)])?)
 }

@@ -44,7 +44,8 @@ impl TablePlace {
     fn of(study: &Study) -> Option<TablePlace> {
         let materials: Vec<&IndexSpectrum> =
             study.materials().chain(study.dissolved.iter().map(|d| &d.material)).collect();
-        let (mut largest_kappa, mut contrast) = (f64::NEG_INFINITY, 0.0_f64);
+        let mut largest_kappa = f64::NEG_INFINITY;
+        let mut contrast = 0.0_f64;
         for (nm, eta) in materials.iter().flat_map(|m| study.wavelengths_nm.iter().zip(&m.index)) {
             let binder = study.layer.binder.spectrum.index(1e-3 * nm).ok()?;
             largest_kappa = largest_kappa.max(eta.im).max(binder.im);

@@ -59,7 +59,8 @@ pub(super) fn colour_in_words(manifest: &Manifest<&Study>) -> Option<String> {
         let standard_error = first.lab_standard_error.map(|errors| errors[i]);
         Estimate { value: first.colour.lab[i], standard_error }.in_words(2)
     });
-    let (chroma, conditions) = (first.chroma.in_words(2), &first.conditions);
+    let chroma = first.chroma.in_words(2);
+    let conditions = &first.conditions;
     Some(format!("L* {l}, a* {a}, b* {b}, C* {chroma} under {conditions}"))
 }
 
@@ -142,7 +143,8 @@ fn packing_row(packing: &PackingRecord, pigment: &str, share: &ShareRecord) -> V
 
 /// How the grains were packed, with the number of steps.
 fn method(packing: &PackingRecord) -> String {
-    let (words, steps) = (packing.method.in_words(), packing.steps);
+    let words = packing.method.in_words();
+    let steps = packing.steps;
     match packing.method {
         Method::SequentialAddition => format!("{words}, {steps} attempts"),
         Method::Relaxation => format!("{words}, {steps} steps"),
@@ -165,7 +167,7 @@ pub(crate) fn provenance(manifest: &Manifest<&Study>) -> Value {
         wave => manifest.study.wave.in_words(),
         grid => format!("{}, {grid}{}", words(manifest.resolution), longest.unwrap_or_default()),
         solver => manifest.study.solver.build().name(),
-        mixed => (manifest.builds.len() > 1).then_some("different builds: "),
+        mixed => (manifest.origin.builds.len() > 1).then_some("different builds: "),
     }
 }
 

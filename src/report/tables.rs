@@ -1,32 +1,26 @@
-//! CSV tables for other programs: spectra and distributions.
+//! CSV tables for other programs: rows of published numbers, and distributions.
 
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::draw::cell::{numbers, records, table, with_errors};
-use crate::evaluate::gate::{self, Quantity};
+use crate::evaluate::gate;
 use crate::evaluate::ink_maker::InkMaker;
-use crate::evaluate::manifest::SpectrumRow;
+use crate::evaluate::published::{PublishedRow, Quantity};
 use crate::numerics::estimate::Estimate;
 use crate::wave::Side;
 
-/// Numbers of a spectrum.
-const NUMBERS: [(&str, fn(&SpectrumRow) -> Option<Estimate>); 8] = [
-    ("reflectance", |row| Some(row.reflectance)),
-    ("specular_reflectance", |row| Some(row.specular_reflectance)),
-    ("transmittance", |row| Some(row.transmittance)),
-    ("specular_transmittance", |row| Some(row.specular_transmittance)),
-    ("absorptance", |row| Some(row.absorptance)),
-    ("natural_light", |row| row.natural_light),
-    ("lit_at_45", |row| row.lit_at_45),
-    ("coherent_transmittance", |row| row.coherent_transmittance),
-];
-
-/// Spectra, one row per wavelength; unknown errors and unfinished values are empty.
-pub fn spectra(rows: &[SpectrumRow]) -> csv::Result<Vec<u8>> {
-    let place = ["wavelength_nm", "polar_deg"].map(str::to_owned);
-    let lines = rows.iter().map(|row| {
-        ([row.wavelength_nm, row.polar_deg].map(|x| x.to_string()), NUMBERS.map(|(_, of)| numbers(of(row))))
+/// A table of rows: the columns that tell which row it is, then every number with its standard
+/// error. Withheld numbers and unknown errors are empty.
+///
+/// # Errors
+/// A table that cannot be written.
+pub fn rows<'a, R: PublishedRow + 'a>(rows: impl IntoIterator<Item = &'a R>) -> csv::Result<Vec<u8>> {
+    let place = R::PLACE.iter().map(|name| (*name).to_owned());
+    let lines = rows.into_iter().map(|row| {
+        let place: Vec<String> = row.place().iter().map(f64::to_string).collect();
+        let all: Vec<[String; 2]> = row.numbers().iter().map(|number| numbers(number.estimate)).collect();
+        (place, all)
     });
-    table(place.into_iter().chain(with_errors(NUMBERS.map(|(name, _)| name))), lines)
+    table(place.chain(with_errors(R::names())), lines)
 }
 
 /// A table's name, bytes and description.
@@ -129,6 +123,7 @@ fn row(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::manifest::SpectrumRow;
     use inkwave_validation::fixtures::two_orders;
 
     #[test]
@@ -182,7 +177,7 @@ mod tests {
             lit_at_45: Some(of(0.75)),
             deviations: Vec::new(),
         };
-        let text = String::from_utf8(spectra(&[row]).unwrap()).unwrap();
+        let text = String::from_utf8(rows(&[row]).unwrap()).unwrap();
         let last = text.lines().last().unwrap();
         assert_eq!(
             last,

@@ -5,7 +5,7 @@ use crate::formulas::films::{Film, amplitudes};
 use inkwave::appearance::paper::{Albedo, Coupling, MirroredSky, Substrate};
 use inkwave::evaluate::film::Profile;
 use inkwave::evaluate::films::Films;
-use inkwave::evaluate::ink::{InkInputs, InkOnPaper};
+use inkwave::evaluate::ink::{InkInputs, InkOnPaper, SolvedLayer};
 use inkwave::evaluate::layer::LayerEnsemble;
 use inkwave::evaluate::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use inkwave::evaluate::wavelengths::SpectralBasis;
@@ -50,7 +50,7 @@ fn ink(case: &Value, index: Complex64, coupling: Coupling, solved: Option<usize>
     let film = Film { index: Complex64::new(number("n"), number("kappa")), thickness_um };
     let ensemble: Vec<SolvedRealisation> = (0..REALISATIONS).map(|r| by_formula(&film, strata, r)).collect();
     let layer = LayerEnsemble::new(&ensemble, SpectralBasis::Listed(vec![OUTPUT_NM]), &films, &[0.0, 45.0]);
-    InkOnPaper::new((layer, &ensemble), None, &inputs).expect("a layer")
+    InkOnPaper::new(SolvedLayer { ensemble: layer, solved: &ensemble }, None, &inputs).expect("a layer")
 }
 
 /// Realisations of the interpolation's test.
@@ -143,7 +143,8 @@ fn curve_errors(index: Complex64, thickness_um: f64) -> [f64; 2] {
     let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &[OUTPUT_NM] };
     let ensemble: Vec<SolvedRealisation> = (0..REALISATIONS).map(|r| by_formula(&truth, 2, r)).collect();
     let layer = LayerEnsemble::new(&ensemble, SpectralBasis::Listed(vec![OUTPUT_NM]), &films, &[0.0, 45.0]);
-    let ink = InkOnPaper::new((layer, &ensemble), None, &inputs).expect("a layer");
+    let ink =
+        InkOnPaper::new(SolvedLayer { ensemble: layer, solved: &ensemble }, None, &inputs).expect("a layer");
     let of = |film: &Film, deg: f64| {
         amplitudes(1.0, &[*film], 1.0.into(), 1e-3 * OUTPUT_NM, deg).map(|a| a.norm_sqr())
     };

@@ -94,7 +94,8 @@ fn html(
         context!(name => sided(&named(name, pigments)), value => rounded(*value), unit => unit.to_owned())
     });
     let plots = statistics.curves.iter().filter(|curve| drawable(curve)).map(|curve| {
-        let (y, x) = (named(&curve.y_label, pigments), curve.x_label.clone());
+        let y = named(&curve.y_label, pigments);
+        let x = curve.x_label.clone();
         context!(file => format!("{}.svg", curve.name), y, x)
     });
     let page = context! {
@@ -112,7 +113,8 @@ fn html(
 fn account((k, packing): (usize, &Packing)) -> [String; 6] {
     let a = packing.account();
     let gap = a.smallest_gap_um.map_or("above one radius".into(), |g| format!("{g:.2e}"));
-    let (method, notes) = (a.method.in_words().to_string(), a.notes.join("; "));
+    let method = a.method.in_words().to_string();
+    let notes = a.notes.join("; ");
     [(k + 1).to_string(), method, a.steps.to_string(), a.sweeps.to_string(), gap, notes]
 }
 

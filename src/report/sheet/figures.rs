@@ -20,7 +20,8 @@ const LIGHT_DEG: f64 = 45.0;
 
 /// All plots that the finished solves allow.
 pub(super) fn figures(manifest: &Manifest<&Study>, seen: &Seen) -> DrawResult<Vec<Figure>> {
-    let (study, rows) = (manifest.study, &manifest.spectra);
+    let study = manifest.study;
+    let rows = &manifest.spectra;
     let all =
         [seen_spectra(study, rows), layer_spectra(study, rows), other_angles(study, rows), brdf(study, seen)];
     all.into_iter().flatten().map(|(heading, plot, caption)| Figure::new(heading, &plot, caption)).collect()

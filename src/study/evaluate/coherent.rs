@@ -181,7 +181,8 @@ mod tests {
     #[test]
     fn amplitudes_are_averaged_before_they_are_squared() {
         for wave in [Wave::Scalar, Wave::P, Wave::Unpolarised] {
-            let (films, mean) = (films(wave), Complex64::new(0.3, -0.6));
+            let films = films(wave);
+            let mean = Complex64::new(0.3, -0.6);
             let all = transmittances(&films, &solved(&films, 6, mean, 0.0, 1));
             for (i, estimate) in all.iter().enumerate() {
                 let nm = 400.0 + 50.0 * i as f64;

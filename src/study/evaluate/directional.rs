@@ -97,7 +97,8 @@ pub struct DirectionalInk<'a> {
 /// T, mirror part of R, albedo, T of the light returned by the paper; `bend` is added to the T
 /// whose mean is T̄.
 fn row(layer: &LayerOnPaper, at: &PolarAngle, bend: f64) -> [f64; 4] {
-    let (own, back) = (layer.transmittance(at), layer.transmittance_returned(at));
+    let own = layer.transmittance(at);
+    let back = layer.transmittance_returned(at);
     // for polarised light T̄ is not the mean of this T
     let own = if own == back { own + bend } else { own };
     let returned = layer.return_factor() * own * layer.mean_transmittance();
@@ -173,7 +174,9 @@ impl DirectionalPrint for DirectionalInk<'_> {
 
     fn brdf(&self, wavelength: usize, light_deg: f64, view: Direction) -> f64 {
         let cosine = |deg: f64| deg.to_radians().cos();
-        let (layer, lit, seen) = (&self.ink.layers()[wavelength], cosine(light_deg), cosine(view.polar_deg));
+        let layer = &self.ink.layers()[wavelength];
+        let lit = cosine(light_deg);
+        let seen = cosine(view.polar_deg);
         let own = layer.directional_brdf(lit, seen, cosine(view.azimuth_deg));
         let back = self.tabulated(wavelength, view.polar_deg)[3];
         // g T(i) T(o)/π: light returned by the paper, 1/sr
@@ -213,7 +216,8 @@ mod tests {
         let ink = molecular_ink("yellow", 0.3, Coupling::Gap);
         let directional = DirectionalInk::new(&ink).unwrap();
         for deg in [0.0, 13.1, 44.9, 70.3] {
-            let (at, layer) = (ink.at(deg).unwrap(), &ink.layers()[7]);
+            let at = ink.at(deg).unwrap();
+            let layer = &ink.layers()[7];
             // linear between steps of a quarter of a degree
             assert!((directional.transmittance(7, deg) - layer.transmittance(&at)).abs() < 5e-5);
             assert!((directional.specular(7, deg) - layer.mirrored(&at)).abs() < 5e-5);
@@ -231,7 +235,9 @@ mod tests {
         let made = yellow_made_up(1e-4);
         let (ink, _) = made.ink(8, 3);
         let directional = DirectionalInk::new(&ink).unwrap();
-        let (mut squares, mut by_chance, mut count) = (0.0, 0.0, 0.0);
+        let mut squares = 0.0;
+        let mut by_chance = 0.0;
+        let mut count = 0.0;
         for deg in [5.0, 20.0, 35.0, 50.0, 65.0] {
             for apart in directional.disagreement(deg).unwrap() {
                 squares += (apart.value / apart.standard_error().unwrap()).powi(2);

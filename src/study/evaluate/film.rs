@@ -75,7 +75,9 @@ impl Film {
         let exit = admittance((Complex64::from(to * to) - along * along).sqrt(), (to * to).into());
         let height = k0 * self.thickness_um / self.squared_indices.len() as f64;
         let count = self.squared_indices.len();
-        let (mut gamma, mut through, mut after) = (Complex64::ZERO, Complex64::ONE, exit);
+        let mut gamma = Complex64::ZERO;
+        let mut through = Complex64::ONE;
+        let mut after = exit;
         for behind in 0..count {
             let slice = if side == Side::Incident { count - 1 - behind } else { behind };
             let squared = self.squared_indices[slice];
@@ -129,11 +131,17 @@ mod tests {
         let delta = b * h * TAU / wavelength;
         // H instead of E for p light: every normal index is divided by its index squared
         let over = |z: Complex64, n: Complex64| if p { z / (n * n) } else { z };
-        let (a, b, c) = (over(a, from.into()), over(b, index), over(c, to.into()));
-        let (cos, sin) = (delta.cos(), delta.sin());
+        let a = over(a, from.into());
+        let b = over(b, index);
+        let c = over(c, to.into());
+        let cos = delta.cos();
+        let sin = delta.sin();
         // characteristic matrix of the slab
-        let (m11, m12, m21) = (cos, -Complex64::i() * sin / b, -Complex64::i() * b * sin);
-        let (u, v) = (m11 + m12 * c, m21 + cos * c);
+        let m11 = cos;
+        let m12 = -Complex64::i() * sin / b;
+        let m21 = -Complex64::i() * b * sin;
+        let u = m11 + m12 * c;
+        let v = m21 + cos * c;
         let r = (a * u - v) / (a * u + v);
         let t = 2.0 * a / (a * u + v);
         (r.norm_sqr(), c.re / a.re * t.norm_sqr())

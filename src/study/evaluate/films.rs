@@ -148,7 +148,8 @@ impl FilmAt {
             let [r, t] = self.from(Side::Exit, polar_deg);
             1.0 - r - t
         };
-        let (critical, mut sum) = ((1.0 - 1.0 / (index * index)).max(0.0).sqrt(), 0.0);
+        let critical = (1.0 - 1.0 / (index * index)).max(0.0).sqrt();
+        let mut sum = 0.0;
         for (x, weight) in GaussLegendre::new(MEAN_ANGLES).expect("a positive number of nodes").iter() {
             let share = 0.5 * (1.0 + x);
             let inside = ((1.0 - share * share).sqrt() / index).asin();

@@ -5,7 +5,8 @@
 //! overshoot where a colour or a BRDF is derived from them.
 
 use super::ink_maker::{InkMaker, Swatch};
-use super::manifest::{ColourNote, LIT_AT_45, NATURAL_LIGHT, SpectrumRow, Withheld};
+use super::manifest::{ColourNote, LIT_AT_45, NATURAL_LIGHT, SpectrumRow};
+use super::published::{PublishedRow, Quantity, Withheld};
 use crate::appearance::colour::Colour;
 use crate::numerics::estimate::Estimate;
 
@@ -32,21 +33,6 @@ const MOST_FACTOR: f64 = 2.0;
 /// Rounding of quantities with a unit, such as the absorption of a layer that absorbs nothing.
 const ROUNDING: f64 = 1e-6;
 
-/// What a published number is, which tells what it can be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// A share of the light, such as R or T: 0 to 1.
-    Share,
-    /// A reflectance factor in one direction, such as 45:0; a perfect white has 1.
-    Factor,
-    /// A quantity with a unit that is 0 or more, such as a coefficient, a length or a density.
-    Size,
-    /// A quantity that is above 0, such as a mean free path or an index.
-    Positive,
-    /// A mean cosine: −1 to 1.
-    Cosine,
-}
-
 /// Why a number cannot be published; `None` if it can. An unknown error counts as 0.02 for shares
 /// and factors, and as 0 for quantities with a unit.
 pub fn impossible(quantity: Quantity, number: Estimate) -> Option<String> {
@@ -65,7 +51,8 @@ pub fn impossible(quantity: Quantity, number: Estimate) -> Option<String> {
 
 /// Removes impossible colours and gives the reasons.
 pub(super) fn colours(notes: Vec<ColourNote>) -> (Vec<ColourNote>, Vec<Withheld>) {
-    let (mut kept, mut withheld) = (Vec::new(), Vec::new());
+    let mut kept = Vec::new();
+    let mut withheld = Vec::new();
     for note in notes {
         match impossible_colour(&note.colour, note.lab_standard_error) {
             None => kept.push(note),
@@ -106,17 +93,19 @@ type PrintColumn = (&'static str, fn(&mut SpectrumRow) -> &mut Option<Estimate>)
 const OF_PRINT: [PrintColumn; 2] =
     [(NATURAL_LIGHT, |row| &mut row.natural_light), (LIT_AT_45, |row| &mut row.lit_at_45)];
 
-/// Removes impossible reflectance factors and gives the reason for the first of each kind; where
-/// the colour that a whole spectrum makes is among those `withheld`, removes that spectrum.
+/// Removes impossible reflectance factors of the ink on its paper and gives the reason for the
+/// first of each kind; where the colour that a whole spectrum makes is among those `withheld`,
+/// removes that spectrum.
 pub(super) fn spectra(rows: &mut [SpectrumRow], withheld: &[Withheld]) -> Vec<Withheld> {
     let mut reasons = Vec::new();
     for (conditions, of) in OF_PRINT {
-        let name = format!("reflectance factor under {conditions}");
+        let number = format!("reflectance factor under {conditions}");
         if withheld.iter().any(|other| other.number == colour_under(conditions)) {
             rows.iter_mut().for_each(|row| *of(row) = None);
-            reasons.push(Withheld { number: name, reason: "it makes an impossible colour".to_owned() });
+            reasons.push(Withheld { number, reason: "it makes an impossible colour".to_owned() });
         } else {
-            reasons.extend(first(&name, rows, of));
+            let reason = |row: &mut SpectrumRow| of(row).and_then(impossible_factor);
+            reasons.extend(withhold(rows, number, reason, |row| *of(row) = None));
         }
     }
     reasons
@@ -137,23 +126,24 @@ pub(super) fn kubelka_munk(maker: &mut InkMaker) {
     maker.no_kubelka_munk = maker.no_kubelka_munk.take().or(found);
 }
 
-fn first(
-    name: &str,
-    rows: &mut [SpectrumRow],
-    of: fn(&mut SpectrumRow) -> &mut Option<Estimate>,
+/// Withholds `number` in the rows that have a reason, and tells how many these are and the first
+/// reason.
+pub(super) fn withhold<R: PublishedRow>(
+    rows: &mut [R],
+    number: String,
+    reason: impl Fn(&mut R) -> Option<String>,
+    remove: impl Fn(&mut R),
 ) -> Option<Withheld> {
-    let (mut count, mut found) = (0, None);
+    let mut count = 0;
+    let mut first = None;
     for row in rows {
-        let wavelength_nm = row.wavelength_nm;
-        let number = of(row);
-        if let Some(reason) = (*number).and_then(impossible_factor) {
-            *number = None;
-            count += 1;
-            found = found.or(Some(format!("{reason} at {wavelength_nm} nm")));
-        }
+        let Some(reason) = reason(row) else { continue };
+        remove(row);
+        count += 1;
+        first = first.or(Some(format!("{reason} at {} nm", row.wavelength_nm())));
     }
-    let reason = format!("{}; {count} of its wavelengths are left out", found?);
-    Some(Withheld { number: name.to_owned(), reason })
+    let reason = format!("{}; {count} of its wavelengths are left out", first?);
+    Some(Withheld { number, reason })
 }
 
 /// Limits a total of the layer to 0–1. Curves through few wavelengths and cells overshoot: the
@@ -228,7 +218,8 @@ pub(super) fn impossible_colour(colour: &Colour, error: Option<[f64; 3]>) -> Opt
         return Some(format!("Lab ({lab}) is not a number"));
     }
     if let Some(c) = (0..3).find(|c: &usize| colour.xyz[*c] < -SLACK * colour.white_xyz[*c]) {
-        let (name, value) = (["X", "Y", "Z"][c], shown(colour.xyz[c]));
+        let name = ["X", "Y", "Z"][c];
+        let value = shown(colour.xyz[c]);
         return Some(format!("Lab ({lab}) has {name} = {value}, below 0"));
     }
     let lightness_error = error.map_or(100.0 * UNKNOWN, |e| e[0]);

@@ -133,6 +133,15 @@ struct MovedNodes {
     moved: Vec<usize>,
 }
 
+/// The layer of an ensemble with the solves that it was made of.
+#[derive(Clone, Debug)]
+pub struct SolvedLayer<'a> {
+    /// The layer's totals.
+    pub ensemble: LayerEnsemble,
+    /// Every realisation.
+    pub solved: &'a [SolvedRealisation],
+}
+
 impl InkOnPaper {
     /// Fits the difference between the layer and its film, and places the layer on its paper. For
     /// polarised light `inputs.films` are those of that light, and `returned` is the layer in the
@@ -142,10 +151,11 @@ impl InkOnPaper {
     /// The angles do not suffice, the albedo is not defined everywhere, or a lossless mirror lies
     /// on a lossless paper.
     pub fn new(
-        (layer, solved): (LayerEnsemble, &[SolvedRealisation]),
-        returned: Option<(LayerEnsemble, &[SolvedRealisation])>,
+        solved_layer: SolvedLayer,
+        returned: Option<SolvedLayer>,
         inputs: &InkInputs,
     ) -> Result<Self, InkError> {
+        let SolvedLayer { ensemble: layer, solved } = solved_layer;
         let anchored = [0.0, PRINT_DEG].map(|deg| layer.place(deg));
         let ([Some(normal), Some(slanted)], true) = (anchored, layer.strata > 0) else {
             return Err(InkError::AnglesMissing);
@@ -164,9 +174,9 @@ impl InkOnPaper {
         }
         let diffuse_width = if returned.is_some() { DIFFUSE } else { SYMMETRIC };
         let [own_curves, diffuse, directional] = fits(&layer, anchored, solved, inputs.films, diffuse_width);
-        let returned = returned.map(|(layer, solved)| {
-            let fits = curves(&layer, anchored, solved, &inputs.films.returned());
-            (layer, fits)
+        let returned = returned.map(|SolvedLayer { ensemble, solved }| {
+            let fits = curves(&ensemble, anchored, solved, &inputs.films.returned());
+            (ensemble, fits)
         });
         let ink = Self {
             layer,
@@ -194,7 +204,8 @@ impl InkOnPaper {
     /// As for [`InkOnPaper::new`].
     pub fn homogeneous(inputs: &InkInputs) -> Result<Self, InkError> {
         let basis = SpectralBasis::Listed(inputs.outputs_nm.to_vec());
-        Self::new((LayerEnsemble::new(&[], basis, inputs.films, &[0.0, PRINT_DEG]), &[]), None, inputs)
+        let ensemble = LayerEnsemble::new(&[], basis, inputs.films, &[0.0, PRINT_DEG]);
+        Self::new(SolvedLayer { ensemble, solved: &[] }, None, inputs)
     }
 
     /// The layer on another paper with the same contact.

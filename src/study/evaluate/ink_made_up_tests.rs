@@ -3,7 +3,7 @@
 
 use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG, Substrate};
 use crate::evaluate::films::Films;
-use crate::evaluate::ink::{InkInputs, InkOnPaper};
+use crate::evaluate::ink::{InkInputs, InkOnPaper, SolvedLayer};
 use crate::evaluate::layer::LayerEnsemble;
 use crate::evaluate::samples::{Scattered, SolvedDirection, SolvedRealisation, SolvedWavelength};
 use crate::evaluate::wavelengths::SpectralBasis;
@@ -52,7 +52,8 @@ impl MadeUp<'_> {
     fn solved(&self, nm: f64, polar_deg: f64, error: f64) -> SolvedDirection {
         let film = self.films.at(nm).reflectance_transmittance(polar_deg);
         let [lost, back] = taken(nm, polar_deg.to_radians().cos());
-        let (r, t) = (film[0] + back, film[1] - lost + error);
+        let r = film[0] + back;
+        let t = film[1] - lost + error;
         let mu = polar_deg.to_radians().cos();
         let hidden = order_area(nm) * density(mu, mu, 1.0 - mu * mu);
         SolvedDirection {
@@ -98,7 +99,7 @@ impl MadeUp<'_> {
         let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
         let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
         let inputs = InkInputs { films: &self.films, substrate: &substrate, outputs_nm: &outputs_nm };
-        (InkOnPaper::new((layer, &solved), None, &inputs).unwrap(), solved)
+        (InkOnPaper::new(SolvedLayer { ensemble: layer, solved: &solved }, None, &inputs).unwrap(), solved)
     }
 }
 
@@ -106,7 +107,8 @@ impl MadeUp<'_> {
 pub fn truth(films: &Films, nm: f64) -> f64 {
     let film = films.at(nm);
     let count = 4000;
-    let (mut t_mean, mut a_mean) = (0.0, 0.0);
+    let mut t_mean = 0.0;
+    let mut a_mean = 0.0;
     for k in 0..count {
         let mu = ((k as f64 + 0.5) / count as f64).sqrt();
         let [r, t] = film.reflectance_transmittance(mu.acos().to_degrees());

@@ -151,7 +151,8 @@ impl Question<'_> {
         let sight = &self.sight;
         let over = |albedo: f64| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), UNMOVED);
         let [black, white] = [BLACK, WHITE].map(|albedo| self.ink.replicates_of(sight, over(albedo)));
-        let (black, white) = (black?, white?);
+        let black = black?;
+        let white = white?;
         let replicates: Vec<f64> = black.iter().zip(&white).map(|(b, w)| b.xyz[1] / w.xyz[1]).collect();
         let estimate = Estimate::jackknife(self.luminance_ratio(&|_| UNMOVED)?, &replicates);
         let moved = self.uncertainty.moved(self.ink, |by| self.luminance_ratio(by))?;
@@ -198,7 +199,8 @@ impl Question<'_> {
     /// The `i`-th wavelength of the spectra, if it is within the measured range; the prediction
     /// includes its shared errors.
     fn compared(&self, measured: &MeasuredSpectrum, i: usize, by_chance: Estimate) -> Option<ComparedRow> {
-        let (layer, wavelength_nm) = (&self.ink.layers()[i], self.ink.wavelengths_nm()[i]);
+        let layer = &self.ink.layers()[i];
+        let wavelength_nm = self.ink.wavelengths_nm()[i];
         let moved = |by: Shift| self.factor(layer, by) - self.factor(layer, UNMOVED);
         let inputs = self.ink.input_error(i, |layer| self.factor(layer, UNMOVED));
         let predicted = self.uncertainty.widen_by(by_chance, wavelength_nm, inputs, moved);

@@ -46,7 +46,8 @@ fn a_yellow_ink_is_yellow_and_red_is_red() {
             let ink = molecular_ink(pigment, 0.3, coupling);
             let view = ink.at(0.0).unwrap();
             let colour = ink.colour(|l| l.natural_light(&view, MirroredSky::Excluded)).unwrap();
-            let (chroma, hue) = (colour.chroma().value, colour.hue_deg().value);
+            let chroma = colour.chroma().value;
+            let hue = colour.hue_deg().value;
             assert!(chroma > 30.0 && hues.contains(&hue), "{pigment}: C* {chroma}, h {hue}");
         }
     }
@@ -224,7 +225,7 @@ fn the_furnace_is_exact() {
         let substrate = Substrate { albedo: Albedo::Constant(1.0), coupling };
         let inputs =
             InkInputs { films: &made.films, substrate: &substrate, outputs_nm: &[450.0, 550.0, 650.0] };
-        let ink = InkOnPaper::new((layer, &solved), None, &inputs).unwrap();
+        let ink = InkOnPaper::new(SolvedLayer { ensemble: layer, solved: &solved }, None, &inputs).unwrap();
         for deg in [0.0, 20.0, 45.0, 70.0] {
             let view = ink.at(deg).unwrap();
             for layer in ink.layers() {
@@ -246,7 +247,10 @@ fn angles_that_cannot_carry_paper_are_refused() {
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
     let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &[500.0] };
     let layer = LayerEnsemble::new(&[], basis, &films, &[0.0, 30.0]);
-    assert_eq!(InkOnPaper::new((layer, &[]), None, &inputs).unwrap_err(), InkError::AnglesMissing);
+    assert_eq!(
+        InkOnPaper::new(SolvedLayer { ensemble: layer, solved: &[] }, None, &inputs).unwrap_err(),
+        InkError::AnglesMissing
+    );
 }
 
 /// Mean reflectance over the hemisphere above a backing, as in Kubelka and Munk.
@@ -271,7 +275,8 @@ fn kubelka_and_munk_predict_a_third_backing_within_its_bar() {
         let [black, _, white] = of(layer);
         KubelkaMunk::from_backings([0.0, black], [0.8, white], 1.0).unwrap().over(0.4, 1.0)
     });
-    let (mut worst, mut straight) = (0.0f64, 0.0f64);
+    let mut worst = 0.0f64;
+    let mut straight = 0.0f64;
     for (estimate, layer) in predicted.estimates().iter().zip(ink.layers()) {
         let ([black, grey, white], bar) = (of(layer), estimate.standard_error.unwrap());
         worst = worst.max((estimate.value - grey).abs() / bar);

@@ -159,7 +159,8 @@ pub fn film_totals(film: &FilmAt, polar_deg: f64) -> [f64; TOTALS] {
 /// Differences from the film in the order of the columns.
 fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64]) -> Vec<f64> {
     let of_angle = |(s, &deg): (&SolvedDirection, &f64)| {
-        let (own, film) = (s.totals(), film_totals(film, deg));
+        let own = s.totals();
+        let film = film_totals(film, deg);
         (0..TOTALS).map(move |i| own[i] - film[i])
     };
     let mut all: Vec<f64> = solved.exact.iter().zip(exact_deg).flat_map(of_angle).collect();

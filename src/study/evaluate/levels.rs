@@ -74,7 +74,8 @@ impl GridCorrection {
 
     /// Error of the coarse grid, by which its totals are to be shifted.
     fn shift(&self, fit: &Array2<f64>, nm: f64, polar_deg: f64) -> [f64; TOTALS] {
-        let (weights, functions) = (self.basis.weights(nm), functions(polar_deg));
+        let weights = self.basis.weights(nm);
+        let functions = functions(polar_deg);
         let of = |total: usize, k: usize| SpectralBasis::at(&weights, |i| fit[[i * WIDTH + k, total]]);
         std::array::from_fn(|t| self.factor * (0..WIDTH).map(|k| functions[k] * of(t, k)).sum::<f64>())
     }
@@ -111,7 +112,8 @@ impl GridPart {
         let Some(fit) = part.checked_sub(1).map(|k| &correction.incident.without[k]) else {
             return whole.map(|by| EXTRAPOLATION * by / correction.factor);
         };
-        let (without, n) = (correction.totals(fit, nm), self.checked() as f64);
+        let without = correction.totals(fit, nm);
+        let n = self.checked() as f64;
         std::array::from_fn(|i| (1.0 - 1.0 / n).sqrt() * (without[i] - whole[i]))
     }
 
@@ -146,7 +148,8 @@ fn fits<'a>(
 fn differences(coarse: Vec<&SolvedDirection>, finer: Vec<&SolvedDirection>) -> Normal {
     let mut samples = Normal::new(WIDTH, TOTALS);
     for (coarse, finer) in coarse.into_iter().zip(finer) {
-        let (a, b) = (coarse.totals(), finer.totals());
+        let a = coarse.totals();
+        let b = finer.totals();
         let differences: [f64; TOTALS] = std::array::from_fn(|i| b[i] - a[i]);
         samples.sample(&functions(coarse.polar_deg), &differences);
     }
@@ -225,7 +228,8 @@ mod tests {
     /// What the packings do differently on the two grids is in the error.
     #[test]
     fn the_scatter_between_packings_counts() {
-        let (mut calm, mut wild) = (Vec::new(), Vec::new());
+        let mut calm = Vec::new();
+        let mut wild = Vec::new();
         for r in 0..4 {
             let coarse = realisation(r, 1.0, 3);
             calm.push(Checked { coarse: coarse.clone(), finer: realisation(r, 0.75, 3) });

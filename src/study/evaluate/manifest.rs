@@ -1,12 +1,16 @@
 //! `results.json`: the numbers and their provenance.
 
 use super::ink_maker::InkMaker;
+use super::published::{NamedNumber, PublishedRow, Quantity, Withheld};
 use super::survivors::Survivors;
 pub use super::uncertainty::Budget;
 use super::uncertainty::nothing;
 use crate::appearance::colour::Colour;
+use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
+use crate::store::identity::METHOD_VERSION;
 use crate::store::packing_record::PackingRecord;
+use crate::store::record::PointRecord;
 use crate::wave::Resolution;
 use serde::Serialize;
 use std::collections::BTreeSet;
@@ -26,11 +30,9 @@ pub enum Status {
     Partial,
 }
 
-/// All results of a run. Standard errors include randomness, cell, angles and wavelengths (by the
-/// jackknife over realisations), the error of the grid and that of the residual, added in
-/// quadrature; `null` if a single realisation leaves them unknown.
+/// Where the numbers of a study come from, whichever evaluator made them.
 #[derive(Clone, Debug, Serialize)]
-pub struct Manifest<Study: Serialize> {
+pub struct Provenance {
     /// Whether the results are complete.
     pub status: Status,
     /// The study's title.
@@ -45,6 +47,36 @@ pub struct Manifest<Study: Serialize> {
     pub method_version: u32,
     /// Seed of the study.
     pub seed: u64,
+}
+
+impl Provenance {
+    /// Of the numbers of a study that has these records.
+    pub fn new<'a>(study: &Study, records: impl IntoIterator<Item = &'a PointRecord>, solves: Count) -> Self {
+        Self {
+            status: if solves.finished >= solves.asked { Status::Complete } else { Status::Partial },
+            title: study.title.clone(),
+            study_hash: study.key().to_string(),
+            program: program(),
+            builds: records.into_iter().map(|record| record.build.clone()).collect(),
+            method_version: METHOD_VERSION,
+            seed: study.packing.seed,
+        }
+    }
+}
+
+/// The program and its version.
+pub fn program() -> String {
+    concat!("inkwave ", env!("CARGO_PKG_VERSION")).to_owned()
+}
+
+/// All results of a run. Standard errors include randomness, cell, angles and wavelengths (by the
+/// jackknife over realisations), the error of the grid and that of the residual, added in
+/// quadrature; `null` if a single realisation leaves them unknown.
+#[derive(Clone, Debug, Serialize)]
+pub struct Manifest<S: Serialize> {
+    /// Where the numbers come from.
+    #[serde(flatten)]
+    pub origin: Provenance,
     /// Requested and finished realisations.
     pub realisations: Count,
     /// Requested and finished solves.
@@ -86,14 +118,14 @@ pub struct Manifest<Study: Serialize> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub process_seconds: Option<f64>,
     /// The study with all defaults filled in.
-    pub study: Study,
+    pub study: S,
 }
 
 /// Totals outside 0–1 by more than this are invalid; every single solve has passed a stricter
 /// check.
 const BEYOND: f64 = 0.03;
 
-impl<Study: Serialize> Manifest<Study> {
+impl<S: Serialize> Manifest<S> {
     /// The first invalid number: NaN, infinite, or a total outside 0–1 by more than its error.
     pub fn unphysical(&self) -> Option<String> {
         let c = &self.certainty;
@@ -129,22 +161,6 @@ impl SpectrumRow {
         let seen = seen.into_iter().filter_map(|(name, e)| Some((name, e?))).find(|(_, e)| no_number(e));
         let wrong = totals.into_iter().find(|(_, e)| no_number(e) || outside(e)).or(seen);
         wrong.map(|(name, e)| format!("{name} is {} at {} nm", e.value, self.wavelength_nm))
-    }
-}
-
-/// A number that was withheld.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Withheld {
-    /// Which number.
-    pub number: String,
-    /// The reason.
-    pub reason: String,
-}
-
-impl Withheld {
-    /// The number and the reason in one line.
-    pub fn in_words(&self) -> String {
-        format!("{}: {}", self.number, self.reason)
     }
 }
 
@@ -267,4 +283,57 @@ pub struct SpectrumRow {
     /// Number of each realisation and its contribution to R and T.
     #[serde(skip)]
     pub deviations: Vec<(usize, [f64; 2])>,
+}
+
+/// A number of a spectrum.
+struct SpectrumColumn {
+    name: &'static str,
+    quantity: Quantity,
+    estimate: fn(&SpectrumRow) -> Option<Estimate>,
+}
+
+const fn share(name: &'static str, estimate: fn(&SpectrumRow) -> Option<Estimate>) -> SpectrumColumn {
+    SpectrumColumn { name, quantity: Quantity::Share, estimate }
+}
+
+const fn factor(name: &'static str, estimate: fn(&SpectrumRow) -> Option<Estimate>) -> SpectrumColumn {
+    SpectrumColumn { name, quantity: Quantity::Factor, estimate }
+}
+
+/// The numbers of a spectrum in the order of `spectra.csv`.
+const SPECTRUM: [SpectrumColumn; 8] = [
+    share("reflectance", |row| Some(row.reflectance)),
+    share("specular_reflectance", |row| Some(row.specular_reflectance)),
+    share("transmittance", |row| Some(row.transmittance)),
+    share("specular_transmittance", |row| Some(row.specular_transmittance)),
+    share("absorptance", |row| Some(row.absorptance)),
+    factor("natural_light", |row| row.natural_light),
+    factor("lit_at_45", |row| row.lit_at_45),
+    share("coherent_transmittance", |row| row.coherent_transmittance),
+];
+
+impl PublishedRow for SpectrumRow {
+    const PLACE: &'static [&'static str] = &["wavelength_nm", "polar_deg"];
+
+    fn names() -> Vec<&'static str> {
+        SPECTRUM.iter().map(|column| column.name).collect()
+    }
+
+    fn place(&self) -> Vec<f64> {
+        vec![self.wavelength_nm, self.polar_deg]
+    }
+
+    fn wavelength_nm(&self) -> f64 {
+        self.wavelength_nm
+    }
+
+    fn numbers(&self) -> Vec<NamedNumber> {
+        let number = |column: &SpectrumColumn| NamedNumber {
+            name: column.name,
+            in_words: column.name,
+            quantity: column.quantity,
+            estimate: (column.estimate)(self),
+        };
+        SPECTRUM.iter().map(number).collect()
+    }
 }

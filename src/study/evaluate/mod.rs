@@ -19,6 +19,7 @@ pub mod layer;
 pub mod levels;
 pub mod manifest;
 pub mod on_paper;
+pub mod published;
 pub mod regression;
 pub mod samples;
 pub mod seen;

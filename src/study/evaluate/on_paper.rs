@@ -138,7 +138,8 @@ impl PolarAngle {
         }
         let mu = polar_deg.to_radians().cos();
         let (between, bends) = anchor_weights(mu);
-        let (mut film, mut film_returned) = (Vec::new(), Vec::new());
+        let mut film = Vec::new();
+        let mut film_returned = Vec::new();
         for own in &nodes.films {
             let ([r, t], back) = (own.reflectance_transmittance(polar_deg), own.returned());
             film.push([r, t, r]);
@@ -290,7 +291,8 @@ impl LayerOnPaper {
     /// angles is T̄: T̄ is measured solve by solve, whereas the curve between the anchors is a fit.
     pub fn lacking_bends(&self, hemisphere: &[(PolarAngle, f64)]) -> [f64; BENDS] {
         let mut lack = self.mean_transmittance();
-        let (mut means, mut squares) = ([0.0; BENDS], [[0.0; BENDS]; BENDS]);
+        let mut means = [0.0; BENDS];
+        let mut squares = [[0.0; BENDS]; BENDS];
         for (at, weight) in hemisphere {
             lack -= weight * self.transmittance_returned(at);
             for (b, own) in at.bends.iter().enumerate() {
@@ -343,7 +345,8 @@ impl LayerOnPaper {
             let sampled = mean(solves, |s| back(s.polar_deg.to_radians().cos()));
             sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * back(mu))
         };
-        let (reflected, transmittance) = (error(REFLECTANCE), error(TRANSMITTANCE));
+        let reflected = error(REFLECTANCE);
+        let transmittance = error(TRANSMITTANCE);
         // without solves from the exit side, A there equals that from the incident side, 1 − R − T
         let absorptance = if exit { 0.0 } else { -reflected - transmittance };
         Measured { transmittance, absorptance, ..Measured::default() }

@@ -4,7 +4,7 @@
 use super::coherent::CoherentLight;
 use super::film::Profile;
 use super::films::{FilmAt, Films, Indices};
-use super::ink::{InkError, InkInputs, InkOnPaper};
+use super::ink::{InkError, InkInputs, InkOnPaper, SolvedLayer};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
 use super::levels::{Checked, GridCorrection, GridPart};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
@@ -96,7 +96,8 @@ impl LayerSeen {
 
     /// A total at one of the exact angles against the study's wavelengths.
     pub fn spectrum(&self, angle: usize, total: Total) -> SpectrumEstimate {
-        let (ensemble, deg) = (&self.ensemble, self.ensemble.exact_deg[angle]);
+        let ensemble = &self.ensemble;
+        let deg = self.ensemble.exact_deg[angle];
         let film: Vec<f64> = self.films.iter().map(|film| film_totals(film, deg)[total as usize]).collect();
         let column = ensemble.column(angle, total);
         SpectrumEstimate {
@@ -136,7 +137,8 @@ pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
 pub fn film_alone(study: &Study) -> Result<InkOnPaper, InkError> {
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, Profile { fractions: vec![study.material_shares()] }, &indices);
-    let (substrate, outputs_nm) = (substrate(study), &study.wavelengths_nm);
+    let substrate = substrate(study);
+    let outputs_nm = &study.wavelengths_nm;
     InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm })
 }
 
@@ -182,7 +184,8 @@ impl<'a> CompleteCells<'a> {
 
     /// The appearance without the distributions.
     fn appearance(&self) -> Seen {
-        let (study, complete) = (self.study, self.cells.concat());
+        let study = self.study;
+        let complete = self.cells.concat();
         let (solved, grid) = self.solved(study.wave);
         let mut seen = Seen {
             realisations: complete.iter().map(|r| r.packing.realisation).collect(),
@@ -261,8 +264,10 @@ impl<'a> CompleteCells<'a> {
             packings.reduce(|first, second| first.mean_with(&second)).expect("a cell has a packing")
         };
         let mut solved: Vec<SolvedRealisation> = self.cells.iter().map(mean).collect();
-        let (resolved, angles_deg) = (&self.collected.resolved, &self.study.angles.exact_deg);
-        let (checked, basis) = (self.checked(wave), basis(self.study, 1));
+        let resolved = &self.collected.resolved;
+        let angles_deg = &self.study.angles.exact_deg;
+        let checked = self.checked(wave);
+        let basis = basis(self.study, 1);
         let Some(correction) = GridCorrection::new(&checked, &basis, resolved.refinement(), angles_deg)
         else {
             return (solved, GridPart::Estimated(resolved.grid_error));
@@ -296,10 +301,12 @@ impl<'a> CompleteCells<'a> {
         let wave = study.wave.returned();
         let back = (wave != study.wave).then(|| self.solved(wave).0);
         let returned = back.as_ref().map(|solved| {
-            let (basis, exact_deg) = (ensemble.basis.clone(), &study.angles.exact_deg);
-            (LayerEnsemble::new(solved, basis, &films.returned(), exact_deg), solved.as_slice())
+            let basis = ensemble.basis.clone();
+            let exact_deg = &study.angles.exact_deg;
+            let ensemble = LayerEnsemble::new(solved, basis, &films.returned(), exact_deg);
+            SolvedLayer { ensemble, solved }
         });
-        Ok(InkOnPaper::new((ensemble.clone(), solved), returned, &inputs)?)
+        Ok(InkOnPaper::new(SolvedLayer { ensemble: ensemble.clone(), solved }, returned, &inputs)?)
     }
 
     /// Distributions at every exact angle, one per stratum of wavelengths, from the far fields in
@@ -311,7 +318,9 @@ impl<'a> CompleteCells<'a> {
         let alike = variation.cell == CellRule::Fixed
             && variation.light == LightRule::Listed
             && variation.thickness_std_um == 0.0;
-        let (exact, each, mut all) = (angles.exact_deg.len(), angles.count(), Vec::new());
+        let exact = angles.exact_deg.len();
+        let each = angles.count();
+        let mut all = Vec::new();
         for place in (0..self.study.solved_wavelengths() * exact).map(|k| k / exact * each + k % exact) {
             let ensemble: Vec<FarField> = fields.iter().map(|fields| fields[place].clone()).collect();
             all.push(match alike {
@@ -363,7 +372,8 @@ fn basis(study: &Study, cells: usize) -> SpectralBasis {
 /// The solves of a realisation in their order: wavelength; exact angles, strata, strata from the
 /// exit side.
 fn solved(study: &Study, r: &Realisation, points: &[Option<PointRecord>], wave: Wave) -> SolvedRealisation {
-    let (angles, fields) = (&study.angles, far_fields(study, points, wave));
+    let angles = &study.angles;
+    let fields = far_fields(study, points, wave);
     let wavelengths = fields.chunks(angles.count()).map(|fields| solved_at(angles, fields)).collect();
     SolvedRealisation { thickness_um: r.packing.thickness_um, wavelengths }
 }

@@ -4,8 +4,9 @@ use super::gate;
 use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::ink_maker;
 use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
-use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, SpectrumRow, Status, Withheld};
-pub use super::manifest::{LIT_AT_45, NATURAL_LIGHT};
+use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, Provenance, SpectrumRow};
+pub use super::manifest::{LIT_AT_45, NATURAL_LIGHT, program};
+use super::published::Withheld;
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
 use super::seen::{LayerSeen, MovedLayers, NoInk, Seen, see};
 use super::survivors::Survivors;
@@ -15,24 +16,18 @@ use crate::numerics::estimate::largest;
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
 use crate::run::Collected;
 use crate::solve::accuracy::grid_error::GridError;
-use crate::store::{METHOD_VERSION, PointRecord};
+use crate::store::PointRecord;
 
 /// Minimum number of packings before an interval can end the run: the scatter of fewer is too
 /// uncertain, and studies that happen to scatter least would end first.
 const FEWEST: usize = 16;
 
-/// The program and its version.
-pub fn program() -> String {
-    concat!("inkwave ", env!("CARGO_PKG_VERSION")).to_owned()
-}
-
 /// All numbers of a run.
 pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Manifest<&'a Study> {
     let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
-    let finished = collected.finished();
-    let asked = study.solves() - collected.spared(study);
+    let solves = Count { asked: study.solves() - collected.spared(study), finished: collected.finished() };
     let grid = seen.grid.largest(&study.wavelengths_nm);
-    let certainty = certainty(collected, &records().collect::<Vec<_>>(), (seen, grid));
+    let certainty = certainty(collected, &records().collect::<Vec<_>>(), seen, grid);
     let survivors = Survivors::new(study, collected);
     let uncertainty = Uncertainty {
         grid: seen.grid.clone(),
@@ -41,15 +36,9 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
     };
     let mut manifest = Manifest {
-        status: if finished >= asked { Status::Complete } else { Status::Partial },
-        title: study.title.clone(),
-        study_hash: study.key().to_string(),
-        program: program(),
-        builds: records().map(|record| record.build.clone()).collect(),
-        method_version: METHOD_VERSION,
-        seed: study.packing.seed,
+        origin: Provenance::new(study, records(), solves),
         realisations: Count { asked: study.realisations, finished: collected.complete().count() },
-        solves: Count { asked, finished },
+        solves,
         failures: failures(collected),
         tried_packings: survivors,
         resolution: collected.resolved.resolution,
@@ -139,7 +128,7 @@ fn failures(collected: &Collected) -> Vec<FailureNote> {
     notes.collect()
 }
 
-fn certainty(collected: &Collected, records: &[&PointRecord], (seen, grid): (&Seen, GridError)) -> Certainty {
+fn certainty(collected: &Collected, records: &[&PointRecord], seen: &Seen, grid: GridError) -> Certainty {
     let count = records.len().max(1) as f64;
     let most = |f: &dyn Fn(&PointRecord) -> f64| largest(records.iter().map(|r| f(r)));
     let steps: usize = records.iter().map(|r| r.account.steps).sum();

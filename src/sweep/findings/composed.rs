@@ -7,9 +7,10 @@ use crate::draw::chart::{Chart, Curve};
 use crate::draw::page::Figure;
 use crate::evaluate::composed::manifest::{ComposedManifest, MediumRow};
 use crate::evaluate::manifest::Status;
+use crate::evaluate::published::{ErrorParts, PublishedRow};
 use crate::numerics::estimate::Estimate;
 use crate::report::columns::FolderTables;
-use crate::report::composed::{coefficients, lines, publish as publish_layer};
+use crate::report::composed::{heading, lines, publish as publish_layer};
 use crate::report::page::on_study;
 use crate::report::publish::PublishResult;
 use crate::run::Stores;
@@ -23,8 +24,17 @@ use minijinja::context;
 use minijinja::value::Serde;
 use std::path::PathBuf;
 
-/// Coefficients that are drawn, by their places.
-const DRAWN: [usize; 3] = [2, 5, 7];
+/// A coefficient of the medium that is drawn.
+struct Drawn {
+    name: &'static str,
+    number: fn(&MediumRow) -> Option<ErrorParts>,
+}
+
+const DRAWN: [Drawn; 3] = [
+    Drawn { name: "scattering_per_um", number: |row| row.medium.scattering_per_um },
+    Drawn { name: "transport_path_um", number: |row| row.medium.transport_path_um },
+    Drawn { name: "kubelka_munk_scattering_per_um", number: |row| row.medium.kubelka_munk_scattering_per_um },
+];
 
 /// A layer of the sweep, by the number of its variant.
 type LayerDone<'a> = (usize, ComposedManifest<'a>);
@@ -96,9 +106,7 @@ fn write_page(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> Publi
 /// One row for each layer and wavelength: its place on the axes, the coefficients, what hides.
 fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
     let axes = sweep.outline.axes.iter().map(|axis| axis.heading());
-    let first = done.iter().find_map(|(_, layer)| layer.medium.first());
-    let names = first.map(coefficients).into_iter().flatten().map(|(name, _)| name);
-    let both = with_errors(names.chain(["hiding_thickness_um"]));
+    let names = with_errors(MediumRow::names().into_iter().chain(["hiding_thickness_um"]));
     let mut all = Vec::new();
     for (k, layer) in done {
         let place = &sweep.outline.variants[*k].place;
@@ -106,14 +114,13 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
             sweep.outline.axes.iter().zip(place).map(|(axis, &at)| axis.labels[at].clone()).collect();
         for row in &layer.medium {
             let hiding = layer.hiding_thickness_um.map(|j| j.estimate());
-            let values =
-                coefficients(row).map(|(_, j)| j.map(|number| number.estimate())).into_iter().chain([hiding]);
+            let estimates = row.numbers().into_iter().map(|number| number.estimate).chain([hiding]);
             let mut line = [labels.clone(), vec![row.wavelength_nm.to_string()]].concat();
-            line.extend(values.flat_map(numbers));
+            line.extend(estimates.flat_map(numbers));
             all.push(line);
         }
     }
-    table(axes.chain(["wavelength_nm".to_owned()]).chain(both), all)
+    table(axes.chain(["wavelength_nm".to_owned()]).chain(names), all)
 }
 
 /// A number of the layers against the first axis, rising.
@@ -135,11 +142,10 @@ fn figures(sweep: &Sweep, done: &[LayerDone]) -> PublishResult<Vec<Figure>> {
         return Ok(Vec::new());
     };
     let mut charts = Vec::new();
-    for place in DRAWN {
-        let Some(name) = first.medium.first().map(|row| coefficients(row)[place].0) else { continue };
+    for Drawn { name, number } in DRAWN {
         let curve = |(w, row): (usize, &MediumRow)| {
-            let of = |l: &ComposedManifest| Some(coefficients(l.medium.get(w)?)[place].1?.estimate());
-            Curve::measured(format!("{:.0} nm", row.wavelength_nm), against(sweep, done, &of))
+            let of_layer = |layer: &ComposedManifest| Some(number(layer.medium.get(w)?)?.estimate());
+            Curve::measured(format!("{:.0} nm", row.wavelength_nm), against(sweep, done, &of_layer))
         };
         charts.push((name, first.medium.iter().enumerate().map(curve).collect::<Vec<_>>()));
     }
@@ -147,7 +153,7 @@ fn figures(sweep: &Sweep, done: &[LayerDone]) -> PublishResult<Vec<Figure>> {
     charts.push(("hiding_thickness_um", vec![Curve::measured("contrast ratio 0.98", hiding)]));
     let mut figures = Vec::new();
     for (name, curves) in charts.into_iter().filter(|(_, curves)| curves.iter().all(|c| c.points.len() > 1)) {
-        let heading = name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ");
+        let heading = heading(name);
         let chart = Chart { from_zero: true, ..Chart::linear("", &axis.heading(), &heading, curves) };
         let caption = format!("{heading} against {}, with standard errors.", axis.heading());
         figures.push(Figure::new(&heading, &chart, caption)?);

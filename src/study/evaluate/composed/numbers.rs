@@ -1,7 +1,11 @@
-//! The numbers of a composed layer, as one list: what is published, before its error bars.
+//! The numbers of a composed layer from the flux matrices of its slabs, before their error bars.
 
 use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use super::level::{Change, Level, Slabs};
+use super::quantities::{
+    ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
+    ThicknessNumbers,
+};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
@@ -14,25 +18,10 @@ use faer::Mat;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
 
-/// Quantities of a layer at one wavelength.
-pub const SPECTRAL: usize = 12;
-/// Numbers of a layer's colours.
-pub const COLOURS: usize = 10;
-/// Coefficients of the medium at one wavelength.
-pub const COEFFICIENTS: usize = 8;
 /// Contrast ratio that counts as hiding.
 pub const HIDING: f64 = 0.98;
 /// Most slabs of a layer that is tried for hiding.
 pub const MOST_SLABS: usize = 1024;
-
-/// Which number of the list one is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NumberPlace {
-    /// One quantity of one thickness at all wavelengths.
-    pub series: usize,
-    /// Which wavelength; 0 for numbers of all wavelengths together.
-    pub wavelength: usize,
-}
 
 /// What is asked of the slabs of either thickness.
 pub struct LayerTask<'a> {
@@ -44,11 +33,10 @@ pub struct LayerTask<'a> {
     pub albedos: Vec<f64>,
     /// The eye, where the wavelengths carry a colour.
     pub colorimeter: Option<Colorimeter>,
-    /// Thicknesses, µm: those asked for, the curve's, and two around the hiding thickness if there
-    /// is one.
-    pub thicknesses_um: Vec<f64>,
-    /// Whether the last two thicknesses lie around the one that hides.
-    pub hides: bool,
+    /// Thicknesses of the curve, µm.
+    pub curve_um: Vec<f64>,
+    /// The thicknesses of whole slabs on both sides of the one that hides, µm; none if none does.
+    pub around_hiding_um: Option<[f64; 2]>,
 }
 
 impl<'a> LayerTask<'a> {
@@ -64,68 +52,59 @@ impl<'a> LayerTask<'a> {
             composed,
             albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
             colorimeter: Colorimeter::new(&study.wavelengths_nm).ok(),
-            thicknesses_um: composed.thicknesses_um.clone(),
-            hides: false,
+            curve_um: Vec::new(),
+            around_hiding_um: None,
         })
     }
 
-    /// All numbers: of each thickness its spectral quantities and its colours; the coefficients of
-    /// each wavelength; the distributions of each thickness asked for and wavelength; the thickness
-    /// that hides.
-    pub fn numbers(&self, level: &Level, change: Change) -> Vec<f64> {
+    /// All numbers, of slabs of either thickness.
+    pub fn numbers(&self, level: &Level, change: Change) -> ComposedNumbers<f64> {
         let slabs = level.slabs(change);
         let per_h = (self.composed.slab_um / level.slab_um).round();
-        let (mut numbers, mut contrasts) = (Vec::new(), Vec::new());
-        for &thickness_um in &self.thicknesses_um {
-            let rows = self.rows(&slabs, thickness_um, per_h);
-            numbers.extend(rows.iter().flatten());
-            if self.colorimeter.is_some() {
-                let colours = self.colours(&rows).unwrap_or_else(|| vec![f64::NAN; COLOURS]);
-                contrasts.push(colours[COLOURS - 1]);
-                numbers.extend(colours);
-            }
-        }
-        numbers.extend(slabs.iter().flat_map(|slabs| coefficients(slabs, level.slab_um)));
-        for &thickness_um in &self.composed.thicknesses_um {
-            let count = self.slab_count(thickness_um) * per_h;
-            numbers.extend(slabs.iter().flat_map(|slabs| distribution(slabs, count)));
-        }
-        if self.hides {
-            numbers.push(self.hiding_um(&contrasts));
-        }
-        numbers
-    }
-
-    /// What each of the [numbers](Self::numbers) is, in their order.
-    pub fn places(&self, slabs: &[Slabs]) -> Vec<NumberPlace> {
-        let (mut all, mut first) = (Vec::new(), 0);
-        let at = |first: usize, wavelength: usize, quantities: usize| {
-            (0..quantities).map(move |k| NumberPlace { series: first + k, wavelength })
+        let requested_um = &self.composed.thicknesses_um;
+        let layers = |all_um: &[f64]| all_um.iter().map(|um| self.layer(&slabs, *um, per_h)).collect();
+        let distributions = |um: &f64| {
+            let count = self.slab_count(*um) * per_h;
+            slabs.iter().map(|slabs| distribution(slabs, count)).collect()
         };
-        for _ in &self.thicknesses_um {
-            all.extend((0..slabs.len()).flat_map(|w| at(first, w, SPECTRAL)));
-            first += SPECTRAL;
-            if self.colorimeter.is_some() {
-                all.extend(at(first, 0, COLOURS));
-                first += COLOURS;
-            }
+        ComposedNumbers {
+            requested: layers(requested_um),
+            curve: layers(&self.curve_um),
+            hiding: self.around_hiding_um.map(|around_um| self.hiding(&slabs, around_um, per_h)),
+            medium: slabs.iter().map(|slabs| coefficients(slabs, level.slab_um)).collect(),
+            distributions: requested_um.iter().map(distributions).collect(),
         }
-        all.extend((0..slabs.len()).flat_map(|w| at(first, w, COEFFICIENTS)));
-        first += COEFFICIENTS;
-        for _ in &self.composed.thicknesses_um {
-            let nodes = |w: usize| slabs[w].media[0].ordinates.count() + slabs[w].media[2].ordinates.count();
-            all.extend((0..slabs.len()).flat_map(|w| at(first, w, nodes(w))));
-            first += (0..slabs.len()).map(nodes).max().unwrap_or(0);
-        }
-        all.extend(at(first, 0, usize::from(self.hides)));
-        all
     }
 
-    /// Quantities of a thickness at every wavelength; `per_h` of the slabs have the thickness h.
-    fn rows(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<Vec<f64>> {
+    /// A layer of one thickness; `per_h` of the slabs have the thickness h.
+    fn layer(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> ThicknessNumbers<f64> {
         let count = self.slab_count(thickness_um) * per_h;
-        let of = |(slabs, albedo): (&Slabs, &f64)| spectral(slabs, count, self.study, *albedo);
-        slabs.iter().zip(&self.albedos).map(of).collect()
+        let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| spectral(slabs, count, self.study, *albedo);
+        let spectra: Vec<LayerNumbers<f64>> = slabs.iter().zip(&self.albedos).map(at_wavelength).collect();
+        let colours = self.colorimeter.as_ref();
+        let colours = colours.map(|eye| colours_of(eye, &spectra).unwrap_or(ColourNumbers::unknown()));
+        ThicknessNumbers { spectra, colours }
+    }
+
+    /// The layers on both sides of the thickness that hides, and that thickness, where the contrast
+    /// ratio passes what counts as hiding; 1 less it falls as an exponential.
+    fn hiding(&self, slabs: &[Slabs], [from_um, to_um]: [f64; 2], per_h: f64) -> HidingNumbers<f64> {
+        let below = self.layer(slabs, from_um, per_h);
+        let above = self.layer(slabs, to_um, per_h);
+        let exponent = |layer: &ThicknessNumbers<f64>| {
+            let contrast_ratio = layer.colours.map_or(f64::NAN, |colours| colours.contrast_ratio);
+            (1.0 - contrast_ratio).max(f64::MIN_POSITIVE).ln()
+        };
+        let at_from = exponent(&below);
+        let at_to = exponent(&above);
+        let thickness_um = from_um + (to_um - from_um) * ((1.0 - HIDING).ln() - at_from) / (at_to - at_from);
+        HidingNumbers { below, above, thickness_um }
+    }
+
+    /// Whether a layer of this number of slabs hides.
+    pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
+        let layer = self.layer(slabs, count as f64 * self.composed.slab_um, 1.0);
+        Some(layer.colours?.contrast_ratio >= HIDING)
     }
 
     /// Slabs of h in a thickness: a whole number but for rounding, or any.
@@ -133,79 +112,78 @@ impl<'a> LayerTask<'a> {
         let count = thickness_um / self.composed.slab_um;
         if (count - count.round()).abs() < 1e-9 * count { count.round() } else { count }
     }
-
-    /// Lab under natural light, at 45:0 and at 45:0 over black, and the contrast ratio.
-    fn colours(&self, rows: &[Vec<f64>]) -> Option<Vec<f64>> {
-        let eye = self.colorimeter.as_ref()?;
-        let of = |k: usize| eye.colour(&rows.iter().map(|row| row[k]).collect::<Vec<_>>()).ok();
-        let [natural, lit, black, white] = [of(8)?, of(9)?, of(10)?, of(11)?];
-        let mut all = [natural.lab, lit.lab, black.lab].concat();
-        all.push(black.xyz[1] / white.xyz[1]);
-        Some(all)
-    }
-
-    /// Whether a layer of this number of slabs hides.
-    pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
-        let rows = self.rows(slabs, count as f64 * self.composed.slab_um, 1.0);
-        Some(self.colours(&rows)?[COLOURS - 1] >= HIDING)
-    }
-
-    /// Where the contrast ratio passes what counts as hiding; 1 less it falls as an exponential.
-    fn hiding_um(&self, contrasts: &[f64]) -> f64 {
-        let [.., a, b] = contrasts else { return f64::NAN };
-        let [below, above] = [a, b].map(|c| (1.0 - c).max(f64::MIN_POSITIVE).ln());
-        let [.., from, to] = self.thicknesses_um[..] else { return f64::NAN };
-        from + (to - from) * ((1.0 - HIDING).ln() - below) / (above - below)
-    }
 }
 
-/// R and T at 0°, at 45° and of diffuse light; coherent T and mirrored R at 0°; under natural light
-/// and at 45:0 on the paper; at 45:0 over black and over white.
-fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> Vec<f64> {
+/// Colours of a layer from its spectra; `None` if one of them has none.
+fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<ColourNumbers<f64>> {
+    let colour = |spectrum: fn(&LayerNumbers<f64>) -> f64| {
+        eye.colour(&spectra.iter().map(spectrum).collect::<Vec<_>>()).ok()
+    };
+    let over_black = colour(|layer| layer.over_black)?;
+    let over_white = colour(|layer| layer.over_white)?;
+    Some(ColourNumbers {
+        natural_light: colour(|layer| layer.natural_light)?.lab,
+        lit_at_45: colour(|layer| layer.lit_at_45)?.lab,
+        over_black: over_black.lab,
+        contrast_ratio: over_black.xyz[1] / over_white.xyz[1],
+    })
+}
+
+/// A layer of `count` slabs at one wavelength, alone and on paper of this albedo.
+fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbers<f64> {
     let before = &slabs.media[0];
     let layer = ComposedLayer::new(slabs, count, study.wave);
     let oblique = before.ordinates.index * PRINT_DEG.to_radians().sin();
     let [at_normal, at_45, of_diffuse] = lights(before, study.wave);
-    let (normal, slanted, diffuse) =
-        (layer.of_light(&at_normal), layer.of_light(&at_45), layer.of_light(&of_diffuse));
+    let normal = layer.of_light(&at_normal);
     let normal_changed = normal.changed(layer.change(0.0));
-    let slanted_changed = slanted.changed(layer.change_of_shared(oblique));
-    let diffuse_changed = diffuse.changed(layer.change_of_diffuse());
-    let mut all: Vec<f64> = Vec::with_capacity(SPECTRAL);
-    for own in [normal_changed, slanted_changed, diffuse_changed] {
-        all.extend([own.reflected, own.transmitted]);
-    }
+    let slanted = layer.of_light(&at_45).changed(layer.change_of_shared(oblique));
+    let diffuse = layer.of_light(&of_diffuse).changed(layer.change_of_diffuse());
     let beam = layer.change_of_beam();
     let straight = layer.plate.transmission[0][(0, 0)] + beam.transmitted;
     let mirrored = layer.plate.reflection[0][(0, 0)] + beam.reflected;
     let mirrored = mirrored.max(0.0).min(normal_changed.reflected);
-    all.extend([straight.max(0.0).min(normal_changed.transmitted), mirrored]);
     // what returns from the paper has passed at 0°, and passes at 45°
     let through_normal = ratio(normal_changed.transmitted, normal.transmitted);
-    let through_45 = ratio(slanted_changed.transmitted, layer.transmitted_by_nodes(oblique));
+    let through_45 = ratio(slanted.transmitted, layer.transmitted_by_nodes(oblique));
     let paper = layer.on(albedo);
     let returned = total(&(&paper.plate.reflection[0] * &at_normal)) - normal.reflected;
     let natural = normal_changed.reflected + through_normal * paper.returned * paper.leaving * returned;
-    all.push(natural - if study.output.mirrored_sky == MirroredSky::Excluded { mirrored } else { 0.0 });
+    let excluded = if study.output.mirrored_sky == MirroredSky::Excluded { mirrored } else { 0.0 };
     let alone = lit_at_45(&layer.plate, before, study.wave);
     let lit = |on: &OnPaper| {
         let returned = lit_at_45(&on.plate, before, study.wave) - alone;
         alone + through_normal * through_45 * on.returned * returned
     };
-    all.extend([lit(&paper), lit(&layer.on(BLACK)), lit(&layer.on(WHITE))]);
-    all
+    LayerNumbers {
+        reflectance_normal: normal_changed.reflected,
+        transmittance_normal: normal_changed.transmitted,
+        reflectance_45: slanted.reflected,
+        transmittance_45: slanted.transmitted,
+        reflectance_diffuse: diffuse.reflected,
+        transmittance_diffuse: diffuse.transmitted,
+        coherent_transmittance: straight.max(0.0).min(normal_changed.transmitted),
+        mirrored,
+        natural_light: natural - excluded,
+        lit_at_45: lit(&paper),
+        over_black: lit(&layer.on(BLACK)),
+        over_white: lit(&layer.on(WHITE)),
+    }
 }
 
 /// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.
 /// The mirrored and the straight beam are left out, and what interference changes.
-fn distribution(slabs: &Slabs, count: f64) -> Vec<f64> {
+fn distribution(slabs: &Slabs, count: f64) -> Distribution<f64> {
     let ([before, _, behind], layer) = (&slabs.media, slabs.layer(count));
-    let of = |fluxes: &Mat<f64>, medium: &Hemisphere| {
+    let per_sr = |fluxes: &Mat<f64>, medium: &Hemisphere| {
         let flux =
             |node| (0..medium.polarisations).map(|p| fluxes[(medium.state(node + 1, p), 0)]).sum::<f64>();
-        (0..medium.ordinates.count()).map(|node| flux(node) / projected_sr(medium, node)).collect::<Vec<_>>()
+        (0..medium.ordinates.count()).map(|node| flux(node) / projected_sr(medium, node)).collect()
     };
-    [of(&layer.reflection[0], before), of(&layer.transmission[0], behind)].concat()
+    Distribution {
+        reflected: per_sr(&layer.reflection[0], before),
+        transmitted: per_sr(&layer.transmission[0], behind),
+    }
 }
 
 /// Projected solid angle that a node stands for, ∫ cos θ dω, sr.
@@ -218,7 +196,8 @@ pub fn lights(medium: &Hemisphere, wave: Wave) -> [Mat<f64>; 3] {
     let shares = polarised(medium, wave);
     let mut all: [Mat<f64>; 3] = std::array::from_fn(|_| Mat::zeros(medium.states(), 1));
     all[0][(0, 0)] = 1.0;
-    let (nodes, sum) = (medium.ordinates.count(), medium.ordinates.weights.iter().sum::<f64>());
+    let nodes = medium.ordinates.count();
+    let sum = medium.ordinates.weights.iter().sum::<f64>();
     for (polarisation, share) in shares.into_iter().enumerate() {
         if medium.oblique_deg.is_some() {
             all[1][(medium.state(nodes + 1, polarisation), 0)] = share;
@@ -242,29 +221,26 @@ fn lit_at_45(plate: &Plate, medium: &Hemisphere, wave: Wave) -> f64 {
     medium.ordinates.shares(sine).into_iter().map(at).sum()
 }
 
-/// Index of the mean wave; mean free path of the coherent light, k_s, k_a, g and l* of the medium
-/// that the slabs are; K and S of thick layers without surfaces. NaN for what these realisations do
-/// not determine.
-fn coefficients(slabs: &Slabs, slab_um: f64) -> [f64; COEFFICIENTS] {
+/// What the medium of the slabs is to light. NaN for what these realisations do not determine.
+fn coefficients(slabs: &Slabs, slab_um: f64) -> MediumNumbers<f64> {
     let medium = &slabs.media[1];
-    let coherent = extinction_per_um(&slabs.inner, slab_um).map_or(f64::NAN, f64::recip);
     let transport = Transport::of_slab(&slabs.inner, medium, slab_um);
-    let of = |get: fn(&Transport) -> f64| transport.as_ref().map_or(f64::NAN, get);
+    let of_transport = |get: fn(&Transport) -> f64| transport.as_ref().map_or(f64::NAN, get);
     let munk = two_flux(&slabs.inner, medium, slab_um);
     let index = mean_wave_index(slabs, slab_um);
     // Diffuse light is counted in the half-spaces. Of the same radiance, a medium of index n holds
     // light in proportion to n²: it absorbs so much more, and so much more passes a thick layer.
     let more = (index / medium.ordinates.index).powi(2);
-    [
-        index,
-        coherent,
-        of(|t| t.scattering_per_um),
-        of(|t| t.absorption_per_um),
-        of(|t| t.asymmetry),
-        of(Transport::mean_free_path_um),
-        munk.map_or(f64::NAN, |m| m.absorption_per_um / more),
-        munk.map_or(f64::NAN, |m| m.scattering_per_um * more),
-    ]
+    MediumNumbers {
+        effective_index: index,
+        coherent_path_um: extinction_per_um(&slabs.inner, slab_um).map_or(f64::NAN, f64::recip),
+        scattering_per_um: of_transport(|t| t.scattering_per_um),
+        absorption_per_um: of_transport(|t| t.absorption_per_um),
+        asymmetry: of_transport(|t| t.asymmetry),
+        transport_path_um: of_transport(Transport::mean_free_path_um),
+        kubelka_munk_absorption_per_um: munk.map_or(f64::NAN, |m| m.absorption_per_um / more),
+        kubelka_munk_scattering_per_um: munk.map_or(f64::NAN, |m| m.scattering_per_um * more),
+    }
 }
 
 /// Index of the mean wave at 0°: that of the half-spaces, and what the wave's phase behind an inner

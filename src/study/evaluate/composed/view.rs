@@ -43,16 +43,15 @@ impl ComposedView {
     /// # Errors
     /// A portion without complete realisations, paper without an albedo.
     pub fn new(study: &Study, solved: &[SolvedPortion], thickness_um: f64) -> Result<Self, String> {
-        let question = LayerTask::new(study)?;
+        let task = LayerTask::new(study)?;
         let level = Level::new(solved, false).ok_or("not every slab has a complete realisation yet")?;
         let slabs = level.slabs(Change::default());
-        let of = |(slabs, albedo): (&Slabs, &f64)| {
-            seen(slabs, question.slab_count(thickness_um), study.wave, *albedo)
-        };
+        let of =
+            |(slabs, albedo): (&Slabs, &f64)| seen(slabs, task.slab_count(thickness_um), study.wave, *albedo);
         Ok(Self {
             wavelengths_nm: study.wavelengths_nm.clone(),
             media: slabs.iter().map(|slabs| slabs.media[0].clone()).collect(),
-            numbers: slabs.iter().zip(&question.albedos).map(of).collect(),
+            numbers: slabs.iter().zip(&task.albedos).map(of).collect(),
         })
     }
 
@@ -115,7 +114,8 @@ impl DirectionalPrint for ComposedView {
     fn disagreement(&self, polar_deg: f64) -> Result<Vec<Disagreement>, InkError> {
         let mut all = Vec::new();
         for (w, medium) in self.media.iter().enumerate() {
-            let (count, lit) = (medium.ordinates.count(), self.shares(w, polar_deg));
+            let count = medium.ordinates.count();
+            let lit = self.shares(w, polar_deg);
             let own = |o: usize| -> f64 { lit.iter().map(|(i, s)| s * self.numbers[w][o * count + i]).sum() };
             let albedo: f64 = (0..count).map(|o| own(o) * projected_sr(medium, o)).sum();
             all.push(Disagreement::unknown_error(albedo - self.diffuse_albedo(w, polar_deg)));
@@ -141,10 +141,12 @@ fn seen(slabs: &Slabs, count: f64, wave: Wave, albedo: f64) -> Vec<f64> {
     let bias = layer.plate.reflection[0][(0, 0)] + layer.change_of_beam().reflected - layer.mirrored(0.0);
     for step in 0..=STEPS {
         let angle = (STEP_DEG * step as f64).to_radians();
-        let (cosine, sine) = (angle.cos(), before.ordinates.index * angle.sin());
+        let cosine = angle.cos();
+        let sine = before.ordinates.index * angle.sin();
         let weights = lagrange(&cosines, cosine);
         let mean = |k: usize| weights.iter().zip(&totals).map(|(w, x)| w * x[k]).sum::<f64>();
-        let (all_light, alone) = (mean(0), Lobes { reflected: mean(1), transmitted: mean(2) });
+        let all_light = mean(0);
+        let alone = Lobes { reflected: mean(1), transmitted: mean(2) };
         let changed = alone.changed(layer.change_of_interpolated(sine));
         let passes = ratio(changed.transmitted, alone.transmitted);
         let returned = passes * paper.returned * paper.leaving * (all_light - alone.reflected);

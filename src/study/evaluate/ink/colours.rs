@@ -165,7 +165,7 @@ impl InkOnPaper {
         let along = |[r, j, _]: [usize; 3], by: &Measured| -> f64 {
             slopes[r][j].iter().zip(by.numbers()).map(|(slope, by)| slope * by).sum()
         };
-        (0..self.replicates.len()).map(|r| self.colour_without(sight, Some(r), (&along, &quantity))).collect()
+        (0..self.replicates.len()).map(|r| self.colour_without(sight, Some(r), &along, &quantity)).collect()
     }
 
     /// Derivatives of a quantity at every solve; none where residuals do not count.
@@ -209,7 +209,7 @@ impl InkOnPaper {
             let here = &self.whole[node];
             (quantity(&here.moved(by, DERIVATIVE_STEP)) - quantity(here)) / DERIVATIVE_STEP
         };
-        self.colour_without(sight, None, (&along, &quantity))
+        self.colour_without(sight, None, &along, &quantity)
     }
 
     /// A quantity at the wavelengths that are summed.
@@ -243,7 +243,8 @@ impl InkOnPaper {
         &self,
         sight: &Sight,
         left_out: Option<usize>,
-        (along, quantity): (&Along, &impl Fn(&LayerOnPaper) -> f64),
+        along: &Along,
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
     ) -> Result<Colour, InkError> {
         let meter = &sight.meter;
         let layers = left_out.map_or(&self.whole, |r| &self.replicates[r]);

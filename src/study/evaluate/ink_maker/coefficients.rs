@@ -48,12 +48,15 @@ pub(super) fn kubelka_munk(ink: &InkOnPaper, uncertainty: &Uncertainty, study: &
 
 /// Coefficients of a layer with plane faces between equal half-spaces.
 fn of_plane_layer(ink: &InkOnPaper, uncertainty: &Uncertainty, thickness_um: f64) -> RowsOrReason {
-    let (straight, faces) = (straight_on(ink)?, &ink.faces());
+    let straight = straight_on(ink)?;
+    let faces = &ink.faces();
     let part = |get| Coefficient { thickness_um, faces, get }.estimates(ink, uncertainty);
-    let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
+    let k = part(|km| km.absorption_per_um);
+    let s = part(|km| km.scattering_per_um);
     let mut rows = Vec::new();
     for (i, &wavelength_nm) in ink.wavelengths_nm().iter().enumerate() {
-        let (absorption_per_um, scattering_per_um) = (k[i], s[i]);
+        let absorption_per_um = k[i];
+        let scattering_per_um = s[i];
         if straight[i] <= STRAIGHT_ON && is_known(&k[i]) && is_known(&s[i]) {
             rows.push(KubelkaMunkRow { wavelength_nm, absorption_per_um, scattering_per_um });
         }
@@ -113,24 +116,16 @@ impl Coefficient<'_> {
         let estimates = ink.spectrum(|layer| self.continued(layer, [0.0; 2])).estimates().into_iter();
         let mut all = Vec::new();
         for (i, (continued, layer)) in estimates.zip(ink.layers()).enumerate() {
+            // errors of tables of indices
             let inputs = ink.input_error(i, |layer| self.continued(layer, [0.0; 2]));
-            all.push(self.estimate((layer, ink.wavelength_nm(layer)), (continued, inputs), uncertainty));
+            let moved = |by: Shift| self.continued(layer, by) - continued.value;
+            let of_unknown_signs = |shift| of_unknown_signs(moved, shift);
+            let errors = uncertainty.widen_by(continued, ink.wavelength_nm(layer), inputs, of_unknown_signs);
+            // NaN if R̄ and T̄ do not determine it
+            let value = self.of(layer, [0.0; 2], KubelkaMunk::from_layer);
+            all.push(Estimate { value, ..errors });
         }
         all
-    }
-
-    /// Estimate at one wavelength, where `continued` is the continuation with its random error and
-    /// `inputs` that due to tables of indices.
-    fn estimate(
-        &self,
-        (layer, nm): (&LayerOnPaper, f64),
-        (continued, inputs): (Estimate, f64),
-        uncertainty: &Uncertainty,
-    ) -> Estimate {
-        let moved = |by: Shift| self.continued(layer, by) - continued.value;
-        let errors = uncertainty.widen_by(continued, nm, inputs, |shift| of_unknown_signs(moved, shift));
-        // NaN if R̄ and T̄ do not determine it
-        Estimate { value: self.of(layer, [0.0; 2], KubelkaMunk::from_layer), ..errors }
     }
 
     /// The analytic continuation of the coefficient, shifted by errors of R and T: K itself stops
@@ -143,7 +138,8 @@ impl Coefficient<'_> {
     /// the whole (the diffuse fluxes exchanged with the paper), shifted by errors; NaN if these do
     /// not determine it.
     fn of(&self, layer: &LayerOnPaper, [r, t]: Shift, formula: TwoFluxFormula) -> f64 {
-        let (r, t) = (layer.mean_reflectance_exit() + r, layer.mean_transmittance() + t);
+        let r = layer.mean_reflectance_exit() + r;
+        let t = layer.mean_transmittance() + t;
         let bare = self.faces[layer.node].taken_off(r, t);
         bare.and_then(|[r, t]| formula(r, t, self.thickness_um)).map_or(f64::NAN, self.get)
     }

@@ -2,8 +2,8 @@ use super::*;
 use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG, Substrate};
 use crate::evaluate::film::Profile;
 use crate::evaluate::films::Films;
-use crate::evaluate::ink::InkInputs;
 use crate::evaluate::ink::tests::made_up::{MadeUp, RANGE_NM};
+use crate::evaluate::ink::{InkInputs, SolvedLayer};
 use crate::evaluate::layer::LayerEnsemble;
 use crate::evaluate::levels::GridPart;
 use crate::evaluate::wavelengths::SpectralBasis;
@@ -38,7 +38,7 @@ fn ink(made: &MadeUp, realisations: usize, absorbed: [f64; 2], seed: u64) -> Ink
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
     let inputs =
         InkInputs { films: &made.films, substrate: &substrate, outputs_nm: &[430.0, 520.0, 610.0, 670.0] };
-    InkOnPaper::new((layer, &solved), None, &inputs).unwrap()
+    InkOnPaper::new(SolvedLayer { ensemble: layer, solved: &solved }, None, &inputs).unwrap()
 }
 
 /// A layer of index 1.5 with these K and S and with faces, the same in every direction;
@@ -70,7 +70,7 @@ fn diffuse_ink(coefficients: KubelkaMunk, thickness_um: f64, straight: f64) -> I
     let layer = LayerEnsemble::new(&solved, SpectralBasis::Listed(all_nm.clone()), &films, &[0.0, PRINT_DEG]);
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
     let inputs = InkInputs { films: &films, substrate: &substrate, outputs_nm: &all_nm };
-    InkOnPaper::new((layer, &solved), None, &inputs).unwrap()
+    InkOnPaper::new(SolvedLayer { ensemble: layer, solved: &solved }, None, &inputs).unwrap()
 }
 
 const SURE: Uncertainty = Uncertainty {
@@ -168,7 +168,8 @@ fn intervals_of_few_realisations_hold_k_and_s() {
     let none = [DiffuseFaces::default(); 4];
     let rows = |ink: &InkOnPaper| -> Vec<[Estimate; 2]> {
         let part = |get| Coefficient { thickness_um: 1.0, faces: &none, get }.computed(ink, &sure);
-        let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
+        let k = part(|km| km.absorption_per_um);
+        let s = part(|km| km.scattering_per_um);
         k.into_iter().zip(s).map(|(k, s)| [k, s]).collect()
     };
     let truth = rows(&ink(&exact, 24, [ABSORBED[0], 0.0], 1));
@@ -178,11 +179,13 @@ fn intervals_of_few_realisations_hold_k_and_s() {
     let [k, s] = covered(&seeds, &truth, student);
     let stopped = |ink: &InkOnPaper| -> Vec<[Estimate; 2]> {
         let of = |layer: &LayerOnPaper| {
-            let (r, t) = (layer.mean_reflectance_exit(), layer.mean_transmittance());
+            let r = layer.mean_reflectance_exit();
+            let t = layer.mean_transmittance();
             KubelkaMunk::from_layer(r, t, 1.0).unwrap()
         };
         let part = |get: fn(KubelkaMunk) -> f64| ink.spectrum(|layer| get(of(layer))).estimates();
-        let (k, s) = (part(|km| km.absorption_per_um), part(|km| km.scattering_per_um));
+        let k = part(|km| km.absorption_per_um);
+        let s = part(|km| km.scattering_per_um);
         k.into_iter().zip(s).map(|(k, s)| [k, s]).collect()
     };
     let [stopped, _] = covered(&inks.iter().map(stopped).collect::<Vec<_>>(), &truth, student);
@@ -205,7 +208,9 @@ fn intervals_of_few_realisations_hold_k_and_s() {
 #[test]
 fn opposite_errors_of_r_and_t_do_not_cancel_in_s() {
     let s = |r: f64, t: f64| KubelkaMunk::continued(r, t, 1.0).unwrap().scattering_per_um;
-    let (r, t, e) = (0.3, 0.7, 1e-3);
+    let r = 0.3;
+    let t = 0.7;
+    let e = 1e-3;
     let [alike, opposite] = [s(r + e, t + e), s(r + e, t - e)].map(|x| x - s(r, t));
     assert!(opposite.abs() > 1.5 * alike.abs() && worse(alike, opposite) == opposite, "{alike} {opposite}");
     let moved = |[x, y]: Shift| s(r + x, t + y) - s(r, t);

@@ -32,7 +32,8 @@ pub fn anchor_weights(mu: f64) -> ([f64; 2], [f64; BENDS]) {
 /// Polynomials of both cosines, at most of second degree in each, symmetric under exchange
 /// (reciprocity).
 pub fn symmetric(x: f64, y: f64) -> [f64; SYMMETRIC] {
-    let (sum, product) = (x + y, x * y);
+    let sum = x + y;
+    let product = x * y;
     [1.0, sum, product, x * x + y * y, product * sum, product * product]
 }
 
@@ -81,7 +82,8 @@ pub(in crate::evaluate) fn curves(
     films: &Films,
 ) -> Fits {
     let samples = |r: usize, j: usize| {
-        let (at, thickness_um) = (&solved[r].wavelengths[j], solved[r].thickness_um);
+        let at = &solved[r].wavelengths[j];
+        let thickness_um = solved[r].thickness_um;
         let own = anchors(anchored, |angle, total| layer.measured(r, j, layer.column(angle, total)));
         (at.wavelength_nm, of_strata(&at.strata, &films.of_thickness(at.wavelength_nm, thickness_um), &own))
     };
@@ -107,7 +109,8 @@ fn of_strata(strata: &[SolvedDirection], film: &FilmAt, own: &Anchors) -> Normal
 type Functions<const N: usize> = dyn Fn(f64, f64, f64) -> [f64; N];
 
 fn all_functions(lit: f64, seen: f64, s: f64) -> [f64; SYMMETRIC + AZIMUTHAL] {
-    let (mean, directional) = (symmetric(lit, seen), azimuthal(lit, seen, s));
+    let mean = symmetric(lit, seen);
+    let directional = azimuthal(lit, seen, s);
     std::array::from_fn(|k| if k < SYMMETRIC { mean[k] } else { directional[k - SYMMETRIC] })
 }
 
