@@ -125,7 +125,7 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
     fn far_fields(&self) -> ExportResult<Vec<Described>> {
         let mut files = Vec::new();
         for (study, collected) in &self.slabs.solved {
-            let kind = study.portion.as_ref().map(|portion| portion.in_words()).unwrap_or_default();
+            let kind = study.portion().map(|portion| portion.in_words()).unwrap_or_default();
             let name = format!("far-fields-{}.npz", kind.replace(", ", "-").replace(' ', "-"));
             let orders = npz::far_fields(collected)?;
             files.push(Described::new(&name, orders, &format!("all propagating orders: {kind}")));

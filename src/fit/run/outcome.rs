@@ -2,7 +2,8 @@
 
 use crate::appearance::kubelka_munk::KubelkaMunk;
 use crate::appearance::tristimulus::Colorimeter;
-use crate::evaluate::gate::{self, Quantity};
+use crate::evaluate::gate;
+use crate::evaluate::published::Quantity;
 use crate::fit::law::{Data, FitStep, few_cells, jackknife, rms};
 use crate::fit::load::{Drawdown, FitTask};
 use crate::fit::response::Response;

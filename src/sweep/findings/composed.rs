@@ -70,7 +70,7 @@ pub fn publish(sweep: &Sweep, folder: &OutputFolder, watch: &dyn RunWatch) -> Pu
         }
     }
     let page = write_page(sweep, &done, folder)?;
-    let complete = done.iter().filter(|(_, layer)| layer.status == Status::Complete).count();
+    let complete = done.iter().filter(|(_, layer)| layer.origin.status == Status::Complete).count();
     if complete == sweep.variants.len() {
         folder.complete()?;
     }
