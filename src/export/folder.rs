@@ -11,9 +11,9 @@ use std::path::Path;
 #[derive(Debug)]
 pub enum StoredFolder {
     /// A layer that is solved as a whole.
-    Whole(Stored),
+    Whole(Box<Stored>),
     /// A layer composed of slabs.
-    Composed(StoredSlabs),
+    Composed(Box<StoredSlabs>),
 }
 
 impl StoredFolder {
@@ -23,9 +23,9 @@ impl StoredFolder {
     /// No results there, an unfinished study, or results and store that do not fit.
     pub fn read(path: &Path) -> ExportResult<Self> {
         let study = stored::study(path)?;
-        match study.composed().is_some() {
-            true => StoredSlabs::of_study(study, path).map(Self::Composed),
-            false => Stored::of_study(study, path).map(Self::Whole),
+match study.composed().is_some() {
+            true => StoredSlabs::of_study(study, path).map(|slabs| Self::Composed(Box::new(slabs))),
+            false => Stored::of_study(study, path).map(|stored| Self::Whole(Box::new(stored))),
         }
     }
 
@@ -35,7 +35,7 @@ impl StoredFolder {
     /// As [`export`].
     pub fn export(&self, request: &Request, watch: &dyn RunWatch) -> ExportResult<Exported> {
         match self {
-            Self::Whole(stored) => export(stored, request, watch),
+            Self::Whole(stored) => export(stored.as_ref(), request, watch),
             Self::Composed(slabs) => export(&slabs.evaluated(), request, watch),
         }
     }

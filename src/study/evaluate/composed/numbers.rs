@@ -78,12 +78,17 @@ impl<'a> LayerTask<'a> {
 
     /// A layer of one thickness; `per_h` of the slabs have the thickness h.
     fn layer(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> ThicknessNumbers<f64> {
-        let count = self.slab_count(thickness_um) * per_h;
-        let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| spectral(slabs, count, self.study, *albedo);
-        let spectra: Vec<LayerNumbers<f64>> = slabs.iter().zip(&self.albedos).map(at_wavelength).collect();
+        let spectra = self.spectra(slabs, thickness_um, per_h);
         let colours = self.colorimeter.as_ref();
         let colours = colours.map(|eye| colours_of(eye, &spectra).unwrap_or(ColourNumbers::unknown()));
         ThicknessNumbers { spectra, colours }
+    }
+
+    /// Its numbers at every wavelength.
+    fn spectra(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<LayerNumbers<f64>> {
+        let count = self.slab_count(thickness_um) * per_h;
+        let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| spectral(slabs, count, self.study, *albedo);
+        slabs.iter().zip(&self.albedos).map(at_wavelength).collect()
     }
 
     /// The layers on both sides of the thickness that hides, and that thickness, where the contrast
@@ -101,10 +106,10 @@ impl<'a> LayerTask<'a> {
         HidingNumbers { below, above, thickness_um }
     }
 
-    /// Whether a layer of this number of slabs hides.
+    /// Whether a layer of this number of slabs hides; `None` if it has no colour.
     pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
-        let layer = self.layer(slabs, count as f64 * self.composed.slab_um, 1.0);
-        Some(layer.colours?.contrast_ratio >= HIDING)
+        let spectra = self.spectra(slabs, count as f64 * self.composed.slab_um, 1.0);
+        Some(colours_of(self.colorimeter.as_ref()?, &spectra)?.contrast_ratio >= HIDING)
     }
 
     /// Slabs of h in a thickness: a whole number but for rounding, or any.
