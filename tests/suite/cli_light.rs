@@ -90,3 +90,20 @@ fn a_realisation_is_lit_from_its_own_azimuth() {
         assert_eq!(result["azimuth_deg"].as_f64(), Some(azimuth(realisation)), "realisation {number}");
     }
 }
+
+/// A realisation of a study is solved in the study's wave equation unless the command names one. *Planted*: the study's
+/// wave not asked.
+#[test]
+fn a_realisation_is_solved_in_the_wave_of_its_study() {
+    let folder = Folder::new();
+    let vector = TINY.replace("[light]\n", "[light]\nwave = \"s\"\n");
+    assert_ne!(vector, TINY, "the check is empty");
+    let path = folder.file("study.toml", &vector);
+    for (named, expected) in [(&[][..], "vector"), (&["--wave", "scalar"], "scalar")] {
+        let options = [&["--realisation", "1", "--nxy", "12", "--nz", "6"], named].concat();
+        let output = inkwave(&path, &options);
+        assert!(output.status.success(), "{}", message(&output));
+        let result: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        assert_eq!(result["wave"], expected, "{named:?}");
+    }
+}

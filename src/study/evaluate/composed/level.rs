@@ -173,18 +173,22 @@ fn fluxes(sides: &Sides, realisation: &Realisation, wavelength_um: f64) -> Fluxe
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::appearance::composed::ordinates::Ordinates;
     use faer::Mat;
 
-    /// Slabs that reflect nothing and pass 0.5, 0.8 and 0.9 of the light in each of their seven
-    /// states.
-    #[test]
-    fn a_layer_has_as_many_slabs_as_asked() {
-        let number = |x: f64| Mat::from_fn(7, 7, |i, j| if i == j { x } else { 0.0 });
-        let plate =
-            |t: f64| Plate { reflection: [number(0.0), number(0.0)], transmission: [number(t), number(t)] };
+    /// A slab that sends every one of its seven states back, and passes it on, in these shares.
+    pub fn even_plate(reflected: f64, transmitted: f64) -> Plate {
+        let diagonal = |x: f64| Mat::from_fn(7, 7, |i, j| if i == j { x } else { 0.0 });
+        Plate {
+            reflection: [diagonal(reflected), diagonal(reflected)],
+            transmission: [diagonal(transmitted), diagonal(transmitted)],
+        }
+    }
+
+    /// Slabs of 1 µm at 550 nm in and between media of index 1.5.
+    pub fn slabs_of(front: Plate, inner: Plate, back: Plate) -> Slabs {
         let medium = || Hemisphere {
             ordinates: Ordinates::new(1.5, &[], [3, 3]),
             polarisations: 1,
@@ -197,8 +201,13 @@ mod tests {
             wavelength_um: 0.55,
             fewer_directions: false,
         };
-        let media = [medium(), medium(), medium()];
-        let slabs = Slabs { front: plate(0.5), inner: plate(0.8), back: plate(0.9), media, film };
+        Slabs { front, inner, back, media: [medium(), medium(), medium()], film }
+    }
+
+    /// Slabs that reflect nothing and pass 0.5, 0.8 and 0.9 of the light.
+    #[test]
+    fn a_layer_has_as_many_slabs_as_asked() {
+        let slabs = slabs_of(even_plate(0.0, 0.5), even_plate(0.0, 0.8), even_plate(0.0, 0.9));
         let through = |count: f64| slabs.layer(count).transmission[0][(0, 0)];
         // a part of a slab: 0.45 √0.8
         assert!((through(2.5) - 0.45 * 0.8_f64.sqrt()).abs() < 1e-12, "{}", through(2.5));

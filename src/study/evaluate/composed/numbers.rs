@@ -259,3 +259,30 @@ fn mean_wave_index(slabs: &Slabs, slab_um: f64) -> f64 {
     let phases = passed.iter().map(|[_, transmitted]| (transmitted / even).arg());
     embedding + phases.sum::<f64>() / passed.len() as f64 / (wavenumber * slab_um)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::evaluate::composed::level::tests::{even_plate, slabs_of};
+
+    /// Slabs of the same fluxes whose mean wave has another index than their half-spaces: of the
+    /// same radiance they hold n² times the light, so that K is smaller and S larger by that.
+    /// *Planted*: K and S counted in the half-spaces.
+    #[test]
+    fn kubelka_and_munk_count_light_in_the_medium() {
+        let of_index = |index: f64| {
+            let mut slabs = slabs_of(even_plate(0.0, 1.0), even_plate(0.2, 0.7), even_plate(0.0, 1.0));
+            let passed = Complex64::from_polar(0.5, TAU / slabs.film.wavelength_um * index);
+            slabs.film.slabs[1][0] = vec![vec![[Complex64::ZERO, passed]]];
+            coefficients(&slabs, 1.0)
+        };
+        let [alike, denser] = [of_index(1.5), of_index(1.65)];
+        assert!((denser.effective_index - 1.65).abs() < 1e-12, "{}", denser.effective_index);
+        let square = (1.65_f64 / 1.5).powi(2);
+        let scattering = denser.kubelka_munk_scattering_per_um / alike.kubelka_munk_scattering_per_um;
+        let absorption = denser.kubelka_munk_absorption_per_um / alike.kubelka_munk_absorption_per_um;
+        // the fluxes are the same: rounding
+        assert!((scattering - square).abs() < 1e-12, "{scattering}");
+        assert!((absorption - 1.0 / square).abs() < 1e-12, "{absorption}");
+    }
+}
