@@ -94,7 +94,10 @@ impl OrderMean {
 /// Unbiased w|⟨a⟩|² = w(|ā|² − s²/n), with w = Σe/Σ|a|² the flux factor of the order, summed over
 /// mutually incoherent amplitudes. `None` for one sample.
 pub(super) fn coherent_efficiency<'a>(views: impl Iterator<Item = &'a View>) -> Option<f64> {
-    let (mut n, mut sum, mut square, mut power) = (0.0, [Complex64::ZERO; 1 + FURTHER], 0.0, 0.0);
+    let mut n = 0.0;
+    let mut sum = [Complex64::ZERO; 1 + FURTHER];
+    let mut square = 0.0;
+    let mut power = 0.0;
     for v in views {
         n += 1.0;
         sum.iter_mut().zip(v.amplitudes).for_each(|(sum, a)| *sum += a);

@@ -168,7 +168,8 @@ impl FiniteArea {
             return Err(FiniteAreaError::Absorber { side, eta });
         }
         let k0 = TAU / far.incidence.wavelength_um;
-        let (k, rows) = (k0 * eta.re, rows(&far.orders, lobe, k0)?);
+        let k = k0 * eta.re;
+        let rows = rows(&far.orders, lobe, k0)?;
         let incident_kappa = k0 * from.re * far.incidence.polar_deg.to_radians().cos();
         Ok(FiniteArea { side_um, k, incident_kappa, rows })
     }
@@ -179,7 +180,8 @@ impl FiniteArea {
     /// # Errors
     /// A side outside that range, or not a number.
     pub fn check_side(side_um: f64, period_um: [f64; 2], wavelength_um: f64) -> Result<(), FiniteAreaError> {
-        let (least, most) = (period_um[0].max(period_um[1]), MOST_WAVELENGTHS * wavelength_um);
+        let least = period_um[0].max(period_um[1]);
+        let most = MOST_WAVELENGTHS * wavelength_um;
         if (least..=most).contains(&side_um) {
             return Ok(());
         }

@@ -124,7 +124,9 @@ fn the_hemisphere_holds_all_orders_but_for_the_edges() {
 /// by the midpoint rule.
 #[test]
 fn lobes_interfere_as_the_field_of_the_square_does() {
-    let (far, side, points) = (many(), 2.3, 400);
+    let far = many();
+    let side = 2.3;
+    let points = 400;
     let lit = lit(&far, side);
     let place = |i: usize| ((i as f64 + 0.5) / points as f64 - 0.5) * side;
     let mut largest: f64 = 0.0;
@@ -153,7 +155,8 @@ fn lobes_interfere_as_the_field_of_the_square_does() {
 /// directions, outside in the angle of incidence, in the glass in Snell's.
 #[test]
 fn a_film_shines_like_a_square_aperture() {
-    let (media, side) = (media(1.0, 1.5), 6.0);
+    let media = media(1.0, 1.5);
+    let side = 6.0;
     let grid = Resolution { nx: 1, ny: 1, cells: 6, scheme: Scheme::Cubic };
     let light =
         Incidence { wavelength_um: LAMBDA_UM, polar_deg: 30.0, azimuth_deg: 90.0, from: Side::Incident };
@@ -165,7 +168,8 @@ fn a_film_shines_like_a_square_aperture() {
         [(Lobe::Reflected, far.reflectance, 1.0), (Lobe::Transmitted, far.transmittance, 1.5)]
     {
         let lit = FiniteArea::new(&far, &media, lobe, side).expect("transparent");
-        let [specular_sin, k] = [0.5 / index, index * K0];
+        let specular_sin = 0.5 / index;
+        let k = index * K0;
         let specular_cos = (1.0 - specular_sin * specular_sin).sqrt();
         for [polar, azimuth] in
             [[specular_sin.asin().to_degrees(), 90.0], [0.0, 0.0], [25.0, 80.0], [70.0, -100.0]]

@@ -121,7 +121,8 @@ impl KubelkaMunk {
 
     /// \[R, T\] of a layer of the given thickness, µm.
     pub fn layer(&self, thickness_um: f64) -> [f64; 2] {
-        let (k, s) = (self.absorption_per_um * thickness_um, self.scattering_per_um * thickness_um);
+        let k = self.absorption_per_um * thickness_um;
+        let s = self.scattering_per_um * thickness_um;
         if s == 0.0 {
             return [0.0, (-k).exp()];
         }
@@ -131,7 +132,8 @@ impl KubelkaMunk {
             return [s / (1.0 + s), 1.0 / (1.0 + s)];
         }
         // divided by e^{bS} so that thick layers do not overflow
-        let (sinh, cosh) = ((1.0 - (-2.0 * b * s).exp()) / 2.0, (1.0 + (-2.0 * b * s).exp()) / 2.0);
+        let sinh = (1.0 - (-2.0 * b * s).exp()) / 2.0;
+        let cosh = (1.0 + (-2.0 * b * s).exp()) / 2.0;
         let denominator = a * sinh + b * cosh;
         [sinh / denominator, b * (-b * s).exp() / denominator]
     }

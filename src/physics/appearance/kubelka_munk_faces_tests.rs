@@ -47,7 +47,8 @@ fn photon(scattering: f64, absorption: f64, thickness: f64, draws: &mut Draws) -
     if draws.uniform() < mirrored {
         return 0;
     }
-    let (extinction, mut z) = (scattering + absorption, 0.0);
+    let extinction = scattering + absorption;
+    let mut z = 0.0;
     loop {
         let next = z - cosine * (1.0 - draws.uniform()).ln() / extinction;
         if (0.0..=thickness).contains(&next) {

@@ -83,7 +83,8 @@ impl Colorimeter {
         let ends = SpectrumEnd::both(wavelengths_nm, step_nm, viewing);
         if viewing.summation == Summation::Plain {
             for end in &ends {
-                let (own, beyond) = (&mut raw[end.node()], end.white());
+                let own = &mut raw[end.node()];
+                let beyond = end.white();
                 *own = std::array::from_fn(|c| own[c] + beyond[c]);
             }
         }
@@ -94,8 +95,9 @@ impl Colorimeter {
         let white_rgb = rgb_of(adapted(&adaptation, white_xyz));
         let ends = ends.map(|end| end.scaled(scale));
         check_white(wavelengths_nm, white_xyz, &ends)?;
-        let (wavelengths_nm, viewing, scale_per_nm) =
-            (wavelengths_nm.to_vec(), viewing.clone(), scale / step_nm);
+        let wavelengths_nm = wavelengths_nm.to_vec();
+        let viewing = viewing.clone();
+        let scale_per_nm = scale / step_nm;
         Ok(Self { wavelengths_nm, scale_per_nm, weights, white_xyz, white_rgb, viewing, ends, adaptation })
     }
 

@@ -213,7 +213,8 @@ impl InkOnPaper {
     /// # Errors
     /// As for [`InkOnPaper::new`].
     pub fn on(&self, substrate: &Substrate) -> Result<Self, InkError> {
-        let (mut other, at) = (self.clone(), |&nm: &f64| substrate.albedo.at(nm));
+        let mut other = self.clone();
+        let at = |&nm: &f64| substrate.albedo.at(nm);
         other.nodes.albedos = other.nodes.wavelengths_nm.iter().map(at).collect::<Result<_, _>>()?;
         Ok(other.laid_on_paper()?)
     }

@@ -278,7 +278,8 @@ fn kubelka_and_munk_predict_a_third_backing_within_its_bar() {
     let mut worst = 0.0f64;
     let mut straight = 0.0f64;
     for (estimate, layer) in predicted.estimates().iter().zip(ink.layers()) {
-        let ([black, grey, white], bar) = (of(layer), estimate.standard_error.unwrap());
+        let [black, grey, white] = of(layer);
+        let bar = estimate.standard_error.unwrap();
         worst = worst.max((estimate.value - grey).abs() / bar);
         straight = straight.max((0.5 * (black + white) - grey).abs() / bar);
     }

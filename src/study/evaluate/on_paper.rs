@@ -141,7 +141,8 @@ impl PolarAngle {
         let mut film = Vec::new();
         let mut film_returned = Vec::new();
         for own in &nodes.films {
-            let ([r, t], back) = (own.reflectance_transmittance(polar_deg), own.returned());
+            let [r, t] = own.reflectance_transmittance(polar_deg);
+            let back = own.returned();
             film.push([r, t, r]);
             film_returned.push(if back == *own { t } else { back.reflectance_transmittance(polar_deg)[1] });
         }

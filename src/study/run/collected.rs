@@ -154,8 +154,10 @@ impl Stores {
     /// Opens the stores of a folder for reading.
     pub fn at(path: &Path) -> io::Result<Self> {
         let database = Arc::new(Database::open(path)?);
-        let (points, packings) = (Store::of(&database), Store::of(&database));
-        let (grids, failures) = (Store::of(&database), Store::of(&database));
+        let points = Store::of(&database);
+        let packings = Store::of(&database);
+        let grids = Store::of(&database);
+        let failures = Store::of(&database);
         Ok(Self { points, packings, grids, failures, database })
     }
 

@@ -89,7 +89,8 @@ pub(super) fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
     if !allowed || stepped(last / first) == 1.0 || largest_contrast(study, last) == 0.0 {
         return Vec::new();
     }
-    let (azimuth_deg, from) = (study.draw(realisation).azimuth_deg, Side::Incident);
+    let azimuth_deg = study.draw(realisation).azimuth_deg;
+    let from = Side::Incident;
     let incidence = |polar_deg: f64| Incidence { wavelength_um: last * 1e-3, polar_deg, azimuth_deg, from };
     let mut probes = probed_angles_deg(study).map(incidence).to_vec();
     probes.dedup();

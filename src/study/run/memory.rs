@@ -99,7 +99,8 @@ fn processors_in(list: &str) -> Option<f64> {
 
 /// Address space that the limits of the process leave, bytes.
 fn address_space() -> f64 {
-    let (limits, status) = (read("/proc/self/limits"), read("/proc/self/status"));
+    let limits = read("/proc/self/limits");
+    let status = read("/proc/self/status");
     let of_process = [("Max address space", "VmSize:"), ("Max data size", "VmData:")];
     let left = of_process.map(|(limit, used)| left_of_limit(&limits, limit, &status, used));
     left.into_iter().fold(f64::INFINITY, f64::min)

@@ -107,7 +107,8 @@ impl PointSolver<'_> {
         let Account { solver, steps, operator_applications, residual, seconds, .. } = account;
         let far_field = far_field.judged(total_errors(self.grid, residual))?;
         let account = SolveAccount { solver, steps, operator_applications, residual, seconds };
-        let (key, Point { realisation, polarisation, .. }) = (key.to_owned(), *point);
+        let key = key.to_owned();
+        let Point { realisation, polarisation, .. } = *point;
         Ok(PointRecord::new(key, realisation, polarisation, &far_field, account)?)
     }
 }
@@ -208,7 +209,8 @@ impl Grids {
         resolution: Resolution,
         watch: &dyn RunWatch,
     ) -> Result<Geometry, WaveError> {
-        let (error, stop) = (study.resolution.coverage_error(), || watch.stop());
+        let error = study.resolution.coverage_error();
+        let stop = || watch.stop();
         let asked = (study.wave.is_vector(), resolution, error);
         let mut all = self.geometries.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, geometry)) = all.iter().find(|(kept, _)| *kept == asked) {

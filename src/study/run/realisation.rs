@@ -76,7 +76,8 @@ fn ways<'a>(study: &'a Study, resolved: &Resolved, realisation: usize) -> Vec<Wa
 fn keys_of(own: &Study, way: &Way, realisation: usize) -> Vec<(Point, Key)> {
     let Way { study, resolved } = way;
     let packing = Key::of_packing(&study.packing_request(realisation));
-    let (draw, error) = (study.draw(realisation), study.resolution.coverage_error());
+    let draw = study.draw(realisation);
+    let error = study.resolution.coverage_error();
     let mut keyed = Vec::new();
     for point in study.points(realisation) {
         let resolution = resolved.for_wave(own, &draw, point.incidence.wavelength_um);
@@ -137,7 +138,8 @@ impl WayRun<'_> {
         if todo.is_empty() && stores.packings.has(packing_key.as_str()) {
             return Ok(self.pass(kept, failed.len()));
         }
-        let (grids, asked) = (packings.on_grids(realisation)?, study.solver.build());
+        let grids = packings.on_grids(realisation)?;
+        let asked = study.solver.build();
         let record = PackingRecord::new(realisation, &grids.packing);
         stores.packings.put(packing_key.as_str(), &record)?;
         let size = resolve::size(study, resolved.for_cell(&study.draw(realisation)));
@@ -187,9 +189,12 @@ impl WayRun<'_> {
     /// Solves for one wavelength and direction, which share the problems set up by the first;
     /// returns the number of solves without a result. Errors are those of the store.
     fn solve_group(&self, solver: &dyn Solver, grids: &Grids, group: &[&(Point, Key)]) -> io::Result<usize> {
-        let (study, stores, watch) = (&*self.way.study, self.run.stores, self.run.watch);
+        let study = &*self.way.study;
+        let stores = self.run.stores;
+        let watch = self.run.watch;
         let point_solver = PointSolver { study, solver, grid: self.way.resolved.grid_error, watch };
-        let (shared, mut failed) = (OnceCell::new(), 0);
+        let shared = OnceCell::new();
+        let mut failed = 0;
         for keyed @ (point, key) in group {
             if watch.stop() {
                 break;
@@ -200,7 +205,8 @@ impl WayRun<'_> {
                 point_solver.solve(systems, point, key.as_str())
             })?;
             if let Err(Some(reason)) = solved {
-                let (variant, realisation) = (study.title.clone(), point.realisation);
+                let variant = study.title.clone();
+                let realisation = point.realisation;
                 let record = FailureRecord { variant, realisation, incidence: Some(point.incidence), reason };
                 stores.failures.put(key.as_str(), &record)?;
                 failed += 1;

@@ -86,7 +86,8 @@ impl Resolved {
             let wanted = (own as f64 * um / first_um * (1.0 - 1e-9)).ceil() as usize;
             if own == 1 { 1 } else { smooth_size(wanted.max(1)) }
         };
-        let (own, first) = (self.resolution, self.period_um);
+        let own = self.resolution;
+        let first = self.period_um;
         let cells = (own.cells as f64 * draw.thickness_um / self.thickness_um * (1.0 - 1e-9)).ceil();
         if draw.period_um == first && draw.thickness_um == self.thickness_um {
             return own;
@@ -105,7 +106,8 @@ pub fn size(study: &Study, resolution: Resolution) -> Size {
     let indices = study.materials().chain([&study.layer.binder]);
     let densest = indices.flat_map(|material| &material.index).map(|eta| eta.re).fold(1.0, f64::max);
     let k0 = std::f64::consts::TAU / (1e-3 * study.wavelengths_nm[0]);
-    let ([lx, ly], h) = (study.layer.period_um, study.layer.thickness_um);
+    let [lx, ly] = study.layer.period_um;
+    let h = study.layer.thickness_um;
     let channels = study.materials().count() + usize::from(study.packing.relief.is_some());
     let vector = study.wave.is_vector();
     let wavenumbers = if vector { [0.0; 2] } else { [k0 * densest, k0] };
@@ -165,7 +167,8 @@ pub(super) fn with_room<T>(
     enough: usize,
     mut make: impl FnMut(usize) -> Result<T, RunError>,
 ) -> Result<Vec<(usize, T)>, RunError> {
-    let (mut made, mut refusal) = (Vec::new(), None);
+    let mut made = Vec::new();
+    let mut refusal = None;
     for realisation in realisations {
         match make(realisation) {
             Ok(one) => made.push((realisation, one)),
@@ -214,7 +217,8 @@ pub fn key(study: &Study) -> Key {
 }
 
 fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
-    let (azimuth_deg, from) = (study.draw(realisation).azimuth_deg, Side::Incident);
+    let azimuth_deg = study.draw(realisation).azimuth_deg;
+    let from = Side::Incident;
     let incidence =
         |nm: f64, polar_deg: f64| Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
     let contrast = |nm: f64| largest_contrast(study, nm);
@@ -234,7 +238,8 @@ fn settle(on: &Probing) -> Result<Resolved, AccuracyError> {
     let probes = probes(on.study, on.realisation);
     let (resolution, error_estimate) = on.with_tasks(&probes, |tasks| on.grid(tasks))?;
     let Draw { period_um, thickness_um, .. } = on.draw;
-    let (grid_error, longer_waves) = (GridError::default(), 0.0);
+    let grid_error = GridError::default();
+    let longer_waves = 0.0;
     let chosen_for = Some(Finest::of(on.study));
     let one = Resolved {
         resolution,

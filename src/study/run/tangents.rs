@@ -102,7 +102,9 @@ impl Study {
             [only] => Spectrum::Constant { n: only.n, kappa: only.kappa },
             _ => Spectrum::tabulated("fitted", samples).unwrap_or(Spectrum::VACUUM),
         };
-        let (source, index, dissolved) = ("fitted".into(), index.to_vec(), Vec::new());
+        let source = "fitted".into();
+        let index = index.to_vec();
+        let dissolved = Vec::new();
         study.pigments[pigment].material =
             IndexSpectrum { source, index, spectrum, dissolved, mixing: MixingRule::default() };
         study
@@ -137,7 +139,8 @@ impl Tangents {
         settings: RunSettings,
         watch: &dyn RunWatch,
     ) -> Result<Self, RunError> {
-        let (mut packings, all) = (Packings::new(study, watch), study.realisations);
+        let mut packings = Packings::new(study, watch);
+        let all = study.realisations;
         let packed = with_room(0..all, all, |r| packings.on_grids(r).map_err(RunError::stopped))?;
         let cell = |(realisation, grids): (usize, Arc<Grids>)| TangentCell {
             record: PackingRecord::new(realisation, &grids.packing),
@@ -170,10 +173,12 @@ impl Tangents {
     /// # Errors
     /// The grid does not fit into memory.
     pub fn trial(&self, studies: &[Study], watch: &dyn RunWatch) -> Result<TrialCost, RunError> {
-        let (mut geometry, mut solve) = (0.0, 0.0);
+        let mut geometry = 0.0;
+        let mut solve = 0.0;
         for (k, study) in studies.iter().enumerate() {
             let task = CellTask { of: self, study, cell: &self.cells[k % self.cells.len()], watch };
-            let (keyed, asked) = (task.keyed(), study.solver.build());
+            let keyed = task.keyed();
+            let asked = study.solver.build();
             let solver = task.admitted(&*asked)?.0;
             let place = (SPREAD * k as f64).fract() * keyed.len() as f64;
             let tried = &keyed[place as usize];
@@ -201,7 +206,8 @@ pub struct TrialCost {
 
 /// Processor seconds of some work (on the clock where the system does not tell), and its result.
 pub fn timed<R>(work: impl FnOnce() -> R) -> (f64, R) {
-    let (clock, before) = (std::time::Instant::now(), processor_seconds());
+    let clock = std::time::Instant::now();
+    let before = processor_seconds();
     let result = work();
     let used = processor_seconds().zip(before).map(|(after, before)| after - before);
     (used.unwrap_or_else(|| clock.elapsed().as_secs_f64()), result)
@@ -247,7 +253,8 @@ impl CellTask<'_> {
 
     /// The solves in a cell, with content hashes of all that they and their derivatives depend on.
     fn keyed(&self) -> Vec<(Point, Key)> {
-        let (study, mut keyed) = (self.study, Vec::new());
+        let study = self.study;
+        let mut keyed = Vec::new();
         let error = study.resolution.coverage_error();
         for point in study.points(self.cell.record.realisation) {
             let method = (self.grid(&point), &study.solver, &study.goal, error, STEP);

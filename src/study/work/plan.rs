@@ -101,7 +101,9 @@ type Tried<'a> = (Vec<Trial<'a>>, Vec<&'a Variant>);
 
 /// Tries one variant after another.
 fn tried<'a>(variants: &[&'a Variant], deadline: &Deadline) -> Result<Tried<'a>, RunError> {
-    let (mut trials, mut late, mut failure) = (Vec::new(), Vec::new(), None);
+    let mut trials = Vec::new();
+    let mut late = Vec::new();
+    let mut failure = None;
     for (place, &variant) in variants.iter().enumerate() {
         // one more part for the solve at full size
         let part = deadline.part(variants.len() - place + 1);
@@ -129,7 +131,8 @@ fn costed(
 ) -> Plan {
     let groups = variants_of_groups(variants);
     let (solves, core_seconds) = cost(&groups, trials);
-    let (mut unknowns, mut most_bytes) = (0, 0.0_f64);
+    let mut unknowns = 0;
+    let mut most_bytes = 0.0_f64;
     for trial in trials {
         let study = &trial.variant.study;
         let r = full_resolution(trial, study);
@@ -137,7 +140,8 @@ fn costed(
         most_bytes = most_bytes.max(size(study, r).bytes(&*study.solver.build()));
     }
     let packings = groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max()).sum();
-    let (variants, units) = (variants.len(), units(variants).len());
+    let units = units(variants).len();
+    let variants = variants.len();
     let memory_mb = (1e-6 * most_bytes).ceil() as usize;
     let out_of_reach = out_of_reach(core_seconds, most_bytes, settings.memory);
     let core_seconds_range = [core_seconds / factor, core_seconds * factor];
@@ -175,7 +179,8 @@ fn late_in_words(late: &[&Variant], alone: bool) -> String {
     if late.is_empty() {
         return String::new();
     }
-    let (start, names) = (if alone { "" } else { "; " }, names(late.iter().copied()));
+    let start = if alone { "" } else { "; " };
+    let names = names(late.iter().copied());
     format!(
         "{start}the number of unknowns and the usual number of operator applications ({names}: no trial finished in time)"
     )
@@ -194,7 +199,8 @@ fn in_words(trials: &[Trial]) -> String {
 fn representatives(variants: &[Variant]) -> Vec<&Variant> {
     let groups = variants_of_groups(variants);
     let wanted = resolutions(&variants.iter().collect::<Vec<_>>());
-    let (each, mut chosen) = ((TRIALS / wanted.len()).max(2), Vec::new());
+    let each = (TRIALS / wanted.len()).max(2);
+    let mut chosen = Vec::new();
     for (n, wanted) in wanted.into_iter().enumerate() {
         let mut all = Vec::new();
         for (k, group) in groups.iter().enumerate() {
@@ -222,7 +228,8 @@ fn by_density(all: Vec<&Variant>) -> Vec<&Variant> {
 
 /// At most `most` variants of a list, evenly spread from the first to the last.
 fn spread<'a>(list: &[&'a Variant], most: usize) -> Vec<&'a Variant> {
-    let (count, last) = (list.len().min(most), list.len().saturating_sub(1));
+    let count = list.len().min(most);
+    let last = list.len().saturating_sub(1);
     (0..count).map(|k| list[k * last / (count - 1).max(1)]).collect()
 }
 
@@ -263,7 +270,8 @@ fn full_solve(trial: &Trial, study: &Study, watch: &Deadline) -> Result<f64, Run
 /// Number of different solves, and core seconds: each group at the rates of the trials with the
 /// nearest density of grains.
 fn cost(groups: &[Vec<&Variant>], trials: &[Trial]) -> (usize, f64) {
-    let (mut solves, mut seconds) = (0, 0.0);
+    let mut solves = 0;
+    let mut seconds = 0.0;
     for group in groups {
         for (n, wanted) in resolutions(group).into_iter().enumerate() {
             let studies: Vec<&Study> =
@@ -294,9 +302,11 @@ const FINER_COST: usize = 2;
 /// Numbers of grid searches and of solves of variants with the same packings and the same requested
 /// resolution.
 fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
-    let (mut solves, mut grids) = (HashSet::new(), HashSet::new());
+    let mut solves = HashSet::new();
+    let mut grids = HashSet::new();
     // on the finer grid, and with tables of indices moved by their errors
-    let (mut finer, mut moved) = (0, 0);
+    let mut finer = 0;
+    let mut moved = 0;
     for study in studies {
         let method = (&study.solver, &study.goal);
         for r in 0..study.realisations {

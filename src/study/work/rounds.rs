@@ -83,7 +83,8 @@ fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collecte
     let realisations: Vec<Realisation> =
         (0..tried).filter_map(|r| collect_one(study, stores, &resolved, r)).collect();
     let refused = refused(study, stores, tried);
-    let (enough, damages) = (false, Vec::new());
+    let enough = false;
+    let damages = Vec::new();
     (!realisations.is_empty()).then_some(Collected { resolved, realisations, refused, enough, damages })
 }
 

@@ -276,7 +276,8 @@ impl Sides {
     /// Imposes reciprocity on the nodes, F_ij/w_i = F_ji/w_j with étendues w, and R + T = 1 − A on
     /// all columns; then the beams' coherent parts take their places.
     fn balance(&self, all: &mut Mat<f64>, absorbed: &[f64], coherent: [[f64; 2]; 2]) {
-        let (n, weights) = (self.states(), self.weights());
+        let n = self.states();
+        let weights = self.weights();
         let nodes: Vec<usize> = (0..n).filter(|&i| weights[i] > 0.0).collect();
         let mean = |i: usize, j: usize| 0.5 * (all[(i, j)] / weights[i] + all[(j, i)] / weights[j]);
         let mut scales = vec![1.0_f64; n];
@@ -326,7 +327,8 @@ fn beam(side: usize, order: &Order, powers: [f64; 2], lit: &Lit) -> Beam {
         let all = amplitudes[k].norm_sqr() + order.further[0][k].norm_sqr();
         if all > 0.0 { powers[k] / all } else { 0.0 }
     };
-    let (direction, polarisation) = (lit.direction, lit.polarisation);
+    let direction = lit.direction;
+    let polarisation = lit.polarisation;
     Beam { side, direction, polarisation, amplitudes, fluxes: [flux(0), flux(1)] }
 }
 

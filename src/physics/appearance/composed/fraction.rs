@@ -124,7 +124,8 @@ mod tests {
     /// power of anything.
     #[test]
     fn parts_add_up_and_lose_nothing_with_noise() {
-        let (inside, weights) = (medium(), medium().weights());
+        let inside = medium();
+        let weights = medium().weights();
         let whole: f64 = weights.iter().sum();
         // R of 0.7 and T of 0.3 to all directions, and noise that keeps reciprocity
         let noise = |i: usize, j: usize| 0.02 * ((i * j) as f64).sin();

@@ -307,7 +307,8 @@ impl Interference<'_> {
     /// What interference changes of R and T of diffuse light, and the directions between the nodes.
     pub fn change_of_diffuse(&self) -> Lobes {
         let ordinates = &self.film.media[0].ordinates;
-        let (edge, fringes) = (ordinates.edge(), self.fringes());
+        let edge = ordinates.edge();
+        let fringes = self.fringes();
         let interferes = fringes <= MOST_FRINGES;
         let pieces = PIECES + if interferes { (2.0 * fringes).ceil() as usize } else { 0 };
         let mut change = Lobes::default();

@@ -16,7 +16,8 @@ fn normal(index: Complex64, sine: f64) -> Complex64 {
 
 /// Fresnel's amplitude of s light from air.
 fn fresnel(index: Complex64, sine: f64) -> Complex64 {
-    let (outer, inner) = ((1.0 - sine * sine).sqrt(), (index * index - sine * sine).sqrt());
+    let outer = (1.0 - sine * sine).sqrt();
+    let inner = (index * index - sine * sine).sqrt();
     (outer - inner) / (outer + inner)
 }
 
@@ -160,7 +161,8 @@ fn what_is_changed_stays_within_the_light_that_there_is() {
 fn what_nodes_leave_out_of_a_film_is_known() {
     let index = Complex64::from(1.5);
     let film = film(index);
-    let (count, sine) = (3.4, 0.5_f64.sqrt());
+    let count = 3.4;
+    let sine = 0.5_f64.sqrt();
     let own = film.interference(count, 0, &composed(&film, index, count));
     let ordinates = &film.media[0].ordinates;
     // what a composed film has: its front is exact, what comes back through it is shared

@@ -75,7 +75,8 @@ impl Ordinates {
 
     fn add_zone(&mut self, from: f64, to: f64, rule: Vec<(f64, f64)>) {
         let width = (to * to - from * from).sqrt();
-        let (first, mut nodes) = (self.sines.len(), Vec::new());
+        let first = self.sines.len();
+        let mut nodes = Vec::new();
         // from the normal outwards
         for (v, weight) in rule.into_iter().rev() {
             nodes.push(width * v);

@@ -61,7 +61,8 @@ impl Transport {
     /// loses. The nodes carry as many terms of p; the rest of the forward peak goes straight on
     /// (δ-M, W. J. Wiscombe, J. Atmos. Sci. 34 (1977) 1408).
     fn thin(&self, medium: &Hemisphere, cosines: &[f64], thickness_um: f64) -> Plate {
-        let (n, weights) = (cosines.len(), medium.weights());
+        let n = cosines.len();
+        let weights = medium.weights();
         let terms = medium.ordinates.weights.iter().filter(|w| **w > 0.0).count();
         let polynomials: Vec<Vec<f64>> =
             cosines.iter().map(|&mu| (0..terms).map(|l| legendre(l, mu)).collect()).collect();
@@ -149,7 +150,8 @@ pub fn diffuse(medium: &Hemisphere) -> Mat<f64> {
 /// K and S of a stack of slabs without surfaces: the two-flux layer by which a thick stack grows
 /// when it is doubled, M(2L) M(L)⁻¹ with M = 1/T [[T² − R², R], [−R, 1]].
 pub fn two_flux(slab: &Plate, medium: &Hemisphere, thickness_um: f64) -> Option<KubelkaMunk> {
-    let (mut stack, mut thickness_um) = (slab.clone(), thickness_um);
+    let mut stack = slab.clone();
+    let mut thickness_um = thickness_um;
     for _ in 0..DOUBLINGS {
         if means(&stack, medium)[1] < DIFFUSE {
             break;

@@ -94,7 +94,8 @@ fn fine_with_nodes_of(coarse: &Ordinates, index: f64) -> Hemisphere {
 
 /// A fine slab as the coarse nodes see it, as orders of solves are shared among nodes.
 fn projected(slab: &Plate, fine: &Hemisphere, coarse: &Hemisphere) -> Plate {
-    let (n, first) = (coarse.states(), fine.states() - coarse.ordinates.count());
+    let n = coarse.states();
+    let first = fine.states() - coarse.ordinates.count();
     let place = |state: usize| if state == 0 { 0 } else { first + state - 1 };
     let project = |m: &Mat<f64>, onward: bool| {
         let mut all: Mat<f64> = Mat::zeros(n, n);

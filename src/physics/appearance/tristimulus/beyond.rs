@@ -35,7 +35,8 @@ pub(super) struct SpectrumEnd {
 impl SpectrumEnd {
     /// Both ends of a grid that is summed with step `step_nm`.
     pub(super) fn both(grid: &[f64], step_nm: f64, viewing: &Viewing) -> [Self; 2] {
-        let (last, [from, to]) = (grid.len() - 1, COLOUR_RANGE_NM);
+        let last = grid.len() - 1;
+        let [from, to] = COLOUR_RANGE_NM;
         let below = steps(grid[0] - from, step_nm, |nm| light_times_observer(grid[0] - nm, viewing));
         let above = steps(to - grid[last], step_nm, |nm| light_times_observer(grid[last] + nm, viewing));
         [Self::new(grid, 0, below), Self::new(grid, last, above)]

@@ -42,7 +42,8 @@ fn cut_spectra_keep_their_colour() {
     let meter = Colorimeter::new(&whole).unwrap();
     let mut draws = Draws::new(25, 0);
     let spectra: Vec<Vec<f64>> = (0..200).map(|_| printed(&mut draws, &whole)).collect();
-    let (mut refused, mut published) = (0, 0);
+    let mut refused = 0;
+    let mut published = 0;
     let froms = (0..=12).map(|k| 400.0 + 5.0 * f64::from(k));
     for [from, to] in froms.flat_map(|from| (0..=20).map(move |k| [from, 600.0 + 5.0 * f64::from(k)])) {
         let cut = match Colorimeter::new(&grid(from, to)) {
@@ -58,7 +59,8 @@ fn cut_spectra_keep_their_colour() {
         let start = ((from - 400.0) / STEP_NM) as usize;
         for spectrum in &spectra {
             let values = &spectrum[start..start + cut.wavelengths_nm().len()];
-            let (colour, truth) = (cut.colour(values).unwrap(), meter.colour(spectrum).unwrap().lab);
+            let colour = cut.colour(values).unwrap();
+            let truth = meter.colour(spectrum).unwrap().lab;
             let [a, b] = cut.beyond(values, colour.xyz);
             for i in 0..3 {
                 held[i] += usize::from((colour.lab[i] - truth[i]).abs() <= 1.96 * a[i].hypot(b[i]) + 1e-9);

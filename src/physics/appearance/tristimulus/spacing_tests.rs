@@ -40,7 +40,9 @@ fn coarse_sums_keep_their_colour() {
     {
         let nm = grid(step);
         let [exact, meter] = [&fine, &nm].map(|nm| Colorimeter::under(nm, viewing).unwrap());
-        let (mut held, mut off, mut said) = ([0; 3], Vec::new(), Vec::new());
+        let mut held = [0; 3];
+        let mut off = Vec::new();
+        let mut said = Vec::new();
         for spectrum in &spectra {
             let values = at(spectrum, &nm);
             let truth = exact.colour(spectrum).unwrap().lab;

@@ -42,7 +42,8 @@ pub struct OnPaper {
 impl<'a> ComposedLayer<'a> {
     /// A layer of this many slabs, at least two and not always a whole number.
     pub fn new(slabs: &'a Slabs, count: f64, wave: Wave) -> Self {
-        let (plate, [before, _, behind]) = (slabs.layer(count), &slabs.media);
+        let plate = slabs.layer(count);
+        let [before, _, behind] = &slabs.media;
         let of = |p: usize| slabs.film.interference(count, p, &columns(&plate, 0, before, p));
         let interference: Vec<Interference> = (0..before.polarisations).map(of).collect();
         let turned = slabs.film.turned();

@@ -179,7 +179,8 @@ fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbe
 /// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.
 /// The mirrored and the straight beam are left out, and what interference changes.
 fn distribution(slabs: &Slabs, count: f64) -> Distribution<f64> {
-    let ([before, _, behind], layer) = (&slabs.media, slabs.layer(count));
+    let [before, _, behind] = &slabs.media;
+    let layer = slabs.layer(count);
     let per_sr = |fluxes: &Mat<f64>, medium: &Hemisphere| {
         let flux =
             |node| (0..medium.polarisations).map(|p| fluxes[(medium.state(node + 1, p), 0)]).sum::<f64>();

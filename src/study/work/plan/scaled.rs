@@ -35,7 +35,9 @@ pub(super) fn scaled(variant: &Variant) -> Trial<'_> {
     let each = 1.0 / study.volume_um3();
     let costs = [packing(study), coverage, SEARCH * (coverage + solve), solve];
     let [packing, coverage, grid, solve] = costs.map(|seconds| seconds * each);
-    let (study, search, longer_waves) = (study.clone(), SEARCH, 0.0);
+    let study = study.clone();
+    let search = SEARCH;
+    let longer_waves = 0.0;
     Trial { variant, study, packing, coverage, grid, search, solve, resolution, longer_waves }
 }
 
@@ -45,8 +47,8 @@ fn grid(study: &Study) -> Resolution {
     let [points_per_um, planes_per_um] = match study.resolution {
         WantedResolution::Grid { points_per_um, planes_per_um, .. } => [points_per_um, planes_per_um],
         WantedResolution::Accuracy { amplitude, .. } => {
-            let (waves, finer) =
-                (densest(study) / (1e-3 * study.wavelengths_nm[0]), (1e-2 / amplitude).max(1.0));
+            let waves = densest(study) / (1e-3 * study.wavelengths_nm[0]);
+            let finer = (1e-2 / amplitude).max(1.0);
             [PER_WAVE[0] * finer.powf(0.25) * waves, PER_WAVE[1] * finer.powf(0.2) * waves]
         }
     };

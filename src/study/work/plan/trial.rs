@@ -144,7 +144,8 @@ fn grid_for(
 /// Processor seconds, and the result. The clock on the wall, which other programs' work on the
 /// machine lengthens, counts only where the system does not tell the processor's.
 fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunError> {
-    let (clock, before) = (Instant::now(), processor_seconds());
+    let clock = Instant::now();
+    let before = processor_seconds();
     let made = make()?;
     let used = processor_seconds().zip(before).map(|(after, before)| after - before);
     Ok((used.unwrap_or_else(|| clock.elapsed().as_secs_f64()), made))

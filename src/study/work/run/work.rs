@@ -83,7 +83,8 @@ impl Work<'_> {
             self.watch.stage(&format!("no result: {error}"));
         }
         for realisation in realisations {
-            let (variant, reason) = (self.watch.name.to_owned(), error.to_string());
+            let variant = self.watch.name.to_owned();
+            let reason = error.to_string();
             let record = FailureRecord { variant, realisation, incidence: None, reason };
             self.worker.stores.failures.put(stage_key(study, realisation).as_str(), &record)?;
         }
@@ -107,7 +108,8 @@ impl Work<'_> {
         };
         let Self { worker: &Worker { stores, settings, ref room, .. }, study, realisation, .. } = *self;
         room.within(|memory| {
-            let (settings, watch) = (RunSettings { memory, ..settings }, &self.watch);
+            let settings = RunSettings { memory, ..settings };
+            let watch = &self.watch;
             RealisationRun { study, resolved, stores, settings, watch, realisation }.finish(packings)
         })
     }
