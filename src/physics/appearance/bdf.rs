@@ -197,7 +197,7 @@ impl Bdf {
     fn smooth(
         &self,
         lobe: Lobe,
-        at: [f64; 2],
+        direction: [f64; 2],
         bandwidth: f64,
         distance: impl Fn([f64; 2]) -> f64,
     ) -> Result<Smoothed, BdfError> {
@@ -212,12 +212,12 @@ impl Bdf {
         };
         let weights: Vec<f64> = data.orders.iter().map(kernel).collect();
         let (sum, squares) = weights.iter().fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
-        if !(at[0].hypot(at[1]) < 1.0 && sum > 0.0) {
-            return Err(BdfError::NothingThere { alpha: at[0], beta: at[1], bandwidth });
+        if !(direction[0].hypot(direction[1]) < 1.0 && sum > 0.0) {
+            return Err(BdfError::NothingThere { alpha: direction[0], beta: direction[1], bandwidth });
         }
         let rows = data.efficiencies.outer_iter();
         let sums = rows.map(|row| row.iter().zip(&weights).map(|(e, w)| e * w).sum::<f64>());
-        let values: Vec<f64> = sums.map(|own| own / sum / (dx * dy)).collect();
+        let values: Vec<f64> = sums.map(|total| total / sum / (dx * dy)).collect();
         Ok(Smoothed { bdf: Estimate::of_mean(&values), effective_orders: sum * sum / squares })
     }
 }

@@ -154,9 +154,9 @@ impl Colour {
 
     /// Derivatives of ΔE₀₀ with respect to Lab of `self` and of `other`.
     pub fn delta_e_2000_gradients(&self, other: &Self) -> [[f64; 3]; 2] {
-        let own = self.lab;
-        let others = other.lab;
-        [gradient(|lab| ciede2000(lab, others), own), gradient(|lab| ciede2000(own, lab), others)]
+        let here = self.lab;
+        let there = other.lab;
+        [gradient(|lab| ciede2000(lab, there), here), gradient(|lab| ciede2000(here, lab), there)]
     }
 }
 

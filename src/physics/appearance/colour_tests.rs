@@ -138,13 +138,13 @@ fn unusable_grids_and_values_are_refused() {
 #[test]
 fn ciede2000_meets_published_pairs() {
     // Sharma, Wu & Dalal (2005), pairs 1, 17 and 25: four decimals
-    let at = |lab| Colour { lab, ..colour_on(&uniform(400., 700., 10.), "perfect_white") };
+    let colour = |lab| Colour { lab, ..colour_on(&uniform(400., 700., 10.), "perfect_white") };
     for (p, q, delta) in [
         ([50.0, 2.6772, -79.7751], [50.0, 0.0, -82.7485], 2.0425),
         ([50.0, 2.5, 0.0], [73.0, 25.0, -18.0], 27.1492),
         ([60.2574, -34.0099, 36.2677], [60.4626, -34.1751, 39.4387], 1.2644),
     ] {
-        approx::assert_abs_diff_eq!(at(p).delta_e_2000(&at(q)).value, delta, epsilon = 5e-5);
+        approx::assert_abs_diff_eq!(colour(p).delta_e_2000(&colour(q)).value, delta, epsilon = 5e-5);
     }
 }
 

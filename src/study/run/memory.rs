@@ -37,11 +37,11 @@ const CACHE_OTHERWISE: f64 = 64e6;
 /// caches of the last level (`private-gemm-x86`, behind faer: one for either factor).
 const PRODUCT_CACHES: f64 = 2.0;
 
-/// As many of the wanted threads as the limits of the process leave address space for; 0 if it is
-/// too little for any run.
-pub fn threads_within_limits(wanted: usize) -> usize {
+/// As many of the requested threads as the limits of the process leave address space for; 0 if it
+/// is too little for any run.
+pub fn threads_within_limits(requested: usize) -> usize {
     let products = product_space();
-    (((address_space() - RUN_SPACE - products) / (THREAD_SPACE + products)) as usize).min(wanted)
+    (((address_space() - RUN_SPACE - products) / (THREAD_SPACE + products)) as usize).min(requested)
 }
 
 /// Smallest limit for a run on one thread, bytes.

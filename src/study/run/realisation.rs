@@ -73,14 +73,14 @@ fn ways<'a>(study: &'a Study, resolved: &Resolved, realisation: usize) -> Vec<Wa
 /// The solves of a realisation in one way, with content hashes of everything that each depends on.
 /// The grid of each is that of the study itself, so that
 /// differences between ways are not those of grids.
-fn keys_of(own: &Study, way: &Way, realisation: usize) -> Vec<(Point, Key)> {
+fn keys_of(run_study: &Study, way: &Way, realisation: usize) -> Vec<(Point, Key)> {
     let Way { study, resolved } = way;
     let packing = Key::of_packing(&study.packing_request(realisation));
     let draw = study.draw(realisation);
     let error = study.resolution.coverage_error();
     let mut keyed = Vec::new();
     for point in study.points(realisation) {
-        let resolution = resolved.for_wave(own, &draw, point.incidence.wavelength_um);
+        let resolution = resolved.for_wave(run_study, &draw, point.incidence.wavelength_um);
         let method = (resolution, Mean::default(), &study.solver, &study.goal, error);
         let indices = study.indices(point.incidence.wavelength_um);
         let inputs = (&packing, indices, &point.incidence, method);
@@ -127,9 +127,9 @@ struct WayRun<'a> {
 impl WayRun<'_> {
     /// Computes the missing solves.
     fn finish(&self, packings: &mut Packings) -> Result<usize, RunError> {
-        let &RealisationRun { stores, settings, watch, realisation, study: own, .. } = self.run;
+        let &RealisationRun { stores, settings, watch, realisation, study: run_study, .. } = self.run;
         let Way { study, resolved } = self.way;
-        let keyed = keys_of(own, self.way, realisation);
+        let keyed = keys_of(run_study, self.way, realisation);
         let lacking: Vec<&(Point, Key)> = keyed.iter().filter(|keyed| !self.is_kept(keyed)).collect();
         let kept = keyed.len() - lacking.len();
         let (failed, todo): (Vec<_>, Vec<_>) =
@@ -139,11 +139,11 @@ impl WayRun<'_> {
             return Ok(self.pass(kept, failed.len()));
         }
         let grids = packings.on_grids(realisation)?;
-        let asked = study.solver.build();
+        let requested = study.solver.build();
         let record = PackingRecord::new(realisation, &grids.packing);
         stores.packings.put(packing_key.as_str(), &record)?;
         let size = resolve::size(study, resolved.for_cell(&study.draw(realisation)));
-        let (solver, jobs) = settings.admit(&size, (&*asked, 1.0), watch)?;
+        let (solver, jobs) = settings.admit(&size, &*requested, 1.0, watch)?;
         for (point, _) in &todo {
             grids.geometry(study, self.grid(point), watch)?;
         }
@@ -152,8 +152,8 @@ impl WayRun<'_> {
 
     /// The grid of a point's wave.
     fn grid(&self, point: &Point) -> Resolution {
-        let own = self.run.study;
-        self.way.resolved.for_wave(own, &own.draw(self.run.realisation), point.incidence.wavelength_um)
+        let study = self.run.study;
+        self.way.resolved.for_wave(study, &study.draw(self.run.realisation), point.incidence.wavelength_um)
     }
 
     /// Reports the solves that need no work; returns the number of those without a result.
@@ -199,7 +199,7 @@ impl WayRun<'_> {
             if watch.stop() {
                 break;
             }
-            let solved = attempt((study, &stores.points, watch), keyed, || {
+            let solved = attempt(study, &stores.points, watch, keyed, || {
                 let made = shared.get_or_init(|| grids.problems(study, self.grid(point), point, watch));
                 let (systems, _) = made.as_ref().map_err(Clone::clone)?;
                 point_solver.solve(systems, point, key.as_str())

@@ -5,7 +5,7 @@
 
 use super::collected::{Collected, Realisation, RunSettings};
 use super::crew::{processor_seconds, work_through};
-use super::point::{Grids, PointError, PointSolver, Stopper, attempt, own, systems_of};
+use super::point::{Grids, PointError, PointSolver, Stopper, attempt, system_of, systems_of};
 use super::realisation::Packings;
 use super::resolve::{Resolved, size, with_room};
 use super::watch::{Event, RunError, RunWatch};
@@ -161,7 +161,7 @@ impl Tangents {
         most: usize,
         watch: &dyn RunWatch,
     ) -> Result<Linearised, RunError> {
-        let cells = self.cells.iter().take(most).map(|cell| CellTask { of: self, study, cell, watch });
+        let cells = self.cells.iter().take(most).map(|cell| CellTask { tangents: self, study, cell, watch });
         let solved = cells.map(|task| Ok((task.cell.record.clone(), task.solve_all()?)));
         let realisations = solved.collect::<Result<_, RunError>>()?;
         Ok(Linearised { resolved: self.resolved, realisations })
@@ -176,10 +176,10 @@ impl Tangents {
         let mut geometry = 0.0;
         let mut solve = 0.0;
         for (k, study) in studies.iter().enumerate() {
-            let task = CellTask { of: self, study, cell: &self.cells[k % self.cells.len()], watch };
+            let task = CellTask { tangents: self, study, cell: &self.cells[k % self.cells.len()], watch };
             let keyed = task.keyed();
-            let asked = study.solver.build();
-            let solver = task.admitted(&*asked)?.0;
+            let requested = study.solver.build();
+            let solver = task.admitted(&*requested)?.0;
             let place = (SPREAD * k as f64).fract() * keyed.len() as f64;
             let tried = &keyed[place as usize];
             // kept by the cell: the first solve of a grid would pay for all
@@ -216,7 +216,7 @@ pub fn timed<R>(work: impl FnOnce() -> R) -> (f64, R) {
 /// The solves of one study in one cell.
 #[derive(Clone, Copy)]
 struct CellTask<'a> {
-    of: &'a Tangents,
+    tangents: &'a Tangents,
     study: &'a Study,
     cell: &'a TangentCell,
     watch: &'a dyn RunWatch,
@@ -224,31 +224,33 @@ struct CellTask<'a> {
 
 impl CellTask<'_> {
     /// The strategy with its share of the memory, and the number of solves at a time.
-    fn admitted<'s>(&self, asked: &'s dyn Solver) -> Result<(Admitted<'s>, usize), TooLarge> {
+    fn admitted<'s>(&self, requested: &'s dyn Solver) -> Result<(Admitted<'s>, usize), TooLarge> {
         let draw = self.study.draw(self.cell.record.realisation);
-        let size = size(self.study, self.of.resolved.for_cell(&draw));
-        self.of.settings.admit(&size, (asked, SYSTEMS), self.watch)
+        let size = size(self.study, self.tangents.resolved.for_cell(&draw));
+        self.tangents.settings.admit(&size, requested, SYSTEMS, self.watch)
     }
 
     /// Solves what the store lacks.
     fn solve_all(&self) -> Result<Vec<Option<TangentRecord>>, RunError> {
-        let Self { of, study, watch, .. } = *self;
+        let Self { tangents, study, watch, .. } = *self;
         let keyed = self.keyed();
-        let stored = keyed.iter().map(|(_, key)| of.store.get(key.as_str()));
-        let found: Vec<_> = stored.map(|record| record.map_or_else(OnceLock::new, OnceLock::from)).collect();
-        let todo: Vec<_> = keyed.iter().zip(&found).filter(|(_, found)| found.get().is_none()).collect();
+        let stored = keyed.iter().map(|(_, key)| tangents.store.get(key.as_str()));
+        let records: Vec<_> =
+            stored.map(|record| record.map_or_else(OnceLock::new, OnceLock::from)).collect();
+        let todo: Vec<_> = keyed.iter().zip(&records).filter(|(_, record)| record.get().is_none()).collect();
         watch.hear(Event::Kept(keyed.len() - todo.len()));
-        let asked = study.solver.build();
-        let (solver, jobs) = self.admitted(&*asked)?;
+        let requested = study.solver.build();
+        let (solver, jobs) = self.admitted(&*requested)?;
         work_through(todo.len(), jobs, watch, |k| {
-            let (keyed, found) = todo[k];
-            let solved = attempt((study, &of.store, watch), keyed, || self.solve(keyed, solver.solver()))?;
-            Ok(keep(solved, found))
+            let (keyed, record) = todo[k];
+            let solved =
+                attempt(study, &tangents.store, watch, keyed, || self.solve(keyed, solver.solver()))?;
+            Ok(keep(solved, record))
         })?;
         if watch.stop() {
             return Err(RunError::Stopped);
         }
-        Ok(found.into_iter().map(OnceLock::into_inner).collect())
+        Ok(records.into_iter().map(OnceLock::into_inner).collect())
     }
 
     /// The solves in a cell, with content hashes of all that they and their derivatives depend on.
@@ -259,7 +261,7 @@ impl CellTask<'_> {
         for point in study.points(self.cell.record.realisation) {
             let method = (self.grid(&point), &study.solver, &study.goal, error, STEP);
             let indices = study.indices(point.incidence.wavelength_um);
-            let inputs = (&self.cell.key, indices, &point.incidence, method, self.of.pigment);
+            let inputs = (&self.cell.key, indices, &point.incidence, method, self.tangents.pigment);
             keyed.push((point, Key::of_wave("tangent", &inputs, point.polarisation)));
         }
         keyed
@@ -267,18 +269,21 @@ impl CellTask<'_> {
 
     fn grid(&self, point: &Point) -> Resolution {
         let draw = self.study.draw(self.cell.record.realisation);
-        self.of.resolved.for_wave(self.study, &draw, point.incidence.wavelength_um)
+        self.tangents.resolved.for_wave(self.study, &draw, point.incidence.wavelength_um)
     }
 
     fn solve(&self, (point, key): &(Point, Key), solver: &dyn Solver) -> Result<TangentRecord, PointError> {
-        let Self { of: &Tangents { pigment, resolved, .. }, study, cell, watch } = *self;
+        let Self { tangents: &Tangents { pigment, resolved, .. }, study, cell, watch } = *self;
         let (systems, geometry) = cell.grids.problems(study, self.grid(point), point, watch)?;
-        let system = own(&systems, point);
+        let system = system_of(&systems, point);
         let Solution { field, account } = solver.solve(&**system, study.goal, &mut Stopper(watch))?;
         let neighbour = |step: f64| -> Result<Neighbour, WaveError> {
             let eta = study.pigments[pigment].material.index_at(point.incidence.wavelength_um);
             let moved = study.with_index(pigment, &vec![eta + step; study.wavelengths_nm.len()]);
-            Ok(Neighbour { step: step.into(), system: own(systems_of(&moved, &geometry, point)?, point) })
+            Ok(Neighbour {
+                step: step.into(),
+                system: system_of(systems_of(&moved, &geometry, point)?, point),
+            })
         };
         let neighbours = [neighbour(STEP)?, neighbour(-STEP)?];
         let slopes = tangent(&**system, &field, &neighbours, solver, study.goal, &mut Stopper(watch))?;

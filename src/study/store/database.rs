@@ -179,7 +179,7 @@ impl Database {
         let mut keys = BTreeSet::new();
         for rows in lock(&self.files).all() {
             match rows.keys(kind) {
-                Ok(found) => keys.extend(found),
+                Ok(keys_there) => keys.extend(keys_there),
                 Err(error) => self.note_file(&rows.path, error),
             }
         }

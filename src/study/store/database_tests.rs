@@ -85,7 +85,9 @@ fn a_damaged_file_is_put_aside_and_what_is_sound_is_saved() {
 
 #[test]
 fn a_copy_takes_what_is_sound_and_stops_at_contradictions() {
-    let [one, two, into] = [(); 3].map(|()| tempfile::tempdir().unwrap());
+    let one = tempfile::tempdir().unwrap();
+    let two = tempfile::tempdir().unwrap();
+    let into = tempfile::tempdir().unwrap();
     two_records(&one);
     two_records(&two);
     tamper(&one, "update records set content = x'03' where key = 'a'");

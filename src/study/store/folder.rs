@@ -149,11 +149,9 @@ impl OutputFolder {
     /// A folder of results inside this one, such as that of a variant.
     pub fn inside(&self, name: &str) -> Result<Self, FolderError> {
         let path = self.path.join(name);
-        let made = Vec::new();
-        let go_on = self.go_on.clone();
-        let presence = Presence::default();
         std::fs::create_dir_all(&path).map_err(FolderError::at(&path))?;
-        Ok(Self { path, made, marked: true, go_on, presence })
+        let presence = Presence::default();
+        Ok(Self { path, made: Vec::new(), marked: true, go_on: self.go_on.clone(), presence })
     }
 
     /// Path of the folder.

@@ -81,7 +81,7 @@ pub fn plan(variants: &[Variant], settings: RunSettings, watch: &dyn RunWatch) -
     calibration += &late_in_words(&late, trials.is_empty());
     let factor = if late.is_empty() { TRIED_FACTOR } else { BY_SIZE_FACTOR };
     trials.extend(late.into_iter().map(scaled));
-    Ok(costed(variants, &trials, (calibration, factor), settings))
+    Ok(costed(variants, &trials, calibration, factor, settings))
 }
 
 /// Estimates the cost from the size alone, without trials.
@@ -89,7 +89,7 @@ pub fn by_size(variants: &[Variant], settings: RunSettings) -> Plan {
     let variants = &*solved_for(variants);
     let all = representatives(variants);
     let trials: Vec<Trial> = all.iter().copied().map(scaled).collect();
-    costed(variants, &trials, (late_in_words(&all, true), BY_SIZE_FACTOR), settings)
+    costed(variants, &trials, late_in_words(&all, true), BY_SIZE_FACTOR, settings)
 }
 
 fn variants_of_groups(variants: &[Variant]) -> Vec<Vec<&Variant>> {
@@ -126,7 +126,8 @@ fn tried<'a>(variants: &[&'a Variant], deadline: &Deadline) -> Result<Tried<'a>,
 fn costed(
     variants: &[Variant],
     trials: &[Trial],
-    (calibration, factor): (String, f64),
+    calibration: String,
+    factor: f64,
     settings: RunSettings,
 ) -> Plan {
     let groups = variants_of_groups(variants);
@@ -162,7 +163,8 @@ fn costed(
 /// Why the available cores and memory do not suffice; `None` if they do.
 fn out_of_reach(core_seconds: f64, bytes: f64, memory: f64) -> Option<String> {
     let cores = rayon::current_num_threads() as f64;
-    let [need, free] = [bytes, memory].map(|bytes| memory_in_words(1e-9 * bytes));
+    let need = memory_in_words(1e-9 * bytes);
+    let free = memory_in_words(1e-9 * memory);
     if bytes > memory {
         return Some(format!("estimated {need} for one solve, of {free}"));
     }
@@ -198,13 +200,13 @@ fn in_words(trials: &[Trial]) -> String {
 /// For each requested resolution, variants evenly spread over the densities of grains.
 fn representatives(variants: &[Variant]) -> Vec<&Variant> {
     let groups = variants_of_groups(variants);
-    let wanted = resolutions(&variants.iter().collect::<Vec<_>>());
-    let each = (TRIALS / wanted.len()).max(2);
+    let requested = resolutions(&variants.iter().collect::<Vec<_>>());
+    let each = (TRIALS / requested.len()).max(2);
     let mut chosen = Vec::new();
-    for (n, wanted) in wanted.into_iter().enumerate() {
+    for (n, requested) in requested.into_iter().enumerate() {
         let mut all = Vec::new();
         for (k, group) in groups.iter().enumerate() {
-            let members = with_resolution(group, wanted);
+            let members = with_resolution(group, requested);
             // takes the inks of a group in turn, so that the trials do not all use the first
             all.extend(members.get((k + n) % members.len().max(1)));
         }
@@ -214,8 +216,8 @@ fn representatives(variants: &[Variant]) -> Vec<&Variant> {
 }
 
 /// Those variants of a group that request this resolution.
-fn with_resolution<'a>(group: &[&'a Variant], wanted: WantedResolution) -> Vec<&'a Variant> {
-    group.iter().copied().filter(|variant| variant.study.resolution == wanted).collect()
+fn with_resolution<'a>(group: &[&'a Variant], requested: WantedResolution) -> Vec<&'a Variant> {
+    group.iter().copied().filter(|variant| variant.study.resolution == requested).collect()
 }
 
 /// The variants with grains, ordered by their density; the first variant if none has grains.
@@ -235,13 +237,13 @@ fn spread<'a>(list: &[&'a Variant], most: usize) -> Vec<&'a Variant> {
 
 /// The different requested resolutions of the variants.
 fn resolutions(variants: &[&Variant]) -> Vec<WantedResolution> {
-    let mut found = Vec::new();
-    for wanted in variants.iter().map(|variant| variant.study.resolution) {
-        if !found.contains(&wanted) {
-            found.push(wanted);
+    let mut different = Vec::new();
+    for requested in variants.iter().map(|variant| variant.study.resolution) {
+        if !different.contains(&requested) {
+            different.push(requested);
         }
     }
-    found
+    different
 }
 
 /// Solves the variant with the fastest packing at full size; returns its name and the cost per µm³
@@ -273,13 +275,13 @@ fn cost(groups: &[Vec<&Variant>], trials: &[Trial]) -> (usize, f64) {
     let mut solves = 0;
     let mut seconds = 0.0;
     for group in groups {
-        for (n, wanted) in resolutions(group).into_iter().enumerate() {
+        for (n, requested) in resolutions(group).into_iter().enumerate() {
             let studies: Vec<&Study> =
-                with_resolution(group, wanted).into_iter().map(|variant| &variant.study).collect();
-            let [grids, own] = grids_and_solves(&studies);
-            solves += own;
+                with_resolution(group, requested).into_iter().map(|variant| &variant.study).collect();
+            let [grids, solves_of_group] = grids_and_solves(&studies);
+            solves += solves_of_group;
             let distance = |t: &&Trial| (density(&t.study) / density(studies[0])).ln().abs();
-            let alike = trials.iter().filter(|t| t.study.resolution == wanted);
+            let alike = trials.iter().filter(|t| t.study.resolution == requested);
             let nearest = alike.min_by(|a, b| distance(a).total_cmp(&distance(b)));
             // without grains there is no contrast to iterate on
             if let (false, Some(trial)) = (studies[0].pigments.is_empty(), nearest) {
@@ -288,7 +290,7 @@ fn cost(groups: &[Vec<&Variant>], trials: &[Trial]) -> (usize, f64) {
                 let packings = if n == 0 { realisations.clone().max().unwrap_or(0) } else { 0 };
                 let coverages = realisations.sum::<usize>() as f64;
                 let once = trial.packing * packings as f64 + trial.coverage * coverages;
-                let work = once + trial.grid * grids as f64 + trial.solve * own as f64;
+                let work = once + trial.grid * grids as f64 + trial.solve * solves_of_group as f64;
                 seconds += studies[0].volume_um3() * work;
             }
         }

@@ -90,7 +90,8 @@ pub fn run(
 ) -> Result<Tally, RunError> {
     let solved = solved_for(variants);
     watch.hear(Event::Begun);
-    let tally = run_to_end(&solved, folder, extent, settings, watch);
+    let (shard, scope) = extent;
+    let tally = run_to_end(&solved, folder, shard, scope, settings, watch);
     watch.hear(Event::Over);
     tally
 }
@@ -98,7 +99,8 @@ pub fn run(
 fn run_to_end(
     variants: &[Variant],
     folder: &OutputFolder,
-    (shard, scope): (Shard, Scope),
+    shard: Shard,
+    scope: Scope,
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Tally, RunError> {

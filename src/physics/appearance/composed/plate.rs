@@ -39,8 +39,10 @@ impl Plate {
 
     /// This element in front of another, side b of this at side a of the other.
     pub fn then(&self, behind: &Self) -> Self {
-        let ([ra, rb], [tab, tba]) = (&self.reflection, &self.transmission);
-        let ([sa, sb], [uab, uba]) = (&behind.reflection, &behind.transmission);
+        let [ra, rb] = &self.reflection;
+        let [tab, tba] = &self.transmission;
+        let [sa, sb] = &behind.reflection;
+        let [uab, uba] = &behind.transmission;
         let down = bounced(rb, sa, tab);
         let up = bounced(sa, rb, uba);
         let back = tba * (sa * &down);

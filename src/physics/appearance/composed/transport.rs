@@ -96,13 +96,13 @@ impl Transport {
         let [r, t] = means(slab, medium);
         let ordinates = Ordinates::for_transfer(medium.ordinates.index, [NODES; 2]);
         let plain = Hemisphere { ordinates, polarisations: 1, oblique_deg: None };
-        let of = |k: [f64; 2]| Self {
+        let transport = |k: [f64; 2]| Self {
             scattering_per_um: extinction - k[0],
             absorption_per_um: k[0],
             asymmetry: k[1],
         };
         let miss = |k: [f64; 2]| {
-            let [own_r, own_t] = means(&of(k).layer(&plain, thickness_um)?, &plain);
+            let [own_r, own_t] = means(&transport(k).layer(&plain, thickness_um)?, &plain);
             Some([own_r + own_t - r - t, own_r - r])
         };
         let mut k = [0.5 * (1.0 - r - t) / thickness_um, 0.5];
@@ -122,7 +122,7 @@ impl Transport {
                 break;
             }
         }
-        let found = of(k);
+        let found = transport(k);
         (settled && found.scattering_per_um > 0.0).then_some(found)
     }
 }
@@ -158,7 +158,8 @@ pub fn two_flux(slab: &Plate, medium: &Hemisphere, thickness_um: f64) -> Option<
         }
         (stack, thickness_um) = (stack.then(&stack), 2.0 * thickness_um);
     }
-    let [[r1, t1], [r2, t2]] = [means(&stack, medium), means(&stack.then(&stack), medium)];
+    let [r1, t1] = means(&stack, medium);
+    let [r2, t2] = means(&stack.then(&stack), medium);
     // the last column of the product, up to 1/(t1 t2)·t1
     let m2 = [[t2 * t2 - r2 * r2, r2], [-r2, 1.0]].map(|row| row.map(|x| x / t2));
     let inverse = [[1.0, -r1], [r1, t1 * t1 - r1 * r1]].map(|row| row.map(|x| x / t1));

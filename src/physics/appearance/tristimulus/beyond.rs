@@ -65,8 +65,8 @@ impl SpectrumEnd {
         self.sum(|_| 1.0)
     }
 
-    fn sum(&self, of: impl Fn(f64) -> f64) -> [f64; 3] {
-        std::array::from_fn(|c| self.beyond.iter().map(|(nm, weight)| of(*nm) * weight[c]).sum())
+    fn sum(&self, factor: impl Fn(f64) -> f64) -> [f64; 3] {
+        std::array::from_fn(|c| self.beyond.iter().map(|(nm, weight)| factor(*nm) * weight[c]).sum())
     }
 
     /// Upper (`up`) or lower standard error of X, Y, Z due to light beyond the end: a reflectance
@@ -85,8 +85,8 @@ impl SpectrumEnd {
 fn steps(gap_nm: f64, step_nm: f64, weight: impl Fn(f64) -> [f64; 3]) -> Vec<(f64, [f64; 3])> {
     let count = (gap_nm / step_nm - 1e-9).ceil().max(0.0) as usize;
     let width = gap_nm / count.max(1) as f64;
-    let at = |k: usize| (k as f64 * width, weight(k as f64 * width).map(|w| w * width / step_nm));
-    (1..=count).map(at).collect()
+    let step = |k: usize| (k as f64 * width, weight(k as f64 * width).map(|w| w * width / step_nm));
+    (1..=count).map(step).collect()
 }
 
 impl Colorimeter {
@@ -105,8 +105,8 @@ impl Colorimeter {
 
     /// Standard error of Y due to light beyond both ends.
     pub fn beyond_luminance(&self, values: &[f64]) -> f64 {
-        let of = |end: &SpectrumEnd| end.drift(values, true)[1].max(-end.drift(values, false)[1]);
-        self.ends.iter().map(of).fold(0.0, f64::hypot)
+        let drift = |end: &SpectrumEnd| end.drift(values, true)[1].max(-end.drift(values, false)[1]);
+        self.ends.iter().map(drift).fold(0.0, f64::hypot)
     }
 }
 

@@ -16,15 +16,15 @@ pub fn printed(draws: &mut Draws, grid: &[f64]) -> Vec<f64> {
     let mut uniform = |from: f64, to: f64| draws.between(from, to);
     let mut values = vec![uniform(0.02, 0.9); grid.len()];
     for _ in 0..1 + uniform(0.0, 3.0) as usize {
-        let (height, at, width) = (uniform(-0.8, 0.8), uniform(380.0, 720.0), uniform(6.0, 30.0));
-        values.iter_mut().zip(grid).for_each(|(v, nm)| *v += height / (1.0 + (-(nm - at) / width).exp()));
+        let (height, centre, width) = (uniform(-0.8, 0.8), uniform(380.0, 720.0), uniform(6.0, 30.0));
+        values.iter_mut().zip(grid).for_each(|(v, nm)| *v += height / (1.0 + (-(nm - centre) / width).exp()));
     }
     for _ in 0..uniform(0.0, 4.0) as usize {
-        let (height, at, width) = (uniform(-0.4, 0.4), uniform(380.0, 720.0), uniform(15.0, 60.0));
+        let (height, centre, width) = (uniform(-0.4, 0.4), uniform(380.0, 720.0), uniform(15.0, 60.0));
         values
             .iter_mut()
             .zip(grid)
-            .for_each(|(v, nm)| *v += height * (-0.5 * ((nm - at) / width).powi(2)).exp());
+            .for_each(|(v, nm)| *v += height * (-0.5 * ((nm - centre) / width).powi(2)).exp());
     }
     let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(a, b), &v| (a.min(v), b.max(v)));
     if low < 0.02 || high > 0.95 {
@@ -78,8 +78,8 @@ fn cut_spectra_keep_their_colour() {
 fn the_ends_stand_for_what_lies_beyond_them() {
     let viewings = ["D65", "A", "F11"].map(|light| Viewing::new(light, "10", Summation::Plain).unwrap());
     for viewing in viewings {
-        let [whole, cut] =
-            [grid(400.0, 700.0), grid(420.0, 660.0)].map(|g| Colorimeter::under(&g, &viewing).unwrap());
+        let whole = Colorimeter::under(&grid(400.0, 700.0), &viewing).unwrap();
+        let cut = Colorimeter::under(&grid(420.0, 660.0), &viewing).unwrap();
         for c in 0..3 {
             // rounding of two sums of 300 terms
             assert!((whole.white_xyz[c] - cut.white_xyz[c]).abs() < 1e-9, "{}", viewing.name());

@@ -82,8 +82,8 @@ impl Colorimeter {
         };
         let sum = |nodes: &[usize], rule: Interpolation| {
             let nm: Vec<f64> = nodes.iter().map(|&j| grid[j]).collect();
-            let own: Vec<f64> = nodes.iter().map(|&j| unknown[j]).collect();
-            of_rule(&nm, &own, &light, rule)
+            let values: Vec<f64> = nodes.iter().map(|&j| unknown[j]).collect();
+            of_rule(&nm, &values, &light, rule)
         };
         let last = grid.len() - 1;
         let all: Vec<usize> = (0..=last).collect();

@@ -126,9 +126,9 @@ mod tests {
     use super::*;
 
     /// Numbers of 20 wavelengths, of which two quantities differ from 0.
-    fn numbers(of: impl Fn(usize) -> [f64; 2]) -> ComposedNumbers<f64> {
+    fn numbers(pair: impl Fn(usize) -> [f64; 2]) -> ComposedNumbers<f64> {
         let row = |w: usize| {
-            let [reflectance_normal, over_white] = of(w);
+            let [reflectance_normal, over_white] = pair(w);
             LayerNumbers { reflectance_normal, over_white, ..LayerNumbers::default() }
         };
         let spectra = (0..20).map(row).collect();

@@ -6,8 +6,8 @@ use crate::evaluate::published::{ErrorParts, NamedNumber, PublishedRow, Withheld
 use crate::input::study::{Composed, Study};
 use serde::Serialize;
 
-/// A layer at one wavelength. `null` is a number that cannot be ([`ComposedManifest::withheld`] says
-/// why).
+/// A layer at one wavelength. `null` is a number that cannot be
+/// ([`ComposedManifest::withheld`] says why).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComposedRow {
     /// Thickness of the layer, µm.

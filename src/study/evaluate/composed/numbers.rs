@@ -219,12 +219,12 @@ pub fn lights(medium: &Hemisphere, wave: Wave) -> [Mat<f64>; 3] {
 fn lit_at_45(plate: &Plate, medium: &Hemisphere, wave: Wave) -> f64 {
     let sine = medium.ordinates.index * PRINT_DEG.to_radians().sin();
     let shares = polarised(medium, wave);
-    let at = |(node, share): (usize, f64)| {
+    let brdf = |(node, share): (usize, f64)| {
         let flux = |p: usize| plate.reflection[0][(medium.state(node + 1, p), 0)];
-        let own: f64 = shares.iter().enumerate().map(|(p, s)| shares.len() as f64 * s * flux(p)).sum();
-        share * own / medium.ordinates.weights[node]
+        let reflected: f64 = shares.iter().enumerate().map(|(p, s)| shares.len() as f64 * s * flux(p)).sum();
+        share * reflected / medium.ordinates.weights[node]
     };
-    medium.ordinates.shares(sine).into_iter().map(at).sum()
+    medium.ordinates.shares(sine).into_iter().map(brdf).sum()
 }
 
 /// What the medium of the slabs is to light. NaN for what these realisations do not determine.

@@ -33,12 +33,17 @@ pub(super) fn scaled(variant: &Variant) -> Trial<'_> {
     let solve = size(study, resolution).unknowns() * applications(study) * APPLICATION;
     let coverage = (resolution.nx * resolution.ny * resolution.planes()) as f64 * COVERAGE;
     let each = 1.0 / study.volume_um3();
-    let costs = [packing(study), coverage, SEARCH * (coverage + solve), solve];
-    let [packing, coverage, grid, solve] = costs.map(|seconds| seconds * each);
-    let study = study.clone();
-    let search = SEARCH;
-    let longer_waves = 0.0;
-    Trial { variant, study, packing, coverage, grid, search, solve, resolution, longer_waves }
+    Trial {
+        variant,
+        study: study.clone(),
+        packing: packing(study) * each,
+        coverage: coverage * each,
+        grid: SEARCH * (coverage + solve) * each,
+        search: SEARCH,
+        solve: solve * each,
+        resolution,
+        longer_waves: 0.0,
+    }
 }
 
 /// The requested grid, or the one that the accuracy is likely to need.

@@ -83,9 +83,12 @@ impl Work<'_> {
             self.watch.stage(&format!("no result: {error}"));
         }
         for realisation in realisations {
-            let variant = self.watch.name.to_owned();
-            let reason = error.to_string();
-            let record = FailureRecord { variant, realisation, incidence: None, reason };
+            let record = FailureRecord {
+                variant: self.watch.name.to_owned(),
+                realisation,
+                incidence: None,
+                reason: error.to_string(),
+            };
             self.worker.stores.failures.put(stage_key(study, realisation).as_str(), &record)?;
         }
         let _ = self.worker.failure.set(error);
