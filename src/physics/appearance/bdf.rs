@@ -104,10 +104,16 @@ pub(super) struct LobeData {
 ///         backgrounds: vec![1.558.into()],
 ///         inclusions: vec![1.4.into()],
 ///     };
-///     let light = Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+///     let light = Incidence {
+///         wavelength_um: 0.5,
+///         polar_deg: 0.0,
+///         azimuth_deg: 0.0,
+///         from: Side::Incident,
+///     };
 ///     let grid = Resolution { nx: 12, ny: 12, cells: 4, scheme: Scheme::Cubic };
 ///     let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
-///     Ok(problem.far_field(&Gmres::default().solve(&problem, Goal::default(), &mut Silent)?.field))
+///     let solution = Gmres::default().solve(&problem, Goal::default(), &mut Silent)?;
+///     Ok(problem.far_field(&solution.field))
 /// };
 /// let bdf = Bdf::from_ensemble(&[solved(0.15)?, solved(0.25)?])?;
 /// let totals = bdf.totals(Lobe::Transmitted);

@@ -5,7 +5,8 @@
 //! − 1):
 //!
 //! ```text
-//! R = 1/(a + b coth bSX)      T = b/(a sinh bSX + b cosh bSX)      over a backing ρ:  R + T² ρ/(1 − ρ R)
+//! R = 1/(a + b coth bSX)      T = b/(a sinh bSX + b cosh bSX)
+//! over a backing ρ:  R + T² ρ/(1 − ρ R)
 //! ```
 //!
 //! They assume a layer with the same reflectance from both sides. Reflection at its faces is not
@@ -45,7 +46,8 @@ impl DiffuseFaces {
             let divisor = (1.0 - self.external) * (1.0 - self.internal) + self.internal * inside;
             (divisor > 0.0).then(|| inside / divisor)
         };
-        let (same, opposite) = (bare(reflectance + transmittance)?, bare(reflectance - transmittance)?);
+        let same = bare(reflectance + transmittance)?;
+        let opposite = bare(reflectance - transmittance)?;
         Some([0.5 * (same + opposite), 0.5 * (same - opposite)])
     }
 
@@ -53,7 +55,8 @@ impl DiffuseFaces {
     pub fn put_on(&self, reflectance: f64, transmittance: f64) -> [f64; 2] {
         let through = (1.0 - self.external) * (1.0 - self.internal);
         let whole = |bare: f64| self.external + through * bare / (1.0 - self.internal * bare);
-        let (same, opposite) = (whole(reflectance + transmittance), whole(reflectance - transmittance));
+        let same = whole(reflectance + transmittance);
+        let opposite = whole(reflectance - transmittance);
         [0.5 * (same + opposite), 0.5 * (same - opposite)]
     }
 }

@@ -130,7 +130,7 @@ pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
     CompleteCells::new(study, collected).appearance().ink
 }
 
-/// The ink as its coherent film, with the volume fractions asked for in every plane.
+/// The ink as its coherent film, with the requested volume fractions in every plane.
 ///
 /// # Errors
 /// As [`InkOnPaper::homogeneous`].

@@ -108,8 +108,8 @@ pub fn enough(study: &Study, collected: &Collected) -> bool {
 
 /// The colours to which `run.target_delta_e` applies.
 pub fn aimed_at<'a>(study: &Study, manifest: &'a Manifest<&Study>) -> impl Iterator<Item = &'a ColourNote> {
-    let wanted = study.target_colour;
-    manifest.colours.iter().filter(move |note| match wanted {
+    let target = study.target_colour;
+    manifest.colours.iter().filter(move |note| match target {
         TargetColour::Every => true,
         TargetColour::NaturalLight => note.conditions == NATURAL_LIGHT,
         TargetColour::LitAt45 => note.conditions == LIT_AT_45,

@@ -90,7 +90,8 @@ pub(super) fn probed_angles_deg(study: &Study) -> [f64; 2] {
 /// The longest wavelength at the smallest and the largest angle, on one packing; empty if all waves
 /// share a grid: on request, with a single wavelength, or without any contrast.
 pub(super) fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
-    let (first, last) = (study.wavelengths_nm[0], study.wavelengths_nm[study.wavelengths_nm.len() - 1]);
+    let first = study.wavelengths_nm[0];
+    let last = study.wavelengths_nm[study.wavelengths_nm.len() - 1];
     let allowed = matches!(study.resolution, WantedResolution::Accuracy { per_wavelength: true, .. });
     if !allowed || stepped(last / first) == 1.0 || largest_contrast(study, last) == 0.0 {
         return Vec::new();

@@ -25,9 +25,10 @@ pub fn allowed() -> f64 {
 }
 
 /// Address space that a run takes besides its solves and its matrix products, bytes, and what each
-/// thread adds: arenas of the allocator, stacks. Peaks of `examples/yellow.toml`: 0.38, 0.58 and
-/// 0.99 GB on 1, 2 and 4 threads, of which 0.04 to 0.06 GB are ever touched, with 0.045 GB of the
-/// program itself and products on the first thread only, beside a cache of 32 MiB.
+/// thread adds: arenas of the allocator, stacks.
+// Peaks of `examples/yellow.toml`: 0.38, 0.58 and 0.99 GB on 1, 2 and 4 threads, of which 0.04 to
+// 0.06 GB are ever touched, with 0.045 GB of the program itself and products on the first thread
+// only, beside a cache of 32 MiB.
 const RUN_SPACE: f64 = 65e6;
 const THREAD_SPACE: f64 = 205e6;
 

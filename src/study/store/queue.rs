@@ -264,7 +264,8 @@ mod tests {
     #[test]
     fn a_dead_workers_tasks_are_taken_up_and_a_new_session_begins_anew() {
         let folder = tempfile::tempdir().unwrap();
-        let (one, two) = (Slot::first_free(folder.path()).unwrap(), Slot::first_free(folder.path()).unwrap());
+        let one = Slot::first_free(folder.path()).unwrap();
+        let two = Slot::first_free(folder.path()).unwrap();
         let first = Queue::join(folder.path(), &one, "work").unwrap();
         first.enlist(0, &tasks()).unwrap();
         let second = Queue::join(folder.path(), &two, "work").unwrap();

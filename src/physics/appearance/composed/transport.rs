@@ -110,7 +110,8 @@ impl Transport {
         for _ in 0..ROUNDS {
             let here = miss(k)?;
             let scale = STEP * extinction;
-            let (by_a, by_g) = (miss([k[0] + scale, k[1]])?, miss([k[0], k[1] + STEP])?);
+            let by_a = miss([k[0] + scale, k[1]])?;
+            let by_g = miss([k[0], k[1] + STEP])?;
             let a = [0, 1].map(|i| (by_a[i] - here[i]) / scale);
             let g = [0, 1].map(|i| (by_g[i] - here[i]) / STEP);
             let determinant = a[0] * g[1] - a[1] * g[0];

@@ -16,11 +16,15 @@ pub fn printed(draws: &mut Draws, grid: &[f64]) -> Vec<f64> {
     let mut uniform = |from: f64, to: f64| draws.between(from, to);
     let mut values = vec![uniform(0.02, 0.9); grid.len()];
     for _ in 0..1 + uniform(0.0, 3.0) as usize {
-        let (height, centre, width) = (uniform(-0.8, 0.8), uniform(380.0, 720.0), uniform(6.0, 30.0));
+        let height = uniform(-0.8, 0.8);
+        let centre = uniform(380.0, 720.0);
+        let width = uniform(6.0, 30.0);
         values.iter_mut().zip(grid).for_each(|(v, nm)| *v += height / (1.0 + (-(nm - centre) / width).exp()));
     }
     for _ in 0..uniform(0.0, 4.0) as usize {
-        let (height, centre, width) = (uniform(-0.4, 0.4), uniform(380.0, 720.0), uniform(15.0, 60.0));
+        let height = uniform(-0.4, 0.4);
+        let centre = uniform(380.0, 720.0);
+        let width = uniform(15.0, 60.0);
         values
             .iter_mut()
             .zip(grid)

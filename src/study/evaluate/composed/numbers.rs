@@ -23,7 +23,7 @@ pub const HIDING: f64 = 0.98;
 /// Most slabs of a layer that is tried for hiding.
 pub const MOST_SLABS: usize = 1024;
 
-/// What is asked of the slabs of either thickness.
+/// What is requested of the slabs of either thickness.
 pub struct LayerTask<'a> {
     /// The study.
     pub study: &'a Study,

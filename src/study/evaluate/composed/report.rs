@@ -253,7 +253,7 @@ fn medium_row(
     MediumRow { wavelength_nm, embedding_index, medium }
 }
 
-/// Where light at 0° goes, of each thickness asked for and wavelength.
+/// Where light at 0° goes, of each requested thickness and wavelength.
 fn distributions(
     study: &Study,
     slabs: &[Slabs],

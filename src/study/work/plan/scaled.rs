@@ -9,9 +9,8 @@ use crate::wave::Resolution;
 use crate::work::variant::Variant;
 use std::f64::consts::TAU;
 
-/// Core seconds of an operator application, including the strategy's own work, per field component
-/// and unknown: krylov, inks of 30 % (`study/bdf_point` and `strategy/krylov` of
-/// reports/benchmarks).
+/// Core seconds of an operator application and the strategy's own work, per field component and
+/// unknown: krylov, inks of 30 % (reports/benchmarks, `study/bdf_point` and `strategy/krylov`).
 const APPLICATION: f64 = 4e-8;
 /// Core seconds of the coverage per grid point (`geometry/coverage` there).
 const COVERAGE: f64 = 1.5e-6;
