@@ -104,10 +104,16 @@ pub(super) struct LobeData {
 ///         backgrounds: vec![1.558.into()],
 ///         inclusions: vec![1.4.into()],
 ///     };
-///     let light = Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+///     let light = Incidence {
+///         wavelength_um: 0.5,
+///         polar_deg: 0.0,
+///         azimuth_deg: 0.0,
+///         from: Side::Incident,
+///     };
 ///     let grid = Resolution { nx: 12, ny: 12, cells: 4, scheme: Scheme::Cubic };
 ///     let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
-///     Ok(problem.far_field(&Gmres::default().solve(&problem, Goal::default(), &mut Silent)?.field))
+///     let solution = Gmres::default().solve(&problem, Goal::default(), &mut Silent)?;
+///     Ok(problem.far_field(&solution.field))
 /// };
 /// let bdf = Bdf::from_ensemble(&[solved(0.15)?, solved(0.25)?])?;
 /// let totals = bdf.totals(Lobe::Transmitted);
@@ -197,7 +203,7 @@ impl Bdf {
     fn smooth(
         &self,
         lobe: Lobe,
-        at: [f64; 2],
+        direction: [f64; 2],
         bandwidth: f64,
         distance: impl Fn([f64; 2]) -> f64,
     ) -> Result<Smoothed, BdfError> {
@@ -212,12 +218,12 @@ impl Bdf {
         };
         let weights: Vec<f64> = data.orders.iter().map(kernel).collect();
         let (sum, squares) = weights.iter().fold((0.0, 0.0), |(s, q), w| (s + w, q + w * w));
-        if !(at[0].hypot(at[1]) < 1.0 && sum > 0.0) {
-            return Err(BdfError::NothingThere { alpha: at[0], beta: at[1], bandwidth });
+        if !(direction[0].hypot(direction[1]) < 1.0 && sum > 0.0) {
+            return Err(BdfError::NothingThere { alpha: direction[0], beta: direction[1], bandwidth });
         }
         let rows = data.efficiencies.outer_iter();
         let sums = rows.map(|row| row.iter().zip(&weights).map(|(e, w)| e * w).sum::<f64>());
-        let values: Vec<f64> = sums.map(|own| own / sum / (dx * dy)).collect();
+        let values: Vec<f64> = sums.map(|total| total / sum / (dx * dy)).collect();
         Ok(Smoothed { bdf: Estimate::of_mean(&values), effective_orders: sum * sum / squares })
     }
 }

@@ -70,7 +70,7 @@ pub(super) fn view(order: &Order, lobe: Lobe) -> View {
     let propagates = [order.reflected_propagates, order.transmitted_propagates][side];
     let efficiency = [order.reflected_efficiency, order.transmitted_efficiency][side];
     let mut amplitudes = [Complex64::ZERO; 1 + FURTHER];
-    amplitudes.iter_mut().zip(order.amplitudes()).for_each(|(own, pair)| *own = pair[side]);
+    amplitudes.iter_mut().zip(order.amplitudes()).for_each(|(amplitude, pair)| *amplitude = pair[side]);
     View { propagates, amplitudes, efficiency }
 }
 
@@ -94,7 +94,10 @@ impl OrderMean {
 /// Unbiased w|⟨a⟩|² = w(|ā|² − s²/n), with w = Σe/Σ|a|² the flux factor of the order, summed over
 /// mutually incoherent amplitudes. `None` for one sample.
 pub(super) fn coherent_efficiency<'a>(views: impl Iterator<Item = &'a View>) -> Option<f64> {
-    let (mut n, mut sum, mut square, mut power) = (0.0, [Complex64::ZERO; 1 + FURTHER], 0.0, 0.0);
+    let mut n = 0.0;
+    let mut sum = [Complex64::ZERO; 1 + FURTHER];
+    let mut square = 0.0;
+    let mut power = 0.0;
     for v in views {
         n += 1.0;
         sum.iter_mut().zip(v.amplitudes).for_each(|(sum, a)| *sum += a);
@@ -114,8 +117,12 @@ pub(super) fn totals(efficiencies: &Array2<f64>, specular: Option<usize>, column
     let sums: Vec<f64> = efficiencies.outer_iter().map(|row| row.sum()).collect();
     let mirrored: Vec<f64> = efficiencies.outer_iter().map(|row| specular.map_or(0.0, |k| row[k])).collect();
     let scattered: Vec<f64> = sums.iter().zip(&mirrored).map(|(s, m)| s - m).collect();
-    let [total, specular, diffuse] = [sums, mirrored, scattered].map(|all| Estimate::of_mean(&all));
-    Totals { total, specular, diffuse, coherent: coherent_total(column) }
+    Totals {
+        total: Estimate::of_mean(&sums),
+        specular: Estimate::of_mean(&mirrored),
+        diffuse: Estimate::of_mean(&scattered),
+        coherent: coherent_total(column),
+    }
 }
 
 /// The coherent part of the specular order; a jackknife error needs at least three realisations.

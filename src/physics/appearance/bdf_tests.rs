@@ -91,7 +91,8 @@ proptest! {
 fn calibration(count: usize, repeats: usize) -> (f64, f64) {
     let direction = [0.3, 0.2];
     let truth = 1e-3 * PERIOD_UM.powi(2) / LAMBDA_UM.powi(2);
-    let (mut chi2, mut error) = (0.0, 0.0);
+    let mut chi2 = 0.0;
+    let mut error = 0.0;
     for r in 0..repeats {
         let bdf = Bdf::from_ensemble(&ensemble(&mut rng(1000 * count as u64 + r as u64), count)).unwrap();
         let f = bdf.at(Lobe::Reflected, direction, 0.15).unwrap();
@@ -117,7 +118,8 @@ fn standard_errors_are_calibrated_and_fall_as_one_over_root_n() {
     let (_, error_32) = calibration(32, repeats);
     // significance: t² with 7 degrees of freedom has mean 7/5 and variance 2·49·6/(25·3) = 7.84;
     // within 4σ of 400
-    let (mean, sigma) = (7.0 / 5.0 * repeats as f64, (7.84 * repeats as f64).sqrt());
+    let mean = 7.0 / 5.0 * repeats as f64;
+    let sigma = (7.84 * repeats as f64).sqrt();
     assert!((chi2 - mean).abs() < 4.0 * sigma, "χ² = {chi2}, expected {mean} ± {sigma}");
     // c4(8)/c4(32) = 0.965/0.992 and 4σ of the spread 1/√(2·7·400)
     let ratio = error_8 / error_32;

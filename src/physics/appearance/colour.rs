@@ -56,7 +56,8 @@ impl Colorimeter {
     /// Colour of tristimulus values scaled so that white has Y = 100 on this grid, uncertainty
     /// unknown.
     pub fn colour_of(&self, xyz: [f64; 3]) -> Colour {
-        let (white_xyz, linear_rgb) = (self.white_xyz, self.linear_rgb(xyz));
+        let white_xyz = self.white_xyz;
+        let linear_rgb = self.linear_rgb(xyz);
         let srgb = linear_rgb.map(|c| srgb_curve(c.clamp(0.0, 1.0)));
         let lab = lab_from_xyz(xyz, white_xyz);
         let srgb8 = srgb.map(|c| (255.0 * c).round() as u8);
@@ -153,8 +154,9 @@ impl Colour {
 
     /// Derivatives of ΔE₀₀ with respect to Lab of `self` and of `other`.
     pub fn delta_e_2000_gradients(&self, other: &Self) -> [[f64; 3]; 2] {
-        let (own, others) = (self.lab, other.lab);
-        [gradient(|lab| ciede2000(lab, others), own), gradient(|lab| ciede2000(own, lab), others)]
+        let here = self.lab;
+        let there = other.lab;
+        [gradient(|lab| ciede2000(lab, there), here), gradient(|lab| ciede2000(here, lab), there)]
     }
 }
 

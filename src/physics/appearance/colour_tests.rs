@@ -51,7 +51,8 @@ fn both_reference_grids_are_reproduced() {
     let json = reference();
     for (key, grid) in [("g380_780_5", uniform(380., 780., 5.)), ("g400_700_10", uniform(400., 700., 10.))] {
         for case in json["spectra"].as_array().unwrap() {
-            let (name, want) = (case["name"].as_str().unwrap(), &case[key]);
+            let name = case["name"].as_str().unwrap();
+            let want = &case[key];
             let got = colour_on(&grid, name);
             // The tables are the same numbers, so only the file's 12 printed digits remain: 5e-10
             // of XYZ ≤ 109, and Lab, RGB from the same sums. Observed: XYZ 1.2e-10, Lab 3.4e-10,
@@ -113,7 +114,8 @@ fn chroma_hue_and_differences_carry_first_order_errors() {
     approx::assert_relative_eq!(colour.chroma().standard_error.unwrap(), expected, max_relative = 1e-3);
     assert!((colour.hue_deg().value - 94.6).abs() < 0.1 && colour.hue_deg().standard_error.unwrap() < 0.01);
     let other = meter.colour_with_error(&scaled(0.8), &replicates).unwrap();
-    let (old, new) = (distance(colour.lab, other.lab), colour.delta_e_2000(&other));
+    let old = distance(colour.lab, other.lab);
+    let new = colour.delta_e_2000(&other);
     assert!(old > new.value && new.standard_error.unwrap() > 0.0);
     let noise = colour.delta_e_noise(&other);
     assert!(noise.unwrap() < old);
@@ -136,13 +138,13 @@ fn unusable_grids_and_values_are_refused() {
 #[test]
 fn ciede2000_meets_published_pairs() {
     // Sharma, Wu & Dalal (2005), pairs 1, 17 and 25: four decimals
-    let at = |lab| Colour { lab, ..colour_on(&uniform(400., 700., 10.), "perfect_white") };
+    let colour = |lab| Colour { lab, ..colour_on(&uniform(400., 700., 10.), "perfect_white") };
     for (p, q, delta) in [
         ([50.0, 2.6772, -79.7751], [50.0, 0.0, -82.7485], 2.0425),
         ([50.0, 2.5, 0.0], [73.0, 25.0, -18.0], 27.1492),
         ([60.2574, -34.0099, 36.2677], [60.4626, -34.1751, 39.4387], 1.2644),
     ] {
-        approx::assert_abs_diff_eq!(at(p).delta_e_2000(&at(q)).value, delta, epsilon = 5e-5);
+        approx::assert_abs_diff_eq!(colour(p).delta_e_2000(&colour(q)).value, delta, epsilon = 5e-5);
     }
 }
 

@@ -7,7 +7,8 @@
 //! of a medium of index n, k = n k0:
 //!
 //! ```text
-//! s(ϑ, φ) = Σ α sinc(l (kx − k sin ϑ cos φ)/2) sinc(l (ky − k sin ϑ sin φ)/2),   sinc t = sin t / t
+//! s(ϑ, φ) = Σ α sinc(l (kx − k sin ϑ cos φ)/2) sinc(l (ky − k sin ϑ sin φ)/2)
+//! sinc t = sin t / t
 //! G(ϑ, φ) = l²/(4π²) · k³ cos²ϑ / κ₀ · |s|²                                      (4.9)
 //! ```
 //!
@@ -24,7 +25,8 @@
 //! over each of them:
 //!
 //! ```text
-//! ∫ G dω → Σ κ/κ₀ |α|² − 1/(κ₀ l) · [⟨|u|²⟩ at x = l/2 + ⟨|u|²⟩ at y = l/2],     one order: 2 |α|²/(κ₀ l)
+//! ∫ G dω → Σ κ/κ₀ |α|² − 1/(κ₀ l) · [⟨|u|²⟩ at x = l/2 + ⟨|u|²⟩ at y = l/2]
+//! one order: … − 2 |α|²/(κ₀ l)
 //! ```
 //!
 //! One correction to P2: (4.9) omits α₀₀ because the field on the lit face contains the incident
@@ -111,12 +113,22 @@ pub enum FiniteAreaError {
 ///
 /// // A film sends back one lobe, of (l/λ)² R per steradian at the normal.
 /// let scene = Scene::layer([1.0, 1.0], 0.3, vec![]);
-/// let media =
-///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.6.into()], inclusions: vec![] };
-/// let light = Incidence { wavelength_um: 0.5, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let media = Media {
+///     incident: 1.0.into(),
+///     exit: 1.0.into(),
+///     backgrounds: vec![1.6.into()],
+///     inclusions: vec![],
+/// };
+/// let light = Incidence {
+///     wavelength_um: 0.5,
+///     polar_deg: 0.0,
+///     azimuth_deg: 0.0,
+///     from: Side::Incident,
+/// };
 /// let grid = Resolution { nx: 1, ny: 1, cells: 6, scheme: Scheme::Cubic };
 /// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
-/// let far = problem.far_field(&Gmres::default().solve(&problem, Goal::default(), &mut Silent)?.field);
+/// let solution = Gmres::default().solve(&problem, Goal::default(), &mut Silent)?;
+/// let far = problem.far_field(&solution.field);
 /// let lit = FiniteArea::new(&far, &media, Lobe::Reflected, 10.0)?;
 /// assert!((lit.at(0.0, 0.0)? / (400.0 * far.reflectance) - 1.0).abs() < 1e-12);
 /// assert!((lit.total() / far.reflectance - 1.0).abs() < 0.02); // what the edges lose: 2/(k l)
@@ -168,7 +180,8 @@ impl FiniteArea {
             return Err(FiniteAreaError::Absorber { side, eta });
         }
         let k0 = TAU / far.incidence.wavelength_um;
-        let (k, rows) = (k0 * eta.re, rows(&far.orders, lobe, k0)?);
+        let k = k0 * eta.re;
+        let rows = rows(&far.orders, lobe, k0)?;
         let incident_kappa = k0 * from.re * far.incidence.polar_deg.to_radians().cos();
         Ok(FiniteArea { side_um, k, incident_kappa, rows })
     }
@@ -179,7 +192,8 @@ impl FiniteArea {
     /// # Errors
     /// A side outside that range, or not a number.
     pub fn check_side(side_um: f64, period_um: [f64; 2], wavelength_um: f64) -> Result<(), FiniteAreaError> {
-        let (least, most) = (period_um[0].max(period_um[1]), MOST_WAVELENGTHS * wavelength_um);
+        let least = period_um[0].max(period_um[1]);
+        let most = MOST_WAVELENGTHS * wavelength_um;
         if (least..=most).contains(&side_um) {
             return Ok(());
         }

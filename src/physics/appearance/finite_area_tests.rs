@@ -37,8 +37,14 @@ fn far(period_um: f64, orders: Vec<Order>) -> FarField {
     let incidence =
         Incidence { wavelength_um: LAMBDA_UM, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
     let total = orders.iter().map(|o| o.reflected_efficiency).sum();
-    let [reflectance, transmittance] = [total; 2];
-    FarField { incidence, period_um: [period_um; 2], orders, reflectance, transmittance, absorptance: 0.0 }
+    FarField {
+        incidence,
+        period_um: [period_um; 2],
+        orders,
+        reflectance: total,
+        transmittance: total,
+        absorptance: 0.0,
+    }
 }
 
 /// Orders (m, n) 0.4 apart in direction, off the axes, with amplitudes of all phases; five of 25
@@ -124,12 +130,15 @@ fn the_hemisphere_holds_all_orders_but_for_the_edges() {
 /// by the midpoint rule.
 #[test]
 fn lobes_interfere_as_the_field_of_the_square_does() {
-    let (far, side, points) = (many(), 2.3, 400);
+    let far = many();
+    let side = 2.3;
+    let points = 400;
     let lit = lit(&far, side);
     let place = |i: usize| ((i as f64 + 0.5) / points as f64 - 0.5) * side;
     let mut largest: f64 = 0.0;
     for [polar, azimuth] in [[0.0, 0.0], [25.0, 10.0], [40.0, 140.0], [60.0, 250.0], [80.0, -30.0]] {
-        let [polar_rad, azimuth_rad] = [polar, azimuth].map(f64::to_radians);
+        let polar_rad = f64::to_radians(polar);
+        let azimuth_rad = f64::to_radians(azimuth);
         let direction = [polar_rad.sin() * azimuth_rad.cos(), polar_rad.sin() * azimuth_rad.sin()];
         let mut integral = Complex64::default();
         for o in far.orders.iter().filter(|o| o.reflected_propagates) {
@@ -153,7 +162,8 @@ fn lobes_interfere_as_the_field_of_the_square_does() {
 /// directions, outside in the angle of incidence, in the glass in Snell's.
 #[test]
 fn a_film_shines_like_a_square_aperture() {
-    let (media, side) = (media(1.0, 1.5), 6.0);
+    let media = media(1.0, 1.5);
+    let side = 6.0;
     let grid = Resolution { nx: 1, ny: 1, cells: 6, scheme: Scheme::Cubic };
     let light =
         Incidence { wavelength_um: LAMBDA_UM, polar_deg: 30.0, azimuth_deg: 90.0, from: Side::Incident };
@@ -165,18 +175,20 @@ fn a_film_shines_like_a_square_aperture() {
         [(Lobe::Reflected, far.reflectance, 1.0), (Lobe::Transmitted, far.transmittance, 1.5)]
     {
         let lit = FiniteArea::new(&far, &media, lobe, side).expect("transparent");
-        let [specular_sin, k] = [0.5 / index, index * K0];
+        let specular_sin = 0.5 / index;
+        let k = index * K0;
         let specular_cos = (1.0 - specular_sin * specular_sin).sqrt();
         for [polar, azimuth] in
             [[specular_sin.asin().to_degrees(), 90.0], [0.0, 0.0], [25.0, 80.0], [70.0, -100.0]]
         {
-            let [polar_rad, azimuth_rad]: [f64; 2] = [polar, azimuth].map(f64::to_radians);
+            let polar_rad = f64::to_radians(polar);
+            let azimuth_rad = f64::to_radians(azimuth);
             let sinc = |sine: f64| {
                 let t = 0.5 * k * side * sine;
                 if t.abs() < 1e-12 { 1.0 } else { t.sin() / t }
             };
-            let [x, y] =
-                [polar_rad.sin() * azimuth_rad.cos(), polar_rad.sin() * azimuth_rad.sin() - specular_sin];
+            let x = polar_rad.sin() * azimuth_rad.cos();
+            let y = polar_rad.sin() * azimuth_rad.sin() - specular_sin;
             // share · (n l/λ)² cos²ϑ/cos ϑ₀ · sinc² sinc²
             let peak = share * (index * side / LAMBDA_UM).powi(2) / specular_cos;
             let expected = peak * polar_rad.cos().powi(2) * (sinc(x) * sinc(y)).powi(2);

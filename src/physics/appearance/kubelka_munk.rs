@@ -5,7 +5,8 @@
 //! − 1):
 //!
 //! ```text
-//! R = 1/(a + b coth bSX)      T = b/(a sinh bSX + b cosh bSX)      over a backing ρ:  R + T² ρ/(1 − ρ R)
+//! R = 1/(a + b coth bSX)      T = b/(a sinh bSX + b cosh bSX)
+//! over a backing ρ:  R + T² ρ/(1 − ρ R)
 //! ```
 //!
 //! They assume a layer with the same reflectance from both sides. Reflection at its faces is not
@@ -45,7 +46,8 @@ impl DiffuseFaces {
             let divisor = (1.0 - self.external) * (1.0 - self.internal) + self.internal * inside;
             (divisor > 0.0).then(|| inside / divisor)
         };
-        let (same, opposite) = (bare(reflectance + transmittance)?, bare(reflectance - transmittance)?);
+        let same = bare(reflectance + transmittance)?;
+        let opposite = bare(reflectance - transmittance)?;
         Some([0.5 * (same + opposite), 0.5 * (same - opposite)])
     }
 
@@ -53,7 +55,8 @@ impl DiffuseFaces {
     pub fn put_on(&self, reflectance: f64, transmittance: f64) -> [f64; 2] {
         let through = (1.0 - self.external) * (1.0 - self.internal);
         let whole = |bare: f64| self.external + through * bare / (1.0 - self.internal * bare);
-        let (same, opposite) = (whole(reflectance + transmittance), whole(reflectance - transmittance));
+        let same = whole(reflectance + transmittance);
+        let opposite = whole(reflectance - transmittance);
         [0.5 * (same + opposite), 0.5 * (same - opposite)]
     }
 }
@@ -107,7 +110,8 @@ impl KubelkaMunk {
     /// draw-down card. `None` if no layer gives such a pair: R over the lighter backing must be
     /// larger, and both must lie inside 0–1.
     pub fn from_backings(darker: [f64; 2], lighter: [f64; 2], thickness_um: f64) -> Option<Self> {
-        let ([rho0, r0], [rho1, r1]) = (darker, lighter);
+        let [rho0, r0] = darker;
+        let [rho1, r1] = lighter;
         // (r_i − R)(1 − ρ_i R) = T² ρ_i: dividing each by its ρ and subtracting leaves one equation
         // for R
         let square = |r: f64| {
@@ -121,7 +125,8 @@ impl KubelkaMunk {
 
     /// \[R, T\] of a layer of the given thickness, µm.
     pub fn layer(&self, thickness_um: f64) -> [f64; 2] {
-        let (k, s) = (self.absorption_per_um * thickness_um, self.scattering_per_um * thickness_um);
+        let k = self.absorption_per_um * thickness_um;
+        let s = self.scattering_per_um * thickness_um;
         if s == 0.0 {
             return [0.0, (-k).exp()];
         }
@@ -131,7 +136,8 @@ impl KubelkaMunk {
             return [s / (1.0 + s), 1.0 / (1.0 + s)];
         }
         // divided by e^{bS} so that thick layers do not overflow
-        let (sinh, cosh) = ((1.0 - (-2.0 * b * s).exp()) / 2.0, (1.0 + (-2.0 * b * s).exp()) / 2.0);
+        let sinh = (1.0 - (-2.0 * b * s).exp()) / 2.0;
+        let cosh = (1.0 + (-2.0 * b * s).exp()) / 2.0;
         let denominator = a * sinh + b * cosh;
         [sinh / denominator, b * (-b * s).exp() / denominator]
     }
@@ -199,7 +205,8 @@ mod tests {
     fn half_layers_add_up() {
         for [absorption_per_um, scattering_per_um] in CASES {
             let ink = KubelkaMunk { absorption_per_um, scattering_per_um };
-            let ([r, t], [half_r, half_t]) = (ink.layer(1.0), ink.layer(0.5));
+            let [r, t] = ink.layer(1.0);
+            let [half_r, half_t] = ink.layer(0.5);
             let back = 1.0 - half_r * half_r;
             assert!((half_r + half_t * half_t * half_r / back - r).abs() < 1e-13);
             assert!((half_t * half_t / back - t).abs() < 1e-13);
@@ -209,14 +216,14 @@ mod tests {
     /// Across R + T = 1 the continuation has neither step nor kink.
     #[test]
     fn noise_around_no_absorption_is_continued() {
-        let at = |t: f64| KubelkaMunk::continued(0.3, t, 1.0).unwrap();
+        let continued = |t: f64| KubelkaMunk::continued(0.3, t, 1.0).unwrap();
         for get in [|k: KubelkaMunk| k.absorption_per_um, |k: KubelkaMunk| k.scattering_per_um] {
-            let [below, none, above] = [0.699, 0.7, 0.701].map(|t| get(at(t)));
+            let [below, none, above] = [0.699, 0.7, 0.701].map(|t| get(continued(t)));
             // order: second differences of a step of 1e-3; K and S have derivatives of order one
             assert!((below - 2.0 * none + above).abs() < 2e-5 && (below - above).abs() > 1e-4);
         }
-        assert!(at(0.701).absorption_per_um < 0.0);
-        assert_eq!(at(0.6), KubelkaMunk::from_layer(0.3, 0.6, 1.0).unwrap());
+        assert!(continued(0.701).absorption_per_um < 0.0);
+        assert_eq!(continued(0.6), KubelkaMunk::from_layer(0.3, 0.6, 1.0).unwrap());
     }
 
     #[test]

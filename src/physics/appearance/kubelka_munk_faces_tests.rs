@@ -47,7 +47,8 @@ fn photon(scattering: f64, absorption: f64, thickness: f64, draws: &mut Draws) -
     if draws.uniform() < mirrored {
         return 0;
     }
-    let (extinction, mut z) = (scattering + absorption, 0.0);
+    let extinction = scattering + absorption;
+    let mut z = 0.0;
     loop {
         let next = z - cosine * (1.0 - draws.uniform()).ln() / extinction;
         if (0.0..=thickness).contains(&next) {
@@ -72,8 +73,8 @@ fn photon(scattering: f64, absorption: f64, thickness: f64, draws: &mut Draws) -
 fn coefficients_of_photons_do_not_depend_on_the_thickness() {
     const PHOTONS: usize = 60_000;
     let points = 4000;
-    let of = |i: usize| face(((i as f64 + 0.5) / points as f64).sqrt(), [1.0, INDEX]).0 / points as f64;
-    let faces = DiffuseFaces::plane((0..points).map(of).sum(), INDEX);
+    let share = |i: usize| face(((i as f64 + 0.5) / points as f64).sqrt(), [1.0, INDEX]).0 / points as f64;
+    let faces = DiffuseFaces::plane((0..points).map(share).sum(), INDEX);
     let mut draws = Draws::new(7, 0);
     let [one, four] = [1.0, 3.0].map(|thickness| {
         let mut ends = [0.0; 3];

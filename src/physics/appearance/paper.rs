@@ -174,7 +174,8 @@ fn interpolate(rows: &[[f64; 2]], nm: f64) -> Result<f64, PaperError> {
         return Err(PaperError::AlbedoRange { value: nm, lo, hi });
     }
     let after = rows.partition_point(|r| r[0] < nm).clamp(1, rows.len() - 1);
-    let ([x0, y0], [x1, y1]) = (rows[after - 1], rows[after]);
+    let [x0, y0] = rows[after - 1];
+    let [x1, y1] = rows[after];
     Ok(y0 + (nm - x0) / (x1 - x0) * (y1 - y0))
 }
 

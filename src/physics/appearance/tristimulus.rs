@@ -83,8 +83,9 @@ impl Colorimeter {
         let ends = SpectrumEnd::both(wavelengths_nm, step_nm, viewing);
         if viewing.summation == Summation::Plain {
             for end in &ends {
-                let (own, beyond) = (&mut raw[end.node()], end.white());
-                *own = std::array::from_fn(|c| own[c] + beyond[c]);
+                let weight = &mut raw[end.node()];
+                let beyond = end.white();
+                *weight = std::array::from_fn(|c| weight[c] + beyond[c]);
             }
         }
         let scale = 100.0 / raw.iter().map(|w| w[1]).sum::<f64>();
@@ -94,8 +95,9 @@ impl Colorimeter {
         let white_rgb = rgb_of(adapted(&adaptation, white_xyz));
         let ends = ends.map(|end| end.scaled(scale));
         check_white(wavelengths_nm, white_xyz, &ends)?;
-        let (wavelengths_nm, viewing, scale_per_nm) =
-            (wavelengths_nm.to_vec(), viewing.clone(), scale / step_nm);
+        let wavelengths_nm = wavelengths_nm.to_vec();
+        let viewing = viewing.clone();
+        let scale_per_nm = scale / step_nm;
         Ok(Self { wavelengths_nm, scale_per_nm, weights, white_xyz, white_rgb, viewing, ends, adaptation })
     }
 
@@ -259,15 +261,15 @@ fn distributed(
 }
 
 /// (index, weight) pairs of the local Lagrange interpolation through up to four neighbours.
-pub fn lagrange_shares(grid: &[f64], at: f64) -> Vec<(usize, f64)> {
-    neighbours(grid, at, 2)
+pub fn lagrange_shares(grid: &[f64], place: f64) -> Vec<(usize, f64)> {
+    neighbours(grid, place, 2)
 }
 
 /// Lagrange interpolation through up to `each` neighbours on either side.
-fn neighbours(grid: &[f64], at: f64, each: usize) -> Vec<(usize, f64)> {
-    let after = grid.partition_point(|&x| x < at).clamp(1, grid.len() - 1);
+fn neighbours(grid: &[f64], place: f64, each: usize) -> Vec<(usize, f64)> {
+    let after = grid.partition_point(|&x| x < place).clamp(1, grid.len() - 1);
     let first = after.saturating_sub(each);
-    (first..).zip(lagrange(&grid[first..(after + each).min(grid.len())], at)).collect()
+    (first..).zip(lagrange(&grid[first..(after + each).min(grid.len())], place)).collect()
 }
 
 /// The wavelengths of a rising list that colours can take: those within the tables of the

@@ -130,7 +130,8 @@ impl Viewing {
     /// Unknown names.
     pub fn new(illuminant: &str, observer: &str, summation: Summation) -> Result<Self, ColourError> {
         let unknown = |what, value: &str, allowed: &[&str]| {
-            let (value, allowed) = (value.to_owned(), allowed.join(", "));
+            let value = value.to_owned();
+            let allowed = allowed.join(", ");
             ColourError::UnknownName { what, value, allowed }
         };
         let lights = cie::illuminant_names();
@@ -197,7 +198,8 @@ mod tests {
         let cases = json["cases"].as_array().unwrap();
         for case in cases {
             let list = |key: &str| -> Vec<f64> { serde_json::from_value(case[key].clone()).unwrap() };
-            let (name, observer) = (case["illuminant"].as_str().unwrap(), case["observer"].as_str().unwrap());
+            let name = case["illuminant"].as_str().unwrap();
+            let observer = case["observer"].as_str().unwrap();
             let step = case["step_nm"].as_f64().unwrap();
             let values = list("values");
             let grid: Vec<f64> = (0..values.len()).map(|i| 400.0 + step * i as f64).collect();

@@ -45,7 +45,8 @@ impl CoherentLight {
             Fits::with_influence(
                 solved.iter().map(|realisation| realisation.wavelengths.iter().map(sample)),
                 basis,
-                [1, 2],
+                1,
+                2,
             )
         };
         let fits = (0..exact_deg.len()).map(|angle| std::array::from_fn(|light| fit(angle, light)));
@@ -56,7 +57,7 @@ impl CoherentLight {
     /// noise may make it slightly negative. The error is unknown for one realisation, and so is the
     /// bias.
     pub fn transmittance(&self, angle: usize, films: &[FilmAt], exact_deg: f64, nm: &[f64]) -> Vec<Estimate> {
-        let at = |(film, &nm): (&FilmAt, &f64)| {
+        let transmittance = |(film, &nm): (&FilmAt, &f64)| {
             let reference = film.transmitted_amplitudes(exact_deg);
             let weights = self.basis.weights(nm);
             let amplitudes = |coefficients: &dyn Fn(&Fits) -> &Array2<f64>| -> [Complex64; LIGHTS] {
@@ -72,7 +73,7 @@ impl CoherentLight {
                 influence: (0..self.replicates()).map(|r| amplitudes(&|fits| &fits.influence[r])).collect(),
             })
         };
-        films.iter().zip(nm).map(at).collect()
+        films.iter().zip(nm).map(transmittance).collect()
     }
 
     fn replicates(&self) -> usize {
@@ -113,8 +114,8 @@ fn unbiased(replicates: &Replicates) -> Estimate {
     let variance: f64 = without
         .iter()
         .zip(influence)
-        .flat_map(|(left, own)| {
-            (0..LIGHTS).map(move |light| (own[light].conj() * (whole[light] - left[light])).re)
+        .flat_map(|(left, added)| {
+            (0..LIGHTS).map(move |light| (added[light].conj() * (whole[light] - left[light])).re)
         })
         .sum();
     let powers: Vec<f64> = without.iter().map(power).collect();
@@ -172,8 +173,8 @@ mod tests {
         let basis = SpectralBasis::splines(RANGE_NM, 12, solved.len());
         let light = CoherentLight::new(solved, &basis, films, &[0.0]).unwrap();
         let nm: Vec<f64> = (0..7).map(|i| 400.0 + 50.0 * f64::from(i)).collect();
-        let at: Vec<FilmAt> = nm.iter().map(|&nm| films.at(nm)).collect();
-        light.transmittance(0, &at, 0.0, &nm)
+        let at_nm: Vec<FilmAt> = nm.iter().map(|&nm| films.at(nm)).collect();
+        light.transmittance(0, &at_nm, 0.0, &nm)
     }
 
     /// Identity: without noise |⟨t⟩|² is that of the film times |mean|², in every light, however

@@ -96,13 +96,13 @@ pub struct DirectionalInk<'a> {
 
 /// T, mirror part of R, albedo, T of the light returned by the paper; `bend` is added to the T
 /// whose mean is T̄.
-fn row(layer: &LayerOnPaper, at: &PolarAngle, bend: f64) -> [f64; 4] {
-    let own = layer.transmittance(at);
-    let back = layer.transmittance_returned(at);
+fn row(layer: &LayerOnPaper, angle: &PolarAngle, bend: f64) -> [f64; 4] {
+    let through = layer.transmittance(angle);
+    let back = layer.transmittance_returned(angle);
     // for polarised light T̄ is not the mean of this T
-    let own = if own == back { own + bend } else { own };
-    let returned = layer.return_factor() * own * layer.mean_transmittance();
-    [own, layer.mirrored(at), layer.reflectance(at) + returned, back + bend]
+    let through = if through == back { through + bend } else { through };
+    let returned = layer.return_factor() * through * layer.mean_transmittance();
+    [through, layer.mirrored(angle), layer.reflectance(angle) + returned, back + bend]
 }
 
 impl<'a> DirectionalInk<'a> {
@@ -117,9 +117,9 @@ impl<'a> DirectionalInk<'a> {
         let mut tables = vec![Vec::with_capacity(steps + 1); ink.wavelengths_nm().len()];
         let lacking: Vec<_> = ink.layers().iter().map(|layer| layer.lacking_bends(&hemisphere)).collect();
         for k in 0..steps {
-            let at = ink.at(k as f64 * STEP_DEG)?;
+            let angle = ink.at(k as f64 * STEP_DEG)?;
             for ((table, layer), lacking) in tables.iter_mut().zip(ink.layers()).zip(&lacking) {
-                table.push(row(layer, &at, at.bent(lacking)));
+                table.push(row(layer, &angle, angle.bent(lacking)));
             }
         }
         tables.iter_mut().for_each(|table| table.push([0.0, 1.0, 1.0, 0.0]));
@@ -132,8 +132,8 @@ impl<'a> DirectionalInk<'a> {
     /// between the fits of f and of R; 0 where chance explains it.
     fn beyond_chance(&self) -> Vec<f64> {
         let mut squares = vec![0.0; self.ink.wavelengths_nm().len()];
-        for (at, weight) in &self.hemisphere {
-            for (square, difference) in squares.iter_mut().zip(self.difference(at)) {
+        for (angle, weight) in &self.hemisphere {
+            for (square, difference) in squares.iter_mut().zip(self.difference(angle)) {
                 let chance = difference.standard_error.unwrap_or(0.0);
                 *square += weight * (difference.value.powi(2) - chance.powi(2));
             }
@@ -142,11 +142,11 @@ impl<'a> DirectionalInk<'a> {
     }
 
     /// Difference between the fits of f and of R, with its jackknife error.
-    fn difference(&self, at: &PolarAngle) -> Vec<Estimate> {
-        let of = |layer: &LayerOnPaper| {
-            layer.own_albedo(at, &self.hemisphere) - (layer.reflectance(at) - layer.mirrored(at))
+    fn difference(&self, angle: &PolarAngle) -> Vec<Estimate> {
+        let difference = |layer: &LayerOnPaper| {
+            layer.own_albedo(angle, &self.hemisphere) - (layer.reflectance(angle) - layer.mirrored(angle))
         };
-        self.ink.spectrum(of).estimates()
+        self.ink.spectrum(difference).estimates()
     }
 
     /// T(θ) at the wavelength with this index.
@@ -177,10 +177,10 @@ impl DirectionalPrint for DirectionalInk<'_> {
         let layer = &self.ink.layers()[wavelength];
         let lit = cosine(light_deg);
         let seen = cosine(view.polar_deg);
-        let own = layer.directional_brdf(lit, seen, cosine(view.azimuth_deg));
+        let diffuse = layer.directional_brdf(lit, seen, cosine(view.azimuth_deg));
         let back = self.tabulated(wavelength, view.polar_deg)[3];
         // g T(i) T(o)/π: light returned by the paper, 1/sr
-        own + layer.return_factor() * (self.transmittance(wavelength, light_deg) * back) / PI
+        diffuse + layer.return_factor() * (self.transmittance(wavelength, light_deg) * back) / PI
     }
 
     fn specular(&self, wavelength: usize, polar_deg: f64) -> f64 {
@@ -216,13 +216,15 @@ mod tests {
         let ink = molecular_ink("yellow", 0.3, Coupling::Gap);
         let directional = DirectionalInk::new(&ink).unwrap();
         for deg in [0.0, 13.1, 44.9, 70.3] {
-            let at = ink.at(deg).unwrap();
+            let angle = ink.at(deg).unwrap();
             let layer = &ink.layers()[7];
             // linear between steps of a quarter of a degree
-            assert!((directional.transmittance(7, deg) - layer.transmittance(&at)).abs() < 5e-5);
-            assert!((directional.specular(7, deg) - layer.mirrored(&at)).abs() < 5e-5);
+            assert!((directional.transmittance(7, deg) - layer.transmittance(&angle)).abs() < 5e-5);
+            assert!((directional.specular(7, deg) - layer.mirrored(&angle)).abs() < 5e-5);
             let view = Direction { polar_deg: deg, azimuth_deg: 30.0 };
-            assert!((directional.brdf(7, 0.0, view) - layer.brdf(&ink.at(0.0).unwrap(), &at)).abs() < 5e-5);
+            assert!(
+                (directional.brdf(7, 0.0, view) - layer.brdf(&ink.at(0.0).unwrap(), &angle)).abs() < 5e-5
+            );
         }
         assert_eq!((directional.transmittance(0, 90.0), directional.specular(0, 90.0)), (0.0, 1.0));
     }
@@ -245,7 +247,9 @@ mod tests {
                 count += 1.0;
             }
         }
-        let [z, alone] = [squares, by_chance].map(|sum: f64| (sum / count).sqrt());
+        let root_mean = |sum: f64| (sum / count).sqrt();
+        let z = root_mean(squares);
+        let alone = root_mean(by_chance);
         // the root mean square over the hemisphere is that over these angles to a factor of two
         assert!((0.5..2.0).contains(&z) && alone > 5.0, "rms z {z}, by chance alone {alone}");
     }

@@ -123,10 +123,8 @@ mod tests {
         p: bool,
     ) -> (f64, f64) {
         let along = from * deg.to_radians().sin();
-        let (a, c) = (
-            Complex64::from(from * deg.to_radians().cos()),
-            (Complex64::from(to * to) - along * along).sqrt(),
-        );
+        let a = Complex64::from(from * deg.to_radians().cos());
+        let c = (Complex64::from(to * to) - along * along).sqrt();
         let b = (index * index - along * along).sqrt();
         let delta = b * h * TAU / wavelength;
         // H instead of E for p light: every normal index is divided by its index squared

@@ -17,8 +17,8 @@ const MEAN_ANGLES: usize = 40;
 /// Polar angles in degrees with the weights of 2∫₀¹ f μ dμ.
 pub(super) fn hemisphere() -> Vec<(f64, f64)> {
     let rule = GaussLegendre::new(MEAN_ANGLES).expect("a positive number of nodes");
-    let at = |mu: f64, weight: f64| (mu.acos().to_degrees(), weight * mu);
-    rule.iter().map(|(x, weight)| at(0.5 * (1.0 + x), *weight)).collect()
+    let angle = |mu: f64, weight: f64| (mu.acos().to_degrees(), weight * mu);
+    rule.iter().map(|(x, weight)| angle(0.5 * (1.0 + x), *weight)).collect()
 }
 
 /// Index of the background and of the inclusions at a vacuum wavelength in nm.
@@ -97,9 +97,9 @@ impl FilmAt {
             if self.wave.is_vector() { self.wave.polarisations() } else { &[Polarisation::S] };
         let share = (1.0 / lights.len() as f64).sqrt();
         let mut all = [Complex64::ZERO; LIGHTS];
-        for (own, &light) in all.iter_mut().zip(lights) {
+        for (amplitude, &light) in all.iter_mut().zip(lights) {
             let film = &self.films[0];
-            *own = share * film.amplitudes(Side::Incident, polar_deg, light)[1];
+            *amplitude = share * film.amplitudes(Side::Incident, polar_deg, light)[1];
         }
         all
     }

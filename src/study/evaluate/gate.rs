@@ -98,14 +98,14 @@ const OF_PRINT: [PrintColumn; 2] =
 /// removes that spectrum.
 pub(super) fn spectra(rows: &mut [SpectrumRow], withheld: &[Withheld]) -> Vec<Withheld> {
     let mut reasons = Vec::new();
-    for (conditions, of) in OF_PRINT {
+    for (conditions, column) in OF_PRINT {
         let number = format!("reflectance factor under {conditions}");
         if withheld.iter().any(|other| other.number == colour_under(conditions)) {
-            rows.iter_mut().for_each(|row| *of(row) = None);
+            rows.iter_mut().for_each(|row| *column(row) = None);
             reasons.push(Withheld { number, reason: "it makes an impossible colour".to_owned() });
         } else {
-            let reason = |row: &mut SpectrumRow| of(row).and_then(impossible_factor);
-            reasons.extend(withhold(rows, number, reason, |row| *of(row) = None));
+            let reason = |row: &mut SpectrumRow| column(row).and_then(impossible_factor);
+            reasons.extend(withhold(rows, number, reason, |row| *column(row) = None));
         }
     }
     reasons
@@ -113,17 +113,17 @@ pub(super) fn spectra(rows: &mut [SpectrumRow], withheld: &[Withheld]) -> Vec<Wi
 
 /// Removes impossible coefficients of Kubelka and Munk, and says so.
 pub(super) fn kubelka_munk(maker: &mut InkMaker) {
-    let mut found = None;
+    let mut first_reason = None;
     maker.kubelka_munk.retain(|row| {
         let both = [("K", row.absorption_per_um), ("S", row.scattering_per_um)];
         let reason = both.into_iter().find_map(|(name, number)| {
             Some(format!("{name} at {} nm is {}", row.wavelength_nm, impossible(Quantity::Size, number)?))
         });
         let kept = reason.is_none();
-        found = found.take().or(reason);
+        first_reason = first_reason.take().or(reason);
         kept
     });
-    maker.no_kubelka_munk = maker.no_kubelka_munk.take().or(found);
+    maker.no_kubelka_munk = maker.no_kubelka_munk.take().or(first_reason);
 }
 
 /// Withholds `number` in the rows that have a reason, and tells how many these are and the first

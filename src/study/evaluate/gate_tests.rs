@@ -32,7 +32,7 @@ fn factors_and_ratios_that_cannot_be_are_withheld() {
 fn colours_that_cannot_be_are_withheld() {
     let grid: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * f64::from(i)).collect();
     let meter = Colorimeter::new(&grid).unwrap();
-    let of = |value: f64| meter.colour(&[value; 31]).unwrap();
+    let grey = |value: f64| meter.colour(&[value; 31]).unwrap();
     let small = Some([0.3; 3]);
     for (value, error, word) in [
         (-16.0, Some([30.0; 3]), "X = "),
@@ -42,11 +42,11 @@ fn colours_that_cannot_be_are_withheld() {
         (0.5, Some([4.0, 80.0, 3.0]), "is not meaningful"),
         (0.5, Some([f64::NAN; 3]), "not a number"),
     ] {
-        let reason = impossible_colour(&of(value), error).unwrap();
+        let reason = impossible_colour(&grey(value), error).unwrap();
         assert!(reason.contains(word), "{reason}");
     }
     for (value, error) in [(0.0, small), (1.0, small), (1.005, small), (0.5, Some([20.0; 3])), (0.9, None)] {
-        assert_eq!(impossible_colour(&of(value), error), None, "{value}");
+        assert_eq!(impossible_colour(&grey(value), error), None, "{value}");
     }
 }
 

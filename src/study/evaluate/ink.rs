@@ -213,8 +213,9 @@ impl InkOnPaper {
     /// # Errors
     /// As for [`InkOnPaper::new`].
     pub fn on(&self, substrate: &Substrate) -> Result<Self, InkError> {
-        let (mut other, at) = (self.clone(), |&nm: &f64| substrate.albedo.at(nm));
-        other.nodes.albedos = other.nodes.wavelengths_nm.iter().map(at).collect::<Result<_, _>>()?;
+        let mut other = self.clone();
+        let albedo = |&nm: &f64| substrate.albedo.at(nm);
+        other.nodes.albedos = other.nodes.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?;
         Ok(other.laid_on_paper()?)
     }
 
@@ -235,15 +236,16 @@ impl InkOnPaper {
 
     fn layer_at(&self, node: usize, left_out: Option<usize>) -> Result<LayerOnPaper, PaperError> {
         let weights = &self.nodes.weights[node];
-        let at = |fits: &Fits, row: usize, width: usize, column: usize| {
+        let coefficient = |fits: &Fits, row: usize, width: usize, column: usize| {
             SpectralBasis::at(weights, |i| fits.coefficients(left_out)[[i * width + row, column]])
         };
         let measured = self.measured(|layer, column| layer.fitted(left_out, weights, column));
-        let bends =
-            |fits: &Fits| std::array::from_fn(|column| std::array::from_fn(|b| at(fits, b, BENDS, column)));
+        let bends = |fits: &Fits| {
+            std::array::from_fn(|column| std::array::from_fn(|b| coefficient(fits, b, BENDS, column)))
+        };
         let width = self.diffuse_width;
-        let diffuse = |k: usize| if k < width { at(&self.diffuse, k, width, 0) } else { 0.0 };
-        let azimuthal = |k: usize| at(&self.directional, SYMMETRIC + k, SYMMETRIC + AZIMUTHAL, 0);
+        let diffuse = |k: usize| if k < width { coefficient(&self.diffuse, k, width, 0) } else { 0.0 };
+        let azimuthal = |k: usize| coefficient(&self.directional, SYMMETRIC + k, SYMMETRIC + AZIMUTHAL, 0);
         let curve = AngleCurve {
             bends: bends(&self.curves),
             returned: bends(self.returned.as_ref().map_or(&self.curves, |(_, fits)| fits)),
@@ -287,9 +289,10 @@ impl InkOnPaper {
         quantity: impl Fn(&LayerOnPaper) -> f64,
     ) -> Vec<Vec<f64>> {
         let Some(MovedNodes { few, moved }) = &self.moved else { return Vec::new() };
-        let at = |start: usize, node: usize| quantity(&self.whole[start + node]);
-        let of = |&start: &usize| nodes.clone().map(|node| at(start, node) - at(*few, node)).collect();
-        moved.iter().map(of).collect()
+        let value = |start: usize, node: usize| quantity(&self.whole[start + node]);
+        let changes =
+            |&start: &usize| nodes.clone().map(|node| value(start, node) - value(*few, node)).collect();
+        moved.iter().map(changes).collect()
     }
 
     /// Standard error of a quantity at the `i`-th wavelength of the spectra due to the tables'
@@ -336,12 +339,12 @@ impl InkOnPaper {
     /// Any quantity of the layer on paper against wavelength: `ink.spectrum(|layer|
     /// layer.natural_light(&view, MirroredSky::Included))`.
     pub fn spectrum(&self, quantity: impl Fn(&LayerOnPaper) -> f64) -> SpectrumEstimate {
-        let of = |layers: &[LayerOnPaper]| {
+        let spectrum = |layers: &[LayerOnPaper]| {
             layers[self.places.outputs.clone()].iter().map(&quantity).collect::<Vec<f64>>()
         };
         SpectrumEstimate {
-            values: of(&self.whole),
-            replicates: self.replicates.iter().map(|r| of(r)).collect(),
+            values: spectrum(&self.whole),
+            replicates: self.replicates.iter().map(|r| spectrum(r)).collect(),
         }
     }
 }

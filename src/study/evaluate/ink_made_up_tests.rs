@@ -72,11 +72,11 @@ impl MadeUp<'_> {
     /// One realisation with these shifts of its wavelengths and directions.
     pub fn realisation(&self, shifts: [f64; 2], mut error: impl FnMut() -> f64) -> SolvedRealisation {
         let step = (RANGE_NM[1] - RANGE_NM[0]) / self.wavelengths as f64;
-        let mut own = || self.noise * error();
-        let common = own();
+        let mut noise = || self.noise * error();
+        let common = noise();
         let wavelength = |j: usize| {
             let nm = RANGE_NM[0] + step * (j as f64 + shifts[0]);
-            let error = common + own();
+            let error = common + noise();
             let strata = crate::input::variation::stratified_deg(self.strata, shifts[1]);
             SolvedWavelength {
                 wavelength_nm: nm,

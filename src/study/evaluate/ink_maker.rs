@@ -142,17 +142,17 @@ impl Question<'_> {
     /// Y over black relative to Y over white, shifted by errors.
     fn luminance_ratio(&self, by: &dyn Fn(&LayerOnPaper) -> Shift) -> Result<f64, InkError> {
         let over = |albedo| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), by(layer));
-        let [black, white] = [BLACK, WHITE].map(|albedo| self.ink.colour_of_mean(&self.sight, over(albedo)));
-        Ok(black?.xyz[1] / white?.xyz[1])
+        let black = self.ink.colour_of_mean(&self.sight, over(BLACK))?;
+        let white = self.ink.colour_of_mean(&self.sight, over(WHITE))?;
+        Ok(black.xyz[1] / white.xyz[1])
     }
 
     /// Contrast ratio, and the contribution of each realisation.
     fn contrast_ratio(&self) -> Result<(Estimate, Vec<f64>), InkError> {
         let sight = &self.sight;
         let over = |albedo: f64| move |layer: &LayerOnPaper| self.factor(&layer.over(albedo), UNMOVED);
-        let [black, white] = [BLACK, WHITE].map(|albedo| self.ink.replicates_of(sight, over(albedo)));
-        let black = black?;
-        let white = white?;
+        let black = self.ink.replicates_of(sight, over(BLACK))?;
+        let white = self.ink.replicates_of(sight, over(WHITE))?;
         let replicates: Vec<f64> = black.iter().zip(&white).map(|(b, w)| b.xyz[1] / w.xyz[1]).collect();
         let estimate = Estimate::jackknife(self.luminance_ratio(&|_| UNMOVED)?, &replicates);
         let moved = self.uncertainty.moved(self.ink, |by| self.luminance_ratio(by))?;
@@ -214,8 +214,9 @@ impl Question<'_> {
         let common: Vec<usize> = visible(nm).filter(|&i| measured.at(nm[i]).is_some()).collect();
         let pick = |values: &[f64]| common.iter().map(|&i| values[i]).collect::<Vec<f64>>();
         let meter = Colorimeter::under(&pick(nm), self.viewing)?;
-        let [first, last] = [common[0], common[common.len() - 1]].map(|i| nm[i]);
-        let there = measured.colour(self.viewing, [first, last])?;
+        let first_nm = nm[common[0]];
+        let last_nm = nm[common[common.len() - 1]];
+        let there = measured.colour(self.viewing, [first_nm, last_nm])?;
         let predicted = self.ink.spectrum(|layer| self.factor(layer, UNMOVED));
         let replicates: Vec<Vec<f64>> = predicted.replicates.iter().map(|r| pick(r)).collect();
         let here = meter.colour_with_error(&pick(&predicted.values), &replicates)?;
@@ -228,7 +229,8 @@ impl Question<'_> {
         shared.extend(meter.beyond(&pick(&predicted.values), here.xyz));
         let all = 0..nm.len();
         for change in self.ink.input_changes(all, |layer| self.factor(layer, UNMOVED)) {
-            let moved: Vec<f64> = predicted.values.iter().zip(&change).map(|(own, by)| own + by).collect();
+            let moved: Vec<f64> =
+                predicted.values.iter().zip(&change).map(|(value, by)| value + by).collect();
             let there = meter.colour(&pick(&moved))?.lab;
             shared.push(std::array::from_fn(|i| FRAC_1_SQRT_2 * (there[i] - here.lab[i])));
         }

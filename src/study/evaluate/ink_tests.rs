@@ -71,16 +71,16 @@ fn the_mirror_part_is_without_the_diffuse_light_of_its_order() {
     let (ink, _) = made.ink(6, 5);
     for (layer, &nm) in ink.layers().iter().zip(ink.wavelengths_nm()) {
         for deg in [0.0, PRINT_DEG] {
-            let at = ink.at(deg).unwrap();
+            let angle = ink.at(deg).unwrap();
             let want = made.films.at(nm).reflectance_transmittance(deg)[0];
             // λ² with splines of 20 nm: the penalty on roughness
             assert!(
-                (layer.mirrored(&at) - want).abs() < 1e-5,
+                (layer.mirrored(&angle) - want).abs() < 1e-5,
                 "{nm}, {deg}°: {} {want}",
-                layer.mirrored(&at)
+                layer.mirrored(&angle)
             );
             // planted: the whole order
-            assert!(layer.specular(&at) - want > 5e-4, "the check is empty");
+            assert!(layer.specular(&angle) - want > 5e-4, "the check is empty");
         }
     }
 }
@@ -98,8 +98,8 @@ fn a_curve_that_is_bent_has_the_mean_measured() {
     for layer in ink.layers() {
         let lacking = layer.lacking_bends(&around);
         let mean = |bent: f64| -> f64 {
-            let t = |(at, weight): &(PolarAngle, f64)| {
-                weight * (layer.transmittance(at) + bent * at.bent(&lacking))
+            let t = |(angle, weight): &(PolarAngle, f64)| {
+                weight * (layer.transmittance(angle) + bent * angle.bent(&lacking))
             };
             around.iter().map(t).sum()
         };
@@ -256,7 +256,7 @@ fn angles_that_cannot_carry_paper_are_refused() {
 /// Mean reflectance over the hemisphere above a backing, as in Kubelka and Munk.
 fn over_backing(layer: &LayerOnPaper, around: &[PolarAngle], backing: f64) -> f64 {
     let layer = layer.over(backing);
-    around.iter().map(|at| layer.albedo(at)).sum::<f64>() / around.len() as f64
+    around.iter().map(|angle| layer.albedo(angle)).sum::<f64>() / around.len() as f64
 }
 
 /// K and S from the layer over black and over white predict it over grey, within the noise.
@@ -270,15 +270,17 @@ fn kubelka_and_munk_predict_a_third_backing_within_its_bar() {
     // equal steps of μ², whose plain mean is the hemispherical one
     let squares = (0..30).map(|k| (f64::from(k) + 0.5) / 30.0);
     let around: Vec<PolarAngle> = squares.map(|u| ink.at(u.sqrt().acos().to_degrees()).unwrap()).collect();
-    let of = |layer: &LayerOnPaper| [0.0, 0.4, 0.8].map(|backing| over_backing(layer, &around, backing));
+    let over_backings =
+        |layer: &LayerOnPaper| [0.0, 0.4, 0.8].map(|backing| over_backing(layer, &around, backing));
     let predicted = ink.spectrum(|layer| {
-        let [black, _, white] = of(layer);
+        let [black, _, white] = over_backings(layer);
         KubelkaMunk::from_backings([0.0, black], [0.8, white], 1.0).unwrap().over(0.4, 1.0)
     });
     let mut worst = 0.0f64;
     let mut straight = 0.0f64;
     for (estimate, layer) in predicted.estimates().iter().zip(ink.layers()) {
-        let ([black, grey, white], bar) = (of(layer), estimate.standard_error.unwrap());
+        let [black, grey, white] = over_backings(layer);
+        let bar = estimate.standard_error.unwrap();
         worst = worst.max((estimate.value - grey).abs() / bar);
         straight = straight.max((0.5 * (black + white) - grey).abs() / bar);
     }

@@ -93,13 +93,13 @@ impl LayerEnsemble {
         let strata = first.map_or(1, |w| w.strata.len());
         let exit = first.map_or(films.index_out != 1.0, |w| !w.exit.is_empty());
         let columns = exact_deg.len() * TOTALS + if strata > 0 { MEANS } else { 0 };
-        let of = |r: &SolvedRealisation| -> Vec<(f64, Vec<f64>)> {
+        let of_realisation = |r: &SolvedRealisation| -> Vec<(f64, Vec<f64>)> {
             let film = |w: &SolvedWavelength| films.of_thickness(w.wavelength_nm, r.thickness_um);
             r.wavelengths.iter().map(|w| (w.wavelength_nm, differences(w, &film(w), exact_deg))).collect()
         };
-        let differences: Vec<_> = solved.iter().map(of).collect();
+        let differences: Vec<_> = solved.iter().map(of_realisation).collect();
         let samples = |(nm, values): &(f64, Vec<f64>)| (*nm, Normal::plain(values));
-        let fits = Fits::new(differences.iter().map(|own| own.iter().map(samples)), &basis, [1, columns]);
+        let fits = Fits::new(differences.iter().map(|rows| rows.iter().map(samples)), &basis, 1, columns);
         Self { fits, basis, exact_deg: exact_deg.to_vec(), strata, exit, differences }
     }
 
@@ -159,9 +159,9 @@ pub fn film_totals(film: &FilmAt, polar_deg: f64) -> [f64; TOTALS] {
 /// Differences from the film in the order of the columns.
 fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64]) -> Vec<f64> {
     let of_angle = |(s, &deg): (&SolvedDirection, &f64)| {
-        let own = s.totals();
+        let totals = s.totals();
         let film = film_totals(film, deg);
-        (0..TOTALS).map(move |i| own[i] - film[i])
+        (0..TOTALS).map(move |i| totals[i] - film[i])
     };
     let mut all: Vec<f64> = solved.exact.iter().zip(exact_deg).flat_map(of_angle).collect();
     if !solved.strata.is_empty() {
@@ -173,8 +173,8 @@ fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64]) -> V
 /// Differences of the means. The film is subtracted solve by solve and its exact mean added again,
 /// so that the strata only need to resolve the effect of the grains.
 fn means(solved: &SolvedWavelength, film: &FilmAt) -> [f64; MEANS] {
-    let own = |s: &SolvedDirection| film.reflectance_transmittance(s.polar_deg);
-    let transmitted = mean(&solved.strata, |s| s.transmittance - own(s)[1]);
+    let of_film = |s: &SolvedDirection| film.reflectance_transmittance(s.polar_deg);
+    let transmitted = mean(&solved.strata, |s| s.transmittance - of_film(s)[1]);
     // without solves from the exit side the layer is the same from both sides
     let (side, behind) = match solved.exit.is_empty() {
         true => (Side::Incident, &solved.strata),

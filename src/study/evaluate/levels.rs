@@ -50,18 +50,24 @@ impl GridCorrection {
         (checked.len() > 1).then(|| Self {
             basis: basis.clone(),
             factor: 1.0 / (1.0 - ratio.powi(-ORDER)),
-            incident: fits(checked, basis, |at| at.exact.iter().chain(&at.strata).collect()),
-            exit: fits(checked, basis, |at| at.exit.iter().collect()),
+            incident: fits(checked, basis, |solved| solved.exact.iter().chain(&solved.strata).collect()),
+            exit: fits(checked, basis, |solved| solved.exit.iter().collect()),
             angles_deg: angles_deg.to_vec(),
         })
     }
 
     /// The solves of a realisation without the error of the grid.
     pub fn apply(&self, solved: &mut SolvedRealisation) {
-        for at in &mut solved.wavelengths {
-            let incident = at.exact.iter_mut().chain(&mut at.strata).map(|solved| (solved, &self.incident));
-            for (solved, fits) in incident.chain(at.exit.iter_mut().map(|solved| (solved, &self.exit))) {
-                solved.shift(self.shift(&fits.whole, at.wavelength_nm, solved.polar_deg));
+        for wavelength in &mut solved.wavelengths {
+            let incident = wavelength
+                .exact
+                .iter_mut()
+                .chain(&mut wavelength.strata)
+                .map(|solved| (solved, &self.incident));
+            for (solved, fits) in
+                incident.chain(wavelength.exit.iter_mut().map(|solved| (solved, &self.exit)))
+            {
+                solved.shift(self.shift(&fits.whole, wavelength.wavelength_nm, solved.polar_deg));
             }
         }
     }
@@ -76,8 +82,11 @@ impl GridCorrection {
     fn shift(&self, fit: &Array2<f64>, nm: f64, polar_deg: f64) -> [f64; TOTALS] {
         let weights = self.basis.weights(nm);
         let functions = functions(polar_deg);
-        let of = |total: usize, k: usize| SpectralBasis::at(&weights, |i| fit[[i * WIDTH + k, total]]);
-        std::array::from_fn(|t| self.factor * (0..WIDTH).map(|k| functions[k] * of(t, k)).sum::<f64>())
+        let coefficient =
+            |total: usize, k: usize| SpectralBasis::at(&weights, |i| fit[[i * WIDTH + k, total]]);
+        std::array::from_fn(|t| {
+            self.factor * (0..WIDTH).map(|k| functions[k] * coefficient(t, k)).sum::<f64>()
+        })
     }
 }
 
@@ -119,9 +128,9 @@ impl GridPart {
 
     /// Standard errors of R and T: the largest over these wavelengths.
     pub fn largest(&self, wavelengths_nm: &[f64]) -> GridError {
-        let at =
+        let error =
             |nm: f64, i: usize| (0..self.parts()).fold(0.0, |sum: f64, p| sum.hypot(self.shift(p, nm)[i]));
-        let most = |i: usize| wavelengths_nm.iter().map(|&nm| at(nm, i)).fold(0.0, f64::max);
+        let most = |i: usize| wavelengths_nm.iter().map(|&nm| error(nm, i)).fold(0.0, f64::max);
         GridError { reflectance: most(0), transmittance: most(1) }
     }
 }
@@ -141,7 +150,7 @@ fn fits<'a>(
         (coarse.wavelength_nm, differences(side(coarse), side(finer)))
     };
     let cell = |cell: &'a Checked| cell.coarse.wavelengths.iter().zip(&cell.finer.wavelengths).map(samples);
-    Fits::new(checked.iter().map(cell), basis, [WIDTH, TOTALS])
+    Fits::new(checked.iter().map(cell), basis, WIDTH, TOTALS)
 }
 
 /// Samples of the differences between both grids at one wavelength.
@@ -170,7 +179,7 @@ mod tests {
 
     fn realisation(r: usize, h: f64, order: i32) -> SolvedRealisation {
         let chance = 0.01 * (r as f64 - 1.5);
-        let at = |nm: f64, polar_deg: f64| SolvedDirection {
+        let direction = |nm: f64, polar_deg: f64| SolvedDirection {
             polar_deg,
             reflectance: 0.1,
             specular_reflectance: 0.05,
@@ -183,8 +192,8 @@ mod tests {
         };
         let wavelength = |nm: f64| SolvedWavelength {
             wavelength_nm: nm,
-            exact: vec![at(nm, 0.0), at(nm, 45.0)],
-            strata: vec![at(nm, 20.0 + r as f64), at(nm, 50.0), at(nm, 70.0)],
+            exact: vec![direction(nm, 0.0), direction(nm, 45.0)],
+            strata: vec![direction(nm, 20.0 + r as f64), direction(nm, 50.0), direction(nm, 70.0)],
             exit: Vec::new(),
         };
         let wavelengths = (0..12).map(|k| wavelength(410.0 + 25.0 * k as f64 + r as f64)).collect();
@@ -216,8 +225,8 @@ mod tests {
             let truth = realisation(7, 0.0, order);
             correction.apply(&mut other);
             let error = part(&correction).largest(&[420.0, 550.0, 690.0]);
-            for (own, exact) in other.wavelengths.iter().zip(&truth.wavelengths) {
-                let left = own.exact[0].transmittance - exact.exact[0].transmittance;
+            for (corrected, exact) in other.wavelengths.iter().zip(&truth.wavelengths) {
+                let left = corrected.exact[0].transmittance - exact.exact[0].transmittance;
                 assert!(left.abs() < most * error.transmittance, "order {order}: {left} of {error:?}");
             }
             assert!(error.transmittance < 0.02, "a part of the difference: {error:?}");

@@ -87,7 +87,7 @@ impl Measured {
 
     /// With `step` times other values added.
     fn moved(mut self, by: &Self, step: f64) -> Self {
-        self.all().zip(by.numbers()).for_each(|(own, by)| *own += step * by);
+        self.all().zip(by.numbers()).for_each(|(number, by)| *number += step * by);
         self
     }
 }
@@ -140,10 +140,15 @@ impl PolarAngle {
         let (between, bends) = anchor_weights(mu);
         let mut film = Vec::new();
         let mut film_returned = Vec::new();
-        for own in &nodes.films {
-            let ([r, t], back) = (own.reflectance_transmittance(polar_deg), own.returned());
+        for node_film in &nodes.films {
+            let [r, t] = node_film.reflectance_transmittance(polar_deg);
+            let back = node_film.returned();
             film.push([r, t, r]);
-            film_returned.push(if back == *own { t } else { back.reflectance_transmittance(polar_deg)[1] });
+            film_returned.push(if back == *node_film {
+                t
+            } else {
+                back.reflectance_transmittance(polar_deg)[1]
+            });
         }
         Ok(Self { polar_deg, mu, between, bends, film, film_returned })
     }
@@ -221,32 +226,33 @@ impl LayerOnPaper {
     }
 
     /// R(θ) of the layer without paper.
-    pub fn reflectance(&self, at: &PolarAngle) -> f64 {
-        self.total(at, REFLECTANCE)
+    pub fn reflectance(&self, angle: &PolarAngle) -> f64 {
+        self.total(angle, REFLECTANCE)
     }
 
     /// T(θ) of the layer without paper, limited to 0–1 because curves through few angles and
     /// wavelengths overshoot. R and the means are not limited: they enter sums, and a jackknife
     /// over limited values would underestimate errors.
-    pub fn transmittance(&self, at: &PolarAngle) -> f64 {
-        self.total(at, TRANSMITTANCE).clamp(0.0, 1.0)
+    pub fn transmittance(&self, angle: &PolarAngle) -> f64 {
+        self.total(angle, TRANSMITTANCE).clamp(0.0, 1.0)
     }
 
     /// T(θ) of the layer without paper for the light returned by the paper, which is unpolarised;
     /// equal to T(θ) unless the incident light is polarised.
-    pub fn transmittance_returned(&self, at: &PolarAngle) -> f64 {
-        (at.film_returned[self.node] + self.returned((at.between, at.bends), TRANSMITTANCE)).clamp(0.0, 1.0)
+    pub fn transmittance_returned(&self, angle: &PolarAngle) -> f64 {
+        (angle.film_returned[self.node] + self.returned(angle.between, angle.bends, TRANSMITTANCE))
+            .clamp(0.0, 1.0)
     }
 
     /// Specular part of R(θ): that of the cells' specular order.
-    pub fn specular(&self, at: &PolarAngle) -> f64 {
-        self.total(at, SPECULAR)
+    pub fn specular(&self, angle: &PolarAngle) -> f64 {
+        self.total(angle, SPECULAR)
     }
 
     /// Mirror reflection of a print of any size. The specular order of a cell contains diffuse
     /// light like every order, f times its projected solid angle, which is subtracted.
-    pub fn mirrored(&self, at: &PolarAngle) -> f64 {
-        self.specular(at) - self.curve.order_area * self.directional_brdf(at.mu, at.mu, 1.0)
+    pub fn mirrored(&self, angle: &PolarAngle) -> f64 {
+        self.specular(angle) - self.curve.order_area * self.directional_brdf(angle.mu, angle.mu, 1.0)
     }
 
     /// The layer's diffuse f(i, o) for cosines of the polar angles, 1/sr, azimuthal mean. Symmetric
@@ -267,7 +273,8 @@ impl LayerOnPaper {
     /// azimuth, 1 forward.
     pub fn directional_brdf(&self, illumination: f64, viewing: f64, cosine: f64) -> f64 {
         let mean = self.diffuse_brdf_at(illumination, viewing);
-        let [forward, backward] = [1.0, -1.0].map(|c| self.azimuthal_brdf(illumination, viewing, c));
+        let forward = self.azimuthal_brdf(illumination, viewing, 1.0);
+        let backward = self.azimuthal_brdf(illumination, viewing, -1.0);
         // A cos Δφ + B cos 2Δφ is never below −|A| − |B|
         let swing = 0.5 * ((forward - backward).abs() + (forward + backward).abs());
         let share = if swing > mean.max(0.0) { mean.max(0.0) / swing } else { 1.0 };
@@ -284,7 +291,7 @@ impl LayerOnPaper {
     /// ∫ f cos θ_o dω of the layer's diffuse f, over angles with the weights of 2∫₀¹ f μ dμ. It
     /// equals R minus the mirror reflection as far as the fits of f and of R agree.
     pub fn own_albedo(&self, light: &PolarAngle, hemisphere: &[(PolarAngle, f64)]) -> f64 {
-        hemisphere.iter().map(|(at, weight)| PI * weight * self.diffuse_brdf_at(light.mu, at.mu)).sum()
+        hemisphere.iter().map(|(angle, weight)| PI * weight * self.diffuse_brdf_at(light.mu, angle.mu)).sum()
     }
 
     /// Smallest coefficients to add to T(θ) of the returned light so that its mean over these
@@ -293,11 +300,11 @@ impl LayerOnPaper {
         let mut lack = self.mean_transmittance();
         let mut means = [0.0; BENDS];
         let mut squares = [[0.0; BENDS]; BENDS];
-        for (at, weight) in hemisphere {
-            lack -= weight * self.transmittance_returned(at);
-            for (b, own) in at.bends.iter().enumerate() {
-                means[b] += weight * own;
-                at.bends.iter().enumerate().for_each(|(c, other)| squares[b][c] += weight * own * other);
+        for (angle, weight) in hemisphere {
+            lack -= weight * self.transmittance_returned(angle);
+            for (b, bend) in angle.bends.iter().enumerate() {
+                means[b] += weight * bend;
+                angle.bends.iter().enumerate().for_each(|(c, other)| squares[b][c] += weight * bend * other);
             }
         }
         // Cramer's rule: M x = m, then scaled to the missing mean
@@ -328,11 +335,11 @@ impl LayerOnPaper {
 
     /// Derivatives of a quantity with respect to all measured numbers.
     pub(super) fn slopes(&self, quantity: impl Fn(&Self) -> f64) -> [f64; MEASURED] {
-        let own = quantity(self);
+        let here = quantity(self);
         std::array::from_fn(|k| {
             let mut layer = *self;
             layer.measured.all().skip(k).take(1).for_each(|number| *number += SLOPE_STEP);
-            (quantity(&layer) - own) / SLOPE_STEP
+            (quantity(&layer) - here) / SLOPE_STEP
         })
     }
 
@@ -341,7 +348,10 @@ impl LayerOnPaper {
     pub(super) fn quadrature_error(&self, solves: &[SolvedDirection], exit: bool) -> Measured {
         let rule = GaussLegendre::new(CURVE_NODES).expect("a positive number of nodes");
         let error = |total: usize| {
-            let back = |mu: f64| self.returned(anchor_weights(mu), total);
+            let back = |mu: f64| {
+                let (between, bends) = anchor_weights(mu);
+                self.returned(between, bends, total)
+            };
             let sampled = mean(solves, |s| back(s.polar_deg.to_radians().cos()));
             sampled - rule.integrate(0.0, 1.0, |mu| 2.0 * mu * back(mu))
         };
@@ -354,15 +364,15 @@ impl LayerOnPaper {
 
     /// A total of the layer without paper.
     #[inline]
-    fn total(&self, at: &PolarAngle, total: usize) -> f64 {
-        let functions = (at.between, at.bends);
-        at.film[self.node][total] + curve(&self.measured.anchors, &self.curve.bends[total], functions, total)
+    fn total(&self, angle: &PolarAngle, total: usize) -> f64 {
+        let bends = &self.curve.bends[total];
+        angle.film[self.node][total] + curve(&self.measured.anchors, bends, angle.between, angle.bends, total)
     }
 
     /// Fitted difference of a total from the film in the light returned by the paper.
     #[inline]
-    fn returned(&self, functions: ([f64; 2], [f64; BENDS]), total: usize) -> f64 {
-        curve(&self.measured.returned, &self.curve.returned[total], functions, total)
+    fn returned(&self, between: [f64; 2], bends: [f64; BENDS], total: usize) -> f64 {
+        curve(&self.measured.returned, &self.curve.returned[total], between, bends, total)
     }
 }
 
@@ -371,7 +381,9 @@ impl LayerOnPaper {
 fn curve(
     anchors: &Anchors,
     coefficients: &[f64; BENDS],
-    (between, bends): ([f64; 2], [f64; BENDS]),
+    between: [f64; 2],
+    bends: [f64; BENDS],
+
     total: usize,
 ) -> f64 {
     between.iter().zip(anchors).map(|(w, a)| w * a[total]).sum::<f64>() + weighted(&bends, coefficients)

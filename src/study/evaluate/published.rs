@@ -139,8 +139,8 @@ macro_rules! named_numbers {
         impl<T: Copy> $name<T> {
             /// New numbers, each from those of its name in all `rows`.
             pub fn combined<U>(rows: &[Self], number: impl Fn(&[T]) -> U) -> $name<U> {
-                let of = |field: fn(&Self) -> T| number(&rows.iter().map(field).collect::<Vec<T>>());
-                $name { $( $field: of(|row| row.$field), )* }
+                let combine = |field: fn(&Self) -> T| number(&rows.iter().map(field).collect::<Vec<T>>());
+                $name { $( $field: combine(|row| row.$field), )* }
             }
         }
 

@@ -84,20 +84,22 @@ impl Fits {
     pub fn new(
         ensemble: impl IntoIterator<Item: Iterator<Item = (f64, Normal)>>,
         basis: &SpectralBasis,
-        [width, columns]: [usize; 2],
+        width: usize,
+        columns: usize,
     ) -> Self {
-        let parts = normal_equations(ensemble, basis, [width, columns]);
-        Self::of_parts(&parts, basis, [width, columns])
+        let parts = normal_equations(ensemble, basis, width, columns);
+        Self::of_parts(&parts, basis, width, columns)
     }
 
     /// Like [`Fits::new`], and keeps what each realisation adds.
     pub fn with_influence(
         ensemble: impl IntoIterator<Item: Iterator<Item = (f64, Normal)>>,
         basis: &SpectralBasis,
-        [width, columns]: [usize; 2],
+        width: usize,
+        columns: usize,
     ) -> Self {
-        let parts = normal_equations(ensemble, basis, [width, columns]);
-        let mut fits = Self::of_parts(&parts, basis, [width, columns]);
+        let parts = normal_equations(ensemble, basis, width, columns);
+        let mut fits = Self::of_parts(&parts, basis, width, columns);
         let mut all = Normal::new(basis.count() * width, columns * parts.len());
         for (r, part) in parts.iter().enumerate() {
             all.matrix += &part.matrix;
@@ -112,7 +114,7 @@ impl Fits {
         fits
     }
 
-    fn of_parts(parts: &[Normal], basis: &SpectralBasis, [width, columns]: [usize; 2]) -> Self {
+    fn of_parts(parts: &[Normal], basis: &SpectralBasis, width: usize, columns: usize) -> Self {
         let mut sum = Normal::new(basis.count() * width, columns);
         for part in parts {
             sum.matrix += &part.matrix;
@@ -132,7 +134,8 @@ impl Fits {
 fn normal_equations(
     ensemble: impl IntoIterator<Item: Iterator<Item = (f64, Normal)>>,
     basis: &SpectralBasis,
-    [width, columns]: [usize; 2],
+    width: usize,
+    columns: usize,
 ) -> Vec<Normal> {
     let of_realisation = |samples: &mut dyn Iterator<Item = (f64, Normal)>| {
         let mut part = Normal::new(basis.count() * width, columns);
@@ -181,7 +184,7 @@ mod tests {
             }
             (nm, samples)
         };
-        let fits = Fits::new((0..4).map(|r| (0..12).map(move |j| samples(r, j))), &basis, [2, 1]);
+        let fits = Fits::new((0..4).map(|r| (0..12).map(move |j| samples(r, j))), &basis, 2, 1);
         for fit in fits.without.iter().chain([&fits.whole]) {
             let weights = basis.weights(533.0);
             let value = |k: usize| SpectralBasis::at(&weights, |i| fit[[2 * i + k, 0]]);
@@ -196,7 +199,7 @@ mod tests {
         let basis = SpectralBasis::Listed(vec![450.0, 550.0]);
         let values = [[1.0, 10.0], [2.0, 20.0], [6.0, 60.0]];
         let part = |v: [f64; 2]| [450.0, 550.0].into_iter().zip(v.map(|v| Normal::plain(&[v])));
-        let fits = Fits::new(values.map(part), &basis, [1, 1]);
+        let fits = Fits::new(values.map(part), &basis, 1, 1);
         assert!((fits.whole[[0, 0]] - 3.0).abs() < 1e-10 && (fits.whole[[1, 0]] - 30.0).abs() < 1e-9);
         assert!((fits.without[2][[0, 0]] - 1.5).abs() < 1e-10);
     }

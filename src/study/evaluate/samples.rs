@@ -101,11 +101,11 @@ impl SolvedDirection {
     /// Becomes the mean with the same solve of another packing in the same cell.
     fn average(&mut self, other: &Self) {
         let totals = self.totals_mut().into_iter().zip(other.totals());
-        totals.for_each(|(own, other)| *own = 0.5 * (*own + other));
+        totals.for_each(|(value, other)| *value = 0.5 * (*value + other));
         let amplitudes = self.unscattered.iter_mut().zip(other.unscattered);
-        amplitudes.for_each(|(own, other)| *own = 0.5 * (*own + other));
+        amplitudes.for_each(|(value, other)| *value = 0.5 * (*value + other));
         let orders = self.scattered.iter_mut().zip(&other.scattered);
-        orders.for_each(|(own, other)| own.density = 0.5 * (own.density + other.density));
+        orders.for_each(|(value, other)| value.density = 0.5 * (value.density + other.density));
     }
 }
 
@@ -134,10 +134,11 @@ pub struct SolvedRealisation {
 impl SolvedRealisation {
     /// The mean with another packing in the same cell, solved in the same light.
     pub fn mean_with(mut self, other: &Self) -> Self {
-        for (own, other) in self.wavelengths.iter_mut().zip(&other.wavelengths) {
-            let solves = own.exact.iter_mut().chain(&mut own.strata).chain(&mut own.exit);
+        for (wavelength, other) in self.wavelengths.iter_mut().zip(&other.wavelengths) {
+            let solves =
+                wavelength.exact.iter_mut().chain(&mut wavelength.strata).chain(&mut wavelength.exit);
             let others = other.exact.iter().chain(&other.strata).chain(&other.exit);
-            solves.zip(others).for_each(|(own, other)| own.average(other));
+            solves.zip(others).for_each(|(solve, other)| solve.average(other));
         }
         self
     }

@@ -52,11 +52,11 @@ impl MovedLayers {
     /// Standard error of a total at one of the exact angles due to the tables' errors, against the
     /// study's wavelengths.
     pub fn errors(&self, angle: usize, total: Total) -> Vec<f64> {
-        let own = self.few.spectrum(angle, total).values;
-        let mut squares = vec![0.0; own.len()];
+        let unmoved = self.few.spectrum(angle, total).values;
+        let mut squares = vec![0.0; unmoved.len()];
         for moved in &self.moved {
             let there = moved.spectrum(angle, total).values;
-            let changes = there.iter().zip(&own).map(|(there, own)| there - own);
+            let changes = there.iter().zip(&unmoved).map(|(there, unmoved)| there - unmoved);
             squares.iter_mut().zip(changes).for_each(|(sum, change)| *sum += 0.5 * change * change);
         }
         squares.into_iter().map(f64::sqrt).collect()
@@ -130,7 +130,7 @@ pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
     CompleteCells::new(study, collected).appearance().ink
 }
 
-/// The ink as its coherent film, with the volume fractions asked for in every plane.
+/// The ink as its coherent film, with the requested volume fractions in every plane.
 ///
 /// # Errors
 /// As [`InkOnPaper::homogeneous`].
@@ -241,19 +241,19 @@ impl<'a> CompleteCells<'a> {
                 damages: Vec::new(),
             }
         };
-        let own = CompleteCells::new(self.study, &with(&|r| r.points.clone())).appearance();
+        let unmoved = CompleteCells::new(self.study, &with(&|r| r.points.clone())).appearance();
         let mut all = Vec::new();
         for (i, by) in moves.iter().enumerate() {
             let moved = self.study.moved(by);
             all.push(CompleteCells::new(&moved, &with(&|r| r.moved[i].clone())).appearance());
         }
-        if let (Ok(ink), Ok(few)) = (&mut seen.ink, &own.ink)
+        if let (Ok(ink), Ok(few)) = (&mut seen.ink, &unmoved.ink)
             && let Ok(moved) = all.iter().map(|seen| seen.ink.as_ref()).collect::<Result<Vec<_>, _>>()
         {
             ink.keep_moved(few, &moved);
         }
         let moved = all.into_iter().map(|seen| seen.layer).collect::<Option<Vec<_>>>();
-        seen.inputs = own.layer.zip(moved).map(|(few, moved)| MovedLayers { few, moved });
+        seen.inputs = unmoved.layer.zip(moved).map(|(few, moved)| MovedLayers { few, moved });
     }
 
     /// The solves of every cell in one light, corrected by those on a finer grid as far as there
@@ -279,9 +279,9 @@ impl<'a> CompleteCells<'a> {
     /// The realisations with all solves on both grids.
     fn checked(&self, wave: Wave) -> Vec<Checked> {
         let complete = |r: &&&Realisation| !r.finer.is_empty() && r.finer.iter().all(Option::is_some);
-        let both = |r: &&Realisation| {
-            let [coarse, finer] = [&r.points, &r.finer].map(|points| solved(self.study, r, points, wave));
-            Checked { coarse, finer }
+        let both = |r: &&Realisation| Checked {
+            coarse: solved(self.study, r, &r.points, wave),
+            finer: solved(self.study, r, &r.finer, wave),
         };
         self.cells.iter().flatten().filter(complete).map(both).collect()
     }
@@ -402,7 +402,7 @@ fn mean_profile(complete: &[&Realisation]) -> Profile {
     let mut fractions = complete[0].packing.profile.clone();
     for realisation in &complete[1..] {
         let others = realisation.packing.profile.iter().flatten();
-        fractions.iter_mut().flatten().zip(others).for_each(|(own, other)| *own += other);
+        fractions.iter_mut().flatten().zip(others).for_each(|(sum, other)| *sum += other);
     }
     fractions.iter_mut().flatten().for_each(|share| *share /= complete.len() as f64);
     Profile { fractions }

@@ -108,8 +108,8 @@ pub fn enough(study: &Study, collected: &Collected) -> bool {
 
 /// The colours to which `run.target_delta_e` applies.
 pub fn aimed_at<'a>(study: &Study, manifest: &'a Manifest<&Study>) -> impl Iterator<Item = &'a ColourNote> {
-    let wanted = study.target_colour;
-    manifest.colours.iter().filter(move |note| match wanted {
+    let target = study.target_colour;
+    manifest.colours.iter().filter(move |note| match target {
         TargetColour::Every => true,
         TargetColour::NaturalLight => note.conditions == NATURAL_LIGHT,
         TargetColour::LitAt45 => note.conditions == LIT_AT_45,
@@ -156,11 +156,11 @@ fn certainty(collected: &Collected, records: &[&PointRecord], seen: &Seen, grid:
 /// relative to the film.
 fn half_strata_difference(seen: &Seen) -> Option<Estimate> {
     let layer = seen.layer.as_ref().filter(|layer| layer.ensemble.strata > 1)?;
-    let of = |(r, realisation): (usize, &SolvedRealisation)| {
+    let mean = |(r, realisation): (usize, &SolvedRealisation)| {
         let all: Vec<f64> = realisation.wavelengths.iter().map(|w| alternating_mean(layer, r, w)).collect();
         all.iter().sum::<f64>() / all.len().max(1) as f64
     };
-    Some(Estimate::of_mean(&seen.solved.iter().enumerate().map(of).collect::<Vec<_>>()))
+    Some(Estimate::of_mean(&seen.solved.iter().enumerate().map(mean).collect::<Vec<_>>()))
 }
 
 /// Mean over the strata of the difference of T from the film, with alternating signs that start
@@ -187,9 +187,9 @@ fn exit_reflectance_difference(layer: &LayerSeen) -> Option<Estimate> {
 
 /// Mean over the wavelengths of R̄ + T̄/n² + Ā of one realisation, all relative to the film.
 fn exit_difference(ensemble: &LayerEnsemble, index: f64, realisation: usize) -> f64 {
-    let [t, a, r] =
-        [EnsembleMean::Transmittance, EnsembleMean::ExitAbsorptance, EnsembleMean::ExitReflectance]
-            .map(|m| ensemble.mean_column(m));
+    let t = ensemble.mean_column(EnsembleMean::Transmittance);
+    let a = ensemble.mean_column(EnsembleMean::ExitAbsorptance);
+    let r = ensemble.mean_column(EnsembleMean::ExitReflectance);
     let wavelengths = ensemble.wavelengths_nm(realisation).len();
     let value = |j: usize, column: usize| ensemble.measured(realisation, j, column);
     let apart = |j: usize| value(j, r) + value(j, t) / (index * index) + value(j, a);

@@ -99,13 +99,13 @@ mod tests {
 
     #[test]
     fn more_than_the_share_allowed_is_no_result() {
-        let of = |packed, refused, left_out| Survivors { packed, refused, left_out };
-        assert_eq!(of(9, 1, 0).refusal(0.1), None);
-        let refusal = of(10, 6, 0).refusal(0.1).unwrap();
+        let survivors = |packed, refused, left_out| Survivors { packed, refused, left_out };
+        assert_eq!(survivors(9, 1, 0).refusal(0.1), None);
+        let refusal = survivors(10, 6, 0).refusal(0.1).unwrap();
         assert!(refusal.starts_with("6 of 16 packings have no room"), "{refusal}");
-        assert_eq!(of(10, 6, 0).refusal(0.5), None);
-        assert_eq!(of(21, 3, 3).refusal(0.125), None);
-        let refusal = of(2, 10, 2).refusal(1.0).unwrap();
+        assert_eq!(survivors(10, 6, 0).refusal(0.5), None);
+        assert_eq!(survivors(21, 3, 3).refusal(0.125), None);
+        let refusal = survivors(2, 10, 2).refusal(1.0).unwrap();
         assert!(
             refusal.ends_with("2 others that share cells with them are left out: none is left"),
             "{refusal}"

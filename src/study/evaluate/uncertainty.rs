@@ -56,9 +56,9 @@ impl Uncertainty {
     pub fn moved<T>(
         &self,
         ink: &InkOnPaper,
-        of: impl Fn(&dyn Fn(&LayerOnPaper) -> Shift) -> Result<T, InkError>,
+        number: impl Fn(&dyn Fn(&LayerOnPaper) -> Shift) -> Result<T, InkError>,
     ) -> Result<Vec<T>, InkError> {
-        (0..self.parts()).map(|part| of(&|layer| self.shift(part, ink.wavelength_nm(layer)))).collect()
+        (0..self.parts()).map(|part| number(&|layer| self.shift(part, ink.wavelength_nm(layer)))).collect()
     }
 
     /// Like [`Uncertainty::widen`], for a quantity at a wavelength that shared errors of R and T
@@ -94,11 +94,16 @@ impl Uncertainty {
 
     /// Colour of a quantity for an observer, including errors of R and T and the effect of the
     /// wavelength range.
-    pub fn widened(&self, ink: &InkOnPaper, sight: &Sight, of: &PaperQuantity) -> Result<Widened, InkError> {
-        let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
+    pub fn widened(
+        &self,
+        ink: &InkOnPaper,
+        sight: &Sight,
+        quantity: &PaperQuantity,
+    ) -> Result<Widened, InkError> {
+        let plain = |layer: &LayerOnPaper| quantity(layer, UNMOVED);
         let (colour, deviations) = ink.colour_with_deviations(sight, plain)?;
         let mut shared = self.moved(ink, |by| {
-            let shifted = ink.colour_of_mean(sight, |layer| of(layer, by(layer)))?;
+            let shifted = ink.colour_of_mean(sight, |layer| quantity(layer, by(layer)))?;
             Ok(std::array::from_fn(|i| shifted.lab[i] - colour.lab[i]))
         })?;
         shared.extend(sight.meter.beyond(&ink.values(sight, &plain), colour.xyz));
@@ -116,11 +121,11 @@ impl Uncertainty {
         &self,
         ink: &InkOnPaper,
         solved: &[SolvedRealisation],
-        of: &PaperQuantity,
+        quantity: &PaperQuantity,
     ) -> Result<ColourParts, InkError> {
         let Widened { colour, chance, shared, spacing, inputs, deviations } =
-            self.widened(ink, &ink.daylight()?, of)?;
-        let plain = |layer: &LayerOnPaper| of(layer, UNMOVED);
+            self.widened(ink, &ink.daylight()?, quantity)?;
+        let plain = |layer: &LayerOnPaper| quantity(layer, UNMOVED);
         let lengths: Vec<f64> = shared.into_iter().map(length).collect();
         let whole_length = |shifts: &[[f64; 3]]| shifts.iter().copied().map(length).fold(0.0, f64::hypot);
         let (grid, rest) = lengths.split_at(self.grid.parts());
@@ -211,20 +216,22 @@ impl Conditions {
     /// The radiance factor under a uniform sky, shifted by the error of R, of T on the way in and
     /// out, and of R̄ on the paper's side.
     pub fn natural_light(&self, layer: &LayerOnPaper, [r, t]: Shift) -> f64 {
-        let passes = [layer.transmittance(&self.view), layer.mean_transmittance()];
-        layer.natural_light(&self.view, self.sky) + (r + through_paper(layer, passes, [r, t]))
+        let inwards = layer.transmittance(&self.view);
+        let outwards = layer.mean_transmittance();
+        layer.natural_light(&self.view, self.sky) + (r + through_paper(layer, inwards, outwards, [r, t]))
     }
 
     /// π times the BRDF of the ink on its paper lit at 45°, shifted by errors; the error of the
     /// layer's diffuse part is at most that of its R.
     pub fn lit_at_45(&self, layer: &LayerOnPaper, [r, t]: Shift) -> f64 {
-        let passes = [layer.transmittance(&self.light), layer.transmittance_returned(&self.view)];
-        PI * layer.brdf(&self.light, &self.view) + (r + through_paper(layer, passes, [r, t]))
+        let inwards = layer.transmittance(&self.light);
+        let outwards = layer.transmittance_returned(&self.view);
+        PI * layer.brdf(&self.light, &self.view) + (r + through_paper(layer, inwards, outwards, [r, t]))
     }
 }
 
 /// Error of g T₁ T₂, where dg = n² g² dR̄_b and R̄_b has the same error as R.
-fn through_paper(layer: &LayerOnPaper, [inwards, outwards]: [f64; 2], [r, t]: Shift) -> f64 {
+fn through_paper(layer: &LayerOnPaper, inwards: f64, outwards: f64, [r, t]: Shift) -> f64 {
     let factor = layer.return_factor();
     let moved_factor = (layer.index_out * factor).powi(2) * r;
     factor * (inwards + outwards) * t + moved_factor * inwards * outwards

@@ -30,12 +30,12 @@ const WIDEST_NM: f64 = 20.0;
 const SAMPLES: usize = 3;
 
 impl SpectralBasis {
-    /// Splines for `cells` that have `own` wavelengths each, all of them different. Every cell
-    /// alone determines `own` pieces; together they determine narrower ones.
-    pub fn splines(range_nm: [f64; 2], own: usize, cells: usize) -> Self {
-        let wanted = ((range_nm[1] - range_nm[0]) / WIDEST_NM).ceil() as usize;
-        let possible = (own * cells / SAMPLES).saturating_sub(MOST - 1);
-        Self::Splines { range_nm, intervals: own.max(wanted.min(possible)) }
+    /// Splines for `cells` that have `each` wavelengths, all of them different. Every cell alone
+    /// determines `each` pieces; together they determine narrower ones.
+    pub fn splines(range_nm: [f64; 2], each: usize, cells: usize) -> Self {
+        let needed = ((range_nm[1] - range_nm[0]) / WIDEST_NM).ceil() as usize;
+        let possible = (each * cells / SAMPLES).saturating_sub(MOST - 1);
+        Self::Splines { range_nm, intervals: each.max(needed.min(possible)) }
     }
 
     /// Number of functions.
@@ -75,7 +75,7 @@ impl SpectralBasis {
 
 /// Place of the wavelength nearest to `nm`, the first of several.
 pub(super) fn nearest(wavelengths_nm: impl IntoIterator<Item = f64>, nm: f64) -> usize {
-    let distances = wavelengths_nm.into_iter().map(|own| (own - nm).abs()).enumerate();
+    let distances = wavelengths_nm.into_iter().map(|listed| (listed - nm).abs()).enumerate();
     distances.min_by(|(_, a), (_, b)| a.total_cmp(b)).map_or(0, |(place, _)| place)
 }
 
@@ -111,7 +111,7 @@ mod tests {
     /// eight have 64.
     #[test]
     fn pieces_narrow_as_cells_add_wavelengths() {
-        let pieces = |own, cells| SpectralBasis::splines([400.0, 700.0], own, cells).count() + 1 - MOST;
+        let pieces = |each, cells| SpectralBasis::splines([400.0, 700.0], each, cells).count() + 1 - MOST;
         assert_eq!([pieces(8, 1), pieces(8, 4), pieces(8, 8), pieces(8, 100)], [8, 8, 15, 15]);
         assert_eq!([pieces(15, 6), pieces(40, 2)], [15, 40]);
     }

@@ -36,18 +36,21 @@ impl RunSettings {
     pub(super) fn admit<'s>(
         &self,
         size: &Size,
-        (asked, systems): (&'s dyn Solver, f64),
+        solver: &'s dyn Solver,
+        systems: f64,
         watch: &dyn RunWatch,
     ) -> Result<(Admitted<'s>, usize), TooLarge> {
         let memory = self.memory / systems;
-        let bytes_each = systems * size.admit(asked, memory)?.bytes;
-        let wanted = self.jobs.unwrap_or_else(rayon::current_num_threads).max(1);
-        let jobs = wanted.min((self.memory / bytes_each) as usize).max(1);
-        if jobs < wanted {
+        let bytes_each = systems * size.admit(solver, memory)?.bytes;
+        let requested = self.jobs.unwrap_or_else(rayon::current_num_threads).max(1);
+        let jobs = requested.min((self.memory / bytes_each) as usize).max(1);
+        if jobs < requested {
             let most = 1e-9 * bytes_each;
-            watch.stage(&format!("{jobs} solves at a time instead of {wanted}: each may take {most:.2} GB"));
+            watch.stage(&format!(
+                "{jobs} solves at a time instead of {requested}: each may take {most:.2} GB"
+            ));
         }
-        Ok((size.admit(asked, memory / jobs as f64)?, jobs))
+        Ok((size.admit(solver, memory / jobs as f64)?, jobs))
     }
 }
 
@@ -108,10 +111,10 @@ pub struct Failure {
 impl Collected {
     /// Number of finished solves.
     pub fn finished(&self) -> usize {
-        let of = |r: &Realisation| {
+        let solves = |r: &Realisation| {
             r.points.iter().chain(&r.finer).chain(r.moved.iter().flatten()).flatten().count()
         };
-        self.realisations.iter().map(of).sum()
+        self.realisations.iter().map(solves).sum()
     }
 
     /// Number of the study's solves that are not needed: those of packings without room, and all
@@ -154,8 +157,10 @@ impl Stores {
     /// Opens the stores of a folder for reading.
     pub fn at(path: &Path) -> io::Result<Self> {
         let database = Arc::new(Database::open(path)?);
-        let (points, packings) = (Store::of(&database), Store::of(&database));
-        let (grids, failures) = (Store::of(&database), Store::of(&database));
+        let points = Store::of(&database);
+        let packings = Store::of(&database);
+        let grids = Store::of(&database);
+        let failures = Store::of(&database);
         Ok(Self { points, packings, grids, failures, database })
     }
 

@@ -82,7 +82,8 @@ pub fn work_through(
     watch: &dyn RunWatch,
     work: impl Fn(usize) -> io::Result<()> + Sync,
 ) -> Result<(), RunError> {
-    let (next, trouble) = (AtomicUsize::new(0), OnceLock::new());
+    let next = AtomicUsize::new(0);
+    let trouble = OnceLock::new();
     let is_wanted = |i: &usize| *i < count && !watch.stop() && trouble.get().is_none();
     let take = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(is_wanted);
     Crew::new(Some(jobs), count)?.work_off(take, |i| work(i).unwrap_or_else(|error| _ = trouble.set(error)));
@@ -123,7 +124,8 @@ mod tests {
     /// The threads wait for each other: each pool needs its own.
     #[test]
     fn all_workers_are_at_work_at_a_time() {
-        let (crew, meeting) = (Crew::new(Some(3), 3).unwrap(), std::sync::Barrier::new(3));
+        let crew = Crew::new(Some(3), 3).unwrap();
+        let meeting = std::sync::Barrier::new(3);
         let left = AtomicUsize::new(3);
         let take = || left.fetch_update(Ordering::SeqCst, Ordering::SeqCst, |n| n.checked_sub(1)).ok();
         crew.work_off(take, |_| {
@@ -141,7 +143,8 @@ mod tests {
 
     #[test]
     fn a_stop_ends_the_work() {
-        let (watch, done) = (Called(AtomicBool::new(false)), AtomicUsize::new(0));
+        let watch = Called(AtomicBool::new(false));
+        let done = AtomicUsize::new(0);
         let work = |i| {
             done.fetch_add(1, Ordering::SeqCst);
             Ok(watch.0.store(i >= 3, Ordering::SeqCst))

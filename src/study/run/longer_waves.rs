@@ -21,11 +21,11 @@ const STEPS: f64 = 4.0;
 /// Largest |η² − η_b²|/λ² of the pigments in the binder, proportional to the contrast V, 1/nm².
 pub(super) fn largest_contrast(study: &Study, nm: f64) -> f64 {
     let binder = study.layer.binder.index_at(1e-3 * nm);
-    let of = |material: &IndexSpectrum| {
+    let contrast = |material: &IndexSpectrum| {
         let eta = material.index_at(1e-3 * nm);
         ((eta * eta - binder * binder) / (nm * nm)).norm()
     };
-    study.materials().map(of).fold(0.0, f64::max)
+    study.materials().map(contrast).fold(0.0, f64::max)
 }
 
 /// What needs the finest grid of a list of wavelengths.
@@ -49,14 +49,20 @@ impl Finest {
 /// coarsening.
 pub fn coarsened(
     study: &Study,
-    own: Resolution,
+    grid: Resolution,
     wavelength_um: f64,
-    (finest, share): (Finest, f64),
+    finest: Finest,
+    share: f64,
 ) -> Resolution {
     let factor = coarser(study, wavelength_um, finest, share);
     let fewer = |n: usize| (n as f64 / factor * (1.0 - 1e-9)).ceil() as usize;
     let points = |n: usize| if n == 1 { 1 } else { smooth_size(fewer(n)).min(n) };
-    Resolution { nx: points(own.nx), ny: points(own.ny), cells: fewer(own.cells).max(1), scheme: own.scheme }
+    Resolution {
+        nx: points(grid.nx),
+        ny: points(grid.ny),
+        cells: fewer(grid.cells).max(1),
+        scheme: grid.scheme,
+    }
 }
 
 /// Factor ≥ 1 by which the grid may be coarser than at the shortest wavelength.
@@ -84,12 +90,14 @@ pub(super) fn probed_angles_deg(study: &Study) -> [f64; 2] {
 /// The longest wavelength at the smallest and the largest angle, on one packing; empty if all waves
 /// share a grid: on request, with a single wavelength, or without any contrast.
 pub(super) fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
-    let (first, last) = (study.wavelengths_nm[0], study.wavelengths_nm[study.wavelengths_nm.len() - 1]);
+    let first = study.wavelengths_nm[0];
+    let last = study.wavelengths_nm[study.wavelengths_nm.len() - 1];
     let allowed = matches!(study.resolution, WantedResolution::Accuracy { per_wavelength: true, .. });
     if !allowed || stepped(last / first) == 1.0 || largest_contrast(study, last) == 0.0 {
         return Vec::new();
     }
-    let (azimuth_deg, from) = (study.draw(realisation).azimuth_deg, Side::Incident);
+    let azimuth_deg = study.draw(realisation).azimuth_deg;
+    let from = Side::Incident;
     let incidence = |polar_deg: f64| Incidence { wavelength_um: last * 1e-3, polar_deg, azimuth_deg, from };
     let mut probes = probed_angles_deg(study).map(incidence).to_vec();
     probes.dedup();
@@ -121,7 +129,7 @@ mod tests {
     fn a_clear_ink_allows_a_spacing_in_proportion_to_the_wavelength() {
         let study = study("1.9", "accuracy = 1e-3");
         let points = |nm: f64, share: f64| {
-            let r = coarsened(&study, OWN, 1e-3 * nm, (Finest::of(&study), share));
+            let r = coarsened(&study, OWN, 1e-3 * nm, Finest::of(&study), share);
             (r.nx, r.ny, r.cells)
         };
         assert_eq!(points(400.0, 1.0), (40, 30, 14));
@@ -143,9 +151,9 @@ mod tests {
             nm.max_by(|&a, &b| largest_contrast(&study, a).total_cmp(&largest_contrast(&study, b)));
         let strongest = strongest.expect("wavelengths");
         assert!(strongest > 450.0, "{strongest}");
-        let whole = (Finest::of(&study), 1.0);
-        assert_eq!(coarsened(&study, OWN, 1e-3 * strongest, whole), OWN);
-        assert!(coarsened(&study, OWN, 0.7, whole).nx < OWN.nx);
+        let finest = Finest::of(&study);
+        assert_eq!(coarsened(&study, OWN, 1e-3 * strongest, finest, 1.0), OWN);
+        assert!(coarsened(&study, OWN, 0.7, finest, 1.0).nx < OWN.nx);
     }
 
     #[test]

@@ -25,9 +25,10 @@ pub fn allowed() -> f64 {
 }
 
 /// Address space that a run takes besides its solves and its matrix products, bytes, and what each
-/// thread adds: arenas of the allocator, stacks. Peaks of `examples/yellow.toml`: 0.38, 0.58 and
-/// 0.99 GB on 1, 2 and 4 threads, of which 0.04 to 0.06 GB are ever touched, with 0.045 GB of the
-/// program itself and products on the first thread only, beside a cache of 32 MiB.
+/// thread adds: arenas of the allocator, stacks.
+// Peaks of `examples/yellow.toml`: 0.38, 0.58 and 0.99 GB on 1, 2 and 4 threads, of which 0.04 to
+// 0.06 GB are ever touched, with 0.045 GB of the program itself and products on the first thread
+// only, beside a cache of 32 MiB.
 const RUN_SPACE: f64 = 65e6;
 const THREAD_SPACE: f64 = 205e6;
 
@@ -37,11 +38,11 @@ const CACHE_OTHERWISE: f64 = 64e6;
 /// caches of the last level (`private-gemm-x86`, behind faer: one for either factor).
 const PRODUCT_CACHES: f64 = 2.0;
 
-/// As many of the wanted threads as the limits of the process leave address space for; 0 if it is
-/// too little for any run.
-pub fn threads_within_limits(wanted: usize) -> usize {
+/// As many of the requested threads as the limits of the process leave address space for; 0 if it
+/// is too little for any run.
+pub fn threads_within_limits(requested: usize) -> usize {
     let products = product_space();
-    (((address_space() - RUN_SPACE - products) / (THREAD_SPACE + products)) as usize).min(wanted)
+    (((address_space() - RUN_SPACE - products) / (THREAD_SPACE + products)) as usize).min(requested)
 }
 
 /// Smallest limit for a run on one thread, bytes.
@@ -99,7 +100,8 @@ fn processors_in(list: &str) -> Option<f64> {
 
 /// Address space that the limits of the process leave, bytes.
 fn address_space() -> f64 {
-    let (limits, status) = (read("/proc/self/limits"), read("/proc/self/status"));
+    let limits = read("/proc/self/limits");
+    let status = read("/proc/self/status");
     let of_process = [("Max address space", "VmSize:"), ("Max data size", "VmData:")];
     let left = of_process.map(|(limit, used)| left_of_limit(&limits, limit, &status, used));
     left.into_iter().fold(f64::INFINITY, f64::min)

@@ -91,7 +91,7 @@ impl PointSolver<'_> {
         point: &Point,
         key: &str,
     ) -> Result<PointRecord, PointError> {
-        let system = own(systems, point);
+        let system = system_of(systems, point);
         let solution = self.solver.solve(&**system, self.study.goal, &mut Stopper(self.watch))?;
         self.record(system.far_field(&solution.field), solution.account, point, key)
     }
@@ -107,24 +107,28 @@ impl PointSolver<'_> {
         let Account { solver, steps, operator_applications, residual, seconds, .. } = account;
         let far_field = far_field.judged(total_errors(self.grid, residual))?;
         let account = SolveAccount { solver, steps, operator_applications, residual, seconds };
-        let (key, Point { realisation, polarisation, .. }) = (key.to_owned(), *point);
+        let key = key.to_owned();
+        let Point { realisation, polarisation, .. } = *point;
         Ok(PointRecord::new(key, realisation, polarisation, &far_field, account)?)
     }
 }
 
 /// The one of the systems with a point's polarisation.
-pub(super) fn own<S: AsRef<dyn System>>(systems: impl IntoIterator<Item = S>, point: &Point) -> S {
-    let own = systems.into_iter().find(|system| system.as_ref().polarisation() == point.polarisation);
-    own.expect("points have the polarisations of their study's wave")
+pub(super) fn system_of<S: AsRef<dyn System>>(systems: impl IntoIterator<Item = S>, point: &Point) -> S {
+    let system = systems.into_iter().find(|system| system.as_ref().polarisation() == point.polarisation);
+    system.expect("points have the polarisations of their study's wave")
 }
 
 /// Runs a solve, announces it and stores its record. Without a result it returns the reason, or
 /// nothing after a stop. The outer error is that of the store.
 pub(super) fn attempt<R: Record>(
-    (study, store, watch): (&Study, &Store<R>, &dyn RunWatch),
-    (point, key): &(Point, Key),
+    study: &Study,
+    store: &Store<R>,
+    watch: &dyn RunWatch,
+    keyed: &(Point, Key),
     solve: impl FnOnce() -> Result<R, PointError>,
 ) -> io::Result<Result<R, Option<String>>> {
+    let (point, key) = keyed;
     watch.hear(Event::Solving(study, point));
     let solved = solve();
     watch.hear(Event::Ended);
@@ -208,15 +212,16 @@ impl Grids {
         resolution: Resolution,
         watch: &dyn RunWatch,
     ) -> Result<Geometry, WaveError> {
-        let (error, stop) = (study.resolution.coverage_error(), || watch.stop());
-        let asked = (study.wave.is_vector(), resolution, error);
+        let error = study.resolution.coverage_error();
+        let stop = || watch.stop();
+        let requested = (study.wave.is_vector(), resolution, error);
         let mut all = self.geometries.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, geometry)) = all.iter().find(|(kept, _)| *kept == asked) {
+        if let Some((_, geometry)) = all.iter().find(|(kept, _)| *kept == requested) {
             return Ok(geometry.clone());
         }
         let scene = Scene::from_packing(&self.packing);
         let geometry = Geometry::new(study.wave, &scene, resolution, Precision { error, stop: &stop })?;
-        all.push((asked, geometry.clone()));
+        all.push((requested, geometry.clone()));
         Ok(geometry)
     }
 

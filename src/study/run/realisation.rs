@@ -73,13 +73,14 @@ fn ways<'a>(study: &'a Study, resolved: &Resolved, realisation: usize) -> Vec<Wa
 /// The solves of a realisation in one way, with content hashes of everything that each depends on.
 /// The grid of each is that of the study itself, so that
 /// differences between ways are not those of grids.
-fn keys_of(own: &Study, way: &Way, realisation: usize) -> Vec<(Point, Key)> {
+fn keys_of(run_study: &Study, way: &Way, realisation: usize) -> Vec<(Point, Key)> {
     let Way { study, resolved } = way;
     let packing = Key::of_packing(&study.packing_request(realisation));
-    let (draw, error) = (study.draw(realisation), study.resolution.coverage_error());
+    let draw = study.draw(realisation);
+    let error = study.resolution.coverage_error();
     let mut keyed = Vec::new();
     for point in study.points(realisation) {
-        let resolution = resolved.for_wave(own, &draw, point.incidence.wavelength_um);
+        let resolution = resolved.for_wave(run_study, &draw, point.incidence.wavelength_um);
         let method = (resolution, Mean::default(), &study.solver, &study.goal, error);
         let indices = study.indices(point.incidence.wavelength_um);
         let inputs = (&packing, indices, &point.incidence, method);
@@ -126,9 +127,9 @@ struct WayRun<'a> {
 impl WayRun<'_> {
     /// Computes the missing solves.
     fn finish(&self, packings: &mut Packings) -> Result<usize, RunError> {
-        let &RealisationRun { stores, settings, watch, realisation, study: own, .. } = self.run;
+        let &RealisationRun { stores, settings, watch, realisation, study: run_study, .. } = self.run;
         let Way { study, resolved } = self.way;
-        let keyed = keys_of(own, self.way, realisation);
+        let keyed = keys_of(run_study, self.way, realisation);
         let lacking: Vec<&(Point, Key)> = keyed.iter().filter(|keyed| !self.is_kept(keyed)).collect();
         let kept = keyed.len() - lacking.len();
         let (failed, todo): (Vec<_>, Vec<_>) =
@@ -137,11 +138,12 @@ impl WayRun<'_> {
         if todo.is_empty() && stores.packings.has(packing_key.as_str()) {
             return Ok(self.pass(kept, failed.len()));
         }
-        let (grids, asked) = (packings.on_grids(realisation)?, study.solver.build());
+        let grids = packings.on_grids(realisation)?;
+        let requested = study.solver.build();
         let record = PackingRecord::new(realisation, &grids.packing);
         stores.packings.put(packing_key.as_str(), &record)?;
         let size = resolve::size(study, resolved.for_cell(&study.draw(realisation)));
-        let (solver, jobs) = settings.admit(&size, (&*asked, 1.0), watch)?;
+        let (solver, jobs) = settings.admit(&size, &*requested, 1.0, watch)?;
         for (point, _) in &todo {
             grids.geometry(study, self.grid(point), watch)?;
         }
@@ -150,8 +152,8 @@ impl WayRun<'_> {
 
     /// The grid of a point's wave.
     fn grid(&self, point: &Point) -> Resolution {
-        let own = self.run.study;
-        self.way.resolved.for_wave(own, &own.draw(self.run.realisation), point.incidence.wavelength_um)
+        let study = self.run.study;
+        self.way.resolved.for_wave(study, &study.draw(self.run.realisation), point.incidence.wavelength_um)
     }
 
     /// Reports the solves that need no work; returns the number of those without a result.
@@ -187,20 +189,24 @@ impl WayRun<'_> {
     /// Solves for one wavelength and direction, which share the problems set up by the first;
     /// returns the number of solves without a result. Errors are those of the store.
     fn solve_group(&self, solver: &dyn Solver, grids: &Grids, group: &[&(Point, Key)]) -> io::Result<usize> {
-        let (study, stores, watch) = (&*self.way.study, self.run.stores, self.run.watch);
+        let study = &*self.way.study;
+        let stores = self.run.stores;
+        let watch = self.run.watch;
         let point_solver = PointSolver { study, solver, grid: self.way.resolved.grid_error, watch };
-        let (shared, mut failed) = (OnceCell::new(), 0);
+        let shared = OnceCell::new();
+        let mut failed = 0;
         for keyed @ (point, key) in group {
             if watch.stop() {
                 break;
             }
-            let solved = attempt((study, &stores.points, watch), keyed, || {
+            let solved = attempt(study, &stores.points, watch, keyed, || {
                 let made = shared.get_or_init(|| grids.problems(study, self.grid(point), point, watch));
                 let (systems, _) = made.as_ref().map_err(Clone::clone)?;
                 point_solver.solve(systems, point, key.as_str())
             })?;
             if let Err(Some(reason)) = solved {
-                let (variant, realisation) = (study.title.clone(), point.realisation);
+                let variant = study.title.clone();
+                let realisation = point.realisation;
                 let record = FailureRecord { variant, realisation, incidence: Some(point.incidence), reason };
                 stores.failures.put(key.as_str(), &record)?;
                 failed += 1;

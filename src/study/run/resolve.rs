@@ -58,14 +58,14 @@ impl Resolved {
     /// The grid of a wave in a cell: that of the shortest wave, coarsened if the wave is longer.
     pub fn for_wave(&self, study: &Study, draw: &Draw, wavelength_um: f64) -> Resolution {
         let finest = self.chosen_for.unwrap_or_else(|| Finest::of(study));
-        coarsened(study, self.for_cell(draw), wavelength_um, (finest, self.longer_waves))
+        coarsened(study, self.for_cell(draw), wavelength_um, finest, self.longer_waves)
     }
 
     /// The grid of the longest wave, in the cell on which the finest grid was chosen.
     pub fn longest(&self, study: &Study) -> Resolution {
         let last_um = 1e-3 * study.wavelengths_nm[study.wavelengths_nm.len() - 1];
         let finest = self.chosen_for.unwrap_or_else(|| Finest::of(study));
-        coarsened(study, self.resolution, last_um, (finest, self.longer_waves))
+        coarsened(study, self.resolution, last_um, finest, self.longer_waves)
     }
 
     /// The grid on which some realisations are solved again ([`Study::is_checked`]): a third finer
@@ -82,20 +82,21 @@ impl Resolved {
 
     /// The finest grid in another cell, no coarser than in the first.
     pub fn for_cell(&self, draw: &Draw) -> Resolution {
-        let points = |own: usize, first_um: f64, um: f64| {
-            let wanted = (own as f64 * um / first_um * (1.0 - 1e-9)).ceil() as usize;
-            if own == 1 { 1 } else { smooth_size(wanted.max(1)) }
+        let points = |count: usize, first_um: f64, um: f64| {
+            let needed = (count as f64 * um / first_um * (1.0 - 1e-9)).ceil() as usize;
+            if count == 1 { 1 } else { smooth_size(needed.max(1)) }
         };
-        let (own, first) = (self.resolution, self.period_um);
-        let cells = (own.cells as f64 * draw.thickness_um / self.thickness_um * (1.0 - 1e-9)).ceil();
+        let chosen = self.resolution;
+        let first = self.period_um;
+        let cells = (chosen.cells as f64 * draw.thickness_um / self.thickness_um * (1.0 - 1e-9)).ceil();
         if draw.period_um == first && draw.thickness_um == self.thickness_um {
-            return own;
+            return chosen;
         }
         Resolution {
-            nx: points(own.nx, first[0], draw.period_um[0]),
-            ny: points(own.ny, first[1], draw.period_um[1]),
+            nx: points(chosen.nx, first[0], draw.period_um[0]),
+            ny: points(chosen.ny, first[1], draw.period_um[1]),
             cells: (cells as usize).max(1),
-            scheme: own.scheme,
+            scheme: chosen.scheme,
         }
     }
 }
@@ -105,7 +106,8 @@ pub fn size(study: &Study, resolution: Resolution) -> Size {
     let indices = study.materials().chain([&study.layer.binder]);
     let densest = indices.flat_map(|material| &material.index).map(|eta| eta.re).fold(1.0, f64::max);
     let k0 = std::f64::consts::TAU / (1e-3 * study.wavelengths_nm[0]);
-    let ([lx, ly], h) = (study.layer.period_um, study.layer.thickness_um);
+    let [lx, ly] = study.layer.period_um;
+    let h = study.layer.thickness_um;
     let channels = study.materials().count() + usize::from(study.packing.relief.is_some());
     let vector = study.wave.is_vector();
     let wavenumbers = if vector { [0.0; 2] } else { [k0 * densest, k0] };
@@ -165,7 +167,8 @@ pub(super) fn with_room<T>(
     enough: usize,
     mut make: impl FnMut(usize) -> Result<T, RunError>,
 ) -> Result<Vec<(usize, T)>, RunError> {
-    let (mut made, mut refusal) = (Vec::new(), None);
+    let mut made = Vec::new();
+    let mut refusal = None;
     for realisation in realisations {
         match make(realisation) {
             Ok(one) => made.push((realisation, one)),
@@ -214,7 +217,8 @@ pub fn key(study: &Study) -> Key {
 }
 
 fn probes(study: &Study, realisation: usize) -> Vec<Incidence> {
-    let (azimuth_deg, from) = (study.draw(realisation).azimuth_deg, Side::Incident);
+    let azimuth_deg = study.draw(realisation).azimuth_deg;
+    let from = Side::Incident;
     let incidence =
         |nm: f64, polar_deg: f64| Incidence { wavelength_um: nm * 1e-3, polar_deg, azimuth_deg, from };
     let contrast = |nm: f64| largest_contrast(study, nm);
@@ -234,16 +238,14 @@ fn settle(on: &Probing) -> Result<Resolved, AccuracyError> {
     let probes = probes(on.study, on.realisation);
     let (resolution, error_estimate) = on.with_tasks(&probes, |tasks| on.grid(tasks))?;
     let Draw { period_um, thickness_um, .. } = on.draw;
-    let (grid_error, longer_waves) = (GridError::default(), 0.0);
-    let chosen_for = Some(Finest::of(on.study));
     let one = Resolved {
         resolution,
         period_um,
         thickness_um,
         error_estimate,
-        grid_error,
-        longer_waves,
-        chosen_for,
+        grid_error: GridError::default(),
+        longer_waves: 0.0,
+        chosen_for: Some(Finest::of(on.study)),
     };
     on.with_tasks(&longer_waves::probes(on.study, on.realisation), |longest| coarsen(on, longest, one))
 }
@@ -271,13 +273,13 @@ fn coarsen(on: &Probing, longest: &[Task], one: Resolved) -> Result<Resolved, Ac
 
 /// Changes of R and T due to the grid, for the test solves on one packing.
 fn grid_differences(on: &Probing, resolved: &Resolved) -> Result<Vec<[f64; 2]>, AccuracyError> {
-    let differences = |probes: &[Incidence], own: Resolution| {
-        on.with_tasks(probes, |tasks| GridError::differences(tasks, own, &mut Stopper(on.watch)))
+    let differences = |probes: &[Incidence], resolution: Resolution| {
+        on.with_tasks(probes, |tasks| GridError::differences(tasks, resolution, &mut Stopper(on.watch)))
     };
-    let mut found = differences(&probes(on.study, on.realisation), resolved.for_cell(&on.draw))?;
+    let mut all = differences(&probes(on.study, on.realisation), resolved.for_cell(&on.draw))?;
     let longest = longer_waves::probes(on.study, on.realisation);
     if let (Some(first), true) = (longest.first(), resolved.longer_waves > 0.0) {
-        found.extend(differences(&longest, resolved.for_wave(on.study, &on.draw, first.wavelength_um))?);
+        all.extend(differences(&longest, resolved.for_wave(on.study, &on.draw, first.wavelength_um))?);
     }
-    Ok(found)
+    Ok(all)
 }

@@ -5,7 +5,7 @@
 
 use super::collected::{Collected, Realisation, RunSettings};
 use super::crew::{processor_seconds, work_through};
-use super::point::{Grids, PointError, PointSolver, Stopper, attempt, own, systems_of};
+use super::point::{Grids, PointError, PointSolver, Stopper, attempt, system_of, systems_of};
 use super::realisation::Packings;
 use super::resolve::{Resolved, size, with_room};
 use super::watch::{Event, RunError, RunWatch};
@@ -102,7 +102,9 @@ impl Study {
             [only] => Spectrum::Constant { n: only.n, kappa: only.kappa },
             _ => Spectrum::tabulated("fitted", samples).unwrap_or(Spectrum::VACUUM),
         };
-        let (source, index, dissolved) = ("fitted".into(), index.to_vec(), Vec::new());
+        let source = "fitted".into();
+        let index = index.to_vec();
+        let dissolved = Vec::new();
         study.pigments[pigment].material =
             IndexSpectrum { source, index, spectrum, dissolved, mixing: MixingRule::default() };
         study
@@ -137,7 +139,8 @@ impl Tangents {
         settings: RunSettings,
         watch: &dyn RunWatch,
     ) -> Result<Self, RunError> {
-        let (mut packings, all) = (Packings::new(study, watch), study.realisations);
+        let mut packings = Packings::new(study, watch);
+        let all = study.realisations;
         let packed = with_room(0..all, all, |r| packings.on_grids(r).map_err(RunError::stopped))?;
         let cell = |(realisation, grids): (usize, Arc<Grids>)| TangentCell {
             record: PackingRecord::new(realisation, &grids.packing),
@@ -158,7 +161,7 @@ impl Tangents {
         most: usize,
         watch: &dyn RunWatch,
     ) -> Result<Linearised, RunError> {
-        let cells = self.cells.iter().take(most).map(|cell| CellTask { of: self, study, cell, watch });
+        let cells = self.cells.iter().take(most).map(|cell| CellTask { tangents: self, study, cell, watch });
         let solved = cells.map(|task| Ok((task.cell.record.clone(), task.solve_all()?)));
         let realisations = solved.collect::<Result<_, RunError>>()?;
         Ok(Linearised { resolved: self.resolved, realisations })
@@ -170,11 +173,13 @@ impl Tangents {
     /// # Errors
     /// The grid does not fit into memory.
     pub fn trial(&self, studies: &[Study], watch: &dyn RunWatch) -> Result<TrialCost, RunError> {
-        let (mut geometry, mut solve) = (0.0, 0.0);
+        let mut geometry = 0.0;
+        let mut solve = 0.0;
         for (k, study) in studies.iter().enumerate() {
-            let task = CellTask { of: self, study, cell: &self.cells[k % self.cells.len()], watch };
-            let (keyed, asked) = (task.keyed(), study.solver.build());
-            let solver = task.admitted(&*asked)?.0;
+            let task = CellTask { tangents: self, study, cell: &self.cells[k % self.cells.len()], watch };
+            let keyed = task.keyed();
+            let requested = study.solver.build();
+            let solver = task.admitted(&*requested)?.0;
             let place = (SPREAD * k as f64).fract() * keyed.len() as f64;
             let tried = &keyed[place as usize];
             // kept by the cell: the first solve of a grid would pay for all
@@ -201,7 +206,8 @@ pub struct TrialCost {
 
 /// Processor seconds of some work (on the clock where the system does not tell), and its result.
 pub fn timed<R>(work: impl FnOnce() -> R) -> (f64, R) {
-    let (clock, before) = (std::time::Instant::now(), processor_seconds());
+    let clock = std::time::Instant::now();
+    let before = processor_seconds();
     let result = work();
     let used = processor_seconds().zip(before).map(|(after, before)| after - before);
     (used.unwrap_or_else(|| clock.elapsed().as_secs_f64()), result)
@@ -210,7 +216,7 @@ pub fn timed<R>(work: impl FnOnce() -> R) -> (f64, R) {
 /// The solves of one study in one cell.
 #[derive(Clone, Copy)]
 struct CellTask<'a> {
-    of: &'a Tangents,
+    tangents: &'a Tangents,
     study: &'a Study,
     cell: &'a TangentCell,
     watch: &'a dyn RunWatch,
@@ -218,41 +224,44 @@ struct CellTask<'a> {
 
 impl CellTask<'_> {
     /// The strategy with its share of the memory, and the number of solves at a time.
-    fn admitted<'s>(&self, asked: &'s dyn Solver) -> Result<(Admitted<'s>, usize), TooLarge> {
+    fn admitted<'s>(&self, requested: &'s dyn Solver) -> Result<(Admitted<'s>, usize), TooLarge> {
         let draw = self.study.draw(self.cell.record.realisation);
-        let size = size(self.study, self.of.resolved.for_cell(&draw));
-        self.of.settings.admit(&size, (asked, SYSTEMS), self.watch)
+        let size = size(self.study, self.tangents.resolved.for_cell(&draw));
+        self.tangents.settings.admit(&size, requested, SYSTEMS, self.watch)
     }
 
     /// Solves what the store lacks.
     fn solve_all(&self) -> Result<Vec<Option<TangentRecord>>, RunError> {
-        let Self { of, study, watch, .. } = *self;
+        let Self { tangents, study, watch, .. } = *self;
         let keyed = self.keyed();
-        let stored = keyed.iter().map(|(_, key)| of.store.get(key.as_str()));
-        let found: Vec<_> = stored.map(|record| record.map_or_else(OnceLock::new, OnceLock::from)).collect();
-        let todo: Vec<_> = keyed.iter().zip(&found).filter(|(_, found)| found.get().is_none()).collect();
+        let stored = keyed.iter().map(|(_, key)| tangents.store.get(key.as_str()));
+        let records: Vec<_> =
+            stored.map(|record| record.map_or_else(OnceLock::new, OnceLock::from)).collect();
+        let todo: Vec<_> = keyed.iter().zip(&records).filter(|(_, record)| record.get().is_none()).collect();
         watch.hear(Event::Kept(keyed.len() - todo.len()));
-        let asked = study.solver.build();
-        let (solver, jobs) = self.admitted(&*asked)?;
+        let requested = study.solver.build();
+        let (solver, jobs) = self.admitted(&*requested)?;
         work_through(todo.len(), jobs, watch, |k| {
-            let (keyed, found) = todo[k];
-            let solved = attempt((study, &of.store, watch), keyed, || self.solve(keyed, solver.solver()))?;
-            Ok(keep(solved, found))
+            let (keyed, record) = todo[k];
+            let solved =
+                attempt(study, &tangents.store, watch, keyed, || self.solve(keyed, solver.solver()))?;
+            Ok(keep(solved, record))
         })?;
         if watch.stop() {
             return Err(RunError::Stopped);
         }
-        Ok(found.into_iter().map(OnceLock::into_inner).collect())
+        Ok(records.into_iter().map(OnceLock::into_inner).collect())
     }
 
     /// The solves in a cell, with content hashes of all that they and their derivatives depend on.
     fn keyed(&self) -> Vec<(Point, Key)> {
-        let (study, mut keyed) = (self.study, Vec::new());
+        let study = self.study;
+        let mut keyed = Vec::new();
         let error = study.resolution.coverage_error();
         for point in study.points(self.cell.record.realisation) {
             let method = (self.grid(&point), &study.solver, &study.goal, error, STEP);
             let indices = study.indices(point.incidence.wavelength_um);
-            let inputs = (&self.cell.key, indices, &point.incidence, method, self.of.pigment);
+            let inputs = (&self.cell.key, indices, &point.incidence, method, self.tangents.pigment);
             keyed.push((point, Key::of_wave("tangent", &inputs, point.polarisation)));
         }
         keyed
@@ -260,18 +269,21 @@ impl CellTask<'_> {
 
     fn grid(&self, point: &Point) -> Resolution {
         let draw = self.study.draw(self.cell.record.realisation);
-        self.of.resolved.for_wave(self.study, &draw, point.incidence.wavelength_um)
+        self.tangents.resolved.for_wave(self.study, &draw, point.incidence.wavelength_um)
     }
 
     fn solve(&self, (point, key): &(Point, Key), solver: &dyn Solver) -> Result<TangentRecord, PointError> {
-        let Self { of: &Tangents { pigment, resolved, .. }, study, cell, watch } = *self;
+        let Self { tangents: &Tangents { pigment, resolved, .. }, study, cell, watch } = *self;
         let (systems, geometry) = cell.grids.problems(study, self.grid(point), point, watch)?;
-        let system = own(&systems, point);
+        let system = system_of(&systems, point);
         let Solution { field, account } = solver.solve(&**system, study.goal, &mut Stopper(watch))?;
         let neighbour = |step: f64| -> Result<Neighbour, WaveError> {
             let eta = study.pigments[pigment].material.index_at(point.incidence.wavelength_um);
             let moved = study.with_index(pigment, &vec![eta + step; study.wavelengths_nm.len()]);
-            Ok(Neighbour { step: step.into(), system: own(systems_of(&moved, &geometry, point)?, point) })
+            Ok(Neighbour {
+                step: step.into(),
+                system: system_of(systems_of(&moved, &geometry, point)?, point),
+            })
         };
         let neighbours = [neighbour(STEP)?, neighbour(-STEP)?];
         let slopes = tangent(&**system, &field, &neighbours, solver, study.goal, &mut Stopper(watch))?;

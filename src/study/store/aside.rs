@@ -17,11 +17,15 @@ const LOG: &str = "-wal";
 
 /// Renames damaged files that no other process holds and closes those in `open`; returns the new
 /// names and what is wrong.
-pub(super) fn put_aside(folder: &Path, own: u32, open: &mut Vec<Rows>) -> io::Result<Vec<(PathBuf, String)>> {
+pub(super) fn put_aside(
+    folder: &Path,
+    own_number: u32,
+    open: &mut Vec<Rows>,
+) -> io::Result<Vec<(PathBuf, String)>> {
     let mut reasons = Vec::new();
     for path in files_of(folder, ROWS)? {
         let Some(number) = path.file_stem().and_then(|stem| stem.to_str()?.parse().ok()) else { continue };
-        if number != own && Slot::is_held(folder, number) {
+        if number != own_number && Slot::is_held(folder, number) {
             continue;
         }
         let trouble = Rows::read(&path).map_or_else(|error| Some(error.to_string()), |rows| rows.trouble());
@@ -29,9 +33,9 @@ pub(super) fn put_aside(folder: &Path, own: u32, open: &mut Vec<Rows>) -> io::Re
         open.retain(|rows| rows.path != path);
         let aside = path.with_extension(DAMAGED);
         std::fs::rename(&path, &aside)?;
-        let [log, log_aside] = [&path, &aside].map(|path| with_suffix(path, LOG));
+        let log = with_suffix(&path, LOG);
         if log.exists() {
-            std::fs::rename(log, log_aside)?;
+            std::fs::rename(log, with_suffix(&aside, LOG))?;
         }
         remove(&path)?;
         reasons.push((aside, reason));
@@ -44,8 +48,8 @@ pub(super) fn take_over(damaged: &Path, into: &Rows) -> rusqlite::Result<usize> 
     let Ok(from) = Rows::read(damaged) else { return Ok(0) };
     let mut saved = HashSet::new();
     let mut keep = |record: Sealed| {
-        let wanted = record.check().is_ok() && saved.insert((record.kind.clone(), record.key.clone()));
-        if wanted { into.put(&record) } else { Ok(()) }
+        let is_new = record.check().is_ok() && saved.insert((record.kind.clone(), record.key.clone()));
+        if is_new { into.put(&record) } else { Ok(()) }
     };
     // What cannot be read is damage that is already known.
     let mut save = |newest_first| from.scan(newest_first, &mut keep).unwrap_or(Ok(()));

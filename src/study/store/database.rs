@@ -148,8 +148,8 @@ impl Database {
     pub fn adopt(&self, from: &Self, kinds: &[&str], same: &Agreement) -> io::Result<Option<[Sealed; 2]>> {
         let mut files = lock(&self.files);
         let into = &self.own(&mut files)?.rows;
-        let wanted = |row: &Sealed| kinds.is_empty() || kinds.contains(&row.kind.as_str());
-        let mut adopt = |row: Sealed| if wanted(&row) { from.hand_over(row, into, same) } else { Ok(()) };
+        let is_chosen = |row: &Sealed| kinds.is_empty() || kinds.contains(&row.kind.as_str());
+        let mut adopt = |row: Sealed| if is_chosen(&row) { from.hand_over(row, into, same) } else { Ok(()) };
         let mut adopt_all = |rows: &Rows| {
             let unreadable = |error| Ok(from.note_file(&rows.path, error));
             rows.scan(false, &mut adopt).unwrap_or_else(unreadable)
@@ -179,7 +179,7 @@ impl Database {
         let mut keys = BTreeSet::new();
         for rows in lock(&self.files).all() {
             match rows.keys(kind) {
-                Ok(found) => keys.extend(found),
+                Ok(keys_there) => keys.extend(keys_there),
                 Err(error) => self.note_file(&rows.path, error),
             }
         }

@@ -22,7 +22,8 @@ fn two_records(folder: &tempfile::TempDir) {
 #[test]
 fn workers_write_their_own_files_and_read_all() {
     let folder = tempfile::tempdir().unwrap();
-    let (one, two) = (open(&folder), open(&folder));
+    let one = open(&folder);
+    let two = open(&folder);
     one.put("point", "a", vec![1]).unwrap();
     two.put("point", "b", vec![2]).unwrap();
     assert_eq!(one.get("point", "b"), None);
@@ -85,7 +86,9 @@ fn a_damaged_file_is_put_aside_and_what_is_sound_is_saved() {
 
 #[test]
 fn a_copy_takes_what_is_sound_and_stops_at_contradictions() {
-    let [one, two, into] = [(); 3].map(|()| tempfile::tempdir().unwrap());
+    let one = tempfile::tempdir().unwrap();
+    let two = tempfile::tempdir().unwrap();
+    let into = tempfile::tempdir().unwrap();
     two_records(&one);
     two_records(&two);
     tamper(&one, "update records set content = x'03' where key = 'a'");
@@ -110,7 +113,8 @@ fn a_copy_takes_what_is_sound_and_stops_at_contradictions() {
 fn a_sound_copy_in_another_file_is_found_behind_a_damaged_one() {
     for damaged in ["1", "2"] {
         let folder = tempfile::tempdir().unwrap();
-        let (one, two) = (open(&folder), open(&folder));
+        let one = open(&folder);
+        let two = open(&folder);
         [&one, &two].into_iter().for_each(|store| store.put("point", "a", vec![1]).unwrap());
         drop((one, two));
         let path = folder.path().join(format!("records/{damaged}.sqlite"));

@@ -149,9 +149,9 @@ impl OutputFolder {
     /// A folder of results inside this one, such as that of a variant.
     pub fn inside(&self, name: &str) -> Result<Self, FolderError> {
         let path = self.path.join(name);
-        let (made, go_on, presence) = (Vec::new(), self.go_on.clone(), Presence::default());
         std::fs::create_dir_all(&path).map_err(FolderError::at(&path))?;
-        Ok(Self { path, made, marked: true, go_on, presence })
+        let presence = Presence::default();
+        Ok(Self { path, made: Vec::new(), marked: true, go_on: self.go_on.clone(), presence })
     }
 
     /// Path of the folder.
@@ -251,7 +251,8 @@ fn link_in(path: &Path) -> Option<PathBuf> {
 /// True if the folder is marked as ours; false if it is new or empty.
 fn refuse_foreign(path: &Path, wanted: Holds) -> Result<bool, FolderError> {
     if let Some(marker) = Marker::read(path) {
-        let (found, path) = (marker.inkwave_folder, path.to_owned());
+        let found = marker.inkwave_folder;
+        let path = path.to_owned();
         return match marker.is_readable() {
             false => Err(FolderError::Older { path, found: marker.program }),
             true if found == wanted => Ok(true),

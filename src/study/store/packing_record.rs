@@ -65,7 +65,8 @@ impl PackingRecord {
             sizes: ReachedSizes::of(packing, k),
         };
         let shares = packing.shares().iter().enumerate().map(share).collect();
-        let (period_um, thickness_um) = (packing.period_um(), packing.thickness_um());
+        let period_um = packing.period_um();
+        let thickness_um = packing.thickness_um();
         let profile = profile(packing, SLICES);
         Self { realisation, period_um, thickness_um, profile, method, steps, smallest_gap_um, notes, shares }
     }

@@ -86,7 +86,7 @@ impl Queue {
         let failed = |source| QueueError::File { folder: folder.to_owned(), source };
         let connection = Mutex::new(open(folder, slot).map_err(failed)?);
         let queue = Self { folder: folder.to_owned(), worker: slot.number, connection };
-        match queue.turn(|transaction| join(transaction, (folder, slot), name))? {
+        match queue.turn(|transaction| join(transaction, folder, slot, name))? {
             None => Ok(queue),
             Some(name) => Err(QueueError::OtherWork { folder: folder.to_owned(), name }),
         }
@@ -251,8 +251,10 @@ mod tests {
     #[test]
     fn one_worker_publishes_and_another_only_when_that_one_is_dead() {
         let folder = tempfile::tempdir().unwrap();
-        let [one, two] = [(); 2].map(|()| Slot::first_free(folder.path()).unwrap());
-        let [first, second] = [&one, &two].map(|slot| Queue::join(folder.path(), slot, "work").unwrap());
+        let one = Slot::first_free(folder.path()).unwrap();
+        let two = Slot::first_free(folder.path()).unwrap();
+        let first = Queue::join(folder.path(), &one, "work").unwrap();
+        let second = Queue::join(folder.path(), &two, "work").unwrap();
         assert!(first.publishes().unwrap() && !second.publishes().unwrap());
         assert!(first.publishes().unwrap() && !second.publishes().unwrap(), "asked again");
         drop((first, one));
@@ -262,7 +264,8 @@ mod tests {
     #[test]
     fn a_dead_workers_tasks_are_taken_up_and_a_new_session_begins_anew() {
         let folder = tempfile::tempdir().unwrap();
-        let (one, two) = (Slot::first_free(folder.path()).unwrap(), Slot::first_free(folder.path()).unwrap());
+        let one = Slot::first_free(folder.path()).unwrap();
+        let two = Slot::first_free(folder.path()).unwrap();
         let first = Queue::join(folder.path(), &one, "work").unwrap();
         first.enlist(0, &tasks()).unwrap();
         let second = Queue::join(folder.path(), &two, "work").unwrap();

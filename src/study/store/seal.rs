@@ -29,8 +29,14 @@ pub struct Sealed {
 impl Sealed {
     /// Seals `content` as the record `key` of `kind`.
     pub fn new(kind: &str, key: &str, content: Vec<u8>) -> Self {
-        let [kind, key, program] = [kind, key, build()].map(str::to_owned);
-        let mut record = Self { kind, key, method: METHOD_VERSION, program, seal: Vec::new(), content };
+        let mut record = Self {
+            kind: kind.to_owned(),
+            key: key.to_owned(),
+            method: METHOD_VERSION,
+            program: build().to_owned(),
+            seal: Vec::new(),
+            content,
+        };
         record.seal = record.expected_seal().to_vec();
         record
     }

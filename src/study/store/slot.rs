@@ -153,7 +153,8 @@ mod tests {
     #[test]
     fn places_are_held_by_one_and_free_again() {
         let folder = tempfile::tempdir().unwrap();
-        let (one, two) = (Slot::first_free(folder.path()).unwrap(), Slot::first_free(folder.path()).unwrap());
+        let one = Slot::first_free(folder.path()).unwrap();
+        let two = Slot::first_free(folder.path()).unwrap();
         assert_eq!((one.number, two.number), (1, 2));
         assert!(Slot::is_held(folder.path(), 1) && !Slot::is_held(folder.path(), 3));
         let holder = one.holder.clone();

@@ -81,7 +81,7 @@ pub fn plan(variants: &[Variant], settings: RunSettings, watch: &dyn RunWatch) -
     calibration += &late_in_words(&late, trials.is_empty());
     let factor = if late.is_empty() { TRIED_FACTOR } else { BY_SIZE_FACTOR };
     trials.extend(late.into_iter().map(scaled));
-    Ok(costed(variants, &trials, (calibration, factor), settings))
+    Ok(costed(variants, &trials, calibration, factor, settings))
 }
 
 /// Estimates the cost from the size alone, without trials.
@@ -89,7 +89,7 @@ pub fn by_size(variants: &[Variant], settings: RunSettings) -> Plan {
     let variants = &*solved_for(variants);
     let all = representatives(variants);
     let trials: Vec<Trial> = all.iter().copied().map(scaled).collect();
-    costed(variants, &trials, (late_in_words(&all, true), BY_SIZE_FACTOR), settings)
+    costed(variants, &trials, late_in_words(&all, true), BY_SIZE_FACTOR, settings)
 }
 
 fn variants_of_groups(variants: &[Variant]) -> Vec<Vec<&Variant>> {
@@ -101,7 +101,9 @@ type Tried<'a> = (Vec<Trial<'a>>, Vec<&'a Variant>);
 
 /// Tries one variant after another.
 fn tried<'a>(variants: &[&'a Variant], deadline: &Deadline) -> Result<Tried<'a>, RunError> {
-    let (mut trials, mut late, mut failure) = (Vec::new(), Vec::new(), None);
+    let mut trials = Vec::new();
+    let mut late = Vec::new();
+    let mut failure = None;
     for (place, &variant) in variants.iter().enumerate() {
         // one more part for the solve at full size
         let part = deadline.part(variants.len() - place + 1);
@@ -124,12 +126,14 @@ fn tried<'a>(variants: &[&'a Variant], deadline: &Deadline) -> Result<Tried<'a>,
 fn costed(
     variants: &[Variant],
     trials: &[Trial],
-    (calibration, factor): (String, f64),
+    calibration: String,
+    factor: f64,
     settings: RunSettings,
 ) -> Plan {
     let groups = variants_of_groups(variants);
     let (solves, core_seconds) = cost(&groups, trials);
-    let (mut unknowns, mut most_bytes) = (0, 0.0_f64);
+    let mut unknowns = 0;
+    let mut most_bytes = 0.0_f64;
     for trial in trials {
         let study = &trial.variant.study;
         let r = full_resolution(trial, study);
@@ -137,7 +141,8 @@ fn costed(
         most_bytes = most_bytes.max(size(study, r).bytes(&*study.solver.build()));
     }
     let packings = groups.iter().filter_map(|group| group.iter().map(|v| v.study.realisations).max()).sum();
-    let (variants, units) = (variants.len(), units(variants).len());
+    let units = units(variants).len();
+    let variants = variants.len();
     let memory_mb = (1e-6 * most_bytes).ceil() as usize;
     let out_of_reach = out_of_reach(core_seconds, most_bytes, settings.memory);
     let core_seconds_range = [core_seconds / factor, core_seconds * factor];
@@ -158,7 +163,8 @@ fn costed(
 /// Why the available cores and memory do not suffice; `None` if they do.
 fn out_of_reach(core_seconds: f64, bytes: f64, memory: f64) -> Option<String> {
     let cores = rayon::current_num_threads() as f64;
-    let [need, free] = [bytes, memory].map(|bytes| memory_in_words(1e-9 * bytes));
+    let need = memory_in_words(1e-9 * bytes);
+    let free = memory_in_words(1e-9 * memory);
     if bytes > memory {
         return Some(format!("estimated {need} for one solve, of {free}"));
     }
@@ -175,7 +181,8 @@ fn late_in_words(late: &[&Variant], alone: bool) -> String {
     if late.is_empty() {
         return String::new();
     }
-    let (start, names) = (if alone { "" } else { "; " }, names(late.iter().copied()));
+    let start = if alone { "" } else { "; " };
+    let names = names(late.iter().copied());
     format!(
         "{start}the number of unknowns and the usual number of operator applications ({names}: no trial finished in time)"
     )
@@ -193,12 +200,13 @@ fn in_words(trials: &[Trial]) -> String {
 /// For each requested resolution, variants evenly spread over the densities of grains.
 fn representatives(variants: &[Variant]) -> Vec<&Variant> {
     let groups = variants_of_groups(variants);
-    let wanted = resolutions(&variants.iter().collect::<Vec<_>>());
-    let (each, mut chosen) = ((TRIALS / wanted.len()).max(2), Vec::new());
-    for (n, wanted) in wanted.into_iter().enumerate() {
+    let requested = resolutions(&variants.iter().collect::<Vec<_>>());
+    let each = (TRIALS / requested.len()).max(2);
+    let mut chosen = Vec::new();
+    for (n, requested) in requested.into_iter().enumerate() {
         let mut all = Vec::new();
         for (k, group) in groups.iter().enumerate() {
-            let members = with_resolution(group, wanted);
+            let members = with_resolution(group, requested);
             // takes the inks of a group in turn, so that the trials do not all use the first
             all.extend(members.get((k + n) % members.len().max(1)));
         }
@@ -208,8 +216,8 @@ fn representatives(variants: &[Variant]) -> Vec<&Variant> {
 }
 
 /// Those variants of a group that request this resolution.
-fn with_resolution<'a>(group: &[&'a Variant], wanted: WantedResolution) -> Vec<&'a Variant> {
-    group.iter().copied().filter(|variant| variant.study.resolution == wanted).collect()
+fn with_resolution<'a>(group: &[&'a Variant], requested: WantedResolution) -> Vec<&'a Variant> {
+    group.iter().copied().filter(|variant| variant.study.resolution == requested).collect()
 }
 
 /// The variants with grains, ordered by their density; the first variant if none has grains.
@@ -222,19 +230,20 @@ fn by_density(all: Vec<&Variant>) -> Vec<&Variant> {
 
 /// At most `most` variants of a list, evenly spread from the first to the last.
 fn spread<'a>(list: &[&'a Variant], most: usize) -> Vec<&'a Variant> {
-    let (count, last) = (list.len().min(most), list.len().saturating_sub(1));
+    let count = list.len().min(most);
+    let last = list.len().saturating_sub(1);
     (0..count).map(|k| list[k * last / (count - 1).max(1)]).collect()
 }
 
 /// The different requested resolutions of the variants.
 fn resolutions(variants: &[&Variant]) -> Vec<WantedResolution> {
-    let mut found = Vec::new();
-    for wanted in variants.iter().map(|variant| variant.study.resolution) {
-        if !found.contains(&wanted) {
-            found.push(wanted);
+    let mut different = Vec::new();
+    for requested in variants.iter().map(|variant| variant.study.resolution) {
+        if !different.contains(&requested) {
+            different.push(requested);
         }
     }
-    found
+    different
 }
 
 /// Solves the variant with the fastest packing at full size; returns its name and the cost per µm³
@@ -263,15 +272,16 @@ fn full_solve(trial: &Trial, study: &Study, watch: &Deadline) -> Result<f64, Run
 /// Number of different solves, and core seconds: each group at the rates of the trials with the
 /// nearest density of grains.
 fn cost(groups: &[Vec<&Variant>], trials: &[Trial]) -> (usize, f64) {
-    let (mut solves, mut seconds) = (0, 0.0);
+    let mut solves = 0;
+    let mut seconds = 0.0;
     for group in groups {
-        for (n, wanted) in resolutions(group).into_iter().enumerate() {
+        for (n, requested) in resolutions(group).into_iter().enumerate() {
             let studies: Vec<&Study> =
-                with_resolution(group, wanted).into_iter().map(|variant| &variant.study).collect();
-            let [grids, own] = grids_and_solves(&studies);
-            solves += own;
+                with_resolution(group, requested).into_iter().map(|variant| &variant.study).collect();
+            let [grids, solves_of_group] = grids_and_solves(&studies);
+            solves += solves_of_group;
             let distance = |t: &&Trial| (density(&t.study) / density(studies[0])).ln().abs();
-            let alike = trials.iter().filter(|t| t.study.resolution == wanted);
+            let alike = trials.iter().filter(|t| t.study.resolution == requested);
             let nearest = alike.min_by(|a, b| distance(a).total_cmp(&distance(b)));
             // without grains there is no contrast to iterate on
             if let (false, Some(trial)) = (studies[0].pigments.is_empty(), nearest) {
@@ -280,7 +290,7 @@ fn cost(groups: &[Vec<&Variant>], trials: &[Trial]) -> (usize, f64) {
                 let packings = if n == 0 { realisations.clone().max().unwrap_or(0) } else { 0 };
                 let coverages = realisations.sum::<usize>() as f64;
                 let once = trial.packing * packings as f64 + trial.coverage * coverages;
-                let work = once + trial.grid * grids as f64 + trial.solve * own as f64;
+                let work = once + trial.grid * grids as f64 + trial.solve * solves_of_group as f64;
                 seconds += studies[0].volume_um3() * work;
             }
         }
@@ -294,9 +304,11 @@ const FINER_COST: usize = 2;
 /// Numbers of grid searches and of solves of variants with the same packings and the same requested
 /// resolution.
 fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
-    let (mut solves, mut grids) = (HashSet::new(), HashSet::new());
+    let mut solves = HashSet::new();
+    let mut grids = HashSet::new();
     // on the finer grid, and with tables of indices moved by their errors
-    let (mut finer, mut moved) = (0, 0);
+    let mut finer = 0;
+    let mut moved = 0;
     for study in studies {
         let method = (&study.solver, &study.goal);
         for r in 0..study.realisations {

@@ -83,8 +83,13 @@ fn collect_some(study: &Study, stores: &Stores, tried: usize) -> Option<Collecte
     let realisations: Vec<Realisation> =
         (0..tried).filter_map(|r| collect_one(study, stores, &resolved, r)).collect();
     let refused = refused(study, stores, tried);
-    let (enough, damages) = (false, Vec::new());
-    (!realisations.is_empty()).then_some(Collected { resolved, realisations, refused, enough, damages })
+    (!realisations.is_empty()).then_some(Collected {
+        resolved,
+        realisations,
+        refused,
+        enough: false,
+        damages: Vec::new(),
+    })
 }
 
 /// Realisations recorded as having no packing or no grid.
@@ -105,7 +110,7 @@ fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) ->
         stores.points.get(key.as_str()).filter(|record| is_physical(record, resolved.grid_error))
     });
     let mut points: Vec<_> = points.collect();
-    let missing = keyed.iter().zip(&points).filter(|(_, found)| found.is_none());
+    let missing = keyed.iter().zip(&points).filter(|(_, record)| record.is_none());
     let failures = missing.filter_map(|(keyed, _)| stores.failure(keyed)).collect();
     let mut others = points.split_off(study.solves_each());
     let finer: Vec<_> = others.drain(..if study.is_checked(r) { study.solves_each() } else { 0 }).collect();
@@ -180,11 +185,11 @@ impl<'a> Rounds<'a> {
     /// the first.
     fn realisations(&self, round: usize) -> Vec<Range<usize>> {
         let before = (round - 1) * BATCH;
-        let of = |(standing, variant): (&Standing, &Variant)| match variant.study.target_delta_e {
+        let range = |(standing, variant): (&Standing, &Variant)| match variant.study.target_delta_e {
             None if round == 1 => 0..variant.study.realisations,
             None => 0..0,
             Some(_) => before..standing.border.clamp(before, round * BATCH),
         };
-        self.standings.iter().zip(self.variants).map(of).collect()
+        self.standings.iter().zip(self.variants).map(range).collect()
     }
 }

@@ -90,7 +90,8 @@ pub fn run(
 ) -> Result<Tally, RunError> {
     let solved = solved_for(variants);
     watch.hear(Event::Begun);
-    let tally = run_to_end(&solved, folder, extent, settings, watch);
+    let (shard, scope) = extent;
+    let tally = run_to_end(&solved, folder, shard, scope, settings, watch);
     watch.hear(Event::Over);
     tally
 }
@@ -98,7 +99,8 @@ pub fn run(
 fn run_to_end(
     variants: &[Variant],
     folder: &OutputFolder,
-    (shard, scope): (Shard, Scope),
+    shard: Shard,
+    scope: Scope,
     settings: RunSettings,
     watch: &dyn RunWatch,
 ) -> Result<Tally, RunError> {
@@ -107,8 +109,10 @@ fn run_to_end(
     if settings.retry_failed && queue.standing()?.workers == 1 {
         stores.failures.remove_all()?;
     }
-    let (mut rounds, mut waits) = (Rounds::new(variants), 0);
-    let (mut before, mut failure) = (None, None);
+    let mut rounds = Rounds::new(variants);
+    let mut waits = 0;
+    let mut before = None;
+    let mut failure = None;
     while let Some((round, units)) = next_round(&mut rounds, &stores, watch) {
         let jobs = jobs(variants, &units[shard.range(units.len())], scope);
         // If the queue is empty but the round is unfinished, stop: repeating it would not help.
@@ -153,8 +157,11 @@ fn run_to_end(
     }
     let QueueStanding { workers, solves: processed, failed, .. } = queue.standing()?;
     let publishes = if watch.stop() { workers == 1 } else { queue.publishes()? };
-    let (asked, finished, known) = (solves(variants, shard), processed - failed, rounds.known());
-    let (damages, waited) = (stores.database().damages(), WAIT * waits as u32);
+    let asked = solves(variants, shard);
+    let finished = processed - failed;
+    let known = rounds.known();
+    let damages = stores.database().damages();
+    let waited = WAIT * waits as u32;
     Ok(Tally { asked, finished, failed, publishes, damages, failure, waited, known })
 }
 

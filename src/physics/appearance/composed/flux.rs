@@ -95,8 +95,8 @@ impl Fluxes {
         let mut mean = self.clone();
         mean.all = faer::Scale(0.5) * (&self.all + &other.all);
         mean.absorbed.iter_mut().zip(&other.absorbed).for_each(|(a, b)| *a = 0.5 * (*a + b));
-        for (own, other) in mean.beams.iter_mut().zip(&other.beams) {
-            own.amplitudes = [0, 1].map(|k| 0.5 * (own.amplitudes[k] + other.amplitudes[k]));
+        for (beam, other) in mean.beams.iter_mut().zip(&other.beams) {
+            beam.amplitudes = [0, 1].map(|k| 0.5 * (beam.amplitudes[k] + other.amplitudes[k]));
         }
         mean
     }
@@ -155,10 +155,10 @@ impl Sides {
 
     fn add(&self, fluxes: &mut Fluxes, lit: &Lit) {
         let side = usize::from(lit.from == Side::Exit);
-        let own = &self.media[side];
+        let medium = &self.media[side];
         let mut column = vec![0.0; self.states()];
         // unpolarised light at 0° is the mean of two solves
-        let part = if lit.direction == 0 { 1.0 / own.polarisations as f64 } else { 1.0 };
+        let part = if lit.direction == 0 { 1.0 / medium.polarisations as f64 } else { 1.0 };
         for order in lit.orders {
             let sine = order.direction[0].hypot(order.direction[1]);
             let powers = [order.reflected_efficiency, order.transmitted_efficiency];
@@ -173,7 +173,8 @@ impl Sides {
                 self.media[to].spread(&mut column[self.first(to)..], sine, fluxes);
             }
         }
-        let state = self.first(side) + own.state(lit.direction, lit.polarisation.min(own.polarisations - 1));
+        let state =
+            self.first(side) + medium.state(lit.direction, lit.polarisation.min(medium.polarisations - 1));
         fluxes.absorbed[state] += part * lit.absorptance;
         column.iter().enumerate().for_each(|(i, flux)| fluxes.all[(i, state)] += part * flux);
     }
@@ -223,10 +224,10 @@ impl Sides {
 
     /// \[coherent, whole\] flux of a specular order.
     fn beam_mean<'a>(&self, side: usize, lobe: usize, kept: impl Iterator<Item = &'a Fluxes>) -> [f64; 2] {
-        let own = kept.flat_map(|f| &f.beams).filter(|b| b.side == side && b.direction == 0);
+        let beams = kept.flat_map(|f| &f.beams).filter(|b| b.side == side && b.direction == 0);
         let polarisations = self.media[side].polarisations;
         let mut sums = vec![(Complex64::ZERO, 0.0, 0.0); polarisations];
-        for beam in own {
+        for beam in beams {
             let sum = &mut sums[beam.polarisation];
             sum.0 += beam.amplitudes[lobe] * beam.fluxes[lobe].sqrt();
             sum.1 += beam.amplitudes[lobe].norm_sqr() * beam.fluxes[lobe];
@@ -251,8 +252,8 @@ impl Sides {
         let kept = without(ensemble, left_out);
         let count = kept.clone().count().max(1) as f64;
         for beam in kept.flat_map(|fluxes| &fluxes.beams) {
-            let own = &mut sum[beam.side][beam.direction][beam.polarisation];
-            (0..2).for_each(|k| own[k] += beam.amplitudes[k] * beam.fluxes[k].sqrt() / count);
+            let mean = &mut sum[beam.side][beam.direction][beam.polarisation];
+            (0..2).for_each(|k| mean[k] += beam.amplitudes[k] * beam.fluxes[k].sqrt() / count);
         }
         if self.alike {
             sum[1] = sum[0].clone();
@@ -276,7 +277,8 @@ impl Sides {
     /// Imposes reciprocity on the nodes, F_ij/w_i = F_ji/w_j with étendues w, and R + T = 1 − A on
     /// all columns; then the beams' coherent parts take their places.
     fn balance(&self, all: &mut Mat<f64>, absorbed: &[f64], coherent: [[f64; 2]; 2]) {
-        let (n, weights) = (self.states(), self.weights());
+        let n = self.states();
+        let weights = self.weights();
         let nodes: Vec<usize> = (0..n).filter(|&i| weights[i] > 0.0).collect();
         let mean = |i: usize, j: usize| 0.5 * (all[(i, j)] / weights[i] + all[(j, i)] / weights[j]);
         let mut scales = vec![1.0_f64; n];
@@ -326,15 +328,16 @@ fn beam(side: usize, order: &Order, powers: [f64; 2], lit: &Lit) -> Beam {
         let all = amplitudes[k].norm_sqr() + order.further[0][k].norm_sqr();
         if all > 0.0 { powers[k] / all } else { 0.0 }
     };
-    let (direction, polarisation) = (lit.direction, lit.polarisation);
+    let direction = lit.direction;
+    let polarisation = lit.polarisation;
     Beam { side, direction, polarisation, amplitudes, fluxes: [flux(0), flux(1)] }
 }
 
 /// Flux of an order in each polarisation.
 fn shared(order: &Order, lobe: usize, power: f64, polarisation: usize) -> [f64; 2] {
-    let own = [order.reflected, order.transmitted][lobe].norm_sqr();
+    let parallel = [order.reflected, order.transmitted][lobe].norm_sqr();
     let crossed = order.further[0][lobe].norm_sqr();
-    let other = if crossed > 0.0 { power * crossed / (own + crossed) } else { 0.0 };
+    let other = if crossed > 0.0 { power * crossed / (parallel + crossed) } else { 0.0 };
     if polarisation == 0 { [power - other, other] } else { [other, power - other] }
 }
 

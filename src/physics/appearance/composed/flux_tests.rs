@@ -34,7 +34,8 @@ fn the_mean_is_reciprocal_and_balanced() {
         oblique_deg: (index == 1.0).then_some(45.0),
     };
     let sides = Sides { media: [medium(1.0), medium(1.5)], alike: false };
-    let (mut state, absorptance) = (7, 0.2);
+    let mut state = 7;
+    let absorptance = 0.2;
     let mut ensemble = Vec::new();
     for _ in 0..4 {
         let mut solved = Vec::new();
@@ -75,7 +76,8 @@ fn nothing_is_changed_that_is_right() {
     let medium = Hemisphere { ordinates, polarisations: 1, oblique_deg: None };
     let sides = Sides { media: [medium.clone(), medium], alike: false };
     let weights = sides.weights();
-    let (n, whole) = (weights.len(), weights.iter().sum::<f64>());
+    let n = weights.len();
+    let whole = weights.iter().sum::<f64>();
     let flux = |i: usize, j: usize| if weights[j] > 0.0 { 0.8 * weights[i] / whole } else { 0.0 };
     let mut all = Mat::from_fn(n, n, flux);
     sides.balance(&mut all, &vec![0.2; n], [[0.0; 2]; 2]);

@@ -111,11 +111,11 @@ mod tests {
             let light = Transport { scattering_per_um: k_s, absorption_per_um: k_a, asymmetry: g };
             let slab = light.layer(&inside, 2.0).unwrap();
             for part in [0.0, 0.15, 0.5, 1.0] {
-                let own = slab.fraction(part, &inside.weights()).unwrap();
+                let got = slab.fraction(part, &inside.weights()).unwrap();
                 let thinner = || light.layer(&inside, 2.0 * part).unwrap();
                 let want = if part > 0.0 { thinner() } else { Plate::nothing(7) };
                 // thin layers from which either is doubled have errors of 1e-6
-                assert!(distance(&own, &want) < 2e-5, "{k_s} {k_a} {part}: {}", distance(&own, &want));
+                assert!(distance(&got, &want) < 2e-5, "{k_s} {k_a} {part}: {}", distance(&got, &want));
             }
         }
     }
@@ -124,7 +124,8 @@ mod tests {
     /// power of anything.
     #[test]
     fn parts_add_up_and_lose_nothing_with_noise() {
-        let (inside, weights) = (medium(), medium().weights());
+        let inside = medium();
+        let weights = inside.weights();
         let whole: f64 = weights.iter().sum();
         // R of 0.7 and T of 0.3 to all directions, and noise that keeps reciprocity
         let noise = |i: usize, j: usize| 0.02 * ((i * j) as f64).sin();

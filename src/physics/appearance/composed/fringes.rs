@@ -133,10 +133,10 @@ impl CoherentFilm {
         let ordinates = &self.media[0].ordinates;
         let sines = [0.0].into_iter().chain(ordinates.sines[..ordinates.escaping()].iter().copied());
         let sines: Vec<f64> = sines.collect();
-        let of = |(direction, sine): (usize, &f64)| self.solved(direction, polarisation, *sine);
-        let mut solved: Vec<Slow> = sines.iter().enumerate().map(of).collect();
+        let solve = |(direction, sine): (usize, &f64)| self.solved(direction, polarisation, *sine);
+        let mut solved: Vec<Slow> = sines.iter().enumerate().map(solve).collect();
         unwrap(&mut solved);
-        let mut own = Interference {
+        let mut interference = Interference {
             film: self,
             count,
             polarisation,
@@ -148,14 +148,14 @@ impl CoherentFilm {
         for ((sine, slow), composed) in sines.iter().zip(&solved).zip(composed) {
             let field = self.film(count, *sine, slow).incoherent;
             let shares = shares(field, *composed);
-            own.beyond.push(slow.plus(-1.0, &self.even(*sine, polarisation)));
-            own.incoherent.push(field.with_loss(shares));
-            own.shares.push(shares);
+            interference.beyond.push(slow.plus(-1.0, &self.even(*sine, polarisation)));
+            interference.incoherent.push(field.with_loss(shares));
+            interference.shares.push(shares);
         }
         if self.fewer_directions {
-            own.leave_out(sines.len() / 2);
+            interference.leave_out(sines.len() / 2);
         }
-        own
+        interference
     }
 
     /// Cosine in air of light of this lateral wavenumber.
@@ -280,9 +280,9 @@ impl Interference<'_> {
         let mut within = Lobes::default();
         let ordinates = &self.film.media[0].ordinates;
         for (node, share) in ordinates.shares(sine) {
-            let own = ordinates.sines[node];
-            let slow = self.known(own).0;
-            let field = self.film.film(self.count, own, &slow).incoherent;
+            let node_sine = ordinates.sines[node];
+            let slow = self.known(node_sine).0;
+            let field = self.film.film(self.count, node_sine, &slow).incoherent;
             let behind_front = field.less(Lobes { reflected: slow.front.norm_sqr(), transmitted: 0.0 });
             within = within.plus(share / slow.through.norm().max(FAINT), behind_front);
         }
@@ -301,13 +301,17 @@ impl Interference<'_> {
         let nodes = ordinates.sines[..ordinates.escaping()].iter().map(|sine| self.film.place(*sine));
         let places: Vec<f64> = [self.film.place(0.0)].into_iter().chain(nodes).collect();
         let weights = lagrange(&places, self.film.place(sine));
-        weights.iter().zip(&self.incoherent).fold(self.at(sine), |sum, (weight, own)| sum.plus(-weight, *own))
+        weights
+            .iter()
+            .zip(&self.incoherent)
+            .fold(self.at(sine), |sum, (weight, lobes)| sum.plus(-weight, *lobes))
     }
 
     /// What interference changes of R and T of diffuse light, and the directions between the nodes.
     pub fn change_of_diffuse(&self) -> Lobes {
         let ordinates = &self.film.media[0].ordinates;
-        let (edge, fringes) = (ordinates.edge(), self.fringes());
+        let edge = ordinates.edge();
+        let fringes = self.fringes();
         let interferes = fringes <= MOST_FRINGES;
         let pieces = PIECES + if interferes { (2.0 * fringes).ceil() as usize } else { 0 };
         let mut change = Lobes::default();
@@ -321,8 +325,8 @@ impl Interference<'_> {
                 let sine = (edge * edge - place * place).max(0.0).sqrt();
                 let (slow, shares) = self.known(sine);
                 let field = self.film.film(self.count, sine, &slow);
-                let own = if interferes { field.coherent } else { field.incoherent };
-                change = change.plus(2.0 * place * width * weight, own.with_loss(shares));
+                let lobes = if interferes { field.coherent } else { field.incoherent };
+                change = change.plus(2.0 * place * width * weight, lobes.with_loss(shares));
             }
         }
         for (incoherent, weight) in self.incoherent[1..].iter().zip(&ordinates.weights) {

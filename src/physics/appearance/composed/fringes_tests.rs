@@ -16,7 +16,8 @@ fn normal(index: Complex64, sine: f64) -> Complex64 {
 
 /// Fresnel's amplitude of s light from air.
 fn fresnel(index: Complex64, sine: f64) -> Complex64 {
-    let (outer, inner) = ((1.0 - sine * sine).sqrt(), (index * index - sine * sine).sqrt());
+    let outer = (1.0 - sine * sine).sqrt();
+    let inner = (index * index - sine * sine).sqrt();
     (outer - inner) / (outer + inner)
 }
 
@@ -50,21 +51,21 @@ fn airy(index: Complex64, thickness_um: f64, sine: f64) -> [f64; 2] {
 /// finer.
 fn mean_over_hemisphere(index: Complex64, thickness_um: f64, which: usize) -> f64 {
     let steps = 400_000;
-    let at = |k: usize| {
+    let integrand = |k: usize| {
         let cosine = (k as f64 + 0.5) / f64::from(steps);
         2.0 * cosine * airy(index, thickness_um, (1.0 - cosine * cosine).sqrt())[which]
     };
-    (0..steps as usize).map(at).sum::<f64>() / f64::from(steps)
+    (0..steps as usize).map(integrand).sum::<f64>() / f64::from(steps)
 }
 
 /// The film without interference at 0° and at the nodes: nothing is scattered.
 fn composed(film: &CoherentFilm, index: Complex64, count: f64) -> Vec<Lobes> {
     let sines = [0.0].into_iter().chain(film.media[0].ordinates.sines.iter().copied());
-    let of = |sine: f64| {
+    let lobes = |sine: f64| {
         let reflected = airy(index, count * SLAB_UM, sine)[1];
         Lobes { reflected, transmitted: 1.0 - reflected }
     };
-    sines.map(of).collect()
+    sines.map(lobes).collect()
 }
 
 /// A medium whose index is off by 0.17 is out of phase by −π − 0.3 to −π + 0.4 over 1 µm.
@@ -89,20 +90,20 @@ fn a_clear_film_of_any_thickness_has_its_fringes() {
     let index = Complex64::from(1.5);
     let film = film(index);
     for count in [2.0, 2.3, 4.0, 5.3, 127.5] {
-        let own = film.interference(count, 0, &composed(&film, index, count));
+        let interference = film.interference(count, 0, &composed(&film, index, count));
         for sine in [0.0, 0.3, 0.7, 0.99] {
             let [with, without] = airy(index, count * SLAB_UM, sine);
-            let change = own.change(sine);
+            let change = interference.change(sine);
             assert!((change.reflected - (with - without)).abs() < 1e-9, "{count} {sine}: {change:?}");
             assert!((change.reflected + change.transmitted).abs() < 1e-12, "{count} {sine}");
-            let mirrored = own.mirrored(sine);
+            let mirrored = interference.mirrored(sine);
             assert!((mirrored[0] - with).abs() < 1e-9 && (mirrored[1] - without).abs() < 1e-9);
         }
-        assert!((own.change_of_beam().reflected - own.change(0.0).reflected).abs() < 1e-12);
+        assert!((interference.change_of_beam().reflected - interference.change(0.0).reflected).abs() < 1e-12);
         let nodes = film.media[0].ordinates.sines.iter().zip(&film.media[0].ordinates.weights);
         let few: f64 = nodes.map(|(s, w)| w * airy(index, count * SLAB_UM, *s)[1]).sum();
         let fine = mean_over_hemisphere(index, count * SLAB_UM, 0);
-        let change = own.change_of_diffuse();
+        let change = interference.change_of_diffuse();
         // quadrature with eight nodes a fringe, against the midpoint rule
         assert!((change.reflected - (fine - few)).abs() < 1e-6, "{count}: {change:?} {}", fine - few);
         assert!((change.reflected + change.transmitted).abs() < 1e-12, "{count}: {change:?}");
@@ -114,12 +115,15 @@ fn a_clear_film_of_any_thickness_has_its_fringes() {
 fn very_thick_films_have_the_mean_over_all_phases() {
     let index = Complex64::from(1.5);
     let film = film(index);
-    let own = film.interference(1000.0, 0, &composed(&film, index, 1000.0));
-    assert!(own.fringes() > MOST_FRINGES);
-    let few: f64 =
-        own.incoherent[1..].iter().zip(&film.media[0].ordinates.weights).map(|(i, w)| w * i.reflected).sum();
+    let interference = film.interference(1000.0, 0, &composed(&film, index, 1000.0));
+    assert!(interference.fringes() > MOST_FRINGES);
+    let few: f64 = interference.incoherent[1..]
+        .iter()
+        .zip(&film.media[0].ordinates.weights)
+        .map(|(i, w)| w * i.reflected)
+        .sum();
     let fine = mean_over_hemisphere(index, 1.0, 1);
-    assert!((own.change_of_diffuse().reflected - (fine - few)).abs() < 1e-9);
+    assert!((interference.change_of_diffuse().reflected - (fine - few)).abs() < 1e-9);
 }
 
 /// A film that absorbs, seen from either side: what the field loses is absorbed, and T is the same
@@ -135,21 +139,22 @@ fn a_layer_turned_over_transmits_alike() {
             .into_iter()
             .map(|lobes| Lobes { transmitted: 0.5 * lobes.transmitted, ..lobes })
             .collect();
-        let [own, other] = [&film, &turned].map(|film| film.interference(count, 0, &absorbing).change(0.4));
-        assert!((own.transmitted - other.transmitted).abs() < 1e-12);
-        assert!((own.reflected - other.reflected).abs() < 1e-12);
-        assert!((own.reflected - (airy(index, count, 0.4)[0] - airy(index, count, 0.4)[1])).abs() < 0.02);
+        let change = film.interference(count, 0, &absorbing).change(0.4);
+        let turned_change = turned.interference(count, 0, &absorbing).change(0.4);
+        assert!((change.transmitted - turned_change.transmitted).abs() < 1e-12);
+        assert!((change.reflected - turned_change.reflected).abs() < 1e-12);
+        assert!((change.reflected - (airy(index, count, 0.4)[0] - airy(index, count, 0.4)[1])).abs() < 0.02);
     }
 }
 
 /// Nothing is negative and nothing more than all, whatever a correction says.
 #[test]
 fn what_is_changed_stays_within_the_light_that_there_is() {
-    let own = Lobes { reflected: 0.02, transmitted: 0.9 };
-    let changed = own.changed(Lobes { reflected: -0.05, transmitted: 0.05 });
+    let lobes = Lobes { reflected: 0.02, transmitted: 0.9 };
+    let changed = lobes.changed(Lobes { reflected: -0.05, transmitted: 0.05 });
     assert_eq!(changed.reflected, 0.0);
     assert!((changed.transmitted - 0.92).abs() < 1e-15);
-    let more = own.changed(Lobes { reflected: 0.5, transmitted: 0.1 });
+    let more = lobes.changed(Lobes { reflected: 0.5, transmitted: 0.1 });
     assert!((more.reflected + more.transmitted - 1.0).abs() < 1e-15 && more.transmitted >= 0.0);
 }
 
@@ -160,8 +165,9 @@ fn what_is_changed_stays_within_the_light_that_there_is() {
 fn what_nodes_leave_out_of_a_film_is_known() {
     let index = Complex64::from(1.5);
     let film = film(index);
-    let (count, sine) = (3.4, 0.5_f64.sqrt());
-    let own = film.interference(count, 0, &composed(&film, index, count));
+    let count = 3.4;
+    let sine = 0.5_f64.sqrt();
+    let interference = film.interference(count, 0, &composed(&film, index, count));
     let ordinates = &film.media[0].ordinates;
     // what a composed film has: its front is exact, what comes back through it is shared
     let front = |s: f64| fresnel(index, s).norm_sqr();
@@ -169,7 +175,7 @@ fn what_nodes_leave_out_of_a_film_is_known() {
     let shared: f64 =
         ordinates.shares(sine).into_iter().map(|(node, w)| w * behind(ordinates.sines[node])).sum();
     let reflected = front(sine) + (1.0 - front(sine)) * shared;
-    let change = own.change_of_shared(sine);
+    let change = interference.change_of_shared(sine);
     let want = airy(index, count, sine)[0];
     assert!((reflected - airy(index, count, sine)[1]).abs() > 1e-3);
     assert!((reflected + change.reflected - want).abs() < 1e-9, "{reflected} {change:?} {want}");
@@ -177,7 +183,8 @@ fn what_nodes_leave_out_of_a_film_is_known() {
     let places: Vec<f64> =
         [1.0].into_iter().chain(ordinates.sines.iter().map(|s| (1.0 - s * s).sqrt())).collect();
     let weights = lagrange(&places, sine);
-    let between: f64 = weights.iter().zip(&own.incoherent).map(|(w, lobes)| w * lobes.reflected).sum();
-    let change = own.change_of_interpolated(sine);
+    let between: f64 =
+        weights.iter().zip(&interference.incoherent).map(|(w, lobes)| w * lobes.reflected).sum();
+    let change = interference.change_of_interpolated(sine);
     assert!((between + change.reflected - want).abs() < 1e-9, "{between} {change:?} {want}");
 }

@@ -75,7 +75,8 @@ impl Ordinates {
 
     fn add_zone(&mut self, from: f64, to: f64, rule: Vec<(f64, f64)>) {
         let width = (to * to - from * from).sqrt();
-        let (first, mut nodes) = (self.sines.len(), Vec::new());
+        let first = self.sines.len();
+        let mut nodes = Vec::new();
         // from the normal outwards
         for (v, weight) in rule.into_iter().rev() {
             nodes.push(width * v);
@@ -140,8 +141,8 @@ pub fn gauss(count: usize) -> Vec<(f64, f64)> {
     let f = |x: f64| legendre(count, x) + legendre(count + 1, x);
     let steps = BRACKETS * count.max(1);
     // evenly in the angle, as roots are
-    let at = |k: usize| -(std::f64::consts::PI * k as f64 / steps as f64).cos();
-    let brackets = (1..steps).map(|k| [at(k), at(k + 1)]).filter(|&[a, b]| f(a) * f(b) <= 0.0);
+    let bound = |k: usize| -(std::f64::consts::PI * k as f64 / steps as f64).cos();
+    let brackets = (1..steps).map(|k| [bound(k), bound(k + 1)]).filter(|&[a, b]| f(a) * f(b) <= 0.0);
     let size = (count + 1) as f64;
     let rule = brackets.map(|range| {
         let x = root(f, range);

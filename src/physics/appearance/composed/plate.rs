@@ -16,19 +16,22 @@ pub struct Plate {
 impl Plate {
     /// Nothing at all, in a medium with this number of states.
     pub fn nothing(states: usize) -> Self {
-        let (none, all) = (Mat::zeros(states, states), Mat::identity(states, states));
+        let none = Mat::zeros(states, states);
+        let all = Mat::identity(states, states);
         Self { reflection: [none.clone(), none], transmission: [all.clone(), all] }
     }
 
     /// The element turned over.
     pub fn turned(&self) -> Self {
-        let ([ra, rb], [tab, tba]) = (self.reflection.clone(), self.transmission.clone());
+        let [ra, rb] = self.reflection.clone();
+        let [tab, tba] = self.transmission.clone();
         Self { reflection: [rb, ra], transmission: [tba, tab] }
     }
 
     /// A Lambertian surface of this albedo behind states with these étendues: nothing passes.
     pub fn lambertian(albedo: f64, weights: &[f64]) -> Self {
-        let (n, sum) = (weights.len(), weights.iter().sum::<f64>());
+        let n = weights.len();
+        let sum = weights.iter().sum::<f64>();
         let back = Mat::from_fn(n, n, |i, _| albedo * weights[i] / sum);
         let none = Mat::zeros(n, n);
         Self { reflection: [back, none.clone()], transmission: [none.clone(), none] }
@@ -36,8 +39,10 @@ impl Plate {
 
     /// This element in front of another, side b of this at side a of the other.
     pub fn then(&self, behind: &Self) -> Self {
-        let ([ra, rb], [tab, tba]) = (&self.reflection, &self.transmission);
-        let ([sa, sb], [uab, uba]) = (&behind.reflection, &behind.transmission);
+        let [ra, rb] = &self.reflection;
+        let [tab, tba] = &self.transmission;
+        let [sa, sb] = &behind.reflection;
+        let [uab, uba] = &behind.transmission;
         let down = bounced(rb, sa, tab);
         let up = bounced(sa, rb, uba);
         let back = tba * (sa * &down);
@@ -62,7 +67,8 @@ impl Plate {
 
     /// This number of such elements, one behind another.
     pub fn repeated(&self, mut count: usize) -> Self {
-        let (mut power, mut all) = (self.clone(), Self::nothing(self.reflection[0].nrows()));
+        let mut power = self.clone();
+        let mut all = Self::nothing(self.reflection[0].nrows());
         while count > 0 {
             if count % 2 == 1 {
                 all = all.then(&power);

@@ -61,7 +61,8 @@ impl Transport {
     /// loses. The nodes carry as many terms of p; the rest of the forward peak goes straight on
     /// (δ-M, W. J. Wiscombe, J. Atmos. Sci. 34 (1977) 1408).
     fn thin(&self, medium: &Hemisphere, cosines: &[f64], thickness_um: f64) -> Plate {
-        let (n, weights) = (cosines.len(), medium.weights());
+        let n = cosines.len();
+        let weights = medium.weights();
         let terms = medium.ordinates.weights.iter().filter(|w| **w > 0.0).count();
         let polynomials: Vec<Vec<f64>> =
             cosines.iter().map(|&mu| (0..terms).map(|l| legendre(l, mu)).collect()).collect();
@@ -95,13 +96,13 @@ impl Transport {
         let [r, t] = means(slab, medium);
         let ordinates = Ordinates::for_transfer(medium.ordinates.index, [NODES; 2]);
         let plain = Hemisphere { ordinates, polarisations: 1, oblique_deg: None };
-        let of = |k: [f64; 2]| Self {
+        let transport = |k: [f64; 2]| Self {
             scattering_per_um: extinction - k[0],
             absorption_per_um: k[0],
             asymmetry: k[1],
         };
         let miss = |k: [f64; 2]| {
-            let [own_r, own_t] = means(&of(k).layer(&plain, thickness_um)?, &plain);
+            let [own_r, own_t] = means(&transport(k).layer(&plain, thickness_um)?, &plain);
             Some([own_r + own_t - r - t, own_r - r])
         };
         let mut k = [0.5 * (1.0 - r - t) / thickness_um, 0.5];
@@ -109,7 +110,8 @@ impl Transport {
         for _ in 0..ROUNDS {
             let here = miss(k)?;
             let scale = STEP * extinction;
-            let (by_a, by_g) = (miss([k[0] + scale, k[1]])?, miss([k[0], k[1] + STEP])?);
+            let by_a = miss([k[0] + scale, k[1]])?;
+            let by_g = miss([k[0], k[1] + STEP])?;
             let a = [0, 1].map(|i| (by_a[i] - here[i]) / scale);
             let g = [0, 1].map(|i| (by_g[i] - here[i]) / STEP);
             let determinant = a[0] * g[1] - a[1] * g[0];
@@ -121,7 +123,7 @@ impl Transport {
                 break;
             }
         }
-        let found = of(k);
+        let found = transport(k);
         (settled && found.scattering_per_um > 0.0).then_some(found)
     }
 }
@@ -149,14 +151,16 @@ pub fn diffuse(medium: &Hemisphere) -> Mat<f64> {
 /// K and S of a stack of slabs without surfaces: the two-flux layer by which a thick stack grows
 /// when it is doubled, M(2L) M(L)⁻¹ with M = 1/T [[T² − R², R], [−R, 1]].
 pub fn two_flux(slab: &Plate, medium: &Hemisphere, thickness_um: f64) -> Option<KubelkaMunk> {
-    let (mut stack, mut thickness_um) = (slab.clone(), thickness_um);
+    let mut stack = slab.clone();
+    let mut thickness_um = thickness_um;
     for _ in 0..DOUBLINGS {
         if means(&stack, medium)[1] < DIFFUSE {
             break;
         }
         (stack, thickness_um) = (stack.then(&stack), 2.0 * thickness_um);
     }
-    let [[r1, t1], [r2, t2]] = [means(&stack, medium), means(&stack.then(&stack), medium)];
+    let [r1, t1] = means(&stack, medium);
+    let [r2, t2] = means(&stack.then(&stack), medium);
     // the last column of the product, up to 1/(t1 t2)·t1
     let m2 = [[t2 * t2 - r2 * r2, r2], [-r2, 1.0]].map(|row| row.map(|x| x / t2));
     let inverse = [[1.0, -r1], [r1, t1 * t1 - r1 * r1]].map(|row| row.map(|x| x / t1));

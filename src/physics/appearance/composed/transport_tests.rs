@@ -12,7 +12,8 @@ fn medium(index: f64, counts: [usize; 2]) -> Hemisphere {
 /// Unpolarised Fresnel reflectance for light with cosine `mu` in a medium of relative index 1/n.
 fn fresnel(n: f64, mu: f64) -> f64 {
     let inner = (1.0 - (1.0 - mu * mu) / (n * n)).sqrt();
-    let [s, p] = [(mu - n * inner) / (mu + n * inner), (n * mu - inner) / (n * mu + inner)];
+    let s = (mu - n * inner) / (mu + n * inner);
+    let p = (n * mu - inner) / (n * mu + inner);
     0.5 * (s * s + p * p)
 }
 
@@ -94,7 +95,8 @@ fn fine_with_nodes_of(coarse: &Ordinates, index: f64) -> Hemisphere {
 
 /// A fine slab as the coarse nodes see it, as orders of solves are shared among nodes.
 fn projected(slab: &Plate, fine: &Hemisphere, coarse: &Hemisphere) -> Plate {
-    let (n, first) = (coarse.states(), fine.states() - coarse.ordinates.count());
+    let n = coarse.states();
+    let first = fine.states() - coarse.ordinates.count();
     let place = |state: usize| if state == 0 { 0 } else { first + state - 1 };
     let project = |m: &Mat<f64>, onward: bool| {
         let mut all: Mat<f64> = Mat::zeros(n, n);
@@ -108,7 +110,8 @@ fn projected(slab: &Plate, fine: &Hemisphere, coarse: &Hemisphere) -> Plate {
         }
         all
     };
-    let [r, t] = [project(&slab.reflection[0], false), project(&slab.transmission[0], true)];
+    let r = project(&slab.reflection[0], false);
+    let t = project(&slab.transmission[0], true);
     Plate { reflection: [r.clone(), r], transmission: [t.clone(), t] }
 }
 
@@ -134,7 +137,8 @@ fn three_and_three_directions_suffice() {
                 let face = sorted_surface(&air, inside, 1.58);
                 means(&face.then(&slab.repeated(slabs)).then(&face.turned()), &air)
             };
-            let [few, many] = [means_of(&few, &coarse), means_of(&slab, &fine)];
+            let few = means_of(&few, &coarse);
+            let many = means_of(&slab, &fine);
             for k in 0..2 {
                 assert!((few[k] - many[k]).abs() < 5e-4, "{g} {slabs} {few:?} {many:?}");
             }
@@ -144,10 +148,10 @@ fn three_and_three_directions_suffice() {
 
 /// A plane surface between media whose states are matched by their lateral wavenumbers.
 fn sorted_surface(air: &Hemisphere, inside: &Hemisphere, n: f64) -> Plate {
-    let of = |medium: &Hemisphere| -> Vec<f64> {
+    let sines = |medium: &Hemisphere| -> Vec<f64> {
         [0.0].into_iter().chain(medium.ordinates.sines.iter().copied()).collect()
     };
-    let (outer, inner) = (of(air), of(inside));
+    let (outer, inner) = (sines(air), sines(inside));
     let r = |sine: f64| if sine < 1.0 { fresnel(n, (1.0 - sine * sine).sqrt()) } else { 1.0 };
     let alike = |i: usize, j: usize| outer[i] == inner[j] && (i == 0) == (j == 0);
     let same = |i: usize, j: usize| if alike(i, j) { 1.0 - r(outer[i]) } else { 0.0 };
@@ -173,7 +177,8 @@ fn nothing_is_lost_on_the_way() {
     // rounding of some twenty doublings of a layer of 1e-6
     assert!((r + t - 1.0).abs() < 1e-7 && t < 0.05, "{r} {t}");
     let one_by_one = (0..4).fold(slab.clone(), |sum, _| sum.then(&slab));
-    let [a, b] = [means(&slab.repeated(5), &inside), means(&one_by_one, &inside)];
+    let a = means(&slab.repeated(5), &inside);
+    let b = means(&one_by_one, &inside);
     assert!((a[1] - b[1]).abs() < 1e-13);
     // the furnace: on a perfect white all light comes back
     let white = Plate::lambertian(1.0, &inside.weights());

@@ -35,7 +35,8 @@ pub(super) struct SpectrumEnd {
 impl SpectrumEnd {
     /// Both ends of a grid that is summed with step `step_nm`.
     pub(super) fn both(grid: &[f64], step_nm: f64, viewing: &Viewing) -> [Self; 2] {
-        let (last, [from, to]) = (grid.len() - 1, COLOUR_RANGE_NM);
+        let last = grid.len() - 1;
+        let [from, to] = COLOUR_RANGE_NM;
         let below = steps(grid[0] - from, step_nm, |nm| light_times_observer(grid[0] - nm, viewing));
         let above = steps(to - grid[last], step_nm, |nm| light_times_observer(grid[last] + nm, viewing));
         [Self::new(grid, 0, below), Self::new(grid, last, above)]
@@ -64,8 +65,8 @@ impl SpectrumEnd {
         self.sum(|_| 1.0)
     }
 
-    fn sum(&self, of: impl Fn(f64) -> f64) -> [f64; 3] {
-        std::array::from_fn(|c| self.beyond.iter().map(|(nm, weight)| of(*nm) * weight[c]).sum())
+    fn sum(&self, factor: impl Fn(f64) -> f64) -> [f64; 3] {
+        std::array::from_fn(|c| self.beyond.iter().map(|(nm, weight)| factor(*nm) * weight[c]).sum())
     }
 
     /// Upper (`up`) or lower standard error of X, Y, Z due to light beyond the end: a reflectance
@@ -84,8 +85,8 @@ impl SpectrumEnd {
 fn steps(gap_nm: f64, step_nm: f64, weight: impl Fn(f64) -> [f64; 3]) -> Vec<(f64, [f64; 3])> {
     let count = (gap_nm / step_nm - 1e-9).ceil().max(0.0) as usize;
     let width = gap_nm / count.max(1) as f64;
-    let at = |k: usize| (k as f64 * width, weight(k as f64 * width).map(|w| w * width / step_nm));
-    (1..=count).map(at).collect()
+    let step = |k: usize| (k as f64 * width, weight(k as f64 * width).map(|w| w * width / step_nm));
+    (1..=count).map(step).collect()
 }
 
 impl Colorimeter {
@@ -104,8 +105,8 @@ impl Colorimeter {
 
     /// Standard error of Y due to light beyond both ends.
     pub fn beyond_luminance(&self, values: &[f64]) -> f64 {
-        let of = |end: &SpectrumEnd| end.drift(values, true)[1].max(-end.drift(values, false)[1]);
-        self.ends.iter().map(of).fold(0.0, f64::hypot)
+        let drift = |end: &SpectrumEnd| end.drift(values, true)[1].max(-end.drift(values, false)[1]);
+        self.ends.iter().map(drift).fold(0.0, f64::hypot)
     }
 }
 

@@ -16,15 +16,19 @@ pub fn printed(draws: &mut Draws, grid: &[f64]) -> Vec<f64> {
     let mut uniform = |from: f64, to: f64| draws.between(from, to);
     let mut values = vec![uniform(0.02, 0.9); grid.len()];
     for _ in 0..1 + uniform(0.0, 3.0) as usize {
-        let (height, at, width) = (uniform(-0.8, 0.8), uniform(380.0, 720.0), uniform(6.0, 30.0));
-        values.iter_mut().zip(grid).for_each(|(v, nm)| *v += height / (1.0 + (-(nm - at) / width).exp()));
+        let height = uniform(-0.8, 0.8);
+        let centre = uniform(380.0, 720.0);
+        let width = uniform(6.0, 30.0);
+        values.iter_mut().zip(grid).for_each(|(v, nm)| *v += height / (1.0 + (-(nm - centre) / width).exp()));
     }
     for _ in 0..uniform(0.0, 4.0) as usize {
-        let (height, at, width) = (uniform(-0.4, 0.4), uniform(380.0, 720.0), uniform(15.0, 60.0));
+        let height = uniform(-0.4, 0.4);
+        let centre = uniform(380.0, 720.0);
+        let width = uniform(15.0, 60.0);
         values
             .iter_mut()
             .zip(grid)
-            .for_each(|(v, nm)| *v += height * (-0.5 * ((nm - at) / width).powi(2)).exp());
+            .for_each(|(v, nm)| *v += height * (-0.5 * ((nm - centre) / width).powi(2)).exp());
     }
     let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(a, b), &v| (a.min(v), b.max(v)));
     if low < 0.02 || high > 0.95 {
@@ -42,7 +46,8 @@ fn cut_spectra_keep_their_colour() {
     let meter = Colorimeter::new(&whole).unwrap();
     let mut draws = Draws::new(25, 0);
     let spectra: Vec<Vec<f64>> = (0..200).map(|_| printed(&mut draws, &whole)).collect();
-    let (mut refused, mut published) = (0, 0);
+    let mut refused = 0;
+    let mut published = 0;
     let froms = (0..=12).map(|k| 400.0 + 5.0 * f64::from(k));
     for [from, to] in froms.flat_map(|from| (0..=20).map(move |k| [from, 600.0 + 5.0 * f64::from(k)])) {
         let cut = match Colorimeter::new(&grid(from, to)) {
@@ -58,7 +63,8 @@ fn cut_spectra_keep_their_colour() {
         let start = ((from - 400.0) / STEP_NM) as usize;
         for spectrum in &spectra {
             let values = &spectrum[start..start + cut.wavelengths_nm().len()];
-            let (colour, truth) = (cut.colour(values).unwrap(), meter.colour(spectrum).unwrap().lab);
+            let colour = cut.colour(values).unwrap();
+            let truth = meter.colour(spectrum).unwrap().lab;
             let [a, b] = cut.beyond(values, colour.xyz);
             for i in 0..3 {
                 held[i] += usize::from((colour.lab[i] - truth[i]).abs() <= 1.96 * a[i].hypot(b[i]) + 1e-9);
@@ -76,8 +82,8 @@ fn cut_spectra_keep_their_colour() {
 fn the_ends_stand_for_what_lies_beyond_them() {
     let viewings = ["D65", "A", "F11"].map(|light| Viewing::new(light, "10", Summation::Plain).unwrap());
     for viewing in viewings {
-        let [whole, cut] =
-            [grid(400.0, 700.0), grid(420.0, 660.0)].map(|g| Colorimeter::under(&g, &viewing).unwrap());
+        let whole = Colorimeter::under(&grid(400.0, 700.0), &viewing).unwrap();
+        let cut = Colorimeter::under(&grid(420.0, 660.0), &viewing).unwrap();
         for c in 0..3 {
             // rounding of two sums of 300 terms
             assert!((whole.white_xyz[c] - cut.white_xyz[c]).abs() < 1e-9, "{}", viewing.name());

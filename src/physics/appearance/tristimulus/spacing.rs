@@ -2,9 +2,8 @@
 
 use super::{Colorimeter, Interpolation, distributed, integrand};
 
-/// Distance of wavelengths from which every rule of integration counts as a guess, nm; at smaller
-/// ones their differences are weighted by the order of the rule. *Measured* on 200 random spectra
-/// like those of prints: test `coarse_sums_keep_their_colour`.
+/// Distance of wavelengths from which every rule of integration counts as a guess, nm: *measured*
+/// on 200 random spectra like those of prints (test `coarse_sums_keep_their_colour`).
 const GUESSED_NM: f64 = 80.0;
 /// Distance of wavelengths from which linear interpolation counts as a guess, nm.
 const LINEAR_NM: f64 = 40.0;
@@ -47,7 +46,8 @@ impl Colorimeter {
     /// let nm: Vec<f64> = (0..6).map(|i| 400.0 + 60.0 * f64::from(i)).collect();
     /// let fine_nm: Vec<f64> = (0..61).map(|i| 400.0 + 5.0 * f64::from(i)).collect();
     /// let values: Vec<f64> = nm.iter().map(band).collect();
-    /// let guide = Guide { on_grid: values.clone(), fine: fine_nm.iter().map(band).collect(), fine_nm };
+    /// let fine = fine_nm.iter().map(band).collect();
+    /// let guide = Guide { on_grid: values.clone(), fine, fine_nm };
     /// let meter = Colorimeter::new(&nm)?;
     /// let xyz = meter.xyz(&values)?;
     /// let error = |guide| {
@@ -82,8 +82,8 @@ impl Colorimeter {
         };
         let sum = |nodes: &[usize], rule: Interpolation| {
             let nm: Vec<f64> = nodes.iter().map(|&j| grid[j]).collect();
-            let own: Vec<f64> = nodes.iter().map(|&j| unknown[j]).collect();
-            of_rule(&nm, &own, &light, rule)
+            let values: Vec<f64> = nodes.iter().map(|&j| unknown[j]).collect();
+            of_rule(&nm, &values, &light, rule)
         };
         let last = grid.len() - 1;
         let all: Vec<usize> = (0..=last).collect();

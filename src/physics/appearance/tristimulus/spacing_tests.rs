@@ -39,8 +39,11 @@ fn coarse_sums_keep_their_colour() {
         .flat_map(|v| [10.0, 15.0, 20.0, 30.0, 50.0, 60.0, 75.0, 100.0, 150.0].map(|step| (v, step)))
     {
         let nm = grid(step);
-        let [exact, meter] = [&fine, &nm].map(|nm| Colorimeter::under(nm, viewing).unwrap());
-        let (mut held, mut off, mut said) = ([0; 3], Vec::new(), Vec::new());
+        let exact = Colorimeter::under(&fine, viewing).unwrap();
+        let meter = Colorimeter::under(&nm, viewing).unwrap();
+        let mut held = [0; 3];
+        let mut off = Vec::new();
+        let mut said = Vec::new();
         for spectrum in &spectra {
             let values = at(spectrum, &nm);
             let truth = exact.colour(spectrum).unwrap().lab;
@@ -52,7 +55,8 @@ fn coarse_sums_keep_their_colour() {
             off.push(length(miss));
             said.push(length(error));
         }
-        [&mut off, &mut said].into_iter().for_each(|list| list.sort_by(f64::total_cmp));
+        off.sort_by(f64::total_cmp);
+        said.sort_by(f64::total_cmp);
         println!("{step} nm: {held:?}, off {:.3} … {:.3}, said {:.3}", off[100], off[190], said[100]);
         // 95 % of 200, less two standard deviations of that count
         assert!(held.iter().all(|&n| n >= 184), "{step} nm: {held:?} of 200");
@@ -77,14 +81,16 @@ fn a_guide_sees_what_lies_between_the_wavelengths() {
         fine: fine.iter().map(|nm| 0.8 - band(nm)).collect(),
         fine_nm: fine.clone(),
     };
-    let [exact, meter] = [&fine, &nm].map(|nm| Colorimeter::new(nm).unwrap());
-    let own = |nm: &f64| 0.7 - 0.9 * band(nm) + 1e-4 * (nm - 550.0);
-    let values: Vec<f64> = nm.iter().map(own).collect();
-    let truth = exact.colour(&fine.iter().map(own).collect::<Vec<_>>()).unwrap().lab;
+    let exact = Colorimeter::new(&fine).unwrap();
+    let meter = Colorimeter::new(&nm).unwrap();
+    let reflectance = |nm: &f64| 0.7 - 0.9 * band(nm) + 1e-4 * (nm - 550.0);
+    let values: Vec<f64> = nm.iter().map(reflectance).collect();
+    let truth = exact.colour(&fine.iter().map(reflectance).collect::<Vec<_>>()).unwrap().lab;
     let lab = meter.colour(&values).unwrap().lab;
     let miss: [f64; 3] = std::array::from_fn(|i| lab[i] - truth[i]);
     assert!(length(miss) > 5.0, "{miss:?}");
-    let [blind, guided] = [None, Some(&guide)].map(|guide| errors(&meter, &values, guide));
+    let blind = errors(&meter, &values, None);
+    let guided = errors(&meter, &values, Some(&guide));
     assert!(length(blind) < 0.5 * length(miss), "{blind:?}");
     for i in 0..3 {
         // nine tenths of the guide's band, beside bars of the difference
@@ -92,7 +98,7 @@ fn a_guide_sees_what_lies_between_the_wavelengths() {
     }
     let luminance = meter.spacing_luminance(&values, Some(&guide));
     let off = (meter.xyz(&values).unwrap()[1]
-        - exact.xyz(&fine.iter().map(own).collect::<Vec<_>>()).unwrap()[1])
+        - exact.xyz(&fine.iter().map(reflectance).collect::<Vec<_>>()).unwrap()[1])
         .abs();
     assert!((0.5..2.0).contains(&(luminance / off)), "{luminance} {off}");
 }

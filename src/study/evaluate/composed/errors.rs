@@ -14,10 +14,10 @@ use crate::evaluate::published::ErrorParts;
 /// Wavelengths on either side over which the squared error of composing is averaged: that error is
 /// smooth, and chance is not.
 const NEIGHBOURS: usize = 2;
-/// What slabs of half the thickness change, over the error of whole ones. That error falls to a
-/// third or less when slabs are twice as thick (*measured* on coherent stacks of 4 to 16 µm: 1.4 to
-/// 1.9 % with slabs of 1 µm, 0.4 to 0.6 % of 2 µm, at most 0.03 % of 4 µm), so the change is twice
-/// the error or more.
+/// What slabs of half the thickness change, over the error of whole ones, which is a third or less
+/// of theirs.
+// *Measured* on coherent stacks of 4 to 16 µm: 1.4 to 1.9 % with slabs of 1 µm, 0.4 to 0.6 % of
+// 2 µm, at most 0.03 % of 4 µm.
 const HALVED: f64 = 2.0;
 
 /// All numbers with their bars: from slabs of h (`whole`) and of h/2 (`half`).
@@ -126,9 +126,9 @@ mod tests {
     use super::*;
 
     /// Numbers of 20 wavelengths, of which two quantities differ from 0.
-    fn numbers(of: impl Fn(usize) -> [f64; 2]) -> ComposedNumbers<f64> {
+    fn numbers(pair: impl Fn(usize) -> [f64; 2]) -> ComposedNumbers<f64> {
         let row = |w: usize| {
-            let [reflectance_normal, over_white] = of(w);
+            let [reflectance_normal, over_white] = pair(w);
             LayerNumbers { reflectance_normal, over_white, ..LayerNumbers::default() }
         };
         let spectra = (0..20).map(row).collect();

@@ -42,9 +42,10 @@ pub struct OnPaper {
 impl<'a> ComposedLayer<'a> {
     /// A layer of this many slabs, at least two and not always a whole number.
     pub fn new(slabs: &'a Slabs, count: f64, wave: Wave) -> Self {
-        let (plate, [before, _, behind]) = (slabs.layer(count), &slabs.media);
-        let of = |p: usize| slabs.film.interference(count, p, &columns(&plate, 0, before, p));
-        let interference: Vec<Interference> = (0..before.polarisations).map(of).collect();
+        let plate = slabs.layer(count);
+        let [before, _, behind] = &slabs.media;
+        let of_polarisation = |p: usize| slabs.film.interference(count, p, &columns(&plate, 0, before, p));
+        let interference: Vec<Interference> = (0..before.polarisations).map(of_polarisation).collect();
         let turned = slabs.film.turned();
         let change_from_behind = mean(&unpolarised(behind), |p| {
             turned.interference(count, p, &columns(&plate, 1, behind, p)).change_of_diffuse()
@@ -61,8 +62,9 @@ impl<'a> ComposedLayer<'a> {
 
     /// R and T of light with these fluxes in the states in front, without interference.
     pub fn of_light(&self, light: &Mat<f64>) -> Lobes {
-        let [back, onward] = [&self.plate.reflection[0], &self.plate.transmission[0]];
-        Lobes { reflected: total(&(back * light)), transmitted: total(&(onward * light)) }
+        let reflected = total(&(&self.plate.reflection[0] * light));
+        let transmitted = total(&(&self.plate.transmission[0] * light));
+        Lobes { reflected, transmitted }
     }
 
     /// What interference changes of R and T at 0° or at a node, by its lateral wavenumber.
@@ -87,10 +89,10 @@ impl<'a> ComposedLayer<'a> {
             self.plate.transmission[0].col(before.state(node + 1, p)).iter().sum()
         };
         let shares = before.ordinates.shares(sine).into_iter();
-        let of = |(own, share): (usize, f64)| {
-            self.polarised.iter().enumerate().map(|(p, part)| part * share * node(own, p)).sum::<f64>()
+        let transmitted = |(index, share): (usize, f64)| {
+            self.polarised.iter().enumerate().map(|(p, part)| part * share * node(index, p)).sum::<f64>()
         };
-        shares.map(of).sum()
+        shares.map(transmitted).sum()
     }
 
     /// What it changes of R and T of diffuse light.
@@ -106,7 +108,7 @@ impl<'a> ComposedLayer<'a> {
     /// Shares of the light with this lateral wavenumber that the mean field mirrors, with
     /// interference and without it.
     pub fn mirrored(&self, sine: f64) -> f64 {
-        self.polarised.iter().zip(&self.interference).map(|(s, own)| s * own.mirrored(sine)[0]).sum()
+        self.polarised.iter().zip(&self.interference).map(|(s, fringes)| s * fringes.mirrored(sine)[0]).sum()
     }
 
     /// As [`ComposedLayer::mirrored`] without interference, for one polarisation.
@@ -156,19 +158,19 @@ pub fn ratio(changed: f64, composed: f64) -> f64 {
 }
 
 /// A mean over polarisations.
-fn mean(shares: &[f64], of: impl Fn(usize) -> Lobes) -> Lobes {
+fn mean(shares: &[f64], lobes: impl Fn(usize) -> Lobes) -> Lobes {
     let present = shares.iter().enumerate().filter(|(_, share)| **share > 0.0);
-    present.fold(Lobes::default(), |sum, (p, share)| sum.plus(*share, of(p)))
+    present.fold(Lobes::default(), |sum, (p, share)| sum.plus(*share, lobes(p)))
 }
 
 /// R and T of light from a side at 0° and at the nodes of the zone that passes both surfaces.
 fn columns(plate: &Plate, side: usize, medium: &Hemisphere, polarisation: usize) -> Vec<Lobes> {
-    let of = |direction: usize| {
+    let lobes = |direction: usize| {
         let state = medium.state(direction, polarisation);
         let sum = |m: &Mat<f64>| m.col(state).iter().sum::<f64>();
         Lobes { reflected: sum(&plate.reflection[side]), transmitted: sum(&plate.transmission[side]) }
     };
-    (0..=medium.ordinates.escaping()).map(of).collect()
+    (0..=medium.ordinates.escaping()).map(lobes).collect()
 }
 
 /// Equal shares of the polarisations.

@@ -59,8 +59,8 @@ pub struct Slabs {
 impl Level {
     /// The portions of one thickness; `None` unless each has realisations that are complete.
     pub fn new(portions: &[SolvedPortion], halved: bool) -> Option<Self> {
-        let own = |(study, _): &&SolvedPortion| study.portion().is_some_and(|p| p.halved == halved);
-        let solved: Vec<&SolvedPortion> = portions.iter().filter(own).collect();
+        let of_thickness = |(study, _): &&SolvedPortion| study.portion().is_some_and(|p| p.halved == halved);
+        let solved: Vec<&SolvedPortion> = portions.iter().filter(of_thickness).collect();
         let slab_um = solved.first()?.0.layer.thickness_um;
         let wavelengths_um = solved[0].0.wavelengths_nm.iter().map(|nm| 1e-3 * nm).collect();
         let portions = solved.into_iter().map(ensemble).collect::<Option<Vec<_>>>()?;
@@ -135,8 +135,8 @@ impl Slabs {
 fn ensemble((study, collected): &SolvedPortion) -> Option<Ensemble> {
     let position = study.portion()?.position;
     let cells = complete_cells(study, collected);
-    let of = |nm: &f64| solved_at(study, &cells, 1e-3 * nm);
-    let wavelengths = study.wavelengths_nm.iter().map(of).collect::<Option<Vec<_>>>()?;
+    let solved = |nm: &f64| solved_at(study, &cells, 1e-3 * nm);
+    let wavelengths = study.wavelengths_nm.iter().map(solved).collect::<Option<Vec<_>>>()?;
     let grid = collected.resolved.grid_error;
     let grid_error = grid.reflectance.max(grid.transmittance);
     (!cells.is_empty()).then_some(Ensemble { position, wavelengths, grid_error })
@@ -157,8 +157,8 @@ fn mean_fluxes(sides: &Sides, cell: &[&Realisation], wavelength_um: f64) -> Flux
 
 /// The flux matrices of one realisation at one wavelength.
 fn fluxes(sides: &Sides, realisation: &Realisation, wavelength_um: f64) -> Fluxes {
-    let own = |record: &&PointRecord| record.incidence.wavelength_um == wavelength_um;
-    let records: Vec<&PointRecord> = realisation.points.iter().flatten().filter(own).collect();
+    let at_wavelength = |record: &&PointRecord| record.incidence.wavelength_um == wavelength_um;
+    let records: Vec<&PointRecord> = realisation.points.iter().flatten().filter(at_wavelength).collect();
     let orders: Vec<Vec<Order>> = records.iter().map(|record| record.far_field().orders).collect();
     let polarisations = sides.media[0].polarisations;
     let first_behind = sides.media[0].directions_deg().len();
@@ -212,8 +212,8 @@ pub(super) mod tests {
         // a part of a slab: 0.45 √0.8
         assert!((through(2.5) - 0.45 * 0.8_f64.sqrt()).abs() < 1e-12, "{}", through(2.5));
         for (count, passed) in [(2, 0.45), (3, 0.36), (5, 0.2304)] {
-            let own = through(count as f64);
-            assert!((own - passed).abs() < 1e-12, "{count}: {own}");
+            let got = through(count as f64);
+            assert!((got - passed).abs() < 1e-12, "{count}: {got}");
             let [front, back] = slabs.parted(count, 1).map(|part| part.transmission[0][(0, 0)]);
             assert!((front * back - passed).abs() < 1e-12, "{count}: {front} {back}");
         }

@@ -6,8 +6,8 @@ use crate::evaluate::published::{ErrorParts, NamedNumber, PublishedRow, Withheld
 use crate::input::study::{Composed, Study};
 use serde::Serialize;
 
-/// A layer at one wavelength. `null` is a number that cannot be ([`ComposedManifest::withheld`] says
-/// why).
+/// A layer at one wavelength. `null` is a number that cannot be
+/// ([`ComposedManifest::withheld`] says why).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComposedRow {
     /// Thickness of the layer, µm.
@@ -127,19 +127,19 @@ pub struct ComposedManifest<'a> {
     pub origin: Provenance,
     /// How it was composed.
     pub composed: &'a Composed,
-    /// Solves asked for and finished.
+    /// Solves requested and finished.
     pub solves: Count,
     /// Solves without a result, and packings without room.
     pub failures: Vec<String>,
-    /// One row for each thickness asked for and wavelength.
+    /// One row for each requested thickness and wavelength.
     pub spectra: Vec<ComposedRow>,
-    /// Colours of each thickness asked for.
+    /// Colours of each requested thickness.
     pub colours: Vec<ComposedColours>,
     /// Why there are none.
     pub no_colour: Option<String>,
     /// The medium at every wavelength.
     pub medium: Vec<MediumRow>,
-    /// Where light at 0° goes, of each thickness asked for.
+    /// Where light at 0° goes, of each requested thickness.
     pub distributions: Vec<DistributionRow>,
     /// Numbers that were withheld because they are impossible or not determined.
     #[serde(skip_serializing_if = "Vec::is_empty")]

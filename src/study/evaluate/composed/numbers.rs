@@ -23,7 +23,7 @@ pub const HIDING: f64 = 0.98;
 /// Most slabs of a layer that is tried for hiding.
 pub const MOST_SLABS: usize = 1024;
 
-/// What is asked of the slabs of either thickness.
+/// What is requested of the slabs of either thickness.
 pub struct LayerTask<'a> {
     /// The study.
     pub study: &'a Study,
@@ -179,7 +179,8 @@ fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbe
 /// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.
 /// The mirrored and the straight beam are left out, and what interference changes.
 fn distribution(slabs: &Slabs, count: f64) -> Distribution<f64> {
-    let ([before, _, behind], layer) = (&slabs.media, slabs.layer(count));
+    let [before, _, behind] = &slabs.media;
+    let layer = slabs.layer(count);
     let per_sr = |fluxes: &Mat<f64>, medium: &Hemisphere| {
         let flux =
             |node| (0..medium.polarisations).map(|p| fluxes[(medium.state(node + 1, p), 0)]).sum::<f64>();
@@ -218,12 +219,12 @@ pub fn lights(medium: &Hemisphere, wave: Wave) -> [Mat<f64>; 3] {
 fn lit_at_45(plate: &Plate, medium: &Hemisphere, wave: Wave) -> f64 {
     let sine = medium.ordinates.index * PRINT_DEG.to_radians().sin();
     let shares = polarised(medium, wave);
-    let at = |(node, share): (usize, f64)| {
+    let brdf = |(node, share): (usize, f64)| {
         let flux = |p: usize| plate.reflection[0][(medium.state(node + 1, p), 0)];
-        let own: f64 = shares.iter().enumerate().map(|(p, s)| shares.len() as f64 * s * flux(p)).sum();
-        share * own / medium.ordinates.weights[node]
+        let reflected: f64 = shares.iter().enumerate().map(|(p, s)| shares.len() as f64 * s * flux(p)).sum();
+        share * reflected / medium.ordinates.weights[node]
     };
-    medium.ordinates.shares(sine).into_iter().map(at).sum()
+    medium.ordinates.shares(sine).into_iter().map(brdf).sum()
 }
 
 /// What the medium of the slabs is to light. NaN for what these realisations do not determine.

@@ -241,7 +241,8 @@ fn medium_row(
     let embedding_index = slabs.media[1].ordinates.index;
     // The medium of transport theory has the index of the half-spaces; another one would change the
     // étendue of its light.
-    let apart = medium.effective_index.map_or(0.0, |own| ((own.value / embedding_index).powi(2) - 1.0).abs());
+    let apart =
+        medium.effective_index.map_or(0.0, |index| ((index.value / embedding_index).powi(2) - 1.0).abs());
     let embedded = |number: ErrorParts| number.with_model(apart * number.value.abs());
     let medium = MediumNumbers {
         absorption_per_um: medium.absorption_per_um.map(embedded),
@@ -252,7 +253,7 @@ fn medium_row(
     MediumRow { wavelength_nm, embedding_index, medium }
 }
 
-/// Where light at 0° goes, of each thickness asked for and wavelength.
+/// Where light at 0° goes, of each requested thickness and wavelength.
 fn distributions(
     study: &Study,
     slabs: &[Slabs],
@@ -291,13 +292,13 @@ fn depth(task: &LayerTask, slabs: &[Slabs]) -> (f64, Vec<DepthRow>) {
     let light = &lights(before, task.study.wave)[0];
     let paper = Plate::lambertian(task.albedos[w], &behind.weights());
     let row = |depth_um: f64, [down, up]: [f64; 2]| DepthRow { depth_um, down, up };
-    let at = |k: usize| k as f64 * task.composed.slab_um;
+    let depth_at = |k: usize| k as f64 * task.composed.slab_um;
     let whole = slabs[w].layer(count as f64);
     let mut rows = vec![row(0.0, [1.0, total(&(&whole.then(&paper).reflection[0] * light))])];
     for k in (1..count).step_by(count.div_ceil(MOST_JOINTS)) {
         let [front, back] = slabs[w].parted(count, k);
-        rows.push(row(at(k), front.between(&back.then(&paper), light).map(|flux| total(&flux))));
+        rows.push(row(depth_at(k), front.between(&back.then(&paper), light).map(|flux| total(&flux))));
     }
-    rows.push(row(at(count), whole.between(&paper, light).map(|flux| total(&flux))));
+    rows.push(row(depth_at(count), whole.between(&paper, light).map(|flux| total(&flux))));
     (nm[w], rows)
 }

@@ -46,12 +46,13 @@ impl ComposedView {
         let task = LayerTask::new(study)?;
         let level = Level::new(solved, false).ok_or("not every slab has a complete realisation yet")?;
         let slabs = level.slabs(Change::default());
-        let of =
-            |(slabs, albedo): (&Slabs, &f64)| seen(slabs, task.slab_count(thickness_um), study.wave, *albedo);
+        let numbers = |(slabs, albedo): (&Slabs, &f64)| {
+            table_of(slabs, task.slab_count(thickness_um), study.wave, *albedo)
+        };
         Ok(Self {
             wavelengths_nm: study.wavelengths_nm.clone(),
             media: slabs.iter().map(|slabs| slabs.media[0].clone()).collect(),
-            numbers: slabs.iter().zip(&task.albedos).map(of).collect(),
+            numbers: slabs.iter().zip(&task.albedos).map(numbers).collect(),
         })
     }
 
@@ -61,8 +62,8 @@ impl ComposedView {
     /// Wavelengths that carry no colour.
     pub fn picture(&self, angles_deg: &[f64], sky: MirroredSky) -> Result<InkPicture, ColourError> {
         let eye = Colorimeter::new(&self.wavelengths_nm)?;
-        let colour = |of: &dyn Fn(usize) -> f64| {
-            eye.colour(&(0..self.wavelengths_nm.len()).map(of).collect::<Vec<_>>())
+        let colour = |quantity: &dyn Fn(usize) -> f64| {
+            eye.colour(&(0..self.wavelengths_nm.len()).map(quantity).collect::<Vec<_>>())
         };
         let mirrored = f64::from(u8::from(sky == MirroredSky::Included));
         let all = |w: usize, deg: f64| self.diffuse_albedo(w, deg) + mirrored * self.specular(w, deg);
@@ -94,11 +95,11 @@ impl DirectionalPrint for ComposedView {
     fn brdf(&self, wavelength: usize, light_deg: f64, view: Direction) -> f64 {
         let count = self.media[wavelength].ordinates.count();
         let lit = self.shares(wavelength, light_deg);
-        let seen = self.shares(wavelength, view.polar_deg);
+        let viewed = self.shares(wavelength, view.polar_deg);
         let row = |&(o, share): &(usize, f64)| -> f64 {
-            lit.iter().map(|(i, own)| share * own * self.numbers[wavelength][o * count + i]).sum()
+            lit.iter().map(|(i, lit_share)| share * lit_share * self.numbers[wavelength][o * count + i]).sum()
         };
-        seen.iter().map(row).sum()
+        viewed.iter().map(row).sum()
     }
 
     fn specular(&self, wavelength: usize, polar_deg: f64) -> f64 {
@@ -116,8 +117,9 @@ impl DirectionalPrint for ComposedView {
         for (w, medium) in self.media.iter().enumerate() {
             let count = medium.ordinates.count();
             let lit = self.shares(w, polar_deg);
-            let own = |o: usize| -> f64 { lit.iter().map(|(i, s)| s * self.numbers[w][o * count + i]).sum() };
-            let albedo: f64 = (0..count).map(|o| own(o) * projected_sr(medium, o)).sum();
+            let brdf =
+                |o: usize| -> f64 { lit.iter().map(|(i, s)| s * self.numbers[w][o * count + i]).sum() };
+            let albedo: f64 = (0..count).map(|o| brdf(o) * projected_sr(medium, o)).sum();
             all.push(Disagreement::unknown_error(albedo - self.diffuse_albedo(w, polar_deg)));
         }
         Ok(all)
@@ -125,7 +127,7 @@ impl DirectionalPrint for ComposedView {
 }
 
 /// The BRDF at the nodes and the table of a layer of `count` slabs.
-fn seen(slabs: &Slabs, count: f64, wave: Wave, albedo: f64) -> Vec<f64> {
+fn table_of(slabs: &Slabs, count: f64, wave: Wave, albedo: f64) -> Vec<f64> {
     let before = &slabs.media[0];
     let layer = ComposedLayer::new(slabs, count, wave);
     let paper = layer.on(albedo);
@@ -165,7 +167,8 @@ fn column_sum(fluxes: &Mat<f64>, medium: &Hemisphere, d: usize, light: &[f64]) -
 /// Diffuse BRDF at the nodes, row by row of the view, 1/sr.
 fn at_nodes(medium: &Hemisphere, layer: &ComposedLayer, paper: &OnPaper, wave: Wave) -> Vec<f64> {
     let light = polarised(medium, wave);
-    let [alone, on_paper] = [&layer.plate, &paper.plate].map(|plate| &plate.reflection[0]);
+    let alone = &layer.plate.reflection[0];
+    let on_paper = &paper.plate.reflection[0];
     let beam = |node: usize, p: usize| match node < medium.ordinates.escaping() {
         true => layer.mirrored_incoherently(medium.ordinates.sines[node], p),
         false => 0.0,

@@ -88,9 +88,9 @@ impl InkOnPaper {
         let Places { guide, fine_guide, colours, visible, .. } = &self.places;
         let of_film = [guide, fine_guide];
         let [on_grid, fine] = if colours == visible { of_film } else { [&sight.nodes, colours] };
-        let of = |nodes: &Range<usize>| self.whole[nodes.clone()].iter().map(quantity).collect();
+        let values = |nodes: &Range<usize>| self.whole[nodes.clone()].iter().map(quantity).collect();
         let fine_nm = self.nodes.wavelengths_nm[fine.clone()].to_vec();
-        let guide = Guide { on_grid: of(on_grid), fine: of(fine), fine_nm };
+        let guide = Guide { on_grid: values(on_grid), fine: values(fine), fine_nm };
         let known = guide.on_grid.iter().chain(&guide.fine).all(|value| value.is_finite());
         (known && !guide.on_grid.is_empty()).then_some(guide)
     }
@@ -170,9 +170,9 @@ impl InkOnPaper {
 
     /// Derivatives of a quantity at every solve; none where residuals do not count.
     fn slopes(&self, sight: &Sight, quantity: &impl Fn(&LayerOnPaper) -> f64) -> Vec<SolveSlopes> {
-        let at = |node: usize| self.whole[node].slopes(quantity);
+        let slopes = |node: usize| self.whole[node].slopes(quantity);
         let solved = self.places.solved.iter().filter(|_| sight.beyond_fit);
-        solved.map(|nodes| nodes.clone().map(at).collect()).collect()
+        solved.map(|nodes| nodes.clone().map(slopes).collect()).collect()
     }
 
     /// D65 and the 2° observer.
@@ -213,8 +213,12 @@ impl InkOnPaper {
     }
 
     /// A quantity at the wavelengths that are summed.
-    pub(in crate::evaluate) fn values(&self, sight: &Sight, of: &impl Fn(&LayerOnPaper) -> f64) -> Vec<f64> {
-        sight.values(&self.whole, of)
+    pub(in crate::evaluate) fn values(
+        &self,
+        sight: &Sight,
+        quantity: &impl Fn(&LayerOnPaper) -> f64,
+    ) -> Vec<f64> {
+        sight.values(&self.whole, quantity)
     }
 
     /// Error of T̄ at each wavelength of the spectra due to the choice of directions: standard
@@ -269,18 +273,21 @@ impl InkOnPaper {
         self.measured(|layer, column| layer.measured(r, j, column) - layer.fitted(left_out, weights, column))
     }
 
-    /// Differences from the film at the anchors and of the means; `of` gives those of any column of
-    /// an ensemble.
-    pub(super) fn measured(&self, of: impl Fn(&LayerEnsemble, usize) -> f64) -> Measured {
+    /// Differences from the film at the anchors and of the means; `number` gives those of any column
+    /// of an ensemble.
+    pub(super) fn measured(&self, number: impl Fn(&LayerEnsemble, usize) -> f64) -> Measured {
         let returned = self.returned.as_ref().map_or(&self.layer, |(layer, _)| layer);
-        let at = |layer: &LayerEnsemble| {
-            anchors(self.anchored, |angle, total| of(layer, layer.column(angle, total)))
+        let at_anchors = |layer: &LayerEnsemble| {
+            anchors(self.anchored, |angle, total| number(layer, layer.column(angle, total)))
         };
-        let mean = |mean: EnsembleMean| of(returned, returned.mean_column(mean));
+        let mean = |mean: EnsembleMean| number(returned, returned.mean_column(mean));
         Measured {
-            anchors: at(&self.layer),
-            returned: at(returned),
-            straight_on: of(&self.layer, self.layer.column(self.anchored[0], Total::SpecularTransmittance)),
+            anchors: at_anchors(&self.layer),
+            returned: at_anchors(returned),
+            straight_on: number(
+                &self.layer,
+                self.layer.column(self.anchored[0], Total::SpecularTransmittance),
+            ),
             transmittance: mean(EnsembleMean::Transmittance),
             absorptance: mean(EnsembleMean::ExitAbsorptance),
         }

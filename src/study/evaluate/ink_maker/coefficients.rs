@@ -10,9 +10,8 @@ use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use serde::Serialize;
 
-/// Largest unscattered share of the transmittance at the normal for light to count as diffuse.
-/// Below it, S of photons scattered isotropically between plane faces varies with the thickness by
-/// no more than [`MODEL`]; above it, it soon varies more.
+/// Largest unscattered share of the transmittance at the normal of diffuse light: below it, S of
+/// photons scattered isotropically between plane faces varies with thickness by [`MODEL`] at most.
 const STRAIGHT_ON: f64 = 0.01;
 /// Relative standard error of K and S due to the assumption of perfectly diffuse light, estimated
 /// from these photons (tests of [`crate::appearance::kubelka_munk`]).

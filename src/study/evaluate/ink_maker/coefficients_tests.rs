@@ -135,8 +135,8 @@ fn diffuse_layers_give_their_coefficients_whatever_the_thickness() {
 fn covered(seeds: &[Vec<[Estimate; 2]>], truth: &[[Estimate; 2]], factor: f64) -> [f64; 2] {
     let inside = |i: usize| {
         let all = seeds.iter().flat_map(|rows| rows.iter().zip(truth));
-        let holds = |(own, truth): (&[Estimate; 2], &[Estimate; 2])| {
-            (own[i].value - truth[i].value).abs() <= factor * own[i].standard_error.unwrap()
+        let holds = |(estimates, truth): (&[Estimate; 2], &[Estimate; 2])| {
+            (estimates[i].value - truth[i].value).abs() <= factor * estimates[i].standard_error.unwrap()
         };
         all.map(holds).filter(|holds| *holds).count() as f64 / (seeds.len() * truth.len()) as f64
     };
@@ -178,12 +178,12 @@ fn intervals_of_few_realisations_hold_k_and_s() {
     let student = coverage_factor_95(REALISATIONS - 1).unwrap();
     let [k, s] = covered(&seeds, &truth, student);
     let stopped = |ink: &InkOnPaper| -> Vec<[Estimate; 2]> {
-        let of = |layer: &LayerOnPaper| {
+        let two_flux = |layer: &LayerOnPaper| {
             let r = layer.mean_reflectance_exit();
             let t = layer.mean_transmittance();
             KubelkaMunk::from_layer(r, t, 1.0).unwrap()
         };
-        let part = |get: fn(KubelkaMunk) -> f64| ink.spectrum(|layer| get(of(layer))).estimates();
+        let part = |get: fn(KubelkaMunk) -> f64| ink.spectrum(|layer| get(two_flux(layer))).estimates();
         let k = part(|km| km.absorption_per_um);
         let s = part(|km| km.scattering_per_um);
         k.into_iter().zip(s).map(|(k, s)| [k, s]).collect()
@@ -211,7 +211,8 @@ fn opposite_errors_of_r_and_t_do_not_cancel_in_s() {
     let r = 0.3;
     let t = 0.7;
     let e = 1e-3;
-    let [alike, opposite] = [s(r + e, t + e), s(r + e, t - e)].map(|x| x - s(r, t));
+    let alike = s(r + e, t + e) - s(r, t);
+    let opposite = s(r + e, t - e) - s(r, t);
     assert!(opposite.abs() > 1.5 * alike.abs() && worse(alike, opposite) == opposite, "{alike} {opposite}");
     let moved = |[x, y]: Shift| s(r + x, t + y) - s(r, t);
     assert_eq!(of_unknown_signs(moved, [e, e]), opposite);

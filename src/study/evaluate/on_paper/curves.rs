@@ -52,9 +52,9 @@ pub fn azimuthal(x: f64, y: f64, s: f64) -> [f64; AZIMUTHAL] {
 }
 
 /// Differences from the film at 0° and 45°.
-pub(in crate::evaluate) fn anchors(places: [usize; 2], of: impl Fn(usize, Total) -> f64) -> Anchors {
+pub(in crate::evaluate) fn anchors(places: [usize; 2], difference: impl Fn(usize, Total) -> f64) -> Anchors {
     let curves = [Total::Reflectance, Total::Transmittance, Total::SpecularReflectance];
-    places.map(|angle| curves.map(|total| of(angle, total)))
+    places.map(|angle| curves.map(|total| difference(angle, total)))
 }
 
 /// Fits the curves between the anchors, the azimuthal mean of the diffuse BRDF with `diffuse_width`
@@ -82,24 +82,25 @@ pub(in crate::evaluate) fn curves(
     films: &Films,
 ) -> Fits {
     let samples = |r: usize, j: usize| {
-        let at = &solved[r].wavelengths[j];
+        let wavelength = &solved[r].wavelengths[j];
         let thickness_um = solved[r].thickness_um;
-        let own = anchors(anchored, |angle, total| layer.measured(r, j, layer.column(angle, total)));
-        (at.wavelength_nm, of_strata(&at.strata, &films.of_thickness(at.wavelength_nm, thickness_um), &own))
+        let at_anchors = anchors(anchored, |angle, total| layer.measured(r, j, layer.column(angle, total)));
+        let film = films.of_thickness(wavelength.wavelength_nm, thickness_um);
+        (wavelength.wavelength_nm, of_strata(&wavelength.strata, &film, &at_anchors))
     };
     let ensemble = (0..solved.len()).map(|r| (0..solved[r].wavelengths.len()).map(move |j| samples(r, j)));
-    Fits::new(ensemble, &layer.basis, [BENDS, CURVES])
+    Fits::new(ensemble, &layer.basis, BENDS, CURVES)
 }
 
 /// Samples of the strata of one wavelength: curve functions against the rest of R, T and specular R
 /// beyond film and anchors.
-fn of_strata(strata: &[SolvedDirection], film: &FilmAt, own: &Anchors) -> Normal {
+fn of_strata(strata: &[SolvedDirection], film: &FilmAt, at_anchors: &Anchors) -> Normal {
     let mut samples = Normal::new(BENDS, CURVES);
     for s in strata {
         let (between, bends) = anchor_weights(s.polar_deg.to_radians().cos());
         let [film_r, _, film_t, ..] = film_totals(film, s.polar_deg);
         let beyond = [s.reflectance - film_r, s.transmittance - film_t, s.specular_reflectance - film_r];
-        let rest = |i: usize| beyond[i] - between[0] * own[0][i] - between[1] * own[1][i];
+        let rest = |i: usize| beyond[i] - between[0] * at_anchors[0][i] - between[1] * at_anchors[1][i];
         samples.sample(&bends, &[0, 1, 2].map(rest));
     }
     samples
@@ -116,16 +117,21 @@ fn all_functions(lit: f64, seen: f64, s: f64) -> [f64; SYMMETRIC + AZIMUTHAL] {
 
 /// Fits the layer's diffuse BRDF to all orders of all solves from the incident side: its azimuthal
 /// mean, for colours, or its dependence on the azimuth, for renderers.
-fn diffuse<const N: usize>(layer: &LayerEnsemble, solved: &[SolvedRealisation], of: &Functions<N>) -> Fits {
-    let samples = |at: &SolvedWavelength| (at.wavelength_nm, of_orders(at, of));
-    Fits::new(solved.iter().map(|r| r.wavelengths.iter().map(samples)), &layer.basis, [N, 1])
+fn diffuse<const N: usize>(
+    layer: &LayerEnsemble,
+    solved: &[SolvedRealisation],
+    functions: &Functions<N>,
+) -> Fits {
+    let samples =
+        |wavelength: &SolvedWavelength| (wavelength.wavelength_nm, of_orders(wavelength, functions));
+    Fits::new(solved.iter().map(|r| r.wavelengths.iter().map(samples)), &layer.basis, N, 1)
 }
 
 /// Samples of the reflected orders of all solves from the incident side at one wavelength:
 /// functions against the BRDF.
-fn of_orders<const N: usize>(at: &SolvedWavelength, functions: &Functions<N>) -> Normal {
+fn of_orders<const N: usize>(wavelength: &SolvedWavelength, functions: &Functions<N>) -> Normal {
     let mut samples = Normal::new(N, 1);
-    for s in at.exact.iter().chain(&at.strata) {
+    for s in wavelength.exact.iter().chain(&wavelength.strata) {
         let (sine, lit) = s.polar_deg.to_radians().sin_cos();
         for order in &s.scattered {
             samples.sample(&functions(lit, order.cosine, sine * order.along), &[order.density]);

@@ -26,7 +26,8 @@ impl Probing<'_> {
         let Self { study, scene, memory, watch, .. } = *self;
         let stop = || watch.stop();
         let precision = Precision { error: study.resolution.coverage_error(), stop: &stop };
-        let (coverages, solver) = (Coverages::new(study.wave, scene, precision), study.solver.build());
+        let coverages = Coverages::new(study.wave, scene, precision);
+        let solver = study.solver.build();
         let media: Vec<Media> = probes.iter().map(|probe| study.media(probe.wavelength_um)).collect();
         let tasks = media.iter().zip(probes).map(|(media, incidence)| Task {
             coverages: &coverages,
@@ -43,7 +44,8 @@ impl Probing<'_> {
 
     /// The grid that suffices for all test solves, and the largest of their error estimates.
     pub fn grid(&self, tasks: &[Task]) -> Result<(Resolution, f64), AccuracyError> {
-        let (mut resolution, mut error_estimate) = (None, 0.0_f64);
+        let mut resolution = None;
+        let mut error_estimate = 0.0_f64;
         for task in tasks {
             let probed = self.refined(task, resolution)?;
             error_estimate = largest([error_estimate, probed.error_estimate]);

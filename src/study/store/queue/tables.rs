@@ -50,7 +50,8 @@ fn reopen(folder: &Path, slot: &Slot, error: rusqlite::Error) -> rusqlite::Resul
 /// dead, and its tasks are released.
 pub(super) fn join(
     transaction: &Transaction,
-    (folder, slot): (&Path, &Slot),
+    folder: &Path,
+    slot: &Slot,
     name: &str,
 ) -> rusqlite::Result<Option<String>> {
     let under_way: Option<String> = match living(transaction, folder)?[..] {

@@ -9,9 +9,8 @@ use crate::wave::Resolution;
 use crate::work::variant::Variant;
 use std::f64::consts::TAU;
 
-/// Core seconds of an operator application, including the strategy's own work, per field component
-/// and unknown: krylov, inks of 30 % (`study/bdf_point` and `strategy/krylov` of
-/// reports/benchmarks).
+/// Core seconds of an operator application and the strategy's own work, per field component and
+/// unknown: krylov, inks of 30 % (reports/benchmarks, `study/bdf_point` and `strategy/krylov`).
 const APPLICATION: f64 = 4e-8;
 /// Core seconds of the coverage per grid point (`geometry/coverage` there).
 const COVERAGE: f64 = 1.5e-6;
@@ -33,10 +32,17 @@ pub(super) fn scaled(variant: &Variant) -> Trial<'_> {
     let solve = size(study, resolution).unknowns() * applications(study) * APPLICATION;
     let coverage = (resolution.nx * resolution.ny * resolution.planes()) as f64 * COVERAGE;
     let each = 1.0 / study.volume_um3();
-    let costs = [packing(study), coverage, SEARCH * (coverage + solve), solve];
-    let [packing, coverage, grid, solve] = costs.map(|seconds| seconds * each);
-    let (study, search, longer_waves) = (study.clone(), SEARCH, 0.0);
-    Trial { variant, study, packing, coverage, grid, search, solve, resolution, longer_waves }
+    Trial {
+        variant,
+        study: study.clone(),
+        packing: packing(study) * each,
+        coverage: coverage * each,
+        grid: SEARCH * (coverage + solve) * each,
+        search: SEARCH,
+        solve: solve * each,
+        resolution,
+        longer_waves: 0.0,
+    }
 }
 
 /// The requested grid, or the one that the accuracy is likely to need.
@@ -45,8 +51,8 @@ fn grid(study: &Study) -> Resolution {
     let [points_per_um, planes_per_um] = match study.resolution {
         WantedResolution::Grid { points_per_um, planes_per_um, .. } => [points_per_um, planes_per_um],
         WantedResolution::Accuracy { amplitude, .. } => {
-            let (waves, finer) =
-                (densest(study) / (1e-3 * study.wavelengths_nm[0]), (1e-2 / amplitude).max(1.0));
+            let waves = densest(study) / (1e-3 * study.wavelengths_nm[0]);
+            let finer = (1e-2 / amplitude).max(1.0);
             [PER_WAVE[0] * finer.powf(0.25) * waves, PER_WAVE[1] * finer.powf(0.2) * waves]
         }
     };

@@ -48,8 +48,8 @@ pub(crate) struct Trial<'a> {
 /// Approximate number of grains per µm³, which determines the cost of packing and the scale of
 /// scattering.
 pub(crate) fn density(study: &Study) -> f64 {
-    let of = |grains: &PigmentGrains| grains.volume_fraction / (1e-3 * grains.size.largest_nm()).powi(3);
-    study.pigments.iter().map(|p| of(&p.grains)).sum()
+    let per_um3 = |grains: &PigmentGrains| grains.volume_fraction / (1e-3 * grains.size.largest_nm()).powi(3);
+    study.pigments.iter().map(|p| per_um3(&p.grains)).sum()
 }
 
 /// The study in the small cell of a trial.
@@ -99,9 +99,18 @@ pub fn trial<'a>(
     };
     let grid = search * (coverage + solve);
     let each = 1.0 / study.volume_um3();
-    let [packing, coverage, grid, solve] = [packing, coverage, grid, solve].map(|seconds| seconds * each);
     let (resolution, longer_waves) = grids;
-    Ok(Trial { variant, study, packing, coverage, grid, search, solve, resolution, longer_waves })
+    Ok(Trial {
+        variant,
+        study,
+        packing: packing * each,
+        coverage: coverage * each,
+        grid: grid * each,
+        search,
+        solve: solve * each,
+        resolution,
+        longer_waves,
+    })
 }
 
 /// A packing on grids; the grid of the shortest wave, and the coarsening for longer ones.
@@ -122,7 +131,7 @@ pub(crate) fn covers(
 }
 
 fn grid_of((_, (finest, longer_waves)): &Covers, study: &Study, point: &Point) -> Resolution {
-    coarsened(study, *finest, point.incidence.wavelength_um, (Finest::of(study), *longer_waves))
+    coarsened(study, *finest, point.incidence.wavelength_um, Finest::of(study), *longer_waves)
 }
 
 /// A grid of the requested resolution with its coarsening for longer waves, and the core seconds of
@@ -137,14 +146,16 @@ fn grid_for(
         return Ok((None, (full_resolution(trial, study), trial.longer_waves)));
     }
     let store = Store::in_memory()?;
-    let (seconds, found) = timed(|| resolve(study, &store, memory::usable(), watch, |_| Ok(scene.clone())))?;
-    Ok((Some(seconds), (found.resolution, found.longer_waves)))
+    let (seconds, resolved) =
+        timed(|| resolve(study, &store, memory::usable(), watch, |_| Ok(scene.clone())))?;
+    Ok((Some(seconds), (resolved.resolution, resolved.longer_waves)))
 }
 
 /// Processor seconds, and the result. The clock on the wall, which other programs' work on the
 /// machine lengthens, counts only where the system does not tell the processor's.
 fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunError> {
-    let (clock, before) = (Instant::now(), processor_seconds());
+    let clock = Instant::now();
+    let before = processor_seconds();
     let made = make()?;
     let used = processor_seconds().zip(before).map(|(after, before)| after - before);
     Ok((used.unwrap_or_else(|| clock.elapsed().as_secs_f64()), made))

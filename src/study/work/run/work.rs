@@ -83,8 +83,12 @@ impl Work<'_> {
             self.watch.stage(&format!("no result: {error}"));
         }
         for realisation in realisations {
-            let (variant, reason) = (self.watch.name.to_owned(), error.to_string());
-            let record = FailureRecord { variant, realisation, incidence: None, reason };
+            let record = FailureRecord {
+                variant: self.watch.name.to_owned(),
+                realisation,
+                incidence: None,
+                reason: error.to_string(),
+            };
             self.worker.stores.failures.put(stage_key(study, realisation).as_str(), &record)?;
         }
         let _ = self.worker.failure.set(error);
@@ -107,7 +111,8 @@ impl Work<'_> {
         };
         let Self { worker: &Worker { stores, settings, ref room, .. }, study, realisation, .. } = *self;
         room.within(|memory| {
-            let (settings, watch) = (RunSettings { memory, ..settings }, &self.watch);
+            let settings = RunSettings { memory, ..settings };
+            let watch = &self.watch;
             RealisationRun { study, resolved, stores, settings, watch, realisation }.finish(packings)
         })
     }
