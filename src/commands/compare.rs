@@ -55,7 +55,8 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let comparison = ran.inspect_err(|_| output.discard_when_empty()).map_err(report)?;
     comparison.write(&output).map_err(write_report)?;
     say!("Comparison: {}", args.output.join("comparison.html").display())?;
-    let (there, asked) = (comparison.rows.len(), comparison.asked);
+    let there = comparison.rows.len();
+    let asked = comparison.asked;
     if there < asked {
         let help = "the page shows the finished solves; running the command again repeats all of them";
         return Err(miette!(help = help, "stopped after {there} of {asked} solves"));
@@ -73,7 +74,8 @@ const CHECK_GB: f64 = 8.0;
 
 /// Checks a program and says what it found.
 fn checked(args: &CompareArgs) -> Result<()> {
-    let (command, knob) = (args.check.clone(), args.knob.into_iter().collect());
+    let command = args.check.clone();
+    let knob = args.knob.into_iter().collect();
     let name = command.join(" ");
     let program = ExternalTable { name, command, knob, time_limit_s: CHECK_SECONDS, memory_gb: CHECK_GB };
     let Conformity { cases, verdict } =
@@ -116,7 +118,9 @@ fn tell_row(row: &Row) {
         Err(reason) => format!("failed: {reason}"),
     };
     let seconds = row.seconds.map_or_else(String::new, |seconds| format!(", {seconds:.2} s"));
-    let (strategy, grid, applications) = (&row.strategy, row.grid(), row.applications());
+    let strategy = &row.strategy;
+    let grid = row.grid();
+    let applications = row.applications();
     note!("{case}{strategy:16} {grid}: {applications} applications{seconds}, {result}");
 }
 

@@ -83,9 +83,11 @@ fn plan_fit(task: &FitTask, settings: RunSettings) -> Result<()> {
     let costs = costs.map_err(fit_report)?;
     let solves = PlannedSolves::of(task);
     let [least, most] = PlannedSolves::LINEARISATIONS;
-    let (spectra, layers) = (task.measured.len(), task.coats_measured);
+    let spectra = task.measured.len();
+    let layers = task.coats_measured;
     let layers = if layers == 1 { "1 layer".into() } else { format!("{layers} layers") };
-    let (waves, cells) = (task.wavelengths_nm().len(), task.coats[0].realisations);
+    let waves = task.wavelengths_nm().len();
+    let cells = task.coats[0].realisations;
     say!("{}: {spectra} spectra of {layers}, {waves} wavelengths, {cells} cells", task.title)?;
     say!("grids and packings: {}", processor_time(begin))?;
     say!(
@@ -148,7 +150,8 @@ pub fn design(args: &DesignArgs) -> Result<()> {
     design::publish::publish(&task, &outcome, &folder).into_diagnostic()?;
     say!("{}: {}", task.title, outcome.verdict)?;
     for run in &outcome.verified {
-        let (delta_e, ratio) = (run.delta_e_2000.in_words(2), run.contrast_ratio.in_words(3));
+        let delta_e = run.delta_e_2000.in_words(2);
+        let ratio = run.contrast_ratio.in_words(3);
         note!("verified: {}: ΔE₀₀ {delta_e}, contrast ratio {ratio}", run.recipe);
     }
     for left in &outcome.left_out {

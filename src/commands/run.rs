@@ -118,7 +118,8 @@ fn tell(
     if published.status == Status::Complete {
         return Ok(());
     }
-    let (done, all) = (collected.finished(), study.solves() - collected.spared(study));
+    let done = collected.finished();
+    let all = study.solves() - collected.spared(study);
     let (help, why) = match (stopped, collected.failures().count()) {
         (true, _) => (to_resume(), "stopped".to_owned()),
         (false, failed) => (FAILED.to_owned(), format!("{failed} solves have no result")),

@@ -105,7 +105,8 @@ impl LightArgs {
 
     /// Warns if directions are so far apart that they miss lobes.
     fn warn_of_step(&self, first_zero_deg: f64) {
-        let (step, finest) = (self.step_deg(), *STEPS_DEG.start());
+        let step = self.step_deg();
+        let finest = *STEPS_DEG.start();
         if step <= first_zero_deg {
             return;
         }

@@ -14,7 +14,8 @@ use serde_json::{Value, json};
 
 /// Light, orders, totals, errors and costs of a solve.
 pub fn report(e: &Estimated, wave: Wave, light: &Incidence) -> Value {
-    let (account, unknowns) = (e.account(), e.system().unknowns());
+    let account = e.account();
+    let unknowns = e.system().unknowns();
     let bytes = e.system().bytes() + account.bytes;
     let steps: Vec<usize> = e.solved.iter().map(|s| s.solution.account.steps).collect();
     let orders = 0..e.far_field().orders.len();

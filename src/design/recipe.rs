@@ -164,8 +164,10 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     let variables = variables(&file.vary, &mut faults);
     check_settings(&file, &mut faults);
     let title = file.title.clone().unwrap_or_else(|| stem(path));
-    let (settings, contrast_ratio) = (file.design.clone(), file.target.contrast_ratio);
-    let (lab, remarks) = ([0.0; 3], Vec::new());
+    let settings = file.design.clone();
+    let contrast_ratio = file.target.contrast_ratio;
+    let lab = [0.0; 3];
+    let remarks = Vec::new();
     let mut task = DesignTask { title, variables, settings, lab, contrast_ratio, remarks, base, folder };
     if faults.0.is_empty() {
         match checked_ends(&task, file.target.patch.is_some()) {

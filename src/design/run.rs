@@ -217,7 +217,8 @@ impl DesignRun<'_> {
 
     /// Runs the variants of the design; those without a colour are left out.
     fn variants(&self) -> Result<Variants, DesignError> {
-        let (task, count) = (self.task, self.task.variables.len());
+        let task = self.task;
+        let count = self.task.variables.len();
         let planned = task.variants();
         let needed = super::surface::most_coefficients(count) + 2;
         let corners = if count <= CORNERS { (1 << count).min(planned) } else { 0 };

@@ -120,7 +120,8 @@ impl Surfaces {
     /// Fits differences from the film at points of the box.
     pub fn new(places: &[Vec<f64>], differences: &[Spectra3]) -> Option<Self> {
         let rows: Vec<Vec<f64>> = places.iter().map(|p| monomials(p)).collect();
-        let (count, columns) = (rows.first()?.len(), differences.first()?.len());
+        let count = rows.first()?.len();
+        let columns = differences.first()?.len();
         let matrix = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
         let ridge = RIDGE * rows.len() as f64;
         let ridge = Mat::from_fn(count, count, |i, j| if i == j { ridge } else { 0.0 });
@@ -155,7 +156,8 @@ mod tests {
             (0..20).map(|k| vec![(0.618 * f64::from(k)).fract(), (0.755 * f64::from(k)).fract()]).collect();
         let values: Vec<Spectra3> = places.iter().map(|p| f(p)).collect();
         let surfaces = Surfaces::new(&places, &values).unwrap();
-        let (here, there) = (surfaces.at(&[0.3, 0.8]), f(&[0.3, 0.8]));
+        let here = surfaces.at(&[0.3, 0.8]);
+        let there = f(&[0.3, 0.8]);
         // the guard against too few data pulls by its weight
         assert!(here.iter().zip(&there).all(|(a, b)| (a - b).abs() < 2e-3), "{here:?} {there:?}");
         assert!((0..20).all(|i| surfaces.left_out[i].iter().all(|e| e.abs() < 2e-2)));

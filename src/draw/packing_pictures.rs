@@ -18,7 +18,8 @@ const TILE: usize = 300;
 /// binder's surface.
 pub fn top_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
     let [lx, ly] = packing.period_um();
-    let (per_um, height) = (WIDE / lx.max(ly), packing.thickness_um());
+    let per_um = WIDE / lx.max(ly);
+    let height = packing.thickness_um();
     let frame = Frame {
         x: 0.0..lx,
         y: 0.0..ly,

@@ -23,7 +23,7 @@ impl StoredFolder {
     /// No results there, an unfinished study, or results and store that do not fit.
     pub fn read(path: &Path) -> ExportResult<Self> {
         let study = stored::study(path)?;
-match study.composed().is_some() {
+        match study.composed().is_some() {
             true => StoredSlabs::of_study(study, path).map(|slabs| Self::Composed(Box::new(slabs))),
             false => Stored::of_study(study, path).map(|stored| Self::Whole(Box::new(stored))),
         }

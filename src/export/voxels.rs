@@ -178,7 +178,8 @@ mod tests {
             inclusions: vec![2.0.into(), Complex64::new(1.0, 1.0)],
         };
         let voxels = Voxels::of(&packing);
-        let ([nx, ny, _], contrast) = (voxels.count, voxels.contrast(&media));
+        let [nx, ny, _] = voxels.count;
+        let contrast = voxels.contrast(&media);
         // 2² − 1.5² and (1 + i)² − 1.5², in 27 shares of single precision
         for (at, expected) in [(0.1, Complex64::new(1.75, 0.0)), (0.3, Complex64::new(-2.25, 2.0))] {
             let [x, y, z] = voxels.edge_um.map(|edge| (at / edge) as usize);

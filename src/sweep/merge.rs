@@ -120,7 +120,8 @@ fn describe(sweep: &Sweep, folder: &OutputFolder, row: &Sealed) -> String {
         let realisations = 0..variant.study.realisations;
         let mut points = realisations.flat_map(|r| all_point_keys(&variant.study, &resolved, r));
         if let Some((point, _)) = points.find(|(_, key)| key.as_str() == row.key) {
-            let (nm, deg) = (1e3 * point.incidence.wavelength_um, point.incidence.polar_deg);
+            let nm = 1e3 * point.incidence.wavelength_um;
+            let deg = point.incidence.polar_deg;
             let realisation = point.realisation + 1;
             return format!("{}, realisation {realisation}, {nm:.0} nm, {deg:.1}° ({hash})", variant.name);
         }

@@ -135,7 +135,8 @@ impl<'a> Map<'a> {
     fn answer(&self, places: Vec<f64>) -> Option<DesignAnswer> {
         let (lab, contrast_ratio) = self.at(&places).ok()?;
         let delta_e_2000 = ciede2000(lab, self.task.lab);
-        let (recipe, values) = (self.task.in_words(&places), self.task.values(&places));
+        let recipe = self.task.in_words(&places);
+        let values = self.task.values(&places);
         Some(DesignAnswer { recipe, values, delta_e_2000, contrast_ratio, places })
     }
 

@@ -53,10 +53,10 @@ fn fitted(task: &FitTask, truth: &[[f64; 2]]) -> FitOutcome {
     for round in 1.. {
         let prior = prior.adapted(&point);
         let response = Origin::Film.response(task, &task.measured, &prior.index(&point), 0.0).unwrap();
-        let data = Data::new(task, (&prior, &point), &response, &[0.0]);
+        let data = Data::new(task, &prior, &point, &response, &[0.0]);
         let (strength, step) = data.chosen().unwrap();
         if round == ROUNDS {
-            return data.outcome((strength, &step), round);
+            return data.outcome(strength, &step, round);
         }
         point = step.unknowns;
     }
@@ -68,7 +68,8 @@ fn intervals_hold_what_they_promise() {
     let mut task = task();
     let nm = task.wavelengths_nm().to_vec();
     let mut draws = Draws::new(5, 0);
-    let (mut inside, mut chi) = ([0.0; 2], 0.0);
+    let mut inside = [0.0; 2];
+    let mut chi = 0.0;
     for _ in 0..PIGMENTS {
         let truth = pigment(&nm, &mut draws);
         let exact = Origin::Film.spectra(&task, &task.measured, &truth, ([0.0; 2], 0.0)).unwrap();

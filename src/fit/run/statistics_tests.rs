@@ -44,14 +44,14 @@ fn the_step_minimises_the_cost() {
     let point: Vec<f64> = near(&prior, &truth).unwrap().iter().map(|x| x + 0.01).collect();
     let strength = 0.06;
     // replicates stay those of the point: the covariance is that of the step
-    let own = scattered(Origin::Film.response(&task, &task.measured, &prior.index(&point), 0.0).unwrap());
-    let spread: Vec<Vec<Vec<f64>>> = own.replicates.clone();
+    let here = scattered(Origin::Film.response(&task, &task.measured, &prior.index(&point), 0.0).unwrap());
+    let spread: Vec<Vec<Vec<f64>>> = here.replicates.clone();
     let cost = |unknowns: &[f64]| {
         let moved = Origin::Film.response(&task, &task.measured, &prior.index(unknowns), 0.0).unwrap();
         let moved = Response { replicates: spread.clone(), ..moved };
-        Data::new(&task, (&prior, unknowns), &moved, &[0.002]).cost(strength).unwrap()
+        Data::new(&task, &prior, unknowns, &moved, &[0.002]).cost(strength).unwrap()
     };
-    let data = Data::new(&task, (&prior, &point), &own, &[0.002]);
+    let data = Data::new(&task, &prior, &point, &here, &[0.002]);
     let step = data.step(strength).unwrap();
     assert!(step.unknowns.iter().zip(&prior.positive).all(|(x, held)| !held || *x > 0.0), "no bound acts");
     let moved = Mat::from_fn(point.len(), 1, |i, _| step.unknowns[i] - point[i]);
@@ -135,10 +135,10 @@ fn kubelka_and_munk_predict_in_proportion_to_the_pigment() {
     let response = Origin::Film.response(&task, &task.measured, &truth, 0.0).unwrap();
     let prior = IndexPrior::new(PriorName::Smooth, task.wavelengths_nm(), 1.5, false);
     let point = near(&prior, &truth).unwrap();
-    let data = Data::new(&task, (&prior, &point), &response, &[0.0]);
+    let data = Data::new(&task, &prior, &point, &response, &[0.0]);
     let (strength, step) = data.chosen().unwrap();
-    let outcome = data.outcome((strength, &step), 1);
-    let forecast = Forecast::new(&task, &other, &response, (0, &outcome));
+    let outcome = data.outcome(strength, &step, 1);
+    let forecast = Forecast::new(&task, &other, 0, &response, &outcome);
     let expected = over_card(3.0 * 0.4, 3.0 * 0.15, card(&other));
     // a closed form inverted and evaluated: rounding
     assert!(forecast.kubelka_munk.unwrap().iter().all(|x| (x - expected).abs() < 1e-9));

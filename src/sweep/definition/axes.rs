@@ -114,7 +114,8 @@ fn values(i: usize, field: &str, table: &AxisTable, faults: &mut Faults) -> Vec<
         faults.add(format!("axis[{i}].values"), "no values", allowed, remedy);
     }
     if let Some(labels) = table.labels.as_ref().filter(|labels| labels.len() != list.len()) {
-        let (found, allowed) = (format!("{} labels", labels.len()), format!("{} labels", list.len()));
+        let found = format!("{} labels", labels.len());
+        let allowed = format!("{} labels", list.len());
         faults.add(format!("axis[{i}].labels"), found, allowed, "one label for each value");
     }
     let setting = |(k, value): (usize, &Value)| AxisSetting {
@@ -136,8 +137,8 @@ fn range(i: usize, table: &AxisTable, from: f64, to: f64, faults: &mut Faults) -
         _ => return Vec::new(),
     };
     if !(to >= from && (1.0..=LONGEST_AXIS as f64).contains(&count)) {
-        let (found, allowed) =
-            (format!("{from} to {to}"), format!("a rising range of 1 to {LONGEST_AXIS} values"));
+        let found = format!("{from} to {to}");
+        let allowed = format!("a rising range of 1 to {LONGEST_AXIS} values");
         faults.add(format!("axis[{i}].to"), found, allowed, "raise `to` or the step");
         return Vec::new();
     }

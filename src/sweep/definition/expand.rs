@@ -28,7 +28,8 @@ pub struct Draft {
 pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults) -> Vec<Draft> {
     for (i, axis) in axes.iter().enumerate() {
         if axes[..i].iter().any(|earlier| earlier.name == axis.name) {
-            let (found, allowed) = (format!("{:?} twice", axis.name), "names that differ");
+            let found = format!("{:?} twice", axis.name);
+            let allowed = "names that differ";
             faults.add(format!("axis[{i}].name"), found, allowed, "give each axis its own name");
         }
         // the later would override the earlier, whose captions would be wrong
@@ -136,7 +137,8 @@ fn draft(file: &SweepFile, base: &Table, axes: &[Axis], place: Vec<usize>, fault
     }
     let labels = axes.iter().zip(&place).map(|(axis, &k)| axis.settings[k].label.as_str());
     let labels: Vec<&str> = labels.collect();
-    let (title, caption) = (file.title.as_deref().unwrap_or_default(), labels.join(", "));
+    let title = file.title.as_deref().unwrap_or_default();
+    let caption = labels.join(", ");
     let title = if caption.is_empty() { title.to_owned() } else { format!("{title}: {caption}") };
     study.insert("title".into(), title.into());
     let name = labels.into_iter().map(slug).collect::<Vec<_>>().join("-");

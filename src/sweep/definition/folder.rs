@@ -170,7 +170,8 @@ pub fn seal<'a>(outline: &Outline, studies: impl Iterator<Item = &'a str>) -> se
 pub fn check(outline: &Outline) -> Result<(), String> {
     let count = outline.variants.len();
     for (i, variant) in outline.variants.iter().enumerate() {
-        let (name, place) = (&variant.name, &variant.place);
+        let name = &variant.name;
+        let place = &variant.place;
         if !is_folder_name(name) || outline.variants[..i].iter().any(|other| other.name == *name) {
             let allowed = "names that differ, of folders under variants, of letters, digits and . _ + -";
             return Err(format!("variants[{i}].name: found {name:?}; allowed: {allowed}"));

@@ -63,7 +63,8 @@ pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
         None => judge_one(claim, outcomes),
     };
     let (verdict, measured, remark) = found.unwrap_or_else(|missing| (Verdict::Undecided, None, missing));
-    let (table, inequality) = (claim.table.clone(), inequality(claim, outcomes));
+    let table = claim.table.clone();
+    let inequality = inequality(claim, outcomes);
     Judged { table, inequality, measured, verdict, remark }
 }
 

@@ -92,7 +92,8 @@ fn plot(
 ) -> Option<Chart> {
     let mut curves: Vec<Curve> = Vec::new();
     for name in names(made, x) {
-        let (mut points, mut asked) = (BTreeMap::new(), Vec::new());
+        let mut points = BTreeMap::new();
+        let mut asked = Vec::new();
         for (v, make) in made.iter().filter(|(_, make)| make.belongs(&name, x)) {
             asked.push(make.in_units(x));
             if let Some(value) = y(*v) {
@@ -148,7 +149,8 @@ impl CurveMaker {
             _ => "",
         };
         let at = [(share * 1e6).round() as u64, (size * 1e2).round() as u64];
-        let (kind, pigments) = (kinds.join(" and ") + relief + contrast, inks(study).join(" + "));
+        let kind = kinds.join(" and ") + relief + contrast;
+        let pigments = inks(study).join(" + ");
         Some(Self { at, kind, pigments, others: String::new() })
     }
 

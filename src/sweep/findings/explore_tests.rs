@@ -28,7 +28,8 @@ fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> Outcome {
     let colour = Colorimeter::new(wavelengths_nm).unwrap().colour(&values).unwrap();
     let covariance = Some([[0.1234567, 0.01, 0.0], [0.01, 0.2345678, 0.0], [0.0, 0.0, 0.3456789]]);
     let colour = Colour { lab_covariance: covariance, ..colour };
-    let (lab, deviations) = ([70.1, -5.2, 40.3], Vec::new());
+    let lab = [70.1, -5.2, 40.3];
+    let deviations = Vec::new();
     let target = Target { lab, delta_e_2000: number(), deviations };
     let contrast = Some((number(), Vec::new()));
     let solves = Count { asked: 24, finished: 24 };
@@ -161,7 +162,8 @@ fn axes_with_two_values_words_or_gaps_stay_discrete() {
         assert!(!is_continuous(labels, 0), "{labels:?}");
     }
     assert!(!is_continuous(&["1 nm", "2 nm", "4 nm"], 1));
-    let (three, unsolved) = (outline([&["1"], &["1", "2", "3"]]), [Some([50.0; 3]), None, Some([50.0; 3])]);
+    let three = outline([&["1"], &["1", "2", "3"]]);
+    let unsolved = [Some([50.0; 3]), None, Some([50.0; 3])];
     assert!(Continuous::new(&three, &unsolved, 1).is_none());
 }
 

@@ -157,7 +157,8 @@ impl Outcome {
         };
         let [here, there] = [colour(self)?, colour(other)?];
         let [by_here, by_there] = here.delta_e_2000_gradients(&there);
-        let (mut common, mut deviations) = ([[0.0; 3]; 3], BTreeMap::new());
+        let mut common = [[0.0; 3]; 3];
+        let mut deviations = BTreeMap::new();
         for realisation in self.lab_deviations.keys().chain(other.lab_deviations.keys()) {
             let of = |o: &Self| o.lab_deviations.get(realisation).copied().unwrap_or_default();
             let [a, b] = [of(self), of(other)];

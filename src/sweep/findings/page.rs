@@ -19,8 +19,10 @@ const MOST_FIGURES: usize = 24;
 
 /// The page as HTML; all text is escaped.
 pub(super) fn page(sweep: &Sweep, reported: &Reported, sheets: &[DrawnSheet]) -> PublishResult<String> {
-    let (outline, outcomes) = (&sweep.outline, &reported.outcomes);
-    let (complete, all) = (reported.complete(), sweep.variants.len());
+    let outline = &sweep.outline;
+    let outcomes = &reported.outcomes;
+    let complete = reported.complete();
+    let all = sweep.variants.len();
     let picture = |(sheet, png): &DrawnSheet| Picture { data: png_data(png), caption: sheet.title.clone() };
     let data = context! {
         title => &outline.title,
@@ -87,7 +89,8 @@ fn conclusion(judged: &Judged) -> Value {
 }
 
 fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Value {
-    let (outcome, numbers) = (&outcomes[number], shown(sweep, number, outcomes));
+    let outcome = &outcomes[number];
+    let numbers = shown(sweep, number, outcomes);
     let all = outcome.solves;
     let state = match (&outcome.reason, all.finished) {
         (Some(reason), _) => format!("{} failed: {reason}", outcome.failures),

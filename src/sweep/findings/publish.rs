@@ -67,7 +67,8 @@ fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Publi
     let nearest = nearest(&sweep.outline, &outcomes);
     let reported = Reported { outcomes, conclusions, nearest };
     let sheets = sheets(&sweep.outline);
-    let (count, mut drawn) = (sheets.len(), Vec::new());
+    let count = sheets.len();
+    let mut drawn = Vec::new();
     for (i, sheet) in sheets.into_iter().enumerate() {
         let pictures = contact_sheet(&sheet, &sweep.outline.title, &reported.outcomes);
         let png = pictures.render(&SHEET_STYLE)?.png(&[("Title", pictures.title.as_str())])?;
@@ -94,7 +95,8 @@ fn sheet_name(i: usize, count: usize) -> String {
 }
 
 fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder) -> PublishResult<Outcome> {
-    let (study, nothing) = (&sweep.variants[number].study, Outcome::nothing(sweep, number));
+    let study = &sweep.variants[number].study;
+    let nothing = Outcome::nothing(sweep, number);
     let Some(collected) = collect(study, stores, 0) else {
         let refused = refused(study, stores, study.realisations);
         let reason = refused.first().map(|first| first.reason.clone());

@@ -144,7 +144,8 @@ pub(super) fn nearest(outline: &Outline, outcomes: &[Outcome]) -> Option<Nearest
 fn summary(best: &Outcome, order: &[Near], all: usize) -> String {
     let [tied, unknown] =
         [Some(true), None].map(|tie| order.iter().skip(1).filter(|near| near.is_tied() == tie).count());
-    let (known, mut text) = (order.len(), format!("{} is nearest.", best.name));
+    let known = order.len();
+    let mut text = format!("{} is nearest.", best.name);
     match tied {
         0 if unknown == 0 && known > 1 => text += " All others are farther with 95 % confidence.",
         0 => {}
