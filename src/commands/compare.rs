@@ -55,11 +55,11 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let comparison = ran.inspect_err(|_| output.discard_when_empty()).map_err(report)?;
     comparison.write(&output).map_err(write_report)?;
     say!("Comparison: {}", args.output.join("comparison.html").display())?;
-    let there = comparison.rows.len();
-    let asked = comparison.asked;
-    if there < asked {
+    let solved = comparison.rows.len();
+    let requested = comparison.asked;
+    if solved < requested {
         let help = "the page shows the finished solves; running the command again repeats all of them";
-        return Err(miette!(help = help, "stopped after {there} of {asked} solves"));
+        return Err(miette!(help = help, "stopped after {solved} of {requested} solves"));
     }
     if comparison.rows.iter().any(|row| row.converged()) {
         return Ok(());
@@ -91,8 +91,9 @@ fn checked(args: &CompareArgs) -> Result<()> {
     match verdict {
         ConformityVerdict::Conforms => say!("{name} conforms: every amplitude within {TOLERANCE}"),
         ConformityVerdict::Slips(slips) => {
-            let [names, remedies] =
-                [0, 1].map(|k| slips.iter().map(|s| s[k].as_str()).collect::<Vec<_>>().join("; or "));
+            let joined = |k: usize| slips.iter().map(|s| s[k].as_str()).collect::<Vec<_>>().join("; or ");
+            let names = joined(0);
+            let remedies = joined(1);
             Err(miette!(help = remedies, "{name} does not conform; likely mistake: {names}"))
         }
         ConformityVerdict::Unknown => {

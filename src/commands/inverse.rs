@@ -52,9 +52,10 @@ pub fn fit(args: &FitArgs) -> Result<()> {
     say!("{}: {}", task.title, in_words(&outcome))?;
     outcome.remarks.iter().for_each(note);
     for forecast in &outcome.forecasts {
-        let of = |x: Option<f64>| x.map_or("unknown".into(), |x| format!("{x:.2}"));
-        let (own, munk) = (of(forecast.delta_e_2000), of(forecast.delta_e_2000_kubelka_munk));
-        say!("{}: ΔE₀₀ to the measurement {own} (Kubelka–Munk {munk})", forecast.name)?;
+        let in_words = |x: Option<f64>| x.map_or("unknown".into(), |x| format!("{x:.2}"));
+        let fitted = in_words(forecast.delta_e_2000);
+        let munk = in_words(forecast.delta_e_2000_kubelka_munk);
+        say!("{}: ΔE₀₀ to the measurement {fitted} (Kubelka–Munk {munk})", forecast.name)?;
     }
     say!("Report: {}", folder.path().join("report.html").display())?;
     if outcome.trust == Trust::Contradicted {

@@ -46,11 +46,17 @@ struct RunState {
 impl RunState {
     fn new() -> Self {
         let begun = Instant::now();
-        let busy = Duration::ZERO;
-        let since = begun;
-        let last_line = begun;
-        let [under_way, solved, kept] = [0; 3];
-        Self { begun, under_way, since, busy, solved, kept, workers: 1, ends_early: false, last_line }
+        Self {
+            begun,
+            under_way: 0,
+            since: begun,
+            busy: Duration::ZERO,
+            solved: 0,
+            kept: 0,
+            workers: 1,
+            ends_early: false,
+            last_line: begun,
+        }
     }
 
     fn end(&mut self) {
@@ -160,8 +166,8 @@ impl Progress {
         let angle = incidence.polar_deg;
         let side = if incidence.from == Side::Exit { " from the exit side" } else { "" };
         let number = realisation + 1;
-        let of = study.realisations;
-        self.bar.set_message(format!("realisation {number}/{of} · {nm:.0} nm · {angle:.0}°{side}"));
+        let count = study.realisations;
+        self.bar.set_message(format!("realisation {number}/{count} · {nm:.0} nm · {angle:.0}°{side}"));
         let mut state = self.state();
         if state.under_way == 0 {
             state.since = Instant::now();

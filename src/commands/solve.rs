@@ -162,7 +162,7 @@ fn export_operator(solved: &Estimated, path: &Path) -> Result<()> {
     std::fs::write(path, bytes).map_err(|e| miette::miette!("cannot write {}: {e}", path.display()))
 }
 
-/// Solves on the grid given, or searches for one; with the derivatives that were asked for.
+/// Solves on the grid given, or searches for one; with the derivatives that were requested.
 fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Estimated, Vec<Gradient>)> {
     let task = Task {
         coverages,

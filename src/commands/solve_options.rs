@@ -71,21 +71,22 @@ impl LightArgs {
         if !self.snap {
             return Ok(None);
         }
-        let asked = case.incidence;
-        let snapped = asked.snapped(case.scene.period_um, &case.media).into_diagnostic()?;
+        let requested = case.incidence;
+        let snapped = requested.snapped(case.scene.period_um, &case.media).into_diagnostic()?;
         case.incidence = snapped.incidence;
         Ok(Some(json!({
             "polar_deg": case.incidence.polar_deg,
             "azimuth_deg": case.incidence.azimuth_deg,
             "vector": snapped.vector,
-            "asked": { "polar_deg": asked.polar_deg, "azimuth_deg": asked.azimuth_deg },
+            "asked": { "polar_deg": requested.polar_deg, "azimuth_deg": requested.azimuth_deg },
         })))
     }
 
     /// Adds `finite_area` if requested.
     pub fn add_area(&self, far: &FarField, media: &Media, report: &mut Value) -> Result<()> {
         let Some(side) = self.illuminated_um else { return Ok(()) };
-        let [polar, azimuth] = [(90.0, true), (360.0, false)].map(|(end, closed)| self.angles(end, closed));
+        let polar = self.angles(90.0, true);
+        let azimuth = self.angles(360.0, false);
         let mut first_zero_deg = f64::INFINITY;
         let mut area = json!({ "side_um": side, "polar_deg": polar, "azimuth_deg": azimuth });
         for (name, lobe) in [("reflected", Lobe::Reflected), ("transmitted", Lobe::Transmitted)] {

@@ -134,7 +134,7 @@ pub struct Verified {
 pub struct DesignOutcome {
     /// Whether a verified recipe is within the requested ΔE₀₀.
     pub met: bool,
-    /// L*, a*, b* wanted.
+    /// L*, a*, b* of the target.
     pub target: [f64; 3],
     /// Verdict in words.
     pub verdict: String,
@@ -218,7 +218,7 @@ impl DesignRun<'_> {
     /// Runs the variants of the design; those without a colour are left out.
     fn variants(&self) -> Result<Variants, DesignError> {
         let task = self.task;
-        let count = self.task.variables.len();
+        let count = task.variables.len();
         let planned = task.variants();
         let needed = super::surface::most_coefficients(count) + 2;
         let corners = if count <= CORNERS { (1 << count).min(planned) } else { 0 };
@@ -372,7 +372,8 @@ impl DesignRun<'_> {
     }
 
     fn verdict(&self, verified: &[Verified], met: bool) -> String {
-        let (task, Some(best)) = (self.task, verified.first()) else {
+        let task = self.task;
+        let Some(best) = verified.first() else {
             return "Not proven: no verifying run gave a colour".into();
         };
         let wish = task.settings.delta_e;

@@ -45,16 +45,16 @@ fn monomials(places: &[f64]) -> Vec<f64> {
 /// The ink on its paper has none.
 pub fn spectra(ink: &InkOnPaper) -> Result<Spectra3, InkError> {
     let (light, view) = (ink.at(PRINT_DEG)?, ink.at(0.0)?);
-    let of = |layer: &LayerOnPaper| PI * layer.brdf(&light, &view);
-    let [black, white] = [BLACK, WHITE].map(|albedo| ink.spectrum(|layer| of(&layer.over(albedo))).values);
-    Ok([ink.spectrum(of).values, black, white].concat())
+    let factor = |layer: &LayerOnPaper| PI * layer.brdf(&light, &view);
+    let over = |albedo: f64| ink.spectrum(|layer| factor(&layer.over(albedo))).values;
+    Ok([ink.spectrum(factor).values, over(BLACK), over(WHITE)].concat())
 }
 
 /// L*, a*, b* that a study's target asks for.
 ///
 /// # Errors
 /// It has none, or a spectrum that does not cover the study's wavelengths.
-pub fn wanted(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
+pub fn target_lab(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
     let judgement = &study.judgement;
     if let Some(lab) = judgement.target_lab {
         return Ok(lab);
@@ -82,7 +82,7 @@ pub struct Eye {
     meter: Colorimeter,
     waves: usize,
     /// Those of the wavelengths that colours take.
-    seen: Range<usize>,
+    visible: Range<usize>,
 }
 
 impl Eye {
@@ -91,9 +91,9 @@ impl Eye {
     /// # Errors
     /// Wavelengths that carry no colour.
     pub fn new(study: &Study) -> Result<Self, ColourError> {
-        let seen = visible(&study.wavelengths_nm);
-        let meter = Colorimeter::under(&study.wavelengths_nm[seen.clone()], &study.judgement.viewing)?;
-        Ok(Self { meter, waves: study.wavelengths_nm.len(), seen })
+        let visible = visible(&study.wavelengths_nm);
+        let meter = Colorimeter::under(&study.wavelengths_nm[visible.clone()], &study.judgement.viewing)?;
+        Ok(Self { meter, waves: study.wavelengths_nm.len(), visible })
     }
 
     /// L*, a*, b* over the paper, and the contrast ratio.
@@ -101,9 +101,11 @@ impl Eye {
     /// # Errors
     /// Values that are no numbers.
     pub fn sees(&self, spectra: &[f64]) -> Result<([f64; 3], f64), ColourError> {
-        let own = |k: usize| &spectra[k * self.waves..(k + 1) * self.waves];
-        let colour = |k: usize| self.meter.colour(&own(k)[self.seen.clone()]);
-        let [print, black, white] = [colour(0)?, colour(1)?, colour(2)?];
+        let spectrum = |k: usize| &spectra[k * self.waves..(k + 1) * self.waves];
+        let colour = |k: usize| self.meter.colour(&spectrum(k)[self.visible.clone()]);
+        let print = colour(0)?;
+        let black = colour(1)?;
+        let white = colour(2)?;
         Ok((print.lab, black.xyz[1] / white.xyz[1].max(1e-9)))
     }
 }

@@ -155,13 +155,13 @@ impl<'a> FitRun<'a> {
         for coat in &task.coats {
             let study = coat.with_index(task.pigment, &vec![typical; coat.wavelengths_nm.len()]);
             let mut packings = crate::run::realisation::Packings::new(&study, watch);
-            let grids_found = resolve(&study, &grids, settings.memory, watch, |r| {
+            let resolved_coat = resolve(&study, &grids, settings.memory, watch, |r| {
                 packings.get(r).map(|packing| Scene::from_packing(&packing))
             });
-            let resolution = grids_found.map_err(RunError::stopped)?;
+            let resolved_coat = resolved_coat.map_err(RunError::stopped)?;
             let tangents = Store::of(grids.database());
-            cells.push(Tangents::new((&study, task.pigment), resolution, tangents, settings, watch)?);
-            resolved.push(resolution);
+            cells.push(Tangents::new((&study, task.pigment), resolved_coat, tangents, settings, watch)?);
+            resolved.push(resolved_coat);
         }
         Ok(Self { task, cells, resolved, watch })
     }

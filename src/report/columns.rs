@@ -222,8 +222,8 @@ pub fn column(table: &str, name: &str) -> Option<Column> {
         return Some(Column { name: name.to_owned(), kind, unit: unit.to_owned(), about: about.to_owned() });
     }
     ENDINGS.iter().find_map(|(ending, start)| {
-        let own = column(table, name.strip_suffix(ending)?)?;
-        Some(Column { name: name.to_owned(), kind: NUMBER, about: format!("{start} {}", own.name), ..own })
+        let stem = column(table, name.strip_suffix(ending)?)?;
+        Some(Column { name: name.to_owned(), kind: NUMBER, about: format!("{start} {}", stem.name), ..stem })
     })
 }
 

@@ -155,9 +155,9 @@ fn against_thickness(y_label: &str, curves: Vec<Curve>) -> Chart {
 }
 
 fn shares_chart(manifest: &ComposedManifest) -> Chart {
-    let curve = |nm: f64, name: &str, of: fn(&ComposedRow) -> Option<ErrorParts>| {
+    let curve = |nm: f64, name: &str, share: fn(&ComposedRow) -> Option<ErrorParts>| {
         let rows = manifest.curve.iter().filter(move |row| row.wavelength_nm == nm);
-        let points = rows.filter_map(|row| Some((row.thickness_um, of(row)?.estimate())));
+        let points = rows.filter_map(|row| Some((row.thickness_um, share(row)?.estimate())));
         Curve::measured(format!("{name}, {nm:.0} nm"), points)
     };
     let mut curves = Vec::new();
@@ -172,10 +172,10 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
 fn colour_curve(
     manifest: &ComposedManifest,
     name: &str,
-    of: fn(&ComposedColours) -> Option<ErrorParts>,
+    number: fn(&ComposedColours) -> Option<ErrorParts>,
     by: f64,
 ) -> Curve {
-    let points = manifest.curve_colours.iter().filter_map(|c| Some((c.thickness_um, of(c)?)));
+    let points = manifest.curve_colours.iter().filter_map(|c| Some((c.thickness_um, number(c)?)));
     let points = points.map(|(um, judged)| [um, judged.value / by, judged.standard_error / by]);
     Curve::with_bars(name, Style::Data, points)
 }

@@ -94,8 +94,8 @@ fn judged<'a>(
     let Some(other) = other else {
         let before = n_error(best, None);
         let after = |k: usize| n_error(best, Some((&response, k, noise)));
-        let best = (0..all.len()).min_by(|&a, &b| after(a).total_cmp(&after(b)));
-        let helpful = best.filter(|&k| after(k) < HELPS * before);
+        let strongest = (0..all.len()).min_by(|&a, &b| after(a).total_cmp(&after(b)));
+        let helpful = strongest.filter(|&k| after(k) < HELPS * before);
         return Ok(helpful.map(|k| {
             format!("{}: it would leave {:.2} of the error of n", all[k].words, after(k) / before)
         }));

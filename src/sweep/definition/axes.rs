@@ -34,7 +34,7 @@ pub struct AxisSetting {
 impl Axis {
     /// Reads the `i`-th `[[axis]]`.
     pub fn read(i: usize, table: &AxisTable, faults: &mut Faults) -> Self {
-        let of = |key: &str| format!("axis[{i}].{key}");
+        let place = |key: &str| format!("axis[{i}].{key}");
         let name = table.name.clone().or_else(|| {
             table.field.as_ref().map(|field| field.rsplit(['.', ']']).next().unwrap_or(field).to_owned())
         });
@@ -44,18 +44,18 @@ impl Axis {
             _ => {
                 let allowed = "either a field with its values, or [[axis.case]] entries";
                 let remedy = "write for example field = \"pigment[0].diameter_nm\" and values = [100, 300]";
-                faults.add(of("field"), "both or neither", allowed, remedy);
+                faults.add(place("field"), "both or neither", allowed, remedy);
                 Vec::new()
             }
         };
         let name = name.unwrap_or_else(|| {
             let remedy = "write for example name = \"ink\"";
-            faults.add(of("name"), "nothing", "a name for an axis of cases", remedy);
+            faults.add(place("name"), "nothing", "a name for an axis of cases", remedy);
             String::new()
         });
         let unit = table.field.as_ref().map_or("", |field| unit(field, &settings)).to_owned();
         let axis = Self { name, zip: table.zip.clone(), unit, settings };
-        axis.check_labels(&of("labels"), faults);
+        axis.check_labels(&place("labels"), faults);
         axis
     }
 
@@ -69,8 +69,8 @@ impl Axis {
     }
 
     /// Indices of the settings that a condition selects by label, by value or by a list of them.
-    pub fn matching(&self, wanted: &Value) -> Vec<usize> {
-        let all = match wanted {
+    pub fn matching(&self, selected: &Value) -> Vec<usize> {
+        let all = match selected {
             Value::Array(list) => list.iter().map(in_words).collect(),
             one => vec![in_words(one)],
         };

@@ -54,7 +54,8 @@ pub fn claims(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Fa
 
 fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Claim {
     let mut places = |key: &str, list: &[Where]| variants(&format!("{at}.{key}"), list, axes, drafts, faults);
-    let (plus, minus) = (places("plus", &table.plus), places("minus", &table.minus));
+    let plus = places("plus", &table.plus);
+    let minus = places("minus", &table.minus);
     let among = places("among", &table.among);
     let absorbed_by = places("absorbed_by", table.absorbed_by.as_slice()).first().copied();
     check(at, table, faults);

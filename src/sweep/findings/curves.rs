@@ -93,16 +93,16 @@ fn plot(
     let mut curves: Vec<Curve> = Vec::new();
     for name in names(made, x) {
         let mut points = BTreeMap::new();
-        let mut asked = Vec::new();
+        let mut requested = Vec::new();
         for (v, make) in made.iter().filter(|(_, make)| make.belongs(&name, x)) {
-            asked.push(make.in_units(x));
+            requested.push(make.in_units(x));
             if let Some(value) = y(*v) {
                 points.entry(make.at[x]).or_insert((make.in_units(x), value));
             }
         }
         // a molecular mixture alone is not a curve
         if points.len() > 1 {
-            curves.push(Curve::measured(name.in_words(made), points.into_values()).asked_at(&asked));
+            curves.push(Curve::measured(name.in_words(made), points.into_values()).asked_at(&requested));
         }
     }
     curves.truncate(MOST_CURVES);

@@ -167,7 +167,9 @@ fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
 
 fn judged_row(c: &Judged) -> impl Iterator<Item = String> {
     let [value, error] = cell::numbers(c.measured);
-    let [id, statement, inequality] = [&c.table.id, &c.table.statement, &c.inequality].map(|w| cell::text(w));
+    let id = cell::text(&c.table.id);
+    let statement = cell::text(&c.table.statement);
+    let inequality = cell::text(&c.inequality);
     let verdict = c.verdict.name().to_owned();
     let words = [&c.table.source, &c.table.quote, &c.table.translation, &c.table.because];
     let words = words.map(|words| cell::text(words.as_deref().unwrap_or_default()));
