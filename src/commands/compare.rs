@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 /// Compare strategies, discretisations and other programs on one geometry or several
 #[derive(Args)]
 pub struct CompareArgs {
-    /// Comparison file (TOML); a study (TOML) or a case (JSON) is solved by the default strategies on the default grids
+    /// Comparison file (TOML); a study (TOML) or a case (JSON) is solved by the default strategies
+    /// on the default grids
     #[arg(required_unless_present = "check")]
     file: Option<PathBuf>,
     /// Run the conformance test on an external program (film, grating, sphere); common mistakes are

@@ -123,8 +123,9 @@ fn processor_time(seconds: f64) -> String {
 
 /// Find recipes for a target colour
 ///
-/// Runs variants of a study, fits response surfaces to the spectra and verifies their best recipes by
-/// further runs. Writes `design.json` and a page. The same command resumes an interrupted design.
+/// Runs variants of a study, fits response surfaces to the spectra and verifies their best recipes
+/// by further runs. Writes `design.json` and a page. The same command resumes an interrupted
+/// design.
 #[derive(Debug, Args)]
 pub struct DesignArgs {
     /// Design file (TOML); `inkwave schema design --annotated` prints every key

@@ -29,7 +29,8 @@ pub fn schema(args: &SchemaArgs) -> Result<()> {
     say(serde_json::to_string_pretty(&args.kind.schema()).into_diagnostic()?)
 }
 
-/// List the measured materials for `index = { material = "…" }`: use, range, index at 550 nm, source
+/// List the measured materials for `index = { material = "…" }`: use, range, index at 550 nm,
+/// source
 #[derive(Args)]
 pub struct MaterialsArgs {
     /// Show only this material, with the comment of its source

@@ -24,14 +24,15 @@ const DEFAULT_ACCURACY: f64 = 1e-3;
 ///
 /// A case (JSON or TOML; `inkwave schema case --annotated` prints every key) describes one cell:
 /// lengths in µm, angles in degrees, indices as [re, im]. `remarks` in the result name lengths that
-/// look as if they were in another unit. With the vector wave, `R.s.p` of an order is the amplitude of the
-/// p light that leaves, for s light of amplitude 1 that arrives. With --realisation the geometry is a
-/// realisation of a study instead.
+/// look as if they were in another unit. With the vector wave, `R.s.p` of an order is the amplitude
+/// of the p light that leaves, for s light of amplitude 1 that arrives. With --realisation the
+/// geometry is a realisation of a study instead.
 #[derive(Args)]
 pub struct SolveArgs {
     /// Case file; an object that holds the case as `inputs` is accepted too
     case: PathBuf,
-    /// Requested amplitude error, for which a grid is searched (default: 1e-3 unless --nxy and --nz are given)
+    /// Requested amplitude error, for which a grid is searched (default: 1e-3 unless --nxy and --nz
+    /// are given)
     #[arg(long, value_name = "ERROR", conflicts_with_all = ["nxy", "nz"], allow_negative_numbers = true)]
     accuracy: Option<f64>,
     /// Strategy that solves the discrete system; relaxation needs --real-mean

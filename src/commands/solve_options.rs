@@ -32,7 +32,8 @@ pub struct LightArgs {
     /// 2πm/Lx and ky = 2πn/Ly, and the requested one, `asked`.
     #[arg(long)]
     snap: bool,
-    /// Add `finite_area`, the light per steradian from an illuminated square of this side, µm (scalar wave)
+    /// Add `finite_area`, the light per steradian from an illuminated square of this side, µm
+    /// (scalar wave)
     ///
     /// Every order becomes a lobe of finite width. `finite_area` has `side_um`; `polar_deg`, from
     /// the layer's normal on the side that the light leaves to; `azimuth_deg`, of the direction of
@@ -150,8 +151,8 @@ fn lobes(lit: &FiniteArea, polar: &[f64], azimuth: &[f64]) -> Result<Value, Fini
 /// Options of a solve that a study describes.
 #[derive(Args)]
 pub struct StudyPoint {
-    /// Solve this realisation of a study, counted from 1: CASE is then a file for `inkwave run`, and
-    /// its grains are packed, or read from the files of its microstructure
+    /// Solve this realisation of a study, counted from 1: CASE is then a file for `inkwave run`,
+    /// and its grains are packed, or read from the files of its microstructure
     #[arg(long, value_name = "NUMBER")]
     realisation: Option<usize>,
     /// Vacuum wavelength of the realisation's light, nm (default: the study's first)

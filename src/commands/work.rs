@@ -106,7 +106,8 @@ pub fn start_threads() -> Result<()> {
         );
     }
     if is_limited() {
-        // A product on many threads may begin another one while it waits, which reserves its buffers again.
+        // A product on many threads may begin another one while it waits, which reserves its
+        // buffers again.
         faer::set_global_parallelism(faer::Par::Seq);
     }
     keep_freed_memory();

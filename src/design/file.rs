@@ -1,11 +1,11 @@
 //! The file of a design as written.
 //!
 //! ```toml
-//! base = "ink.toml"                    # or a table [base] with a whole study
+//! base = "ink.toml"                # or a table [base] with a whole study
 //! [target]
-//! lab = [85, -10, 80]                  # at 45:0 under [colour] of the base; or file = "target.cxf"
+//! lab = [85, -10, 80]              # at 45:0 under [colour] of the base; or file = "target.cxf"
 //! [[vary]]
-//! field = "pigment[0].diameter_nm"     # a study field, or: ratio = ["yellow", "blue"]
+//! field = "pigment[0].diameter_nm" # a study field, or: ratio = ["yellow", "blue"]
 //! from = 100
 //! to = 300
 //! [design]

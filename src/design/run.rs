@@ -248,7 +248,7 @@ impl DesignRun<'_> {
     /// colour.
     ///
     /// # Errors
-    /// What ends every other run as well: a stop, a folder that cannot be written, too little memory.
+    /// What ends every other run as well: a stop, an unwritable folder, too little memory.
     fn run(&self, places: &[f64], round: Option<usize>) -> Result<Result<Verified, String>, DesignError> {
         let task = self.task;
         let study = match self.study(places, round) {
@@ -300,8 +300,9 @@ impl DesignRun<'_> {
         }))
     }
 
-    /// The study of a recipe. A verifying run has the requested number of packings, and others than the
-    /// variants and every earlier one: searches fit their answer to the chance of the runs before.
+    /// The study of a recipe. A verifying run has the requested number of packings, and others than
+    /// the variants and every earlier one: searches fit their answer to the chance of the runs
+    /// before.
     fn study(&self, places: &[f64], round: Option<usize>) -> Result<Study, DesignError> {
         let mut study = study_at(self.task, places)?;
         study.judgement.target_lab = Some(self.task.lab);

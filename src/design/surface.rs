@@ -16,7 +16,7 @@ use faer::{Mat, Side};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Relative weight of the coefficients' own size: nothing but a guard against fewer data than those.
+/// Relative weight of the coefficients' own size: a guard against fewer data than coefficients.
 const RIDGE: f64 = 1e-4;
 
 /// Spectra over the paper, over black and over white, one after another.
@@ -113,8 +113,8 @@ impl Eye {
 /// Polynomials for every wavelength and backing.
 pub struct Surfaces {
     coefficients: Mat<f64>,
-    /// What the surfaces without a variant predict for it less what it has: variant → wavelength and
-    /// backing.
+    /// What the surfaces without a variant predict for it less what it has: variant → wavelength
+    /// and backing.
     pub left_out: Vec<Spectra3>,
 }
 

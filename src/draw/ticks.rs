@@ -41,7 +41,7 @@ fn round_numbers(range: &Range<f64>, leading: &[f64]) -> Vec<f64> {
     all.filter(|v| within.contains(v)).collect()
 }
 
-/// Steps by which a logarithmic range is widened at most: more than two decades, which hold two ticks.
+/// Steps by which a logarithmic range is widened at most: over two decades, which hold two ticks.
 const MOST_WIDENED: usize = 240;
 
 /// Widens a logarithmic range until it has at least two ticks, on the side where this adds less.

@@ -83,8 +83,8 @@ impl Voxels {
     }
 }
 
-/// Labels at the centres of voxels, axes x, y, z: 0 is the binder, k + 1 material k of the grains, see
-/// [`Packing::materials`]. `count` voxels, or as many as [`Voxels::of`] takes.
+/// Labels at the centres of voxels, axes x, y, z: 0 is the binder, k + 1 material k of the grains,
+/// see [`Packing::materials`]. `count` voxels, or as many as [`Voxels::of`] takes.
 pub fn labels(packing: &Packing, count: Option<[usize; 3]>) -> Array3<u8> {
     let size = size_um(packing);
     let count = count.unwrap_or_else(|| usual(size));

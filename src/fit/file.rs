@@ -1,10 +1,10 @@
 //! The file of a fit as written.
 //!
 //! ```toml
-//! base = "ink.toml"                    # size, shape, thickness, binder; or a table [base]
+//! base = "ink.toml"                # size, shape, thickness, binder; or a table [base]
 //! [[measured]]
-//! file = "white.csv"                   # CSV, CxF3 or CGATS.17
-//! backing = 0.85                       # albedo of the card, or [[nm, albedo], …], or { csv = "…" }
+//! file = "white.csv"               # CSV, CxF3 or CGATS.17
+//! backing = 0.85                   # albedo of the card, or [[nm, albedo], …], or { csv = "…" }
 //! geometry = "d:8"
 //! [[measured]]
 //! file = "black.csv"

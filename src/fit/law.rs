@@ -200,8 +200,8 @@ impl<'a> Data<'a> {
     }
 
     /// χ² of data and prior together at the point of the linearisation: the function whose minimum
-    /// [`Data::step`] finds to first order, with the same covariance. `None` if that is not positive
-    /// definite.
+    /// [`Data::step`] finds to first order, with the same covariance. `None` if that is not
+    /// positive definite.
     pub fn cost(&self, strength: f64) -> Option<f64> {
         let left = column(&self.residual);
         let misfit = left.transpose() * cholesky(&self.weights)?.solve(&left);

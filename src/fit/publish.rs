@@ -1,5 +1,5 @@
-//! Files of a fit: `pigment.csv`, `fit.json` and a page; `pigment-other.csv` where a second solution fits as
-//! well.
+//! Files of a fit: `pigment.csv`, `fit.json` and a page; `pigment-other.csv` where a second
+//! solution fits as well.
 
 use super::law::rms;
 use super::load::FitTask;

@@ -40,8 +40,8 @@ const FIRST_STRENGTH: f64 = 0.06;
 /// Iterations on the table, and halvings of a step that leads uphill.
 const ITERATIONS: usize = 12;
 const HALVINGS: usize = 5;
-/// Points of the global search, and evaluations of the table in the descents from its paths, of which a
-/// plan times one.
+/// Points of the global search, and evaluations of the table in the descents from its paths, of
+/// which a plan times one.
 const EVALUATIONS: f64 = 400.0;
 /// Solves that a plan times at the nodes of the table, and at a typical index.
 const TRIED: [usize; 2] = [12, 6];
@@ -89,7 +89,7 @@ pub struct PlannedSolves {
 impl PlannedSolves {
     /// Branches of n that are carried to the end at most.
     pub const BRANCHES: usize = 3;
-    /// Linearisations of a fit: at least, and at most where all branches of n are carried to the end.
+    /// Linearisations of a fit: at least, and at most where all branches are carried to the end.
     pub const LINEARISATIONS: [usize; 2] = [LINEARISATIONS[0], Self::BRANCHES * LINEARISATIONS[1]];
 
     /// The solves of a fit.
@@ -175,8 +175,8 @@ impl<'a> FitRun<'a> {
         self.task.coats.iter().zip(&self.cells).take(coats).map(linearised).collect()
     }
 
-    /// Processor seconds of the parts of this fit, from a few solves of every layer, spread over the nodes of
-    /// the table, the wavelengths and the directions, and from one evaluation.
+    /// Processor seconds of the parts of this fit, from a few solves of every layer, spread over
+    /// the nodes of the table, the wavelengths and the directions, and from one evaluation.
     ///
     /// # Errors
     /// As [`Tangents::linearised`]; the films give no spectra.
@@ -249,8 +249,8 @@ impl<'a> FitRun<'a> {
         Ok(outcome)
     }
 
-    /// The best branch, and every other one that fits the table as well at another n, with solves on all
-    /// cells.
+    /// The best branch, and every other one that fits the table as well at another n, with solves
+    /// on all cells.
     fn carried_out(&self, candidates: &[Branch]) -> Result<Vec<FitSolution>, FitError> {
         let least = candidates.first().ok_or(FitError::Singular)?.cost;
         let prior = self.prior();
@@ -379,7 +379,7 @@ impl<'a> FitRun<'a> {
     }
 }
 
-/// Error of the reflectance factor of a layer on a card, R + ρ T² at the most, from those of R and T.
+/// Error of the reflectance factor of a layer on a card, at most R + ρ T², from those of R and T.
 fn on_card(error: GridError, albedo: f64) -> f64 {
     error.reflectance.hypot(2.0 * albedo * error.transmittance)
 }

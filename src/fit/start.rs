@@ -17,8 +17,8 @@ const NODES_N: usize = 4;
 const NODES_ROOT: [f64; 3] = [0.1, 0.4, 1.0];
 /// Grid of the search in n and in √κ.
 const SEARCH: [usize; 2] = [33, 25];
-/// Error of the table's values, of its few cells and of the interpolation, in the search and in the descent
-/// on the table.
+/// Error of the table's values, of its few cells and of the interpolation, in the search and in the
+/// descent on the table.
 pub(super) const TABLE_ERROR: f64 = 0.008;
 /// Expected change of n and κ over 20 nm.
 const CHANGE: f64 = 0.04;
@@ -156,8 +156,8 @@ pub fn paths(task: &FitTask, surface: &Surface) -> Result<Vec<Vec<[f64; 2]>>, No
     Ok(paths)
 }
 
-/// Ranges of n that are searched each for itself: all of it, below and above the binder's index, and the halves
-/// of these, because fringes repeat.
+/// Ranges of n that are searched each for itself: all of it, below and above the binder's index,
+/// and the halves of these, because fringes repeat.
 fn windows(task: &FitTask) -> Vec<[f64; 2]> {
     let [from, to] = task.settings.n;
     let binder = task.binder_index();

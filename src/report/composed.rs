@@ -199,8 +199,8 @@ fn colour_chart(manifest: &ComposedManifest) -> Chart {
 }
 
 fn depth_chart(manifest: &ComposedManifest) -> Chart {
-    let curve = |name: &str, of: fn([f64; 2]) -> f64| {
-        let points = manifest.depth.iter().map(|row| (row.depth_um, of([row.down, row.up])));
+    let curve = |name: &str, number: fn([f64; 2]) -> f64| {
+        let points = manifest.depth.iter().map(|row| (row.depth_um, number([row.down, row.up])));
         Curve::new(format!("{name}, {:.0} nm", manifest.depth_nm), Style::Data, points)
     };
     let curves = vec![curve("down", |[d, _]| d), curve("up", |[_, u]| u), curve("net", |[d, u]| d - u)];

@@ -134,8 +134,8 @@ fn nearest(study: &Study) -> Option<MeasuredInk> {
 }
 
 fn nearest_to(place: &TablePlace, all: &[MeasuredInk]) -> Option<MeasuredInk> {
-    let found = all.iter().min_by(|a, b| a.place.distance(place).total_cmp(&b.place.distance(place)))?;
-    found.place.is_like(place).then(|| found.clone())
+    let nearest = all.iter().min_by(|a, b| a.place.distance(place).total_cmp(&b.place.distance(place)))?;
+    nearest.place.is_like(place).then(|| nearest.clone())
 }
 
 fn measured() -> Vec<MeasuredInk> {

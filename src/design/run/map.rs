@@ -58,7 +58,7 @@ fn film(task: &DesignTask, places: &[f64]) -> Result<Spectra3, DesignError> {
     Ok(spectra(&film_alone(&study_at(task, places)?)?)?)
 }
 
-/// Point `r` of a sequence that fills the unit box of `count` dimensions evenly, its sides included.
+/// Point `r` of a sequence that fills the unit box of `count` dimensions and its sides evenly.
 pub(super) fn even_point(seed: u64, count: usize, r: usize) -> Vec<f64> {
     let point = match count {
         1 => Sequence::<1>::new(seed).point(r).to_vec(),

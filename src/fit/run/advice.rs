@@ -1,6 +1,7 @@
-//! What to measure next where n is not determined: of the measurements that could be added, those that tell
-//! two solutions apart, or that shrink the error of n. Other cards and geometries of the layers measured are
-//! judged by the solves at hand; other layers by their coherent films, whose scattering is not known.
+//! What to measure next where n is not determined: of the measurements that could be added, those
+//! that tell two solutions apart, or that shrink the error of n. Other cards and geometries of the
+//! layers measured are judged by the solves at hand; other layers by their coherent films, whose
+//! scattering is not known.
 
 use super::FitSolution;
 use crate::appearance::paper::Albedo;
@@ -172,8 +173,8 @@ fn same_layers(task: &FitTask) -> Vec<Further> {
     all
 }
 
-/// Layers of other volume fractions and thicknesses on the first spectrum's card and on the opposite one, and
-/// the task with their coats.
+/// Layers of other volume fractions and thicknesses on the first spectrum's card and on the
+/// opposite one, and the task with their coats.
 fn other_layers(task: &FitTask) -> (FitTask, Vec<Further>) {
     let mut wider = task.clone();
     let mut all = Vec::new();

@@ -65,8 +65,8 @@ pub struct OtherSolution {
 pub enum Trust {
     /// χ² is that of the stated noise.
     Consistent,
-    /// χ² is small, but so few degrees of freedom are left that it would be with wrong errors, too: no
-    /// verdict.
+    /// χ² is small, but so few degrees of freedom are left that it would be with wrong errors, too:
+    /// no verdict.
     Untested,
     /// χ² is larger; errors are multiplied by its root per degree of freedom.
     Inflated,
@@ -119,8 +119,8 @@ pub struct FitOutcome {
     pub effective_unknowns: f64,
     /// Data less effective unknowns.
     pub degrees_of_freedom: f64,
-    /// Minus twice the logarithm of the probability of the data, up to a constant that all solutions of
-    /// one fit share.
+    /// Minus twice the logarithm of the probability of the data, up to a constant that all
+    /// solutions of one fit share.
     #[serde(skip)]
     pub(super) evidence_cost: f64,
     /// Size of the second differences of the prior, chosen by the evidence.

@@ -52,13 +52,20 @@ pub fn claims(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Fa
     tables.iter().map(|(i, table)| claim(&format!("conclusion[{i}]"), table, axes, drafts, faults)).collect()
 }
 
-fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Claim {
-    let mut places = |key: &str, list: &[Where]| variants(&format!("{at}.{key}"), list, axes, drafts, faults);
+fn claim(
+    field: &str,
+    table: &ConclusionTable,
+    axes: &[Axis],
+    drafts: &[Draft],
+    faults: &mut Faults,
+) -> Claim {
+    let mut places =
+        |key: &str, list: &[Where]| variants(&format!("{field}.{key}"), list, axes, drafts, faults);
     let plus = places("plus", &table.plus);
     let minus = places("minus", &table.minus);
     let among = places("among", &table.among);
     let absorbed_by = places("absorbed_by", table.absorbed_by.as_slice()).first().copied();
-    check(at, table, faults);
+    check(field, table, faults);
     Claim { table: table.clone(), absorbed_by, plus, minus, among }
 }
 
@@ -122,10 +129,10 @@ fn of_label(table: &ConclusionTable, axis: &str, label: &str) -> ConclusionTable
 }
 
 /// Reports errors in a conclusion's numbers: wavelengths, abscissas of a curve, bounds.
-fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
+fn check(field: &str, table: &ConclusionTable, faults: &mut Faults) {
     let spectral = matches!(table.quantity, MeasuredQuantity::Transmittance | MeasuredQuantity::Reflectance);
     let mut wrong = |key: &str, found: &str, allowed: &str| {
-        faults.add(format!("{at}.{key}"), found, allowed, "see examples/paper-study-small.toml");
+        faults.add(format!("{field}.{key}"), found, allowed, "see examples/paper-study-small.toml");
     };
     match (spectral, table.wavelength_nm, table.range_nm) {
         (true, None, None) => {

@@ -230,9 +230,9 @@ mod tests {
     fn names_stay_inside_the_folder() {
         assert_eq!(check(&outline()), Ok(()));
         for name in ["..", ".", "", "../../x", "/absolute/x", "a/b", "a\\b", "C:x", "a\0b"] {
-            let mut found = outline();
-            found.variants[1].name = name.into();
-            let told = check(&found).unwrap_err();
+            let mut altered = outline();
+            altered.variants[1].name = name.into();
+            let told = check(&altered).unwrap_err();
             assert!(told.starts_with("variants[1].name: found"), "{name:?}: {told}");
         }
         let mut twice = outline();
@@ -242,14 +242,14 @@ mod tests {
 
     #[test]
     fn numbers_are_those_of_something() {
-        let mut found = outline();
-        found.reference = 9;
-        assert!(check(&found).unwrap_err().starts_with("reference: found 9"));
-        let mut found = outline();
-        found.variants[0].place = vec![6];
-        assert!(check(&found).unwrap_err().starts_with("variants[0].place: found [6]"));
-        let mut found = outline();
-        found.variants[0].place = vec![0, 1];
-        assert!(check(&found).unwrap_err().starts_with("variants[0].place: found [0, 1]"));
+        let mut altered = outline();
+        altered.reference = 9;
+        assert!(check(&altered).unwrap_err().starts_with("reference: found 9"));
+        let mut altered = outline();
+        altered.variants[0].place = vec![6];
+        assert!(check(&altered).unwrap_err().starts_with("variants[0].place: found [6]"));
+        let mut altered = outline();
+        altered.variants[0].place = vec![0, 1];
+        assert!(check(&altered).unwrap_err().starts_with("variants[0].place: found [0, 1]"));
     }
 }
