@@ -122,7 +122,8 @@ struct Shown {
 
 impl Shown {
     fn new(message: &str, help: Option<&str>, label: Option<LabeledSpan>, text: Option<SourceText>) -> Self {
-        let (message, help) = (printable(message), help.map(printable));
+        let message = printable(message);
+        let help = help.map(printable);
         Self { message, help, labels: Vec::from_iter(label), text, others: Vec::new() }
     }
 

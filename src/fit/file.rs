@@ -47,8 +47,8 @@ pub struct MeasuredTable {
     /// The spectrum, relative to this file, in any format of a study's `compare.measured`; optional
     /// under `[[predict]]`.
     pub file: Option<String>,
-    /// Sample in a file with several: its name or number, or its amounts of ink such as `[0, 0, 100,
-    /// 0]`.
+    /// Sample in a file with several: its name or number, or its amounts of ink such as
+    /// `[0, 0, 100, 0]`.
     pub patch: Option<Patch>,
     /// What a perfect white has in the file: 1 (`factor`) or 100 (`percent`); by default what the
     /// file declares.
