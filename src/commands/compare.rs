@@ -18,7 +18,8 @@ use std::path::{Path, PathBuf};
 /// Compare strategies, discretisations and other programs on one geometry or several
 #[derive(Args)]
 pub struct CompareArgs {
-    /// Comparison file (TOML); a study (TOML) or a case (JSON) is solved by the default strategies on the default grids
+    /// Comparison file (TOML); a study (TOML) or a case (JSON) is solved by the default strategies
+    /// on the default grids
     #[arg(required_unless_present = "check")]
     file: Option<PathBuf>,
     /// Run the conformance test on an external program (film, grating, sphere); common mistakes are
@@ -55,10 +56,11 @@ pub fn run(args: &CompareArgs) -> Result<()> {
     let comparison = ran.inspect_err(|_| output.discard_when_empty()).map_err(report)?;
     comparison.write(&output).map_err(write_report)?;
     say!("Comparison: {}", args.output.join("comparison.html").display())?;
-    let (there, asked) = (comparison.rows.len(), comparison.asked);
-    if there < asked {
+    let solved = comparison.rows.len();
+    let requested = comparison.asked;
+    if solved < requested {
         let help = "the page shows the finished solves; running the command again repeats all of them";
-        return Err(miette!(help = help, "stopped after {there} of {asked} solves"));
+        return Err(miette!(help = help, "stopped after {solved} of {requested} solves"));
     }
     if comparison.rows.iter().any(|row| row.converged()) {
         return Ok(());
@@ -73,7 +75,8 @@ const CHECK_GB: f64 = 8.0;
 
 /// Checks a program and says what it found.
 fn checked(args: &CompareArgs) -> Result<()> {
-    let (command, knob) = (args.check.clone(), args.knob.into_iter().collect());
+    let command = args.check.clone();
+    let knob = args.knob.into_iter().collect();
     let name = command.join(" ");
     let program = ExternalTable { name, command, knob, time_limit_s: CHECK_SECONDS, memory_gb: CHECK_GB };
     let Conformity { cases, verdict } =
@@ -89,8 +92,9 @@ fn checked(args: &CompareArgs) -> Result<()> {
     match verdict {
         ConformityVerdict::Conforms => say!("{name} conforms: every amplitude within {TOLERANCE}"),
         ConformityVerdict::Slips(slips) => {
-            let [names, remedies] =
-                [0, 1].map(|k| slips.iter().map(|s| s[k].as_str()).collect::<Vec<_>>().join("; or "));
+            let joined = |k: usize| slips.iter().map(|s| s[k].as_str()).collect::<Vec<_>>().join("; or ");
+            let names = joined(0);
+            let remedies = joined(1);
             Err(miette!(help = remedies, "{name} does not conform; likely mistake: {names}"))
         }
         ConformityVerdict::Unknown => {
@@ -116,7 +120,9 @@ fn tell_row(row: &Row) {
         Err(reason) => format!("failed: {reason}"),
     };
     let seconds = row.seconds.map_or_else(String::new, |seconds| format!(", {seconds:.2} s"));
-    let (strategy, grid, applications) = (&row.strategy, row.grid(), row.applications());
+    let strategy = &row.strategy;
+    let grid = row.grid();
+    let applications = row.applications();
     note!("{case}{strategy:16} {grid}: {applications} applications{seconds}, {result}");
 }
 

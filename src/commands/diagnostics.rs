@@ -44,7 +44,7 @@ pub fn study_report(error: StudyError) -> Report {
 
 /// [`study_report`] of a file that may be meant for another command, such as a study given to
 /// `inkwave sweep`, by the tables that only one kind of file has.
-pub fn mixed_up_report(error: StudyError, wanted: &str) -> Report {
+pub fn mixed_up_report(error: StudyError, expected: &str) -> Report {
     let (StudyError::Values { path, text, .. } | StudyError::Syntax { path, text, .. }) = &error else {
         return study_report(error);
     };
@@ -59,12 +59,12 @@ pub fn mixed_up_report(error: StudyError, wanted: &str) -> Report {
         [false, false, false, false, is_case] if is_case || is_json => ("case", "solve"),
         _ => return study_report(error),
     };
-    if found == wanted {
+    if found == expected {
         return study_report(error);
     }
     let path = path.display();
     let help = format!("run it with `inkwave {command} {path}`");
-    miette!(help = help, "{path} is a {found}, and this command reads a {wanted}")
+    miette!(help = help, "{path} is a {found}, and this command reads a {expected}")
 }
 
 /// Tables that only studies have.
@@ -122,7 +122,8 @@ struct Shown {
 
 impl Shown {
     fn new(message: &str, help: Option<&str>, label: Option<LabeledSpan>, text: Option<SourceText>) -> Self {
-        let (message, help) = (printable(message), help.map(printable));
+        let message = printable(message);
+        let help = help.map(printable);
         Self { message, help, labels: Vec::from_iter(label), text, others: Vec::new() }
     }
 

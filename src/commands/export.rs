@@ -23,7 +23,8 @@ pub struct ExportArgs {
     /// Output folder (default: FOLDER/export)
     #[arg(long, short, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Also write near-field.vti, from a new solve at this wavelength (nm) and angle (degrees, default 0)
+    /// Also write near-field.vti, from a new solve at this wavelength (nm) and angle (degrees,
+    /// default 0)
     #[arg(long, value_name = "NM[:DEG]", value_parser = near_field)]
     pub near_field: Option<NearField>,
     /// Thickness of the layer to export, for a composed study (µm; default: its first)

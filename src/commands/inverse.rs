@@ -52,9 +52,10 @@ pub fn fit(args: &FitArgs) -> Result<()> {
     say!("{}: {}", task.title, in_words(&outcome))?;
     outcome.remarks.iter().for_each(note);
     for forecast in &outcome.forecasts {
-        let of = |x: Option<f64>| x.map_or("unknown".into(), |x| format!("{x:.2}"));
-        let (own, munk) = (of(forecast.delta_e_2000), of(forecast.delta_e_2000_kubelka_munk));
-        say!("{}: ΔE₀₀ to the measurement {own} (Kubelka–Munk {munk})", forecast.name)?;
+        let in_words = |x: Option<f64>| x.map_or("unknown".into(), |x| format!("{x:.2}"));
+        let fitted = in_words(forecast.delta_e_2000);
+        let munk = in_words(forecast.delta_e_2000_kubelka_munk);
+        say!("{}: ΔE₀₀ to the measurement {fitted} (Kubelka–Munk {munk})", forecast.name)?;
     }
     say!("Report: {}", folder.path().join("report.html").display())?;
     if outcome.trust == Trust::Contradicted {
@@ -83,9 +84,11 @@ fn plan_fit(task: &FitTask, settings: RunSettings) -> Result<()> {
     let costs = costs.map_err(fit_report)?;
     let solves = PlannedSolves::of(task);
     let [least, most] = PlannedSolves::LINEARISATIONS;
-    let (spectra, layers) = (task.measured.len(), task.coats_measured);
+    let spectra = task.measured.len();
+    let layers = task.coats_measured;
     let layers = if layers == 1 { "1 layer".into() } else { format!("{layers} layers") };
-    let (waves, cells) = (task.wavelengths_nm().len(), task.coats[0].realisations);
+    let waves = task.wavelengths_nm().len();
+    let cells = task.coats[0].realisations;
     say!("{}: {spectra} spectra of {layers}, {waves} wavelengths, {cells} cells", task.title)?;
     say!("grids and packings: {}", processor_time(begin))?;
     say!(
@@ -120,8 +123,9 @@ fn processor_time(seconds: f64) -> String {
 
 /// Find recipes for a target colour
 ///
-/// Runs variants of a study, fits response surfaces to the spectra and verifies their best recipes by
-/// further runs. Writes `design.json` and a page. The same command resumes an interrupted design.
+/// Runs variants of a study, fits response surfaces to the spectra and verifies their best recipes
+/// by further runs. Writes `design.json` and a page. The same command resumes an interrupted
+/// design.
 #[derive(Debug, Args)]
 pub struct DesignArgs {
     /// Design file (TOML); `inkwave schema design --annotated` prints every key
@@ -148,7 +152,8 @@ pub fn design(args: &DesignArgs) -> Result<()> {
     design::publish::publish(&task, &outcome, &folder).into_diagnostic()?;
     say!("{}: {}", task.title, outcome.verdict)?;
     for run in &outcome.verified {
-        let (delta_e, ratio) = (run.delta_e_2000.in_words(2), run.contrast_ratio.in_words(3));
+        let delta_e = run.delta_e_2000.in_words(2);
+        let ratio = run.contrast_ratio.in_words(3);
         note!("verified: {}: ΔE₀₀ {delta_e}, contrast ratio {ratio}", run.recipe);
     }
     for left in &outcome.left_out {

@@ -53,11 +53,11 @@ pub fn report(args: &ReportArgs) -> Result<()> {
     let names: Vec<String> = sweep.outline.axes.iter().map(|axis| axis.name.clone()).collect();
     let sheet = &mut sweep.outline.sheet;
     for (option, place) in [(&args.rows, &mut sheet.rows), (&args.columns, &mut sheet.columns)] {
-        if let Some(wanted) = option.as_ref().filter(|wanted| !names.contains(wanted)) {
+        if let Some(axis) = option.as_ref().filter(|axis| !names.contains(axis)) {
             let allowed = names.join(", ");
             return Err(miette!(
                 help = "give the name of one of the axes",
-                "found axis {wanted:?}; allowed: {allowed}"
+                "found axis {axis:?}; allowed: {allowed}"
             ));
         }
         *place = option.clone().or(place.take());

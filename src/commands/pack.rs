@@ -78,7 +78,7 @@ fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
 fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let account = packing.account();
     let fraction: f64 = packing.shares().iter().map(|s| s.achieved_fraction).sum();
-    let asked: f64 = packing.shares().iter().map(|s| s.requested_fraction).sum();
+    let requested: f64 = packing.shares().iter().map(|s| s.requested_fraction).sum();
     let sweeps = if account.sweeps > 0 { format!(", {} sweeps", account.sweeps) } else { String::new() };
     let sizes = |k: usize| {
         Some(format!("; pigment {}: d10, d50, d90 {}", k + 1, ReachedSizes::of(packing, k)?.in_words()))
@@ -90,7 +90,7 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     };
     let notes: String = account.notes.iter().map(|n| format!("; {n}")).collect();
     format!(
-        "realisation {}: {} grains{by}{sweeps}, fraction {fraction:.6} (requested {asked:.6}), {seconds:.2} s{sizes}{notes}",
+        "realisation {}: {} grains{by}{sweeps}, fraction {fraction:.6} (requested {requested:.6}), {seconds:.2} s{sizes}{notes}",
         realisation + 1,
         packing.grains().len(),
     )

@@ -45,10 +45,18 @@ struct RunState {
 
 impl RunState {
     fn new() -> Self {
-        let (begun, busy) = (Instant::now(), Duration::ZERO);
-        let (since, last_line) = (begun, begun);
-        let [under_way, solved, kept] = [0; 3];
-        Self { begun, under_way, since, busy, solved, kept, workers: 1, ends_early: false, last_line }
+        let begun = Instant::now();
+        Self {
+            begun,
+            under_way: 0,
+            since: begun,
+            busy: Duration::ZERO,
+            solved: 0,
+            kept: 0,
+            workers: 1,
+            ends_early: false,
+            last_line: begun,
+        }
     }
 
     fn end(&mut self) {
@@ -154,10 +162,12 @@ impl Progress {
 
     fn solving(&self, study: &Study, point: &Point) {
         let Point { realisation, incidence, .. } = point;
-        let (nm, angle) = (1e3 * incidence.wavelength_um, incidence.polar_deg);
+        let nm = 1e3 * incidence.wavelength_um;
+        let angle = incidence.polar_deg;
         let side = if incidence.from == Side::Exit { " from the exit side" } else { "" };
-        let (number, of) = (realisation + 1, study.realisations);
-        self.bar.set_message(format!("realisation {number}/{of} · {nm:.0} nm · {angle:.0}°{side}"));
+        let number = realisation + 1;
+        let count = study.realisations;
+        self.bar.set_message(format!("realisation {number}/{count} · {nm:.0} nm · {angle:.0}°{side}"));
         let mut state = self.state();
         if state.under_way == 0 {
             state.since = Instant::now();
@@ -169,14 +179,16 @@ impl Progress {
     fn solved(&self, point: &Point, failure: Option<&str>) {
         self.bar.inc(1);
         if let Some(failure) = failure {
-            let (nm, deg) = (1e3 * point.incidence.wavelength_um, point.incidence.polar_deg);
+            let nm = 1e3 * point.incidence.wavelength_um;
+            let deg = point.incidence.polar_deg;
             let line = format!("no result at {nm:.0} nm, {deg:.0}°: {failure}");
             if self.plain { note!("{line}") } else { self.bar.println(line) }
         }
         let mut state = self.state();
         state.solved += 1;
         if self.plain && state.is_due() {
-            let (done, all) = (self.bar.position(), self.all());
+            let done = self.bar.position();
+            let all = self.all();
             note!("{done}/{all} solves, {}, {}", self.bar.message(), state.time_left(done, all));
         }
     }
@@ -251,7 +263,8 @@ impl<'a> Live<'a> {
     fn show(&self) {
         let Ok(mut pages) = self.pages.try_lock() else { return };
         let (due, told, write) = &mut *pages;
-        let (clock, page) = (Instant::now(), self.folder.path().join(PAGE));
+        let clock = Instant::now();
+        let page = self.folder.path().join(PAGE);
         if clock < *due || is_new(&page) {
             return;
         }

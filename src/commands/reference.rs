@@ -29,7 +29,8 @@ pub fn schema(args: &SchemaArgs) -> Result<()> {
     say(serde_json::to_string_pretty(&args.kind.schema()).into_diagnostic()?)
 }
 
-/// List the measured materials for `index = { material = "…" }`: use, range, index at 550 nm, source
+/// List the measured materials for `index = { material = "…" }`: use, range, index at 550 nm,
+/// source
 #[derive(Args)]
 pub struct MaterialsArgs {
     /// Show only this material, with the comment of its source
@@ -57,8 +58,10 @@ pub fn materials(args: &MaterialsArgs) -> Result<()> {
 }
 
 fn row(material: &NamedMaterial) -> String {
-    let (NamedMaterial { name, what, .. }, index) = (material, material.index());
-    let ([from, to], eta) = (index.range_nm(), index.index(0.55));
+    let NamedMaterial { name, what, .. } = material;
+    let index = material.index();
+    let [from, to] = index.range_nm();
+    let eta = index.index(0.55);
     format!("{name:<14} {what:<38} {from:.0}–{to:.0} nm   {:.3} + {:.4}i at 550 nm", eta.re, eta.im)
 }
 

@@ -43,8 +43,8 @@ pub fn run(args: &RunArgs) -> Result<()> {
         tell_plan(&of_one(&stem(&args.study), study.clone()), args.json, settings)?;
         return if args.json { Ok(()) } else { offer(study, settings) };
     }
-    let own = study.output.folder.as_ref().filter(|_| args.work.output.is_none());
-    let path = own.map_or_else(|| args.work.folder(&args.study, ""), PathBuf::from);
+    let of_study = study.output.folder.as_ref().filter(|_| args.work.output.is_none());
+    let path = of_study.map_or_else(|| args.work.folder(&args.study, ""), PathBuf::from);
     if study.composed().is_some() {
         return run_composed(&study, &path, settings);
     }
@@ -118,7 +118,8 @@ fn tell(
     if published.status == Status::Complete {
         return Ok(());
     }
-    let (done, all) = (collected.finished(), study.solves() - collected.spared(study));
+    let done = collected.finished();
+    let all = study.solves() - collected.spared(study);
     let (help, why) = match (stopped, collected.failures().count()) {
         (true, _) => (to_resume(), "stopped".to_owned()),
         (false, failed) => (FAILED.to_owned(), format!("{failed} solves have no result")),

@@ -24,14 +24,15 @@ const DEFAULT_ACCURACY: f64 = 1e-3;
 ///
 /// A case (JSON or TOML; `inkwave schema case --annotated` prints every key) describes one cell:
 /// lengths in µm, angles in degrees, indices as [re, im]. `remarks` in the result name lengths that
-/// look as if they were in another unit. With the vector wave, `R.s.p` of an order is the amplitude of the
-/// p light that leaves, for s light of amplitude 1 that arrives. With --realisation the geometry is a
-/// realisation of a study instead.
+/// look as if they were in another unit. With the vector wave, `R.s.p` of an order is the amplitude
+/// of the p light that leaves, for s light of amplitude 1 that arrives. With --realisation the
+/// geometry is a realisation of a study instead.
 #[derive(Args)]
 pub struct SolveArgs {
     /// Case file; an object that holds the case as `inputs` is accepted too
     case: PathBuf,
-    /// Requested amplitude error, for which a grid is searched (default: 1e-3 unless --nxy and --nz are given)
+    /// Requested amplitude error, for which a grid is searched (default: 1e-3 unless --nxy and --nz
+    /// are given)
     #[arg(long, value_name = "ERROR", conflicts_with_all = ["nxy", "nz"], allow_negative_numbers = true)]
     accuracy: Option<f64>,
     /// Strategy that solves the discrete system; relaxation needs --real-mean
@@ -162,7 +163,7 @@ fn export_operator(solved: &Estimated, path: &Path) -> Result<()> {
     std::fs::write(path, bytes).map_err(|e| miette::miette!("cannot write {}: {e}", path.display()))
 }
 
-/// Solves on the grid given, or searches for one; with the derivatives that were asked for.
+/// Solves on the grid given, or searches for one; with the derivatives that were requested.
 fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Estimated, Vec<Gradient>)> {
     let task = Task {
         coverages,

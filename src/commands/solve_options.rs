@@ -32,7 +32,8 @@ pub struct LightArgs {
     /// 2πm/Lx and ky = 2πn/Ly, and the requested one, `asked`.
     #[arg(long)]
     snap: bool,
-    /// Add `finite_area`, the light per steradian from an illuminated square of this side, µm (scalar wave)
+    /// Add `finite_area`, the light per steradian from an illuminated square of this side, µm
+    /// (scalar wave)
     ///
     /// Every order becomes a lobe of finite width. `finite_area` has `side_um`; `polar_deg`, from
     /// the layer's normal on the side that the light leaves to; `azimuth_deg`, of the direction of
@@ -71,21 +72,22 @@ impl LightArgs {
         if !self.snap {
             return Ok(None);
         }
-        let asked = case.incidence;
-        let snapped = asked.snapped(case.scene.period_um, &case.media).into_diagnostic()?;
+        let requested = case.incidence;
+        let snapped = requested.snapped(case.scene.period_um, &case.media).into_diagnostic()?;
         case.incidence = snapped.incidence;
         Ok(Some(json!({
             "polar_deg": case.incidence.polar_deg,
             "azimuth_deg": case.incidence.azimuth_deg,
             "vector": snapped.vector,
-            "asked": { "polar_deg": asked.polar_deg, "azimuth_deg": asked.azimuth_deg },
+            "asked": { "polar_deg": requested.polar_deg, "azimuth_deg": requested.azimuth_deg },
         })))
     }
 
     /// Adds `finite_area` if requested.
     pub fn add_area(&self, far: &FarField, media: &Media, report: &mut Value) -> Result<()> {
         let Some(side) = self.illuminated_um else { return Ok(()) };
-        let [polar, azimuth] = [(90.0, true), (360.0, false)].map(|(end, closed)| self.angles(end, closed));
+        let polar = self.angles(90.0, true);
+        let azimuth = self.angles(360.0, false);
         let mut first_zero_deg = f64::INFINITY;
         let mut area = json!({ "side_um": side, "polar_deg": polar, "azimuth_deg": azimuth });
         for (name, lobe) in [("reflected", Lobe::Reflected), ("transmitted", Lobe::Transmitted)] {
@@ -105,7 +107,8 @@ impl LightArgs {
 
     /// Warns if directions are so far apart that they miss lobes.
     fn warn_of_step(&self, first_zero_deg: f64) {
-        let (step, finest) = (self.step_deg(), *STEPS_DEG.start());
+        let step = self.step_deg();
+        let finest = *STEPS_DEG.start();
         if step <= first_zero_deg {
             return;
         }
@@ -148,8 +151,8 @@ fn lobes(lit: &FiniteArea, polar: &[f64], azimuth: &[f64]) -> Result<Value, Fini
 /// Options of a solve that a study describes.
 #[derive(Args)]
 pub struct StudyPoint {
-    /// Solve this realisation of a study, counted from 1: CASE is then a file for `inkwave run`, and
-    /// its grains are packed, or read from the files of its microstructure
+    /// Solve this realisation of a study, counted from 1: CASE is then a file for `inkwave run`,
+    /// and its grains are packed, or read from the files of its microstructure
     #[arg(long, value_name = "NUMBER")]
     realisation: Option<usize>,
     /// Vacuum wavelength of the realisation's light, nm (default: the study's first)

@@ -14,7 +14,8 @@ use serde_json::{Value, json};
 
 /// Light, orders, totals, errors and costs of a solve.
 pub fn report(e: &Estimated, wave: Wave, light: &Incidence) -> Value {
-    let (account, unknowns) = (e.account(), e.system().unknowns());
+    let account = e.account();
+    let unknowns = e.system().unknowns();
     let bytes = e.system().bytes() + account.bytes;
     let steps: Vec<usize> = e.solved.iter().map(|s| s.solution.account.steps).collect();
     let orders = 0..e.far_field().orders.len();
@@ -77,8 +78,8 @@ pub(super) fn by_polarisation<T: serde::Serialize>(values: &[T]) -> Value {
 }
 
 /// [`by_polarisation`] with the mean of s and p beside them: unpolarised light.
-fn total(e: &Estimated, of: impl Fn(&FarField) -> f64) -> Value {
-    let values: Vec<f64> = e.far_fields.iter().map(of).collect();
+fn total(e: &Estimated, share: impl Fn(&FarField) -> f64) -> Value {
+    let values: Vec<f64> = e.far_fields.iter().map(share).collect();
     let mut total = by_polarisation(&values);
     if let [s, p] = values[..] {
         total["unpolarised"] = (0.5 * (s + p)).into();
@@ -89,20 +90,22 @@ fn total(e: &Estimated, of: impl Fn(&FarField) -> f64) -> Value {
 /// Amplitudes of one side (0 reflected, 1 transmitted), of the vector wave by incident, then by
 /// outgoing polarisation.
 fn amplitudes(orders: &[&Order], side: usize) -> Value {
-    let pair = |a: Complex64| [a.re, a.im];
-    let [own, crossed] =
-        [0, 1].map(|k| orders.iter().map(move |o| o.amplitudes().nth(k).expect("four")[side]));
-    let (own, crossed): (Vec<_>, Vec<_>) = (own.map(pair).collect(), crossed.map(pair).collect());
-    match (&own[..], &crossed[..]) {
+    let pairs = |k: usize| -> Vec<[f64; 2]> {
+        let amplitudes = orders.iter().map(|o| o.amplitudes().nth(k).expect("four")[side]);
+        amplitudes.map(|a| [a.re, a.im]).collect()
+    };
+    let same = pairs(0);
+    let crossed = pairs(1);
+    match (&same[..], &crossed[..]) {
         ([ss, pp], [sp, ps]) => json!({ "s": { "s": ss, "p": sp }, "p": { "s": ps, "p": pp } }),
-        _ => json!(own[0]),
+        _ => json!(same[0]),
     }
 }
 
 /// One order of all polarisations.
 fn order(far_fields: &[FarField], index: usize) -> Value {
     let orders: Vec<&Order> = far_fields.iter().map(|far| &far.orders[index]).collect();
-    let efficiency = |of: fn(&&Order) -> f64| by_polarisation(&orders.iter().map(of).collect::<Vec<_>>());
+    let efficiency = |lobe: fn(&&Order) -> f64| by_polarisation(&orders.iter().map(lobe).collect::<Vec<_>>());
     let o = orders[0];
     json!({
         "m": o.m,
@@ -189,7 +192,7 @@ impl Gradient {
 
     /// As an entry of the result; `orders` are those of the first polarisation.
     pub fn json(&self, orders: &[Order]) -> Value {
-        let total = |of: fn(&FarSlopes) -> Slopes| self.by_polarisation(|s| pair(of(s)));
+        let total = |share: fn(&FarSlopes) -> Slopes| self.by_polarisation(|s| pair(share(s)));
         json!({
             "medium": self.name(),
             "index": [self.index.re, self.index.im],
@@ -217,8 +220,8 @@ impl Gradient {
         })
     }
 
-    fn by_polarisation(&self, of: impl Fn(&FarSlopes) -> Value) -> Value {
-        by_polarisation(&self.slopes.iter().map(of).collect::<Vec<_>>())
+    fn by_polarisation(&self, entry: impl Fn(&FarSlopes) -> Value) -> Value {
+        by_polarisation(&self.slopes.iter().map(entry).collect::<Vec<_>>())
     }
 
     /// The totals' derivatives as lines of a table.

@@ -135,7 +135,8 @@ pub(super) fn report(sweep: &Sweep, folder: &OutputFolder, stopped: bool, go_on:
     }
     let published = composed::publish(sweep, folder, &Stages).into_diagnostic()?;
     say!("Report: {}", published.page.display())?;
-    let (complete, all) = (published.complete, sweep.variants.len());
+    let complete = published.complete;
+    let all = sweep.variants.len();
     if complete == all {
         return Ok(());
     }
@@ -176,7 +177,9 @@ fn tell(reported: &Reported, folder: &OutputFolder, stopped: bool, go_on: &str) 
         say!("Target {}: {}", nearest.target, nearest.summary)?;
     }
     say!("Report: {}", folder.path().join("report.html").display())?;
-    let (complete, all, failures) = (reported.complete(), reported.outcomes.len(), reported.failures());
+    let complete = reported.complete();
+    let all = reported.outcomes.len();
+    let failures = reported.failures();
     if complete == all {
         return Ok(());
     }

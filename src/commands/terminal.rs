@@ -62,8 +62,8 @@ const INTERRUPTED: i32 = 130;
 #[derive(Clone, Debug, Default)]
 pub struct StopFlag {
     raised: Arc<AtomicBool>,
-    /// Whether nothing would be lost if the program ended now: no solve is under way, every finished
-    /// one is stored, and files are written whole or not at all.
+    /// Whether nothing would be lost if the program ended now: no solve is under way, every
+    /// finished one is stored, and files are written whole or not at all.
     at_once: Arc<AtomicBool>,
 }
 

@@ -85,24 +85,29 @@ fn keep_freed_memory() {
 /// The system refuses threads, or leaves less memory than any command needs; later an error could
 /// no longer be printed.
 pub fn start_threads() -> Result<()> {
-    let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|n| n.parse().ok()).filter(|&n| n > 0);
-    let wanted = asked.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
-    let threads = threads_within_limits(wanted);
+    let by_user = std::env::var("RAYON_NUM_THREADS").ok().and_then(|n| n.parse().ok()).filter(|&n| n > 0);
+    let requested =
+        by_user.or_else(|| std::thread::available_parallelism().ok().map(usize::from)).unwrap_or(1);
+    let threads = threads_within_limits(requested);
     if threads == 0 || allowed() < LEAST_LEFT {
         let help = "raise the limit (ulimit -v, ulimit -d, or the cgroup's), or use another machine";
-        let [left, least, space] = [allowed(), LEAST_LEFT, least_space()].map(|bytes| (1e-6 * bytes).floor());
+        let megabytes = |bytes: f64| (1e-6 * bytes).floor();
+        let left = megabytes(allowed());
+        let least = megabytes(LEAST_LEFT);
+        let space = megabytes(least_space());
         return Err(miette!(
             help = help,
             "this process has {left} MB of memory left for solves; a run on one thread needs {space} MB of address space, {least} MB for solves among them"
         ));
     }
-    if threads < wanted {
+    if threads < requested {
         note!(
-            "using {threads} of {wanted} threads: the limit of address space (ulimit -v) is too low for more"
+            "using {threads} of {requested} threads: the limit of address space (ulimit -v) is too low for more"
         );
     }
     if is_limited() {
-        // A product on many threads may begin another one while it waits, which reserves its buffers again.
+        // A product on many threads may begin another one while it waits, which reserves its
+        // buffers again.
         faer::set_global_parallelism(faer::Par::Seq);
     }
     keep_freed_memory();

@@ -1,11 +1,11 @@
 //! The file of a design as written.
 //!
 //! ```toml
-//! base = "ink.toml"                    # or a table [base] with a whole study
+//! base = "ink.toml"                # or a table [base] with a whole study
 //! [target]
-//! lab = [85, -10, 80]                  # at 45:0 under [colour] of the base; or file = "target.cxf"
+//! lab = [85, -10, 80]              # at 45:0 under [colour] of the base; or file = "target.cxf"
 //! [[vary]]
-//! field = "pigment[0].diameter_nm"     # a study field, or: ratio = ["yellow", "blue"]
+//! field = "pigment[0].diameter_nm" # a study field, or: ratio = ["yellow", "blue"]
 //! from = 100
 //! to = 300
 //! [design]
@@ -45,8 +45,8 @@ pub struct TargetTable {
     /// A spectrum or a colour, relative to this file, in any format of a study's
     /// `compare.measured`.
     pub file: Option<String>,
-    /// Sample in a file with several: its name or number, or its amounts of ink such as `[0, 0, 100,
-    /// 0]`.
+    /// Sample in a file with several: its name or number, or its amounts of ink such as
+    /// `[0, 0, 100, 0]`.
     pub patch: Option<Patch>,
     /// What a perfect white has in the file: 1 (`factor`) or 100 (`percent`); by default what the
     /// file declares.
@@ -64,13 +64,15 @@ pub struct TargetTable {
 pub struct VaryTable {
     /// Dotted field, as in a sweep.
     pub field: Option<String>,
-    /// Two pigments instead, by their names: the first one's part of the sum of both volume fractions.
+    /// Two pigments instead, by their names: the first one's part of the sum of both volume
+    /// fractions.
     pub ratio: Option<[String; 2]>,
     /// Least value.
     pub from: f64,
     /// Largest value.
     pub to: f64,
-    /// Cost of one unit of the field, in any currency: recipes within the requested ΔE₀₀ are ranked by it.
+    /// Cost of one unit of the field, in any currency: recipes within the requested ΔE₀₀ are ranked
+    /// by it.
     pub cost: f64,
 }
 

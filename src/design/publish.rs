@@ -15,7 +15,8 @@ fn row(hex: Option<&str>, values: &[f64], numbers: Vec<String>) -> Value {
 
 fn verified(run: &Verified) -> Value {
     let predicted = run.predicted.map_or(String::new(), |x| format!("{x:.2}"));
-    let (delta_e, contrast) = (run.delta_e_2000.in_words(2), run.contrast_ratio.in_words(3));
+    let delta_e = run.delta_e_2000.in_words(2);
+    let contrast = run.contrast_ratio.in_words(3);
     row(Some(&run.hex), &run.values, vec![delta_e, predicted, contrast, short(run.cost)])
 }
 

@@ -48,7 +48,7 @@ pub struct DesignTask {
     pub variables: Vec<Variable>,
     /// How recipes are sought.
     pub settings: DesignTable,
-    /// L*, a*, b* wanted.
+    /// L*, a*, b* of the target.
     pub lab: [f64; 3],
     /// Least contrast ratio.
     pub contrast_ratio: Option<f64>,
@@ -145,8 +145,8 @@ fn mix(table: &mut Table, [one, other]: &[String; 2], share: f64) -> Result<(), 
 /// The volume fraction of a pigment.
 fn fraction(table: &Table, name: &String) -> Result<f64, String> {
     let pigments = table.get("pigment").and_then(Value::as_array).into_iter().flatten();
-    let mut own = pigments.filter(|p| p.get("name").and_then(Value::as_str) == Some(name));
-    let value = own.next().and_then(|p| p.get("volume_fraction"));
+    let mut named = pigments.filter(|p| p.get("name").and_then(Value::as_str) == Some(name));
+    let value = named.next().and_then(|p| p.get("volume_fraction"));
     let value = value.and_then(|v| v.as_float().or(v.as_integer().map(|i| i as f64)));
     value.ok_or_else(|| format!("no pigment {name:?} with a volume fraction"))
 }
@@ -157,20 +157,22 @@ fn fraction(table: &Table, name: &String) -> Result<f64, String> {
 /// The file or its base cannot be read, or values are not allowed, also at the ends of the ranges.
 pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     let (text, file): (String, DesignFile) = read_file(path)?;
-    let own = path.parent().unwrap_or(Path::new(""));
-    let (mut base, folder) = file.base.read(own)?;
+    let beside = path.parent().unwrap_or(Path::new(""));
+    let (mut base, folder) = file.base.read(beside)?;
     let mut faults = Faults::default();
-    put_target(&mut base, &file.target, own, &mut faults);
+    put_target(&mut base, &file.target, beside, &mut faults);
     let variables = variables(&file.vary, &mut faults);
     check_settings(&file, &mut faults);
     let title = file.title.clone().unwrap_or_else(|| stem(path));
-    let (settings, contrast_ratio) = (file.design.clone(), file.target.contrast_ratio);
-    let (lab, remarks) = ([0.0; 3], Vec::new());
+    let settings = file.design.clone();
+    let contrast_ratio = file.target.contrast_ratio;
+    let lab = [0.0; 3];
+    let remarks = Vec::new();
     let mut task = DesignTask { title, variables, settings, lab, contrast_ratio, remarks, base, folder };
     if faults.0.is_empty() {
         match checked_ends(&task, file.target.patch.is_some()) {
             Ok(target) => (task.lab, task.remarks) = (target.lab, target.remarks),
-            Err(found) => faults.0.extend(found.into_iter().map(|fault| place_of(fault, &file))),
+            Err(of_study) => faults.0.extend(of_study.into_iter().map(|fault| place_of(fault, &file))),
         }
     }
     if faults.0.is_empty() {
@@ -188,8 +190,8 @@ fn put_target(base: &mut Table, target: &TargetTable, folder: &Path, faults: &mu
         colour.remove("target_lab");
     }
     match (&target.lab, &target.file) {
-        (Some(wanted), None) => {
-            let _ = set(base, "colour.target_lab", &wanted.to_vec().into());
+        (Some(lab), None) => {
+            let _ = set(base, "colour.target_lab", &lab.to_vec().into());
         }
         (None, Some(file)) => {
             let path = folder.join(file);
@@ -298,7 +300,7 @@ fn checked_ends(task: &DesignTask, patch_is_named: bool) -> Result<DesignTarget,
     let named =
         |remark: &String| remark.replace("compare.measured", "target.file").replace("compare.", "target.");
     let remarks = study.remarks.iter().filter(of_files).map(named);
-    Ok(DesignTarget { lab: super::surface::wanted(study)?, remarks: remarks.collect() })
+    Ok(DesignTarget { lab: super::surface::target_lab(study)?, remarks: remarks.collect() })
 }
 
 /// A fault of a study as one of the design's file.
@@ -313,8 +315,10 @@ fn place_of(fault: Fault, file: &DesignFile) -> Fault {
         Some(i) => format!("vary[{i}]"),
         None => format!("base.{}", fault.field),
     };
-    let [found, allowed, remedy] = [&fault.found, &fault.allowed, &fault.remedy]
-        .map(|text| text.replace("compare.", "target.").replace("colour.target_lab", "target.lab"));
+    let renamed = |text: &str| text.replace("compare.", "target.").replace("colour.target_lab", "target.lab");
+    let found = renamed(&fault.found);
+    let allowed = renamed(&fault.allowed);
+    let remedy = renamed(&fault.remedy);
     let found = if place.starts_with("vary") { format!("{found} for {}", fault.field) } else { found };
     Fault { field: place, found, allowed, remedy }
 }

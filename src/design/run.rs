@@ -134,7 +134,7 @@ pub struct Verified {
 pub struct DesignOutcome {
     /// Whether a verified recipe is within the requested ΔE₀₀.
     pub met: bool,
-    /// L*, a*, b* wanted.
+    /// L*, a*, b* of the target.
     pub target: [f64; 3],
     /// Verdict in words.
     pub verdict: String,
@@ -217,7 +217,8 @@ impl DesignRun<'_> {
 
     /// Runs the variants of the design; those without a colour are left out.
     fn variants(&self) -> Result<Variants, DesignError> {
-        let (task, count) = (self.task, self.task.variables.len());
+        let task = self.task;
+        let count = task.variables.len();
         let planned = task.variants();
         let needed = super::surface::most_coefficients(count) + 2;
         let corners = if count <= CORNERS { (1 << count).min(planned) } else { 0 };
@@ -247,7 +248,7 @@ impl DesignRun<'_> {
     /// colour.
     ///
     /// # Errors
-    /// What ends every other run as well: a stop, a folder that cannot be written, too little memory.
+    /// What ends every other run as well: a stop, an unwritable folder, too little memory.
     fn run(&self, places: &[f64], round: Option<usize>) -> Result<Result<Verified, String>, DesignError> {
         let task = self.task;
         let study = match self.study(places, round) {
@@ -299,8 +300,9 @@ impl DesignRun<'_> {
         }))
     }
 
-    /// The study of a recipe. A verifying run has the requested number of packings, and others than the
-    /// variants and every earlier one: searches fit their answer to the chance of the runs before.
+    /// The study of a recipe. A verifying run has the requested number of packings, and others than
+    /// the variants and every earlier one: searches fit their answer to the chance of the runs
+    /// before.
     fn study(&self, places: &[f64], round: Option<usize>) -> Result<Study, DesignError> {
         let mut study = study_at(self.task, places)?;
         study.judgement.target_lab = Some(self.task.lab);
@@ -371,7 +373,8 @@ impl DesignRun<'_> {
     }
 
     fn verdict(&self, verified: &[Verified], met: bool) -> String {
-        let (task, Some(best)) = (self.task, verified.first()) else {
+        let task = self.task;
+        let Some(best) = verified.first() else {
             return "Not proven: no verifying run gave a colour".into();
         };
         let wish = task.settings.delta_e;

@@ -16,7 +16,7 @@ use faer::{Mat, Side};
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// Relative weight of the coefficients' own size: nothing but a guard against fewer data than those.
+/// Relative weight of the coefficients' own size: a guard against fewer data than coefficients.
 const RIDGE: f64 = 1e-4;
 
 /// Spectra over the paper, over black and over white, one after another.
@@ -45,16 +45,16 @@ fn monomials(places: &[f64]) -> Vec<f64> {
 /// The ink on its paper has none.
 pub fn spectra(ink: &InkOnPaper) -> Result<Spectra3, InkError> {
     let (light, view) = (ink.at(PRINT_DEG)?, ink.at(0.0)?);
-    let of = |layer: &LayerOnPaper| PI * layer.brdf(&light, &view);
-    let [black, white] = [BLACK, WHITE].map(|albedo| ink.spectrum(|layer| of(&layer.over(albedo))).values);
-    Ok([ink.spectrum(of).values, black, white].concat())
+    let factor = |layer: &LayerOnPaper| PI * layer.brdf(&light, &view);
+    let over = |albedo: f64| ink.spectrum(|layer| factor(&layer.over(albedo))).values;
+    Ok([ink.spectrum(factor).values, over(BLACK), over(WHITE)].concat())
 }
 
 /// L*, a*, b* that a study's target asks for.
 ///
 /// # Errors
 /// It has none, or a spectrum that does not cover the study's wavelengths.
-pub fn wanted(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
+pub fn target_lab(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
     let judgement = &study.judgement;
     if let Some(lab) = judgement.target_lab {
         return Ok(lab);
@@ -82,7 +82,7 @@ pub struct Eye {
     meter: Colorimeter,
     waves: usize,
     /// Those of the wavelengths that colours take.
-    seen: Range<usize>,
+    visible: Range<usize>,
 }
 
 impl Eye {
@@ -91,9 +91,9 @@ impl Eye {
     /// # Errors
     /// Wavelengths that carry no colour.
     pub fn new(study: &Study) -> Result<Self, ColourError> {
-        let seen = visible(&study.wavelengths_nm);
-        let meter = Colorimeter::under(&study.wavelengths_nm[seen.clone()], &study.judgement.viewing)?;
-        Ok(Self { meter, waves: study.wavelengths_nm.len(), seen })
+        let visible = visible(&study.wavelengths_nm);
+        let meter = Colorimeter::under(&study.wavelengths_nm[visible.clone()], &study.judgement.viewing)?;
+        Ok(Self { meter, waves: study.wavelengths_nm.len(), visible })
     }
 
     /// L*, a*, b* over the paper, and the contrast ratio.
@@ -101,9 +101,11 @@ impl Eye {
     /// # Errors
     /// Values that are no numbers.
     pub fn sees(&self, spectra: &[f64]) -> Result<([f64; 3], f64), ColourError> {
-        let own = |k: usize| &spectra[k * self.waves..(k + 1) * self.waves];
-        let colour = |k: usize| self.meter.colour(&own(k)[self.seen.clone()]);
-        let [print, black, white] = [colour(0)?, colour(1)?, colour(2)?];
+        let spectrum = |k: usize| &spectra[k * self.waves..(k + 1) * self.waves];
+        let colour = |k: usize| self.meter.colour(&spectrum(k)[self.visible.clone()]);
+        let print = colour(0)?;
+        let black = colour(1)?;
+        let white = colour(2)?;
         Ok((print.lab, black.xyz[1] / white.xyz[1].max(1e-9)))
     }
 }
@@ -111,8 +113,8 @@ impl Eye {
 /// Polynomials for every wavelength and backing.
 pub struct Surfaces {
     coefficients: Mat<f64>,
-    /// What the surfaces without a variant predict for it less what it has: variant → wavelength and
-    /// backing.
+    /// What the surfaces without a variant predict for it less what it has: variant → wavelength
+    /// and backing.
     pub left_out: Vec<Spectra3>,
 }
 
@@ -120,7 +122,8 @@ impl Surfaces {
     /// Fits differences from the film at points of the box.
     pub fn new(places: &[Vec<f64>], differences: &[Spectra3]) -> Option<Self> {
         let rows: Vec<Vec<f64>> = places.iter().map(|p| monomials(p)).collect();
-        let (count, columns) = (rows.first()?.len(), differences.first()?.len());
+        let count = rows.first()?.len();
+        let columns = differences.first()?.len();
         let matrix = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
         let ridge = RIDGE * rows.len() as f64;
         let ridge = Mat::from_fn(count, count, |i, j| if i == j { ridge } else { 0.0 });
@@ -155,7 +158,8 @@ mod tests {
             (0..20).map(|k| vec![(0.618 * f64::from(k)).fract(), (0.755 * f64::from(k)).fract()]).collect();
         let values: Vec<Spectra3> = places.iter().map(|p| f(p)).collect();
         let surfaces = Surfaces::new(&places, &values).unwrap();
-        let (here, there) = (surfaces.at(&[0.3, 0.8]), f(&[0.3, 0.8]));
+        let here = surfaces.at(&[0.3, 0.8]);
+        let there = f(&[0.3, 0.8]);
         // the guard against too few data pulls by its weight
         assert!(here.iter().zip(&there).all(|(a, b)| (a - b).abs() < 2e-3), "{here:?} {there:?}");
         assert!((0..20).all(|i| surfaces.left_out[i].iter().all(|e| e.abs() < 2e-2)));

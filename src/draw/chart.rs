@@ -136,9 +136,10 @@ impl Chart {
     }
 
     fn scale(&self, axis: usize) -> DrawResult<Scale> {
-        let (range, log) = (self.range(axis)?, self.log[axis]);
-        let own = if axis == 0 { self.along(&range) } else { None };
-        let ticks = own.unwrap_or_else(|| ticks::round_ticks(&range, axis, log));
+        let range = self.range(axis)?;
+        let log = self.log[axis];
+        let placed = if axis == 0 { self.along(&range) } else { None };
+        let ticks = placed.unwrap_or_else(|| ticks::round_ticks(&range, axis, log));
         Ok(Scale::new(log, range, ticks))
     }
 

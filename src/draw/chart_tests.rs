@@ -81,7 +81,8 @@ fn charts_have_axes_units_curves_and_error_bars() {
         assert!(svg.contains(text), "{text} is missing");
     }
     assert!(!svg.contains("NaN"));
-    let (bitmap, (width, height)) = (spectra().bitmap().unwrap(), spectra().leaf().size());
+    let bitmap = spectra().bitmap().unwrap();
+    let (width, height) = spectra().leaf().size();
     assert_eq!((bitmap.width, bitmap.height), (width as usize, height as usize));
     if let Some(folder) = std::env::var_os("INKWAVE_PICTURES") {
         let folder = std::path::PathBuf::from(folder);

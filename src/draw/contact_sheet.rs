@@ -54,10 +54,10 @@ impl ContactSheet {
         self.captions(&mut bitmap, cell)?;
         for (r, row) in self.cells.iter().enumerate() {
             for (c, picture) in row.iter().enumerate() {
-                let at = [left + c * cell[0], SHEET_TOP + r * cell[1]];
+                let corner = [left + c * cell[0], SHEET_TOP + r * cell[1]];
                 match picture {
-                    Ok(picture) => paint(picture, &mut bitmap, at, style),
-                    Err(reason) => blank(&mut bitmap, at, cell, reason)?,
+                    Ok(picture) => paint(picture, &mut bitmap, corner, style),
+                    Err(reason) => blank(&mut bitmap, corner, cell, reason)?,
                 }
             }
         }
@@ -71,7 +71,8 @@ impl ContactSheet {
     }
 
     fn check(&self) -> DrawResult {
-        let [rows, columns] = [self.rows.len(), self.columns.len()];
+        let rows = self.rows.len();
+        let columns = self.columns.len();
         let whole = self.cells.len() == rows && self.cells.iter().all(|row| row.len() == columns);
         if rows * columns == 0 || !whole {
             return Err(failed(format!(
@@ -101,8 +102,8 @@ fn blank(bitmap: &mut Bitmap, [x, y]: [usize; 2], cell: [usize; 2], reason: &str
     let size = LABEL_PX - 2;
     let letters = ((cell[0] - SHEET_GAP) as f64 / (LETTER * size as f64)) as usize;
     let lines = wrapped(reason, |line| line.chars().count() <= letters);
-    let [middle_x, middle_y] =
-        [x + (cell[0] - SHEET_GAP) / 2, y + (cell[1] - SHEET_GAP) / 2].map(|p| p as i32);
+    let middle_x = (x + (cell[0] - SHEET_GAP) / 2) as i32;
+    let middle_y = (y + (cell[1] - SHEET_GAP) / 2) as i32;
     for (k, line) in lines.iter().enumerate() {
         let down = (2 * k as i32 - lines.len() as i32 + 1) * (size as i32 + 5) / 2;
         bitmap.text(line, [middle_x, middle_y + down], size, Anchor::Centre)?;

@@ -71,10 +71,11 @@ impl Curve {
         self.points.iter().any(|p| p[1].is_finite())
     }
 
-    /// Breaks the curve at the abscissae that were asked for and have no point.
-    pub fn asked_at(mut self, asked: &[f64]) -> Self {
-        let found = |x: f64| self.points.iter().any(|p| (p[0] - x).abs() < SAME);
-        let missing: Vec<_> = asked.iter().filter(|&&x| !found(x)).map(|&x| [x, f64::NAN, 0.0]).collect();
+    /// Breaks the curve at the requested abscissae that have no point.
+    pub fn asked_at(mut self, requested: &[f64]) -> Self {
+        let has_point = |x: f64| self.points.iter().any(|p| (p[0] - x).abs() < SAME);
+        let missing: Vec<_> =
+            requested.iter().filter(|&&x| !has_point(x)).map(|&x| [x, f64::NAN, 0.0]).collect();
         self.points.extend(missing);
         self.points.sort_by(|a, b| a[0].total_cmp(&b[0]));
         self

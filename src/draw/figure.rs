@@ -79,8 +79,8 @@ impl Bitmap {
     pub fn fill(&mut self, [x, y]: [usize; 2], [width, height]: [usize; 2], colour: [u8; 3]) {
         for row in y..(y + height).min(self.height) {
             for column in x..(x + width).min(self.width) {
-                let at = 3 * (row * self.width + column);
-                self.rgb[at..at + 3].copy_from_slice(&colour);
+                let first = 3 * (row * self.width + column);
+                self.rgb[first..first + 3].copy_from_slice(&colour);
             }
         }
     }

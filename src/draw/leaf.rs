@@ -52,8 +52,8 @@ impl Leaf {
         let (title, rest) = area.split_vertically(self.title_height());
         for (k, line) in self.title.iter().enumerate() {
             let left = (WIDTH.saturating_sub(width(line, TITLE)) / 2) as i32;
-            let at = (left, (MARGIN + k as u32 * TITLE_STEP) as i32);
-            title.draw(&Text::new(line.clone(), at, (FONT, TITLE).into_font())).map_err(failed)?;
+            let corner = (left, (MARGIN + k as u32 * TITLE_STEP) as i32);
+            title.draw(&Text::new(line.clone(), corner, (FONT, TITLE).into_font())).map_err(failed)?;
         }
         Ok(rest.split_vertically(AXES))
     }

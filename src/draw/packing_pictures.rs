@@ -18,7 +18,8 @@ const TILE: usize = 300;
 /// binder's surface.
 pub fn top_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
     let [lx, ly] = packing.period_um();
-    let (per_um, height) = (WIDE / lx.max(ly), packing.thickness_um());
+    let per_um = WIDE / lx.max(ly);
+    let height = packing.thickness_um();
     let frame = Frame {
         x: 0.0..lx,
         y: 0.0..ly,
@@ -72,7 +73,7 @@ fn paint_top_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut R
 }
 
 /// Paints the section of a body before all that is deeper than `depth`.
-fn paint_cut_solid(packing: &Packing, (solid, depth): (&Solid, f64), colour: Rgb, raster: &mut Raster) {
+fn paint_cut_solid(packing: &Packing, solid: &Solid, depth: f64, colour: Rgb, raster: &mut Raster) {
     let [lx, ly] = packing.period_um();
     let (sx, sz) = (raster.width as f64 / lx, raster.height as f64 / packing.thickness_um());
     for j in pixels(solid.extent_um(2), sz) {
@@ -127,7 +128,7 @@ fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
         }
     }
     for (after, (solid, material)) in images(packing).enumerate() {
-        paint_cut_solid(packing, (&solid, -(after as f64)), pigment_colour(material), &mut raster);
+        paint_cut_solid(packing, &solid, -(after as f64), pigment_colour(material), &mut raster);
     }
     raster
 }
@@ -157,14 +158,14 @@ fn draw_perspective(canvas: &Canvas, packing: &Packing, size: (u32, u32)) -> Dra
     place(canvas, &raster, (0, 40), size)
 }
 
-/// Writes a line with its upper left corner at `at`, its letters `height` pixels high.
-fn write_line(canvas: &Canvas, line: String, at: (i32, i32), height: i32) -> DrawResult {
-    canvas.draw(&Text::new(line, at, (FONT, height).into_font())).map_err(failed)
+/// Writes a line with its upper left `corner`, its letters `height` pixels high.
+fn write_line(canvas: &Canvas, line: String, corner: (i32, i32), height: i32) -> DrawResult {
+    canvas.draw(&Text::new(line, corner, (FONT, height).into_font())).map_err(failed)
 }
 
-/// Puts a picture with its upper left corner at `at`.
-fn place(canvas: &Canvas, raster: &Raster, at: (i32, i32), size: (u32, u32)) -> DrawResult {
-    let bits = BitMapElement::with_owned_buffer(at, size, raster.rgb());
+/// Puts a picture with its upper left corner at `corner`.
+fn place(canvas: &Canvas, raster: &Raster, corner: (i32, i32), size: (u32, u32)) -> DrawResult {
+    let bits = BitMapElement::with_owned_buffer(corner, size, raster.rgb());
     bits.map_or(Ok(()), |b| canvas.draw(&b)).map_err(failed)
 }
 

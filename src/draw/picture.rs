@@ -68,8 +68,10 @@ pub(super) fn paint(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2
 
 fn label(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &PictureStyle) -> DrawResult {
     let square = x + style.strip_px + style.gap_px;
-    let (bottom, side) = ((y + style.side_px) as i32, style.side_px as i32);
-    let (above, across) = (y as i32 - 14, square as i32 + side / 2);
+    let bottom = (y + style.side_px) as i32;
+    let side = style.side_px as i32;
+    let above = y as i32 - 14;
+    let across = square as i32 + side / 2;
     bitmap.text("natural light", [(x + style.strip_px / 2) as i32, above], LABEL_PX, Anchor::Centre)?;
     bitmap.text("π × diffuse BRDF", [across, above], LABEL_PX, Anchor::Centre)?;
     bitmap.text("illumination angle, °", [across, bottom + 44], LABEL_PX, Anchor::Centre)?;

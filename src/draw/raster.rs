@@ -72,8 +72,8 @@ impl Raster {
         let mut half = Self::new(self.width / 2, self.height / 2, BACKGROUND);
         for y in 0..half.height {
             for x in 0..half.width {
-                let at = |i: usize, j: usize| self.pixels[(2 * y + j) * self.width + 2 * x + i];
-                let four = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+                let pixel = |i: usize, j: usize| self.pixels[(2 * y + j) * self.width + 2 * x + i];
+                let four = [pixel(0, 0), pixel(1, 0), pixel(0, 1), pixel(1, 1)];
                 let mean = |c: usize| (four.iter().map(|p| u32::from(p[c])).sum::<u32>() / 4) as u8;
                 half.pixels[y * half.width + x] = [mean(0), mean(1), mean(2)];
             }

@@ -14,12 +14,12 @@ const ROUNDING: f64 = 1e-9;
 /// Round ticks of the horizontal axis, 0, or the vertical one, 1, with their labels.
 pub(super) fn round_ticks(range: &Range<f64>, axis: usize, log: bool) -> Vec<(f64, String)> {
     let most = if axis == 0 { MOST_ALONG } else { MOST_UP[usize::from(log)] };
-    let at = if log {
+    let places = if log {
         logarithmic(range, most)
     } else {
         RangedCoordf64::from(range.clone()).key_points(BoldPoints(most))
     };
-    at.into_iter().map(|v| (v, label(v, log, range.end - range.start))).collect()
+    places.into_iter().map(|v| (v, label(v, log, range.end - range.start))).collect()
 }
 
 /// 1, 2 and 5 times the powers of ten within a range; for long ranges the powers alone, or every
@@ -41,7 +41,7 @@ fn round_numbers(range: &Range<f64>, leading: &[f64]) -> Vec<f64> {
     all.filter(|v| within.contains(v)).collect()
 }
 
-/// Steps by which a logarithmic range is widened at most: more than two decades, which hold two ticks.
+/// Steps by which a logarithmic range is widened at most: over two decades, which hold two ticks.
 const MOST_WIDENED: usize = 240;
 
 /// Widens a logarithmic range until it has at least two ticks, on the side where this adds less.

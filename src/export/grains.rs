@@ -18,7 +18,8 @@ fn rows(packing: &Packing) -> impl Iterator<Item = (usize, usize, &Sphere)> {
 
 /// A LAMMPS dump of one frame with radii.
 pub fn dump(packing: &Packing) -> String {
-    let ([lx, ly], h) = (packing.period_um(), packing.thickness_um());
+    let [lx, ly] = packing.period_um();
+    let h = packing.thickness_um();
     let count = rows(packing).count();
     let mut out = format!("ITEM: TIMESTEP\n0\nITEM: NUMBER OF ATOMS\n{count}\nITEM: BOX BOUNDS pp pp ff\n");
     let _ = write!(out, "0 {lx}\n0 {ly}\n0 {h}\nITEM: ATOMS id mol type x y z radius\n");
@@ -30,7 +31,8 @@ pub fn dump(packing: &Packing) -> String {
 
 /// Extended XYZ of one frame with radii, as OVITO and ASE read it.
 pub fn xyz(packing: &Packing) -> String {
-    let ([lx, ly], h) = (packing.period_um(), packing.thickness_um());
+    let [lx, ly] = packing.period_um();
+    let h = packing.thickness_um();
     let count = rows(packing).count();
     let properties = "species:S:1:pos:R:3:radius:R:1:grain:I:1";
     let mut out =

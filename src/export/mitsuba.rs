@@ -12,7 +12,8 @@
 //!
 //! ```text
 //! "tensor_file\0"  version 1.0 (2 × u8)  number of fields (u32)
-//! for each field:  length of name (u16)  name  number of dimensions (u16)  type (u8)  offset (u64)  sizes (u64 each)
+//! for each field:  length of name (u16)  name  number of dimensions (u16)  type (u8)  offset (u64)
+//!                  sizes (u64 each)
 //! the data of all fields, each at its offset; everything little-endian
 //! ```
 //! The layout was derived from existing files and is checked with Mitsuba itself
@@ -25,16 +26,14 @@ use crate::evaluate::ink::InkError;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Points along each axis of the half vector's grid. *Measured* against the formula at cos θ > 0.2,
-/// median and 95th percentile: 32 points 0.7 % and 8 %, 48 points 0.3 % and 4 %, 96 points 0.09 %
-/// and 1.5 %.
+/// Points along each axis of the half vector's grid. *Measured* against the formula, cos θ > 0.2,
+/// median and 95th percentile: 32 points 0.7 % and 8 %, 48 0.3 % and 4 %, 96 0.09 % and 1.5 %.
 const POINTS: usize = 96;
 /// The renderer divides by the luminance when it draws directions: never 0, at least this share of
 /// its mean.
 const LEAST_LUMINANCE: f64 = 1e-4;
-/// Angles of incidence lie at most this far apart: between them the renderer keeps the half vector,
-/// so that the direction of view turns with the light. *Measured* with 4.5°, median and 95th
-/// percentile: 0.56 % and 3.0 %.
+/// Largest distance of angles of incidence: between them the renderer keeps the half vector.
+/// *Measured* with 4.5°, median and 95th percentile: 0.56 % and 3.0 %.
 const WIDEST_STEP_DEG: f64 = 3.0;
 /// Directions nearer to grazing than this have no orders around them.
 const GRAZING_DEG: f64 = 89.9;

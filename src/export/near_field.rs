@@ -33,11 +33,11 @@ pub fn image(problem: &Problem, field: &Field) -> Image {
         let (cell, t) = place(k, grid.cells());
         let shares = grid.element.shape_functions(t);
         let rows: Vec<usize> = grid.planes_of_cell(cell).collect();
-        let at = |values: &Array2<Complex64>, i: usize| -> Complex64 {
+        let interpolated = |values: &Array2<Complex64>, i: usize| -> Complex64 {
             rows.iter().zip(shares).map(|(&p, s)| values[[p, i]] * s).sum()
         };
-        wave.extend((0..points).map(|i| at(&planes, i) * phases[i]));
-        contrast.extend((0..points).map(|i| at(&contrasts, i)));
+        wave.extend((0..points).map(|i| interpolated(&planes, i) * phases[i]));
+        contrast.extend((0..points).map(|i| interpolated(&contrasts, i)));
     }
     let intensity = wave.iter().map(|u| u.norm_sqr() as f32).collect();
     let [lx, ly] = grid.period_um;
@@ -237,13 +237,13 @@ mod tests {
         let problem = Problem::new(&coverage, &media, &incidence, Mean::default()).unwrap();
         let image = image(&problem, &problem.background_wave());
         let [nx, ny, nz] = image.points;
-        let at = |x: usize, y: usize| {
+        let contrast = |x: usize, y: usize| {
             let place = 2 * (x + nx * (y + ny * (nz / 2)));
             let v = &image.arrays[2].values[place..place + 2];
             Complex64::new(f64::from(v[0]), f64::from(v[1]))
         };
         // Inside minus outside; the ringing of a band-limited edge is below a tenth so far from it.
-        let step = at(nx / 2, ny / 2) - at(0, 0);
+        let step = contrast(nx / 2, ny / 2) - contrast(0, 0);
         let expected = grain * grain - binder * binder;
         assert!((step - expected).norm() < 0.1 * expected.norm(), "{step} instead of {expected}");
     }

@@ -137,9 +137,9 @@ impl Print {
 
 impl PrintSpectrum {
     fn page_lab_if_other(&self) -> Option<String> {
-        let own = self.colour.as_ref()?.lab;
+        let in_file = self.colour.as_ref()?.lab;
         let page = self.page_lab?;
-        let other = (0..3).any(|i| (own[i] - page[i]).abs() > ROUNDING);
+        let other = (0..3).any(|i| (in_file[i] - page[i]).abs() > ROUNDING);
         let [l, a, b] = page;
         other.then(|| format!("L* {l:.2} a* {a:.2} b* {b:.2} ({})", self.geometry.name()))
     }

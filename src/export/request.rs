@@ -74,7 +74,7 @@ pub enum ExportError {
         /// Solves of the study.
         asked: usize,
     },
-    /// The study has no such file: what was asked for, and what is allowed.
+    /// The study has no such file: what was requested, and what is allowed.
     #[error("{0}")]
     Refused(String),
     /// Records that do not belong together.

@@ -186,8 +186,8 @@ impl Exporter<'_> {
         let study = self.study();
         let packing = self.packing("vti")?;
         let names = study.material_names();
-        let asked = self.request.near_field.map(|light| light.wavelength_nm);
-        let w = asked.map_or(Ok(study.wavelengths_nm.len() / 2), |nm| self.wavelength(nm))?;
+        let requested_nm = self.request.near_field.map(|light| light.wavelength_nm);
+        let w = requested_nm.map_or(Ok(study.wavelengths_nm.len() / 2), |nm| self.wavelength(nm))?;
         let wavelength_nm = study.wavelengths_nm[w];
         let image = Voxels::of(&packing).image(&names, &study.media(1e-3 * wavelength_nm), wavelength_nm);
         let about = "η² less that of the binder, and every pigment's share; lengths in µm";

@@ -64,7 +64,8 @@ fn halton(mut k: usize, base: usize) -> f64 {
 
 /// The mirror part R_s(θ, λ) that the material leaves out; the albedo of the material, from the
 /// totals R and T and as the integral of its BRDF; and the standard error of the difference, with
-/// its two parts: chance, and what the fits of both differ by beyond it. Fits that fall below 0, at grazing light, count as 0.
+/// its two parts: chance, and what the fits of both differ by beyond it. Fits that fall below 0, at
+/// grazing light, count as 0.
 ///
 /// # Errors
 /// What [`DirectionalPrint::disagreement`] refuses.

@@ -49,8 +49,8 @@ fn header(out: &mut String, print: &Print, dialect: Dialect) {
     let _ = writeln!(out, "CREATED \"{}\"", print.created);
     if dialect == Dialect::Standard {
         // the standard's own words; Argyll takes each keyword once
-        let (light, degree) =
-            (print.viewing.illuminant(), print.viewing.observer().replace("2015_", "2015, "));
+        let light = print.viewing.illuminant();
+        let degree = print.viewing.observer().replace("2015_", "2015, ");
         let _ = writeln!(out, "WEIGHTING_FUNCTION \"ILLUMINANT, {light}\"");
         let _ = writeln!(out, "WEIGHTING_FUNCTION \"OBSERVER, {degree} degree\"");
     }

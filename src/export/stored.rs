@@ -125,31 +125,31 @@ impl FinishedStudy for Stored {
 fn print(stored: &Stored, format: &str, created: &str) -> ExportResult<Print> {
     let study = &stored.study;
     let bands = Bands::new(study, format)?;
-    let own = summarise(study, &stored.collected, &stored.seen);
+    let of_page = summarise(study, &stored.collected, &stored.seen);
     let fitted = matches!(study.variation.light, LightRule::Shifted { .. });
     let spectra = if fitted {
         let wavelengths_nm = bands.wavelengths_nm.iter().map(|&nm| f64::from(nm)).collect();
         let on_grid = Study { wavelengths_nm, ..study.clone() };
         let seen = see(&on_grid, &stored.collected)?;
-        known(&summarise(&on_grid, &stored.collected, &seen), &own)
+        known(&summarise(&on_grid, &stored.collected, &seen), &of_page)
     } else {
-        let mut known = known(&own, &own);
+        let mut known = known(&of_page, &of_page);
         known
             .iter_mut()
             .for_each(|k| k.values = resample(&study.wavelengths_nm, &k.values, &bands.wavelengths_nm));
         known
     };
-    if let ([], Some(reason)) = (spectra.as_slice(), own.withheld.first()) {
+    if let ([], Some(reason)) = (spectra.as_slice(), of_page.withheld.first()) {
         return Err(ExportError::no_ink(format, &reason.in_words()));
     }
     // a number that the page withholds is in no file
-    let has_colours = own.ink_maker.is_some();
+    let has_colours = of_page.ink_maker.is_some();
     Ok(Print::new(study, created, bands, PrintSpectra { spectra, interpolated: !fitted, has_colours }))
 }
 
 /// Both spectra of the print, those that are known at every wavelength; Lab of the page is that of
-/// `own`.
-fn known(manifest: &Manifest<&Study>, own: &Manifest<&Study>) -> Vec<PrintSpectrum> {
+/// `of_page`.
+fn known(manifest: &Manifest<&Study>, of_page: &Manifest<&Study>) -> Vec<PrintSpectrum> {
     let mut all = Vec::new();
     for geometry in InstrumentGeometry::ALL {
         // the ink on its paper is evaluated at normal incidence only
@@ -161,7 +161,7 @@ fn known(manifest: &Manifest<&Study>, own: &Manifest<&Study>) -> Vec<PrintSpectr
         };
         if let Some(values) = values {
             let lab_covariance = colour(manifest).and_then(|colour| colour.lab_covariance);
-            let page_lab = colour(own).map(|colour| colour.lab);
+            let page_lab = colour(of_page).map(|colour| colour.lab);
             all.push(PrintSpectrum { geometry, values, lab_covariance, colour: None, page_lab });
         }
     }

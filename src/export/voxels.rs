@@ -59,8 +59,8 @@ impl Voxels {
         let binder = square(media.backgrounds[0]);
         let mut contrast = vec![Complex64::ZERO; self.shares[0].len()];
         for (kind, shares) in self.shares.iter().enumerate() {
-            let own = if kind == 0 { self.beyond } else { Material::Inclusion(kind - 1) };
-            let step = square(media.index_of(own)) - binder;
+            let material = if kind == 0 { self.beyond } else { Material::Inclusion(kind - 1) };
+            let step = square(media.index_of(material)) - binder;
             contrast.iter_mut().zip(shares).for_each(|(v, &share)| *v += step * f64::from(share));
         }
         contrast
@@ -83,8 +83,8 @@ impl Voxels {
     }
 }
 
-/// Labels at the centres of voxels, axes x, y, z: 0 is the binder, k + 1 material k of the grains, see
-/// [`Packing::materials`]. `count` voxels, or as many as [`Voxels::of`] takes.
+/// Labels at the centres of voxels, axes x, y, z: 0 is the binder, k + 1 material k of the grains,
+/// see [`Packing::materials`]. `count` voxels, or as many as [`Voxels::of`] takes.
 pub fn labels(packing: &Packing, count: Option<[usize; 3]>) -> Array3<u8> {
     let size = size_um(packing);
     let count = count.unwrap_or_else(|| usual(size));
@@ -150,8 +150,10 @@ impl VoxelRaster {
         let [nx, ny, nz] = self.count;
         for y in points(solid.extent_um(1), 1) {
             for x in points(solid.extent_um(0), 0) {
-                let at = |a: usize, k: i64| (k as f64 + 0.5) * self.step_um[a];
-                let Some(inside) = solid.chord([at(0, x), at(1, y), 0.0], [0.0, 0.0, 1.0]) else { continue };
+                let centre = |a: usize, k: i64| (k as f64 + 0.5) * self.step_um[a];
+                let Some(inside) = solid.chord([centre(0, x), centre(1, y), 0.0], [0.0, 0.0, 1.0]) else {
+                    continue;
+                };
                 for z in points(inside, 2).filter(|&z| (0..nz as i64).contains(&z)) {
                     marks[wrap(0, x) + nx * (wrap(1, y) + ny * z as usize)] = mark;
                 }
@@ -178,7 +180,8 @@ mod tests {
             inclusions: vec![2.0.into(), Complex64::new(1.0, 1.0)],
         };
         let voxels = Voxels::of(&packing);
-        let ([nx, ny, _], contrast) = (voxels.count, voxels.contrast(&media));
+        let [nx, ny, _] = voxels.count;
+        let contrast = voxels.contrast(&media);
         // 2² − 1.5² and (1 + i)² − 1.5², in 27 shares of single precision
         for (at, expected) in [(0.1, Complex64::new(1.75, 0.0)), (0.3, Complex64::new(-2.25, 2.0))] {
             let [x, y, z] = voxels.edge_um.map(|edge| (at / edge) as usize);
@@ -210,9 +213,10 @@ mod tests {
             let plane = voxels.count[0] * voxels.count[1];
             let contrast = voxels.contrast(&media);
             // a plane at the very face, which hardly any grain touches
-            let at = if face == RoughFace::Incident { 0 } else { contrast.len() - plane };
+            let first = if face == RoughFace::Incident { 0 } else { contrast.len() - plane };
             let expected = Complex64::from(outermost.powi(2) - 2.25);
-            let alike = contrast[at..at + plane].iter().filter(|&&v| (v - expected).norm() < 1e-5).count();
+            let alike =
+                contrast[first..first + plane].iter().filter(|&&v| (v - expected).norm() < 1e-5).count();
             assert!(10 * alike > 9 * plane, "{face:?}: {alike} of {plane}");
         }
     }

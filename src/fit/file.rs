@@ -1,10 +1,10 @@
 //! The file of a fit as written.
 //!
 //! ```toml
-//! base = "ink.toml"                    # size, shape, thickness, binder; or a table [base]
+//! base = "ink.toml"                # size, shape, thickness, binder; or a table [base]
 //! [[measured]]
-//! file = "white.csv"                   # CSV, CxF3 or CGATS.17
-//! backing = 0.85                       # albedo of the card, or [[nm, albedo], …], or { csv = "…" }
+//! file = "white.csv"               # CSV, CxF3 or CGATS.17
+//! backing = 0.85                   # albedo of the card, or [[nm, albedo], …], or { csv = "…" }
 //! geometry = "d:8"
 //! [[measured]]
 //! file = "black.csv"
@@ -47,8 +47,8 @@ pub struct MeasuredTable {
     /// The spectrum, relative to this file, in any format of a study's `compare.measured`; optional
     /// under `[[predict]]`.
     pub file: Option<String>,
-    /// Sample in a file with several: its name or number, or its amounts of ink such as `[0, 0, 100,
-    /// 0]`.
+    /// Sample in a file with several: its name or number, or its amounts of ink such as
+    /// `[0, 0, 100, 0]`.
     pub patch: Option<Patch>,
     /// What a perfect white has in the file: 1 (`factor`) or 100 (`percent`); by default what the
     /// file declares.

@@ -145,7 +145,8 @@ impl<'a> Data<'a> {
     /// drawdown, or one for all.
     pub fn new(
         task: &'a FitTask,
-        (prior, point): (&'a IndexPrior, &'a [f64]),
+        prior: &'a IndexPrior,
+        point: &'a [f64],
         response: &Response,
         systematic: &[f64],
     ) -> Self {
@@ -160,11 +161,11 @@ impl<'a> Data<'a> {
             let grid = systematic[d.min(systematic.len() - 1)].powi(2);
             for (j, &(e, w)) in places.iter().enumerate() {
                 let one_coat = task.measured[d].coat == task.measured[e].coat;
-                let [a, b] = [d, e].map(|drawdown| &response.replicates[drawdown]);
-                let ensemble = if one_coat { jackknife(a, b, v, w) } else { 0.0 };
-                let own = if v == w { ensemble } else { 0.0 };
+                let replicates = &response.replicates;
+                let ensemble = if one_coat { jackknife(&replicates[d], &replicates[e], v, w) } else { 0.0 };
+                let at_one_wavelength = if v == w { ensemble } else { 0.0 };
                 let common = if d == e { grid } else { 0.0 };
-                weights[(i, j)] = own + if i == j { noise + grid } else { 0.0 };
+                weights[(i, j)] = at_one_wavelength + if i == j { noise + grid } else { 0.0 };
                 errors[(i, j)] = inflation * ensemble + common + if i == j { noise } else { 0.0 };
             }
         }
@@ -199,8 +200,8 @@ impl<'a> Data<'a> {
     }
 
     /// χ² of data and prior together at the point of the linearisation: the function whose minimum
-    /// [`Data::step`] finds to first order, with the same covariance. `None` if that is not positive
-    /// definite.
+    /// [`Data::step`] finds to first order, with the same covariance. `None` if that is not
+    /// positive definite.
     pub fn cost(&self, strength: f64) -> Option<f64> {
         let left = column(&self.residual);
         let misfit = left.transpose() * cholesky(&self.weights)?.solve(&left);
@@ -217,9 +218,9 @@ impl<'a> Data<'a> {
 
 /// Derivative of a value, by drawdown and wavelength, with respect to an unknown.
 pub(super) fn derivative(prior: &IndexPrior, response: &Response, (d, w): (usize, usize), j: usize) -> f64 {
-    let [n, kappa, thickness] = [0, 1, 2].map(|k| response.slopes[k][d][w]);
+    let [along_n, along_kappa, along_thickness] = [0, 1, 2].map(|k| response.slopes[k][d][w]);
     let last = f64::from(u8::from(prior.thickness && j + 1 == prior.count()));
-    n * prior.n[w][j] + kappa * prior.kappa[w][j] + last * thickness
+    along_n * prior.n[w][j] + along_kappa * prior.kappa[w][j] + last * along_thickness
 }
 
 /// Variance of a Student law over that of a normal one: errors estimated from few cells.
@@ -244,16 +245,14 @@ mod tests {
         let precision = Mat::from_fn(2, 2, |i, j| if i == j { 1e-6 } else { 0.0 });
         let fit = |slope: f64| {
             let residual: Vec<f64> = (0..6).map(|i| 2.0 + slope * f64::from(i)).collect();
-            let (point, mean) = ([0.0; 2], [0.0; 2]);
-            let positive = [false, true];
             let problem = LinearFit {
                 jacobian: &jacobian,
                 residual: &residual,
                 covariance: &covariance,
-                point: &point,
-                mean: &mean,
+                point: &[0.0; 2],
+                mean: &[0.0; 2],
                 precision: &precision,
-                positive: &positive,
+                positive: &[false, true],
             };
             problem.step().unwrap()
         };

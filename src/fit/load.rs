@@ -91,7 +91,8 @@ pub fn load(path: &Path) -> Result<FitTask, StudyError> {
     let (text, file): (String, FitFile) = read_file(path)?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let (base, base_folder) = file.base.read(folder)?;
-    let (remarks, faults) = (Vec::new(), Faults::default());
+    let remarks = Vec::new();
+    let faults = Faults::default();
     let mut reading = FitReading { folder, base_folder, base, pigment: [0; 2], remarks, faults };
     reading.prepare(&file);
     let task = reading.task(&file, path);
@@ -145,19 +146,19 @@ impl FitReading<'_> {
         }
     }
 
-    fn find_pigment(&mut self, wanted: Option<&str>) -> [usize; 2] {
+    fn find_pigment(&mut self, requested: Option<&str>) -> [usize; 2] {
         let pigments = self.base.get("pigment").and_then(Value::as_array).into_iter().flatten();
         let names = pigments.clone().map(|p| p.get("name").and_then(Value::as_str).unwrap_or_default());
         let names: Vec<&str> = names.collect();
-        let found = match wanted {
-            Some(wanted) => names.iter().position(|name| *name == wanted),
+        let found = match requested {
+            Some(requested) => names.iter().position(|name| *name == requested),
             None => (names.len() == 1).then_some(0),
         };
         let packed = pigments.enumerate().filter(|(_, p)| !p.get("diameter_nm").is_some_and(Value::is_str));
         let packed: Vec<usize> = packed.map(|(i, _)| i).collect();
         let place = packed.iter().position(|i| Some(*i) == found);
         if place.is_none() {
-            let said = wanted.map_or("nothing".into(), |wanted| format!("{wanted:?}"));
+            let said = requested.map_or("nothing".into(), |name| format!("{name:?}"));
             let said = if found.is_some() { said + ", a dissolved pigment" } else { said };
             let packed = packed.iter().map(|&i| names[i]).collect::<Vec<_>>().join(", ");
             let allowed = format!("the name of one of the base's pigments with grains: {packed}");
@@ -181,7 +182,8 @@ impl FitReading<'_> {
             self.faults.add("base.layer.contrast", "a part", "\"full\"", remedy);
         }
         if first.realisations < FEWEST_CELLS {
-            let (found, allowed) = (first.realisations, format!("{FEWEST_CELLS} or more"));
+            let found = first.realisations;
+            let allowed = format!("{FEWEST_CELLS} or more");
             let remedy = "errors are estimated from the differences between cells: 8 are usual";
             self.faults.add("base.run.realisations", found, allowed, remedy);
         }
@@ -201,7 +203,8 @@ impl FitReading<'_> {
                 remedy,
             );
         }
-        let (pigment, settings) = (self.pigment[1], file.fit.clone());
+        let pigment = self.pigment[1];
+        let settings = file.fit.clone();
         let title = file.title.clone().unwrap_or_else(|| stem(path));
         let mut remarks = std::mem::take(&mut self.remarks);
         remarks.dedup();
@@ -249,9 +252,9 @@ impl FitReading<'_> {
             if coat == coats.len() {
                 coats.push(study.clone());
             }
-            let share = 100.0 * pigment.grains.volume_fraction;
-            let [share, um] = [share, study.layer.thickness_um].map(|x| (1e4 * x).round() / 1e4);
-            let layer = format!("{share} % of {um} µm");
+            let percent = rounded(100.0 * pigment.grains.volume_fraction);
+            let um = rounded(study.layer.thickness_um);
+            let layer = format!("{percent} % of {um} µm");
             let name = table.file.clone().unwrap_or_else(|| layer.clone());
             let name = table.patch.clone().map_or(name.clone(), |patch| format!("{name}: {patch}"));
             all.push(Drawdown { name: format!("{name} ({layer})"), study, coat, geometry, values });
@@ -267,18 +270,17 @@ impl FitReading<'_> {
             self.faults.add(format!("{field}.backing"), "nothing", allowed, remedy);
             return None;
         };
-        let (share, um) = (table.volume_fraction, table.thickness_um);
         let share_of_base = format!("pigment[{}].volume_fraction", self.pigment[0]);
         let changes = [
-            (share_of_base.as_str(), "volume_fraction", share.map(Value::from)),
-            ("layer.thickness_um", "thickness_um", um.map(|um| thickness(&self.base, um))),
+            (share_of_base.as_str(), "volume_fraction", table.volume_fraction.map(Value::from)),
+            ("layer.thickness_um", "thickness_um", table.thickness_um.map(|um| thickness(&self.base, um))),
             ("paper.albedo", "backing", Some(written(backing, self.folder))),
         ];
-        let mut own = self.base.clone();
+        let mut changed_base = self.base.clone();
         for (name, _, value) in &changes {
-            let _ = value.as_ref().map(|value| set(&mut own, name, value));
+            let _ = value.as_ref().map(|value| set(&mut changed_base, name, value));
         }
-        let checked = read_table(own);
+        let checked = read_table(changed_base);
         let faults = match checked.and_then(|file| check(&file, &self.base_folder, "drawdown")) {
             Ok(study) => return Some(study),
             Err(faults) => faults,
@@ -299,8 +301,8 @@ impl FitReading<'_> {
     /// The measured values at the study's wavelengths, and their geometry.
     fn spectrum(&mut self, field: &str, table: &MeasuredTable, study: &Study) -> Option<FitSpectrum> {
         let path = self.folder.join(table.file.as_ref()?);
-        let (waves, own_keys) =
-            (&study.wavelengths_nm, |text: &str| text.replace("compare.", &format!("{field}.")));
+        let waves = &study.wavelengths_nm;
+        let own_keys = |text: &str| text.replace("compare.", &format!("{field}."));
         let request = MeasuredRequest {
             patch: table.patch.clone(),
             one_must_be_named: true,
@@ -340,14 +342,18 @@ impl FitReading<'_> {
         let [from, to] = spectrum.range_nm();
         let values: Option<Vec<f64>> = waves.iter().map(|&nm| spectrum.at(nm)).collect();
         if values.is_none() {
-            let (first, last) =
-                (study.wavelengths_nm[0], study.wavelengths_nm[study.wavelengths_nm.len() - 1]);
+            let [first, last] = [waves[0], waves[waves.len() - 1]];
             let allowed = format!("all wavelengths of the base: {first} to {last} nm");
             let remedy = "give [light] of the base a range that all files cover";
             self.faults.add(format!("{field}.file"), format!("{from} to {to} nm"), allowed, remedy);
         }
         Some(FitSpectrum { values: values?, geometry })
     }
+}
+
+/// A number as it is shown, to four decimals.
+fn rounded(x: f64) -> f64 {
+    (1e4 * x).round() / 1e4
 }
 
 /// A measured spectrum at the wavelengths of a study.
@@ -392,7 +398,7 @@ struct MeasuredSource {
 
 impl MeasuredSource {
     fn of(path: &Path) -> Self {
-        let content = std::fs::metadata(path).ok().filter(|found| found.len() <= LARGEST_COMPARED);
+        let content = std::fs::metadata(path).ok().filter(|file| file.len() <= LARGEST_COMPARED);
         Self { path: path.canonicalize().ok(), content: content.and_then(|_| std::fs::read(path).ok()) }
     }
 
@@ -405,9 +411,9 @@ impl MeasuredSource {
 
 /// A thickness with the base's relative spread.
 fn thickness(base: &Table, um: f64) -> Value {
-    let own = base.get("layer").and_then(|layer| layer.get("thickness_um"));
+    let written = base.get("layer").and_then(|layer| layer.get("thickness_um"));
     let number = |key: &str| {
-        let value = own?.get(key)?;
+        let value = written?.get(key)?;
         value.as_float().or(value.as_integer().map(|i| i as f64))
     };
     match (number("mean"), number("std")) {
@@ -425,8 +431,7 @@ fn written(albedo: &AlbedoWritten, folder: &Path) -> Value {
         AlbedoWritten::Csv { csv, patch, unit, condition } => {
             let path = folder.join(csv);
             let csv = std::path::absolute(&path).unwrap_or(path).display().to_string();
-            let (patch, unit, condition) = (patch.clone(), *unit, *condition);
-            value(&AlbedoWritten::Csv { csv, patch, unit, condition })
+            value(&AlbedoWritten::Csv { csv, patch: patch.clone(), unit: *unit, condition: *condition })
         }
         other => value(other),
     }

@@ -1,18 +1,18 @@
 //! What an index is expected to be like: n and κ as linear functions of a few unknowns, with the
 //! expected value and the precision of these.
 //!
-//! Kramers–Kronig (time factor e^(−iωt)): n(ω) = c₀ + c₁ p(ω) + (2/π) P∫ ω′κ(ω′)/(ω′² − ω²) dω′. κ is
-//! linear in ω = 1/λ between knots, so that the integral is a sum of logarithms; the constant and
-//! one pole in the UV stand for absorption beyond the knots.
+//! Kramers–Kronig (time factor e^(−iωt)): n(ω) = c₀ + c₁ p(ω) + (2/π) P∫ ω′κ(ω′)/(ω′² − ω²) dω′. κ
+//! is linear in ω = 1/λ between knots, so that the integral is a sum of logarithms; the constant
+//! and one pole in the UV stand for absorption beyond the knots.
 
 use super::file::PriorName;
 use faer::Mat;
 use std::f64::consts::PI;
 
-/// Distance of the knots of κ, nm: chords of 25 nm miss the peak of a pigment by more than the noise.
+/// Distance of the knots of κ, nm: chords of 25 nm miss a pigment's peak by more than the noise.
 const KNOTS_NM: f64 = 10.0;
-/// Distance of knots to which the strength refers, nm: rougher in proportion to its power of 3/2, as
-/// an integrated random walk is, so that the prior does not depend on the knots.
+/// Distance of knots to which the strength refers, nm: rougher in proportion to its power of 3/2,
+/// as an integrated random walk is, so that the prior does not depend on the knots.
 const STRENGTH_NM: f64 = 25.0;
 /// Absorption looked for beyond either end of the spectrum, nm.
 const BEYOND_NM: f64 = 150.0;
@@ -87,9 +87,9 @@ impl IndexPrior {
         if self.thickness { unknowns[self.count() - 1] } else { 0.0 }
     }
 
-    /// This prior with differences in proportion to the κ around them: a line of absorption bends as
-    /// much as it is high, and between lines κ is smooth. Beyond the data, where nothing is known,
-    /// the proportion is at least 1.
+    /// This prior with differences in proportion to the κ around them: a line of absorption bends
+    /// as much as it is high, and between lines κ is smooth. Beyond the data, where nothing is
+    /// known, the proportion is at least 1.
     #[must_use]
     pub fn adapted(&self, unknowns: &[f64]) -> Self {
         let Some(beyond) = self.beyond else { return self.clone() };
@@ -101,9 +101,9 @@ impl IndexPrior {
         let mean = local[data.clone()].iter().sum::<f64>() / data.len().max(1) as f64;
         let mut adapted = self.clone();
         for (i, row) in adapted.rough.iter_mut().enumerate() {
-            let own = (local[i] + FLOOR * mean) / ((1.0 + FLOOR) * mean).max(1e-9);
-            let own = if data.contains(&i) { own } else { own.max(1.0) };
-            row.iter_mut().for_each(|(_, weight)| *weight /= own.max(1e-3));
+            let relative = (local[i] + FLOOR * mean) / ((1.0 + FLOOR) * mean).max(1e-9);
+            let relative = if data.contains(&i) { relative } else { relative.max(1.0) };
+            row.iter_mut().for_each(|(_, weight)| *weight /= relative.max(1e-3));
         }
         adapted
     }
@@ -227,9 +227,9 @@ mod tests {
         }
     }
 
-    /// One wavelength, two within a distance of knots, and the widest range there is: the prior is finite, and
-    /// adapts to the κ of the data. *Planted*: the knots of the data as those between `beyond` and the end,
-    /// which are none for a single wavelength.
+    /// One wavelength, two within a distance of knots, and the widest range there is: the prior is
+    /// finite, and adapts to the κ of the data. *Planted*: the knots of the data as those between
+    /// `beyond` and the end, which are none for a single wavelength.
     #[test]
     fn narrow_and_wide_ranges_have_a_prior() {
         for nm in [vec![550.0], vec![550.0, 553.0], vec![SHORTEST_NM, 400.0], vec![400.0, 10_000.0]] {

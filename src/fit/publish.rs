@@ -1,5 +1,5 @@
-//! Files of a fit: `pigment.csv`, `fit.json` and a page; `pigment-other.csv` where a second solution fits as
-//! well.
+//! Files of a fit: `pigment.csv`, `fit.json` and a page; `pigment-other.csv` where a second
+//! solution fits as well.
 
 use super::law::rms;
 use super::load::FitTask;
@@ -35,7 +35,8 @@ pub fn in_words(outcome: &FitOutcome) -> String {
 
 /// Range of n and κ with their errors.
 fn index_in_words(index: &[FittedIndex]) -> String {
-    let ([n0, n1], [k0, k1]) = (ends(index.iter().map(|row| row.n)), ends(index.iter().map(|row| row.kappa)));
+    let [n0, n1] = ends(index.iter().map(|row| row.n));
+    let [k0, k1] = ends(index.iter().map(|row| row.kappa));
     let n_bar = bar(index.iter().filter_map(|row| row.n_error).collect(), 3);
     let kappa_bar = bar(index.iter().filter_map(|row| row.kappa_error).collect(), 4);
     format!("n {n0:.3} … {n1:.3} {n_bar}, κ {k0:.4} … {k1:.4} {kappa_bar}")
@@ -173,9 +174,9 @@ struct OneSolution<'a> {
 
 impl OneSolution<'_> {
     /// A quantity with its 95 % intervals, from value and standard error.
-    fn curve(&self, quantity: &str, of: impl Fn(&FittedIndex) -> [f64; 2]) -> Curve {
+    fn curve(&self, quantity: &str, value_with_error: impl Fn(&FittedIndex) -> [f64; 2]) -> Curve {
         let rows = self.index.iter().map(|row| {
-            let [value, error] = of(row);
+            let [value, error] = value_with_error(row);
             [row.wavelength_nm, value, HALF_95 * error]
         });
         Curve::with_bars(format!("{quantity}, 95 %{}", self.name), Style::Data, rows)
@@ -191,8 +192,8 @@ fn residuals(nm: &[f64], spectrum: &FittedSpectrum, solution: &str) -> Curve {
 
 fn forecast_chart(nm: &[f64], forecast: &Forecast) -> Chart {
     let bars = forecast.values.iter().zip(&forecast.errors);
-    let own = nm.iter().zip(bars).map(|(&nm, (&value, &error))| [nm, value, HALF_95 * error]);
-    let mut curves = vec![Curve::with_bars("from the index, 95 %", Style::Data, own)];
+    let predicted = nm.iter().zip(bars).map(|(&nm, (&value, &error))| [nm, value, HALF_95 * error]);
+    let mut curves = vec![Curve::with_bars("from the index, 95 %", Style::Data, predicted)];
     let line = |values: &Vec<f64>| nm.iter().copied().zip(values.iter().copied()).collect::<Vec<_>>();
     curves.extend(forecast.measured.iter().map(|v| Curve::new("measured", Style::Points, line(v))));
     curves.extend(forecast.kubelka_munk.iter().map(|v| Curve::new("Kubelka–Munk", Style::Data, line(v))));

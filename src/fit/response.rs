@@ -57,7 +57,8 @@ impl Origin<'_> {
     ) -> Result<Vec<SpectrumEstimate>, NoInk> {
         let eta = index.iter().map(|[n, k]| Complex64::new(n + step[0], k + step[1]));
         let eta: Vec<Complex64> = eta.collect();
-        let (mut inks, mut spectra) = (BTreeMap::new(), Vec::new());
+        let mut inks = BTreeMap::new();
+        let mut spectra = Vec::new();
         for drawdown in drawdowns {
             let ink = match inks.entry(drawdown.coat) {
                 Entry::Occupied(ink) => ink.into_mut(),
@@ -90,19 +91,23 @@ impl Origin<'_> {
         index: &[[f64; 2]],
         log: f64,
     ) -> Result<Response, NoInk> {
-        let own = self.spectra(task, drawdowns, index, ([0.0; 2], log))?;
+        let here = self.spectra(task, drawdowns, index, ([0.0; 2], log))?;
         let slope = |step: [f64; 2], further: f64| -> Result<Spectra, NoInk> {
             let moved = self.spectra(task, drawdowns, index, (step, log + further))?;
-            Ok(own.iter().zip(&moved).map(|(own, moved)| slopes(own, moved)).collect())
+            Ok(here.iter().zip(&moved).map(|(here, moved)| slopes(here, moved)).collect())
         };
         let slopes = [slope([STEP, 0.0], 0.0)?, slope([0.0, STEP], 0.0)?, slope([0.0; 2], STEP)?];
-        let replicates = own.iter().map(|spectrum| spectrum.replicates.clone()).collect();
-        Ok(Response { values: own.into_iter().map(|spectrum| spectrum.values).collect(), slopes, replicates })
+        let replicates = here.iter().map(|spectrum| spectrum.replicates.clone()).collect();
+        Ok(Response {
+            values: here.into_iter().map(|spectrum| spectrum.values).collect(),
+            slopes,
+            replicates,
+        })
     }
 }
 
-fn slopes(own: &SpectrumEstimate, moved: &SpectrumEstimate) -> Vec<f64> {
-    own.values.iter().zip(&moved.values).map(|(a, b)| (b - a) / STEP).collect()
+fn slopes(here: &SpectrumEstimate, moved: &SpectrumEstimate) -> Vec<f64> {
+    here.values.iter().zip(&moved.values).map(|(a, b)| (b - a) / STEP).collect()
 }
 
 /// A study with all thicknesses times `factor`; its packings stay those of the study.

@@ -40,8 +40,8 @@ const FIRST_STRENGTH: f64 = 0.06;
 /// Iterations on the table, and halvings of a step that leads uphill.
 const ITERATIONS: usize = 12;
 const HALVINGS: usize = 5;
-/// Points of the global search, and evaluations of the table in the descents from its paths, of which a
-/// plan times one.
+/// Points of the global search, and evaluations of the table in the descents from its paths, of
+/// which a plan times one.
 const EVALUATIONS: f64 = 400.0;
 /// Solves that a plan times at the nodes of the table, and at a typical index.
 const TRIED: [usize; 2] = [12, 6];
@@ -89,7 +89,7 @@ pub struct PlannedSolves {
 impl PlannedSolves {
     /// Branches of n that are carried to the end at most.
     pub const BRANCHES: usize = 3;
-    /// Linearisations of a fit: at least, and at most where all branches of n are carried to the end.
+    /// Linearisations of a fit: at least, and at most where all branches are carried to the end.
     pub const LINEARISATIONS: [usize; 2] = [LINEARISATIONS[0], Self::BRANCHES * LINEARISATIONS[1]];
 
     /// The solves of a fit.
@@ -155,13 +155,13 @@ impl<'a> FitRun<'a> {
         for coat in &task.coats {
             let study = coat.with_index(task.pigment, &vec![typical; coat.wavelengths_nm.len()]);
             let mut packings = crate::run::realisation::Packings::new(&study, watch);
-            let found = resolve(&study, &grids, settings.memory, watch, |r| {
+            let resolved_coat = resolve(&study, &grids, settings.memory, watch, |r| {
                 packings.get(r).map(|packing| Scene::from_packing(&packing))
             });
-            let found = found.map_err(RunError::stopped)?;
+            let resolved_coat = resolved_coat.map_err(RunError::stopped)?;
             let tangents = Store::of(grids.database());
-            cells.push(Tangents::new((&study, task.pigment), found, tangents, settings, watch)?);
-            resolved.push(found);
+            cells.push(Tangents::new((&study, task.pigment), resolved_coat, tangents, settings, watch)?);
+            resolved.push(resolved_coat);
         }
         Ok(Self { task, cells, resolved, watch })
     }
@@ -169,14 +169,14 @@ impl<'a> FitRun<'a> {
     /// Solves all layers up to number `coats` at an index for every wavelength.
     fn solved(&self, index: &[[f64; 2]], coats: usize, cells: usize) -> Result<Vec<Linearised>, RunError> {
         let eta: Vec<Complex64> = index.iter().map(|&[n, k]| Complex64::new(n, k)).collect();
-        let of = |(coat, own): (&Study, &Tangents)| {
-            own.linearised(&coat.with_index(self.task.pigment, &eta), cells, self.watch)
+        let linearised = |(coat, tangents): (&Study, &Tangents)| {
+            tangents.linearised(&coat.with_index(self.task.pigment, &eta), cells, self.watch)
         };
-        self.task.coats.iter().zip(&self.cells).take(coats).map(of).collect()
+        self.task.coats.iter().zip(&self.cells).take(coats).map(linearised).collect()
     }
 
-    /// Processor seconds of the parts of this fit, from a few solves of every layer, spread over the nodes of
-    /// the table, the wavelengths and the directions, and from one evaluation.
+    /// Processor seconds of the parts of this fit, from a few solves of every layer, spread over
+    /// the nodes of the table, the wavelengths and the directions, and from one evaluation.
     ///
     /// # Errors
     /// As [`Tangents::linearised`]; the films give no spectra.
@@ -188,13 +188,14 @@ impl<'a> FitRun<'a> {
         let layers = task.coats.len();
         let mut costs = FitCosts { table: 0.0, linearisation: 0.0, predicted: 0.0 };
         for (number, (coat, tangents)) in task.coats.iter().zip(&self.cells).enumerate() {
-            let at = |eta: [f64; 2]| {
+            let coat_at = |eta: [f64; 2]| {
                 let eta = Complex64::new(eta[0], eta[1]);
                 coat.with_index(task.pigment, &vec![eta; coat.wavelengths_nm.len()])
             };
             let spread = TRIED[0].div_ceil(layers).max(4);
-            let of_table: Vec<Study> = (0..spread).map(|k| at(nodes[k * nodes.len() / spread])).collect();
-            let of_fit = vec![at(typical); TRIED[1].div_ceil(layers).max(3)];
+            let of_table: Vec<Study> =
+                (0..spread).map(|k| coat_at(nodes[k * nodes.len() / spread])).collect();
+            let of_fit = vec![coat_at(typical); TRIED[1].div_ceil(layers).max(3)];
             let of_fit = tangents.trial(&of_fit, self.watch)?;
             let cells = coat.realisations as f64;
             let all_cells = cells * (of_fit.geometry + coat.solves_each() as f64 * of_fit.solve);
@@ -226,7 +227,8 @@ impl<'a> FitRun<'a> {
     /// # Errors
     /// A stop, a failure of the solves or of the least squares.
     pub fn fit(&self) -> Result<FitOutcome, FitError> {
-        let (task, coats) = (self.task, self.task.coats_measured);
+        let task = self.task;
+        let coats = task.coats_measured;
         self.watch.stage("coarse table of n and κ");
         let (mut solved, mut films) = (Vec::new(), Vec::new());
         for eta in Surface::indices(task) {
@@ -247,8 +249,8 @@ impl<'a> FitRun<'a> {
         Ok(outcome)
     }
 
-    /// The best branch, and every other one that fits the table as well at another n, with solves on all
-    /// cells.
+    /// The best branch, and every other one that fits the table as well at another n, with solves
+    /// on all cells.
     fn carried_out(&self, candidates: &[Branch]) -> Result<Vec<FitSolution>, FitError> {
         let least = candidates.first().ok_or(FitError::Singular)?.cost;
         let prior = self.prior();
@@ -287,15 +289,15 @@ impl<'a> FitRun<'a> {
 
     /// Gauss–Newton on the table, with the strength of the prior chosen by the evidence on the way.
     fn settle(&self, surface: &Surface, prior: &IndexPrior, start: Vec<f64>) -> Result<Branch, FitError> {
-        let at = |unknowns: &[f64]| {
+        let response_at = |unknowns: &[f64]| {
             surface.response(self.task, &prior.index(unknowns), prior.log_thickness(unknowns))
         };
         let mut unknowns = start;
-        let mut response = at(&unknowns)?;
+        let mut response = response_at(&unknowns)?;
         for round in 0..ITERATIONS {
             let early = round < ITERATIONS / 3;
             let prior = if early { prior } else { &prior.adapted(&unknowns) };
-            let data = Data::new(self.task, (prior, &unknowns), &response, &[TABLE_ERROR]);
+            let data = Data::new(self.task, prior, &unknowns, &response, &[TABLE_ERROR]);
             let chosen = if early {
                 data.step(FIRST_STRENGTH).map(|step| (FIRST_STRENGTH, step))
             } else {
@@ -307,8 +309,8 @@ impl<'a> FitRun<'a> {
             let mut moved = None;
             for _ in 0..HALVINGS {
                 let tried = between(&unknowns, &step.unknowns, share);
-                let response = at(&tried)?;
-                let data = Data::new(self.task, (prior, &tried), &response, &[TABLE_ERROR]);
+                let response = response_at(&tried)?;
+                let data = Data::new(self.task, prior, &tried, &response, &[TABLE_ERROR]);
                 if data.cost(strength).is_some_and(|cost| cost < before) {
                     moved = Some((tried, response));
                     break;
@@ -319,7 +321,7 @@ impl<'a> FitRun<'a> {
             (unknowns, response) = (next, there);
         }
         let prior = prior.adapted(&unknowns);
-        let data = Data::new(self.task, (&prior, &unknowns), &response, &[TABLE_ERROR]);
+        let data = Data::new(self.task, &prior, &unknowns, &response, &[TABLE_ERROR]);
         let cost = -2.0 * data.chosen().ok_or(FitError::Singular)?.1.log_evidence;
         Ok(Branch { unknowns, cost })
     }
@@ -340,14 +342,14 @@ impl<'a> FitRun<'a> {
             let log_thickness = prior.log_thickness(&unknowns);
             let response =
                 Origin::Solved(&linearised).response(task, &task.measured, &index, log_thickness)?;
-            let data = Data::new(task, (&prior, &unknowns), &response, &grid);
+            let data = Data::new(task, &prior, &unknowns, &response, &grid);
             let (strength, step) = data.chosen().ok_or(FitError::Singular)?;
             let moved = data.moved(&step.unknowns) / task.settings.noise;
             let share = share_of_step(&prior, &unknowns, &step.unknowns);
             let last = share == 1.0 && moved < SMALL_STEP && rounds >= LINEARISATIONS[0];
             if last || rounds == LINEARISATIONS[1] {
                 is_an_index(task, &prior.index(&step.unknowns))?;
-                let outcome = data.outcome((strength, &step), rounds);
+                let outcome = data.outcome(strength, &step, rounds);
                 return Ok(FitSolution { outcome, prior, step, linearised, index, log_thickness });
             }
             unknowns = between(&unknowns, &step.unknowns, share);
@@ -371,12 +373,13 @@ impl<'a> FitRun<'a> {
         let index: Vec<[f64; 2]> = outcome.index.iter().map(|row| [row.n, row.kappa]).collect();
         let source = Origin::Solved(&self.solved(&index, task.coats.len(), usize::MAX)?);
         let response = source.response(task, &task.predicted, &index, outcome.log_thickness)?;
-        let of = |(k, drawdown): (usize, &Drawdown)| Forecast::new(task, drawdown, &response, (k, outcome));
-        Ok(task.predicted.iter().enumerate().map(of).collect())
+        let forecast =
+            |(k, drawdown): (usize, &Drawdown)| Forecast::new(task, drawdown, k, &response, outcome);
+        Ok(task.predicted.iter().enumerate().map(forecast).collect())
     }
 }
 
-/// Error of the reflectance factor of a layer on a card, R + ρ T² at the most, from those of R and T.
+/// Error of the reflectance factor of a layer on a card, at most R + ρ T², from those of R and T.
 fn on_card(error: GridError, albedo: f64) -> f64 {
     error.reflectance.hypot(2.0 * albedo * error.transmittance)
 }
@@ -418,10 +421,11 @@ struct Branch {
 
 /// The unknowns whose index is nearest to a path of \[n, κ\].
 fn near(prior: &IndexPrior, path: &[[f64; 2]]) -> Option<Vec<f64>> {
-    let (waves, count) = (path.len(), prior.count());
+    let waves = path.len();
+    let count = prior.count();
     let rows = |i: usize| if i < waves { &prior.n[i] } else { &prior.kappa[i - waves] };
-    let own = |i: usize| rows(i).iter().zip(&prior.mean).map(|(a, x)| a * x).sum::<f64>();
-    let residual: Vec<f64> = (0..2 * waves).map(|i| path[i % waves][i / waves] - own(i)).collect();
+    let expected = |i: usize| rows(i).iter().zip(&prior.mean).map(|(a, x)| a * x).sum::<f64>();
+    let residual: Vec<f64> = (0..2 * waves).map(|i| path[i % waves][i / waves] - expected(i)).collect();
     let covariance = Mat::from_fn(2 * waves, 2 * waves, |i, j| if i == j { 4e-4 } else { 0.0 });
     let problem = LinearFit {
         jacobian: &Mat::from_fn(2 * waves, count, |i, j| rows(i)[j]),

@@ -17,8 +17,8 @@ const NODES_N: usize = 4;
 const NODES_ROOT: [f64; 3] = [0.1, 0.4, 1.0];
 /// Grid of the search in n and in √κ.
 const SEARCH: [usize; 2] = [33, 25];
-/// Error of the table's values, of its few cells and of the interpolation, in the search and in the descent
-/// on the table.
+/// Error of the table's values, of its few cells and of the interpolation, in the search and in the
+/// descent on the table.
 pub(super) const TABLE_ERROR: f64 = 0.008;
 /// Expected change of n and κ over 20 nm.
 const CHANGE: f64 = 0.04;
@@ -38,7 +38,8 @@ impl Surface {
     }
 
     fn axes(task: &FitTask) -> (Vec<f64>, Vec<f64>) {
-        let ([from, to], [_, most]) = (task.settings.n, task.settings.kappa);
+        let [from, to] = task.settings.n;
+        let [_, most] = task.settings.kappa;
         let n = (0..NODES_N).map(|i| from + (to - from) * i as f64 / (NODES_N - 1) as f64).collect();
         (n, NODES_ROOT.iter().map(|share| share * most.sqrt()).collect())
     }
@@ -48,9 +49,10 @@ impl Surface {
         let (n, roots) = Self::axes(task);
         let shape = (task.measured.len(), task.wavelengths_nm().len(), n.len(), roots.len());
         let nodes = Array4::from_shape_fn(shape, |(d, w, i, j)| {
-            let (own, film) = (&solved[i * roots.len() + j], &films[i * roots.len() + j]);
-            let [along, across] = [0, 1].map(|k| own.slopes[k][d][w] - film.slopes[k][d][w]);
-            [own.values[d][w] - film.values[d][w], along, 2.0 * roots[j] * across]
+            let solved = &solved[i * roots.len() + j];
+            let film = &films[i * roots.len() + j];
+            let [along, across] = [0, 1].map(|k| solved.slopes[k][d][w] - film.slopes[k][d][w]);
+            [solved.values[d][w] - film.values[d][w], along, 2.0 * roots[j] * across]
         });
         Self { n, roots, nodes }
     }
@@ -100,14 +102,15 @@ impl Surface {
 
 /// The interval of a rising list that a value lies in, and its place there, 0 to 1.
 fn place(list: &[f64], x: f64) -> (usize, f64) {
-    let i = (list.partition_point(|&own| own <= x).max(1) - 1).min(list.len() - 2);
+    let i = (list.partition_point(|&node| node <= x).max(1) - 1).min(list.len() - 2);
     (i, ((x - list[i]) / (list[i + 1] - list[i])).clamp(0.0, 1.0))
 }
 
 /// Cubic through values with derivatives at both ends of an interval of length `h`: value and
 /// derivative at the place t.
 fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], t: f64, h: f64) -> [f64; 2] {
-    let (slope, s) = ((b - a) / h, 1.0 - t);
+    let slope = (b - a) / h;
+    let s = 1.0 - t;
     let value = a * s + b * t + h * t * s * ((da - slope) * s - (db - slope) * t);
     let derivative = slope + (da - slope) * s * (s - 2.0 * t) + (db - slope) * t * (t - 2.0 * s);
     [value, derivative]
@@ -115,7 +118,8 @@ fn hermite([a, b]: [f64; 2], [da, db]: [f64; 2], t: f64, h: f64) -> [f64; 2] {
 
 /// The search's grid of \[n, κ\], n first.
 fn grid(task: &FitTask) -> Vec<[f64; 2]> {
-    let ([from, to], [least, most]) = (task.settings.n, task.settings.kappa);
+    let [from, to] = task.settings.n;
+    let [least, most] = task.settings.kappa;
     let share = |i: usize, axis: usize| i as f64 / (SEARCH[axis] - 1) as f64;
     let root = |j: usize| least.sqrt() + (most.sqrt() - least.sqrt()) * share(j, 1);
     (0..SEARCH[0])
@@ -152,10 +156,11 @@ pub fn paths(task: &FitTask, surface: &Surface) -> Result<Vec<Vec<[f64; 2]>>, No
     Ok(paths)
 }
 
-/// Ranges of n that are searched each for itself: all of it, below and above the binder's index, and the halves
-/// of these, because fringes repeat.
+/// Ranges of n that are searched each for itself: all of it, below and above the binder's index,
+/// and the halves of these, because fringes repeat.
 fn windows(task: &FitTask) -> Vec<[f64; 2]> {
-    let ([from, to], binder) = (task.settings.n, task.binder_index());
+    let [from, to] = task.settings.n;
+    let binder = task.binder_index();
     let middle = binder.clamp(from, to);
     let mut all = vec![[from, to], [from, middle], [middle, to]];
     for [low, high] in [[from, middle], [middle, to]] {
@@ -214,7 +219,8 @@ mod tests {
 
     #[test]
     fn cubics_are_reproduced_with_their_derivative() {
-        let (f, d) = (|x: f64| 1.0 + x - 2.0 * x * x + x * x * x, |x: f64| 1.0 - 4.0 * x + 3.0 * x * x);
+        let f = |x: f64| 1.0 + x - 2.0 * x * x + x * x * x;
+        let d = |x: f64| 1.0 - 4.0 * x + 3.0 * x * x;
         for t in [0.0, 0.3, 0.8, 1.0] {
             let [value, derivative] = hermite([f(0.5), f(2.0)], [d(0.5), d(2.0)], t, 1.5);
             let x = 0.5 + 1.5 * t;

@@ -13,8 +13,8 @@ pub const DATA_PACKAGE: &str = "datapackage.json";
 pub struct Column {
     /// Its name in the header.
     pub name: String,
-    /// `number`, `integer`, `boolean` or `string`. Stated because readers that guess take an angle that
-    /// happens to be whole for an integer.
+    /// `number`, `integer`, `boolean` or `string`. Stated because readers that guess take an angle
+    /// that happens to be whole for an integer.
     pub kind: &'static str,
     /// Unit; empty for shares, ratios and words.
     pub unit: String,
@@ -222,13 +222,13 @@ pub fn column(table: &str, name: &str) -> Option<Column> {
         return Some(Column { name: name.to_owned(), kind, unit: unit.to_owned(), about: about.to_owned() });
     }
     ENDINGS.iter().find_map(|(ending, start)| {
-        let own = column(table, name.strip_suffix(ending)?)?;
-        Some(Column { name: name.to_owned(), kind: NUMBER, about: format!("{start} {}", own.name), ..own })
+        let stem = column(table, name.strip_suffix(ending)?)?;
+        Some(Column { name: name.to_owned(), kind: NUMBER, about: format!("{start} {}", stem.name), ..stem })
     })
 }
 
-/// The columns of a table in order, as a schema of tables has them. Columns that are named by the user are
-/// in `own`; those of which nothing is known are numbers without a description.
+/// The columns of a table in order, as a schema of tables has them. Columns that are named by the
+/// user are in `own`; those of which nothing is known are numbers without a description.
 pub fn fields(table: &str, bytes: &[u8], own: &[Column]) -> Vec<Value> {
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(bytes);
     let Ok(header) = reader.headers() else { return Vec::new() };

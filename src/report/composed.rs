@@ -155,9 +155,9 @@ fn against_thickness(y_label: &str, curves: Vec<Curve>) -> Chart {
 }
 
 fn shares_chart(manifest: &ComposedManifest) -> Chart {
-    let curve = |nm: f64, name: &str, of: fn(&ComposedRow) -> Option<ErrorParts>| {
+    let curve = |nm: f64, name: &str, share: fn(&ComposedRow) -> Option<ErrorParts>| {
         let rows = manifest.curve.iter().filter(move |row| row.wavelength_nm == nm);
-        let points = rows.filter_map(|row| Some((row.thickness_um, of(row)?.estimate())));
+        let points = rows.filter_map(|row| Some((row.thickness_um, share(row)?.estimate())));
         Curve::measured(format!("{name}, {nm:.0} nm"), points)
     };
     let mut curves = Vec::new();
@@ -172,10 +172,10 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
 fn colour_curve(
     manifest: &ComposedManifest,
     name: &str,
-    of: fn(&ComposedColours) -> Option<ErrorParts>,
+    number: fn(&ComposedColours) -> Option<ErrorParts>,
     by: f64,
 ) -> Curve {
-    let points = manifest.curve_colours.iter().filter_map(|c| Some((c.thickness_um, of(c)?)));
+    let points = manifest.curve_colours.iter().filter_map(|c| Some((c.thickness_um, number(c)?)));
     let points = points.map(|(um, judged)| [um, judged.value / by, judged.standard_error / by]);
     Curve::with_bars(name, Style::Data, points)
 }
@@ -199,8 +199,8 @@ fn colour_chart(manifest: &ComposedManifest) -> Chart {
 }
 
 fn depth_chart(manifest: &ComposedManifest) -> Chart {
-    let curve = |name: &str, of: fn([f64; 2]) -> f64| {
-        let points = manifest.depth.iter().map(|row| (row.depth_um, of([row.down, row.up])));
+    let curve = |name: &str, number: fn([f64; 2]) -> f64| {
+        let points = manifest.depth.iter().map(|row| (row.depth_um, number([row.down, row.up])));
         Curve::new(format!("{name}, {:.0} nm", manifest.depth_nm), Style::Data, points)
     };
     let curves = vec![curve("down", |[d, _]| d), curve("up", |[_, u]| u), curve("net", |[d, u]| d - u)];

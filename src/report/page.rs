@@ -20,9 +20,9 @@ pub(crate) fn on_study(layout: &str, data: impl Into<Value>) -> Result<String, m
 /// A number with its standard error, which it has itself or which stands beside it; errors below
 /// `least` are not shown.
 fn in_words(number: Value, decimals: usize, error: Option<f64>, least: Option<f64>) -> String {
-    let own = |key: &str| number.get_attr(key).ok()?.try_into().ok();
-    let value = own("value").or_else(|| number.clone().try_into().ok()).unwrap_or(f64::NAN);
-    let error = error.or_else(|| own("standard_error"));
+    let part = |key: &str| number.get_attr(key).ok()?.try_into().ok();
+    let value = part("value").or_else(|| number.clone().try_into().ok()).unwrap_or(f64::NAN);
+    let error = error.or_else(|| part("standard_error"));
     let standard_error = error.filter(|error| least.is_none_or(|least| *error >= least));
     Estimate { value, standard_error }.in_words(decimals)
 }

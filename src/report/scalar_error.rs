@@ -96,15 +96,16 @@ pub(crate) fn line(study: &Study) -> Option<String> {
 /// Note for a page of many studies: the range of the errors measured on the inks most similar to
 /// the scalar ones.
 pub(crate) fn line_of_many<'a>(studies: impl Iterator<Item = &'a Study>) -> Option<String> {
-    let found: Vec<Option<MeasuredInk>> = studies.filter(|s| !s.wave.is_vector()).map(nearest).collect();
-    let known: Vec<&MeasuredInk> = found.iter().flatten().collect();
-    match (found.len(), known.len()) {
+    let similar: Vec<Option<MeasuredInk>> = studies.filter(|s| !s.wave.is_vector()).map(nearest).collect();
+    let known: Vec<&MeasuredInk> = similar.iter().flatten().collect();
+    match (similar.len(), known.len()) {
         (0, _) => None,
         (_, 0) => Some(UNKNOWN.to_owned()),
         (all, some) => {
-            let range = |of: fn(&MeasuredInk) -> f64| {
-                let values = || known.iter().map(|m| of(m));
-                let [low, high] = [values().fold(f64::INFINITY, f64::min), values().fold(0.0, f64::max)];
+            let range = |error: fn(&MeasuredInk) -> f64| {
+                let values = || known.iter().map(|m| error(m));
+                let low = values().fold(f64::INFINITY, f64::min);
+                let high = values().fold(0.0, f64::max);
                 format!("{low:.1} to {high:.1}")
             };
             Some(format!(
@@ -133,8 +134,8 @@ fn nearest(study: &Study) -> Option<MeasuredInk> {
 }
 
 fn nearest_to(place: &TablePlace, all: &[MeasuredInk]) -> Option<MeasuredInk> {
-    let found = all.iter().min_by(|a, b| a.place.distance(place).total_cmp(&b.place.distance(place)))?;
-    found.place.is_like(place).then(|| found.clone())
+    let nearest = all.iter().min_by(|a, b| a.place.distance(place).total_cmp(&b.place.distance(place)))?;
+    nearest.place.is_like(place).then(|| nearest.clone())
 }
 
 fn measured() -> Vec<MeasuredInk> {

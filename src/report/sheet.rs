@@ -33,7 +33,8 @@ pub fn sheet(manifest: &Manifest<&Study>, seen: &Seen, picture: Option<&[u8]>) -
         shapes => Serde(shapes(manifest.study)),
         packed => packings(manifest),
     };
-    let [certainty, limits] = [certainty(manifest, seen), limits(manifest)];
+    let certainty = certainty(manifest, seen);
+    let limits = limits(manifest);
     let provenance = provenance(manifest);
     Ok(context!(..shown, ..certainty, ..limits, ..provenance, ..Value::from(Serde(manifest))))
 }
@@ -178,16 +179,16 @@ mod tests {
 
     #[test]
     fn the_largest_error_is_that_of_any_row() {
-        let of = |standard_error| Estimate { value: 0.5, standard_error };
+        let half = |standard_error| Estimate { value: 0.5, standard_error };
         let row = |r, t| SpectrumRow {
             wavelength_nm: 550.0,
             polar_deg: 0.0,
-            reflectance: of(r),
-            specular_reflectance: of(None),
-            transmittance: of(t),
-            specular_transmittance: of(None),
+            reflectance: half(r),
+            specular_reflectance: half(None),
+            transmittance: half(t),
+            specular_transmittance: half(None),
             coherent_transmittance: None,
-            absorptance: of(None),
+            absorptance: half(None),
             natural_light: None,
             lit_at_45: None,
             deviations: Vec::new(),

@@ -136,8 +136,9 @@ mod tests {
         assert_eq!((&rows[0][4], &rows[0][10], &rows[0][11]), ("reflected", "0.05", ""));
     }
 
-    /// An order's share of the light is its distribution times the projected solid angle that it stands for, λ²/(Lx Ly n²) in
-    /// a medium of index n, into which light leaves or is reflected back. *Planted*: the solid angle of vacuum.
+    /// An order's share of the light is its distribution times the projected solid angle that it
+    /// stands for, λ²/(Lx Ly n²) in a medium of index n, into which light leaves or is reflected
+    /// back. *Planted*: the solid angle of vacuum.
     #[test]
     fn distributions_are_per_steradian_of_the_medium() {
         for (from, reflected, transmitted) in [(Side::Incident, 1.0, 1.5), (Side::Exit, 1.5, 1.0)] {

@@ -64,7 +64,7 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
         move |error: io::Error| MergeError::Copy(format!("{shard}: {error}"))
     };
     let into = Database::open(folder.path()).map_err(failed(folder.path()))?;
-    let mut found = Vec::new();
+    let mut of_shards = Vec::new();
     for shard in shards {
         let from = Database::open(shard).map_err(failed(shard))?;
         if let Some([one, other]) = into.adopt(&from, &[], &same_numbers).map_err(failed(shard))? {
@@ -74,11 +74,11 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
             let shard = shard.display();
             return Err(MergeError::Contradiction(format!("{what} in {shard} {differs} ({builds})")));
         }
-        found.extend(from.damages());
+        of_shards.extend(from.damages());
     }
-    let mut damages = found.clone();
+    let mut damages = of_shards.clone();
     damages.retain(|damage| !is_healed(damage, &into));
-    Ok(Merged { sweep, healed: found.len() - damages.len(), damages })
+    Ok(Merged { sweep, healed: of_shards.len() - damages.len(), damages })
 }
 
 fn refuse_other_sweep(sweep: &Sweep, first: &Path, shard: &Path) -> Result<(), MergeError> {
@@ -120,7 +120,8 @@ fn describe(sweep: &Sweep, folder: &OutputFolder, row: &Sealed) -> String {
         let realisations = 0..variant.study.realisations;
         let mut points = realisations.flat_map(|r| all_point_keys(&variant.study, &resolved, r));
         if let Some((point, _)) = points.find(|(_, key)| key.as_str() == row.key) {
-            let (nm, deg) = (1e3 * point.incidence.wavelength_um, point.incidence.polar_deg);
+            let nm = 1e3 * point.incidence.wavelength_um;
+            let deg = point.incidence.polar_deg;
             let realisation = point.realisation + 1;
             return format!("{}, realisation {realisation}, {nm:.0} nm, {deg:.1}° ({hash})", variant.name);
         }

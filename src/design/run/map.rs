@@ -58,7 +58,7 @@ fn film(task: &DesignTask, places: &[f64]) -> Result<Spectra3, DesignError> {
     Ok(spectra(&film_alone(&study_at(task, places)?)?)?)
 }
 
-/// Point `r` of a sequence that fills the unit box of `count` dimensions evenly, its sides included.
+/// Point `r` of a sequence that fills the unit box of `count` dimensions and its sides evenly.
 pub(super) fn even_point(seed: u64, count: usize, r: usize) -> Vec<f64> {
     let point = match count {
         1 => Sequence::<1>::new(seed).point(r).to_vec(),
@@ -135,7 +135,8 @@ impl<'a> Map<'a> {
     fn answer(&self, places: Vec<f64>) -> Option<DesignAnswer> {
         let (lab, contrast_ratio) = self.at(&places).ok()?;
         let delta_e_2000 = ciede2000(lab, self.task.lab);
-        let (recipe, values) = (self.task.in_words(&places), self.task.values(&places));
+        let recipe = self.task.in_words(&places);
+        let values = self.task.values(&places);
         Some(DesignAnswer { recipe, values, delta_e_2000, contrast_ratio, places })
     }
 

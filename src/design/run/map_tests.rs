@@ -70,8 +70,8 @@ fn even_runs(task: &DesignTask) -> Vec<Verified> {
     (0..12).map(|r| run_at(task, &even_point(1, 2, r), 0.0)).collect()
 }
 
-/// Where a recipe was verified, the answer is what the run has shown, and far away it is that of the surfaces. *Planted*:
-/// what the run has shown taken off instead of added.
+/// Where a recipe was verified, the answer is what the run has shown, and far away it is that of
+/// the surfaces. *Planted*: what the run has shown taken off instead of added.
 #[test]
 fn the_answer_at_a_verified_recipe_is_its_run() {
     let task = task();
@@ -122,7 +122,8 @@ fn recipes_that_are_listed_lie_apart_by_a_distance() {
         contrast_ratio: 0.5,
         places: vec![x, 0.5],
     };
-    // Pairs 0.001 apart, of which one is enough, and 0.03 between them: more than 0.02, whose root is 0.14.
+    // Pairs 0.001 apart, of which one is enough, and 0.03 between them: more than 0.02, whose root
+    // is 0.14.
     let all: Vec<DesignAnswer> =
         (0..5).flat_map(|k| [0.0, 0.001].map(|more| answer(0.3 + 0.03 * f64::from(k) + more))).collect();
     let mut listed: Vec<f64> = spread(&all).iter().map(|answer| answer.places[0]).collect();

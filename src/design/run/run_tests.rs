@@ -13,8 +13,9 @@ fn with(run: &Verified, delta_e: f64, standard_error: f64, cost: f64) -> Verifie
     Verified { delta_e_2000, cost, ..run.clone() }
 }
 
-/// Of recipes that meet the wish of 1.0 the cheapest is first, of the others the nearest; a better one is no farther, and
-/// no cost makes one that misses the wish the first. *Planted*: the dearest first.
+/// Of recipes that meet the wish of 1.0 the cheapest is first, of the others the nearest; a better
+/// one is no farther, and no cost makes one that misses the wish the first. *Planted*: the dearest
+/// first.
 #[test]
 fn the_cheapest_recipe_that_meets_the_wish_is_the_first() {
     judged(|design| {
@@ -37,8 +38,8 @@ fn the_cheapest_recipe_that_meets_the_wish_is_the_first() {
     });
 }
 
-/// A run ends the verification where two standard errors above it are still within the wish of 1.0. *Planted*: two
-/// standard errors below it.
+/// A run ends the verification where two standard errors above it are still within the wish of 1.0.
+/// *Planted*: two standard errors below it.
 #[test]
 fn a_run_is_sure_at_the_far_end_of_its_bar() {
     judged(|design| {
@@ -51,8 +52,8 @@ fn a_run_is_sure_at_the_far_end_of_its_bar() {
     });
 }
 
-/// Verifying runs have as many packings as `design.realisations` says, and others than those behind the surfaces.
-/// *Planted*: the base's number, or its seed.
+/// Verifying runs have as many packings as `design.realisations` says, and others than those behind
+/// the surfaces. *Planted*: the base's number, or its seed.
 #[test]
 fn verifying_runs_have_packings_of_their_own() {
     judged(|design| {

@@ -1,6 +1,7 @@
-//! What to measure next where n is not determined: of the measurements that could be added, those that tell
-//! two solutions apart, or that shrink the error of n. Other cards and geometries of the layers measured are
-//! judged by the solves at hand; other layers by their coherent films, whose scattering is not known.
+//! What to measure next where n is not determined: of the measurements that could be added, those
+//! that tell two solutions apart, or that shrink the error of n. Other cards and geometries of the
+//! layers measured are judged by the solves at hand; other layers by their coherent films, whose
+//! scattering is not known.
 
 use super::FitSolution;
 use crate::appearance::paper::Albedo;
@@ -60,13 +61,13 @@ pub(super) fn advice(
     other: Option<&FitSolution>,
 ) -> Result<Advice, NoInk> {
     let same = same_layers(task);
-    let found = judged(task, &same, [Some(best), other], |solution| Origin::Solved(&solution.linearised))?;
-    if let Some(sentence) = found {
+    let helpful = judged(task, &same, [Some(best), other], |solution| Origin::Solved(&solution.linearised))?;
+    if let Some(sentence) = helpful {
         return Ok(Advice { sentence: format!("Measure {sentence}") });
     }
     let (wider, layers) = other_layers(task);
-    let found = judged(&wider, &layers, [Some(best), other], |_| Origin::Film)?;
-    let Some(sentence) = found else { return Ok(Advice::none(task)) };
+    let helpful = judged(&wider, &layers, [Some(best), other], |_| Origin::Film)?;
+    let Some(sentence) = helpful else { return Ok(Advice::none(task)) };
     let cards = if same.is_empty() {
         "All cards and geometries of these layers are measured already"
     } else {
@@ -89,23 +90,26 @@ fn judged<'a>(
     let respond = |solution: &'a FitSolution| {
         origin(solution).response(task, &drawdowns, &solution.index, solution.log_thickness)
     };
-    let own = respond(best)?;
+    let response = respond(best)?;
     let noise = task.settings.noise;
     let Some(other) = other else {
         let before = n_error(best, None);
-        let after = |k: usize| n_error(best, Some((&own, k, noise)));
-        let found = (0..all.len()).min_by(|&a, &b| after(a).total_cmp(&after(b)));
-        let found = found.filter(|&k| after(k) < HELPS * before);
-        return Ok(found.map(|k| {
+        let after = |k: usize| n_error(best, Some((&response, k, noise)));
+        let strongest = (0..all.len()).min_by(|&a, &b| after(a).total_cmp(&after(b)));
+        let helpful = strongest.filter(|&k| after(k) < HELPS * before);
+        return Ok(helpful.map(|k| {
             format!("{}: it would leave {:.2} of the error of n", all[k].words, after(k) / before)
         }));
     };
     let others = respond(other)?;
-    let distance = |k: usize| rms(own.values[k].iter().zip(&others.values[k]).map(|(a, b)| (a - b) / noise));
-    let together = |k: usize| distance(k) * (own.values[k].len() as f64).sqrt();
-    let found = (0..all.len()).max_by(|&a, &b| distance(a).total_cmp(&distance(b)));
-    let found = found.filter(|&k| together(k) > TELLS);
-    Ok(found.map(|k| {
+    let distance = |k: usize| {
+        let pairs = response.values[k].iter().zip(&others.values[k]);
+        rms(pairs.map(|(a, b)| (a - b) / noise))
+    };
+    let together = |k: usize| distance(k) * (response.values[k].len() as f64).sqrt();
+    let farthest = (0..all.len()).max_by(|&a, &b| distance(a).total_cmp(&distance(b)));
+    let telling = farthest.filter(|&k| together(k) > TELLS);
+    Ok(telling.map(|k| {
         format!(
             "{}: the two solutions differ there by {:.1} standard deviations of the noise (root mean square)",
             all[k].words,
@@ -116,7 +120,8 @@ fn judged<'a>(
 
 /// Root mean square error of n of a solution by its posterior, with the data of one more drawdown.
 fn n_error(solution: &FitSolution, further: Option<(&Response, usize, f64)>) -> f64 {
-    let (prior, mut posterior) = (&solution.prior, solution.step.posterior.clone());
+    let prior = &solution.prior;
+    let mut posterior = solution.step.posterior.clone();
     if let Some((response, drawdown, noise)) = further {
         let waves = response.values[drawdown].len();
         let jacobian =
@@ -138,9 +143,9 @@ fn n_error(solution: &FitSolution, further: Option<(&Response, usize, f64)>) -> 
 fn is_measured(task: &FitTask, coat: usize, geometry: FitGeometry, card: f64) -> bool {
     let nm = task.wavelengths_nm();
     let middle = nm[nm.len() / 2];
-    task.measured.iter().any(|own| {
-        let near = own.albedo(middle).is_some_and(|albedo| (albedo - card).abs() < SAME_CARD);
-        own.coat == coat && own.geometry == geometry && near
+    task.measured.iter().any(|drawdown| {
+        let near = drawdown.albedo(middle).is_some_and(|albedo| (albedo - card).abs() < SAME_CARD);
+        drawdown.coat == coat && drawdown.geometry == geometry && near
     })
 }
 
@@ -148,7 +153,8 @@ fn is_measured(task: &FitTask, coat: usize, geometry: FitGeometry, card: f64) ->
 fn same_layers(task: &FitTask) -> Vec<Further> {
     let mut all = Vec::new();
     for coat in 0..task.coats_measured {
-        let Some(measured) = task.measured.iter().find(|own| own.coat == coat) else { continue };
+        let measured = task.measured.iter().find(|drawdown| drawdown.coat == coat);
+        let Some(measured) = measured else { continue };
         for geometry in [FitGeometry::LitAt45, FitGeometry::Sphere, FitGeometry::UniformSky] {
             for card in CARDS.into_iter().filter(|&card| !is_measured(task, coat, geometry, card)) {
                 let mut drawdown = measured.clone();
@@ -167,10 +173,11 @@ fn same_layers(task: &FitTask) -> Vec<Further> {
     all
 }
 
-/// Layers of other volume fractions and thicknesses on the first spectrum's card and on the opposite one, and
-/// the task with their coats.
+/// Layers of other volume fractions and thicknesses on the first spectrum's card and on the
+/// opposite one, and the task with their coats.
 fn other_layers(task: &FitTask) -> (FitTask, Vec<Further>) {
-    let (mut wider, mut all) = (task.clone(), Vec::new());
+    let mut wider = task.clone();
+    let mut all = Vec::new();
     let measured = &task.measured[0];
     let base = &task.coats[measured.coat];
     let share = base.pigments[task.pigment].grains.volume_fraction;

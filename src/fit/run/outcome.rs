@@ -65,8 +65,8 @@ pub struct OtherSolution {
 pub enum Trust {
     /// χ² is that of the stated noise.
     Consistent,
-    /// χ² is small, but so few degrees of freedom are left that it would be with wrong errors, too: no
-    /// verdict.
+    /// χ² is small, but so few degrees of freedom are left that it would be with wrong errors, too:
+    /// no verdict.
     Untested,
     /// χ² is larger; errors are multiplied by its root per degree of freedom.
     Inflated,
@@ -119,8 +119,8 @@ pub struct FitOutcome {
     pub effective_unknowns: f64,
     /// Data less effective unknowns.
     pub degrees_of_freedom: f64,
-    /// Minus twice the logarithm of the probability of the data, up to a constant that all solutions of
-    /// one fit share.
+    /// Minus twice the logarithm of the probability of the data, up to a constant that all
+    /// solutions of one fit share.
     #[serde(skip)]
     pub(super) evidence_cost: f64,
     /// Size of the second differences of the prior, chosen by the evidence.
@@ -150,7 +150,7 @@ pub struct FitOutcome {
 impl Data<'_> {
     /// The numbers of a fit whose last linearisation these are, with the strength chosen and its
     /// step. Whether there is another solution is not known here.
-    pub fn outcome(&self, (strength, step): (f64, &FitStep), linearisations: usize) -> FitOutcome {
+    pub fn outcome(&self, strength: f64, step: &FitStep, linearisations: usize) -> FitOutcome {
         let data = self.residual.len();
         let degrees_of_freedom = data as f64 - step.effective;
         let trust = Trust::of(step.chi_squared, degrees_of_freedom);
@@ -190,11 +190,16 @@ impl Data<'_> {
         let values = self.prior.index(&step.unknowns);
         let mut all = Vec::new();
         for (w, &wavelength_nm) in self.task.wavelengths_nm().iter().enumerate() {
-            let [a, b] = [&self.prior.n[w], &self.prior.kappa[w]];
-            let [nn, kk, nk] = [(a, a), (b, b), (a, b)]
-                .map(|(x, y)| errors.map(|(covariance, factor)| factor * product(x, y, covariance)));
-            let [n_error, kappa_error] = [nn, kk].map(|variance| Some(variance?.max(0.0).sqrt()));
-            let correlation = nk.zip(n_error.zip(kappa_error)).map(|(nk, (a, b))| nk / (a * b).max(1e-300));
+            let n_row = &self.prior.n[w];
+            let kappa_row = &self.prior.kappa[w];
+            let covariance_of = |one: &[f64], other: &[f64]| {
+                errors.map(|(covariance, factor)| factor * product(one, other, covariance))
+            };
+            let n_error = covariance_of(n_row, n_row).map(|variance| variance.max(0.0).sqrt());
+            let kappa_error = covariance_of(kappa_row, kappa_row).map(|variance| variance.max(0.0).sqrt());
+            let common = covariance_of(n_row, kappa_row);
+            let correlation =
+                common.zip(n_error.zip(kappa_error)).map(|(common, (a, b))| common / (a * b).max(1e-300));
             let [n, kappa] = values[w];
             let outside_search =
                 is_outside(n, self.task.settings.n) || is_outside(kappa, self.task.settings.kappa);
@@ -228,7 +233,8 @@ impl Data<'_> {
         for ((drawdown, left), sigma) in
             self.task.measured.iter().zip(left.chunks(waves)).zip(sigma.chunks(waves))
         {
-            let (name, measured) = (drawdown.name.clone(), drawdown.values.clone().unwrap_or_default());
+            let name = drawdown.name.clone();
+            let measured = drawdown.values.clone().unwrap_or_default();
             let fitted = measured.iter().zip(left).map(|(m, left)| m - left).collect();
             all.push(FittedSpectrum { name, measured, fitted, sigma: sigma.to_vec() });
         }
@@ -340,14 +346,19 @@ fn outside(
 
 impl Forecast {
     /// Drawdown number `k` of the predicted ones.
-    pub fn new(task: &FitTask, own: &Drawdown, response: &Response, (k, fit): (usize, &FitOutcome)) -> Self {
+    pub fn new(task: &FitTask, drawdown: &Drawdown, k: usize, response: &Response, fit: &FitOutcome) -> Self {
         let values = response.values[k].clone();
         let errors = fit.index.iter().enumerate().map(|(w, row)| forecast_error(response, k, w, row));
-        let kubelka_munk = kubelka_munk(task, own);
-        let delta_e_2000 = difference(task, own, Some(&values));
-        let delta_e_2000_kubelka_munk = difference(task, own, kubelka_munk.as_ref());
-        let (name, errors, measured) = (own.name.clone(), errors.collect(), own.values.clone());
-        Self { name, values, errors, kubelka_munk, measured, delta_e_2000, delta_e_2000_kubelka_munk }
+        let kubelka_munk = kubelka_munk(task, drawdown);
+        Self {
+            name: drawdown.name.clone(),
+            errors: errors.collect(),
+            measured: drawdown.values.clone(),
+            delta_e_2000: difference(task, drawdown, Some(&values)),
+            delta_e_2000_kubelka_munk: difference(task, drawdown, kubelka_munk.as_ref()),
+            values,
+            kubelka_munk,
+        }
     }
 
     /// Why this prediction cannot be published: its first factor that no layer can have.
@@ -362,9 +373,9 @@ impl Forecast {
 }
 
 /// ΔE₀₀ of a predicted spectrum to the measured one, where both have colours.
-fn difference(task: &FitTask, own: &Drawdown, predicted: Option<&Vec<f64>>) -> Option<f64> {
+fn difference(task: &FitTask, drawdown: &Drawdown, predicted: Option<&Vec<f64>>) -> Option<f64> {
     let meter = Colorimeter::new(task.wavelengths_nm()).ok()?;
-    let measured = meter.colour(own.values.as_ref()?).ok()?;
+    let measured = meter.colour(drawdown.values.as_ref()?).ok()?;
     Some(meter.colour(predicted?).ok()?.delta_e_2000(&measured).value)
 }
 
@@ -372,28 +383,37 @@ fn difference(task: &FitTask, own: &Drawdown, predicted: Option<&Vec<f64>>) -> O
 fn forecast_error(response: &Response, k: usize, w: usize, row: &FittedIndex) -> f64 {
     let replicates = &response.replicates[k];
     let ensemble = few_cells(replicates.len()) * jackknife(replicates, replicates, w, w);
-    let [dn, dk] = [0, 1].map(|i| response.slopes[i][k][w]);
-    let [a, b] = [row.n_error, row.kappa_error].map(Option::unwrap_or_default);
-    let common = 2.0 * dn * dk * a * b * row.correlation.unwrap_or(0.0);
-    (ensemble + ((dn * a).powi(2) + (dk * b).powi(2) + common).max(0.0)).sqrt()
+    let along_n = response.slopes[0][k][w];
+    let along_kappa = response.slopes[1][k][w];
+    let n_error = row.n_error.unwrap_or_default();
+    let kappa_error = row.kappa_error.unwrap_or_default();
+    let correlation = row.correlation.unwrap_or(0.0);
+    let common = 2.0 * along_n * along_kappa * n_error * kappa_error * correlation;
+    (ensemble + ((along_n * n_error).powi(2) + (along_kappa * kappa_error).powi(2) + common).max(0.0)).sqrt()
 }
 
 /// Kubelka and Munk's prediction: K and S of a layer measured in the same geometry on two backings,
 /// in proportion to the share and the thickness.
-fn kubelka_munk(task: &FitTask, own: &Drawdown) -> Option<Vec<f64>> {
+fn kubelka_munk(task: &FitTask, drawdown: &Drawdown) -> Option<Vec<f64>> {
     let nm = task.wavelengths_nm();
     let middle = nm[nm.len() / 2];
-    let alike: Vec<&Drawdown> = task.measured.iter().filter(|d| d.geometry == own.geometry).collect();
+    let alike: Vec<&Drawdown> = task.measured.iter().filter(|d| d.geometry == drawdown.geometry).collect();
     let mut pairs = alike.iter().flat_map(|one| alike.iter().map(move |other| [*one, *other]));
     let [dark, light] =
         pairs.find(|[one, other]| other.coat == one.coat && other.albedo(middle) > one.albedo(middle))?;
-    let [share, own_share] = [dark, own].map(|d| d.study.pigments[task.pigment].grains.volume_fraction);
-    let [thick, own_thick] = [dark, own].map(|d| d.study.layer.thickness_um);
+    let share_of = |d: &Drawdown| d.study.pigments[task.pigment].grains.volume_fraction;
+    let share = share_of(dark);
+    let own_share = share_of(drawdown);
+    let thick = dark.study.layer.thickness_um;
+    let own_thick = drawdown.study.layer.thickness_um;
     let mut values = Vec::new();
     for (w, &nm) in nm.iter().enumerate() {
-        let [dark, light] = [dark, light].map(|d| Some([d.albedo(nm)?, d.values.as_ref()?[w]]));
-        let km = dark.zip(light).and_then(|(dark, light)| KubelkaMunk::from_backings(dark, light, thick));
-        let value = km.zip(own.albedo(nm)).map(|(km, card)| km.over(card, own_thick * own_share / share));
+        let on_card = |d: &Drawdown| Some([d.albedo(nm)?, d.values.as_ref()?[w]]);
+        let km = on_card(dark)
+            .zip(on_card(light))
+            .and_then(|(dark, light)| KubelkaMunk::from_backings(dark, light, thick));
+        let value =
+            km.zip(drawdown.albedo(nm)).map(|(km, card)| km.over(card, own_thick * own_share / share));
         // no number where no layer has such a pair of reflectances
         values.push(value.unwrap_or(f64::NAN));
     }

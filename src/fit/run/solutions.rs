@@ -6,7 +6,8 @@ use super::{FitError, FitSolution};
 use crate::fit::law::rms;
 use crate::fit::load::FitTask;
 
-/// Differences of χ² and of −2 ln(probability of the data) within which two solutions fit equally well (3 σ).
+/// Differences of χ² and of −2 ln(probability of the data) within which two solutions fit equally
+/// well (3 σ).
 pub(super) const AS_GOOD: f64 = 9.0;
 /// Standard errors of n that cover another solution.
 const COVERED: f64 = 2.0;
@@ -16,8 +17,8 @@ pub(super) fn apart(one: &[f64], other: &[f64]) -> f64 {
     rms(one.iter().zip(other).map(|(a, b)| a - b))
 }
 
-/// The outcome of a fit from its solutions, which are those of branches that fitted the coarse table equally
-/// well: the likeliest one, and beside it another where the solves do not exclude it.
+/// The outcome of a fit from its solutions, which are those of branches that fitted the coarse
+/// table equally well: the likeliest one, and beside it another where the solves do not exclude it.
 pub(super) fn concluded(task: &FitTask, mut solutions: Vec<FitSolution>) -> Result<FitOutcome, FitError> {
     let cost = |solution: &FitSolution| solution.outcome.evidence_cost;
     solutions.sort_by(|a, b| cost(a).total_cmp(&cost(b)));

@@ -1,4 +1,4 @@
-//! The statistics of a fit: what is minimised, how many data are left for a verdict, and errors of few cells.
+//! Statistics of a fit: what is minimised, the data left for a verdict, and errors of few cells.
 
 use super::coverage_tests::{pigment, task};
 use super::outcome::Trust;
@@ -14,7 +14,7 @@ use faer::linalg::solvers::Solve;
 use statrs::distribution::StudentsT;
 use statrs::statistics::Distribution;
 
-/// Six replicates of every value that scatter alike on both cards: strongly correlated ensemble errors.
+/// Six replicates of every value that scatter alike on both cards: strongly correlated errors.
 fn scattered(mut response: Response) -> Response {
     for (card, replicates) in response.replicates.iter_mut().enumerate() {
         *replicates = (0..6)
@@ -28,8 +28,9 @@ fn scattered(mut response: Response) -> Response {
     response
 }
 
-/// The step is the minimum of the cost: its normal matrix times the step is minus half the gradient, by central
-/// differences of the cost itself. *Planted*: a cost with the diagonal of the covariance alone.
+/// The step is the minimum of the cost: its normal matrix times the step is minus half the
+/// gradient, by central differences of the cost itself. *Planted*: a cost with the diagonal of the
+/// covariance alone.
 #[test]
 fn the_step_minimises_the_cost() {
     let mut task = task();
@@ -44,14 +45,14 @@ fn the_step_minimises_the_cost() {
     let point: Vec<f64> = near(&prior, &truth).unwrap().iter().map(|x| x + 0.01).collect();
     let strength = 0.06;
     // replicates stay those of the point: the covariance is that of the step
-    let own = scattered(Origin::Film.response(&task, &task.measured, &prior.index(&point), 0.0).unwrap());
-    let spread: Vec<Vec<Vec<f64>>> = own.replicates.clone();
+    let here = scattered(Origin::Film.response(&task, &task.measured, &prior.index(&point), 0.0).unwrap());
+    let spread: Vec<Vec<Vec<f64>>> = here.replicates.clone();
     let cost = |unknowns: &[f64]| {
         let moved = Origin::Film.response(&task, &task.measured, &prior.index(unknowns), 0.0).unwrap();
         let moved = Response { replicates: spread.clone(), ..moved };
-        Data::new(&task, (&prior, unknowns), &moved, &[0.002]).cost(strength).unwrap()
+        Data::new(&task, &prior, unknowns, &moved, &[0.002]).cost(strength).unwrap()
     };
-    let data = Data::new(&task, (&prior, &point), &own, &[0.002]);
+    let data = Data::new(&task, &prior, &point, &here, &[0.002]);
     let step = data.step(strength).unwrap();
     assert!(step.unknowns.iter().zip(&prior.positive).all(|(x, held)| !held || *x > 0.0), "no bound acts");
     let moved = Mat::from_fn(point.len(), 1, |i, _| step.unknowns[i] - point[i]);
@@ -59,12 +60,12 @@ fn the_step_minimises_the_cost() {
     let h = 1e-4;
     let gradient: Vec<f64> = (0..point.len())
         .map(|i| {
-            let at = |sign: f64| {
+            let moved_cost = |sign: f64| {
                 let mut moved = point.clone();
                 moved[i] += sign * h;
                 cost(&moved)
             };
-            (at(1.0) - at(-1.0)) / (2.0 * h)
+            (moved_cost(1.0) - moved_cost(-1.0)) / (2.0 * h)
         })
         .collect();
     let largest = gradient.iter().fold(0.0_f64, |most, g| most.max(g.abs()));
@@ -75,8 +76,8 @@ fn the_step_minimises_the_cost() {
     }
 }
 
-/// χ² of 7 for 16 data and 14.9 unknowns says nothing; of 7 for 32 data and 17 unknowns it agrees; a large one
-/// contradicts with any number. *Planted*: a verdict with a single degree of freedom.
+/// χ² of 7 for 16 data and 14.9 unknowns says nothing; of 7 for 32 data and 17 unknowns it agrees;
+/// a large one contradicts with any number. *Planted*: a verdict with a single degree of freedom.
 #[test]
 fn a_verdict_needs_degrees_of_freedom() {
     for (chi_squared, freedom, expected) in [
@@ -110,7 +111,7 @@ fn errors_of_the_grid_on_a_card_hold_both_ways_through_the_layer() {
     assert!((on_card(error, 0.5) - 5e-3).abs() < 1e-15);
 }
 
-/// Kubelka and Munk's closed form for a layer of scattering power `s` and absorbing power `k` on a card.
+/// Kubelka and Munk's closed form for a layer on a card: scattering power `s`, absorbing `k`.
 fn over_card(s: f64, k: f64, card: f64) -> f64 {
     let a = 1.0 + k / s;
     let b = (a * a - 1.0).sqrt();
@@ -118,8 +119,8 @@ fn over_card(s: f64, k: f64, card: f64) -> f64 {
     (1.0 - card * (a - b * coth)) / (a - card + b * coth)
 }
 
-/// Twice the share in half of three times the thickness is three times the pigment. *Planted*: the ratio of the
-/// shares upside down.
+/// Twice the share in half of three times the thickness is three times the pigment. *Planted*: the
+/// ratio of the shares upside down.
 #[test]
 fn kubelka_and_munk_predict_in_proportion_to_the_pigment() {
     let mut task = task();
@@ -135,16 +136,16 @@ fn kubelka_and_munk_predict_in_proportion_to_the_pigment() {
     let response = Origin::Film.response(&task, &task.measured, &truth, 0.0).unwrap();
     let prior = IndexPrior::new(PriorName::Smooth, task.wavelengths_nm(), 1.5, false);
     let point = near(&prior, &truth).unwrap();
-    let data = Data::new(&task, (&prior, &point), &response, &[0.0]);
+    let data = Data::new(&task, &prior, &point, &response, &[0.0]);
     let (strength, step) = data.chosen().unwrap();
-    let outcome = data.outcome((strength, &step), 1);
-    let forecast = Forecast::new(&task, &other, &response, (0, &outcome));
+    let outcome = data.outcome(strength, &step, 1);
+    let forecast = Forecast::new(&task, &other, 0, &response, &outcome);
     let expected = over_card(3.0 * 0.4, 3.0 * 0.15, card(&other));
     // a closed form inverted and evaluated: rounding
     assert!(forecast.kubelka_munk.unwrap().iter().all(|x| (x - expected).abs() < 1e-9));
 }
 
-/// A predicted factor that no layer can have is not published. *Planted*: predictions that pass no gate.
+/// A predicted factor that no layer can have is not published. *Planted*: no gate for predictions.
 #[test]
 fn impossible_predictions_are_withheld() {
     let forecast = |value: f64, error: f64| Forecast {

@@ -100,7 +100,7 @@ fn html(
     });
     let page = context! {
         title => title.to_owned(),
-        accounts => Serde(packings.iter().enumerate().map(account).collect::<Vec<_>>()),
+        accounts => Serde(packings.iter().enumerate().map(|(k, packing)| account(k, packing)).collect::<Vec<_>>()),
         figures => figures.collect::<Vec<_>>(),
         plots => plots.collect::<Vec<_>>(),
         shapes => have_shapes(packings),
@@ -110,7 +110,7 @@ fn html(
 }
 
 /// How a realisation was packed, as cells of a table.
-fn account((k, packing): (usize, &Packing)) -> [String; 6] {
+fn account(k: usize, packing: &Packing) -> [String; 6] {
     let a = packing.account();
     let gap = a.smallest_gap_um.map_or("above one radius".into(), |g| format!("{g:.2e}"));
     let method = a.method.in_words().to_string();

@@ -96,9 +96,9 @@ fn other_angles(study: &Study, rows: &[SpectrumRow]) -> Drawing {
     let plot = if angles.len() <= MOST_CURVES {
         let mut curves = Vec::new();
         for deg in angles {
-            let own = &at_angle(rows, deg);
-            curves.push(spectrum((study, own), &format!("R, {deg:.0}°"), |row| Some(row.reflectance)));
-            curves.push(spectrum((study, own), &format!("T, {deg:.0}°"), |row| Some(row.transmittance)));
+            let here = &at_angle(rows, deg);
+            curves.push(spectrum((study, here), &format!("R, {deg:.0}°"), |row| Some(row.reflectance)));
+            curves.push(spectrum((study, here), &format!("T, {deg:.0}°"), |row| Some(row.transmittance)));
         }
         shares(WAVELENGTH, "share of the light", curves)?
     } else {
@@ -134,7 +134,7 @@ fn brdf(study: &Study, seen: &Seen) -> Drawing {
         views.iter().map(|view| ink.spectrum(|layer| PI * layer.brdf(&light, view)).estimates()).collect();
     let mut curves = Vec::new();
     for nm in shown_nm(&study.wavelengths_nm) {
-        let w = study.wavelengths_nm.iter().position(|own| *own == nm)?;
+        let w = study.wavelengths_nm.iter().position(|solved| *solved == nm)?;
         let points = degrees.iter().zip(&spectra).map(|(&deg, spectrum)| (deg, spectrum[w]));
         curves.push(Curve::measured(format!("{nm:.0} nm"), points));
     }
@@ -154,8 +154,8 @@ pub(in crate::report) fn shown_nm(wavelengths_nm: &[f64]) -> Vec<f64> {
     all
 }
 
-fn nearest(wavelengths_nm: &[f64], wanted: f64) -> Option<f64> {
-    wavelengths_nm.iter().copied().min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
+fn nearest(wavelengths_nm: &[f64], target: f64) -> Option<f64> {
+    wavelengths_nm.iter().copied().min_by(|a, b| (a - target).abs().total_cmp(&(b - target).abs()))
 }
 
 /// Plots of K and S, and of a measurement with its residuals.
@@ -178,7 +178,7 @@ fn figure(heading: &str, y_label: &str, curves: Vec<Curve>, caption: String) -> 
 
 fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> DrawResult<Figure> {
     let certainty = &manifest.certainty;
-    let asked: Vec<f64> = manifest.spectra.iter().map(|row| row.wavelength_nm).collect();
+    let solved_nm: Vec<f64> = manifest.spectra.iter().map(|row| row.wavelength_nm).collect();
     let factor = certainty.coverage_factor_95;
     let wider = factor.unwrap_or(1.0);
     let wide = |e: Estimate| Estimate { standard_error: e.standard_error.map(|error| error * wider), ..e };
@@ -186,8 +186,8 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> DrawResult<Fig
     let absorption = rows().map(|row| (row.wavelength_nm, wide(row.absorption_per_um)));
     let scattering = rows().map(|row| (row.wavelength_nm, wide(row.scattering_per_um)));
     let series = vec![
-        Curve::measured("absorption K", absorption).asked_at(&asked),
-        Curve::measured("scattering S", scattering).asked_at(&asked),
+        Curve::measured("absorption K", absorption).asked_at(&solved_nm),
+        Curve::measured("scattering S", scattering).asked_at(&solved_nm),
     ];
     let bars = match factor {
         Some(factor) => {
@@ -205,14 +205,14 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> DrawResult<Fig
 }
 
 fn compared(measured: &MeasuredComparison) -> DrawResult<Vec<Figure>> {
-    let of = |value: &dyn Fn(&ComparedRow) -> Estimate| {
+    let points = |value: &dyn Fn(&ComparedRow) -> Estimate| {
         measured.rows.iter().map(|row| (row.wavelength_nm, value(row))).collect::<Vec<_>>()
     };
     let both = vec![
-        Curve::measured("predicted", of(&|row| row.predicted)),
-        Curve::measured("measured", of(&|row| Estimate { value: row.measured, standard_error: None })),
+        Curve::measured("predicted", points(&|row| row.predicted)),
+        Curve::measured("measured", points(&|row| Estimate { value: row.measured, standard_error: None })),
     ];
-    let residual = of(&|row| Estimate { value: row.measured - row.predicted.value, ..row.predicted });
+    let residual = points(&|row| Estimate { value: row.measured - row.predicted.value, ..row.predicted });
     let residual = vec![Curve::measured("measured less predicted", residual)];
     let caption = format!("At 45:0; measured: {}, linear between its rows.", measured.source);
     let of_residual = format!("{caption} Error bars are those of the prediction.");

@@ -34,7 +34,7 @@ pub struct AxisSetting {
 impl Axis {
     /// Reads the `i`-th `[[axis]]`.
     pub fn read(i: usize, table: &AxisTable, faults: &mut Faults) -> Self {
-        let of = |key: &str| format!("axis[{i}].{key}");
+        let place = |key: &str| format!("axis[{i}].{key}");
         let name = table.name.clone().or_else(|| {
             table.field.as_ref().map(|field| field.rsplit(['.', ']']).next().unwrap_or(field).to_owned())
         });
@@ -44,18 +44,18 @@ impl Axis {
             _ => {
                 let allowed = "either a field with its values, or [[axis.case]] entries";
                 let remedy = "write for example field = \"pigment[0].diameter_nm\" and values = [100, 300]";
-                faults.add(of("field"), "both or neither", allowed, remedy);
+                faults.add(place("field"), "both or neither", allowed, remedy);
                 Vec::new()
             }
         };
         let name = name.unwrap_or_else(|| {
             let remedy = "write for example name = \"ink\"";
-            faults.add(of("name"), "nothing", "a name for an axis of cases", remedy);
+            faults.add(place("name"), "nothing", "a name for an axis of cases", remedy);
             String::new()
         });
         let unit = table.field.as_ref().map_or("", |field| unit(field, &settings)).to_owned();
         let axis = Self { name, zip: table.zip.clone(), unit, settings };
-        axis.check_labels(&of("labels"), faults);
+        axis.check_labels(&place("labels"), faults);
         axis
     }
 
@@ -69,8 +69,8 @@ impl Axis {
     }
 
     /// Indices of the settings that a condition selects by label, by value or by a list of them.
-    pub fn matching(&self, wanted: &Value) -> Vec<usize> {
-        let all = match wanted {
+    pub fn matching(&self, selected: &Value) -> Vec<usize> {
+        let all = match selected {
             Value::Array(list) => list.iter().map(in_words).collect(),
             one => vec![in_words(one)],
         };
@@ -114,7 +114,8 @@ fn values(i: usize, field: &str, table: &AxisTable, faults: &mut Faults) -> Vec<
         faults.add(format!("axis[{i}].values"), "no values", allowed, remedy);
     }
     if let Some(labels) = table.labels.as_ref().filter(|labels| labels.len() != list.len()) {
-        let (found, allowed) = (format!("{} labels", labels.len()), format!("{} labels", list.len()));
+        let found = format!("{} labels", labels.len());
+        let allowed = format!("{} labels", list.len());
         faults.add(format!("axis[{i}].labels"), found, allowed, "one label for each value");
     }
     let setting = |(k, value): (usize, &Value)| AxisSetting {
@@ -136,8 +137,8 @@ fn range(i: usize, table: &AxisTable, from: f64, to: f64, faults: &mut Faults) -
         _ => return Vec::new(),
     };
     if !(to >= from && (1.0..=LONGEST_AXIS as f64).contains(&count)) {
-        let (found, allowed) =
-            (format!("{from} to {to}"), format!("a rising range of 1 to {LONGEST_AXIS} values"));
+        let found = format!("{from} to {to}");
+        let allowed = format!("a rising range of 1 to {LONGEST_AXIS} values");
         faults.add(format!("axis[{i}].to"), found, allowed, "raise `to` or the step");
         return Vec::new();
     }

@@ -43,7 +43,8 @@ pub fn claims(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Fa
     let tables = expanded(file, axes, faults);
     for (k, (i, table)) in tables.iter().enumerate() {
         if tables[..k].iter().any(|(_, earlier)| earlier.id == table.id) {
-            let (field, found) = (format!("conclusion[{i}].id"), format!("{:?} twice", table.id));
+            let field = format!("conclusion[{i}].id");
+            let found = format!("{:?} twice", table.id);
             let remedy = "conclusions.csv and the page name them by it: give each its own";
             faults.add(field, found, "names that differ", remedy);
         }
@@ -51,12 +52,20 @@ pub fn claims(file: &SweepFile, axes: &[Axis], drafts: &[Draft], faults: &mut Fa
     tables.iter().map(|(i, table)| claim(&format!("conclusion[{i}]"), table, axes, drafts, faults)).collect()
 }
 
-fn claim(at: &str, table: &ConclusionTable, axes: &[Axis], drafts: &[Draft], faults: &mut Faults) -> Claim {
-    let mut places = |key: &str, list: &[Where]| variants(&format!("{at}.{key}"), list, axes, drafts, faults);
-    let (plus, minus) = (places("plus", &table.plus), places("minus", &table.minus));
+fn claim(
+    field: &str,
+    table: &ConclusionTable,
+    axes: &[Axis],
+    drafts: &[Draft],
+    faults: &mut Faults,
+) -> Claim {
+    let mut places =
+        |key: &str, list: &[Where]| variants(&format!("{field}.{key}"), list, axes, drafts, faults);
+    let plus = places("plus", &table.plus);
+    let minus = places("minus", &table.minus);
     let among = places("among", &table.among);
     let absorbed_by = places("absorbed_by", table.absorbed_by.as_slice()).first().copied();
-    check(at, table, faults);
+    check(field, table, faults);
     Claim { table: table.clone(), absorbed_by, plus, minus, among }
 }
 
@@ -99,7 +108,8 @@ pub fn expanded(file: &SweepFile, axes: &[Axis], faults: &mut Faults) -> Vec<(us
         match axes.iter().find(|axis| axis.name == *name) {
             Some(axis) => all.extend(axis.settings.iter().map(|s| (i, of_label(table, name, &s.label)))),
             None => {
-                let (field, allowed) = (format!("conclusion[{i}].each"), format!("one of {}", names(axes)));
+                let field = format!("conclusion[{i}].each");
+                let allowed = format!("one of {}", names(axes));
                 faults.add(field, format!("{name:?}"), allowed, "name one of the axes");
             }
         }
@@ -119,10 +129,10 @@ fn of_label(table: &ConclusionTable, axis: &str, label: &str) -> ConclusionTable
 }
 
 /// Reports errors in a conclusion's numbers: wavelengths, abscissas of a curve, bounds.
-fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
+fn check(field: &str, table: &ConclusionTable, faults: &mut Faults) {
     let spectral = matches!(table.quantity, MeasuredQuantity::Transmittance | MeasuredQuantity::Reflectance);
     let mut wrong = |key: &str, found: &str, allowed: &str| {
-        faults.add(format!("{at}.{key}"), found, allowed, "see examples/paper-study-small.toml");
+        faults.add(format!("{field}.{key}"), found, allowed, "see examples/paper-study-small.toml");
     };
     match (spectral, table.wavelength_nm, table.range_nm) {
         (true, None, None) => {
@@ -162,12 +172,15 @@ fn check(at: &str, table: &ConclusionTable, faults: &mut Faults) {
 
 /// Keys that contradict each other: key, what was found, what is allowed.
 fn contradictions(table: &ConclusionTable) -> impl Iterator<Item = [&'static str; 3]> {
-    let (curve, ranged) = (!table.along.is_empty(), table.range_nm.is_some());
-    let (delta_e, unbound) =
-        (table.quantity == MeasuredQuantity::DeltaE, table.at_least.or(table.at_most).is_none());
+    let curve = !table.along.is_empty();
+    let ranged = table.range_nm.is_some();
+    let delta_e = table.quantity == MeasuredQuantity::DeltaE;
+    let unbound = table.at_least.or(table.at_most).is_none();
     let colours = (table.plus.len(), table.minus.len());
-    let (unowned, one_each) = (table.source.is_none(), "one colour in plus and one in minus");
-    let (range, source) = ("a range of wavelengths, range_nm = [from, to]", "source = \"…\" beside it");
+    let unowned = table.source.is_none();
+    let one_each = "one colour in plus and one in minus";
+    let range = "a range of wavelengths, range_nm = [from, to]";
+    let source = "source = \"…\" beside it";
     let all = [
         (curve && (delta_e || ranged), "among", "a curve", "a curve of one quantity, at one wavelength"),
         (!ranged && table.over != Over::Every, "over", "no range_nm", range),
@@ -240,7 +253,8 @@ mod tests {
 
     #[test]
     fn a_range_needs_the_same_wavelengths_in_all_variants() {
-        let (quantity, range_nm) = (MeasuredQuantity::Reflectance, Some([500.0, 600.0]));
+        let quantity = MeasuredQuantity::Reflectance;
+        let range_nm = Some([500.0, 600.0]);
         let mut claim = Claim::example();
         (claim.table.quantity, claim.table.range_nm) = (quantity, range_nm);
         let told = |a: &[f64], b: &[f64]| {

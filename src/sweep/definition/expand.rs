@@ -28,7 +28,8 @@ pub struct Draft {
 pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults) -> Vec<Draft> {
     for (i, axis) in axes.iter().enumerate() {
         if axes[..i].iter().any(|earlier| earlier.name == axis.name) {
-            let (found, allowed) = (format!("{:?} twice", axis.name), "names that differ");
+            let found = format!("{:?} twice", axis.name);
+            let allowed = "names that differ";
             faults.add(format!("axis[{i}].name"), found, allowed, "give each axis its own name");
         }
         // the later would override the earlier, whose captions would be wrong
@@ -58,24 +59,24 @@ pub fn expand(file: &SweepFile, base: &Table, axes: &[Axis], faults: &mut Faults
 
 /// Whether a variant satisfies a condition.
 pub fn matches(condition: &Where, axes: &[Axis], place: &[usize]) -> bool {
-    condition.iter().all(|(name, wanted)| {
+    condition.iter().all(|(name, selected)| {
         let axis = axes.iter().position(|axis| axis.name == *name);
-        axis.is_some_and(|a| axes[a].matching(wanted).contains(&place[a]))
+        axis.is_some_and(|a| axes[a].matching(selected).contains(&place[a]))
     })
 }
 
 /// Checks that a condition names existing axes and values.
 pub fn check_where(field: &str, condition: &Where, axes: &[Axis], faults: &mut Faults) {
-    for (name, wanted) in condition {
+    for (name, selected) in condition {
         let field = format!("{field}.{name}");
         match axes.iter().find(|axis| axis.name == *name) {
             None => {
                 faults.add(field, format!("{name:?}"), names(axes), "name one of the axes");
             }
-            Some(axis) if axis.matching(wanted).is_empty() => {
+            Some(axis) if axis.matching(selected).is_empty() => {
                 let labels: Vec<&str> = axis.settings.iter().map(|s| s.label.as_str()).collect();
                 let allowed = format!("one of {}", labels.join(", "));
-                faults.add(field, wanted, allowed, "name a label or value of the axis");
+                faults.add(field, selected, allowed, "name a label or value of the axis");
             }
             Some(_) => {}
         }
@@ -136,7 +137,8 @@ fn draft(file: &SweepFile, base: &Table, axes: &[Axis], place: Vec<usize>, fault
     }
     let labels = axes.iter().zip(&place).map(|(axis, &k)| axis.settings[k].label.as_str());
     let labels: Vec<&str> = labels.collect();
-    let (title, caption) = (file.title.as_deref().unwrap_or_default(), labels.join(", "));
+    let title = file.title.as_deref().unwrap_or_default();
+    let caption = labels.join(", ");
     let title = if caption.is_empty() { title.to_owned() } else { format!("{title}: {caption}") };
     study.insert("title".into(), title.into());
     let name = labels.into_iter().map(slug).collect::<Vec<_>>().join("-");

@@ -2,10 +2,10 @@
 //!
 //! ```toml
 //! title = "Yellow: size and share"
-//! base = "yellow.toml"                 # a study file beside this one, or a table [base] with a whole study
+//! base = "yellow.toml"                 # a study file beside this one, or a whole study in [base]
 //! [[axis]]
 //! name = "size"
-//! field = "pigment[0].diameter_nm"     # or pigment.yellow.diameter_nm; pigment[*] means all pigments
+//! field = "pigment[0].diameter_nm"     # or pigment.yellow.diameter_nm; pigment[*] means all
 //! values = ["molecular", 100, 300]
 //! [[axis]]
 //! name = "share"

@@ -84,7 +84,8 @@ pub fn read(path: &Path) -> Result<Sweep, OpenError> {
     let no_sweep = |why: String| OpenError::NoSweep(format!("{} holds no sweep: {why}", path.display()));
     let unreadable = |error: &dyn Display| no_sweep(format!("{OUTLINE}: {error}"));
     let text = std::fs::read(path.join(OUTLINE)).map_err(|e| unreadable(&e))?;
-    let SealedOutline { outline, seal: found } = serde_json::from_slice(&text).map_err(|e| unreadable(&e))?;
+    let SealedOutline { outline, seal: stated_seal } =
+        serde_json::from_slice(&text).map_err(|e| unreadable(&e))?;
     check(&outline).map_err(|reason| unreadable(&reason))?;
     let since = format!("{} was changed since it was written", path.display());
     let changed = |what: &str| OpenError::Changed(format!("{since}: {what}"));
@@ -95,8 +96,9 @@ pub fn read(path: &Path) -> Result<Sweep, OpenError> {
         let text = std::fs::read_to_string(file);
         texts.push(text.map_err(|error| no_sweep(format!("{}: {error}", file.display())))?);
     }
-    let found = found.ok_or_else(|| changed("sweep.json has no checksum, like those of older versions"))?;
-    if found != seal(&outline, texts.iter().map(String::as_str)).map_err(|e| unreadable(&e))? {
+    let stated_seal =
+        stated_seal.ok_or_else(|| changed("sweep.json has no checksum, like those of older versions"))?;
+    if stated_seal != seal(&outline, texts.iter().map(String::as_str)).map_err(|e| unreadable(&e))? {
         return Err(changed("the checksum of sweep.json does not match it and the variants' study.toml"));
     }
     let mut variants = Vec::new();
@@ -126,17 +128,17 @@ pub fn take_grids(from: &Path, folder: &OutputFolder) -> io::Result<usize> {
 }
 
 fn inputs(path: &Path) -> io::Result<Vec<Input>> {
-    let mut found = Vec::new();
-    let Ok(folders) = std::fs::read_dir(path.join("inputs")) else { return Ok(found) };
+    let mut inputs = Vec::new();
+    let Ok(folders) = std::fs::read_dir(path.join("inputs")) else { return Ok(inputs) };
     for folder in folders {
         for file in std::fs::read_dir(folder?.path())? {
             let file = file?.path();
             let name = file.strip_prefix(path).unwrap_or(&file).to_string_lossy().into_owned();
-            found.push(Input { path: name, bytes: std::fs::read(&file)? });
+            inputs.push(Input { path: name, bytes: std::fs::read(&file)? });
         }
     }
-    found.sort_by(|a, b| a.path.cmp(&b.path));
-    Ok(found)
+    inputs.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(inputs)
 }
 
 /// Content of `sweep.json`.
@@ -170,7 +172,8 @@ pub fn seal<'a>(outline: &Outline, studies: impl Iterator<Item = &'a str>) -> se
 pub fn check(outline: &Outline) -> Result<(), String> {
     let count = outline.variants.len();
     for (i, variant) in outline.variants.iter().enumerate() {
-        let (name, place) = (&variant.name, &variant.place);
+        let name = &variant.name;
+        let place = &variant.place;
         if !is_folder_name(name) || outline.variants[..i].iter().any(|other| other.name == *name) {
             let allowed = "names that differ, of folders under variants, of letters, digits and . _ + -";
             return Err(format!("variants[{i}].name: found {name:?}; allowed: {allowed}"));
@@ -227,9 +230,9 @@ mod tests {
     fn names_stay_inside_the_folder() {
         assert_eq!(check(&outline()), Ok(()));
         for name in ["..", ".", "", "../../x", "/absolute/x", "a/b", "a\\b", "C:x", "a\0b"] {
-            let mut found = outline();
-            found.variants[1].name = name.into();
-            let told = check(&found).unwrap_err();
+            let mut altered = outline();
+            altered.variants[1].name = name.into();
+            let told = check(&altered).unwrap_err();
             assert!(told.starts_with("variants[1].name: found"), "{name:?}: {told}");
         }
         let mut twice = outline();
@@ -239,14 +242,14 @@ mod tests {
 
     #[test]
     fn numbers_are_those_of_something() {
-        let mut found = outline();
-        found.reference = 9;
-        assert!(check(&found).unwrap_err().starts_with("reference: found 9"));
-        let mut found = outline();
-        found.variants[0].place = vec![6];
-        assert!(check(&found).unwrap_err().starts_with("variants[0].place: found [6]"));
-        let mut found = outline();
-        found.variants[0].place = vec![0, 1];
-        assert!(check(&found).unwrap_err().starts_with("variants[0].place: found [0, 1]"));
+        let mut altered = outline();
+        altered.reference = 9;
+        assert!(check(&altered).unwrap_err().starts_with("reference: found 9"));
+        let mut altered = outline();
+        altered.variants[0].place = vec![6];
+        assert!(check(&altered).unwrap_err().starts_with("variants[0].place: found [6]"));
+        let mut altered = outline();
+        altered.variants[0].place = vec![0, 1];
+        assert!(check(&altered).unwrap_err().starts_with("variants[0].place: found [0, 1]"));
     }
 }

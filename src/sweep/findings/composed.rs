@@ -127,11 +127,11 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
 fn against(
     sweep: &Sweep,
     done: &[LayerDone],
-    of: &dyn Fn(&ComposedManifest) -> Option<Estimate>,
+    number: &dyn Fn(&ComposedManifest) -> Option<Estimate>,
 ) -> Vec<(f64, Estimate)> {
-    let at = |k: usize| sweep.outline.axes.first()?.number(*sweep.outline.variants[k].place.first()?);
+    let abscissa = |k: usize| sweep.outline.axes.first()?.number(*sweep.outline.variants[k].place.first()?);
     let mut points: Vec<(f64, Estimate)> =
-        done.iter().filter_map(|(k, layer)| Some((at(*k)?, of(layer)?))).collect();
+        done.iter().filter_map(|(k, layer)| Some((abscissa(*k)?, number(layer)?))).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     points
 }

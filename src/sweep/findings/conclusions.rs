@@ -58,12 +58,13 @@ type Finding = Result<(Verdict, Option<Estimate>, String), String>;
 
 /// Tests a conclusion on the outcomes of all variants.
 pub fn judge(claim: &Claim, outcomes: &[Outcome]) -> Judged {
-    let found = match claim.table.range_nm {
+    let finding = match claim.table.range_nm {
         Some(range) => spectrum::judge(claim, outcomes, range),
         None => judge_one(claim, outcomes),
     };
-    let (verdict, measured, remark) = found.unwrap_or_else(|missing| (Verdict::Undecided, None, missing));
-    let (table, inequality) = (claim.table.clone(), inequality(claim, outcomes));
+    let (verdict, measured, remark) = finding.unwrap_or_else(|missing| (Verdict::Undecided, None, missing));
+    let table = claim.table.clone();
+    let inequality = inequality(claim, outcomes);
     Judged { table, inequality, measured, verdict, remark }
 }
 
@@ -167,34 +168,35 @@ fn place(claim: &Claim, outcomes: &[Outcome], value: &Linked) -> Result<Linked, 
     on_curve(&points.collect::<Result<Vec<_>, String>>()?, value)
 }
 
-fn on_curve(points: &[(f64, Linked)], wanted: &Linked) -> Result<Linked, String> {
-    let value = wanted.estimate.value;
+fn on_curve(points: &[(f64, Linked)], target: &Linked) -> Result<Linked, String> {
+    let value = target.estimate.value;
     let crosses = |w: &&[(f64, Linked)]| {
-        let [a, b] = [w[0].1.estimate.value, w[1].1.estimate.value];
+        let a = w[0].1.estimate.value;
+        let b = w[1].1.estimate.value;
         (a <= value && value < b) || (b < value && value <= a)
     };
-    let found: Vec<&[(f64, Linked)]> = points.windows(2).filter(crosses).collect();
-    match found[..] {
-        [[start, end]] => Ok(within(start, end, wanted)),
+    let crossings: Vec<&[(f64, Linked)]> = points.windows(2).filter(crosses).collect();
+    match crossings[..] {
+        [[start, end]] => Ok(within(start, end, target)),
         [] => Err(format!("the curve has {value:.4} nowhere")),
-        _ => Err(format!("the curve has {value:.4} at {} places", found.len())),
+        _ => Err(format!("the curve has {value:.4} at {} places", crossings.len())),
     }
 }
 
 /// Interpolates between two points; an error of the value or of the curve moves the abscissa by
 /// that error over the slope.
-fn within((from, a): &(f64, Linked), (to, b): &(f64, Linked), wanted: &Linked) -> Linked {
-    let [low, high, value] = [a, b, wanted].map(|number| number.estimate.value);
+fn within((from, a): &(f64, Linked), (to, b): &(f64, Linked), target: &Linked) -> Linked {
+    let [low, high, value] = [a, b, target].map(|number| number.estimate.value);
     let slope = (high - low) / (to - from);
     let share = (value - low) / (high - low);
-    let mut place = Linked::sum([(1.0 / slope, wanted), ((share - 1.0) / slope, a), (-share / slope, b)]);
+    let mut place = Linked::sum([(1.0 / slope, target), ((share - 1.0) / slope, a), (-share / slope, b)]);
     place.estimate.value = from + share * (to - from);
     place
 }
 
 /// The inequality of a conclusion, such as "C*(a) − C*(b) ≥ 5".
 fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
-    let at = match (claim.table.wavelength_nm, claim.table.range_nm) {
+    let nm = match (claim.table.wavelength_nm, claim.table.range_nm) {
         (Some(nm), _) => format!("{nm:.0}"),
         (None, Some([from, to])) => format!("{from:.0}–{to:.0}"),
         (None, None) => String::new(),
@@ -203,8 +205,8 @@ fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
         MeasuredQuantity::Chroma => "C*".to_owned(),
         MeasuredQuantity::Lightness => "L*".to_owned(),
         MeasuredQuantity::Hue => "h".to_owned(),
-        MeasuredQuantity::Transmittance => format!("T{at}"),
-        MeasuredQuantity::Reflectance => format!("R{at}"),
+        MeasuredQuantity::Transmittance => format!("T{nm}"),
+        MeasuredQuantity::Reflectance => format!("R{nm}"),
         MeasuredQuantity::ContrastRatio => "contrast ratio".to_owned(),
         MeasuredQuantity::DeltaEToTarget => "ΔE₀₀ to the target".to_owned(),
         MeasuredQuantity::DeltaE => {

@@ -92,16 +92,17 @@ fn plot(
 ) -> Option<Chart> {
     let mut curves: Vec<Curve> = Vec::new();
     for name in names(made, x) {
-        let (mut points, mut asked) = (BTreeMap::new(), Vec::new());
+        let mut points = BTreeMap::new();
+        let mut requested = Vec::new();
         for (v, make) in made.iter().filter(|(_, make)| make.belongs(&name, x)) {
-            asked.push(make.in_units(x));
+            requested.push(make.in_units(x));
             if let Some(value) = y(*v) {
                 points.entry(make.at[x]).or_insert((make.in_units(x), value));
             }
         }
         // a molecular mixture alone is not a curve
         if points.len() > 1 {
-            curves.push(Curve::measured(name.in_words(made), points.into_values()).asked_at(&asked));
+            curves.push(Curve::measured(name.in_words(made), points.into_values()).asked_at(&requested));
         }
     }
     curves.truncate(MOST_CURVES);
@@ -148,7 +149,8 @@ impl CurveMaker {
             _ => "",
         };
         let at = [(share * 1e6).round() as u64, (size * 1e2).round() as u64];
-        let (kind, pigments) = (kinds.join(" and ") + relief + contrast, inks(study).join(" + "));
+        let kind = kinds.join(" and ") + relief + contrast;
+        let pigments = inks(study).join(" + ");
         Some(Self { at, kind, pigments, others: String::new() })
     }
 

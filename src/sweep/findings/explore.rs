@@ -217,7 +217,8 @@ fn median(errors: &[Option<f64>]) -> Option<f64> {
 /// whose slope at an inner `x` is that of the chord through both neighbours, so that uneven
 /// distances cause no large overshoot; at an end the parabola, with two values the line.
 fn weights(xs: &[f64], k: usize, t: f64) -> Vec<f64> {
-    let (h, inner) = (xs[k + 1] - xs[k], [k > 0, k + 2 < xs.len()]);
+    let h = xs[k + 1] - xs[k];
+    let inner = [k > 0, k + 2 < xs.len()];
     let (here, there) = (h * t * (1.0 - t).powi(2), -h * t * t * (1.0 - t));
     // by how much the slopes at both ends differ from that of the line
     let bends = match inner {

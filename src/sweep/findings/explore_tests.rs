@@ -22,26 +22,27 @@ fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> Outcome {
         lit_at_45: Some(number()),
         deviations: Vec::new(),
     };
-    let at = |polar_deg: f64| wavelengths_nm.iter().map(move |nm| (polar_deg, nm));
-    let spectra: Vec<SpectrumRow> = at(0.0).chain(at(45.0)).map(|(deg, nm)| row(deg, nm)).collect();
+    let points = |polar_deg: f64| wavelengths_nm.iter().map(move |nm| (polar_deg, nm));
+    let spectra: Vec<SpectrumRow> = points(0.0).chain(points(45.0)).map(|(deg, nm)| row(deg, nm)).collect();
     let values: Vec<f64> = spectra[..wavelengths_nm.len()].iter().map(|row| row.reflectance.value).collect();
     let colour = Colorimeter::new(wavelengths_nm).unwrap().colour(&values).unwrap();
     let covariance = Some([[0.1234567, 0.01, 0.0], [0.01, 0.2345678, 0.0], [0.0, 0.0, 0.3456789]]);
     let colour = Colour { lab_covariance: covariance, ..colour };
-    let (lab, deviations) = ([70.1, -5.2, 40.3], Vec::new());
+    let lab = [70.1, -5.2, 40.3];
+    let deviations = Vec::new();
     let target = Target { lab, delta_e_2000: number(), deviations };
     let contrast = Some((number(), Vec::new()));
     let solves = Count { asked: 24, finished: 24 };
     let labels = vec![name.clone(), name.clone(), name.clone()];
     // colours that vary from angle to angle, like those of inks
-    let at = |x: usize, y: usize| {
+    let cell = |x: usize, y: usize| {
         let srgb8 = [250 - 2 * x - y, 230 - x - 2 * y, 90 + x * y / 16].map(|c| c as u8);
         Colour { srgb8, ..colour }
     };
     let picture = InkPicture {
         angles_deg: vec![0.0; 31],
-        strip: (0..31).map(|y| at(0, y)).collect(),
-        square: Array2::from_shape_fn((31, 31), |(y, x)| at(x, y)),
+        strip: (0..31).map(|y| cell(0, y)).collect(),
+        square: Array2::from_shape_fn((31, 31), |(y, x)| cell(x, y)),
     };
     Outcome {
         name,
@@ -161,7 +162,8 @@ fn axes_with_two_values_words_or_gaps_stay_discrete() {
         assert!(!is_continuous(labels, 0), "{labels:?}");
     }
     assert!(!is_continuous(&["1 nm", "2 nm", "4 nm"], 1));
-    let (three, unsolved) = (outline([&["1"], &["1", "2", "3"]]), [Some([50.0; 3]), None, Some([50.0; 3])]);
+    let three = outline([&["1"], &["1", "2", "3"]]);
+    let unsolved = [Some([50.0; 3]), None, Some([50.0; 3])];
     assert!(Continuous::new(&three, &unsolved, 1).is_none());
 }
 

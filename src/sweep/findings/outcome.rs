@@ -105,9 +105,9 @@ impl Outcome {
             let deviations = self.lab_deviations.iter();
             self.linked(estimate, deviations.map(|(&r, by)| (r, (0..3).map(|i| gradient[i] * by[i]).sum())))
         };
-        let of_row = |of: fn(&SpectrumRow) -> Estimate, place: usize| {
+        let of_row = |number: fn(&SpectrumRow) -> Estimate, place: usize| {
             let row = self.row(wavelength_nm)?;
-            Some(self.linked(of(row), row.deviations.iter().map(|(r, by)| (*r, by[place]))))
+            Some(self.linked(number(row), row.deviations.iter().map(|(r, by)| (*r, by[place]))))
         };
         let colour = self.colour.as_ref();
         match quantity {
@@ -155,12 +155,15 @@ impl Outcome {
             let exact = o.certain.then_some([[0.0; 3]; 3]);
             o.colour.map(|c| Colour { lab_covariance: c.lab_covariance.or(exact), ..c })
         };
-        let [here, there] = [colour(self)?, colour(other)?];
+        let here = colour(self)?;
+        let there = colour(other)?;
         let [by_here, by_there] = here.delta_e_2000_gradients(&there);
-        let (mut common, mut deviations) = ([[0.0; 3]; 3], BTreeMap::new());
+        let mut common = [[0.0; 3]; 3];
+        let mut deviations = BTreeMap::new();
         for realisation in self.lab_deviations.keys().chain(other.lab_deviations.keys()) {
-            let of = |o: &Self| o.lab_deviations.get(realisation).copied().unwrap_or_default();
-            let [a, b] = [of(self), of(other)];
+            let deviation = |o: &Self| o.lab_deviations.get(realisation).copied().unwrap_or_default();
+            let a = deviation(self);
+            let b = deviation(other);
             deviations.insert(*realisation, (0..3).map(|i| by_here[i] * a[i] + by_there[i] * b[i]).sum());
         }
         for (realisation, a) in &self.lab_deviations {

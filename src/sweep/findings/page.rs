@@ -19,8 +19,10 @@ const MOST_FIGURES: usize = 24;
 
 /// The page as HTML; all text is escaped.
 pub(super) fn page(sweep: &Sweep, reported: &Reported, sheets: &[DrawnSheet]) -> PublishResult<String> {
-    let (outline, outcomes) = (&sweep.outline, &reported.outcomes);
-    let (complete, all) = (reported.complete(), sweep.variants.len());
+    let outline = &sweep.outline;
+    let outcomes = &reported.outcomes;
+    let complete = reported.complete();
+    let all = sweep.variants.len();
     let picture = |(sheet, png): &DrawnSheet| Picture { data: png_data(png), caption: sheet.title.clone() };
     let data = context! {
         title => &outline.title,
@@ -54,9 +56,9 @@ fn partial(reported: &Reported, complete: usize, all: usize) -> String {
         failures => format!(" {failures} failures are recorded; --retry-failed retries them."),
     };
     let finished: usize = reported.outcomes.iter().map(|o| o.solves.finished).sum();
-    let asked: usize = reported.outcomes.iter().map(|o| o.solves.asked).sum();
+    let planned: usize = reported.outcomes.iter().map(|o| o.solves.asked).sum();
     format!(
-        "{complete} of {all} variants are finished, {finished} of {asked} solves.{failed} A running sweep updates this page \
+        "{complete} of {all} variants are finished, {finished} of {planned} solves.{failed} A running sweep updates this page \
          regularly; a stopped one resumes when it is run again."
     )
 }
@@ -73,8 +75,8 @@ fn conclusions(all: &[Judged]) -> Vec<Value> {
     let quoted = sources.iter().any(Option::is_some);
     let mut groups = Vec::new();
     for source in sources {
-        let own = quoted.then(|| "Our own questions".to_owned());
-        let heading = source.map(|source| format!("What {source} says")).or(own);
+        let own_questions = quoted.then(|| "Our own questions".to_owned());
+        let heading = source.map(|source| format!("What {source} says")).or(own_questions);
         let rows = all.iter().filter(|judged| judged.table.source.as_deref() == source).map(conclusion);
         groups.push(context!(heading, rows => Vec::from_iter(rows)));
     }
@@ -87,7 +89,8 @@ fn conclusion(judged: &Judged) -> Value {
 }
 
 fn row(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Value {
-    let (outcome, numbers) = (&outcomes[number], shown(sweep, number, outcomes));
+    let outcome = &outcomes[number];
+    let numbers = shown(sweep, number, outcomes);
     let all = outcome.solves;
     let state = match (&outcome.reason, all.finished) {
         (Some(reason), _) => format!("{} failed: {reason}", outcome.failures),
@@ -133,8 +136,8 @@ fn figures(sweep: &Sweep, sheets: &[DrawnSheet], outcomes: &[Outcome]) -> DrawRe
 fn transmittance(name: &str, sweep: &Sweep, outcomes: &[Outcome], v: usize) -> Option<Curve> {
     let rows = outcomes[v].at_first_angle();
     let points = rows.iter().map(|r| (r.wavelength_nm, r.transmittance));
-    let asked = &sweep.variants[v].study.wavelengths_nm;
-    (!rows.is_empty()).then(|| Curve::measured(name, points).asked_at(asked))
+    let solved_nm = &sweep.variants[v].study.wavelengths_nm;
+    (!rows.is_empty()).then(|| Curve::measured(name, points).asked_at(solved_nm))
 }
 
 #[cfg(test)]

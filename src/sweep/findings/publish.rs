@@ -67,7 +67,8 @@ fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Publi
     let nearest = nearest(&sweep.outline, &outcomes);
     let reported = Reported { outcomes, conclusions, nearest };
     let sheets = sheets(&sweep.outline);
-    let (count, mut drawn) = (sheets.len(), Vec::new());
+    let count = sheets.len();
+    let mut drawn = Vec::new();
     for (i, sheet) in sheets.into_iter().enumerate() {
         let pictures = contact_sheet(&sheet, &sweep.outline.title, &reported.outcomes);
         let png = pictures.render(&SHEET_STYLE)?.png(&[("Title", pictures.title.as_str())])?;
@@ -94,7 +95,8 @@ fn sheet_name(i: usize, count: usize) -> String {
 }
 
 fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder) -> PublishResult<Outcome> {
-    let (study, nothing) = (&sweep.variants[number].study, Outcome::nothing(sweep, number));
+    let study = &sweep.variants[number].study;
+    let nothing = Outcome::nothing(sweep, number);
     let Some(collected) = collect(study, stores, 0) else {
         let refused = refused(study, stores, study.realisations);
         let reason = refused.first().map(|first| first.reason.clone());
@@ -165,7 +167,9 @@ fn conclusions_table(conclusions: &[Judged]) -> csv::Result<Vec<u8>> {
 
 fn judged_row(c: &Judged) -> impl Iterator<Item = String> {
     let [value, error] = cell::numbers(c.measured);
-    let [id, statement, inequality] = [&c.table.id, &c.table.statement, &c.inequality].map(|w| cell::text(w));
+    let id = cell::text(&c.table.id);
+    let statement = cell::text(&c.table.statement);
+    let inequality = cell::text(&c.inequality);
     let verdict = c.verdict.name().to_owned();
     let words = [&c.table.source, &c.table.quote, &c.table.translation, &c.table.because];
     let words = words.map(|words| cell::text(words.as_deref().unwrap_or_default()));

@@ -36,8 +36,8 @@ impl Reported {
 pub(super) fn shown(sweep: &Sweep, number: usize, outcomes: &[Outcome]) -> Option<[Estimate; 6]> {
     let outline = &sweep.outline;
     let mut numbers = numbers(&outcomes[number], &outcomes[outline.reference])?;
-    let [own, other] = [number, outline.reference].map(|v| Some(inks(&sweep.variants.get(v)?.study)));
-    if !outline.reference_asked && own != other {
+    let inks_of = |v: usize| Some(inks(&sweep.variants.get(v)?.study));
+    if !outline.reference_asked && inks_of(number) != inks_of(outline.reference) {
         numbers[5] = Estimate::unknown_error(f64::NAN);
     }
     Some(numbers)
@@ -113,8 +113,8 @@ impl Near {
 
 /// Columns of `sweep.csv` for target colours; empty without a target.
 pub(super) fn target_columns(outcomes: &[Outcome]) -> &'static [&'static str] {
-    let asked = outcomes.iter().any(|outcome| outcome.aim.is_some());
-    if asked { &["delta_e_2000_to_target", "contrast_ratio"] } else { &[] }
+    let has_target = outcomes.iter().any(|outcome| outcome.aim.is_some());
+    if has_target { &["delta_e_2000_to_target", "contrast_ratio"] } else { &[] }
 }
 
 /// Values of these columns, as in the variant's own `results.json`.
@@ -126,15 +126,15 @@ pub(super) fn target_numbers(outcome: &Outcome) -> [Option<Estimate>; 2] {
 
 /// The nearest variants; `None` without a target.
 pub(super) fn nearest(outline: &Outline, outcomes: &[Outcome]) -> Option<Nearest> {
-    let wanted: Vec<&String> = outcomes.iter().filter_map(|outcome| outcome.aim.as_ref()).collect();
-    let first = *wanted.first()?;
-    let target = if wanted.iter().all(|other| *other == first) { first } else { "each variant's own" };
+    let aims: Vec<&String> = outcomes.iter().filter_map(|outcome| outcome.aim.as_ref()).collect();
+    let first = *aims.first()?;
+    let target = if aims.iter().all(|other| *other == first) { first } else { "each variant's own" };
     let order = in_order(outcomes);
     let rows = order.iter().enumerate().take(MOST_ROWS);
     Some(Nearest {
         target: target.to_owned(),
         summary: order.first().map_or_else(String::new, |best| {
-            summary(&outcomes[best.variant], &order, wanted.len()) + &at_the_edge(outline, best.variant)
+            summary(&outcomes[best.variant], &order, aims.len()) + &at_the_edge(outline, best.variant)
         }),
         rows: rows.map(|(rank, near)| row(rank, near, outcomes)).collect(),
     })
@@ -142,9 +142,11 @@ pub(super) fn nearest(outline: &Outline, outcomes: &[Outcome]) -> Option<Nearest
 
 /// The nearest variant, and how many of all that have a target cannot be told from it.
 fn summary(best: &Outcome, order: &[Near], all: usize) -> String {
-    let [tied, unknown] =
-        [Some(true), None].map(|tie| order.iter().skip(1).filter(|near| near.is_tied() == tie).count());
-    let (known, mut text) = (order.len(), format!("{} is nearest.", best.name));
+    let others = |tied: Option<bool>| order.iter().skip(1).filter(|near| near.is_tied() == tied).count();
+    let tied = others(Some(true));
+    let unknown = others(None);
+    let known = order.len();
+    let mut text = format!("{} is nearest.", best.name);
     match tied {
         0 if unknown == 0 && known > 1 => text += " All others are farther with 95 % confidence.",
         0 => {}
@@ -176,7 +178,8 @@ fn edge(outline: &Outline, a: usize, k: usize) -> Option<String> {
     let axis = &outline.axes[a];
     let here = axis.number(k)?;
     let numbers = || outline.variants.iter().filter_map(|v| axis.number(v.place[a]));
-    let (below, above) = (numbers().any(|x| x < here), numbers().any(|x| x > here));
+    let below = numbers().any(|x| x < here);
+    let above = numbers().any(|x| x > here);
     let which = if below { "largest" } else { "smallest" };
     (below != above).then(|| format!("{} is the {which}", axis.named(k)))
 }

@@ -27,9 +27,9 @@ pub(crate) fn sheets(outline: &Outline) -> Vec<Sheet> {
 
 /// The axes of rows and columns: as requested, otherwise the first two unused ones.
 fn shown_axes(outline: &Outline) -> [Option<usize>; 2] {
-    let asked = [&outline.sheet.rows, &outline.sheet.columns];
+    let requested = [&outline.sheet.rows, &outline.sheet.columns];
     let [mut row, column] =
-        asked.map(|name| outline.axes.iter().position(|axis| Some(&axis.name) == name.as_ref()));
+        requested.map(|name| outline.axes.iter().position(|axis| Some(&axis.name) == name.as_ref()));
     let all = 0..outline.axes.len();
     if all.len() > 1 {
         row = row.or_else(|| all.clone().find(|&a| Some(a) != column));
@@ -50,7 +50,8 @@ fn sheet(outline: &Outline, shown: [Option<usize>; 2], other: &[usize]) -> Sheet
     for (v, Place { place, .. }) in on_sheet {
         numbers.entry(shown.map(|axis| axis.map_or(0, |a| place[a]))).or_insert(v);
     }
-    let [rows, columns] = [0, 1].map(|side| BTreeSet::from_iter(numbers.keys().map(|at| at[side])));
+    let rows = BTreeSet::from_iter(numbers.keys().map(|[row, _]| *row));
+    let columns = BTreeSet::from_iter(numbers.keys().map(|[_, column]| *column));
     let cells = rows.iter().map(|&r| columns.iter().map(|&c| numbers.get(&[r, c]).copied()).collect());
     let [row_axis, column_axis] = shown.map(|axis| axis.map(|a| &outline.axes[a]));
     let name = |axis: Option<&AxisOutline>| axis.map_or_else(String::new, |a| a.plain_name().to_owned());

@@ -41,21 +41,21 @@ fn wavelengths(claim: &Claim, outcomes: &[Outcome], [from, to]: [f64; 2]) -> Res
     nm.sort_by(f64::total_cmp);
     nm.dedup();
     let Some(absorber) = claim.absorbed_by.map(|v| &outcomes[v]) else { return Ok(nm) };
-    let seen = absorber.at_first_angle().iter().map(|row| (row.wavelength_nm, row.transmittance.value));
-    let seen: Vec<(f64, f64)> = seen.filter(|(nm, _)| (from..=to).contains(nm)).collect();
-    if seen.is_empty() {
+    let rows = absorber.at_first_angle().iter().map(|row| (row.wavelength_nm, row.transmittance.value));
+    let rows: Vec<(f64, f64)> = rows.filter(|(nm, _)| (from..=to).contains(nm)).collect();
+    if rows.is_empty() {
         return Err(no_value(absorber));
     }
-    let absorbed = absorbed(&seen);
+    let absorbed = absorbed(&rows);
     nm.retain(|nm| absorbed.iter().any(|other| (nm - other).abs() < 1e-6));
     Ok(nm)
 }
 
 /// Wavelengths at which the transmittance is below the mean of its smallest and largest value.
-fn absorbed(seen: &[(f64, f64)]) -> Vec<f64> {
-    let least = seen.iter().map(|row| row.1).fold(f64::INFINITY, f64::min);
-    let most = seen.iter().map(|row| row.1).fold(f64::NEG_INFINITY, f64::max);
-    seen.iter().filter(|row| row.1 <= 0.5 * (least + most)).map(|row| row.0).collect()
+fn absorbed(rows: &[(f64, f64)]) -> Vec<f64> {
+    let least = rows.iter().map(|row| row.1).fold(f64::INFINITY, f64::min);
+    let most = rows.iter().map(|row| row.1).fold(f64::NEG_INFINITY, f64::max);
+    rows.iter().filter(|row| row.1 <= 0.5 * (least + most)).map(|row| row.0).collect()
 }
 
 fn at(claim: &Claim, outcomes: &[Outcome], nm: f64) -> Result<(Linked, usize), String> {
@@ -84,12 +84,12 @@ fn on_mean(claim: &Claim, outcomes: &[Outcome], nm: &[f64]) -> Finding {
 fn mean(numbers: &[Linked]) -> Linked {
     let share = 1.0 / numbers.len() as f64;
     let mut mean = Linked::sum(numbers.iter().map(|number| (share, number)));
-    let own = |number: &Linked| {
+    let not_by_chance = |number: &Linked| {
         let error = number.estimate.standard_error?;
         Some((error * error - number.chance_variance()).max(0.0).sqrt())
     };
-    let own: Option<f64> = numbers.iter().map(own).sum();
-    mean.estimate.standard_error = own.map(|own| (share * own).hypot(mean.chance_variance().sqrt()));
+    let sum: Option<f64> = numbers.iter().map(not_by_chance).sum();
+    mean.estimate.standard_error = sum.map(|sum| (share * sum).hypot(mean.chance_variance().sqrt()));
     mean
 }
 
