@@ -159,7 +159,8 @@ fn part<T>(v: &[T], from: usize) -> (&[T], &[T]) {
 /// Inner product Σ ā b of one chunk.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 pub(super) fn dot<T: Real>(a: (&[T], &[T]), b: (&[T], &[T])) -> Complex64 {
-    let ((a_re, a_im), (b_re, b_im)) = (a, b);
+    let (a_re, a_im) = a;
+    let (b_re, b_im) = b;
     let (mut parallel, mut crossed) = ([T::zero(); LANES], [T::zero(); LANES]);
     let (ar, ai) = (a_re.as_chunks::<LANES>(), a_im.as_chunks::<LANES>());
     let (br, bi) = (b_re.as_chunks::<LANES>(), b_im.as_chunks::<LANES>());
@@ -186,7 +187,8 @@ fn add_together<T: Real>([re, im]: [&mut [T]; 2], factors: [[T; 2]; TOGETHER], v
     for (j, (re, im)) in re.0.iter_mut().zip(im.0).enumerate() {
         let (mut sum_re, mut sum_im) = (*re, *im);
         for k in 0..TOGETHER {
-            let ([a_re, a_im], [x, y]) = (factors[k], [&lanes[k][0][j], &lanes[k][1][j]]);
+            let [a_re, a_im] = factors[k];
+            let [x, y] = [&lanes[k][0][j], &lanes[k][1][j]];
             for i in 0..LANES {
                 sum_re[i] += a_re * x[i] - a_im * y[i];
                 sum_im[i] += a_re * y[i] + a_im * x[i];

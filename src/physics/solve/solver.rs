@@ -155,14 +155,16 @@ impl Size {
     /// Number of eigenvalues of the mean slab's operator within `threshold` k0² of zero:
     /// wavevectors in a shell of half of k-space, plus those of the two faces.
     pub fn near_null_modes(&self, threshold: f64) -> f64 {
-        let ([lx, ly, h], [k, k0]) = (self.layer_um, self.wavenumbers);
+        let [lx, ly, h] = self.layer_um;
+        let [k, k0] = self.wavenumbers;
         let shell = threshold * k0 * k0;
         lx * ly * shell * (h * k / (2.0 * PI * PI) + 1.0 / (2.0 * PI)) + 1.0
     }
 
     /// Memory held by a problem, bytes: coverage and factors of the mean operator.
     pub fn problem(&self) -> f64 {
-        let (channels, degree) = (self.channels as f64, self.resolution.scheme.degree() as f64);
+        let channels = self.channels as f64;
+        let degree = self.resolution.scheme.degree() as f64;
         if self.vector {
             let each = VECTOR_TENSOR + VECTOR_TABLES + VECTOR_MOMENTS * channels;
             return self.points() * self.planes() * each;

@@ -130,7 +130,8 @@ impl Incidence {
     pub fn snapped(&self, period_um: [f64; 2], media: &Media) -> Result<Snapped, WaveError> {
         self.check()?;
         if let Some(&value) = period_um.iter().find(|l| !PERIODS.contains(&(**l / self.wavelength_um))) {
-            let (field, allowed) = ("period (µm)", "1e-6 to 1e6 wavelengths for a direction to be snapped");
+            let field = "period (µm)";
+            let allowed = "1e-6 to 1e6 wavelengths for a direction to be snapped";
             return Err(WaveError::range(field, value, allowed, "give it in µm, or do not snap"));
         }
         let whole = self.lateral_wavevector(media)?;
@@ -178,7 +179,8 @@ fn nearest_within(whole: [f64; 2], step: [f64; 2], reach: f64) -> [i32; 2] {
 /// The vector nearest to `whole` among those with `row` along the axis `wide` that are no longer
 /// than `reach`, if any.
 fn nearest_in_row(wide: usize, row: i32, whole: [f64; 2], step: [f64; 2], reach: f64) -> Option<[i32; 2]> {
-    let (other, height) = (1 - wide, step[wide] * f64::from(row));
+    let other = 1 - wide;
+    let height = step[wide] * f64::from(row);
     let chord = (reach * reach - height * height).sqrt();
     let most = (chord / step[other]) as i32;
     let mut vector = [row; 2];

@@ -92,7 +92,8 @@ impl From<RoughFace> for Material {
 
 /// The space beyond the surface, which is sampled at the relief's own points.
 fn open(packing: &Packing, relief: &Relief) -> Body {
-    let (period_um, count) = (packing.period_um(), relief.count);
+    let period_um = packing.period_um();
+    let count = relief.count;
     let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
     let thickness = packing.thickness_um();
     let (end, face_um) = match relief.face {

@@ -26,7 +26,9 @@ proptest! {
         x in 0.1..6.0f64, y in 0.1..6.0f64, exit in any::<bool>(),
     ) {
         let from = if exit { Side::Exit } else { Side::Incident };
-        let (asked, media, step) = (light(polar, azimuth, from), media(index), [TAU / x, TAU / y]);
+        let asked = light(polar, azimuth, from);
+        let media = media(index);
+        let step = [TAU / x, TAU / y];
         let k = TAU / 0.5 * if exit { 1.3 } else { index };
         let snapped = asked.snapped([x, y], &media).expect("a direction");
         snapped.incidence.check().expect("not grazing");

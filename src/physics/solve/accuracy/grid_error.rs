@@ -147,11 +147,13 @@ mod tests {
     fn a_finer_grid_counts_with_its_share_where_the_coarser_one_is_refused() {
         let shape = BodyShape::CylinderY { x_um: 0.25, z_um: 0.3, radius_um: 0.1 };
         let scene = Scene::layer([0.5; 2], 0.73, vec![Body::new(shape, 0)]);
-        let (backgrounds, inclusions) = (vec![1.558.into()], vec![1.4.into()]);
+        let backgrounds = vec![1.558.into()];
+        let inclusions = vec![1.4.into()];
         let media = Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds, inclusions };
         let incidence =
             Incidence { wavelength_um: 0.55, polar_deg: 20.0, azimuth_deg: 0.0, from: Side::Incident };
-        let (coverages, solver) = (Coverages::of(&scene), Gmres::default());
+        let coverages = Coverages::of(&scene);
+        let solver = Gmres::default();
         let task = Task {
             coverages: &coverages,
             media: &media,

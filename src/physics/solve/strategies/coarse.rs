@@ -97,7 +97,8 @@ impl CoarseSpace {
 
     /// Solves (A + V) u = A w; planes of w are replaced by those of u.
     fn solve(&self, field: &mut [Vec<c32>]) {
-        let (degree, mut nodes) = (self.degree(), self.node_products(field));
+        let degree = self.degree();
+        let mut nodes = self.node_products(field);
         // loads of the bubbles of w on the nodes, the inner points eliminated
         let mut inner = Vec::with_capacity(self.cells.len());
         for (j, cell) in self.cells.iter().enumerate() {
@@ -199,10 +200,12 @@ impl<'a> CoarsePlan<'a> {
         let (diagonal, off): (Vec<_>, Vec<_>) = columns.iter().map(node).unzip();
         let element = &problem.mean.element;
         let value = |p: usize| element.bubbles.iter().map(|bubble| bubble[p - 1]).collect();
-        let (harmonics, amplitudes) = (problem.harmonics.len(), element.amplitudes.clone());
+        let harmonics = problem.harmonics.len();
+        let amplitudes = element.amplitudes.clone();
         let bubbles = (1..element.degree).map(value).collect();
         let [diagonal, off] = [diagonal, off].map(|table| transposed(&table));
-        let (cells, pivots) = (Vec::new(), Vec::new());
+        let cells = Vec::new();
+        let pivots = Vec::new();
         let mut space = CoarseSpace { columns, harmonics, bubbles, amplitudes, diagonal, off, cells, pivots };
         space.eliminate(problem);
         space

@@ -187,7 +187,8 @@ impl Correction {
             mean_inverses.push((first, Complex64::inverse(block.as_ref())));
             first += group.len();
         }
-        let (harmonics, stride) = (problem.harmonics.len(), problem.coverage.grid.element.degree);
+        let harmonics = problem.harmonics.len();
+        let stride = problem.coverage.grid.element.degree;
         Correction {
             galerkin: Complex64::factors(galerkin.as_ref()),
             modes,

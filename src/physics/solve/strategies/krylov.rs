@@ -108,7 +108,8 @@ impl Solver for Growing {
         let correction = problem.split().and_then(|p| self.settings.guided_modes.correction(p));
         let correction = correction.map(RightFactor::Guided);
         let single = if ledger.goal.tolerance >= SINGLE { problem.single() } else { None };
-        let (restart, first_cycle) = (self.settings.restart.max(1), true);
+        let restart = self.settings.restart.max(1);
+        let first_cycle = true;
         let mut run = KrylovRun { ledger, field, work, correction, single, restart, first_cycle };
         while !run.ledger.reached() {
             let before = run.ledger.account.residual;

@@ -149,7 +149,8 @@ impl Coverage {
         let mean = |j: usize, c: usize| Some(cells[j][c].as_ref()?.means.iter().sum::<f64>() / heights[j]);
         let layout = Layout::new(scene, grid, channels, mean);
         let (nx, ny) = (resolution.nx, resolution.ny);
-        let (fft, fft_single) = (PlaneFft::new(nx, ny), PlaneFft::new(nx, ny));
+        let fft = PlaneFft::new(nx, ny);
+        let fft_single = PlaneFft::new(nx, ny);
         let harmonics = Arc::new(Harmonics::new(nx, ny));
         Ok(Coverage { layout, moments, pairs, folded, harmonics, fft, fft_single })
     }

@@ -84,7 +84,8 @@ impl<T: Real> SourceTransform<T> {
         let fine = [mmax, nmax].map(|m| fine_size(m, spreading));
         let correction =
             [(mmax, fine[0]), (nmax, fine[1])].map(|(m, size)| kernel_correction(m, size, spreading.width));
-        let (fft, kernel) = (PlaneFft::new(fine[0], fine[1]), Kernel::new(spreading.width));
+        let fft = PlaneFft::new(fine[0], fine[1]);
+        let kernel = Kernel::new(spreading.width);
         SourceTransform { fine, fft, kernel, correction }
     }
 
@@ -129,7 +130,8 @@ fn spread_rows<T: Real>(values: &mut [T], stride: usize, wx: &[T], wy: &[T], val
 impl<'a, T: Real> Sources<'a, T> {
     /// Without any source.
     pub fn new(transform: &'a SourceTransform<T>, period_um: [f64; 2], fields: usize) -> Self {
-        let (patch, grids) = (Vec::new(), Vec::new());
+        let patch = Vec::new();
+        let grids = Vec::new();
         Sources { transform, period_um, fields, origin: [0; 2], size: [0; 2], patch, grids }
     }
 
@@ -137,7 +139,8 @@ impl<'a, T: Real> Sources<'a, T> {
     pub fn open(&mut self, extents: [[f64; 2]; 2]) {
         let margin = self.transform.kernel.width as f64 / 2.0 + 1.0;
         for axis in 0..2 {
-            let ([from, to], fine) = (extents[axis], self.transform.fine[axis] as f64);
+            let [from, to] = extents[axis];
+            let fine = self.transform.fine[axis] as f64;
             let center = 0.5 * (from + to) / self.period_um[axis] * fine;
             let reach = 0.5 * (to - from) / self.period_um[axis] * fine + margin;
             let low = (center - reach).floor();
@@ -162,7 +165,8 @@ impl<'a, T: Real> Sources<'a, T> {
 
     /// Adds the patch to the grids.
     pub fn close(&mut self) {
-        let (fields, fine) = (self.fields, self.transform.fine);
+        let fields = self.fields;
+        let fine = self.transform.fine;
         if self.grids.is_empty() {
             self.grids = vec![vec![Complex::default(); fine[0] * fine[1]]; fields / 2];
         }

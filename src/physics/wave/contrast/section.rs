@@ -76,7 +76,8 @@ impl Sampling {
     pub fn rings(&self, balls: &[Sphere], i: usize, range: [f64; 2], ring: &mut impl FnMut(f64, f64, &Edge)) {
         let mut points = Vec::new();
         for part in breakpoints(balls, i, range).windows(2) {
-            let (lo, length) = (part[0], part[1] - part[0]);
+            let lo = part[0];
+            let length = part[1] - part[0];
             let middle = free_arcs(balls, i, lo + 0.5 * length);
             if middle.is_empty() {
                 continue;
@@ -235,7 +236,8 @@ fn covered_angles(a: &SectionDisc, b: &SectionDisc, b_first: bool) -> Covered {
     if distance < a.radius + b.radius && distance > (a.radius - b.radius).abs() {
         let cosine =
             (distance * distance + a.radius * a.radius - b.radius * b.radius) / (2.0 * distance * a.radius);
-        let (middle, half) = (delta[1].atan2(delta[0]), cosine.clamp(-1.0, 1.0).acos());
+        let middle = delta[1].atan2(delta[0]);
+        let half = cosine.clamp(-1.0, 1.0).acos();
         return Covered::Part([middle - half, middle + half]);
     }
     Covered::None

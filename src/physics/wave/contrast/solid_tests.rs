@@ -66,7 +66,8 @@ fn volumes_are_exact_in_every_orientation() {
 
 #[test]
 fn an_ellipsoid_of_equal_axes_is_a_ball() {
-    let (center_um, radius_um) = ([0.1, 0.5, 0.31], 0.22);
+    let center_um = [0.1, 0.5, 0.31];
+    let radius_um = 0.22;
     let form = Form::Ellipsoid { semi_axes_um: [radius_um; 3] };
     let rotation = Rotation::by([0.3, -0.4, 1.0]);
     let shapes = [

@@ -45,7 +45,8 @@ pub(super) fn tensors(
     mean_k2: &[Complex64],
     averaging: Averaging,
 ) -> Result<Vec<Vec<Symmetric>>, WaveError> {
-    let (grid, square) = (&moments.grid, |eta: Complex64| eta * eta);
+    let grid = &moments.grid;
+    let square = |eta: Complex64| eta * eta;
     let epsilons: Vec<_> = moments.channels.iter().map(|c| square(media.index_of(c.material))).collect();
     let planes = moments.planes.par_iter().enumerate().map(|(plane, present)| Plane {
         present,
@@ -106,7 +107,8 @@ fn effective<'a>(
 ) -> Result<Symmetric, WaveError> {
     let (mut e, mut d) = (diagonal(Complex64::ONE), diagonal(background));
     for (epsilon, [chi, normal @ ..]) in inclusions {
-        let (ratio, step) = (background / epsilon - 1.0, epsilon - background);
+        let ratio = background / epsilon - 1.0;
+        let step = epsilon - background;
         [0, 2, 5].into_iter().for_each(|i| d[i] += step * chi);
         if averaging == Averaging::Normal {
             for (i, m) in normal.iter().enumerate() {

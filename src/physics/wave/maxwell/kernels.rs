@@ -91,7 +91,9 @@ pub(super) fn add_loads<T: Real>(
     let (lateral, b, c) = tables.cut(width);
     let cell = *cell;
     let Constants { h, magnetic, .. } = cell;
-    let (electric, root12, two) = (T::of(0.25) * h, T::of(12f64.sqrt()), T::of(2.0));
+    let electric = T::of(0.25) * h;
+    let root12 = T::of(12f64.sqrt());
+    let two = T::of(2.0);
     for i in 0..width {
         let q = lateral[i];
         let [x2b, sum, difference] = cell.node_functions(q, b[i], c[i]);
@@ -124,7 +126,8 @@ pub(super) fn across<T: Real>(
     let [u0, u1] = nodes.map(|node| &node[..width]);
     let (lateral, b, c) = tables.cut(width);
     let cell = *cell;
-    let (h2, half) = (cell.h2, T::of(0.5));
+    let h2 = cell.h2;
+    let half = T::of(0.5);
     for i in 0..width {
         let [_, sum, difference] = cell.node_functions(lateral[i], b[i], c[i]);
         let even = sum * (u0[i] + u1[i]) - (b[i] * (s0[i] + s1[i])).scale(h2); // e_s₊ = l₊u₊ − h²b F_s₊

@@ -85,7 +85,8 @@ impl VectorMean {
 
     /// The operator in another precision.
     pub fn narrowed<T: Real>(&self) -> VectorMean<T> {
-        let (heights, mean_k2) = (self.heights.clone(), self.mean_k2.clone());
+        let heights = self.heights.clone();
+        let mean_k2 = self.mean_k2.clone();
         let (electric, magnetic) = (self.electric.narrowed(), self.magnetic.narrowed());
         let lateral = self.lateral.iter().map(|&q| T::of(q)).collect();
         let functions = self.functions.each_ref().map(|table| table.mapv(narrow));
@@ -183,7 +184,8 @@ impl<T: Real> VectorMean<T> {
                 std::array::from_fn(|_| rows.next().expect("six rows").into_slice().expect("contiguous"));
             let [electric, magnetic] =
                 [u, w].map(|values| [j, j + 1].map(|node| &values[node * width..(node + 1) * width]));
-            let (constants, tables) = (Constants::new(h, k2), self.tables(j, first, width));
+            let constants = Constants::new(h, k2);
+            let tables = self.tables(j, first, width);
             across(&constants, &tables, electric, s0, s1);
             within(&constants, &tables, magnetic, p0, z0, p1, z1);
         }

@@ -139,8 +139,10 @@ impl<'a> MomentBuilder<'a> {
         // All harmonics count, unlike those folded by the scalar scheme: twice as many points as
         // orders.
         let spreading = Spreading { points_per_order: 4, ..Spreading::within(error) };
-        let (harmonics, fft) = (Harmonics::new(nx, ny), PlaneFft::new(nx, ny));
-        let (cores, transform) = (solid_sources::cores(scene), SourceTransform::new(mmax, nmax, spreading));
+        let harmonics = Harmonics::new(nx, ny);
+        let fft = PlaneFft::new(nx, ny);
+        let cores = solid_sources::cores(scene);
+        let transform = SourceTransform::new(mmax, nmax, spreading);
         let sampling = Sampling { demands: Demands([(kmax, error); 2]), degree: 3 };
         MomentBuilder { scene, cores, grid, channels, harmonics, transform, fft, sampling }
     }
@@ -235,7 +237,8 @@ impl<'a> MomentSum<'a> {
 
     /// Adds a convex body less those inside it.
     fn add_solid(&mut self, bodies: &[Solid]) {
-        let (nodes, slab) = (&self.builder.grid.nodes_um, self.slab);
+        let nodes = &self.builder.grid.nodes_um;
+        let slab = self.slab;
         let extents = [0, 1].map(|axis| bodies[0].extent_um(axis));
         self.spread(extents, |mut push| solid_sources::of_bodies(bodies, nodes, &slab, &mut push));
     }

@@ -17,7 +17,8 @@ pub(super) fn share_edges(
 ) {
     let mut points = Vec::new();
     for part in breakpoints(balls, i, range).windows(2) {
-        let (lo, length) = (part[0], part[1] - part[0]);
+        let lo = part[0];
+        let length = part[1] - part[0];
         for &(x, w) in section::gauss_rule(sampling.height_count(length, false) + 2) {
             // z = lo + length sin²t removes the square roots with which edges appear and vanish.
             let t = std::f64::consts::FRAC_PI_4 * (x + 1.0);
@@ -54,7 +55,8 @@ fn push_chord(
     sampling: &Sampling,
     points: &mut Vec<EdgePoint>,
 ) {
-    let ((own, own_square), (other, other_square)) = (disc(&balls[i], z), disc(&balls[j], z));
+    let (own, own_square) = disc(&balls[i], z);
+    let (other, other_square) = disc(&balls[j], z);
     let delta = [0, 1].map(|k| other[k] - own[k]);
     let distance = delta[0].hypot(delta[1]);
     if distance < 1e-12 * balls[i].radius_um {

@@ -50,7 +50,8 @@ impl VectorScattering<f64> {
 
     /// The operator in single precision.
     pub fn narrowed(&self, fft: PlaneFft<f32>) -> VectorScattering<f32> {
-        let (mean, harmonics) = (self.mean.narrowed(), self.harmonics.clone());
+        let mean = self.mean.narrowed();
+        let harmonics = self.harmonics.clone();
         let directions = self.directions.iter().map(|d| d.map(|x| x as f32)).collect();
         let contrast = self.contrast.par_iter().map(|plane| plane.mapv(narrow)).collect();
         VectorScattering { mean, harmonics, directions, fft, contrast, idle: Idle::default() }

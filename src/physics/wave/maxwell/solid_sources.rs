@@ -94,7 +94,8 @@ impl SolidSurface {
                 ends(*half_length_um).into_iter().chain(sides).collect()
             }
         };
-        let (center, slack) = (solid.center_um, 1e-9 * solid.form.reach_um());
+        let center = solid.center_um;
+        let slack = 1e-9 * solid.form.reach_um();
         let joined = |face: &Face| is_on_node(face, center[2], nodes, slack);
         let faces = faces.into_iter().map(|face| (joined(&face), face)).map(|(on, face)| (face, on));
         SolidSurface { center, faces: faces.collect(), inner }
@@ -159,7 +160,8 @@ impl Face {
         let own = into.turn(x);
         let y: V3 = std::array::from_fn(|i| own[i] / semi_axes[i]);
         let gradient: V3 = std::array::from_fn(|i| y[i] / semi_axes[i]);
-        let (squared, inside) = (dot(gradient, gradient), 1.0 - dot(y, y));
+        let squared = dot(gradient, gradient);
+        let inside = 1.0 - dot(y, y);
         (into.inverse().turn(gradient), [squared, inside, squared + mean * inside.max(0.0)])
     }
 }

@@ -71,7 +71,8 @@ impl Slab<'_> {
 
     /// Moments over an interval ζ₀ … ζ₁ of a column, heights relative to `origin`.
     fn stretch(&self, [from, to]: [f64; 2], origin: f64) -> HeightMoments {
-        let (h, middle) = (self.height(), self.middle() - origin);
+        let h = self.height();
+        let middle = self.middle() - origin;
         let power: [f64; 6] = std::array::from_fn(|k| {
             let n = k as i32 + 1;
             (to.powi(n) - from.powi(n)) / f64::from(n)
@@ -84,7 +85,8 @@ impl Slab<'_> {
 
     /// Moments of one height z with a quadrature weight in µm: ψ_q is ½ ∓ √3 (t − ½).
     pub(super) fn point(&self, z: f64, weight: f64, origin: f64) -> HeightMoments {
-        let (zeta, slope) = (z - origin, 3f64.sqrt() * (z - self.middle()) / self.height());
+        let zeta = z - origin;
+        let slope = 3f64.sqrt() * (z - self.middle()) / self.height();
         [0.5 - slope, 0.5 + slope]
             .map(|psi| [0, 1, 2, 3, 4].map(|k| 2.0 * weight * psi * zeta.powi(k) / self.height()))
     }

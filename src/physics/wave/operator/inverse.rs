@@ -77,7 +77,8 @@ impl<T: Real> MeanInverse<T> {
     /// of the plane values).
     pub fn load(&self, y: &mut Array2<Complex<T>>) {
         in_chunks(y, Axis(1), BLOCK, |b, mut block| {
-            let (columns, mut loads) = (b * BLOCK..b * BLOCK + block.ncols(), empty_loads());
+            let columns = b * BLOCK..b * BLOCK + block.ncols();
+            let mut loads = empty_loads();
             let cells = 0..self.factor.nrows();
             cells.for_each(|cell| self.load_cell(&mut block, cell, columns.clone(), &mut loads));
         });

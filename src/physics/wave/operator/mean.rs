@@ -34,7 +34,8 @@ impl MeanOperator {
     pub fn new(grid: &Grid, mean_k2: Vec<Complex64>, lateral_k2: Vec<f64>, kappa: [&[Complex64]; 2]) -> Self {
         let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
         let scheme = grid.resolution.scheme;
-        let (element, shape) = (grid.element.clone(), (heights.len(), lateral_k2.len()));
+        let element = grid.element.clone();
+        let shape = (heights.len(), lateral_k2.len());
         let count = element.degree - 1;
         let mut tables = tabulated(shape, 2 + count, |j, i| {
             let points = &element.points[1..=count];
@@ -48,7 +49,8 @@ impl MeanOperator {
         let factor = &off * &inverse_pivot.slice(s![..shape.0, ..]);
         let mut inverse_bubble = Array2::zeros((heights.len() * count, shape.1));
         for (row, mut inverse) in inverse_bubble.outer_iter_mut().enumerate() {
-            let (cell, lambda) = (row / count, element.lambda[row % count]);
+            let cell = row / count;
+            let lambda = element.lambda[row % count];
             let entry = |q: f64| 1.0 / bubble_entry(mean_k2[cell] - q, heights[cell], lambda);
             inverse.iter_mut().zip(&lateral_k2).for_each(|(inverse, &q)| *inverse = entry(q));
         }
@@ -160,7 +162,8 @@ pub(in crate::wave) fn inverse_pivots(
     let mut inverse = Array2::zeros((last + 1, harmonics));
     for j in 0..last {
         for i in 0..harmonics {
-            let (o, own) = (off[[j, i]], diagonal[[j, i]]);
+            let o = off[[j, i]];
+            let own = diagonal[[j, i]];
             let pivot = guarded_inverse(left[i] + own, o); // 1/d_j
             left[i] = own - o * o * pivot; // diagonal of the next node minus o²/d_j
             inverse[[j, i]] = pivot;

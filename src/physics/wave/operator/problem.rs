@@ -94,8 +94,10 @@ impl Problem {
         let kappa = setting.kappa.each_ref().map(Vec::as_slice);
         let contrasts = points::strengths(coverage, media, setting.k0);
         let offsets = plane_offsets(&coverage.grid, media, setting.k0, &mean_k2);
-        let (choice, mean) = (mean, MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa));
-        let (coverage, fft) = (coverage.clone(), coverage.fft.clone());
+        let choice = mean;
+        let mean = MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa);
+        let coverage = coverage.clone();
+        let fft = coverage.fft.clone();
         let (double, single) = (OnceLock::new(), OnceLock::new());
         Ok(Problem { coverage, setting, mean, fft, contrasts, offsets, double, single, choice })
     }

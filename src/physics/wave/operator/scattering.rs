@@ -31,7 +31,8 @@ pub struct Scattering<T: Real> {
 impl Scattering<f64> {
     /// The operator in another precision, with its own transforms.
     pub fn narrowed<T: Real>(&self, fft: PlaneFft<T>) -> Scattering<T> {
-        let (mean, weights) = (self.mean.narrowed().into(), self.weights.mapv(narrow));
+        let mean = self.mean.narrowed().into();
+        let weights = self.weights.mapv(narrow);
         Scattering { harmonics: self.harmonics.clone(), fft, mean, weights, idle: Idle::default() }
     }
 }

@@ -54,7 +54,9 @@ impl Setting {
         check_phase(layout, &mean_k2, x * x + y * y)?;
         let kappa = [media.incident, media.exit]
             .map(|eta| lateral.iter().map(|&lateral| normal(k0, eta, lateral)).collect());
-        let (harmonics, incidence, media) = (harmonics.clone(), *incidence, media.clone());
+        let harmonics = harmonics.clone();
+        let incidence = *incidence;
+        let media = media.clone();
         Ok((Setting { incidence, media, k0, harmonics, lateral, kappa, incident_harmonic }, mean_k2))
     }
 

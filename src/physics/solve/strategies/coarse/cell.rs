@@ -132,7 +132,8 @@ fn bordered(
     stiffness: &Blocks<Vec<c32>>,
     contrast: impl Fn(usize) -> Mat<c32>,
 ) -> (Vec<Mat<c32>>, Blocks<Mat<c32>>) {
-    let (mut pivots, mut inverse) = (Vec::new(), Blocks::<Mat<c32>>::new());
+    let mut pivots = Vec::new();
+    let mut inverse = Blocks::<Mat<c32>>::new();
     for (k, stiff) in stiffness.iter().enumerate() {
         let diagonal = |p: usize| ColRef::from_slice(&stiff[p]).as_diagonal();
         let mut own = contrast(k);

@@ -35,7 +35,8 @@ impl Shadow {
 
     /// ⟨p_i, v⟩ for all i.
     fn products(&self, v: &[f64]) -> Vec<Complex64> {
-        let ((p_re, p_im), (re, im)) = (self.phases.split_at(v.len() / 2), v.split_at(v.len() / 2));
+        let (p_re, p_im) = self.phases.split_at(v.len() / 2);
+        let (re, im) = v.split_at(v.len() / 2);
         let mut sums = vec![Complex64::ZERO; self.s];
         for (b, from) in (0..re.len()).step_by(self.block).enumerate() {
             let block = from..re.len().min(from + self.block);
@@ -72,7 +73,8 @@ impl Recurrence {
         let r = scaled(residual.as_slice().expect("fields are contiguous"), size);
         let zeros = || vec![vec![0.0; r.len()]; s];
         let (directions, images) = (zeros(), zeros());
-        let (shadow, e) = (Shadow::new(s, r.len() / 2), vec![0.0; r.len()]);
+        let shadow = Shadow::new(s, r.len() / 2);
+        let e = vec![0.0; r.len()];
         let small = (0..s).map(|i| (0..s).map(|k| f64::from(i == k).into()).collect()).collect();
         let work = [(); 2].map(|()| Field::zeros(residual.dim()));
         Self { shadow, r, e, directions, images, small, omega: Complex64::ONE, size, work }

@@ -93,8 +93,10 @@ impl KrylovRun<'_> {
     /// IDR(s) for a share of what an alternative costs, or until the applications are used up;
     /// without success it leaves the better field.
     pub fn short_recurrences(&mut self, alternative: Option<f64>) -> Result<(), SolveError> {
-        let (residual, before) = (self.ledger.account.residual, [&self.field, &self.work].map(Field::clone));
-        let (whole, used) = (self.ledger.goal.max_applications, self.ledger.account.operator_applications);
+        let residual = self.ledger.account.residual;
+        let before = [&self.field, &self.work].map(Field::clone);
+        let whole = self.ledger.goal.max_applications;
+        let used = self.ledger.account.operator_applications;
         let left = whole.saturating_sub(used);
         let patience = alternative.map_or(left, |cost| (left / 2).min((PATIENCE * cost) as usize));
         self.ledger.goal.max_applications = used + patience;
@@ -112,7 +114,8 @@ impl KrylovRun<'_> {
     pub fn cycle<T: Real>(&mut self, operator: &dyn Scatter<T>, restart: usize) -> Result<(), SolveError> {
         let beta = norm(flat(&self.work));
         // v_1 = r/β; M is the factor from the right, M = 1 without it
-        let (mut basis, mut small) = (Basis::<T>::new(flat(&self.work), beta), LeastSquares::new(beta));
+        let mut basis = Basis::<T>::new(flat(&self.work), beta);
+        let mut small = LeastSquares::new(beta);
         let (mut last, mut image) = (Array2::zeros(self.field.dim()), Array2::zeros(self.field.dim()));
         let mut verdict = Ok(());
         while basis.len() <= restart {
@@ -146,7 +149,8 @@ impl KrylovRun<'_> {
     /// Adapts after a cycle that missed the goal, given the residual `before` it: more modes, a
     /// longer basis, double precision, or failure.
     pub fn adapt(&mut self, solver: &Growing, before: f64) -> Result<(), SolveError> {
-        let (after, first) = (self.ledger.account.residual, std::mem::take(&mut self.first_cycle));
+        let after = self.ledger.account.residual;
+        let first = std::mem::take(&mut self.first_cycle);
         let stalls = self.single.is_none() && after > STALLS * before;
         let advice = solver.advice(self.restart);
         if !first && stalls && self.restart >= solver.longest {
@@ -176,7 +180,8 @@ impl KrylovRun<'_> {
     /// Whether the remaining applications cannot reach the goal at the rate of the last cycle,
     /// which divided the residual by `gain`.
     fn too_slow(&self, gain: f64) -> bool {
-        let (account, goal) = (&self.ledger.account, &self.ledger.goal);
+        let account = &self.ledger.account;
+        let goal = &self.ledger.goal;
         let left = goal.max_applications.saturating_sub(account.operator_applications) as f64;
         let cycles = (account.residual / goal.tolerance).ln() / gain.max(1.0).ln();
         cycles * self.restart as f64 > left

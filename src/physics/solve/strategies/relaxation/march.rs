@@ -102,7 +102,8 @@ impl<'a> March<'a> {
 
 /// V/D at the points of all planes.
 pub(crate) fn contrasts(problem: &Problem) -> Field {
-    let (mass, points) = (problem.mean.plane_mass(), problem.coverage.grid.points());
+    let mass = problem.mean.plane_mass();
+    let points = problem.coverage.grid.points();
     let mut all = Array2::zeros((mass.len(), points));
     all.outer_iter_mut().into_par_iter().enumerate().for_each(|(p, mut row)| {
         row.iter_mut().zip(problem.contrast_per_mass(p, mass[p])).for_each(|(out, v)| *out = v);

@@ -41,9 +41,11 @@ impl<'a, T: Real> CellSum<'a, T> {
             BodyShape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
             BodyShape::Solid(solid) => self.add_solid(solid, range),
             BodyShape::Open { surface, face_um, balls, solids } => {
-                let (grid, count) = (self.builder.grid, raster(self.builder.widest));
+                let grid = self.builder.grid;
+                let count = raster(self.builder.widest);
                 let range_um = [grid.nodes_um[self.cell], grid.nodes_um[self.cell + 1]];
-                let (face_um, element) = (*face_um, &grid.element);
+                let face_um = *face_um;
+                let element = &grid.element;
                 let space = OpenSpace { surface, face_um, balls, solids, range_um, element, count };
                 space.add_to(&mut self.direct, &self.builder.harmonics.orders);
             }
@@ -161,7 +163,8 @@ fn index_of(m: i32, n: i32, [mmax, nmax]: [usize; 2]) -> usize {
 /// Written as i/(2 k²) (κ̄ Z(k) + κ Z̄(−k)) with κ = k_x + i k_y; the field is real, so half of the
 /// orders suffice.
 fn add_surfaces<T: Real>(builder: &Builder<T>, scratch: &PlaneScratch<T>, spectrum: &mut [Complex<T>]) {
-    let (transform, [lx, ly]) = (&builder.transform, builder.grid.period_um);
+    let transform = &builder.transform;
+    let [lx, ly] = builder.grid.period_um;
     let [mmax, nmax] = builder.widest.map(|k| k as i32);
     for m in 0..=mmax {
         let (row, mirror) = (transform.row(scratch, m), transform.row(scratch, -m));
