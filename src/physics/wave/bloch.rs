@@ -114,12 +114,16 @@ impl Incidence {
     /// ```
     /// use inkwave_physics::wave::{Incidence, Media, Side};
     ///
+    /// let glass = vec![1.5.into()];
     /// let media =
-    ///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.5.into()], inclusions: vec![] };
-    /// let light = Incidence { wavelength_um: 0.5, polar_deg: 20.0, azimuth_deg: 30.0, from: Side::Incident };
-    /// let snapped = light.snapped([2.0, 2.0], &media)?; // directions of the lattice lie 0.25 apart
+    ///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: glass, inclusions: vec![] };
+    /// let light =
+    ///     Incidence { wavelength_um: 0.5, polar_deg: 20.0, azimuth_deg: 30.0, from: Side::Incident };
+    /// // Directions of the lattice lie 0.25 apart.
+    /// let snapped = light.snapped([2.0, 2.0], &media)?;
     /// assert_eq!(snapped.vector, [1, 1]);
-    /// assert!((snapped.incidence.polar_deg - (0.125f64).sqrt().asin().to_degrees()).abs() < 1e-12);
+    /// let polar_deg = (0.125f64).sqrt().asin().to_degrees();
+    /// assert!((snapped.incidence.polar_deg - polar_deg).abs() < 1e-12);
     /// assert!((snapped.incidence.azimuth_deg - 45.0).abs() < 1e-12);
     /// # Ok::<(), inkwave_physics::wave::WaveError>(())
     /// ```

@@ -112,24 +112,26 @@ impl Search<'_> {
             _ => None,
         };
         let Some(finer) = finer else { return Err(refusal) };
-        (self.resolution, self.refused) = (finer, Some(refusal));
+        self.resolution = finer;
+        self.refused = Some(refusal);
         Ok(())
     }
 
     fn beyond_memory(&self, next: TooLarge) -> AccuracyError {
-        let asked = self.accuracy;
-        let Some(last) = &self.last else { return AccuracyError::TooLarge { asked, first: next } };
+        let Some(last) = &self.last else {
+            return AccuracyError::TooLarge { asked: self.accuracy, first: next };
+        };
         let tried = self.tried.iter().map(GridTrial::to_string).collect::<Vec<_>>().join("; ");
         let reached = last.error_estimate;
         let last = last.system().grid().resolution;
-        AccuracyError::NotReached { asked, reached, last, next, tried }
+        AccuracyError::NotReached { asked: self.accuracy, reached, last, next, tried }
     }
 }
 
 /// A number of points or cells along one axis, if a grid may have that many.
-fn possible(asked: f64, need: f64) -> Result<usize> {
+fn possible(accuracy: f64, need: f64) -> Result<usize> {
     let count = (need <= MOST_POINTS as f64).then(|| need.ceil() as usize);
-    count.ok_or(AccuracyError::TooManyWaves { asked, need })
+    count.ok_or(AccuracyError::TooManyWaves { asked: accuracy, need })
 }
 
 /// The scheme that reaches an accuracy with the fewest planes: higher-order cells pay off once

@@ -47,16 +47,16 @@ impl CoarseSpace {
     fn eliminate(&mut self, problem: &Problem) {
         let mut before: Option<Mat<c32>> = None;
         for j in 0..self.diagonal.len() {
-            let mut own = cell::contrast_matrix(problem, &self.columns, self.degree() * j);
-            add_diagonal(&mut own, &self.diagonal[j]);
+            let mut block = cell::contrast_matrix(problem, &self.columns, self.degree() * j);
+            add_diagonal(&mut block, &self.diagonal[j]);
             if let Some(taken) = before.take() {
-                own += taken;
+                block += taken;
             }
             let next = self.eliminate_cell(problem, j);
             if let Some([first, ..]) = &next {
-                own += first;
+                block += first;
             }
-            self.pivots.push(c32::inverse(own.as_ref()));
+            self.pivots.push(c32::inverse(block.as_ref()));
             before = next.map(|[_, upper, lower, second]| second - lower * (&self.pivots[j] * upper));
         }
     }
@@ -121,7 +121,7 @@ impl CoarseSpace {
     fn node_products(&self, field: &[Vec<c32>]) -> Vec<Vec<c32>> {
         let node = |j: usize| &field[self.degree() * j];
         let mut out: Vec<Vec<c32>> =
-            self.diagonal.iter().enumerate().map(|(j, own)| product(own, node(j))).collect();
+            self.diagonal.iter().enumerate().map(|(j, diagonal)| product(diagonal, node(j))).collect();
         for (j, off) in self.off.iter().enumerate() {
             for (to, from) in [(j, j + 1), (j + 1, j)] {
                 out[to].iter_mut().zip(off.iter().zip(node(from))).for_each(|(out, (o, w))| *out += o * w);
@@ -203,7 +203,8 @@ impl<'a> CoarsePlan<'a> {
         let harmonics = problem.harmonics.len();
         let amplitudes = element.amplitudes.clone();
         let bubbles = (1..element.degree).map(value).collect();
-        let [diagonal, off] = [diagonal, off].map(|table| transposed(&table));
+        let diagonal = transposed(&diagonal);
+        let off = transposed(&off);
         let cells = Vec::new();
         let pivots = Vec::new();
         let mut space = CoarseSpace { columns, harmonics, bubbles, amplitudes, diagonal, off, cells, pivots };

@@ -294,8 +294,8 @@ fn strong_scatterers_are_left_to_short_recurrences_and_to_elimination() {
 #[test]
 fn the_memory_of_the_elimination_is_planned() {
     let problem = hard(2.6);
-    let (planned, kept) =
-        (CoarsePlan::new(&problem).bytes(), CoarsePlan::new(&problem).carried_out().bytes() as f64);
+    let planned = CoarsePlan::new(&problem).bytes();
+    let kept = CoarsePlan::new(&problem).carried_out().bytes() as f64;
     assert!(kept < planned && planned < 2.0 * kept, "{planned:e} for {kept:e}");
 }
 

@@ -172,18 +172,18 @@ fn a_unions_coefficients_agree_with_a_fine_voxel_sum() {
 
 #[test]
 fn grains_wrap_periodically() {
-    let at = |x: f64, y: f64| {
+    let cluster = |x: f64, y: f64| {
         let balls = vec![ball([x, y, 0.3], 0.2), ball([x + 0.1, y, 0.35], 0.15)];
         coverage(BodyShape::Balls(balls), 10, 11, 4, Scheme::Quadratic)
     };
-    let reference = at(0.0, 0.0);
+    let reference = cluster(0.0, 0.0);
     for (x, y) in [(PERIOD[0], -PERIOD[1]), (-2.0 * PERIOD[0], 3.0 * PERIOD[1])] {
-        let wrapped = at(x, y);
+        let wrapped = cluster(x, y);
         let error = (&wrapped.moments[0] - &reference.moments[0]).fold(0.0, |e: f64, d| e.max(d.abs()));
         assert!(error < 1e-10, "{error:e}");
     }
     // Moving by one grid spacing moves the moments by one point.
-    let moved = at(PERIOD[0] / 10.0, 0.0);
+    let moved = cluster(PERIOD[0] / 10.0, 0.0);
     for plane in 0..reference.grid.planes() {
         for i in 0..110 {
             let target = i / 10 * 10 + (i + 1) % 10;

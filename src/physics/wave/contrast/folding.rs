@@ -114,8 +114,8 @@ impl<'a, T: Real> Folding<'a, T> {
         for (p, mut out) in moments.split_off(buffers.spectra.len()).into_iter().enumerate() {
             self.product(pairs[p], weight, buffers);
             let Buffers { narrow, spectra, compact, .. } = &mut *buffers;
-            let own = |i: usize| spectra.get(p).map_or(Complex::default(), |spectrum| spectrum[i]);
-            let both = |&i: &usize| own(i) + Complex::new(-compact[i].im, compact[i].re);
+            let moment = |i: usize| spectra.get(p).map_or(Complex::default(), |spectrum| spectrum[i]);
+            let both = |&i: &usize| moment(i) + Complex::new(-compact[i].im, compact[i].re);
             let kept: Vec<Complex<T>> = self.kept.iter().map(both).collect();
             self.inner.scatter(&kept, &mut narrow.spectrum);
             self.narrow.inverse(narrow, &self.inner.rows);
@@ -174,7 +174,8 @@ impl<'a, T: Real> Folding<'a, T> {
 
     /// Integral of the plane's shape functions over the cells it touches.
     fn plane_weight(&self, plane: usize) -> f64 {
-        let (grid, degree) = (self.grid, self.grid.element.degree);
+        let grid = self.grid;
+        let degree = grid.element.degree;
         let in_cell = |j: usize| {
             let point = plane.checked_sub(degree * j)?;
             Some(grid.height_um(j) * grid.element.weights.get(point)?)

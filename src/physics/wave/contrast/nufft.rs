@@ -82,10 +82,10 @@ impl<T: Real> SourceTransform<T> {
     /// Plans the transform.
     pub fn new(mmax: usize, nmax: usize, spreading: Spreading) -> SourceTransform<T> {
         let fine = [mmax, nmax].map(|m| fine_size(m, spreading));
-        let correction =
-            [(mmax, fine[0]), (nmax, fine[1])].map(|(m, size)| kernel_correction(m, size, spreading.width));
+        let width = spreading.width;
+        let correction = [kernel_correction(mmax, fine[0], width), kernel_correction(nmax, fine[1], width)];
         let fft = PlaneFft::new(fine[0], fine[1]);
-        let kernel = Kernel::new(spreading.width);
+        let kernel = Kernel::new(width);
         SourceTransform { fine, fft, kernel, correction }
     }
 

@@ -127,8 +127,8 @@ impl OpenSpace<'_> {
         });
         let wrapped = move |k: i64, axis: usize| k.rem_euclid(count[axis] as i64) as usize;
         rows.flat_map(move |j| {
-            let at = move |i: i64| [i as f64 * step[0], j as f64 * step[1]];
-            columns.clone().map(move |i| (wrapped(j, 1) * count[0] + wrapped(i, 0), at(i)))
+            let position = move |i: i64| [i as f64 * step[0], j as f64 * step[1]];
+            columns.clone().map(move |i| (wrapped(j, 1) * count[0] + wrapped(i, 0), position(i)))
         })
     }
 

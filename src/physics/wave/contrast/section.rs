@@ -168,14 +168,14 @@ pub fn strip(shape: &BodyShape, z: f64) -> Option<[f64; 2]> {
 
 /// Heights within `range` between which the number of arcs of ball `i` is constant.
 pub(in crate::wave) fn breakpoints(balls: &[Sphere], i: usize, [lo, hi]: [f64; 2]) -> Vec<f64> {
-    let own = &balls[i];
-    let (lo, hi) = (lo.max(own.center_um[2] - own.radius_um), hi.min(own.center_um[2] + own.radius_um));
+    let ball = &balls[i];
+    let (lo, hi) = (lo.max(ball.center_um[2] - ball.radius_um), hi.min(ball.center_um[2] + ball.radius_um));
     let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
-    let mut breaks: Vec<f64> = others.filter_map(|(_, b)| meeting_heights(own, b)).flatten().collect();
+    let mut breaks: Vec<f64> = others.filter_map(|(_, b)| meeting_heights(ball, b)).flatten().collect();
     breaks.retain(|&z| z > lo && z < hi);
     breaks.extend([lo, hi]);
     breaks.sort_by(f64::total_cmp);
-    breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-12 * own.radius_um);
+    breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-12 * ball.radius_um);
     if hi > lo { breaks } else { Vec::new() }
 }
 
@@ -206,11 +206,11 @@ fn disc_of(ball: &Sphere, z: f64) -> Option<SectionDisc> {
 
 /// Intervals [start, end] of ball `i`'s edge at height `z` that lie outside all other balls.
 pub(in crate::wave) fn free_arcs(balls: &[Sphere], i: usize, z: f64) -> Vec<[f64; 2]> {
-    let Some(own) = disc_of(&balls[i], z) else { return Vec::new() };
+    let Some(disc) = disc_of(&balls[i], z) else { return Vec::new() };
     let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
     let mut covered = Vec::new();
     for (j, other) in others.filter_map(|(j, b)| Some((j, disc_of(b, z)?))) {
-        match covered_angles(&own, &other, j < i) {
+        match covered_angles(&disc, &other, j < i) {
             Covered::All => return Vec::new(),
             Covered::Part(angles) => covered.push(angles),
             Covered::None => {}

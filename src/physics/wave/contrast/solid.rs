@@ -242,7 +242,9 @@ fn disc(solid: &Solid, zeta: f64, r: f64, half: f64) -> Vec<Boundary> {
     if low >= 1.0 || high <= -1.0 {
         return Vec::new();
     }
-    let [first, last] = [high, low].map(|c| c.clamp(-1.0, 1.0).acos());
+    let angle = |cosine: f64| cosine.clamp(-1.0, 1.0).acos();
+    let first = angle(high);
+    let last = angle(low);
     // Where the ends are cut, and the width of the cut there.
     let edge = |end: f64, angle: f64| (end * sine + r * angle.cos() * cosine, r * angle.sin());
     let (p_high, q_high) = edge(half, first);

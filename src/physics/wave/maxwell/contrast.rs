@@ -87,10 +87,12 @@ impl Plane<'_> {
 
     /// Tensor V at one of `points` points, divided by their number.
     fn tensor(&self, point: usize, points: f64) -> Result<Symmetric, WaveError> {
-        let inclusions = self.present.iter().map(|own| (self.epsilons[own.channel], &own.fields[point]));
-        let mut own = effective(self.background, inclusions, self.averaging)?.map(|e| e * self.k2 / points);
-        [0, 2, 5].into_iter().for_each(|i| own[i] -= self.mean / points);
-        Ok(own)
+        let inclusions =
+            self.present.iter().map(|present| (self.epsilons[present.channel], &present.fields[point]));
+        let mut tensor =
+            effective(self.background, inclusions, self.averaging)?.map(|e| e * self.k2 / points);
+        [0, 2, 5].into_iter().for_each(|i| tensor[i] -= self.mean / points);
+        Ok(tensor)
     }
 }
 
@@ -141,7 +143,9 @@ fn adjugate(&[xx, xy, yy, xz, yz, zz]: &Symmetric) -> (Symmetric, Complex64) {
 
 /// Symmetric part of A B.
 fn symmetric_product(a: &Symmetric, b: &Symmetric) -> Symmetric {
-    let [full_a, full_b] = [a, b].map(|&[xx, xy, yy, xz, yz, zz]| [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+    let full = |&[xx, xy, yy, xz, yz, zz]: &Symmetric| [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let full_a = full(a);
+    let full_b = full(b);
     let entry = |i: usize, j: usize| (0..3).map(|k| full_a[i][k] * full_b[k][j]).sum::<Complex64>();
     let symmetric = |i: usize, j: usize| 0.5 * (entry(i, j) + entry(j, i));
     [symmetric(0, 0), symmetric(0, 1), symmetric(1, 1), symmetric(0, 2), symmetric(1, 2), symmetric(2, 2)]

@@ -88,8 +88,8 @@ impl NormalMoments {
         let mut planes: Vec<Vec<ChannelFields>> = (0..2 * grid.cells()).map(|_| Vec::new()).collect();
         let layout = Layout::new(scene, grid, channels, |j, c| Some(cells[j][c].as_ref()?.fraction));
         for (j, cell) in cells.into_iter().enumerate() {
-            for (channel, own) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
-                for (q, fields) in own.planes.into_iter().enumerate() {
+            for (channel, sums) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
+                for (q, fields) in sums.planes.into_iter().enumerate() {
                     planes[2 * j + q].push(ChannelFields { channel, fields });
                 }
             }
@@ -99,7 +99,7 @@ impl NormalMoments {
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
-        self.planes.iter().flatten().map(|own| size_of_val(own.fields.as_slice())).sum()
+        self.planes.iter().flatten().map(|channel| size_of_val(channel.fields.as_slice())).sum()
     }
 }
 

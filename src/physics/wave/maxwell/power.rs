@@ -55,26 +55,26 @@ fn push_chord(
     sampling: &Sampling,
     points: &mut Vec<EdgePoint>,
 ) {
-    let (own, own_square) = disc(&balls[i], z);
-    let (other, other_square) = disc(&balls[j], z);
-    let delta = [0, 1].map(|k| other[k] - own[k]);
+    let (first, first_square) = disc(&balls[i], z);
+    let (second, second_square) = disc(&balls[j], z);
+    let delta = [0, 1].map(|k| second[k] - first[k]);
     let distance = delta[0].hypot(delta[1]);
     if distance < 1e-12 * balls[i].radius_um {
         return;
     }
     let normal = delta.map(|d| d / distance);
-    let along = 0.5 * (distance + (own_square - other_square) / distance);
-    let half = (own_square - along * along).max(0.0).sqrt();
+    let along = 0.5 * (distance + (first_square - second_square) / distance);
+    let half = (first_square - along * along).max(0.0).sqrt();
     let tangent = [-normal[1], normal[0]];
-    let foot = [0, 1].map(|k| own[k] + along * normal[k]);
+    let foot = [0, 1].map(|k| first[k] + along * normal[k]);
     let mut stretch = [-half, half];
     for k in (0..balls.len()).filter(|&k| k != i && k != j) {
         let (third, square) = disc(&balls[k], z);
-        let apart = [0, 1].map(|a| third[a] - own[a]);
+        let apart = [0, 1].map(|a| third[a] - first[a]);
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         // Power of the third ball minus that of this one along the line: start + slope t, which
         // must be positive.
-        let start = dot(apart, apart) - 2.0 * dot(apart, normal.map(|n| along * n)) - square + own_square;
+        let start = dot(apart, apart) - 2.0 * dot(apart, normal.map(|n| along * n)) - square + first_square;
         clip(&mut stretch, start, -2.0 * dot(apart, tangent), balls[i].radius_um, k < j);
     }
     let [from, to] = stretch;

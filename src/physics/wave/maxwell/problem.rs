@@ -141,10 +141,16 @@ impl VectorProblem {
     }
 
     /// What leaves through a side in harmonic i, less the incident wave.
-    fn emitted(&self, nodes: &Nodes, own: Polarisation, [side, i]: [usize; 2], incident: f64) -> Leaving {
+    fn emitted(
+        &self,
+        nodes: &Nodes,
+        polarisation: Polarisation,
+        [side, i]: [usize; 2],
+        incident: f64,
+    ) -> Leaving {
         let face = side * self.moments.grid.cells();
         let mut amplitudes = [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]];
-        amplitudes[own as usize] -= incident;
+        amplitudes[polarisation as usize] -= incident;
         let [s, p] = amplitudes;
         let kappa = self.kappa[side][i];
         let k = self.k[side];
@@ -152,7 +158,7 @@ impl VectorProblem {
         // are out of phase).
         let parallel = (kappa * k.conj() / k).re;
         let efficiency = (kappa.re * s.norm_sqr() + parallel * p.norm_sqr()) / self.incident_kappa();
-        ([amplitudes[own as usize], amplitudes[1 - own as usize]], efficiency)
+        ([amplitudes[polarisation as usize], amplitudes[1 - polarisation as usize]], efficiency)
     }
 }
 

@@ -77,10 +77,10 @@ impl Slab<'_> {
             let n = k as i32 + 1;
             (to.powi(n) - from.powi(n)) / f64::from(n)
         });
-        let of = |sign: f64, k: usize| {
+        let moment = |sign: f64, k: usize| {
             (power[k] + sign * 2.0 * 3f64.sqrt() / h * (power[k + 1] - middle * power[k])) / h
         };
-        [-1.0, 1.0].map(|sign| [0, 1, 2, 3, 4].map(|k| of(sign, k)))
+        [-1.0, 1.0].map(|sign| [0, 1, 2, 3, 4].map(|k| moment(sign, k)))
     }
 
     /// Moments of one height z with a quadrature weight in µm: ψ_q is ½ ∓ √3 (t − ½).
@@ -95,12 +95,12 @@ impl Slab<'_> {
 /// All fields of a ball's column at (x, y) relative to its centre.
 fn ball_values([x, y]: [f64; 2], normal: NormalField, heights: &HeightMoments, weight: f64) -> [f64; VALUES] {
     let NormalField { slope, constant } = normal;
-    let at = constant - slope * (x * x + y * y);
+    let at_middle = constant - slope * (x * x + y * y);
     let mut values = [0.0; VALUES];
     for (q, [m0, m1, m2, m3, m4]) in heights.iter().enumerate() {
-        let of = |factor: f64, m: &f64, beyond: &f64| factor * at * m - factor * slope * beyond;
-        let [xx, xy, yy] = [x * x, x * y, y * y].map(|factor| of(factor, m0, m2));
-        let fields = [*m0, xx, xy, yy, of(x, m1, m3), of(y, m1, m3), of(1.0, m2, m4)];
+        let field = |factor: f64, m: &f64, beyond: &f64| factor * at_middle * m - factor * slope * beyond;
+        let [xx, xy, yy] = [x * x, x * y, y * y].map(|factor| field(factor, m0, m2));
+        let fields = [*m0, xx, xy, yy, field(x, m1, m3), field(y, m1, m3), field(1.0, m2, m4)];
         fields.iter().enumerate().for_each(|(f, v)| values[2 * f + q] = weight * v);
     }
     values

@@ -39,8 +39,9 @@ impl MeanInverse {
     pub fn narrowed<T: Real>(&self) -> MeanInverse<T> {
         let bubbles = self.bubbles.iter().map(|row| row.iter().map(|&x| T::of(x)).collect()).collect();
         let left_share = self.left_share.iter().map(|share| share.mapv(narrow)).collect();
-        let [factor, inverse_pivot, inverse_bubble] =
-            [&self.factor, &self.inverse_pivot, &self.inverse_bubble].map(|table| table.mapv(narrow));
+        let factor = self.factor.mapv(narrow);
+        let inverse_pivot = self.inverse_pivot.mapv(narrow);
+        let inverse_bubble = self.inverse_bubble.mapv(narrow);
         MeanInverse { bubbles, left_share, factor, inverse_pivot, inverse_bubble }
     }
 }
@@ -126,7 +127,8 @@ impl<T: Real> MeanInverse<T> {
             }
             let [here, next] = nodes(&mut y, degree, node);
             multiply(here, pivot);
-            subtract_product(here, &row_of(&self.factor, node)[columns.clone()], next); // x_j = y_j / d_j − l_j x_{j+1}
+            // x_j = y_j / d_j − l_j x_{j+1}
+            subtract_product(here, &row_of(&self.factor, node)[columns.clone()], next);
         }
     }
 

@@ -91,12 +91,12 @@ fn series_and_exponentials_meet() {
     let h = 0.1;
     for scheme in EXACT {
         for phase in [0.0, 1.0, 2.5] {
-            let at = |x2: f64| {
+            let entries = |x2: f64| {
                 let kz2 = Complex64::from_polar(x2, phase) / (h * h);
                 let c = NodeCoefficients::new(kz2, h, scheme);
                 [c.off * h, c.diagonal * h, left_share(kz2, h, 0.3, scheme)]
             };
-            let (series, exponentials) = (at(SMALL * (1.0 - 1e-12)), at(SMALL * (1.0 + 1e-12)));
+            let (series, exponentials) = (entries(SMALL * (1.0 - 1e-12)), entries(SMALL * (1.0 + 1e-12)));
             for (a, b) in series.into_iter().zip(exponentials) {
                 // Identity: 1 − e^{2ix} cancels to about |2x| = 0.1, so ten units of rounding.
                 assert!((a - b).norm() < 1e-14 * 10.0, "{scheme:?}: {a} {b}");
