@@ -60,7 +60,8 @@ pub fn tangent(
     watch: &mut dyn Watch,
 ) -> Result<FarSlopes, SolveError> {
     let share = 1.0 / neighbours.len() as f64;
-    let (mut source, mut residual) = (Field::zeros(system.shape()), Field::zeros(system.shape()));
+    let mut source = Field::zeros(system.shape());
+    let mut residual = Field::zeros(system.shape());
     for Neighbour { step, system } in neighbours {
         system.residual(&system.background_wave(), u, &mut residual);
         source.scaled_add(share / step, &residual);

@@ -158,7 +158,8 @@ fn the_reversed_direction_gives_every_order() {
     let mut compared = 0;
     for (order, slopes) in far.orders.iter().zip(&tangent.orders).filter(|(o, _)| o.reflected_propagates) {
         let [x, y] = order.direction;
-        let (polar_deg, azimuth_deg) = (x.hypot(y).asin().to_degrees(), (-y).atan2(-x).to_degrees());
+        let polar_deg = x.hypot(y).asin().to_degrees();
+        let azimuth_deg = (-y).atan2(-x).to_degrees();
         let back = Incidence { polar_deg, azimuth_deg, ..light(Side::Incident) };
         let Geometry::Scalar(coverage) = &geometry else { unreachable!("the scalar wave") };
         let back = Problem::new(coverage, &media(pigment), &back, Mean::default()).expect("sound");

@@ -96,8 +96,8 @@ impl Task<'_> {
     /// do not affect the error. The coarser one equals `resolution` if a stratum has only its
     /// minimum number of cells.
     fn z_companions(&self, resolution: Resolution, share: f64) -> [Resolution; 2] {
-        let (coarse, fine) =
-            (scaled_cells(resolution, share).cells, scaled_cells(resolution, 1.0 / share).cells);
+        let coarse = scaled_cells(resolution, share).cells;
+        let fine = scaled_cells(resolution, 1.0 / share).cells;
         let cells = |n: &usize| Resolution { cells: *n, ..resolution };
         let mut coarser = (1..=coarse).rev().map(|n| n.max(self.coverages.scene.strata.len()));
         let coarser = coarser.find(|&n| self.times_finer(resolution.cells, n) > 1.0);

@@ -173,7 +173,8 @@ mod tests {
         let resolution = Resolution { nx: 16, ny: 1, cells: 5, scheme: Scheme::Cubic };
         let on = |grid| totals(&task, &coverages.at(grid)?, &mut Silent);
         assert!(on(scaled(resolution, COARSER)).is_err());
-        let (one, finer) = (on(resolution).unwrap()[0], on(scaled(resolution, 1.0 / COARSER)).unwrap()[0]);
+        let one = on(resolution).unwrap()[0];
+        let finer = on(scaled(resolution, 1.0 / COARSER)).unwrap()[0];
         let found = GridError::differences(&[task], resolution, &mut Silent).unwrap()[0];
         for i in 0..2 {
             let expected = (one[i] - finer[i]) / (1.0 - 0.8_f64.powi(3));
@@ -186,7 +187,8 @@ mod tests {
     fn companions_are_coarser_or_finer_and_transform_fast() {
         for n in [1, 2, 12, 25, 128, 135] {
             let resolution = Resolution { nx: n, ny: 1, cells: n, scheme: Scheme::default() };
-            let (coarse, fine) = (scaled(resolution, COARSER), scaled(resolution, 1.0 / COARSER));
+            let coarse = scaled(resolution, COARSER);
+            let fine = scaled(resolution, 1.0 / COARSER);
             assert!(n == 1 || coarse.nx < n && n < fine.nx, "{n}");
             assert!(coarse.ny == 1 && fine.cells > n && (n == 1 || coarse.cells < n));
         }

@@ -198,7 +198,8 @@ pub(crate) fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolutio
     let mut next = r;
     if parts[0] > 0.45 * accuracy {
         let grow = |n: usize| if n == 1 { 1 } else { scaled_points(n, factor(parts[0])) };
-        (next.nx, next.ny) = (grow(r.nx), grow(r.ny));
+        next.nx = grow(r.nx);
+        next.ny = grow(r.ny);
     }
     if parts[1] > 0.45 * accuracy {
         next.cells = ((r.cells as f64 * factor(parts[1])).round() as usize).max(r.cells + 1);

@@ -145,7 +145,8 @@ impl<'a, T: Real> Sources<'a, T> {
             let reach = 0.5 * (to - from) / self.period_um[axis] * fine + margin;
             let low = (center - reach).floor();
             let high = (center + reach).ceil();
-            (self.origin[axis], self.size[axis]) = (low as i64, (high - low) as usize + 1);
+            self.origin[axis] = low as i64;
+            self.size[axis] = (high - low) as usize + 1;
         }
         self.patch.clear();
         self.patch.resize(self.size[0] * self.size[1] * self.fields, T::default());
@@ -157,7 +158,8 @@ impl<'a, T: Real> Sources<'a, T> {
         let SourceTransform { kernel, fine, .. } = self.transform;
         let [x, y] =
             [0, 1].map(|axis| kernel.footprint(position_um[axis] / self.period_um[axis] * fine[axis] as f64));
-        let (column, row) = ((x.first - self.origin[0]) as usize, (y.first - self.origin[1]) as usize);
+        let column = (x.first - self.origin[0]) as usize;
+        let row = (y.first - self.origin[1]) as usize;
         let stride = self.size[0] * self.fields;
         let part = &mut self.patch[row * stride + column * self.fields..];
         spread_rows(part, stride, &x.weight[..kernel.width], &y.weight[..kernel.width], value);
@@ -225,7 +227,8 @@ fn polynomial(degree: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
     let angle = |q: usize| PI * (q as f64 + 0.5) / count as f64;
     let samples: Vec<f64> = (0..count).map(|q| f(0.5 * (angle(q).cos() + 1.0))).collect();
     let mut sum = vec![0.0; count];
-    let (mut before, mut here) = (vec![0.0; count], vec![0.0; count]);
+    let mut before = vec![0.0; count];
+    let mut here = vec![0.0; count];
     here[0] = 1.0;
     for k in 0..count {
         let projection: f64 = samples.iter().enumerate().map(|(q, s)| s * (k as f64 * angle(q)).cos()).sum();

@@ -83,7 +83,7 @@ impl Sampling {
                 continue;
             }
             let whole = matches!(middle[..], [[start, end]] if end - start >= TAU);
-            for (z, weight) in heights([lo, length], self.height_count(length, whole), !whole) {
+            for (z, weight) in heights(lo, length, self.height_count(length, whole), !whole) {
                 points.clear();
                 let arcs = if whole { middle.clone() } else { free_arcs(balls, i, z) };
                 arcs.iter().for_each(|arc| self.push_arc(&balls[i], z, *arc, &mut points));
@@ -132,13 +132,13 @@ impl Sampling {
     pub fn strip_heights(&self, shape: &BodyShape, [lo, hi]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
         let round = matches!(shape, BodyShape::CylinderY { .. });
         let count = if round { self.height_count(hi - lo, false) } else { self.degree };
-        heights([lo, hi - lo], count, round)
+        heights(lo, hi - lo, count, round)
     }
 }
 
 /// Gauss points and weights of a length above `lo`. With `roots`, the substitution s = sin²(πt/2)
 /// removes square roots at both of its ends.
-pub(super) fn heights([lo, length]: [f64; 2], count: usize, roots: bool) -> impl Iterator<Item = (f64, f64)> {
+pub(super) fn heights(lo: f64, length: f64, count: usize, roots: bool) -> impl Iterator<Item = (f64, f64)> {
     let share = move |t: f64| match roots {
         true => ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()),
         false => (t, 1.0),
@@ -169,7 +169,8 @@ pub fn strip(shape: &BodyShape, z: f64) -> Option<[f64; 2]> {
 /// Heights within `range` between which the number of arcs of ball `i` is constant.
 pub(in crate::wave) fn breakpoints(balls: &[Sphere], i: usize, [lo, hi]: [f64; 2]) -> Vec<f64> {
     let ball = &balls[i];
-    let (lo, hi) = (lo.max(ball.center_um[2] - ball.radius_um), hi.min(ball.center_um[2] + ball.radius_um));
+    let lo = lo.max(ball.center_um[2] - ball.radius_um);
+    let hi = hi.min(ball.center_um[2] + ball.radius_um);
     let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
     let mut breaks: Vec<f64> = others.filter_map(|(_, b)| meeting_heights(ball, b)).flatten().collect();
     breaks.retain(|&z| z > lo && z < hi);

@@ -46,7 +46,7 @@ impl Sampling {
             let more =
                 self.degree as f64 + extra + if stretch.roots { 4.0 + self.degree as f64 } else { 2.0 };
             let count = (0.5 * (self.demands.degree(stretch.reach) + more)).ceil() as usize + 1;
-            for (z, weight) in heights([lo, length], count, stretch.roots) {
+            for (z, weight) in heights(lo, length, count, stretch.roots) {
                 points.clear();
                 sides(solid, z).iter().for_each(|side| self.push_side(side, extra, &mut points));
                 cut(z, weight, &points);

@@ -107,7 +107,8 @@ fn effective<'a>(
     inclusions: impl Iterator<Item = (Complex64, &'a [f64; FIELDS])>,
     averaging: Averaging,
 ) -> Result<Symmetric, WaveError> {
-    let (mut e, mut d) = (diagonal(Complex64::ONE), diagonal(background));
+    let mut e = diagonal(Complex64::ONE);
+    let mut d = diagonal(background);
     for (epsilon, [chi, normal @ ..]) in inclusions {
         let ratio = background / epsilon - 1.0;
         let step = epsilon - background;

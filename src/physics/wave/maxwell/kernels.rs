@@ -87,7 +87,9 @@ pub(super) fn add_loads<T: Real>(
     w1: &mut [Complex<T>],
 ) {
     let width = u0.len();
-    let (u1, w0, w1) = (&mut u1[..width], &mut w0[..width], &mut w1[..width]);
+    let u1 = &mut u1[..width];
+    let w0 = &mut w0[..width];
+    let w1 = &mut w1[..width];
     let [s0, p0, z0, s1, p1, z1] = rows.map(|row| &row[..width]);
     let (lateral, b, c) = tables.cut(width);
     let cell = *cell;
@@ -152,13 +154,17 @@ pub(super) fn within<T: Real>(
     z1: &mut [Complex<T>],
 ) {
     let width = p0.len();
-    let (z0, p1, z1) = (&mut z0[..width], &mut p1[..width], &mut z1[..width]);
+    let z0 = &mut z0[..width];
+    let p1 = &mut p1[..width];
+    let z1 = &mut z1[..width];
     let [w0, w1] = nodes.map(|node| &node[..width]);
     let (lateral, b, c) = tables.cut(width);
     let cell = *cell;
     let Constants { h, h2, inverse_k2, slope, .. } = cell;
-    let (root3, root12) = (T::of(3f64.sqrt()), T::of(12f64.sqrt()));
-    let (half, twelve) = (T::of(0.5), T::of(12.0));
+    let root3 = T::of(3f64.sqrt());
+    let root12 = T::of(12f64.sqrt());
+    let half = T::of(0.5);
+    let twelve = T::of(12.0);
     for i in 0..width {
         let q = lateral[i];
         let [x2b, sum, difference] = cell.node_functions(q, b[i], c[i]);

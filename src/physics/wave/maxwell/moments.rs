@@ -265,7 +265,8 @@ impl<'a> MomentSum<'a> {
     /// one complex transform.
     fn finish(mut self) -> CellFields {
         let builder = self.builder;
-        let (mut narrow, mut wide) = (builder.fft.scratch(), builder.transform.scratch());
+        let mut narrow = builder.fft.scratch();
+        let mut wide = builder.transform.scratch();
         let mut planes = [(); 2].map(|()| vec![[0.0; FIELDS]; builder.grid.points()]);
         for (f, spectrum) in self.direct.iter_mut().enumerate() {
             if let Some(sources) = self.sources.grids.get_mut(f) {
@@ -274,7 +275,8 @@ impl<'a> MomentSum<'a> {
             builder.harmonics.scatter(spectrum, &mut narrow.spectrum);
             builder.fft.inverse(&mut narrow, &builder.harmonics.rows);
             for (i, value) in narrow.plane.iter().enumerate() {
-                (planes[0][i][f], planes[1][i][f]) = (value.re, value.im);
+                planes[0][i][f] = value.re;
+                planes[1][i][f] = value.im;
             }
         }
         // Order (0, 0) comes first; each plane represents half the cell.

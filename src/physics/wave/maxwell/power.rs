@@ -22,7 +22,8 @@ pub(super) fn share_edges(
         for &(x, w) in section::gauss_rule(sampling.height_count(length, false) + 2) {
             // z = lo + length sin²t removes the square roots with which edges appear and vanish.
             let t = std::f64::consts::FRAC_PI_4 * (x + 1.0);
-            let (z, dz) = (lo + length * t.sin().powi(2), length * (2.0 * t).sin());
+            let z = lo + length * t.sin().powi(2);
+            let dz = length * (2.0 * t).sin();
             share_edge(balls, i, z, sampling, &mut points);
             edge(z, std::f64::consts::FRAC_PI_4 * w * dz, &points);
         }

@@ -136,7 +136,7 @@ impl VectorProblem {
     pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
         let (nodes, absorptance) = self.leaving(field, polarisation);
         self.far_field_of(self.moments.grid.period_um, absorptance, |side, i, incident| {
-            self.emitted(&nodes, polarisation, [side, i], incident)
+            self.emitted(&nodes, polarisation, side, i, incident)
         })
     }
 
@@ -145,7 +145,8 @@ impl VectorProblem {
         &self,
         nodes: &Nodes,
         polarisation: Polarisation,
-        [side, i]: [usize; 2],
+        side: usize,
+        i: usize,
         incident: f64,
     ) -> Leaving {
         let face = side * self.moments.grid.cells();

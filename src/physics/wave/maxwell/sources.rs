@@ -152,7 +152,8 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
     breaks.sort_by(f64::total_cmp);
     let mut nodes = Vec::new();
     for pair in breaks.windows(2) {
-        let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+        let middle = 0.5 * (pair[0] + pair[1]);
+        let half = 0.5 * (pair[1] - pair[0]);
         if half < 1e-12 || chord(radius * middle.cos(), center, slab).is_none() {
             continue;
         }
@@ -173,7 +174,7 @@ fn of_share(balls: &[Sphere], i: usize, slab: &Slab, push: &mut impl FnMut(Sourc
     share_edges(balls, i, slab.range_um, slab.sampling, &mut |z, weight, edge| {
         let heights = slab.point(z, weight, z_center);
         let points = fan([x, y], edge, slab.sampling, 3.0).into_iter();
-        points.for_each(|(at, area)| push(ball_source(&balls[i], at, &heights, area)));
+        points.for_each(|(place, area)| push(ball_source(&balls[i], place, &heights, area)));
     });
 }
 
@@ -223,7 +224,8 @@ pub fn of_block([lo, hi]: [f64; 2], slab: &Slab, upright: bool) -> [f64; VALUES]
     let heights = slab.stretch(range, 0.0);
     let normal = if upright { 1 } else { FIELDS - 1 };
     for (q, [m0, ..]) in heights.iter().enumerate() {
-        (values[q], values[2 * normal + q]) = (*m0, *m0);
+        values[q] = *m0;
+        values[2 * normal + q] = *m0;
     }
     values
 }

@@ -138,7 +138,8 @@ impl super::mean::MeanOperator {
         let degree = self.element.degree;
         let rows = degree * self.heights.len() + 1;
         let mut band = Array2::zeros((rows, degree + 1));
-        (band[[0, 0]], band[[rows - 1, 0]]) = (ends[0], ends[1]);
+        band[[0, 0]] = ends[0];
+        band[[rows - 1, 0]] = ends[1];
         for cell in 0..self.heights.len() {
             let element = self.plane_element(cell, harmonic);
             for a in 0..=degree {

@@ -104,7 +104,8 @@ impl<T: Real> MeanInverse<T> {
     /// coupling of node j with the next; bubbles are decoupled.
     fn solve_block(&self, mut y: ArrayViewMut2<Complex<T>>, first: usize, of_loads: bool) {
         let columns = first..first + y.ncols();
-        let (degree, cells) = (self.degree(), self.factor.nrows());
+        let degree = self.degree();
+        let cells = self.factor.nrows();
         let mut loads = empty_loads();
         for cell in 0..cells {
             if of_loads {

@@ -166,7 +166,8 @@ fn bordered(
 
 /// Adds out ← out + factor · matrix · v.
 pub(super) fn add_product(out: &mut [c32], factor: f32, matrix: &Mat<c32>, v: &[c32]) {
-    let (out, v) = (ColMut::from_slice_mut(out), ColRef::from_slice(v));
+    let out = ColMut::from_slice_mut(out);
+    let v = ColRef::from_slice(v);
     c32::add_product(out.as_mat_mut(), factor.into(), matrix.as_ref(), v.as_mat());
 }
 

@@ -112,7 +112,8 @@ impl KrylovRun<'_> {
         // v_1 = r/β; M is the factor from the right, M = 1 without it
         let mut basis = Basis::<T>::new(flat(&self.work), beta);
         let mut small = LeastSquares::new(beta);
-        let (mut last, mut image) = (Array2::zeros(self.field.dim()), Array2::zeros(self.field.dim()));
+        let mut last = Array2::zeros(self.field.dim());
+        let mut image = Array2::zeros(self.field.dim());
         let mut verdict = Ok(());
         while basis.len() <= restart {
             let applied = last.as_slice_mut().expect("fields are contiguous");

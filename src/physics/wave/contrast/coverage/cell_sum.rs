@@ -71,7 +71,7 @@ impl<'a, T: Real> CellSum<'a, T> {
     /// Spreads a ring of points on a surface at height z as sources, and adds the area it encloses,
     /// which is computed about `origin`.
     #[inline]
-    fn add_cut(&mut self, origin: [f64; 3], [z, weight]: [f64; 2], points: &[EdgePoint]) {
+    fn add_cut(&mut self, origin: [f64; 3], z: f64, weight: f64, points: &[EdgePoint]) {
         let [lx, ly] = self.builder.grid.period_um;
         let shares = self.shares(z, weight);
         let mut moment = 0.0;
@@ -88,7 +88,7 @@ impl<'a, T: Real> CellSum<'a, T> {
         let builder = self.builder;
         self.sources.open(extents(&balls[i]));
         builder.sampling.rings(balls, i, range, &mut |z, weight, points| {
-            self.add_cut(balls[0].center_um, [z, weight], points);
+            self.add_cut(balls[0].center_um, z, weight, points);
         });
         self.sources.close();
     }
@@ -98,7 +98,7 @@ impl<'a, T: Real> CellSum<'a, T> {
         let builder = self.builder;
         self.sources.open([0, 1].map(|axis| solid.extent_um(axis)));
         builder.sampling.cuts(solid, range, 0.0, &mut |z, weight, points| {
-            self.add_cut(solid.center_um, [z, weight], points);
+            self.add_cut(solid.center_um, z, weight, points);
         });
         self.sources.close();
     }
