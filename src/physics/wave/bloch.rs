@@ -114,11 +114,11 @@ impl Incidence {
     /// ```
     /// use inkwave_physics::wave::{Incidence, Media, Side};
     ///
-    /// let glass = vec![1.5.into()];
-    /// let media =
-    ///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: glass, inclusions: vec![] };
-    /// let light =
-    ///     Incidence { wavelength_um: 0.5, polar_deg: 20.0, azimuth_deg: 30.0, from: Side::Incident };
+    /// let air = 1.0.into();
+    /// let backgrounds = vec![1.5.into()];
+    /// let media = Media { incident: air, exit: air, backgrounds, inclusions: vec![] };
+    /// let from = Side::Incident;
+    /// let light = Incidence { wavelength_um: 0.5, polar_deg: 20.0, azimuth_deg: 30.0, from };
     /// // Directions of the lattice lie 0.25 apart.
     /// let snapped = light.snapped([2.0, 2.0], &media)?;
     /// assert_eq!(snapped.vector, [1, 1]);

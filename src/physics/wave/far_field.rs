@@ -48,10 +48,9 @@ pub const FURTHER: usize = 3;
 /// use num_complex::Complex64;
 ///
 /// // An absorbing film on glass: one order, exact at any number of cells.
-/// let film = Complex64::new(1.6, 0.05);
+/// let backgrounds = vec![Complex64::new(1.6, 0.05)];
 /// let scene = Scene::layer([1.0, 1.0], 0.5, vec![]);
-/// let media =
-///     Media { incident: 1.0.into(), exit: 1.5.into(), backgrounds: vec![film], inclusions: vec![] };
+/// let media = Media { incident: 1.0.into(), exit: 1.5.into(), backgrounds, inclusions: vec![] };
 /// let light =
 ///     Incidence { wavelength_um: 0.55, polar_deg: 30.0, azimuth_deg: 0.0, from: Side::Incident };
 /// let grid = Resolution { nx: 1, ny: 1, cells: 6, scheme: Scheme::Cubic };

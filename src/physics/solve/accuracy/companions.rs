@@ -14,8 +14,8 @@ use crate::wave::{BodyShape, FarField, Grid, Order, Resolution, TotalErrors, Wav
 
 /// Ratio of the number of points or cells of a coarser companion to that of the result.
 const COMPANION: f64 = 0.8;
-/// Ratio of cells in a second companion for layers uniform along y: grains' tops are whole lines, and
-/// a companion with nodes on them is so accurate that its difference underestimates the error.
+/// Ratio of cells in a second companion for layers uniform along y: grains' tops are whole lines,
+/// and a companion with nodes on them is so accurate that its difference underestimates the error.
 const SECOND: f64 = 0.7;
 /// Ratio of points in that second companion: a line that fills a half or a third of the period has
 /// no harmonics of that number, so that a grid which adds only those shows no difference.
