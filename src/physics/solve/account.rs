@@ -170,8 +170,8 @@ pub enum SolveError {
 impl SolveError {
     /// The error of a setting.
     pub(super) fn setting(field: &'static str, value: impl ToString, allowed: &str, remedy: &str) -> Self {
-        let [allowed, remedy] = [allowed, remedy].map(String::from);
-        SolveError::Setting { field, value: value.to_string(), allowed, remedy }
+        let value = value.to_string();
+        SolveError::Setting { field, value, allowed: allowed.into(), remedy: remedy.into() }
     }
 
     /// Account up to the failure, if there is one.

@@ -159,8 +159,10 @@ fn part<T>(v: &[T], from: usize) -> (&[T], &[T]) {
 /// Inner product Σ ā b of one chunk.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 pub(super) fn dot<T: Real>(a: (&[T], &[T]), b: (&[T], &[T])) -> Complex64 {
-    let ((a_re, a_im), (b_re, b_im)) = (a, b);
-    let (mut parallel, mut crossed) = ([T::zero(); LANES], [T::zero(); LANES]);
+    let (a_re, a_im) = a;
+    let (b_re, b_im) = b;
+    let mut parallel = [T::zero(); LANES];
+    let mut crossed = [T::zero(); LANES];
     let (ar, ai) = (a_re.as_chunks::<LANES>(), a_im.as_chunks::<LANES>());
     let (br, bi) = (b_re.as_chunks::<LANES>(), b_im.as_chunks::<LANES>());
     for ((ar, ai), (br, bi)) in ar.0.iter().zip(ai.0).zip(br.0.iter().zip(bi.0)) {
@@ -184,15 +186,18 @@ fn add_together<T: Real>([re, im]: [&mut [T]; 2], factors: [[T; 2]; TOGETHER], v
     let (re, im) = (re.as_chunks_mut::<LANES>(), im.as_chunks_mut::<LANES>());
     let lanes = v.map(|(x, y)| [x.as_chunks::<LANES>().0, y.as_chunks::<LANES>().0]);
     for (j, (re, im)) in re.0.iter_mut().zip(im.0).enumerate() {
-        let (mut sum_re, mut sum_im) = (*re, *im);
+        let mut sum_re = *re;
+        let mut sum_im = *im;
         for k in 0..TOGETHER {
-            let ([a_re, a_im], [x, y]) = (factors[k], [&lanes[k][0][j], &lanes[k][1][j]]);
+            let [a_re, a_im] = factors[k];
+            let [x, y] = [&lanes[k][0][j], &lanes[k][1][j]];
             for i in 0..LANES {
                 sum_re[i] += a_re * x[i] - a_im * y[i];
                 sum_im[i] += a_re * y[i] + a_im * x[i];
             }
         }
-        (*re, *im) = (sum_re, sum_im);
+        *re = sum_re;
+        *im = sum_im;
     }
     for (factor, (x, y)) in factors.into_iter().zip(v) {
         add_scaled([&mut *re.1, &mut *im.1], factor, (&x[whole..], &y[whole..]));

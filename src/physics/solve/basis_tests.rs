@@ -38,7 +38,8 @@ fn check<T: Real>(rounding: f64) {
         }
         // Each vector added is the column's combination of the basis.
         for (k, column) in columns.iter().enumerate() {
-            let (applied, image) = (vector::<T>(len, 2.3 + k as f64), vector::<T>(len, 2.9 * (k + 1) as f64));
+            let applied = vector::<T>(len, 2.3 + k as f64);
+            let image = vector::<T>(len, 2.9 * (k + 1) as f64);
             for i in 0..len {
                 let sum = applied[i] + image[i];
                 let combined: Complex64 = column.iter().zip(&vectors).map(|(c, v)| c * v[i]).sum();
@@ -46,7 +47,8 @@ fn check<T: Real>(rounding: f64) {
                 assert!(difference.norm() < 10.0 * rounding, "{len}, {k}, {i}");
             }
         }
-        let (factors, mut out) = ([Complex64::new(0.3, -2.0), Complex64::I], vector::<T>(len, 0.0));
+        let factors = [Complex64::new(0.3, -2.0), Complex64::I];
+        let mut out = vector::<T>(len, 0.0);
         basis.combine(&factors, &mut out);
         let expected = factors[0] * vectors[0][len - 1] + factors[1] * vectors[1][len - 1];
         assert!(

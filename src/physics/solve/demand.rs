@@ -53,14 +53,13 @@ impl Size {
     ///
     /// # Errors
     /// [`TooLarge`] if no variant fits.
-    pub fn admit<'a>(&self, asked: &'a dyn Solver, memory: f64) -> Result<Admitted<'a>, TooLarge> {
-        let Fit { bytes, solver } = self.fit(asked, memory - self.problem());
+    pub fn admit<'a>(&self, requested: &'a dyn Solver, memory: f64) -> Result<Admitted<'a>, TooLarge> {
+        let Fit { bytes, solver } = self.fit(requested, memory - self.problem());
         let bytes = self.with(bytes);
         if bytes <= memory {
-            return Ok(Admitted { bytes, asked, fitted: solver });
+            return Ok(Admitted { bytes, requested, fitted: solver });
         }
-        let [need_gb, allowed_gb] = [bytes, memory].map(|bytes| 1e-9 * bytes);
-        Err(TooLarge { resolution: self.resolution, need_gb, allowed_gb })
+        Err(TooLarge { resolution: self.resolution, need_gb: 1e-9 * bytes, allowed_gb: 1e-9 * memory })
     }
 }
 
@@ -68,7 +67,7 @@ impl Size {
 pub struct Admitted<'a> {
     /// Memory of a solve in bytes, unless it stalls and the strategy grows.
     pub bytes: f64,
-    asked: &'a dyn Solver,
+    requested: &'a dyn Solver,
     /// The strategy with other memory settings, if they had to change.
     fitted: Option<Box<dyn Solver>>,
 }
@@ -76,6 +75,6 @@ pub struct Admitted<'a> {
 impl Admitted<'_> {
     /// The strategy.
     pub fn solver(&self) -> &dyn Solver {
-        self.fitted.as_deref().unwrap_or(self.asked)
+        self.fitted.as_deref().unwrap_or(self.requested)
     }
 }

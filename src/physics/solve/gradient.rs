@@ -60,7 +60,8 @@ pub fn tangent(
     watch: &mut dyn Watch,
 ) -> Result<FarSlopes, SolveError> {
     let share = 1.0 / neighbours.len() as f64;
-    let (mut source, mut residual) = (Field::zeros(system.shape()), Field::zeros(system.shape()));
+    let mut source = Field::zeros(system.shape());
+    let mut residual = Field::zeros(system.shape());
     for Neighbour { step, system } in neighbours {
         system.residual(&system.background_wave(), u, &mut residual);
         source.scaled_add(share / step, &residual);
@@ -79,19 +80,21 @@ pub fn tangent(
 /// Derivatives from far fields at neighbouring indices.
 fn slopes(far: &FarField, moved: &[FarField], steps: &[Complex64]) -> FarSlopes {
     let share = 1.0 / steps.len() as f64;
-    let along = |of: &dyn Fn(&FarField) -> Complex64| -> Complex64 {
-        moved.iter().zip(steps).map(|(far, step)| share * of(far) / step).sum()
+    let along = |amplitude: &dyn Fn(&FarField) -> Complex64| -> Complex64 {
+        moved.iter().zip(steps).map(|(far, step)| share * amplitude(far) / step).sum()
     };
-    let at = |k: usize, i: usize, side: usize| along(&|far| amplitude(&far.orders[k], i, side));
-    let amplitudes = |k: usize| [0, 1].map(|i| [0, 1].map(|side| at(k, i, side)));
+    let slope = |k: usize, i: usize, side: usize| along(&|far| amplitude(&far.orders[k], i, side));
+    let amplitudes = |k: usize| [0, 1].map(|i| [0, 1].map(|side| slope(k, i, side)));
     let of_order = |(k, order): (usize, &Order)| {
         let amplitudes = amplitudes(k);
         let [reflected, transmitted] = [0, 1].map(|side| efficiency(order, &amplitudes, side));
         OrderSlopes { amplitudes, reflected, transmitted }
     };
     let orders: Vec<OrderSlopes> = far.orders.iter().enumerate().map(of_order).collect();
-    let total = |of: fn(&OrderSlopes) -> Slopes| [0, 1].map(|i| orders.iter().map(|o| of(o)[i]).sum::<f64>());
-    let (reflectance, transmittance) = (total(|o| o.reflected), total(|o| o.transmitted));
+    let total =
+        |side: fn(&OrderSlopes) -> Slopes| [0, 1].map(|i| orders.iter().map(|o| side(o)[i]).sum::<f64>());
+    let reflectance = total(|o| o.reflected);
+    let transmittance = total(|o| o.transmitted);
     let absorptance = [0, 1].map(|i| -reflectance[i] - transmittance[i]);
     FarSlopes { orders, reflectance, transmittance, absorptance }
 }
@@ -104,13 +107,13 @@ fn amplitude(order: &Order, polarisation: usize, side: usize) -> Complex64 {
 /// Derivatives of an efficiency: twice the real part of its flux factor times a* a′, with a′ times
 /// i for κ. The flux factor is the efficiency over |a|².
 fn efficiency(order: &Order, slopes: &[[Complex64; 2]; 2], side: usize) -> Slopes {
-    let own = [0, 1].map(|i| amplitude(order, i, side));
-    let power: f64 = own.iter().map(|a| a.norm_sqr()).sum();
+    let amplitudes = [0, 1].map(|i| amplitude(order, i, side));
+    let power: f64 = amplitudes.iter().map(|a| a.norm_sqr()).sum();
     let efficiency = [order.reflected_efficiency, order.transmitted_efficiency][side];
     if power == 0.0 {
         return [0.0; 2];
     }
-    let product: Complex64 = (0..2).map(|i| own[i].conj() * slopes[i][side]).sum();
+    let product: Complex64 = (0..2).map(|i| amplitudes[i].conj() * slopes[i][side]).sum();
     [2.0 * efficiency / power * product.re, -2.0 * efficiency / power * product.im]
 }
 

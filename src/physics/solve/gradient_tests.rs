@@ -62,18 +62,19 @@ fn slopes_of(tangent: &FarSlopes) -> [Slopes; 3] {
 /// Differences of fourth order of R, T and A along n (0) or κ (1).
 fn differences(geometry: &Geometry, pigment: Complex64, p: usize, along: usize, h: f64) -> [f64; 3] {
     let direction = [Complex64::ONE, Complex64::I][along];
-    let at = |k: f64| {
+    let moved_by = |k: f64| {
         let system = systems(geometry, pigment + k * h * direction, Side::Incident).remove(p);
         totals(&system.far_field(&solved(&*system)))
     };
-    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(at);
+    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(moved_by);
     std::array::from_fn(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * h))
 }
 
 fn largest_error(geometry: &Geometry, pigment: Complex64, p: usize, h: f64) -> f64 {
-    let own = slopes_of(&tangent_of(geometry, pigment, Side::Incident, p, 4));
-    let error =
-        |(along, i): (usize, usize)| (differences(geometry, pigment, p, along, h)[i] - own[i][along]).abs();
+    let slopes = slopes_of(&tangent_of(geometry, pigment, Side::Incident, p, 4));
+    let error = |(along, i): (usize, usize)| {
+        (differences(geometry, pigment, p, along, h)[i] - slopes[i][along]).abs()
+    };
     (0..2).flat_map(|along| (0..3).map(move |i| (along, i))).map(error).fold(0.0, f64::max)
 }
 
@@ -155,16 +156,17 @@ fn the_reversed_direction_gives_every_order() {
     let tangent = tangent_of(&geometry, pigment, Side::Incident, 0, 4);
     let far = problem.far_field(&u);
     let mut compared = 0;
-    for (order, own) in far.orders.iter().zip(&tangent.orders).filter(|(o, _)| o.reflected_propagates) {
+    for (order, slopes) in far.orders.iter().zip(&tangent.orders).filter(|(o, _)| o.reflected_propagates) {
         let [x, y] = order.direction;
-        let (polar_deg, azimuth_deg) = (x.hypot(y).asin().to_degrees(), (-y).atan2(-x).to_degrees());
+        let polar_deg = x.hypot(y).asin().to_degrees();
+        let azimuth_deg = (-y).atan2(-x).to_degrees();
         let back = Incidence { polar_deg, azimuth_deg, ..light(Side::Incident) };
         let Geometry::Scalar(coverage) = &geometry else { unreachable!("the scalar wave") };
         let back = Problem::new(coverage, &media(pigment), &back, Mean::default()).expect("sound");
         let w = problem.opposite(&solved(&back));
         let kappa = Complex64::I * 2.0 * back.incident_kappa();
         let slope = -w.iter().zip(&moved).map(|(w, m)| w * m).sum::<Complex64>() / kappa;
-        let error = (slope - own.amplitudes[0][0]).norm();
+        let error = (slope - slopes.amplitudes[0][0]).norm();
         assert!(error < 1e-7, "({}, {}): {error:e}", order.m, order.n);
         compared += 1;
     }

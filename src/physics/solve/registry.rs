@@ -54,7 +54,8 @@ impl Registry {
         make: impl Fn() -> Box<dyn Solver> + Send + Sync + 'static,
     ) -> Result<Registry, SolveError> {
         if name.trim().is_empty() || self.entries.iter().any(|e| e.name == name) {
-            let (value, allowed) = (format!("{name:?}"), format!("any but {}", self.list()));
+            let value = format!("{name:?}");
+            let allowed = format!("any but {}", self.list());
             return Err(SolveError::setting("name of the strategy", value, &allowed, "choose another name"));
         }
         self.entries.push(Entry { name: name.into(), description: description.into(), make: Box::new(make) });

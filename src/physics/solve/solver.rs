@@ -29,12 +29,16 @@ impl Fit {
 ///
 /// // A plate of glass, 0.4 µm: nothing varies along x and y, so that one point is enough.
 /// let scene = Scene::layer([1.0, 1.0], 0.4, vec![]);
-/// let media = Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.5.into()], inclusions: vec![] };
-/// let light = Incidence { wavelength_um: 0.6, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let glass = vec![1.5.into()];
+/// let media =
+///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: glass, inclusions: vec![] };
+/// let light =
+///     Incidence { wavelength_um: 0.6, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
 /// let grid = Resolution { nx: 1, ny: 1, cells: 4, scheme: Scheme::Cubic };
 /// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
 ///
-/// // λ/n = 0.4 µm: a full wavelength in the plate, which therefore transmits everything (Fresnel and Airy).
+/// // λ/n = 0.4 µm: a full wavelength in the plate, which therefore transmits everything (Fresnel
+/// // and Airy).
 /// let solution = Gmres::default().solve(&problem, Goal::default(), &mut Silent)?;
 /// let far = problem.far_field(&solution.field);
 /// assert!((far.transmittance - 1.0).abs() < 1e-12);
@@ -110,11 +114,12 @@ pub struct Size {
     pub vector: bool,
 }
 
-/// Bytes per point and plane of the vector wave: the contrast tensor (complex), two tables of the
-/// mean operator's cells and four of its nodes for every two planes (complex), both in double and
-/// in single precision, and seven moments per channel (real).
+/// Bytes per point and plane of the vector wave: the contrast tensor in both precisions.
 const VECTOR_TENSOR: f64 = 9.0 * COMPLEX;
+/// The same of the mean operator: two tables of its cells and four of its nodes for every two
+/// planes, in both precisions.
 const VECTOR_TABLES: f64 = 4.5 * COMPLEX;
+/// The same of a channel: seven real moments.
 const VECTOR_MOMENTS: f64 = 7.0 * 8.0;
 
 impl Size {
@@ -155,14 +160,16 @@ impl Size {
     /// Number of eigenvalues of the mean slab's operator within `threshold` k0² of zero:
     /// wavevectors in a shell of half of k-space, plus those of the two faces.
     pub fn near_null_modes(&self, threshold: f64) -> f64 {
-        let ([lx, ly, h], [k, k0]) = (self.layer_um, self.wavenumbers);
+        let [lx, ly, h] = self.layer_um;
+        let [k, k0] = self.wavenumbers;
         let shell = threshold * k0 * k0;
         lx * ly * shell * (h * k / (2.0 * PI * PI) + 1.0 / (2.0 * PI)) + 1.0
     }
 
     /// Memory held by a problem, bytes: coverage and factors of the mean operator.
     pub fn problem(&self) -> f64 {
-        let (channels, degree) = (self.channels as f64, self.resolution.scheme.degree() as f64);
+        let channels = self.channels as f64;
+        let degree = self.resolution.scheme.degree() as f64;
         if self.vector {
             let each = VECTOR_TENSOR + VECTOR_TABLES + VECTOR_MOMENTS * channels;
             return self.points() * self.planes() * each;
@@ -191,11 +198,11 @@ impl Size {
 
 /// Number of different items.
 fn distinct<T: PartialEq>(items: impl Iterator<Item = T>) -> usize {
-    let mut found = Vec::new();
+    let mut different = Vec::new();
     items.for_each(|item| {
-        if !found.contains(&item) {
-            found.push(item)
+        if !different.contains(&item) {
+            different.push(item)
         }
     });
-    found.len()
+    different.len()
 }

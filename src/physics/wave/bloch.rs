@@ -114,12 +114,16 @@ impl Incidence {
     /// ```
     /// use inkwave_physics::wave::{Incidence, Media, Side};
     ///
-    /// let media =
-    ///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.5.into()], inclusions: vec![] };
-    /// let light = Incidence { wavelength_um: 0.5, polar_deg: 20.0, azimuth_deg: 30.0, from: Side::Incident };
-    /// let snapped = light.snapped([2.0, 2.0], &media)?; // directions of the lattice lie 0.25 apart
+    /// let air = 1.0.into();
+    /// let backgrounds = vec![1.5.into()];
+    /// let media = Media { incident: air, exit: air, backgrounds, inclusions: vec![] };
+    /// let from = Side::Incident;
+    /// let light = Incidence { wavelength_um: 0.5, polar_deg: 20.0, azimuth_deg: 30.0, from };
+    /// // Directions of the lattice lie 0.25 apart.
+    /// let snapped = light.snapped([2.0, 2.0], &media)?;
     /// assert_eq!(snapped.vector, [1, 1]);
-    /// assert!((snapped.incidence.polar_deg - (0.125f64).sqrt().asin().to_degrees()).abs() < 1e-12);
+    /// let polar_deg = (0.125f64).sqrt().asin().to_degrees();
+    /// assert!((snapped.incidence.polar_deg - polar_deg).abs() < 1e-12);
     /// assert!((snapped.incidence.azimuth_deg - 45.0).abs() < 1e-12);
     /// # Ok::<(), inkwave_physics::wave::WaveError>(())
     /// ```
@@ -130,7 +134,8 @@ impl Incidence {
     pub fn snapped(&self, period_um: [f64; 2], media: &Media) -> Result<Snapped, WaveError> {
         self.check()?;
         if let Some(&value) = period_um.iter().find(|l| !PERIODS.contains(&(**l / self.wavelength_um))) {
-            let (field, allowed) = ("period (µm)", "1e-6 to 1e6 wavelengths for a direction to be snapped");
+            let field = "period (µm)";
+            let allowed = "1e-6 to 1e6 wavelengths for a direction to be snapped";
             return Err(WaveError::range(field, value, allowed, "give it in µm, or do not snap"));
         }
         let whole = self.lateral_wavevector(media)?;
@@ -178,7 +183,8 @@ fn nearest_within(whole: [f64; 2], step: [f64; 2], reach: f64) -> [i32; 2] {
 /// The vector nearest to `whole` among those with `row` along the axis `wide` that are no longer
 /// than `reach`, if any.
 fn nearest_in_row(wide: usize, row: i32, whole: [f64; 2], step: [f64; 2], reach: f64) -> Option<[i32; 2]> {
-    let (other, height) = (1 - wide, step[wide] * f64::from(row));
+    let other = 1 - wide;
+    let height = step[wide] * f64::from(row);
     let chord = (reach * reach - height * height).sqrt();
     let most = (chord / step[other]) as i32;
     let mut vector = [row; 2];

@@ -48,13 +48,15 @@ pub const FURTHER: usize = 3;
 /// use num_complex::Complex64;
 ///
 /// // An absorbing film on glass: one order, exact at any number of cells.
-/// let film = Complex64::new(1.6, 0.05);
+/// let backgrounds = vec![Complex64::new(1.6, 0.05)];
 /// let scene = Scene::layer([1.0, 1.0], 0.5, vec![]);
-/// let media = Media { incident: 1.0.into(), exit: 1.5.into(), backgrounds: vec![film], inclusions: vec![] };
-/// let light = Incidence { wavelength_um: 0.55, polar_deg: 30.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let media = Media { incident: 1.0.into(), exit: 1.5.into(), backgrounds, inclusions: vec![] };
+/// let light =
+///     Incidence { wavelength_um: 0.55, polar_deg: 30.0, azimuth_deg: 0.0, from: Side::Incident };
 /// let grid = Resolution { nx: 1, ny: 1, cells: 6, scheme: Scheme::Cubic };
 /// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
-/// let far = problem.far_field(&Gmres::default().solve(&problem, Goal::default(), &mut Silent)?.field);
+/// let solution = Gmres::default().solve(&problem, Goal::default(), &mut Silent)?;
+/// let far = problem.far_field(&solution.field);
 /// assert!(far.energy_error().abs() < 1e-12 && far.absorptance > 0.3);
 /// assert_eq!(far.specular().reflected_efficiency, far.reflectance);
 /// # Ok::<(), Box<dyn std::error::Error>>(())

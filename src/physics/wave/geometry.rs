@@ -92,14 +92,15 @@ impl From<RoughFace> for Material {
 
 /// The space beyond the surface, which is sampled at the relief's own points.
 fn open(packing: &Packing, relief: &Relief) -> Body {
-    let (period_um, count) = (packing.period_um(), relief.count);
-    let at = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
+    let period_um = packing.period_um();
+    let count = relief.count;
+    let position_um = |i: usize, axis: usize| period_um[axis] * i as f64 / count[axis] as f64;
     let thickness = packing.thickness_um();
     let (end, face_um) = match relief.face {
         RoughFace::Incident => (0, 0.0),
         RoughFace::Exit => (1, thickness),
     };
-    let filled = |k: usize| packing.filled_um(at(k % count[0], 0), at(k / count[0], 1));
+    let filled = |k: usize| packing.filled_um(position_um(k % count[0], 0), position_um(k / count[0], 1));
     let z_um = (0..count[0] * count[1]).map(|k| filled(k)[end].clamp(0.0, thickness)).collect();
     let surface = HeightField { z_um, count, period_um };
     let clusters = packing.grains().iter().filter(|g| g.solid.is_none());

@@ -86,7 +86,8 @@ impl Grid {
     pub fn new(scene: &Scene, resolution: Resolution) -> Result<Grid, WaveError> {
         check_counts(&resolution)?;
         let shares = share_cells(scene, resolution.cells)?;
-        let (mut nodes_um, mut background) = (vec![0.0], Vec::new());
+        let mut nodes_um = vec![0.0];
+        let mut background = Vec::new();
         let mut start = 0.0;
         for (stratum, cells) in scene.strata.iter().zip(shares) {
             let step = stratum.thickness_um / cells as f64;
@@ -94,7 +95,8 @@ impl Grid {
             background.extend(std::iter::repeat_n(stratum.background, cells));
             start += stratum.thickness_um;
         }
-        let (period_um, element) = (scene.period_um, Element::new(resolution.scheme.degree()));
+        let period_um = scene.period_um;
+        let element = Element::new(resolution.scheme.degree());
         Ok(Grid { resolution, period_um, nodes_um, background, element })
     }
 

@@ -206,7 +206,8 @@ impl<'a> Cells<'a> {
     /// Cells along one axis that a piece reaches: periodic along x and y, from wall to wall along
     /// z.
     fn reach(&self, axis: usize, piece: &Piece) -> Vec<i64> {
-        let (count, [low, high]) = (self.count[axis], piece.ranges[axis]);
+        let count = self.count[axis];
+        let [low, high] = piece.ranges[axis];
         if piece.ranges[axis] == ENDLESS {
             return (0..count).collect();
         }

@@ -118,10 +118,10 @@ fn spheres_inside_others_are_nested() {
 
 #[test]
 fn a_hundred_thousand_spheres_take_no_time() {
-    let at = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
+    let share = |i: usize, n: usize| (i as f64 + 0.5) / n as f64;
     let (n, m, k) = (50, 50, 40);
     let shapes: Vec<BodyShape> = (0..n * m * k)
-        .map(|i| ball(at(i % n, n), 1.5 * at(i / n % m, m), 2.0 * at(i / n / m, k), 0.0099))
+        .map(|i| ball(share(i % n, n), 1.5 * share(i / n % m, m), 2.0 * share(i / n / m, k), 0.0099))
         .collect();
     let clock = std::time::Instant::now();
     scene(&shapes).check_overlaps().unwrap();

@@ -14,9 +14,8 @@ const LARGEST: f64 = 0.02;
 const TOTAL_OF_AMPLITUDE: f64 = 6.0;
 /// Ratio of the error of totals to the relative residual: trapped waves amplify it about tenfold.
 const TOTAL_OF_RESIDUAL: f64 = 30.0;
-/// Tolerated error of R + T + A as a fraction of the errors of R and T: metals amplify a small
-/// residual more, by 32 and above, and a deviation negligible beside the grid's error must not
-/// reject a result.
+/// Tolerated error of R + T + A as a fraction of the errors of R and T: metals amplify a residual
+/// by 32 and more, and a deviation negligible beside the grid's error must not reject a result.
 const BALANCE_SHARE: f64 = 0.05;
 /// Rounding error of sums over orders and nodes.
 const ROUNDING: f64 = 1e-9;
@@ -45,7 +44,8 @@ impl TotalErrors {
         let balance = solver + BALANCE_SHARE * (reflectance + transmittance);
         // Not `min`, which ignores NaN.
         let bounded = |error: f64| if error > LARGEST { LARGEST } else { error };
-        let [reflectance, transmittance] = [reflectance, transmittance].map(|error| bounded(error + solver));
+        let reflectance = bounded(reflectance + solver);
+        let transmittance = bounded(transmittance + solver);
         Self { reflectance, transmittance, balance: bounded(balance) }
     }
 }

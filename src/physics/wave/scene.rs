@@ -112,7 +112,8 @@ pub struct Stratum {
 /// // A body that leaves the layer is rejected, with its position and a remedy.
 /// let high = Sphere { center_um: [0.1, 0.2, 0.05], radius_um: 0.1 };
 /// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(BodyShape::Balls(vec![high]), 0)]);
-/// assert!(scene.check(&media).unwrap_err().to_string().contains("move it or make the layer thicker"));
+/// let refusal = scene.check(&media).unwrap_err().to_string();
+/// assert!(refusal.contains("move it or make the layer thicker"));
 /// # Ok::<(), inkwave_physics::wave::WaveError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

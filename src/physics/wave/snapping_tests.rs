@@ -26,13 +26,17 @@ proptest! {
         x in 0.1..6.0f64, y in 0.1..6.0f64, exit in any::<bool>(),
     ) {
         let from = if exit { Side::Exit } else { Side::Incident };
-        let (asked, media, step) = (light(polar, azimuth, from), media(index), [TAU / x, TAU / y]);
+        let requested = light(polar, azimuth, from);
+        let media = media(index);
+        let step = [TAU / x, TAU / y];
         let k = TAU / 0.5 * if exit { 1.3 } else { index };
-        let snapped = asked.snapped([x, y], &media).expect("a direction");
+        let snapped = requested.snapped([x, y], &media).expect("a direction");
         snapped.incidence.check().expect("not grazing");
         prop_assert!(snapped.incidence.polar_deg < 89.95);
         prop_assert!((snapped.incidence.azimuth_deg - azimuth).abs() <= 180.0 + 1e-9);
-        let [whole, found] = [asked, snapped.incidence].map(|i| i.lateral_wavevector(&media).expect("transparent"));
+        let lateral_of = |light: Incidence| light.lateral_wavevector(&media).expect("transparent");
+        let whole = lateral_of(requested);
+        let found = lateral_of(snapped.incidence);
         let meant = lateral(snapped.vector, step);
         let between = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
         // Identity: a sine of an arcsine.
@@ -59,8 +63,8 @@ fn light_along_the_normal_stays_as_it_is() {
 #[test]
 fn grazing_vectors_are_passed_over_and_ties_go_to_the_normal() {
     let vector = |polar, azimuth| {
-        let asked = light(polar, azimuth, Side::Incident);
-        asked.snapped([1.0, 1.0], &media(1.0)).expect("a direction").vector
+        let requested = light(polar, azimuth, Side::Incident);
+        requested.snapped([1.0, 1.0], &media(1.0)).expect("a direction").vector
     };
     assert_eq!(vector(80.0, 0.0), [1, 0]);
     assert_eq!(vector(80.0, 90.0), [0, 1]);

@@ -14,9 +14,8 @@ use crate::wave::{BodyShape, FarField, Grid, Order, Resolution, TotalErrors, Wav
 
 /// Ratio of the number of points or cells of a coarser companion to that of the result.
 const COMPANION: f64 = 0.8;
-/// Ratio of cells in a second companion for layers uniform along y. The tops of such grains are
-/// whole lines: a companion with nodes on them is far more accurate than its spacing suggests, and
-/// its difference underestimates the error.
+/// Ratio of cells in a second companion for layers uniform along y: grains' tops are whole lines,
+/// and a companion with nodes on them is so accurate that its difference underestimates the error.
 const SECOND: f64 = 0.7;
 /// Ratio of points in that second companion: a line that fills a half or a third of the period has
 /// no harmonics of that number, so that a grid which adds only those shows no difference.
@@ -65,19 +64,25 @@ impl Task<'_> {
         if !system.has_contrast() {
             return Ok([0.0; 2]);
         }
-        let own = system.grid().resolution;
+        let resolution = system.grid().resolution;
         // Held of the result meanwhile: its problem, its field, and the incident wave.
-        let size = self.size(own);
+        let size = self.size(resolution);
         let companion = Self { memory: self.memory - size.problem() - size.fields(2.0), ..*self };
         let scene = self.coverages.scene;
         let uniform = [scene.uniform_in_plane(), scene.uniform_in_y()];
-        let mut across = |share: f64| companion.compare(known, far, self.z_companions(own, share), watch);
+        let mut across =
+            |share: f64| companion.compare(known, far, self.z_companions(resolution, share), watch);
         let in_z = match uniform {
             [false, true] => largest([across(COMPANION)?, across(SECOND)?]),
             _ => across(COMPANION)?,
         };
         let mut lateral = |share: f64| {
-            companion.compare(known, far, [share, 1.0 / share].map(|f| scaled_plane(own, f, uniform)), watch)
+            companion.compare(
+                known,
+                far,
+                [share, 1.0 / share].map(|f| scaled_plane(resolution, f, uniform)),
+                watch,
+            )
         };
         let in_plane = match uniform {
             [true, _] => 0.0,
@@ -88,24 +93,26 @@ impl Task<'_> {
     }
 
     /// Grids with fewer and with more cells in every stratum that contains a body: cells elsewhere
-    /// do not affect the error. The coarser one equals the own grid if a stratum has only its
+    /// do not affect the error. The coarser one equals `resolution` if a stratum has only its
     /// minimum number of cells.
-    fn z_companions(&self, own: Resolution, share: f64) -> [Resolution; 2] {
-        let (coarse, fine) = (scaled_cells(own, share).cells, scaled_cells(own, 1.0 / share).cells);
-        let cells = |n: &usize| Resolution { cells: *n, ..own };
+    fn z_companions(&self, resolution: Resolution, share: f64) -> [Resolution; 2] {
+        let coarse = scaled_cells(resolution, share).cells;
+        let fine = scaled_cells(resolution, 1.0 / share).cells;
+        let cells = |n: &usize| Resolution { cells: *n, ..resolution };
         let mut coarser = (1..=coarse).rev().map(|n| n.max(self.coverages.scene.strata.len()));
-        let coarser = coarser.find(|&n| self.times_finer(own.cells, n) > 1.0);
+        let coarser = coarser.find(|&n| self.times_finer(resolution.cells, n) > 1.0);
         let mut finer = fine..=MOST_TIMES * fine;
-        let finer = finer.find(|&n| self.times_finer(n, own.cells) > 1.0).unwrap_or(fine);
-        [coarser.as_ref().map_or(own, cells), cells(&finer)]
+        let finer = finer.find(|&n| self.times_finer(n, resolution.cells) > 1.0).unwrap_or(fine);
+        [coarser.as_ref().map_or(resolution, cells), cells(&finer)]
     }
 
     /// Smallest ratio of cells between two grids over the strata that contain a body.
     fn times_finer(&self, cells: usize, other: usize) -> f64 {
         let scene = self.coverages.scene;
         let shares = |cells: usize| share_cells(scene, cells).unwrap_or_default();
-        let (own, other) = (shares(cells), shares(other));
-        let ratio = |i: usize| Some(*own.get(i)? as f64 / *other.get(i)? as f64);
+        let other = shares(other);
+        let shares = shares(cells);
+        let ratio = |i: usize| Some(*shares.get(i)? as f64 / *other.get(i)? as f64);
         scene.patterned_strata().into_iter().filter_map(ratio).fold(f64::INFINITY, f64::min)
     }
 
@@ -118,7 +125,7 @@ impl Task<'_> {
         companions: [Resolution; 2],
         watch: &mut dyn Watch,
     ) -> Result<f64> {
-        let own = finer[0].system.grid().resolution;
+        let resolution = finer[0].system.grid().resolution;
         let [coarse, fine] = companions;
         let (solved, _) = match self.solve_coarser(coarse, finer, watch)? {
             Some(solved) => solved,
@@ -127,9 +134,10 @@ impl Task<'_> {
         let others: Vec<FarField> = solved.iter().map(Solved::far_field).collect();
         let difference = largest_of_all(far, &others);
         let used = solved[0].system.grid().resolution;
-        let plane = own.nx as f64 / used.nx as f64;
-        let across = if own.cells == used.cells { 1.0 } else { self.times_finer(own.cells, used.cells) };
-        Ok(difference * error_share([plane, across], self.orders(own)))
+        let plane = resolution.nx as f64 / used.nx as f64;
+        let across =
+            if resolution.cells == used.cells { 1.0 } else { self.times_finer(resolution.cells, used.cells) };
+        Ok(difference * error_share([plane, across], self.orders(resolution)))
     }
 
     /// Orders of convergence in the plane and across z, conservatively at the lower end of those
@@ -140,15 +148,16 @@ impl Task<'_> {
     /// walls or cylinders, whose edges average out in two dimensions instead of three; walls along
     /// z, whose edges average out in one. Linear elements (tents) and second differences are of
     /// order 2 across z.
-    fn orders(&self, own: Resolution) -> [i32; 2] {
+    fn orders(&self, resolution: Resolution) -> [i32; 2] {
         let scene = self.coverages.scene;
         let upright = scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::BarY { .. }));
         let sharp = i32::from(scene.uniform_in_y()) + i32::from(self.is_strong()) + i32::from(upright);
         let waves = [scene.period_um[0], scene.thickness_um()].map(|l| l * self.waves_per_um());
         let fine = |i: usize, count: usize| i32::from(count as f64 > FINE[i] * waves[i]);
         let plane = if self.coverages.wave.is_vector() { 3 } else { 4 };
-        let across = if own.scheme.degree() > 1 { (5 - sharp - fine(1, own.cells)).max(3) } else { 2 };
-        [(plane - sharp - fine(0, own.nx)).max(2), across]
+        let across =
+            if resolution.scheme.degree() > 1 { (5 - sharp - fine(1, resolution.cells)).max(3) } else { 2 };
+        [(plane - sharp - fine(0, resolution.nx)).max(2), across]
     }
 
     /// Whether an inclusion's contrast exceeds k² of a background: the series of the folded terms
@@ -168,15 +177,17 @@ impl Task<'_> {
         finer: &[Solved],
         watch: &mut dyn Watch,
     ) -> Result<Option<(Vec<Solved>, f64)>> {
-        let own = finer[0].system.grid().resolution;
+        let resolution = finer[0].system.grid().resolution;
         let cells = finer[0].system.cells_needed(&Grid::new(self.coverages.scene, coarser)?);
         let coarser = Resolution { cells, ..coarser };
-        if coarser == own || cells != own.cells && self.times_finer(own.cells, cells) <= 1.0 {
+        if coarser == resolution
+            || cells != resolution.cells && self.times_finer(resolution.cells, cells) <= 1.0
+        {
             return Ok(None);
         }
         let solved = match self.solve_from(Some(finer), coarser, watch) {
             Err(AccuracyError::Wave(WaveError::CellTooHigh { needed, .. }))
-                if needed < own.cells && self.times_finer(own.cells, needed) > 1.0 =>
+                if needed < resolution.cells && self.times_finer(resolution.cells, needed) > 1.0 =>
             {
                 self.solve_from(Some(finer), Resolution { cells: needed, ..coarser }, watch)
             }

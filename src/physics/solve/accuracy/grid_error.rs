@@ -44,22 +44,26 @@ impl GridError {
     /// packing counts with its difference.
     pub fn from_differences(differences: &[Vec<[f64; 2]>]) -> Self {
         let probes = differences.first().map_or(0, Vec::len);
-        let of = |i: usize| largest((0..probes).map(|p| probe_error(differences, p, i)));
-        Self { reflectance: of(0), transmittance: of(1) }
+        let error_of = |i: usize| largest((0..probes).map(|p| probe_error(differences, p, i)));
+        Self { reflectance: error_of(0), transmittance: error_of(1) }
     }
 
     /// Differences \[R, T\] of the probes on one packing, for each polarisation: the result at
-    /// `own` less that on a coarser grid, or on a finer one if the coarser grid is rejected.
-    pub fn differences(tasks: &[Task], own: Resolution, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>> {
+    /// `resolution` less that on a coarser grid, or on a finer one if the coarser grid is rejected.
+    pub fn differences(
+        tasks: &[Task],
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Vec<[f64; 2]>> {
         let Some(coverages) = tasks.first().map(|task| task.coverages) else { return Ok(Vec::new()) };
         let mut differences = Vec::new();
-        let coarser = coverages.at(scaled(own, COARSER)).map_err(AccuracyError::from);
+        let coarser = coverages.at(scaled(resolution, COARSER)).map_err(AccuracyError::from);
         for task in tasks {
-            let one = totals_on(task, own, watch)?;
+            let one = totals_on(task, resolution, watch)?;
             let (other, share) = match coarser.as_ref().ok().map(|coarser| totals(task, coarser, watch)) {
                 Some(Ok(other)) => (other, 1.0),
                 Some(Err(stopped)) if stopped.is_stop() => return Err(stopped),
-                _ => (totals(task, &coverages.at(scaled(own, 1.0 / COARSER))?, watch)?, OF_FINER),
+                _ => (totals(task, &coverages.at(scaled(resolution, 1.0 / COARSER))?, watch)?, OF_FINER),
             };
             // Layers without grains are exact on every grid: rounding does not count as a
             // discretisation error.
@@ -83,9 +87,11 @@ fn probe_error(differences: &[Vec<[f64; 2]>], probe: usize, i: usize) -> f64 {
 /// the wave, as in [`crate::run`].
 fn totals_on(task: &Task, mut resolution: Resolution, watch: &mut dyn Watch) -> Result<Vec<[f64; 2]>> {
     loop {
-        let found = totals(task, &task.coverages.at(resolution)?, watch);
-        let Err(AccuracyError::Wave(refusal @ WaveError::CellTooHigh { .. })) = &found else { return found };
-        let Some(finer) = raised(resolution, refusal) else { return found };
+        let result = totals(task, &task.coverages.at(resolution)?, watch);
+        let Err(AccuracyError::Wave(refusal @ WaveError::CellTooHigh { .. })) = &result else {
+            return result;
+        };
+        let Some(finer) = raised(resolution, refusal) else { return result };
         resolution = finer;
     }
 }
@@ -147,11 +153,13 @@ mod tests {
     fn a_finer_grid_counts_with_its_share_where_the_coarser_one_is_refused() {
         let shape = BodyShape::CylinderY { x_um: 0.25, z_um: 0.3, radius_um: 0.1 };
         let scene = Scene::layer([0.5; 2], 0.73, vec![Body::new(shape, 0)]);
-        let (backgrounds, inclusions) = (vec![1.558.into()], vec![1.4.into()]);
+        let backgrounds = vec![1.558.into()];
+        let inclusions = vec![1.4.into()];
         let media = Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds, inclusions };
         let incidence =
             Incidence { wavelength_um: 0.55, polar_deg: 20.0, azimuth_deg: 0.0, from: Side::Incident };
-        let (coverages, solver) = (Coverages::of(&scene), Gmres::default());
+        let coverages = Coverages::of(&scene);
+        let solver = Gmres::default();
         let task = Task {
             coverages: &coverages,
             media: &media,
@@ -162,11 +170,12 @@ mod tests {
             goal: Goal { tolerance: 1e-9, ..Goal::default() },
             memory: 1e9,
         };
-        let own = Resolution { nx: 16, ny: 1, cells: 5, scheme: Scheme::Cubic };
+        let resolution = Resolution { nx: 16, ny: 1, cells: 5, scheme: Scheme::Cubic };
         let on = |grid| totals(&task, &coverages.at(grid)?, &mut Silent);
-        assert!(on(scaled(own, COARSER)).is_err());
-        let (one, finer) = (on(own).unwrap()[0], on(scaled(own, 1.0 / COARSER)).unwrap()[0]);
-        let found = GridError::differences(&[task], own, &mut Silent).unwrap()[0];
+        assert!(on(scaled(resolution, COARSER)).is_err());
+        let one = on(resolution).unwrap()[0];
+        let finer = on(scaled(resolution, 1.0 / COARSER)).unwrap()[0];
+        let found = GridError::differences(&[task], resolution, &mut Silent).unwrap()[0];
         for i in 0..2 {
             let expected = (one[i] - finer[i]) / (1.0 - 0.8_f64.powi(3));
             assert!(expected != 0.0);
@@ -177,8 +186,9 @@ mod tests {
     #[test]
     fn companions_are_coarser_or_finer_and_transform_fast() {
         for n in [1, 2, 12, 25, 128, 135] {
-            let own = Resolution { nx: n, ny: 1, cells: n, scheme: Scheme::default() };
-            let (coarse, fine) = (scaled(own, COARSER), scaled(own, 1.0 / COARSER));
+            let resolution = Resolution { nx: n, ny: 1, cells: n, scheme: Scheme::default() };
+            let coarse = scaled(resolution, COARSER);
+            let fine = scaled(resolution, 1.0 / COARSER);
             assert!(n == 1 || coarse.nx < n && n < fine.nx, "{n}");
             assert!(coarse.ny == 1 && fine.cells > n && (n == 1 || coarse.cells < n));
         }

@@ -48,7 +48,8 @@ impl Task<'_> {
     /// The layer is more wavelengths thick or wide than any grid can resolve.
     fn start(&self, accuracy: f64) -> Result<Resolution> {
         let finer = (1e-2 / accuracy).max(1.0);
-        let (scene, waves) = (self.coverages.scene, self.waves_per_um());
+        let scene = self.coverages.scene;
+        let waves = self.waves_per_um();
         let [per_wave, planes_per_wave] = START[usize::from(self.coverages.wave.is_vector())];
         let points = |axis: usize| {
             possible(accuracy, per_wave * finer.powf(0.25) * waves * scene.period_um[axis]).map(smooth_size)
@@ -77,7 +78,8 @@ struct Search<'a> {
 impl Search<'_> {
     /// The result on the next grid if it is accurate enough; otherwise chooses a finer grid.
     fn try_grid(&mut self, watch: &mut dyn Watch) -> Result<Option<Estimated>> {
-        let (resolution, accuracy) = (self.resolution, self.accuracy);
+        let resolution = self.resolution;
+        let accuracy = self.accuracy;
         self.task.admitted(resolution).map_err(|refusal| self.beyond_memory(refusal))?;
         let clock = std::time::Instant::now();
         watch.grid(&GridTrial { resolution, accuracy, estimate: None, seconds: 0.0 });
@@ -86,7 +88,8 @@ impl Search<'_> {
             Ok(estimated) => estimated,
             Err(refusal) => return self.raise(refusal).map(|()| None),
         };
-        let (estimate, seconds) = (Some(estimated.error_estimate), clock.elapsed().as_secs_f64());
+        let estimate = Some(estimated.error_estimate);
+        let seconds = clock.elapsed().as_secs_f64();
         let trial = GridTrial { resolution, accuracy, estimate, seconds };
         watch.grid(&trial);
         self.tried.push(trial);
@@ -109,23 +112,26 @@ impl Search<'_> {
             _ => None,
         };
         let Some(finer) = finer else { return Err(refusal) };
-        (self.resolution, self.refused) = (finer, Some(refusal));
+        self.resolution = finer;
+        self.refused = Some(refusal);
         Ok(())
     }
 
     fn beyond_memory(&self, next: TooLarge) -> AccuracyError {
-        let asked = self.accuracy;
-        let Some(last) = &self.last else { return AccuracyError::TooLarge { asked, first: next } };
+        let Some(last) = &self.last else {
+            return AccuracyError::TooLarge { asked: self.accuracy, first: next };
+        };
         let tried = self.tried.iter().map(GridTrial::to_string).collect::<Vec<_>>().join("; ");
-        let (reached, last) = (last.error_estimate, last.system().grid().resolution);
-        AccuracyError::NotReached { asked, reached, last, next, tried }
+        let reached = last.error_estimate;
+        let last = last.system().grid().resolution;
+        AccuracyError::NotReached { asked: self.accuracy, reached, last, next, tried }
     }
 }
 
 /// A number of points or cells along one axis, if a grid may have that many.
-fn possible(asked: f64, need: f64) -> Result<usize> {
+fn possible(accuracy: f64, need: f64) -> Result<usize> {
     let count = (need <= MOST_POINTS as f64).then(|| need.ceil() as usize);
-    count.ok_or(AccuracyError::TooManyWaves { asked, need })
+    count.ok_or(AccuracyError::TooManyWaves { asked: accuracy, need })
 }
 
 /// The scheme that reaches an accuracy with the fewest planes: higher-order cells pay off once
@@ -192,7 +198,8 @@ pub(crate) fn refine(r: Resolution, parts: [f64; 2], accuracy: f64) -> Resolutio
     let mut next = r;
     if parts[0] > 0.45 * accuracy {
         let grow = |n: usize| if n == 1 { 1 } else { scaled_points(n, factor(parts[0])) };
-        (next.nx, next.ny) = (grow(r.nx), grow(r.ny));
+        next.nx = grow(r.nx);
+        next.ny = grow(r.ny);
     }
     if parts[1] > 0.45 * accuracy {
         next.cells = ((r.cells as f64 * factor(parts[1])).round() as usize).max(r.cells + 1);

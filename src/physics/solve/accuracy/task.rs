@@ -235,7 +235,8 @@ mod tests {
         let coverages = Coverages::new(Wave::Scalar, &scene, precision);
         let end = coverages.at(Resolution { nx: 5, ny: 5, cells: 1, scheme: Scheme::Cubic });
         assert_eq!(end.err(), Some(WaveError::Stopped));
-        let (asked, grains) = (asked.load(Ordering::Relaxed), scene.bodies.len());
+        let asked = asked.load(Ordering::Relaxed);
+        let grains = scene.bodies.len();
         assert!(asked < grains, "asked {asked} times for {grains} grains");
     }
 }

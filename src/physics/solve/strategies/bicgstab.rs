@@ -60,13 +60,17 @@ impl Solver for Bicgstab {
 /// Iterates until the recursive residual meets the goal, breaks down, or the applications are used
 /// up.
 fn recurrence(ledger: &mut Ledger, u: &mut Field, r: &mut Field) -> Result<(), SolveError> {
-    let (shadow, mut p) = (r.clone(), r.clone());
-    let [mut v, mut s, mut t] = [(); 3].map(|()| Field::zeros(r.dim()));
+    let shadow = r.clone();
+    let mut p = r.clone();
+    let mut v = Field::zeros(r.dim());
+    let mut s = Field::zeros(r.dim());
+    let mut t = Field::zeros(r.dim());
     let mut rho = dot(flat(&shadow), flat(r));
     while !ledger.exhausted() {
         apply(ledger, &p, &mut v); // v = M p
         let alpha = rho / dot(flat(&shadow), flat(&v)); // α = ⟨r̃, r⟩ / ⟨r̃, v⟩
-        ndarray::Zip::from(&mut s).and(&*r).and(&v).par_for_each(|s, &r, &v| *s = r - alpha * v); // s = r − α v
+        // s = r − α v
+        ndarray::Zip::from(&mut s).and(&*r).and(&v).par_for_each(|s, &r, &v| *s = r - alpha * v);
         // Half a step may suffice, and does exactly so without contrast: ω would be 0/0.
         let half = norm(flat(&s)) / ledger.scale();
         if half <= 0.9 * ledger.goal.tolerance {

@@ -172,7 +172,8 @@ impl<'a> BornSeries<'a> {
         let source = (row, b.iter().map(|b| b / shifted.mass[row]).collect());
         let mut u = Array2::zeros(contrast.dim());
         problem.planes_to_points(&problem.mean.to_planes(field), &mut u);
-        let (points, harmonics) = (u.clone(), Field::zeros(problem.shape()));
+        let points = u.clone();
+        let harmonics = Field::zeros(problem.shape());
         BornSeries { problem, shifted, contrast, gamma, source, u, points, harmonics }
     }
 

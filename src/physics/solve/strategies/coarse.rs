@@ -47,16 +47,16 @@ impl CoarseSpace {
     fn eliminate(&mut self, problem: &Problem) {
         let mut before: Option<Mat<c32>> = None;
         for j in 0..self.diagonal.len() {
-            let mut own = cell::contrast_matrix(problem, &self.columns, self.degree() * j);
-            add_diagonal(&mut own, &self.diagonal[j]);
+            let mut block = cell::contrast_matrix(problem, &self.columns, self.degree() * j);
+            add_diagonal(&mut block, &self.diagonal[j]);
             if let Some(taken) = before.take() {
-                own += taken;
+                block += taken;
             }
             let next = self.eliminate_cell(problem, j);
             if let Some([first, ..]) = &next {
-                own += first;
+                block += first;
             }
-            self.pivots.push(c32::inverse(own.as_ref()));
+            self.pivots.push(c32::inverse(block.as_ref()));
             before = next.map(|[_, upper, lower, second]| second - lower * (&self.pivots[j] * upper));
         }
     }
@@ -97,7 +97,8 @@ impl CoarseSpace {
 
     /// Solves (A + V) u = A w; planes of w are replaced by those of u.
     fn solve(&self, field: &mut [Vec<c32>]) {
-        let (degree, mut nodes) = (self.degree(), self.node_products(field));
+        let degree = self.degree();
+        let mut nodes = self.node_products(field);
         // loads of the bubbles of w on the nodes, the inner points eliminated
         let mut inner = Vec::with_capacity(self.cells.len());
         for (j, cell) in self.cells.iter().enumerate() {
@@ -120,7 +121,7 @@ impl CoarseSpace {
     fn node_products(&self, field: &[Vec<c32>]) -> Vec<Vec<c32>> {
         let node = |j: usize| &field[self.degree() * j];
         let mut out: Vec<Vec<c32>> =
-            self.diagonal.iter().enumerate().map(|(j, own)| product(own, node(j))).collect();
+            self.diagonal.iter().enumerate().map(|(j, diagonal)| product(diagonal, node(j))).collect();
         for (j, off) in self.off.iter().enumerate() {
             for (to, from) in [(j, j + 1), (j + 1, j)] {
                 out[to].iter_mut().zip(off.iter().zip(node(from))).for_each(|(out, (o, w))| *out += o * w);
@@ -199,10 +200,13 @@ impl<'a> CoarsePlan<'a> {
         let (diagonal, off): (Vec<_>, Vec<_>) = columns.iter().map(node).unzip();
         let element = &problem.mean.element;
         let value = |p: usize| element.bubbles.iter().map(|bubble| bubble[p - 1]).collect();
-        let (harmonics, amplitudes) = (problem.harmonics.len(), element.amplitudes.clone());
+        let harmonics = problem.harmonics.len();
+        let amplitudes = element.amplitudes.clone();
         let bubbles = (1..element.degree).map(value).collect();
-        let [diagonal, off] = [diagonal, off].map(|table| transposed(&table));
-        let (cells, pivots) = (Vec::new(), Vec::new());
+        let diagonal = transposed(&diagonal);
+        let off = transposed(&off);
+        let cells = Vec::new();
+        let pivots = Vec::new();
         let mut space = CoarseSpace { columns, harmonics, bubbles, amplitudes, diagonal, off, cells, pivots };
         space.eliminate(problem);
         space

@@ -64,7 +64,8 @@ impl Solver for Direct {
 /// Columns of 1 + A⁻¹V in turn, by application to unit vectors.
 fn assemble(problem: &dyn System, ledger: &mut Ledger) -> Vec<Complex64> {
     let n = problem.unknowns();
-    let (mut unit, mut column) = (Field::zeros(problem.shape()), Field::zeros(problem.shape()));
+    let mut unit = Field::zeros(problem.shape());
+    let mut column = Field::zeros(problem.shape());
     let mut matrix = Vec::with_capacity(n * n);
     for j in 0..n {
         unit.as_slice_mut().expect("fields are contiguous")[j] = Complex64::ONE;

@@ -85,9 +85,8 @@ pub(crate) struct Correction {
     stride: usize,
 }
 
-/// Factor on `threshold` in hard solves: there the contrast of high indices couples modes further
-/// from null (n = 2.6: 258 applications with 5, 300 with 2, 169 with 11, which costs more in dense
-/// blocks than it saves).
+/// Factor on `threshold` in hard solves, where high contrast couples modes further from null;
+/// larger factors cost more in dense blocks than they save.
 const HARD: f64 = 5.0;
 /// Upper limit on the number of modes in hard solves.
 const MOST_HARD: usize = 1500;
@@ -187,7 +186,8 @@ impl Correction {
             mean_inverses.push((first, Complex64::inverse(block.as_ref())));
             first += group.len();
         }
-        let (harmonics, stride) = (problem.harmonics.len(), problem.coverage.grid.element.degree);
+        let harmonics = problem.harmonics.len();
+        let stride = problem.coverage.grid.element.degree;
         Correction {
             galerkin: Complex64::factors(galerkin.as_ref()),
             modes,
@@ -258,7 +258,9 @@ fn contrast_block(problem: &Problem, modes: &[Mode]) -> Mat<Complex64> {
         spectra.column_mut(p).iter_mut().zip(problem.contrast_spectrum(p)).for_each(|(s, w)| *s = w);
     }
     let spectrum_of = |i: usize, j: usize| {
-        let [a, b] = [i, j].map(|k| problem.harmonics.orders[modes[k].harmonic]);
+        let order = |mode: usize| problem.harmonics.orders[modes[mode].harmonic];
+        let a = order(i);
+        let b = order(j);
         let wrap = |axis: usize, n: usize| (a[axis] - b[axis]).rem_euclid(n as i32) as usize;
         spectra.row(wrap(0, nx) * ny + wrap(1, ny))
     };

@@ -44,10 +44,8 @@ const OTHER_VECTORS: f64 = 9.0;
 const GUIDED_SHARE: f64 = 0.3;
 /// Shortest basis with which restarts still converge.
 const LEAST_RESTART: usize = 20;
-/// A cycle that leaves more than this fraction of the residual hands over to short recurrences in
-/// the vector wave, which has no guided modes to correct, and for strong scatterers:
-/// orthogonalising against hundreds of vectors costs ten times what an application does (15 % of
-/// n = 2.7, 250 nm, 440 nm, κ = 0: 29 s a polarisation with 535 applications, 3 s with 950).
+/// Fraction of the residual above which a cycle hands over to short recurrences, in the vector wave
+/// and for strong scatterers: orthogonalising there costs ten times what an application does.
 const SLOW: f64 = 0.1;
 /// Upper limit on the growth of a basis that is too short, reached at once: applications with short
 /// bases are lost. Beyond it, orthogonalisation costs more than another strategy.
@@ -108,7 +106,8 @@ impl Solver for Growing {
         let correction = problem.split().and_then(|p| self.settings.guided_modes.correction(p));
         let correction = correction.map(RightFactor::Guided);
         let single = if ledger.goal.tolerance >= SINGLE { problem.single() } else { None };
-        let (restart, first_cycle) = (self.settings.restart.max(1), true);
+        let restart = self.settings.restart.max(1);
+        let first_cycle = true;
         let mut run = KrylovRun { ledger, field, work, correction, single, restart, first_cycle };
         while !run.ledger.reached() {
             let before = run.ledger.account.residual;

@@ -34,7 +34,8 @@ fn awkward() -> Vec<[usize; 3]> {
 
 /// u₀ and the solution of (1 + A⁻¹V) u = u₀ by dense LU, the matrix from unit vectors.
 fn dense_solution(problem: &Problem) -> Field {
-    let (shape, count) = (problem.shape(), problem.unknowns());
+    let shape = problem.shape();
+    let count = problem.unknowns();
     // Scratch starts as garbage: no column may depend on what the buffer held.
     let mut column = Field::from_elem(shape, Complex64::new(f64::NAN, f64::NAN));
     let mut matrix = faer::Mat::<Complex64>::identity(count, count);
@@ -126,7 +127,8 @@ fn guided_modes_change_nothing_where_there_is_no_contrast() {
 /// at once, which is as far from null as its damping, 4k/H. *Planted*: damping forgotten.
 #[test]
 fn a_mode_that_radiates_is_no_guided_mode() {
-    let (n, wavelength_um) = (1.558, 0.9);
+    let n = 1.558;
+    let wavelength_um = 0.9;
     let modes = |outside: f64| {
         let scene = Scene::layer([0.3, 0.26], 2.5 * wavelength_um / n, Vec::new());
         let index = Complex64::from(n);
@@ -152,7 +154,8 @@ fn single_precision_is_judged_by_the_residual_in_double_precision() {
     {
         let problem = problem(size, Scheme::Quartic, Complex64::from(2.5), Side::Incident);
         let solution = solver.solve(&problem, goal, &mut Silent).expect("converges");
-        let (background, mut rest) = (problem.background_wave(), Field::zeros(problem.shape()));
+        let background = problem.background_wave();
+        let mut rest = Field::zeros(problem.shape());
         System::residual(&problem, &background, &solution.field, &mut rest);
         let residual = norm(flat(&rest)) / norm(flat(&background));
         assert!(residual <= goal.tolerance && (residual / solution.account.residual - 1.0).abs() < 1e-6);
@@ -228,7 +231,8 @@ fn hard(index: f64) -> Problem {
     let ball = |center_um| Body::new(BodyShape::Balls(vec![Sphere { center_um, radius_um: 0.125 }]), 0);
     let scene = Scene::layer([0.8, 0.8], 0.9, centres.map(ball).to_vec());
     let one = Complex64::ONE;
-    let (backgrounds, inclusions) = (vec![1.5.into()], vec![index.into()]);
+    let backgrounds = vec![1.5.into()];
+    let inclusions = vec![index.into()];
     let media = Media { incident: one, exit: one, backgrounds, inclusions };
     let incidence = Incidence { wavelength_um: 0.45, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
     let resolution = Resolution { nx: 24, ny: 24, cells: 14, scheme: Scheme::Cubic };
@@ -240,7 +244,8 @@ fn hard(index: f64) -> Problem {
 /// *Planted*: small cells without their guided modes.
 #[test]
 fn a_hard_solve_takes_pains() {
-    let (problem, goal) = (hard(2.15), Goal { tolerance: 1e-4, ..Goal::default() });
+    let problem = hard(2.15);
+    let goal = Goal { tolerance: 1e-4, ..Goal::default() };
     let (near, hard) = (GuidedModes::default(), GuidedModes::default().of_hard_solves());
     assert!(near.correction(&problem).is_none() && hard.correction(&problem).is_some());
     let short = Gmres { restart: 20, ..Gmres::default() };
@@ -263,7 +268,8 @@ fn a_hard_solve_takes_pains() {
 /// *Planted*: ω never renewed; a wrong sign in the elimination of the nodes or of the inner points.
 #[test]
 fn strong_scatterers_are_left_to_short_recurrences_and_to_elimination() {
-    let (problem, goal) = (hard(2.6), Goal { tolerance: 1e-4, ..Goal::default() });
+    let problem = hard(2.6);
+    let goal = Goal { tolerance: 1e-4, ..Goal::default() };
     let off = GuidedModes { threshold: 0.0, ..GuidedModes::default() };
     let short = Gmres { restart: 60, guided_modes: off };
     let restarted = short.solve(&problem, goal, &mut Silent);
@@ -288,15 +294,16 @@ fn strong_scatterers_are_left_to_short_recurrences_and_to_elimination() {
 #[test]
 fn the_memory_of_the_elimination_is_planned() {
     let problem = hard(2.6);
-    let (planned, kept) =
-        (CoarsePlan::new(&problem).bytes(), CoarsePlan::new(&problem).carried_out().bytes() as f64);
+    let planned = CoarsePlan::new(&problem).bytes();
+    let kept = CoarsePlan::new(&problem).carried_out().bytes() as f64;
     assert!(kept < planned && planned < 2.0 * kept, "{planned:e} for {kept:e}");
 }
 
 /// A solve that has not begun.
 fn fresh<'a>(problem: &'a Problem, goal: Goal, silent: &'a mut Silent) -> KrylovRun<'a> {
     let ledger = Ledger::new("krylov", problem, goal, silent);
-    let (field, work) = (Field::zeros(problem.shape()), ledger.background.clone());
+    let field = Field::zeros(problem.shape());
+    let work = ledger.background.clone();
     KrylovRun { ledger, field, work, correction: None, single: None, restart: 60, first_cycle: true }
 }
 
@@ -318,13 +325,15 @@ fn eliminated(problem: &Problem, goal: Goal) -> Solution {
 /// they found, nor a residual that is not the field's.
 #[test]
 fn short_recurrences_are_given_up_without_harm() {
-    let (problem, goal) = (hard(2.6), Goal { tolerance: 1e-8, ..Goal::default() });
+    let problem = hard(2.6);
+    let goal = Goal { tolerance: 1e-8, ..Goal::default() };
     for cost in [0.0, 6.0, 60.0] {
         let mut silent = Silent;
         let mut run = fresh(&problem, goal, &mut silent);
         run.ledger.note(1.0).expect("goes on");
         assert!(run.short_recurrences(Some(cost)).is_err());
-        let (said, applications) = (run.ledger.account.residual, run.ledger.account.operator_applications);
+        let said = run.ledger.account.residual;
+        let applications = run.ledger.account.operator_applications;
         // after the recurrence's own count, one measures the true residual
         assert!(applications as f64 <= 0.5 * cost + 2.0, "{applications} of {cost}");
         let true_residual = run.ledger.measure(&run.field, &mut run.work);

@@ -55,17 +55,17 @@ impl Precision<'_> {
         Precision { error, stop: &|| false }
     }
 
-    /// Error of the coefficients that is negligible beside an error `accuracy` of the amplitudes: in
-    /// ink, amplitudes change by less than a hundredth of the coefficients' error. Strong contrast
-    /// and its resonances amplify it: see [`Precision::error_among`].
+    /// Error of the coefficients that is negligible beside an error `accuracy` of the amplitudes:
+    /// in ink, amplitudes change by less than a hundredth of the coefficients' error. Strong
+    /// contrast and its resonances amplify it: see [`Precision::error_among`].
     pub fn error_for(accuracy: f64) -> f64 {
         0.1 * accuracy
     }
 
     /// Error of the coefficients for bodies whose contrast |η_i² − η_b²| is at most `contrast`; see
-    /// [`Precision::error_for`]. *Measured*: for bars of 2.5 in vacuum (5.25), amplitudes changed by
-    /// ten times the error of the coefficients, so that differences between companions showed that
-    /// error instead of the grids'.
+    /// [`Precision::error_for`]. *Measured*: for bars of 2.5 in vacuum (5.25), amplitudes changed
+    /// by ten times the error of the coefficients, so that differences between companions showed
+    /// that error instead of the grids'.
     pub fn error_among(accuracy: f64, contrast: f64) -> f64 {
         Self::error_for(accuracy) / (contrast / INK_LIKE).powi(3).max(1.0)
     }
@@ -149,7 +149,8 @@ impl Coverage {
         let mean = |j: usize, c: usize| Some(cells[j][c].as_ref()?.means.iter().sum::<f64>() / heights[j]);
         let layout = Layout::new(scene, grid, channels, mean);
         let (nx, ny) = (resolution.nx, resolution.ny);
-        let (fft, fft_single) = (PlaneFft::new(nx, ny), PlaneFft::new(nx, ny));
+        let fft = PlaneFft::new(nx, ny);
+        let fft_single = PlaneFft::new(nx, ny);
         let harmonics = Arc::new(Harmonics::new(nx, ny));
         Ok(Coverage { layout, moments, pairs, folded, harmonics, fft, fft_single })
     }

@@ -120,7 +120,8 @@ fn union_volume(r: f64, s: f64, d: f64) -> f64 {
 
 #[test]
 fn overlapping_balls_of_one_grain_count_once() {
-    let (a, offset) = (ball([0.35, 0.5, 0.28], 0.2), [0.12, -0.07, 0.09]);
+    let a = ball([0.35, 0.5, 0.28], 0.2);
+    let offset = [0.12, -0.07, 0.09];
     let b = ball(std::array::from_fn(|i| a.center_um[i] + offset[i]), 0.15);
     let distance = offset.iter().map(|x| x * x).sum::<f64>().sqrt();
     let c = coverage(BodyShape::Balls(vec![a, b]), 12, 15, 7, Scheme::Cubic);
@@ -171,18 +172,18 @@ fn a_unions_coefficients_agree_with_a_fine_voxel_sum() {
 
 #[test]
 fn grains_wrap_periodically() {
-    let at = |x: f64, y: f64| {
+    let cluster = |x: f64, y: f64| {
         let balls = vec![ball([x, y, 0.3], 0.2), ball([x + 0.1, y, 0.35], 0.15)];
         coverage(BodyShape::Balls(balls), 10, 11, 4, Scheme::Quadratic)
     };
-    let reference = at(0.0, 0.0);
+    let reference = cluster(0.0, 0.0);
     for (x, y) in [(PERIOD[0], -PERIOD[1]), (-2.0 * PERIOD[0], 3.0 * PERIOD[1])] {
-        let wrapped = at(x, y);
+        let wrapped = cluster(x, y);
         let error = (&wrapped.moments[0] - &reference.moments[0]).fold(0.0, |e: f64, d| e.max(d.abs()));
         assert!(error < 1e-10, "{error:e}");
     }
     // Moving by one grid spacing moves the moments by one point.
-    let moved = at(PERIOD[0] / 10.0, 0.0);
+    let moved = cluster(PERIOD[0] / 10.0, 0.0);
     for plane in 0..reference.grid.planes() {
         for i in 0..110 {
             let target = i / 10 * 10 + (i + 1) % 10;
@@ -206,7 +207,9 @@ fn cylinders_bars_and_sheets_have_their_areas() {
 fn folded_harmonics_have_the_mean_that_partitioning_predicts() {
     // A bar of full height: moments factor into ∫ψ and sinc, so Σ_q |M_q|²/q² over the outer set is
     // explicit.
-    let (x0, x1, nx) = (0.2, 0.55, 8);
+    let x0 = 0.2;
+    let x1 = 0.55;
+    let nx = 8;
     let c = coverage(BodyShape::BarY { x_um: [x0, x1], z_um: [0.0, HEIGHT] }, nx, 1, 1, Scheme::Tents);
     let weight = HEIGHT / 2.0;
     let outer = (4..=7).flat_map(|m| [m, -m]).map(|m: i32| {

@@ -61,7 +61,8 @@ impl<'a, T: Real> Folding<'a, T> {
         let nx = grid.resolution.nx;
         let ny = grid.resolution.ny;
         let [wx, wy] = [nx, ny].map(|n| if n == 1 { 1 } else { REACH * n });
-        let (harmonics, inner) = (Harmonics::new(wx, wy), Harmonics::new(nx, ny));
+        let harmonics = Harmonics::new(wx, wy);
+        let inner = Harmonics::new(nx, ny);
         let [mmax, nmax] = [nx, ny].map(|n| (n as i32 - 1) / 2);
         let is_inner = |o: &[i32; 2]| o[0].abs() <= mmax && o[1].abs() <= nmax;
         let kept = (0..harmonics.len()).filter(|&i| is_inner(&harmonics.orders[i])).collect();
@@ -70,7 +71,8 @@ impl<'a, T: Real> Folding<'a, T> {
             T::of(if is_inner(o) { 0.0 } else { 1.0 / q2 })
         };
         let inverse_q2 = harmonics.orders.iter().map(inverse).collect();
-        let (wide, narrow) = (PlaneFft::new(wx, wy), PlaneFft::new(nx, ny));
+        let wide = PlaneFft::new(wx, wy);
+        let narrow = PlaneFft::new(nx, ny);
         Folding { grid, harmonics, inner, kept, inverse_q2, wide, narrow, wide_points: wx * wy }
     }
 
@@ -96,7 +98,7 @@ impl<'a, T: Real> Folding<'a, T> {
     /// Computes one plane's wide spectrum and outer fields of every channel in `buffers`.
     fn spectra(&self, cells: &CellTable<T>, plane: usize, buffers: &mut Buffers<T>) {
         for c in 0..buffers.spectra.len() {
-            self.plane_spectrum(cells, [plane, c], &mut buffers.spectra[c]);
+            self.plane_spectrum(cells, plane, c, &mut buffers.spectra[c]);
             self.outer_fields(c, buffers);
         }
     }
@@ -114,8 +116,8 @@ impl<'a, T: Real> Folding<'a, T> {
         for (p, mut out) in moments.split_off(buffers.spectra.len()).into_iter().enumerate() {
             self.product(pairs[p], weight, buffers);
             let Buffers { narrow, spectra, compact, .. } = &mut *buffers;
-            let own = |i: usize| spectra.get(p).map_or(Complex::default(), |spectrum| spectrum[i]);
-            let both = |&i: &usize| own(i) + Complex::new(-compact[i].im, compact[i].re);
+            let moment = |i: usize| spectra.get(p).map_or(Complex::default(), |spectrum| spectrum[i]);
+            let both = |&i: &usize| moment(i) + Complex::new(-compact[i].im, compact[i].re);
             let kept: Vec<Complex<T>> = self.kept.iter().map(both).collect();
             self.inner.scatter(&kept, &mut narrow.spectrum);
             self.narrow.inverse(narrow, &self.inner.rows);
@@ -128,8 +130,10 @@ impl<'a, T: Real> Folding<'a, T> {
 
     fn buffers(&self, channels: usize) -> Buffers<T> {
         let zeros = |count: usize| vec![vec![Complex::default(); count]; channels];
-        let (wide, narrow) = (self.wide.scratch(), self.narrow.scratch());
-        let (spectra, outer) = (zeros(self.harmonics.len()), zeros(self.wide_points));
+        let wide = self.wide.scratch();
+        let narrow = self.narrow.scratch();
+        let spectra = zeros(self.harmonics.len());
+        let outer = zeros(self.wide_points);
         Buffers { wide, narrow, spectra, outer, compact: vec![Complex::default(); self.harmonics.len()] }
     }
 
@@ -159,7 +163,7 @@ impl<'a, T: Real> Folding<'a, T> {
     }
 
     /// One plane's wide spectrum of a channel, the sum over the cells it touches.
-    fn plane_spectrum(&self, cells: &CellTable<T>, [plane, channel]: [usize; 2], sum: &mut [Complex<T>]) {
+    fn plane_spectrum(&self, cells: &CellTable<T>, plane: usize, channel: usize, sum: &mut [Complex<T>]) {
         sum.fill(Complex::default());
         let degree = self.grid.element.degree;
         // A plane belongs to the cell in which it starts or lies, and a node also to the previous
@@ -174,7 +178,8 @@ impl<'a, T: Real> Folding<'a, T> {
 
     /// Integral of the plane's shape functions over the cells it touches.
     fn plane_weight(&self, plane: usize) -> f64 {
-        let (grid, degree) = (self.grid, self.grid.element.degree);
+        let grid = self.grid;
+        let degree = grid.element.degree;
         let in_cell = |j: usize| {
             let point = plane.checked_sub(degree * j)?;
             Some(grid.height_um(j) * grid.element.weights.get(point)?)

@@ -82,9 +82,10 @@ impl<T: Real> SourceTransform<T> {
     /// Plans the transform.
     pub fn new(mmax: usize, nmax: usize, spreading: Spreading) -> SourceTransform<T> {
         let fine = [mmax, nmax].map(|m| fine_size(m, spreading));
-        let correction =
-            [(mmax, fine[0]), (nmax, fine[1])].map(|(m, size)| kernel_correction(m, size, spreading.width));
-        let (fft, kernel) = (PlaneFft::new(fine[0], fine[1]), Kernel::new(spreading.width));
+        let width = spreading.width;
+        let correction = [kernel_correction(mmax, fine[0], width), kernel_correction(nmax, fine[1], width)];
+        let fft = PlaneFft::new(fine[0], fine[1]);
+        let kernel = Kernel::new(width);
         SourceTransform { fine, fft, kernel, correction }
     }
 
@@ -129,7 +130,8 @@ fn spread_rows<T: Real>(values: &mut [T], stride: usize, wx: &[T], wy: &[T], val
 impl<'a, T: Real> Sources<'a, T> {
     /// Without any source.
     pub fn new(transform: &'a SourceTransform<T>, period_um: [f64; 2], fields: usize) -> Self {
-        let (patch, grids) = (Vec::new(), Vec::new());
+        let patch = Vec::new();
+        let grids = Vec::new();
         Sources { transform, period_um, fields, origin: [0; 2], size: [0; 2], patch, grids }
     }
 
@@ -137,12 +139,14 @@ impl<'a, T: Real> Sources<'a, T> {
     pub fn open(&mut self, extents: [[f64; 2]; 2]) {
         let margin = self.transform.kernel.width as f64 / 2.0 + 1.0;
         for axis in 0..2 {
-            let ([from, to], fine) = (extents[axis], self.transform.fine[axis] as f64);
+            let [from, to] = extents[axis];
+            let fine = self.transform.fine[axis] as f64;
             let center = 0.5 * (from + to) / self.period_um[axis] * fine;
             let reach = 0.5 * (to - from) / self.period_um[axis] * fine + margin;
             let low = (center - reach).floor();
             let high = (center + reach).ceil();
-            (self.origin[axis], self.size[axis]) = (low as i64, (high - low) as usize + 1);
+            self.origin[axis] = low as i64;
+            self.size[axis] = (high - low) as usize + 1;
         }
         self.patch.clear();
         self.patch.resize(self.size[0] * self.size[1] * self.fields, T::default());
@@ -154,7 +158,8 @@ impl<'a, T: Real> Sources<'a, T> {
         let SourceTransform { kernel, fine, .. } = self.transform;
         let [x, y] =
             [0, 1].map(|axis| kernel.footprint(position_um[axis] / self.period_um[axis] * fine[axis] as f64));
-        let (column, row) = ((x.first - self.origin[0]) as usize, (y.first - self.origin[1]) as usize);
+        let column = (x.first - self.origin[0]) as usize;
+        let row = (y.first - self.origin[1]) as usize;
         let stride = self.size[0] * self.fields;
         let part = &mut self.patch[row * stride + column * self.fields..];
         spread_rows(part, stride, &x.weight[..kernel.width], &y.weight[..kernel.width], value);
@@ -162,7 +167,8 @@ impl<'a, T: Real> Sources<'a, T> {
 
     /// Adds the patch to the grids.
     pub fn close(&mut self) {
-        let (fields, fine) = (self.fields, self.transform.fine);
+        let fields = self.fields;
+        let fine = self.transform.fine;
         if self.grids.is_empty() {
             self.grids = vec![vec![Complex::default(); fine[0] * fine[1]]; fields / 2];
         }
@@ -221,7 +227,8 @@ fn polynomial(degree: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
     let angle = |q: usize| PI * (q as f64 + 0.5) / count as f64;
     let samples: Vec<f64> = (0..count).map(|q| f(0.5 * (angle(q).cos() + 1.0))).collect();
     let mut sum = vec![0.0; count];
-    let (mut before, mut here) = (vec![0.0; count], vec![0.0; count]);
+    let mut before = vec![0.0; count];
+    let mut here = vec![0.0; count];
     here[0] = 1.0;
     for k in 0..count {
         let projection: f64 = samples.iter().enumerate().map(|(q, s)| s * (k as f64 * angle(q)).cos()).sum();

@@ -62,7 +62,9 @@ impl OpenSpace<'_> {
     /// Moments ∫ ψ_p dz over the open part of each column within the cell: columns × planes of the
     /// cell.
     fn column_moments(&self) -> Vec<f64> {
-        let ([lo, hi], surface, count) = (self.range_um, self.surface, self.count);
+        let [lo, hi] = self.range_um;
+        let surface = self.surface;
+        let count = self.count;
         let planes = self.element.degree + 1;
         let rule = GaussLegendre::new(planes).expect("at least two nodes");
         let chords = self.chords();
@@ -73,7 +75,8 @@ impl OpenSpace<'_> {
             rest = after;
             let [x, y] = self.place(column);
             let z = bilinear(&surface.z_um, surface.count, surface.period_um, [x, y]);
-            let (mut from, to) = (z.min(self.face_um).max(lo), z.max(self.face_um).min(hi));
+            let mut from = z.min(self.face_um).max(lo);
+            let to = z.max(self.face_um).min(hi);
             for [start, end] in blocked.iter().map(|(_, chord)| *chord).chain([[to, to]]) {
                 self.add_stretch(moments, &rule, [from, start.min(to)]);
                 from = from.max(end);
@@ -124,8 +127,8 @@ impl OpenSpace<'_> {
         });
         let wrapped = move |k: i64, axis: usize| k.rem_euclid(count[axis] as i64) as usize;
         rows.flat_map(move |j| {
-            let at = move |i: i64| [i as f64 * step[0], j as f64 * step[1]];
-            columns.clone().map(move |i| (wrapped(j, 1) * count[0] + wrapped(i, 0), at(i)))
+            let position = move |i: i64| [i as f64 * step[0], j as f64 * step[1]];
+            columns.clone().map(move |i| (wrapped(j, 1) * count[0] + wrapped(i, 0), position(i)))
         })
     }
 
@@ -161,8 +164,12 @@ mod tests {
     fn columns_reach_down_to_the_surface_at_their_own_place() {
         let surface = HeightField { z_um: vec![0.1, 0.3], count: [2, 1], period_um: [0.6, 0.4] };
         let element = Element::new(3);
-        let (surface, element, range_um) = (&surface, &element, [0.0, 0.4]);
-        let (balls, solids, count) = (&[], &[], [4, 2]);
+        let surface = &surface;
+        let element = &element;
+        let range_um = [0.0, 0.4];
+        let balls = &[];
+        let solids = &[];
+        let count = [4, 2];
         let space = OpenSpace { surface, face_um: 0.0, balls, solids, range_um, element, count };
         let moments = space.column_moments();
         let depths: Vec<f64> = moments.chunks_exact(4).map(|column| column.iter().sum::<f64>()).collect();

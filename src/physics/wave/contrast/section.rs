@@ -76,13 +76,14 @@ impl Sampling {
     pub fn rings(&self, balls: &[Sphere], i: usize, range: [f64; 2], ring: &mut impl FnMut(f64, f64, &Edge)) {
         let mut points = Vec::new();
         for part in breakpoints(balls, i, range).windows(2) {
-            let (lo, length) = (part[0], part[1] - part[0]);
+            let lo = part[0];
+            let length = part[1] - part[0];
             let middle = free_arcs(balls, i, lo + 0.5 * length);
             if middle.is_empty() {
                 continue;
             }
             let whole = matches!(middle[..], [[start, end]] if end - start >= TAU);
-            for (z, weight) in heights([lo, length], self.height_count(length, whole), !whole) {
+            for (z, weight) in heights(lo, length, self.height_count(length, whole), !whole) {
                 points.clear();
                 let arcs = if whole { middle.clone() } else { free_arcs(balls, i, z) };
                 arcs.iter().for_each(|arc| self.push_arc(&balls[i], z, *arc, &mut points));
@@ -131,13 +132,13 @@ impl Sampling {
     pub fn strip_heights(&self, shape: &BodyShape, [lo, hi]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
         let round = matches!(shape, BodyShape::CylinderY { .. });
         let count = if round { self.height_count(hi - lo, false) } else { self.degree };
-        heights([lo, hi - lo], count, round)
+        heights(lo, hi - lo, count, round)
     }
 }
 
 /// Gauss points and weights of a length above `lo`. With `roots`, the substitution s = sin²(πt/2)
 /// removes square roots at both of its ends.
-pub(super) fn heights([lo, length]: [f64; 2], count: usize, roots: bool) -> impl Iterator<Item = (f64, f64)> {
+pub(super) fn heights(lo: f64, length: f64, count: usize, roots: bool) -> impl Iterator<Item = (f64, f64)> {
     let share = move |t: f64| match roots {
         true => ((PI / 2.0 * t).sin().powi(2), PI / 2.0 * (PI * t).sin()),
         false => (t, 1.0),
@@ -167,14 +168,15 @@ pub fn strip(shape: &BodyShape, z: f64) -> Option<[f64; 2]> {
 
 /// Heights within `range` between which the number of arcs of ball `i` is constant.
 pub(in crate::wave) fn breakpoints(balls: &[Sphere], i: usize, [lo, hi]: [f64; 2]) -> Vec<f64> {
-    let own = &balls[i];
-    let (lo, hi) = (lo.max(own.center_um[2] - own.radius_um), hi.min(own.center_um[2] + own.radius_um));
+    let ball = &balls[i];
+    let lo = lo.max(ball.center_um[2] - ball.radius_um);
+    let hi = hi.min(ball.center_um[2] + ball.radius_um);
     let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
-    let mut breaks: Vec<f64> = others.filter_map(|(_, b)| meeting_heights(own, b)).flatten().collect();
+    let mut breaks: Vec<f64> = others.filter_map(|(_, b)| meeting_heights(ball, b)).flatten().collect();
     breaks.retain(|&z| z > lo && z < hi);
     breaks.extend([lo, hi]);
     breaks.sort_by(f64::total_cmp);
-    breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-12 * own.radius_um);
+    breaks.dedup_by(|a, b| (*a - *b).abs() < 1e-12 * ball.radius_um);
     if hi > lo { breaks } else { Vec::new() }
 }
 
@@ -205,11 +207,11 @@ fn disc_of(ball: &Sphere, z: f64) -> Option<SectionDisc> {
 
 /// Intervals [start, end] of ball `i`'s edge at height `z` that lie outside all other balls.
 pub(in crate::wave) fn free_arcs(balls: &[Sphere], i: usize, z: f64) -> Vec<[f64; 2]> {
-    let Some(own) = disc_of(&balls[i], z) else { return Vec::new() };
+    let Some(disc) = disc_of(&balls[i], z) else { return Vec::new() };
     let others = balls.iter().enumerate().filter(|&(j, _)| j != i);
     let mut covered = Vec::new();
     for (j, other) in others.filter_map(|(j, b)| Some((j, disc_of(b, z)?))) {
-        match covered_angles(&own, &other, j < i) {
+        match covered_angles(&disc, &other, j < i) {
             Covered::All => return Vec::new(),
             Covered::Part(angles) => covered.push(angles),
             Covered::None => {}
@@ -235,7 +237,8 @@ fn covered_angles(a: &SectionDisc, b: &SectionDisc, b_first: bool) -> Covered {
     if distance < a.radius + b.radius && distance > (a.radius - b.radius).abs() {
         let cosine =
             (distance * distance + a.radius * a.radius - b.radius * b.radius) / (2.0 * distance * a.radius);
-        let (middle, half) = (delta[1].atan2(delta[0]), cosine.clamp(-1.0, 1.0).acos());
+        let middle = delta[1].atan2(delta[0]);
+        let half = cosine.clamp(-1.0, 1.0).acos();
         return Covered::Part([middle - half, middle + half]);
     }
     Covered::None

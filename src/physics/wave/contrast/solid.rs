@@ -41,11 +41,12 @@ impl Sampling {
         let mut points = Vec::new();
         let [low, high] = solid.extent_um(2);
         for stretch in stretches(solid, [range[0].max(low), range[1].min(high)]) {
-            let (lo, length) = (stretch.range[0], stretch.range[1] - stretch.range[0]);
+            let lo = stretch.range[0];
+            let length = stretch.range[1] - stretch.range[0];
             let more =
                 self.degree as f64 + extra + if stretch.roots { 4.0 + self.degree as f64 } else { 2.0 };
             let count = (0.5 * (self.demands.degree(stretch.reach) + more)).ceil() as usize + 1;
-            for (z, weight) in heights([lo, length], count, stretch.roots) {
+            for (z, weight) in heights(lo, length, count, stretch.roots) {
                 points.clear();
                 sides(solid, z).iter().for_each(|side| self.push_side(side, extra, &mut points));
                 cut(z, weight, &points);
@@ -201,7 +202,8 @@ impl Ellipse {
         let image = |y: V3| solid.rotation.turn(std::array::from_fn(|i| semi_axes_um[i] * y[i]));
         let back = solid.rotation.inverse().turn([0.0, 0.0, 1.0]);
         let w: V3 = std::array::from_fn(|i| semi_axes_um[i] * back[i]);
-        let (half, up) = (norm(w), unit(w));
+        let half = norm(w);
+        let up = unit(w);
         let across = if up[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
         let first = unit(std::array::from_fn(|i| across[i] - dot(across, up) * up[i]));
         let [top, first, second] = [up, first, cross(up, first)].map(image);
@@ -240,10 +242,13 @@ fn disc(solid: &Solid, zeta: f64, r: f64, half: f64) -> Vec<Boundary> {
     if low >= 1.0 || high <= -1.0 {
         return Vec::new();
     }
-    let [first, last] = [high, low].map(|c| c.clamp(-1.0, 1.0).acos());
+    let angle = |cosine: f64| cosine.clamp(-1.0, 1.0).acos();
+    let first = angle(high);
+    let last = angle(low);
     // Where the ends are cut, and the width of the cut there.
     let edge = |end: f64, angle: f64| (end * sine + r * angle.cos() * cosine, r * angle.sin());
-    let ((p_high, q_high), (p_low, q_low)) = (edge(half, first), edge(-half, last));
+    let (p_high, q_high) = edge(half, first);
+    let (p_low, q_low) = edge(-half, last);
     let mut sides = Vec::new();
     if high < 1.0 {
         sides.push(Boundary::Line([place(p_high, -q_high), place(p_high, q_high)]));

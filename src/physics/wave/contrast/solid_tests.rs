@@ -66,7 +66,8 @@ fn volumes_are_exact_in_every_orientation() {
 
 #[test]
 fn an_ellipsoid_of_equal_axes_is_a_ball() {
-    let (center_um, radius_um) = ([0.1, 0.5, 0.31], 0.22);
+    let center_um = [0.1, 0.5, 0.31];
+    let radius_um = 0.22;
     let form = Form::Ellipsoid { semi_axes_um: [radius_um; 3] };
     let rotation = Rotation::by([0.3, -0.4, 1.0]);
     let shapes = [
@@ -90,9 +91,9 @@ fn an_ellipsoid_of_equal_axes_is_a_ball() {
 #[test]
 fn a_box_that_fills_the_cell_is_a_film() {
     let solid = Solid::upright(Form::cuboid([PERIOD[0], PERIOD[1], 0.34]), [0.3, 0.2, 0.3]);
-    let [found, film] = [BodyShape::Solid(solid), BodyShape::Sheet { z_um: [0.13, 0.47] }]
+    let [filled, film] = [BodyShape::Solid(solid), BodyShape::Sheet { z_um: [0.13, 0.47] }]
         .map(|shape| coverage(shape, 8, 5, Scheme::Cubic));
-    let off = found.moments[0].indexed_iter().map(|((plane, _), m)| m - film.moments[0][[plane, 0]]);
+    let off = filled.moments[0].indexed_iter().map(|((plane, _), m)| m - film.moments[0][[plane, 0]]);
     let worst = off.fold(0.0, |e: f64, d| e.max(d.abs()));
     assert!(worst < 1e-9, "{worst:e}");
 }

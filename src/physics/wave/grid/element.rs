@@ -72,7 +72,8 @@ fn lagrange(points: &[f64], q: usize, t: f64) -> f64 {
 
 /// Legendre polynomial P_n(x).
 pub(crate) fn legendre(n: usize, x: f64) -> f64 {
-    let (mut a, mut b) = (1.0, x);
+    let mut a = 1.0;
+    let mut b = x;
     for k in 1..=n {
         (a, b) = (b, ((2 * k + 1) as f64 * x * b - k as f64 * a) / (k + 1) as f64);
     }

@@ -61,7 +61,8 @@ impl CellFunctions {
     /// exponential, which never overflows.
     fn of_step(x2: Complex64, x: Complex64, step: Complex64) -> CellFunctions {
         let tangent = Complex64::I * (1.0 - step) / (1.0 + step);
-        let (y, inverse) = (0.5 * x, 1.0 / x2);
+        let y = 0.5 * x;
+        let inverse = 1.0 / x2;
         let b = (tangent / y - 1.0) * inverse;
         let closed = || (12.0 * inverse * (1.0 - y / tangent) - 1.0) * inverse;
         let c = if x2.norm() < SERIES_C { series(&C, x2) } else { closed() };

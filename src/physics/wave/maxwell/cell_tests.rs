@@ -35,8 +35,8 @@ fn node_moments_agree_with_quadrature() {
 fn series_and_closed_forms_meet() {
     for limit in [SERIES_B, SERIES_C] {
         for turn in [0.0, 0.7, 2.0, 3.1] {
-            let at = |factor: f64| CellFunctions::new(Complex64::from_polar(limit * factor, turn));
-            let (inside, outside) = (at(1.0 - 1e-12), at(1.0 + 1e-12));
+            let functions = |factor: f64| CellFunctions::new(Complex64::from_polar(limit * factor, turn));
+            let (inside, outside) = (functions(1.0 - 1e-12), functions(1.0 + 1e-12));
             assert!((inside.b - outside.b).norm() < 1e-12 && (inside.c - outside.c).norm() < 1e-12);
         }
     }

@@ -45,7 +45,8 @@ pub(super) fn tensors(
     mean_k2: &[Complex64],
     averaging: Averaging,
 ) -> Result<Vec<Vec<Symmetric>>, WaveError> {
-    let (grid, square) = (&moments.grid, |eta: Complex64| eta * eta);
+    let grid = &moments.grid;
+    let square = |eta: Complex64| eta * eta;
     let epsilons: Vec<_> = moments.channels.iter().map(|c| square(media.index_of(c.material))).collect();
     let planes = moments.planes.par_iter().enumerate().map(|(plane, present)| Plane {
         present,
@@ -86,10 +87,12 @@ impl Plane<'_> {
 
     /// Tensor V at one of `points` points, divided by their number.
     fn tensor(&self, point: usize, points: f64) -> Result<Symmetric, WaveError> {
-        let inclusions = self.present.iter().map(|own| (self.epsilons[own.channel], &own.fields[point]));
-        let mut own = effective(self.background, inclusions, self.averaging)?.map(|e| e * self.k2 / points);
-        [0, 2, 5].into_iter().for_each(|i| own[i] -= self.mean / points);
-        Ok(own)
+        let inclusions =
+            self.present.iter().map(|present| (self.epsilons[present.channel], &present.fields[point]));
+        let mut tensor =
+            effective(self.background, inclusions, self.averaging)?.map(|e| e * self.k2 / points);
+        [0, 2, 5].into_iter().for_each(|i| tensor[i] -= self.mean / points);
+        Ok(tensor)
     }
 }
 
@@ -104,9 +107,11 @@ fn effective<'a>(
     inclusions: impl Iterator<Item = (Complex64, &'a [f64; FIELDS])>,
     averaging: Averaging,
 ) -> Result<Symmetric, WaveError> {
-    let (mut e, mut d) = (diagonal(Complex64::ONE), diagonal(background));
+    let mut e = diagonal(Complex64::ONE);
+    let mut d = diagonal(background);
     for (epsilon, [chi, normal @ ..]) in inclusions {
-        let (ratio, step) = (background / epsilon - 1.0, epsilon - background);
+        let ratio = background / epsilon - 1.0;
+        let step = epsilon - background;
         [0, 2, 5].into_iter().for_each(|i| d[i] += step * chi);
         if averaging == Averaging::Normal {
             for (i, m) in normal.iter().enumerate() {
@@ -139,7 +144,9 @@ fn adjugate(&[xx, xy, yy, xz, yz, zz]: &Symmetric) -> (Symmetric, Complex64) {
 
 /// Symmetric part of A B.
 fn symmetric_product(a: &Symmetric, b: &Symmetric) -> Symmetric {
-    let [full_a, full_b] = [a, b].map(|&[xx, xy, yy, xz, yz, zz]| [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]);
+    let full = |&[xx, xy, yy, xz, yz, zz]: &Symmetric| [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]];
+    let full_a = full(a);
+    let full_b = full(b);
     let entry = |i: usize, j: usize| (0..3).map(|k| full_a[i][k] * full_b[k][j]).sum::<Complex64>();
     let symmetric = |i: usize, j: usize| 0.5 * (entry(i, j) + entry(j, i));
     [symmetric(0, 0), symmetric(0, 1), symmetric(1, 1), symmetric(0, 2), symmetric(1, 2), symmetric(2, 2)]

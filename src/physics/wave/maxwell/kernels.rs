@@ -45,7 +45,8 @@ impl<T: Real> Constants<T> {
         let x2 = Complex::new(self.k2.re - q * q, self.k2.im).scale(self.h2); // x² = (k̄² − q²) h²
         let (x2b, x2c) = (x2 * b, x2 * c);
         let sum = Complex::new(T::one() + x2b.re, x2b.im); // l₊ = 1 + x²b
-        let difference = Complex::new(T::one() + x2c.re, x2c.im).scale(self.third); // −l₋ = (1 + x²c)/√3
+        // −l₋ = (1 + x²c)/√3
+        let difference = Complex::new(T::one() + x2c.re, x2c.im).scale(self.third);
         [x2b, sum, difference]
     }
 }
@@ -86,12 +87,16 @@ pub(super) fn add_loads<T: Real>(
     w1: &mut [Complex<T>],
 ) {
     let width = u0.len();
-    let (u1, w0, w1) = (&mut u1[..width], &mut w0[..width], &mut w1[..width]);
+    let u1 = &mut u1[..width];
+    let w0 = &mut w0[..width];
+    let w1 = &mut w1[..width];
     let [s0, p0, z0, s1, p1, z1] = rows.map(|row| &row[..width]);
     let (lateral, b, c) = tables.cut(width);
     let cell = *cell;
     let Constants { h, magnetic, .. } = cell;
-    let (electric, root12, two) = (T::of(0.25) * h, T::of(12f64.sqrt()), T::of(2.0));
+    let electric = T::of(0.25) * h;
+    let root12 = T::of(12f64.sqrt());
+    let two = T::of(2.0);
     for i in 0..width {
         let q = lateral[i];
         let [x2b, sum, difference] = cell.node_functions(q, b[i], c[i]);
@@ -124,11 +129,14 @@ pub(super) fn across<T: Real>(
     let [u0, u1] = nodes.map(|node| &node[..width]);
     let (lateral, b, c) = tables.cut(width);
     let cell = *cell;
-    let (h2, half) = (cell.h2, T::of(0.5));
+    let h2 = cell.h2;
+    let half = T::of(0.5);
     for i in 0..width {
         let [_, sum, difference] = cell.node_functions(lateral[i], b[i], c[i]);
-        let even = sum * (u0[i] + u1[i]) - (b[i] * (s0[i] + s1[i])).scale(h2); // e_s₊ = l₊u₊ − h²b F_s₊
-        let odd = difference * (u1[i] - u0[i]) - (c[i] * (s1[i] - s0[i])).scale(h2); // e_s₋ = −l₋u₋ − h²c F_s₋
+        // e_s₊ = l₊u₊ − h²b F_s₊
+        let even = sum * (u0[i] + u1[i]) - (b[i] * (s0[i] + s1[i])).scale(h2);
+        // e_s₋ = −l₋u₋ − h²c F_s₋
+        let odd = difference * (u1[i] - u0[i]) - (c[i] * (s1[i] - s0[i])).scale(h2);
         s0[i] = (even - odd).scale(half); // e₁ = (e₊ − e₋)/2
         s1[i] = (even + odd).scale(half); // e₂ = (e₊ + e₋)/2
     }
@@ -146,13 +154,17 @@ pub(super) fn within<T: Real>(
     z1: &mut [Complex<T>],
 ) {
     let width = p0.len();
-    let (z0, p1, z1) = (&mut z0[..width], &mut p1[..width], &mut z1[..width]);
+    let z0 = &mut z0[..width];
+    let p1 = &mut p1[..width];
+    let z1 = &mut z1[..width];
     let [w0, w1] = nodes.map(|node| &node[..width]);
     let (lateral, b, c) = tables.cut(width);
     let cell = *cell;
     let Constants { h, h2, inverse_k2, slope, .. } = cell;
-    let (root3, root12) = (T::of(3f64.sqrt()), T::of(12f64.sqrt()));
-    let (half, twelve) = (T::of(0.5), T::of(12.0));
+    let root3 = T::of(3f64.sqrt());
+    let root12 = T::of(12f64.sqrt());
+    let half = T::of(0.5);
+    let twelve = T::of(12.0);
     for i in 0..width {
         let q = lateral[i];
         let [x2b, sum, difference] = cell.node_functions(q, b[i], c[i]);
@@ -160,12 +172,12 @@ pub(super) fn within<T: Real>(
         let (z_even, z_odd) = (z0[i] + z1[i], z1[i] - z0[i]);
         let (w_even, w_odd) = (w0[i] + w1[i], w1[i] - w0[i]);
         let cross = root12 * q * h;
-        let own = Complex::new(T::one() - twelve * b[i].re, -twelve * b[i].im);
+        let share = Complex::new(T::one() - twelve * b[i].re, -twelve * b[i].im);
         // e_p₊ = F_p₊/k̄² − 2i/(k̄²h) w₋
         let e_even = inverse_k2 * p_even - slope * w_odd;
         // e_p₋ = 2i√3/(k̄²h) x²b w₊ + [i√12 q h b F_z₊ + (1 − 12b) F_p₋]/k̄²
         let e_odd = slope * (x2b * w_even).scale(root3)
-            + inverse_k2 * (turned(b[i] * z_even).scale(cross) + own * p_odd);
+            + inverse_k2 * (turned(b[i] * z_even).scale(cross) + share * p_odd);
         p0[i] = (e_even - e_odd).scale(half);
         p1[i] = (e_even + e_odd).scale(half);
         let q2h2 = q * q * h2;

@@ -73,19 +73,20 @@ impl VectorMean {
             let (cell, node) = cell_functions(mean_k2[j] - lateral[i] * lateral[i], heights[j]);
             [cell.b, cell.c, node.off, node.diagonal]
         });
-        let [b, c, mut off, mut own] = tables.try_into().expect("four tables");
-        let electric = NodeSystem::new(off.clone(), &own, ends([Complex64::ONE; 2]));
+        let [b, c, mut off, mut diagonal] = tables.try_into().expect("four tables");
+        let electric = NodeSystem::new(off.clone(), &diagonal, ends([Complex64::ONE; 2]));
         for (j, k2) in mean_k2.iter().enumerate() {
             let inverse = 1.0 / k2;
-            [&mut off, &mut own].into_iter().for_each(|t| t.row_mut(j).mapv_inplace(|z| z * inverse));
+            [&mut off, &mut diagonal].into_iter().for_each(|t| t.row_mut(j).mapv_inplace(|z| z * inverse));
         }
-        let magnetic = NodeSystem::new(off, &own, ends(k.map(|k| 1.0 / (k * k))));
+        let magnetic = NodeSystem::new(off, &diagonal, ends(k.map(|k| 1.0 / (k * k))));
         VectorMean { heights, mean_k2, lateral, electric, magnetic, functions: [b, c], idle: Idle::default() }
     }
 
     /// The operator in another precision.
     pub fn narrowed<T: Real>(&self) -> VectorMean<T> {
-        let (heights, mean_k2) = (self.heights.clone(), self.mean_k2.clone());
+        let heights = self.heights.clone();
+        let mean_k2 = self.mean_k2.clone();
         let (electric, magnetic) = (self.electric.narrowed(), self.magnetic.narrowed());
         let lateral = self.lateral.iter().map(|&q| T::of(q)).collect();
         let functions = self.functions.each_ref().map(|table| table.mapv(narrow));
@@ -111,7 +112,7 @@ impl VectorMean {
 
     /// Part of [`VectorMean::nodes`] for a block of harmonics from `first`.
     fn block_nodes(&self, y: &ArrayView2<Complex64>, first: usize, entry: MeanEntry) -> Nodes {
-        let mut block = [(); 2].map(|()| Field::zeros((self.heights.len() + 1, y.ncols())));
+        let mut block = [0, 1].map(|_| Field::zeros((self.heights.len() + 1, y.ncols())));
         let values = block.each_mut().map(|field| field.as_slice_mut().expect("new fields are contiguous"));
         self.node_values(y, first, Some(entry), values);
         block
@@ -156,7 +157,7 @@ impl<T: Real> VectorMean<T> {
     }
 
     fn tables(&self, j: usize, first: usize, width: usize) -> Tables<'_, T> {
-        let [b, c] = [0, 1].map(|k| &row_of(&self.functions[k], j)[first..first + width]);
+        let [b, c] = self.functions.each_ref().map(|table| &row_of(table, j)[first..first + width]);
         Tables { lateral: &self.lateral[first..first + width], b, c }
     }
 
@@ -183,7 +184,8 @@ impl<T: Real> VectorMean<T> {
                 std::array::from_fn(|_| rows.next().expect("six rows").into_slice().expect("contiguous"));
             let [electric, magnetic] =
                 [u, w].map(|values| [j, j + 1].map(|node| &values[node * width..(node + 1) * width]));
-            let (constants, tables) = (Constants::new(h, k2), self.tables(j, first, width));
+            let constants = Constants::new(h, k2);
+            let tables = self.tables(j, first, width);
             across(&constants, &tables, electric, s0, s1);
             within(&constants, &tables, magnetic, p0, z0, p1, z1);
         }

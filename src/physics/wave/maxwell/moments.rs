@@ -88,8 +88,8 @@ impl NormalMoments {
         let mut planes: Vec<Vec<ChannelFields>> = (0..2 * grid.cells()).map(|_| Vec::new()).collect();
         let layout = Layout::new(scene, grid, channels, |j, c| Some(cells[j][c].as_ref()?.fraction));
         for (j, cell) in cells.into_iter().enumerate() {
-            for (channel, own) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
-                for (q, fields) in own.planes.into_iter().enumerate() {
+            for (channel, sums) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
+                for (q, fields) in sums.planes.into_iter().enumerate() {
                     planes[2 * j + q].push(ChannelFields { channel, fields });
                 }
             }
@@ -99,7 +99,7 @@ impl NormalMoments {
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
-        self.planes.iter().flatten().map(|own| size_of_val(own.fields.as_slice())).sum()
+        self.planes.iter().flatten().map(|channel| size_of_val(channel.fields.as_slice())).sum()
     }
 }
 
@@ -139,8 +139,10 @@ impl<'a> MomentBuilder<'a> {
         // All harmonics count, unlike those folded by the scalar scheme: twice as many points as
         // orders.
         let spreading = Spreading { points_per_order: 4, ..Spreading::within(error) };
-        let (harmonics, fft) = (Harmonics::new(nx, ny), PlaneFft::new(nx, ny));
-        let (cores, transform) = (solid_sources::cores(scene), SourceTransform::new(mmax, nmax, spreading));
+        let harmonics = Harmonics::new(nx, ny);
+        let fft = PlaneFft::new(nx, ny);
+        let cores = solid_sources::cores(scene);
+        let transform = SourceTransform::new(mmax, nmax, spreading);
         let sampling = Sampling { demands: Demands([(kmax, error); 2]), degree: 3 };
         MomentBuilder { scene, cores, grid, channels, harmonics, transform, fft, sampling }
     }
@@ -235,7 +237,8 @@ impl<'a> MomentSum<'a> {
 
     /// Adds a convex body less those inside it.
     fn add_solid(&mut self, bodies: &[Solid]) {
-        let (nodes, slab) = (&self.builder.grid.nodes_um, self.slab);
+        let nodes = &self.builder.grid.nodes_um;
+        let slab = self.slab;
         let extents = [0, 1].map(|axis| bodies[0].extent_um(axis));
         self.spread(extents, |mut push| solid_sources::of_bodies(bodies, nodes, &slab, &mut push));
     }
@@ -262,7 +265,8 @@ impl<'a> MomentSum<'a> {
     /// one complex transform.
     fn finish(mut self) -> CellFields {
         let builder = self.builder;
-        let (mut narrow, mut wide) = (builder.fft.scratch(), builder.transform.scratch());
+        let mut narrow = builder.fft.scratch();
+        let mut wide = builder.transform.scratch();
         let mut planes = [(); 2].map(|()| vec![[0.0; FIELDS]; builder.grid.points()]);
         for (f, spectrum) in self.direct.iter_mut().enumerate() {
             if let Some(sources) = self.sources.grids.get_mut(f) {
@@ -271,7 +275,8 @@ impl<'a> MomentSum<'a> {
             builder.harmonics.scatter(spectrum, &mut narrow.spectrum);
             builder.fft.inverse(&mut narrow, &builder.harmonics.rows);
             for (i, value) in narrow.plane.iter().enumerate() {
-                (planes[0][i][f], planes[1][i][f]) = (value.re, value.im);
+                planes[0][i][f] = value.re;
+                planes[1][i][f] = value.im;
             }
         }
         // Order (0, 0) comes first; each plane represents half the cell.

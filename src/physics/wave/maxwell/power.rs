@@ -17,11 +17,13 @@ pub(super) fn share_edges(
 ) {
     let mut points = Vec::new();
     for part in breakpoints(balls, i, range).windows(2) {
-        let (lo, length) = (part[0], part[1] - part[0]);
+        let lo = part[0];
+        let length = part[1] - part[0];
         for &(x, w) in section::gauss_rule(sampling.height_count(length, false) + 2) {
             // z = lo + length sin²t removes the square roots with which edges appear and vanish.
             let t = std::f64::consts::FRAC_PI_4 * (x + 1.0);
-            let (z, dz) = (lo + length * t.sin().powi(2), length * (2.0 * t).sin());
+            let z = lo + length * t.sin().powi(2);
+            let dz = length * (2.0 * t).sin();
             share_edge(balls, i, z, sampling, &mut points);
             edge(z, std::f64::consts::FRAC_PI_4 * w * dz, &points);
         }
@@ -54,25 +56,26 @@ fn push_chord(
     sampling: &Sampling,
     points: &mut Vec<EdgePoint>,
 ) {
-    let ((own, own_square), (other, other_square)) = (disc(&balls[i], z), disc(&balls[j], z));
-    let delta = [0, 1].map(|k| other[k] - own[k]);
+    let (first, first_square) = disc(&balls[i], z);
+    let (second, second_square) = disc(&balls[j], z);
+    let delta = [0, 1].map(|k| second[k] - first[k]);
     let distance = delta[0].hypot(delta[1]);
     if distance < 1e-12 * balls[i].radius_um {
         return;
     }
     let normal = delta.map(|d| d / distance);
-    let along = 0.5 * (distance + (own_square - other_square) / distance);
-    let half = (own_square - along * along).max(0.0).sqrt();
+    let along = 0.5 * (distance + (first_square - second_square) / distance);
+    let half = (first_square - along * along).max(0.0).sqrt();
     let tangent = [-normal[1], normal[0]];
-    let foot = [0, 1].map(|k| own[k] + along * normal[k]);
+    let foot = [0, 1].map(|k| first[k] + along * normal[k]);
     let mut stretch = [-half, half];
     for k in (0..balls.len()).filter(|&k| k != i && k != j) {
         let (third, square) = disc(&balls[k], z);
-        let apart = [0, 1].map(|a| third[a] - own[a]);
+        let apart = [0, 1].map(|a| third[a] - first[a]);
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
         // Power of the third ball minus that of this one along the line: start + slope t, which
         // must be positive.
-        let start = dot(apart, apart) - 2.0 * dot(apart, normal.map(|n| along * n)) - square + own_square;
+        let start = dot(apart, apart) - 2.0 * dot(apart, normal.map(|n| along * n)) - square + first_square;
         clip(&mut stretch, start, -2.0 * dot(apart, tangent), balls[i].radius_um, k < j);
     }
     let [from, to] = stretch;

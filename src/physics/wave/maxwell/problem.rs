@@ -69,7 +69,8 @@ impl VectorProblem {
         let harmonics = Arc::new(Harmonics::new(nx, ny));
         let (setting, mean_k2) =
             Setting::new(moments, &harmonics, media, incidence, mean, |k0, eta, [x, y]| {
-                let (k, q) = (k0 * eta, x.hypot(y));
+                let k = k0 * eta;
+                let q = x.hypot(y);
                 decaying_root(k * k - q * q)
             })?;
         let q: Vec<f64> = setting.lateral.iter().map(|[x, y]| x.hypot(*y)).collect();
@@ -90,7 +91,8 @@ impl VectorProblem {
     /// Right-hand sides at the node of the illuminated face: TE 2iκ, TM 2iκ/k (a_p = 1 is h = k,
     /// over k²).
     fn entry(&self, polarisation: Polarisation) -> MeanEntry {
-        let (side, harmonic) = (self.entry_side(), self.incident_harmonic);
+        let side = self.entry_side();
+        let harmonic = self.incident_harmonic;
         let node = side * self.moments.grid.cells();
         let strength = 2.0 * Complex64::I * self.kappa[side][harmonic];
         let source = match polarisation {
@@ -134,21 +136,30 @@ impl VectorProblem {
     pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
         let (nodes, absorptance) = self.leaving(field, polarisation);
         self.far_field_of(self.moments.grid.period_um, absorptance, |side, i, incident| {
-            self.emitted(&nodes, polarisation, [side, i], incident)
+            self.emitted(&nodes, polarisation, side, i, incident)
         })
     }
 
     /// What leaves through a side in harmonic i, less the incident wave.
-    fn emitted(&self, nodes: &Nodes, own: Polarisation, [side, i]: [usize; 2], incident: f64) -> Leaving {
+    fn emitted(
+        &self,
+        nodes: &Nodes,
+        polarisation: Polarisation,
+        side: usize,
+        i: usize,
+        incident: f64,
+    ) -> Leaving {
         let face = side * self.moments.grid.cells();
         let mut amplitudes = [nodes[0][[face, i]], nodes[1][[face, i]] / self.k[side]];
-        amplitudes[own as usize] -= incident;
-        let ([s, p], kappa, k) = (amplitudes, self.kappa[side][i], self.k[side]);
+        amplitudes[polarisation as usize] -= incident;
+        let [s, p] = amplitudes;
+        let kappa = self.kappa[side][i];
+        let k = self.k[side];
         // Flux relative to the incident one: Re κ for s, Re(κ k*/k) for p (in an absorber E and h
         // are out of phase).
         let parallel = (kappa * k.conj() / k).re;
         let efficiency = (kappa.re * s.norm_sqr() + parallel * p.norm_sqr()) / self.incident_kappa();
-        ([amplitudes[own as usize], amplitudes[1 - own as usize]], efficiency)
+        ([amplitudes[polarisation as usize], amplitudes[1 - polarisation as usize]], efficiency)
     }
 }
 

@@ -50,7 +50,8 @@ impl VectorScattering<f64> {
 
     /// The operator in single precision.
     pub fn narrowed(&self, fft: PlaneFft<f32>) -> VectorScattering<f32> {
-        let (mean, harmonics) = (self.mean.narrowed(), self.harmonics.clone());
+        let mean = self.mean.narrowed();
+        let harmonics = self.harmonics.clone();
         let directions = self.directions.iter().map(|d| d.map(|x| x as f32)).collect();
         let contrast = self.contrast.par_iter().map(|plane| plane.mapv(narrow)).collect();
         VectorScattering { mean, harmonics, directions, fft, contrast, idle: Idle::default() }
@@ -153,7 +154,8 @@ fn rotate<T: Real>(directions: &[[T; 2]], s: &Line<T>, p: &Line<T>, x: &mut Line
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn multiply<T: Real>(tensors: &Line<T>, x: &mut Line<T>, y: &mut Line<T>, z: &mut Line<T>) {
     let points = x.len();
-    let (y, z) = (&mut y[..points], &mut z[..points]);
+    let y = &mut y[..points];
+    let z = &mut z[..points];
     let component = |k: usize| &tensors[k * points..(k + 1) * points];
     let (xx, xy, yy) = (component(0), component(1), component(2));
     let (xz, yz, zz) = (component(3), component(4), component(5));

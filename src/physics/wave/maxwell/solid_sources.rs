@@ -46,7 +46,7 @@ pub(super) fn of_bodies(bodies: &[Solid], nodes: &[f64], slab: &Slab, push: &mut
         let sign = if i == 0 { 1.0 } else { -1.0 };
         slab.sampling.cuts(solid, slab.range_um, TENSOR_DEGREE, &mut |z, weight, edge| {
             let shares = slab.point(z, weight, z).map(|[share, ..]| sign * share);
-            push_cut(&surfaces, edge, slab.sampling, (z, shares), push);
+            push_cut(&surfaces, edge, slab.sampling, z, shares, push);
         });
     }
 }
@@ -56,7 +56,8 @@ fn push_cut(
     surfaces: &[SolidSurface],
     edge: &Edge,
     sampling: &Sampling,
-    (z, shares): (f64, [f64; 2]),
+    z: f64,
+    shares: [f64; 2],
     push: &mut impl FnMut(Source),
 ) {
     let inside = [0, 1].map(|i| edge.iter().map(|p| p.position[i]).sum::<f64>() / edge.len() as f64);
@@ -94,7 +95,8 @@ impl SolidSurface {
                 ends(*half_length_um).into_iter().chain(sides).collect()
             }
         };
-        let (center, slack) = (solid.center_um, 1e-9 * solid.form.reach_um());
+        let center = solid.center_um;
+        let slack = 1e-9 * solid.form.reach_um();
         let joined = |face: &Face| is_on_node(face, center[2], nodes, slack);
         let faces = faces.into_iter().map(|face| (joined(&face), face)).map(|(on, face)| (face, on));
         SolidSurface { center, faces: faces.collect(), inner }
@@ -156,10 +158,11 @@ impl Face {
     /// Of a round face: g, and g², 1 − y² and g² + μ (1 − y²)₊.
     fn gradient(&self, x: V3) -> (V3, [f64; 3]) {
         let Face::Round { into, semi_axes, mean } = self else { return ([0.0; 3], [0.0, 0.0, 1.0]) };
-        let own = into.turn(x);
-        let y: V3 = std::array::from_fn(|i| own[i] / semi_axes[i]);
+        let turned = into.turn(x);
+        let y: V3 = std::array::from_fn(|i| turned[i] / semi_axes[i]);
         let gradient: V3 = std::array::from_fn(|i| y[i] / semi_axes[i]);
-        let (squared, inside) = (dot(gradient, gradient), 1.0 - dot(y, y));
+        let squared = dot(gradient, gradient);
+        let inside = 1.0 - dot(y, y);
         (into.inverse().turn(gradient), [squared, inside, squared + mean * inside.max(0.0)])
     }
 }
@@ -206,7 +209,8 @@ fn core_of(host: &Body, inner: &[&Body], period_um: [f64; 2]) -> Option<Core> {
 }
 
 fn concentric(host: &Body, inner: &[&Body], period_um: [f64; 2]) -> Option<Core> {
-    let (outer, &[core]) = (sphere(host)?, inner) else { return None };
+    let outer = sphere(host)?;
+    let &[core] = inner else { return None };
     let core = sphere(core)?;
     let apart = |axis: usize| {
         let d = core.center_um[axis] - outer.center_um[axis];

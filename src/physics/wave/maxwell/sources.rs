@@ -71,20 +71,22 @@ impl Slab<'_> {
 
     /// Moments over an interval ζ₀ … ζ₁ of a column, heights relative to `origin`.
     fn stretch(&self, [from, to]: [f64; 2], origin: f64) -> HeightMoments {
-        let (h, middle) = (self.height(), self.middle() - origin);
+        let h = self.height();
+        let middle = self.middle() - origin;
         let power: [f64; 6] = std::array::from_fn(|k| {
             let n = k as i32 + 1;
             (to.powi(n) - from.powi(n)) / f64::from(n)
         });
-        let of = |sign: f64, k: usize| {
+        let moment = |sign: f64, k: usize| {
             (power[k] + sign * 2.0 * 3f64.sqrt() / h * (power[k + 1] - middle * power[k])) / h
         };
-        [-1.0, 1.0].map(|sign| [0, 1, 2, 3, 4].map(|k| of(sign, k)))
+        [-1.0, 1.0].map(|sign| [0, 1, 2, 3, 4].map(|k| moment(sign, k)))
     }
 
     /// Moments of one height z with a quadrature weight in µm: ψ_q is ½ ∓ √3 (t − ½).
     pub(super) fn point(&self, z: f64, weight: f64, origin: f64) -> HeightMoments {
-        let (zeta, slope) = (z - origin, 3f64.sqrt() * (z - self.middle()) / self.height());
+        let zeta = z - origin;
+        let slope = 3f64.sqrt() * (z - self.middle()) / self.height();
         [0.5 - slope, 0.5 + slope]
             .map(|psi| [0, 1, 2, 3, 4].map(|k| 2.0 * weight * psi * zeta.powi(k) / self.height()))
     }
@@ -93,12 +95,12 @@ impl Slab<'_> {
 /// All fields of a ball's column at (x, y) relative to its centre.
 fn ball_values([x, y]: [f64; 2], normal: NormalField, heights: &HeightMoments, weight: f64) -> [f64; VALUES] {
     let NormalField { slope, constant } = normal;
-    let at = constant - slope * (x * x + y * y);
+    let at_middle = constant - slope * (x * x + y * y);
     let mut values = [0.0; VALUES];
     for (q, [m0, m1, m2, m3, m4]) in heights.iter().enumerate() {
-        let of = |factor: f64, m: &f64, beyond: &f64| factor * at * m - factor * slope * beyond;
-        let [xx, xy, yy] = [x * x, x * y, y * y].map(|factor| of(factor, m0, m2));
-        let fields = [*m0, xx, xy, yy, of(x, m1, m3), of(y, m1, m3), of(1.0, m2, m4)];
+        let field = |factor: f64, m: &f64, beyond: &f64| factor * at_middle * m - factor * slope * beyond;
+        let [xx, xy, yy] = [x * x, x * y, y * y].map(|factor| field(factor, m0, m2));
+        let fields = [*m0, xx, xy, yy, field(x, m1, m3), field(y, m1, m3), field(1.0, m2, m4)];
         fields.iter().enumerate().for_each(|(f, v)| values[2 * f + q] = weight * v);
     }
     values
@@ -150,7 +152,8 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
     breaks.sort_by(f64::total_cmp);
     let mut nodes = Vec::new();
     for pair in breaks.windows(2) {
-        let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+        let middle = 0.5 * (pair[0] + pair[1]);
+        let half = 0.5 * (pair[1] - pair[0]);
         if half < 1e-12 || chord(radius * middle.cos(), center, slab).is_none() {
             continue;
         }
@@ -171,7 +174,7 @@ fn of_share(balls: &[Sphere], i: usize, slab: &Slab, push: &mut impl FnMut(Sourc
     share_edges(balls, i, slab.range_um, slab.sampling, &mut |z, weight, edge| {
         let heights = slab.point(z, weight, z_center);
         let points = fan([x, y], edge, slab.sampling, 3.0).into_iter();
-        points.for_each(|(at, area)| push(ball_source(&balls[i], at, &heights, area)));
+        points.for_each(|(place, area)| push(ball_source(&balls[i], place, &heights, area)));
     });
 }
 
@@ -221,7 +224,8 @@ pub fn of_block([lo, hi]: [f64; 2], slab: &Slab, upright: bool) -> [f64; VALUES]
     let heights = slab.stretch(range, 0.0);
     let normal = if upright { 1 } else { FIELDS - 1 };
     for (q, [m0, ..]) in heights.iter().enumerate() {
-        (values[q], values[2 * normal + q]) = (*m0, *m0);
+        values[q] = *m0;
+        values[2 * normal + q] = *m0;
     }
     values
 }

@@ -138,7 +138,8 @@ impl super::mean::MeanOperator {
         let degree = self.element.degree;
         let rows = degree * self.heights.len() + 1;
         let mut band = Array2::zeros((rows, degree + 1));
-        (band[[0, 0]], band[[rows - 1, 0]]) = (ends[0], ends[1]);
+        band[[0, 0]] = ends[0];
+        band[[rows - 1, 0]] = ends[1];
         for cell in 0..self.heights.len() {
             let element = self.plane_element(cell, harmonic);
             for a in 0..=degree {
@@ -153,11 +154,13 @@ impl super::mean::MeanOperator {
         let degree = self.element.degree;
         let node = NodeCoefficients::new(self.kz2(cell, harmonic), self.heights[cell], self.scheme);
         let mut matrix = [[Complex64::default(); SIZE]; SIZE];
-        (matrix[0][0], matrix[degree][degree]) = (node.diagonal, node.diagonal);
-        (matrix[0][degree], matrix[degree][0]) = (node.off, node.off);
+        matrix[0][0] = node.diagonal;
+        matrix[degree][degree] = node.diagonal;
+        matrix[0][degree] = node.off;
+        matrix[degree][0] = node.off;
         for bubble in 0..degree - 1 {
-            let (g, d) =
-                (self.bubble_functional(cell, bubble, harmonic), self.bubble(cell, bubble, harmonic));
+            let g = self.bubble_functional(cell, bubble, harmonic);
+            let d = self.bubble(cell, bubble, harmonic);
             for a in 0..=degree {
                 (0..=degree).for_each(|b| matrix[a][b] += d * g[a] * g[b]);
             }

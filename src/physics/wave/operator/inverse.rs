@@ -39,8 +39,9 @@ impl MeanInverse {
     pub fn narrowed<T: Real>(&self) -> MeanInverse<T> {
         let bubbles = self.bubbles.iter().map(|row| row.iter().map(|&x| T::of(x)).collect()).collect();
         let left_share = self.left_share.iter().map(|share| share.mapv(narrow)).collect();
-        let [factor, inverse_pivot, inverse_bubble] =
-            [&self.factor, &self.inverse_pivot, &self.inverse_bubble].map(|table| table.mapv(narrow));
+        let factor = self.factor.mapv(narrow);
+        let inverse_pivot = self.inverse_pivot.mapv(narrow);
+        let inverse_bubble = self.inverse_bubble.mapv(narrow);
         MeanInverse { bubbles, left_share, factor, inverse_pivot, inverse_bubble }
     }
 }
@@ -77,7 +78,8 @@ impl<T: Real> MeanInverse<T> {
     /// of the plane values).
     pub fn load(&self, y: &mut Array2<Complex<T>>) {
         in_chunks(y, Axis(1), BLOCK, |b, mut block| {
-            let (columns, mut loads) = (b * BLOCK..b * BLOCK + block.ncols(), empty_loads());
+            let columns = b * BLOCK..b * BLOCK + block.ncols();
+            let mut loads = empty_loads();
             let cells = 0..self.factor.nrows();
             cells.for_each(|cell| self.load_cell(&mut block, cell, columns.clone(), &mut loads));
         });
@@ -102,7 +104,8 @@ impl<T: Real> MeanInverse<T> {
     /// coupling of node j with the next; bubbles are decoupled.
     fn solve_block(&self, mut y: ArrayViewMut2<Complex<T>>, first: usize, of_loads: bool) {
         let columns = first..first + y.ncols();
-        let (degree, cells) = (self.degree(), self.factor.nrows());
+        let degree = self.degree();
+        let cells = self.factor.nrows();
         let mut loads = empty_loads();
         for cell in 0..cells {
             if of_loads {
@@ -125,7 +128,8 @@ impl<T: Real> MeanInverse<T> {
             }
             let [here, next] = nodes(&mut y, degree, node);
             multiply(here, pivot);
-            subtract_product(here, &row_of(&self.factor, node)[columns.clone()], next); // x_j = y_j / d_j − l_j x_{j+1}
+            // x_j = y_j / d_j − l_j x_{j+1}
+            subtract_product(here, &row_of(&self.factor, node)[columns.clone()], next);
         }
     }
 

@@ -34,7 +34,8 @@ impl MeanOperator {
     pub fn new(grid: &Grid, mean_k2: Vec<Complex64>, lateral_k2: Vec<f64>, kappa: [&[Complex64]; 2]) -> Self {
         let heights: Vec<f64> = (0..grid.cells()).map(|j| grid.height_um(j)).collect();
         let scheme = grid.resolution.scheme;
-        let (element, shape) = (grid.element.clone(), (heights.len(), lateral_k2.len()));
+        let element = grid.element.clone();
+        let shape = (heights.len(), lateral_k2.len());
         let count = element.degree - 1;
         let mut tables = tabulated(shape, 2 + count, |j, i| {
             let points = &element.points[1..=count];
@@ -48,7 +49,8 @@ impl MeanOperator {
         let factor = &off * &inverse_pivot.slice(s![..shape.0, ..]);
         let mut inverse_bubble = Array2::zeros((heights.len() * count, shape.1));
         for (row, mut inverse) in inverse_bubble.outer_iter_mut().enumerate() {
-            let (cell, lambda) = (row / count, element.lambda[row % count]);
+            let cell = row / count;
+            let lambda = element.lambda[row % count];
             let entry = |q: f64| 1.0 / bubble_entry(mean_k2[cell] - q, heights[cell], lambda);
             inverse.iter_mut().zip(&lateral_k2).for_each(|(inverse, &q)| *inverse = entry(q));
         }
@@ -83,11 +85,13 @@ impl MeanOperator {
     fn add_cell(&self, j: usize, u: &Field, out: &mut Field) {
         let first = self.element.degree * j;
         let last = first + self.element.degree;
-        let [own, off] = [&self.diagonal, &self.off].map(|table| row_of(table, j));
+        let diagonal = row_of(&self.diagonal, j);
+        let off = row_of(&self.off, j);
         for (from, to) in [(first, last), (last, first)] {
             let values = out.row_mut(from).into_iter().zip(row_of(u, from)).zip(row_of(u, to));
             // o u_{j±1} − o cos(kz h) u_j
-            values.zip(own.iter().zip(off)).for_each(|(((out, a), b), (own, off))| *out += own * a + off * b);
+            let entries = diagonal.iter().zip(off);
+            values.zip(entries).for_each(|(((out, a), b), (d, o))| *out += d * a + o * b);
         }
         for row in first + 1..last {
             let values = out.row_mut(row).into_iter().zip(row_of(u, row)).enumerate();
@@ -105,10 +109,11 @@ impl MeanOperator {
     pub fn node_matrix(&self, harmonic: usize, ends: [Complex64; 2]) -> (Vec<Complex64>, Vec<Complex64>) {
         let cells = self.heights.len();
         let mut diagonal = vec![Complex64::default(); cells + 1];
-        (diagonal[0], diagonal[cells]) = (ends[0], ends[1]);
-        for (j, own) in self.diagonal.column(harmonic).iter().enumerate() {
-            diagonal[j] += own;
-            diagonal[j + 1] += own;
+        diagonal[0] = ends[0];
+        diagonal[cells] = ends[1];
+        for (j, entry) in self.diagonal.column(harmonic).iter().enumerate() {
+            diagonal[j] += entry;
+            diagonal[j + 1] += entry;
         }
         (diagonal, self.off.column(harmonic).to_vec())
     }
@@ -160,9 +165,10 @@ pub(in crate::wave) fn inverse_pivots(
     let mut inverse = Array2::zeros((last + 1, harmonics));
     for j in 0..last {
         for i in 0..harmonics {
-            let (o, own) = (off[[j, i]], diagonal[[j, i]]);
-            let pivot = guarded_inverse(left[i] + own, o); // 1/d_j
-            left[i] = own - o * o * pivot; // diagonal of the next node minus o²/d_j
+            let o = off[[j, i]];
+            let entry = diagonal[[j, i]];
+            let pivot = guarded_inverse(left[i] + entry, o); // 1/d_j
+            left[i] = entry - o * o * pivot; // diagonal of the next node minus o²/d_j
             inverse[[j, i]] = pivot;
         }
     }

@@ -91,12 +91,13 @@ fn series_and_exponentials_meet() {
     let h = 0.1;
     for scheme in EXACT {
         for phase in [0.0, 1.0, 2.5] {
-            let at = |x2: f64| {
+            let entries = |x2: f64| {
                 let kz2 = Complex64::from_polar(x2, phase) / (h * h);
                 let c = NodeCoefficients::new(kz2, h, scheme);
                 [c.off * h, c.diagonal * h, left_share(kz2, h, 0.3, scheme)]
             };
-            let (series, exponentials) = (at(SMALL * (1.0 - 1e-12)), at(SMALL * (1.0 + 1e-12)));
+            let series = entries(SMALL * (1.0 - 1e-12));
+            let exponentials = entries(SMALL * (1.0 + 1e-12));
             for (a, b) in series.into_iter().zip(exponentials) {
                 // Identity: 1 − e^{2ix} cancels to about |2x| = 0.1, so ten units of rounding.
                 assert!((a - b).norm() < 1e-14 * 10.0, "{scheme:?}: {a} {b}");
@@ -194,7 +195,8 @@ proptest! {
     #[test]
     fn loads_are_the_transpose_of_plane_values(cells in 1usize..9, scheme in 0usize..5, seed in 0u32..1000) {
         let (grid, a, _) = mixed(cells, ALL[scheme]);
-        let (u, mut y) = (noise((grid.planes(), 3), seed), noise((grid.planes(), 3), seed + 1));
+        let u = noise((grid.planes(), 3), seed);
+        let mut y = noise((grid.planes(), 3), seed + 1);
         let mut values = Array2::zeros(u.dim());
         for (plane, mut row) in values.outer_iter_mut().enumerate() {
             a.inverse.plane_values(&u.view(), plane, row.as_slice_mut().expect("contiguous"));

@@ -28,13 +28,16 @@ use std::sync::{Arc, OnceLock};
 ///
 /// ```
 /// use inkwave_physics::ink::Sphere;
-/// use inkwave_physics::wave::{Body, Field, Incidence, Mean, Media, Problem, Resolution, Scene, Scheme, BodyShape, Side};
+/// use inkwave_physics::wave::{Body, BodyShape, Field, Incidence, Mean, Media, Problem};
+/// use inkwave_physics::wave::{Resolution, Scene, Scheme, Side};
 ///
 /// let ball = Sphere { center_um: [0.1, 0.2, 0.15], radius_um: 0.1 };
 /// let scene = Scene::layer([0.5, 0.5], 0.3, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
-/// let media =
-///     Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds: vec![1.558.into()], inclusions: vec![1.4.into()] };
-/// let light = Incidence { wavelength_um: 0.6, polar_deg: 20.0, azimuth_deg: 0.0, from: Side::Incident };
+/// let backgrounds = vec![1.558.into()];
+/// let inclusions = vec![1.4.into()];
+/// let media = Media { incident: 1.0.into(), exit: 1.0.into(), backgrounds, inclusions };
+/// let light =
+///     Incidence { wavelength_um: 0.6, polar_deg: 20.0, azimuth_deg: 0.0, from: Side::Incident };
 /// let grid = Resolution { nx: 9, ny: 9, cells: 4, scheme: Scheme::Cubic };
 /// let problem = Problem::from_scene(&scene, &media, &light, grid, Mean::default())?;
 /// assert_eq!(problem.shape(), (3 * 4 + 1, 9 * 9));
@@ -94,8 +97,10 @@ impl Problem {
         let kappa = setting.kappa.each_ref().map(Vec::as_slice);
         let contrasts = points::strengths(coverage, media, setting.k0);
         let offsets = plane_offsets(&coverage.grid, media, setting.k0, &mean_k2);
-        let (choice, mean) = (mean, MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa));
-        let (coverage, fft) = (coverage.clone(), coverage.fft.clone());
+        let choice = mean;
+        let mean = MeanOperator::new(&coverage.grid, mean_k2, lateral_k2, kappa);
+        let coverage = coverage.clone();
+        let fft = coverage.fft.clone();
         let (double, single) = (OnceLock::new(), OnceLock::new());
         Ok(Problem { coverage, setting, mean, fft, contrasts, offsets, double, single, choice })
     }
@@ -162,8 +167,9 @@ impl Problem {
     /// The operator A⁻¹V as tables, built on first use.
     pub fn double(&self) -> &Scattering<f64> {
         self.double.get_or_init(|| {
-            let (harmonics, fft, mean) =
-                (self.harmonics.clone(), self.fft.clone(), self.mean.inverse.clone());
+            let harmonics = self.harmonics.clone();
+            let fft = self.fft.clone();
+            let mean = self.mean.inverse.clone();
             Scattering { harmonics, fft, mean, weights: self.weights(), idle: Idle::default() }
         })
     }

@@ -83,7 +83,8 @@ fn lossless_interior_is_hermitian_and_absorption_dissipates() {
 fn residual_of_the_background_wave_is_minus_its_scattered_wave() {
     let problem = problem(Scheme::Cubic, Complex64::new(1.4, 0.1), 10.0, 0.0);
     let background = problem.background_wave();
-    let (mut residual, mut scattered) = (Field::zeros(problem.shape()), Field::zeros(problem.shape()));
+    let mut residual = Field::zeros(problem.shape());
+    let mut scattered = Field::zeros(problem.shape());
     problem.residual(&background, &background, &mut residual);
     problem.scatter(&background, &mut scattered);
     assert!((&residual + &scattered).iter().all(|z| z.norm() < 1e-15 * 4.0));

@@ -31,7 +31,8 @@ pub struct Scattering<T: Real> {
 impl Scattering<f64> {
     /// The operator in another precision, with its own transforms.
     pub fn narrowed<T: Real>(&self, fft: PlaneFft<T>) -> Scattering<T> {
-        let (mean, weights) = (self.mean.narrowed().into(), self.weights.mapv(narrow));
+        let mean = self.mean.narrowed().into();
+        let weights = self.weights.mapv(narrow);
         Scattering { harmonics: self.harmonics.clone(), fft, mean, weights, idle: Idle::default() }
     }
 }
@@ -60,7 +61,8 @@ impl<T: Real> Scattering<T> {
         self.mean.plane_values(u, plane, out); // û_p, from nodes and bubbles
         self.harmonics.scatter(out, &mut scratch.spectrum);
         self.fft.inverse(scratch, &self.harmonics.rows); // u_p(x, y) = Σ û_p e^{i(kx x + ky y)}
-        multiply(&mut scratch.plane, row(&self.weights.view(), plane)); // W_p u_p, W_p = ∫ ψ_p (k² − ⟨k²⟩) dz
+        // W_p u_p, W_p = ∫ ψ_p (k² − ⟨k²⟩) dz
+        multiply(&mut scratch.plane, row(&self.weights.view(), plane));
         self.fft.forward(scratch, &self.harmonics.rows);
         self.harmonics.gather(&scratch.spectrum, out); // y_p, harmonics of W_p u_p
     }

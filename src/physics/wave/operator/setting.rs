@@ -54,7 +54,9 @@ impl Setting {
         check_phase(layout, &mean_k2, x * x + y * y)?;
         let kappa = [media.incident, media.exit]
             .map(|eta| lateral.iter().map(|&lateral| normal(k0, eta, lateral)).collect());
-        let (harmonics, incidence, media) = (harmonics.clone(), *incidence, media.clone());
+        let harmonics = harmonics.clone();
+        let incidence = *incidence;
+        let media = media.clone();
         Ok((Setting { incidence, media, k0, harmonics, lateral, kappa, incident_harmonic }, mean_k2))
     }
 
@@ -105,10 +107,10 @@ pub(super) fn mean_wavenumbers(layout: &Layout, media: &Media, k0: f64, mean: Me
 
 /// Mean k̄² of one cell over the plane.
 fn mean_wavenumber(layout: &Layout, media: &Media, k0: f64, cell: usize) -> Complex64 {
-    let own = layout.grid.background[cell];
+    let medium = layout.grid.background[cell];
     let square = |eta: Complex64| eta * eta * (k0 * k0);
-    let background = square(media.backgrounds[own]);
-    let parts = layout.channels.iter().zip(&layout.fractions).filter(|(c, _)| c.background == own);
+    let background = square(media.backgrounds[medium]);
+    let parts = layout.channels.iter().zip(&layout.fractions).filter(|(c, _)| c.background == medium);
     let contrasts = parts.map(|(c, f)| (square(media.index_of(c.material)) - background) * f[cell]);
     background + contrasts.sum::<Complex64>()
 }
@@ -131,17 +133,17 @@ pub(super) fn plane_offsets(grid: &Grid, media: &Media, k0: f64, mean_k2: &[Comp
 
 /// Number of cells that the phase limit requires of a grid `other`, from k̄² of the cells of an
 /// accepted grid.
-pub(in crate::wave) fn cells_needed(own: &Grid, means: &[Complex64], other: &Grid) -> usize {
+pub(in crate::wave) fn cells_needed(grid: &Grid, means: &[Complex64], other: &Grid) -> usize {
     let cells = other.nodes_um.windows(2);
-    let largest = cells.map(|ends| phase_between(own, means, [ends[0], ends[1]])).fold(0.0, f64::max);
+    let largest = cells.map(|ends| phase_between(grid, means, [ends[0], ends[1]])).fold(0.0, f64::max);
     let needed = (largest / PHASE_LIMIT * other.cells() as f64).ceil() as usize;
     if largest > PHASE_LIMIT { needed.max(other.cells() + 1) } else { other.cells() }
 }
 
 /// Phase k̄h between two heights, with k̄² averaged over the cells in between.
-fn phase_between(own: &Grid, means: &[Complex64], [lo, hi]: [f64; 2]) -> f64 {
-    let common = |i: usize| (own.nodes_um[i + 1].min(hi) - own.nodes_um[i].max(lo)).max(0.0);
-    let sum: Complex64 = (0..own.cells()).map(|i| means[i] * common(i)).sum();
+fn phase_between(grid: &Grid, means: &[Complex64], [lo, hi]: [f64; 2]) -> f64 {
+    let common = |i: usize| (grid.nodes_um[i + 1].min(hi) - grid.nodes_um[i].max(lo)).max(0.0);
+    let sum: Complex64 = (0..grid.cells()).map(|i| means[i] * common(i)).sum();
     (sum / (hi - lo)).sqrt().re * (hi - lo)
 }
 

@@ -45,9 +45,9 @@ impl CoarseCell {
         let left: Vec<Vec<c32>> = problem.mean.inverse.left_share.iter().map(chosen).collect();
         let shares = [left.concat(), left.into_iter().rev().collect::<Vec<_>>().concat()];
         let loads = shares.each_ref().map(|share| stiff(&stiffness, share));
-        let own = Self { count: columns.len(), pivots, stiffness, shares, loads };
-        let couplings = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|sides| own.coupling(&inverse, sides));
-        (own, couplings)
+        let eliminated = Self { count: columns.len(), pivots, stiffness, shares, loads };
+        let couplings = [[0, 0], [0, 1], [1, 0], [1, 1]].map(|sides| eliminated.coupling(&inverse, sides));
+        (eliminated, couplings)
     }
 
     /// Number of complex numbers held.
@@ -66,7 +66,7 @@ impl CoarseCell {
             }
         }
         let direct = self.shares[a].iter().zip(&self.loads[b]).map(|(share, load)| share * load).enumerate();
-        direct.for_each(|(r, own)| coupling[(r % self.count, r % self.count)] += own);
+        direct.for_each(|(r, value)| coupling[(r % self.count, r % self.count)] += value);
         coupling
     }
 
@@ -101,29 +101,29 @@ impl CoarseCell {
     /// The bubbles' part of the values at the inner points, from those of [`Self::bubbles`] and
     /// from the nodes.
     pub fn expanded(&self, mut values: Vec<c32>, nodes: [&[c32]; 2]) -> Vec<c32> {
-        let of = |table: &[Vec<c32>; 2], r: usize| {
+        let from_nodes = |table: &[Vec<c32>; 2], r: usize| {
             table[0][r] * nodes[0][r % self.count] + table[1][r] * nodes[1][r % self.count]
         };
-        let [reached, _] = self.caused((0..values.len()).map(|r| of(&self.loads, r)).collect());
+        let [reached, _] = self.caused((0..values.len()).map(|r| from_nodes(&self.loads, r)).collect());
         let rows = values.iter_mut().zip(reached).enumerate();
-        rows.for_each(|(r, (v, more))| *v += more - of(&self.shares, r));
+        rows.for_each(|(r, (v, more))| *v += more - from_nodes(&self.shares, r));
         values
     }
 
     /// v ← G v on the first `points` points.
     fn solve(&self, points: usize, v: &mut [c32]) {
         let Some(k) = points.checked_sub(1) else { return };
-        let (before, own) = v.split_at_mut(k * self.count);
+        let (before, last) = v.split_at_mut(k * self.count);
         self.solve(k, before);
         let rows = before.chunks(self.count).zip(&self.stiffness[k]);
-        rows.for_each(|(v, stiff)| (0..self.count).for_each(|g| own[g] -= stiff[g] * v[g]));
+        rows.for_each(|(v, stiff)| (0..self.count).for_each(|g| last[g] -= stiff[g] * v[g]));
         let mut value = vec![c32::default(); self.count];
-        add_product(&mut value, 1.0, &self.pivots[k], own);
+        add_product(&mut value, 1.0, &self.pivots[k], last);
         let mut change: Vec<c32> =
             self.stiffness[k][..k].iter().flat_map(|stiff| product(stiff, &value)).collect();
         self.solve(k, &mut change);
         before.iter_mut().zip(change).for_each(|(v, change)| *v -= change);
-        own.copy_from_slice(&value);
+        last.copy_from_slice(&value);
     }
 }
 
@@ -132,23 +132,26 @@ fn bordered(
     stiffness: &Blocks<Vec<c32>>,
     contrast: impl Fn(usize) -> Mat<c32>,
 ) -> (Vec<Mat<c32>>, Blocks<Mat<c32>>) {
-    let (mut pivots, mut inverse) = (Vec::new(), Blocks::<Mat<c32>>::new());
+    let mut pivots = Vec::new();
+    let mut inverse = Blocks::<Mat<c32>>::new();
     for (k, stiff) in stiffness.iter().enumerate() {
         let diagonal = |p: usize| ColRef::from_slice(&stiff[p]).as_diagonal();
-        let mut own = contrast(k);
+        let mut rest = contrast(k);
+        let size = rest.nrows();
         let mut sides = Vec::with_capacity(k);
         for p in 0..k {
             // G K_·k and K_k· G
-            let [mut column, mut row] = [(); 2].map(|()| Mat::zeros(own.nrows(), own.nrows()));
+            let mut column = Mat::<c32>::zeros(size, size);
+            let mut row = Mat::<c32>::zeros(size, size);
             for q in 0..k {
                 column += &inverse[p][q] * diagonal(q);
                 row += diagonal(q) * &inverse[q][p];
             }
-            own -= diagonal(p) * &column;
+            rest -= diagonal(p) * &column;
             sides.push((column, row));
         }
-        own.diagonal_mut().column_vector_mut().iter_mut().zip(&stiff[k]).for_each(|(d, k)| *d += k);
-        let pivot = c32::inverse(own.as_ref());
+        rest.diagonal_mut().column_vector_mut().iter_mut().zip(&stiff[k]).for_each(|(d, k)| *d += k);
+        let pivot = c32::inverse(rest.as_ref());
         for (p, (column, _)) in sides.iter().enumerate() {
             let up = column * &pivot;
             sides.iter().zip(&mut inverse[p]).for_each(|((_, row), block)| *block += &up * row);
@@ -163,7 +166,8 @@ fn bordered(
 
 /// Adds out ← out + factor · matrix · v.
 pub(super) fn add_product(out: &mut [c32], factor: f32, matrix: &Mat<c32>, v: &[c32]) {
-    let (out, v) = (ColMut::from_slice_mut(out), ColRef::from_slice(v));
+    let out = ColMut::from_slice_mut(out);
+    let v = ColRef::from_slice(v);
     c32::add_product(out.as_mat_mut(), factor.into(), matrix.as_ref(), v.as_mat());
 }
 
@@ -171,8 +175,10 @@ pub(super) fn add_product(out: &mut [c32], factor: f32, matrix: &Mat<c32>, v: &[
 pub(super) fn contrast_matrix(problem: &Problem, columns: &[usize], plane: usize) -> Mat<c32> {
     let spectrum = problem.contrast_spectrum(plane).mapv(narrow::<f32>);
     let (nx, ny) = spectrum.dim();
+    let order = |i: usize| problem.harmonics.orders[columns[i]];
     Mat::from_fn(columns.len(), columns.len(), |g, h| {
-        let [[a, b], [c, d]] = [g, h].map(|i| problem.harmonics.orders[columns[i]]);
+        let [a, b] = order(g);
+        let [c, d] = order(h);
         spectrum[[(a - c).rem_euclid(nx as i32) as usize, (b - d).rem_euclid(ny as i32) as usize]]
     })
 }
@@ -182,15 +188,17 @@ fn stiffness(problem: &Problem, columns: &[usize], cell: usize) -> Blocks<Vec<c3
     let amplitudes = &problem.mean.element.amplitudes;
     let points = amplitudes.len();
     let mut sums = vec![vec![vec![Complex64::ZERO; columns.len()]; points]; points];
-    for (i, own) in amplitudes.iter().enumerate() {
+    for (i, factors) in amplitudes.iter().enumerate() {
         for (g, &column) in columns.iter().enumerate() {
             let bubble = problem.mean.bubble(cell, i, column);
             for (p, q) in (0..points * points).map(|k| (k / points, k % points)) {
-                sums[p][q][g] += bubble * own[p] * own[q];
+                sums[p][q][g] += bubble * factors[p] * factors[q];
             }
         }
     }
-    sums.iter().map(|row| row.iter().map(|own| own.iter().map(|&z| narrow(z)).collect()).collect()).collect()
+    sums.iter()
+        .map(|row| row.iter().map(|entries| entries.iter().map(|&z| narrow(z)).collect()).collect())
+        .collect()
 }
 
 /// Products entry by entry.

@@ -35,7 +35,8 @@ impl Shadow {
 
     /// ⟨p_i, v⟩ for all i.
     fn products(&self, v: &[f64]) -> Vec<Complex64> {
-        let ((p_re, p_im), (re, im)) = (self.phases.split_at(v.len() / 2), v.split_at(v.len() / 2));
+        let (p_re, p_im) = self.phases.split_at(v.len() / 2);
+        let (re, im) = v.split_at(v.len() / 2);
         let mut sums = vec![Complex64::ZERO; self.s];
         for (b, from) in (0..re.len()).step_by(self.block).enumerate() {
             let block = from..re.len().min(from + self.block);
@@ -72,9 +73,10 @@ impl Recurrence {
         let r = scaled(residual.as_slice().expect("fields are contiguous"), size);
         let zeros = || vec![vec![0.0; r.len()]; s];
         let (directions, images) = (zeros(), zeros());
-        let (shadow, e) = (Shadow::new(s, r.len() / 2), vec![0.0; r.len()]);
+        let shadow = Shadow::new(s, r.len() / 2);
+        let e = vec![0.0; r.len()];
         let small = (0..s).map(|i| (0..s).map(|k| f64::from(i == k).into()).collect()).collect();
-        let work = [(); 2].map(|()| Field::zeros(residual.dim()));
+        let work = [Field::zeros(residual.dim()), Field::zeros(residual.dim())];
         Self { shadow, r, e, directions, images, small, omega: Complex64::ONE, size, work }
     }
 
@@ -138,7 +140,8 @@ impl Recurrence {
         add_combination(&mut self.e, &[beta], &[&direction]);
         let norm = add_combination(&mut self.r, &[-beta], &[&image]);
         (k + 1..s).for_each(|row| f[row] -= beta * g[row]);
-        (self.directions[k], self.images[k]) = (direction, image);
+        self.directions[k] = direction;
+        self.images[k] = image;
         Some(norm)
     }
 
@@ -168,13 +171,13 @@ impl Recurrence {
 
     /// (1 + A⁻¹V) v.
     fn applied(&mut self, v: &[f64], operator: &dyn Scatter<f64>) -> Vec<f64> {
-        let [of, image] = &mut self.work;
+        let [field, image] = &mut self.work;
         let (re, im) = v.split_at(v.len() / 2);
-        of.iter_mut().zip(re.iter().zip(im)).for_each(|(z, (&re, &im))| *z = Complex64::new(re, im));
-        operator.scatter(of.view(), image);
+        field.iter_mut().zip(re.iter().zip(im)).for_each(|(z, (&re, &im))| *z = Complex64::new(re, im));
+        operator.scatter(field.view(), image);
         let mut sum = vec![0.0; v.len()];
         let (re, im) = sum.split_at_mut(v.len() / 2);
-        let values = re.iter_mut().zip(im).zip(of.iter().zip(&*image));
+        let values = re.iter_mut().zip(im).zip(field.iter().zip(&*image));
         values.for_each(|((re, im), (a, b))| (*re, *im) = (a.re + b.re, a.im + b.im));
         sum
     }

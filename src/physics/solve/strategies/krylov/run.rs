@@ -18,23 +18,19 @@ use num_complex::{Complex, Complex64};
 const SINGLE_GAIN: f64 = 0.2;
 /// A cycle that leaves more than this fraction of the residual has stalled.
 const STALLS: f64 = 0.99;
-/// Applications that short recurrences need at least where GMRES stalls: an elimination that costs
-/// no more is carried out at once. 5 and 15 % of n = 2.3 and 2.65, 235 nm, 1 and 2 µm, cells of
-/// 1.35 µm, 440 and 550 nm: 440 to 620 where they converge, which is in three of seven cases,
-/// and 1.3 to 2.1 times the processor time of the elimination.
+/// Applications that short recurrences need at least where GMRES stalls (measured: 440 to 620): an
+/// elimination that costs no more is carried out at once.
 const LEAST: f64 = 400.0;
 /// Share of a dearer elimination's cost for which short recurrences are tried before it.
 const PATIENCE: f64 = 0.5;
-/// Contrast |η² − η_b²| of strong scatterers, where grains resonate by themselves. Below it, the
-/// guided modes of the mean slab are what delays the scalar wave, and correcting them is cheaper:
-/// with n = 2 in 1.558 (1.6) short recurrences cost 1.7 times as much, with 2.65 (4.6) a tenth.
+/// Contrast |η² − η_b²| of strong scatterers, where grains resonate by themselves. Below it, guided
+/// modes of the mean slab delay the scalar wave, and correcting them is cheaper.
 const STRONG: f64 = 2.5;
 /// What to do with strong scatterers that short recurrences do not solve either.
 const ADVICE: &str = "take a finer grid, allow more applications (solver.max_applications), or compose the layer of \
                              thinner slabs ([layer.composed])";
 /// Growth factor on `restart` for a solve that the first cycle has not brought to its goal, memory
-/// permitting: restarts cost more applications than a longer basis costs work (5 % of n = 2.6, 250
-/// nm, κ = 0: 904 applications against 319).
+/// permitting: restarts cost more applications than a longer basis costs work.
 const HARD_GROWTH: usize = 4;
 
 /// A solve in progress; `work` holds the residual at the start of a cycle.
@@ -93,8 +89,10 @@ impl KrylovRun<'_> {
     /// IDR(s) for a share of what an alternative costs, or until the applications are used up;
     /// without success it leaves the better field.
     pub fn short_recurrences(&mut self, alternative: Option<f64>) -> Result<(), SolveError> {
-        let (residual, before) = (self.ledger.account.residual, [&self.field, &self.work].map(Field::clone));
-        let (whole, used) = (self.ledger.goal.max_applications, self.ledger.account.operator_applications);
+        let residual = self.ledger.account.residual;
+        let before = [&self.field, &self.work].map(Field::clone);
+        let whole = self.ledger.goal.max_applications;
+        let used = self.ledger.account.operator_applications;
         let left = whole.saturating_sub(used);
         let patience = alternative.map_or(left, |cost| (left / 2).min((PATIENCE * cost) as usize));
         self.ledger.goal.max_applications = used + patience;
@@ -112,8 +110,10 @@ impl KrylovRun<'_> {
     pub fn cycle<T: Real>(&mut self, operator: &dyn Scatter<T>, restart: usize) -> Result<(), SolveError> {
         let beta = norm(flat(&self.work));
         // v_1 = r/β; M is the factor from the right, M = 1 without it
-        let (mut basis, mut small) = (Basis::<T>::new(flat(&self.work), beta), LeastSquares::new(beta));
-        let (mut last, mut image) = (Array2::zeros(self.field.dim()), Array2::zeros(self.field.dim()));
+        let mut basis = Basis::<T>::new(flat(&self.work), beta);
+        let mut small = LeastSquares::new(beta);
+        let mut last = Array2::zeros(self.field.dim());
+        let mut image = Array2::zeros(self.field.dim());
         let mut verdict = Ok(());
         while basis.len() <= restart {
             let applied = last.as_slice_mut().expect("fields are contiguous");
@@ -122,7 +122,8 @@ impl KrylovRun<'_> {
             operator.scatter(last.view(), &mut image); // A⁻¹V M v_k
             // h_ik = ⟨v_i, w⟩, v_{k+1} = (w − Σ h_ik v_i)/h_{k+1,k} with w = (1 + A⁻¹V) M v_k
             let (column, grows) = basis.expand(entries(&last), entries(&image));
-            let residual = small.add_column(column) / self.ledger.scale(); // min ‖β e₁ − H y‖ / ‖u₀‖
+            // min ‖β e₁ − H y‖ / ‖u₀‖
+            let residual = small.add_column(column) / self.ledger.scale();
             self.ledger.account.steps += 1;
             self.ledger.account.operator_applications += 1;
             verdict = self.ledger.note(residual);
@@ -139,14 +140,16 @@ impl KrylovRun<'_> {
         basis.combine(&small.solve(), change); // Σ y_k v_k
         self.correct(change);
         let changes = self.field.iter_mut().zip(change);
-        changes.for_each(|(u, c)| *u += Complex64::new(c.re.wide(), c.im.wide())); // u ← u + M Σ y_k v_k
+        // u ← u + M Σ y_k v_k
+        changes.for_each(|(u, c)| *u += Complex64::new(c.re.wide(), c.im.wide()));
         verdict
     }
 
     /// Adapts after a cycle that missed the goal, given the residual `before` it: more modes, a
     /// longer basis, double precision, or failure.
     pub fn adapt(&mut self, solver: &Growing, before: f64) -> Result<(), SolveError> {
-        let (after, first) = (self.ledger.account.residual, std::mem::take(&mut self.first_cycle));
+        let after = self.ledger.account.residual;
+        let first = std::mem::take(&mut self.first_cycle);
         let stalls = self.single.is_none() && after > STALLS * before;
         let advice = solver.advice(self.restart);
         if !first && stalls && self.restart >= solver.longest {
@@ -176,7 +179,8 @@ impl KrylovRun<'_> {
     /// Whether the remaining applications cannot reach the goal at the rate of the last cycle,
     /// which divided the residual by `gain`.
     fn too_slow(&self, gain: f64) -> bool {
-        let (account, goal) = (&self.ledger.account, &self.ledger.goal);
+        let account = &self.ledger.account;
+        let goal = &self.ledger.goal;
         let left = goal.max_applications.saturating_sub(account.operator_applications) as f64;
         let cycles = (account.residual / goal.tolerance).ln() / gain.max(1.0).ln();
         cycles * self.restart as f64 > left

@@ -65,7 +65,8 @@ impl<'a> March<'a> {
     }
 
     pub fn candidate_of(&self, state: Field, ledger: &mut Ledger) -> Candidate {
-        let [mut field, mut residual] = [(); 2].map(|()| Field::zeros(self.problem.shape()));
+        let mut field = Field::zeros(self.problem.shape());
+        let mut residual = Field::zeros(self.problem.shape());
         self.shifted.solve_points(self.problem, &state, &mut field);
         self.problem.mean.to_unknowns(&mut field);
         ledger.measure(&field, &mut residual);
@@ -74,16 +75,19 @@ impl<'a> March<'a> {
 
     /// One step of τ: s ← (1 − cV/D)⁻¹ [(1 + cV/D)(2u − s) − 2c b/D] with u = (D − cÃ)⁻¹ D s.
     pub fn step(&mut self) {
-        self.shifted.solve_points(self.problem, &self.state, &mut self.harmonics); // u, from (D − cÃ) u = D s
+        // u, from (D − cÃ) u = D s
+        self.shifted.solve_points(self.problem, &self.state, &mut self.harmonics);
         self.problem.planes_to_points(&self.harmonics, &mut self.values);
         let [explicit, implicit] = &self.factors;
         let planes = self.state.outer_iter_mut().into_par_iter().zip(self.values.outer_iter());
         planes.enumerate().for_each(|(p, (state, values))| {
             let step = ndarray::Zip::from(state).and(values).and(explicit.row(p)).and(implicit.row(p));
-            step.for_each(|s, &u, &e, &i| *s = (2.0 * u - *s) * e * i); // (2u − s)(1 + cV/D) / (1 − cV/D)
+            // (2u − s)(1 + cV/D) / (1 − cV/D)
+            step.for_each(|s, &u, &e, &i| *s = (2.0 * u - *s) * e * i);
         });
         let (row, source) = &self.source;
-        self.state.row_mut(*row).iter_mut().zip(source).for_each(|(s, b)| *s -= b); // − 2c b/D / (1 − cV/D)
+        // − 2c b/D / (1 − cV/D)
+        self.state.row_mut(*row).iter_mut().zip(source).for_each(|(s, b)| *s -= b);
     }
 
     /// Advances by a window and returns the mean of its states.
@@ -102,7 +106,8 @@ impl<'a> March<'a> {
 
 /// V/D at the points of all planes.
 pub(crate) fn contrasts(problem: &Problem) -> Field {
-    let (mass, points) = (problem.mean.plane_mass(), problem.coverage.grid.points());
+    let mass = problem.mean.plane_mass();
+    let points = problem.coverage.grid.points();
     let mut all = Array2::zeros((mass.len(), points));
     all.outer_iter_mut().into_par_iter().enumerate().for_each(|(p, mut row)| {
         row.iter_mut().zip(problem.contrast_per_mass(p, mass[p])).for_each(|(out, v)| *out = v);

@@ -41,9 +41,11 @@ impl<'a, T: Real> CellSum<'a, T> {
             BodyShape::Balls(balls) => (0..balls.len()).for_each(|i| self.add_ball(balls, i, range)),
             BodyShape::Solid(solid) => self.add_solid(solid, range),
             BodyShape::Open { surface, face_um, balls, solids } => {
-                let (grid, count) = (self.builder.grid, raster(self.builder.widest));
+                let grid = self.builder.grid;
+                let count = raster(self.builder.widest);
                 let range_um = [grid.nodes_um[self.cell], grid.nodes_um[self.cell + 1]];
-                let (face_um, element) = (*face_um, &grid.element);
+                let face_um = *face_um;
+                let element = &grid.element;
                 let space = OpenSpace { surface, face_um, balls, solids, range_um, element, count };
                 space.add_to(&mut self.direct, &self.builder.harmonics.orders);
             }
@@ -69,7 +71,7 @@ impl<'a, T: Real> CellSum<'a, T> {
     /// Spreads a ring of points on a surface at height z as sources, and adds the area it encloses,
     /// which is computed about `origin`.
     #[inline]
-    fn add_cut(&mut self, origin: [f64; 3], [z, weight]: [f64; 2], points: &[EdgePoint]) {
+    fn add_cut(&mut self, origin: [f64; 3], z: f64, weight: f64, points: &[EdgePoint]) {
         let [lx, ly] = self.builder.grid.period_um;
         let shares = self.shares(z, weight);
         let mut moment = 0.0;
@@ -86,7 +88,7 @@ impl<'a, T: Real> CellSum<'a, T> {
         let builder = self.builder;
         self.sources.open(extents(&balls[i]));
         builder.sampling.rings(balls, i, range, &mut |z, weight, points| {
-            self.add_cut(balls[0].center_um, [z, weight], points);
+            self.add_cut(balls[0].center_um, z, weight, points);
         });
         self.sources.close();
     }
@@ -96,7 +98,7 @@ impl<'a, T: Real> CellSum<'a, T> {
         let builder = self.builder;
         self.sources.open([0, 1].map(|axis| solid.extent_um(axis)));
         builder.sampling.cuts(solid, range, 0.0, &mut |z, weight, points| {
-            self.add_cut(solid.center_um, [z, weight], points);
+            self.add_cut(solid.center_um, z, weight, points);
         });
         self.sources.close();
     }
@@ -161,7 +163,8 @@ fn index_of(m: i32, n: i32, [mmax, nmax]: [usize; 2]) -> usize {
 /// Written as i/(2 k²) (κ̄ Z(k) + κ Z̄(−k)) with κ = k_x + i k_y; the field is real, so half of the
 /// orders suffice.
 fn add_surfaces<T: Real>(builder: &Builder<T>, scratch: &PlaneScratch<T>, spectrum: &mut [Complex<T>]) {
-    let (transform, [lx, ly]) = (&builder.transform, builder.grid.period_um);
+    let transform = &builder.transform;
+    let [lx, ly] = builder.grid.period_um;
     let [mmax, nmax] = builder.widest.map(|k| k as i32);
     for m in 0..=mmax {
         let (row, mirror) = (transform.row(scratch, m), transform.row(scratch, -m));

@@ -61,7 +61,8 @@ impl Problem {
 
     /// Row of the illuminated face, and b at its points.
     pub fn source_at_points(&self) -> (usize, Vec<Complex64>) {
-        let (row, mut scratch) = (self.entry_row(), self.fft.scratch());
+        let row = self.entry_row();
+        let mut scratch = self.fft.scratch();
         self.to_points(self.source().row(row).to_slice().expect("rows are contiguous"), &mut scratch);
         (row, scratch.plane)
     }
