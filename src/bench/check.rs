@@ -8,7 +8,7 @@ mod slips;
 
 use super::error::CompareResult;
 use super::external::judge::{ExpectedOrder, ReadAnswer, expected};
-use super::external::{ExternalTable, Question};
+use super::external::{ExternalTable, ProtocolQuestion};
 use super::row::Row;
 use crate::input::case::Case;
 use crate::input::wave_kind::WaveKind;
@@ -71,7 +71,7 @@ pub fn check(program: &ExternalTable, folder: &Path, watch: &mut dyn Watch) -> C
                 continue;
             }
             let mut row = Row::new(None, &program.name, None);
-            let question = Question { inputs: known.inputs.clone(), wave, knob };
+            let question = ProtocolQuestion { inputs: known.inputs.clone(), wave, knob };
             match program.ask(question, folder, &mut row, watch)? {
                 Err(reason) => cases.push((name, Err(reason))),
                 Ok(answer) => {

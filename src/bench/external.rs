@@ -72,7 +72,7 @@ pub(super) struct CaseAsked<'a> {
 }
 
 /// What one start of a program is to solve.
-pub(super) struct Question {
+pub(super) struct ProtocolQuestion {
     /// The keys of a case file.
     pub inputs: Value,
     pub wave: WaveKind,
@@ -135,7 +135,7 @@ impl ExternalTable {
             (Err(reason), _) => return Ok(Row { result: Err(reason.clone()), ..row }),
             (_, Some(reason)) => return Ok(Row { result: Err(reason), ..row }),
         };
-        let asked = Question { inputs, wave: question.wave, knob };
+        let asked = ProtocolQuestion { inputs, wave: question.wave, knob };
         let answer = self.ask(asked, question.folder, &mut row, watch)?;
         row.own_seconds = answer.as_ref().ok().and_then(|answer| answer.seconds);
         row.result = answer.and_then(|answer| answer.error(question.expected));
@@ -148,13 +148,13 @@ impl ExternalTable {
     /// The user stopped it.
     pub(super) fn ask(
         &self,
-        question: Question,
+        question: ProtocolQuestion,
         folder: &Path,
         row: &mut Row,
         watch: &mut dyn Watch,
     ) -> CompareResult<Result<ReadAnswer, String>> {
         let Self { time_limit_s, memory_gb, .. } = *self;
-        let Question { inputs, wave, knob } = question;
+        let ProtocolQuestion { inputs, wave, knob } = question;
         let case = blake3::hash(inputs.to_string().as_bytes()).to_hex()[..12].to_owned();
         let request = ProgramRequest { case, inputs, wave, knob, time_limit_s, memory_gb };
         let text = serde_json::to_string(&request).unwrap_or_default();

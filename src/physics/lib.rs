@@ -64,14 +64,16 @@
 //!
 //! Dependencies run one way, in the order of the light:
 //!
-//! | module | from | to |
-//! |---|---|---|
-//! | [`numerics`] | | vectors, random draws, estimates, Fourier planes, dense matrices |
-//! | [`material`] | names, tables, records | η(λ) of pigments and binders |
-//! | [`ink`] | a request for grains | a [`Packing`](ink::Packing) without overlaps, and its statistics |
-//! | [`wave`] | a scene, media, light and a grid | the discrete [`Problem`](wave::Problem), and the [`FarField`](wave::FarField) of a solution |
-//! | [`solve`] | a problem | its [`Solution`](solve::Solution) by one of several strategies; the grid for a required accuracy |
-//! | [`appearance`] | far fields | distribution functions, paper, colour; thick layers from thin slabs |
+//! - [`numerics`]: vectors, random draws, estimates, Fourier planes, dense matrices.
+//! - [`material`]: from names, tables and records to η(λ) of pigments and binders.
+//! - [`ink`]: from a request for grains to a [`Packing`](ink::Packing) without overlaps, and its
+//!   statistics.
+//! - [`wave`]: from a scene, media, light and a grid to the discrete [`Problem`](wave::Problem),
+//!   and from its solution to the [`FarField`](wave::FarField).
+//! - [`solve`]: from a problem to its [`Solution`](solve::Solution) by one of several strategies;
+//!   the grid for a required accuracy.
+//! - [`appearance`]: from far fields to distribution functions, paper and colour; thick layers from
+//!   thin slabs.
 //!
 //! # Features
 //!

@@ -346,7 +346,7 @@ fn two_solutions_are_found_drawn_and_told() {
     }
     assert!(said.contains("second solution: n") && said.contains("too few for a verdict"), "{said}");
     assert_eq!(fit["trust"], "untested");
-    assert!(page.contains("both are drawn"));
+    assert!(page.contains("Both are drawn"));
     let second = std::fs::read_to_string(folder.join("fit/pigment-other.csv")).expect("a table");
     assert!(second.contains("wavelength_nm,n,kappa,n_error"), "{second}");
 }

@@ -7,12 +7,12 @@ use std::sync::LazyLock;
 const FIRST_NM: usize = 380;
 
 /// Columns of numbers below their names.
-struct Table {
+struct CieTable {
     names: Vec<&'static str>,
     rows: Vec<Vec<f64>>,
 }
 
-impl Table {
+impl CieTable {
     /// Reads a file of this program: remarks, names, numbers. What is no number becomes NaN, which
     /// a test excludes.
     fn read(text: &'static str) -> Self {
@@ -29,8 +29,9 @@ impl Table {
     }
 }
 
-static ILLUMINANTS: LazyLock<Table> = LazyLock::new(|| Table::read(include_str!("cie/illuminants.csv")));
-static OBSERVERS: LazyLock<Table> = LazyLock::new(|| Table::read(include_str!("cie/observers.csv")));
+static ILLUMINANTS: LazyLock<CieTable> =
+    LazyLock::new(|| CieTable::read(include_str!("cie/illuminants.csv")));
+static OBSERVERS: LazyLock<CieTable> = LazyLock::new(|| CieTable::read(include_str!("cie/observers.csv")));
 
 /// Names of the illuminants, such as `D65`, in the order in which they are offered.
 pub(super) fn illuminant_names() -> &'static [&'static str] {

@@ -116,10 +116,10 @@ pub struct Size {
 
 /// Bytes per point and plane of the vector wave: the contrast tensor in both precisions.
 const VECTOR_TENSOR: f64 = 9.0 * COMPLEX;
-/// The same of the mean operator: two tables of its cells and four of its nodes for every two
+/// Bytes of the mean operator: two tables of its cells and four of its nodes for every two
 /// planes, in both precisions.
 const VECTOR_TABLES: f64 = 4.5 * COMPLEX;
-/// The same of a channel: seven real moments.
+/// Bytes of a channel: seven real moments.
 const VECTOR_MOMENTS: f64 = 7.0 * 8.0;
 
 impl Size {

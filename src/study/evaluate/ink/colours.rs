@@ -273,8 +273,8 @@ impl InkOnPaper {
         self.measured(|layer, column| layer.measured(r, j, column) - layer.fitted(left_out, weights, column))
     }
 
-    /// Differences from the film at the anchors and of the means; `number` gives those of any column
-    /// of an ensemble.
+    /// Differences from the film at the anchors and of the means; `number` gives those of any
+    /// column of an ensemble.
     pub(super) fn measured(&self, number: impl Fn(&LayerEnsemble, usize) -> f64) -> Measured {
         let returned = self.returned.as_ref().map_or(&self.layer, |(layer, _)| layer);
         let at_anchors = |layer: &LayerEnsemble| {
