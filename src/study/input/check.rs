@@ -20,7 +20,7 @@ pub use grains::largest_extents_nm;
 use super::fault::{Fault, Faults};
 use super::file::StudyFile;
 use super::forms::ThicknessWritten;
-use super::study::Study;
+use super::study::{Layer, Pigment, Study};
 use super::variation::Variation;
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::ink::PackingRequest;
@@ -93,21 +93,8 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let pigments = pigments::with_indices(&file.pigments, grains, &tables, &mut wave_faults);
     let dissolved = pigments::dissolved(&file.pigments, &tables, &mut wave_faults);
     pigments::dissolve(&mut layer, &dissolved, &pigments, file.layer.mixing_rule(file.light.wave));
-    let packing = PackingRequest {
-        period_um: layer.period_um,
-        thickness_um: layer.thickness_um,
-        pigments: pigments.iter().map(|pigment| pigment.grains.clone()).collect(),
-        method: file.packing.method,
-        seed: file.run.seed,
-        sequential: file.packing.sequential,
-        relaxation: file.packing.relaxation,
-        equilibration: file.packing.equilibration,
-        relief: file.layer.relief,
-        walls: file.layer.walls,
-        given: given.grains,
-        voxels: given.voxels,
-        ..PackingRequest::default()
-    };
+    let drawn = file.packing_request(&layer, &pigments);
+    let packing = PackingRequest { given: given.grains, voxels: given.voxels, ..drawn };
     if packing_faults.0.is_empty() {
         packing_faults.0.extend(pigments::packing_fault(&packing));
     }
@@ -166,6 +153,25 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         wave_faults.0.extend(target_without_colour(&study));
     }
     Examined { study, packing_faults, wave_faults }
+}
+
+impl StudyFile {
+    /// The grains that are drawn, in a checked layer.
+    fn packing_request(&self, layer: &Layer, pigments: &[Pigment]) -> PackingRequest {
+        PackingRequest {
+            period_um: layer.period_um,
+            thickness_um: layer.thickness_um,
+            pigments: pigments.iter().map(|pigment| pigment.grains.clone()).collect(),
+            method: self.packing.method,
+            seed: self.run.seed,
+            sequential: self.packing.sequential,
+            relaxation: self.packing.relaxation,
+            equilibration: self.packing.equilibration,
+            relief: self.layer.relief,
+            walls: self.layer.walls,
+            ..PackingRequest::default()
+        }
+    }
 }
 
 /// `target_delta_e` needs a colour; without paper it can never be met.
