@@ -2,8 +2,8 @@
 //!
 //! [`folder`] reads a [`finished`] study back, [`stored`] as a layer solved as a whole or
 //! [`composed`] of slabs; [`run`](mod@run) makes the files requested of either. Each writer takes
-//! plain numbers and returns bytes; `scripts/check-exports` opens every file with the program it is
-//! meant for.
+//! what it draws (numbers, a packing) and returns bytes; `scripts/check-exports` opens every file
+//! with the program it is meant for.
 //!
 //! - [`mitsuba`]: a measured material for the renderer, with scenes and [`samples`] to check it
 //! - [`spectra`]: the spectra of the [`print`](mod@print) with Lab for colour programs
