@@ -44,7 +44,7 @@ impl Colorimeter {
     /// let wavelengths_nm: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * i as f64).collect();
     /// let white = Colorimeter::new(&wavelengths_nm)?.colour(&[1.0; 31])?;
     /// assert_eq!(white.srgb8, [255, 255, 255]);
-    /// # Ok::<(), inkwave_physics::appearance::tristimulus::ColourError>(())
+    /// # Ok::<(), inkwave_physics::appearance::viewing::ColourError>(())
     /// ```
     ///
     /// # Errors

@@ -56,7 +56,7 @@ impl Colorimeter {
     /// };
     /// // unseen without a guide that has it
     /// assert!(error(Some(&guide)) > 5.0 && error(Some(&guide)) > 2.0 * error(None));
-    /// # Ok::<(), inkwave_physics::appearance::tristimulus::ColourError>(())
+    /// # Ok::<(), inkwave_physics::appearance::viewing::ColourError>(())
     /// ```
     pub fn spacing(&self, values: &[f64], xyz: [f64; 3], guide: Option<&Guide>) -> Vec<[f64; 3]> {
         let parts = self.spacing_xyz(values, guide).into_iter();
