@@ -1,6 +1,6 @@
 //! Number of realisations needed until the 95 % interval is below `run.target_delta_e`.
 //!
-//! The interval is checked after every [`BATCH`] realisations, so that a variant ends at the same
+//! The interval is checked after every `BATCH` realisations, so that a variant ends at the same
 //! realisation whichever process runs it. All variants proceed in rounds of this size. A round is
 //! determined by the store alone, so that all processes of a folder agree on it. Without a target
 //! there is a single round.
