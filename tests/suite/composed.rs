@@ -159,9 +159,12 @@ fn a_sweep_of_composed_layers_has_a_table_and_a_page() {
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let table = std::fs::read_to_string(output.join("composed.csv")).unwrap();
     assert_eq!(table.lines().count(), 7, "{table}");
-    // composed.csv, and three tables of each layer
-    assert_eq!(described_tables(&output), 7);
-    assert!(output.join("report.html").exists());
+    // sweep.csv, composed.csv, conclusions.csv, and three tables of each layer
+    assert_eq!(described_tables(&output), 9);
+    let page = std::fs::read_to_string(output.join("report.html")).unwrap();
+    for shown in ["against share, with standard errors", "Curves and spectra of the layer", "Colours"] {
+        assert!(page.contains(shown), "{shown}");
+    }
 }
 
 /// Grains of the binder's index: a film of 1.5, whose fringes at any thickness are Airy's.

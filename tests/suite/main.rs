@@ -44,6 +44,7 @@ mod packing_spheres;
 mod plans;
 mod prose;
 mod referee;
+mod replicates;
 mod run_continue;
 mod run_fields;
 mod run_results;

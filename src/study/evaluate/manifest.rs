@@ -1,5 +1,9 @@
 //! `results.json`: the numbers and their provenance.
 
+pub mod composed;
+pub mod print;
+
+use self::composed::{ComposedColours, ComposedRow, SlabNotes};
 use super::ink_maker::InkMaker;
 use super::published::{NamedNumber, PublishedRow, Quantity, Withheld};
 use super::survivors::Survivors;
@@ -69,37 +73,31 @@ pub fn program() -> String {
     concat!("inkwave ", env!("CARGO_PKG_VERSION")).to_owned()
 }
 
-/// All results of a run. Standard errors include randomness, cell, angles and wavelengths (by the
-/// jackknife over realisations), the error of the grid and that of the residual, added in
-/// quadrature; `null` if a single realisation leaves them unknown.
+/// The published result of a print, whichever evaluator made it: the file `results.json`. What only
+/// some prints have is an optional part; the keys of a part stand beside the others in the file.
+///
+/// Standard errors include randomness, cell, angles and wavelengths (by the jackknife over
+/// realisations), the error of the grid and that of the residual, added in quadrature; `null` if a
+/// single realisation leaves them unknown.
 #[derive(Clone, Debug, Serialize)]
-pub struct Manifest<S: Serialize> {
+pub struct Manifest<'a> {
     /// Where the numbers come from.
     #[serde(flatten)]
     pub origin: Provenance,
-    /// Requested and finished realisations.
-    pub realisations: Count,
     /// Requested and finished solves.
     pub solves: Count,
-    /// Numbers of packings with and without room for their grains.
-    pub tried_packings: Survivors,
     /// Failures with their reasons.
     pub failures: Vec<FailureNote>,
-    /// The grid of the shortest wavelengths and the largest contrast.
-    pub resolution: Resolution,
-    /// The grid of the longest wavelengths, if it differs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub resolution_longest: Option<Resolution>,
-    /// Errors and their estimates.
-    pub certainty: Certainty,
-    /// One record per packing.
-    pub packings: Vec<PackingRecord>,
+    /// Packings, grid and errors of a layer that is solved as a whole.
+    #[serde(flatten)]
+    pub ensemble: Option<EnsembleNotes>,
     /// Colours under all conditions.
-    pub colours: Vec<ColourNote>,
-    /// Hiding power, Kubelka–Munk coefficients and differences, if there are colours.
-    pub ink_maker: Option<InkMaker>,
+    pub colours: PublishedColours,
     /// Why there are no colours.
     pub no_colour: Option<String>,
+    /// Hiding power, Kubelka–Munk coefficients and differences of a layer that is solved as a
+    /// whole, if there are colours.
+    pub ink_maker: Option<InkMaker>,
     /// Why there are colours but no numbers for ink makers, such as an illuminant for which the
     /// wavelengths do not suffice.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -107,8 +105,11 @@ pub struct Manifest<S: Serialize> {
     /// Numbers that were withheld because they are impossible, such as a negative contrast ratio.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,
-    /// One row per wavelength and angle.
-    pub spectra: Vec<SpectrumRow>,
+    /// One row per wavelength, and per angle or thickness.
+    pub spectra: PublishedSpectra,
+    /// What a layer composed of slabs has beside these.
+    #[serde(flatten)]
+    pub slabs: Option<SlabNotes<'a>>,
     /// Sum of the wall times of all solves, s; several solves may run in parallel, on several
     /// threads each.
     pub solve_seconds: f64,
@@ -118,32 +119,90 @@ pub struct Manifest<S: Serialize> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub process_seconds: Option<f64>,
     /// The study with all defaults filled in.
-    pub study: S,
+    pub study: &'a Study,
+}
+
+/// Packings, grid and errors of a layer that is solved as a whole.
+#[derive(Clone, Debug, Serialize)]
+pub struct EnsembleNotes {
+    /// Requested and finished realisations.
+    pub realisations: Count,
+    /// Numbers of packings with and without room for their grains.
+    pub tried_packings: Survivors,
+    /// The grid of the shortest wavelengths and the largest contrast.
+    pub resolution: Resolution,
+    /// The grid of the longest wavelengths, if it differs.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub resolution_longest: Option<Resolution>,
+    /// Errors and their estimates.
+    pub certainty: Certainty,
+    /// One record per packing.
+    pub packings: Vec<PackingRecord>,
+}
+
+/// The spectra of a print.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum PublishedSpectra {
+    /// Of a layer that is solved as a whole: one row per wavelength and angle.
+    Whole(Vec<SpectrumRow>),
+    /// Of a composed layer: one row for each requested thickness and wavelength.
+    Composed(Vec<ComposedRow>),
+}
+
+impl PublishedSpectra {
+    /// Rows of a layer that is solved as a whole; none of another.
+    pub fn whole(&self) -> &[SpectrumRow] {
+        if let Self::Whole(rows) = self { rows } else { &[] }
+    }
+
+    /// Rows of a composed layer; none of another.
+    pub fn composed(&self) -> &[ComposedRow] {
+        if let Self::Composed(rows) = self { rows } else { &[] }
+    }
+}
+
+/// The colours of a print.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum PublishedColours {
+    /// Of a layer that is solved as a whole: one under each condition.
+    Whole(Vec<ColourNote>),
+    /// Of a composed layer: those of each requested thickness.
+    Composed(Vec<ComposedColours>),
+}
+
+impl PublishedColours {
+    /// Colours of a layer that is solved as a whole; none of another.
+    pub fn whole(&self) -> &[ColourNote] {
+        if let Self::Whole(notes) = self { notes } else { &[] }
+    }
+
+    /// Colours of a composed layer; none of another.
+    pub fn composed(&self) -> &[ComposedColours] {
+        if let Self::Composed(colours) = self { colours } else { &[] }
+    }
 }
 
 /// Totals outside 0–1 by more than this are invalid; every single solve has passed a stricter
 /// check.
 const BEYOND: f64 = 0.03;
 
-impl<S: Serialize> Manifest<S> {
+impl Manifest<'_> {
+    /// Why nothing is published, where more packings failed than the study allows.
+    pub fn refusal(&self) -> Option<String> {
+        self.ensemble.as_ref()?.tried_packings.refusal(self.study.failed_packings)
+    }
+
     /// The first invalid number: NaN, infinite, or a total outside 0–1 by more than its error.
     pub fn unphysical(&self) -> Option<String> {
-        let c = &self.certainty;
-        let certainty = [
-            ("amplitude_error_estimate", c.amplitude_error_estimate),
-            ("reflectance_grid_error", c.reflectance_grid_error),
-            ("transmittance_grid_error", c.transmittance_grid_error),
-            ("largest_energy_error", c.largest_energy_error),
-            ("largest_residual", c.largest_residual),
-        ];
-        let wrong = certainty.into_iter().find(|(_, value)| !value.is_finite());
-        wrong.map(|(name, value)| format!("certainty.{name} is {value}")).or_else(|| {
-            self.spectra.iter().find_map(SpectrumRow::unphysical).or_else(|| self.unphysical_colour())
-        })
+        let certainty = self.ensemble.as_ref().and_then(|ensemble| ensemble.certainty.unphysical());
+        let spectrum = || self.spectra.whole().iter().find_map(SpectrumRow::unphysical);
+        certainty.or_else(spectrum).or_else(|| self.unphysical_colour())
     }
 
     fn unphysical_colour(&self) -> Option<String> {
-        let wrong = self.colours.iter().find(|note| !note.colour.lab.iter().all(|x| x.is_finite()));
+        let wrong = self.colours.whole().iter().find(|note| !note.colour.lab.iter().all(|x| x.is_finite()));
         wrong.map(|note| format!("Lab under {} is {:?}", note.conditions, note.colour.lab))
     }
 }
@@ -175,15 +234,30 @@ pub struct Count {
 
 /// A solve without a result, or a realisation without a packing.
 #[derive(Clone, Debug, Serialize)]
-pub struct FailureNote {
-    /// Number of the realisation, from 0.
-    pub realisation: usize,
-    /// Wavelength, nm; absent for a packing.
-    pub wavelength_nm: Option<f64>,
-    /// Polar angle, degrees; absent for a packing.
-    pub polar_deg: Option<f64>,
+#[serde(untagged)]
+pub enum FailureNote {
+    /// Of a layer that is solved as a whole.
+    Whole {
+        /// Number of the realisation, from 0.
+        realisation: usize,
+        /// Wavelength, nm; absent for a packing.
+        wavelength_nm: Option<f64>,
+        /// Polar angle, degrees; absent for a packing.
+        polar_deg: Option<f64>,
+        /// The error's message.
+        reason: String,
+    },
+    /// Of a slab: the slab, the realisation and the error's message.
+    Slab(String),
+}
+
+impl FailureNote {
     /// The error's message.
-    pub reason: String,
+    pub fn reason(&self) -> &str {
+        match self {
+            Self::Whole { reason, .. } | Self::Slab(reason) => reason,
+        }
+    }
 }
 
 /// What limits the accuracy of the numbers.
@@ -227,6 +301,20 @@ pub struct Certainty {
     pub mean_steps: f64,
     /// Total number of operator applications.
     pub operator_applications: usize,
+}
+
+impl Certainty {
+    fn unphysical(&self) -> Option<String> {
+        let numbers = [
+            ("amplitude_error_estimate", self.amplitude_error_estimate),
+            ("reflectance_grid_error", self.reflectance_grid_error),
+            ("transmittance_grid_error", self.transmittance_grid_error),
+            ("largest_energy_error", self.largest_energy_error),
+            ("largest_residual", self.largest_residual),
+        ];
+        let wrong = numbers.into_iter().find(|(_, value)| !value.is_finite());
+        wrong.map(|(name, value)| format!("certainty.{name} is {value}"))
+    }
 }
 
 /// A colour under named conditions.
@@ -283,6 +371,29 @@ pub struct SpectrumRow {
     /// Number of each realisation and its contribution to R and T.
     #[serde(skip)]
     pub deviations: Vec<(usize, [f64; 2])>,
+    /// The numbers without each of the realisations; not written to files.
+    #[serde(skip)]
+    pub replicates: SpectrumReplicates,
+}
+
+/// Jackknife replicates of a row's numbers: each number from all cells but one, in the order of
+/// [`SpectrumRow::deviations`]; empty for one cell, and of numbers that are not there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SpectrumReplicates {
+    /// Of R.
+    pub reflectance: Vec<f64>,
+    /// Of R of the specular order.
+    pub specular_reflectance: Vec<f64>,
+    /// Of T.
+    pub transmittance: Vec<f64>,
+    /// Of T of the unscattered order.
+    pub specular_transmittance: Vec<f64>,
+    /// Of A.
+    pub absorptance: Vec<f64>,
+    /// Of the ink on its paper under a uniform sky.
+    pub natural_light: Vec<f64>,
+    /// Of the ink on its paper at 45:0.
+    pub lit_at_45: Vec<f64>,
 }
 
 /// A number of a spectrum.

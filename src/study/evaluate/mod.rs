@@ -10,6 +10,7 @@
 pub mod coherent;
 pub mod composed;
 pub mod directional;
+pub mod evaluated;
 pub mod film;
 pub mod films;
 pub mod gate;
@@ -20,6 +21,7 @@ pub mod levels;
 pub mod manifest;
 pub mod on_paper;
 pub mod published;
+pub mod quantities;
 pub mod regression;
 pub mod samples;
 pub mod seen;

@@ -163,7 +163,7 @@ pub struct LayerOnPaper {
     curve: AngleCurve,
     /// The film's T̄ and Ā from the exit side.
     film_means: [f64; 2],
-    albedo: f64,
+    paper_albedo: f64,
     /// Index of the half-space on the exit side: that of the paper in optical contact.
     pub(super) index_out: f64,
 }
@@ -181,7 +181,7 @@ impl LayerOnPaper {
         curve: AngleCurve,
         [albedo, index_out]: [f64; 2],
     ) -> Result<Self, PaperError> {
-        let layer = Self { node, measured, curve, film_means, albedo, index_out };
+        let layer = Self { node, measured, curve, film_means, paper_albedo: albedo, index_out };
         returned(albedo, layer.mean_transmittance(), layer.mean_absorptance_exit(), index_out)?;
         Ok(layer)
     }
@@ -216,13 +216,13 @@ impl LayerOnPaper {
     /// g = ρ/(1 − ρ R̄_b), over n² in optical contact.
     pub fn return_factor(&self) -> f64 {
         // checked in `new`; noise alone cannot make it a result
-        returned(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out)
+        returned(self.paper_albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out)
             .unwrap_or(f64::NAN)
     }
 
     /// The layer over another backing of the given albedo.
     pub fn over(&self, albedo: f64) -> Self {
-        Self { albedo, ..*self }
+        Self { paper_albedo: albedo, ..*self }
     }
 
     /// R(θ) of the layer without paper.

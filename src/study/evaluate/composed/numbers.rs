@@ -2,16 +2,16 @@
 
 use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use super::level::{Change, Level, Slabs};
-use super::quantities::{
-    ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
-    ThicknessNumbers,
-};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::ink_maker::{BLACK, WHITE};
+use crate::evaluate::quantities::{
+    ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
+    ThicknessNumbers,
+};
 use crate::input::study::{Composed, Study};
 use crate::wave::Wave;
 use faer::Mat;
