@@ -55,7 +55,8 @@ fn nothing(written: &StudyFile, folder: &Path, name: &str) -> Examined {
 
 /// The layers, each examined as if it were alone in the cell of all.
 fn parts(written: &StudyFile, layers: &[StackLayerTable], folder: &Path, name: &str) -> Vec<Examined> {
-    let alone = |i: usize, common: &StackTable| of_layer_alone(written, &layers[i], common, folder, name).of(i);
+    let alone =
+        |i: usize, common: &StackTable| of_layer_alone(written, &layers[i], common, folder, name).of(i);
     let mut common = written.stack.clone().unwrap_or_default();
     let mut parts: Vec<Option<Examined>> = layers.iter().map(|_| None).collect();
     // files of grains may give the cell, which is then that of all layers
@@ -158,7 +159,12 @@ fn check_layers(written: &StudyFile, layers: &[StackLayerTable], faults: &mut Fa
         };
         if !is_outer {
             let remedy = "remove it: faces between layers are plane";
-            faults.add(format!("layer[{i}].relief"), "a relief inside", format!("outer faces: {face}"), remedy);
+            faults.add(
+                format!("layer[{i}].relief"),
+                "a relief inside",
+                format!("outer faces: {face}"),
+                remedy,
+            );
         }
     }
     let is_rough: Vec<usize> = (0..layers.len()).filter(|&i| layers[i].relief.is_some()).collect();
@@ -212,7 +218,8 @@ fn check_thickness(parts: &[Examined], faults: &mut Faults) {
     let each = |part: &Examined| limits::THICKNESS_UM.holds(part.study.layer.thickness_um);
     if parts.iter().all(each) && !limit.holds(sum_um) {
         let thickness = |part: &Examined| part.study.layer.thickness_um;
-        let thickest = (0..parts.len()).max_by(|&a, &b| thickness(&parts[a]).total_cmp(&thickness(&parts[b])));
+        let thickest =
+            (0..parts.len()).max_by(|&a, &b| thickness(&parts[a]).total_cmp(&thickness(&parts[b])));
         let i = thickest.unwrap_or(0);
         let allowed = format!("a sum over all layers {limit}: a stack with grains is solved whole");
         let remedy = "take thinner layers; a single [layer] with [layer.composed] may be thick";

@@ -106,7 +106,10 @@ impl<'de> Visitor<'de> for OneOrStacked {
 
     fn visit_seq<A: SeqAccess<'de>>(self, layers: A) -> Result<LayerTable, A::Error> {
         let stacked = Some(Vec::deserialize(SeqAccessDeserializer::new(layers))?);
-        Ok(LayerTable { stacked, ..LayerTable::of_stack(&StackLayerTable::nothing(), &StackTable::default()) })
+        Ok(LayerTable {
+            stacked,
+            ..LayerTable::of_stack(&StackLayerTable::nothing(), &StackTable::default())
+        })
     }
 }
 
