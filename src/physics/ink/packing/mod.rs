@@ -11,6 +11,7 @@ mod arrangement;
 pub(crate) mod cell;
 mod cut;
 mod demand;
+pub(crate) mod depth;
 mod fluctuation;
 pub(crate) mod grain;
 mod hard_bodies;

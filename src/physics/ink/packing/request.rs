@@ -134,6 +134,10 @@ pub struct PigmentGrains {
     /// (reported).
     #[cfg_attr(feature = "serde", serde(default))]
     pub share: ShareRule,
+    /// Where along the depth the grains are: rows of depth over thickness, from 0 to 1, and density,
+    /// linear in between; evenly without any. Only ratios of densities matter.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub profile: Vec<[f64; 2]>,
 }
 
 impl PigmentGrains {
@@ -152,6 +156,7 @@ impl PigmentGrains {
             orientation: Orientation::Random,
             agglomeration: None,
             share: ShareRule::NearestGrain,
+            profile: Vec::new(),
         }
     }
 }
@@ -349,8 +354,13 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
     let remedy = "leave `fractal` out, or take `sphere`, `cylinder` or `beaded_ellipsoid`";
     PackError::unless(!fractal || pigment.shape.form().is_none(), field, found, allowed, remedy)?;
     let agglomeration = pigment.agglomeration.as_ref().and_then(Agglomeration::defect);
-    let defects =
-        [pigment.shape.defect(), pigment.size.defect(), pigment.orientation.defect(), agglomeration];
+    let defects = [
+        pigment.shape.defect(),
+        pigment.size.defect(),
+        pigment.orientation.defect(),
+        agglomeration,
+        super::depth::defect(pigment),
+    ];
     match defects.into_iter().flatten().next() {
         None => pigment.check_layers(k),
         Some((field, found, allowed)) => {
