@@ -132,7 +132,8 @@ impl FitReading<'_> {
             self.faults.add("base.layer.composed", "given", allowed, remedy);
         }
         if self.base.get("layer").is_some_and(Value::is_array) {
-            let remedy = "make drawdowns of one layer, and stack it with others in a study once its index is known";
+            let remedy =
+                "make drawdowns of one layer, and stack it with others in a study once its index is known";
             self.faults.add("base.layer", "a stack of layers", "one [base.layer]", remedy);
             return;
         }

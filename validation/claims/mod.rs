@@ -32,7 +32,7 @@ mod two_levels;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 33] = [
+pub const ALL: [Claim; 34] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -66,4 +66,5 @@ pub const ALL: [Claim; 33] = [
     gradients::CLAIM,
     stacks::CLEAR,
     stacks::PLACED,
+    stacks::OPEN,
 ];

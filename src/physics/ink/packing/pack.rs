@@ -1,7 +1,7 @@
 //! Packing of a request, with the final check for overlap.
 
 use super::arrangement::Arrangement;
-use super::depth;
+use super::gradient;
 use super::hard_bodies::{add_all, equilibrate};
 use super::placed::{Method, Packing, PackingAccount};
 use super::plan::PackingPlan;
@@ -106,7 +106,7 @@ fn attempt(
         }
     }
     let mut packing = Packing::proven(request, arrangement.grains(), plan.shares.clone(), account)?;
-    let notes = depth::notes(request, &packing);
+    let notes = gradient::notes(request, &packing);
     packing.account.notes.extend(notes);
     if let Some(relief) = request.relief.filter(|_| !packing.grains.is_empty()) {
         packing.relief = Some(settle(&packing, &relief));

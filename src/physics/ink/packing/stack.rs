@@ -51,7 +51,7 @@ fn within(profile: &[[f64; 2]], [from, to]: [f64; 2]) -> Vec<[f64; 2]> {
     let even = [[0.0, 1.0], [1.0, 1.0]];
     let own = if profile.is_empty() { &even } else { profile };
     let mut rows = vec![[0.0, 0.0], [from, 0.0]];
-    rows.extend(own.iter().map(|[depth, density]| [from + (to - from) * depth, *density]));
+    rows.extend(own.iter().map(|[depth, density]| [(from + (to - from) * depth).min(to), *density]));
     rows.extend([[to, 0.0], [1.0, 0.0]]);
     rows
 }
