@@ -67,7 +67,6 @@ fn parts(written: &StudyFile, layers: &[StackLayerTable], folder: &Path, name: &
             common.period_um = Some(Pair::Each(part.study.layer.period_um));
         }
         parts[i] = Some(part);
-        _ = layer;
     }
     if layers.iter().any(is_given) {
         common.cell = CellRule::Fixed;
