@@ -168,7 +168,8 @@ const WORTH_COMPOSING_UM: f64 = 4.0;
 /// Says what a thick layer would cost if it were composed of slabs.
 fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     let um = study.layer.thickness_um;
-    let plane = study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
+    let plane =
+        study.stack.is_empty() && study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
     if study.composed().is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
         return Ok(());
     }

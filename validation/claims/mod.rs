@@ -26,12 +26,13 @@ mod reciprocity;
 mod references;
 mod slab;
 mod small_grains;
+mod stacks;
 mod tau;
 mod two_levels;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 31] = [
+pub const ALL: [Claim; 34] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -63,4 +64,7 @@ pub const ALL: [Claim; 31] = [
     published::CLAIM,
     two_levels::CLAIM,
     gradients::CLAIM,
+    stacks::CLEAR,
+    stacks::PLACED,
+    stacks::OPEN,
 ];

@@ -14,6 +14,7 @@ mod microstructure;
 mod paper;
 mod pigments;
 mod run;
+mod stack;
 
 pub use grains::largest_extents_nm;
 
@@ -73,6 +74,19 @@ struct Examined {
 }
 
 fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
+    if let Some(layers) = &written.layer.stacked {
+        return stack::examine(written, layers, folder, name);
+    }
+    let mut examined = examine_layer(written, folder, name);
+    if written.stack.is_some() {
+        let allowed = "nothing beside a single [layer], which has these keys itself";
+        examined.packing_faults.add("stack", "a table", allowed, "remove it, or write [[layer]]");
+    }
+    examined
+}
+
+/// Examines a study of a single layer.
+fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let mut packing_faults = Faults::default();
     let mut wave_faults = Faults::default();
     // the file as if its layer were the thinnest slab, and its pigments those of given grains
@@ -82,6 +96,7 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         file.layer.thickness_um = ThicknessWritten::Even(0.5 * composed.slab_um);
     }
     let given = microstructure::fill(&mut file, folder, &mut packing_faults).unwrap_or_default();
+    pigments::fill_profiles(&mut file, &mut packing_faults);
     let microstructure = file.layer.microstructure.as_ref();
 
     let Light { wavelengths_nm, rule: light } = file.light.checked(&mut wave_faults);
@@ -116,6 +131,7 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let mut study = Study {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
+        stack: Vec::new(),
         pigments,
         dissolved,
         packing,
