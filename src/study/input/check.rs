@@ -116,6 +116,7 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let mut study = Study {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
+        stack: Vec::new(),
         pigments,
         dissolved,
         packing,

@@ -21,4 +21,5 @@ mod fraction;
 pub mod fringes;
 pub mod ordinates;
 pub mod plate;
+pub mod stack;
 pub mod transport;

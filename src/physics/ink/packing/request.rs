@@ -51,6 +51,33 @@ pub struct PackingRequest {
     /// own: cells of one layer that hold more or less than it are packed alike.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub usual_fraction: Option<f64>,
+    /// The layers of a stack, in the order of the light, each with its own grains, places and
+    /// random stream; empty for a single layer. The request itself then holds their cell, their
+    /// whole thickness and the pigments of all, whose volume fractions are those of their own layer.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
+    pub layers: Vec<StackedRequest>,
+}
+
+/// One layer of a stack to pack.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct StackedRequest {
+    /// The layer as if it were alone, 0 ≤ z ≤ its thickness.
+    pub request: PackingRequest,
+    /// How it meets the next one.
+    pub joint: Joint,
+}
+
+/// How a layer meets the one behind it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Joint {
+    /// As at a wall: a dry layer has been coated, and no grain reaches across.
+    #[default]
+    Wall,
+    /// Grains of both layers reach across, as wet on wet; both have one binder.
+    Open,
 }
 
 impl Default for PackingRequest {
@@ -71,6 +98,7 @@ impl Default for PackingRequest {
             voxels: Vec::new(),
             cut_um: None,
             usual_fraction: None,
+            layers: Vec::new(),
         }
     }
 }
@@ -261,6 +289,11 @@ impl PackingRequest {
     /// Per pigment, thicknesses of the layers of its grains from the core outwards, µm.
     pub fn shells_um(&self) -> Vec<Vec<f64>> {
         self.pigments.iter().map(|p| p.shell_nm.iter().map(|t| 1e-3 * t).collect()).collect()
+    }
+
+    /// Whether grains are drawn, not given.
+    pub fn is_drawn(&self) -> bool {
+        self.given.is_empty() && self.voxels.is_empty()
     }
 
     /// Checks every number that can be checked before grains are drawn.

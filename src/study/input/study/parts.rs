@@ -3,7 +3,7 @@
 
 use crate::appearance::paper::{Albedo, Coupling};
 use crate::appearance::viewing::Viewing;
-use crate::ink::PigmentGrains;
+use crate::ink::{Joint, PigmentGrains};
 use crate::input::file::ContrastPart;
 use crate::input::measured::MeasuredSpectrum;
 use crate::material::mixing::MixingRule;
@@ -27,6 +27,25 @@ pub struct Layer {
     pub binder: IndexSpectrum,
     /// Which part of the contrast scatters.
     pub contrast: ContrastPart,
+}
+
+/// One layer of a stack, in the order of the light.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct StackLayer {
+    /// Name in reports.
+    pub name: String,
+    /// Mean thickness, µm.
+    pub thickness_um: f64,
+    /// Standard deviation of the thickness, µm; above 0 in one layer at most.
+    pub thickness_std_um: f64,
+    /// The medium between its grains.
+    pub binder: IndexSpectrum,
+    /// Number of its pigments with grains: those of the layers follow one another in
+    /// [`Study::pigments`](super::Study::pigments), and their packing requests in
+    /// [`PackingRequest::layers`](crate::ink::PackingRequest::layers).
+    pub pigments: usize,
+    /// How it meets the next layer; a wall at the last one.
+    pub joint: Joint,
 }
 
 /// One kind of grain.

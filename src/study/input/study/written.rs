@@ -2,7 +2,7 @@
 //! layer, with the directions and beside them.
 
 use super::{
-    Angles, Composed, Dissolved, Judgement, Layer, Paper, Pigment, Portion, Study, StudyKind, TargetColour,
+    Angles, Composed, Dissolved, Judgement, Layer, Paper, Pigment, Portion, StackLayer, Study, StudyKind, TargetColour,
     WantedResolution,
 };
 use crate::ink::PackingRequest;
@@ -19,6 +19,8 @@ pub(super) struct WrittenLayer {
     layer: Layer,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     composed: Option<Composed>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    stack: Vec<StackLayer>,
 }
 
 /// Directions, and why they allow no paper.
@@ -59,7 +61,7 @@ pub(super) struct WrittenStudy {
 impl Study {
     /// The layer, and how it is composed.
     pub(super) fn written_layer(&self) -> WrittenLayer {
-        WrittenLayer { layer: self.layer.clone(), composed: self.composed().cloned() }
+        WrittenLayer { layer: self.layer.clone(), composed: self.composed().cloned(), stack: self.stack.clone() }
     }
 
     /// The directions, and why they allow no paper, for content hashes.
@@ -109,6 +111,7 @@ impl From<WrittenStudy> for Study {
             kind,
             title: written.title,
             layer: written.layer.layer,
+            stack: written.layer.stack,
             pigments: written.pigments,
             dissolved: written.dissolved,
             packing: written.packing,
