@@ -136,7 +136,7 @@ mod tests {
     fn films(wave: Wave) -> Films<'static> {
         Films {
             profile: Profile::homogeneous(),
-            indices: &|_| (Complex64::new(1.5, 0.01), Vec::new()),
+            indices: &|_| (vec![Complex64::new(1.5, 0.01)], Vec::new()),
             thicknesses_um: vec![2.0],
             index_out: 1.2,
             wave,

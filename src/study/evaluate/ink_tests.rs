@@ -20,7 +20,7 @@ pub fn molecular_ink(pigment: &str, share: f64, coupling: Coupling) -> InkOnPape
     let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
     let spectrum = Spectrum::synthetic(pigment).unwrap();
     let index = |nm: f64| molecular_mixture(1.558.into(), &[(share, spectrum.index(1e-3 * nm).unwrap())]);
-    let indices = |nm: f64| (index(nm), Vec::new());
+    let indices = |nm: f64| (vec![index(nm)], Vec::new());
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling };
     let films = films(&indices, coupling.index_out());
     InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm: &outputs_nm })

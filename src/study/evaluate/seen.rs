@@ -2,7 +2,7 @@
 //! paper.
 
 use super::coherent::CoherentLight;
-use super::film::Profile;
+use super::film::{Profile, ProfileLayer};
 use super::films::{FilmAt, Films, Indices};
 use super::ink::{InkError, InkInputs, InkOnPaper, SolvedLayer};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
@@ -11,7 +11,7 @@ use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::wavelengths::{SpectralBasis, nearest};
 use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
-use crate::input::study::{Angles, Study};
+use crate::input::study::{Angles, StackLayer, Study};
 use crate::input::variation::{CellRule, LightRule};
 use crate::numerics::estimate::Estimate;
 use crate::run::{Collected, Realisation};
@@ -136,10 +136,31 @@ pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
 /// As [`InkOnPaper::homogeneous`].
 pub fn film_alone(study: &Study) -> Result<InkOnPaper, InkError> {
     let indices = |nm: f64| indices(study, nm);
-    let films = films(study, Profile { fractions: vec![study.material_shares()] }, &indices);
+    let films = films(study, requested_profile(study), &indices);
     let substrate = substrate(study);
     let outputs_nm = &study.wavelengths_nm;
     InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm })
+}
+
+/// The requested volume fractions, one slice a layer.
+fn requested_profile(study: &Study) -> Profile {
+    let shares = study.material_shares();
+    let of_layers = study.layers_of_materials();
+    let slice = |layer: usize| {
+        let own = shares.iter().zip(&of_layers).map(|(&share, &of)| if of == layer { share } else { 0.0 });
+        own.collect()
+    };
+    let count = study.stack.len().max(1);
+    Profile { fractions: (0..count).map(slice).collect(), layers: profile_layers(study) }
+}
+
+/// The layers of a study's stack, as their film sees them.
+fn profile_layers(study: &Study) -> Vec<ProfileLayer> {
+    let layer = |layer: &StackLayer| ProfileLayer {
+        thickness_um: layer.thickness_um,
+        is_uneven: layer.thickness_std_um > 0.0,
+    };
+    study.stack.iter().map(layer).collect()
 }
 
 /// The coherent film of a study's layer.
@@ -201,7 +222,7 @@ impl<'a> CompleteCells<'a> {
             return seen;
         }
         let indices = |nm: f64| indices(study, nm);
-        let films = films(study, mean_profile(&complete), &indices);
+        let films = films(study, mean_profile(study, &complete), &indices);
         let basis = basis(study, self.cells.len());
         let ensemble = LayerEnsemble::new(&seen.solved, basis, &films, &study.angles.exact_deg);
         seen.ink = self.on_paper(&ensemble, &seen.solved, &films);
@@ -391,21 +412,21 @@ fn solved_at(angles: &Angles, fields: &[FarField]) -> SolvedWavelength {
     }
 }
 
-/// Indices of the background, the inclusions, and last of the space beyond a relief.
-fn indices(study: &Study, nm: f64) -> (Complex64, Vec<Complex64>) {
+/// Indices of the backgrounds, the inclusions, and last of the space beyond a relief.
+fn indices(study: &Study, nm: f64) -> (Vec<Complex64>, Vec<Complex64>) {
     let media = study.media(1e-3 * nm);
     let beyond = study.packing.relief.map_or(media.incident, |relief| media.index_of(relief.face.into()));
-    (media.backgrounds[0], media.inclusions.into_iter().chain([beyond]).collect())
+    (media.backgrounds, media.inclusions.into_iter().chain([beyond]).collect())
 }
 
-fn mean_profile(complete: &[&Realisation]) -> Profile {
+fn mean_profile(study: &Study, complete: &[&Realisation]) -> Profile {
     let mut fractions = complete[0].packing.profile.clone();
     for realisation in &complete[1..] {
         let others = realisation.packing.profile.iter().flatten();
         fractions.iter_mut().flatten().zip(others).for_each(|(sum, other)| *sum += other);
     }
     fractions.iter_mut().flatten().for_each(|share| *share /= complete.len() as f64);
-    Profile { fractions }
+    Profile { fractions, layers: profile_layers(study) }
 }
 
 #[cfg(test)]

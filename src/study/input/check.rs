@@ -14,6 +14,7 @@ mod microstructure;
 mod paper;
 mod pigments;
 mod run;
+mod stack;
 
 pub use grains::largest_extents_nm;
 
@@ -73,6 +74,19 @@ struct Examined {
 }
 
 fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
+    if let Some(layers) = &written.layer.stacked {
+        return stack::examine(written, layers, folder, name);
+    }
+    let mut examined = examine_layer(written, folder, name);
+    if written.stack.is_some() {
+        let allowed = "nothing beside a single [layer], which has these keys itself";
+        examined.packing_faults.add("stack", "a table", allowed, "remove it, or write [[layer]]");
+    }
+    examined
+}
+
+/// Examines a study of a single layer.
+fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let mut packing_faults = Faults::default();
     let mut wave_faults = Faults::default();
     // the file as if its layer were the thinnest slab, and its pigments those of given grains

@@ -20,6 +20,7 @@
 mod calculation;
 mod layer;
 mod microstructure;
+mod stack;
 
 pub use calculation::{AnglesTable, LightTable, SamplingName};
 pub use calculation::{ResolutionTable, RunTable, SolverTable, TargetColour};
@@ -29,6 +30,7 @@ pub use layer::{
 pub use microstructure::{
     Continuation, FileNames, LabelPigments, LengthUnit, MicrostructureTable, SizeColumn, VoxelEdges,
 };
+pub use stack::{StackLayerTable, StackTable};
 
 use super::forms::AlbedoWritten;
 use super::limits;
@@ -45,8 +47,13 @@ pub struct StudyFile {
     /// Title of the report (default: name of the file).
     #[schemars(example = &"Yellow ink, 30 %")]
     pub title: Option<String>,
-    /// The periodic cell and the media on both sides of it.
+    /// The periodic cell and the media on both sides of it; or the layers of a stack, one `[[layer]]`
+    /// each in the order of the light, with their own `[[layer.pigment]]`.
+    #[serde(deserialize_with = "stack::one_or_stacked")]
+    #[schemars(schema_with = "stack::one_or_stacked_schema")]
     pub layer: LayerTable,
+    /// What the layers of `[[layer]]` share: the cell, and the media on both sides.
+    pub stack: Option<StackTable>,
     /// The pigments, one `[[pigment]]` each; without any the layer consists of binder only.
     #[serde(default, rename = "pigment")]
     pub pigments: Vec<PigmentTable>,

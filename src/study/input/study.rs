@@ -12,7 +12,9 @@ pub use super::file::TargetColour;
 pub use composed::{Composed, Portion, Position};
 pub use kind::StudyKind;
 pub use moved::InputMove;
-pub use parts::{Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, StackLayer, WantedResolution};
+pub use parts::{
+    Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, StackLayer, WantedResolution,
+};
 pub use stack_plates::{LayerPlates, StackMedia, StackedPortion};
 pub use written::WrittenAngles;
 

@@ -24,3 +24,4 @@ pub(crate) mod request;
 mod settle;
 mod shell;
 pub mod sizes;
+mod stack;

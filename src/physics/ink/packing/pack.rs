@@ -5,8 +5,9 @@ use super::hard_bodies::{add_all, equilibrate};
 use super::placed::{Method, Packing, PackingAccount};
 use super::plan::PackingPlan;
 use super::relaxation::starts::{Relaxed, relax};
-use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest};
+use super::request::{AUTO_LIMIT, Joint, MethodChoice, PackingRequest, StackedRequest};
 use super::settle::settle;
+use super::stack::{Stack, in_layer};
 use crate::ink::error::{Course, PackError, PackWatch};
 use crate::numerics::Draws;
 
@@ -33,6 +34,9 @@ use crate::numerics::Draws;
 /// # Ok::<(), inkwave_physics::ink::PackError>(())
 /// ```
 pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packing, PackError> {
+    if !request.layers.is_empty() {
+        return pack_stack(request, watch);
+    }
     if let Some(given) = Packing::given(request) {
         return given;
     }
@@ -53,6 +57,21 @@ pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packi
         Some([from_um, to_um]) => packing.between(from_um, to_um),
         None => packing,
     })
+}
+
+/// Packs the layers of a request one above the other, in the order of the light.
+fn pack_stack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packing, PackError> {
+    let mut stack = Stack::new(request);
+    for (i, StackedRequest { request: layer, joint }) in request.layers.iter().enumerate() {
+        if *joint == Joint::Open && i + 1 < request.layers.len() {
+            let remedy = "write joint = \"wall\"";
+            let field = format!("layer[{i}].joint");
+            return Err(PackError::input(field, "open", "walls between packed layers", remedy));
+        }
+        let packing = pack(layer, watch).map_err(|error| in_layer(error, i))?;
+        stack.add(i, layer, packing);
+    }
+    stack.proven(request)
 }
 
 /// One attempt from the seed with a given method, or with the one suited to the volume fraction.

@@ -2,6 +2,7 @@
 //! studies in which the real or imaginary part of η² is replaced by its mean.
 
 use super::microstructure::MicrostructureTable;
+use super::stack::{StackLayerTable, StackTable};
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
     SequentialSettings, Shape, ShareRule, SizeDistribution,
@@ -60,6 +61,30 @@ pub struct LayerTable {
     /// A rough face of the ink, with the medium of that side (`index_in`, `index_out`) between the
     /// grains.
     pub relief: Option<ReliefRequest>,
+    /// The layers of `[[layer]]`, in the order of the light; `None` for a single `[layer]`.
+    #[serde(skip)]
+    pub stacked: Option<Vec<StackLayerTable>>,
+}
+
+impl LayerTable {
+    /// One layer of a stack as if it were alone, with what `[stack]` says of all.
+    pub(in crate::input) fn of_stack(layer: &StackLayerTable, stack: &StackTable) -> Self {
+        Self {
+            cell: stack.cell,
+            period_um: stack.period_um,
+            thickness_um: layer.thickness_um.clone(),
+            binder: layer.binder.clone(),
+            walls: true,
+            index_in: stack.index_in,
+            index_out: stack.index_out,
+            mixing: stack.mixing,
+            contrast: stack.contrast,
+            composed: None,
+            microstructure: layer.microstructure.clone(),
+            relief: layer.relief,
+            stacked: None,
+        }
+    }
 }
 
 /// `[layer.composed]`: the layer as a stack of slabs. The outer ones are solved with the surfaces,
@@ -81,7 +106,7 @@ impl Default for ComposedTable {
     }
 }
 
-fn vacuum() -> f64 {
+pub(super) fn vacuum() -> f64 {
     1.0
 }
 

@@ -18,6 +18,11 @@ impl Study {
         }
     }
 
+    /// The binder of a layer.
+    pub(super) fn binder_mut(&mut self, layer: usize) -> &mut IndexSpectrum {
+        if self.stack.is_empty() { &mut self.layer.binder } else { &mut self.stack[layer].binder }
+    }
+
     /// Thicknesses of the layers where the whole is `thickness_um` thick, µm: what it has more or
     /// less than the mean is in the uneven layer.
     pub fn layers_um(&self, thickness_um: f64) -> Vec<f64> {
@@ -55,11 +60,17 @@ impl Study {
         cores.chain(shells).collect()
     }
 
-    /// Mean thickness of the layer that holds each pigment, µm.
-    pub fn thicknesses_of_pigments_um(&self) -> Vec<f64> {
-        let layers_um = self.layers_um(self.layer.thickness_um);
-        let ranges = self.pigments_of_layers().into_iter().zip(layers_um);
+    /// Thickness of the layer that holds each pigment, where the whole is `thickness_um` thick, µm.
+    pub fn thicknesses_of_pigments_um(&self, thickness_um: f64) -> Vec<f64> {
+        let ranges = self.pigments_of_layers().into_iter().zip(self.layers_um(thickness_um));
         ranges.flat_map(|(range, um)| vec![um; range.len()]).collect()
+    }
+
+    /// Volume of the layer that holds each pigment, in the nominal cell, µm³.
+    pub fn volumes_of_pigments_um3(&self) -> Vec<f64> {
+        let [x, y] = self.layer.period_um;
+        let thicknesses_um = self.thicknesses_of_pigments_um(self.layer.thickness_um);
+        thicknesses_um.into_iter().map(|um| x * y * um).collect()
     }
 
     /// Indices of the binders of all layers, and of all materials, at one wavelength.

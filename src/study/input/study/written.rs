@@ -2,8 +2,8 @@
 //! layer, with the directions and beside them.
 
 use super::{
-    Angles, Composed, Dissolved, Judgement, Layer, Paper, Pigment, Portion, StackLayer, Study, StudyKind, TargetColour,
-    WantedResolution,
+    Angles, Composed, Dissolved, Judgement, Layer, Paper, Pigment, Portion, StackLayer, Study, StudyKind,
+    TargetColour, WantedResolution,
 };
 use crate::ink::PackingRequest;
 use crate::input::file::OutputTable;
@@ -61,7 +61,11 @@ pub(super) struct WrittenStudy {
 impl Study {
     /// The layer, and how it is composed.
     pub(super) fn written_layer(&self) -> WrittenLayer {
-        WrittenLayer { layer: self.layer.clone(), composed: self.composed().cloned(), stack: self.stack.clone() }
+        WrittenLayer {
+            layer: self.layer.clone(),
+            composed: self.composed().cloned(),
+            stack: self.stack.clone(),
+        }
     }
 
     /// The directions, and why they allow no paper, for content hashes.
