@@ -169,7 +169,7 @@ const WORTH_COMPOSING_UM: f64 = 4.0;
 fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     let um = study.layer.thickness_um;
     let plane = study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
-    if study.composed().is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
+    if study.composed().is_some() || !study.stack.is_empty() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
         return Ok(());
     }
     let whole = by_size(&of_one("", study.clone()), settings).core_seconds;

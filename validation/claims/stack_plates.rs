@@ -258,7 +258,8 @@ fn is_the_layer_itself(findings: &mut Findings) {
     let mut apart = 0.0_f64;
     for parts in [2, 5] {
         let cut = numbers(&Pile { layers: &MIXED, behind: 1.0, parts }.stack(), 0.8);
-        whole.zipped(cut, |a: f64, b: f64| apart = apart.max((a - b).abs()));
+        let changes = whole.zipped(cut, |a: f64, b: f64| (a - b).abs());
+        changes.map(|change| apart = apart.max(change));
     }
     findings.identity(
         "layers cut into two or five: largest change of any number",

@@ -16,6 +16,9 @@ use faer::Mat;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
+/// Difference of indices that is rounding.
+const SAME_INDEX: f64 = 1e-9;
+
 /// One element of a stack: its fluxes, and what it is to the mean wave.
 #[derive(Clone, Debug)]
 pub struct StackElement {
@@ -61,6 +64,14 @@ impl StackElement {
         if let FilmElement::Solved(solved) = &self.film { solved.count } else { 1.0 }
     }
 
+    /// Index of the medium in front of it.
+    fn index_in_front(&self) -> Option<f64> {
+        match &self.film {
+            FilmElement::Solved(solved) => Some(solved.between[0]),
+            FilmElement::Face(_) | FilmElement::Even { .. } => None,
+        }
+    }
+
     /// All of it, one behind another.
     fn whole(&self) -> Plate {
         self.plate.repeated_in_part(self.count(), &self.behind.weights())
@@ -92,14 +103,15 @@ impl Stack {
     /// From the elements in the order of the light, behind this medium.
     ///
     /// # Errors
-    /// No element; media with different numbers of states at a joint.
+    /// No element; media with different numbers of states, or different media, at a joint.
     pub fn new(
         elements: Vec<StackElement>,
         before: Hemisphere,
         wavelength_um: f64,
     ) -> Result<Self, String> {
-        let mut states = before.states();
+        let mut in_front = &before;
         for (number, element) in elements.iter().enumerate() {
+            let states = in_front.states();
             let own = element.plate.reflection[0].nrows();
             if own != states || element.plate.reflection[1].nrows() != element.behind.states() {
                 return Err(format!(
@@ -107,7 +119,14 @@ impl Stack {
                      media of all joints need the same zones of directions"
                 ));
             }
-            states = element.behind.states();
+            let joint = in_front.ordinates.index;
+            if let Some(index) = element.index_in_front().filter(|index| (index - joint).abs() > SAME_INDEX) {
+                return Err(format!(
+                    "element {number} of the stack was solved behind a medium of index {index}, its joint \
+                     has {joint}: neighbours must be solved in the medium of their joint"
+                ));
+            }
+            in_front = &element.behind;
         }
         if elements.is_empty() { Err("a stack without a layer".to_owned()) } else { Ok(Self { elements, before, wavelength_um }) }
     }

@@ -52,6 +52,27 @@ fn joints_have_the_same_states_on_both_sides() {
     assert!(Stack::new(Vec::new(), air, 0.5).is_err());
 }
 
+/// A layer that was solved behind another medium than that of its joint is refused.
+#[test]
+fn neighbours_are_solved_in_the_medium_of_their_joint() {
+    let air = Hemisphere { oblique_deg: None, ..medium(1.0, 1) };
+    let film = SolvedElement {
+        amplitudes: Default::default(),
+        between: [1.4, 1.0],
+        index: 1.0,
+        thickness_um: 1.0,
+        mirrors: Mirrors::Nowhere,
+        count: 1.0,
+    };
+    let plate = Plate::nothing(air.states());
+    let element = |between| {
+        StackElement::solved(plate.clone(), SolvedElement { between, ..film.clone() }, air.clone(), 0)
+    };
+    assert!(Stack::new(vec![element([1.0; 2])], air.clone(), 0.5).is_ok());
+    let refusal = Stack::new(vec![element([1.4, 1.0])], air.clone(), 0.5).expect_err("another medium");
+    assert!(refusal.contains("index 1.4"), "{refusal}");
+}
+
 /// An absorbing film: what it absorbs at 0° is what its two faces and one way through it leave of
 /// the light, and fluxes at the joints behind them are its own.
 #[test]

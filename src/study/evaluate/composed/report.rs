@@ -41,12 +41,11 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     let composed = task.composed;
     let slabs = if task.stack.is_some() { Vec::new() } else { whole.slabs(Change::default()) };
     let stacks = of_stack(&task, [&whole, &half])?;
-    let no_hiding = match &task.stack {
-        Some(_) => Some("of a stack there is the contrast ratio of every thickness".to_owned()),
-        None => {
-            task.curve_um = CURVE.map(|count| count as f64 * composed.slab_um).to_vec();
-            find_hiding(&mut task, &slabs).err()
-        }
+    let no_hiding = if task.stack.is_some() {
+        Some("of a stack there is the contrast ratio of every thickness".to_owned())
+    } else {
+        task.curve_um = CURVE.map(|count| count as f64 * composed.slab_um).to_vec();
+        find_hiding(&mut task, &slabs).err()
     };
     let numbers = with_errors(&task, &whole, &half);
     let mut requested = Layers::default();

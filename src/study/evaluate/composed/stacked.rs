@@ -95,16 +95,17 @@ impl<'a> StackTask<'a> {
     ) -> Result<Vec<StackElement>, String> {
         let Around { layer, media, wavelength } = *around;
         let count = if level.halved { 2.0 * count } else { count };
-        let places: &[(Position, Mirrors, f64)] = match count {
-            1.0 => &[(Position::Whole, Mirrors::OnBothSides, 1.0)],
-            _ => &[
+        let places = if count > 1.0 {
+            vec![
                 (Position::Front, Mirrors::InFront, 1.0),
                 (Position::Inner, Mirrors::Nowhere, count - 2.0),
                 (Position::Back, Mirrors::Behind, 1.0),
-            ],
+            ]
+        } else {
+            vec![(Position::Whole, Mirrors::OnBothSides, 1.0)]
         };
         let mut elements = Vec::new();
-        for &(position, mirrors, count) in places.iter().filter(|(_, _, count)| *count > 0.0) {
+        for (position, mirrors, count) in places.into_iter().filter(|(_, _, count)| *count > 0.0) {
             let mean = level.mean([layer, wavelength], position, change);
             let missing = || format!("layer {} has no complete realisation yet", self.study.stack[layer].name);
             let MeanSlab { plate, coherent, media: [before, behind], slab_um } = mean.ok_or_else(missing)?;

@@ -1,7 +1,7 @@
 //! Stacks of layers: `[[layer]]` in the order of the light, and `[stack]` for what they share.
 
 use super::layer::vacuum;
-use super::{BinderTable, ContrastPart, LayerTable, MicrostructureTable, PigmentTable};
+use super::{BinderTable, ComposedTable, ContrastPart, LayerTable, MicrostructureTable, PigmentTable};
 use crate::ink::{Joint, ReliefRequest};
 use crate::input::forms::{Pair, ThicknessWritten};
 use crate::input::{limits, variation};
@@ -36,6 +36,10 @@ pub struct StackTable {
     pub mixing: Option<MixingRule>,
     /// Which part of the contrast in η² scatters: all of it, or only its real or imaginary part.
     pub contrast: ContrastPart,
+    /// The stack as a list of plates: every layer is solved alone, as a whole or in slabs, and any
+    /// thickness of one layer follows from one set of solves.
+    #[schemars(example = ComposedTable::default())]
+    pub composed: Option<ComposedTable>,
 }
 
 impl Default for StackTable {
@@ -47,6 +51,7 @@ impl Default for StackTable {
             index_out: vacuum(),
             mixing: None,
             contrast: ContrastPart::default(),
+            composed: None,
         }
     }
 }
@@ -72,6 +77,11 @@ pub struct StackLayerTable {
     pub microstructure: Option<MicrostructureTable>,
     /// A rough outer face: `incident` on the first layer, `exit` on the last.
     pub relief: Option<ReliefRequest>,
+    /// In a composed stack, thickness of the slabs that this layer is composed of, µm; its own
+    /// thickness solves it as a whole (default: `stack.composed.slab_um`, and as a whole a layer of
+    /// less than two slabs).
+    #[schemars(transform = limits::THICKNESS_UM.mark())]
+    pub slab_um: Option<f64>,
     /// How the layer meets the one behind it (default: `"wall"`); the last layer has no joint.
     pub joint: Option<Joint>,
 }
@@ -123,6 +133,7 @@ impl StackLayerTable {
             pigments: Vec::new(),
             microstructure: None,
             relief: None,
+            slab_um: None,
             joint: None,
         }
     }
