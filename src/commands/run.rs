@@ -168,14 +168,15 @@ const WORTH_COMPOSING_UM: f64 = 4.0;
 /// Says what a thick layer would cost if it were composed of slabs.
 fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     let um = study.layer.thickness_um;
-    let plane = study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
-    if study.composed().is_some() || !study.stack.is_empty() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
+    let plane =
+        study.stack.is_empty() && study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
+    if study.composed().is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
         return Ok(());
     }
     let whole = by_size(&of_one("", study.clone()), settings).core_seconds;
     let slab_um = um / (0.5 * um).round();
     study.kind =
-        StudyKind::Composed(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None, layers: Vec::new(), varied: None });
+        StudyKind::Composed(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None });
     let slabs = by_size(&of_one("", study), settings).core_seconds;
     say!(
         "with [layer.composed], slabs of {slab_um:.2} µm would give these {um} µm, and any other thickness, in about {:.1} \

@@ -29,12 +29,13 @@ mod small_grains;
 mod stack_inks;
 mod stack_plates;
 mod stack_transport;
+mod stacks;
 mod tau;
 mod two_levels;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 34] = [
+pub const ALL: [Claim; 37] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -69,4 +70,7 @@ pub const ALL: [Claim; 34] = [
     stack_plates::CLAIM,
     stack_transport::CLAIM,
     stack_inks::CLAIM,
+    stacks::CLEAR,
+    stacks::PLACED,
+    stacks::OPEN,
 ];

@@ -97,6 +97,7 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         file.layer.thickness_um = ThicknessWritten::Even(0.5 * composed.slab_um);
     }
     let given = microstructure::fill(&mut file, folder, &mut packing_faults).unwrap_or_default();
+    pigments::fill_profiles(&mut file, &mut packing_faults);
     let microstructure = file.layer.microstructure.as_ref();
 
     let Light { wavelengths_nm, rule: light } = file.light.checked(&mut wave_faults);

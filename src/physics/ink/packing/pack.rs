@@ -1,13 +1,14 @@
 //! Packing of a request, with the final check for overlap.
 
 use super::arrangement::Arrangement;
+use super::gradient;
 use super::hard_bodies::{add_all, equilibrate};
 use super::placed::{Method, Packing, PackingAccount};
 use super::plan::PackingPlan;
 use super::relaxation::starts::{Relaxed, relax};
 use super::request::{AUTO_LIMIT, Joint, MethodChoice, PackingRequest, StackedRequest};
 use super::settle::settle;
-use super::stack::{Stack, in_layer};
+use super::stack::{Stack, in_layer, joined};
 use crate::ink::error::{Course, PackError, PackWatch};
 use crate::numerics::Draws;
 
@@ -62,14 +63,14 @@ pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packi
 /// Packs the layers of a request one above the other, in the order of the light.
 fn pack_stack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packing, PackError> {
     let mut stack = Stack::new(request);
-    for (i, StackedRequest { request: layer, joint }) in request.layers.iter().enumerate() {
-        if *joint == Joint::Open && i + 1 < request.layers.len() {
-            let remedy = "write joint = \"wall\"";
-            let field = format!("layer[{i}].joint");
-            return Err(PackError::input(field, "open", "walls between packed layers", remedy));
-        }
-        let packing = pack(layer, watch).map_err(|error| in_layer(error, i))?;
-        stack.add(i, layer, packing);
+    // layers with open joints are packed together
+    for group in request.layers.chunk_by(|before, _| before.joint == Joint::Open) {
+        let first = stack.layers();
+        let packing = match group {
+            [StackedRequest { request: layer, .. }] => pack(layer, watch),
+            _ => pack(&joined(group), watch),
+        };
+        stack.add(group, packing.map_err(|error| in_layer(error, first))?);
     }
     stack.proven(request)
 }
@@ -105,6 +106,8 @@ fn attempt(
         }
     }
     let mut packing = Packing::proven(request, arrangement.grains(), plan.shares.clone(), account)?;
+    let notes = gradient::notes(request, &packing);
+    packing.account.notes.extend(notes);
     if let Some(relief) = request.relief.filter(|_| !packing.grains.is_empty()) {
         packing.relief = Some(settle(&packing, &relief));
     }

@@ -1,5 +1,6 @@
 //! The request for a packing: cell, pigments and method.
 
+use super::depth::DepthLaw;
 use crate::ink::{
     Agglomeration, Grain, Orientation, PackError, ReliefRequest, Shape, SizeDistribution, VoxelCut,
 };
@@ -134,6 +135,10 @@ pub struct PigmentGrains {
     /// (reported).
     #[cfg_attr(feature = "serde", serde(default))]
     pub share: ShareRule,
+    /// Where along the depth the grains are: rows of depth over thickness, from 0 to 1, and density,
+    /// linear in between; evenly without any. Only ratios of densities matter.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub profile: Vec<[f64; 2]>,
 }
 
 impl PigmentGrains {
@@ -152,6 +157,7 @@ impl PigmentGrains {
             orientation: Orientation::Random,
             agglomeration: None,
             share: ShareRule::NearestGrain,
+            profile: Vec::new(),
         }
     }
 }
@@ -349,14 +355,32 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
     let remedy = "leave `fractal` out, or take `sphere`, `cylinder` or `beaded_ellipsoid`";
     PackError::unless(!fractal || pigment.shape.form().is_none(), field, found, allowed, remedy)?;
     let agglomeration = pigment.agglomeration.as_ref().and_then(Agglomeration::defect);
-    let defects =
-        [pigment.shape.defect(), pigment.size.defect(), pigment.orientation.defect(), agglomeration];
+    let defects = [
+        pigment.shape.defect(),
+        pigment.size.defect(),
+        pigment.orientation.defect(),
+        agglomeration,
+        profile_defect(pigment),
+    ];
     match defects.into_iter().flatten().next() {
         None => pigment.check_layers(k),
         Some((field, found, allowed)) => {
             Err(PackError::input(format!("pigment[{k}].{field}"), found, allowed, "correct this entry"))
         }
     }
+}
+
+/// What is wrong with the rows of a profile: field, value and what is allowed.
+fn profile_defect(pigment: &PigmentGrains) -> Option<(String, String, String)> {
+    let rows = &pigment.profile;
+    let (first, last) = rows.first().zip(rows.last())?;
+    let allowed = "rows [depth, share] from depth 0 to depth 1, in order, with shares from 0 to 0.64 that are not all 0";
+    let is_sound =
+        |[depth, share]: &[f64; 2]| (0.0..=1.0).contains(depth) && share.is_finite() && *share >= 0.0;
+    let is_whole = rows.len() >= 2 && first[0] == 0.0 && last[0] == 1.0;
+    let rises = rows.windows(2).all(|pair| pair[1][0] >= pair[0][0]);
+    let good = is_whole && rises && rows.iter().all(is_sound) && DepthLaw::of(rows).is_some();
+    (!good).then(|| ("profile".to_owned(), format!("{rows:?}"), allowed.to_owned()))
 }
 
 impl RelaxationSettings {

@@ -37,6 +37,10 @@ pub(super) fn kubelka_munk(ink: &InkOnPaper, uncertainty: &Uncertainty, study: &
         let reason = "K and S are defined for a layer between two equal half-spaces, but this one is in contact with its paper";
         return Ok((Vec::new(), Some(reason.to_owned())));
     }
+    if !study.stack.is_empty() {
+        let reason = "K and S are those of one layer, and this is a stack of several";
+        return Ok((Vec::new(), Some(reason.to_owned())));
+    }
     if study.packing.relief.is_some() {
         let reason = "K and S require Saunderson's correction for the faces, which is known for plane faces only, and this \
                       layer has a relief";

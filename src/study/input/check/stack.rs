@@ -161,6 +161,12 @@ fn check_layers(written: &StudyFile, layers: &[StackLayerTable], faults: &mut Fa
             let allowed = "nothing on the last layer, behind which there is none";
             faults.add(format!("layer[{i}].joint"), "a joint", allowed, "remove it");
         }
+        let is_given = |i: usize| layers.get(i).is_some_and(|layer| layer.microstructure.is_some());
+        if layer.joint == Some(Joint::Open) && (is_given(i) || is_given(i + 1)) {
+            let allowed = "\"wall\" beside a layer whose grains are given";
+            let remedy = "write joint = \"wall\": given grains stay within their layer";
+            faults.add(format!("layer[{i}].joint"), "\"open\"", allowed, remedy);
+        }
         let (is_outer, face) = match layer.relief.map(|relief| relief.face) {
             None => continue,
             Some(RoughFace::Incident) => (i == 0, "the first layer has a face on the incident side"),

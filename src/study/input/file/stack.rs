@@ -6,10 +6,11 @@ use crate::ink::{Joint, ReliefRequest};
 use crate::input::forms::{Pair, ThicknessWritten};
 use crate::input::{limits, variation};
 use crate::material::mixing::MixingRule;
-use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use schemars::{JsonSchema, Schema, SchemaGenerator};
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
+use serde_json::json;
 use std::fmt;
 
 /// `[stack]`: what all layers of `[[layer]]` share; a single `[layer]` has these keys itself.
@@ -139,9 +140,13 @@ impl StackLayerTable {
     }
 }
 
-/// One table, or a list of them.
+/// One table, or a list of others: what a schema says of keys is of tables alone, and what it says
+/// of items is of lists alone.
 pub(super) fn one_or_stacked_schema(generator: &mut SchemaGenerator) -> Schema {
-    let one = generator.subschema_for::<LayerTable>();
     let stacked = generator.subschema_for::<StackLayerTable>();
-    json_schema!({ "anyOf": [one, { "type": "array", "items": stacked, "minItems": 1 }] })
+    let mut schema = LayerTable::json_schema(generator);
+    schema.insert("type".into(), json!(["object", "array"]));
+    schema.insert("items".into(), stacked.into());
+    schema.insert("minItems".into(), 1.into());
+    schema
 }
