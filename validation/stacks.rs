@@ -3,7 +3,7 @@
 use inkwave::appearance::composed::flux::{Fluxes, Hemisphere, Lit, Sides};
 use inkwave::appearance::composed::fringes::stack_film::{Mirrors, SolvedElement};
 use inkwave::appearance::composed::ordinates::Ordinates;
-use inkwave::appearance::composed::stack::{Stack, StackElement};
+use inkwave::appearance::composed::stack::{PlateStack, StackElement};
 use inkwave::ink::{PackingRequest, PigmentGrains, Sphere, pack};
 use inkwave::numerics::Draws;
 use inkwave::solve::{Gmres, Goal, Silent, Solver};
@@ -164,7 +164,7 @@ impl TwoCoats {
     }
 
     /// The stack of the mean plates, with or without one of the pairs.
-    pub fn stack(&self, solved: &[SolvedPair], left_out: Option<usize>) -> Stack {
+    pub fn stack(&self, solved: &[SolvedPair], left_out: Option<usize>) -> PlateStack {
         let all = |k: usize| -> Vec<Fluxes> { solved.iter().map(|pair| pair.fluxes[k].clone()).collect() };
         let sides = self.sides();
         let element = |k: usize| {
@@ -181,7 +181,7 @@ impl TwoCoats {
             StackElement::solved(sides[k].mean(&fluxes, left_out), film, sides[k].media[1].clone(), k)
         };
         let elements = vec![element(0), element(1)];
-        Stack::new(elements, sides[0].media[0].clone(), self.wavelength_um).expect("one joint")
+        PlateStack::new(elements, sides[0].media[0].clone(), self.wavelength_um).expect("one joint")
     }
 
     /// √Re⟨η²⟩ of a layer.

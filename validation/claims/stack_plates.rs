@@ -7,7 +7,7 @@ use inkwave::appearance::composed::fringes::Lobes;
 use inkwave::appearance::composed::fringes::stack_film::{Mirrors, SolvedElement};
 use inkwave::appearance::composed::ordinates::Ordinates;
 use inkwave::appearance::composed::plate::Plate;
-use inkwave::appearance::composed::stack::{Stack, StackElement};
+use inkwave::appearance::composed::stack::{PlateStack, StackElement};
 use inkwave::appearance::composed::transport::Transport;
 use inkwave::appearance::paper::MirroredSky;
 use inkwave::evaluate::composed::layer::ComposedLayer;
@@ -52,17 +52,17 @@ impl Pile<'_> {
         Hemisphere { ordinates: Ordinates::new(index, &borders, [3, 3]), polarisations: 1, oblique_deg }
     }
 
-    fn stack(&self) -> Stack {
+    fn stack(&self) -> PlateStack {
         let front = self.medium(1.0, Some(OBLIQUE_DEG));
-        Stack::new(self.elements(&front, self.behind), front, WAVELENGTH_UM).expect("zones of all media")
+        PlateStack::new(self.elements(&front, self.behind), front, WAVELENGTH_UM).expect("zones of all media")
     }
 
     /// The same from behind, built in its own order.
-    fn from_behind(&self) -> Stack {
+    fn from_behind(&self) -> PlateStack {
         let turned: Vec<Made> = self.layers.iter().rev().copied().collect();
         let front = self.medium(self.behind, None);
         let elements = Pile { layers: &turned, ..*self }.elements(&front, 1.0);
-        Stack::new(elements, front, WAVELENGTH_UM).expect("zones of all media")
+        PlateStack::new(elements, front, WAVELENGTH_UM).expect("zones of all media")
     }
 
     fn elements(&self, front: &Hemisphere, behind: f64) -> Vec<StackElement> {
@@ -114,14 +114,14 @@ fn scattering(light: Transport, medium: &Hemisphere, thickness_um: f64, layer: u
     StackElement::solved(plate, film, medium.clone(), layer)
 }
 
-fn numbers(stack: &Stack, albedo: f64) -> LayerNumbers<f64> {
+fn numbers(stack: &PlateStack, albedo: f64) -> LayerNumbers<f64> {
     let film = stack.film(false);
     let layer = ComposedLayer::of_stack(stack, &film, Wave::Scalar);
     spectral(&layer, Wave::Scalar, MirroredSky::Included, albedo)
 }
 
 /// R and T of diffuse light.
-fn diffuse(stack: &Stack) -> Lobes {
+fn diffuse(stack: &PlateStack) -> Lobes {
     let film = stack.film(false);
     let layer = ComposedLayer::of_stack(stack, &film, Wave::Scalar);
     let light = &lights(stack.before(), Wave::Scalar)[2];

@@ -5,7 +5,7 @@ use inkwave::appearance::composed::flux::Hemisphere;
 use inkwave::appearance::composed::fringes::stack_film::{Mirrors, SolvedElement};
 use inkwave::appearance::composed::ordinates::Ordinates;
 use inkwave::appearance::composed::plate::Plate;
-use inkwave::appearance::composed::stack::{JointFlux, Stack, StackElement};
+use inkwave::appearance::composed::stack::{JointFlux, PlateStack, StackElement};
 use inkwave::appearance::composed::transport::{Transport, diffuse};
 
 pub const CLAIM: Claim = Claim {
@@ -73,7 +73,7 @@ fn measure(_: Level, findings: &mut Findings) {
             StackElement::solved(plate, film, medium.clone(), number)
         };
         let elements = problem.layers.iter().enumerate().map(element).collect();
-        let stack = Stack::new(elements, medium.clone(), 0.5).expect("one medium");
+        let stack = PlateStack::new(elements, medium.clone(), 0.5).expect("one medium");
         let joints = stack.joints(&light, &black);
         let absorbed: f64 = stack.absorbed(&light, &black).iter().sum();
         let passed = joints[joints.len() - 1].down;

@@ -93,13 +93,13 @@ pub struct JointFlux {
 
 /// Layers one behind another, at one wavelength.
 #[derive(Clone, Debug)]
-pub struct Stack {
+pub struct PlateStack {
     elements: Vec<StackElement>,
     before: Hemisphere,
     wavelength_um: f64,
 }
 
-impl Stack {
+impl PlateStack {
     /// From the elements in the order of the light, behind this medium.
     ///
     /// # Errors

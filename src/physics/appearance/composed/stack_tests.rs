@@ -42,14 +42,14 @@ fn joints_have_the_same_states_on_both_sides() {
     let clear = |behind: &Hemisphere| {
         StackElement::clear([&air, &varnish, behind], 1.6.into(), 1.0, 0.5, 0)
     };
-    assert!(Stack::new(clear(&medium(1.4, 1)), air.clone(), 0.5).is_ok());
+    assert!(PlateStack::new(clear(&medium(1.4, 1)), air.clone(), 0.5).is_ok());
     let ordinates = Ordinates::new(1.6, &[], [3, 3]);
     let other = Hemisphere { ordinates, ..varnish.clone() };
     let mut elements = clear(&varnish);
     elements.extend(StackElement::clear([&other, &other, &air], 1.6.into(), 1.0, 0.5, 1));
-    let refusal = Stack::new(elements, air.clone(), 0.5).expect_err("other zones");
+    let refusal = PlateStack::new(elements, air.clone(), 0.5).expect_err("other zones");
     assert!(refusal.contains("same zones"), "{refusal}");
-    assert!(Stack::new(Vec::new(), air, 0.5).is_err());
+    assert!(PlateStack::new(Vec::new(), air, 0.5).is_err());
 }
 
 /// A layer that was solved behind another medium than that of its joint is refused.
@@ -68,8 +68,8 @@ fn neighbours_are_solved_in_the_medium_of_their_joint() {
     let element = |between| {
         StackElement::solved(plate.clone(), SolvedElement { between, ..film.clone() }, air.clone(), 0)
     };
-    assert!(Stack::new(vec![element([1.0; 2])], air.clone(), 0.5).is_ok());
-    let refusal = Stack::new(vec![element([1.4, 1.0])], air.clone(), 0.5).expect_err("another medium");
+    assert!(PlateStack::new(vec![element([1.0; 2])], air.clone(), 0.5).is_ok());
+    let refusal = PlateStack::new(vec![element([1.4, 1.0])], air.clone(), 0.5).expect_err("another medium");
     assert!(refusal.contains("index 1.4"), "{refusal}");
 }
 
@@ -80,7 +80,7 @@ fn a_film_absorbs_what_does_not_come_out() {
     let (air, film) = (medium(1.0, 1), medium(1.6, 1));
     let index = Complex64::new(1.6, 0.05);
     let elements = StackElement::clear([&air, &film, &air], index, 1.0, 0.5, 0);
-    let stack = Stack::new(elements, air.clone(), 0.5).unwrap();
+    let stack = PlateStack::new(elements, air.clone(), 0.5).unwrap();
     let mut light = Mat::zeros(air.states(), 1);
     light[(0, 0)] = 1.0;
     let black = Plate::lambertian(0.0, &air.weights());
@@ -118,7 +118,7 @@ fn elements_are_repeated() {
     };
     let through = |count: f64| {
         let element = StackElement::solved(plate.clone(), film(count), air.clone(), 0);
-        Stack::new(vec![element], air.clone(), 0.5).unwrap().plate().transmission[0][(0, 0)]
+        PlateStack::new(vec![element], air.clone(), 0.5).unwrap().plate().transmission[0][(0, 0)]
     };
     let once = through(1.0);
     assert!((through(3.0) - once.powi(3)).abs() < 1e-12);

@@ -12,7 +12,7 @@ use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::fringes::stack_film::StackFilm;
 use crate::appearance::composed::fringes::{Interference, Lobes};
 use crate::appearance::composed::plate::{Plate, total};
-use crate::appearance::composed::stack::Stack;
+use crate::appearance::composed::stack::PlateStack;
 use crate::wave::Wave;
 use faer::Mat;
 
@@ -57,7 +57,7 @@ impl<'a> ComposedLayer<'a> {
     }
 
     /// A stack of layers; `film` is the mean wave in it.
-    pub fn of_stack(stack: &'a Stack, film: &'a StackFilm, wave: Wave) -> Self {
+    pub fn of_stack(stack: &'a PlateStack, film: &'a StackFilm, wave: Wave) -> Self {
         let plate = stack.plate();
         let (before, behind) = (stack.before(), stack.behind());
         let of_polarisation = |p: usize| film.interference(p, &columns(&plate, 0, before, p));

@@ -9,7 +9,7 @@ use super::quantities::{
 };
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
-use crate::appearance::composed::stack::Stack;
+use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::appearance::tristimulus::Colorimeter;
@@ -167,7 +167,7 @@ impl<'a> LayerTask<'a> {
 
 /// Shares of light at 0° that the layers of a stack absorb, without paper: what fluxes without
 /// interference say, in proportion, of what R and T with interference leave.
-fn absorbed_by_layers(stack: &Stack, wave: Wave, numbers: &LayerNumbers<f64>) -> Vec<f64> {
+fn absorbed_by_layers(stack: &PlateStack, wave: Wave, numbers: &LayerNumbers<f64>) -> Vec<f64> {
     let light = &lights(stack.before(), wave)[0];
     let nothing = Plate::lambertian(0.0, &stack.behind().weights());
     let each = stack.absorbed(light, &nothing);

@@ -8,7 +8,7 @@ use super::numbers::{LayerTask, MOST_SLABS, lights, projected_sr};
 use super::quantities::{Distribution, HidingNumbers, LayerNumbers, MediumNumbers, ThicknessNumbers};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
-use crate::appearance::composed::stack::Stack;
+use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
 use crate::evaluate::manifest::{Count, Provenance};
@@ -109,7 +109,7 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
 
 /// The stack of the first thickness at every wavelength, of slabs that are whole; empty for a layer
 /// that is alone. Those of half the thickness are tried as well.
-fn of_stack(task: &LayerTask, levels: [&Level; 2]) -> Result<Vec<Stack>, String> {
+fn of_stack(task: &LayerTask, levels: [&Level; 2]) -> Result<Vec<PlateStack>, String> {
     let Some(stack) = &task.stack else { return Ok(Vec::new()) };
     let um = task.composed.thicknesses_um[0];
     stack.stacks(levels[1], um, Change::default())?;
@@ -131,7 +131,7 @@ fn absorbed(study: &Study, thicknesses_um: &[f64], numbers: &[Vec<Vec<ErrorParts
 }
 
 /// Fluxes against depth at the joints of a stack of the first thickness, on the paper.
-fn depth_of_stack(task: &LayerTask, stacks: &[Stack]) -> (f64, Vec<DepthRow>) {
+fn depth_of_stack(task: &LayerTask, stacks: &[PlateStack]) -> (f64, Vec<DepthRow>) {
     let nm = &task.study.wavelengths_nm;
     let w = nearest(nm.iter().copied(), SHOWN_NM);
     let stack = &stacks[w];

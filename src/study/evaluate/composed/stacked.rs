@@ -8,7 +8,7 @@ use super::level::{Change, Level, MeanSlab};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::fringes::stack_film::{Mirrors, SolvedElement};
 use crate::appearance::composed::ordinates::Ordinates;
-use crate::appearance::composed::stack::{Stack, StackElement};
+use crate::appearance::composed::stack::{PlateStack, StackElement};
 use crate::appearance::paper::PRINT_DEG;
 use crate::input::study::{Composed, LayerPlates, Position, StackMedia, Study};
 
@@ -38,7 +38,7 @@ impl<'a> StackTask<'a> {
     ///
     /// # Errors
     /// A portion that is missing; joints whose media differ.
-    pub fn stacks(&self, level: &Level, thickness_um: f64, change: Change) -> Result<Vec<Stack>, String> {
+    pub fn stacks(&self, level: &Level, thickness_um: f64, change: Change) -> Result<Vec<PlateStack>, String> {
         (0..self.media.len()).map(|w| self.stack(level, thickness_um, w, change)).collect()
     }
 
@@ -48,7 +48,7 @@ impl<'a> StackTask<'a> {
         thickness_um: f64,
         wavelength: usize,
         change: Change,
-    ) -> Result<Stack, String> {
+    ) -> Result<PlateStack, String> {
         let media = &self.media[wavelength];
         let mut elements = Vec::new();
         for (layer, plates) in self.composed.layers.iter().enumerate() {
@@ -63,7 +63,7 @@ impl<'a> StackTask<'a> {
         }
         let oblique_deg = Some(PRINT_DEG);
         let before = Hemisphere { oblique_deg, ..self.medium(media, media.joints[0]) };
-        Stack::new(elements, before, 1e-3 * media.wavelength_nm)
+        PlateStack::new(elements, before, 1e-3 * media.wavelength_nm)
     }
 
     /// States of light in a medium of the stack.

@@ -10,7 +10,7 @@ use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::numbers::{LayerTask, projected_sr};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::fringes::Lobes;
-use crate::appearance::composed::stack::Stack;
+use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
 use crate::appearance::tristimulus::Colorimeter;
@@ -49,7 +49,7 @@ impl ComposedView {
         let wavelengths_nm = study.wavelengths_nm.clone();
         if let Some(stack) = &task.stack {
             let stacks = stack.stacks(&level, thickness_um, Change::default())?;
-            let numbers = |(stack, albedo): (&Stack, &f64)| {
+            let numbers = |(stack, albedo): (&PlateStack, &f64)| {
                 let film = stack.film(false);
                 table_of(&ComposedLayer::of_stack(stack, &film, study.wave), study.wave, *albedo)
             };

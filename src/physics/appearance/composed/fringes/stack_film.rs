@@ -104,12 +104,12 @@ pub struct StackFilm {
 
 /// Amplitudes of an element: r, r′ and t; or their squared moduli.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Scatter<T> {
+struct FilmMatrix<T> {
     reflected: [T; 2],
     transmitted: T,
 }
 
-impl Scatter<Complex64> {
+impl FilmMatrix<Complex64> {
     fn then(self, behind: Self) -> Self {
         let many = 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]);
         let passed = self.transmitted * self.transmitted;
@@ -123,15 +123,15 @@ impl Scatter<Complex64> {
         }
     }
 
-    fn powers(self) -> Scatter<f64> {
-        Scatter {
+    fn powers(self) -> FilmMatrix<f64> {
+        FilmMatrix {
             reflected: self.reflected.map(|r| r.norm_sqr()),
             transmitted: self.transmitted.norm_sqr(),
         }
     }
 }
 
-impl Scatter<f64> {
+impl FilmMatrix<f64> {
     fn then(self, behind: Self) -> Self {
         let many = 1.0 / (1.0 - self.reflected[1] * behind.reflected[0]).max(FAINT);
         let passed = self.transmitted * self.transmitted;
@@ -259,9 +259,9 @@ impl StackFilm {
         polarisation: usize,
         sine: f64,
         passed: Complex64,
-    ) -> Scatter<Complex64> {
+    ) -> FilmMatrix<Complex64> {
         let way = (Complex64::I * self.phase(solved.index.into(), solved.thickness_um, sine) + passed).exp();
-        let through = Scatter { reflected: [Complex64::ZERO; 2], transmitted: way };
+        let through = FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: way };
         if solved.mirrors == Mirrors::Nowhere {
             return through;
         }
@@ -279,13 +279,13 @@ impl StackFilm {
         weights: &[f64],
         polarisation: usize,
         sine: f64,
-    ) -> Scatter<Complex64> {
+    ) -> FilmMatrix<Complex64> {
         let solved = match element {
             FilmElement::Solved(solved) => solved,
             FilmElement::Face([before, behind]) => return plane(*before, *behind, sine, polarisation),
             FilmElement::Even { index, thickness_um } => {
                 let transmitted = (Complex64::I * self.phase(*index, *thickness_um, sine)).exp();
-                return Scatter { reflected: [Complex64::ZERO; 2], transmitted };
+                return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted };
             }
         };
         let mut here = Beyond::default();
@@ -300,13 +300,13 @@ impl StackFilm {
         if solved.mirrors == Mirrors::Nowhere {
             let once = Complex64::I * self.phase(solved.index.into(), solved.thickness_um, sine);
             let transmitted = ((once + here.passed) * solved.count).exp();
-            return Scatter { reflected: [Complex64::ZERO; 2], transmitted };
+            return FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted };
         }
         let even = self.even_film(solved, polarisation, sine, here.passed);
         // the film's own t holds what goes to and fro in it: so do both here and in `passed`
         let straight = self.even_film(solved, polarisation, sine, Complex64::ZERO);
         let phases = self.depths(solved, sine, here.passed);
-        Scatter {
+        FilmMatrix {
             reflected: [0, 1].map(|side| even.reflected[side] + here.reflected[side] * phases[side]),
             transmitted: straight.transmitted * here.passed.exp(),
         }
@@ -320,7 +320,7 @@ impl StackFilm {
         polarisation: usize,
         sine: f64,
     ) -> StackField {
-        let mut whole = Scatter { reflected: [Complex64::ZERO; 2], transmitted: Complex64::ONE };
+        let mut whole = FilmMatrix { reflected: [Complex64::ZERO; 2], transmitted: Complex64::ONE };
         let mut powers = whole.powers();
         let mut front = None;
         for (element, beyond) in self.elements.iter().zip(beyond) {
@@ -330,7 +330,7 @@ impl StackFilm {
             whole = whole.then(next);
             powers = powers.then(next_powers);
         }
-        let lobes = |of: Scatter<f64>| passive(Lobes { reflected: of.reflected[0], transmitted: of.transmitted });
+        let lobes = |of: FilmMatrix<f64>| passive(Lobes { reflected: of.reflected[0], transmitted: of.transmitted });
         let mean = MeanField { coherent: lobes(whole.powers()), incoherent: lobes(powers) };
         StackField { mean, front: front.unwrap_or([0.0, 1.0]) }
     }
@@ -363,13 +363,13 @@ fn normal(index: Complex64, sine: f64) -> Complex64 {
 
 /// A plane face between two media, of s light (and of the scalar wave) or of p light (1), whose
 /// amplitude is that of the magnetic field.
-fn plane(before: Complex64, behind: Complex64, sine: f64, polarisation: usize) -> Scatter<Complex64> {
+fn plane(before: Complex64, behind: Complex64, sine: f64, polarisation: usize) -> FilmMatrix<Complex64> {
     let admittance = |index: Complex64| {
         if polarisation == 0 { normal(index, sine) } else { normal(index, sine) / (index * index) }
     };
     let (a, b) = (admittance(before), admittance(behind));
     let reflected = if (a + b).norm() > 0.0 { (a - b) / (a + b) } else { Complex64::ZERO };
-    Scatter { reflected: [reflected, -reflected], transmitted: (1.0 - reflected * reflected).sqrt() }
+    FilmMatrix { reflected: [reflected, -reflected], transmitted: (1.0 - reflected * reflected).sqrt() }
 }
 
 /// Takes jumps of 2π out of logarithms along the angle.
