@@ -120,7 +120,10 @@ impl TwoCoats {
             let far = self.far(&both, [AIR; 2], (polar_deg, azimuth_deg, Side::Incident));
             [far.reflectance, far.transmittance]
         };
-        SolvedPair { fluxes: [apart(0), apart(1)], direct: self.directions_deg().into_iter().map(direct).collect() }
+        SolvedPair {
+            fluxes: [apart(0), apart(1)],
+            direct: self.directions_deg().into_iter().map(direct).collect(),
+        }
     }
 
     /// A sphere of the second layer under the first one.
@@ -141,10 +144,20 @@ impl TwoCoats {
             let body = move |sphere: &Sphere| Body::new(BodyShape::Balls(vec![*sphere]), k);
             spheres.iter().map(body).collect::<Vec<_>>()
         };
-        Scene { period_um: [self.side_um; 2], strata, bodies: layers.iter().flat_map(bodies).collect(), cut: false }
+        Scene {
+            period_um: [self.side_um; 2],
+            strata,
+            bodies: layers.iter().flat_map(bodies).collect(),
+            cut: false,
+        }
     }
 
-    fn far(&self, scene: &Scene, ends: [f64; 2], (polar_deg, azimuth_deg, from): (f64, f64, Side)) -> FarField {
+    fn far(
+        &self,
+        scene: &Scene,
+        ends: [f64; 2],
+        (polar_deg, azimuth_deg, from): (f64, f64, Side),
+    ) -> FarField {
         let media = Media {
             incident: ends[0].into(),
             exit: ends[1].into(),

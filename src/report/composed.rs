@@ -126,8 +126,10 @@ fn page(manifest: &ComposedManifest, pictures: Option<&Pictures>) -> DrawResult<
 
 /// Curves against thickness and depth, and spectra.
 fn figures(manifest: &ComposedManifest) -> DrawResult<Vec<Figure>> {
-    let mut all =
-        vec![("The light's way", depth_chart(manifest), DEPTH), ("On the paper", spectra_chart(manifest), SPECTRA)];
+    let mut all = vec![
+        ("The light's way", depth_chart(manifest), DEPTH),
+        ("On the paper", spectra_chart(manifest), SPECTRA),
+    ];
     // a stack has the thicknesses asked for, often one
     if !manifest.curve.is_empty() {
         all.insert(0, ("Against thickness", shares_chart(manifest), SHARES));

@@ -143,5 +143,9 @@ fn compared(coats: &TwoCoats, solved: &[SolvedPair], left_out: Option<usize>) ->
         (0..2).for_each(|lobe| over_nodes[lobe] += weight * totals[lobe]);
     }
     let lobes = |all: [Lobes; 3]| all.map(|of| [of.reflected, of.transmitted]).to_vec();
-    Compared { direct: vec![mean(0), mean(count + 1), over_nodes], plates: lobes(plates), added: lobes(added) }
+    Compared {
+        direct: vec![mean(0), mean(count + 1), over_nodes],
+        plates: lobes(plates),
+        added: lobes(added),
+    }
 }

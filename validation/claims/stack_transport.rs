@@ -47,11 +47,8 @@ fn problems() -> [Problem; 2] {
 }
 
 fn measure(_: Level, findings: &mut Findings) {
-    let medium = Hemisphere {
-        ordinates: Ordinates::for_transfer(1.0, [16, 16]),
-        polarisations: 1,
-        oblique_deg: None,
-    };
+    let medium =
+        Hemisphere { ordinates: Ordinates::for_transfer(1.0, [16, 16]), polarisations: 1, oblique_deg: None };
     let light = diffuse(&medium);
     let black = Plate::lambertian(0.0, &medium.weights());
     for problem in problems() {

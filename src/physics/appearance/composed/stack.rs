@@ -104,11 +104,7 @@ impl PlateStack {
     ///
     /// # Errors
     /// No element; media with different numbers of states, or different media, at a joint.
-    pub fn new(
-        elements: Vec<StackElement>,
-        before: Hemisphere,
-        wavelength_um: f64,
-    ) -> Result<Self, String> {
+    pub fn new(elements: Vec<StackElement>, before: Hemisphere, wavelength_um: f64) -> Result<Self, String> {
         let mut in_front = &before;
         for (number, element) in elements.iter().enumerate() {
             let states = in_front.states();
@@ -128,7 +124,11 @@ impl PlateStack {
             }
             in_front = &element.behind;
         }
-        if elements.is_empty() { Err("a stack without a layer".to_owned()) } else { Ok(Self { elements, before, wavelength_um }) }
+        if elements.is_empty() {
+            Err("a stack without a layer".to_owned())
+        } else {
+            Ok(Self { elements, before, wavelength_um })
+        }
     }
 
     /// The medium in front.

@@ -39,9 +39,7 @@ fn a_face_keeps_all_light_and_is_reciprocal() {
 fn joints_have_the_same_states_on_both_sides() {
     let air = medium(1.0, 1);
     let varnish = medium(1.6, 1);
-    let clear = |behind: &Hemisphere| {
-        StackElement::clear([&air, &varnish, behind], 1.6.into(), 1.0, 0.5, 0)
-    };
+    let clear = |behind: &Hemisphere| StackElement::clear([&air, &varnish, behind], 1.6.into(), 1.0, 0.5, 0);
     assert!(PlateStack::new(clear(&medium(1.4, 1)), air.clone(), 0.5).is_ok());
     let ordinates = Ordinates::new(1.6, &[], [3, 3]);
     let other = Hemisphere { ordinates, ..varnish.clone() };
@@ -88,7 +86,9 @@ fn a_film_absorbs_what_does_not_come_out() {
     let way = (-2.0 * TAU / 0.5 * 0.05_f64).exp();
     let down = (1.0 - mirrored) / (1.0 - (mirrored * way).powi(2));
     let joints = stack.joints(&light, &black);
-    assert!((joints[0].down - down).abs() < 1e-12 && (joints[0].up - down * way * way * mirrored).abs() < 1e-12);
+    assert!(
+        (joints[0].down - down).abs() < 1e-12 && (joints[0].up - down * way * way * mirrored).abs() < 1e-12
+    );
     assert!((joints[1].down - down * way).abs() < 1e-12);
     let absorbed = down * (1.0 - way) * (1.0 + way * mirrored);
     let [own] = stack.absorbed(&light, &black)[..] else { panic!("one layer") };
@@ -98,16 +98,8 @@ fn a_film_absorbs_what_does_not_come_out() {
 /// A repeated element is as many of it, a part of it less.
 #[test]
 fn elements_are_repeated() {
-    let air = medium(1.0, 1);
+    let air = Hemisphere { oblique_deg: None, ..medium(1.0, 1) };
     let plate = even(&air, Complex64::new(1.0, 0.01), 1.0, 0.5);
-    // a beam at 45° is in front of a stack only
-    let air = Hemisphere { oblique_deg: None, ..air };
-    let n = air.states();
-    let part = |m: &Mat<f64>| Mat::from_fn(n, n, |i, j| m[(i, j)]);
-    let plate = Plate {
-        reflection: plate.reflection.each_ref().map(part),
-        transmission: plate.transmission.each_ref().map(part),
-    };
     let film = |count| SolvedElement {
         amplitudes: Default::default(),
         between: [1.0; 2],

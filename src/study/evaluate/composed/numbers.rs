@@ -2,11 +2,11 @@
 
 use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use super::level::{Change, Level, Slabs};
-use super::stacked::{StackTask, slabs_in};
 use super::quantities::{
     ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
     ThicknessNumbers,
 };
+use super::stacked::{StackTask, slabs_in};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::composed::stack::PlateStack;
@@ -73,7 +73,10 @@ impl<'a> LayerTask<'a> {
         let layers = |all_um: &[f64]| all_um.iter().map(|um| self.layer(&slabs, *um, per_h)).collect();
         let distributions = |um: &f64| {
             let count = self.slab_count(*um) * per_h;
-            slabs.iter().map(|slabs| distribution(&slabs.layer(count), [&slabs.media[0], &slabs.media[2]])).collect()
+            slabs
+                .iter()
+                .map(|slabs| distribution(&slabs.layer(count), [&slabs.media[0], &slabs.media[2]]))
+                .collect()
         };
         ComposedNumbers {
             requested: layers(requested_um),

@@ -3,7 +3,9 @@
 use super::errors::with_errors;
 use super::gate::{self, LayerInColour};
 use super::level::{Change, Level, Slabs, SolvedPortion};
-use super::manifest::{AbsorbedRow, ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, MediumRow};
+use super::manifest::{
+    AbsorbedRow, ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, MediumRow,
+};
 use super::numbers::{LayerTask, MOST_SLABS, lights, projected_sr};
 use super::quantities::{Distribution, HidingNumbers, LayerNumbers, MediumNumbers, ThicknessNumbers};
 use crate::appearance::composed::flux::Hemisphere;

@@ -38,7 +38,12 @@ impl<'a> StackTask<'a> {
     ///
     /// # Errors
     /// A portion that is missing; joints whose media differ.
-    pub fn stacks(&self, level: &Level, thickness_um: f64, change: Change) -> Result<Vec<PlateStack>, String> {
+    pub fn stacks(
+        &self,
+        level: &Level,
+        thickness_um: f64,
+        change: Change,
+    ) -> Result<Vec<PlateStack>, String> {
         (0..self.media.len()).map(|w| self.stack(level, thickness_um, w, change)).collect()
     }
 
@@ -107,7 +112,8 @@ impl<'a> StackTask<'a> {
         let mut elements = Vec::new();
         for (position, mirrors, count) in places.into_iter().filter(|(_, _, count)| *count > 0.0) {
             let mean = level.mean([layer, wavelength], position, change);
-            let missing = || format!("layer {} has no complete realisation yet", self.study.stack[layer].name);
+            let missing =
+                || format!("layer {} has no complete realisation yet", self.study.stack[layer].name);
             let MeanSlab { plate, coherent, media: [before, behind], slab_um } = mean.ok_or_else(missing)?;
             let film = SolvedElement {
                 amplitudes: coherent,

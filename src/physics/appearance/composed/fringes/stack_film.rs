@@ -330,7 +330,8 @@ impl StackFilm {
             whole = whole.then(next);
             powers = powers.then(next_powers);
         }
-        let lobes = |of: FilmMatrix<f64>| passive(Lobes { reflected: of.reflected[0], transmitted: of.transmitted });
+        let lobes =
+            |of: FilmMatrix<f64>| passive(Lobes { reflected: of.reflected[0], transmitted: of.transmitted });
         let mean = MeanField { coherent: lobes(whole.powers()), incoherent: lobes(powers) };
         StackField { mean, front: front.unwrap_or([0.0, 1.0]) }
     }
