@@ -175,8 +175,14 @@ fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     }
     let whole = by_size(&of_one("", study.clone()), settings).core_seconds;
     let slab_um = um / (0.5 * um).round();
-    study.kind =
-        StudyKind::Composed(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None });
+    study.kind = StudyKind::Composed(Composed {
+        slab_um,
+        directions: [3, 3],
+        thicknesses_um: vec![um],
+        mixing: None,
+        layers: Vec::new(),
+        varied: None,
+    });
     let slabs = by_size(&of_one("", study), settings).core_seconds;
     say!(
         "with [layer.composed], slabs of {slab_um:.2} µm would give these {um} µm, and any other thickness, in about {:.1} \

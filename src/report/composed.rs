@@ -40,7 +40,7 @@ pub fn publish<'a>(
     Publication {
         study,
         status: manifest.origin.status,
-        tables: tables(&manifest)?.into(),
+        tables: tables(&manifest)?,
         results: serde_json::to_vec_pretty(&manifest)?,
         page: on_study(include_str!("composed.html"), page)?,
         pictures,
@@ -127,10 +127,13 @@ fn page(manifest: &ComposedManifest, pictures: Option<&Pictures>) -> DrawResult<
 /// Curves against thickness and depth, and spectra.
 fn figures(manifest: &ComposedManifest) -> DrawResult<Vec<Figure>> {
     let mut all = vec![
-        ("Against thickness", shares_chart(manifest), SHARES),
         ("The light's way", depth_chart(manifest), DEPTH),
         ("On the paper", spectra_chart(manifest), SPECTRA),
     ];
+    // a stack has the thicknesses asked for, often one
+    if !manifest.curve.is_empty() {
+        all.insert(0, ("Against thickness", shares_chart(manifest), SHARES));
+    }
     if !manifest.curve_colours.is_empty() {
         all.insert(1, ("Hiding", hiding_chart(manifest), HIDING));
         all.insert(2, ("Colour", colour_chart(manifest), COLOUR));

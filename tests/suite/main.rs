@@ -51,6 +51,7 @@ mod run_support;
 mod run_together;
 mod schema;
 mod slips;
+mod stack_plates;
 mod study_features;
 mod surroundings;
 mod sweep;

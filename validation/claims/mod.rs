@@ -26,13 +26,16 @@ mod reciprocity;
 mod references;
 mod slab;
 mod small_grains;
+mod stack_inks;
+mod stack_plates;
+mod stack_transport;
 mod stacks;
 mod tau;
 mod two_levels;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 34] = [
+pub const ALL: [Claim; 37] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -64,6 +67,9 @@ pub const ALL: [Claim; 34] = [
     published::CLAIM,
     two_levels::CLAIM,
     gradients::CLAIM,
+    stack_plates::CLAIM,
+    stack_transport::CLAIM,
+    stack_inks::CLAIM,
     stacks::CLEAR,
     stacks::PLACED,
     stacks::OPEN,

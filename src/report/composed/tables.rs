@@ -1,21 +1,34 @@
 //! Tables of a composed layer.
 
 use crate::draw::cell::{numbers, table, with_errors};
-use crate::evaluate::composed::manifest::{ComposedManifest, DistributionRow};
+use crate::evaluate::composed::manifest::{AbsorbedRow, ComposedManifest, DistributionRow};
 use crate::report::tables::{self, NamedTable};
 
 /// All tables.
 ///
 /// # Errors
 /// One that cannot be written.
-pub fn tables(manifest: &ComposedManifest) -> csv::Result<[NamedTable; 3]> {
+pub fn tables(manifest: &ComposedManifest) -> csv::Result<Vec<NamedTable>> {
     let spectra = tables::rows(manifest.spectra.iter().chain(&manifest.curve))?;
     let medium = tables::rows(&manifest.medium)?;
-    Ok([
+    let mut all = vec![
         ("spectra.csv", spectra, "R, T and what is seen on the paper at every thickness and wavelength"),
         ("medium.csv", medium, "what the packed medium is to light"),
         ("bdf.csv", distributions(&manifest.distributions)?, "where light at 0° goes, layer alone"),
-    ])
+    ];
+    if !manifest.absorbed.is_empty() {
+        all.push(("absorbed.csv", absorbed(&manifest.absorbed)?, "what every layer absorbs of light at 0°"));
+    }
+    Ok(all)
+}
+
+fn absorbed(rows: &[AbsorbedRow]) -> csv::Result<Vec<u8>> {
+    let place = ["thickness_um", "wavelength_nm", "layer"].map(str::to_owned);
+    let line = |row: &AbsorbedRow| {
+        let place = [row.thickness_um.to_string(), row.wavelength_nm.to_string(), row.layer.clone()];
+        (place, numbers(Some(row.absorptance_normal.estimate())))
+    };
+    table(place.into_iter().chain(with_errors(["absorptance_normal"])), rows.iter().map(line))
 }
 
 fn distributions(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {

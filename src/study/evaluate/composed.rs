@@ -13,4 +13,5 @@ pub mod manifest;
 pub mod numbers;
 pub mod quantities;
 pub mod report;
+pub mod stacked;
 pub mod view;

@@ -15,6 +15,7 @@ mod paper;
 mod pigments;
 mod run;
 mod stack;
+mod stack_plates;
 
 pub use grains::largest_extents_nm;
 

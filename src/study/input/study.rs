@@ -5,6 +5,7 @@ mod kind;
 mod moved;
 mod parts;
 mod stack;
+mod stack_plates;
 mod written;
 
 pub use super::file::TargetColour;
@@ -14,6 +15,7 @@ pub use moved::InputMove;
 pub use parts::{
     Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, StackLayer, WantedResolution,
 };
+pub use stack_plates::{LayerPlates, StackMedia, StackedPortion};
 pub use written::WrittenAngles;
 
 use super::file::OutputTable;

@@ -87,6 +87,7 @@ fn errors_of_composing(
             .iter()
             .map(|all| over_neighbours(all, distribution_errors))
             .collect(),
+        absorbed: beyond.absorbed.iter().map(|all| over_neighbours(all, absorbed_errors)).collect(),
     }
 }
 
@@ -108,6 +109,15 @@ fn distribution_errors(near: &[Distribution<f64>], here: &Distribution<f64>) -> 
         (0..lobe(here).len()).map(error).collect()
     };
     Distribution { reflected: errors(|all| &all.reflected), transmitted: errors(|all| &all.transmitted) }
+}
+
+/// The errors of what layers absorb, each from those of its layer at the wavelengths near.
+fn absorbed_errors(near: &[Vec<f64>], here: &Vec<f64>) -> Vec<f64> {
+    let error = |layer: usize| {
+        let values = near.iter().filter_map(|other| other.get(layer).copied());
+        error_of_composing(&values.collect::<Vec<_>>())
+    };
+    (0..here.len()).map(error).collect()
 }
 
 /// A new row for each, from the rows of the wavelengths near and its own.
@@ -138,6 +148,7 @@ mod tests {
             hiding: None,
             medium: Vec::new(),
             distributions: Vec::new(),
+            absorbed: Vec::new(),
         }
     }
 

@@ -119,6 +119,19 @@ pub struct DepthRow {
     pub up: f64,
 }
 
+/// What one layer of a stack absorbs at one wavelength.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AbsorbedRow {
+    /// Thickness of the varied layer, or of the stack, µm.
+    pub thickness_um: f64,
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// Name of the layer.
+    pub layer: String,
+    /// Share of light at 0° that it absorbs, without paper.
+    pub absorptance_normal: ErrorParts,
+}
+
 /// All numbers of a composed layer: the file `results.json`.
 #[derive(Clone, Debug, Serialize)]
 pub struct ComposedManifest<'a> {
@@ -141,6 +154,9 @@ pub struct ComposedManifest<'a> {
     pub medium: Vec<MediumRow>,
     /// Where light at 0° goes, of each requested thickness.
     pub distributions: Vec<DistributionRow>,
+    /// What every layer of a stack absorbs; none of one layer.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub absorbed: Vec<AbsorbedRow>,
     /// Numbers that were withheld because they are impossible or not determined.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,

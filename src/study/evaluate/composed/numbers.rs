@@ -6,8 +6,10 @@ use super::quantities::{
     ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
     ThicknessNumbers,
 };
+use super::stacked::{StackTask, slabs_in};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
+use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::appearance::tristimulus::Colorimeter;
@@ -29,6 +31,8 @@ pub struct LayerTask<'a> {
     pub study: &'a Study,
     /// Its composed layer.
     pub composed: &'a Composed,
+    /// The stack, if it is one.
+    pub stack: Option<StackTask<'a>>,
     /// Albedos of the paper at every wavelength.
     pub albedos: Vec<f64>,
     /// The eye, where the wavelengths carry a colour.
@@ -50,6 +54,7 @@ impl<'a> LayerTask<'a> {
         Ok(Self {
             study,
             composed,
+            stack: StackTask::new(study),
             albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
             colorimeter: Colorimeter::new(&study.wavelengths_nm).ok(),
             curve_um: Vec::new(),
@@ -59,13 +64,19 @@ impl<'a> LayerTask<'a> {
 
     /// All numbers, of slabs of either thickness.
     pub fn numbers(&self, level: &Level, change: Change) -> ComposedNumbers<f64> {
+        if let Some(stack) = &self.stack {
+            return self.numbers_of_stack(stack, level, change);
+        }
         let slabs = level.slabs(change);
         let per_h = (self.composed.slab_um / level.slab_um).round();
         let requested_um = &self.composed.thicknesses_um;
         let layers = |all_um: &[f64]| all_um.iter().map(|um| self.layer(&slabs, *um, per_h)).collect();
         let distributions = |um: &f64| {
             let count = self.slab_count(*um) * per_h;
-            slabs.iter().map(|slabs| distribution(slabs, count)).collect()
+            slabs
+                .iter()
+                .map(|slabs| distribution(&slabs.layer(count), [&slabs.media[0], &slabs.media[2]]))
+                .collect()
         };
         ComposedNumbers {
             requested: layers(requested_um),
@@ -73,12 +84,48 @@ impl<'a> LayerTask<'a> {
             hiding: self.around_hiding_um.map(|around_um| self.hiding(&slabs, around_um, per_h)),
             medium: slabs.iter().map(|slabs| coefficients(slabs, level.slab_um)).collect(),
             distributions: requested_um.iter().map(distributions).collect(),
+            absorbed: Vec::new(),
         }
+    }
+
+    /// All numbers of a stack.
+    fn numbers_of_stack(&self, task: &StackTask, level: &Level, change: Change) -> ComposedNumbers<f64> {
+        let mut numbers = ComposedNumbers {
+            requested: Vec::new(),
+            curve: Vec::new(),
+            hiding: None,
+            medium: Vec::new(),
+            distributions: Vec::new(),
+            absorbed: Vec::new(),
+        };
+        for um in &self.composed.thicknesses_um {
+            // joints and portions are those of the report's first look at them
+            let stacks = task.stacks(level, *um, change).unwrap_or_default();
+            let mut spectra = Vec::new();
+            let mut distributions = Vec::new();
+            let mut absorbed = Vec::new();
+            for (stack, albedo) in stacks.iter().zip(&self.albedos) {
+                let film = stack.film(change.fewer_directions);
+                let layer = ComposedLayer::of_stack(stack, &film, self.study.wave);
+                let own = spectral(&layer, self.study.wave, self.study.output.mirrored_sky, *albedo);
+                absorbed.push(absorbed_by_layers(stack, self.study.wave, &own));
+                spectra.push(own);
+                distributions.push(distribution(&layer.plate, layer.media));
+            }
+            numbers.requested.push(self.coloured(spectra));
+            numbers.distributions.push(distributions);
+            numbers.absorbed.push(absorbed);
+        }
+        numbers
     }
 
     /// A layer of one thickness; `per_h` of the slabs have the thickness h.
     fn layer(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> ThicknessNumbers<f64> {
-        let spectra = self.spectra(slabs, thickness_um, per_h);
+        self.coloured(self.spectra(slabs, thickness_um, per_h))
+    }
+
+    /// Spectra with their colours.
+    fn coloured(&self, spectra: Vec<LayerNumbers<f64>>) -> ThicknessNumbers<f64> {
         let colours = self.colorimeter.as_ref();
         let colours = colours.map(|eye| colours_of(eye, &spectra).unwrap_or(ColourNumbers::unknown()));
         ThicknessNumbers { spectra, colours }
@@ -87,7 +134,10 @@ impl<'a> LayerTask<'a> {
     /// Its numbers at every wavelength.
     fn spectra(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<LayerNumbers<f64>> {
         let count = self.slab_count(thickness_um) * per_h;
-        let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| spectral(slabs, count, self.study, *albedo);
+        let Study { wave, output, .. } = self.study;
+        let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| {
+            spectral(&ComposedLayer::new(slabs, count, *wave), *wave, output.mirrored_sky, *albedo)
+        };
         slabs.iter().zip(&self.albedos).map(at_wavelength).collect()
     }
 
@@ -114,9 +164,19 @@ impl<'a> LayerTask<'a> {
 
     /// Slabs of h in a thickness: a whole number but for rounding, or any.
     pub(super) fn slab_count(&self, thickness_um: f64) -> f64 {
-        let count = thickness_um / self.composed.slab_um;
-        if (count - count.round()).abs() < 1e-9 * count { count.round() } else { count }
+        slabs_in(thickness_um, self.composed.slab_um)
     }
+}
+
+/// Shares of light at 0° that the layers of a stack absorb, without paper: what fluxes without
+/// interference say, in proportion, of what R and T with interference leave.
+fn absorbed_by_layers(stack: &PlateStack, wave: Wave, numbers: &LayerNumbers<f64>) -> Vec<f64> {
+    let light = &lights(stack.before(), wave)[0];
+    let nothing = Plate::lambertian(0.0, &stack.behind().weights());
+    let each = stack.absorbed(light, &nothing);
+    let sum: f64 = each.iter().sum();
+    let all = 1.0 - numbers.reflectance_normal - numbers.transmittance_normal;
+    each.into_iter().map(|share| share * ratio(all, sum)).collect()
 }
 
 /// Colours of a layer from its spectra; `None` if one of them has none.
@@ -134,12 +194,11 @@ fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<Colour
     })
 }
 
-/// A layer of `count` slabs at one wavelength, alone and on paper of this albedo.
-fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbers<f64> {
-    let before = &slabs.media[0];
-    let layer = ComposedLayer::new(slabs, count, study.wave);
+/// A layer or a stack at one wavelength, alone and on paper of this albedo.
+pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64) -> LayerNumbers<f64> {
+    let before = layer.media[0];
     let oblique = before.ordinates.index * PRINT_DEG.to_radians().sin();
-    let [at_normal, at_45, of_diffuse] = lights(before, study.wave);
+    let [at_normal, at_45, of_diffuse] = lights(before, wave);
     let normal = layer.of_light(&at_normal);
     let normal_changed = normal.changed(layer.change(0.0));
     let slanted = layer.of_light(&at_45).changed(layer.change_of_shared(oblique));
@@ -154,10 +213,10 @@ fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbe
     let paper = layer.on(albedo);
     let returned = total(&(&paper.plate.reflection[0] * &at_normal)) - normal.reflected;
     let natural = normal_changed.reflected + through_normal * paper.returned * paper.leaving * returned;
-    let excluded = if study.output.mirrored_sky == MirroredSky::Excluded { mirrored } else { 0.0 };
-    let alone = lit_at_45(&layer.plate, before, study.wave);
+    let excluded = if sky == MirroredSky::Excluded { mirrored } else { 0.0 };
+    let alone = lit_at_45(&layer.plate, before, wave);
     let lit = |on: &OnPaper| {
-        let returned = lit_at_45(&on.plate, before, study.wave) - alone;
+        let returned = lit_at_45(&on.plate, before, wave) - alone;
         alone + through_normal * through_45 * on.returned * returned
     };
     LayerNumbers {
@@ -178,9 +237,7 @@ fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbe
 
 /// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.
 /// The mirrored and the straight beam are left out, and what interference changes.
-fn distribution(slabs: &Slabs, count: f64) -> Distribution<f64> {
-    let [before, _, behind] = &slabs.media;
-    let layer = slabs.layer(count);
+fn distribution(layer: &Plate, [before, behind]: [&Hemisphere; 2]) -> Distribution<f64> {
     let per_sr = |fluxes: &Mat<f64>, medium: &Hemisphere| {
         let flux =
             |node| (0..medium.polarisations).map(|p| fluxes[(medium.state(node + 1, p), 0)]).sum::<f64>();

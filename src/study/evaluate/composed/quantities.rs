@@ -114,6 +114,9 @@ pub struct ComposedNumbers<T> {
     pub medium: Vec<MediumNumbers<T>>,
     /// \[thickness that the study requests\]\[wavelength\]
     pub distributions: Vec<Vec<Distribution<T>>>,
+    /// Of a stack: share of light at 0° that each layer absorbs, without paper, \[thickness that the
+    /// study requests\]\[wavelength\]\[layer\].
+    pub absorbed: Vec<Vec<Vec<T>>>,
 }
 
 /// A new list, item by item from both.
@@ -196,6 +199,7 @@ impl<T> ComposedNumbers<T> {
             distributions: each(self.distributions, other.distributions, |a, b| {
                 each(a, b, |a, b| a.zipped(b, number))
             }),
+            absorbed: each(self.absorbed, other.absorbed, |a, b| each(a, b, |a, b| each(a, b, number))),
         }
     }
 

@@ -3,11 +3,14 @@
 use super::errors::with_errors;
 use super::gate::{self, LayerInColour};
 use super::level::{Change, Level, Slabs, SolvedPortion};
-use super::manifest::{ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, MediumRow};
+use super::manifest::{
+    AbsorbedRow, ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, MediumRow,
+};
 use super::numbers::{LayerTask, MOST_SLABS, lights, projected_sr};
 use super::quantities::{Distribution, HidingNumbers, LayerNumbers, MediumNumbers, ThicknessNumbers};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
+use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
 use crate::evaluate::manifest::{Count, Provenance};
@@ -38,9 +41,14 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     let no_colour = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
     let mut task = LayerTask::new(study)?;
     let composed = task.composed;
-    task.curve_um = CURVE.map(|count| count as f64 * composed.slab_um).to_vec();
-    let slabs = whole.slabs(Change::default());
-    let no_hiding = find_hiding(&mut task, &slabs).err();
+    let slabs = if task.stack.is_some() { Vec::new() } else { whole.slabs(Change::default()) };
+    let stacks = of_stack(&task, [&whole, &half])?;
+    let no_hiding = if task.stack.is_some() {
+        Some("of a stack there is the contrast ratio of every thickness".to_owned())
+    } else {
+        task.curve_um = CURVE.map(|count| count as f64 * composed.slab_um).to_vec();
+        find_hiding(&mut task, &slabs).err()
+    };
     let numbers = with_errors(&task, &whole, &half);
     let mut requested = Layers::default();
     for (um, layer) in composed.thicknesses_um.iter().zip(&numbers.requested) {
@@ -55,12 +63,20 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     for ((&nm, slabs), numbers) in study.wavelengths_nm.iter().zip(&slabs).zip(numbers.medium) {
         medium.push(medium_row(nm, slabs, numbers, &mut withheld));
     }
-    let distributions = distributions(study, &slabs, &composed.thicknesses_um, &numbers.distributions);
+    let media: Vec<[&Hemisphere; 2]> = match &task.stack {
+        Some(_) => stacks.iter().map(|stack| [stack.before(), stack.behind()]).collect(),
+        None => slabs.iter().map(|slabs| [&slabs.media[0], &slabs.media[2]]).collect(),
+    };
+    let distributions = distributions(study, &media, &composed.thicknesses_um, &numbers.distributions);
+    let absorbed = absorbed(study, &composed.thicknesses_um, &numbers.absorbed);
     let hiding = task.around_hiding_um.zip(numbers.hiding);
     let hiding = hiding.map(|(around_um, hiding)| hiding_thickness(&task, around_um, &hiding));
     let impossible = hiding.and_then(|um| impossible(Quantity::Positive, um.estimate()));
     let hiding_thickness_um = hiding.filter(|_| impossible.is_none());
-    let (depth_nm, depth) = depth(&task, &slabs);
+    let (depth_nm, depth) = match &task.stack {
+        Some(_) => depth_of_stack(&task, &stacks),
+        None => depth(&task, &slabs),
+    };
     let records = || solved.iter().flat_map(|(_, c)| &c.realisations).flat_map(|r| r.points.iter().flatten());
     let finished = solved.iter().map(|(_, collected)| collected.finished()).sum();
     let solves = Count { asked: study.solves(), finished };
@@ -77,6 +93,7 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
         colours: requested.colours,
         no_colour,
         distributions,
+        absorbed,
         withheld,
         curve: curve.rows,
         curve_colours: curve.colours,
@@ -90,6 +107,44 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
         process_seconds: None,
         study,
     })
+}
+
+/// The stack of the first thickness at every wavelength, of slabs that are whole; empty for a layer
+/// that is alone. Those of half the thickness are tried as well.
+fn of_stack(task: &LayerTask, levels: [&Level; 2]) -> Result<Vec<PlateStack>, String> {
+    let Some(stack) = &task.stack else { return Ok(Vec::new()) };
+    let um = task.composed.thicknesses_um[0];
+    stack.stacks(levels[1], um, Change::default())?;
+    stack.stacks(levels[0], um, Change::default())
+}
+
+/// What every layer of a stack absorbs.
+fn absorbed(study: &Study, thicknesses_um: &[f64], numbers: &[Vec<Vec<ErrorParts>>]) -> Vec<AbsorbedRow> {
+    let mut rows = Vec::new();
+    for (&thickness_um, spectra) in thicknesses_um.iter().zip(numbers) {
+        for (&wavelength_nm, layers) in study.wavelengths_nm.iter().zip(spectra) {
+            for (layer, &absorptance_normal) in study.stack.iter().zip(layers) {
+                let layer = layer.name.clone();
+                rows.push(AbsorbedRow { thickness_um, wavelength_nm, layer, absorptance_normal });
+            }
+        }
+    }
+    rows
+}
+
+/// Fluxes against depth at the joints of a stack of the first thickness, on the paper.
+fn depth_of_stack(task: &LayerTask, stacks: &[PlateStack]) -> (f64, Vec<DepthRow>) {
+    let nm = &task.study.wavelengths_nm;
+    let w = nearest(nm.iter().copied(), SHOWN_NM);
+    let stack = &stacks[w];
+    let light = &lights(stack.before(), task.study.wave)[0];
+    let paper = Plate::lambertian(task.albedos[w], &stack.behind().weights());
+    let reflected = total(&(&stack.plate().then(&paper).reflection[0] * light));
+    let mut rows = vec![DepthRow { depth_um: 0.0, down: 1.0, up: reflected }];
+    for joint in stack.joints(light, &paper) {
+        rows.push(DepthRow { depth_um: joint.depth_um, down: joint.down, up: joint.up });
+    }
+    (nm[w], rows)
 }
 
 /// Slabs thinner than the mean free path of coherent light, where that is longest.
@@ -256,16 +311,15 @@ fn medium_row(
 /// Where light at 0° goes, of each requested thickness and wavelength.
 fn distributions(
     study: &Study,
-    slabs: &[Slabs],
+    media: &[[&Hemisphere; 2]],
     thicknesses_um: &[f64],
     numbers: &[Vec<Distribution<ErrorParts>>],
 ) -> Vec<DistributionRow> {
     let mut rows = Vec::new();
     for (&thickness_um, distributions) in thicknesses_um.iter().zip(numbers) {
-        for ((&wavelength_nm, slabs), distribution) in
-            study.wavelengths_nm.iter().zip(slabs).zip(distributions)
+        for ((&wavelength_nm, [before, behind]), distribution) in
+            study.wavelengths_nm.iter().zip(media).zip(distributions)
         {
-            let [before, _, behind] = &slabs.media;
             let mut add = |reflected: bool, medium: &Hemisphere, lobe: &[ErrorParts]| {
                 rows.extend(lobe.iter().enumerate().map(|(node, &bdf_per_sr)| DistributionRow {
                     thickness_um,

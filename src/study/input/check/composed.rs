@@ -42,7 +42,14 @@ impl LayerTable {
         }
         let slabs = (first_um / table.slab_um).round().max(2.0);
         let slab_um = first_um / slabs;
-        Some(Composed { slab_um, directions: table.directions, thicknesses_um, mixing: None })
+        Some(Composed {
+            slab_um,
+            directions: table.directions,
+            thicknesses_um,
+            mixing: None,
+            layers: Vec::new(),
+            varied: None,
+        })
     }
 }
 

@@ -1,7 +1,7 @@
 //! Stacks of layers: every layer is checked as if it were alone, then what only a stack can have
 //! wrong, and one study is made of them.
 
-use super::{Examined, examine_layer, grains};
+use super::{Examined, examine_layer, grains, stack_plates};
 use crate::ink::{Joint, PackingRequest, RoughFace, StackedRequest};
 use crate::input::file::{LayerTable, StackLayerTable, StackTable};
 use crate::input::forms::{Pair, ThicknessWritten};
@@ -36,10 +36,17 @@ pub(super) fn examine(
         let study = first.study.clone();
         return Examined { study, packing_faults, wave_faults };
     }
+    let composed = written.stack.as_ref().and_then(|stack| stack.composed.as_ref());
     check_periods(&parts, &mut packing_faults);
-    check_thickness(&parts, &mut packing_faults);
+    if composed.is_none() {
+        check_thickness(&parts, &mut packing_faults);
+        check_slabs(layers, &mut packing_faults);
+    }
     check_binders(layers, &parts, &mut wave_faults);
-    let study = together(layers, &parts);
+    let mut study = together(layers, &parts);
+    if let Some(table) = composed {
+        stack_plates::compose(written, layers, table, &mut study, &mut packing_faults);
+    }
     Examined { study, packing_faults, wave_faults }
 }
 
@@ -89,6 +96,9 @@ fn of_layer_alone(
     let mut file = StudyFile { stack: None, ..written.clone() };
     file.layer = LayerTable::of_stack(layer, common);
     file.pigments = layer.pigments.clone();
+    if let (Some(_), ThicknessWritten::Several(all)) = (&common.composed, &layer.thickness_um) {
+        file.layer.thickness_um = ThicknessWritten::Even(all.first().copied().unwrap_or(f64::NAN));
+    }
     examine_layer(&file, folder, name)
 }
 
@@ -229,6 +239,15 @@ fn check_thickness(parts: &[Examined], faults: &mut Faults) {
         let allowed = format!("a sum over all layers {limit}: a stack with grains is solved whole");
         let remedy = "take thinner layers; a single [layer] with [layer.composed] may be thick";
         faults.add(format!("layer[{i}].thickness_um"), format!("{sum_um} µm in all"), allowed, remedy);
+    }
+}
+
+/// Slabs and lists of thicknesses are for stacks that are composed.
+fn check_slabs(layers: &[StackLayerTable], faults: &mut Faults) {
+    for (i, layer) in layers.iter().enumerate().filter(|(_, layer)| layer.slab_um.is_some()) {
+        let allowed = "nothing where the stack is solved whole";
+        let remedy = "add [stack.composed], or remove it";
+        faults.add(format!("layer[{i}].slab_um"), layer.slab_um.unwrap_or(f64::NAN), allowed, remedy);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Stacks of layers: `[[layer]]` in the order of the light, and `[stack]` for what they share.
 
 use super::layer::vacuum;
-use super::{BinderTable, ContrastPart, LayerTable, MicrostructureTable, PigmentTable};
+use super::{BinderTable, ComposedTable, ContrastPart, LayerTable, MicrostructureTable, PigmentTable};
 use crate::ink::{Joint, ReliefRequest};
 use crate::input::forms::{Pair, ThicknessWritten};
 use crate::input::{limits, variation};
@@ -37,6 +37,10 @@ pub struct StackTable {
     pub mixing: Option<MixingRule>,
     /// Which part of the contrast in η² scatters: all of it, or only its real or imaginary part.
     pub contrast: ContrastPart,
+    /// The stack as a list of plates: every layer is solved alone, as a whole or in slabs, and any
+    /// thickness of one layer follows from one set of solves.
+    #[schemars(example = ComposedTable::default())]
+    pub composed: Option<ComposedTable>,
 }
 
 impl Default for StackTable {
@@ -48,6 +52,7 @@ impl Default for StackTable {
             index_out: vacuum(),
             mixing: None,
             contrast: ContrastPart::default(),
+            composed: None,
         }
     }
 }
@@ -73,6 +78,11 @@ pub struct StackLayerTable {
     pub microstructure: Option<MicrostructureTable>,
     /// A rough outer face: `incident` on the first layer, `exit` on the last.
     pub relief: Option<ReliefRequest>,
+    /// In a composed stack, thickness of the slabs that this layer is composed of, µm; its own
+    /// thickness solves it as a whole (default: `stack.composed.slab_um`, and as a whole a layer of
+    /// less than two slabs).
+    #[schemars(transform = limits::THICKNESS_UM.mark())]
+    pub slab_um: Option<f64>,
     /// How the layer meets the one behind it (default: `"wall"`); the last layer has no joint.
     pub joint: Option<Joint>,
 }
@@ -124,6 +134,7 @@ impl StackLayerTable {
             pigments: Vec::new(),
             microstructure: None,
             relief: None,
+            slab_um: None,
             joint: None,
         }
     }
