@@ -30,8 +30,9 @@ mod tau;
 mod two_levels;
 mod varied_cells;
 mod vector;
+mod weighted;
 
-pub const ALL: [Claim; 31] = [
+pub const ALL: [Claim; 33] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -63,4 +64,6 @@ pub const ALL: [Claim; 31] = [
     published::CLAIM,
     two_levels::CLAIM,
     gradients::CLAIM,
+    weighted::NUMBERS,
+    weighted::WIDE,
 ];

@@ -2,20 +2,24 @@
 
 use crate::draw::cell::{numbers, table, with_errors};
 use crate::evaluate::composed::manifest::{ComposedManifest, DistributionRow};
+use crate::report::numbers::numbers_table;
 use crate::report::tables::{self, NamedTable};
 
 /// All tables.
 ///
 /// # Errors
 /// One that cannot be written.
-pub fn tables(manifest: &ComposedManifest) -> csv::Result<[NamedTable; 3]> {
+pub fn tables(manifest: &ComposedManifest) -> csv::Result<Vec<NamedTable>> {
     let spectra = tables::rows(manifest.spectra.iter().chain(&manifest.curve))?;
     let medium = tables::rows(&manifest.medium)?;
-    Ok([
+    let mut all = vec![
         ("spectra.csv", spectra, "R, T and what is seen on the paper at every thickness and wavelength"),
         ("medium.csv", medium, "what the packed medium is to light"),
         ("bdf.csv", distributions(&manifest.distributions)?, "where light at 0° goes, layer alone"),
-    ])
+    ];
+    let weighted: Vec<_> = manifest.numbers.iter().chain(&manifest.curve_numbers).cloned().collect();
+    all.extend(numbers_table(&weighted)?);
+    Ok(all)
 }
 
 fn distributions(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {

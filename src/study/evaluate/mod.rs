@@ -18,6 +18,7 @@ pub mod ink_maker;
 pub mod layer;
 pub mod levels;
 pub mod manifest;
+pub mod numbers;
 pub mod on_paper;
 pub mod published;
 pub mod regression;

@@ -2,9 +2,11 @@
 
 mod ink;
 mod light;
+mod number;
 
 pub use ink::{INK, K};
 pub use light::LIGHT;
+pub use number::NUMBER;
 
 /// A slip in the tiny study: what is replaced by what, and what the message must say.
 pub struct Slip {
