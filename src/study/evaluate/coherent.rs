@@ -66,11 +66,11 @@ impl CoherentLight {
 
     /// |⟨t⟩|² at these wavelengths without each realisation, and the variance of the mean amplitude
     /// that is taken off all of them; \[wavelength\].
-    pub fn without(&self, angle: usize, films: &[FilmAt], exact_deg: f64, nm: &[f64]) -> Vec<LeftOut> {
+    pub fn without(&self, angle: usize, films: &[FilmAt], exact_deg: f64, nm: &[f64]) -> Vec<PowersWithout> {
         let of = |(film, &nm): (&FilmAt, &f64)| {
             let replicates = self.amplitudes(angle, film, exact_deg, nm);
             let variance = replicates.variance();
-            LeftOut {
+            PowersWithout {
                 powers: replicates.without.iter().map(|left| power(left) - variance).collect(),
                 variance,
             }
@@ -122,7 +122,7 @@ struct Replicates {
 
 /// |⟨t⟩|² at one wavelength without each realisation, and the variance that is taken off.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LeftOut {
+pub struct PowersWithout {
     /// \[realisation left out\]
     pub powers: Vec<f64>,
     /// Variance of the mean amplitude of all.

@@ -25,6 +25,7 @@ pub mod regression;
 pub mod samples;
 pub mod seen;
 pub mod summary;
+pub mod summed;
 pub mod survivors;
 mod uncertainty;
 pub mod wavelengths;

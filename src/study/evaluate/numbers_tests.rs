@@ -1,5 +1,6 @@
 use super::*;
 use crate::appearance::weighted::NumberTransform;
+use crate::evaluate::summed::{Residuals, sum_wavelengths_nm};
 use crate::input::study::WantedWeights;
 
 fn wanted(transform: NumberTransform, over: Option<SeenLight>, weights: &str) -> WantedNumber {

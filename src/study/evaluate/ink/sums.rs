@@ -3,8 +3,8 @@
 
 use super::InkOnPaper;
 use crate::appearance::tristimulus::Guide;
-use crate::evaluate::numbers::{Residuals, SummedSpectrum};
 use crate::evaluate::on_paper::LayerOnPaper;
+use crate::evaluate::summed::{Residuals, SummedSpectrum};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 impl InkOnPaper {

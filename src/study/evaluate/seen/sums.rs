@@ -4,7 +4,7 @@ use super::{LayerSeen, MovedLayers};
 use crate::appearance::tristimulus::Guide;
 use crate::evaluate::films::FilmAt;
 use crate::evaluate::layer::{Total, film_totals};
-use crate::evaluate::numbers::{Residuals, SummedSpectrum};
+use crate::evaluate::summed::{Residuals, SummedSpectrum};
 use crate::evaluate::uncertainty::{Shift, Uncertainty};
 use crate::evaluate::wavelengths::SpectralBasis;
 use crate::input::file::SeenLight;
