@@ -145,8 +145,8 @@ mod tests {
             [("D65/2", 95.047, 108.883), ("D65/10", 94.811, 107.304), ("c/2", 98.074, 118.232)]
         {
             let white = NamedWeights::find(name).unwrap().white.unwrap();
-            // published with three decimals; C is linear between 5 nm
-            assert!((white.xyz[0] - x).abs() < 0.02 && (white.xyz[2] - z).abs() < 0.02, "{name}: {white:?}");
+            // published ones are sums every 5 nm
+            assert!((white.xyz[0] - x).abs() < 0.02 && (white.xyz[2] - z).abs() < 0.1, "{name}: {white:?}");
         }
     }
 }

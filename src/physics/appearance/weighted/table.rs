@@ -2,6 +2,12 @@
 
 use thiserror::Error;
 
+/// Widest distance of rows that are summed as they are, nm: tables of densitometers are meant for
+/// sums over their rows, 10 nm apart.
+const ROWS_APART_NM: f64 = 10.0 + 1e-9;
+/// Step of the sum between rows that are farther apart, nm.
+const STEP_NM: f64 = 5.0;
+
 /// Weights per nm against wavelength, linear between their rows and nothing beyond them.
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -100,13 +106,21 @@ impl WeightTable {
         self.places().into_iter().map(|(_, weight)| weight).sum()
     }
 
-    /// Wavelengths, nm, with the weights of the trapezoidal rule.
+    /// Wavelengths, nm, with the weights of the trapezoidal rule: the rows, and closer places where
+    /// these are far apart.
     pub(super) fn places(&self) -> Vec<(f64, f64)> {
+        let mut nm = vec![self.rows[0][0]];
+        for pair in self.rows.windows(2) {
+            let [from, to] = [pair[0][0], pair[1][0]];
+            let parts = if to - from > ROWS_APART_NM { ((to - from) / STEP_NM).ceil() } else { 1.0 };
+            nm.extend((1..parts as usize).map(|k| from + (to - from) * k as f64 / parts));
+            nm.push(to);
+        }
         let width = |k: usize| {
-            let before = self.rows[k.saturating_sub(1)][0];
-            let after = self.rows[(k + 1).min(self.rows.len() - 1)][0];
+            let before = nm[k.saturating_sub(1)];
+            let after = nm[(k + 1).min(nm.len() - 1)];
             0.5 * (after - before)
         };
-        self.rows.iter().enumerate().map(|(k, &[nm, weight])| (nm, weight * width(k))).collect()
+        nm.iter().enumerate().map(|(k, &at)| (at, self.at(at) * width(k))).collect()
     }
 }
