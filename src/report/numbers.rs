@@ -2,6 +2,7 @@
 
 use crate::draw::cell::{numbers, table, text, with_errors};
 use crate::evaluate::published::NumberNote;
+use crate::numerics::estimate::Estimate;
 use crate::report::tables::NamedTable;
 use serde::Serialize;
 
@@ -15,15 +16,17 @@ pub(super) struct NumberLine {
 
 /// Significant digits of an error.
 const DIGITS: i32 = 2;
+/// Smaller errors are rounding, and are not shown.
+const CERTAIN: f64 = 1e-7;
 /// Decimals of a number whose error is unknown or nothing.
 const USUAL_DECIMALS: usize = 4;
 
 /// A number with as many decimals as its error has.
 fn value(note: &NumberNote) -> String {
     let Some(estimate) = note.estimate() else { return "withheld".to_owned() };
-    let error = estimate.standard_error.filter(|error| *error > 0.0);
+    let error = estimate.standard_error.filter(|error| *error > CERTAIN);
     let decimals = error.map_or(USUAL_DECIMALS as i32, |error| DIGITS - 1 - error.log10().floor() as i32);
-    estimate.in_words(decimals.clamp(0, 6) as usize)
+    Estimate { standard_error: error, ..estimate }.in_words(decimals.clamp(0, 6) as usize)
 }
 
 /// The name, with the thickness of a composed layer.
