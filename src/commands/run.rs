@@ -83,6 +83,9 @@ fn tell_colour(study: &Study, published: &Published) -> Result<()> {
     if let Some(reason) = &published.no_colour {
         say!("{}: no colour: {reason}", study.title)?;
     }
+    for number in &published.numbers {
+        say!("{}: {number}", study.title)?;
+    }
     let told = |line: &&String| published.no_colour.as_ref().is_some_and(|reason| reason.contains(*line));
     for line in published.withheld.iter().filter(|line| !told(line)) {
         say!("{}: no result: {line}", study.title)?;

@@ -150,6 +150,10 @@ const COLUMNS: &[Definition] = &[
     number("kubelka_munk_absorption_per_um", "1/µm", "K of Kubelka and Munk, surfaces off"),
     number("kubelka_munk_scattering_per_um", "1/µm", "S of Kubelka and Munk, surfaces off"),
     number("hiding_thickness_um", "µm", "thickness whose contrast ratio over black and white is 0.98"),
+    // weighted numbers
+    only(&["numbers.csv"], words("name", "name of the number in the study")),
+    only(&["numbers.csv"], words("about", "what is weighted, with which weights, and what is made of it")),
+    only(&["numbers.csv"], plain("value", "the weighted number")),
     // a measurement
     plain("measured", "the measurement of [compare]; in conclusions.csv the number that a claim is about"),
     plain("predicted", "layer on its paper, as the measurement sees it"),

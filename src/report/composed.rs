@@ -4,6 +4,7 @@ mod tables;
 
 pub use tables::tables;
 
+use super::numbers;
 use super::page::on_study;
 use super::publish::{NamedPictures, Pictures, Publication, PublishError, PublishResult, picture_angles};
 use super::sheet;
@@ -16,7 +17,7 @@ use crate::evaluate::composed::report::report;
 use crate::evaluate::composed::view::ComposedView;
 use crate::evaluate::ink::InkError;
 use crate::evaluate::published::{ErrorParts, PublishedRow};
-use crate::input::study::Study;
+use crate::input::study::{Study, WantedNumber};
 use crate::numerics::estimate::Estimate;
 use crate::run::crew::processor_seconds;
 use crate::store::folder::OutputFolder;
@@ -96,6 +97,7 @@ pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
     if lines.is_empty() {
         lines.extend(manifest.spectra.iter().map(spectral_line));
     }
+    lines.extend(numbers::in_words(&manifest.numbers));
     lines.extend(manifest.hiding_thickness_um.map(|um| format!("hides at {} µm", words(&um, 1))));
     lines
 }
@@ -116,6 +118,7 @@ fn page(manifest: &ComposedManifest, pictures: Option<&Pictures>) -> DrawResult<
         picture => pictures.map(|pictures| png_data(&pictures.labelled)),
         figures => Serde(figures(manifest)?),
         ink_maker => true,
+        weighted => Serde(numbers::lines(&manifest.numbers)),
         shown_medium => Serde(shown_medium(manifest)),
         largest => Serde(largest_parts(manifest)),
         shapes => Serde(sheet::shapes(study)),
@@ -138,9 +141,13 @@ fn figures(manifest: &ComposedManifest) -> DrawResult<Vec<Figure>> {
         all.insert(1, ("Hiding", hiding_chart(manifest), HIDING));
         all.insert(2, ("Colour", colour_chart(manifest), COLOUR));
     }
+    if !manifest.curve_numbers.is_empty() {
+        all.push(("Weighted numbers", numbers_chart(manifest), NUMBERS));
+    }
     all.into_iter().map(|(heading, chart, caption)| Figure::new(heading, &chart, caption)).collect()
 }
 
+const NUMBERS: &str = "Weighted numbers of the study against the thickness, with standard errors.";
 const SHARES: &str = "Diffuse light reflected (R) and transmitted (T) by the layer without paper, against its \
     thickness. Error bars are standard errors, the model's part included.";
 const DEPTH: &str = "Fluxes towards the paper and back in the layer on its paper, lit at 0°, as shares of the \
@@ -199,6 +206,18 @@ fn colour_chart(manifest: &ComposedManifest) -> Chart {
         colour_curve(manifest, "b*", |c| Some(c.natural_light?[2]), 1.0),
     ];
     Chart { y_range: None, ..against_thickness("L*, a*, b*", curves) }
+}
+
+fn numbers_chart(manifest: &ComposedManifest) -> Chart {
+    let curve = |wanted: &WantedNumber| {
+        let notes = manifest.curve_numbers.iter().filter(|note| note.name == wanted.name);
+        Curve::measured(
+            wanted.name.as_str(),
+            notes.filter_map(|note| Some((note.thickness_um?, note.estimate()?))),
+        )
+    };
+    let curves = manifest.study.numbers.iter().map(curve).collect();
+    Chart { y_range: None, ..against_thickness("number", curves) }
 }
 
 fn depth_chart(manifest: &ComposedManifest) -> Chart {

@@ -2,6 +2,7 @@
 
 pub mod columns;
 pub mod composed;
+mod numbers;
 pub mod packing;
 pub mod page;
 pub mod publish;

@@ -1,6 +1,7 @@
 //! Writes the results of the finished solves: `results.json`, tables, picture and page.
 
 use super::columns::FolderTables;
+use super::numbers;
 use super::page::on_study;
 use super::sheet::{colour_in_words, missed_target, sheet};
 use super::tables::{self, NamedTable};
@@ -78,6 +79,8 @@ pub struct Published {
     pub colour: Option<String>,
     /// Why there is no colour, where there is none.
     pub no_colour: Option<String>,
+    /// Weighted numbers in words.
+    pub numbers: Vec<String>,
     /// The widest 95 % interval of a colour, ΔE₀₀, where it is beyond `run.target_delta_e`.
     pub widest: Option<f64>,
     /// Numbers that were withheld, and why.
@@ -111,7 +114,9 @@ pub(crate) fn publish_seen(
         return Err(PublishError::NoRoom(what));
     }
     // the picture shows the same curves at other angles
-    let pictures = if manifest.withheld.is_empty() { pictures(study, seen)? } else { None };
+    let is_weighted = |number: &str| study.numbers.iter().any(|wanted| wanted.name == number);
+    let is_sound = manifest.withheld.iter().all(|withheld| is_weighted(&withheld.number));
+    let pictures = if is_sound { pictures(study, seen)? } else { None };
     let page = sheet(manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
     Publication {
         study,
@@ -126,7 +131,8 @@ pub(crate) fn publish_seen(
     let withheld = manifest.withheld.iter().map(Withheld::in_words).collect();
     let no_colour = manifest.no_colour.clone();
     let widest = missed_target(manifest);
-    Ok(Published { status: manifest.origin.status, colour, no_colour, widest, withheld })
+    let numbers = numbers::in_words(&manifest.numbers);
+    Ok(Published { status: manifest.origin.status, colour, no_colour, numbers, widest, withheld })
 }
 
 /// All tables of a layer that is solved as a whole.
@@ -139,6 +145,7 @@ fn tables_of(manifest: &Manifest<&Study>, seen: &Seen) -> csv::Result<Vec<NamedT
     ];
     let factor = manifest.certainty.coverage_factor_95;
     all.extend(tables::ink_maker(manifest.ink_maker.as_ref(), factor)?);
+    all.extend(numbers::numbers_table(&manifest.numbers)?);
     Ok(all)
 }
 

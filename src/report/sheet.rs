@@ -3,6 +3,7 @@
 
 mod figures;
 
+use super::numbers;
 use super::scalar_error;
 use crate::draw::DrawResult;
 use crate::draw::page::{hex, png_data};
@@ -32,6 +33,7 @@ pub fn sheet(manifest: &Manifest<&Study>, seen: &Seen, picture: Option<&[u8]>) -
         figures => Serde(figures),
         shapes => Serde(shapes(manifest.study)),
         packed => packings(manifest),
+        weighted => Serde(numbers::lines(&manifest.numbers)),
     };
     let certainty = certainty(manifest, seen);
     let limits = limits(manifest);

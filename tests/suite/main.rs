@@ -35,6 +35,7 @@ mod merge;
 mod merge_comparisons;
 mod microstructure;
 mod nested;
+mod numbers;
 mod one_path;
 mod operator_export;
 mod packing_grains;

@@ -34,8 +34,9 @@ mod tau;
 mod two_levels;
 mod varied_cells;
 mod vector;
+mod weighted;
 
-pub const ALL: [Claim; 37] = [
+pub const ALL: [Claim; 39] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -73,4 +74,6 @@ pub const ALL: [Claim; 37] = [
     stacks::CLEAR,
     stacks::PLACED,
     stacks::OPEN,
+    weighted::NUMBERS,
+    weighted::WIDE,
 ];

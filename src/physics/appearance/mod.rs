@@ -25,3 +25,4 @@ pub mod paper;
 pub mod picture;
 pub mod tristimulus;
 pub mod viewing;
+pub mod weighted;

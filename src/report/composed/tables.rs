@@ -2,6 +2,7 @@
 
 use crate::draw::cell::{numbers, table, with_errors};
 use crate::evaluate::composed::manifest::{AbsorbedRow, ComposedManifest, DistributionRow};
+use crate::report::numbers::numbers_table;
 use crate::report::tables::{self, NamedTable};
 
 /// All tables.
@@ -19,6 +20,8 @@ pub fn tables(manifest: &ComposedManifest) -> csv::Result<Vec<NamedTable>> {
     if !manifest.absorbed.is_empty() {
         all.push(("absorbed.csv", absorbed(&manifest.absorbed)?, "what every layer absorbs of light at 0°"));
     }
+    let weighted: Vec<_> = manifest.numbers.iter().chain(&manifest.curve_numbers).cloned().collect();
+    all.extend(numbers_table(&weighted)?);
     Ok(all)
 }
 

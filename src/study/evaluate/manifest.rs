@@ -1,7 +1,7 @@
 //! `results.json`: the numbers and their provenance.
 
 use super::ink_maker::InkMaker;
-use super::published::{NamedNumber, PublishedRow, Quantity, Withheld};
+use super::published::{NamedNumber, NumberNote, PublishedRow, Quantity, Withheld};
 use super::survivors::Survivors;
 pub use super::uncertainty::Budget;
 use super::uncertainty::nothing;
@@ -104,6 +104,9 @@ pub struct Manifest<S: Serialize> {
     /// wavelengths do not suffice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_ink_maker: Option<String>,
+    /// Weighted numbers that the study asks for.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<NumberNote>,
     /// Numbers that were withheld because they are impossible, such as a negative contrast ratio.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,

@@ -1,6 +1,8 @@
 //! Evaluates the finished solves: spectra of the layer, its distributions, and the ink on its
 //! paper.
 
+mod sums;
+
 use super::coherent::CoherentLight;
 use super::film::{Profile, ProfileLayer};
 use super::films::{FilmAt, Films, Indices};
@@ -8,6 +10,7 @@ use super::ink::{InkError, InkInputs, InkOnPaper, SolvedLayer};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
 use super::levels::{Checked, GridCorrection, GridPart};
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
+use super::summed::sum_wavelengths_nm;
 use super::wavelengths::{SpectralBasis, nearest};
 use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
@@ -71,6 +74,8 @@ pub struct LayerSeen {
     /// The coherent film at each wavelength.
     films: Vec<FilmAt>,
     pub(super) wavelengths_nm: Vec<f64>,
+    /// The coherent film at each wavelength over which weighted numbers are summed.
+    sum_films: Vec<FilmAt>,
     coherent: Option<CoherentLight>,
 }
 
@@ -119,6 +124,15 @@ impl LayerSeen {
         let LayerEnsemble { basis, .. } = &self.ensemble;
         let fitted = |nm: f64| self.ensemble.fitted(left_out, &basis.weights(nm), column);
         film.iter().zip(&self.wavelengths_nm).map(|(film, &nm)| film + fitted(nm)).collect()
+    }
+}
+
+impl Study {
+    /// Wavelengths over which weighted numbers are summed, nm; none without any.
+    fn sum_wavelengths_nm(&self) -> Vec<f64> {
+        let ends = self.wavelengths_nm.first().zip(self.wavelengths_nm.last());
+        let ends = ends.filter(|_| !self.numbers.is_empty());
+        ends.map_or(Vec::new(), |(&from, &to)| sum_wavelengths_nm([from, to]))
     }
 }
 
@@ -224,12 +238,14 @@ impl<'a> CompleteCells<'a> {
         let indices = |nm: f64| indices(study, nm);
         let films = films(study, mean_profile(study, &complete), &indices);
         let basis = basis(study, self.cells.len());
-        let ensemble = LayerEnsemble::new(&seen.solved, basis, &films, &study.angles.exact_deg);
+        let mut ensemble = LayerEnsemble::new(&seen.solved, basis, &films, &study.angles.exact_deg);
+        ensemble.sums_nm = study.sum_wavelengths_nm();
         seen.ink = self.on_paper(&ensemble, &seen.solved, &films);
         let wavelengths_nm = study.wavelengths_nm.clone();
         let coherent = CoherentLight::new(&seen.solved, &ensemble.basis, &films, &study.angles.exact_deg);
+        let sum_films = ensemble.sums_nm.iter().map(|&nm| films.at(nm)).collect();
         let films = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
-        seen.layer = Some(LayerSeen { ensemble, films, wavelengths_nm, coherent });
+        seen.layer = Some(LayerSeen { ensemble, films, wavelengths_nm, sum_films, coherent });
         self.move_inputs(&mut seen);
         seen
     }

@@ -6,6 +6,7 @@ use super::ink_maker::ink_maker;
 use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
 use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, Provenance, SpectrumRow};
 pub use super::manifest::{LIT_AT_45, NATURAL_LIGHT, program};
+use super::numbers::numbers;
 use super::published::Withheld;
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
 use super::seen::{LayerSeen, MovedLayers, NoInk, Seen, see};
@@ -50,6 +51,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         no_colour: None,
         ink_maker: None,
         no_ink_maker: None,
+        numbers: Vec::new(),
         withheld: Vec::new(),
         spectra: spectra(study, seen, &uncertainty),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
@@ -58,6 +60,9 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     };
     enter_looks(&mut manifest, seen, &uncertainty);
     let reasons = gate::spectra(&mut manifest.spectra, &manifest.withheld);
+    manifest.withheld.extend(reasons);
+    let (weighted, reasons) = numbers(study, seen, &uncertainty);
+    manifest.numbers = weighted;
     manifest.withheld.extend(reasons);
     manifest
 }

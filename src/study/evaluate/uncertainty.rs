@@ -42,12 +42,12 @@ type PaperQuantity<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
 impl Uncertainty {
     /// Number of independent errors of R and T common to all realisations: those of the grid, and
     /// last that of the residual. Each shifts everything at once.
-    fn parts(&self) -> usize {
+    pub fn parts(&self) -> usize {
         self.grid.parts() + 1
     }
 
     /// One of these errors at a wavelength.
-    fn shift(&self, part: usize, nm: f64) -> Shift {
+    pub fn shift(&self, part: usize, nm: f64) -> Shift {
         let residual = if self.residual > ROUNDING { self.residual } else { 0.0 };
         if part < self.grid.parts() { self.grid.shift(part, nm) } else { [residual; 2] }
     }

@@ -11,6 +11,7 @@ mod index;
 mod judgement;
 mod light;
 mod microstructure;
+mod number;
 mod paper;
 mod pigments;
 mod run;
@@ -150,6 +151,7 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         goal,
         output,
         judgement,
+        numbers: Vec::new(),
         kind,
         remarks,
     };
@@ -166,6 +168,9 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         composed::complete(&mut study, composed);
         study.remarks.extend(study.errors_left_out());
     }
+    let (numbers, remarks) = number::checked(&file.numbers, &study, folder, &mut wave_faults);
+    study.numbers = numbers;
+    study.remarks.extend(remarks);
     if packing_faults.0.is_empty() && wave_faults.0.is_empty() {
         wave_faults.0.extend(target_without_colour(&study));
     }

@@ -21,6 +21,7 @@ mod calculation;
 mod layer;
 mod microstructure;
 mod stack;
+mod number;
 
 pub use calculation::{AnglesTable, LightTable, SamplingName};
 pub use calculation::{ResolutionTable, RunTable, SolverTable, TargetColour};
@@ -31,6 +32,8 @@ pub use microstructure::{
     Continuation, FileNames, LabelPigments, LengthUnit, MicrostructureTable, SizeColumn, VoxelEdges,
 };
 pub use stack::{StackLayerTable, StackTable};
+
+pub use number::{NumberTable, SeenLight, WeightsWritten};
 
 use super::forms::AlbedoWritten;
 use super::limits;
@@ -87,6 +90,9 @@ pub struct StudyFile {
     /// What the prediction is compared with.
     #[serde(default)]
     pub compare: CompareTable,
+    /// Weighted numbers of the spectra, one `[[number]]` each; no solve depends on them.
+    #[serde(default, rename = "number", skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<NumberTable>,
 }
 
 /// `[paper]`: the Lambertian substrate.

@@ -3,6 +3,7 @@
 mod composed;
 mod kind;
 mod moved;
+mod number;
 mod parts;
 mod stack;
 mod stack_plates;
@@ -12,6 +13,7 @@ pub use super::file::TargetColour;
 pub use composed::{Composed, Portion, Position};
 pub use kind::StudyKind;
 pub use moved::InputMove;
+pub use number::{WantedNumber, WantedWeights};
 pub use parts::{
     Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, StackLayer, WantedResolution,
 };
@@ -76,6 +78,8 @@ pub struct Study {
     pub output: OutputTable,
     /// Conditions and measurements that the prediction is compared with; no solve depends on them.
     pub judgement: Judgement,
+    /// Weighted numbers of the spectra; no solve depends on them.
+    pub numbers: Vec<WantedNumber>,
     /// Remarks for the user on what the file leaves open, one line each; they are not written.
     pub remarks: Vec<String>,
 }

@@ -1,13 +1,13 @@
 //! Sweeps of composed layers: every layer in its own folder, and what changes along the first axis,
 //! such as the crowding of a pigment against its share.
 
-use super::publish::axis_columns;
+use super::publish::{axis_columns, number_columns, number_names};
 use crate::draw::cell::{numbers, table, with_errors};
 use crate::draw::chart::{Chart, Curve};
 use crate::draw::page::Figure;
 use crate::evaluate::composed::manifest::{ComposedManifest, MediumRow};
 use crate::evaluate::manifest::Status;
-use crate::evaluate::published::{ErrorParts, PublishedRow};
+use crate::evaluate::published::{ErrorParts, NumberNote, PublishedRow};
 use crate::numerics::estimate::Estimate;
 use crate::report::columns::FolderTables;
 use crate::report::composed::{heading, lines, publish as publish_layer};
@@ -87,6 +87,11 @@ fn write_page(sweep: &Sweep, done: &[LayerDone], folder: &OutputFolder) -> Publi
         "what the packed media of the variants are to light",
         &axes,
     )?;
+    if !number_names(sweep).is_empty() {
+        let about = "weighted numbers of the variants";
+        let columns = [axis_columns(sweep, AxisOutline::heading), number_columns(sweep)].concat();
+        written.write("sweep.csv", &number_rows(sweep, done)?, about, &columns)?;
+    }
     written.describe(&sweep.outline.title)?;
     let line = |(k, layer): &LayerDone| {
         let name = &sweep.variants[*k].name;
@@ -123,6 +128,29 @@ fn rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
     table(axes.chain(["wavelength_nm".to_owned()]).chain(names), all)
 }
 
+/// One row for each layer and thickness: its place on the axes, and the weighted numbers.
+fn number_rows(sweep: &Sweep, done: &[LayerDone]) -> csv::Result<Vec<u8>> {
+    let axes = sweep.outline.axes.iter().map(|axis| axis.heading());
+    let names = number_names(sweep);
+    let mut all = Vec::new();
+    for (k, layer) in done {
+        let place = &sweep.outline.variants[*k].place;
+        let labels: Vec<String> =
+            sweep.outline.axes.iter().zip(place).map(|(axis, &at)| axis.labels[at].clone()).collect();
+        for &um in &layer.composed.thicknesses_um {
+            let of = |name: &String| {
+                let here = |note: &&NumberNote| note.name == *name && note.thickness_um == Some(um);
+                layer.numbers.iter().find(here)?.estimate()
+            };
+            let mut line = [labels.clone(), vec![um.to_string()]].concat();
+            line.extend(names.iter().map(of).flat_map(numbers));
+            all.push(line);
+        }
+    }
+    let columns = with_errors(names.iter().map(String::as_str));
+    table(axes.chain(["thickness_um".to_owned()]).chain(columns), all)
+}
+
 /// A number of the layers against the first axis, rising.
 fn against(
     sweep: &Sweep,
@@ -147,13 +175,24 @@ fn figures(sweep: &Sweep, done: &[LayerDone]) -> PublishResult<Vec<Figure>> {
             let of_layer = |layer: &ComposedManifest| Some(number(layer.medium.get(w)?)?.estimate());
             Curve::measured(format!("{:.0} nm", row.wavelength_nm), against(sweep, done, &of_layer))
         };
-        charts.push((name, first.medium.iter().enumerate().map(curve).collect::<Vec<_>>()));
+        charts.push((name.to_owned(), first.medium.iter().enumerate().map(curve).collect::<Vec<_>>()));
     }
     let hiding = against(sweep, done, &|layer| Some(layer.hiding_thickness_um?.estimate()));
-    charts.push(("hiding_thickness_um", vec![Curve::measured("contrast ratio 0.98", hiding)]));
+    charts.push(("hiding_thickness_um".to_owned(), vec![Curve::measured("contrast ratio 0.98", hiding)]));
+    for name in number_names(sweep) {
+        let mut curves = Vec::new();
+        for um in &first.composed.thicknesses_um {
+            let of_layer = |layer: &ComposedManifest| {
+                let here = |note: &&NumberNote| note.name == name && note.thickness_um == Some(*um);
+                layer.numbers.iter().find(here)?.estimate()
+            };
+            curves.push(Curve::measured(format!("{um} µm"), against(sweep, done, &of_layer)));
+        }
+        charts.push((name, curves));
+    }
     let mut figures = Vec::new();
     for (name, curves) in charts.into_iter().filter(|(_, curves)| curves.iter().all(|c| c.points.len() > 1)) {
-        let heading = heading(name);
+        let heading = heading(&name);
         let chart = Chart { from_zero: true, ..Chart::linear("", &axis.heading(), &heading, curves) };
         let caption = format!("{heading} against {}, with standard errors.", axis.heading());
         figures.push(Figure::new(&heading, &chart, caption)?);

@@ -4,6 +4,7 @@ use crate::appearance::colour::Colour;
 use crate::appearance::picture::InkPicture;
 use crate::evaluate::ink_maker::Target;
 use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
+use crate::evaluate::published::NumberNote;
 use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::{Estimate, Linked};
@@ -36,6 +37,8 @@ pub struct Outcome {
     /// Contrast ratio (Y over black divided by Y over white), with the number and contribution of
     /// each realisation.
     pub contrast: Option<(Estimate, Vec<(usize, f64)>)>,
+    /// Weighted numbers.
+    pub numbers: Vec<NumberNote>,
     /// The target colour in words, if the study sets one.
     pub aim: Option<String>,
     /// The difference to it.
@@ -65,6 +68,7 @@ impl Outcome {
             colour: None,
             lab_deviations: BTreeMap::new(),
             contrast: None,
+            numbers: Vec::new(),
             aim: study.judgement.target_lab.map(|lab| target_in_words(lab, study)),
             target: None,
             print_hex: None,
@@ -90,6 +94,7 @@ impl Outcome {
             colour: natural.map(|note| note.colour),
             lab_deviations: natural.map(|note| note.deviations.iter().copied().collect()).unwrap_or_default(),
             contrast: maker.map(|maker| (maker.contrast_ratio, maker.contrast_deviations.clone())),
+            numbers: manifest.numbers.clone(),
             target: maker.and_then(|maker| maker.target.clone()),
             print_hex: maker.map(|maker| maker.print.hex.clone()),
             spectra: manifest.spectra.clone(),
@@ -121,8 +126,14 @@ impl Outcome {
                 Some(self.linked(*ratio, deviations.iter().copied()))
             }
             MeasuredQuantity::DeltaEToTarget => self.to_target(),
-            MeasuredQuantity::DeltaE => None,
+            MeasuredQuantity::DeltaE | MeasuredQuantity::Number => None,
         }
+    }
+
+    /// The weighted number of this name.
+    pub fn weighted(&self, name: &str) -> Option<Linked> {
+        let note = self.numbers.iter().find(|note| note.name == name)?;
+        Some(self.linked(note.estimate()?, note.deviations.iter().copied()))
     }
 
     fn row(&self, wavelength_nm: Option<f64>) -> Option<&SpectrumRow> {
@@ -208,6 +219,7 @@ mod tests {
             colour: Some(colour),
             lab_deviations: [(0, [0.0, 0.0, by]), (1, [0.0, 0.0, -by])].into(),
             contrast: None,
+            numbers: Vec::new(),
             aim: None,
             target: None,
             print_hex: None,

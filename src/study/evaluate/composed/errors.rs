@@ -96,6 +96,7 @@ fn thickness_errors(beyond: &ThicknessNumbers<f64>) -> ThicknessNumbers<f64> {
     ThicknessNumbers {
         spectra: over_neighbours(&beyond.spectra, |near, _| LayerNumbers::combined(near, error_of_composing)),
         colours: beyond.colours.map(|colours: ColourNumbers<f64>| colours.map(alone)),
+        weighted: beyond.weighted.iter().map(|beyond| alone(*beyond)).collect(),
     }
 }
 
@@ -143,7 +144,7 @@ mod tests {
         };
         let spectra = (0..20).map(row).collect();
         ComposedNumbers {
-            requested: vec![ThicknessNumbers { spectra, colours: None }],
+            requested: vec![ThicknessNumbers { spectra, colours: None, weighted: Vec::new() }],
             curve: Vec::new(),
             hiding: None,
             medium: Vec::new(),

@@ -2,7 +2,7 @@
 
 use super::quantities::{Lab, LayerNumbers, MediumNumbers};
 use crate::evaluate::manifest::{Count, Provenance};
-use crate::evaluate::published::{ErrorParts, NamedNumber, PublishedRow, Withheld};
+use crate::evaluate::published::{ErrorParts, NamedNumber, NumberNote, PublishedRow, Withheld};
 use crate::input::study::{Composed, Study};
 use serde::Serialize;
 
@@ -157,6 +157,9 @@ pub struct ComposedManifest<'a> {
     /// What every layer of a stack absorbs; none of one layer.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub absorbed: Vec<AbsorbedRow>,
+    /// Weighted numbers that the study asks for, of each requested thickness.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<NumberNote>,
     /// Numbers that were withheld because they are impossible or not determined.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,
@@ -164,6 +167,9 @@ pub struct ComposedManifest<'a> {
     pub curve: Vec<ComposedRow>,
     /// Their colours.
     pub curve_colours: Vec<ComposedColours>,
+    /// Their weighted numbers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub curve_numbers: Vec<NumberNote>,
     /// Thickness at which the contrast ratio reaches 0.98, µm.
     pub hiding_thickness_um: Option<ErrorParts>,
     /// Area that a litre of the dry layer hides, m².

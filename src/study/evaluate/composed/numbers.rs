@@ -12,13 +12,16 @@ use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
-use crate::appearance::tristimulus::Colorimeter;
+use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::evaluate::ink_maker::{BLACK, WHITE};
+use crate::evaluate::numbers::AskedNumber;
+use crate::input::file::SeenLight;
 use crate::input::study::{Composed, Study};
 use crate::wave::Wave;
 use faer::Mat;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// Contrast ratio that counts as hiding.
 pub const HIDING: f64 = 0.98;
@@ -35,8 +38,12 @@ pub struct LayerTask<'a> {
     pub stack: Option<StackTask<'a>>,
     /// Albedos of the paper at every wavelength.
     pub albedos: Vec<f64>,
-    /// The eye, where the wavelengths carry a colour.
+    /// Indices of the wavelengths that colours can take.
+    pub visible: Range<usize>,
+    /// The eye, where these wavelengths carry a colour.
     pub colorimeter: Option<Colorimeter>,
+    /// The weighted numbers that the study asks for.
+    pub weighted: Vec<AskedNumber<'a>>,
     /// Thicknesses of the curve, µm.
     pub curve_um: Vec<f64>,
     /// The thicknesses of whole slabs on both sides of the one that hides, µm; none if none does.
@@ -51,12 +58,19 @@ impl<'a> LayerTask<'a> {
     pub fn new(study: &'a Study) -> Result<Self, String> {
         let composed = study.composed().ok_or("the layer is not composed")?;
         let albedo = |&nm: &f64| study.paper.albedo.at(nm).map_err(|error| error.to_string());
+        let visible = visible(&study.wavelengths_nm);
         Ok(Self {
             study,
             composed,
             stack: StackTask::new(study),
             albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
-            colorimeter: Colorimeter::new(&study.wavelengths_nm).ok(),
+            colorimeter: Colorimeter::new(&study.wavelengths_nm[visible.clone()]).ok(),
+            visible,
+            weighted: study
+                .numbers
+                .iter()
+                .filter_map(|wanted| AskedNumber::new(wanted, &study.wavelengths_nm))
+                .collect(),
             curve_um: Vec::new(),
             around_hiding_um: None,
         })
@@ -127,8 +141,23 @@ impl<'a> LayerTask<'a> {
     /// Spectra with their colours.
     fn coloured(&self, spectra: Vec<LayerNumbers<f64>>) -> ThicknessNumbers<f64> {
         let colours = self.colorimeter.as_ref();
-        let colours = colours.map(|eye| colours_of(eye, &spectra).unwrap_or(ColourNumbers::unknown()));
-        ThicknessNumbers { spectra, colours }
+        let seen = &spectra[self.visible.clone()];
+        let colours = colours.map(|eye| colours_of(eye, seen).unwrap_or(ColourNumbers::unknown()));
+        let weighted = self.weighted.iter().map(|asked| self.weighted_number(asked, &spectra)).collect();
+        ThicknessNumbers { spectra, colours, weighted }
+    }
+
+    /// A weighted number of the layer.
+    fn weighted_number(&self, asked: &AskedNumber, rows: &[LayerNumbers<f64>]) -> f64 {
+        let spectra = self.weighted_spectra(asked, rows);
+        asked.of(&spectra.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    }
+
+    /// The spectra that a weighted number takes.
+    pub(super) fn weighted_spectra(&self, asked: &AskedNumber, rows: &[LayerNumbers<f64>]) -> Vec<Vec<f64>> {
+        let is_excluded = self.study.output.mirrored_sky == MirroredSky::Excluded;
+        let of = |light: SeenLight| rows.iter().map(|row| row.seen(light, is_excluded)).collect();
+        asked.wanted.spectra().map(of).collect()
     }
 
     /// Its numbers at every wavelength.
@@ -159,7 +188,8 @@ impl<'a> LayerTask<'a> {
     /// Whether a layer of this number of slabs hides; `None` if it has no colour.
     pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
         let spectra = self.spectra(slabs, count as f64 * self.composed.slab_um, 1.0);
-        Some(colours_of(self.colorimeter.as_ref()?, &spectra)?.contrast_ratio >= HIDING)
+        let seen = &spectra[self.visible.clone()];
+        Some(colours_of(self.colorimeter.as_ref()?, seen)?.contrast_ratio >= HIDING)
     }
 
     /// Slabs of h in a thickness: a whole number but for rounding, or any.
@@ -179,7 +209,24 @@ fn absorbed_by_layers(stack: &PlateStack, wave: Wave, numbers: &LayerNumbers<f64
     each.into_iter().map(|share| share * ratio(all, sum)).collect()
 }
 
-/// Colours of a layer from its spectra; `None` if one of them has none.
+impl LayerNumbers<f64> {
+    /// What a weighted number takes of the layer; `is_excluded` if natural light lacks what the
+    /// layer mirrors.
+    fn seen(&self, light: SeenLight, is_excluded: bool) -> f64 {
+        match light {
+            SeenLight::Albedo if is_excluded => self.natural_light + self.mirrored,
+            SeenLight::Albedo | SeenLight::NaturalLight => self.natural_light,
+            SeenLight::LitAt45 => self.lit_at_45,
+            SeenLight::Reflectance => self.reflectance_normal,
+            SeenLight::Transmittance => self.transmittance_normal,
+            SeenLight::Absorptance => 1.0 - self.reflectance_normal - self.transmittance_normal,
+            SeenLight::CoherentTransmittance => self.coherent_transmittance,
+            SeenLight::ScatteredTransmittance => self.transmittance_normal - self.coherent_transmittance,
+        }
+    }
+}
+
+/// Colours of a layer from its visible spectra; `None` if one of them has none.
 fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<ColourNumbers<f64>> {
     let colour = |spectrum: fn(&LayerNumbers<f64>) -> f64| {
         eye.colour(&spectra.iter().map(spectrum).collect::<Vec<_>>()).ok()

@@ -88,6 +88,8 @@ pub struct ThicknessNumbers<T> {
     pub spectra: Vec<LayerNumbers<T>>,
     /// Its colours, where the wavelengths carry any.
     pub colours: Option<ColourNumbers<T>>,
+    /// The weighted numbers that the study asks for, in its order.
+    pub weighted: Vec<T>,
 }
 
 /// The thickness that hides, between two whole numbers of slabs.
@@ -172,6 +174,7 @@ impl<T> ThicknessNumbers<T> {
         ThicknessNumbers {
             spectra: each(self.spectra, other.spectra, |a, b| a.zipped(b, number)),
             colours: self.colours.zip(other.colours).map(|(a, b)| a.zipped(b, number)),
+            weighted: each(self.weighted, other.weighted, number),
         }
     }
 }

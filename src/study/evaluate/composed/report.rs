@@ -14,7 +14,7 @@ use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
 use crate::evaluate::manifest::{Count, Provenance};
-use crate::evaluate::published::{ErrorParts, Quantity, Withheld};
+use crate::evaluate::published::{ErrorParts, NumberNote, NumberParts, Quantity, Withheld};
 use crate::evaluate::wavelengths::nearest;
 use crate::input::study::{Composed, Study};
 
@@ -38,8 +38,9 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
     let whole = level(false)?;
     let half = level(true)?;
-    let no_colour = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
     let mut task = LayerTask::new(study)?;
+    let seen_nm = &study.wavelengths_nm[task.visible.clone()];
+    let no_colour = Colorimeter::new(seen_nm).err().map(|error| error.to_string());
     let composed = task.composed;
     let slabs = if task.stack.is_some() { Vec::new() } else { whole.slabs(Change::default()) };
     let stacks = of_stack(&task, [&whole, &half])?;
@@ -86,17 +87,19 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
         solves,
         failures: solved.iter().flat_map(failures).collect(),
         spectra: requested.rows,
-        remarks: [thin_slabs(composed, &medium), far_apart(study, &requested.colours)]
+        remarks: [thin_slabs(composed, &medium), far_apart(seen_nm, &requested.colours)]
             .into_iter()
             .flatten()
             .collect(),
         colours: requested.colours,
+        numbers: requested.weighted,
         no_colour,
         distributions,
         absorbed,
         withheld,
         curve: curve.rows,
         curve_colours: curve.colours,
+        curve_numbers: curve.weighted,
         hiding_thickness_um,
         spreading_rate_m2_per_l: hiding_thickness_um.map(spreading_rate),
         no_hiding: no_hiding.or(impossible),
@@ -161,10 +164,9 @@ fn thin_slabs(composed: &Composed, medium: &[MediumRow]) -> Option<String> {
 }
 
 /// Wavelengths so far apart that they make up most of a colour's bar.
-fn far_apart(study: &Study, colours: &[ComposedColours]) -> Option<String> {
+fn far_apart(nm: &[f64], colours: &[ComposedColours]) -> Option<String> {
     let all = colours.iter().flat_map(|colours| [colours.natural_light, colours.lit_at_45]).flatten();
     let widest = all.flatten().max_by(|a, b| a.wavelengths.total_cmp(&b.wavelengths))?;
-    let nm = &study.wavelengths_nm;
     let apart = nm.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     let words = format!(
         "light.wavelengths_nm: found {} wavelengths, up to {apart:.0} nm apart; what spectra may be between them is most of \
@@ -245,6 +247,7 @@ fn find_hiding(task: &mut LayerTask, slabs: &[Slabs]) -> Result<(), String> {
 struct Layers {
     rows: Vec<ComposedRow>,
     colours: Vec<ComposedColours>,
+    weighted: Vec<NumberNote>,
     withheld: Vec<Withheld>,
 }
 
@@ -260,11 +263,45 @@ impl Layers {
         let mut kept = all.clone();
         self.withheld.extend(gate::rows(&mut kept));
         if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
-            let (colours, withheld) = LayerInColour { eye, all: &all, kept: &kept }.colours(numbers);
+            let seen = task.visible.clone();
+            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen] };
+            let (colours, withheld) = layer.colours(numbers);
             self.colours.push(colours);
             self.withheld.extend(withheld);
         }
+        self.add_weighted(task, thickness_um, numbers);
         self.rows.extend(kept);
+    }
+}
+
+impl Layers {
+    /// Adds the weighted numbers of a layer of one thickness.
+    fn add_weighted(&mut self, task: &LayerTask, thickness_um: f64, numbers: &ThicknessNumbers<ErrorParts>) {
+        let values: Vec<LayerNumbers<f64>> =
+            numbers.spectra.iter().map(|row| row.map(|number| number.value)).collect();
+        for (asked, number) in task.weighted.iter().zip(&numbers.weighted) {
+            let spectra = task.weighted_spectra(asked, &values);
+            let spectra: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
+            let ErrorParts { value, chance, model, grid, directions, .. } = *number;
+            let wavelengths = asked.wavelength_error(&spectra, &[], true);
+            let parts = NumberParts { chance, model, grid, directions, wavelengths, inputs: 0.0 };
+            let error = parts.together();
+            let impossible = asked.impossible(value, Some(error));
+            let possible = impossible.is_none();
+            self.weighted.push(NumberNote {
+                name: asked.wanted.name.clone(),
+                thickness_um: Some(thickness_um),
+                value: possible.then_some(value),
+                standard_error: possible.then_some(error),
+                parts: if possible { parts } else { NumberParts::default() },
+                deviations: Vec::new(),
+                about: asked.wanted.in_words(),
+            });
+            self.withheld.extend(impossible.map(|reason| Withheld {
+                number: format!("{} of {thickness_um} µm", reason.number),
+                ..reason
+            }));
+        }
     }
 }
 

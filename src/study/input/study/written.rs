@@ -3,7 +3,7 @@
 
 use super::{
     Angles, Composed, Dissolved, Judgement, Layer, Paper, Pigment, Portion, StackLayer, Study, StudyKind,
-    TargetColour, WantedResolution,
+    TargetColour, WantedNumber, WantedResolution,
 };
 use crate::ink::PackingRequest;
 use crate::input::file::OutputTable;
@@ -54,6 +54,8 @@ pub(super) struct WrittenStudy {
     goal: Goal,
     output: OutputTable,
     judgement: Judgement,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    numbers: Vec<WantedNumber>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     portion: Option<Portion>,
 }
@@ -99,6 +101,7 @@ impl From<Study> for WrittenStudy {
             goal: study.goal,
             output: study.output,
             judgement: study.judgement,
+            numbers: study.numbers,
         }
     }
 }
@@ -133,6 +136,7 @@ impl From<WrittenStudy> for Study {
             goal: written.goal,
             output: written.output,
             judgement: written.judgement,
+            numbers: written.numbers,
             remarks: Vec::new(),
         }
     }
