@@ -15,7 +15,9 @@ pub mod energy;
 mod furnace;
 mod gradients;
 pub mod intervals;
+mod kramers_kronig;
 mod layers;
+mod masstones;
 mod maxwell_garnett;
 mod molecular;
 mod orders;
@@ -31,7 +33,7 @@ mod two_levels;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 31] = [
+pub const ALL: [Claim; 33] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -63,4 +65,6 @@ pub const ALL: [Claim; 31] = [
     published::CLAIM,
     two_levels::CLAIM,
     gradients::CLAIM,
+    kramers_kronig::CLAIM,
+    masstones::CLAIM,
 ];

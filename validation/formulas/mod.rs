@@ -3,3 +3,4 @@
 pub mod films;
 pub mod form_factors;
 pub mod mie;
+pub mod opaque;
