@@ -36,7 +36,7 @@ pub const COMPARISONS: &[Comparison] = &[
         material: "magnetite (Jena)",
         diameter_um: 0.2,
         paints: (MASSTONES, "PBk11"),
-        reason: "surface: paints return 1.5 to 3 % that no smooth face does; with it the record is neutral as they are",
+        reason: "surface: paints return 1 to 2 % that no smooth face does; with it the record is as neutral as they are",
     },
     Comparison {
         material: "magnetite (Querry)",
@@ -48,13 +48,13 @@ pub const COMPARISONS: &[Comparison] = &[
         material: "haematite (Longtin)",
         diameter_um: 0.2,
         paints: (MASSTONES, "PR101"),
-        reason: "record: κ of 0.001 at 694 nm is less than that of the pigment, and makes an orange",
+        reason: "record: κ beyond 600 nm (0.001 at 694) is too small: K/S at 700 nm of a red oxide is 0.16, here 0.009; an orange",
     },
     Comparison {
         material: "haematite (Querry)",
         diameter_um: 0.2,
         paints: (MASSTONES, "PR101"),
-        reason: "record: κ of 0.03 at 700 nm is more than that of the pigment, and makes a brown",
+        reason: "record: κ beyond 600 nm (0.03 at 700) is too large: K/S at 700 nm of a red oxide is 0.16, here 0.78; a brown",
     },
     Comparison {
         material: "CdS",

@@ -121,7 +121,7 @@ pub const MATERIALS: &[NamedMaterial] = &[
             paints: "four red oxides (PR101)",
             paints_named: "PR101",
             delta_e_2000: [5.7, 15.1],
-            verdict: "more orange than the pigment, whose makers differ by about 8: κ beyond 600 nm is too small",
+            verdict: "more orange than the pigment, whose makers differ by 8 to 11: κ beyond 600 nm is too small",
         }),
         1.0 => "fe2o3-longtin"),
     material!("haematite (Querry)" formerly "Fe2O3", "brown: red oxide of iron, of another purity than the pigment",
@@ -131,7 +131,7 @@ pub const MATERIALS: &[NamedMaterial] = &[
             paints: "four red oxides (PR101)",
             paints_named: "PR101",
             delta_e_2000: [7.0, 16.4],
-            verdict: "darker than the pigment, whose makers differ by about 8: κ beyond 600 nm is too large",
+            verdict: "darker than the pigment, whose makers differ by 8 to 11: κ beyond 600 nm is too large",
         }), O => "fe2o3-o", E => "fe2o3-e"),
     material!("magnetite (Jena)", "black pigment", Grade::of("not stated", "1.0 at 400, 0.65 at 700 nm, without a stated error").with(Masstone {
             lab: [4.2, 0.9, 0.8],
