@@ -8,13 +8,21 @@ fn lab([l, a, b]: [f64; 3]) -> String {
 }
 
 fn colours() {
-    println!("| paint | material, median diameter | measured L\\*, a\\*, b\\* | estimated | ΔE₀₀ | surface | ΔE₀₀ with it | paints differ by | within | why |");
+    println!(
+        "| paint | material, median diameter | measured L\\*, a\\*, b\\* | estimated | ΔE₀₀ | surface | ΔE₀₀ with it | paints differ by | within | why |"
+    );
     println!("|---|---|---|---|---|---|---|---|---|---|");
     for comparison in COMPARISONS {
         let paints = comparison.compared();
         let makers = spread(&paints);
         for paint in &paints {
-            let within = if makers == 0.0 { "one paint" } else if paint.with_surface <= makers { "yes" } else { "no" };
+            let within = if makers == 0.0 {
+                "one paint"
+            } else if paint.with_surface <= makers {
+                "yes"
+            } else {
+                "no"
+            };
             println!(
                 "| {} | {}, {:.0} nm | {} | {} | {:.1} | {:.3} | {:.1} | {makers:.1} | {within} | {} |",
                 paint.paint,
@@ -33,9 +41,11 @@ fn colours() {
 
 fn coefficients() {
     println!("| paint | material | nm | K/S measured | K/S estimated |\n|---|---|---|---|---|");
-    for (paint, material) in
-        [("Red_Oxide", "haematite (Longtin)"), ("Red_Oxide", "haematite (Querry)"), ("Carbon_Black", "flame soot")]
-    {
+    for (paint, material) in [
+        ("Red_Oxide", "haematite (Longtin)"),
+        ("Red_Oxide", "haematite (Querry)"),
+        ("Carbon_Black", "flame soot"),
+    ] {
         let diameter_um = if paint == "Red_Oxide" { 0.2 } else { 0.08 };
         for [nm, measured, estimated] in ratios(paint, material, diameter_um).into_iter().step_by(5) {
             println!("| {paint} | {material} | {nm:.0} | {measured:.3} | {estimated:.3} |");

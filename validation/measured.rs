@@ -60,7 +60,7 @@ pub const COMPARISONS: &[Comparison] = &[
         material: "CdS",
         diameter_um: 0.3,
         paints: (MASSTONES, "PY35"),
-        reason: "pigment: PY35 holds zinc, which moves the edge to the blue; the second paint has the most",
+        reason: "pigment: PY35 holds zinc, which moves the edge to the blue, 30 nm further in the second paint",
     },
     Comparison {
         material: "TiO2 rutile",

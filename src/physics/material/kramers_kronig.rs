@@ -45,12 +45,12 @@ pub struct RealPart {
 }
 
 /// κ at increasing ω, linear in between and 0 at both ends.
-struct Nodes {
+struct KappaNodes {
     omega: Vec<f64>,
     kappa: Vec<f64>,
 }
 
-impl Nodes {
+impl KappaNodes {
     /// The rows (λ in µm, κ), with tails that fall to 0 over these shares of ω at the long and at
     /// the short end of the wavelengths.
     fn new(rows: &[[f64; 2]], [long, short]: [f64; 2]) -> Self {
@@ -75,9 +75,9 @@ impl Nodes {
 /// n at rows (λ in µm rising, κ). At least two rows, at most [`MOST_ROWS`].
 pub fn real_part(rows: &[[f64; 2]], known: KnownIndex) -> RealPart {
     let [near, far] = TAIL;
-    let central = Nodes::new(rows, [near; 2]);
-    let longer = Nodes::new(rows, [far, near]);
-    let shorter = Nodes::new(rows, [near, far]);
+    let central = KappaNodes::new(rows, [near; 2]);
+    let longer = KappaNodes::new(rows, [far, near]);
+    let shorter = KappaNodes::new(rows, [near, far]);
     let pole_um = POLE_UM.min(0.5 * rows[0][0]);
     let [strength, error] = POLE_STRENGTH;
     let pole = |w: f64| (w * pole_um).powi(2) / (1.0 - (w * pole_um).powi(2));
@@ -101,7 +101,7 @@ pub fn real_part(rows: &[[f64; 2]], known: KnownIndex) -> RealPart {
 
 /// Change of n at the rows by a change of κ there, with n kept where it is known.
 pub fn change(rows: &[[f64; 2]], known: KnownIndex) -> Vec<f64> {
-    let nodes = Nodes::new(rows, [TAIL[0]; 2]);
+    let nodes = KappaNodes::new(rows, [TAIL[0]; 2]);
     let kept = match known {
         KnownIndex::Infinity(_) => 0.0,
         KnownIndex::At { wavelength_um, .. } => nodes.integral(1.0 / wavelength_um),

@@ -124,7 +124,7 @@ pub const MATERIALS: &[NamedMaterial] = &[
             verdict: "more orange than the pigment, whose makers differ by 8 to 11: κ beyond 600 nm is too small",
         }),
         1.0 => "fe2o3-longtin"),
-    material!("haematite (Querry)" formerly "Fe2O3", "brown: red oxide of iron, of another purity than the pigment",
+    material!("haematite (Querry)" formerly "Fe2O3", "brown: darker in the red than the pigment",
         Grade::of("crystal", "1.3 at 400, 0.5 at 550, 0.03 at 700 nm, without a stated error").with(Masstone {
             lab: [18.4, 25.1, 19.3],
             diameter_nm: 200.0,
@@ -157,7 +157,7 @@ pub const MATERIALS: &[NamedMaterial] = &[
             paints: "two cadmium yellows (PY35)",
             paints_named: "PY35",
             delta_e_2000: [6.0, 18.2],
-            verdict: "PY35 holds zinc: the nearer paint has the least, and the film none",
+            verdict: "PY35 holds zinc, which moves its edge to the blue; the film has none",
         }), 1.0 => "cds"),
     material!("flame soot", "black pigment: the nearest measured kin of carbon black",
         Grade::of("particles in a flame of propane", "0.67 at 400, 0.57 at 710 nm, without a stated error"), 1.0 => "flame-soot"),

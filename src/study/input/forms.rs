@@ -125,8 +125,8 @@ impl Pair {
     }
 }
 
-/// A complex refractive index n + iκ: a number, or a table in one of several forms. The table alone is
-/// derived, fields are read by `index`.
+/// A complex refractive index n + iκ: a number, or a table in one of several forms. The table alone
+/// is derived, fields are read by `index`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IndexWritten {
@@ -150,9 +150,9 @@ pub struct IndexWritten {
     pub dilution: Option<DilutionWritten>,
 }
 
-/// n by the relation of Kramers and Kronig from the κ of the file: what is known of n, either at one
-/// wavelength or far to the red. Absorption beyond the file (one pole in the ultraviolet, tails at
-/// both ends) is guessed, and its error enters every error bar.
+/// n by the relation of Kramers and Kronig from the κ of the file: what is known of n, either at
+/// one wavelength or far to the red. Absorption beyond the file (one pole in the ultraviolet, tails
+/// at both ends) is guessed, and its error enters every error bar.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "KramersKronig")]
 #[serde(deny_unknown_fields)]
