@@ -373,7 +373,7 @@ mod tests {
         for material in MATERIALS {
             let index = material.index();
             let [lo, hi] = index.range_nm();
-            assert!(lo < 460.0 && hi > 700.0, "{}: {lo} to {hi} nm", material.name);
+            assert!(lo < 460.0 && hi >= 700.0, "{}: {lo} to {hi} nm", material.name);
             for step in 0..=200 {
                 let um = 1e-3 * (lo + (hi - lo) * f64::from(step) / 200.0).clamp(lo, hi);
                 let eta = index.index(um);

@@ -657,7 +657,7 @@ mod tests {
         assert!(said(&ANCHORED, None, twice).contains("given twice"));
         let gap = "wavelength_nm,kappa\n500,0.1\n550,-1\n600,0.1\n";
         assert!(said(&ANCHORED, None, gap).contains("needs every row"));
-        let strong = "wavelength_nm,kappa\n500,9\n550,0\n600,9\n";
+        let strong = "wavelength_nm,kappa\n400,0\n540,0.1\n580,9\n620,0.1\n700,0\n";
         assert!(said(&ANCHORED, None, strong).contains("n must be above 0"));
     }
 }
