@@ -10,6 +10,7 @@ pub mod claims;
 pub mod ensemble;
 pub mod fixtures;
 pub mod formulas;
+pub mod measured;
 pub mod referee;
 pub mod stacks;
 pub mod studies;

@@ -15,7 +15,9 @@ pub mod energy;
 mod furnace;
 mod gradients;
 pub mod intervals;
+mod kramers_kronig;
 mod layers;
+mod masstones;
 mod maxwell_garnett;
 mod molecular;
 mod orders;
@@ -36,7 +38,7 @@ mod varied_cells;
 mod vector;
 mod weighted;
 
-pub const ALL: [Claim; 39] = [
+pub const ALL: [Claim; 41] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -76,4 +78,6 @@ pub const ALL: [Claim; 39] = [
     stacks::OPEN,
     weighted::NUMBERS,
     weighted::WIDE,
+    kramers_kronig::CLAIM,
+    masstones::CLAIM,
 ];

@@ -4,3 +4,4 @@ pub mod films;
 pub mod form_factors;
 pub mod mie;
 pub mod stacks;
+pub mod opaque;

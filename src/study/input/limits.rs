@@ -34,6 +34,16 @@ pub const VOXEL_NM: Allowed = Allowed::between(0.1, 10_000.0, "nm");
 pub const INDEX: Allowed = Allowed::between(0.1, 10.0, "");
 /// Imaginary part of an index, which absorbs.
 pub const ABSORPTION: Allowed = Allowed::between(0.0, 10.0, "");
+/// Wavelength at which n is known beside κ: above that of the pole in the ultraviolet.
+pub const ANCHOR_NM: Allowed = Allowed::between(250.0, LONGEST_WAVE_NM, "nm");
+/// Standard error of a known n.
+pub const N_ERROR: Allowed = Allowed::between(0.0, 1.0, "");
+/// Path of the light through a dilution.
+pub const PATH_MM: Allowed = Allowed::above(0.0, 1000.0, "mm");
+/// Mass of a pigment in a litre of a dilution.
+pub const CONCENTRATION: Allowed = Allowed::above(0.0, 1000.0, "g/l");
+/// Density of a pigment.
+pub const DENSITY: Allowed = Allowed::between(0.1, 30.0, "g/cm³");
 /// Volume fraction: no random packing exceeds 0.64; thin layers reach less, which packing reports.
 pub const VOLUME_FRACTION: Allowed = Allowed::above(0.0, 0.64, "");
 /// Lightness L* of a print.

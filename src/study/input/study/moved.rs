@@ -46,10 +46,8 @@ impl Study {
     fn all_moves(&self) -> Vec<InputMove> {
         let mut moves = Vec::new();
         for place in self.places() {
-            for axis in [ErrorAxis::N, ErrorAxis::Kappa] {
-                if self.spectrum(place).moved(axis, 1.0).is_some() {
-                    moves.extend([1.0, -1.0].map(|times| InputMove { place, axis, times }));
-                }
+            for axis in self.spectrum(place).error_axes() {
+                moves.extend([1.0, -1.0].map(|times| InputMove { place, axis, times }));
             }
         }
         moves
