@@ -40,7 +40,7 @@ pub fn publish<'a>(
     Publication {
         study,
         status: manifest.origin.status,
-        tables: tables(&manifest)?.into(),
+        tables: tables(&manifest)?,
         results: serde_json::to_vec_pretty(&manifest)?,
         page: on_study(include_str!("composed.html"), page)?,
         pictures,

@@ -3,6 +3,7 @@
 use crate::claim::Claim;
 
 pub mod agreement;
+mod backing;
 mod bodies;
 mod cell_size;
 mod coated;
@@ -31,7 +32,7 @@ mod two_levels;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 31] = [
+pub const ALL: [Claim; 35] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -63,4 +64,8 @@ pub const ALL: [Claim; 31] = [
     published::CLAIM,
     two_levels::CLAIM,
     gradients::CLAIM,
+    backing::MEASURED,
+    backing::BRIGHTENED,
+    backing::DOTS,
+    backing::LATTICE,
 ];

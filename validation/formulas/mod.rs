@@ -2,4 +2,6 @@
 
 pub mod films;
 pub mod form_factors;
+pub mod halftone;
 pub mod mie;
+pub mod returns;

@@ -8,14 +8,17 @@ use crate::report::tables::{self, NamedTable};
 ///
 /// # Errors
 /// One that cannot be written.
-pub fn tables(manifest: &ComposedManifest) -> csv::Result<[NamedTable; 3]> {
+pub fn tables(manifest: &ComposedManifest) -> csv::Result<Vec<NamedTable>> {
     let spectra = tables::rows(manifest.spectra.iter().chain(&manifest.curve))?;
     let medium = tables::rows(&manifest.medium)?;
-    Ok([
+    let mut all = vec![
         ("spectra.csv", spectra, "R, T and what is seen on the paper at every thickness and wavelength"),
         ("medium.csv", medium, "what the packed medium is to light"),
         ("bdf.csv", distributions(&manifest.distributions)?, "where light at 0° goes, layer alone"),
-    ])
+    ];
+    all.extend(tables::prints(manifest.prints.as_ref())?);
+    all.extend(tables::print_spectra(manifest.prints.as_ref(), &manifest.study.wavelengths_nm)?);
+    Ok(all)
 }
 
 fn distributions(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {

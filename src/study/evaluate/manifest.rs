@@ -1,6 +1,7 @@
 //! `results.json`: the numbers and their provenance.
 
 use super::ink_maker::InkMaker;
+use super::printed::Prints;
 use super::published::{NamedNumber, PublishedRow, Quantity, Withheld};
 use super::survivors::Survivors;
 pub use super::uncertainty::Budget;
@@ -104,6 +105,9 @@ pub struct Manifest<S: Serialize> {
     /// wavelengths do not suffice.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub no_ink_maker: Option<String>,
+    /// Prints in dots, and under the lights of instruments on paper that fluoresces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prints: Option<Prints>,
     /// Numbers that were withheld because they are impossible, such as a negative contrast ratio.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,

@@ -19,6 +19,8 @@ pub mod layer;
 pub mod levels;
 pub mod manifest;
 pub mod on_paper;
+pub mod printed;
+pub mod prints;
 pub mod published;
 pub mod regression;
 pub mod samples;

@@ -10,7 +10,8 @@ pub use super::file::TargetColour;
 pub use composed::{Composed, Portion, Position};
 pub use kind::StudyKind;
 pub use moved::InputMove;
-pub use parts::{Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, WantedResolution};
+pub use parts::{Angles, Dissolved, Dots, IndexSpectrum, Judgement, Layer, MeasuredPaper, Paper};
+pub use parts::{Pigment, WantedResolution};
 pub use written::WrittenAngles;
 
 use super::file::OutputTable;

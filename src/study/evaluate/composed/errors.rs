@@ -95,6 +95,7 @@ fn thickness_errors(beyond: &ThicknessNumbers<f64>) -> ThicknessNumbers<f64> {
     ThicknessNumbers {
         spectra: over_neighbours(&beyond.spectra, |near, _| LayerNumbers::combined(near, error_of_composing)),
         colours: beyond.colours.map(|colours: ColourNumbers<f64>| colours.map(alone)),
+        prints: beyond.prints.iter().map(|print| print.clone().map(&alone)).collect(),
     }
 }
 
@@ -133,7 +134,7 @@ mod tests {
         };
         let spectra = (0..20).map(row).collect();
         ComposedNumbers {
-            requested: vec![ThicknessNumbers { spectra, colours: None }],
+            requested: vec![ThicknessNumbers { spectra, colours: None, prints: Vec::new() }],
             curve: Vec::new(),
             hiding: None,
             medium: Vec::new(),

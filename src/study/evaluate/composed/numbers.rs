@@ -10,8 +10,11 @@ use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
-use crate::appearance::tristimulus::Colorimeter;
+use crate::appearance::paper_series::{AreaMix, AreaOptics};
+use crate::appearance::tristimulus::{Colorimeter, visible};
+use crate::appearance::viewing::Viewing;
 use crate::evaluate::ink_maker::{BLACK, WHITE};
+use crate::evaluate::prints::{Brightened, PrintTask};
 use crate::input::study::{Composed, Study};
 use crate::wave::Wave;
 use faer::Mat;
@@ -33,6 +36,10 @@ pub struct LayerTask<'a> {
     pub albedos: Vec<f64>,
     /// The eye, where the wavelengths carry a colour.
     pub colorimeter: Option<Colorimeter>,
+    /// Its prints, where there are any besides the solid on plain paper.
+    pub prints: Option<PrintTask<'a>>,
+    /// The paper under D65, where it fluoresces.
+    pub daylight: Option<Brightened>,
     /// Thicknesses of the curve, µm.
     pub curve_um: Vec<f64>,
     /// The thicknesses of whole slabs on both sides of the one that hides, µm; none if none does.
@@ -51,7 +58,9 @@ impl<'a> LayerTask<'a> {
             study,
             composed,
             albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
-            colorimeter: Colorimeter::new(&study.wavelengths_nm).ok(),
+            colorimeter: Colorimeter::new(&study.wavelengths_nm[visible(&study.wavelengths_nm)]).ok(),
+            prints: PrintTask::new(study),
+            daylight: Brightened::new(&study.paper, &study.wavelengths_nm, &Viewing::default(), 0.0),
             curve_um: Vec::new(),
             around_hiding_um: None,
         })
@@ -78,17 +87,43 @@ impl<'a> LayerTask<'a> {
 
     /// A layer of one thickness; `per_h` of the slabs have the thickness h.
     fn layer(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> ThicknessNumbers<f64> {
-        let spectra = self.spectra(slabs, thickness_um, per_h);
+        let all = self.with_optics(slabs, thickness_um, per_h);
+        let optics: Vec<AreaOptics> = all.iter().map(|layer| layer.at_45).collect();
+        let spectra: Vec<LayerNumbers<f64>> = all.into_iter().map(|layer| layer.numbers).collect();
+        let seen = &spectra[visible(&self.study.wavelengths_nm)];
         let colours = self.colorimeter.as_ref();
-        let colours = colours.map(|eye| colours_of(eye, &spectra).unwrap_or(ColourNumbers::unknown()));
-        ThicknessNumbers { spectra, colours }
+        let colours = colours.map(|eye| colours_of(eye, seen).unwrap_or(ColourNumbers::unknown()));
+        let prints = self.prints.as_ref().map_or(Vec::new(), |prints| prints.numbers(&optics));
+        ThicknessNumbers { spectra, colours, prints }
     }
 
     /// Its numbers at every wavelength.
     fn spectra(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<LayerNumbers<f64>> {
+        self.with_optics(slabs, thickness_um, per_h).into_iter().map(|layer| layer.numbers).collect()
+    }
+
+    /// The same, with what light between the layer and its paper meets, and what the paper emits.
+    fn with_optics(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<SpectralLayer> {
         let count = self.slab_count(thickness_um) * per_h;
         let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| spectral(slabs, count, self.study, *albedo);
-        slabs.iter().zip(&self.albedos).map(at_wavelength).collect()
+        let mut all: Vec<SpectralLayer> = slabs.iter().zip(&self.albedos).map(at_wavelength).collect();
+        let Some(daylight) = &self.daylight else { return all };
+        let nm = &self.study.wavelengths_nm;
+        let at_45: Vec<AreaOptics> = all.iter().map(|layer| layer.at_45).collect();
+        let of_sky = |layer: &SpectralLayer| AreaOptics {
+            entering: layer.numbers.transmittance_diffuse,
+            ..layer.at_45
+        };
+        let natural: Vec<AreaOptics> = all.iter().map(of_sky).collect();
+        let mix = AreaMix::whole();
+        let lit = daylight.below(&mix, &[&at_45], nm);
+        let sky = daylight.below(&mix, &[&natural], nm);
+        for ((layer, &nm), albedo) in all.iter_mut().zip(nm).zip(&self.albedos) {
+            let leaving = layer.at_45.leaving / ((1.0 - albedo) + albedo * layer.at_45.lost);
+            layer.numbers.lit_at_45 += leaving * lit.relative(nm).iter().sum::<f64>();
+            layer.numbers.natural_light += leaving * sky.relative(nm).iter().sum::<f64>();
+        }
+        all
     }
 
     /// The layers on both sides of the thickness that hides, and that thickness, where the contrast
@@ -109,7 +144,8 @@ impl<'a> LayerTask<'a> {
     /// Whether a layer of this number of slabs hides; `None` if it has no colour.
     pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
         let spectra = self.spectra(slabs, count as f64 * self.composed.slab_um, 1.0);
-        Some(colours_of(self.colorimeter.as_ref()?, &spectra)?.contrast_ratio >= HIDING)
+        let seen = &spectra[visible(&self.study.wavelengths_nm)];
+        Some(colours_of(self.colorimeter.as_ref()?, seen)?.contrast_ratio >= HIDING)
     }
 
     /// Slabs of h in a thickness: a whole number but for rounding, or any.
@@ -134,8 +170,15 @@ fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<Colour
     })
 }
 
+/// A layer at one wavelength.
+struct SpectralLayer {
+    numbers: LayerNumbers<f64>,
+    /// As light at 45:0 and light between it and the paper meet it.
+    at_45: AreaOptics,
+}
+
 /// A layer of `count` slabs at one wavelength, alone and on paper of this albedo.
-fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbers<f64> {
+fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> SpectralLayer {
     let before = &slabs.media[0];
     let layer = ComposedLayer::new(slabs, count, study.wave);
     let oblique = before.ordinates.index * PRINT_DEG.to_radians().sin();
@@ -160,7 +203,17 @@ fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbe
         let returned = lit_at_45(&on.plate, before, study.wave) - alone;
         alone + through_normal * through_45 * on.returned * returned
     };
-    LayerNumbers {
+    let on_paper = lit(&paper);
+    let at_45 = AreaOptics {
+        own: alone,
+        entering: slanted.transmitted,
+        leaving: normal_changed.transmitted / slabs.media[2].ordinates.index.powi(2),
+        lost: 1.0 - paper.back,
+    };
+    // fluxes go through the nodes, means do not: as a solid, dots give what the fluxes give
+    let series = at_45.entering * at_45.leaving * albedo / ((1.0 - albedo) + albedo * at_45.lost);
+    let at_45 = AreaOptics { leaving: at_45.leaving * ratio(on_paper - alone, series), ..at_45 };
+    let numbers = LayerNumbers {
         reflectance_normal: normal_changed.reflected,
         transmittance_normal: normal_changed.transmitted,
         reflectance_45: slanted.reflected,
@@ -170,10 +223,11 @@ fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbe
         coherent_transmittance: straight.max(0.0).min(normal_changed.transmitted),
         mirrored,
         natural_light: natural - excluded,
-        lit_at_45: lit(&paper),
+        lit_at_45: on_paper,
         over_black: lit(&layer.on(BLACK)),
         over_white: lit(&layer.on(WHITE)),
-    }
+    };
+    SpectralLayer { numbers, at_45 }
 }
 
 /// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.

@@ -1,5 +1,6 @@
 //! The published quantities of a composed layer by name, as values or as values with errors.
 
+use crate::evaluate::prints::PrintNumbers;
 use crate::evaluate::published::named_numbers;
 
 named_numbers! {
@@ -88,6 +89,8 @@ pub struct ThicknessNumbers<T> {
     pub spectra: Vec<LayerNumbers<T>>,
     /// Its colours, where the wavelengths carry any.
     pub colours: Option<ColourNumbers<T>>,
+    /// Its prints, where there are any besides the solid on plain paper.
+    pub prints: Vec<PrintNumbers<T>>,
 }
 
 /// The thickness that hides, between two whole numbers of slabs.
@@ -169,6 +172,7 @@ impl<T> ThicknessNumbers<T> {
         ThicknessNumbers {
             spectra: each(self.spectra, other.spectra, |a, b| a.zipped(b, number)),
             colours: self.colours.zip(other.colours).map(|(a, b)| a.zipped(b, number)),
+            prints: each(self.prints, other.prints, |a, b| a.zipped(b, number)),
         }
     }
 }

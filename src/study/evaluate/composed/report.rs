@@ -4,11 +4,12 @@ use super::errors::with_errors;
 use super::gate::{self, LayerInColour};
 use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::manifest::{ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, MediumRow};
+use super::prints::prints;
 use super::numbers::{LayerTask, MOST_SLABS, lights, projected_sr};
 use super::quantities::{Distribution, HidingNumbers, LayerNumbers, MediumNumbers, ThicknessNumbers};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
-use crate::appearance::tristimulus::Colorimeter;
+use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::evaluate::gate::impossible;
 use crate::evaluate::manifest::{Count, Provenance};
 use crate::evaluate::published::{ErrorParts, Quantity, Withheld};
@@ -35,7 +36,8 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
     let whole = level(false)?;
     let half = level(true)?;
-    let no_colour = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
+    let seen_nm = &study.wavelengths_nm[visible(&study.wavelengths_nm)];
+    let no_colour = Colorimeter::new(seen_nm).err().map(|error| error.to_string());
     let mut task = LayerTask::new(study)?;
     let composed = task.composed;
     task.curve_um = CURVE.map(|count| count as f64 * composed.slab_um).to_vec();
@@ -50,6 +52,8 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     for (um, layer) in task.curve_um.iter().zip(&numbers.curve) {
         curve.add(&task, *um, layer);
     }
+    let layers: Vec<_> = composed.thicknesses_um.iter().copied().zip(&numbers.requested).collect();
+    let prints = prints(study, &layers);
     let mut withheld = [requested.withheld, curve.withheld].concat();
     let mut medium = Vec::new();
     for ((&nm, slabs), numbers) in study.wavelengths_nm.iter().zip(&slabs).zip(numbers.medium) {
@@ -76,6 +80,7 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
             .collect(),
         colours: requested.colours,
         no_colour,
+        prints,
         distributions,
         withheld,
         curve: curve.rows,
@@ -203,9 +208,11 @@ impl Layers {
         };
         let all: Vec<ComposedRow> = task.study.wavelengths_nm.iter().zip(&numbers.spectra).map(row).collect();
         let mut kept = all.clone();
-        self.withheld.extend(gate::rows(&mut kept));
+        self.withheld.extend(gate::rows(&mut kept, task.daylight.is_some()));
         if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
-            let (colours, withheld) = LayerInColour { eye, all: &all, kept: &kept }.colours(numbers);
+            let seen = visible(&task.study.wavelengths_nm);
+            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen] };
+            let (colours, withheld) = layer.colours(numbers);
             self.colours.push(colours);
             self.withheld.extend(withheld);
         }

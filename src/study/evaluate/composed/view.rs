@@ -12,7 +12,7 @@ use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::fringes::Lobes;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
-use crate::appearance::tristimulus::Colorimeter;
+use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::ColourError;
 use crate::evaluate::directional::{Direction, DirectionalPrint, Disagreement, interpolated};
 use crate::evaluate::ink::InkError;
@@ -61,9 +61,10 @@ impl ComposedView {
     /// # Errors
     /// Wavelengths that carry no colour.
     pub fn picture(&self, angles_deg: &[f64], sky: MirroredSky) -> Result<InkPicture, ColourError> {
-        let eye = Colorimeter::new(&self.wavelengths_nm)?;
+        let seen = visible(&self.wavelengths_nm);
+        let eye = Colorimeter::new(&self.wavelengths_nm[seen.clone()])?;
         let colour = |quantity: &dyn Fn(usize) -> f64| {
-            eye.colour(&(0..self.wavelengths_nm.len()).map(quantity).collect::<Vec<_>>())
+            eye.colour(&seen.clone().map(quantity).collect::<Vec<_>>())
         };
         let mirrored = f64::from(u8::from(sky == MirroredSky::Included));
         let all = |w: usize, deg: f64| self.diffuse_albedo(w, deg) + mirrored * self.specular(w, deg);
