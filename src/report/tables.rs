@@ -91,7 +91,8 @@ pub fn print_spectra(prints: Option<&Prints>, wavelengths_nm: &[f64]) -> csv::Re
         let condition = note.print.condition.map_or("", MeasuredCondition::name);
         let thickness = note.thickness_um.map_or_else(String::new, |um| um.to_string());
         for (nm, factor) in wavelengths_nm.iter().zip(&note.factors) {
-            let place = [condition.to_owned(), thickness.clone(), note.print.nominal.to_string(), nm.to_string()];
+            let place =
+                [condition.to_owned(), thickness.clone(), note.print.nominal.to_string(), nm.to_string()];
             rows.push((place, numbers(Some(*factor))));
         }
     }

@@ -74,19 +74,34 @@ fn measured(_: Level, findings: &mut Findings) {
     let mut error: f64 = 0.0;
     for (albedo, index) in [(0.3, 1.5), (0.9, 1.5), (0.955, 1.55), (1.0, 1.33)] {
         let surface = BareSurface::new(Coupling::OpticalContact { index });
-        error = error.max((surface.albedo(behind_face(albedo, index), PaperGeometry::LitAt45) - albedo).abs());
+        error =
+            error.max((surface.albedo(behind_face(albedo, index), PaperGeometry::LitAt45) - albedo).abs());
     }
     let because = "a dense sum over the hemisphere, whose integrand has a root at grazing incidence";
     findings.promise("albedo behind a factor of known paper", error, 1e-6, because);
     let factor = |nm: f64| 0.8 + 1e-4 * (nm - 400.0);
     let rows = table((0..=30).map(|k| 400.0 + 10.0 * f64::from(k)).map(|nm| (nm, factor(nm))));
     let light = "from_nm = 400\nto_nm = 700\nstep_nm = 10";
-    let study = study("measured = { csv = 'paper.csv', geometry = '45:0', unit = 'factor' }", &[("paper.csv", rows)], light);
+    let study = study(
+        "measured = { csv = 'paper.csv', geometry = '45:0', unit = 'factor' }",
+        &[("paper.csv", rows)],
+        light,
+    );
     let task = PrintTask::new(&study).expect("prints");
     let layer = vec![optics(INK); study.wavelengths_nm.len()];
     let bare = &task.numbers(&layer)[0];
-    let error = study.wavelengths_nm.iter().zip(&bare.factors).map(|(nm, x)| (x - factor(*nm)).abs()).fold(0.0, f64::max);
-    findings.identity("bare paper of a study against its file", error, 1e-12, "the inverse of the same series");
+    let error = study
+        .wavelengths_nm
+        .iter()
+        .zip(&bare.factors)
+        .map(|(nm, x)| (x - factor(*nm)).abs())
+        .fold(0.0, f64::max);
+    findings.identity(
+        "bare paper of a study against its file",
+        error,
+        1e-12,
+        "the inverse of the same series",
+    );
 }
 
 /// A brightener whose emission reaches into its excitation.
@@ -101,7 +116,8 @@ fn brightened(_: Level, findings: &mut Findings) {
     let albedos: Vec<f64> = nm.iter().map(|&nm| 0.93 * (1.0 - brightener(0.0).absorbed(nm))).collect();
     let shift = |area: Area, nm: f64| Area { entering: area.entering * nm / 700.0, ..area };
     let areas: Vec<Vec<Area>> = nm.iter().map(|&nm| vec![shift(INK, nm), shift(BARE, nm)]).collect();
-    let seen: Vec<Vec<AreaOptics>> = areas.iter().map(|kinds| kinds.iter().copied().map(optics).collect()).collect();
+    let seen: Vec<Vec<AreaOptics>> =
+        areas.iter().map(|kinds| kinds.iter().copied().map(optics).collect()).collect();
     let factors = |fluorescence: &Fluorescence, mix: &AreaMix, seen: &[Vec<AreaOptics>]| -> Vec<f64> {
         let emitted = mix.emitted(seen, &albedos, &light, &fluorescence.matrix(&nm));
         let relative = |w: usize| emitted[w].iter().map(|s| s / light[w]).collect::<Vec<f64>>();
@@ -119,11 +135,17 @@ fn brightened(_: Level, findings: &mut Findings) {
     for spread in [0.0, 0.6, 1.0] {
         let mix = AreaMix { shares: vec![0.4, 0.6], spread };
         let paper = whole(&brightener(0.8));
-        let truth = Returns { areas: &areas, shares: &mix.shares, spread, paper: &paper, light: &light }.factors(200);
+        let truth =
+            Returns { areas: &areas, shares: &mix.shares, spread, paper: &paper, light: &light }.factors(200);
         let got = factors(&brightener(0.8), &mix, &seen);
         error = got.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(error, f64::max);
     }
-    findings.identity("ink dots on brightened paper against the sum of its returns", error, 1e-11, "200 returns of at most 0.56 each");
+    findings.identity(
+        "ink dots on brightened paper against the sum of its returns",
+        error,
+        1e-11,
+        "200 returns of at most 0.56 each",
+    );
     let mix = AreaMix::whole();
     let one: Vec<Vec<AreaOptics>> = seen.iter().map(|kinds| vec![kinds[0]]).collect();
     let dark = factors(&brightener(0.0), &mix, &one);
@@ -168,7 +190,12 @@ fn pair(findings: &mut Findings) {
         measured.map(|(nm, factor)| (factor - want(*nm)).abs()).fold(0.0, f64::max)
     };
     let because = "emission at every wavelength is what the pair leaves over";
-    findings.promise("bare paper under M1 against its measurement", error(each, &|nm| m2(nm) + more(nm)), 1e-3, because);
+    findings.promise(
+        "bare paper under M1 against its measurement",
+        error(each, &|nm| m2(nm) + more(nm)),
+        1e-3,
+        because,
+    );
     findings.promise("bare paper under M2 against its measurement", error(2 * each, &m2), 1e-3, because);
     let top = all[each].factors.iter().copied().fold(0.0, f64::max);
     let because = "brightened paper returns more than comes in: the measurement reaches 1.09";
@@ -190,20 +217,32 @@ fn dots(_: Level, findings: &mut Findings) {
         let neugebauer = coverage * alone(&INK) + (1.0 - coverage) * alone(&BARE);
         let [entering, leaving, back] = [mean(|x| x.entering), mean(|x| x.leaving), mean(|x| x.back)];
         let clapper_yule = albedo * entering * leaving / (1.0 - albedo * back);
-        limits = limits.max((at(0.0, coverage) - neugebauer).abs()).max((at(1.0, coverage) - clapper_yule).abs());
+        limits =
+            limits.max((at(0.0, coverage) - neugebauer).abs()).max((at(1.0, coverage) - clapper_yule).abs());
         let areas = [vec![INK, BARE]];
         let shares = [coverage, 1.0 - coverage];
         let paper = [vec![albedo]];
         let truth = Returns { areas: &areas, shares: &shares, spread: 0.4, paper: &paper, light: &[1.0] };
         between = between.max((at(0.4, coverage) - truth.factors(400)[0]).abs());
-        let scalar = INK.entering * INK.leaving * returned(albedo, 1.0 - INK.back, 0.0, 1.0).unwrap_or(f64::NAN);
+        let scalar =
+            INK.entering * INK.leaving * returned(albedo, 1.0 - INK.back, 0.0, 1.0).unwrap_or(f64::NAN);
         for spread in [0.0, 0.3, 0.7, 1.0] {
             solid = solid.max((at(spread, 1.0) - scalar).abs());
         }
     }
     findings.identity("dots without and with full spread against closed forms", limits, 1e-12, "rounding");
-    findings.identity("dots with a spread of 0.4 against the sum of their returns", between, 1e-12, "400 returns of at most 0.6 each");
-    findings.identity("full coverage against the formula of the solid", solid, 2e-16, "one unit in the last place");
+    findings.identity(
+        "dots with a spread of 0.4 against the sum of their returns",
+        between,
+        1e-12,
+        "400 returns of at most 0.6 each",
+    );
+    findings.identity(
+        "full coverage against the formula of the solid",
+        solid,
+        2e-16,
+        "one unit in the last place",
+    );
 }
 
 fn lattice(level: Level, findings: &mut Findings) {

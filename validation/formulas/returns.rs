@@ -28,7 +28,8 @@ impl Returns<'_> {
         for _ in 0..count {
             let mut next = vec![vec![0.0; kinds]; wavelengths];
             for w in 0..wavelengths {
-                let sent = |k: usize| (0..wavelengths).map(|from| self.paper[w][from] * below[from][k]).sum::<f64>();
+                let sent =
+                    |k: usize| (0..wavelengths).map(|from| self.paper[w][from] * below[from][k]).sum::<f64>();
                 let sent: Vec<f64> = (0..kinds).map(sent).collect();
                 let whole: f64 = sent.iter().sum();
                 for k in 0..kinds {

@@ -66,8 +66,8 @@ const DAYLIGHT_UV: [[f64; 2]; 17] = [
 ];
 
 /// Relative spectral power of an illuminant at any wavelength from 300 to 780 nm, in the unit of
-/// [`illuminant`]; 0 outside. Below 380 nm daylight is tabulated, A follows Planck's law, E is even,
-/// and lamps, for which the CIE states nothing, count as dark.
+/// [`illuminant`]; 0 outside. Below 380 nm daylight is tabulated, A follows Planck's law, E is
+/// even, and lamps, for which the CIE states nothing, count as dark.
 pub(super) fn power(name: &str, nm: f64) -> f64 {
     let between = |low: f64, high: f64, share: f64| low + share * (high - low);
     if (380.0..=780.0).contains(&nm) {
@@ -106,8 +106,8 @@ pub(super) fn matching_functions(observer: &str, nm: usize) -> Option<[f64; 3]> 
 mod tests {
     use super::*;
 
-    /// Daylight below 380 nm is that of the CIE's three components (CIE 15:2018, table T.2), which it
-    /// is made of: M₁, M₂ of D65 and D50. *Planted*: the columns changed round.
+    /// Daylight below 380 nm is that of the CIE's three components (CIE 15:2018, table T.2), which
+    /// it is made of: M₁, M₂ of D65 and D50. *Planted*: the columns changed round.
     #[test]
     fn ultraviolet_daylight_is_the_sum_of_its_components() {
         let components = [

@@ -43,8 +43,8 @@ pub enum Fluorescence {
 }
 
 impl Fluorescence {
-    /// Share of the quanta of light of a wavelength that bands absorb; 0 for a table, which does not
-    /// say.
+    /// Share of the quanta of light of a wavelength that bands absorb; 0 for a table, which does
+    /// not say.
     pub fn absorbed(&self, nm: f64) -> f64 {
         match self {
             Self::Bands { excitation, .. } => rows_at(excitation, nm),
@@ -57,7 +57,8 @@ impl Fluorescence {
         let active: Vec<f64> = match self {
             Self::Bands { excitation, .. } => {
                 let of = |i: usize| excitation[i][1] > 0.0;
-                let near = |i: usize| of(i) || (i > 0 && of(i - 1)) || (i + 1 < excitation.len() && of(i + 1));
+                let near =
+                    |i: usize| of(i) || (i > 0 && of(i - 1)) || (i + 1 < excitation.len() && of(i + 1));
                 (0..excitation.len()).filter(|&i| near(i)).map(|i| excitation[i][0]).collect()
             }
             Self::Table { excitation_nm, factors, .. } => {
@@ -111,7 +112,8 @@ impl Fluorescence {
         let matrix = self.matrix(wavelengths_nm);
         let quanta = |j: usize| {
             let from = wavelengths_nm[j];
-            let sum: f64 = (j + 1..wavelengths_nm.len()).map(|i| matrix[i][j] * wavelengths_nm[i] / from).sum();
+            let sum: f64 =
+                (j + 1..wavelengths_nm.len()).map(|i| matrix[i][j] * wavelengths_nm[i] / from).sum();
             sum + albedo(from)
         };
         (0..wavelengths_nm.len()).map(quanta).fold(0.0, f64::max)

@@ -31,8 +31,8 @@ const MOST_ORDERS: usize = 400;
 /// Orders at which the spread's transform is negligible: (2πkℓ)² beyond this.
 const NEGLIGIBLE: f64 = 900.0;
 
-/// w of round dots of this coverage on a square lattice of `ruling_per_um` dots per µm, over a paper
-/// of spread length ℓ, µm.
+/// w of round dots of this coverage on a square lattice of `ruling_per_um` dots per µm, over a
+/// paper of spread length ℓ, µm.
 pub fn spread_share(coverage: f64, ruling_per_um: f64, spread_um: f64) -> f64 {
     let area = coverage.min(1.0 - coverage);
     if spread_um <= 0.0 || area.is_nan() {
@@ -94,9 +94,8 @@ const MOST_N: f64 = 20.0;
 /// n of Yule and Nielsen, with which Y^(1/n) of a tint is the mean of those of solid and paper
 /// (J. Opt. Soc. Am. 41, 1951); `None` where no n from 1 to 20 gives this tint.
 pub fn yule_nielsen(coverage: f64, paper: f64, tint: f64, solid: f64) -> Option<f64> {
-    let mean = |n: f64| {
-        (coverage * solid.powf(1.0 / n) + (1.0 - coverage) * paper.powf(1.0 / n)).powf(n) - tint
-    };
+    let mean =
+        |n: f64| (coverage * solid.powf(1.0 / n) + (1.0 - coverage) * paper.powf(1.0 / n)).powf(n) - tint;
     let usable = (1e-9..1.0 - 1e-9).contains(&coverage) && solid > 0.0 && paper > solid;
     // darker with growing n; rounding of a tint without spread is n = 1
     if usable && mean(1.0).abs() < 1e-9 * paper {
@@ -123,7 +122,9 @@ mod tests {
         let shares = demichel(&[0.3, 0.5]);
         assert_eq!(shares, [0.7 * 0.5, 0.3 * 0.5, 0.7 * 0.5, 0.3 * 0.5]);
         let three = demichel(&[0.1, 0.6, 0.9]);
-        assert!((three.iter().sum::<f64>() - 1.0).abs() < 1e-15 && (three[7] - 0.1 * 0.6 * 0.9).abs() < 1e-15);
+        assert!(
+            (three.iter().sum::<f64>() - 1.0).abs() < 1e-15 && (three[7] - 0.1 * 0.6 * 0.9).abs() < 1e-15
+        );
     }
 
     #[test]

@@ -105,7 +105,8 @@ pub fn returned(albedo: f64, transmitted: f64, absorbed: f64, index: f64) -> Res
     if !(0.0..=1.0).contains(&albedo) {
         return Err(PaperError::Albedo { value: albedo });
     }
-    Ok(albedo / lost(albedo, transmitted, absorbed, index)? / (index * index))
+    let lost = lost(albedo, transmitted, absorbed, index)?;
+    Ok(albedo / lost / (index * index))
 }
 
 /// 1/(1 − ρ R̄_b), divided by n²: what leaves of light that the paper itself emits, over T towards

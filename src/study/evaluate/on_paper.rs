@@ -320,7 +320,8 @@ impl LayerOnPaper {
     /// i and o unless the incident light is polarised; the observer sees both polarisations.
     pub fn brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
         let through = self.transmittance(illumination) * self.transmittance_returned(viewing);
-        let reflected = self.diffuse_brdf_at(illumination.mu, viewing.mu) + self.return_factor() * through / PI;
+        let reflected =
+            self.diffuse_brdf_at(illumination.mu, viewing.mu) + self.return_factor() * through / PI;
         let [emitted, ..] = self.emitted.lit_at_45;
         if emitted == 0.0 {
             return reflected;

@@ -102,7 +102,8 @@ impl PrintTask<'_> {
     }
 }
 
-/// The prints of an ink that is solved as a whole; `None` where there is only a solid on plain paper.
+/// The prints of an ink that is solved as a whole; `None` where there is only a solid on plain
+/// paper.
 ///
 /// # Errors
 /// None: 45° and 0° are within the hemisphere.
@@ -159,7 +160,8 @@ fn moved_by_inputs(
     unmoved: &[AreaOptics],
     optics: impl Fn(&LayerOnPaper) -> AreaOptics,
 ) -> impl Iterator<Item = Vec<AreaOptics>> {
-    let changes = |part: fn(&AreaOptics) -> f64| ink.input_changes(0..unmoved.len(), |layer| part(&optics(layer)));
+    let changes =
+        |part: fn(&AreaOptics) -> f64| ink.input_changes(0..unmoved.len(), |layer| part(&optics(layer)));
     let own = changes(|area| area.own);
     let entering = changes(|area| area.entering);
     let leaving = changes(|area| area.leaving);

@@ -33,8 +33,8 @@ pub struct EmittedLight<'a> {
 }
 
 impl Brightened {
-    /// The paper under an illuminant, at wavelengths from below `cut_nm` of which there is no light;
-    /// `None` if it does not fluoresce.
+    /// The paper under an illuminant, at wavelengths from below `cut_nm` of which there is no
+    /// light; `None` if it does not fluoresce.
     pub fn new(paper: &Paper, wavelengths_nm: &[f64], viewing: &Viewing, cut_nm: f64) -> Option<Self> {
         let fluorescence = paper.fluorescence.as_ref()?;
         let grid_nm = summed_nm(*wavelengths_nm.first()?, *wavelengths_nm.last()?);
@@ -62,7 +62,8 @@ impl EmittedLight<'_> {
     pub fn relative(&self, nm: f64) -> Vec<f64> {
         let Brightened { grid_nm, light, .. } = self.brightened;
         let after = grid_nm.partition_point(|&x| x < nm).min(grid_nm.len().saturating_sub(1));
-        let below = if grid_nm.get(after).is_some_and(|&x| x <= nm) { after } else { after.saturating_sub(1) };
+        let below =
+            if grid_nm.get(after).is_some_and(|&x| x <= nm) { after } else { after.saturating_sub(1) };
         let (Some(from), Some(to)) = (grid_nm.get(below), grid_nm.get(after)) else { return Vec::new() };
         let share = if to > from { ((nm - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
         let mix = |low: f64, high: f64| low + share * (high - low);
@@ -136,8 +137,8 @@ pub struct PrintTask<'a> {
 }
 
 impl<'a> PrintTask<'a> {
-    /// The prints of a study; `None` where there is a solid alone on paper without a brightener, and
-    /// where its wavelengths carry no colour.
+    /// The prints of a study; `None` where there is a solid alone on paper without a brightener,
+    /// and where its wavelengths carry no colour.
     pub fn new(study: &'a Study) -> Option<Self> {
         let Paper { fluorescence, dots, coupling, albedo, .. } = &study.paper;
         if fluorescence.is_none() && dots.is_none() {

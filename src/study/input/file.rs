@@ -60,8 +60,8 @@ pub struct StudyFile {
     /// The screen of a halftone print; needs `[[area]]`.
     #[serde(default)]
     pub dots: DotsTable,
-    /// Kinds of area of a halftone print, one `[[area]]` each; without any, only a solid is printed.
-    /// What they leave is bare paper.
+    /// Kinds of area of a halftone print, one `[[area]]` each; without any, only a solid is
+    /// printed. What they leave is bare paper.
     #[serde(default, rename = "area")]
     pub areas: Vec<AreaTable>,
     /// Vacuum wavelengths (default: 400 to 700 nm in steps of 20 nm).

@@ -63,9 +63,8 @@ impl ComposedView {
     pub fn picture(&self, angles_deg: &[f64], sky: MirroredSky) -> Result<InkPicture, ColourError> {
         let seen = visible(&self.wavelengths_nm);
         let eye = Colorimeter::new(&self.wavelengths_nm[seen.clone()])?;
-        let colour = |quantity: &dyn Fn(usize) -> f64| {
-            eye.colour(&seen.clone().map(quantity).collect::<Vec<_>>())
-        };
+        let colour =
+            |quantity: &dyn Fn(usize) -> f64| eye.colour(&seen.clone().map(quantity).collect::<Vec<_>>());
         let mirrored = f64::from(u8::from(sky == MirroredSky::Included));
         let all = |w: usize, deg: f64| self.diffuse_albedo(w, deg) + mirrored * self.specular(w, deg);
         let square = |o: usize, i: usize| {

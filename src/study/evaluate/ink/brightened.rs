@@ -1,5 +1,5 @@
-//! The ink on paper that fluoresces: what the paper emits below it depends on the layer at all shorter
-//! wavelengths.
+//! The ink on paper that fluoresces: what the paper emits below it depends on the layer at all
+//! shorter wavelengths.
 
 use super::{InkOnPaper, MovedNodes};
 use crate::appearance::paper::{PRINT_DEG, PaperError};
@@ -19,7 +19,8 @@ impl InkOnPaper {
         let light = self.at(PRINT_DEG)?;
         let view = self.at(0.0)?;
         let fitted = self.places.outputs.end.max(self.places.colours.end);
-        let kept = self.moved.iter().flat_map(|MovedNodes { few, moved }| [*few].into_iter().chain(moved.clone()));
+        let kept =
+            self.moved.iter().flat_map(|MovedNodes { few, moved }| [*few].into_iter().chain(moved.clone()));
         let first = kept.clone().min().unwrap_or(self.whole.len());
         let blocks: Vec<[usize; 2]> =
             [[0, first]].into_iter().chain(kept.map(|start| [start, start + fitted])).collect();
@@ -38,7 +39,8 @@ impl InkOnPaper {
         Ok(self)
     }
 
-    /// What the paper emits below each of these layers, of which the first are those of the spectra.
+    /// What the paper emits below each of these layers, of which the first are those of the
+    /// spectra.
     fn emitted(
         &self,
         layers: &[LayerOnPaper],

@@ -73,7 +73,8 @@ impl BackingReader<'_> {
     ) -> Option<MeasuredFactor> {
         let (rows, stated) = read(field, path, request, self.faults, self.remarks)?;
         let key = format!("{field}.geometry");
-        let remedy = "write geometry = \"45:0\", \"d:8\", \"d:8 excluded\", \"d:0\" or \"natural\" beside the file";
+        let remedy =
+            "write geometry = \"45:0\", \"d:8\", \"d:8 excluded\", \"d:0\" or \"natural\" beside the file";
         let known = match &stated {
             None => None,
             Some(MeasuredGeometry::LitAt45) => Some(PaperGeometry::LitAt45),
@@ -81,7 +82,12 @@ impl BackingReader<'_> {
             Some(MeasuredGeometry::Sphere(Some(false))) => Some(PaperGeometry::SphereExcluded),
             Some(MeasuredGeometry::UniformSky) => Some(PaperGeometry::NaturalLight),
             Some(other) if written.is_none() => {
-                self.faults.add(&key, other.name(), "a geometry that the surface can be taken off for", remedy);
+                self.faults.add(
+                    &key,
+                    other.name(),
+                    "a geometry that the surface can be taken off for",
+                    remedy,
+                );
                 return None;
             }
             Some(_) => None,
@@ -95,7 +101,9 @@ impl BackingReader<'_> {
         }
         if known.is_none() && written.is_none() {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            self.remarks.push(format!("{field}: {name} states no geometry: taken as 45:0; {key} = \"d:8\" says another"));
+            self.remarks.push(format!(
+                "{field}: {name} states no geometry: taken as 45:0; {key} = \"d:8\" says another"
+            ));
         }
         let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
         let rows = used_rows(rows, [from_nm.min(to_nm), to_nm]);
@@ -205,7 +213,12 @@ impl BackingReader<'_> {
         let allowed = "two or more rows [nm, value], rising, values from 0 (shares up to 1)";
         let wrong = |row: &&[f64; 2]| !(row[0].is_finite() && (0.0..=most).contains(&row[1]));
         if let Some([nm, value]) = rows.iter().find(wrong) {
-            self.faults.add(field, format!("{value} at {nm} nm"), allowed, "excitation is a share of the quanta");
+            self.faults.add(
+                field,
+                format!("{value} at {nm} nm"),
+                allowed,
+                "excitation is a share of the quanta",
+            );
         } else if rows.len() < 2 || rows.windows(2).any(|pair| pair[1][0] <= pair[0][0]) {
             let found = format!("{} rows that do not rise", rows.len());
             self.faults.add(field, found, allowed, "sort them by wavelength");
@@ -220,7 +233,8 @@ impl BackingReader<'_> {
         if from_nm > lowest + STEP_NM {
             let found = format!("excitation from {first} nm, light from {from_nm} nm");
             let allowed = "light that holds what excites, from 300 nm";
-            let remedy = format!("light.from_nm = {lowest}: the layer absorbs there as well, and is solved there");
+            let remedy =
+                format!("light.from_nm = {lowest}: the layer absorbs there as well, and is solved there");
             self.faults.add("paper.fluorescence", found, allowed, remedy);
         }
     }
@@ -228,8 +242,8 @@ impl BackingReader<'_> {
     /// A paper gives no more quanta than it takes.
     fn quanta(&mut self, albedo: &Albedo, fluorescence: &Fluorescence) {
         let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
-        let most =
-            fluorescence.most_quanta(|nm| albedo.at(nm).unwrap_or(0.0), &summed_nm(from_nm, to_nm.max(780.0)));
+        let most = fluorescence
+            .most_quanta(|nm| albedo.at(nm).unwrap_or(0.0), &summed_nm(from_nm, to_nm.max(780.0)));
         if most > 1.0 + ROUNDING {
             let found = format!("{most:.3} quanta reflected and emitted for each that comes in");
             let remedy = "lower yield or excitation, or the albedo at the wavelengths that excite";
@@ -246,7 +260,8 @@ impl BackingReader<'_> {
         }
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let taken = request.condition.map_or("", MeasuredCondition::name);
-        self.remarks.push(format!("paper.fluorescence: {name} states no {taken}, and is taken as measured under it"));
+        self.remarks
+            .push(format!("paper.fluorescence: {name} states no {taken}, and is taken as measured under it"));
         anything
     }
 
@@ -300,7 +315,8 @@ impl BackingReader<'_> {
         let (fluorescence, lack) = inverse.fluorescence(&bright, &plain);
         if let Fluorescence::Bands { quantum_yield, .. } = &fluorescence {
             if *quantum_yield > 1.0 {
-                let found = format!("{quantum_yield:.2} quanta emitted per quantum that the usual band takes");
+                let found =
+                    format!("{quantum_yield:.2} quanta emitted per quantum that the usual band takes");
                 let remedy = "light.from_nm = 300, or give excitation, emission and yield";
                 self.faults.add(field, found, "at most 1", remedy);
                 return paper;
@@ -334,12 +350,7 @@ struct PairInverse {
 }
 
 impl PairInverse {
-    fn new(
-        coupling: Coupling,
-        measured: &MeasuredPaper,
-        from_nm: f64,
-        to_nm: f64,
-    ) -> Self {
+    fn new(coupling: Coupling, measured: &MeasuredPaper, from_nm: f64, to_nm: f64) -> Self {
         let rows: Vec<[f64; 2]> = measured.rows.iter().map(|[nm, _, albedo]| [*nm, *albedo]).collect();
         let usual = standard_excitation();
         let first = rows[0];
@@ -365,7 +376,8 @@ impl PairInverse {
         }
     }
 
-    /// The bands whose bare paper reads `bright` under D50, and the largest difference that is left.
+    /// The bands whose bare paper reads `bright` under D50, and the largest difference that is
+    /// left.
     fn fluorescence(&self, bright: &MeasuredFactor, plain: &MeasuredFactor) -> (Fluorescence, f64) {
         let daylight = Viewing::new("D50", "2", Summation::Plain).unwrap_or_default();
         let [inwards, outwards] = self.surface.passed(bright.geometry);
@@ -376,7 +388,8 @@ impl PairInverse {
         for &nm in &self.summed_nm {
             let power = daylight.power(nm);
             let albedo = rows_at(&self.elastic, nm);
-            let more = between(&bright.rows, nm).zip(between(&plain.rows, nm)).map_or(0.0, |(m1, m2)| m1 - m2);
+            let more =
+                between(&bright.rows, nm).zip(between(&plain.rows, nm)).map_or(0.0, |(m1, m2)| m1 - m2);
             lack = lack.max(-more);
             // what the paper must send up for this, and the quanta per nm for each that was taken
             let emitted = more.max(0.0) * power * (1.0 - albedo * back) / outwards;
@@ -386,7 +399,8 @@ impl PairInverse {
             taken += STEP_NM * rows_at(&self.excitation, nm) * nm * below;
         }
         // the rows are steps of one width, and vanish at the ends of what is measured
-        let quantum_yield = emission.windows(2).map(|p| 0.5 * (p[1][0] - p[0][0]) * (p[0][1] + p[1][1])).sum();
+        let quantum_yield =
+            emission.windows(2).map(|p| 0.5 * (p[1][0] - p[0][0]) * (p[0][1] + p[1][1])).sum();
         (Fluorescence::Bands { excitation: self.excitation.clone(), emission, quantum_yield }, lack)
     }
 }
@@ -402,8 +416,12 @@ fn donaldson(path: &Path) -> Result<Fluorescence, String> {
     };
     let excitation_nm = header[1..].iter().map(number).collect::<Result<Vec<_>, _>>()?;
     let widths: Vec<f64> = excitation_nm.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if widths.is_empty() || widths.iter().any(|w| *w <= 0.0 || (w - widths[0]).abs() > 1e-6 * widths[0].abs()) {
-        return Err(format!("{} wavelengths of the light that do not rise in equal steps", excitation_nm.len()));
+    if widths.is_empty() || widths.iter().any(|w| *w <= 0.0 || (w - widths[0]).abs() > 1e-6 * widths[0].abs())
+    {
+        return Err(format!(
+            "{} wavelengths of the light that do not rise in equal steps",
+            excitation_nm.len()
+        ));
     }
     let mut emission_nm: Vec<f64> = Vec::new();
     let mut factors = Vec::new();
@@ -411,7 +429,11 @@ fn donaldson(path: &Path) -> Result<Fluorescence, String> {
         let nm = number(cells.first().ok_or("an empty row")?)?;
         let row = cells[1..].iter().map(number).collect::<Result<Vec<_>, _>>()?;
         if row.len() != excitation_nm.len() {
-            return Err(format!("{} factors at {nm} nm, {} wavelengths of the light", row.len(), excitation_nm.len()));
+            return Err(format!(
+                "{} factors at {nm} nm, {} wavelengths of the light",
+                row.len(),
+                excitation_nm.len()
+            ));
         }
         if emission_nm.last().is_some_and(|last| nm <= *last) {
             return Err(format!("emitted wavelengths that do not rise at {nm} nm"));
@@ -419,7 +441,8 @@ fn donaldson(path: &Path) -> Result<Fluorescence, String> {
         if let Some(negative) = row.iter().find(|x| **x < 0.0) {
             return Err(format!("{negative} at {nm} nm: factors are 0 or more"));
         }
-        let emitted = excitation_nm.iter().zip(row).map(|(from, factor)| if nm > *from { factor } else { 0.0 });
+        let emitted =
+            excitation_nm.iter().zip(row).map(|(from, factor)| if nm > *from { factor } else { 0.0 });
         factors.push(emitted.collect::<Vec<f64>>());
         emission_nm.push(nm);
     }

@@ -44,7 +44,8 @@ pub(super) fn checked(screen: &DotsTable, areas: &[AreaTable], faults: &mut Faul
         let whole = sum(AreaBears::Layer, tint) + sum(AreaBears::Paper, tint);
         if whole > 1.0 + SLACK || (has_paper && whole < 1.0 - SLACK) {
             let allowed = if has_paper { "1, since bare paper is among them" } else { "at most 1" };
-            let remedy = "coverages share the area: change one, or leave out the bare paper, which is what they leave";
+            let remedy =
+                "coverages share the area: change one, or leave out the bare paper, which is what they leave";
             faults.add("area.coverage", format!("a sum of {whole} in tint {}", tint + 1), allowed, remedy);
             return None;
         }

@@ -30,7 +30,8 @@ impl PaperTable {
         };
         let mut reader = BackingReader { coupling, tables, faults, remarks };
         if let Some(both) = self.more_than_one() {
-            let allowed = "one source of the albedo: paper.albedo, paper.measured, or a pair m1_csv and m2_csv";
+            let allowed =
+                "one source of the albedo: paper.albedo, paper.measured, or a pair m1_csv and m2_csv";
             reader.faults.add(both, "given beside another one", allowed, "remove one of them");
         }
         if let Some(pair @ FluorescenceWritten::Pair { .. }) = &self.fluorescence {
@@ -143,7 +144,12 @@ pub(super) fn used_rows(rows: Vec<[f64; 2]>, [from_nm, to_nm]: [f64; 2]) -> Vec<
 }
 
 /// A table that covers every wavelength of the study.
-pub(super) fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &mut Faults) -> Albedo {
+pub(super) fn spectral(
+    field: &str,
+    rows: Vec<[f64; 2]>,
+    wavelengths_nm: &[f64],
+    faults: &mut Faults,
+) -> Albedo {
     let albedo = Albedo::Spectral(rows.clone());
     if let Some(i) = rows.iter().position(|row| !limits::ALBEDO.holds(row[1])) {
         let found = format!("{} at {} nm", rows[i][1], rows[i][0]);
