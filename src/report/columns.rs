@@ -109,6 +109,18 @@ const COLUMNS: &[Definition] = &[
     ),
     plain("over_black", "layer over black: lit at 45° and seen along the normal, π × BRDF"),
     plain("over_white", "layer over white of albedo 0.8: lit at 45° and seen along the normal, π × BRDF"),
+    // prints in dots, and under the lights of instruments
+    words("condition", "light of the instrument by ISO 13655, M0 to M2; empty on paper without a brightener"),
+    plain("nominal_coverage", "coverage as it was asked for: 0 is bare paper, 1 the solid"),
+    plain("coverage", "coverage with the physical gain of the dots"),
+    plain("spread_share", "share of the light that the paper spreads over dots and paper alike, 0 to 1"),
+    only(&["prints.csv"], plain("L", "print at 45:0: L*")),
+    only(&["prints.csv"], plain("a", "print at 45:0: a*")),
+    only(&["prints.csv"], plain("b", "print at 45:0: b*")),
+    plain("apparent_coverage", "coverage by Murray and Davies from Y of paper, print and solid"),
+    plain("optical_gain", "apparent_coverage less coverage: what the paper's spread of light adds"),
+    plain("yule_nielsen_n", "n of Yule and Nielsen that gives Y of the print"),
+    plain("radiance_factor", "print at 45:0, a perfect white being 1; above 1 where the paper emits"),
     // distributions
     words("from", "side that the light comes from: incident (z < 0) or exit"),
     number("polar_in_deg", "°", "polar angle of the incident light, from the normal"),

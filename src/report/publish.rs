@@ -146,6 +146,8 @@ fn tables_of(manifest: &Manifest<&Study>, seen: &Seen) -> csv::Result<Vec<NamedT
     let factor = manifest.certainty.coverage_factor_95;
     all.extend(tables::ink_maker(manifest.ink_maker.as_ref(), factor)?);
     all.extend(numbers::numbers_table(&manifest.numbers)?);
+    all.extend(tables::prints(manifest.prints.as_ref())?);
+    all.extend(tables::print_spectra(manifest.prints.as_ref(), &manifest.study.wavelengths_nm)?);
     Ok(all)
 }
 

@@ -4,7 +4,9 @@ use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::draw::cell::{numbers, records, table, with_errors};
 use crate::evaluate::gate;
 use crate::evaluate::ink_maker::InkMaker;
+use crate::evaluate::printed::{PrintNote, Prints};
 use crate::evaluate::published::{PublishedRow, Quantity};
+use crate::input::measured::MeasuredCondition;
 use crate::numerics::estimate::Estimate;
 use crate::wave::Side;
 
@@ -51,6 +53,52 @@ pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<V
         files.push(("measured.csv", table(header, rows)?, "the measurement and its prediction"));
     }
     Ok(files)
+}
+
+/// `prints.csv` and `print-spectra.csv`, where there are prints besides the solid on plain paper.
+///
+/// # Errors
+/// A table that cannot be written.
+pub fn prints(prints: Option<&Prints>) -> csv::Result<Vec<NamedTable>> {
+    let Some(Prints { prints, .. }) = prints else { return Ok(Vec::new()) };
+    let place = |note: &PrintNote| {
+        let condition = note.print.condition.map_or("", MeasuredCondition::name).to_owned();
+        let thickness = note.thickness_um.map_or_else(String::new, |um| um.to_string());
+        [condition, thickness, note.print.nominal.to_string()]
+    };
+    let names = ["condition", "thickness_um", "nominal_coverage"].map(str::to_owned);
+    let rows = prints.iter().map(|note| {
+        let [l, a, b] = note.lab.map(|number| numbers(Some(number)));
+        let geometry = [note.print.coverage, note.print.spread].map(|x| x.to_string());
+        let n = note.yule_nielsen.map_or_else(String::new, |n| n.to_string());
+        (place(note), geometry, [l, a, b, numbers(note.apparent_coverage), numbers(note.optical_gain)], n)
+    });
+    let more = ["coverage", "spread_share"].map(str::to_owned);
+    let bars = with_errors(["L", "a", "b", "apparent_coverage", "optical_gain"]);
+    let last = std::iter::once("yule_nielsen_n".to_owned());
+    let colours = table(names.iter().cloned().chain(more).chain(bars).chain(last), rows)?;
+    Ok(vec![("prints.csv", colours, "colours at 45:0 of every print, from bare paper to the solid")])
+}
+
+/// Radiance factors of all prints at the study's wavelengths.
+///
+/// # Errors
+/// A table that cannot be written.
+pub fn print_spectra(prints: Option<&Prints>, wavelengths_nm: &[f64]) -> csv::Result<Vec<NamedTable>> {
+    let Some(Prints { prints, .. }) = prints else { return Ok(Vec::new()) };
+    let mut rows = Vec::new();
+    for note in prints {
+        let condition = note.print.condition.map_or("", MeasuredCondition::name);
+        let thickness = note.thickness_um.map_or_else(String::new, |um| um.to_string());
+        for (nm, factor) in wavelengths_nm.iter().zip(&note.factors) {
+            let place =
+                [condition.to_owned(), thickness.clone(), note.print.nominal.to_string(), nm.to_string()];
+            rows.push((place, numbers(Some(*factor))));
+        }
+    }
+    let names = ["condition", "thickness_um", "nominal_coverage", "wavelength_nm"].map(str::to_owned);
+    let header = names.into_iter().chain(with_errors(["radiance_factor"]));
+    Ok(vec![("print-spectra.csv", table(header, rows)?, "radiance factors at 45:0 of every print")])
 }
 
 /// A number with its standard error and half the width of its 95 % interval.

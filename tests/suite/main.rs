@@ -43,6 +43,7 @@ mod packing_output;
 mod packing_solids;
 mod packing_spheres;
 mod plans;
+mod prints;
 mod prose;
 mod referee;
 mod run_continue;

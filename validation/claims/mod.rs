@@ -3,6 +3,7 @@
 use crate::claim::Claim;
 
 pub mod agreement;
+mod backing;
 mod bodies;
 mod cell_size;
 mod coated;
@@ -38,7 +39,7 @@ mod varied_cells;
 mod vector;
 mod weighted;
 
-pub const ALL: [Claim; 41] = [
+pub const ALL: [Claim; 45] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -80,4 +81,8 @@ pub const ALL: [Claim; 41] = [
     weighted::WIDE,
     kramers_kronig::CLAIM,
     masstones::CLAIM,
+    backing::MEASURED,
+    backing::BRIGHTENED,
+    backing::DOTS,
+    backing::LATTICE,
 ];

@@ -2,6 +2,8 @@
 
 pub mod films;
 pub mod form_factors;
+pub mod halftone;
 pub mod mie;
 pub mod stacks;
 pub mod opaque;
+pub mod returns;

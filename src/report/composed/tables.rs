@@ -22,6 +22,8 @@ pub fn tables(manifest: &ComposedManifest) -> csv::Result<Vec<NamedTable>> {
     }
     let weighted: Vec<_> = manifest.numbers.iter().chain(&manifest.curve_numbers).cloned().collect();
     all.extend(numbers_table(&weighted)?);
+    all.extend(tables::prints(manifest.prints.as_ref())?);
+    all.extend(tables::print_spectra(manifest.prints.as_ref(), &manifest.study.wavelengths_nm)?);
     Ok(all)
 }
 

@@ -11,6 +11,7 @@ pub mod layer;
 pub mod level;
 pub mod manifest;
 pub mod numbers;
+mod prints;
 pub mod quantities;
 pub mod report;
 pub mod stacked;

@@ -1,6 +1,7 @@
 //! The ink on its paper, over all wavelengths and realisations: spectra, colours and the picture,
 //! with errors.
 
+mod brightened;
 mod colours;
 mod sums;
 
@@ -334,6 +335,11 @@ impl InkOnPaper {
     /// The ensemble mean at every wavelength of the spectra.
     pub fn layers(&self) -> &[LayerOnPaper] {
         &self.whole[self.places.outputs.clone()]
+    }
+
+    /// The layers of every leave-one-out ensemble at every wavelength of the spectra.
+    pub(super) fn layers_of_replicates(&self) -> impl Iterator<Item = &[LayerOnPaper]> {
+        self.replicates.iter().map(|layers| &layers[self.places.outputs.clone()])
     }
 
     /// A viewing or illumination angle, 0° ≤ θ < 90°.

@@ -1,6 +1,7 @@
 //! `results.json`: the numbers and their provenance.
 
 use super::ink_maker::InkMaker;
+use super::printed::Prints;
 use super::published::{NamedNumber, NumberNote, PublishedRow, Quantity, Withheld};
 use super::survivors::Survivors;
 pub use super::uncertainty::Budget;
@@ -107,6 +108,9 @@ pub struct Manifest<S: Serialize> {
     /// Weighted numbers that the study asks for.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub numbers: Vec<NumberNote>,
+    /// Prints in dots, and under the lights of instruments on paper that fluoresces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prints: Option<Prints>,
     /// Numbers that were withheld because they are impossible, such as a negative contrast ratio.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,

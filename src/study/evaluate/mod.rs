@@ -20,6 +20,8 @@ pub mod levels;
 pub mod manifest;
 pub mod numbers;
 pub mod on_paper;
+pub mod printed;
+pub mod prints;
 pub mod published;
 pub mod regression;
 pub mod samples;

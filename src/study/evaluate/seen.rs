@@ -9,11 +9,13 @@ use super::films::{FilmAt, Films, Indices};
 use super::ink::{InkError, InkInputs, InkOnPaper, SolvedLayer};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
 use super::levels::{Checked, GridCorrection, GridPart};
+use super::prints::Brightened;
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use super::summed::sum_wavelengths_nm;
 use super::wavelengths::{SpectralBasis, nearest};
 use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
+use crate::appearance::viewing::Viewing;
 use crate::input::study::{Angles, StackLayer, Study};
 use crate::input::variation::{CellRule, LightRule};
 use crate::numerics::estimate::Estimate;
@@ -153,7 +155,16 @@ pub fn film_alone(study: &Study) -> Result<InkOnPaper, InkError> {
     let films = films(study, requested_profile(study), &indices);
     let substrate = substrate(study);
     let outputs_nm = &study.wavelengths_nm;
-    InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm })
+    let ink = InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm })?;
+    in_daylight(study, ink)
+}
+
+/// The ink under D65, on whose ultraviolet light depends what its paper emits.
+fn in_daylight(study: &Study, ink: InkOnPaper) -> Result<InkOnPaper, InkError> {
+    match Brightened::new(&study.paper, &study.wavelengths_nm, &Viewing::default(), 0.0) {
+        Some(brightened) => Ok(ink.lit_by(&brightened)?),
+        None => Ok(ink),
+    }
 }
 
 /// The requested volume fractions, one slice a layer.
@@ -343,7 +354,8 @@ impl<'a> CompleteCells<'a> {
             let ensemble = LayerEnsemble::new(solved, basis, &films.returned(), exact_deg);
             SolvedLayer { ensemble, solved }
         });
-        Ok(InkOnPaper::new(SolvedLayer { ensemble: ensemble.clone(), solved }, returned, &inputs)?)
+        let ink = InkOnPaper::new(SolvedLayer { ensemble: ensemble.clone(), solved }, returned, &inputs)?;
+        Ok(in_daylight(study, ink)?)
     }
 
     /// Distributions at every exact angle, one per stratum of wavelengths, from the far fields in

@@ -7,6 +7,7 @@ use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
 use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, Provenance, SpectrumRow};
 pub use super::manifest::{LIT_AT_45, NATURAL_LIGHT, program};
 use super::numbers::numbers;
+use super::printed::ink_prints;
 use super::published::Withheld;
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
 use super::seen::{LayerSeen, MovedLayers, NoInk, Seen, see};
@@ -52,6 +53,7 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         ink_maker: None,
         no_ink_maker: None,
         numbers: Vec::new(),
+        prints: None,
         withheld: Vec::new(),
         spectra: spectra(study, seen, &uncertainty),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
@@ -83,6 +85,7 @@ fn enter_looks(manifest: &mut Manifest<&Study>, seen: &Seen, uncertainty: &Uncer
         Err(reason) => manifest.no_colour = Some(reason),
     }
     let Ok(ink) = &seen.ink else { return };
+    manifest.prints = ink_prints(manifest.study, ink, uncertainty).ok().flatten();
     match ink_maker(manifest.study, ink, uncertainty, &seen.cells) {
         Ok(mut numbers) => match gate::ink_maker(&numbers) {
             None => {

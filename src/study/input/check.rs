@@ -4,8 +4,10 @@
 //! tables go on with that, so that one reading of a file tells all of its errors. What several
 //! tables must agree on is checked at the end, on the study.
 
+mod backing;
 mod cell;
 mod composed;
+mod dots;
 mod grains;
 mod index;
 mod judgement;
@@ -117,7 +119,8 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     }
 
     let mut remarks: Vec<String> = file.light.short_of_end(&wavelengths_nm).into_iter().collect();
-    let paper = file.paper.checked(file.layer.index_out, &tables, &mut wave_faults, &mut remarks);
+    let mut paper = file.paper.checked(file.layer.index_out, &tables, &mut wave_faults, &mut remarks);
+    paper.dots = dots::checked(&file.dots, &file.areas, &mut wave_faults);
     let surroundings = Surroundings::of(&file.layer, paper.coupling);
     let Directions { angles, kind } = file.angles.checked(&surroundings, &mut wave_faults);
     let has_target = file.run.target_delta_e.is_some();

@@ -2,7 +2,7 @@
 
 use super::limits::{
     ABOVE_ZERO, ABSORPTION, ALBEDO, ANCHOR_NM, CONCENTRATION, DENSITY, Entries, INDEX, N_ERROR, NOT_NEGATIVE,
-    PATH_MM, THICKNESS_UM,
+    PATH_MM, SHARE, THICKNESS_UM,
 };
 use super::measured::{MeasuredCondition, MeasuredUnit, Patch};
 use crate::material::named::{MATERIALS, NamedMaterial, Synthetic};
@@ -102,6 +102,73 @@ pub enum AlbedoWritten {
         /// The instrument's light, where the sample was measured under several.
         #[serde(skip_serializing_if = "Option::is_none")]
         condition: Option<MeasuredCondition>,
+    },
+}
+
+/// A share of the area of a print.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(rename = "Coverage")]
+#[serde(untagged, expecting = "a share of the area such as 0.5, or a list of them")]
+pub enum CoverageWritten {
+    /// One print.
+    One(#[schemars(transform = SHARE.mark())] f64),
+    /// A ramp of tints.
+    Ramp(#[schemars(length(min = 1), transform = Entries(SHARE))] Vec<f64>),
+}
+
+impl CoverageWritten {
+    /// One share for each tint.
+    pub fn all(&self) -> Vec<f64> {
+        match self {
+            Self::One(share) => vec![*share],
+            Self::Ramp(shares) => shares.clone(),
+        }
+    }
+}
+
+/// A paper's brightener.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(rename = "Fluorescence")]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "{ excitation = [[nm, share], …], emission = [[nm, quanta], …], yield = 0.5 }, { donaldson_csv = \"table.csv\" } \
+                 or { m1_csv = \"m1.csv\", m2_csv = \"m2.csv\" }"
+)]
+pub enum FluorescenceWritten {
+    /// One brightener. It takes its share of the light before the paper's albedo acts on the rest.
+    Bands {
+        /// Rows of wavelength in nm and share of the quanta that the brightener absorbs, 0 to 1.
+        #[schemars(length(min = 2))]
+        excitation: Vec<[f64; 2]>,
+        /// Rows of wavelength in nm and quanta emitted per nm, in any unit.
+        #[schemars(length(min = 2))]
+        emission: Vec<[f64; 2]>,
+        /// Quanta emitted per quantum absorbed, 0 to 1.
+        #[serde(rename = "yield")]
+        #[schemars(transform = SHARE.mark())]
+        quantum_yield: f64,
+    },
+    /// A bispectral measurement of the paper behind its surface.
+    Donaldson {
+        /// Table whose first column holds the wavelengths emitted, nm, and whose header names those
+        /// of the light, nm, in equal steps; entries are radiance factors. Those that are not of
+        /// longer wavelength than their light are reflected light, and left to the albedo.
+        donaldson_csv: String,
+    },
+    /// The bare paper measured with and without ultraviolet light, at 45:0 or as the files state;
+    /// the albedo follows from the second.
+    Pair {
+        /// Factor under D50 with ultraviolet light (M1), in any format of `compare.measured`.
+        m1_csv: String,
+        /// Factor without ultraviolet light (M2).
+        m2_csv: String,
+        /// Sample in files with several.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        patch: Option<Patch>,
+        /// Value of a perfect white, where the files do not state it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        unit: Option<MeasuredUnit>,
     },
 }
 

@@ -52,6 +52,14 @@ pub const LIGHTNESS: Allowed = Allowed::between(0.0, 150.0, "");
 pub const CHROMA: Allowed = Allowed::between(-300.0, 300.0, "");
 /// Albedo of a paper.
 pub const ALBEDO: Allowed = Allowed::between(0.0, 1.0, "");
+/// Dots per cm of a screen.
+pub const RULING_PER_CM: Allowed = Allowed::between(1.0, 1000.0, "per cm");
+/// Spread length of a paper.
+pub const SPREAD_UM: Allowed = Allowed::between(0.0, 10_000.0, "µm");
+/// Physical gain of a coverage of a half.
+pub const DOT_GAIN: Allowed = Allowed::between(0.0, 0.25, "");
+/// Share of an area, of quanta absorbed, or of quanta emitted.
+pub const SHARE: Allowed = Allowed::between(0.0, 1.0, "");
 /// Longest vacuum wavelength, nm.
 pub const LONGEST_WAVE_NM: f64 = 10_000.0;
 /// A vacuum wavelength.

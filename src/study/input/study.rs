@@ -14,9 +14,8 @@ pub use composed::{Composed, Portion, Position};
 pub use kind::StudyKind;
 pub use moved::InputMove;
 pub use number::{WantedNumber, WantedWeights};
-pub use parts::{
-    Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, StackLayer, WantedResolution,
-};
+pub use parts::{Angles, Dissolved, Dots, IndexSpectrum, Judgement, Layer, MeasuredPaper, Paper};
+pub use parts::{Pigment, StackLayer, WantedResolution};
 pub use stack_plates::{LayerPlates, StackMedia, StackedPortion};
 pub use written::WrittenAngles;
 

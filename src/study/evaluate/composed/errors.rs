@@ -97,6 +97,7 @@ fn thickness_errors(beyond: &ThicknessNumbers<f64>) -> ThicknessNumbers<f64> {
         spectra: over_neighbours(&beyond.spectra, |near, _| LayerNumbers::combined(near, error_of_composing)),
         colours: beyond.colours.map(|colours: ColourNumbers<f64>| colours.map(alone)),
         weighted: beyond.weighted.iter().map(|beyond| alone(*beyond)).collect(),
+        prints: beyond.prints.iter().map(|print| print.clone().map(&alone)).collect(),
     }
 }
 
@@ -144,7 +145,7 @@ mod tests {
         };
         let spectra = (0..20).map(row).collect();
         ComposedNumbers {
-            requested: vec![ThicknessNumbers { spectra, colours: None, weighted: Vec::new() }],
+            requested: vec![ThicknessNumbers { spectra, colours: None, weighted: Vec::new(), prints: Vec::new() }],
             curve: Vec::new(),
             hiding: None,
             medium: Vec::new(),

@@ -40,6 +40,8 @@ pub struct OnPaper {
     pub returned: f64,
     /// What it does to the diffuse light that leaves the paper, as a factor of T̄_b.
     pub leaving: f64,
+    /// R̄_b with interference.
+    pub back: f64,
 }
 
 impl<'a> ComposedLayer<'a> {
@@ -150,8 +152,10 @@ impl<'a> ComposedLayer<'a> {
         // light from the paper has no polarisation
         let change = mean(&unpolarised(before), |p| self.change_of_diffuse[p]);
         let leaving = ratio(onto.changed(change).transmitted, onto.transmitted);
-        let returned = returns(self.diffuse(1), self.change_from_behind, leaving, albedo);
-        OnPaper { plate, returned, leaving }
+        let behind = self.diffuse(1);
+        let returned = returns(behind, self.change_from_behind, leaving, albedo);
+        let back = reflected_behind(behind, self.change_from_behind, leaving);
+        OnPaper { plate, returned, leaving, back }
     }
 
     /// R̄ and T̄ of unpolarised diffuse light from a side, without interference.
@@ -171,10 +175,15 @@ impl<'a> ComposedLayer<'a> {
 /// Factor of g = ρ/(1 − ρ R̄_b): `composed` is R̄_b and T̄_b without interference, which changes
 /// T̄_b by the factor `leaving` and the sum of both by that of `change`.
 fn returns(composed: Lobes, change: Lobes, leaving: f64, albedo: f64) -> f64 {
+    let reflected = reflected_behind(composed, change, leaving);
+    ratio(1.0 - albedo * composed.reflected, 1.0 - albedo * reflected)
+}
+
+/// R̄_b with interference.
+fn reflected_behind(composed: Lobes, change: Lobes, leaving: f64) -> f64 {
     let not_absorbed = composed.reflected + composed.transmitted + change.reflected + change.transmitted;
     let passed = composed.transmitted * leaving;
-    let reflected = (not_absorbed.min(1.0) - passed).clamp(0.0, 1.0);
-    ratio(1.0 - albedo * composed.reflected, 1.0 - albedo * reflected)
+    (not_absorbed.min(1.0) - passed).clamp(0.0, 1.0)
 }
 
 /// The quotient; 1 of nothing.

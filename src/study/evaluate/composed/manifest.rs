@@ -2,6 +2,7 @@
 
 use super::quantities::{Lab, LayerNumbers, MediumNumbers};
 use crate::evaluate::manifest::{Count, Provenance};
+use crate::evaluate::printed::Prints;
 use crate::evaluate::published::{ErrorParts, NamedNumber, NumberNote, PublishedRow, Withheld};
 use crate::input::study::{Composed, Study};
 use serde::Serialize;
@@ -150,6 +151,9 @@ pub struct ComposedManifest<'a> {
     pub colours: Vec<ComposedColours>,
     /// Why there are none.
     pub no_colour: Option<String>,
+    /// Prints in dots, and under the lights of instruments on paper that fluoresces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prints: Option<Prints>,
     /// The medium at every wavelength.
     pub medium: Vec<MediumRow>,
     /// Where light at 0° goes, of each requested thickness.

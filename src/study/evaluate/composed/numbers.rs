@@ -12,9 +12,12 @@ use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
+use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::appearance::tristimulus::{Colorimeter, visible};
+use crate::appearance::viewing::Viewing;
 use crate::evaluate::ink_maker::{BLACK, WHITE};
 use crate::evaluate::numbers::AskedNumber;
+use crate::evaluate::prints::{Brightened, PrintTask};
 use crate::input::file::SeenLight;
 use crate::input::study::{Composed, Study};
 use crate::wave::Wave;
@@ -44,6 +47,10 @@ pub struct LayerTask<'a> {
     pub colorimeter: Option<Colorimeter>,
     /// The weighted numbers that the study asks for.
     pub weighted: Vec<AskedNumber<'a>>,
+    /// Its prints, where there are any besides the solid on plain paper.
+    pub prints: Option<PrintTask<'a>>,
+    /// The paper under D65, where it fluoresces.
+    pub daylight: Option<Brightened>,
     /// Thicknesses of the curve, µm.
     pub curve_um: Vec<f64>,
     /// The thicknesses of whole slabs on both sides of the one that hides, µm; none if none does.
@@ -71,6 +78,8 @@ impl<'a> LayerTask<'a> {
                 .iter()
                 .filter_map(|wanted| AskedNumber::new(wanted, &study.wavelengths_nm))
                 .collect(),
+            prints: PrintTask::new(study),
+            daylight: Brightened::new(&study.paper, &study.wavelengths_nm, &Viewing::default(), 0.0),
             curve_um: Vec::new(),
             around_hiding_um: None,
         })
@@ -115,18 +124,18 @@ impl<'a> LayerTask<'a> {
         for um in &self.composed.thicknesses_um {
             // joints and portions are those of the report's first look at them
             let stacks = task.stacks(level, *um, change).unwrap_or_default();
-            let mut spectra = Vec::new();
+            let mut layers = Vec::new();
             let mut distributions = Vec::new();
             let mut absorbed = Vec::new();
             for (stack, albedo) in stacks.iter().zip(&self.albedos) {
                 let film = stack.film(change.fewer_directions);
                 let layer = ComposedLayer::of_stack(stack, &film, self.study.wave);
-                let own = spectral(&layer, self.study.wave, self.study.output.mirrored_sky, *albedo);
-                absorbed.push(absorbed_by_layers(stack, self.study.wave, &own));
-                spectra.push(own);
+                let own = spectral(&layer, self.study, *albedo);
+                absorbed.push(absorbed_by_layers(stack, self.study.wave, &own.numbers));
+                layers.push(own);
                 distributions.push(distribution(&layer.plate, layer.media));
             }
-            numbers.requested.push(self.coloured(spectra));
+            numbers.requested.push(self.coloured(self.brightened(layers)));
             numbers.distributions.push(distributions);
             numbers.absorbed.push(absorbed);
         }
@@ -135,16 +144,19 @@ impl<'a> LayerTask<'a> {
 
     /// A layer of one thickness; `per_h` of the slabs have the thickness h.
     fn layer(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> ThicknessNumbers<f64> {
-        self.coloured(self.spectra(slabs, thickness_um, per_h))
+        self.coloured(self.with_optics(slabs, thickness_um, per_h))
     }
 
-    /// Spectra with their colours.
-    fn coloured(&self, spectra: Vec<LayerNumbers<f64>>) -> ThicknessNumbers<f64> {
-        let colours = self.colorimeter.as_ref();
+    /// Spectra with their colours, weighted numbers and prints.
+    fn coloured(&self, all: Vec<SpectralLayer>) -> ThicknessNumbers<f64> {
+        let optics: Vec<AreaOptics> = all.iter().map(|layer| layer.at_45).collect();
+        let spectra: Vec<LayerNumbers<f64>> = all.into_iter().map(|layer| layer.numbers).collect();
         let seen = &spectra[self.visible.clone()];
+        let colours = self.colorimeter.as_ref();
         let colours = colours.map(|eye| colours_of(eye, seen).unwrap_or(ColourNumbers::unknown()));
         let weighted = self.weighted.iter().map(|asked| self.weighted_number(asked, &spectra)).collect();
-        ThicknessNumbers { spectra, colours, weighted }
+        let prints = self.prints.as_ref().map_or(Vec::new(), |prints| prints.numbers(&optics));
+        ThicknessNumbers { spectra, colours, weighted, prints }
     }
 
     /// A weighted number of the layer.
@@ -162,12 +174,37 @@ impl<'a> LayerTask<'a> {
 
     /// Its numbers at every wavelength.
     fn spectra(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<LayerNumbers<f64>> {
+        self.with_optics(slabs, thickness_um, per_h).into_iter().map(|layer| layer.numbers).collect()
+    }
+
+    /// Its numbers with what light between the layer and its paper meets, and what the paper emits.
+    fn with_optics(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<SpectralLayer> {
         let count = self.slab_count(thickness_um) * per_h;
-        let Study { wave, output, .. } = self.study;
         let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| {
-            spectral(&ComposedLayer::new(slabs, count, *wave), *wave, output.mirrored_sky, *albedo)
+            spectral(&ComposedLayer::new(slabs, count, self.study.wave), self.study, *albedo)
         };
-        slabs.iter().zip(&self.albedos).map(at_wavelength).collect()
+        self.brightened(slabs.iter().zip(&self.albedos).map(at_wavelength).collect())
+    }
+
+    /// Layers at every wavelength, with what the paper below them emits.
+    fn brightened(&self, mut all: Vec<SpectralLayer>) -> Vec<SpectralLayer> {
+        let Some(daylight) = &self.daylight else { return all };
+        let nm = &self.study.wavelengths_nm;
+        let at_45: Vec<AreaOptics> = all.iter().map(|layer| layer.at_45).collect();
+        let of_sky = |layer: &SpectralLayer| AreaOptics {
+            entering: layer.numbers.transmittance_diffuse,
+            ..layer.at_45
+        };
+        let natural: Vec<AreaOptics> = all.iter().map(of_sky).collect();
+        let mix = AreaMix::whole();
+        let lit = daylight.below(&mix, &[&at_45], nm);
+        let sky = daylight.below(&mix, &[&natural], nm);
+        for ((layer, &nm), albedo) in all.iter_mut().zip(nm).zip(&self.albedos) {
+            let leaving = layer.at_45.leaving / ((1.0 - albedo) + albedo * layer.at_45.lost);
+            layer.numbers.lit_at_45 += leaving * lit.relative(nm).iter().sum::<f64>();
+            layer.numbers.natural_light += leaving * sky.relative(nm).iter().sum::<f64>();
+        }
+        all
     }
 
     /// The layers on both sides of the thickness that hides, and that thickness, where the contrast
@@ -241,9 +278,17 @@ fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<Colour
     })
 }
 
+/// A layer or a stack at one wavelength.
+struct SpectralLayer {
+    numbers: LayerNumbers<f64>,
+    /// As light at 45:0 and light between it and the paper meet it.
+    at_45: AreaOptics,
+}
+
 /// A layer or a stack at one wavelength, alone and on paper of this albedo.
-pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64) -> LayerNumbers<f64> {
-    let before = layer.media[0];
+fn spectral(layer: &ComposedLayer, study: &Study, albedo: f64) -> SpectralLayer {
+    let wave = study.wave;
+    let [before, behind] = layer.media;
     let oblique = before.ordinates.index * PRINT_DEG.to_radians().sin();
     let [at_normal, at_45, of_diffuse] = lights(before, wave);
     let normal = layer.of_light(&at_normal);
@@ -260,13 +305,23 @@ pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64
     let paper = layer.on(albedo);
     let returned = total(&(&paper.plate.reflection[0] * &at_normal)) - normal.reflected;
     let natural = normal_changed.reflected + through_normal * paper.returned * paper.leaving * returned;
-    let excluded = if sky == MirroredSky::Excluded { mirrored } else { 0.0 };
+    let excluded = if study.output.mirrored_sky == MirroredSky::Excluded { mirrored } else { 0.0 };
     let alone = lit_at_45(&layer.plate, before, wave);
     let lit = |on: &OnPaper| {
         let returned = lit_at_45(&on.plate, before, wave) - alone;
         alone + through_normal * through_45 * on.returned * returned
     };
-    LayerNumbers {
+    let on_paper = lit(&paper);
+    let at_45 = AreaOptics {
+        own: alone,
+        entering: slanted.transmitted,
+        leaving: normal_changed.transmitted / behind.ordinates.index.powi(2),
+        lost: 1.0 - paper.back,
+    };
+    // fluxes go through the nodes, means do not: as a solid, dots give what the fluxes give
+    let series = at_45.entering * at_45.leaving * albedo / ((1.0 - albedo) + albedo * at_45.lost);
+    let at_45 = AreaOptics { leaving: at_45.leaving * ratio(on_paper - alone, series), ..at_45 };
+    let numbers = LayerNumbers {
         reflectance_normal: normal_changed.reflected,
         transmittance_normal: normal_changed.transmitted,
         reflectance_45: slanted.reflected,
@@ -276,10 +331,11 @@ pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64
         coherent_transmittance: straight.max(0.0).min(normal_changed.transmitted),
         mirrored,
         natural_light: natural - excluded,
-        lit_at_45: lit(&paper),
+        lit_at_45: on_paper,
         over_black: lit(&layer.on(BLACK)),
         over_white: lit(&layer.on(WHITE)),
-    }
+    };
+    SpectralLayer { numbers, at_45 }
 }
 
 /// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.

@@ -1,5 +1,6 @@
 //! The published quantities of a composed layer by name, as values or as values with errors.
 
+use crate::evaluate::prints::PrintNumbers;
 use crate::evaluate::published::named_numbers;
 
 named_numbers! {
@@ -90,6 +91,8 @@ pub struct ThicknessNumbers<T> {
     pub colours: Option<ColourNumbers<T>>,
     /// The weighted numbers that the study asks for, in its order.
     pub weighted: Vec<T>,
+    /// Its prints, where there are any besides the solid on plain paper.
+    pub prints: Vec<PrintNumbers<T>>,
 }
 
 /// The thickness that hides, between two whole numbers of slabs.
@@ -175,6 +178,7 @@ impl<T> ThicknessNumbers<T> {
             spectra: each(self.spectra, other.spectra, |a, b| a.zipped(b, number)),
             colours: self.colours.zip(other.colours).map(|(a, b)| a.zipped(b, number)),
             weighted: each(self.weighted, other.weighted, number),
+            prints: each(self.prints, other.prints, |a, b| a.zipped(b, number)),
         }
     }
 }

@@ -7,6 +7,7 @@ use super::manifest::{
     AbsorbedRow, ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, MediumRow,
 };
 use super::numbers::{LayerTask, MOST_SLABS, lights, projected_sr};
+use super::prints::prints;
 use super::quantities::{Distribution, HidingNumbers, LayerNumbers, MediumNumbers, ThicknessNumbers};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
@@ -59,6 +60,8 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     for (um, layer) in task.curve_um.iter().zip(&numbers.curve) {
         curve.add(&task, *um, layer);
     }
+    let layers: Vec<_> = composed.thicknesses_um.iter().copied().zip(&numbers.requested).collect();
+    let prints = prints(study, &layers);
     let mut withheld = [requested.withheld, curve.withheld].concat();
     let mut medium = Vec::new();
     for ((&nm, slabs), numbers) in study.wavelengths_nm.iter().zip(&slabs).zip(numbers.medium) {
@@ -94,6 +97,7 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
         colours: requested.colours,
         numbers: requested.weighted,
         no_colour,
+        prints,
         distributions,
         absorbed,
         withheld,
@@ -261,7 +265,7 @@ impl Layers {
         };
         let all: Vec<ComposedRow> = task.study.wavelengths_nm.iter().zip(&numbers.spectra).map(row).collect();
         let mut kept = all.clone();
-        self.withheld.extend(gate::rows(&mut kept));
+        self.withheld.extend(gate::rows(&mut kept, task.daylight.is_some()));
         if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
             let seen = task.visible.clone();
             let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen] };
