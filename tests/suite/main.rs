@@ -43,6 +43,7 @@ mod packing_solids;
 mod packing_spheres;
 mod plans;
 mod prose;
+mod python_module;
 mod referee;
 mod run_continue;
 mod run_fields;
