@@ -59,12 +59,16 @@ def program() -> str:
 
 # Lines of progress on standard error; every other line is said to the user as a warning.
 _SOLVES = re.compile(r"^(\d+)/(\d+) solves, (.*)$")
-_PROGRESS = re.compile(
-    r"packing realisation|^estimating |grid: |estimating the error|^still working|solves in .* per hour|already stored$"
-    r"|^the workers of this process|^evaluating |grids? tried|\d+ applications|grids taken from|^to resume|^Stopp|^realisation \d+: "
-    r"|shows the finished solves|^verified: |^left out, because|^coarse table|^choosing |^response surface|^variant|^report: |: \d+ grains by "
-    r"|^\S*: (packing|grid|estimating)|^refin|^stage|^solving|^search|^fitting|^recipes of nearly|^PARTIAL"
-)
+_STAGES = (
+    r"coarse table of n and κ|search over both branches of n|linearisation \d+ on all cells|predictions of other layers|verifying run \d+: |"
+    r"variant \d+/\d+: |tabulating the material|packing realisation \d+|solving for the near field|evaluating the layer|calibrating with |"
+    r"\d+ solves at a time instead of|estimating the error of the grid|grid: |grid tried: ")
+_SAID = (
+    r"still working after|\d+ solves in \d+ s: |\d+ of \d+ solves were already stored$|the workers of this process waited|\d+ grids taken from |"
+    r"\S+ shows the finished solves|verified: |recipes of nearly equal colour: |median prediction error of the response|to resume: |Stopped;|Stopping|"
+    r"realisation \d+: \d+ grains |.*: \d+ applications")
+# A stage may follow the name of a variant or a slab; the other lines stand alone.
+_PROGRESS = re.compile(rf"^(?:(?:.*: )?(?:{_STAGES})|(?:{_SAID}))")
 _CODES = re.compile(r"\x1b\[[0-9;?]*[ -/]*[@-~]")
 
 

@@ -100,7 +100,7 @@ def _translated(case: Any) -> Any:
         return [_translated(part) for part in case] if isinstance(case, list) else case
     if "kind" in case:  # a shape, whose words are its own
         return case
-    found: Dict[str, Any] = {WORDS.get(name, name): _translated(value) for name, value in case.items()}
+    found: Dict[str, Any] = {str(WORDS.get(name, name)): _translated(value) for name, value in case.items()}
     return {name: [float(value), 0.0] if name.startswith("eta") and isinstance(value, (int, float)) else value
             for name, value in found.items()}
 

@@ -64,17 +64,17 @@ class Table(Mapping[str, np.ndarray]):
     The standard error of a column `x` is the column `x_standard_error`; `coverage_factor` times it is half of the 95 % interval.
     `index` names the columns that tell rows apart, which become the axes of `to_xarray`.
 
-    >>> table = Table({"wavelength_nm": [450, 550], "R": [0.1, 0.2], "R_standard_error": [0.01, 0.02]}, index=["wavelength_nm"],
+    >>> table = Table({"wavelength_nm": [450, 550], "R": [0.125, 0.25], "R_standard_error": [0.25, 0.5]}, index=["wavelength_nm"],
     ...               units={"wavelength_nm": "nm"}, coverage_factor=2.0)
     >>> table["R"].tolist(), table.error("R").tolist(), table.interval("R")[1].tolist()
-    ([0.1, 0.2], [0.01, 0.02], [0.12000000000000001, 0.24])
+    ([0.125, 0.25], [0.25, 0.5], [0.625, 1.25])
     >>> table.rows()[0]["wavelength_nm"]
     450
     >>> print(table)
     2 rows, 95 % intervals are ± 2 standard errors
-    wavelength_nm [nm]    R  R_standard_error
-                   450  0.1              0.01
-                   550  0.2              0.02
+    wavelength_nm [nm]      R  R_standard_error
+                   450  0.125              0.25
+                   550   0.25               0.5
     """
 
     def __init__(self, columns: Mapping[str, Any], *, index: Sequence[str] = (), units: Optional[Mapping[str, str]] = None,

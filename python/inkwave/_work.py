@@ -12,7 +12,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from ._files import Layer, Path, Study, input_file, plain, table_of
-from ._program import InkwaveError, call, remark
+from ._program import InkwaveError, call
 from ._results import Design, Fit, Ink, Sweep
 from ._tables import Table, read_table
 
@@ -148,9 +148,7 @@ def fit(study: Study, output: Optional[Path] = None, *, white: Optional[Card] = 
         base = table_of(study, {name: value for name, value in words.items() if name not in own})
         table = {"base": base, "measured": [_card(card) for card in cards], **({"fit": own} if own else {})}
     folder, _ = _worked("fit", table, {}, output, jobs=jobs, memory_gb=memory_gb, progress=progress)
-    found = Fit(folder)
-    remark(found.remarks)
-    return found
+    return Fit(folder)
 
 
 def _card(card: Card) -> Dict[str, Any]:

@@ -28,7 +28,7 @@ import inkwave as iw  # noqa: E402
 from inkwave import _files, _program, _strategies, adapter  # noqa: E402
 
 INK = iw.Layer(0.3, binder=1.558, pigments=[iw.Pigment(d_nm=200, share=0.1, index="yellow")], title="Ink µ", more={"period_um": 0.8})
-QUICK = dict(wavelength_nm=list(range(400, 701, 50)), realisations=2, resolution={"points_per_um": 16, "planes_per_um": 20},
+QUICK = dict(wavelength_nm=list(range(400, 701, 50)), realisations=2, resolution={"points_per_um": 20, "planes_per_um": 30},
              angles={"count": 3})
 CASE = {"wavelength": 0.55, "L": 0.5, "H": 0.6, "eta_binder": 1.558, "spheres": [{"center": [0.2, 0.2, 0.3], "radius": 0.15, "eta": 1.4 + 0.1j}]}
 
@@ -220,6 +220,29 @@ class Studies(InFolder):
 
 class Fits(InFolder):
     """Folders as `inkwave fit` and `inkwave design` write them: a run of either takes minutes."""
+
+    def test_a_fit_is_a_table_and_its_remarks_are_warnings(self):
+        quick = {**QUICK, "wavelength_nm": [450, 550, 650], "realisations": 6}
+        ink = iw.Layer(0.5, pigments=[iw.Pigment(d_nm=200, share=0.2, index=1.4 + 0.2j, name="p")], title="draw", more={"period_um": 0.8})
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            for paper, name in ((0.85, "w"), (0.04, "b")):
+                t = iw.run(ink, name, paper=paper, seed=5, **quick).spectra.where(polar_deg=0)
+                rows = "".join(f"{nm},{r}\n" for nm, r in zip(t["wavelength_nm"], t["lit_at_45"]))
+                pathlib.Path(f"{name}.csv").write_text("wavelength_nm,reflectance\n" + rows, encoding="utf-8")
+        unknown = ink.with_(pigments=[iw.Pigment(d_nm=200, share=0.2, name="p", index=1.5)])
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            fit = iw.fit(unknown, "fitted", white=("w.csv", 0.85), black=("b.csv", 0.04), noise=0.01, **quick)
+        told = [str(one.message) for one in caught if issubclass(one.category, iw.InkwaveWarning)]
+        self.assertEqual(fit.is_determined, not any("n is not determined" in line for line in told))
+        self.assertTrue(set(fit.remarks) <= set(told))
+        self.assertEqual(sorted(told), sorted(set(told)), "each remark once")
+        self.assertFalse([line for line in told if "linearisation" in line or "coarse table" in line])
+        self.assertEqual(caught[0].filename, __file__)
+        self.assertTrue(np.allclose(fit.interval("kappa")[1] - fit["kappa"], 1.96 * fit.error("kappa")) and (fit.error("kappa") > 0).all())
+        again = iw.run(ink.with_(pigments=[iw.Pigment(d_nm=200, share=0.2, name="p", index=fit.pigment_index)]), "again", **{**QUICK, "wavelength_nm": [450, 550, 650]})
+        self.assertEqual(again.status, "complete")
 
     def test_a_fit_says_what_is_not_determined(self):
         folder = pathlib.Path("fit")
@@ -460,11 +483,26 @@ class Bars(unittest.TestCase):
             for line in ("packing realisation 1/12", "grid: 18 × 24 points, 8 cells for an error of 1.0e-2",
                          "12/360 solves, realisation 1/12 · 500 nm · 0°, about 2 minutes left", "900 solves in 7 s: 462857 per hour, 9 % of the time outside solves"):
                 self.assertTrue(bar.hear(line), line)
-            for line in ('measured[0]: white.csv: no unit is stated; taken as factors of a perfect white', "no paper, colour and picture: angles"):
+            for line in ('measured[0]: white.csv: no unit is stated; taken as factors of a perfect white', "no paper, colour and picture: angles", "n is not determined: its standard error is 0.13", "warning: layer.thickness_um",
+                         "1 % more thickness than stated would change n by 0.008"):
                 self.assertFalse(bar.hear(line), line)
             bar.close()
         self.assertEqual((bar.done, bar.all), (12, 360))
         self.assertEqual(out.getvalue().count("\n"), 0)
+
+    def test_stages_of_the_sources_are_progress(self):
+        stages = set()
+        for path in (ROOT / "src").rglob("*.rs"):
+            if "test" not in path.name:
+                text = path.read_text(encoding="utf-8")
+                stages |= set(re.findall(r'\.stage\((?:&format!\(\s*)?"([^"]*)"', text))
+        reasons = {"{name}: {reason}", "no result: {error}", "{name}: {what}", "packing realisation 4/6"}
+        self.assertGreater(len(stages - reasons), 12)
+        bar = _program.Progress("inkwave", show=False)
+        for stage in stages - reasons:
+            line = re.sub(r"\{[^{}]*\}", "3", stage)
+            self.assertTrue(bar.hear(line), line)
+            self.assertTrue(bar.hear(f"0.1-150: {line}"), line)
 
     def test_nothing_is_printed_where_there_is_neither_terminal_nor_notebook(self):
         out = io.StringIO()
