@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import os
+import importlib
 import pathlib
-import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, List, Mapping, Optional, Sequence
 
 from ._files import Layer, Path, Study, _absolute, plain, table_of, toml
-from ._program import InkwaveError, call
+from ._program import call
 from ._results import Sweep
 from ._work import _named, sweep_table
 
@@ -89,11 +88,7 @@ def _engine(engine: Any, workers: Optional[int], folder: pathlib.Path) -> Any:
         pool = ThreadPoolExecutor(workers or 2)
         return pool, pool
     if engine == "submitit":
-        import submitit  # type: ignore[import-not-found,import-untyped,unused-ignore]
-
-        return submitit.AutoExecutor(folder=str(folder / "submitit")), None
+        return importlib.import_module("submitit").AutoExecutor(folder=str(folder / "submitit")), None
     if engine == "dask":
-        from dask.distributed import Client  # type: ignore[import-not-found,import-untyped,unused-ignore]
-
-        return Client(n_workers=workers or 2, threads_per_worker=1), None
+        return importlib.import_module("dask.distributed").Client(n_workers=workers or 2, threads_per_worker=1), None
     raise ValueError(f'engine: found {engine!r}; allowed: "local", "submitit", "dask", or an object with submit(function, *arguments)')
