@@ -130,6 +130,10 @@ def main(arguments):
     pages = [pathlib.Path(name).resolve() for name in names] or sorted((ROOT / "docs").rglob("*.md"))
     faults = [fault for page in pages for fault in links(page, page.read_text(encoding="utf-8"))]
     listings = 0
+    if "--links" not in options:
+        import inkwave
+
+        os.environ["INKWAVE"] = os.path.abspath(inkwave.program())  # sessions have folders of their own
     for page in [] if "--links" in options else pages:
         with tempfile.TemporaryDirectory() as scratch:
             os.chdir(scratch)

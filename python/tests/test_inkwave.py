@@ -27,6 +27,9 @@ sys.path.insert(0, str(ROOT / "python"))
 import inkwave as iw  # noqa: E402
 from inkwave import _files, _program, _strategies, adapter  # noqa: E402
 
+# Tests change folders.
+os.environ["INKWAVE"] = os.path.abspath(iw.program())
+
 INK = iw.Layer(0.3, binder=1.558, pigments=[iw.Pigment(d_nm=200, share=0.1, index="yellow")], title="Ink µ", more={"period_um": 0.8})
 QUICK = dict(wavelength_nm=list(range(400, 701, 50)), realisations=2, resolution={"points_per_um": 20, "planes_per_um": 30},
              angles={"count": 3})
@@ -368,6 +371,9 @@ class Interrupts(InFolder):
         said = child.communicate(timeout=120)[1]
         self.assertIn("KeyboardInterrupt", said)
         self.assertNotEqual(child.returncode, 0)
+        # A clean stop writes what there is, a killed program nothing.
+        self.assertTrue(pathlib.Path("long/results.json").exists(), os.listdir("long"))
+        self.assertNotEqual(iw.read("long").status, "complete")
         here = os.path.realpath(self.scratch.name)
         left = [path for path in pathlib.Path("/proc").glob("[0-9]*/cmdline") if "--output" in _read(path) and _folder(path) == here]
         self.assertEqual(left, [], "the program still runs")
