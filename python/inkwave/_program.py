@@ -22,7 +22,12 @@ __all__ = ["InkwaveError", "InkwaveWarning", "InputError", "MissingProgram", "ca
 
 
 class InkwaveError(RuntimeError):
-    """The program refused its input or failed; the text is its whole message."""
+    """The program refused its input or failed; the text is its whole message.
+
+    `folder` is where its results are, if it has any: what is stored stays, and the same call resumes.
+    """
+
+    folder: Optional[pathlib.Path] = None
 
 
 class InputError(InkwaveError, ValueError):

@@ -12,7 +12,7 @@ from typing import Any, Dict, List, Mapping, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from ._files import Layer, Path, Study, input_file, plain, table_of
-from ._program import InkwaveError, call
+from ._program import InkwaveError, call, remark
 from ._results import Design, Fit, Ink, Sweep
 from ._tables import Table, read_table
 
@@ -44,7 +44,11 @@ def _worked(command: str, study: Study, settings: Mapping[str, Any], output: Opt
     if folder is not None:
         more += ["--output", os.fspath(folder)]
     with input_file(study, settings, "study" if folder is None else pathlib.Path(folder).name or "study") as path:
-        said = call(command, path, *more, show=progress)
+        try:
+            said = call(command, path, *more, show=progress)
+        except InkwaveError as error:
+            error.folder = None if folder is None or not os.path.isdir(folder) else pathlib.Path(folder)
+            raise
     if folder is None:
         page = re.findall(r"^(?:Report|report|Comparison): (.*)$", said, re.MULTILINE)
         if not page:
@@ -162,7 +166,7 @@ def _card(card: Card) -> Dict[str, Any]:
 def design(study: Study, output: Optional[Path] = None, *, target: Union[Sequence[float], Mapping[str, Any], None] = None,
            vary: Optional[Mapping[str, Tuple[float, float]]] = None, jobs: Optional[int] = None,
            memory_gb: Optional[float] = None, progress: Optional[bool] = None, **words: Any) -> Design:
-    """Looks for recipes of a target colour, or resumes.
+    """Looks for recipes of a target colour, or resumes; a warning where none reaches it, and `["met"]` is then False.
 
     `study` is a design (a path or a dictionary), or the study of all recipes with `target=(L, a, b)` and
     `vary={"pigment[0].diameter_nm": (140, 300)}`; the words of `sweep` name fields, too. `delta_e`, `variants`, `verifications` and
@@ -175,5 +179,11 @@ def design(study: Study, output: Optional[Path] = None, *, target: Union[Sequenc
         goal = {} if target is None else dict(target) if isinstance(target, Mapping) else {"lab": list(target)}
         ranges = [{"field": _FIELDS.get(name, name), "from": low, "to": high} for name, (low, high) in (vary or {}).items()]
         table = {"base": base, "target": goal, "vary": ranges, **({"design": own} if own else {})}
-    folder, _ = _worked("design", table, {}, output, jobs=jobs, memory_gb=memory_gb, progress=progress)
+    try:
+        folder, _ = _worked("design", table, {}, output, jobs=jobs, memory_gb=memory_gb, progress=progress)
+    except InkwaveError as error:  # how near it comes is an answer, too
+        if error.folder is None or "target is not reached" not in str(error):
+            raise
+        remark([str(error)])
+        folder = error.folder
     return Design(folder)

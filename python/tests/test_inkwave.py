@@ -265,6 +265,17 @@ class Fits(InFolder):
             axes = fit.plot()
             self.assertEqual(len(axes[0].lines), 2)
 
+    def test_a_design_that_misses_its_target_says_how_near_it_comes(self):
+        settings = {**QUICK, "run": {"realisations": 6}, "verifications": 1, "delta_e": 0.05}
+        del settings["realisations"]
+        with self.assertWarnsRegex(iw.InkwaveWarning, "the target is not reached"):
+            design = iw.design(INK, "designed", target=(80, 30, 20), vary={"share": (0.05, 0.2)}, **settings)
+        self.assertFalse(design["met"])
+        row = design.recipes.rows()[0]
+        self.assertTrue(0.05 <= row["pigment[0].volume_fraction"] <= 0.2 and row["delta_e_2000"] > 0.05, row)
+        self.assertRegex(row["hex"], "#[0-9a-f]{6}")
+        self.assertLessEqual(len(repr(design).splitlines()), 10)
+
     def test_words_become_a_fit_and_a_design(self):
         pathlib.Path("w.csv").write_text("wavelength_nm,reflectance\n", encoding="utf-8")
         with self.assertRaisesRegex(iw.InputError, "w.csv"):
