@@ -228,6 +228,8 @@ def call(*arguments: object, show: Optional[bool] = None, listen: Optional[Calla
     finally:
         bar.close()
     if child.returncode:
+        failed = next((i for i, line in enumerate(remarks) if line.lower().startswith("error:")), len(remarks))
+        remark([line.removeprefix("warning: ") for line in remarks[:failed] if not line.startswith(("usage:", "Usage:"))])
         raise _error(said, began.is_set(), str(arguments[0]))
     output = _plain("".join(printed))
     told = [line for line in output.splitlines() if ": no result: " in line or ": no colour: " in line]

@@ -141,6 +141,8 @@ def fit(study: Study, output: Optional[Path] = None, *, white: Optional[Card] = 
         progress: Optional[bool] = None, **words: Any) -> Fit:
     """Fits a pigment's index to spectra of drawdowns, or resumes; a warning where n is not determined.
 
+    Spectra that contradict the study are an InkwaveError; `Fit(error.folder)` reads what was found, without errors.
+
     `study` is a fit (a path or a dictionary), or the study of the drawdowns with `white=("white.csv", 0.85)` and
     `black=("black.csv", 0.04)`: files and albedos of the cards; `measured` lists others. `pigment`, `prior`, `noise`, `also`, `n` and
     `kappa` are those of a fit file, other words settings as of `run`.

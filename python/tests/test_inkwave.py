@@ -322,6 +322,17 @@ class Mistakes(InFolder):
         self.refused("here", lambda: iw.run(INK, "here", **QUICK))
         self.assertEqual({path: path.read_bytes() for path in pathlib.Path("here").iterdir() if path.is_file()}, before)
 
+    def test_remarks_before_a_failure_are_not_lost(self):
+        program = pathlib.Path("program")
+        program.write_text("#!/bin/sh\necho 'no unit is stated' >&2\necho 'packing realisation 1/2' >&2\necho 'Error:   × too thin' >&2\n"
+                           "echo '  help: thicker' >&2\nexit 1\n")
+        program.chmod(0o755)
+        with unittest.mock.patch.dict(os.environ, INKWAVE=str(program.resolve())):
+            with self.assertWarnsRegex(iw.InkwaveWarning, "^no unit is stated$"), self.assertRaises(iw.InkwaveError) as caught:
+                _program.call("run", "x")
+        self.assertEqual(str(caught.exception), "too thin\n  help: thicker")
+        self.assertNotIsInstance(caught.exception, iw.InputError)
+
     def test_a_file_that_is_not_there(self):
         self.refused("cannot read the study file", lambda: iw.run("nowhere.toml", "x"))
 
