@@ -45,6 +45,7 @@ mod packing_spheres;
 mod plans;
 mod prints;
 mod prose;
+mod python_module;
 mod referee;
 mod run_continue;
 mod run_fields;

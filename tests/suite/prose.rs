@@ -31,7 +31,7 @@ const CALQUES: [&str; 19] = [
 ];
 
 /// Files and folders whose prose is read for this: sources with help, messages and pages; tests; tools; documents.
-const READ: [&str; 17] = [
+const READ: [&str; 18] = [
     ".ci",
     "CHANGELOG.md",
     "CITATION.cff",
@@ -42,6 +42,7 @@ const READ: [&str; 17] = [
     "build.rs",
     "clippy.toml",
     "deny.toml",
+    "docs",
     "examples",
     "python",
     "schema",
