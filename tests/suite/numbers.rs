@@ -106,7 +106,7 @@ fn a_composed_layer_beyond_the_eye_has_colours_and_numbers() {
             "title = 'Wide'\n[layer]\nperiod_um = 0.8\nthickness_um = [2, 4]\nbinder.index = 1.5\n\
              composed = {{ slab_um = 0.5 }}\n[[pigment]]\nname = 'grains'\ndiameter_nm = 200\nvolume_fraction = 0.15\n\
              index = 2.0\n[paper]\nalbedo = 0.5\n[light]\nwavelengths_nm = [{nm}]\n[run]\nrealisations = 2\nseed = 7\n\
-             [resolution]\npoints_per_um = 16\nplanes_per_um = 24\n{number}"
+             [resolution]\npoints_per_um = 16\nplanes_per_um = 40\n{number}"
         )
     };
     let sun =

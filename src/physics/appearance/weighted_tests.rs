@@ -53,7 +53,7 @@ fn paint(nm: f64, exponent: f64, fringes: f64) -> f64 {
     (scattering / (1.0 + scattering) * (1.0 - 0.92 * absorbed) + film).clamp(0.0, 1.0)
 }
 
-/// The error that is told of a coarse grid holds its difference to one of 1 nm in most cases.
+/// The error of a coarse grid covers its difference to one of 1 nm in most cases.
 /// *Planted*: parts a fifth as large; absolute instead of relative distances.
 #[test]
 fn coarse_grids_know_what_they_leave_open() {

@@ -11,7 +11,7 @@ use std::path::Path;
 /// continued by its ends.
 const MOST_OUTSIDE: f64 = 0.1;
 /// Share from which a remark tells of it.
-const WORTH_TELLING: f64 = 1e-3;
+const WORTH_TELLING: f64 = 1e-2;
 /// A mean needs as many wavelengths.
 const FEWEST: usize = 3;
 
