@@ -102,7 +102,7 @@ impl<'a> LayerTask<'a> {
         self.with_optics(slabs, thickness_um, per_h).into_iter().map(|layer| layer.numbers).collect()
     }
 
-    /// The same, with what light between the layer and its paper meets, and what the paper emits.
+    /// Its numbers with what light between the layer and its paper meets, and what the paper emits.
     fn with_optics(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<SpectralLayer> {
         let count = self.slab_count(thickness_um) * per_h;
         let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| spectral(slabs, count, self.study, *albedo);
