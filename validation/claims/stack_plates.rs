@@ -148,7 +148,7 @@ fn clear(media: [&Hemisphere; 3], thickness_um: f64, layer: usize) -> Vec<StackE
 fn numbers(stack: &PlateStack, albedo: f64) -> LayerNumbers<f64> {
     let film = stack.film(false);
     let layer = ComposedLayer::of_stack(stack, &film, Wave::Scalar);
-    spectral(&layer, Wave::Scalar, MirroredSky::Included, albedo)
+    spectral(&layer, Wave::Scalar, MirroredSky::Included, albedo).numbers
 }
 
 /// R and T of diffuse light without interference. (With it, T̄ from behind is taken from that in front by reciprocity.)

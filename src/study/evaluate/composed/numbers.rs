@@ -130,7 +130,7 @@ impl<'a> LayerTask<'a> {
             for (stack, albedo) in stacks.iter().zip(&self.albedos) {
                 let film = stack.film(change.fewer_directions);
                 let layer = ComposedLayer::of_stack(stack, &film, self.study.wave);
-                let own = spectral(&layer, self.study, *albedo);
+                let own = spectral(&layer, self.study.wave, self.study.output.mirrored_sky, *albedo);
                 absorbed.push(absorbed_by_layers(stack, self.study.wave, &own.numbers));
                 layers.push(own);
                 distributions.push(distribution(&layer.plate, layer.media));
@@ -180,8 +180,9 @@ impl<'a> LayerTask<'a> {
     /// Its numbers with what light between the layer and its paper meets, and what the paper emits.
     fn with_optics(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<SpectralLayer> {
         let count = self.slab_count(thickness_um) * per_h;
+        let Study { wave, output, .. } = self.study;
         let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| {
-            spectral(&ComposedLayer::new(slabs, count, self.study.wave), self.study, *albedo)
+            spectral(&ComposedLayer::new(slabs, count, *wave), *wave, output.mirrored_sky, *albedo)
         };
         self.brightened(slabs.iter().zip(&self.albedos).map(at_wavelength).collect())
     }
@@ -279,15 +280,15 @@ fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<Colour
 }
 
 /// A layer or a stack at one wavelength.
-struct SpectralLayer {
-    numbers: LayerNumbers<f64>,
+pub struct SpectralLayer {
+    /// Its numbers.
+    pub numbers: LayerNumbers<f64>,
     /// As light at 45:0 and light between it and the paper meet it.
     at_45: AreaOptics,
 }
 
 /// A layer or a stack at one wavelength, alone and on paper of this albedo.
-fn spectral(layer: &ComposedLayer, study: &Study, albedo: f64) -> SpectralLayer {
-    let wave = study.wave;
+pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64) -> SpectralLayer {
     let [before, behind] = layer.media;
     let oblique = before.ordinates.index * PRINT_DEG.to_radians().sin();
     let [at_normal, at_45, of_diffuse] = lights(before, wave);
@@ -305,7 +306,7 @@ fn spectral(layer: &ComposedLayer, study: &Study, albedo: f64) -> SpectralLayer 
     let paper = layer.on(albedo);
     let returned = total(&(&paper.plate.reflection[0] * &at_normal)) - normal.reflected;
     let natural = normal_changed.reflected + through_normal * paper.returned * paper.leaving * returned;
-    let excluded = if study.output.mirrored_sky == MirroredSky::Excluded { mirrored } else { 0.0 };
+    let excluded = if sky == MirroredSky::Excluded { mirrored } else { 0.0 };
     let alone = lit_at_45(&layer.plate, before, wave);
     let lit = |on: &OnPaper| {
         let returned = lit_at_45(&on.plate, before, wave) - alone;
