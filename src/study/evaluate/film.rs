@@ -35,7 +35,7 @@ impl Profile {
         Self { fractions: vec![Vec::new()], layers: Vec::new() }
     }
 
-    /// η² of every slice: Σ φ η² of the inclusions, and of the background of its layer for the rest.
+    /// η² of every slice: Σ φ η² of the inclusions, and of its layer's background for the rest.
     pub fn squared_indices(&self, backgrounds: &[Complex64], inclusions: &[Complex64]) -> Vec<Complex64> {
         let each = self.fractions.len() / self.layers.len().max(1);
         let mixed = |(number, slice): (usize, &Vec<f64>)| {

@@ -89,7 +89,8 @@ struct Places {
 ///
 /// let yellow = Spectrum::synthetic("yellow")?;
 /// let of_yellow = |nm: f64| yellow.index(1e-3 * nm).unwrap();
-/// let mixture = |nm: f64| (vec![molecular_mixture(1.558.into(), &[(0.3, of_yellow(nm))])], Vec::new());
+/// let ink = |nm: f64| molecular_mixture(1.558.into(), &[(0.3, of_yellow(nm))]);
+/// let mixture = |nm: f64| (vec![ink(nm)], Vec::new());
 /// let films = Films {
 ///     profile: Profile::homogeneous(),
 ///     indices: &mixture,

@@ -51,8 +51,8 @@ pub struct StudyFile {
     /// Title of the report (default: name of the file).
     #[schemars(example = &"Yellow ink, 30 %")]
     pub title: Option<String>,
-    /// The periodic cell and the media on both sides of it; or the layers of a stack, one `[[layer]]`
-    /// each in the order of the light, with their own `[[layer.pigment]]`.
+    /// The periodic cell and the media on both sides of it; or the layers of a stack, one
+    /// `[[layer]]` each in the order of the light, with their own `[[layer.pigment]]`.
     #[serde(deserialize_with = "stack::one_or_stacked")]
     #[schemars(schema_with = "stack::one_or_stacked_schema")]
     pub layer: LayerTable,

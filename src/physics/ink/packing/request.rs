@@ -54,7 +54,7 @@ pub struct PackingRequest {
     pub usual_fraction: Option<f64>,
     /// The layers of a stack, in the order of the light, each with its own grains, places and
     /// random stream; empty for a single layer. The request itself then holds their cell, their
-    /// whole thickness and the pigments of all, whose volume fractions are those of their own layer.
+    /// whole thickness and the pigments of all, with volume fractions in their own layers.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
     pub layers: Vec<StackedRequest>,
 }
@@ -135,7 +135,7 @@ pub struct PigmentGrains {
     /// (reported).
     #[cfg_attr(feature = "serde", serde(default))]
     pub share: ShareRule,
-    /// Where along the depth the grains are: rows of depth over thickness, from 0 to 1, and density,
+    /// Where along the depth the grains are: rows of depth over thickness, 0 to 1, and density,
     /// linear in between; evenly without any. Only ratios of densities matter.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub profile: Vec<[f64; 2]>,

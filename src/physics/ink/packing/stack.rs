@@ -1,4 +1,4 @@
-//! The packings of the layers of a stack, one above the other, which are checked again all together.
+//! The packings of the layers of a stack, one above the other, checked again all together.
 
 use super::placed::{Method, Packing, PackingAccount};
 use super::request::{PackingRequest, PigmentGrains, StackedRequest};

@@ -179,7 +179,7 @@ fn volumes_within(packing: &Packing, bottom_um: f64, height: f64, slices: usize)
     volumes
 }
 
-/// Fraction of each slice from z = `bottom_um` beyond the binder's surface, without regard to grains.
+/// Fraction of each slice from z = `bottom_um` beyond the binder's surface, whatever the grains.
 fn beyond_surface(packing: &Packing, slices: usize, height: f64, bottom_um: f64) -> Vec<f64> {
     let [lx, ly] = packing.period_um();
     let place = |i: usize, period: f64| period * (i as f64 + 0.5) / COLUMNS as f64;

@@ -36,14 +36,15 @@ impl Study {
 
     /// Pigments with grains of each layer, as ranges of [`Study::pigments`].
     pub fn pigments_of_layers(&self) -> Vec<Range<usize>> {
-        if self.stack.is_empty() {
-            return vec![0..self.pigments.len()];
-        }
+        let of_layers: Vec<usize> = match self.stack.is_empty() {
+            true => vec![self.pigments.len()],
+            false => self.stack.iter().map(|layer| layer.pigments).collect(),
+        };
         let mut first = 0;
         let mut ranges = Vec::new();
-        for layer in &self.stack {
-            ranges.push(first..first + layer.pigments);
-            first += layer.pigments;
+        for count in of_layers {
+            ranges.push(first..first + count);
+            first += count;
         }
         ranges
     }
