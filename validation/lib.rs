@@ -11,6 +11,7 @@ pub mod ensemble;
 pub mod fixtures;
 pub mod formulas;
 pub mod referee;
+pub mod stacks;
 pub mod studies;
 pub mod support;
 pub mod tiny;

@@ -26,12 +26,15 @@ mod reciprocity;
 mod references;
 mod slab;
 mod small_grains;
+mod stack_inks;
+mod stack_plates;
+mod stack_transport;
 mod tau;
 mod two_levels;
 mod varied_cells;
 mod vector;
 
-pub const ALL: [Claim; 31] = [
+pub const ALL: [Claim; 34] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -63,4 +66,7 @@ pub const ALL: [Claim; 31] = [
     published::CLAIM,
     two_levels::CLAIM,
     gradients::CLAIM,
+    stack_plates::CLAIM,
+    stack_transport::CLAIM,
+    stack_inks::CLAIM,
 ];

@@ -65,7 +65,10 @@ impl<'a> LayerTask<'a> {
         let layers = |all_um: &[f64]| all_um.iter().map(|um| self.layer(&slabs, *um, per_h)).collect();
         let distributions = |um: &f64| {
             let count = self.slab_count(*um) * per_h;
-            slabs.iter().map(|slabs| distribution(slabs, count)).collect()
+            slabs
+                .iter()
+                .map(|slabs| distribution(&slabs.layer(count), [&slabs.media[0], &slabs.media[2]]))
+                .collect()
         };
         ComposedNumbers {
             requested: layers(requested_um),
@@ -87,7 +90,10 @@ impl<'a> LayerTask<'a> {
     /// Its numbers at every wavelength.
     fn spectra(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<LayerNumbers<f64>> {
         let count = self.slab_count(thickness_um) * per_h;
-        let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| spectral(slabs, count, self.study, *albedo);
+        let Study { wave, output, .. } = self.study;
+        let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| {
+            spectral(&ComposedLayer::new(slabs, count, *wave), *wave, output.mirrored_sky, *albedo)
+        };
         slabs.iter().zip(&self.albedos).map(at_wavelength).collect()
     }
 
@@ -134,12 +140,11 @@ fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<Colour
     })
 }
 
-/// A layer of `count` slabs at one wavelength, alone and on paper of this albedo.
-fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbers<f64> {
-    let before = &slabs.media[0];
-    let layer = ComposedLayer::new(slabs, count, study.wave);
+/// A layer or a stack at one wavelength, alone and on paper of this albedo.
+pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64) -> LayerNumbers<f64> {
+    let before = layer.media[0];
     let oblique = before.ordinates.index * PRINT_DEG.to_radians().sin();
-    let [at_normal, at_45, of_diffuse] = lights(before, study.wave);
+    let [at_normal, at_45, of_diffuse] = lights(before, wave);
     let normal = layer.of_light(&at_normal);
     let normal_changed = normal.changed(layer.change(0.0));
     let slanted = layer.of_light(&at_45).changed(layer.change_of_shared(oblique));
@@ -154,10 +159,10 @@ fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbe
     let paper = layer.on(albedo);
     let returned = total(&(&paper.plate.reflection[0] * &at_normal)) - normal.reflected;
     let natural = normal_changed.reflected + through_normal * paper.returned * paper.leaving * returned;
-    let excluded = if study.output.mirrored_sky == MirroredSky::Excluded { mirrored } else { 0.0 };
-    let alone = lit_at_45(&layer.plate, before, study.wave);
+    let excluded = if sky == MirroredSky::Excluded { mirrored } else { 0.0 };
+    let alone = lit_at_45(&layer.plate, before, wave);
     let lit = |on: &OnPaper| {
-        let returned = lit_at_45(&on.plate, before, study.wave) - alone;
+        let returned = lit_at_45(&on.plate, before, wave) - alone;
         alone + through_normal * through_45 * on.returned * returned
     };
     LayerNumbers {
@@ -178,9 +183,7 @@ fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbe
 
 /// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.
 /// The mirrored and the straight beam are left out, and what interference changes.
-fn distribution(slabs: &Slabs, count: f64) -> Distribution<f64> {
-    let [before, _, behind] = &slabs.media;
-    let layer = slabs.layer(count);
+fn distribution(layer: &Plate, [before, behind]: [&Hemisphere; 2]) -> Distribution<f64> {
     let per_sr = |fluxes: &Mat<f64>, medium: &Hemisphere| {
         let flux =
             |node| (0..medium.polarisations).map(|p| fluxes[(medium.state(node + 1, p), 0)]).sum::<f64>();
