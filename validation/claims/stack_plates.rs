@@ -72,23 +72,27 @@ impl Pile<'_> {
             let within = self.medium(layer.index, None);
             let next = self.layers.get(number + 1).map_or(behind, |next| next.index);
             let after = self.medium(next, None);
-            let index = layer.index.into();
-            let clear = |media, um| StackElement::clear(media, index, um, WAVELENGTH_UM, number);
             let Some(light) = layer.light else {
-                all.extend(clear([&before, &within, &after], layer.thickness_um));
+                all.extend(clear([&before, &within, &after], layer.thickness_um, number));
                 before = after;
                 continue;
             };
-            all.extend(clear([&before, &within, &within], 0.0));
+            all.extend(clear([&before, &within, &within], 0.0, number));
             let um = layer.thickness_um / self.parts as f64;
             for _ in 0..self.parts {
                 all.push(scattering(light, &within, um, number));
             }
-            all.extend(clear([&within, &within, &after], 0.0));
+            all.extend(clear([&within, &within, &after], 0.0, number));
             before = after;
         }
         all
     }
+}
+
+/// A clear layer between two media, with its faces.
+fn clear(media: [&Hemisphere; 3], thickness_um: f64, layer: usize) -> Vec<StackElement> {
+    let index = media[1].ordinates.index.into();
+    StackElement::clear(media, index, thickness_um, WAVELENGTH_UM, layer)
 }
 
 /// A slab of a medium of transport theory; its mean wave fades as the beam does.
