@@ -61,7 +61,7 @@ impl Coat {
             ..Default::default()
         };
         let packing = pack(&request, &mut ()).expect("30 % packs");
-        packing.grains.iter().flat_map(|grain| grain.spheres.clone()).collect()
+        packing.grains().iter().flat_map(|grain| grain.spheres.clone()).collect()
     }
 }
 
