@@ -61,7 +61,7 @@ impl Coat {
             ..Default::default()
         };
         let packing = pack(&request, &mut ()).expect("30 % packs");
-        packing.grains.iter().flat_map(|grain| grain.spheres.clone()).collect()
+        packing.grains().iter().flat_map(|grain| grain.spheres.clone()).collect()
     }
 }
 
@@ -97,7 +97,7 @@ impl TwoCoats {
         let mut draws = Draws::new(51, stream);
         let shift = [draws.between(0.0, self.side_um), draws.between(0.0, self.side_um)];
         let azimuth_deg = draws.between(0.0, 360.0);
-        let packed = [0, 1].map(|k| self.coats[k].packed(self.side_um, 7 + k as u64, stream));
+        let packed = [0_usize, 1].map(|k| self.coats[k].packed(self.side_um, 7 + k as u64, stream));
         let ends = [[AIR, self.joint], [self.joint, AIR]];
         let apart = |k: usize| {
             let sides = &self.sides()[k];
@@ -115,7 +115,7 @@ impl TwoCoats {
             }))
         };
         let behind: Vec<Sphere> = packed[1].iter().map(|sphere| self.moved(sphere, shift)).collect();
-        let both = self.scene(&[(0, packed[0].as_slice()), (1, &behind)]);
+        let both = self.scene(&[(0, packed[0].as_slice()), (1, behind.as_slice())]);
         let direct = |polar_deg: f64| {
             let far = self.far(&both, [AIR; 2], (polar_deg, azimuth_deg, Side::Incident));
             [far.reflectance, far.transmittance]

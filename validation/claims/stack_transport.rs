@@ -27,8 +27,8 @@ struct Problem {
 }
 
 /// K. Stamnes, S.-C. Tsay, W. Wiscombe and K. Jayaweera, Appl. Opt. 27 (1988) 2502: the test problems 8c and 9a of
-/// DISORT, isotropic scattering in isotropic light of flux 1. The first follows J. Ozisik and J. Shouman, JQSRT 24
-/// (1980) 441, the second R. Devaux and others, *The F_N method* (1979).
+/// DISORT, isotropic scattering in isotropic light of flux 1. The first follows M. Ozisik and S. Shouman, JQSRT 24
+/// (1980) 441, the second C. Devaux and others, Astrophys. Space Sci. 62 (1979) 225.
 fn problems() -> [Problem; 2] {
     [
         Problem {
