@@ -27,7 +27,8 @@ pub fn totals(
     let (mut u, mut v) = (Complex64::ONE, exit);
     for film in films.iter().rev() {
         let (b, q) = admittance(film.index);
-        let (sin, cos) = (TAU / wavelength_um * film.thickness_um * b).sin_cos();
+        let phase = TAU / wavelength_um * film.thickness_um * b;
+        let (sin, cos) = (phase.sin(), phase.cos());
         (u, v) = (cos * u - Complex64::I * sin / q * v, cos * v - Complex64::I * q * sin * u);
     }
     let incident = (entry * u + v) / (2.0 * entry);

@@ -3,7 +3,7 @@
 use crate::claim::{Claim, Findings, Level};
 use crate::formulas::films::Film;
 use crate::formulas::stacks::totals;
-use crate::studies::done;
+use crate::studies::{done, row};
 use inkwave::numerics::Draws;
 use num_complex::Complex64;
 use std::fmt::Write;
@@ -80,11 +80,9 @@ fn published(wave: &str, films: &[Film], exit: f64) -> Vec<[f64; 2]> {
     )
     .expect("text");
     let results = done(&text).results;
-    let rows = results["spectra"].as_array().expect("spectra");
-    let row = |(nm, deg): (f64, f64)| {
-        let here = |row: &&serde_json::Value| row["wavelength_nm"] == nm && row["polar_deg"] == deg;
-        let row = rows.iter().find(here).expect("a row");
+    let of = |(nm, deg): (f64, f64)| {
+        let row = row(&results, nm, deg);
         ["reflectance", "transmittance"].map(|key| row[key]["value"].as_f64().expect("a number"))
     };
-    places().map(row).collect()
+    places().map(of).collect()
 }

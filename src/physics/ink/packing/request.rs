@@ -371,7 +371,7 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
 }
 
 /// What is wrong with the rows of a profile: field, value and what is allowed.
-fn profile_defect(pigment: &PigmentGrains) -> Option<(String, String, String)> {
+fn profile_defect(pigment: &PigmentGrains) -> Option<(&'static str, String, &'static str)> {
     let rows = &pigment.profile;
     let (first, last) = rows.first().zip(rows.last())?;
     let allowed = "rows [depth, share] from depth 0 to depth 1, in order, with shares from 0 to 0.64 that are not all 0";
@@ -380,7 +380,7 @@ fn profile_defect(pigment: &PigmentGrains) -> Option<(String, String, String)> {
     let is_whole = rows.len() >= 2 && first[0] == 0.0 && last[0] == 1.0;
     let rises = rows.windows(2).all(|pair| pair[1][0] >= pair[0][0]);
     let good = is_whole && rises && rows.iter().all(is_sound) && DepthLaw::of(rows).is_some();
-    (!good).then(|| ("profile".to_owned(), format!("{rows:?}"), allowed.to_owned()))
+    (!good).then(|| ("profile", format!("{rows:?}"), allowed))
 }
 
 impl RelaxationSettings {

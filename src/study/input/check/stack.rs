@@ -155,22 +155,35 @@ fn check_layers(written: &StudyFile, layers: &[StackLayerTable], faults: &mut Fa
             faults.add(format!("layer[{i}].name"), format!("{name:?}"), allowed, "give it another name");
         }
     }
-    let last = layers.len().saturating_sub(1);
+    check_joints(layers, faults);
+    check_faces(layers, faults);
+    check_given_once(layers, faults);
+}
+
+/// Joints are between layers, and open ones between packed layers.
+fn check_joints(layers: &[StackLayerTable], faults: &mut Faults) {
+    let is_given = |i: usize| layers.get(i).is_some_and(|layer| layer.microstructure.is_some());
     for (i, layer) in layers.iter().enumerate() {
-        if i == last && layer.joint.is_some() {
+        if i + 1 == layers.len() && layer.joint.is_some() {
             let allowed = "nothing on the last layer, behind which there is none";
             faults.add(format!("layer[{i}].joint"), "a joint", allowed, "remove it");
         }
-        let is_given = |i: usize| layers.get(i).is_some_and(|layer| layer.microstructure.is_some());
         if layer.joint == Some(Joint::Open) && (is_given(i) || is_given(i + 1)) {
             let allowed = "\"wall\" beside a layer whose grains are given";
             let remedy = "write joint = \"wall\": given grains stay within their layer";
             faults.add(format!("layer[{i}].joint"), "\"open\"", allowed, remedy);
         }
+    }
+}
+
+/// Outer faces alone may be rough.
+fn check_faces(layers: &[StackLayerTable], faults: &mut Faults) {
+    for (i, layer) in layers.iter().enumerate() {
+        let is_last = i + 1 == layers.len();
         let (is_outer, face) = match layer.relief.map(|relief| relief.face) {
             None => continue,
             Some(RoughFace::Incident) => (i == 0, "the first layer has a face on the incident side"),
-            Some(RoughFace::Exit) => (i == last, "the last layer has a face on the exit side"),
+            Some(RoughFace::Exit) => (is_last, "the last layer has a face on the exit side"),
         };
         if !is_outer {
             let remedy = "remove it: faces between layers are plane";
@@ -182,6 +195,10 @@ fn check_layers(written: &StudyFile, layers: &[StackLayerTable], faults: &mut Fa
             );
         }
     }
+}
+
+/// What one layer of a stack may have, but not two.
+fn check_given_once(layers: &[StackLayerTable], faults: &mut Faults) {
     let is_rough: Vec<usize> = (0..layers.len()).filter(|&i| layers[i].relief.is_some()).collect();
     let is_uneven: Vec<usize> = (0..layers.len()).filter(|&i| layers[i].thickness_um.std() > 0.0).collect();
     let is_listed = |i: &usize| matches!(layers[*i].thickness_um, ThicknessWritten::Several(_));
