@@ -137,7 +137,9 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
         let manifest = self.manifest()?;
         let results = serde_json::to_vec_pretty(manifest)?;
         let mut files = vec![Described::new("results.json", results, "all numbers with their errors")];
-        files.extend(tables(manifest)?.map(|(name, bytes, about)| Described::new(name, bytes, about)));
+        files.extend(
+            tables(manifest)?.into_iter().map(|(name, bytes, about)| Described::new(name, bytes, about)),
+        );
         Ok(files)
     }
 
