@@ -204,8 +204,8 @@ impl CoherentFilm {
         }
     }
 
-    /// Fringes over the hemisphere in a layer of `count` slabs: 0 where light between the surfaces is
-    /// too faint for any.
+    /// Fringes over the hemisphere in a layer of `count` slabs: 0 where light between the surfaces
+    /// is too faint for any.
     fn fringes(&self, at_normal: &Slow, count: f64) -> f64 {
         if (at_normal.slab.re * 2.0 * (count - 2.0)).exp() < FAINT {
             return 0.0;

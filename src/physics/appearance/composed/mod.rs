@@ -16,9 +16,9 @@
 //! exactly 0° keeps its coherent part |⟨a⟩|² apart, as a beam. [`transport`] describes the medium
 //! that the slabs are.
 //!
-//! Several layers are a [`stack`]: a list of such elements and of clear layers, with a mean wave that
-//! interferes over the whole of it. Adding fluxes alone is off by a factor of 4 in R at 0° of two
-//! thin inks; with the mean wave as a film both ways agree within some per cent.
+//! Several layers are a [`stack`]: a list of such elements and of clear layers, with a mean wave
+//! that interferes over the whole of it. Adding fluxes alone is off by a factor of 4 in R at 0° of
+//! two thin inks; with the mean wave as a film both ways agree within some per cent.
 
 pub mod flux;
 mod fraction;
