@@ -45,7 +45,9 @@ fn lab(value: &Value) -> [f64; 3] {
 /// described. *Planted*: the spread of a solid's light left out.
 #[test]
 fn tints_lie_between_paper_and_solid() {
-    let (results, scratch) = results(&format!("{TINY}{DOTS}"));
+    // an ink that absorbs: of a clear one the layer sends back more of what the paper returns than it takes
+    let absorbing = TINY.replace("{ built_in = \"yellow\" }", "{ n = 1.5, k = 0.3 }");
+    let (results, scratch) = results(&format!("{absorbing}{DOTS}"));
     let prints = results["prints"]["prints"].as_array().expect("prints");
     assert_eq!(prints.len(), 4);
     let factors = prints[3]["factors"].as_array().expect("factors");

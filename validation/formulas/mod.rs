@@ -4,6 +4,6 @@ pub mod films;
 pub mod form_factors;
 pub mod halftone;
 pub mod mie;
-pub mod stacks;
 pub mod opaque;
 pub mod returns;
+pub mod stacks;

@@ -193,6 +193,9 @@ fn is_even(near: &[f64]) -> bool {
     steps().fold(0.0, f64::max) <= EVEN * steps().fold(f64::INFINITY, f64::min)
 }
 
+/// Shares of light below this are rounding of sums of order 1: nothing.
+const ROUNDING: f64 = 1e-12;
+
 /// What is made of weighted means.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
@@ -234,8 +237,8 @@ impl NumberTransform {
     /// The number of a mean; NaN where there is none, such as the density of a negative mean.
     pub fn of_mean(self, mean: f64) -> f64 {
         match self {
-            Self::Density if mean > 0.0 => -mean.log10(),
-            Self::Reciprocal if mean > 0.0 => 1.0 / mean,
+            Self::Density if mean > ROUNDING => -mean.log10(),
+            Self::Reciprocal if mean > ROUNDING => 1.0 / mean,
             Self::Mean => mean,
             _ => f64::NAN,
         }

@@ -106,7 +106,11 @@ fn transforms_of_nothing_are_no_numbers() {
     assert_eq!(NumberTransform::Density.of_mean(0.01), 2.0);
     assert_eq!(NumberTransform::Reciprocal.of_mean(0.02), 50.0);
     for transform in [NumberTransform::Density, NumberTransform::Reciprocal] {
-        assert!(transform.of_mean(0.0).is_nan() && transform.of_mean(-1e-3).is_nan());
+        assert!(
+            transform.of_mean(1e-31).is_nan()
+                && transform.of_mean(0.0).is_nan()
+                && transform.of_mean(-1e-3).is_nan()
+        );
     }
     let white = NamedWeights::find("D65/10").unwrap().white.unwrap();
     assert!((NumberTransform::Whiteness.of_xyz(white.xyz, &white) - 100.0).abs() < 1e-12);

@@ -54,7 +54,7 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
 /// All errors in the layer, the pigments and the packing.
 pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
     let Examined { study, packing_faults: mut faults, .. } = examine(file, folder, name);
-    if pigments::packed(&file.pigments).next().is_none() {
+    if study.pigments.is_empty() && pigments::packed(&file.pigments).next().is_none() {
         faults.add("pigment", "none", "at least one [[pigment]] with grains", "add one");
     }
     if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }

@@ -20,7 +20,6 @@
 mod calculation;
 mod layer;
 mod microstructure;
-mod stack;
 mod number;
 
 pub use calculation::{AnglesTable, LightTable, SamplingName};
@@ -28,10 +27,10 @@ pub use calculation::{ResolutionTable, RunTable, SolverTable, TargetColour};
 pub use layer::{
     BinderTable, ComposedTable, ContrastPart, LayerTable, PackingTable, PigmentTable, ShellTable,
 };
+pub use layer::{StackLayerTable, StackTable};
 pub use microstructure::{
     Continuation, FileNames, LabelPigments, LengthUnit, MicrostructureTable, SizeColumn, VoxelEdges,
 };
-pub use stack::{StackLayerTable, StackTable};
 
 pub use number::{NumberTable, SeenLight, WeightsWritten};
 
@@ -53,8 +52,8 @@ pub struct StudyFile {
     pub title: Option<String>,
     /// The periodic cell and the media on both sides of it; or the layers of a stack, one
     /// `[[layer]]` each in the order of the light, with their own `[[layer.pigment]]`.
-    #[serde(deserialize_with = "stack::one_or_stacked")]
-    #[schemars(schema_with = "stack::one_or_stacked_schema")]
+    #[serde(deserialize_with = "layer::one_or_stacked")]
+    #[schemars(schema_with = "layer::one_or_stacked_schema")]
     pub layer: LayerTable,
     /// What the layers of `[[layer]]` share: the cell, and the media on both sides.
     pub stack: Option<StackTable>,

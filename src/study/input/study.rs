@@ -6,17 +6,15 @@ mod moved;
 mod number;
 mod parts;
 mod stack;
-mod stack_plates;
 mod written;
 
 pub use super::file::TargetColour;
-pub use composed::{Composed, Portion, Position};
+pub use composed::{Composed, LayerPlates, Portion, Position, StackMedia, StackedPortion};
 pub use kind::StudyKind;
 pub use moved::InputMove;
 pub use number::{WantedNumber, WantedWeights};
 pub use parts::{Angles, Dissolved, Dots, IndexSpectrum, Judgement, Layer, MeasuredPaper, Paper};
 pub use parts::{Pigment, StackLayer, WantedResolution};
-pub use stack_plates::{LayerPlates, StackMedia, StackedPortion};
 pub use written::WrittenAngles;
 
 use super::file::OutputTable;

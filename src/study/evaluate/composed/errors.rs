@@ -145,7 +145,12 @@ mod tests {
         };
         let spectra = (0..20).map(row).collect();
         ComposedNumbers {
-            requested: vec![ThicknessNumbers { spectra, colours: None, weighted: Vec::new(), prints: Vec::new() }],
+            requested: vec![ThicknessNumbers {
+                spectra,
+                colours: None,
+                weighted: Vec::new(),
+                prints: Vec::new(),
+            }],
             curve: Vec::new(),
             hiding: None,
             medium: Vec::new(),

@@ -1,8 +1,12 @@
 //! The layer: the cell, its pigments, and their packing; which part of the contrast scatters, for
 //! studies in which the real or imaginary part of η² is replaced by its mean.
 
+mod stack;
+
+pub use stack::{StackLayerTable, StackTable};
+pub(super) use stack::{one_or_stacked, one_or_stacked_schema};
+
 use super::microstructure::MicrostructureTable;
-use super::stack::{StackLayerTable, StackTable};
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
     SequentialSettings, Shape, ShareRule, SizeDistribution,

@@ -4,7 +4,10 @@
 //! layer's own index, by the mixing rule of its wave equation: so its solves have records, stores
 //! and progress as any others.
 
-use super::stack_plates::{LayerPlates, StackedPortion};
+mod stack_plates;
+
+pub use stack_plates::{LayerPlates, StackMedia, StackedPortion};
+
 use super::{Angles, Study, StudyKind};
 use crate::appearance::composed::flux::{Hemisphere, Sides};
 use crate::appearance::composed::ordinates::Ordinates;

@@ -1,7 +1,8 @@
 //! Stacks of layers: `[[layer]]` in the order of the light, and `[stack]` for what they share.
 
-use super::layer::vacuum;
-use super::{BinderTable, ComposedTable, ContrastPart, LayerTable, MicrostructureTable, PigmentTable};
+use super::{
+    BinderTable, ComposedTable, ContrastPart, LayerTable, MicrostructureTable, PigmentTable, vacuum,
+};
 use crate::ink::{Joint, ReliefRequest};
 use crate::input::forms::{Pair, ThicknessWritten};
 use crate::input::{limits, variation};
@@ -88,7 +89,9 @@ pub struct StackLayerTable {
 }
 
 /// Reads `[layer]`, or `[[layer]]` as [`LayerTable::stacked`].
-pub(super) fn one_or_stacked<'de, D: Deserializer<'de>>(from: D) -> Result<LayerTable, D::Error> {
+pub(in crate::input::file) fn one_or_stacked<'de, D: Deserializer<'de>>(
+    from: D,
+) -> Result<LayerTable, D::Error> {
     from.deserialize_newtype_struct("layer", OneOrStacked)
 }
 
@@ -142,7 +145,7 @@ impl StackLayerTable {
 
 /// One table, or a list of others: what a schema says of keys is of tables alone, and what it says
 /// of items is of lists alone.
-pub(super) fn one_or_stacked_schema(generator: &mut SchemaGenerator) -> Schema {
+pub(in crate::input::file) fn one_or_stacked_schema(generator: &mut SchemaGenerator) -> Schema {
     let stacked = generator.subschema_for::<StackLayerTable>();
     let mut schema = LayerTable::json_schema(generator);
     schema.insert("type".into(), json!(["object", "array"]));

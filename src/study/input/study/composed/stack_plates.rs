@@ -5,8 +5,8 @@
 //! front, and the next layer's grains begin behind a wall in their own binder. All media have the
 //! same zones of directions, which end at the indices of all of them.
 
-use super::composed::{Composed, Portion, Position};
-use super::{StackLayer, Study, StudyKind};
+use super::{Composed, Portion, Position};
+use crate::input::study::{StackLayer, Study, StudyKind};
 use serde::{Deserialize, Serialize};
 
 /// How one layer of a stack becomes plates.
