@@ -60,7 +60,7 @@ impl Pile<'_> {
     }
 
     /// The same from behind, built in its own order.
-    fn from_behind(&self) -> PlateStack {
+    fn turned_over(&self) -> PlateStack {
         let turned: Vec<Made> = self.layers.iter().rev().copied().collect();
         let front = self.medium(self.behind, None);
         let elements = Pile { layers: &turned, ..*self }.elements(&front, 1.0);
@@ -261,7 +261,7 @@ fn passes_alike(findings: &mut Findings) {
     for behind in [1.0, 1.5] {
         let pile = Pile { layers: &MIXED, behind, parts: 1, reciprocal: true };
         let onward = diffuse(&pile.stack());
-        let back = diffuse(&pile.from_behind());
+        let back = diffuse(&pile.turned_over());
         apart = apart.max((onward.transmitted / (behind * behind * back.transmitted) - 1.0).abs());
         let [first, second, third] = MIXED;
         let other = diffuse(&Pile { layers: &[first, third, second], ..pile }.stack());

@@ -40,7 +40,7 @@ pub struct RealPart {
     pub n: Vec<f64>,
     /// Change by one standard error of the absorption at shorter wavelengths than the table's.
     pub ultraviolet: Vec<f64>,
-    /// The same of longer wavelengths.
+    /// What longer wavelengths add.
     pub infrared: Vec<f64>,
 }
 

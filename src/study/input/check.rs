@@ -159,12 +159,7 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         remarks,
     };
     study.remarks.extend(given.remarks);
-    study.remarks.extend(index::bridged(&study));
-    study.remarks.extend(study.undetermined_inputs());
-    if study.no_paper().is_none() {
-        study.remarks.extend(light::colour_takes_a_part(&study.wavelengths_nm));
-        study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
-    }
+    remark_on_inputs(&mut study);
     light::refusals(&file.pigments, &study, &mut wave_faults);
     if let Some(composed) = composed {
         composed::refusals(&file, &study, &mut wave_faults);
@@ -178,6 +173,16 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         wave_faults.0.extend(target_without_colour(&study));
     }
     Examined { study, packing_faults, wave_faults }
+}
+
+/// Adds what a user should know of the tables and of the colours' wavelengths.
+fn remark_on_inputs(study: &mut Study) {
+    study.remarks.extend(index::bridged(study));
+    study.remarks.extend(study.undetermined_inputs());
+    if study.no_paper().is_none() {
+        study.remarks.extend(light::colour_takes_a_part(&study.wavelengths_nm));
+        study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
+    }
 }
 
 impl StudyFile {

@@ -190,7 +190,7 @@ fn what_nodes_leave_out_of_a_film_is_known() {
     assert!((between + change.reflected - want).abs() < 1e-9, "{between} {change:?} {want}");
 }
 
-/// The same film as a stack of a front slab, inner ones and a back slab.
+/// A film as a stack of a front slab, inner ones and a back slab.
 fn as_stack(film: &CoherentFilm, count: f64) -> StackFilm {
     let [before, within, behind] = film.media.each_ref().map(|medium| medium.ordinates.index);
     let element = |k: usize, between: [f64; 2], mirrors: Mirrors, count: f64| {

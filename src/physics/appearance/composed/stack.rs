@@ -267,6 +267,10 @@ fn mirrored(own: &Hemisphere, other: &Hemisphere, sine: f64, polarisation: usize
     if a + b > 0.0 { ((a - b) / (a + b)).powi(2) } else { 1.0 }
 }
 
+/// Share that every way through a clear layer loses, so that light between two totally reflecting
+/// faces, where none arrives, has a finite sum.
+const LEAST_LOSS: f64 = 1e-13;
+
 /// An even medium of some thickness: all goes on but what it absorbs.
 fn even(medium: &Hemisphere, index: Complex64, thickness_um: f64, wavelength_um: f64) -> Plate {
     let sines = std::iter::once(0.0).chain(
@@ -275,7 +279,7 @@ fn even(medium: &Hemisphere, index: Complex64, thickness_um: f64, wavelength_um:
     let passed: Vec<f64> = sines
         .map(|sine| {
             let normal = (index * index - sine * sine).sqrt();
-            (-2.0 * TAU / wavelength_um * normal.im.abs() * thickness_um).exp()
+            (1.0 - LEAST_LOSS) * (-2.0 * TAU / wavelength_um * normal.im.abs() * thickness_um).exp()
         })
         .collect();
     let n = medium.states();

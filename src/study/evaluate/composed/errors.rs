@@ -87,7 +87,11 @@ fn errors_of_composing(
             .iter()
             .map(|all| over_neighbours(all, distribution_errors))
             .collect(),
-        absorbed: beyond.absorbed.iter().map(|all| over_neighbours(all, absorbed_errors)).collect(),
+        absorbed: beyond
+            .absorbed
+            .iter()
+            .map(|all| over_neighbours(all, |near, here| absorbed_errors(near, here.len())))
+            .collect(),
     }
 }
 
@@ -114,12 +118,12 @@ fn distribution_errors(near: &[Distribution<f64>], here: &Distribution<f64>) -> 
 }
 
 /// The errors of what layers absorb, each from those of its layer at the wavelengths near.
-fn absorbed_errors(near: &[Vec<f64>], here: &Vec<f64>) -> Vec<f64> {
+fn absorbed_errors(near: &[Vec<f64>], layers: usize) -> Vec<f64> {
     let error = |layer: usize| {
         let values = near.iter().filter_map(|other| other.get(layer).copied());
         error_of_composing(&values.collect::<Vec<_>>())
     };
-    (0..here.len()).map(error).collect()
+    (0..layers).map(error).collect()
 }
 
 /// A new row for each, from the rows of the wavelengths near and its own.
