@@ -10,7 +10,7 @@
 //! ```
 //!
 //! with m what the surface mirrors into the instrument. This is the series of
-//! [`returned`](super::paper::returned) for a layer that is this surface alone. Behind an air gap
+//! [`returned`] for a layer that is this surface alone. Behind an air gap
 //! bare paper has no surface, and the factor is the albedo.
 
 use super::paper::{Coupling, PRINT_DEG, PaperError, returned};
