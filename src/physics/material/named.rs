@@ -234,7 +234,7 @@ impl NamedIndex {
         common(self.parts.iter().map(|(_, record)| record.range_nm()))
     }
 
-    /// Pairs of wavelengths, nm, between which two records are joined, linear from one to the other.
+    /// Pairs of wavelengths, nm, between which two records are joined, linear between both.
     pub fn seams_nm(&self) -> Vec<[f64; 2]> {
         self.parts.iter().flat_map(|(_, record)| record.seams_nm()).collect()
     }

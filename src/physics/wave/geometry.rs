@@ -61,8 +61,8 @@ impl Geometry {
 
 impl Scene {
     /// One stratum of binder (the background with its number) for every layer, with the nested
-    /// bodies of every grain; their materials are the inclusions (see [`Packing::materials`]), and the space beyond a relief is filled by
-    /// the medium of its side.
+    /// bodies of every grain; their materials are the inclusions (see [`Packing::materials`]), and
+    /// the space beyond a relief is filled by the medium of its side.
     ///
     /// The packing has been checked for overlap, so the check of pairs is not repeated.
     pub fn from_packing(packing: &Packing) -> Scene {

@@ -173,7 +173,7 @@ fn conditions_that_are_not_stated_or_not_known_are_errors_and_spectra_go_before_
     assert_eq!(of_patch(&spectral, "my ink").unwrap().rows[0], [400.0, 0.5]);
 }
 
-/// X, Y, Z of CIE white D50 are L* 100 within the rounding of the tables (white sums of 5 nm: ± 0.03
+/// X, Y, Z of CIE white D50 are L* 100 within the rounding of the tables (sums of 5 nm: ± 0.03
 /// in Z), and those of half its luminance L* 76.07, by the formula of CIE 15.
 #[test]
 fn x_y_z_alone_are_a_colour_relative_to_white_of_the_stated_light() {

@@ -119,8 +119,8 @@ pub struct ComposedNumbers<T> {
     pub medium: Vec<MediumNumbers<T>>,
     /// \[thickness that the study requests\]\[wavelength\]
     pub distributions: Vec<Vec<Distribution<T>>>,
-    /// Of a stack: share of light at 0° that each layer absorbs, without paper, \[thickness that the
-    /// study requests\]\[wavelength\]\[layer\].
+    /// Of a stack: share of light at 0° that each layer absorbs, without paper, \[thickness that
+    /// the study requests\]\[wavelength\]\[layer\].
     pub absorbed: Vec<Vec<Vec<T>>>,
 }
 

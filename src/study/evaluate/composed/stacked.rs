@@ -1,8 +1,8 @@
 //! Stacks as lists of plates: from the ensembles of all portions to a stack of one thickness of its
 //! varied layer.
 //!
-//! A layer that is solved as a whole is one element; among slabs of half the thickness it is its two
-//! halves, so that the comparison carries what a joint within a strong layer costs.
+//! A layer that is solved as a whole is one element, and among slabs of half the thickness it is
+//! its two halves, so that the comparison carries what a joint within a strong layer costs.
 
 use super::level::{Change, Level, MeanSlab};
 use crate::appearance::composed::flux::Hemisphere;

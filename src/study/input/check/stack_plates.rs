@@ -1,4 +1,4 @@
-//! Stacks that are lists of plates: which layers are solved as a whole, and what cannot be composed.
+//! Stacks that are lists of plates: which layers are solved as a whole, and what cannot be.
 
 use super::light::check_list;
 use crate::ink::Joint;
@@ -51,8 +51,8 @@ pub(super) fn compose(
     study.kind = StudyKind::Composed(composed);
 }
 
-/// How one layer becomes plates. A whole layer takes one portion and two halves, slabs take three of
-/// their thickness and three of half of it: from twice a slab on, slabs are cheaper.
+/// How one layer becomes plates. A whole layer takes one portion and two halves, slabs take three
+/// of their thickness and three of half of it: from twice a slab on, slabs are cheaper.
 fn plates_of(
     study: &Study,
     layers: &[StackLayerTable],

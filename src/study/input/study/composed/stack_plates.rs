@@ -1,8 +1,8 @@
 //! Stacks as lists of plates: which layers are solved as a whole, which in slabs, and between which
 //! media.
 //!
-//! Behind a layer lies the binder of the next one: the step of index is in the solve of the layer in
-//! front, and the next layer's grains begin behind a wall in their own binder. All media have the
+//! Behind a layer lies the binder of the next one: the step of index is in the solve of the layer
+//! in front, and the next layer's grains begin behind a wall in their own binder. All media have the
 //! same zones of directions, which end at the indices of all of them.
 
 use super::{Composed, Portion, Position};
@@ -116,8 +116,8 @@ impl Study {
         study
     }
 
-    /// The studies that a stack of plates takes: of every layer with grains the whole layer or slabs
-    /// of its own thickness, and slabs of half of that.
+    /// The studies that a stack of plates takes: of every layer with grains the whole layer or
+    /// slabs of its own thickness, and slabs of half of that.
     pub(super) fn portions_of_stack(&self, composed: &Composed) -> Vec<Study> {
         let media = self.stack_media();
         let mut portions = Vec::new();
