@@ -2,8 +2,8 @@
 //! media.
 //!
 //! Behind a layer lies the binder of the next one: the step of index is in the solve of the layer
-//! in front, and the next layer's grains begin behind a wall in their own binder. All media have the
-//! same zones of directions, which end at the indices of all of them.
+//! in front, and the next layer's grains begin behind a wall in their own binder. All media have
+//! the same zones of directions, which end at the indices of all of them.
 
 use super::{Composed, Portion, Position};
 use crate::input::study::{StackLayer, Study, StudyKind};
