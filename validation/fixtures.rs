@@ -17,7 +17,7 @@ pub fn molecular_ink(pigment: &str, share: f64, coupling: Coupling) -> InkOnPape
     let index = |nm: f64| {
         molecular_mixture(1.558.into(), &[(share, spectrum.index(1e-3 * nm).expect("a visible wavelength"))])
     };
-    let indices = |nm: f64| (index(nm), Vec::new());
+    let indices = |nm: f64| (vec![index(nm)], Vec::new());
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling };
     let films = Films {
         profile: Profile::homogeneous(),

@@ -65,7 +65,8 @@ pub fn composed_between(text: &str, mixing: Option<MixingRule>) -> Value {
     serde_json::to_value(summarise_slabs(&study, &solved).expect("complete slabs")).expect("JSON")
 }
 
-fn checked(text: &str) -> Study {
+/// A study file's text, checked.
+pub fn checked(text: &str) -> Study {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("study.toml");
     std::fs::write(&path, text).expect("written");

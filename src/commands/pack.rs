@@ -77,8 +77,7 @@ fn one(study: &Study, realisation: usize, stop: &StopFlag) -> Result<Packing> {
 
 fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     let account = packing.account();
-    let fraction: f64 = packing.shares().iter().map(|s| s.achieved_fraction).sum();
-    let requested: f64 = packing.shares().iter().map(|s| s.requested_fraction).sum();
+    let fraction = fraction_in_words(packing);
     let sweeps = if account.sweeps > 0 { format!(", {} sweeps", account.sweeps) } else { String::new() };
     let sizes = |k: usize| {
         Some(format!("; pigment {}: d10, d50, d90 {}", k + 1, ReachedSizes::of(packing, k)?.in_words()))
@@ -90,10 +89,22 @@ fn summary(packing: &Packing, realisation: usize, seconds: f64) -> String {
     };
     let notes: String = account.notes.iter().map(|n| format!("; {n}")).collect();
     format!(
-        "realisation {}: {} grains{by}{sweeps}, fraction {fraction:.6} (requested {requested:.6}), {seconds:.2} s{sizes}{notes}",
+        "realisation {}: {} grains{by}{sweeps}, {fraction}, {seconds:.2} s{sizes}{notes}",
         realisation + 1,
         packing.grains().len(),
     )
+}
+
+/// The volume fraction of all pigments; in a stack that of each pigment in its own layer.
+fn fraction_in_words(packing: &Packing) -> String {
+    let shares = packing.shares();
+    if packing.layers_um().len() > 1 {
+        let each = shares.iter().map(|s| format!("{:.6} ({:.6})", s.achieved_fraction, s.requested_fraction));
+        return format!("fractions of their layers (requested) {}", each.collect::<Vec<_>>().join(", "));
+    }
+    let reached: f64 = shares.iter().map(|s| s.achieved_fraction).sum();
+    let requested: f64 = shares.iter().map(|s| s.requested_fraction).sum();
+    format!("fraction {reached:.6} (requested {requested:.6})")
 }
 
 /// Shows progress on stderr and stops on Ctrl-C.

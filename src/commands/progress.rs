@@ -1,6 +1,6 @@
-//! Progress of a run: on stderr a progress bar on a terminal, otherwise a line every ten seconds;
-//! and report pages during the run, rewritten from the finished solves, so that they can be opened
-//! at any time.
+//! Progress of a run: on stderr a progress bar on a terminal, otherwise a line every ten seconds, or
+//! as often as `$INKWAVE_PROGRESS_SECONDS` asks; and report pages during the run, rewritten from
+//! the finished solves, so that they can be opened at any time.
 
 use super::terminal::StopFlag;
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
@@ -14,7 +14,13 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-const BETWEEN_LINES: Duration = Duration::from_secs(10);
+/// Shortest time between two lines of progress: what the environment asks for, which programs that
+/// draw a bar of their own do, from a tenth of a second to an hour; else ten seconds.
+fn between_lines() -> Duration {
+    let asked = std::env::var("INKWAVE_PROGRESS_SECONDS").ok().and_then(|text| text.parse::<f64>().ok());
+    Duration::from_secs_f64(asked.filter(|seconds| (0.1..=3600.0).contains(seconds)).unwrap_or(10.0))
+}
+
 /// Fewest solves whose mean time is used to estimate the time left.
 const TOO_FEW: usize = 20;
 
@@ -41,6 +47,8 @@ struct RunState {
     ends_early: bool,
     /// Time of the last line, where there is no progress bar.
     last_line: Instant,
+    /// Time from one line to the next.
+    between: Duration,
 }
 
 impl RunState {
@@ -56,6 +64,7 @@ impl RunState {
             workers: 1,
             ends_early: false,
             last_line: begun,
+            between: between_lines(),
         }
     }
 
@@ -84,7 +93,7 @@ impl RunState {
 
     /// Whether the next line is due, which it is once.
     fn is_due(&mut self) -> bool {
-        let due = self.last_line.elapsed() >= BETWEEN_LINES;
+        let due = self.last_line.elapsed() >= self.between;
         if due {
             self.last_line = Instant::now();
         }

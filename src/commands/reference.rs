@@ -5,7 +5,7 @@
 use super::terminal::say;
 use clap::{Args, Command};
 use clap_complete::Shell;
-use inkwave::material::named::{MATERIALS, NamedMaterial};
+use inkwave::material::named::{MATERIALS, Masstone, NamedMaterial};
 use inkwave::schema::Document;
 use miette::{IntoDiagnostic, Result, WrapErr, miette};
 use std::path::PathBuf;
@@ -29,11 +29,11 @@ pub fn schema(args: &SchemaArgs) -> Result<()> {
     say(serde_json::to_string_pretty(&args.kind.schema()).into_diagnostic()?)
 }
 
-/// List the measured materials for `index = { material = "…" }`: use, range, index at 550 nm,
-/// source
+/// List the measured materials for `index = { material = "…" }`: use, range, index at 550 nm, what
+/// was measured, and the colour of a paint beside measured ones
 #[derive(Args)]
 pub struct MaterialsArgs {
-    /// Show only this material, with the comment of its source
+    /// Show only this material, with its grade, its seams and its sources
     pub name: Option<String>,
 }
 
@@ -48,13 +48,35 @@ pub fn materials(args: &MaterialsArgs) -> Result<()> {
         return Err(miette!(help = help, "no material {name:?}; known are {names}"));
     };
     say(row(known))?;
+    grade(known)?;
     for source in known.sources() {
         say!("  {}\n  {}", source.reference, source.comment)?;
     }
     if known.is_birefringent() {
-        say!("  Birefringent: the waves see the orientation average, ε = (2 ε_o + ε_e)/3.")?;
+        say!("  Birefringent: the waves see the orientation average of ε, such as (2 ε_o + ε_e)/3.")?;
     }
-    say!("  From the refractiveindex.info database, CC0 1.0.")
+    known.origins().try_for_each(|line| say!("  {line}"))
+}
+
+/// What was measured, where κ is known, where records are joined, and what a paint looks like.
+fn grade(material: &NamedMaterial) -> Result<()> {
+    if let Some(former) = material.former.first() {
+        say!("  formerly: {former}, which is still read")?;
+    }
+    say!("  sample: {}", material.grade.sample)?;
+    say!("  κ: {}", material.grade.kappa)?;
+    for [end, start] in material.index().seams_nm() {
+        say!("  seam: two records, straight from {end:.0} to {start:.0} nm")?;
+    }
+    let Some(Masstone { lab: [l, a, b], diameter_nm, paints, delta_e_2000: [least, most], verdict, .. }) =
+        material.grade.masstone
+    else {
+        return say!("  masstone: compared with no measured paint");
+    };
+    say!(
+        "  masstone: L* {l:.0}, a* {a:.0}, b* {b:.0} with grains of {diameter_nm:.0} nm; ΔE₀₀ {least:.1} to {most:.1} from {paints}"
+    )?;
+    say!("  {verdict}")
 }
 
 fn row(material: &NamedMaterial) -> String {
@@ -62,7 +84,15 @@ fn row(material: &NamedMaterial) -> String {
     let index = material.index();
     let [from, to] = index.range_nm();
     let eta = index.index(0.55);
-    format!("{name:<14} {what:<38} {from:.0}–{to:.0} nm   {:.3} + {:.4}i at 550 nm", eta.re, eta.im)
+    let sample = material.grade.sample;
+    let mut row = format!(
+        "{name:<20} {what:<48} {from:>4.0}–{to:.0} nm   {:.3} + {:.4}i at 550 nm   {sample}",
+        eta.re, eta.im
+    );
+    if let Some(Masstone { lab: [l, a, b], delta_e_2000: [least, most], .. }) = material.grade.masstone {
+        row += &format!("; masstone {l:.0}, {a:.0}, {b:.0}, ΔE₀₀ {least:.1} to {most:.1} from paints");
+    }
+    row
 }
 
 /// Print the completion script for a shell

@@ -11,7 +11,6 @@ use inkwave::evaluate::manifest::{Count, Status};
 use inkwave::input::load::{load, stem};
 use inkwave::input::study::{Composed, Study, StudyKind};
 use inkwave::report::publish::{PublishError, Published, evaluate_and_publish};
-use inkwave::run::watch::RunWatch;
 use inkwave::run::{RunSettings, Stores};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
@@ -45,39 +44,29 @@ pub fn run(args: &RunArgs) -> Result<()> {
     let of_study = study.output.folder.as_ref().filter(|_| args.work.output.is_none());
     let path = of_study.map_or_else(|| args.work.folder(&args.study, ""), PathBuf::from);
     let folder = opened(&path, Holds::Study)?;
-    let is_composed = study.composed().is_some();
-    if let Some(reason) = study.no_ink().filter(|_| !is_composed) {
+    if let Some(reason) = study.no_ink() {
         note!("no paper, colour and picture: {reason}");
     }
-    let plan = (!is_composed).then(|| by_size(&of_one("", study.clone()), settings));
-    if let Some(reason) = plan.and_then(|plan| plan.out_of_reach) {
+    if let Some(reason) = by_size(&of_one("", study.clone()), settings).out_of_reach {
         note!("out of reach: {reason} (--plan gives details; Ctrl-C stops)");
     }
     let progress = Progress::new();
-    progress.expect(study.solves(), !is_composed && study.target_delta_e.is_some());
+    progress.expect(study.solves(), study.target_delta_e.is_some());
     let live = Live::new(&folder, &progress, Box::new(|| publish_stored(&study, &folder)));
-    // composed layers take long to evaluate: they have a page at the end
-    let watch: &dyn RunWatch = if is_composed { &progress } else { &live };
-    let ran = progress.during(|| run_any_study(&study, &folder, settings, watch));
+    let ran = progress.during(|| run_any_study(&study, &folder, settings, &live));
     let RanStudy { solved, damages, publishes } =
         ran.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
     tell_damages(&damages);
-    if is_composed && progress.stopped() {
-        let finished = solved.finished();
-        let kept = format!("stopped: {finished} of {} solves are finished and kept", study.solves());
-        return Err(miette!(
-            help = to_resume(),
-            "{kept}; a composed layer is evaluated when all are finished"
-        ));
-    }
     if !publishes {
         return tell_others(&folder);
     }
-    if is_composed {
-        note!("evaluating the layer: numbers, error bars and pictures");
-    }
+    note!("evaluating the layer: numbers, error bars and pictures");
     let published = match evaluate_and_publish(&study, &solved, &folder) {
-        Err(error @ PublishError::Slabs(_)) => return Err(miette!(help = to_resume(), "{error}")),
+        Err(error @ PublishError::Slabs(_)) => {
+            let finished = solved.finished();
+            let kept = format!("{finished} of {} solves are finished and kept", study.solves());
+            return Err(miette!(help = to_resume(), "{error}: {kept}"));
+        }
         published => published.into_diagnostic()?,
     };
     published.remarks.iter().for_each(note);
@@ -97,6 +86,9 @@ fn tell_results(study: &Study, published: &Published) -> Result<()> {
     }
     if let Some(reason) = &published.no_colour {
         say!("{}: no colour: {reason}", study.title)?;
+    }
+    for number in &published.numbers {
+        say!("{}: {number}", study.title)?;
     }
     let told = |line: &&String| published.no_colour.as_ref().is_some_and(|reason| reason.contains(*line));
     for line in published.withheld.iter().filter(|line| !told(line)) {
@@ -144,14 +136,21 @@ const WORTH_COMPOSING_UM: f64 = 4.0;
 /// Says what a thick layer would cost if it were composed of slabs.
 fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
     let um = study.layer.thickness_um;
-    let plane = study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
+    let plane =
+        study.stack.is_empty() && study.packing.relief.is_none() && study.variation.thickness_std_um == 0.0;
     if study.composed().is_some() || um < WORTH_COMPOSING_UM || !plane || study.pigments.is_empty() {
         return Ok(());
     }
     let whole = by_size(&of_one("", study.clone()), settings).core_seconds;
     let slab_um = um / (0.5 * um).round();
-    study.kind =
-        StudyKind::Composed(Composed { slab_um, directions: [3, 3], thicknesses_um: vec![um], mixing: None });
+    study.kind = StudyKind::Composed(Composed {
+        slab_um,
+        directions: [3, 3],
+        thicknesses_um: vec![um],
+        mixing: None,
+        layers: Vec::new(),
+        varied: None,
+    });
     let slabs = by_size(&of_one("", study), settings).core_seconds;
     say!(
         "with [layer.composed], slabs of {slab_um:.2} µm would give these {um} µm, and any other thickness, in about {:.1} \

@@ -75,9 +75,7 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     );
     let mut publisher = Publisher::new(&sweep);
     let live = Live::new(&folder, &progress, Box::new(|| publisher.publish(&folder).is_ok()));
-    // composed layers take long to evaluate: they have pages at the end
-    let has_live_pages = !args.grids_only && !has_composed(&sweep);
-    let watch: &dyn RunWatch = if has_live_pages { &live } else { &progress };
+    let watch: &dyn RunWatch = if args.grids_only { &progress } else { &live };
     let tally = progress.during(|| runner::run(&sweep.variants, &folder, (part, scope), settings, watch));
     let tally = tally.map_err(run_report)?;
     tell_damages(&tally.damages);
@@ -103,11 +101,6 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     report(&sweep, &folder, progress.stopped(), &this_command())
 }
 
-/// Whether any variant is a composed layer.
-fn has_composed(sweep: &Sweep) -> bool {
-    sweep.variants.iter().any(|variant| variant.study.composed().is_some())
-}
-
 /// Says that other processes continue here.
 pub(super) fn tell_others(folder: &OutputFolder) -> Result<()> {
     say!("Other processes are still working in {} and will write the report.", folder.path().display())
@@ -115,16 +108,6 @@ pub(super) fn tell_others(folder: &OutputFolder) -> Result<()> {
 
 /// Publishes what the store has of a sweep and prints where the results are.
 pub(super) fn report(sweep: &Sweep, folder: &OutputFolder, stopped: bool, go_on: &str) -> Result<()> {
-    if has_composed(sweep) {
-        if stopped {
-            let help = format!("to resume: {go_on}");
-            return Err(miette!(
-                help = help,
-                "stopped: layers are evaluated when all of their slabs are there"
-            ));
-        }
-        note!("evaluating the layers: numbers, error bars and pictures");
-    }
     tell(&publish(sweep, folder).into_diagnostic()?, folder, stopped, go_on)
 }
 

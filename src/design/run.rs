@@ -279,7 +279,7 @@ impl DesignRun<'_> {
         if let Some(what) = manifest.unphysical() {
             return Ok(Err(format!("{what}: curves through few wavelengths and cells overshoot")));
         }
-        let print = manifest.print();
+        let main = manifest.main_numbers();
         let maker = manifest.ink_maker.as_ref();
         let Some((maker, target)) = maker.and_then(|maker| Some((maker, maker.target.as_ref()?))) else {
             let reason = manifest.no_ink_maker.or(manifest.no_colour);
@@ -294,7 +294,7 @@ impl DesignRun<'_> {
             predicted: None,
             surface_error: None,
             contrast_ratio: maker.contrast_ratio,
-            realisations: print.realisations,
+            realisations: main.realisations,
             cost: task.cost(places),
             places: places.to_vec(),
             spectra,

@@ -131,6 +131,12 @@ impl FitReading<'_> {
                 "remove [base.layer.composed], and fit drawdowns of a few µm, which determine the index best";
             self.faults.add("base.layer.composed", "given", allowed, remedy);
         }
+        if self.base.get("layer").is_some_and(Value::is_array) {
+            let remedy =
+                "make drawdowns of one layer, and stack it with others in a study once its index is known";
+            self.faults.add("base.layer", "a stack of layers", "one [base.layer]", remedy);
+            return;
+        }
         self.pigment = self.find_pigment(pigment.as_deref());
         let [place, _] = self.pigment;
         let placeholder = Table::from_iter([("n".into(), 1.6.into()), ("k".into(), 0.1.into())]);

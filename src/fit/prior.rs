@@ -6,8 +6,8 @@
 //! and one pole in the UV stand for absorption beyond the knots.
 
 use super::file::PriorName;
+use crate::material::kramers_kronig::{POLE_UM, hat, transform};
 use faer::Mat;
-use std::f64::consts::PI;
 
 /// Distance of the knots of κ, nm: chords of 25 nm miss a pigment's peak by more than the noise.
 const KNOTS_NM: f64 = 10.0;
@@ -18,8 +18,6 @@ const STRENGTH_NM: f64 = 25.0;
 const BEYOND_NM: f64 = 150.0;
 /// Most distances between knots; a wider range has wider ones.
 const MOST_PIECES: f64 = 400.0;
-/// Wavelength of the pole in the UV, µm.
-const POLE_UM: f64 = 0.2;
 /// Shortest wavelength that the Kramers–Kronig prior describes, nm: one distance of knots above its
 /// pole. The knots, which lie up to 160 nm lower, are then at positive wavelengths, too.
 pub const SHORTEST_NM: f64 = 1e3 * POLE_UM + KNOTS_NM;
@@ -180,52 +178,9 @@ fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
     }
 }
 
-/// The function that is 1 at the middle node and linear to 0 at the others.
-fn hat([a, b, c]: [f64; 3], w: f64) -> f64 {
-    ((w - a) / (b - a)).min((c - w) / (c - b)).max(0.0)
-}
-
-/// (2/π) P∫ ω′h/(ω′² − ω²) dω′ of a hat: (1/π) ∫ h (1/(ω′ − ω) + 1/(ω′ + ω)) dω′.
-fn transform(nodes: [f64; 3], w: f64) -> f64 {
-    (over(nodes, w) + over(nodes, -w)) / PI
-}
-
-/// P∫ h(x)/(x − w) dx of a hat; the logarithms' poles cancel.
-fn over([a, b, c]: [f64; 3], w: f64) -> f64 {
-    let log = |x: f64| if (x - w).abs() < 1e-12 { 0.0 } else { (x - w).abs().ln() };
-    let (rising, falling) = ((w - a) / (b - a), (c - w) / (c - b));
-    rising * (log(b) - log(a)) + falling * (log(c) - log(b))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Complex index of a Lorentz oscillator at an angular wavenumber.
-    fn lorentz(w: f64) -> num_complex::Complex64 {
-        let [strength, centre, width] = [0.12_f64, 2.0, 0.25];
-        let lower = num_complex::Complex64::new(centre * centre - w * w, -width * w);
-        (1.0 + strength * centre * centre / lower).sqrt()
-    }
-
-    /// Error of n from κ at knots of some distance.
-    fn transform_error(distance: f64, w: f64) -> f64 {
-        let knots: Vec<f64> = (0..(10.0 / distance) as i32).map(|k| distance * f64::from(k)).collect();
-        let part = |x: &[f64]| lorentz(x[1]).im * transform([x[0], x[1], x[2]], w);
-        (1.0 + knots.windows(3).map(part).sum::<f64>() - lorentz(w).re).abs()
-    }
-
-    /// κ of a Lorentz oscillator at the knots gives its n − n(∞), up to their distance squared.
-    #[test]
-    fn the_transform_of_a_lorentz_line_is_its_dispersion() {
-        for w in [1.6, 1.9, 2.0, 2.2, 2.5] {
-            let [coarse, fine] = [0.025, 0.0125].map(|distance| transform_error(distance, w));
-            // h²κ″/12 at the line's peak, 0.44 high and 0.25 wide
-            assert!(coarse < 3e-3, "{w}: {coarse:e}");
-            // second order; κ beyond 10/µm, which is left out, gives 1.3e-5
-            assert!(fine < coarse / 3.0 + 2e-5, "{w}: {coarse:e} {fine:e}");
-        }
-    }
 
     /// One wavelength, two within a distance of knots, and the widest range there is: the prior is
     /// finite, and adapts to the κ of the data. *Planted*: the knots of the data as those between

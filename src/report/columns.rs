@@ -114,6 +114,18 @@ const COLUMNS: &[Definition] = &[
     ),
     plain("over_black", "layer over black: lit at 45° and seen along the normal, π × BRDF"),
     plain("over_white", "layer over white of albedo 0.8: lit at 45° and seen along the normal, π × BRDF"),
+    // prints in dots, and under the lights of instruments
+    words("condition", "light of the instrument by ISO 13655, M0 to M2; empty on paper without a brightener"),
+    plain("nominal_coverage", "coverage as it was asked for: 0 is bare paper, 1 the solid"),
+    plain("coverage", "coverage with the physical gain of the dots"),
+    plain("spread_share", "share of the light that the paper spreads over dots and paper alike, 0 to 1"),
+    only(&["prints.csv"], plain("L", "print at 45:0: L*")),
+    only(&["prints.csv"], plain("a", "print at 45:0: a*")),
+    only(&["prints.csv"], plain("b", "print at 45:0: b*")),
+    plain("apparent_coverage", "coverage by Murray and Davies from Y of paper, print and solid"),
+    plain("optical_gain", "apparent_coverage less coverage: what the paper's spread of light adds"),
+    plain("yule_nielsen_n", "n of Yule and Nielsen that gives Y of the print"),
+    plain("radiance_factor", "print at 45:0, a perfect white being 1; above 1 where the paper emits"),
     // distributions
     words("from", "side that the light comes from: incident (z < 0) or exit"),
     number("polar_in_deg", "°", "polar angle of the incident light, from the normal"),
@@ -155,6 +167,10 @@ const COLUMNS: &[Definition] = &[
     number("kubelka_munk_absorption_per_um", "1/µm", "K of Kubelka and Munk, surfaces off"),
     number("kubelka_munk_scattering_per_um", "1/µm", "S of Kubelka and Munk, surfaces off"),
     number("hiding_thickness_um", "µm", "thickness whose contrast ratio over black and white is 0.98"),
+    // weighted numbers
+    only(&["numbers.csv"], words("name", "name of the number in the study")),
+    only(&["numbers.csv"], words("about", "what is weighted, with which weights, and what is made of it")),
+    only(&["numbers.csv"], plain("value", "the weighted number")),
     // a measurement
     plain("measured", "the measurement of [compare]; in conclusions.csv the number that a claim is about"),
     plain("predicted", "layer on its paper, as the measurement sees it"),

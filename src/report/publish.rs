@@ -1,6 +1,7 @@
 //! Writes the results of the finished solves: `results.json`, tables, picture and page.
 
 use super::columns::FolderTables;
+use super::numbers;
 use super::page::on_study;
 use super::sheet::{main_results, missed_target, sheet};
 use super::tables::{self, NamedTable};
@@ -94,6 +95,8 @@ pub struct Published {
     pub remarks: Vec<String>,
     /// Why there is no colour, where there is none.
     pub no_colour: Option<String>,
+    /// Weighted numbers in words.
+    pub numbers: Vec<String>,
     /// The widest 95 % interval of a colour, ΔE₀₀, where it is beyond `run.target_delta_e`.
     pub widest: Option<f64>,
     /// Numbers that were withheld, and why.
@@ -153,6 +156,7 @@ pub fn publish(evaluated: &Evaluated, folder: &OutputFolder) -> PublishResult<Pu
         lines: main_results(manifest),
         remarks: remarks.collect(),
         no_colour: manifest.no_colour.clone(),
+        numbers: numbers::in_words(&manifest.numbers),
         widest: missed_target(manifest),
         withheld: manifest.withheld.iter().map(Withheld::in_words).collect(),
     })
@@ -217,10 +221,12 @@ impl Pictures {
 /// solved as a whole and has impossible numbers: they show the same curves at other angles.
 fn pictures(evaluated: &Evaluated) -> PublishResult<Vec<NamedPictures>> {
     let manifest = &evaluated.manifest;
-    if manifest.slabs.is_none() && !manifest.withheld.is_empty() {
+    let study = manifest.study;
+    let is_weighted = |number: &str| study.numbers.iter().any(|wanted| wanted.name == number);
+    let is_sound = manifest.withheld.iter().all(|withheld| is_weighted(&withheld.number));
+    if manifest.slabs.is_none() && !is_sound {
         return Ok(Vec::new());
     }
-    let study = manifest.study;
     let step = study.angles.picture_max_deg / (PICTURE_ANGLES - 1) as f64;
     let angles: Vec<f64> = (0..PICTURE_ANGLES).map(|i| i as f64 * step).collect();
     let mut all = Vec::new();

@@ -127,7 +127,7 @@ const UNKNOWN: &str = "Error of the scalar wave: unknown here, as no similar ink
 fn nearest(study: &Study) -> Option<MeasuredInk> {
     let layer = &study.layer;
     let air = layer.index_in == 1.0 && layer.index_out == 1.0 && study.paper.coupling == Coupling::Gap;
-    if !air || study.packing.relief.is_some() || !layer.contrast.is_full() {
+    if !air || !study.stack.is_empty() || study.packing.relief.is_some() || !layer.contrast.is_full() {
         return None;
     }
     nearest_to(&TablePlace::of(study)?, &measured())

@@ -5,6 +5,7 @@
 mod figures;
 mod slabs;
 
+use super::numbers;
 use super::scalar_error;
 use crate::draw::DrawResult;
 use crate::draw::page::{hex, png_data};
@@ -48,6 +49,7 @@ pub fn sheet(evaluated: &Evaluated, picture: Option<&[u8]>) -> DrawResult<Value>
         swatch => manifest.colours.whole().first().map(|note| hex(note.colour.srgb8)),
         figures => Serde(figures),
         shapes => Serde(shapes(manifest.study)),
+        weighted => Serde(numbers::lines(&manifest.numbers)),
     };
     parts.extend([shown, limits(manifest), provenance(manifest)]);
     let data = parts.into_iter().fold(Value::from(Serde(manifest)), |all, part| context!(..part, ..all));

@@ -1,13 +1,16 @@
 //! CSV tables for other programs: all of a study, rows of published numbers, and distributions.
 
+use super::numbers::numbers_table;
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::draw::cell::{numbers, records, table, with_errors};
 use crate::evaluate::gate;
 use crate::evaluate::ink_maker::InkMaker;
 use crate::evaluate::manifest::Manifest;
-use crate::evaluate::manifest::composed::DistributionRow;
-use crate::evaluate::published::{PublishedRow, Quantity};
+use crate::evaluate::manifest::composed::{AbsorbedRow, DistributionRow};
+use crate::evaluate::printed::{PrintNote, Prints};
+use crate::evaluate::published::{NumberNote, PublishedRow, Quantity};
 use crate::evaluate::seen::Seen;
+use crate::input::measured::MeasuredCondition;
 use crate::numerics::estimate::Estimate;
 use crate::wave::Side;
 
@@ -44,6 +47,10 @@ pub fn of_study(manifest: &Manifest, seen: Option<&Seen>) -> csv::Result<Vec<Nam
             ("medium.csv", rows(&slabs.medium)?, "what the packed medium is to light"),
             ("bdf.csv", leaving, "where light at 0° goes, layer alone"),
         ]);
+        if !slabs.absorbed.is_empty() {
+            let about = "what every layer absorbs of light at 0°";
+            all.push(("absorbed.csv", absorbed(&slabs.absorbed)?, about));
+        }
     }
     if let Some((ensemble, seen)) = manifest.ensemble.as_ref().zip(seen) {
         let amplitude_error = ensemble.certainty.amplitude_error_estimate;
@@ -55,6 +62,11 @@ pub fn of_study(manifest: &Manifest, seen: Option<&Seen>) -> csv::Result<Vec<Nam
         let factor = ensemble.certainty.coverage_factor_95;
         all.extend(ink_maker(manifest.ink_maker.as_ref(), factor)?);
     }
+    let on_curve = manifest.slabs.iter().flat_map(|slabs| &slabs.curve_numbers);
+    let weighted: Vec<NumberNote> = manifest.numbers.iter().chain(on_curve).cloned().collect();
+    all.extend(numbers_table(&weighted)?);
+    all.extend(prints(manifest.prints.as_ref())?);
+    all.extend(print_spectra(manifest.prints.as_ref(), &manifest.study.wavelengths_nm)?);
     Ok(all)
 }
 
@@ -83,6 +95,46 @@ fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<N
         files.push(("measured.csv", table(header, rows)?, "the measurement and its prediction"));
     }
     Ok(files)
+}
+
+/// `prints.csv`, where there are prints besides the solid on plain paper.
+fn prints(prints: Option<&Prints>) -> csv::Result<Vec<NamedTable>> {
+    let Some(Prints { prints, .. }) = prints else { return Ok(Vec::new()) };
+    let place = |note: &PrintNote| {
+        let condition = note.print.condition.map_or("", MeasuredCondition::name).to_owned();
+        let thickness = note.thickness_um.map_or_else(String::new, |um| um.to_string());
+        [condition, thickness, note.print.nominal.to_string()]
+    };
+    let names = ["condition", "thickness_um", "nominal_coverage"].map(str::to_owned);
+    let rows = prints.iter().map(|note| {
+        let [l, a, b] = note.lab.map(|number| numbers(Some(number)));
+        let geometry = [note.print.coverage, note.print.spread].map(|x| x.to_string());
+        let n = note.yule_nielsen.map_or_else(String::new, |n| n.to_string());
+        (place(note), geometry, [l, a, b, numbers(note.apparent_coverage), numbers(note.optical_gain)], n)
+    });
+    let more = ["coverage", "spread_share"].map(str::to_owned);
+    let bars = with_errors(["L", "a", "b", "apparent_coverage", "optical_gain"]);
+    let last = std::iter::once("yule_nielsen_n".to_owned());
+    let colours = table(names.iter().cloned().chain(more).chain(bars).chain(last), rows)?;
+    Ok(vec![("prints.csv", colours, "colours at 45:0 of every print, from bare paper to the solid")])
+}
+
+/// `print-spectra.csv`: radiance factors of all prints at the study's wavelengths.
+fn print_spectra(prints: Option<&Prints>, wavelengths_nm: &[f64]) -> csv::Result<Vec<NamedTable>> {
+    let Some(Prints { prints, .. }) = prints else { return Ok(Vec::new()) };
+    let mut rows = Vec::new();
+    for note in prints {
+        let condition = note.print.condition.map_or("", MeasuredCondition::name);
+        let thickness = note.thickness_um.map_or_else(String::new, |um| um.to_string());
+        for (nm, factor) in wavelengths_nm.iter().zip(&note.factors) {
+            let place =
+                [condition.to_owned(), thickness.clone(), note.print.nominal.to_string(), nm.to_string()];
+            rows.push((place, numbers(Some(*factor))));
+        }
+    }
+    let names = ["condition", "thickness_um", "nominal_coverage", "wavelength_nm"].map(str::to_owned);
+    let header = names.into_iter().chain(with_errors(["radiance_factor"]));
+    Ok(vec![("print-spectra.csv", table(header, rows)?, "radiance factors at 45:0 of every print")])
 }
 
 /// A number with its standard error and half the width of its 95 % interval.
@@ -150,6 +202,15 @@ fn row(
         ("realisations", bdf.realisations.to_string()),
         ("efficiency_grid_error", grid_error.to_string()),
     ]
+}
+
+fn absorbed(rows: &[AbsorbedRow]) -> csv::Result<Vec<u8>> {
+    let place = ["thickness_um", "wavelength_nm", "layer"].map(str::to_owned);
+    let line = |row: &AbsorbedRow| {
+        let place = [row.thickness_um.to_string(), row.wavelength_nm.to_string(), row.layer.clone()];
+        (place, numbers(Some(row.absorptance_normal.estimate())))
+    };
+    table(place.into_iter().chain(with_errors(["absorptance_normal"])), rows.iter().map(line))
 }
 
 fn leaving_light(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {

@@ -2,7 +2,7 @@
 //! code is not zero and nothing is written.
 
 use crate::run_support::{TINY, run, study};
-use crate::slips::{INK, K, LIGHT, Slip};
+use crate::slips::{INK, K, LIGHT, NUMBER, OF_STACKS, STACK, Slip};
 use std::path::Path;
 
 /// The message without the frame and the line breaks of the terminal.
@@ -34,10 +34,12 @@ fn every_mistake_is_reported_with_field_value_range_and_remedy() {
     csv("micrometres.csv", "0.4,0.1\n0.7,0.1\n");
     std::fs::write(folder.path().join("dark.csv"), "wavelength_nm,reflectance\n400,0.8\n700,2.9\n").unwrap();
     std::fs::write(folder.path().join("comma.csv"), "wavelength_nm,reflectance\n400,0,5\n").unwrap();
+    std::fs::write(folder.path().join("below.csv"), "wavelength_nm,weight\n400,1\n700,-0.5\n").unwrap();
     let mut missed = Vec::new();
-    for Slip { from, to, says } in INK.iter().chain(LIGHT) {
-        assert!(TINY.contains(from), "{from}");
-        let text = TINY.replacen(from, to, 1);
+    let of_layers = INK.iter().chain(LIGHT).chain(NUMBER).map(|slip| (TINY, slip));
+    for (good, Slip { from, to, says }) in of_layers.chain(OF_STACKS.iter().map(|slip| (STACK, slip))) {
+        assert!(good.contains(from), "{from}");
+        let text = good.replacen(from, to, 1);
         let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
         for part in says {
             if !said.contains(part) {

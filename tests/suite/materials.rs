@@ -10,8 +10,14 @@ fn materials_are_listed_with_their_sources() {
     let text = String::from_utf8_lossy(&list.stdout).into_owned();
     assert!(list.status.success() && text.lines().count() >= 15, "{text}");
     let rutile = String::from_utf8_lossy(&inkwave(&["materials", "tio2 rutile"]).stdout).into_owned();
-    for part in ["430–1530 nm", "Devore", "orientation average", "CC0"] {
+    for part in
+        ["307–2599 nm", "Devore", "orientation average", "CC0", "sample: crystals", "seam: two records"]
+    {
         assert!(rutile.contains(part), "{part}: {rutile}");
+    }
+    let magnetite = String::from_utf8_lossy(&inkwave(&["materials", "fe3o4"]).stdout).into_owned();
+    for part in ["magnetite (Querry)", "formerly: Fe3O4", "masstone: L*", "not the black pigment"] {
+        assert!(magnetite.contains(part), "{part}: {magnetite}");
     }
     assert!(!inkwave(&["materials", "chalk"]).status.success());
 }

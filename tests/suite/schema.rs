@@ -190,6 +190,7 @@ fn keys_behind_a_hash_are_good_as_they_stand() {
         let must = match header.as_str() {
             "[[pigment]]" => "volume_fraction = 0.1",
             "[layer]" => "thickness_um = 1.0",
+            "[[number]]" => "name = 'sun'\nweights = 'solar_g173'\nof = 'albedo'",
             _ => "",
         };
         let layer = if header == "[layer]" { "" } else { "[layer]\nthickness_um = 1.0" };

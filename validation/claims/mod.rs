@@ -3,6 +3,7 @@
 use crate::claim::Claim;
 
 pub mod agreement;
+mod backing;
 mod bodies;
 mod cell_size;
 mod coated;
@@ -15,7 +16,9 @@ pub mod energy;
 mod furnace;
 mod gradients;
 pub mod intervals;
+mod kramers_kronig;
 mod layers;
+mod masstones;
 mod maxwell_garnett;
 mod molecular;
 mod orders;
@@ -26,12 +29,17 @@ mod reciprocity;
 mod references;
 mod slab;
 mod small_grains;
+mod stack_inks;
+mod stack_plates;
+mod stack_transport;
+mod stacks;
 mod tau;
 mod two_levels;
 mod varied_cells;
 mod vector;
+mod weighted;
 
-pub const ALL: [Claim; 31] = [
+pub const ALL: [Claim; 45] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -63,4 +71,18 @@ pub const ALL: [Claim; 31] = [
     published::CLAIM,
     two_levels::CLAIM,
     gradients::CLAIM,
+    stack_plates::CLAIM,
+    stack_transport::CLAIM,
+    stack_inks::CLAIM,
+    stacks::CLEAR,
+    stacks::PLACED,
+    stacks::OPEN,
+    weighted::NUMBERS,
+    weighted::WIDE,
+    kramers_kronig::CLAIM,
+    masstones::CLAIM,
+    backing::MEASURED,
+    backing::BRIGHTENED,
+    backing::DOTS,
+    backing::LATTICE,
 ];

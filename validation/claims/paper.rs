@@ -35,7 +35,7 @@ fn ink(case: &Value, index: Complex64, coupling: Coupling, solved: Option<usize>
     let thickness_um = case.get("H_um").map_or(1.0, |h| h.as_f64().expect("a number"));
     let wavelength_um = case.get("lambda_um").map_or(0.55, |l| l.as_f64().expect("a number"));
     let thickness_um = thickness_um * 1e-3 * OUTPUT_NM / wavelength_um;
-    let indices = |_: f64| (index, Vec::new());
+    let indices = |_: f64| (vec![index], Vec::new());
     let index_out = coupling.index_out();
     let films = Films {
         profile: Profile::homogeneous(),
@@ -131,7 +131,7 @@ fn contact_error(case: &Value) -> f64 {
 fn curve_errors(index: Complex64, thickness_um: f64) -> [f64; 2] {
     let truth = Film { index, thickness_um };
     let wrong = Film { index: index + WRONG_INDEX, thickness_um };
-    let indices = |_: f64| (wrong.index, Vec::new());
+    let indices = |_: f64| (vec![wrong.index], Vec::new());
     let films = Films {
         profile: Profile::homogeneous(),
         indices: &indices,

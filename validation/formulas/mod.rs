@@ -2,4 +2,8 @@
 
 pub mod films;
 pub mod form_factors;
+pub mod halftone;
 pub mod mie;
+pub mod opaque;
+pub mod returns;
+pub mod stacks;

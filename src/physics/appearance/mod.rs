@@ -12,6 +12,7 @@
 //! The scalar wave model is exact for s-polarised light on plane layers. All appearance derived
 //! from it is that of s-polarised light and approximates unpolarised light (P1 section 1).
 
+pub mod bare_paper;
 pub mod bdf;
 mod bdf_binned;
 mod bdf_orders;
@@ -19,9 +20,13 @@ mod cie;
 pub mod colour;
 pub mod composed;
 pub mod finite_area;
+pub mod fluorescence;
+pub mod halftone;
 pub mod kubelka_munk;
 mod lab;
 pub mod paper;
+pub mod paper_series;
 pub mod picture;
 pub mod tristimulus;
 pub mod viewing;
+pub mod weighted;

@@ -105,14 +105,27 @@ pub fn returned(albedo: f64, transmitted: f64, absorbed: f64, index: f64) -> Res
     if !(0.0..=1.0).contains(&albedo) {
         return Err(PaperError::Albedo { value: albedo });
     }
+    let lost = lost(albedo, transmitted, absorbed, index)?;
+    Ok(albedo / lost / (index * index))
+}
+
+/// 1/(1 − ρ R̄_b), divided by n²: what leaves of light that the paper itself emits, over T towards
+/// the eye. Arguments as those of [`returned`].
+///
+/// # Errors
+/// A cavity that light cannot leave.
+pub fn emerging(albedo: f64, transmitted: f64, absorbed: f64, index: f64) -> Result<f64, PaperError> {
+    Ok(1.0 / lost(albedo, transmitted, absorbed, index)? / (index * index))
+}
+
+/// 1 − ρ R̄_b, written so that for a perfect white it is T̄/n² + Ā_b without rounding.
+fn lost(albedo: f64, transmitted: f64, absorbed: f64, index: f64) -> Result<f64, PaperError> {
     let escaping = transmitted / (index * index);
-    let reflected = 1.0 - escaping - absorbed;
-    // 1 − ρ R̄_b, written so that for a perfect white it is T̄/n² + Ā_b without rounding
     let lost = (1.0 - albedo) + albedo * (escaping + absorbed);
     if lost.is_nan() || lost < LEAST_ESCAPE {
-        return Err(PaperError::TrapsAllLight { mean: reflected });
+        return Err(PaperError::TrapsAllLight { mean: 1.0 - escaping - absorbed });
     }
-    Ok(albedo / lost / (index * index))
+    Ok(lost)
 }
 
 /// What is between the layer and the paper.

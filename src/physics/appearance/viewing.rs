@@ -164,6 +164,12 @@ impl Viewing {
         !SMOOTH.contains(&self.illuminant.as_str())
     }
 
+    /// Relative spectral power of the illuminant at a wavelength from 300 to 780 nm; 0 outside, and
+    /// below 380 nm for lamps.
+    pub fn power(&self, nm: f64) -> f64 {
+        cie::power(&self.illuminant, nm)
+    }
+
     /// S(λ) (x̄, ȳ, z̄)(λ) at a whole number of nm, 380 to 780.
     pub(super) fn row(&self, nm: usize) -> [f64; 3] {
         // names are checked where a `Viewing` is made, and all callers stay inside the tables

@@ -22,7 +22,7 @@ pub use packing::grain::{Grain, Layered, VoxelCut};
 pub use packing::pack::pack;
 pub use packing::placed::{Method, Packing, PackingAccount, Share};
 pub use packing::request::{
-    EquilibrationSettings, MethodChoice, PackingRequest, PigmentGrains, RelaxationSettings,
-    SequentialSettings, ShareRule,
+    EquilibrationSettings, Joint, MethodChoice, PackingRequest, PigmentGrains, RelaxationSettings,
+    SequentialSettings, ShareRule, StackedRequest,
 };
 pub use relief::{Relief, ReliefRequest, ReliefRule, RoughFace};

@@ -164,6 +164,14 @@ impl Relief {
         bilinear(&self.heights_um, self.count, self.period_um, [x_um, y_um])
     }
 
+    /// The surface on a layer that lies on `by_um` of other layers, opposite to the rough face.
+    pub(super) fn raised(&self, by_um: f64) -> Self {
+        let mut raised = self.clone();
+        raised.heights_um.iter_mut().chain(&mut raised.surface_um).for_each(|height| *height += by_um);
+        raised.dry_height_um += by_um;
+        raised
+    }
+
     /// Mean height of the binder above the opposite face, µm.
     pub fn mean_height_um(&self) -> f64 {
         mean(&self.heights_um)

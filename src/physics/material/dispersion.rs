@@ -47,22 +47,50 @@ pub struct Dispersion {
     /// Ranges without sound rows.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub(super) unusable: Vec<Unusable>,
+    /// Records that continue this one beyond its range, without further ones of their own.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub(super) joined: Vec<Dispersion>,
 }
 
 impl Dispersion {
     /// The first range without sound rows that wavelengths between two, nm, would need.
     pub fn unusable(&self, range_nm: [f64; 2]) -> Option<&Unusable> {
-        self.unusable.iter().find(|gap| gap.concerns(range_nm))
+        self.records().flat_map(|record| &record.unusable).find(|gap| gap.concerns(range_nm))
     }
 
-    /// First and last wavelength at which every part is known, nm.
+    /// This record and those that continue it.
+    fn records(&self) -> impl Iterator<Item = &Self> {
+        [self].into_iter().chain(&self.joined)
+    }
+
+    /// The record continued by others, whose ranges it does not overlap.
+    pub fn joined_with(self, joined: Vec<Self>) -> Self {
+        Self { joined, ..self }
+    }
+
+    /// Pairs of wavelengths, nm, between which two records are joined: the last one of the first
+    /// and the first one of the second, rising.
+    pub fn seams_nm(&self) -> Vec<[f64; 2]> {
+        let mut ranges: Vec<[f64; 2]> = self.records().map(Self::own_range_nm).collect();
+        ranges.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        ranges.windows(2).map(|pair| [pair[0][1], pair[1][0]]).collect()
+    }
+
+    /// First and last wavelength at which every part is known, nm; other records fill the range
+    /// between them.
     pub fn range_nm(&self) -> [f64; 2] {
+        let hull = |[lo, hi]: [f64; 2], [a, b]: [f64; 2]| [f64::min(lo, a), f64::max(hi, b)];
+        self.joined.iter().map(Self::own_range_nm).fold(self.own_range_nm(), hull)
+    }
+
+    /// The range of this record alone, nm.
+    fn own_range_nm(&self) -> [f64; 2] {
         common([&self.n, &self.kappa].into_iter().flatten().map(DataSource::range_um)).map(|um| 1e3 * um)
     }
 
     /// The widest gap between rows within a range of wavelengths, nm, if wide enough to report.
     pub fn widest_gap_nm(&self, range_nm: [f64; 2]) -> Option<[f64; 2]> {
-        let parts = [&self.n, &self.kappa].into_iter().flatten();
+        let parts = self.records().flat_map(|record| [&record.n, &record.kappa]).flatten();
         widest(parts.filter_map(|part| widest_gap_nm(&part.rows_nm(), range_nm)))
     }
 
@@ -73,8 +101,36 @@ impl Dispersion {
         Self { n: Some(n), ..self }
     }
 
-    /// n + iκ at a wavelength in µm inside the range; NaN without n, transparent without k.
+    /// n + iκ at a wavelength in µm inside the range; NaN without n, transparent without k. Across
+    /// a seam both are linear between the ends of the two records.
     pub fn index(&self, wavelength_um: f64) -> Complex64 {
+        let nm = 1e3 * wavelength_um;
+        let holds = |record: &&Self| {
+            let [lo, hi] = record.own_range_nm();
+            lo * (1.0 - 1e-12) <= nm && nm <= hi * (1.0 + 1e-12)
+        };
+        if self.joined.is_empty() || holds(&self) {
+            return self.own_index(wavelength_um);
+        }
+        if let Some(record) = self.joined.iter().find(holds) {
+            return record.own_index(wavelength_um);
+        }
+        // at the range's ends, which rounding may exceed, the seam is empty
+        let ends = self
+            .records()
+            .flat_map(|record| record.own_range_nm().map(|end_nm| (end_nm, record.own_index(1e-3 * end_nm))));
+        let (below, above): (Vec<_>, Vec<_>) = ends.partition(|(end_nm, _)| *end_nm <= nm);
+        let below = below.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+        let above = above.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        match (below, above) {
+            (Some((from, start)), Some((to, end))) => start + (end - start) * ((nm - from) / (to - from)),
+            (Some((_, end)), None) | (None, Some((_, end))) => end,
+            (None, None) => Complex64::new(f64::NAN, 0.0),
+        }
+    }
+
+    /// n + iκ of this record alone.
+    fn own_index(&self, wavelength_um: f64) -> Complex64 {
         let value = |part: &Option<DataSource>| Some(part.as_ref()?.value(wavelength_um));
         Complex64::new(value(&self.n).unwrap_or(f64::NAN), value(&self.kappa).unwrap_or(0.0))
     }

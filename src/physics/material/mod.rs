@@ -2,6 +2,7 @@
 
 pub mod columns;
 pub mod dispersion;
+pub mod kramers_kronig;
 pub mod mixing;
 pub mod named;
 pub mod spectra;

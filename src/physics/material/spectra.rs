@@ -7,12 +7,14 @@ pub use error::SpectrumError;
 
 use super::columns::widest_gap_nm;
 use super::dispersion::Dispersion;
+use super::kramers_kronig::{self, KnownIndex};
 #[cfg(feature = "serde")]
 use super::named::{MATERIALS, NamedMaterial};
 use super::named::{NamedIndex, SYNTHETIC_RANGE_NM, Synthetic};
 use super::usable::Unusable;
 use crate::numerics::files::FileError;
 use num_complex::Complex64;
+use std::f64::consts::{LN_10, PI};
 use std::path::Path;
 
 /// Re η of every pigment in P1 section 5, and of the built-in synthetic ones.
@@ -68,6 +70,7 @@ impl RowError {
         match axis {
             ErrorAxis::N => [self.n, self.correlation * self.kappa],
             ErrorAxis::Kappa => [0.0, (1.0 - self.correlation.powi(2)).max(0.0).sqrt() * self.kappa],
+            ErrorAxis::Change(_) => [0.0; 2],
         }
     }
 }
@@ -80,6 +83,8 @@ pub enum ErrorAxis {
     N,
     /// The rest of that of κ.
     Kappa,
+    /// A change of all rows, by its number: what the relation of Kramers and Kronig cannot know.
+    Change(usize),
 }
 
 /// A tabulated spectrum, increasing in wavelength; linear between its rows.
@@ -97,6 +102,9 @@ pub struct Table {
     /// Remarks of the file that n or κ is not determined.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
     undetermined: Vec<String>,
+    /// Independent changes of \[n, κ\] of all rows by one standard error each.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    changes: Vec<Vec<[f64; 2]>>,
 }
 
 /// Index of refraction η(λ) = n + iκ of one material; κ > 0 absorbs (time factor e^{−iωt}).
@@ -149,7 +157,8 @@ impl Spectrum {
             let known = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
             return Err(SpectrumError::UnknownMaterial { value: name.into(), known });
         };
-        Ok(Self::Named(material.index()))
+        let called = material.former.iter().find(|former| former.eq_ignore_ascii_case(name));
+        Ok(Self::Named(material.index_called(called.unwrap_or(&material.name))))
     }
 
     /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs, or the blocks
@@ -163,6 +172,33 @@ impl Spectrum {
     /// that cannot be used ([`Spectrum::unusable`]).
     pub fn from_csv(path: impl AsRef<Path>, n: Option<f64>) -> Result<Self, SpectrumError> {
         index_file::read(path.as_ref(), n)
+    }
+
+    /// Reads a table of κ, or of the absorbance of a dilution, and gives it n by the relation of
+    /// Kramers and Kronig. What this cannot know, absorption beyond the table and the error of the
+    /// known n, moves the table as its own errors do.
+    ///
+    /// # Errors
+    /// As [`Spectrum::from_csv`]; also rows that cannot be used, since the relation needs all, too
+    /// many of them, and n that falls to 0 or exceeds what is accepted.
+    pub fn from_kappa(
+        path: impl AsRef<Path>,
+        beside: &BesideKappa,
+        dilution: Option<&Dilution>,
+    ) -> Result<Self, SpectrumError> {
+        let path = path.as_ref();
+        let n = if let BesideKappa::Constant(n) = beside { *n } else { PLACEHOLDER_N };
+        let read = match dilution {
+            Some(dilution) => index_file::read_absorbance(path, n, dilution)?,
+            None => index_file::read(path, Some(n))?,
+        };
+        let BesideKappa::KramersKronig { known, n_error } = *beside else { return Ok(read) };
+        let refused = |reason: String| SpectrumError::KramersKronig(FileError::new(path.display(), reason));
+        let Self::Tabulated(table) = read else {
+            let reason = "the table must be wavelength_nm,kappa in one block";
+            return Err(refused(reason.to_owned()));
+        };
+        table.with_real_part(known, n_error).map(Self::Tabulated).map_err(refused)
     }
 
     /// Reads a record of refractiveindex.info (YAML); a record without n needs `n` beside it,
@@ -206,8 +242,14 @@ impl Spectrum {
                 });
             }
         }
-        let (unusable, errors, undetermined) = (Vec::new(), Vec::new(), Vec::new());
-        Ok(Self::Tabulated(Table { name: name.into(), samples, unusable, errors, undetermined }))
+        Ok(Self::Tabulated(Table {
+            name: name.into(),
+            samples,
+            unusable: Vec::new(),
+            errors: Vec::new(),
+            undetermined: Vec::new(),
+            changes: Vec::new(),
+        }))
     }
 
     /// The first range of a file without sound rows that wavelengths between two, nm, would need.
@@ -224,11 +266,22 @@ impl Spectrum {
         if let Self::Tabulated(table) = self { &table.undetermined } else { &[] }
     }
 
+    /// The independent parts of the errors of a table.
+    pub fn error_axes(&self) -> Vec<ErrorAxis> {
+        let Self::Tabulated(table) = self else { return Vec::new() };
+        let axes = [ErrorAxis::N, ErrorAxis::Kappa].into_iter();
+        let axes = axes.chain((0..table.changes.len()).map(ErrorAxis::Change));
+        axes.filter(|axis| self.moved(*axis, 1.0).is_some()).collect()
+    }
+
     /// The table moved by `times` one of the independent parts of its errors, in every row at once;
     /// `None` without errors along it. No n falls to 0 and no κ below 0.
     pub fn moved(&self, axis: ErrorAxis, times: f64) -> Option<Self> {
         let Self::Tabulated(table) = self else { return None };
-        let steps: Vec<[f64; 2]> = table.errors.iter().map(|error| error.along(axis)).collect();
+        let steps: Vec<[f64; 2]> = match axis {
+            ErrorAxis::Change(number) => table.changes.get(number).cloned().unwrap_or_default(),
+            _ => table.errors.iter().map(|error| error.along(axis)).collect(),
+        };
         if steps.iter().all(|step| *step == [0.0; 2]) {
             return None;
         }
@@ -237,7 +290,8 @@ impl Spectrum {
             n: (row.n + times * n).clamp(LEAST_N, LARGEST),
             kappa: (row.kappa + times * kappa).clamp(0.0, LARGEST),
         });
-        Some(Self::Tabulated(Table { samples: moved.collect(), errors: Vec::new(), ..table.clone() }))
+        let samples = moved.collect();
+        Some(Self::Tabulated(Table { samples, errors: Vec::new(), changes: Vec::new(), ..table.clone() }))
     }
 
     /// The index η at a vacuum wavelength in µm.
@@ -311,7 +365,78 @@ fn the_other(path: &Path, in_file: bool, beside: Option<f64>) -> Result<Option<f
     Err(SpectrumError::RealPart(FileError::new(path.display(), reason)))
 }
 
+/// n until that of the relation takes its place.
+const PLACEHOLDER_N: f64 = 1.0;
+
+/// What is known of n beside a table of κ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BesideKappa {
+    /// One n at all wavelengths.
+    Constant(f64),
+    /// n by the relation of Kramers and Kronig.
+    KramersKronig {
+        /// n at one wavelength, or far from all absorption.
+        known: KnownIndex,
+        /// Its standard error.
+        n_error: f64,
+    },
+}
+
+/// A dilution whose absorbance was measured: molecules, or grains far smaller than the wavelength,
+/// that neither scatter nor change each other's light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dilution {
+    /// Path of the light, mm.
+    pub path_mm: f64,
+    /// Mass of the pigment in a volume of the dilution, g/l.
+    pub concentration_g_per_l: f64,
+    /// Density of the pigment, g/cm³.
+    pub density_g_per_cm3: f64,
+}
+
+impl Dilution {
+    /// κ of the pigment by a decadic absorbance A at a wavelength: A ln 10 = 4πκ φ d/λ, with φ the
+    /// pigment's share of the volume.
+    pub fn kappa(&self, absorbance: f64, wavelength_nm: f64) -> f64 {
+        let fraction = 1e-3 * self.concentration_g_per_l / self.density_g_per_cm3;
+        absorbance * LN_10 * 1e-6 * wavelength_nm / (4.0 * PI * fraction * self.path_mm)
+    }
+}
+
 impl Table {
+    /// The table with n by the relation of Kramers and Kronig.
+    fn with_real_part(mut self, known: KnownIndex, n_error: f64) -> Result<Self, String> {
+        if let Some(gap) = self.unusable.first() {
+            let [from, to] = gap.between_nm;
+            return Err(format!("{} between {from} and {to} nm: Kramers–Kronig needs every row", gap.reason));
+        }
+        if self.samples.len() > kramers_kronig::MOST_ROWS {
+            let most = kramers_kronig::MOST_ROWS;
+            return Err(format!("{} rows; Kramers–Kronig takes at most {most}", self.samples.len()));
+        }
+        let rows: Vec<[f64; 2]> = self.samples.iter().map(|s| [1e-3 * s.wavelength_nm, s.kappa]).collect();
+        let real = kramers_kronig::real_part(&rows, known);
+        for (sample, n) in self.samples.iter_mut().zip(&real.n) {
+            sample.n = *n;
+            let at = format!("n = {n:.3} at {} nm by Kramers–Kronig", sample.wavelength_nm);
+            check_index("", sample.n, sample.kappa)
+                .map_err(|_| format!("{at}; n must be above 0, at most 10: check kappa and the known n"))?;
+        }
+        let along_n = |of: Vec<f64>| of.into_iter().map(|n| [n, 0.0]).collect::<Vec<_>>();
+        self.changes = vec![along_n(real.ultraviolet), along_n(real.infrared)];
+        self.changes.push(vec![[n_error, 0.0]; rows.len()]);
+        let kappa_errors = self.errors.iter().map(|error| error.kappa);
+        let moved: Vec<[f64; 2]> =
+            rows.iter().zip(kappa_errors).map(|(row, error)| [row[0], error]).collect();
+        if !moved.is_empty() {
+            let along = kramers_kronig::change(&moved, known).into_iter();
+            self.changes.push(along.zip(&moved).map(|(n, row)| [n, row[1]]).collect());
+        }
+        self.errors.clear();
+        self.changes.retain(|change| change.iter().any(|by| *by != [0.0; 2]));
+        Ok(self)
+    }
+
     /// Linear interpolation between the rows, n and κ separately.
     fn interpolate(&self, nm: f64) -> Complex64 {
         let after = self.samples.partition_point(|s| s.wavelength_nm < nm).clamp(1, self.samples.len() - 1);
@@ -472,5 +597,67 @@ mod tests {
         assert!(yellow.index(0.38).is_ok() && yellow.index(0.78).is_ok());
         assert!(Spectrum::synthetic("mauve").is_err());
         assert!(Spectrum::constant(1.4, -0.1).is_err() && Spectrum::constant(0.0, 0.1).is_err());
+    }
+
+    const ANCHORED: BesideKappa =
+        BesideKappa::KramersKronig { known: KnownIndex::At { wavelength_um: 0.589, n: 1.65 }, n_error: 0.01 };
+
+    /// A file of κ has n by its relation to κ, the anchor's n at the anchor, and its unknowns as
+    /// independent moves. *Planted*: the moves dropped; n of the placeholder kept.
+    #[test]
+    fn a_table_of_kappa_has_n_by_kramers_and_kronig() {
+        let band = |nm: f64| 0.3 * (-((nm - 550.0) / 40.0).powi(2)).exp() + 0.01;
+        let rows: String =
+            (0..=76).map(|k| 400.0 + 5.0 * f64::from(k)).map(|nm| format!("{nm},{}\n", band(nm))).collect();
+        let csv = file(&format!("wavelength_nm,kappa\n{rows}"));
+        let spectrum = Spectrum::from_kappa(csv.path(), &ANCHORED, None).unwrap();
+        let n = |nm: f64| spectrum.index(1e-3 * nm).unwrap().re;
+        assert!((n(589.0) - 1.65).abs() < 2e-3, "{}", n(589.0));
+        // anomalous within the band: n rises through it towards the red
+        assert!(n(590.0) - n(510.0) > 0.1, "{} {}", n(510.0), n(590.0));
+        let axes = spectrum.error_axes();
+        assert_eq!(axes, (0..3).map(ErrorAxis::Change).collect::<Vec<_>>(), "ultraviolet, infrared, anchor");
+        let moved = |axis: usize, nm: f64| {
+            spectrum.moved(ErrorAxis::Change(axis), 1.0).unwrap().index(1e-3 * nm).unwrap().re - n(nm)
+        };
+        assert!(
+            moved(0, 400.0) > 0.005 && moved(0, 589.0).abs() < 1e-3,
+            "{} {}",
+            moved(0, 400.0),
+            moved(0, 589.0)
+        );
+        assert!((moved(2, 450.0) - 0.01).abs() < 1e-12);
+        let with_errors =
+            file(&format!("wavelength_nm,kappa,kappa_error\n{}", rows.replace('\n', ",0.02\n")));
+        let spectrum = Spectrum::from_kappa(with_errors.path(), &ANCHORED, None).unwrap();
+        let moved = spectrum.moved(ErrorAxis::Change(3), 1.0).unwrap().index(0.45).unwrap();
+        assert!((moved.im - spectrum.index(0.45).unwrap().im - 0.02).abs() < 1e-12);
+    }
+
+    /// A = εcd of a dilution and κ = A λ ln 10/(4π φ d) are one number: 0.02 g/l of density 2 are a
+    /// share of 1e-5; over 10 mm A = 1 at 500 nm is κ = 0.9162.
+    #[test]
+    fn the_absorbance_of_a_dilution_is_kappa() {
+        let csv = file("wavelength_nm,absorbance\n500,1\n600,0.5\n700,-0.001\n");
+        let dilution = Dilution { path_mm: 10.0, concentration_g_per_l: 0.02, density_g_per_cm3: 2.0 };
+        let spectrum =
+            Spectrum::from_kappa(csv.path(), &BesideKappa::Constant(1.6), Some(&dilution)).unwrap();
+        let kappa = [0.5, 0.6, 0.7].map(|um| spectrum.index(um).unwrap().im);
+        approx::assert_relative_eq!(kappa[0], 0.916_17, max_relative = 1e-4);
+        approx::assert_relative_eq!(kappa[1], 0.6 * kappa[0], max_relative = 1e-12);
+        assert_eq!(kappa[2], 0.0);
+        let said = |beside: &BesideKappa, dilution: Option<&Dilution>, text: &str| {
+            Spectrum::from_kappa(file(text).path(), beside, dilution).unwrap_err().to_string()
+        };
+        let absorbance = "wavelength_nm,absorbance\n500,1\n600,0.5\n";
+        assert!(said(&ANCHORED, None, absorbance).contains("path, concentration and density"));
+        let kappa = "wavelength_nm,kappa\n500,1\n600,0.5\n";
+        assert!(said(&ANCHORED, Some(&dilution), kappa).contains("no column absorbance"));
+        let twice = "wavelength_nm,kappa,n\n500,1,1.5\n600,0.5,1.5\n";
+        assert!(said(&ANCHORED, None, twice).contains("given twice"));
+        let gap = "wavelength_nm,kappa\n500,0.1\n550,-1\n600,0.1\n";
+        assert!(said(&ANCHORED, None, gap).contains("needs every row"));
+        let strong = "wavelength_nm,kappa\n400,0\n540,0.1\n580,9\n620,0.1\n700,0\n";
+        assert!(said(&ANCHORED, None, strong).contains("n must be above 0"));
     }
 }

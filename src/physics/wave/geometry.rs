@@ -4,7 +4,7 @@
 use super::maxwell::{Averaging, NormalMoments, VectorProblem};
 use super::{
     Body, BodyShape, Coverage, Grid, HeightField, Incidence, Material, Mean, Media, Polarisation, Precision,
-    Problem, Resolution, Scene, System, Wave, WaveError,
+    Problem, Resolution, Scene, Stratum, System, Wave, WaveError,
 };
 use crate::ink::{Layered, Packing, Relief, RoughFace};
 use std::sync::Arc;
@@ -60,9 +60,9 @@ impl Geometry {
 }
 
 impl Scene {
-    /// One stratum of binder (background 0) with the nested bodies of every grain; their materials
-    /// are the inclusions (see [`Packing::materials`]), and the space beyond a relief is filled by
-    /// the medium of its side.
+    /// One stratum of binder (the background with its number) for every layer, with the nested
+    /// bodies of every grain; their materials are the inclusions (see [`Packing::materials`]), and
+    /// the space beyond a relief is filled by the medium of its side.
     ///
     /// The packing has been checked for overlap, so the check of pairs is not repeated.
     pub fn from_packing(packing: &Packing) -> Scene {
@@ -76,7 +76,9 @@ impl Scene {
             }
         }
         bodies.extend(packing.relief().map(|relief| open(packing, relief)));
-        Scene { cut: packing.is_cut(), ..Scene::layer(packing.period_um(), packing.thickness_um(), bodies) }
+        let layers = packing.layers_um().iter().enumerate();
+        let strata = layers.map(|(background, &thickness_um)| Stratum { thickness_um, background }).collect();
+        Scene { period_um: packing.period_um(), strata, bodies, cut: packing.is_cut() }
     }
 }
 

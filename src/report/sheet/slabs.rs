@@ -8,6 +8,7 @@ use crate::draw::page::Figure;
 use crate::evaluate::manifest::Manifest;
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, SlabNotes};
 use crate::evaluate::published::{ErrorParts, PublishedRow};
+use crate::input::study::{Study, WantedNumber};
 use crate::numerics::estimate::Estimate;
 use crate::report::columns::heading;
 use minijinja::value::Serde;
@@ -70,17 +71,24 @@ pub(super) fn page(manifest: &Manifest, slabs: &SlabNotes) -> Value {
 /// Curves against thickness and depth, and spectra.
 pub(super) fn figures(manifest: &Manifest, slabs: &SlabNotes) -> DrawResult<Vec<Figure>> {
     let mut all = vec![
-        ("Against thickness", shares_chart(manifest, slabs), SHARES),
         ("The light's way", depth_chart(slabs), DEPTH),
         ("On the paper", spectra_chart(manifest, slabs), SPECTRA),
     ];
+    // a stack has the thicknesses requested, often one
+    if !slabs.curve.is_empty() {
+        all.insert(0, ("Against thickness", shares_chart(manifest, slabs), SHARES));
+    }
     if !slabs.curve_colours.is_empty() {
         all.insert(1, ("Hiding", hiding_chart(slabs), HIDING));
         all.insert(2, ("Colour", colour_chart(slabs), COLOUR));
     }
+    if !slabs.curve_numbers.is_empty() {
+        all.push(("Weighted numbers", numbers_chart(manifest.study, slabs), NUMBERS));
+    }
     all.into_iter().map(|(heading, chart, caption)| Figure::new(heading, &chart, caption)).collect()
 }
 
+const NUMBERS: &str = "Weighted numbers of the study against the thickness, with standard errors.";
 const SHARES: &str = "Diffuse light reflected (R) and transmitted (T) by the layer without paper, against its \
     thickness. Error bars are standard errors, the model's part included.";
 const DEPTH: &str = "Fluxes towards the paper and back in the layer on its paper, lit at 0°, as shares of the \
@@ -139,6 +147,18 @@ fn colour_chart(slabs: &SlabNotes) -> Chart {
         colour_curve(slabs, "b*", |c| Some(c.natural_light?[2]), 1.0),
     ];
     Chart { y_range: None, ..against_thickness("L*, a*, b*", curves) }
+}
+
+fn numbers_chart(study: &Study, slabs: &SlabNotes) -> Chart {
+    let curve = |wanted: &WantedNumber| {
+        let notes = slabs.curve_numbers.iter().filter(|note| note.name == wanted.name);
+        Curve::measured(
+            wanted.name.as_str(),
+            notes.filter_map(|note| Some((note.thickness_um?, note.estimate()?))),
+        )
+    };
+    let curves = study.numbers.iter().map(curve).collect();
+    Chart { y_range: None, ..against_thickness("number", curves) }
 }
 
 fn depth_chart(slabs: &SlabNotes) -> Chart {

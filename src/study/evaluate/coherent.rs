@@ -57,23 +57,43 @@ impl CoherentLight {
     /// noise may make it slightly negative. The error is unknown for one realisation, and so is the
     /// bias.
     pub fn transmittance(&self, angle: usize, films: &[FilmAt], exact_deg: f64, nm: &[f64]) -> Vec<Estimate> {
-        let transmittance = |(film, &nm): (&FilmAt, &f64)| {
-            let reference = film.transmitted_amplitudes(exact_deg);
-            let weights = self.basis.weights(nm);
-            let amplitudes = |coefficients: &dyn Fn(&Fits) -> &Array2<f64>| -> [Complex64; LIGHTS] {
-                std::array::from_fn(|light| {
-                    let fit = coefficients(&self.fits[angle][light]);
-                    let part = |column: usize| SpectralBasis::at(&weights, |i| fit[[i, column]]);
-                    reference[light] * Complex64::new(part(0), part(1))
-                })
-            };
-            unbiased(&Replicates {
-                whole: amplitudes(&|fits| &fits.whole),
-                without: (0..self.replicates()).map(|r| amplitudes(&|fits| &fits.without[r])).collect(),
-                influence: (0..self.replicates()).map(|r| amplitudes(&|fits| &fits.influence[r])).collect(),
+        films
+            .iter()
+            .zip(nm)
+            .map(|(film, &nm)| unbiased(&self.amplitudes(angle, film, exact_deg, nm)))
+            .collect()
+    }
+
+    /// |⟨t⟩|² at these wavelengths without each realisation, and the variance of the mean amplitude
+    /// that is taken off all of them; \[wavelength\].
+    pub fn without(&self, angle: usize, films: &[FilmAt], exact_deg: f64, nm: &[f64]) -> Vec<PowersWithout> {
+        let of = |(film, &nm): (&FilmAt, &f64)| {
+            let replicates = self.amplitudes(angle, film, exact_deg, nm);
+            let variance = replicates.variance();
+            PowersWithout {
+                powers: replicates.without.iter().map(|left| power(left) - variance).collect(),
+                variance,
+            }
+        };
+        films.iter().zip(nm).map(of).collect()
+    }
+
+    /// Mean amplitudes at one wavelength.
+    fn amplitudes(&self, angle: usize, film: &FilmAt, exact_deg: f64, nm: f64) -> Replicates {
+        let reference = film.transmitted_amplitudes(exact_deg);
+        let weights = self.basis.weights(nm);
+        let amplitudes = |coefficients: &dyn Fn(&Fits) -> &Array2<f64>| -> [Complex64; LIGHTS] {
+            std::array::from_fn(|light| {
+                let fit = coefficients(&self.fits[angle][light]);
+                let part = |column: usize| SpectralBasis::at(&weights, |i| fit[[i, column]]);
+                reference[light] * Complex64::new(part(0), part(1))
             })
         };
-        films.iter().zip(nm).map(transmittance).collect()
+        Replicates {
+            whole: amplitudes(&|fits| &fits.whole),
+            without: (0..self.replicates()).map(|r| amplitudes(&|fits| &fits.without[r])).collect(),
+            influence: (0..self.replicates()).map(|r| amplitudes(&|fits| &fits.influence[r])).collect(),
+        }
     }
 
     fn replicates(&self) -> usize {
@@ -100,24 +120,45 @@ struct Replicates {
     influence: Vec<[Complex64; LIGHTS]>,
 }
 
+/// |⟨t⟩|² at one wavelength without each realisation, and the variance that is taken off.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PowersWithout {
+    /// \[realisation left out\]
+    pub powers: Vec<f64>,
+    /// Variance of the mean amplitude of all.
+    pub variance: f64,
+}
+
+/// Σ |a|² over mutually incoherent amplitudes.
+fn power(amplitudes: &[Complex64; LIGHTS]) -> f64 {
+    amplitudes.iter().map(Complex64::norm_sqr).sum()
+}
+
+impl Replicates {
+    /// Variance of the mean amplitudes; 0 where a single realisation leaves it unknown.
+    fn variance(&self) -> f64 {
+        let Self { whole, without, influence } = self;
+        if without.len() < 2 {
+            return 0.0;
+        }
+        let terms = without.iter().zip(influence).flat_map(|(left, added)| {
+            (0..LIGHTS).map(move |light| (added[light].conj() * (whole[light] - left[light])).re)
+        });
+        terms.sum()
+    }
+}
+
 /// Σ |a|² over mutually incoherent mean amplitudes, less the variance of the means. The variance
 /// multiplies what a realisation adds to first order by what leaving it out changes: either alone
 /// is too small or too large where few realisations lie near a wavelength (HC2: J. G. MacKinnon and
 /// H. White, J. Econometrics 29 (1985) 305). The error is that of the jackknife for amplitudes
 /// beyond their noise, and the variance for amplitudes within it.
 fn unbiased(replicates: &Replicates) -> Estimate {
-    let power = |amplitudes: &[Complex64; LIGHTS]| amplitudes.iter().map(Complex64::norm_sqr).sum::<f64>();
-    let Replicates { whole, without, influence } = replicates;
+    let Replicates { whole, without, .. } = replicates;
     if without.len() < 2 {
         return Estimate::unknown_error(power(whole));
     }
-    let variance: f64 = without
-        .iter()
-        .zip(influence)
-        .flat_map(|(left, added)| {
-            (0..LIGHTS).map(move |light| (added[light].conj() * (whole[light] - left[light])).re)
-        })
-        .sum();
+    let variance = replicates.variance();
     let powers: Vec<f64> = without.iter().map(power).collect();
     let chance = Estimate::jackknife(power(whole), &powers).standard_error.unwrap_or(0.0);
     Estimate { value: power(whole) - variance, standard_error: Some(chance.hypot(variance)) }
@@ -136,7 +177,7 @@ mod tests {
     fn films(wave: Wave) -> Films<'static> {
         Films {
             profile: Profile::homogeneous(),
-            indices: &|_| (Complex64::new(1.5, 0.01), Vec::new()),
+            indices: &|_| (vec![Complex64::new(1.5, 0.01)], Vec::new()),
             thicknesses_um: vec![2.0],
             index_out: 1.2,
             wave,

@@ -10,5 +10,7 @@ mod gate;
 pub mod layer;
 pub mod level;
 pub mod numbers;
+mod prints;
+pub mod stacked;
 pub mod summary;
 pub mod view;

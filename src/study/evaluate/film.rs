@@ -10,34 +10,61 @@ use crate::wave::maxwell::Polarisation;
 use num_complex::Complex64;
 use std::f64::consts::TAU;
 
-/// Volume fractions across the layer, in equal slices from the incident side.
+/// Volume fractions across the layer, in equal slices from the incident side; as many in every
+/// layer of a stack.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Profile {
     /// \[slice\]\[inclusion\], 0–1; the rest is background.
     pub fractions: Vec<Vec<f64>>,
+    /// The layers of a stack, in the order of the light; empty for a single layer.
+    pub layers: Vec<ProfileLayer>,
+}
+
+/// One layer of a stack, as its film sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ProfileLayer {
+    /// Mean thickness, µm.
+    pub thickness_um: f64,
+    /// Whether what the stack has more or less than its mean thickness is in this layer.
+    pub is_uneven: bool,
 }
 
 impl Profile {
     /// One slice without inclusions.
     pub fn homogeneous() -> Self {
-        Self { fractions: vec![Vec::new()] }
+        Self { fractions: vec![Vec::new()], layers: Vec::new() }
     }
 
-    /// η² of every slice: Σ φ η² of the inclusions, and of the background for the rest.
-    pub fn squared_indices(&self, background: Complex64, inclusions: &[Complex64]) -> Vec<Complex64> {
-        let base = background * background;
-        let add = |sum, (&share, &eta): (&f64, &Complex64)| sum + share * (eta * eta - base);
-        self.fractions.iter().map(|slice| slice.iter().zip(inclusions).fold(base, add)).collect()
+    /// η² of every slice: Σ φ η² of the inclusions, and of its layer's background for the rest.
+    pub fn squared_indices(&self, backgrounds: &[Complex64], inclusions: &[Complex64]) -> Vec<Complex64> {
+        let each = self.fractions.len() / self.layers.len().max(1);
+        let mixed = |(number, slice): (usize, &Vec<f64>)| {
+            let background = backgrounds[number / each];
+            let base = background * background;
+            let add = |sum, (&share, &eta): (&f64, &Complex64)| sum + share * (eta * eta - base);
+            slice.iter().zip(inclusions).fold(base, add)
+        };
+        self.fractions.iter().enumerate().map(mixed).collect()
+    }
+
+    /// Thicknesses of the layers of a stack of this whole thickness, µm.
+    pub fn layers_um(&self, thickness_um: f64) -> Vec<f64> {
+        if self.layers.is_empty() {
+            return vec![thickness_um];
+        }
+        let more_um = thickness_um - self.layers.iter().map(|layer| layer.thickness_um).sum::<f64>();
+        let own = |layer: &ProfileLayer| layer.thickness_um + if layer.is_uneven { more_um } else { 0.0 };
+        self.layers.iter().map(own).collect()
     }
 }
 
-/// A stack of equal slices at one wavelength.
+/// A stack of slices at one wavelength, equal ones in each layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Film {
     /// η² of the slices, from the incident side.
     pub squared_indices: Vec<Complex64>,
-    /// Thickness of the whole stack, µm.
-    pub thickness_um: f64,
+    /// Thicknesses of the layers, each of as many equal slices, µm.
+    pub layers_um: Vec<f64>,
     /// Vacuum wavelength, µm.
     pub wavelength_um: f64,
     /// Index of the half-space on the exit side; that on the incident side is vacuum.
@@ -73,8 +100,8 @@ impl Film {
         };
         let entry = admittance(Complex64::from(from * cos), (from * from).into());
         let exit = admittance((Complex64::from(to * to) - along * along).sqrt(), (to * to).into());
-        let height = k0 * self.thickness_um / self.squared_indices.len() as f64;
         let count = self.squared_indices.len();
+        let each = count / self.layers_um.len();
         let mut gamma = Complex64::ZERO;
         let mut through = Complex64::ONE;
         let mut after = exit;
@@ -84,6 +111,7 @@ impl Film {
             let b = normal(squared);
             let here = admittance(b, squared);
             let (next, passed) = interface(here, after, gamma);
+            let height = k0 * self.layers_um[slice / each] / each as f64;
             let phase = (Complex64::i() * b * height).exp();
             through *= passed * phase;
             gamma = next * phase * phase;
@@ -152,7 +180,7 @@ mod tests {
             n in 1.05..2.0f64, kappa in 0.0..0.3f64, h in 0.1..3.0f64, out in 1.0..1.7f64, deg in 0.0..88.0f64, count in 1..30usize,
         ) {
             let index = Complex64::new(n, kappa);
-            let film = Film { squared_indices: vec![index * index; count], thickness_um: h, wavelength_um: 0.5, index_out: out };
+            let film = Film { squared_indices: vec![index * index; count], layers_um: vec![h], wavelength_um: 0.5, index_out: out };
             let sides = [(Side::Incident, [1.0, out]), (Side::Exit, [out, 1.0])];
             for ((side, ends), light) in sides.into_iter().flat_map(|s| Polarisation::BOTH.map(|l| (s, l))) {
                 let want = airy(index, h, 0.5, ends, deg, light == Polarisation::P);
@@ -166,7 +194,7 @@ mod tests {
         #[test]
         fn graded_films_are_reciprocal(n in proptest::collection::vec(1.0..2.0f64, 1..12), deg in 0.0..88.0f64, out in 1.0..1.7f64) {
             let squared_indices: Vec<Complex64> = n.iter().map(|n| (n * n).into()).collect();
-            let film = Film { squared_indices, thickness_um: 0.7, wavelength_um: 0.5, index_out: out };
+            let film = Film { squared_indices, layers_um: vec![0.7], wavelength_um: 0.5, index_out: out };
             let inside = (deg.to_radians().sin() / out).asin().to_degrees();
             for light in Polarisation::BOTH {
                 let (r, t) = film.reflectance_transmittance(Side::Incident, deg, light);
@@ -178,8 +206,8 @@ mod tests {
 
     #[test]
     fn squared_indices_mix_by_volume() {
-        let profile = Profile { fractions: vec![vec![0.25, 0.5], vec![0.0, 0.0]] };
-        let mixed = profile.squared_indices(2.0.into(), &[1.0.into(), 3.0.into()]);
+        let profile = Profile { fractions: vec![vec![0.25, 0.5], vec![0.0, 0.0]], ..Profile::default() };
+        let mixed = profile.squared_indices(&[2.0.into()], &[1.0.into(), 3.0.into()]);
         assert_eq!(mixed, [Complex64::from(0.25 + 4.5 + 1.0), Complex64::from(4.0)]);
     }
 }

@@ -21,8 +21,8 @@ pub(super) fn hemisphere() -> Vec<(f64, f64)> {
     rule.iter().map(|(x, weight)| angle(0.5 * (1.0 + x), *weight)).collect()
 }
 
-/// Index of the background and of the inclusions at a vacuum wavelength in nm.
-pub type Indices<'a> = dyn Fn(f64) -> (Complex64, Vec<Complex64>) + 'a;
+/// Indices of the background of every layer and of the inclusions at a vacuum wavelength in nm.
+pub type Indices<'a> = dyn Fn(f64) -> (Vec<Complex64>, Vec<Complex64>) + 'a;
 
 /// The films of an ensemble: one profile, several equally probable thicknesses.
 #[derive(Clone)]
@@ -64,10 +64,10 @@ impl Films<'_> {
     }
 
     fn film(&self, wavelength_nm: f64, thickness_um: f64) -> Film {
-        let (background, inclusions) = (self.indices)(wavelength_nm);
+        let (backgrounds, inclusions) = (self.indices)(wavelength_nm);
         Film {
-            squared_indices: self.profile.squared_indices(background, &inclusions),
-            thickness_um,
+            squared_indices: self.profile.squared_indices(&backgrounds, &inclusions),
+            layers_um: self.profile.layers_um(thickness_um),
             wavelength_um: 1e-3 * wavelength_nm,
             index_out: self.index_out,
         }
@@ -124,7 +124,7 @@ impl FilmAt {
         let index = (sum / film.squared_indices.len().max(1) as f64).sqrt().re;
         let face = Film {
             squared_indices: vec![(index * index).into()],
-            thickness_um: 0.0,
+            layers_um: vec![0.0],
             index_out: index,
             ..film.clone()
         };
@@ -170,7 +170,7 @@ mod tests {
 
     #[test]
     fn means_are_those_of_closed_forms() {
-        let indices = |_: f64| (Complex64::ONE, Vec::new());
+        let indices = |_: f64| (vec![Complex64::ONE], Vec::new());
         let films = Films {
             profile: Profile::homogeneous(),
             indices: &indices,
@@ -193,7 +193,7 @@ mod tests {
             // An opaque film matched to the exit side absorbs what enters: 1 − R̄ of a single face,
             // here by a dense sum.
             let eta = Complex64::new(index_out, 3.0);
-            let indices = move |_: f64| (eta, Vec::new());
+            let indices = move |_: f64| (vec![eta], Vec::new());
             let films = Films {
                 profile: Profile::homogeneous(),
                 indices: &indices,

@@ -1,7 +1,9 @@
 //! The ink on its paper, over all wavelengths and realisations: spectra, colours and the picture,
 //! with errors.
 
+mod brightened;
 mod colours;
+mod sums;
 
 pub use colours::Sight;
 
@@ -57,10 +59,16 @@ struct Places {
     visible: Range<usize>,
     /// What colours are summed over, within the tables of the observers.
     colours: Range<usize>,
+    /// What weighted numbers are summed over.
+    sums: Range<usize>,
     /// The film alone, at the visible wavelengths of a list …
     guide: Range<usize>,
     /// … and every 5 nm between them.
     fine_guide: Range<usize>,
+    /// The film alone, at all wavelengths of a list …
+    sum_guide: Range<usize>,
+    /// … and at closer ones, for weighted numbers.
+    fine_sum_guide: Range<usize>,
     /// One range per realisation; empty with listed wavelengths.
     solved: Vec<Range<usize>>,
     /// Width of the range that the wavelengths of the solves are drawn from, nm.
@@ -81,7 +89,8 @@ struct Places {
 ///
 /// let yellow = Spectrum::synthetic("yellow")?;
 /// let of_yellow = |nm: f64| yellow.index(1e-3 * nm).unwrap();
-/// let mixture = |nm: f64| (molecular_mixture(1.558.into(), &[(0.3, of_yellow(nm))]), Vec::new());
+/// let ink = |nm: f64| molecular_mixture(1.558.into(), &[(0.3, of_yellow(nm))]);
+/// let mixture = |nm: f64| (vec![ink(nm)], Vec::new());
 /// let films = Films {
 ///     profile: Profile::homogeneous(),
 ///     indices: &mixture,
@@ -163,7 +172,7 @@ impl InkOnPaper {
         let anchored = [normal, slanted];
         let (nodes_nm, mut places) = places(&layer, inputs.outputs_nm);
         let mut nodes = nodes(&layer, nodes_nm, inputs)?;
-        let guided = places.guide.start..places.fine_guide.end;
+        let guided = places.guide.start..places.fine_sum_guide.end;
         if nodes.means[guided.clone()].iter().flatten().all(|mean| mean.is_finite()) {
             // nothing fitted: the film
             nodes.weights[guided].iter_mut().for_each(Vec::clear);
@@ -171,6 +180,8 @@ impl InkOnPaper {
             nodes.cut(guided.start);
             places.guide = 0..0;
             places.fine_guide = 0..0;
+            places.sum_guide = 0..0;
+            places.fine_sum_guide = 0..0;
         }
         let diffuse_width = if returned.is_some() { DIFFUSE } else { SYMMETRIC };
         let [own_curves, diffuse, directional] = fits(&layer, anchored, solved, inputs.films, diffuse_width);
@@ -229,8 +240,7 @@ impl InkOnPaper {
 
     fn layers_without(&self, left_out: Option<usize>) -> Result<Vec<LayerOnPaper>, PaperError> {
         let all = self.nodes.wavelengths_nm.len();
-        let fitted = self.places.outputs.end.max(self.places.colours.end);
-        let count = if left_out.is_some() { fitted } else { all };
+        let count = if left_out.is_some() { self.places.fitted() } else { all };
         (0..count).map(|node| self.layer_at(node, left_out)).collect()
     }
 
@@ -269,7 +279,7 @@ impl InkOnPaper {
     /// first.
     fn keep(&mut self, other: &Self) -> usize {
         let start = self.whole.len();
-        let count = other.places.outputs.end.max(other.places.colours.end);
+        let count = other.places.fitted();
         self.nodes.wavelengths_nm.extend_from_slice(&other.nodes.wavelengths_nm[..count]);
         self.nodes.films.extend_from_slice(&other.nodes.films[..count]);
         self.nodes.albedos.extend_from_slice(&other.nodes.albedos[..count]);
@@ -328,6 +338,11 @@ impl InkOnPaper {
         &self.whole[self.places.outputs.clone()]
     }
 
+    /// The layers of every leave-one-out ensemble at every wavelength of the spectra.
+    pub(super) fn layers_of_replicates(&self) -> impl Iterator<Item = &[LayerOnPaper]> {
+        self.replicates.iter().map(|layers| &layers[self.places.outputs.clone()])
+    }
+
     /// A viewing or illumination angle, 0° ≤ θ < 90°.
     ///
     /// # Errors
@@ -365,7 +380,15 @@ fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Resul
     Ok(AngleNodes { wavelengths_nm: nodes_nm, films, albedos, weights, means })
 }
 
+impl Places {
+    /// Number of nodes up to the last of which spectra, colours or numbers are made.
+    fn fitted(&self) -> usize {
+        self.outputs.end.max(self.colours.end).max(self.sums.end)
+    }
+}
+
 fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
+    let sums_nm = layer.sums_nm.as_slice();
     let mut nodes = outputs_nm.to_vec();
     let mut add = |more: &mut dyn Iterator<Item = f64>| {
         let start = nodes.len();
@@ -377,19 +400,40 @@ fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
     if let SpectralBasis::Splines { range_nm: [from, to], .. } = layer.basis {
         let [lo, hi] = TABLE_RANGE_NM;
         let colours = add(&mut every_5_nm([from.max(lo), to.min(hi)]).into_iter());
+        let sums = add(&mut sums_nm.iter().copied());
         let solved = (0..layer.realisations()).map(|r| add(&mut layer.wavelengths_nm(r))).collect();
-        let none = 0..0;
-        let range_nm = to - from;
-        let places =
-            Places { outputs, visible, colours, guide: none.clone(), fine_guide: none, solved, range_nm };
+        let places = Places {
+            outputs,
+            visible,
+            colours,
+            sums,
+            guide: 0..0,
+            fine_guide: 0..0,
+            sum_guide: 0..0,
+            fine_sum_guide: 0..0,
+            solved,
+            range_nm: to - from,
+        };
         return (nodes, places);
     }
     let seen_nm = &outputs_nm[visible.clone()];
     let ends = seen_nm.first().zip(seen_nm.last());
     let guide = add(&mut seen_nm.iter().copied());
     let fine_guide = add(&mut ends.map_or(Vec::new(), |(&from, &to)| every_5_nm([from, to])).into_iter());
-    let colours = visible.clone();
-    (nodes, Places { outputs, visible, colours, guide, fine_guide, solved: Vec::new(), range_nm: 0.0 })
+    let summed_nm = if sums_nm.is_empty() { &[] } else { outputs_nm };
+    let places = Places {
+        colours: visible.clone(),
+        sums: outputs.clone(),
+        outputs,
+        visible,
+        guide,
+        fine_guide,
+        sum_guide: add(&mut summed_nm.iter().copied()),
+        fine_sum_guide: add(&mut sums_nm.iter().copied()),
+        solved: Vec::new(),
+        range_nm: 0.0,
+    };
+    (nodes, places)
 }
 
 /// Equal steps of at most 5 nm over a range; nothing where it is none.

@@ -8,6 +8,7 @@ pub use coefficients::KubelkaMunkRow;
 
 use super::ink::{InkError, InkOnPaper, Sight};
 use super::on_paper::LayerOnPaper;
+use super::prints::Brightened;
 use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty, Widened};
 use crate::appearance::colour::Colour;
 use crate::appearance::tristimulus::Colorimeter;
@@ -250,6 +251,11 @@ pub(super) fn ink_maker(
     realisations: &[usize],
 ) -> Result<InkMaker, InkError> {
     let Judgement { viewing, target_lab, measured } = &study.judgement;
+    // a paper that fluoresces shows other factors under another light
+    let lit = Brightened::new(&study.paper, &study.wavelengths_nm, viewing, 0.0);
+    let lit = lit.filter(|_| viewing.illuminant() != Viewing::default().illuminant());
+    let relit = lit.map(|brightened| ink.clone().lit_by(&brightened)).transpose()?;
+    let ink = relit.as_ref().unwrap_or(ink);
     let seen = Conditions::new(ink, study.output.mirrored_sky)?;
     let question = Question { ink, uncertainty, seen, viewing, sight: ink.sight(viewing)? };
     let (print, deviations) = question.over(|layer| *layer)?;

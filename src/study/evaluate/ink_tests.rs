@@ -20,7 +20,7 @@ pub fn molecular_ink(pigment: &str, share: f64, coupling: Coupling) -> InkOnPape
     let outputs_nm: Vec<f64> = (0..16).map(|i| 400.0 + 20.0 * f64::from(i)).collect();
     let spectrum = Spectrum::synthetic(pigment).unwrap();
     let index = |nm: f64| molecular_mixture(1.558.into(), &[(share, spectrum.index(1e-3 * nm).unwrap())]);
-    let indices = |nm: f64| (index(nm), Vec::new());
+    let indices = |nm: f64| (vec![index(nm)], Vec::new());
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling };
     let films = films(&indices, coupling.index_out());
     InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm: &outputs_nm })
@@ -145,9 +145,9 @@ pub(crate) fn yellow_made_up(noise: f64) -> MadeUp<'static> {
     MadeUp { films: films(&yellow, 1.0), strata: 3, wavelengths: 15, noise }
 }
 
-fn yellow(nm: f64) -> (Complex64, Vec<Complex64>) {
+fn yellow(nm: f64) -> (Vec<Complex64>, Vec<Complex64>) {
     let eta = Spectrum::synthetic("yellow").unwrap().index(1e-3 * nm).unwrap();
-    (molecular_mixture(1.558.into(), &[(0.3, eta)]), Vec::new())
+    (vec![molecular_mixture(1.558.into(), &[(0.3, eta)])], Vec::new())
 }
 
 /// Without noise, a few shifted directions and wavelengths reproduce the spectrum and the colour of
@@ -202,7 +202,7 @@ fn jackknife_errors_are_calibrated() {
 /// directions.
 #[test]
 fn the_furnace_is_exact() {
-    let clear = |_: f64| (Complex64::from(1.5), Vec::new());
+    let clear = |_: f64| (vec![Complex64::from(1.5)], Vec::new());
     for index_out in [1.0, 1.5] {
         let films = films(&clear, index_out);
         let made = MadeUp { films, strata: 2, wavelengths: 6, noise: 0.02 };

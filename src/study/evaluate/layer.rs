@@ -86,6 +86,9 @@ pub struct LayerEnsemble {
     pub strata: usize,
     /// Whether there are solves from the exit side.
     pub exit: bool,
+    /// Wavelengths over the range of the spectra, nm, closer than these, over which weighted
+    /// numbers are summed; empty without any.
+    pub sums_nm: Vec<f64>,
     fits: Fits,
     /// \[realisation\]\[wavelength\]: vacuum wavelength in nm, differences of all columns.
     differences: Vec<Vec<(f64, Vec<f64>)>>,
@@ -106,7 +109,7 @@ impl LayerEnsemble {
         let differences: Vec<_> = solved.iter().map(of_realisation).collect();
         let samples = |(nm, values): &(f64, Vec<f64>)| (*nm, Normal::plain(values));
         let fits = Fits::new(differences.iter().map(|rows| rows.iter().map(samples)), &basis, 1, columns);
-        Self { fits, basis, exact_deg: exact_deg.to_vec(), strata, exit, differences }
+        Self { fits, basis, exact_deg: exact_deg.to_vec(), strata, exit, sums_nm: Vec::new(), differences }
     }
 
     /// Number of realisations.

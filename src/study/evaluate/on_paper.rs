@@ -10,7 +10,8 @@ pub use curves::{
 use super::films::FilmAt;
 use super::samples::{SolvedDirection, mean};
 use super::wavelengths::Weights;
-use crate::appearance::paper::{MirroredSky, PaperError, returned};
+use crate::appearance::paper::{MirroredSky, PaperError, emerging, returned};
+use crate::appearance::paper_series::AreaOptics;
 use gauss_quad::GaussLegendre;
 use std::f64::consts::PI;
 
@@ -154,6 +155,19 @@ impl PolarAngle {
     }
 }
 
+/// Light that a brightened paper emits below the layer, over the light that comes in at this
+/// wavelength: its value, and what errors of R and of T change of it.
+pub type EmittedShare = [f64; 3];
+
+/// What a brightened paper emits; nothing of other paper.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Emitted {
+    /// Under a uniform sky.
+    pub natural: EmittedShare,
+    /// Lit at 45°, and taken for all other directions of light.
+    pub lit_at_45: EmittedShare,
+}
+
 /// The layer on paper at one wavelength.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LayerOnPaper {
@@ -163,9 +177,11 @@ pub struct LayerOnPaper {
     curve: AngleCurve,
     /// The film's T̄ and Ā from the exit side.
     film_means: [f64; 2],
-    paper_albedo: f64,
+    pub(super) paper_albedo: f64,
     /// Index of the half-space on the exit side: that of the paper in optical contact.
     pub(super) index_out: f64,
+    /// What the paper emits besides.
+    pub(super) emitted: Emitted,
 }
 
 impl LayerOnPaper {
@@ -181,7 +197,8 @@ impl LayerOnPaper {
         curve: AngleCurve,
         [albedo, index_out]: [f64; 2],
     ) -> Result<Self, PaperError> {
-        let layer = Self { node, measured, curve, film_means, paper_albedo: albedo, index_out };
+        let emitted = Emitted::default();
+        let layer = Self { node, measured, curve, film_means, paper_albedo: albedo, index_out, emitted };
         returned(albedo, layer.mean_transmittance(), layer.mean_absorptance_exit(), index_out)?;
         Ok(layer)
     }
@@ -220,9 +237,27 @@ impl LayerOnPaper {
             .unwrap_or(f64::NAN)
     }
 
-    /// The layer over another backing of the given albedo.
+    /// 1/(1 − ρ R̄_b), over n² in optical contact: the series of light that the paper emits.
+    pub(super) fn emerging_factor(&self) -> f64 {
+        emerging(self.paper_albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out)
+            .unwrap_or(f64::NAN)
+    }
+
+    /// The layer over another backing of the given albedo, which does not fluoresce.
     pub fn over(&self, albedo: f64) -> Self {
-        Self { paper_albedo: albedo, ..*self }
+        Self { paper_albedo: albedo, emitted: Emitted::default(), ..*self }
+    }
+
+    /// The layer as light from this angle and light between it and the paper meet it, seen at
+    /// another.
+    pub(super) fn optics(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> AreaOptics {
+        let density = self.index_out * self.index_out;
+        AreaOptics {
+            own: PI * self.diffuse_brdf_at(illumination.mu, viewing.mu),
+            entering: self.transmittance(illumination),
+            leaving: self.transmittance_returned(viewing) / density,
+            lost: self.mean_transmittance() / density + self.mean_absorptance_exit(),
+        }
     }
 
     /// R(θ) of the layer without paper.
@@ -285,7 +320,13 @@ impl LayerOnPaper {
     /// i and o unless the incident light is polarised; the observer sees both polarisations.
     pub fn brdf(&self, illumination: &PolarAngle, viewing: &PolarAngle) -> f64 {
         let through = self.transmittance(illumination) * self.transmittance_returned(viewing);
-        self.diffuse_brdf_at(illumination.mu, viewing.mu) + self.return_factor() * through / PI
+        let reflected =
+            self.diffuse_brdf_at(illumination.mu, viewing.mu) + self.return_factor() * through / PI;
+        let [emitted, ..] = self.emitted.lit_at_45;
+        if emitted == 0.0 {
+            return reflected;
+        }
+        reflected + emitted * self.emerging_factor() * self.transmittance_returned(viewing) / PI
     }
 
     /// ∫ f cos θ_o dω of the layer's diffuse f, over angles with the weights of 2∫₀¹ f μ dμ. It
@@ -325,7 +366,12 @@ impl LayerOnPaper {
     /// paper seen through the same.
     pub fn natural_light(&self, viewing: &PolarAngle, sky: MirroredSky) -> f64 {
         let mirrored = if sky == MirroredSky::Excluded { self.specular(viewing) } else { 0.0 };
-        self.albedo(viewing) - mirrored
+        let reflected = self.albedo(viewing) - mirrored;
+        let [emitted, ..] = self.emitted.natural;
+        if emitted == 0.0 {
+            return reflected;
+        }
+        reflected + emitted * self.emerging_factor() * self.transmittance(viewing)
     }
 
     /// The layer with `step` times other measured values added.

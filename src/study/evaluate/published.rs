@@ -74,6 +74,62 @@ impl ErrorParts {
     }
 }
 
+/// A weighted number that the study asks for, with its error and what that is made of; `null` is a
+/// number that cannot be.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct NumberNote {
+    /// Its name in the study.
+    pub name: String,
+    /// Thickness of the layer, µm, of layers composed for a list of them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness_um: Option<f64>,
+    /// The number.
+    pub value: Option<f64>,
+    /// One standard error: the root of the sum of the squares of all that follow; `null` if a
+    /// single realisation leaves it unknown.
+    pub standard_error: Option<f64>,
+    /// What it is made of.
+    pub parts: NumberParts,
+    /// Number of each realisation and its contribution; numbers of the same realisations have
+    /// correlated errors.
+    #[serde(skip)]
+    pub deviations: Vec<(usize, f64)>,
+    /// What it is, in words.
+    pub about: String,
+}
+
+/// Contributions to the error of a weighted number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct NumberParts {
+    /// Jackknife over the realisations.
+    pub chance: f64,
+    /// What composing slabs changes, beyond chance; 0 of layers that are solved as a whole.
+    pub model: f64,
+    /// The grid and the solver's residual.
+    pub grid: f64,
+    /// Fringes between the directions of a composed layer.
+    pub directions: f64,
+    /// What the spectrum may be between and beyond the wavelengths.
+    pub wavelengths: f64,
+    /// Errors of the tables of indices.
+    pub inputs: f64,
+}
+
+impl NumberParts {
+    /// The root of the sum of their squares.
+    pub fn together(&self) -> f64 {
+        let Self { chance, model, grid, directions, wavelengths, inputs } = *self;
+        [chance, model, grid, directions, wavelengths, inputs].into_iter().fold(0.0, f64::hypot)
+    }
+}
+
+impl NumberNote {
+    /// The number with its standard error; `None` if it is withheld.
+    pub fn estimate(&self) -> Option<Estimate> {
+        Some(Estimate { value: self.value?, standard_error: self.standard_error })
+    }
+}
+
 /// A published number of a row.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NamedNumber {

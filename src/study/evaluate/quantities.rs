@@ -1,5 +1,6 @@
 //! The published quantities of a composed layer by name, as values or as values with errors.
 
+use super::prints::PrintNumbers;
 use super::published::named_numbers;
 
 named_numbers! {
@@ -88,6 +89,10 @@ pub struct ThicknessNumbers<T> {
     pub spectra: Vec<LayerNumbers<T>>,
     /// Its colours, where the wavelengths carry any.
     pub colours: Option<ColourNumbers<T>>,
+    /// The weighted numbers that the study asks for, in its order.
+    pub weighted: Vec<T>,
+    /// Its prints, where there are any besides the solid on plain paper.
+    pub prints: Vec<PrintNumbers<T>>,
 }
 
 /// The thickness that hides, between two whole numbers of slabs.
@@ -114,6 +119,9 @@ pub struct ComposedNumbers<T> {
     pub medium: Vec<MediumNumbers<T>>,
     /// \[thickness that the study requests\]\[wavelength\]
     pub distributions: Vec<Vec<Distribution<T>>>,
+    /// Of a stack: share of light at 0° that each layer absorbs, without paper, \[thickness that
+    /// the study requests\]\[wavelength\]\[layer\].
+    pub absorbed: Vec<Vec<Vec<T>>>,
 }
 
 /// A new list, item by item from both.
@@ -169,6 +177,8 @@ impl<T> ThicknessNumbers<T> {
         ThicknessNumbers {
             spectra: each(self.spectra, other.spectra, |a, b| a.zipped(b, number)),
             colours: self.colours.zip(other.colours).map(|(a, b)| a.zipped(b, number)),
+            weighted: each(self.weighted, other.weighted, number),
+            prints: each(self.prints, other.prints, |a, b| a.zipped(b, number)),
         }
     }
 }
@@ -196,6 +206,7 @@ impl<T> ComposedNumbers<T> {
             distributions: each(self.distributions, other.distributions, |a, b| {
                 each(a, b, |a, b| a.zipped(b, number))
             }),
+            absorbed: each(self.absorbed, other.absorbed, |a, b| each(a, b, |a, b| each(a, b, number))),
         }
     }
 

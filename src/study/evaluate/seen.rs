@@ -1,17 +1,22 @@
 //! Evaluates the finished solves: spectra of the layer, its distributions, and the ink on its
 //! paper.
 
+mod sums;
+
 use super::coherent::CoherentLight;
-use super::film::Profile;
+use super::film::{Profile, ProfileLayer};
 use super::films::{FilmAt, Films, Indices};
 use super::ink::{InkError, InkInputs, InkOnPaper, SolvedLayer};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
 use super::levels::{Checked, GridCorrection, GridPart};
+use super::prints::Brightened;
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
+use super::summed::sum_wavelengths_nm;
 use super::wavelengths::{SpectralBasis, nearest};
 use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
-use crate::input::study::{Angles, Study};
+use crate::appearance::viewing::Viewing;
+use crate::input::study::{Angles, StackLayer, Study};
 use crate::input::variation::{CellRule, LightRule};
 use crate::numerics::estimate::Estimate;
 use crate::run::{Collected, Realisation};
@@ -71,6 +76,8 @@ pub struct LayerSeen {
     /// The coherent film at each wavelength.
     films: Vec<FilmAt>,
     pub(super) wavelengths_nm: Vec<f64>,
+    /// The coherent film at each wavelength over which weighted numbers are summed.
+    sum_films: Vec<FilmAt>,
     coherent: Option<CoherentLight>,
 }
 
@@ -122,6 +129,15 @@ impl LayerSeen {
     }
 }
 
+impl Study {
+    /// Wavelengths over which weighted numbers are summed, nm; none without any.
+    fn sum_wavelengths_nm(&self) -> Vec<f64> {
+        let ends = self.wavelengths_nm.first().zip(self.wavelengths_nm.last());
+        let ends = ends.filter(|_| !self.numbers.is_empty());
+        ends.map_or(Vec::new(), |(&from, &to)| sum_wavelengths_nm([from, to]))
+    }
+}
+
 /// The ink on its paper alone, from the complete realisations.
 ///
 /// # Errors
@@ -136,10 +152,40 @@ pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
 /// As [`InkOnPaper::homogeneous`].
 pub fn film_alone(study: &Study) -> Result<InkOnPaper, InkError> {
     let indices = |nm: f64| indices(study, nm);
-    let films = films(study, Profile { fractions: vec![study.material_shares()] }, &indices);
+    let films = films(study, requested_profile(study), &indices);
     let substrate = substrate(study);
     let outputs_nm = &study.wavelengths_nm;
-    InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm })
+    let ink = InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm })?;
+    in_daylight(study, ink)
+}
+
+/// The ink under D65, on whose ultraviolet light depends what its paper emits.
+fn in_daylight(study: &Study, ink: InkOnPaper) -> Result<InkOnPaper, InkError> {
+    match Brightened::new(&study.paper, &study.wavelengths_nm, &Viewing::default(), 0.0) {
+        Some(brightened) => Ok(ink.lit_by(&brightened)?),
+        None => Ok(ink),
+    }
+}
+
+/// The requested volume fractions, one slice a layer.
+fn requested_profile(study: &Study) -> Profile {
+    let shares = study.material_shares();
+    let of_layers = study.layers_of_materials();
+    let slice = |layer: usize| {
+        let own = shares.iter().zip(&of_layers).map(|(&share, &of)| if of == layer { share } else { 0.0 });
+        own.collect()
+    };
+    let count = study.stack.len().max(1);
+    Profile { fractions: (0..count).map(slice).collect(), layers: profile_layers(study) }
+}
+
+/// The layers of a study's stack, as their film sees them.
+fn profile_layers(study: &Study) -> Vec<ProfileLayer> {
+    let layer = |layer: &StackLayer| ProfileLayer {
+        thickness_um: layer.thickness_um,
+        is_uneven: layer.thickness_std_um > 0.0,
+    };
+    study.stack.iter().map(layer).collect()
 }
 
 /// The coherent film of a study's layer.
@@ -201,14 +247,16 @@ impl<'a> CompleteCells<'a> {
             return seen;
         }
         let indices = |nm: f64| indices(study, nm);
-        let films = films(study, mean_profile(&complete), &indices);
+        let films = films(study, mean_profile(study, &complete), &indices);
         let basis = basis(study, self.cells.len());
-        let ensemble = LayerEnsemble::new(&seen.solved, basis, &films, &study.angles.exact_deg);
+        let mut ensemble = LayerEnsemble::new(&seen.solved, basis, &films, &study.angles.exact_deg);
+        ensemble.sums_nm = study.sum_wavelengths_nm();
         seen.ink = self.on_paper(&ensemble, &seen.solved, &films);
         let wavelengths_nm = study.wavelengths_nm.clone();
         let coherent = CoherentLight::new(&seen.solved, &ensemble.basis, &films, &study.angles.exact_deg);
+        let sum_films = ensemble.sums_nm.iter().map(|&nm| films.at(nm)).collect();
         let films = wavelengths_nm.iter().map(|&nm| films.at(nm)).collect();
-        seen.layer = Some(LayerSeen { ensemble, films, wavelengths_nm, coherent });
+        seen.layer = Some(LayerSeen { ensemble, films, wavelengths_nm, sum_films, coherent });
         self.move_inputs(&mut seen);
         seen
     }
@@ -306,7 +354,8 @@ impl<'a> CompleteCells<'a> {
             let ensemble = LayerEnsemble::new(solved, basis, &films.returned(), exact_deg);
             SolvedLayer { ensemble, solved }
         });
-        Ok(InkOnPaper::new(SolvedLayer { ensemble: ensemble.clone(), solved }, returned, &inputs)?)
+        let ink = InkOnPaper::new(SolvedLayer { ensemble: ensemble.clone(), solved }, returned, &inputs)?;
+        Ok(in_daylight(study, ink)?)
     }
 
     /// Distributions at every exact angle, one per stratum of wavelengths, from the far fields in
@@ -391,21 +440,21 @@ fn solved_at(angles: &Angles, fields: &[FarField]) -> SolvedWavelength {
     }
 }
 
-/// Indices of the background, the inclusions, and last of the space beyond a relief.
-fn indices(study: &Study, nm: f64) -> (Complex64, Vec<Complex64>) {
+/// Indices of the backgrounds, the inclusions, and last of the space beyond a relief.
+fn indices(study: &Study, nm: f64) -> (Vec<Complex64>, Vec<Complex64>) {
     let media = study.media(1e-3 * nm);
     let beyond = study.packing.relief.map_or(media.incident, |relief| media.index_of(relief.face.into()));
-    (media.backgrounds[0], media.inclusions.into_iter().chain([beyond]).collect())
+    (media.backgrounds, media.inclusions.into_iter().chain([beyond]).collect())
 }
 
-fn mean_profile(complete: &[&Realisation]) -> Profile {
+fn mean_profile(study: &Study, complete: &[&Realisation]) -> Profile {
     let mut fractions = complete[0].packing.profile.clone();
     for realisation in &complete[1..] {
         let others = realisation.packing.profile.iter().flatten();
         fractions.iter_mut().flatten().zip(others).for_each(|(sum, other)| *sum += other);
     }
     fractions.iter_mut().flatten().for_each(|share| *share /= complete.len() as f64);
-    Profile { fractions }
+    Profile { fractions, layers: profile_layers(study) }
 }
 
 #[cfg(test)]

@@ -9,6 +9,8 @@ use super::manifest::{
     PublishedSpectra, SpectrumReplicates, SpectrumRow,
 };
 pub use super::manifest::{LIT_AT_45, NATURAL_LIGHT, program};
+use super::numbers::numbers;
+use super::printed::ink_prints;
 use super::published::Withheld;
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
 use super::seen::{LayerSeen, MovedLayers, NoInk, Seen, see};
@@ -56,6 +58,8 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         no_colour: None,
         ink_maker: None,
         no_ink_maker: None,
+        numbers: Vec::new(),
+        prints: None,
         withheld: Vec::new(),
         spectra: PublishedSpectra::Whole(Vec::new()),
         slabs: None,
@@ -67,6 +71,9 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
     enter_looks(&mut manifest, seen, &uncertainty);
     let reasons = gate::spectra(&mut rows, &manifest.withheld);
     manifest.spectra = PublishedSpectra::Whole(rows);
+    manifest.withheld.extend(reasons);
+    let (weighted, reasons) = numbers(study, seen, &uncertainty);
+    manifest.numbers = weighted;
     manifest.withheld.extend(reasons);
     manifest
 }
@@ -89,6 +96,7 @@ fn enter_looks(manifest: &mut Manifest, seen: &Seen, uncertainty: &Uncertainty) 
         Err(reason) => manifest.no_colour = Some(reason),
     }
     let Ok(ink) = &seen.ink else { return };
+    manifest.prints = ink_prints(manifest.study, ink, uncertainty).ok().flatten();
     match ink_maker(manifest.study, ink, uncertainty, &seen.cells) {
         Ok(mut numbers) => match gate::ink_maker(&numbers) {
             None => {

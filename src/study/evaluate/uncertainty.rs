@@ -6,7 +6,7 @@
 
 use super::ink::{InkError, InkOnPaper, Sight};
 use super::levels::GridPart;
-use super::on_paper::{LayerOnPaper, PolarAngle};
+use super::on_paper::{EmittedShare, LayerOnPaper, PolarAngle};
 use super::samples::SolvedRealisation;
 use crate::appearance::colour::Colour;
 use crate::appearance::paper::{MirroredSky, PRINT_DEG, PaperError};
@@ -42,12 +42,12 @@ type PaperQuantity<'a> = dyn Fn(&LayerOnPaper, Shift) -> f64 + 'a;
 impl Uncertainty {
     /// Number of independent errors of R and T common to all realisations: those of the grid, and
     /// last that of the residual. Each shifts everything at once.
-    fn parts(&self) -> usize {
+    pub fn parts(&self) -> usize {
         self.grid.parts() + 1
     }
 
     /// One of these errors at a wavelength.
-    fn shift(&self, part: usize, nm: f64) -> Shift {
+    pub fn shift(&self, part: usize, nm: f64) -> Shift {
         let residual = if self.residual > ROUNDING { self.residual } else { 0.0 };
         if part < self.grid.parts() { self.grid.shift(part, nm) } else { [residual; 2] }
     }
@@ -218,7 +218,9 @@ impl Conditions {
     pub fn natural_light(&self, layer: &LayerOnPaper, [r, t]: Shift) -> f64 {
         let inwards = layer.transmittance(&self.view);
         let outwards = layer.mean_transmittance();
-        layer.natural_light(&self.view, self.sky) + (r + through_paper(layer, inwards, outwards, [r, t]))
+        let emitted = emitted_error(layer, layer.emitted.natural, inwards, [r, t]);
+        let shift = r + through_paper(layer, inwards, outwards, [r, t]);
+        layer.natural_light(&self.view, self.sky) + (shift + emitted)
     }
 
     /// π times the BRDF of the ink on its paper lit at 45°, shifted by errors; the error of the
@@ -226,8 +228,22 @@ impl Conditions {
     pub fn lit_at_45(&self, layer: &LayerOnPaper, [r, t]: Shift) -> f64 {
         let inwards = layer.transmittance(&self.light);
         let outwards = layer.transmittance_returned(&self.view);
-        PI * layer.brdf(&self.light, &self.view) + (r + through_paper(layer, inwards, outwards, [r, t]))
+        let emitted = emitted_error(layer, layer.emitted.lit_at_45, outwards, [r, t]);
+        let shift = r + through_paper(layer, inwards, outwards, [r, t]);
+        PI * layer.brdf(&self.light, &self.view) + (shift + emitted)
     }
+}
+
+/// Error of S b T towards the eye, where S is emitted, db = n² ρ b² dR̄_b, and errors of R and T
+/// change S as well.
+fn emitted_error(layer: &LayerOnPaper, emitted: EmittedShare, outwards: f64, [r, t]: Shift) -> f64 {
+    let [share, by_r, by_t] = emitted;
+    if share == 0.0 {
+        return 0.0;
+    }
+    let series = layer.emerging_factor();
+    let moved_series = (layer.index_out * series).powi(2) * layer.paper_albedo * r;
+    (by_r * r + by_t * t) * series * outwards + share * (moved_series * outwards + series * t)
 }
 
 /// Error of g T₁ T₂, where dg = n² g² dR̄_b and R̄_b has the same error as R.

@@ -4,16 +4,21 @@
 //! tables go on with that, so that one reading of a file tells all of its errors. What several
 //! tables must agree on is checked at the end, on the study.
 
+mod backing;
 mod cell;
 mod composed;
+mod dots;
 mod grains;
 mod index;
 mod judgement;
 mod light;
 mod microstructure;
+mod number;
 mod paper;
 mod pigments;
 mod run;
+mod stack;
+mod stack_plates;
 
 pub use grains::largest_extents_nm;
 
@@ -49,7 +54,7 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
 /// All errors in the layer, the pigments and the packing.
 pub fn check_packing(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<Fault>> {
     let Examined { study, packing_faults: mut faults, .. } = examine(file, folder, name);
-    if pigments::packed(&file.pigments).next().is_none() {
+    if study.pigments.is_empty() && pigments::packed(&file.pigments).next().is_none() {
         faults.add("pigment", "none", "at least one [[pigment]] with grains", "add one");
     }
     if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
@@ -73,6 +78,19 @@ struct Examined {
 }
 
 fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
+    if let Some(layers) = &written.layer.stacked {
+        return stack::examine(written, layers, folder, name);
+    }
+    let mut examined = examine_layer(written, folder, name);
+    if written.stack.is_some() {
+        let allowed = "nothing beside a single [layer], which has these keys itself";
+        examined.packing_faults.add("stack", "a table", allowed, "remove it, or write [[layer]]");
+    }
+    examined
+}
+
+/// Examines a study of a single layer.
+fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let mut packing_faults = Faults::default();
     let mut wave_faults = Faults::default();
     // the file as if its layer were the thinnest slab, and its pigments those of given grains
@@ -82,6 +100,7 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         file.layer.thickness_um = ThicknessWritten::Even(0.5 * composed.slab_um);
     }
     let given = microstructure::fill(&mut file, folder, &mut packing_faults).unwrap_or_default();
+    pigments::fill_profiles(&mut file, &mut packing_faults);
     let microstructure = file.layer.microstructure.as_ref();
 
     let Light { wavelengths_nm, rule: light } = file.light.checked(&mut wave_faults);
@@ -100,7 +119,8 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     }
 
     let mut remarks: Vec<String> = file.light.short_of_end(&wavelengths_nm).into_iter().collect();
-    let paper = file.paper.checked(file.layer.index_out, &tables, &mut wave_faults, &mut remarks);
+    let mut paper = file.paper.checked(file.layer.index_out, &tables, &mut wave_faults, &mut remarks);
+    paper.dots = dots::checked(&file.dots, &file.areas, &mut wave_faults);
     let surroundings = Surroundings::of(&file.layer, paper.coupling);
     let Directions { angles, kind } = file.angles.checked(&surroundings, &mut wave_faults);
     let has_target = file.run.target_delta_e.is_some();
@@ -116,6 +136,7 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let mut study = Study {
         title: file.title.clone().unwrap_or_else(|| name.to_owned()),
         layer,
+        stack: Vec::new(),
         pigments,
         dissolved,
         packing,
@@ -133,26 +154,35 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         goal,
         output,
         judgement,
+        numbers: Vec::new(),
         kind,
         remarks,
     };
     study.remarks.extend(given.remarks);
-    study.remarks.extend(index::bridged(&study));
-    study.remarks.extend(study.undetermined_inputs());
-    if study.no_paper().is_none() {
-        study.remarks.extend(light::colour_takes_a_part(&study.wavelengths_nm));
-        study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
-    }
+    remark_on_inputs(&mut study);
     light::refusals(&file.pigments, &study, &mut wave_faults);
     if let Some(composed) = composed {
         composed::refusals(&file, &study, &mut wave_faults);
         composed::complete(&mut study, composed);
         study.remarks.extend(study.errors_left_out());
     }
+    let (numbers, remarks) = number::checked(&file.numbers, &study, folder, &mut wave_faults);
+    study.numbers = numbers;
+    study.remarks.extend(remarks);
     if packing_faults.0.is_empty() && wave_faults.0.is_empty() {
         wave_faults.0.extend(target_without_colour(&study));
     }
     Examined { study, packing_faults, wave_faults }
+}
+
+/// Adds what a user should know of the tables and of the colours' wavelengths.
+fn remark_on_inputs(study: &mut Study) {
+    study.remarks.extend(index::bridged(study));
+    study.remarks.extend(study.undetermined_inputs());
+    if study.no_paper().is_none() {
+        study.remarks.extend(light::colour_takes_a_part(&study.wavelengths_nm));
+        study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));
+    }
 }
 
 impl StudyFile {

@@ -2,7 +2,7 @@
 
 use super::study::Study;
 use super::variation::{AREA, ASPECT, CellRule, Draw, LightRule, between, thickness_um};
-use crate::ink::{PigmentGrains, SizeDistribution};
+use crate::ink::{PackingRequest, PigmentGrains, SizeDistribution};
 use crate::numerics::Sequence;
 
 /// With several pigments, whole grains are sought within this fraction of the drawn area.
@@ -77,10 +77,24 @@ impl Study {
         (0..count).map(|k| thickness_um(mean_um, std_um, middle(k))).collect()
     }
 
+    /// Dry thickness of the layer that holds each pigment, µm.
+    fn dry_um_of_pigments(&self, thickness_um: f64) -> Vec<f64> {
+        let depth_um = |request: &PackingRequest| request.relief.map_or(0.0, |relief| relief.depth_um);
+        let depths_um: Vec<f64> = if self.stack.is_empty() {
+            vec![depth_um(&self.packing); self.pigments.len()]
+        } else {
+            let layers = self.packing.layers.iter().zip(&self.stack);
+            layers.flat_map(|(layer, of)| vec![depth_um(&layer.request); of.pigments]).collect()
+        };
+        let thicknesses_um = self.thicknesses_of_pigments_um(thickness_um);
+        thicknesses_um.into_iter().zip(depths_um).map(|(um, depth_um)| um - depth_um).collect()
+    }
+
     /// The area nearest to `area` (µm²) in which whole grains give the requested volume fractions.
     fn whole_grains(&self, area: f64, thickness_um: f64) -> f64 {
-        let dry_um = thickness_um - self.packing.relief.as_ref().map_or(0.0, |relief| relief.depth_um);
-        let areas = self.pigments.iter().filter_map(|p| area_of_a_grain(&p.grains, dry_um));
+        let dry_um = self.dry_um_of_pigments(thickness_um);
+        let in_layers = self.pigments.iter().zip(dry_um);
+        let areas = in_layers.filter_map(|(p, dry_um)| area_of_a_grain(&p.grains, dry_um));
         let quanta: Vec<f64> = areas.collect();
         let Some(largest) = quanta.iter().copied().reduce(f64::max) else { return area };
         let grains = |share: f64| (area * share / largest).round().max(1.0) as usize;

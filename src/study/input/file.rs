@@ -20,19 +20,24 @@
 mod calculation;
 mod layer;
 mod microstructure;
+mod number;
 
 pub use calculation::{AnglesTable, LightTable, SamplingName};
 pub use calculation::{ResolutionTable, RunTable, SolverTable, TargetColour};
 pub use layer::{
     BinderTable, ComposedTable, ContrastPart, LayerTable, PackingTable, PigmentTable, ShellTable,
 };
+pub use layer::{StackLayerTable, StackTable};
 pub use microstructure::{
     Continuation, FileNames, LabelPigments, LengthUnit, MicrostructureTable, SizeColumn, VoxelEdges,
 };
 
-use super::forms::AlbedoWritten;
+pub use number::{NumberTable, SeenLight, WeightsWritten};
+
+use super::forms::{AlbedoWritten, CoverageWritten, FluorescenceWritten};
 use super::limits;
 use super::measured::{MeasuredCondition, MeasuredUnit, Patch};
+use crate::appearance::bare_paper::PaperGeometry;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::viewing::{Summation, illuminants, observers};
 use schemars::JsonSchema;
@@ -45,8 +50,13 @@ pub struct StudyFile {
     /// Title of the report (default: name of the file).
     #[schemars(example = &"Yellow ink, 30 %")]
     pub title: Option<String>,
-    /// The periodic cell and the media on both sides of it.
+    /// The periodic cell and the media on both sides of it; or the layers of a stack, one
+    /// `[[layer]]` each in the order of the light, with their own `[[layer.pigment]]`.
+    #[serde(deserialize_with = "layer::one_or_stacked")]
+    #[schemars(schema_with = "layer::one_or_stacked_schema")]
     pub layer: LayerTable,
+    /// What the layers of `[[layer]]` share: the cell, and the media on both sides.
+    pub stack: Option<StackTable>,
     /// The pigments, one `[[pigment]]` each; without any the layer consists of binder only.
     #[serde(default, rename = "pigment")]
     pub pigments: Vec<PigmentTable>,
@@ -56,6 +66,13 @@ pub struct StudyFile {
     /// The Lambertian substrate.
     #[serde(default)]
     pub paper: PaperTable,
+    /// The screen of a halftone print; needs `[[area]]`.
+    #[serde(default)]
+    pub dots: DotsTable,
+    /// Kinds of area of a halftone print, one `[[area]]` each; without any, only a solid is
+    /// printed. What they leave is bare paper.
+    #[serde(default, rename = "area")]
+    pub areas: Vec<AreaTable>,
     /// Vacuum wavelengths (default: 400 to 700 nm in steps of 20 nm).
     #[serde(default)]
     pub light: LightTable,
@@ -80,26 +97,85 @@ pub struct StudyFile {
     /// What the prediction is compared with.
     #[serde(default)]
     pub compare: CompareTable,
+    /// Weighted numbers of the spectra, one `[[number]]` each; no solve depends on them.
+    #[serde(default, rename = "number", skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<NumberTable>,
 }
 
 /// `[paper]`: the Lambertian substrate.
-#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct PaperTable {
     /// Albedo, 0–1: a number, a list `[[400, 0.82], [700, 0.91]]` (nm, linear in between), or `{
     /// csv = "paper.csv" }` with the columns wavelength_nm and albedo, or a measured spectrum. With
     /// a gap it is the reflectance of the bare paper; in optical contact it is that of the paper's
     /// inside, behind its surface, and not the factor measured on bare paper, which is lower: an
-    /// inside of 0.9 and index 1.5 reflects about 0.80 of diffuse light.
-    pub albedo: AlbedoWritten,
+    /// inside of 0.9 and index 1.5 reflects about 0.80 of diffuse light. Default: 0.9.
+    pub albedo: Option<AlbedoWritten>,
+    /// The factor measured on the bare paper, instead of an albedo: the albedo follows from it
+    /// through the paper's surface, by the geometry that the file states.
+    pub measured: Option<MeasuredPaperTable>,
+    /// A brightener in the paper: light must reach down to the wavelengths that excite it.
+    pub fluorescence: Option<FluorescenceWritten>,
     /// Contact between ink and paper.
     pub coupling: CouplingName,
 }
 
-impl Default for PaperTable {
-    fn default() -> Self {
-        Self { albedo: AlbedoWritten::Constant(0.9), coupling: CouplingName::Gap }
-    }
+/// `[paper.measured]`: the bare paper as an instrument reads it.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredPaperTable {
+    /// A measured spectrum in any format of `compare.measured`, relative to the study file.
+    #[schemars(example = &"paper.csv")]
+    pub csv: String,
+    /// Sample in a file with several: its name, or its amounts of ink.
+    pub patch: Option<Patch>,
+    /// Value of a perfect white, where the file does not state it.
+    pub unit: Option<MeasuredUnit>,
+    /// The instrument's light, where the sample was measured under several.
+    pub condition: Option<MeasuredCondition>,
+    /// Directions of light and view, where the file does not state them (then 45:0): `"45:0"`,
+    /// `"d:8"` with and `"d:8 excluded"` without mirrored light, `"d:0"` or `"natural"`.
+    pub geometry: Option<PaperGeometry>,
+}
+
+/// `[dots]`: the screen of a halftone print.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct DotsTable {
+    /// Ruling of the screen, dots per cm; 60 is usual (150 lpi).
+    #[schemars(transform = limits::RULING_PER_CM.mark())]
+    pub ruling_per_cm: Option<f64>,
+    /// Length ℓ over which the paper spreads light, µm: the light that enters at one place leaves
+    /// around it as exp(−r/ℓ)/(2πℓ²). 0 spreads none (Neugebauer); coated papers have 20 to 60.
+    #[schemars(transform = limits::SPREAD_UM.mark())]
+    pub spread_um: Option<f64>,
+    /// Physical gain of a nominal coverage of a half: 4 g c (1 − c) is added to every coverage.
+    /// Default: 0.
+    #[schemars(transform = limits::DOT_GAIN.mark())]
+    pub physical_gain: f64,
+}
+
+/// `[[area]]`: a kind of area of a halftone print.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AreaTable {
+    /// Share of the area, 0 to 1; or a list for a ramp of tints.
+    pub coverage: CoverageWritten,
+    /// What it bears. Default: `"layer"`.
+    #[serde(default)]
+    pub bears: AreaBears,
+}
+
+/// What a kind of area bears.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum AreaBears {
+    /// This study's layer.
+    #[default]
+    Layer,
+    /// Bare paper.
+    Paper,
 }
 
 /// Contact between layer and paper; see [`crate::appearance::paper::Coupling`].

@@ -1,8 +1,11 @@
 //! Values that can be written in several forms.
 
-use super::limits::{ABOVE_ZERO, ABSORPTION, ALBEDO, Entries, INDEX, NOT_NEGATIVE, THICKNESS_UM};
+use super::limits::{
+    ABOVE_ZERO, ABSORPTION, ALBEDO, ANCHOR_NM, CONCENTRATION, DENSITY, Entries, INDEX, N_ERROR, NOT_NEGATIVE,
+    PATH_MM, SHARE, THICKNESS_UM,
+};
 use super::measured::{MeasuredCondition, MeasuredUnit, Patch};
-use crate::material::named::{MATERIALS, Synthetic};
+use crate::material::named::{MATERIALS, NamedMaterial, Synthetic};
 use crate::solve::{Registry, SolverChoice};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor, value::MapAccessDeserializer};
@@ -102,6 +105,73 @@ pub enum AlbedoWritten {
     },
 }
 
+/// A share of the area of a print.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(rename = "Coverage")]
+#[serde(untagged, expecting = "a share of the area such as 0.5, or a list of them")]
+pub enum CoverageWritten {
+    /// One print.
+    One(#[schemars(transform = SHARE.mark())] f64),
+    /// A ramp of tints.
+    Ramp(#[schemars(length(min = 1), transform = Entries(SHARE))] Vec<f64>),
+}
+
+impl CoverageWritten {
+    /// One share for each tint.
+    pub fn all(&self) -> Vec<f64> {
+        match self {
+            Self::One(share) => vec![*share],
+            Self::Ramp(shares) => shares.clone(),
+        }
+    }
+}
+
+/// A paper's brightener.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[schemars(rename = "Fluorescence")]
+#[serde(
+    untagged,
+    deny_unknown_fields,
+    expecting = "{ excitation = [[nm, share], …], emission = [[nm, quanta], …], yield = 0.5 }, { donaldson_csv = \"table.csv\" } \
+                 or { m1_csv = \"m1.csv\", m2_csv = \"m2.csv\" }"
+)]
+pub enum FluorescenceWritten {
+    /// One brightener. It takes its share of the light before the paper's albedo acts on the rest.
+    Bands {
+        /// Rows of wavelength in nm and share of the quanta that the brightener absorbs, 0 to 1.
+        #[schemars(length(min = 2))]
+        excitation: Vec<[f64; 2]>,
+        /// Rows of wavelength in nm and quanta emitted per nm, in any unit.
+        #[schemars(length(min = 2))]
+        emission: Vec<[f64; 2]>,
+        /// Quanta emitted per quantum absorbed, 0 to 1.
+        #[serde(rename = "yield")]
+        #[schemars(transform = SHARE.mark())]
+        quantum_yield: f64,
+    },
+    /// A bispectral measurement of the paper behind its surface.
+    Donaldson {
+        /// Table whose first column holds the wavelengths emitted, nm, and whose header names those
+        /// of the light, nm, in equal steps; entries are radiance factors. Those that are not of
+        /// longer wavelength than their light are reflected light, and left to the albedo.
+        donaldson_csv: String,
+    },
+    /// The bare paper measured with and without ultraviolet light, at 45:0 or as the files state;
+    /// the albedo follows from the second.
+    Pair {
+        /// Factor under D50 with ultraviolet light (M1), in any format of `compare.measured`.
+        m1_csv: String,
+        /// Factor without ultraviolet light (M2).
+        m2_csv: String,
+        /// Sample in files with several.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        patch: Option<Patch>,
+        /// Value of a perfect white, where the files do not state it.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        unit: Option<MeasuredUnit>,
+    },
+}
+
 /// One length for both directions, or one for each.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged, expecting = "a number or two numbers [x, y]")]
@@ -122,8 +192,8 @@ impl Pair {
     }
 }
 
-/// A complex refractive index n + iκ: a number, or a table in one of five forms. The table alone is
-/// derived, fields are read by `index`.
+/// A complex refractive index n + iκ: a number, or a table in one of several forms. The table alone
+/// is derived, fields are read by `index`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IndexWritten {
@@ -139,6 +209,51 @@ pub struct IndexWritten {
     pub csv: Option<String>,
     /// Record of refractiveindex.info (YAML), relative to the study file.
     pub yaml: Option<String>,
+    /// What n follows from, beside a file of κ alone.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub kramers_kronig: Option<KramersKronigWritten>,
+    /// The dilution whose absorbance a file holds.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub dilution: Option<DilutionWritten>,
+}
+
+/// n by the relation of Kramers and Kronig from the κ of the file: what is known of n, either at
+/// one wavelength or far to the red. Absorption beyond the file (one pole in the ultraviolet, tails
+/// at both ends) is guessed, and its error enters every error bar.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "KramersKronig")]
+#[serde(deny_unknown_fields)]
+pub struct KramersKronigWritten {
+    /// Wavelength of the known n, nm; it may lie outside the file.
+    #[schemars(transform = ANCHOR_NM.mark())]
+    pub n_nm: Option<f64>,
+    /// n at that wavelength.
+    #[schemars(transform = INDEX.mark())]
+    pub n: Option<f64>,
+    /// Instead of both: n far to the red of all absorption in the ultraviolet, without the bands of
+    /// the file.
+    #[schemars(transform = INDEX.mark())]
+    pub n_infinity: Option<f64>,
+    /// Standard error of the known n (default: 0).
+    #[schemars(transform = N_ERROR.mark())]
+    pub n_error: Option<f64>,
+}
+
+/// The dilution whose absorbance (decadic, of a cuvette against one with the liquid alone) the file
+/// holds: molecules, or grains far smaller than the wavelength.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "Dilution")]
+#[serde(deny_unknown_fields)]
+pub struct DilutionWritten {
+    /// Path of the light, mm.
+    #[schemars(transform = PATH_MM.mark())]
+    pub path_mm: f64,
+    /// Mass of the pigment in a litre of the dilution, g.
+    #[schemars(transform = CONCENTRATION.mark())]
+    pub concentration_g_per_l: f64,
+    /// Density of the pigment, g/cm³.
+    #[schemars(transform = DENSITY.mark())]
+    pub density_g_per_cm3: f64,
 }
 
 /// Schema of [`IndexWritten`], whose keys are read one by one so that each error can be named.
@@ -178,6 +293,10 @@ pub(super) enum IndexForms {
         /// Real part at all wavelengths, if the file contains only κ.
         #[schemars(transform = INDEX.mark())]
         n: Option<f64>,
+        /// Instead of it: n by the relation of Kramers and Kronig.
+        kramers_kronig: Option<KramersKronigWritten>,
+        /// The dilution, if the file has a column absorbance in place of kappa.
+        dilution: Option<DilutionWritten>,
     },
     Yaml {
         /// Record of refractiveindex.info, relative to the study file; without n in the file, give
@@ -194,11 +313,12 @@ fn built_in_names(_: &mut SchemaGenerator) -> Schema {
 }
 
 fn material_names(_: &mut SchemaGenerator) -> Schema {
-    json_schema!({ "enum": MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>() })
+    json_schema!({ "enum": MATERIALS.iter().flat_map(NamedMaterial::names).collect::<Vec<_>>() })
 }
 
 /// The keys of [`IndexWritten`].
-pub(super) const INDEX_KEYS: &[&str] = &["n", "k", "built_in", "material", "csv", "yaml"];
+pub(super) const INDEX_KEYS: &[&str] =
+    &["n", "k", "built_in", "material", "csv", "yaml", "kramers_kronig", "dilution"];
 
 /// Reads an index in any of its forms.
 pub(super) fn index<'de, D: Deserializer<'de>>(deserializer: D) -> Result<IndexWritten, D::Error> {

@@ -20,6 +20,8 @@ pub const ABOVE_ZERO: Allowed = Allowed::above(0.0, f64::MAX, "µm");
 pub const NOT_NEGATIVE: Allowed = Allowed::between(0.0, f64::MAX, "µm");
 /// Thickness of a layer.
 pub const THICKNESS_UM: Allowed = Allowed::above(0.0, 1000.0, "µm");
+/// Thickness of a stack with grains, all layers together: it is solved whole.
+pub const STACK_UM: Allowed = Allowed::above(0.0, 30.0, "µm");
 /// Period of a cell.
 pub const PERIOD_UM: Allowed = Allowed::above(0.0, 1000.0, "µm");
 /// Overlap of given spheres that is taken as a contact.
@@ -32,6 +34,16 @@ pub const VOXEL_NM: Allowed = Allowed::between(0.1, 10_000.0, "nm");
 pub const INDEX: Allowed = Allowed::between(0.1, 10.0, "");
 /// Imaginary part of an index, which absorbs.
 pub const ABSORPTION: Allowed = Allowed::between(0.0, 10.0, "");
+/// Wavelength at which n is known beside κ: above that of the pole in the ultraviolet.
+pub const ANCHOR_NM: Allowed = Allowed::between(250.0, LONGEST_WAVE_NM, "nm");
+/// Standard error of a known n.
+pub const N_ERROR: Allowed = Allowed::between(0.0, 1.0, "");
+/// Path of the light through a dilution.
+pub const PATH_MM: Allowed = Allowed::above(0.0, 1000.0, "mm");
+/// Mass of a pigment in a litre of a dilution.
+pub const CONCENTRATION: Allowed = Allowed::above(0.0, 1000.0, "g/l");
+/// Density of a pigment.
+pub const DENSITY: Allowed = Allowed::between(0.1, 30.0, "g/cm³");
 /// Volume fraction: no random packing exceeds 0.64; thin layers reach less, which packing reports.
 pub const VOLUME_FRACTION: Allowed = Allowed::above(0.0, 0.64, "");
 /// Lightness L* of a print.
@@ -40,6 +52,14 @@ pub const LIGHTNESS: Allowed = Allowed::between(0.0, 150.0, "");
 pub const CHROMA: Allowed = Allowed::between(-300.0, 300.0, "");
 /// Albedo of a paper.
 pub const ALBEDO: Allowed = Allowed::between(0.0, 1.0, "");
+/// Dots per cm of a screen.
+pub const RULING_PER_CM: Allowed = Allowed::between(1.0, 1000.0, "per cm");
+/// Spread length of a paper.
+pub const SPREAD_UM: Allowed = Allowed::between(0.0, 10_000.0, "µm");
+/// Physical gain of a coverage of a half.
+pub const DOT_GAIN: Allowed = Allowed::between(0.0, 0.25, "");
+/// Share of an area, of quanta absorbed, or of quanta emitted.
+pub const SHARE: Allowed = Allowed::between(0.0, 1.0, "");
 /// Longest vacuum wavelength, nm.
 pub const LONGEST_WAVE_NM: f64 = 10_000.0;
 /// A vacuum wavelength.

@@ -18,11 +18,15 @@ use crate::appearance::tristimulus::TABLE_RANGE_NM;
 use crate::appearance::viewing::ColourError;
 use crate::appearance::viewing::Viewing;
 use crate::material::text_table::read_text;
-use sample::{MeasuredFile, SampleContent};
+use sample::{MeasuredFile, SampleContent, Written};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::path::Path;
+
+/// Colours of one sample that differ by less are one colour, written as L*, a*, b* and as X, Y, Z
+/// of white tables that differ in their last digits.
+const COORDINATE_ROUNDING: f64 = 0.1;
 
 /// Value of a perfect white in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
@@ -175,7 +179,7 @@ impl MeasuredReading {
     pub fn parse(text: &str, name: &str, request: &MeasuredRequest) -> Result<Self, String> {
         let (file, what) = samples(text.trim_start_matches('\u{feff}'), name)?;
         if file.samples.is_empty() {
-            return Err(format!("it is {what} without spectra or L*, a*, b* of samples"));
+            return Err(format!("it is {what} without spectra, L*, a*, b* or X, Y, Z of samples"));
         }
         let chosen = choose::choose(&file, request)?;
         let mut remarks: Vec<String> =
@@ -198,7 +202,9 @@ impl MeasuredReading {
                 let rows = rows.map_err(|reason| format!("{called}{reason}"))?;
                 MeasuredContent::Spectrum(MeasuredSpectrum { source, rows, patches: chosen.samples })
             }
-            SampleContent::Lab(..) => MeasuredContent::Colour(colour(&chosen, &request.viewing)?),
+            SampleContent::Lab(..) | SampleContent::Xyz(..) => {
+                MeasuredContent::Colour(colour(&file, &chosen, request)?)
+            }
         };
         Ok(Self { measured, geometry: chosen.sample.geometry.clone(), remarks })
     }
@@ -223,30 +229,68 @@ fn samples(text: &str, name: &str) -> Result<(MeasuredFile, &'static str), Strin
 }
 
 /// The colour of a sample under the requested conditions, or under those that it has.
-fn colour(chosen: &choose::Chosen, requested: &Viewing) -> Result<MeasuredColour, String> {
+fn colour(
+    file: &MeasuredFile,
+    chosen: &choose::Chosen,
+    request: &MeasuredRequest,
+) -> Result<MeasuredColour, String> {
+    let requested = &request.viewing;
     let mut all = Vec::new();
+    let mut none = "no colour".to_owned();
     for sample in std::iter::once(chosen.sample).chain(chosen.colours.iter().copied()) {
-        let SampleContent::Lab(cells, stated) = &sample.content else { continue };
-        let mut lab = [0.0; 3];
-        for (i, name) in ["L*", "a*", "b*"].into_iter().enumerate() {
-            let cell = &cells[i];
-            let value = cell.value().filter(|value| value.is_finite());
-            lab[i] = value.ok_or_else(|| {
-                let text = cell.text.trim();
-                format!("line {}, {name}: found {text:?} where a number is needed", cell.line)
-            })?;
-        }
-        all.push(MeasuredColour { lab, viewing: stated.viewing(requested.summation) });
+        all.extend(match &sample.content {
+            SampleContent::Spectrum(_) => None,
+            SampleContent::Lab(cells, stated) => {
+                let lab = coordinates(cells, ["L*", "a*", "b*"])?;
+                Some(MeasuredColour { lab, viewing: stated.viewing(requested.summation) })
+            }
+            SampleContent::Xyz(cells, stated) => {
+                let xyz = coordinates(cells, ["X", "Y", "Z"])?;
+                let white = choose::white_y(file, request.unit)?;
+                match stated.viewing(requested.summation) {
+                    Ok(viewing) => {
+                        Some(MeasuredColour { lab: lab_of(xyz, white, &viewing)?, viewing: Ok(viewing) })
+                    }
+                    Err(reason) => {
+                        none = format!("X, Y, Z have no L*, a*, b*: {reason}");
+                        None
+                    }
+                }
+            }
+        });
     }
     let is_requested = |colour: &&MeasuredColour| colour.viewing.as_ref() == Ok(requested);
-    let first = all.iter().find(is_requested).or(all.first()).ok_or("no L*, a*, b*")?;
-    if all.iter().any(|other| other.viewing == first.viewing && other.lab != first.lab) {
+    let first = all.iter().find(is_requested).or(all.first()).ok_or(none)?;
+    let differs = |other: &MeasuredColour| {
+        other.viewing == first.viewing
+            && other.lab.iter().zip(first.lab).any(|(a, b)| (a - b).abs() > COORDINATE_ROUNDING)
+    };
+    if all.iter().any(differs) {
         let name = chosen.sample.name();
         return Err(format!(
             "several colours of {name:?} that differ: keep one of them, or give them different names"
         ));
     }
     Ok(first.clone())
+}
+
+/// The numbers of three cells, whose coordinates have these names.
+fn coordinates(cells: &[Written; 3], names: [&str; 3]) -> Result<[f64; 3], String> {
+    let mut values = [0.0; 3];
+    for (i, name) in names.into_iter().enumerate() {
+        let cell = &cells[i];
+        values[i] = cell.value().filter(|value| value.is_finite()).ok_or_else(|| {
+            format!("line {}, {name}: found {:?} where a number is needed", cell.line, cell.text.trim())
+        })?;
+    }
+    Ok(values)
+}
+
+/// L*, a*, b* of X, Y, Z whose perfect white has the luminance `white`.
+fn lab_of(xyz: [f64; 3], white: f64, viewing: &Viewing) -> Result<[f64; 3], String> {
+    let table: Vec<f64> = (380..=780).step_by(5).map(f64::from).collect();
+    let colorimeter = Colorimeter::under(&table, viewing).map_err(|error| error.to_string())?;
+    Ok(colorimeter.colour_of(xyz.map(|value| 100.0 / white * value)).lab)
 }
 
 impl MeasuredSpectrum {

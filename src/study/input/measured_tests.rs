@@ -173,6 +173,34 @@ fn conditions_that_are_not_stated_or_not_known_are_errors_and_spectra_go_before_
     assert_eq!(of_patch(&spectral, "my ink").unwrap().rows[0], [400.0, 0.5]);
 }
 
+/// X, Y, Z of CIE white D50 are L* 100 within the rounding of the tables (sums of 5 nm: ± 0.03
+/// in Z), and those of half its luminance L* 76.07, by the formula of CIE 15.
+#[test]
+fn x_y_z_alone_are_a_colour_relative_to_white_of_the_stated_light() {
+    let xyz = LAB
+        .replace("CONDITIONS", "ILLUMINATION_NAME \"D50\"\nOBSERVER_ANGLE \"2\"")
+        .replace("LAB_L LAB_A LAB_B", "XYZ_X XYZ_Y XYZ_Z")
+        .replace("95 0 -2", "96.42 100 82.49")
+        .replace("85.5 -10 80", "48.21 50 41.245");
+    let cxf = lab_cxf(
+        "<c:TristimulusSpec><c:Illuminant>D50</c:Illuminant><c:Observer>2_Degree</c:Observer></c:TristimulusSpec>",
+    )
+    .replace("CIELab", "CIEXYZ")
+    .replace("<c:L>85.5</c:L>", "<c:X>48.21</c:X>")
+    .replace("<c:A>-10</c:A><c:B>80</c:B>", "<c:Y>50</c:Y><c:Z>41.245</c:Z>");
+    let near = |found: [f64; 3], expected: [f64; 3]| {
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 0.05), "{found:?}, not {expected:?}");
+    };
+    near(colour_of(&xyz, Some("paper")).unwrap().lab, [100.0, 0.0, 0.0]);
+    near(colour_of(&xyz, Some("my ink")).unwrap().lab, [76.069, 0.0, 0.0]);
+    near(colour_of(&cxf, Some("my ink")).unwrap().lab, [76.069, 0.0, 0.0]);
+    let unstated = colour_of(&xyz.replace("OBSERVER_ANGLE", "#"), Some("paper")).unwrap_err();
+    assert!(unstated.contains("not stated"), "{unstated}");
+    let shares = xyz.replace("96.42 100 82.49", "0.9642 1 0.8249").replace("48.21 50 41.245", "0.5 0.5 0.4");
+    let shares = colour_of(&shares, Some("paper")).unwrap_err();
+    assert!(shares.contains("compare.unit"), "{shares}");
+}
+
 /// Of a colour under several conditions that of the study is taken.
 #[test]
 fn a_colour_under_the_conditions_of_the_study_is_found_among_others() {

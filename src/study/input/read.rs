@@ -185,6 +185,15 @@ impl<'de> Deserializer<'de> for Reader<'_> {
         self.deserialize_any(visitor)
     }
 
+    /// What may be a table or a list: the table is handed on with its place.
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Misfit> {
+        if let Node::Table(_) = self.node { visitor.visit_some(self) } else { self.deserialize_any(visitor) }
+    }
+
     /// A choice is written as its name, or as a table with its name and settings, which may all
     /// have defaults.
     fn deserialize_enum<V: Visitor<'de>>(
@@ -206,7 +215,7 @@ impl<'de> Deserializer<'de> for Reader<'_> {
     }
 
     serde::forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct newtype_struct
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf unit unit_struct
         seq tuple tuple_struct map identifier ignored_any
     }
 }

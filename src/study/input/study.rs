@@ -3,14 +3,18 @@
 mod composed;
 mod kind;
 mod moved;
+mod number;
 mod parts;
+mod stack;
 mod written;
 
 pub use super::file::TargetColour;
-pub use composed::{Composed, Portion, Position};
+pub use composed::{Composed, LayerPlates, Portion, Position, StackMedia, StackedPortion};
 pub use kind::StudyKind;
 pub use moved::InputMove;
-pub use parts::{Angles, Dissolved, IndexSpectrum, Judgement, Layer, Paper, Pigment, WantedResolution};
+pub use number::{WantedNumber, WantedWeights};
+pub use parts::{Angles, Dissolved, Dots, IndexSpectrum, Judgement, Layer, MeasuredPaper, Paper};
+pub use parts::{Pigment, StackLayer, WantedResolution};
 pub use written::WrittenAngles;
 
 use super::file::OutputTable;
@@ -32,8 +36,10 @@ pub struct Study {
     pub title: String,
     /// What is computed of the layer.
     pub kind: StudyKind,
-    /// The layer and its surroundings.
+    /// The layer and its surroundings; of a stack the whole of it, with the binder of the first.
     pub layer: Layer,
+    /// The layers of a stack, in the order of the light; empty for a single layer.
+    pub stack: Vec<StackLayer>,
     /// The pigments with grains, in order.
     pub pigments: Vec<Pigment>,
     /// Pigments without grains (`diameter_nm = "molecular"`), which are included in the index of
@@ -69,6 +75,8 @@ pub struct Study {
     pub output: OutputTable,
     /// Conditions and measurements that the prediction is compared with; no solve depends on them.
     pub judgement: Judgement,
+    /// Weighted numbers of the spectra; no solve depends on them.
+    pub numbers: Vec<WantedNumber>,
     /// Remarks for the user on what the file leaves open, one line each; they are not written.
     pub remarks: Vec<String>,
 }
@@ -117,9 +125,12 @@ impl Study {
             thickness_um: draw.thickness_um,
             ..self.packing.clone()
         };
+        let signs = self.partner(realisation).map(|_| signs(realisation, self.pigments.len()));
+        if !self.stack.is_empty() {
+            return self.stacked(whole, signs.as_deref());
+        }
         let request = if let Some(portion) = self.portion() { portion.packed(whole) } else { whole };
-        let paired = self.partner(realisation).is_some();
-        if paired { request.fluctuating(&signs(realisation, self.pigments.len())) } else { request }
+        signs.map_or_else(|| request.clone(), |signs| request.fluctuating(&signs))
     }
 
     /// The other realisation in the same cell, whose pigment volumes deviate from the requested
@@ -180,7 +191,7 @@ impl Study {
         self.pigments.iter().map(|p| &p.material).chain(self.pigments.iter().flat_map(|p| &p.shell))
     }
 
-    /// Fractions of the layer's volume of these materials.
+    /// Fractions of these materials of the volume of the layer that holds them.
     pub fn material_shares(&self) -> Vec<f64> {
         let (mut cores, mut layers) = (Vec::new(), Vec::new());
         for grains in self.pigments.iter().map(|p| &p.grains) {
@@ -203,15 +214,15 @@ impl Study {
 
     /// Indices at one wavelength; the inclusions are those of [`Study::materials`].
     pub fn media(&self, wavelength_um: f64) -> Media {
-        let (binder, inclusions) = self.binder_and_pigments(wavelength_um);
+        let (backgrounds, inclusions) = self.binders_and_pigments(wavelength_um);
         let [incident, exit] = self.outer_indices(wavelength_um).map(Complex64::from);
-        Media { incident, exit, backgrounds: vec![binder], inclusions }
+        Media { incident, exit, backgrounds, inclusions }
     }
 
-    /// Indices within the layer at one wavelength.
+    /// Indices within a single layer at one wavelength.
     pub(super) fn binder_and_pigments(&self, wavelength_um: f64) -> (Complex64, Vec<Complex64>) {
-        let grains: Vec<_> = self.materials().map(|material| material.index_at(wavelength_um)).collect();
-        self.layer.contrast.of(self.layer.binder.index_at(wavelength_um), &self.material_shares(), &grains)
+        let (backgrounds, inclusions) = self.binders_and_pigments(wavelength_um);
+        (backgrounds[0], inclusions)
     }
 
     /// Indices of all media for a content hash: incident side, exit side, binder, pigments.

@@ -20,12 +20,13 @@ const STEPS: f64 = 4.0;
 
 /// Largest |η² − η_b²|/λ² of the pigments in the binder, proportional to the contrast V, 1/nm².
 pub(super) fn largest_contrast(study: &Study, nm: f64) -> f64 {
-    let binder = study.layer.binder.index_at(1e-3 * nm);
-    let contrast = |material: &IndexSpectrum| {
+    let binders: Vec<_> = study.binders().iter().map(|binder| binder.index_at(1e-3 * nm)).collect();
+    let contrast = |(material, layer): (&IndexSpectrum, usize)| {
         let eta = material.index_at(1e-3 * nm);
+        let binder = binders[layer];
         ((eta * eta - binder * binder) / (nm * nm)).norm()
     };
-    study.materials().map(contrast).fold(0.0, f64::max)
+    study.materials().zip(study.layers_of_materials()).map(contrast).fold(0.0, f64::max)
 }
 
 /// What needs the finest grid of a list of wavelengths.

@@ -103,7 +103,7 @@ impl Resolved {
 
 /// What a solve of the study needs on a grid.
 pub fn size(study: &Study, resolution: Resolution) -> Size {
-    let indices = study.materials().chain([&study.layer.binder]);
+    let indices = study.materials().chain(study.binders());
     let densest = indices.flat_map(|material| &material.index).map(|eta| eta.re).fold(1.0, f64::max);
     let k0 = std::f64::consts::TAU / (1e-3 * study.wavelengths_nm[0]);
     let [lx, ly] = study.layer.period_um;

@@ -18,8 +18,8 @@ pub struct PackingRecord {
     pub period_um: [f64; 2],
     /// Thickness of the layer, µm.
     pub thickness_um: f64,
-    /// Volume fractions in equal slices across the layer, from the incident side: each pigment,
-    /// then the volume beyond a relief.
+    /// Volume fractions in equal slices across the layer (across each layer of a stack in turn),
+    /// from the incident side: each pigment, then the volume beyond a relief.
     pub profile: Vec<Vec<f64>>,
     /// Packing method.
     pub method: Method,

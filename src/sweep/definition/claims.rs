@@ -178,6 +178,8 @@ fn contradictions(table: &ConclusionTable) -> impl Iterator<Item = [&'static str
     let unbound = table.at_least.or(table.at_most).is_none();
     let colours = (table.plus.len(), table.minus.len());
     let unowned = table.source.is_none();
+    let of_number = table.quantity == MeasuredQuantity::Number;
+    let number = "the name of a [[number]] of the study, with quantity = \"number\" and only there";
     let one_each = "one colour in plus and one in minus";
     let range = "a range of wavelengths, range_nm = [from, to]";
     let source = "source = \"…\" beside it";
@@ -188,6 +190,8 @@ fn contradictions(table: &ConclusionTable) -> impl Iterator<Item = [&'static str
         (table.absolute && curve, "absolute", "a curve", "sums and differences without a curve"),
         (unowned && table.quote.is_some(), "quote", "a quotation without a source", source),
         (unowned && table.translation.is_some(), "translation", "a quotation without a source", source),
+        (of_number && table.number.is_none(), "number", "nothing", number),
+        (!of_number && table.number.is_some(), "number", "a name", number),
         (unbound, "at_least", "nothing", "a bound: at_least, at_most or both"),
         (table.plus.is_empty(), "plus", "no variant", "one variant or more"),
         (delta_e && colours != (1, 1), "plus", "other numbers of colours", one_each),
@@ -199,6 +203,7 @@ fn contradictions(table: &ConclusionTable) -> impl Iterator<Item = [&'static str
 pub fn check_variants(claims: &[Claim], studies: &[&Study], faults: &mut Faults) {
     let light: Vec<&[f64]> = studies.iter().map(|study| study.wavelengths_nm.as_slice()).collect();
     check_light(claims, &light, faults);
+    check_numbers(claims, studies, faults);
     for claim in claims.iter().filter(|claim| claim.table.quantity == MeasuredQuantity::DeltaEToTarget) {
         if claim.variants().any(|v| studies[v].judgement.target_lab.is_none()) {
             let found =
@@ -206,6 +211,22 @@ pub fn check_variants(claims: &[Claim], studies: &[&Study], faults: &mut Faults)
             let remedy = "set base.colour.target_lab = [L, a, b]";
             faults.add("conclusion.quantity", found, "variants with a target colour", remedy);
         }
+    }
+}
+
+/// Checks that the variants have the weighted numbers that conclusions name.
+fn check_numbers(claims: &[Claim], studies: &[&Study], faults: &mut Faults) {
+    for (i, claim) in claims.iter().enumerate() {
+        let Some(name) = &claim.table.number else { continue };
+        let lacks = |v: &usize| !studies[*v].numbers.iter().any(|number| number.name == *name);
+        let Some(v) = claim.variants().find(lacks) else { continue };
+        let known: Vec<&str> = studies[v].numbers.iter().map(|number| number.name.as_str()).collect();
+        let allowed = match known.as_slice() {
+            [] => "the name of a [[number]]; a variant has none".to_owned(),
+            known => format!("one of {}", known.join(", ")),
+        };
+        let remedy = "name one of these, or add a [[base.number]]";
+        faults.add(format!("conclusion[{i}].number"), format!("{name:?}"), allowed, remedy);
     }
 }
 

@@ -154,6 +154,9 @@ pub struct ConclusionTable {
     pub each: Option<String>,
     /// Quantity measured on each variant.
     pub quantity: MeasuredQuantity,
+    /// Name of the `[[number]]` of the variants that `quantity = "number"` means.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub number: Option<String>,
     /// Wavelength of `transmittance` or `reflectance`, nm.
     pub wavelength_nm: Option<f64>,
     /// First and last wavelength of `transmittance` or `reflectance`, nm, combined according to
@@ -225,4 +228,6 @@ pub enum MeasuredQuantity {
     ContrastRatio,
     /// CIEDE2000 between each variant and its own `colour.target_lab`.
     DeltaEToTarget,
+    /// The weighted number that `number` names.
+    Number,
 }

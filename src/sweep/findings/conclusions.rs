@@ -87,7 +87,11 @@ fn no_value(outcome: &Outcome) -> String {
 
 /// The claim's quantity of one variant.
 fn number(claim: &Claim, outcome: &Outcome) -> Result<Linked, String> {
-    outcome.quantity(claim.table.quantity, claim.table.wavelength_nm).ok_or_else(|| no_value(outcome))
+    let found = match &claim.table.number {
+        Some(name) => outcome.weighted(name),
+        None => outcome.quantity(claim.table.quantity, claim.table.wavelength_nm),
+    };
+    found.ok_or_else(|| no_value(outcome))
 }
 
 /// The measured value, and the smallest number of realisations it depends on; 0 if there is no
@@ -208,6 +212,7 @@ fn inequality(claim: &Claim, outcomes: &[Outcome]) -> String {
         MeasuredQuantity::Transmittance => format!("T{nm}"),
         MeasuredQuantity::Reflectance => format!("R{nm}"),
         MeasuredQuantity::ContrastRatio => "contrast ratio".to_owned(),
+        MeasuredQuantity::Number => claim.table.number.clone().unwrap_or_default(),
         MeasuredQuantity::DeltaEToTarget => "ΔE₀₀ to the target".to_owned(),
         MeasuredQuantity::DeltaE => {
             let name = |v: &[usize]| v.first().map_or_else(String::new, |&v| outcomes[v].labels.join(", "));

@@ -15,7 +15,7 @@ use crate::appearance::picture::InkPicture;
 use crate::draw::figure::Bitmap;
 use crate::draw::page::{STYLE, hex, made_by};
 use crate::evaluate::manifest::Count;
-use crate::evaluate::manifest::print::PrintRow;
+use crate::evaluate::manifest::main_numbers::PrintRow;
 use crate::numerics::estimate::Estimate;
 use crate::sweep::definition::load::{AxisOutline, Outline, Sweep};
 use base64::Engine;

@@ -41,6 +41,7 @@ fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> Outcome {
         square: Array2::from_shape_fn((31, 31), |(y, x)| cell(x, y)),
     };
     Outcome {
+        numbers: Vec::new(),
         name,
         labels,
         solves,

@@ -1,13 +1,14 @@
-//! Media of a sweep's composed layers: what changes along the first axis, such as the crowding of a
-//! pigment against its share.
+//! Composed layers of a sweep: their media, such as the crowding of a pigment against its share, and
+//! their weighted numbers at every thickness, along the first axis.
 
 use super::outcome::Outcome;
+use super::publish::number_names;
 use crate::draw::DrawResult;
 use crate::draw::cell::{numbers, table, with_errors};
 use crate::draw::chart::{Chart, Curve};
 use crate::draw::page::{Picture, svg_data};
 use crate::evaluate::manifest::composed::MediumRow;
-use crate::evaluate::published::{ErrorParts, PublishedRow};
+use crate::evaluate::published::{ErrorParts, NumberNote, PublishedRow};
 use crate::numerics::estimate::Estimate;
 use crate::report::columns::heading;
 use crate::sweep::definition::load::{AxisOutline, Sweep};
@@ -48,6 +49,42 @@ pub(super) fn media_table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Op
     table(axes.chain(["wavelength_nm".to_owned()]).chain(names), all).map(Some)
 }
 
+/// `numbers.csv`: one row for each composed layer and thickness, with its place on the axes and the
+/// weighted numbers; `None` without such numbers.
+///
+/// # Errors
+/// A table that cannot be written.
+pub(super) fn numbers_table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Option<Vec<u8>>> {
+    let axes = sweep.outline.axes.iter().map(AxisOutline::heading);
+    let names = number_names(sweep);
+    let mut all = Vec::new();
+    for outcome in outcomes {
+        for um in thicknesses(outcome) {
+            let mut line = [outcome.labels.clone(), vec![um.to_string()]].concat();
+            line.extend(names.iter().flat_map(|name| numbers(number_of(outcome, name, um))));
+            all.push(line);
+        }
+    }
+    if all.is_empty() {
+        return Ok(None);
+    }
+    let columns = with_errors(names.iter().map(String::as_str));
+    table(axes.chain(["thickness_um".to_owned()]).chain(columns), all).map(Some)
+}
+
+/// Thicknesses of which a composed layer has weighted numbers, µm.
+fn thicknesses(outcome: &Outcome) -> Vec<f64> {
+    let mut all: Vec<f64> = outcome.numbers.iter().filter_map(|note| note.thickness_um).collect();
+    all.dedup();
+    all
+}
+
+/// The weighted number of a composed layer of this thickness.
+fn number_of(outcome: &Outcome, name: &str, thickness_um: f64) -> Option<Estimate> {
+    let here = |note: &&NumberNote| note.name == name && note.thickness_um == Some(thickness_um);
+    outcome.numbers.iter().find(here)?.estimate()
+}
+
 /// A number of the layers against the first axis, rising.
 fn against(
     sweep: &Sweep,
@@ -62,9 +99,16 @@ fn against(
     points
 }
 
-/// Coefficients and the hiding thickness against the first axis, where that has numbers.
+/// Whether there are curves, each of several points.
+fn is_drawn(curves: &[Curve]) -> bool {
+    !curves.is_empty() && curves.iter().all(|curve| curve.points.len() > 1)
+}
+
+/// Coefficients, the hiding thickness and weighted numbers against the first axis, where that has
+/// numbers.
 pub(super) fn figures(sweep: &Sweep, outcomes: &[Outcome]) -> DrawResult<Vec<Picture>> {
-    let first = outcomes.iter().find(|outcome| !outcome.medium.is_empty());
+    let first =
+        outcomes.iter().find(|outcome| !outcome.medium.is_empty() || !thicknesses(outcome).is_empty());
     let Some((axis, first)) = sweep.outline.axes.first().zip(first) else {
         return Ok(Vec::new());
     };
@@ -74,13 +118,20 @@ pub(super) fn figures(sweep: &Sweep, outcomes: &[Outcome]) -> DrawResult<Vec<Pic
             let of_layer = |outcome: &Outcome| Some(number(outcome.medium.get(w)?)?.estimate());
             Curve::measured(format!("{:.0} nm", row.wavelength_nm), against(sweep, outcomes, &of_layer))
         };
-        charts.push((name, first.medium.iter().enumerate().map(curve).collect::<Vec<_>>()));
+        charts.push((name.to_owned(), first.medium.iter().enumerate().map(curve).collect::<Vec<_>>()));
     }
     let hiding = against(sweep, outcomes, &|outcome| outcome.hiding_thickness_um);
-    charts.push(("hiding_thickness_um", vec![Curve::measured("contrast ratio 0.98", hiding)]));
+    charts.push(("hiding_thickness_um".to_owned(), vec![Curve::measured("contrast ratio 0.98", hiding)]));
+    for name in number_names(sweep) {
+        let curve = |um: f64| {
+            let of_layer = |outcome: &Outcome| number_of(outcome, &name, um);
+            Curve::measured(format!("{um} µm"), against(sweep, outcomes, &of_layer))
+        };
+        charts.push((name.clone(), thicknesses(first).into_iter().map(curve).collect()));
+    }
     let mut figures = Vec::new();
-    for (name, curves) in charts.into_iter().filter(|(_, curves)| curves.iter().all(|c| c.points.len() > 1)) {
-        let heading = heading(name);
+    for (name, curves) in charts.into_iter().filter(|(_, curves)| is_drawn(curves)) {
+        let heading = heading(&name);
         let title = format!("{heading} against {}, with standard errors", axis.heading());
         let chart = Chart { from_zero: true, ..Chart::linear(&title, &axis.heading(), &heading, curves) };
         figures.push(Picture { data: svg_data(&chart.svg()?), caption: title });

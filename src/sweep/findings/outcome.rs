@@ -4,8 +4,9 @@ use crate::appearance::colour::Colour;
 use crate::appearance::picture::InkPicture;
 use crate::evaluate::ink_maker::Target;
 use crate::evaluate::manifest::composed::MediumRow;
-use crate::evaluate::manifest::print::PrintRow;
+use crate::evaluate::manifest::main_numbers::PrintRow;
 use crate::evaluate::manifest::{Count, FailureNote, Manifest};
+use crate::evaluate::published::NumberNote;
 use crate::input::study::Study;
 use crate::numerics::estimate::{Estimate, Linked};
 use crate::sweep::definition::file::MeasuredQuantity;
@@ -37,6 +38,8 @@ pub struct Outcome {
     /// Contrast ratio (Y over black divided by Y over white), with the number and contribution of
     /// each realisation.
     pub contrast: Option<(Estimate, Vec<(usize, f64)>)>,
+    /// Weighted numbers.
+    pub numbers: Vec<NumberNote>,
     /// The target colour in words, if the study sets one.
     pub aim: Option<String>,
     /// The difference to it.
@@ -70,6 +73,7 @@ impl Outcome {
             colour: None,
             lab_deviations: BTreeMap::new(),
             contrast: None,
+            numbers: Vec::new(),
             aim: study.judgement.target_lab.map(|lab| target_in_words(lab, study)),
             target: None,
             print_hex: None,
@@ -87,19 +91,20 @@ impl Outcome {
 
     /// Adds the numbers of a variant's manifest.
     pub fn with(self, manifest: &Manifest) -> Self {
-        let print = manifest.print();
+        let main = manifest.main_numbers();
         let slabs = manifest.slabs.as_ref();
         Self {
             solves: manifest.solves,
             failures: manifest.failures.len(),
             reason: manifest.failures.first().map(FailureNote::reason).map(str::to_owned),
-            realisations: print.realisations,
-            colour: print.colour,
-            lab_deviations: print.lab_deviations.into_iter().collect(),
-            contrast: print.contrast,
-            target: print.target,
-            print_hex: print.hex,
-            spectra: print.spectra,
+            realisations: main.realisations,
+            colour: main.colour,
+            lab_deviations: main.lab_deviations.into_iter().collect(),
+            contrast: main.contrast,
+            numbers: manifest.numbers.clone(),
+            target: main.target,
+            print_hex: main.hex,
+            spectra: main.spectra,
             medium: slabs.map(|slabs| slabs.medium.clone()).unwrap_or_default(),
             hiding_thickness_um: slabs.and_then(|slabs| Some(slabs.hiding_thickness_um?.estimate())),
             ..self
@@ -130,8 +135,14 @@ impl Outcome {
                 Some(self.linked(*ratio, deviations.iter().copied()))
             }
             MeasuredQuantity::DeltaEToTarget => self.to_target(),
-            MeasuredQuantity::DeltaE => None,
+            MeasuredQuantity::DeltaE | MeasuredQuantity::Number => None,
         }
+    }
+
+    /// The weighted number of this name, of a composed layer of its first thickness.
+    pub fn weighted(&self, name: &str) -> Option<Linked> {
+        let note = self.numbers.iter().find(|note| note.name == name)?;
+        Some(self.linked(note.estimate()?, note.deviations.iter().copied()))
     }
 
     fn row(&self, wavelength_nm: Option<f64>) -> Option<&PrintRow> {
@@ -217,6 +228,7 @@ mod tests {
             colour: Some(colour),
             lab_deviations: [(0, [0.0, 0.0, by]), (1, [0.0, 0.0, -by])].into(),
             contrast: None,
+            numbers: Vec::new(),
             aim: None,
             target: None,
             print_hex: None,

@@ -2,7 +2,7 @@
 //! contact sheets, conclusions.
 
 use super::conclusions::{Judged, judge};
-use super::media::media_table;
+use super::media::{media_table, numbers_table};
 use super::outcome::Outcome;
 use super::reported::{Reported, nearest, numbers, target_columns, target_numbers};
 use super::sheets::{contact_sheet, sheets};
@@ -76,11 +76,16 @@ fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Publi
     }
     let mut written = FolderTables::new(folder);
     let axes = axis_columns(sweep, |axis| cell::text(&axis.name));
-    written.write("sweep.csv", &table(sweep, &reported.outcomes)?, "the variants of the sweep", &axes)?;
+    let columns = [axes, number_columns(sweep)].concat();
+    written.write("sweep.csv", &table(sweep, &reported.outcomes)?, "the variants of the sweep", &columns)?;
+    let axes = || axis_columns(sweep, AxisOutline::heading);
     if let Some(media) = media_table(sweep, &reported.outcomes)? {
-        let axes = axis_columns(sweep, AxisOutline::heading);
         let about = "what the packed media of the composed layers are to light";
-        written.write("composed.csv", &media, about, &axes)?;
+        written.write("composed.csv", &media, about, &axes())?;
+    }
+    if let Some(numbers) = numbers_table(sweep, &reported.outcomes)? {
+        let about = "weighted numbers of composed layers of every thickness";
+        written.write("numbers.csv", &numbers, about, &[axes(), number_columns(sweep)].concat())?;
     }
     let conclusions = conclusions_table(&reported.conclusions)?;
     written.write("conclusions.csv", &conclusions, "claims about the sweep, judged", &[])?;
@@ -110,13 +115,9 @@ fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder)
     let evaluated = match Evaluated::new(study, &solved) {
         // slabs that are not solved yet, or that failed
         Err(EvaluateError::Slabs(reason)) => {
-            let failures = solved.failures();
-            return Ok(Outcome {
-                solves,
-                failures,
-                reason: Some(reason).filter(|_| failures > 0),
-                ..nothing
-            });
+            let is_open = solves.finished < solves.asked && solved.failures() == 0;
+            let failures = if is_open { 0 } else { solved.failures().max(1) };
+            return Ok(Outcome { solves, failures, reason: (!is_open).then_some(reason), ..nothing });
         }
         evaluated => evaluated?,
     };
@@ -150,6 +151,28 @@ fn axis_columns(sweep: &Sweep, heading: impl Fn(&AxisOutline) -> String) -> Vec<
     sweep.outline.axes.iter().map(column).collect()
 }
 
+/// Names of the weighted numbers of all variants, each once.
+pub(super) fn number_names(sweep: &Sweep) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for number in sweep.variants.iter().flat_map(|variant| &variant.study.numbers) {
+        if !names.contains(&number.name) {
+            names.push(number.name.clone());
+        }
+    }
+    names
+}
+
+/// The columns of weighted numbers, which the user has named.
+pub(super) fn number_columns(sweep: &Sweep) -> Vec<Column> {
+    let column = |name: String| Column {
+        about: format!("weighted number {name} of the variant"),
+        name,
+        kind: "number",
+        unit: String::new(),
+    };
+    number_names(sweep).into_iter().map(column).collect()
+}
+
 const NUMBERS: [&str; 6] = ["L", "a", "b", "C", "h_deg", "delta_e_2000"];
 
 /// `sweep.csv`, with one row per variant; columns for targets are last and only present if there
@@ -158,9 +181,15 @@ fn table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<Vec<u8>> {
     let axes = sweep.outline.axes.iter().map(|axis| cell::text(&axis.name));
     let counts = ["solves", "solves_finished", "failures", "realisations"].map(str::to_owned);
     let aims = target_columns(outcomes);
-    let columns = cell::with_errors(NUMBERS.into_iter().chain(aims.iter().copied()));
+    let weighted = number_names(sweep);
+    let names = NUMBERS.into_iter().chain(aims.iter().copied()).chain(weighted.iter().map(String::as_str));
+    let columns = cell::with_errors(names);
     let header = std::iter::once("variant".into()).chain(axes).chain(counts).chain(columns);
-    let row = |outcome| Vec::from_iter(outcome_row(outcome, &outcomes[sweep.outline.reference], aims.len()));
+    let row = |outcome: &Outcome| {
+        let of_weighted = weighted.iter().map(|name| Some(outcome.weighted(name)?.estimate));
+        let named = outcome_row(outcome, &outcomes[sweep.outline.reference], aims.len());
+        Vec::from_iter(named.chain(of_weighted.flat_map(cell::numbers)))
+    };
     cell::table(header, outcomes.iter().map(row))
 }
 

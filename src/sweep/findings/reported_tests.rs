@@ -19,6 +19,7 @@ fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> 
         colour: None,
         lab_deviations: Default::default(),
         contrast: Some((Estimate { value: 0.8, standard_error: Some(0.01) }, Vec::new())),
+        numbers: Vec::new(),
         aim: Some("L* 70, a* −5, b* 40 (D50, 2° observer)".into()),
         target: Some(target),
         print_hex: Some("#808080".into()),

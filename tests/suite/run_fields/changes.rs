@@ -128,6 +128,32 @@ pub const CHANGES: &[Change] = &[
     (&[("colour.observer", "'10'")], Published),
     (&[("colour.summation", "'e308'")], Published),
     (&[("colour.target_lab", "[80, 0, 40]")], Published),
+    (&[("paper.measured", "{ csv = 'measured.csv' }"), ("paper.albedo", "")], Spectra),
+    (
+        &[(
+            "paper.fluorescence",
+            "{ excitation = [[400, 0.5], [450, 0]], emission = [[450, 0], [500, 1], [550, 0]], yield = 0.5 }",
+        )],
+        Spectra,
+    ),
+    (
+        &[("dots.ruling_per_cm", "60"), ("dots.spread_um", "40"), ("area", "[{ coverage = [0.5] }]")],
+        Published,
+    ),
+    (
+        &[("dots.spread_um", "80"), ("dots.ruling_per_cm", "60"), ("area", "[{ coverage = [0.5] }]")],
+        Published,
+    ),
+    (
+        &[
+            ("dots.physical_gain", "0.1"),
+            ("dots.ruling_per_cm", "60"),
+            ("dots.spread_um", "40"),
+            ("area", "[{ coverage = [0.5] }]"),
+        ],
+        Published,
+    ),
+    (&[("pigment.0.profile", "[[0.0, 0.05], [1.0, 0.15]]"), ("pigment.0.volume_fraction", "")], Spectra),
     (&[("compare.measured", "'measured.csv'")], Published),
     (&[("compare.measured", "'measured.cgats'"), ("compare.patch", "'second'")], Published),
     (&[("compare.measured", "'measured.csv'"), ("compare.unit", "'percent'")], Published),
@@ -149,5 +175,7 @@ pub const MEASURED: [(&str, &str); 3] = [
     ),
 ];
 
-/// Where results go is no number; a layer without walls has no waves; a composed one has other results (`composed`).
-pub const ELSEWHERE: [&str; 4] = ["output.folder", "layer.walls", "layer.composed", "layer.microstructure"];
+/// Where results go is no number; a layer without walls has no waves; a composed one has other results (`composed`); a
+/// stack has layers of its own (claims 33 to 35).
+pub const ELSEWHERE: [&str; 5] =
+    ["output.folder", "layer.walls", "layer.composed", "layer.microstructure", "stack"];

@@ -91,8 +91,28 @@ pub const INK: &[Slip] = &[
     slip(K, "index = { material = \"chalk\" }", ["pigment[0].index.material", "chalk", "TiO2 rutile", "csv"]),
     slip(
         K,
-        "index = { material = \"TiO2 rutile\" }",
-        ["pigment[0].index", "no value at 400 nm", "from 430 to 1530 nm", "where TiO2 rutile is known"],
+        "index = { material = \"ZnO\" }",
+        ["pigment[0].index", "no value at 400 nm", "from 450 to 4000 nm", "where ZnO is known"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"kappa.csv\", kramers_kronig = { n = 1.65 } }",
+        ["pigment[0].index.kramers_kronig", "found n alone", "n_nm and n, or n_infinity", "n_nm = 589"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"kappa.csv\", n = 1.5, kramers_kronig = { n_infinity = 1.65 } }",
+        ["pigment[0].index", "n and kramers_kronig", "either of them", "keep n"],
+    ),
+    slip(
+        K,
+        "index = { n = 1.5, kramers_kronig = { n_infinity = 1.65 } }",
+        ["pigment[0].index", "n and kramers_kronig", "beside csv alone", "kappa.csv"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"kappa.csv\", dilution = { path_mm = 10, concentration_g_per_l = 0.02, density_g_per_cm3 = 1500 }, n = 1.6 }",
+        ["pigment[0].index.dilution.density_g_per_cm3", "1500", "from 0.1 to 30", "organic pigments"],
     ),
     slip(
         K,

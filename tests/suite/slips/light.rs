@@ -11,6 +11,26 @@ pub const LIGHT: &[Slip] = &[
         "[paper]\nalbedo = 1.2\n[light]",
         ["paper.albedo", "1.2", "from 0 to 1", "0.9 is good paper"],
     ),
+    slip(
+        "[light]",
+        "[paper]\nalbedo = 0.9\nmeasured = { csv = \"paper.csv\" }\n[light]",
+        ["paper.measured", "beside another one", "one source of the albedo", "remove one"],
+    ),
+    slip(
+        "[light]",
+        "[paper]\nfluorescence = { excitation = [[300, 0.5], [420, 0]], emission = [[400, 0], [440, 1]], yield = 0.5 }\n[light]",
+        ["paper.fluorescence", "light from 400 nm", "light that holds what excites", "light.from_nm = 300"],
+    ),
+    slip(
+        "[light]",
+        "[[area]]\ncoverage = 0.7\n[[area]]\ncoverage = 0.4\n[dots]\nruling_per_cm = 60\nspread_um = 40\n[light]",
+        ["area.coverage", "a sum of 1.1", "at most 1", "coverages share the area"],
+    ),
+    slip(
+        "[light]",
+        "[[area]]\ncoverage = 0.7\n[dots]\nruling_per_cm = 60\n[light]",
+        ["dots.spread_um", "found nothing", "since there are areas", "spread_um = 40"],
+    ),
     slip("[light]", "[paper]\ncoupling = \"glue\"\n[light]", ["coupling", "glue", "`gap`", "write one of"]),
     slip(
         RANGE,

@@ -2,9 +2,13 @@
 
 mod ink;
 mod light;
+mod number;
+mod stack;
 
 pub use ink::{INK, K};
 pub use light::LIGHT;
+pub use number::NUMBER;
+pub use stack::{OF_STACKS, STACK};
 
 /// A slip in the tiny study: what is replaced by what, and what the message must say.
 pub struct Slip {

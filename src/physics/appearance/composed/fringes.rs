@@ -19,7 +19,12 @@
 //! medium (Fresnel) are polynomials; a medium that is even has no such differences. P = p^(m − 2)
 //! with the amplitude p of an inner slab, for any real m: thicknesses between whole slabs have
 //! their own fringes.
+//!
+//! In a stack of layers the mean field is that of [`stack_film`], and the rest is the same.
 
+pub mod stack_film;
+
+use self::stack_film::{Beyond, StackFilm};
 use super::flux::{Coherent, Hemisphere};
 use super::ordinates::gauss_legendre;
 use crate::numerics::interpolate::lagrange;
@@ -104,18 +109,33 @@ impl Slow {
 /// in front.
 #[derive(Clone, Debug)]
 pub struct Interference<'a> {
-    film: &'a CoherentFilm,
-    /// Thickness in slabs.
-    count: f64,
+    wave: MeanWave<'a>,
+    /// Medium in front.
+    before: &'a Hemisphere,
     polarisation: usize,
     /// Places of the known directions, cosines of their angles in air: 0°, then the nodes.
     places: Vec<f64>,
-    /// Differences from the even medium there.
-    beyond: Vec<Slow>,
     /// Shares of the loss there that composing reflects and transmits.
     shares: Vec<Lobes>,
     /// R and T there without interference.
     incoherent: Vec<Lobes>,
+}
+
+/// The mean wave, and what it differs by from that in even media in the known directions.
+#[derive(Clone, Debug)]
+enum MeanWave<'a> {
+    /// In a layer of three kinds of slabs, of a thickness in slabs.
+    Slabs { film: &'a CoherentFilm, count: f64, beyond: Vec<Slow> },
+    /// In a stack: \[element\]\[direction\].
+    Stack { film: &'a StackFilm, beyond: Vec<Vec<Beyond>> },
+}
+
+/// The mean field in one direction, and what is in front of all nodes: R and T of the first slab.
+#[derive(Clone, Copy, Debug)]
+struct KnownField {
+    mean: MeanField,
+    front: f64,
+    through: f64,
 }
 
 impl CoherentFilm {
@@ -130,38 +150,20 @@ impl CoherentFilm {
     /// A layer of this many slabs, 2 or more and not always whole, whose R and T at 0° and at the
     /// nodes are composed as `composed`.
     pub fn interference(&self, count: f64, polarisation: usize, composed: &[Lobes]) -> Interference<'_> {
-        let ordinates = &self.media[0].ordinates;
-        let sines = [0.0].into_iter().chain(ordinates.sines[..ordinates.escaping()].iter().copied());
-        let sines: Vec<f64> = sines.collect();
+        let sines = known_sines(&self.media[0]);
         let solve = |(direction, sine): (usize, &f64)| self.solved(direction, polarisation, *sine);
         let mut solved: Vec<Slow> = sines.iter().enumerate().map(solve).collect();
         unwrap(&mut solved);
-        let mut interference = Interference {
-            film: self,
-            count,
-            polarisation,
-            places: sines.iter().map(|sine| self.place(*sine)).collect(),
-            beyond: Vec::new(),
-            shares: Vec::new(),
-            incoherent: Vec::new(),
-        };
-        for ((sine, slow), composed) in sines.iter().zip(&solved).zip(composed) {
-            let field = self.film(count, *sine, slow).incoherent;
-            let shares = shares(field, *composed);
-            interference.beyond.push(slow.plus(-1.0, &self.even(*sine, polarisation)));
-            interference.incoherent.push(field.with_loss(shares));
-            interference.shares.push(shares);
-        }
+        let incoherent = |(sine, slow): (&f64, &Slow)| self.film(count, *sine, slow).incoherent;
+        let fields: Vec<Lobes> = sines.iter().zip(&solved).map(incoherent).collect();
+        let even = |(sine, slow): (&f64, &Slow)| slow.plus(-1.0, &self.even(*sine, polarisation));
+        let beyond = sines.iter().zip(&solved).map(even).collect();
+        let wave = MeanWave::Slabs { film: self, count, beyond };
+        let mut interference = Interference::new(wave, &self.media[0], polarisation, &fields, composed);
         if self.fewer_directions {
             interference.leave_out(sines.len() / 2);
         }
         interference
-    }
-
-    /// Cosine in air of light of this lateral wavenumber.
-    fn place(&self, sine: f64) -> f64 {
-        let edge = self.media[0].ordinates.edge();
-        (edge * edge - sine * sine).max(0.0).sqrt()
     }
 
     /// k_z in the even medium, 1/µm.
@@ -202,6 +204,29 @@ impl CoherentFilm {
         }
     }
 
+    /// Fringes over the hemisphere in a layer of `count` slabs: 0 where light between the surfaces
+    /// is too faint for any.
+    fn fringes(&self, at_normal: &Slow, count: f64) -> f64 {
+        if (at_normal.slab.re * 2.0 * (count - 2.0)).exp() < FAINT {
+            return 0.0;
+        }
+        let phases = [0.0, self.media[0].ordinates.edge()].map(|sine| self.phase_per_um(sine));
+        2.0 * (phases[0] - phases[1]) * self.slab_um * count / TAU
+    }
+
+    /// What varies slowly, in a direction between those that are known, with their weights.
+    fn between(&self, beyond: &[Slow], weights: &[f64], polarisation: usize, sine: f64) -> Slow {
+        let mut slow = self.even(sine, polarisation);
+        for (weight, beyond) in weights.iter().zip(beyond) {
+            slow = slow.plus(*weight, beyond);
+        }
+        // In between, noise of few realisations must not let a slab pass more than in any known
+        // direction: many slabs raise that to their power.
+        let clearest = beyond.iter().map(|slow| slow.slab.re).fold(f64::NEG_INFINITY, f64::max);
+        slow.slab.re = slow.slab.re.min(clearest.min(0.0));
+        slow
+    }
+
     /// The mean field in a layer of `count` slabs.
     fn film(&self, count: f64, sine: f64, slow: &Slow) -> MeanField {
         let inner = count - 2.0;
@@ -223,40 +248,96 @@ impl CoherentFilm {
     }
 }
 
-impl Interference<'_> {
+impl StackFilm {
+    /// The stack, whose R and T at 0° and at the nodes are composed as `composed`.
+    pub fn interference(&self, polarisation: usize, composed: &[Lobes]) -> Interference<'_> {
+        let sines = known_sines(&self.media[0]);
+        let beyond = self.beyond(&sines, polarisation);
+        let incoherent = |(direction, sine): (usize, &f64)| {
+            let weights: Vec<f64> = (0..sines.len()).map(|d| f64::from(u8::from(d == direction))).collect();
+            self.field(&beyond, &weights, polarisation, *sine).mean.incoherent
+        };
+        let fields: Vec<Lobes> = sines.iter().enumerate().map(incoherent).collect();
+        let wave = MeanWave::Stack { film: self, beyond };
+        let mut interference = Interference::new(wave, &self.media[0], polarisation, &fields, composed);
+        if self.fewer_directions {
+            interference.leave_out(sines.len() / 2);
+        }
+        interference
+    }
+}
+
+/// Lateral wavenumbers of 0° and of the nodes from which light reaches air.
+fn known_sines(before: &Hemisphere) -> Vec<f64> {
+    let ordinates = &before.ordinates;
+    [0.0].into_iter().chain(ordinates.sines[..ordinates.escaping()].iter().copied()).collect()
+}
+
+/// Cosine in air of light of this lateral wavenumber.
+fn place(before: &Hemisphere, sine: f64) -> f64 {
+    let edge = before.ordinates.edge();
+    (edge * edge - sine * sine).max(0.0).sqrt()
+}
+
+impl<'a> Interference<'a> {
+    /// From the mean wave, and R and T in the known directions: the field's own without
+    /// interference, and the composed ones.
+    fn new(
+        wave: MeanWave<'a>,
+        before: &'a Hemisphere,
+        polarisation: usize,
+        fields: &[Lobes],
+        composed: &[Lobes],
+    ) -> Self {
+        let places = known_sines(before).iter().map(|sine| place(before, *sine)).collect();
+        let shares: Vec<Lobes> = fields.iter().zip(composed).map(|(f, c)| shares(*f, *c)).collect();
+        let incoherent = fields.iter().zip(&shares).map(|(field, shares)| field.with_loss(*shares)).collect();
+        Self { wave, before, polarisation, places, shares, incoherent }
+    }
+
     /// Leaves one of the known directions out of the polynomials.
     fn leave_out(&mut self, direction: usize) {
         self.places.remove(direction);
-        self.beyond.remove(direction);
         self.shares.remove(direction);
+        match &mut self.wave {
+            MeanWave::Slabs { beyond, .. } => _ = beyond.remove(direction),
+            MeanWave::Stack { beyond, .. } => {
+                beyond.iter_mut().for_each(|known| _ = known.remove(direction));
+            }
+        }
     }
 
-    /// Amplitudes and shares of the loss at a lateral wavenumber.
-    fn known(&self, sine: f64) -> (Slow, Lobes) {
-        let weights = lagrange(&self.places, self.film.place(sine));
-        let mut slow = self.film.even(sine, self.polarisation);
+    /// The mean field and shares of its loss at a lateral wavenumber.
+    fn known(&self, sine: f64) -> (KnownField, Lobes) {
+        let weights = lagrange(&self.places, place(self.before, sine));
         let mut shares = Lobes::default();
-        for ((weight, beyond), share) in weights.iter().zip(&self.beyond).zip(&self.shares) {
-            slow = slow.plus(*weight, beyond);
+        for (weight, share) in weights.iter().zip(&self.shares) {
             shares.reflected += weight * share.reflected;
             shares.transmitted += weight * share.transmitted;
         }
-        // In between, noise of few realisations must not let a slab pass more than in any known
-        // direction: many slabs raise that to their power.
-        let clearest = self.beyond.iter().map(|slow| slow.slab.re).fold(f64::NEG_INFINITY, f64::max);
-        slow.slab.re = slow.slab.re.min(clearest.min(0.0));
-        (slow, shares)
+        let field = match &self.wave {
+            MeanWave::Slabs { film, count, beyond } => {
+                let slow = film.between(beyond, &weights, self.polarisation, sine);
+                let mean = film.film(*count, sine, &slow);
+                KnownField { mean, front: slow.front.norm_sqr(), through: slow.through.norm() }
+            }
+            MeanWave::Stack { film, beyond } => {
+                let field = film.field(beyond, &weights, self.polarisation, sine);
+                KnownField { mean: field.mean, front: field.front[0], through: field.front[1] }
+            }
+        };
+        (field, shares)
     }
 
     /// R and T at a lateral wavenumber, with interference.
     fn at(&self, sine: f64) -> Lobes {
-        let (slow, shares) = self.known(sine);
-        self.film.film(self.count, sine, &slow).coherent.with_loss(shares)
+        let (field, shares) = self.known(sine);
+        field.mean.coherent.with_loss(shares)
     }
 
     /// Whether light of a lateral wavenumber passes both surfaces.
     fn passes(&self, sine: f64) -> bool {
-        sine < self.film.media[0].ordinates.edge()
+        sine < self.before.ordinates.edge()
     }
 
     /// What interference changes of R and T in a direction that was solved, at 0° or at a node, by
@@ -265,9 +346,8 @@ impl Interference<'_> {
         if !self.passes(sine) {
             return Lobes::default();
         }
-        let (slow, shares) = self.known(sine);
-        let field = self.film.film(self.count, sine, &slow);
-        field.coherent.with_loss(shares).less(field.incoherent.with_loss(shares))
+        let (KnownField { mean, .. }, shares) = self.known(sine);
+        mean.coherent.with_loss(shares).less(mean.incoherent.with_loss(shares))
     }
 
     /// What interference changes in a direction whose light is shared among the nodes behind the
@@ -276,18 +356,16 @@ impl Interference<'_> {
         if !self.passes(sine) {
             return Lobes::default();
         }
-        let (slow, shares) = self.known(sine);
+        let (KnownField { front, through, .. }, shares) = self.known(sine);
         let mut within = Lobes::default();
-        let ordinates = &self.film.media[0].ordinates;
+        let ordinates = &self.before.ordinates;
         for (node, share) in ordinates.shares(sine) {
-            let node_sine = ordinates.sines[node];
-            let slow = self.known(node_sine).0;
-            let field = self.film.film(self.count, node_sine, &slow).incoherent;
-            let behind_front = field.less(Lobes { reflected: slow.front.norm_sqr(), transmitted: 0.0 });
-            within = within.plus(share / slow.through.norm().max(FAINT), behind_front);
+            let at_node = self.known(ordinates.sines[node]).0;
+            let front = Lobes { reflected: at_node.front, transmitted: 0.0 };
+            let behind_front = at_node.mean.incoherent.less(front);
+            within = within.plus(share / at_node.through.max(FAINT), behind_front);
         }
-        let front = Lobes { reflected: slow.front.norm_sqr(), transmitted: 0.0 };
-        let composed = front.plus(slow.through.norm(), within);
+        let composed = Lobes { reflected: front, transmitted: 0.0 }.plus(through, within);
         self.at(sine).less(composed.with_loss(shares))
     }
 
@@ -297,10 +375,9 @@ impl Interference<'_> {
         if !self.passes(sine) {
             return Lobes::default();
         }
-        let ordinates = &self.film.media[0].ordinates;
-        let nodes = ordinates.sines[..ordinates.escaping()].iter().map(|sine| self.film.place(*sine));
-        let places: Vec<f64> = [self.film.place(0.0)].into_iter().chain(nodes).collect();
-        let weights = lagrange(&places, self.film.place(sine));
+        let places: Vec<f64> =
+            known_sines(self.before).iter().map(|sine| place(self.before, *sine)).collect();
+        let weights = lagrange(&places, place(self.before, sine));
         weights
             .iter()
             .zip(&self.incoherent)
@@ -309,7 +386,7 @@ impl Interference<'_> {
 
     /// What interference changes of R and T of diffuse light, and the directions between the nodes.
     pub fn change_of_diffuse(&self) -> Lobes {
-        let ordinates = &self.film.media[0].ordinates;
+        let ordinates = &self.before.ordinates;
         let edge = ordinates.edge();
         let fringes = self.fringes();
         let interferes = fringes <= MOST_FRINGES;
@@ -323,9 +400,8 @@ impl Interference<'_> {
             for &(x, weight) in piece_rule() {
                 let place = from + width * x;
                 let sine = (edge * edge - place * place).max(0.0).sqrt();
-                let (slow, shares) = self.known(sine);
-                let field = self.film.film(self.count, sine, &slow);
-                let lobes = if interferes { field.coherent } else { field.incoherent };
+                let (KnownField { mean, .. }, shares) = self.known(sine);
+                let lobes = if interferes { mean.coherent } else { mean.incoherent };
                 change = change.plus(2.0 * place * width * weight, lobes.with_loss(shares));
             }
         }
@@ -337,25 +413,26 @@ impl Interference<'_> {
 
     /// Fringes over the hemisphere: 0 where light between the surfaces is too faint for any.
     fn fringes(&self) -> f64 {
-        let (slow, _) = self.known(0.0);
-        if (slow.slab.re * 2.0 * (self.count - 2.0)).exp() < FAINT {
-            return 0.0;
+        match &self.wave {
+            MeanWave::Slabs { film, count, beyond } => {
+                let weights = lagrange(&self.places, place(self.before, 0.0));
+                film.fringes(&film.between(beyond, &weights, self.polarisation, 0.0), *count)
+            }
+            MeanWave::Stack { film, beyond } => film.fringes(beyond, self.polarisation),
         }
-        let phases = [0.0, self.film.media[0].ordinates.edge()].map(|sine| self.film.phase_per_um(sine));
-        2.0 * (phases[0] - phases[1]) * self.film.slab_um * self.count / TAU
     }
 
     /// Shares of the light of a lateral wavenumber that the mean field mirrors \[with, without\]
     /// interference between the surfaces.
     pub fn mirrored(&self, sine: f64) -> [f64; 2] {
-        let field = self.film.film(self.count, sine, &self.known(sine).0);
+        let field = self.known(sine).0.mean;
         [field.coherent.reflected, field.incoherent.reflected]
     }
 
     /// What interference changes of the beam at 0° itself.
     pub fn change_of_beam(&self) -> Lobes {
-        let MeanField { coherent: c, incoherent: i } = self.film.film(self.count, 0.0, &self.known(0.0).0);
-        c.less(i)
+        let MeanField { coherent, incoherent } = self.known(0.0).0.mean;
+        coherent.less(incoherent)
     }
 }
 

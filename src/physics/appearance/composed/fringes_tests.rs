@@ -1,3 +1,4 @@
+use super::stack_film::{FilmElement, Mirrors, SolvedElement};
 use super::*;
 use crate::appearance::composed::ordinates::Ordinates;
 
@@ -187,4 +188,60 @@ fn what_nodes_leave_out_of_a_film_is_known() {
         weights.iter().zip(&interference.incoherent).map(|(w, lobes)| w * lobes.reflected).sum();
     let change = interference.change_of_interpolated(sine);
     assert!((between + change.reflected - want).abs() < 1e-9, "{between} {change:?} {want}");
+}
+
+/// A film as a stack of a front slab, inner ones and a back slab.
+fn as_stack(film: &CoherentFilm, count: f64) -> StackFilm {
+    let [before, within, behind] = film.media.each_ref().map(|medium| medium.ordinates.index);
+    let element = |k: usize, between: [f64; 2], mirrors: Mirrors, count: f64| {
+        FilmElement::Solved(SolvedElement {
+            amplitudes: film.slabs[k].clone(),
+            between,
+            index: within,
+            thickness_um: film.slab_um,
+            mirrors,
+            count,
+        })
+    };
+    StackFilm {
+        elements: vec![
+            element(0, [before, within], Mirrors::InFront, 1.0),
+            element(1, [within; 2], Mirrors::Nowhere, count - 2.0),
+            element(2, [within, behind], Mirrors::Behind, 1.0),
+        ],
+        media: [film.media[0].clone(), film.media[2].clone()],
+        wavelength_um: film.wavelength_um,
+        fewer_directions: false,
+    }
+}
+
+/// A layer of three kinds of slabs is a stack: star products give the closed form, also in
+/// directions between the nodes and from behind. *Planted*: r' of the element in front taken for r;
+/// an element left where it was when the stack is turned over.
+#[test]
+fn a_layer_is_a_stack_of_slabs() {
+    for (index, between_nodes) in [(Complex64::from(1.5), 1e-9), (Complex64::new(1.5, 0.01), 2e-3)] {
+        let film = film(index);
+        for count in [2.0, 3.4, 12.0] {
+            let stack = as_stack(&film, count);
+            let composed = composed(&film, index, count);
+            let closed = film.interference(count, 0, &composed);
+            let star = stack.interference(0, &composed);
+            let turned = stack.turned();
+            let from_behind = turned.interference(0, &composed);
+            let node = film.media[0].ordinates.sines[1];
+            for (sine, tolerance) in [(0.0, 1e-9), (node, 1e-9), (0.5, between_nodes), (0.9, between_nodes)] {
+                let want = closed.change(sine);
+                for got in [star.change(sine), from_behind.change(sine)] {
+                    let apart = (got.reflected - want.reflected).abs();
+                    assert!(apart < tolerance, "{index} {count} {sine}: {got:?} {want:?}");
+                    assert!((got.transmitted - want.transmitted).abs() < tolerance);
+                }
+            }
+            let (want, got) = (closed.change_of_diffuse(), star.change_of_diffuse());
+            assert!((got.reflected - want.reflected).abs() < between_nodes, "{got:?} {want:?}");
+            let (want, got) = (closed.change_of_shared(0.7), star.change_of_shared(0.7));
+            assert!((got.reflected - want.reflected).abs() < between_nodes, "{got:?} {want:?}");
+        }
+    }
 }

@@ -15,10 +15,15 @@
 //! coherent light; the difference between slabs of h and of h/2 tells what that costs. Light at
 //! exactly 0° keeps its coherent part |⟨a⟩|² apart, as a beam. [`transport`] describes the medium
 //! that the slabs are.
+//!
+//! Several layers are a [`stack`]: a list of such elements and of clear layers, with a mean wave
+//! that interferes over the whole of it. Adding fluxes alone is off by a factor of 4 in R at 0° of
+//! two thin inks; with the mean wave as a film both ways agree within some per cent.
 
 pub mod flux;
 mod fraction;
 pub mod fringes;
 pub mod ordinates;
 pub mod plate;
+pub mod stack;
 pub mod transport;

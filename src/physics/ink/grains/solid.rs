@@ -212,6 +212,12 @@ impl Solid {
         [self.center_um[axis] + back, self.center_um[axis] + half]
     }
 
+    /// The body moved along z towards smaller z, µm.
+    pub fn lowered(&self, by_um: f64) -> Self {
+        let [x, y, z] = self.center_um;
+        Self { center_um: [x, y, z - by_um], ..self.clone() }
+    }
+
     /// The point farthest along `direction`, relative to the centre, µm.
     pub fn arm(&self, direction: V3) -> V3 {
         self.rotation.turn(self.form.farthest(self.rotation.inverse().turn(direction)))

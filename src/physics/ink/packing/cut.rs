@@ -5,7 +5,7 @@ use crate::ink::{Grain, Packing, Sphere};
 
 impl Grain {
     /// The grain moved along z.
-    fn lifted(&self, by_um: f64) -> Self {
+    pub(super) fn lifted(&self, by_um: f64) -> Self {
         let mut moved = self.clone();
         moved.spheres.iter_mut().for_each(|sphere| sphere.center_um[2] += by_um);
         moved.solid.iter_mut().for_each(|solid| solid.center_um[2] += by_um);

@@ -14,6 +14,9 @@ impl PackingRequest {
     /// # Errors
     /// [`PackError::BadInput`] with the number of grains and what would do.
     pub fn fits(&self, memory: f64) -> Result<(), PackError> {
+        if !self.layers.is_empty() {
+            return self.layers.iter().try_for_each(|layer| layer.request.fits(memory));
+        }
         let mut grains = 0.0;
         let mut bytes = 0.0;
         let mut count = |number: f64, spheres: f64| {

@@ -1,12 +1,14 @@
 //! Packing of a request, with the final check for overlap.
 
 use super::arrangement::Arrangement;
+use super::gradient;
 use super::hard_bodies::{add_all, equilibrate};
 use super::placed::{Method, Packing, PackingAccount};
 use super::plan::PackingPlan;
 use super::relaxation::starts::{Relaxed, relax};
-use super::request::{AUTO_LIMIT, MethodChoice, PackingRequest};
+use super::request::{AUTO_LIMIT, Joint, MethodChoice, PackingRequest, StackedRequest};
 use super::settle::settle;
+use super::stack::{Stack, in_layer, joined};
 use crate::ink::error::{Course, PackError, PackWatch};
 use crate::numerics::Draws;
 
@@ -33,6 +35,9 @@ use crate::numerics::Draws;
 /// # Ok::<(), inkwave_physics::ink::PackError>(())
 /// ```
 pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packing, PackError> {
+    if !request.layers.is_empty() {
+        return pack_stack(request, watch);
+    }
     if let Some(given) = Packing::given(request) {
         return given;
     }
@@ -53,6 +58,21 @@ pub fn pack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packi
         Some([from_um, to_um]) => packing.between(from_um, to_um),
         None => packing,
     })
+}
+
+/// Packs the layers of a request one above the other, in the order of the light.
+fn pack_stack(request: &PackingRequest, watch: &mut dyn PackWatch) -> Result<Packing, PackError> {
+    let mut stack = Stack::new(request);
+    // layers with open joints are packed together
+    for group in request.layers.chunk_by(|before, _| before.joint == Joint::Open) {
+        let first = stack.layers();
+        let packing = match group {
+            [StackedRequest { request: layer, .. }] => pack(layer, watch),
+            _ => pack(&joined(group), watch),
+        };
+        stack.add(group, packing.map_err(|error| in_layer(error, first))?);
+    }
+    stack.proven(request)
 }
 
 /// One attempt from the seed with a given method, or with the one suited to the volume fraction.
@@ -86,6 +106,8 @@ fn attempt(
         }
     }
     let mut packing = Packing::proven(request, arrangement.grains(), plan.shares.clone(), account)?;
+    let notes = gradient::notes(request, &packing);
+    packing.account.notes.extend(notes);
     if let Some(relief) = request.relief.filter(|_| !packing.grains.is_empty()) {
         packing.relief = Some(settle(&packing, &relief));
     }

@@ -33,7 +33,8 @@ impl Method {
 #[derive(Clone, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Share {
-    /// Requested volume fraction; see [`crate::ink::Relief`] for its reference volume.
+    /// Requested fraction of the volume of the pigment's own layer; see [`crate::ink::Relief`] for
+    /// its reference volume.
     pub requested_fraction: f64,
     /// Volume fraction of the placed grains.
     pub achieved_fraction: f64,
@@ -127,6 +128,8 @@ pub struct Packing {
     pub(super) shares: Vec<Share>,
     pub(super) account: PackingAccount,
     pub(super) relief: Option<Relief>,
+    /// Thicknesses of the layers of a stack, µm; empty for a single layer.
+    pub(super) layers_um: Vec<f64>,
     /// Per pigment, thicknesses of the layers of its grains from the core outwards, µm.
     shells_um: Vec<Vec<f64>>,
 }
@@ -190,6 +193,7 @@ impl Packing {
             shares,
             account,
             relief: None,
+            layers_um: Vec::new(),
             shells_um: Vec::new(),
         };
         bare.with_shells(request.shells_um())
@@ -219,6 +223,11 @@ impl Packing {
     /// Thickness H, µm.
     pub fn thickness_um(&self) -> f64 {
         self.thickness_um
+    }
+
+    /// Thicknesses of the layers in the order of the light, µm: one, or those of a stack.
+    pub fn layers_um(&self) -> &[f64] {
+        if self.layers_um.is_empty() { std::slice::from_ref(&self.thickness_um) } else { &self.layers_um }
     }
 
     /// Whether there are walls at z = 0 and z = H; false if the cell is periodic in z too, or cut.

@@ -1,6 +1,7 @@
 //! The list of rigid bodies to place: number, sizes and agglomerates of the grains.
 
 use super::cell::CellBox;
+use super::depth::DepthLaw;
 use crate::ink::Template;
 use crate::ink::error::{PackError, PackProgress, Reached};
 use crate::ink::grains::agglomeration::{Agglomeration, PlacedGrain};
@@ -40,6 +41,8 @@ pub(crate) struct PackingPlan<'r> {
     pub cell: CellBox,
     pub bodies: Vec<RigidBody>,
     pub fields: Vec<Option<AxisField>>,
+    /// Per pigment, where along the depth its bodies are.
+    pub depths: Vec<Option<DepthLaw>>,
     pub shares: Vec<Share>,
     /// Notes to the user about a cell that is too small.
     pub notes: Vec<String>,
@@ -55,6 +58,7 @@ impl<'r> PackingPlan<'r> {
             cell,
             bodies: Vec::new(),
             fields: request.pigments.iter().map(|p| p.orientation.field()).collect(),
+            depths: request.pigments.iter().map(|p| DepthLaw::of(&p.profile)).collect(),
             shares: Vec::new(),
             notes: Vec::new(),
         };
@@ -82,9 +86,24 @@ impl<'r> PackingPlan<'r> {
             cell: self.cell,
             bodies: kept.map(|b| self.bodies[b].clone()).collect(),
             fields: self.fields.clone(),
+            depths: self.depths.clone(),
             shares: self.shares.clone(),
             notes: Vec::new(),
         }
+    }
+
+    /// A random place of body b: anywhere, or by its profile along the depth.
+    pub fn draw_place(&self, b: usize, draws: &mut Draws) -> V3 {
+        let [x, y, z] = self.cell.draw_place(draws);
+        match &self.depths[self.bodies[b].pigment] {
+            Some(law) => [x, y, self.cell.size[2] * law.quantile(z / self.cell.size[2])],
+            None => [x, y, z],
+        }
+    }
+
+    /// Whether a pigment has a profile along the depth.
+    pub fn has_profiles(&self) -> bool {
+        self.depths.iter().any(Option::is_some)
     }
 
     /// A random rotation of body b, in its field if it has one.

@@ -17,6 +17,7 @@ use crate::ink::error::{Course, PackError, PackProgress};
 use crate::numerics::Draws;
 use crate::numerics::vector::{V3, dot};
 use forces::{BodyLoads, OverlapSums};
+use std::ops::Range;
 
 /// Steps between checks that the energy still decreases.
 const PATIENCE: u64 = 400;
@@ -104,7 +105,7 @@ impl<'a> OverlapRelaxation<'a> {
             self.moves[b] = true;
         }
         let placed = self.arrangement.placed();
-        let places = random_places(self.plan, count - placed, draws);
+        let places = random_places(self.plan, placed..count, draws);
         for (b, place) in (placed..count).zip(places) {
             self.arrangement.scatter(b, place, self.plan.draw_rotation(b, draws));
             self.moves[b] = true;
@@ -170,7 +171,7 @@ impl<'a> OverlapRelaxation<'a> {
         }
         self.reinsertions += 1;
         for b in interlocked {
-            let place = self.plan.cell.draw_place(draws);
+            let place = self.plan.draw_place(b, draws);
             self.arrangement.scatter(b, place, self.plan.draw_rotation(b, draws));
             self.loads.touch(b);
             if !self.moves[b] {
@@ -199,8 +200,13 @@ impl<'a> OverlapRelaxation<'a> {
 
 /// Uniform positions in the cell, sorted by region so that neighbours in space are neighbours in
 /// memory. (The bodies are shuffled, hence the position of each is still uniform.)
-fn random_places(plan: &PackingPlan, count: usize, draws: &mut Draws) -> Vec<V3> {
-    let mut places: Vec<V3> = (0..count).map(|_| plan.cell.draw_place(draws)).collect();
+fn random_places(plan: &PackingPlan, bodies: Range<usize>, draws: &mut Draws) -> Vec<V3> {
+    let count = bodies.len();
+    let mut places: Vec<V3> = bodies.map(|b| plan.draw_place(b, draws)).collect();
+    if plan.has_profiles() {
+        // every place is that of its own body
+        return places;
+    }
     let side = (plan.cell.size.iter().product::<f64>() / count.max(1) as f64).cbrt() * 2.0;
     places.sort_by_cached_key(|p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64));
     places

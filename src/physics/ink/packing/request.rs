@@ -1,5 +1,6 @@
 //! The request for a packing: cell, pigments and method.
 
+use super::depth::DepthLaw;
 use crate::ink::{
     Agglomeration, Grain, Orientation, PackError, ReliefRequest, Shape, SizeDistribution, VoxelCut,
 };
@@ -51,6 +52,33 @@ pub struct PackingRequest {
     /// own: cells of one layer that hold more or less than it are packed alike.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub usual_fraction: Option<f64>,
+    /// The layers of a stack, in the order of the light, each with its own grains, places and
+    /// random stream; empty for a single layer. The request itself then holds their cell, their
+    /// whole thickness and the pigments of all, with volume fractions in their own layers.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Vec::is_empty"))]
+    pub layers: Vec<StackedRequest>,
+}
+
+/// One layer of a stack to pack.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct StackedRequest {
+    /// The layer as if it were alone, 0 ≤ z ≤ its thickness.
+    pub request: PackingRequest,
+    /// How it meets the next one.
+    pub joint: Joint,
+}
+
+/// How a layer meets the one behind it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub enum Joint {
+    /// As at a wall: a dry layer has been coated, and no grain reaches across.
+    #[default]
+    Wall,
+    /// Grains of both layers reach across, as wet on wet; both have one binder.
+    Open,
 }
 
 impl Default for PackingRequest {
@@ -71,6 +99,7 @@ impl Default for PackingRequest {
             voxels: Vec::new(),
             cut_um: None,
             usual_fraction: None,
+            layers: Vec::new(),
         }
     }
 }
@@ -106,6 +135,10 @@ pub struct PigmentGrains {
     /// (reported).
     #[cfg_attr(feature = "serde", serde(default))]
     pub share: ShareRule,
+    /// Where along the depth the grains are: rows of depth over thickness, 0 to 1, and density,
+    /// linear in between; evenly without any. Only ratios of densities matter.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
+    pub profile: Vec<[f64; 2]>,
 }
 
 impl PigmentGrains {
@@ -124,6 +157,7 @@ impl PigmentGrains {
             orientation: Orientation::Random,
             agglomeration: None,
             share: ShareRule::NearestGrain,
+            profile: Vec::new(),
         }
     }
 }
@@ -263,6 +297,11 @@ impl PackingRequest {
         self.pigments.iter().map(|p| p.shell_nm.iter().map(|t| 1e-3 * t).collect()).collect()
     }
 
+    /// Whether grains are drawn, not given.
+    pub fn is_drawn(&self) -> bool {
+        self.given.is_empty() && self.voxels.is_empty()
+    }
+
     /// Checks every number that can be checked before grains are drawn.
     pub fn check(&self) -> Result<(), PackError> {
         let lengths = [self.period_um[0], self.period_um[1], self.thickness_um];
@@ -316,14 +355,32 @@ fn check_pigment(k: usize, pigment: &PigmentGrains) -> Result<(), PackError> {
     let remedy = "leave `fractal` out, or take `sphere`, `cylinder` or `beaded_ellipsoid`";
     PackError::unless(!fractal || pigment.shape.form().is_none(), field, found, allowed, remedy)?;
     let agglomeration = pigment.agglomeration.as_ref().and_then(Agglomeration::defect);
-    let defects =
-        [pigment.shape.defect(), pigment.size.defect(), pigment.orientation.defect(), agglomeration];
+    let defects = [
+        pigment.shape.defect(),
+        pigment.size.defect(),
+        pigment.orientation.defect(),
+        agglomeration,
+        profile_defect(pigment),
+    ];
     match defects.into_iter().flatten().next() {
         None => pigment.check_layers(k),
         Some((field, found, allowed)) => {
             Err(PackError::input(format!("pigment[{k}].{field}"), found, allowed, "correct this entry"))
         }
     }
+}
+
+/// What is wrong with the rows of a profile: field, value and what is allowed.
+fn profile_defect(pigment: &PigmentGrains) -> Option<(&'static str, String, &'static str)> {
+    let rows = &pigment.profile;
+    let (first, last) = rows.first().zip(rows.last())?;
+    let allowed = "rows [depth, share] from depth 0 to depth 1, in order, with shares from 0 to 0.64 that are not all 0";
+    let is_sound =
+        |[depth, share]: &[f64; 2]| (0.0..=1.0).contains(depth) && share.is_finite() && *share >= 0.0;
+    let is_whole = rows.len() >= 2 && first[0] == 0.0 && last[0] == 1.0;
+    let rises = rows.windows(2).all(|pair| pair[1][0] >= pair[0][0]);
+    let good = is_whole && rises && rows.iter().all(is_sound) && DepthLaw::of(rows).is_some();
+    (!good).then(|| ("profile", format!("{rows:?}"), allowed))
 }
 
 impl RelaxationSettings {

@@ -2,7 +2,7 @@
 //! particle sizers report them, and volume fractions across the layer.
 
 use crate::ink::grains::volume::in_slices;
-use crate::ink::{Layered, Method, Packing};
+use crate::ink::{Layered, Method, Packing, Solid, Sphere};
 use std::array::from_fn;
 use std::f64::consts::PI;
 
@@ -92,8 +92,12 @@ const COLUMNS: usize = 24;
 /// (see [`Packing::materials`]), and last the fraction beyond a relief's surface, if any.
 ///
 /// Overlapping spheres of one grain are counted individually and scaled to the volume of their
-/// union, so that the mean for every pigment is its achieved fraction.
+/// union, so that the mean for every pigment is its achieved fraction. A stack has as many equal
+/// slices in each of its layers, one layer after the other.
 pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
+    if packing.layers_um().len() > 1 {
+        return profile_of_stack(packing, slices);
+    }
     let height = packing.thickness_um() / slices as f64;
     let mut fractions = vec![vec![0.0; packing.materials()]; slices];
     for grain in packing.grains() {
@@ -119,7 +123,7 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
         layers += shell.len();
     }
     if packing.relief().is_some() {
-        for (slice, air) in fractions.iter_mut().zip(beyond_surface(packing, slices, height)) {
+        for (slice, air) in fractions.iter_mut().zip(beyond_surface(packing, slices, height, 0.0)) {
             let grains: f64 = slice.iter().sum();
             slice.push(air * (1.0 - grains).max(0.0));
         }
@@ -127,14 +131,62 @@ pub fn profile(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
     fractions
 }
 
-/// Fraction of each slice beyond the binder's surface, without regard to grains.
-fn beyond_surface(packing: &Packing, slices: usize, height: f64) -> Vec<f64> {
+/// The profile of a stack, layer by layer.
+fn profile_of_stack(packing: &Packing, slices: usize) -> Vec<Vec<f64>> {
+    let [lx, ly] = packing.period_um();
+    let mut volumes = Vec::new();
+    let mut bottom_um = 0.0;
+    let mut beyond = Vec::new();
+    for &thickness_um in packing.layers_um() {
+        let height = thickness_um / slices as f64;
+        let within = volumes_within(packing, bottom_um, height, slices);
+        let fraction = |volume: f64| volume / (lx * ly * height);
+        volumes.extend(within.into_iter().map(|slice| slice.into_iter().map(fraction).collect::<Vec<_>>()));
+        if packing.relief().is_some() {
+            beyond.extend(beyond_surface(packing, slices, height, bottom_um));
+        }
+        bottom_um += thickness_um;
+    }
+    for (slice, air) in volumes.iter_mut().zip(beyond) {
+        let grains: f64 = slice.iter().sum();
+        slice.push(air * (1.0 - grains).max(0.0));
+    }
+    volumes
+}
+
+/// Volume of every material in equal slices from z = `bottom_um`, µm³: that of the spheres of a
+/// grain is scaled to the volume of their union.
+fn volumes_within(packing: &Packing, bottom_um: f64, height: f64, slices: usize) -> Vec<Vec<f64>> {
+    let mut volumes = vec![vec![0.0; packing.materials()]; slices];
+    for grain in packing.grains() {
+        let parts: f64 = grain.spheres.iter().map(Sphere::volume_um3).sum();
+        // the profile of a convex body is sampled on lines
+        let sampled =
+            |solid: &Solid| in_slices(&[], Some(&solid.lowered(solid.extent_um(2)[0])), f64::MAX, 1)[0];
+        let scale = grain.volume_um3 / grain.solid.as_ref().map_or(parts, sampled);
+        let mut around: Option<usize> = None;
+        for Layered { material, mut spheres, solid } in packing.nested(grain) {
+            spheres.iter_mut().for_each(|sphere| sphere.center_um[2] -= bottom_um);
+            let solid = solid.map(|solid| solid.lowered(bottom_um));
+            let within = in_slices(&spheres, solid.as_ref(), height, slices);
+            for (slice, volume) in volumes.iter_mut().zip(within) {
+                slice[material] += scale * volume;
+                around.iter().for_each(|&outer| slice[outer] -= scale * volume);
+            }
+            around = Some(material);
+        }
+    }
+    volumes
+}
+
+/// Fraction of each slice from z = `bottom_um` beyond the binder's surface, whatever the grains.
+fn beyond_surface(packing: &Packing, slices: usize, height: f64, bottom_um: f64) -> Vec<f64> {
     let [lx, ly] = packing.period_um();
     let place = |i: usize, period: f64| period * (i as f64 + 0.5) / COLUMNS as f64;
     let column = |k: usize| packing.filled_um(place(k % COLUMNS, lx), place(k / COLUMNS, ly));
     let filled: Vec<[f64; 2]> = (0..COLUMNS * COLUMNS).map(column).collect();
     let share = |slice: usize| {
-        let above = |z: f64| ((z - slice as f64 * height) / height).clamp(0.0, 1.0);
+        let above = |z: f64| ((z - bottom_um - slice as f64 * height) / height).clamp(0.0, 1.0);
         filled.iter().map(|[from, to]| above(*from) + 1.0 - above(*to)).sum::<f64>() / filled.len() as f64
     };
     (0..slices).map(share).collect()

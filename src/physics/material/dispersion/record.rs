@@ -66,7 +66,8 @@ impl Dispersion {
             return Err(format!("{depth} brackets are open at once; a record has a few"));
         }
         let record: DispersionRecord = serde_norway::from_str(text).map_err(|error| error.to_string())?;
-        let mut found = Self { name: name.to_owned(), n: None, kappa: None, unusable: Vec::new() };
+        let mut found =
+            Self { name: name.to_owned(), n: None, kappa: None, unusable: Vec::new(), joined: Vec::new() };
         for entry in &record.data {
             found.take(entry)?;
         }

@@ -66,6 +66,9 @@ pub enum SpectrumError {
     /// The real part n is given nowhere, or both in the file and beside it.
     #[error(transparent)]
     RealPart(FileError),
+    /// A table of κ to which the relation of Kramers and Kronig gives no n.
+    #[error(transparent)]
+    KramersKronig(FileError),
     /// A file that is not a table of numbers, not a spectrum, or not a record of
     /// refractiveindex.info.
     #[error(transparent)]

@@ -1,6 +1,6 @@
 //! Tables of indices as CSV: the program's own, those of spreadsheets and of refractiveindex.info.
 
-use super::{RowError, Sample, Spectrum, SpectrumError, Table, check_index, the_other};
+use super::{Dilution, RowError, Sample, Spectrum, SpectrumError, Table, check_index, the_other};
 use crate::material::columns::{line_of, micrometres};
 use crate::material::dispersion::{DataSource, Dispersion};
 use crate::material::usable::{FileRow, Unusable, Usable, usable};
@@ -10,6 +10,8 @@ use std::path::Path;
 
 /// Shortest wavelength in µm of which all others may be longer; larger numbers are probably nm.
 const MOST_UM: f64 = 100.0;
+/// Negative absorbance down to this is the drift of an instrument's zero.
+const ZERO_DRIFT: f64 = 0.005;
 /// Beginnings of remarks by which a file says that a quantity is not determined.
 const UNDETERMINED: [&str; 4] =
     ["n is not determined", "kappa is not determined", "k is not determined", "κ is not determined"];
@@ -23,6 +25,8 @@ enum IndexColumn {
     },
     N,
     Kappa,
+    /// Decadic absorbance of a dilution.
+    Absorbance,
     NError,
     KappaError,
     Correlation,
@@ -39,6 +43,7 @@ impl IndexColumn {
             | "wavelength, μm" | "wavelength (um)" | "wavelength, um" => Self::Wavelength { in_um: true },
             "n" => Self::N,
             "kappa" | "k" | "κ" => Self::Kappa,
+            "absorbance" => Self::Absorbance,
             "n_error" => Self::NError,
             "kappa_error" | "k_error" => Self::KappaError,
             "correlation" => Self::Correlation,
@@ -62,11 +67,21 @@ struct Numbers {
     wavelength: Option<f64>,
     n: Option<f64>,
     kappa: Option<f64>,
+    absorbance: Option<f64>,
     error: RowError,
 }
 
 /// Reads a table; `n` is given beside one that has no real part.
 pub(super) fn read(path: &Path, n: Option<f64>) -> Result<Spectrum, SpectrumError> {
+    read_any(path, n, None)
+}
+
+/// Reads the absorbance of a dilution.
+pub(super) fn read_absorbance(path: &Path, n: f64, dilution: &Dilution) -> Result<Spectrum, SpectrumError> {
+    read_any(path, Some(n), Some(dilution))
+}
+
+fn read_any(path: &Path, n: Option<f64>, dilution: Option<&Dilution>) -> Result<Spectrum, SpectrumError> {
     let bytes = files::read_bytes(path, files::TABLE);
     let bytes = bytes.map_err(|error| FileError::new(path.display(), error))?;
     if bytes.contains(&0) {
@@ -81,14 +96,18 @@ pub(super) fn read(path: &Path, n: Option<f64>) -> Result<Spectrum, SpectrumErro
     let (blocks, decimal_comma) =
         blocks(text).map_err(|reason| FileError::new(&name, format_args!("{reason}; {expected}")))?;
     let has = |block: &Block, quantity| block.quantities.contains(&Some(quantity));
+    let with_absorbance = blocks.iter().any(|block| has(block, IndexColumn::Absorbance));
+    absorbance_fits(with_absorbance, dilution.is_some()).map_err(|reason| FileError::new(&name, reason))?;
     let with_n = blocks.iter().find(|block| has(block, IndexColumn::N));
-    let with_kappa = blocks.iter().find(|block| has(block, IndexColumn::Kappa));
+    let attenuation = if with_absorbance { IndexColumn::Absorbance } else { IndexColumn::Kappa };
+    let with_kappa = blocks.iter().find(|block| has(block, attenuation));
     let of_site = blocks.iter().all(|block| has(block, IndexColumn::Wavelength { in_um: true }));
     let Some(only) = with_kappa.filter(|_| blocks.len() == 1) else {
         if with_kappa.is_none() && !(of_site && with_n.is_some()) {
             return Err(FileError::new(&name, format_args!("column \"kappa\" is missing; {expected}")).into());
         }
-        let mut record = Dispersion { name: name.clone(), n: None, kappa: None, unusable: Vec::new() };
+        let mut record =
+            Dispersion { name: name.clone(), n: None, kappa: None, unusable: Vec::new(), joined: Vec::new() };
         for (block, quantity, place) in
             [(with_n, IndexColumn::N, &mut record.n), (with_kappa, IndexColumn::Kappa, &mut record.kappa)]
         {
@@ -107,8 +126,22 @@ pub(super) fn read(path: &Path, n: Option<f64>) -> Result<Spectrum, SpectrumErro
     }
     let beside = the_other(path, with_n.is_some(), n)?;
     let undetermined = remarks(text);
-    let table = table(only, beside, &name, decimal_comma)?;
+    let table = table(only, (beside, dilution), &name, decimal_comma)?;
     Ok(Spectrum::Tabulated(Table { name, undetermined, ..table }))
+}
+
+/// Absorbance says what κ is with the dilution alone, and the dilution nothing of κ.
+fn absorbance_fits(in_file: bool, with_dilution: bool) -> Result<(), &'static str> {
+    match (in_file, with_dilution) {
+        (true, false) => {
+            Err("a column absorbance, from which κ follows with path, concentration and density alone: give \
+             dilution = { path_mm = 10, concentration_g_per_l = 0.02, density_g_per_cm3 = 1.5 } beside the file")
+        }
+        (false, true) => {
+            Err("no column absorbance, although a dilution is given beside the file; a table of κ needs none")
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Remarks that say that a quantity is not determined.
@@ -223,6 +256,7 @@ impl Block {
                 }
                 IndexColumn::N => numbers.n = Some(number),
                 IndexColumn::Kappa => numbers.kappa = Some(number),
+                IndexColumn::Absorbance => numbers.absorbance = Some(number),
                 IndexColumn::NError => numbers.error.n = number,
                 IndexColumn::KappaError => numbers.error.kappa = number,
                 IndexColumn::Correlation => numbers.error.correlation = number,
@@ -286,13 +320,24 @@ fn column(
     Ok((rows.into_iter().map(|(_, row)| row).collect(), gaps))
 }
 
-/// n and κ in common rows, with their errors.
-fn table(block: &Block, n: Option<f64>, name: &str, decimal_comma: bool) -> Result<Table, FileError> {
+/// n and κ in common rows, with their errors; n and a dilution may stand beside the file.
+fn table(
+    block: &Block,
+    (n, dilution): (Option<f64>, Option<&Dilution>),
+    name: &str,
+    decimal_comma: bool,
+) -> Result<Table, FileError> {
     let (numbers, faults) = block.all(decimal_comma).map_err(|reason| FileError::new(name, reason))?;
     let mut rows = Vec::new();
     for (i, (numbers, fault)) in numbers.iter().zip(faults).enumerate() {
         let Numbers { wavelength, error, .. } = *numbers;
-        let (own_n, kappa) = (numbers.n.or(n).unwrap_or(f64::NAN), numbers.kappa.unwrap_or(f64::NAN));
+        let own_n = numbers.n.or(n).unwrap_or(f64::NAN);
+        let diluted = dilution.zip(numbers.absorbance).zip(wavelength);
+        let diluted = diluted.map(|((dilution, absorbance), nm)| {
+            let drifted = (-ZERO_DRIFT..0.0).contains(&absorbance);
+            dilution.kappa(if drifted { 0.0 } else { absorbance }, nm)
+        });
+        let kappa = diluted.or(numbers.kappa).unwrap_or(f64::NAN);
         let row = format!("row {}", i + 1);
         let values = fault
             .and_then(|()| check_index(&row, own_n, kappa).map_err(|error| error.to_string()))
@@ -309,5 +354,12 @@ fn table(block: &Block, n: Option<f64>, name: &str, decimal_comma: bool) -> Resu
     if errors.iter().all(|error| error.n == 0.0 && error.kappa == 0.0) {
         errors.clear();
     }
-    Ok(Table { name: name.to_owned(), samples, unusable: gaps, errors, undetermined: Vec::new() })
+    Ok(Table {
+        name: name.to_owned(),
+        samples,
+        unusable: gaps,
+        errors,
+        undetermined: Vec::new(),
+        changes: Vec::new(),
+    })
 }

@@ -106,6 +106,11 @@ fn errors_of_composing(
             .iter()
             .map(|all| over_neighbours(all, distribution_errors))
             .collect(),
+        absorbed: beyond
+            .absorbed
+            .iter()
+            .map(|all| over_neighbours(all, |near, here| absorbed_errors(near, here.len())))
+            .collect(),
     }
 }
 
@@ -114,6 +119,8 @@ fn thickness_errors(beyond: &ThicknessNumbers<f64>) -> ThicknessNumbers<f64> {
     ThicknessNumbers {
         spectra: over_neighbours(&beyond.spectra, |near, _| LayerNumbers::combined(near, error_of_composing)),
         colours: beyond.colours.map(|colours: ColourNumbers<f64>| colours.map(alone)),
+        weighted: beyond.weighted.iter().map(|beyond| alone(*beyond)).collect(),
+        prints: beyond.prints.iter().map(|print| print.clone().map(&alone)).collect(),
     }
 }
 
@@ -127,6 +134,15 @@ fn distribution_errors(near: &[Distribution<f64>], here: &Distribution<f64>) -> 
         (0..lobe(here).len()).map(error).collect()
     };
     Distribution { reflected: errors(|all| &all.reflected), transmitted: errors(|all| &all.transmitted) }
+}
+
+/// The errors of what layers absorb, each from those of its layer at the wavelengths near.
+fn absorbed_errors(near: &[Vec<f64>], layers: usize) -> Vec<f64> {
+    let error = |layer: usize| {
+        let values = near.iter().filter_map(|other| other.get(layer).copied());
+        error_of_composing(&values.collect::<Vec<_>>())
+    };
+    (0..layers).map(error).collect()
 }
 
 /// A new row for each, from the rows of the wavelengths near and its own.
@@ -152,11 +168,17 @@ mod tests {
         };
         let spectra = (0..20).map(row).collect();
         ComposedNumbers {
-            requested: vec![ThicknessNumbers { spectra, colours: None }],
+            requested: vec![ThicknessNumbers {
+                spectra,
+                colours: None,
+                weighted: Vec::new(),
+                prints: Vec::new(),
+            }],
             curve: Vec::new(),
             hiding: None,
             medium: Vec::new(),
             distributions: Vec::new(),
+            absorbed: Vec::new(),
         }
     }
 

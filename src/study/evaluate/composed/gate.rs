@@ -33,13 +33,16 @@ const TOTALS: [LightTotals; 3] = [
     },
 ];
 
-/// Withholds what cannot be of the rows of one thickness.
-pub fn rows(rows: &mut [ComposedRow]) -> Vec<Withheld> {
+/// Withholds what cannot be of the rows of one thickness; on paper that fluoresces factors may be
+/// above 1.
+pub fn rows(rows: &mut [ComposedRow], fluoresces: bool) -> Vec<Withheld> {
     let mut withheld = Vec::new();
     let Some(first) = rows.first() else { return withheld };
     let um = first.thickness_um;
     for (k, number) in first.numbers().into_iter().enumerate() {
-        let reason = |row: &mut ComposedRow| impossible(number.quantity, row.numbers()[k].estimate?);
+        let brightened = fluoresces && number.name == "natural_light";
+        let quantity = if brightened { Quantity::Factor } else { number.quantity };
+        let reason = |row: &mut ComposedRow| impossible(quantity, row.numbers()[k].estimate?);
         let title = format!("{} of {um} µm", number.in_words);
         withheld.extend(withhold(rows, title, reason, |row| row.layer.withhold(number.name)));
     }
@@ -191,13 +194,13 @@ mod tests {
     #[test]
     fn numbers_that_cannot_be_are_withheld_and_others_stay() {
         let mut all = [450.0, 550.0, 650.0].map(|nm| row(nm, number(0.3, 0.01)));
-        assert!(rows(&mut all).is_empty());
+        assert!(rows(&mut all, false).is_empty());
         all[1].layer.reflectance_45 = number(-0.05, 1e-4);
         all[2].layer.reflectance_45 = number(f64::NAN, 1e-4);
         all[0].layer.lit_at_45 = number(8.3, 0.08);
         all[0].layer.natural_light = number(1.2, 0.01);
         all[2].layer.transmittance_diffuse = number(0.8, 0.01);
-        let withheld = rows(&mut all);
+        let withheld = rows(&mut all, false);
         let words: Vec<_> = withheld.iter().map(Withheld::in_words).collect();
         assert_eq!(words.len(), 4, "{words:?}");
         assert!(words[0].starts_with("reflectance_45 of 3 µm") && words[0].contains("2 of its"), "{words:?}");

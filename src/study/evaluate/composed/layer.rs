@@ -9,14 +9,17 @@
 
 use super::level::Slabs;
 use crate::appearance::composed::flux::Hemisphere;
+use crate::appearance::composed::fringes::stack_film::StackFilm;
 use crate::appearance::composed::fringes::{Interference, Lobes};
 use crate::appearance::composed::plate::{Plate, total};
+use crate::appearance::composed::stack::PlateStack;
 use crate::wave::Wave;
 use faer::Mat;
 
-/// A layer of one thickness at one wavelength.
+/// A layer of one thickness, or a stack of layers, at one wavelength.
 pub struct ComposedLayer<'a> {
-    slabs: &'a Slabs,
+    /// Media in front and behind.
+    pub media: [&'a Hemisphere; 2],
     /// Its fluxes, without interference between the surfaces.
     pub plate: Plate,
     /// What interference does to light from in front, for each polarisation.
@@ -37,6 +40,8 @@ pub struct OnPaper {
     pub returned: f64,
     /// What it does to the diffuse light that leaves the paper, as a factor of T̄_b.
     pub leaving: f64,
+    /// R̄_b with interference.
+    pub back: f64,
 }
 
 impl<'a> ComposedLayer<'a> {
@@ -45,17 +50,40 @@ impl<'a> ComposedLayer<'a> {
         let plate = slabs.layer(count);
         let [before, _, behind] = &slabs.media;
         let of_polarisation = |p: usize| slabs.film.interference(count, p, &columns(&plate, 0, before, p));
-        let interference: Vec<Interference> = (0..before.polarisations).map(of_polarisation).collect();
+        let interference = (0..before.polarisations).map(of_polarisation).collect();
         let turned = slabs.film.turned();
         let change_from_behind = mean(&unpolarised(behind), |p| {
             turned.interference(count, p, &columns(&plate, 1, behind, p)).change_of_diffuse()
         });
+        Self::of([before, behind], plate, interference, change_from_behind, wave)
+    }
+
+    /// A stack of layers; `film` is the mean wave in it.
+    pub fn of_stack(stack: &'a PlateStack, film: &'a StackFilm, wave: Wave) -> Self {
+        let plate = stack.plate();
+        let (before, behind) = (stack.before(), stack.behind());
+        let of_polarisation = |p: usize| film.interference(p, &columns(&plate, 0, before, p));
+        let interference = (0..before.polarisations).map(of_polarisation).collect();
+        let turned = film.turned();
+        let change_from_behind = mean(&unpolarised(behind), |p| {
+            turned.interference(p, &columns(&plate, 1, behind, p)).change_of_diffuse()
+        });
+        Self::of([before, behind], plate, interference, change_from_behind, wave)
+    }
+
+    fn of(
+        media: [&'a Hemisphere; 2],
+        plate: Plate,
+        interference: Vec<Interference<'a>>,
+        change_from_behind: Lobes,
+        wave: Wave,
+    ) -> Self {
         Self {
-            slabs,
+            media,
             change_of_diffuse: interference.iter().map(Interference::change_of_diffuse).collect(),
             change_from_behind,
             interference,
-            polarised: polarised(before, wave),
+            polarised: polarised(media[0], wave),
             plate,
         }
     }
@@ -84,7 +112,7 @@ impl<'a> ComposedLayer<'a> {
 
     /// T of light with this lateral wavenumber, shared among the nodes, without interference.
     pub fn transmitted_by_nodes(&self, sine: f64) -> f64 {
-        let before = &self.slabs.media[0];
+        let before = self.media[0];
         let node = |node: usize, p: usize| -> f64 {
             self.plate.transmission[0].col(before.state(node + 1, p)).iter().sum()
         };
@@ -118,19 +146,21 @@ impl<'a> ComposedLayer<'a> {
 
     /// The layer on paper of this albedo.
     pub fn on(&self, albedo: f64) -> OnPaper {
-        let [before, _, behind] = &self.slabs.media;
+        let [before, behind] = self.media;
         let plate = self.plate.then(&Plate::lambertian(albedo, &behind.weights()));
         let onto = self.diffuse(0);
         // light from the paper has no polarisation
         let change = mean(&unpolarised(before), |p| self.change_of_diffuse[p]);
         let leaving = ratio(onto.changed(change).transmitted, onto.transmitted);
-        let returned = returns(self.diffuse(1), self.change_from_behind, leaving, albedo);
-        OnPaper { plate, returned, leaving }
+        let behind = self.diffuse(1);
+        let returned = returns(behind, self.change_from_behind, leaving, albedo);
+        let back = reflected_behind(behind, self.change_from_behind, leaving);
+        OnPaper { plate, returned, leaving, back }
     }
 
     /// R̄ and T̄ of unpolarised diffuse light from a side, without interference.
     fn diffuse(&self, side: usize) -> Lobes {
-        let weights = self.slabs.media[2 * side].weights();
+        let weights = self.media[side].weights();
         let sum: f64 = weights.iter().sum();
         let mean = |m: &Mat<f64>| -> f64 {
             (0..weights.len()).map(|j| weights[j] / sum * m.col(j).iter().sum::<f64>()).sum()
@@ -145,10 +175,15 @@ impl<'a> ComposedLayer<'a> {
 /// Factor of g = ρ/(1 − ρ R̄_b): `composed` is R̄_b and T̄_b without interference, which changes
 /// T̄_b by the factor `leaving` and the sum of both by that of `change`.
 fn returns(composed: Lobes, change: Lobes, leaving: f64, albedo: f64) -> f64 {
+    let reflected = reflected_behind(composed, change, leaving);
+    ratio(1.0 - albedo * composed.reflected, 1.0 - albedo * reflected)
+}
+
+/// R̄_b with interference.
+fn reflected_behind(composed: Lobes, change: Lobes, leaving: f64) -> f64 {
     let not_absorbed = composed.reflected + composed.transmitted + change.reflected + change.transmitted;
     let passed = composed.transmitted * leaving;
-    let reflected = (not_absorbed.min(1.0) - passed).clamp(0.0, 1.0);
-    ratio(1.0 - albedo * composed.reflected, 1.0 - albedo * reflected)
+    (not_absorbed.min(1.0) - passed).clamp(0.0, 1.0)
 }
 
 /// The quotient; 1 of nothing.

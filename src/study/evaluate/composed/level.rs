@@ -15,20 +15,35 @@ pub type SolvedPortion = (Study, Collected);
 
 /// One portion at all wavelengths.
 struct Ensemble {
+    /// Layer of a stack, from 0.
+    layer: usize,
     position: Position,
+    /// Thickness, µm.
+    slab_um: f64,
     /// \[wavelength\]: its media, and the fluxes of every cell.
     wavelengths: Vec<(Sides, Vec<Fluxes>)>,
     /// Expected error of R from the grid.
     grid_error: f64,
 }
 
-/// Mean fluxes and amplitudes of a portion, and its media.
-type MeanSlab = (Plate, Coherent, [Hemisphere; 2]);
+/// Mean fluxes and amplitudes of a portion.
+pub(super) struct MeanSlab {
+    /// Its fluxes.
+    pub plate: Plate,
+    /// Its mean amplitudes.
+    pub coherent: Coherent,
+    /// The media on its sides.
+    pub media: [Hemisphere; 2],
+    /// Its thickness, µm.
+    pub slab_um: f64,
+}
 
 /// All portions of one thickness.
 pub struct Level {
     /// Thickness of a slab, µm.
     pub slab_um: f64,
+    /// Whether slabs have half the thickness.
+    pub halved: bool,
     portions: Vec<Ensemble>,
     wavelengths_um: Vec<f64>,
 }
@@ -64,7 +79,7 @@ impl Level {
         let slab_um = solved.first()?.0.layer.thickness_um;
         let wavelengths_um = solved[0].0.wavelengths_nm.iter().map(|nm| 1e-3 * nm).collect();
         let portions = solved.into_iter().map(ensemble).collect::<Option<Vec<_>>>()?;
-        Some(Self { slab_um, portions, wavelengths_um })
+        Some(Self { slab_um, halved, portions, wavelengths_um })
     }
 
     /// Numbers of complete cells of every portion.
@@ -72,14 +87,25 @@ impl Level {
         self.portions.iter().map(|p| p.wavelengths.first().map_or(0, |(_, all)| all.len())).collect()
     }
 
-    /// Of one portion at a wavelength; `None` where there is none at this position.
-    fn mean(&self, position: Position, wavelength: usize, change: Change) -> Option<MeanSlab> {
-        let k = self.portions.iter().position(|p| p.position == position)?;
-        let (sides, fluxes) = &self.portions[k].wavelengths[wavelength];
+    /// Of one portion of a layer at a wavelength; `None` where there is none at this position.
+    pub(super) fn mean(
+        &self,
+        [layer, wavelength]: [usize; 2],
+        position: Position,
+        change: Change,
+    ) -> Option<MeanSlab> {
+        let k = self.portions.iter().position(|p| p.position == position && p.layer == layer)?;
+        let portion = &self.portions[k];
+        let (sides, fluxes) = &portion.wavelengths[wavelength];
         let left_out = change.left_out.filter(|out| out[0] == k).map(|out| out[1]);
         let plate = sides.mean(fluxes, left_out);
-        let grid = if change.grid { self.portions[k].grid_error } else { 0.0 };
-        Some((plate.moved(grid), sides.coherent(fluxes, left_out), sides.media.clone()))
+        let grid = if change.grid { portion.grid_error } else { 0.0 };
+        Some(MeanSlab {
+            plate: plate.moved(grid),
+            coherent: sides.coherent(fluxes, left_out),
+            media: sides.media.clone(),
+            slab_um: portion.slab_um,
+        })
     }
 
     /// Mean flux matrices at every wavelength.
@@ -88,14 +114,14 @@ impl Level {
     }
 
     fn slabs_at(&self, wavelength: usize, change: Change) -> Slabs {
-        let needed = |position| {
-            self.mean(position, wavelength, change).expect("a layer has slabs within and in front")
-        };
-        let (inner, amplitudes, _) = needed(Position::Inner);
-        let (front, at_front, [before, within]) = needed(Position::Front);
+        let mean = |position| self.mean([0, wavelength], position, change);
+        let needed = |position| mean(position).expect("a layer has slabs within and in front");
+        let MeanSlab { plate: inner, coherent: amplitudes, .. } = needed(Position::Inner);
+        let MeanSlab { plate: front, coherent: at_front, media: [before, within], .. } =
+            needed(Position::Front);
         let turned = |[a, b]: Coherent| [b, a];
-        let (back, at_back, behind) = match self.mean(Position::Back, wavelength, change) {
-            Some((back, at_back, [_, behind])) => (back, at_back, behind),
+        let (back, at_back, behind) = match mean(Position::Back) {
+            Some(MeanSlab { plate, coherent, media: [_, behind], .. }) => (plate, coherent, behind),
             None => (front.turned(), turned(at_front.clone()), before.clone()),
         };
         let film = CoherentFilm {
@@ -133,13 +159,14 @@ impl Slabs {
 
 /// The fluxes of all complete cells.
 fn ensemble((study, collected): &SolvedPortion) -> Option<Ensemble> {
-    let position = study.portion()?.position;
+    let portion = study.portion()?;
+    let (layer, position, slab_um) = (portion.layer(), portion.position, study.layer.thickness_um);
     let cells = complete_cells(study, collected);
     let solved = |nm: &f64| solved_at(study, &cells, 1e-3 * nm);
     let wavelengths = study.wavelengths_nm.iter().map(solved).collect::<Option<Vec<_>>>()?;
     let grid = collected.resolved.grid_error;
     let grid_error = grid.reflectance.max(grid.transmittance);
-    (!cells.is_empty()).then_some(Ensemble { position, wavelengths, grid_error })
+    (!cells.is_empty()).then_some(Ensemble { layer, position, slab_um, wavelengths, grid_error })
 }
 
 /// The media at one wavelength and the flux matrices of every cell.

@@ -2,21 +2,29 @@
 
 use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use super::level::{Change, Level, Slabs};
+use super::stacked::{StackTask, slabs_in};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
+use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
-use crate::appearance::tristimulus::Colorimeter;
+use crate::appearance::paper_series::{AreaMix, AreaOptics};
+use crate::appearance::tristimulus::{Colorimeter, visible};
+use crate::appearance::viewing::Viewing;
 use crate::evaluate::ink_maker::{BLACK, WHITE};
+use crate::evaluate::numbers::AskedNumber;
+use crate::evaluate::prints::{Brightened, PrintTask};
 use crate::evaluate::quantities::{
     ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
     ThicknessNumbers,
 };
+use crate::input::file::SeenLight;
 use crate::input::study::{Composed, Study};
 use crate::wave::Wave;
 use faer::Mat;
 use num_complex::Complex64;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
 /// Contrast ratio that counts as hiding.
 pub const HIDING: f64 = 0.98;
@@ -29,10 +37,20 @@ pub struct LayerTask<'a> {
     pub study: &'a Study,
     /// Its composed layer.
     pub composed: &'a Composed,
+    /// The stack, if it is one.
+    pub stack: Option<StackTask<'a>>,
     /// Albedos of the paper at every wavelength.
     pub albedos: Vec<f64>,
-    /// The eye, where the wavelengths carry a colour.
+    /// Indices of the wavelengths that colours can take.
+    pub visible: Range<usize>,
+    /// The eye, where these wavelengths carry a colour.
     pub colorimeter: Option<Colorimeter>,
+    /// The weighted numbers that the study asks for.
+    pub weighted: Vec<AskedNumber<'a>>,
+    /// Its prints, where there are any besides the solid on plain paper.
+    pub prints: Option<PrintTask<'a>>,
+    /// The paper under D65, where it fluoresces.
+    pub daylight: Option<Brightened>,
     /// Thicknesses of the curve, µm.
     pub curve_um: Vec<f64>,
     /// The thicknesses of whole slabs on both sides of the one that hides, µm; none if none does.
@@ -47,11 +65,21 @@ impl<'a> LayerTask<'a> {
     pub fn new(study: &'a Study) -> Result<Self, String> {
         let composed = study.composed().ok_or("the layer is not composed")?;
         let albedo = |&nm: &f64| study.paper.albedo.at(nm).map_err(|error| error.to_string());
+        let visible = visible(&study.wavelengths_nm);
         Ok(Self {
             study,
             composed,
+            stack: StackTask::new(study),
             albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
-            colorimeter: Colorimeter::new(&study.wavelengths_nm).ok(),
+            colorimeter: Colorimeter::new(&study.wavelengths_nm[visible.clone()]).ok(),
+            visible,
+            weighted: study
+                .numbers
+                .iter()
+                .filter_map(|wanted| AskedNumber::new(wanted, &study.wavelengths_nm))
+                .collect(),
+            prints: PrintTask::new(study),
+            daylight: Brightened::new(&study.paper, &study.wavelengths_nm, &Viewing::default(), 0.0),
             curve_um: Vec::new(),
             around_hiding_um: None,
         })
@@ -59,13 +87,19 @@ impl<'a> LayerTask<'a> {
 
     /// All numbers, of slabs of either thickness.
     pub fn numbers(&self, level: &Level, change: Change) -> ComposedNumbers<f64> {
+        if let Some(stack) = &self.stack {
+            return self.numbers_of_stack(stack, level, change);
+        }
         let slabs = level.slabs(change);
         let per_h = (self.composed.slab_um / level.slab_um).round();
         let requested_um = &self.composed.thicknesses_um;
         let layers = |all_um: &[f64]| all_um.iter().map(|um| self.layer(&slabs, *um, per_h)).collect();
         let distributions = |um: &f64| {
             let count = self.slab_count(*um) * per_h;
-            slabs.iter().map(|slabs| distribution(slabs, count)).collect()
+            slabs
+                .iter()
+                .map(|slabs| distribution(&slabs.layer(count), [&slabs.media[0], &slabs.media[2]]))
+                .collect()
         };
         ComposedNumbers {
             requested: layers(requested_um),
@@ -73,22 +107,105 @@ impl<'a> LayerTask<'a> {
             hiding: self.around_hiding_um.map(|around_um| self.hiding(&slabs, around_um, per_h)),
             medium: slabs.iter().map(|slabs| coefficients(slabs, level.slab_um)).collect(),
             distributions: requested_um.iter().map(distributions).collect(),
+            absorbed: Vec::new(),
         }
+    }
+
+    /// All numbers of a stack.
+    fn numbers_of_stack(&self, task: &StackTask, level: &Level, change: Change) -> ComposedNumbers<f64> {
+        let mut numbers = ComposedNumbers {
+            requested: Vec::new(),
+            curve: Vec::new(),
+            hiding: None,
+            medium: Vec::new(),
+            distributions: Vec::new(),
+            absorbed: Vec::new(),
+        };
+        for um in &self.composed.thicknesses_um {
+            // joints and portions are those of the report's first look at them
+            let stacks = task.stacks(level, *um, change).unwrap_or_default();
+            let mut layers = Vec::new();
+            let mut distributions = Vec::new();
+            let mut absorbed = Vec::new();
+            for (stack, albedo) in stacks.iter().zip(&self.albedos) {
+                let film = stack.film(change.fewer_directions);
+                let layer = ComposedLayer::of_stack(stack, &film, self.study.wave);
+                let own = spectral(&layer, self.study.wave, self.study.output.mirrored_sky, *albedo);
+                absorbed.push(absorbed_by_layers(stack, self.study.wave, &own.numbers));
+                layers.push(own);
+                distributions.push(distribution(&layer.plate, layer.media));
+            }
+            numbers.requested.push(self.coloured(self.brightened(layers)));
+            numbers.distributions.push(distributions);
+            numbers.absorbed.push(absorbed);
+        }
+        numbers
     }
 
     /// A layer of one thickness; `per_h` of the slabs have the thickness h.
     fn layer(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> ThicknessNumbers<f64> {
-        let spectra = self.spectra(slabs, thickness_um, per_h);
+        self.coloured(self.with_optics(slabs, thickness_um, per_h))
+    }
+
+    /// Spectra with their colours, weighted numbers and prints.
+    fn coloured(&self, all: Vec<SpectralLayer>) -> ThicknessNumbers<f64> {
+        let optics: Vec<AreaOptics> = all.iter().map(|layer| layer.at_45).collect();
+        let spectra: Vec<LayerNumbers<f64>> = all.into_iter().map(|layer| layer.numbers).collect();
+        let seen = &spectra[self.visible.clone()];
         let colours = self.colorimeter.as_ref();
-        let colours = colours.map(|eye| colours_of(eye, &spectra).unwrap_or(ColourNumbers::unknown()));
-        ThicknessNumbers { spectra, colours }
+        let colours = colours.map(|eye| colours_of(eye, seen).unwrap_or(ColourNumbers::unknown()));
+        let weighted = self.weighted.iter().map(|asked| self.weighted_number(asked, &spectra)).collect();
+        let prints = self.prints.as_ref().map_or(Vec::new(), |prints| prints.numbers(&optics));
+        ThicknessNumbers { spectra, colours, weighted, prints }
+    }
+
+    /// A weighted number of the layer.
+    fn weighted_number(&self, asked: &AskedNumber, rows: &[LayerNumbers<f64>]) -> f64 {
+        let spectra = self.weighted_spectra(asked, rows);
+        asked.of(&spectra.iter().map(Vec::as_slice).collect::<Vec<_>>())
+    }
+
+    /// The spectra that a weighted number takes.
+    pub(super) fn weighted_spectra(&self, asked: &AskedNumber, rows: &[LayerNumbers<f64>]) -> Vec<Vec<f64>> {
+        let is_excluded = self.study.output.mirrored_sky == MirroredSky::Excluded;
+        let of = |light: SeenLight| rows.iter().map(|row| row.seen(light, is_excluded)).collect();
+        asked.wanted.spectra().map(of).collect()
     }
 
     /// Its numbers at every wavelength.
     fn spectra(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<LayerNumbers<f64>> {
+        self.with_optics(slabs, thickness_um, per_h).into_iter().map(|layer| layer.numbers).collect()
+    }
+
+    /// Its numbers with what light between the layer and its paper meets, and what the paper emits.
+    fn with_optics(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> Vec<SpectralLayer> {
         let count = self.slab_count(thickness_um) * per_h;
-        let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| spectral(slabs, count, self.study, *albedo);
-        slabs.iter().zip(&self.albedos).map(at_wavelength).collect()
+        let Study { wave, output, .. } = self.study;
+        let at_wavelength = |(slabs, albedo): (&Slabs, &f64)| {
+            spectral(&ComposedLayer::new(slabs, count, *wave), *wave, output.mirrored_sky, *albedo)
+        };
+        self.brightened(slabs.iter().zip(&self.albedos).map(at_wavelength).collect())
+    }
+
+    /// Layers at every wavelength, with what the paper below them emits.
+    fn brightened(&self, mut all: Vec<SpectralLayer>) -> Vec<SpectralLayer> {
+        let Some(daylight) = &self.daylight else { return all };
+        let nm = &self.study.wavelengths_nm;
+        let at_45: Vec<AreaOptics> = all.iter().map(|layer| layer.at_45).collect();
+        let of_sky = |layer: &SpectralLayer| AreaOptics {
+            entering: layer.numbers.transmittance_diffuse,
+            ..layer.at_45
+        };
+        let natural: Vec<AreaOptics> = all.iter().map(of_sky).collect();
+        let mix = AreaMix::whole();
+        let lit = daylight.below(&mix, &[&at_45], nm);
+        let sky = daylight.below(&mix, &[&natural], nm);
+        for ((layer, &nm), albedo) in all.iter_mut().zip(nm).zip(&self.albedos) {
+            let leaving = layer.at_45.leaving / ((1.0 - albedo) + albedo * layer.at_45.lost);
+            layer.numbers.lit_at_45 += leaving * lit.relative(nm).iter().sum::<f64>();
+            layer.numbers.natural_light += leaving * sky.relative(nm).iter().sum::<f64>();
+        }
+        all
     }
 
     /// The layers on both sides of the thickness that hides, and that thickness, where the contrast
@@ -109,17 +226,45 @@ impl<'a> LayerTask<'a> {
     /// Whether a layer of this number of slabs hides; `None` if it has no colour.
     pub fn does_hide(&self, slabs: &[Slabs], count: usize) -> Option<bool> {
         let spectra = self.spectra(slabs, count as f64 * self.composed.slab_um, 1.0);
-        Some(colours_of(self.colorimeter.as_ref()?, &spectra)?.contrast_ratio >= HIDING)
+        let seen = &spectra[self.visible.clone()];
+        Some(colours_of(self.colorimeter.as_ref()?, seen)?.contrast_ratio >= HIDING)
     }
 
     /// Slabs of h in a thickness: a whole number but for rounding, or any.
     pub(super) fn slab_count(&self, thickness_um: f64) -> f64 {
-        let count = thickness_um / self.composed.slab_um;
-        if (count - count.round()).abs() < 1e-9 * count { count.round() } else { count }
+        slabs_in(thickness_um, self.composed.slab_um)
     }
 }
 
-/// Colours of a layer from its spectra; `None` if one of them has none.
+/// Shares of light at 0° that the layers of a stack absorb, without paper: what fluxes without
+/// interference say, in proportion, of what R and T with interference leave.
+fn absorbed_by_layers(stack: &PlateStack, wave: Wave, numbers: &LayerNumbers<f64>) -> Vec<f64> {
+    let light = &lights(stack.before(), wave)[0];
+    let nothing = Plate::lambertian(0.0, &stack.behind().weights());
+    let each = stack.absorbed(light, &nothing);
+    let sum: f64 = each.iter().sum();
+    let all = 1.0 - numbers.reflectance_normal - numbers.transmittance_normal;
+    each.into_iter().map(|share| share * ratio(all, sum)).collect()
+}
+
+impl LayerNumbers<f64> {
+    /// What a weighted number takes of the layer; `is_excluded` if natural light lacks what the
+    /// layer mirrors.
+    fn seen(&self, light: SeenLight, is_excluded: bool) -> f64 {
+        match light {
+            SeenLight::Albedo if is_excluded => self.natural_light + self.mirrored,
+            SeenLight::Albedo | SeenLight::NaturalLight => self.natural_light,
+            SeenLight::LitAt45 => self.lit_at_45,
+            SeenLight::Reflectance => self.reflectance_normal,
+            SeenLight::Transmittance => self.transmittance_normal,
+            SeenLight::Absorptance => 1.0 - self.reflectance_normal - self.transmittance_normal,
+            SeenLight::CoherentTransmittance => self.coherent_transmittance,
+            SeenLight::ScatteredTransmittance => self.transmittance_normal - self.coherent_transmittance,
+        }
+    }
+}
+
+/// Colours of a layer from its visible spectra; `None` if one of them has none.
 fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<ColourNumbers<f64>> {
     let colour = |spectrum: fn(&LayerNumbers<f64>) -> f64| {
         eye.colour(&spectra.iter().map(spectrum).collect::<Vec<_>>()).ok()
@@ -134,12 +279,19 @@ fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<Colour
     })
 }
 
-/// A layer of `count` slabs at one wavelength, alone and on paper of this albedo.
-fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbers<f64> {
-    let before = &slabs.media[0];
-    let layer = ComposedLayer::new(slabs, count, study.wave);
+/// A layer or a stack at one wavelength.
+pub struct SpectralLayer {
+    /// Its numbers.
+    pub numbers: LayerNumbers<f64>,
+    /// As light at 45:0 and light between it and the paper meet it.
+    at_45: AreaOptics,
+}
+
+/// A layer or a stack at one wavelength, alone and on paper of this albedo.
+pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64) -> SpectralLayer {
+    let [before, behind] = layer.media;
     let oblique = before.ordinates.index * PRINT_DEG.to_radians().sin();
-    let [at_normal, at_45, of_diffuse] = lights(before, study.wave);
+    let [at_normal, at_45, of_diffuse] = lights(before, wave);
     let normal = layer.of_light(&at_normal);
     let normal_changed = normal.changed(layer.change(0.0));
     let slanted = layer.of_light(&at_45).changed(layer.change_of_shared(oblique));
@@ -154,13 +306,23 @@ fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbe
     let paper = layer.on(albedo);
     let returned = total(&(&paper.plate.reflection[0] * &at_normal)) - normal.reflected;
     let natural = normal_changed.reflected + through_normal * paper.returned * paper.leaving * returned;
-    let excluded = if study.output.mirrored_sky == MirroredSky::Excluded { mirrored } else { 0.0 };
-    let alone = lit_at_45(&layer.plate, before, study.wave);
+    let excluded = if sky == MirroredSky::Excluded { mirrored } else { 0.0 };
+    let alone = lit_at_45(&layer.plate, before, wave);
     let lit = |on: &OnPaper| {
-        let returned = lit_at_45(&on.plate, before, study.wave) - alone;
+        let returned = lit_at_45(&on.plate, before, wave) - alone;
         alone + through_normal * through_45 * on.returned * returned
     };
-    LayerNumbers {
+    let on_paper = lit(&paper);
+    let at_45 = AreaOptics {
+        own: alone,
+        entering: slanted.transmitted,
+        leaving: normal_changed.transmitted / behind.ordinates.index.powi(2),
+        lost: 1.0 - paper.back,
+    };
+    // fluxes go through the nodes, means do not: as a solid, dots give what the fluxes give
+    let series = at_45.entering * at_45.leaving * albedo / ((1.0 - albedo) + albedo * at_45.lost);
+    let at_45 = AreaOptics { leaving: at_45.leaving * ratio(on_paper - alone, series), ..at_45 };
+    let numbers = LayerNumbers {
         reflectance_normal: normal_changed.reflected,
         transmittance_normal: normal_changed.transmitted,
         reflectance_45: slanted.reflected,
@@ -170,17 +332,16 @@ fn spectral(slabs: &Slabs, count: f64, study: &Study, albedo: f64) -> LayerNumbe
         coherent_transmittance: straight.max(0.0).min(normal_changed.transmitted),
         mirrored,
         natural_light: natural - excluded,
-        lit_at_45: lit(&paper),
+        lit_at_45: on_paper,
         over_black: lit(&layer.on(BLACK)),
         over_white: lit(&layer.on(WHITE)),
-    }
+    };
+    SpectralLayer { numbers, at_45 }
 }
 
 /// BRDF and BTDF of light at 0° in the directions of the media in front and behind, per steradian.
 /// The mirrored and the straight beam are left out, and what interference changes.
-fn distribution(slabs: &Slabs, count: f64) -> Distribution<f64> {
-    let [before, _, behind] = &slabs.media;
-    let layer = slabs.layer(count);
+fn distribution(layer: &Plate, [before, behind]: [&Hemisphere; 2]) -> Distribution<f64> {
     let per_sr = |fluxes: &Mat<f64>, medium: &Hemisphere| {
         let flux =
             |node| (0..medium.polarisations).map(|p| fluxes[(medium.state(node + 1, p), 0)]).sum::<f64>();

@@ -4,17 +4,19 @@ use super::errors::{JudgedNumbers, with_errors};
 use super::gate::{self, LayerInColour};
 use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::numbers::{LayerTask, MOST_SLABS, lights, projected_sr};
+use super::prints::prints;
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
+use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
 use crate::evaluate::manifest::composed::{
-    ComposedColours, ComposedRow, DepthRow, DistributionRow, MediumRow, SlabNotes,
+    AbsorbedRow, ComposedColours, ComposedRow, DepthRow, DistributionRow, MediumRow, SlabNotes,
 };
 use crate::evaluate::manifest::{
     Count, FailureNote, Manifest, Provenance, PublishedColours, PublishedSpectra,
 };
-use crate::evaluate::published::{ErrorParts, Quantity, Withheld};
+use crate::evaluate::published::{ErrorParts, NumberNote, NumberParts, Quantity, Withheld};
 use crate::evaluate::quantities::{
     Distribution, HidingNumbers, LayerNumbers, MediumNumbers, ThicknessNumbers,
 };
@@ -41,12 +43,18 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
     let whole = level(false)?;
     let half = level(true)?;
-    let no_colour = Colorimeter::new(&study.wavelengths_nm).err().map(|error| error.to_string());
     let mut task = LayerTask::new(study)?;
+    let seen_nm = &study.wavelengths_nm[task.visible.clone()];
+    let no_colour = Colorimeter::new(seen_nm).err().map(|error| error.to_string());
     let composed = task.composed;
-    task.curve_um = CURVE.map(|count| count as f64 * composed.slab_um).to_vec();
-    let slabs = whole.slabs(Change::default());
-    let no_hiding = find_hiding(&mut task, &slabs).err();
+    let slabs = if task.stack.is_some() { Vec::new() } else { whole.slabs(Change::default()) };
+    let stacks = of_stack(&task, [&whole, &half])?;
+    let no_hiding = if task.stack.is_some() {
+        Some("of a stack there is the contrast ratio of every thickness".to_owned())
+    } else {
+        task.curve_um = CURVE.map(|count| count as f64 * composed.slab_um).to_vec();
+        find_hiding(&mut task, &slabs).err()
+    };
     let JudgedNumbers { numbers, replicates } = with_errors(&task, &whole, &half);
     let mut requested = Layers::default();
     for (um, layer) in composed.thicknesses_um.iter().zip(&numbers.requested) {
@@ -56,27 +64,39 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     for (um, layer) in task.curve_um.iter().zip(&numbers.curve) {
         curve.add(&task, *um, layer);
     }
+    let layers: Vec<_> = composed.thicknesses_um.iter().copied().zip(&numbers.requested).collect();
+    let prints = prints(study, &layers);
     let mut withheld = [requested.withheld, curve.withheld].concat();
     let mut medium = Vec::new();
     for ((&nm, slabs), numbers) in study.wavelengths_nm.iter().zip(&slabs).zip(numbers.medium) {
         medium.push(medium_row(nm, slabs, numbers, &mut withheld));
     }
-    let distributions = distributions(study, &slabs, &composed.thicknesses_um, &numbers.distributions);
+    let media: Vec<[&Hemisphere; 2]> = match &task.stack {
+        Some(_) => stacks.iter().map(|stack| [stack.before(), stack.behind()]).collect(),
+        None => slabs.iter().map(|slabs| [&slabs.media[0], &slabs.media[2]]).collect(),
+    };
+    let distributions = distributions(study, &media, &composed.thicknesses_um, &numbers.distributions);
+    let absorbed = absorbed(study, &composed.thicknesses_um, &numbers.absorbed);
     let hiding = task.around_hiding_um.zip(numbers.hiding);
     let hiding = hiding.map(|(around_um, hiding)| hiding_thickness(&task, around_um, &hiding));
     let impossible = hiding.and_then(|um| impossible(Quantity::Positive, um.estimate()));
     let hiding_thickness_um = hiding.filter(|_| impossible.is_none());
-    let (depth_nm, depth) = depth(&task, &slabs);
+    let (depth_nm, depth) = match &task.stack {
+        Some(_) => depth_of_stack(&task, &stacks),
+        None => depth(&task, &slabs),
+    };
     let records = || solved.iter().flat_map(|(_, c)| &c.realisations).flat_map(|r| r.points.iter().flatten());
     let finished = solved.iter().map(|(_, collected)| collected.finished()).sum();
     let solves = Count { asked: study.solves(), finished };
-    let remarks = [thin_slabs(composed, &medium), far_apart(study, &requested.colours)];
+    let remarks = [thin_slabs(composed, &medium), far_apart(seen_nm, &requested.colours)];
     let slabs = SlabNotes {
         composed,
         medium,
         distributions,
+        absorbed,
         curve: curve.rows,
         curve_colours: curve.colours,
+        curve_numbers: curve.weighted,
         hiding_thickness_um,
         spreading_rate_m2_per_l: hiding_thickness_um.map(spreading_rate),
         no_hiding: no_hiding.or(impossible),
@@ -95,6 +115,8 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         no_colour,
         ink_maker: None,
         no_ink_maker: None,
+        numbers: requested.weighted,
+        prints,
         withheld,
         spectra: PublishedSpectra::Composed(requested.rows),
         slabs: Some(slabs),
@@ -102,6 +124,44 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         process_seconds: None,
         study,
     })
+}
+
+/// The stack of the first thickness at every wavelength, of slabs that are whole; empty for a layer
+/// that is alone. Those of half the thickness are tried as well.
+fn of_stack(task: &LayerTask, levels: [&Level; 2]) -> Result<Vec<PlateStack>, String> {
+    let Some(stack) = &task.stack else { return Ok(Vec::new()) };
+    let um = task.composed.thicknesses_um[0];
+    stack.stacks(levels[1], um, Change::default())?;
+    stack.stacks(levels[0], um, Change::default())
+}
+
+/// What every layer of a stack absorbs.
+fn absorbed(study: &Study, thicknesses_um: &[f64], numbers: &[Vec<Vec<ErrorParts>>]) -> Vec<AbsorbedRow> {
+    let mut rows = Vec::new();
+    for (&thickness_um, spectra) in thicknesses_um.iter().zip(numbers) {
+        for (&wavelength_nm, layers) in study.wavelengths_nm.iter().zip(spectra) {
+            for (layer, &absorptance_normal) in study.stack.iter().zip(layers) {
+                let layer = layer.name.clone();
+                rows.push(AbsorbedRow { thickness_um, wavelength_nm, layer, absorptance_normal });
+            }
+        }
+    }
+    rows
+}
+
+/// Fluxes against depth at the joints of a stack of the first thickness, on the paper.
+fn depth_of_stack(task: &LayerTask, stacks: &[PlateStack]) -> (f64, Vec<DepthRow>) {
+    let nm = &task.study.wavelengths_nm;
+    let w = nearest(nm.iter().copied(), SHOWN_NM);
+    let stack = &stacks[w];
+    let light = &lights(stack.before(), task.study.wave)[0];
+    let paper = Plate::lambertian(task.albedos[w], &stack.behind().weights());
+    let reflected = total(&(&stack.plate().then(&paper).reflection[0] * light));
+    let mut rows = vec![DepthRow { depth_um: 0.0, down: 1.0, up: reflected }];
+    for joint in stack.joints(light, &paper) {
+        rows.push(DepthRow { depth_um: joint.depth_um, down: joint.down, up: joint.up });
+    }
+    (nm[w], rows)
 }
 
 /// Slabs thinner than the mean free path of coherent light, where that is longest.
@@ -118,10 +178,9 @@ fn thin_slabs(composed: &Composed, medium: &[MediumRow]) -> Option<String> {
 }
 
 /// Wavelengths so far apart that they make up most of a colour's bar.
-fn far_apart(study: &Study, colours: &[ComposedColours]) -> Option<String> {
+fn far_apart(nm: &[f64], colours: &[ComposedColours]) -> Option<String> {
     let all = colours.iter().flat_map(|colours| [colours.natural_light, colours.lit_at_45]).flatten();
     let widest = all.flatten().max_by(|a, b| a.wavelengths.total_cmp(&b.wavelengths))?;
-    let nm = &study.wavelengths_nm;
     let apart = nm.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
     let words = format!(
         "light.wavelengths_nm: found {} wavelengths, up to {apart:.0} nm apart; what spectra may be between them is most of \
@@ -202,6 +261,7 @@ fn find_hiding(task: &mut LayerTask, slabs: &[Slabs]) -> Result<(), String> {
 struct Layers {
     rows: Vec<ComposedRow>,
     colours: Vec<ComposedColours>,
+    weighted: Vec<NumberNote>,
     withheld: Vec<Withheld>,
 }
 
@@ -215,13 +275,47 @@ impl Layers {
         };
         let all: Vec<ComposedRow> = task.study.wavelengths_nm.iter().zip(&numbers.spectra).map(row).collect();
         let mut kept = all.clone();
-        self.withheld.extend(gate::rows(&mut kept));
+        self.withheld.extend(gate::rows(&mut kept, task.daylight.is_some()));
         if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
-            let (colours, withheld) = LayerInColour { eye, all: &all, kept: &kept }.colours(numbers);
+            let seen = task.visible.clone();
+            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen] };
+            let (colours, withheld) = layer.colours(numbers);
             self.colours.push(colours);
             self.withheld.extend(withheld);
         }
+        self.add_weighted(task, thickness_um, numbers);
         self.rows.extend(kept);
+    }
+}
+
+impl Layers {
+    /// Adds the weighted numbers of a layer of one thickness.
+    fn add_weighted(&mut self, task: &LayerTask, thickness_um: f64, numbers: &ThicknessNumbers<ErrorParts>) {
+        let values: Vec<LayerNumbers<f64>> =
+            numbers.spectra.iter().map(|row| row.map(|number| number.value)).collect();
+        for (asked, number) in task.weighted.iter().zip(&numbers.weighted) {
+            let spectra = task.weighted_spectra(asked, &values);
+            let spectra: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
+            let ErrorParts { value, chance, model, grid, directions, .. } = *number;
+            let wavelengths = asked.wavelength_error(&spectra, &[], true);
+            let parts = NumberParts { chance, model, grid, directions, wavelengths, inputs: 0.0 };
+            let error = parts.together();
+            let impossible = asked.impossible(value, Some(error));
+            let possible = impossible.is_none();
+            self.weighted.push(NumberNote {
+                name: asked.wanted.name.clone(),
+                thickness_um: Some(thickness_um),
+                value: possible.then_some(value),
+                standard_error: possible.then_some(error),
+                parts: if possible { parts } else { NumberParts::default() },
+                deviations: Vec::new(),
+                about: asked.wanted.in_words(),
+            });
+            self.withheld.extend(impossible.map(|reason| Withheld {
+                number: format!("{} of {thickness_um} µm", reason.number),
+                ..reason
+            }));
+        }
     }
 }
 
@@ -268,16 +362,15 @@ fn medium_row(
 /// Where light at 0° goes, of each requested thickness and wavelength.
 fn distributions(
     study: &Study,
-    slabs: &[Slabs],
+    media: &[[&Hemisphere; 2]],
     thicknesses_um: &[f64],
     numbers: &[Vec<Distribution<ErrorParts>>],
 ) -> Vec<DistributionRow> {
     let mut rows = Vec::new();
     for (&thickness_um, distributions) in thicknesses_um.iter().zip(numbers) {
-        for ((&wavelength_nm, slabs), distribution) in
-            study.wavelengths_nm.iter().zip(slabs).zip(distributions)
+        for ((&wavelength_nm, [before, behind]), distribution) in
+            study.wavelengths_nm.iter().zip(media).zip(distributions)
         {
-            let [before, _, behind] = &slabs.media;
             let mut add = |reflected: bool, medium: &Hemisphere, lobe: &[ErrorParts]| {
                 rows.extend(lobe.iter().enumerate().map(|(node, &bdf_per_sr)| DistributionRow {
                     thickness_um,

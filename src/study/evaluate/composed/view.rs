@@ -10,9 +10,10 @@ use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::numbers::{LayerTask, projected_sr};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::fringes::Lobes;
+use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::paper::MirroredSky;
 use crate::appearance::picture::InkPicture;
-use crate::appearance::tristimulus::Colorimeter;
+use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::ColourError;
 use crate::evaluate::directional::{Direction, DirectionalPrint, Disagreement, interpolated};
 use crate::evaluate::ink::InkError;
@@ -45,12 +46,26 @@ impl ComposedView {
     pub fn new(study: &Study, solved: &[SolvedPortion], thickness_um: f64) -> Result<Self, String> {
         let task = LayerTask::new(study)?;
         let level = Level::new(solved, false).ok_or("not every slab has a complete realisation yet")?;
+        let wavelengths_nm = study.wavelengths_nm.clone();
+        if let Some(stack) = &task.stack {
+            let stacks = stack.stacks(&level, thickness_um, Change::default())?;
+            let numbers = |(stack, albedo): (&PlateStack, &f64)| {
+                let film = stack.film(false);
+                table_of(&ComposedLayer::of_stack(stack, &film, study.wave), study.wave, *albedo)
+            };
+            return Ok(Self {
+                wavelengths_nm,
+                media: stacks.iter().map(|stack| stack.before().clone()).collect(),
+                numbers: stacks.iter().zip(&task.albedos).map(numbers).collect(),
+            });
+        }
         let slabs = level.slabs(Change::default());
         let numbers = |(slabs, albedo): (&Slabs, &f64)| {
-            table_of(slabs, task.slab_count(thickness_um), study.wave, *albedo)
+            let layer = ComposedLayer::new(slabs, task.slab_count(thickness_um), study.wave);
+            table_of(&layer, study.wave, *albedo)
         };
         Ok(Self {
-            wavelengths_nm: study.wavelengths_nm.clone(),
+            wavelengths_nm,
             media: slabs.iter().map(|slabs| slabs.media[0].clone()).collect(),
             numbers: slabs.iter().zip(&task.albedos).map(numbers).collect(),
         })
@@ -61,10 +76,10 @@ impl ComposedView {
     /// # Errors
     /// Wavelengths that carry no colour.
     pub fn picture(&self, angles_deg: &[f64], sky: MirroredSky) -> Result<InkPicture, ColourError> {
-        let eye = Colorimeter::new(&self.wavelengths_nm)?;
-        let colour = |quantity: &dyn Fn(usize) -> f64| {
-            eye.colour(&(0..self.wavelengths_nm.len()).map(quantity).collect::<Vec<_>>())
-        };
+        let seen = visible(&self.wavelengths_nm);
+        let eye = Colorimeter::new(&self.wavelengths_nm[seen.clone()])?;
+        let colour =
+            |quantity: &dyn Fn(usize) -> f64| eye.colour(&seen.clone().map(quantity).collect::<Vec<_>>());
         let mirrored = f64::from(u8::from(sky == MirroredSky::Included));
         let all = |w: usize, deg: f64| self.diffuse_albedo(w, deg) + mirrored * self.specular(w, deg);
         let square = |o: usize, i: usize| {
@@ -126,12 +141,11 @@ impl DirectionalPrint for ComposedView {
     }
 }
 
-/// The BRDF at the nodes and the table of a layer of `count` slabs.
-fn table_of(slabs: &Slabs, count: f64, wave: Wave, albedo: f64) -> Vec<f64> {
-    let before = &slabs.media[0];
-    let layer = ComposedLayer::new(slabs, count, wave);
+/// The BRDF at the nodes and the table of a layer.
+fn table_of(layer: &ComposedLayer, wave: Wave, albedo: f64) -> Vec<f64> {
+    let before = layer.media[0];
     let paper = layer.on(albedo);
-    let mut all = at_nodes(before, &layer, &paper, wave);
+    let mut all = at_nodes(before, layer, &paper, wave);
     let light = polarised(before, wave);
     let directions = 0..=before.ordinates.escaping();
     let cosines: Vec<f64> =

@@ -268,7 +268,7 @@ impl InkOnPaper {
     }
 
     /// Residual of a solve from the fit.
-    fn residual(&self, left_out: Option<usize>, r: usize, j: usize, node: usize) -> Measured {
+    pub(super) fn residual(&self, left_out: Option<usize>, r: usize, j: usize, node: usize) -> Measured {
         let weights = &self.nodes.weights[node];
         self.measured(|layer, column| layer.measured(r, j, column) - layer.fitted(left_out, weights, column))
     }

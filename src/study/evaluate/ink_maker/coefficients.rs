@@ -11,7 +11,8 @@ use crate::numerics::estimate::Estimate;
 use serde::Serialize;
 
 /// Largest unscattered share of the transmittance at the normal of diffuse light: below it, S of
-/// photons scattered isotropically between plane faces varies with thickness by [`MODEL`] at most.
+/// photons scattered isotropically between plane faces varies with thickness by [`MODEL`], 3 %, at
+/// most; above it, it soon varies more.
 const STRAIGHT_ON: f64 = 0.01;
 /// Relative standard error of K and S due to the assumption of perfectly diffuse light, estimated
 /// from these photons (tests of [`crate::appearance::kubelka_munk`]).
@@ -35,6 +36,10 @@ type RowsOrReason = Result<(Vec<KubelkaMunkRow>, Option<String>), InkError>;
 pub(super) fn kubelka_munk(ink: &InkOnPaper, uncertainty: &Uncertainty, study: &Study) -> RowsOrReason {
     if let Coupling::OpticalContact { .. } = study.paper.coupling {
         let reason = "K and S are defined for a layer between two equal half-spaces, but this one is in contact with its paper";
+        return Ok((Vec::new(), Some(reason.to_owned())));
+    }
+    if !study.stack.is_empty() {
+        let reason = "K and S are those of one layer, and this is a stack of several";
         return Ok((Vec::new(), Some(reason.to_owned())));
     }
     if study.packing.relief.is_some() {

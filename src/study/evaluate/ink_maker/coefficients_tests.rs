@@ -44,7 +44,7 @@ fn ink(made: &MadeUp, realisations: usize, absorbed: [f64; 2], seed: u64) -> Ink
 /// A layer of index 1.5 with these K and S and with faces, the same in every direction;
 /// `straight` is the unscattered share of T.
 fn diffuse_ink(coefficients: KubelkaMunk, thickness_um: f64, straight: f64) -> InkOnPaper {
-    let indices = |_: f64| (num_complex::Complex64::from(1.5), Vec::new());
+    let indices = |_: f64| (vec![num_complex::Complex64::from(1.5)], Vec::new());
     let films = Films {
         profile: Profile::homogeneous(),
         indices: &indices,
@@ -85,7 +85,7 @@ const SURE: Uncertainty = Uncertainty {
 /// that at 2 µm.
 #[test]
 fn clear_varnish_has_no_coefficients() {
-    let clear = |_: f64| (num_complex::Complex64::from(1.5), Vec::new());
+    let clear = |_: f64| (vec![num_complex::Complex64::from(1.5)], Vec::new());
     let substrate = Substrate { albedo: Albedo::Constant(0.9), coupling: Coupling::Gap };
     for thickness_um in [1.0, 2.0, 4.0] {
         let films = Films {
@@ -148,7 +148,7 @@ fn covered(seeds: &[Vec<[Estimate; 2]>], truth: &[[Estimate; 2]], factor: f64) -
 /// and S biased by 5 %, as much as its standard error, are detected.
 #[test]
 fn intervals_of_few_realisations_hold_k_and_s() {
-    let clear = |_: f64| (num_complex::Complex64::from(1.5), Vec::new());
+    let clear = |_: f64| (vec![num_complex::Complex64::from(1.5)], Vec::new());
     let films = || Films {
         profile: Profile::homogeneous(),
         indices: &clear,

@@ -1,7 +1,7 @@
 //! What is published of a composed layer beside what every print has.
 
 use crate::appearance::colour::Colour;
-use crate::evaluate::published::{ErrorParts, NamedNumber, PublishedRow};
+use crate::evaluate::published::{ErrorParts, NamedNumber, NumberNote, PublishedRow};
 use crate::evaluate::quantities::{ComposedNumbers, Lab, LayerNumbers, MediumNumbers};
 use crate::input::study::Composed;
 use serde::Serialize;
@@ -123,6 +123,19 @@ pub struct DepthRow {
     pub up: f64,
 }
 
+/// What one layer of a stack absorbs at one wavelength.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AbsorbedRow {
+    /// Thickness of the varied layer, or of the stack, µm.
+    pub thickness_um: f64,
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// Name of the layer.
+    pub layer: String,
+    /// Share of light at 0° that it absorbs, without paper.
+    pub absorptance_normal: ErrorParts,
+}
+
 /// What a composed layer has beside the numbers of every print.
 #[derive(Clone, Debug, Serialize)]
 pub struct SlabNotes<'a> {
@@ -132,10 +145,16 @@ pub struct SlabNotes<'a> {
     pub medium: Vec<MediumRow>,
     /// Where light at 0° goes, of each requested thickness.
     pub distributions: Vec<DistributionRow>,
+    /// What every layer of a stack absorbs; none of one layer.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub absorbed: Vec<AbsorbedRow>,
     /// Rows of whole numbers of slabs.
     pub curve: Vec<ComposedRow>,
     /// Their colours.
     pub curve_colours: Vec<ComposedColours>,
+    /// Their weighted numbers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub curve_numbers: Vec<NumberNote>,
     /// Thickness at which the contrast ratio reaches 0.98, µm.
     pub hiding_thickness_um: Option<ErrorParts>,
     /// Area that a litre of the dry layer hides, m².

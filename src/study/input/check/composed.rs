@@ -42,7 +42,14 @@ impl LayerTable {
         }
         let slabs = (first_um / table.slab_um).round().max(2.0);
         let slab_um = first_um / slabs;
-        Some(Composed { slab_um, directions: table.directions, thicknesses_um, mixing: None })
+        Some(Composed {
+            slab_um,
+            directions: table.directions,
+            thicknesses_um,
+            mixing: None,
+            layers: Vec::new(),
+            varied: None,
+        })
     }
 }
 
@@ -74,6 +81,9 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     };
     let relief = "remove [layer.relief]: inner slabs have no surface, and skins need a plane one yet";
     refuse(file.layer.relief.is_some(), "layer.relief", "a plane surface", relief);
+    let gradient = "remove it: slabs are cut from one packing without a gradient";
+    let has_profile = file.pigments.iter().any(|pigment| pigment.profile.is_some());
+    refuse(has_profile, "pigment.profile", "even layers", gradient);
     let angles = file.angles.count.is_some() || file.angles.polar_deg.is_some();
     let remedy = "remove angles.count and angles.polar_deg; layer.composed.directions sets them";
     refuse(angles, "angles", "directions of its own", remedy);

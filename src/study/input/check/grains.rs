@@ -107,6 +107,7 @@ impl PigmentTable {
             orientation: self.orientation,
             agglomeration: self.agglomeration.clone(),
             share: self.share,
+            profile: self.profile.clone().unwrap_or_default(),
         }
     }
 

@@ -2,13 +2,14 @@
 //! warns of files whose rows are far apart, which may be intended.
 
 use super::Tabulation;
-use crate::input::forms::{INDEX_KEYS, IndexWritten};
+use crate::input::forms::{DilutionWritten, INDEX_KEYS, IndexWritten, KramersKronigWritten};
 use crate::input::study::{IndexSpectrum, Study};
 use crate::input::{Fault, Faults, keys_in_words, limits};
 use crate::material::columns::widest_gap_nm;
+use crate::material::kramers_kronig::KnownIndex;
 use crate::material::mixing::MixingRule;
-use crate::material::named::{MATERIALS, Synthetic};
-use crate::material::spectra::{Spectrum, SpectrumError};
+use crate::material::named::{MATERIALS, NamedMaterial, Synthetic};
+use crate::material::spectra::{BesideKappa, Dilution, Spectrum, SpectrumError};
 use crate::numerics::allowed::shown;
 use num_complex::Complex64;
 use std::collections::BTreeSet;
@@ -41,7 +42,10 @@ impl IndexWritten {
 
     /// The spectrum that is written; `None` after an error.
     fn spectrum(&self, field: &str, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
-        let Self { n, k, built_in, material, csv, yaml } = self;
+        let Self { n, k, built_in, material, csv, yaml, kramers_kronig, dilution } = self;
+        if kramers_kronig.is_some() || dilution.is_some() {
+            return self.beside_kappa(field, folder, faults);
+        }
         let (key, written, found) = match (built_in, material, csv, yaml, n, k) {
             (Some(name), None, None, None, None, None) => ("built_in", name, Spectrum::synthetic(name)),
             (None, Some(name), None, None, None, None) => ("material", name, Spectrum::material(name)),
@@ -65,6 +69,102 @@ impl IndexWritten {
                 None
             }
         }
+    }
+}
+
+impl IndexWritten {
+    /// The spectrum of a file of κ with a relation for n, or of the absorbance of a dilution.
+    fn beside_kappa(&self, field: &str, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
+        let (Some(csv), None, None, None, None) =
+            (&self.csv, self.k, &self.built_in, &self.material, &self.yaml)
+        else {
+            let found = keys_in_words(self, INDEX_KEYS);
+            let allowed = "kramers_kronig and dilution beside csv alone: the file gives κ, or the absorbance";
+            let remedy =
+                "write for example { csv = \"kappa.csv\", kramers_kronig = { n_nm = 589, n = 1.65 } }";
+            faults.add(field, found, allowed, remedy);
+            return None;
+        };
+        let before = faults.0.len();
+        let beside = match (self.n, &self.kramers_kronig) {
+            (Some(n), None) => {
+                constant(field, n, 0.0, faults);
+                Some(BesideKappa::Constant(n))
+            }
+            (None, Some(written)) => written.known(&format!("{field}.kramers_kronig"), faults),
+            (n, _) => {
+                let found = if n.is_some() { "n and kramers_kronig" } else { "dilution without n" };
+                let remedy =
+                    "keep n for one value at all wavelengths, or kramers_kronig for n by its relation to κ";
+                faults.add(field, found, "either of them beside the file", remedy);
+                None
+            }
+        };
+        let dilution =
+            self.dilution.as_ref().map(|written| written.checked(&format!("{field}.dilution"), faults));
+        if faults.0.len() > before {
+            return None;
+        }
+        match Spectrum::from_kappa(folder.join(csv), &beside?, dilution.as_ref()) {
+            Ok(spectrum) => Some(spectrum.without_folder()),
+            Err(error) => {
+                faults.push(not_found(&format!("{field}.csv"), "csv", csv, folder, &error));
+                None
+            }
+        }
+    }
+}
+
+impl KramersKronigWritten {
+    /// What is known of n; `None` after an error.
+    fn known(&self, field: &str, faults: &mut Faults) -> Option<BesideKappa> {
+        let remedy = "give n where it was measured, such as n_nm = 589 and n = 1.65 by immersion";
+        let before = faults.0.len();
+        for (key, value, range) in [
+            ("n", self.n, limits::INDEX),
+            ("n_infinity", self.n_infinity, limits::INDEX),
+            ("n_error", self.n_error, limits::N_ERROR),
+        ] {
+            value.inspect(|value| faults.number(&format!("{field}.{key}"), *value, range, remedy));
+        }
+        let below = "n is known there by no pole of the ultraviolet; give a longer wavelength";
+        self.n_nm.inspect(|nm| faults.number(&format!("{field}.n_nm"), *nm, limits::ANCHOR_NM, below));
+        let known = match (self.n_nm, self.n, self.n_infinity) {
+            (Some(nm), Some(n), None) => KnownIndex::At { wavelength_um: 1e-3 * nm, n },
+            (None, None, Some(n)) => KnownIndex::Infinity(n),
+            _ => {
+                let found = keys_in_words(self, &["n_nm", "n", "n_infinity"]);
+                let allowed = "n_nm and n, or n_infinity alone: κ gives n up to a constant";
+                faults.add(field, found, allowed, remedy);
+                return None;
+            }
+        };
+        let n_error = self.n_error.unwrap_or(0.0);
+        (faults.0.len() == before).then_some(BesideKappa::KramersKronig { known, n_error })
+    }
+}
+
+impl DilutionWritten {
+    fn checked(&self, field: &str, faults: &mut Faults) -> Dilution {
+        let Self { path_mm, concentration_g_per_l, density_g_per_cm3 } = *self;
+        for (key, value, range, remedy) in [
+            ("path_mm", path_mm, limits::PATH_MM, "a cuvette has 10 mm"),
+            (
+                "concentration_g_per_l",
+                concentration_g_per_l,
+                limits::CONCENTRATION,
+                "give the pigment's mass in a litre of the dilution",
+            ),
+            (
+                "density_g_per_cm3",
+                density_g_per_cm3,
+                limits::DENSITY,
+                "organic pigments have 1.3 to 2, oxides 4 to 6",
+            ),
+        ] {
+            faults.number(&format!("{field}.{key}"), value, range, remedy);
+        }
+        Dilution { path_mm, concentration_g_per_l, density_g_per_cm3 }
     }
 }
 
@@ -104,7 +204,10 @@ fn not_found(field: &str, key: &str, written: &str, folder: &Path, error: &Spect
     let take = "take one of these, or your own table with { csv = \"file.csv\" }";
     let found = match (key, error) {
         ("built_in" | "material", _) => format!("{written:?}"),
-        ("yaml", _) | (_, SpectrumError::File(_) | SpectrumError::RealPart(_)) => error.to_string(),
+        ("yaml", _)
+        | (_, SpectrumError::File(_) | SpectrumError::RealPart(_) | SpectrumError::KramersKronig(_)) => {
+            error.to_string()
+        }
         _ => format!("{} ({error})", folder.join(written).display()),
     };
     let allowed = match key {
@@ -118,8 +221,11 @@ fn not_found(field: &str, key: &str, written: &str, folder: &Path, error: &Spect
     };
     let remedy = match (key, error) {
         (_, SpectrumError::RealPart(_)) => {
-            format!("write n beside the file where it has k alone: {{ {key} = \"…\", n = 1.4 }}")
+            format!(
+                "write n beside the file where it has k alone: {{ {key} = \"…\", n = 1.4 }}, or for a CSV file kramers_kronig = {{ n_nm = 589, n = 1.65 }}"
+            )
         }
+        (_, SpectrumError::KramersKronig(_)) => "correct the table, or give n beside it".to_owned(),
         ("built_in", _) => take.to_owned(),
         ("material", _) => format!("{take}; organic pigments are in no open collection of indices"),
         ("csv", _) => "correct the table; its path is relative to the study file".to_owned(),
@@ -151,18 +257,40 @@ fn faulty_rows(field: &str, spectrum: &Spectrum, wavelengths_nm: &[f64]) -> Opti
     Some(Fault::new(field, format!("{}: {}", spectrum.name(), gap.reason), allowed, remedy))
 }
 
-/// One remark for every file with a wide gap within the study's wavelengths.
+/// One remark for every file with a wide gap within the study's wavelengths, for every seam of
+/// joined records there, and for every material under a former name.
 pub(super) fn bridged(study: &Study) -> BTreeSet<String> {
     let Some(&from) = study.wavelengths_nm.first() else { return BTreeSet::new() };
     let Some(&to) = study.wavelengths_nm.last() else { return BTreeSet::new() };
     let dissolved = study.dissolved.iter().map(|dissolved| &dissolved.material);
     let spectra = study.materials().chain(dissolved).chain([&study.layer.binder]).map(|m| &m.spectrum);
-    let gaps = spectra.filter_map(|s| Some(gap_in_words(&s.name(), s.widest_gap_nm([from, to])?)));
+    let spectra: Vec<&Spectrum> = spectra.collect();
+    let listed = spectra.iter().flat_map(|spectrum| of_listed(spectrum, [from, to]));
+    let gaps = spectra.iter().filter_map(|s| Some(gap_in_words(&s.name(), s.widest_gap_nm([from, to])?)));
     let gap_measured = study.judgement.measured.as_ref().and_then(|measured| {
         let rows: Vec<f64> = measured.rows.iter().map(|row| row[0]).collect();
         Some(gap_in_words(&measured.source, widest_gap_nm(&rows, [from, to])?))
     });
-    gaps.chain(gap_measured).collect()
+    gaps.chain(gap_measured).chain(listed).collect()
+}
+
+/// What is to be known of a listed material: seams between its records, and that its name changed.
+fn of_listed(spectrum: &Spectrum, [from, to]: [f64; 2]) -> Vec<String> {
+    let Spectrum::Named(named) = spectrum else { return Vec::new() };
+    let called = spectrum.name();
+    let within = |seam: &[f64; 2]| seam[1] > from && seam[0] < to && seam[0] < seam[1];
+    let seams = named.seams_nm().into_iter().filter(within);
+    let mut said: Vec<String> = seams
+        .map(|[end, start]| {
+            format!("{called}: two records are joined between {end:.0} and {start:.0} nm, where n and κ are straight lines")
+        })
+        .collect();
+    if let Some(material) = NamedMaterial::find(&called)
+        && material.name != called
+    {
+        said.push(format!("{called} is listed as {:?} ({})", material.name, material.what));
+    }
+    said
 }
 
 fn gap_in_words(file: &str, [from, to]: [f64; 2]) -> String {

@@ -240,8 +240,9 @@ fn check_beside(file: &StudyFile, table: &MicrostructureTable, faults: &mut Faul
     refuse(file.layer.relief.is_some(), "layer.relief".to_owned());
     refuse(file.layer.thickness_um.std() > 0.0, "layer.thickness_um.std".to_owned());
     for pigment in packed(&file.pigments) {
-        let PigmentTable { volume_fraction, diameter_nm, size, agglomeration, shell, shape, .. } =
+        let PigmentTable { volume_fraction, diameter_nm, size, agglomeration, shell, shape, profile, .. } =
             pigment.table;
+        refuse(profile.is_some(), pigment.field("profile"));
         refuse(volume_fraction.is_some(), pigment.field("volume_fraction"));
         refuse(diameter_nm.is_some(), pigment.field("diameter_nm"));
         refuse(size.is_some(), pigment.field("size"));

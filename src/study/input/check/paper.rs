@@ -5,14 +5,14 @@ use super::Tabulation;
 use super::light::check_list;
 use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG};
 use crate::input::file::{AnglesTable, CouplingName, LayerTable, PaperTable};
-use crate::input::forms::AlbedoWritten;
-use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest};
+use crate::input::forms::{AlbedoWritten, FluorescenceWritten};
+use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest, Patch};
 use crate::input::study::{Angles, Paper, StudyKind};
 use crate::input::{Faults, limits};
 use crate::material::columns::micrometres;
 use std::path::Path;
 
-const REMEDY: &str = "0 is black, 1 is a perfect white, 0.9 is good paper";
+pub(super) const REMEDY: &str = "0 is black, 1 is a perfect white, 0.9 is good paper";
 
 impl PaperTable {
     /// Reads the paper, of which scatterers in optical contact are embedded in a medium of index
@@ -28,15 +28,55 @@ impl PaperTable {
             CouplingName::Gap => Coupling::Gap,
             CouplingName::OpticalContact => Coupling::OpticalContact { index: index_out },
         };
-        match &self.albedo {
+        let mut reader = BackingReader { coupling, tables, faults, remarks };
+        if let Some(both) = self.more_than_one() {
+            let allowed =
+                "one source of the albedo: paper.albedo, paper.measured, or a pair m1_csv and m2_csv";
+            reader.faults.add(both, "given beside another one", allowed, "remove one of them");
+        }
+        if let Some(pair @ FluorescenceWritten::Pair { .. }) = &self.fluorescence {
+            return reader.of_pair(pair);
+        }
+        let paper = match &self.measured {
+            Some(measured) => reader.measured(measured, self.fluorescence.is_some()),
+            None => self.with_albedo(&mut reader),
+        };
+        match &self.fluorescence {
+            Some(written) => reader.brightened(paper, written),
+            None => paper,
+        }
+    }
+
+    /// A key that says the albedo once more.
+    fn more_than_one(&self) -> Option<&'static str> {
+        let pair = matches!(self.fluorescence, Some(FluorescenceWritten::Pair { .. }));
+        match (&self.albedo, &self.measured) {
+            (Some(_), Some(_)) => Some("paper.measured"),
+            (Some(_), None) | (None, Some(_)) if pair => Some("paper.fluorescence"),
+            _ => None,
+        }
+    }
+
+    fn with_albedo(&self, reader: &mut BackingReader) -> Paper {
+        let BackingReader { coupling, tables, faults, remarks } = reader;
+        let usual = AlbedoWritten::Constant(USUAL_ALBEDO);
+        let paper = |source: String, albedo: Albedo| Paper {
+            source,
+            albedo,
+            coupling: *coupling,
+            measured: None,
+            fluorescence: None,
+            dots: None,
+        };
+        match self.albedo.as_ref().unwrap_or(&usual) {
             AlbedoWritten::Constant(value) => {
                 faults.number("paper.albedo", *value, limits::ALBEDO, REMEDY);
-                Paper { source: value.to_string(), albedo: Albedo::Constant(*value), coupling }
+                paper(value.to_string(), Albedo::Constant(*value))
             }
             AlbedoWritten::Rows(rows) => {
                 let source = format!("listed at {} wavelengths", rows.len());
                 let albedo = spectral("paper.albedo", rows.clone(), tables.wavelengths_nm, faults);
-                Paper { source, albedo, coupling }
+                paper(source, albedo)
             }
             AlbedoWritten::Csv { csv, patch, unit, condition } => {
                 let request = MeasuredRequest {
@@ -49,28 +89,54 @@ impl PaperTable {
                     ..MeasuredRequest::default()
                 };
                 let path = tables.folder.join(csv);
-                let albedo = match read(&path, &request, faults, remarks) {
-                    Some(rows) => {
+                let albedo = match read("paper.albedo", &path, &request, faults, remarks) {
+                    Some((rows, geometry)) => {
+                        remarks.extend(holds_mirrored(&path, geometry.as_ref()));
                         let used = used_rows(rows, request.used_nm);
                         spectral("paper.albedo.csv", used, tables.wavelengths_nm, faults)
                     }
                     // a fault of the file is one already
                     None => Albedo::Constant(1.0),
                 };
-                // only the file name: the same table is the same paper in any folder
-                let name = path.file_name().map_or(csv.as_str().into(), |name| name.to_string_lossy());
-                let source = match patch {
-                    Some(patch) => format!("{name}: {patch}"),
-                    None => name.into_owned(),
-                };
-                Paper { source, albedo, coupling }
+                paper(source_of(&path, csv, patch.as_ref()), albedo)
             }
         }
     }
 }
 
+/// Albedo of paper where none is given.
+const USUAL_ALBEDO: f64 = 0.9;
+
+/// What reading a backing needs, and what it finds.
+pub(super) struct BackingReader<'a> {
+    pub coupling: Coupling,
+    pub tables: &'a Tabulation<'a>,
+    pub faults: &'a mut Faults,
+    pub remarks: &'a mut Vec<String>,
+}
+
+/// The file name only, for the same table is the same paper in any folder, and the sample.
+pub(super) fn source_of(path: &Path, csv: &str, patch: Option<&Patch>) -> String {
+    let name = path.file_name().map_or(csv.into(), |name| name.to_string_lossy());
+    match patch {
+        Some(patch) => format!("{name}: {patch}"),
+        None => name.into_owned(),
+    }
+}
+
+/// Remark on an albedo that was measured with mirrored light.
+fn holds_mirrored(path: &Path, geometry: Option<&MeasuredGeometry>) -> Option<String> {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    (geometry == Some(&MeasuredGeometry::Sphere(Some(true)))).then(|| {
+        format!(
+            "paper.albedo: {name} holds the light that the surface mirrors (specular light included), some 4 %, which an \
+             albedo does not"
+        )
+    })
+}
+
 /// The rows that a study needs: what it does not ask for is not judged.
-fn used_rows(rows: Vec<[f64; 2]>, [from_nm, to_nm]: [f64; 2]) -> Vec<[f64; 2]> {
+pub(super) fn used_rows(rows: Vec<[f64; 2]>, [from_nm, to_nm]: [f64; 2]) -> Vec<[f64; 2]> {
     let first = rows.iter().rposition(|row| row[0] <= from_nm).unwrap_or(0);
     let last = rows.iter().position(|row| row[0] >= to_nm).unwrap_or(rows.len() - 1);
     let used = &rows[first.min(last)..=last.max(first)];
@@ -78,7 +144,12 @@ fn used_rows(rows: Vec<[f64; 2]>, [from_nm, to_nm]: [f64; 2]) -> Vec<[f64; 2]> {
 }
 
 /// A table that covers every wavelength of the study.
-fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &mut Faults) -> Albedo {
+pub(super) fn spectral(
+    field: &str,
+    rows: Vec<[f64; 2]>,
+    wavelengths_nm: &[f64],
+    faults: &mut Faults,
+) -> Albedo {
     let albedo = Albedo::Spectral(rows.clone());
     if let Some(i) = rows.iter().position(|row| !limits::ALBEDO.holds(row[1])) {
         let found = format!("{} at {} nm", rows[i][1], rows[i][0]);
@@ -96,19 +167,20 @@ fn spectral(field: &str, rows: Vec<[f64; 2]>, wavelengths_nm: &[f64], faults: &m
 }
 
 /// First and last wavelength.
-fn range(wavelengths_nm: &[f64]) -> [f64; 2] {
+pub(super) fn range(wavelengths_nm: &[f64]) -> [f64; 2] {
     let first = wavelengths_nm.first().copied().unwrap_or(f64::NEG_INFINITY);
     [first, wavelengths_nm.last().copied().unwrap_or(f64::INFINITY)]
 }
 
-/// Reads an albedo from a file of measurements.
-fn read(
+/// Reads the spectrum that a key of the paper names from a file of measurements, and its geometry.
+pub(super) fn read(
+    field: &str,
     path: &Path,
     request: &MeasuredRequest,
     faults: &mut Faults,
     remarks: &mut Vec<String>,
-) -> Option<Vec<[f64; 2]>> {
-    let with_keys_of_paper = |text: &str| text.replace("compare.", "paper.albedo.");
+) -> Option<(Vec<[f64; 2]>, Option<MeasuredGeometry>)> {
+    let with_keys_of_paper = |text: &str| text.replace("compare.", &format!("{field}."));
     let spectrum = MeasuredReading::new(path, request).and_then(|reading| match reading.measured {
         MeasuredContent::Spectrum(spectrum) => Ok((spectrum.rows, reading.geometry, reading.remarks)),
         MeasuredContent::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
@@ -119,20 +191,13 @@ fn read(
             let allowed = "a readable table with the columns wavelength_nm and albedo, or a spectrum as CGATS.17 or CxF3";
             let remedy = "correct the file, or name a sample beside it: { csv = \"…\", patch = \"…\" }; its path is relative \
                           to the study file";
-            faults.add("paper.albedo.csv", with_keys_of_paper(&error), allowed, remedy);
+            faults.add(format!("{field}.csv"), with_keys_of_paper(&error), allowed, remedy);
             return None;
         }
     };
-    let in_words = |remark: &String| format!("paper.albedo: {}", with_keys_of_paper(remark));
+    let in_words = |remark: &String| format!("{field}: {}", with_keys_of_paper(remark));
     remarks.extend(remarks_of_file.iter().map(in_words));
-    if geometry == Some(MeasuredGeometry::Sphere(Some(true))) {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        remarks.push(format!(
-            "paper.albedo: {name} holds the light that the surface mirrors (specular light included), some 4 %, which an \
-             albedo does not"
-        ));
-    }
-    Some(rows)
+    Some((rows, geometry))
 }
 
 /// Default number of directions: 0°, 45° and three strata.

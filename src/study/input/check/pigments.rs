@@ -6,7 +6,7 @@ use crate::ink::{PackError, PackingRequest, PigmentGrains, Shape};
 use crate::input::file::{MicrostructureTable, PigmentTable};
 use crate::input::forms::Diameter;
 use crate::input::study::{Dissolved, Layer, Pigment};
-use crate::input::{Fault, Faults, limits};
+use crate::input::{Fault, Faults, StudyFile, limits};
 use crate::material::mixing::MixingRule;
 use num_complex::Complex64;
 
@@ -51,6 +51,7 @@ impl NumberedPigment<'_> {
             ("shell", !self.table.shell.is_empty()),
             ("agglomeration", self.table.agglomeration.is_some()),
             ("shape", self.table.shape != Shape::default()),
+            ("profile", self.table.profile.is_some()),
         ];
         for (key, is_given) in keys_of_grains {
             if is_given {
@@ -70,6 +71,31 @@ impl NumberedPigment<'_> {
             shell.push(table.index.tabulated(&field, tables, faults));
         }
         Pigment { name: self.name(), grains, material, shell }
+    }
+}
+
+/// Gives pigments with a profile its mean as their volume fraction.
+pub(super) fn fill_profiles(file: &mut StudyFile, faults: &mut Faults) {
+    let equilibrated = file.packing.equilibration.is_some();
+    for (number, table) in file.pigments.iter_mut().enumerate() {
+        let Some(rows) = &table.profile else { continue };
+        let field = |key: &str| format!("pigment[{number}].{key}");
+        if table.volume_fraction.is_some() {
+            let allowed = "nothing beside profile, whose mean is the volume fraction";
+            faults.add(field("volume_fraction"), "a value", allowed, "remove one of them");
+        }
+        if equilibrated {
+            let allowed = "no profile where grains are equilibrated: they would mix";
+            faults.add(field("profile"), "a profile", allowed, "remove it, or [packing.equilibration]");
+        }
+        let area = |pair: &[[f64; 2]]| 0.5 * (pair[1][0] - pair[0][0]) * (pair[0][1] + pair[1][1]);
+        table.volume_fraction = Some(rows.windows(2).map(area).sum());
+        if let Some([_, share]) =
+            rows.iter().find(|[_, share]| *share > 0.0 && !limits::VOLUME_FRACTION.holds(*share))
+        {
+            let allowed = format!("shares {} or 0", limits::VOLUME_FRACTION);
+            faults.add(field("profile"), share, allowed, "lower it: no random packing is denser");
+        }
     }
 }
 

@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 pub struct LightTable {
     /// The equation to solve, and the polarisation of the light.
     pub wave: Wave,
-    /// List of wavelengths, nm.
+    /// List of wavelengths, nm; of a wide range with steps that grow, such as 20 nm where eyes see
+    /// and 100 nm in the near infrared. Colours take those from 380 to 780 nm, spectra all.
     #[schemars(transform = limits::WAVELENGTHS_NM.mark(), example = (450, 550, 650))]
     pub wavelengths_nm: Option<Vec<f64>>,
     /// First wavelength of the range, nm.

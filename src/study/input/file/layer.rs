@@ -1,6 +1,11 @@
 //! The layer: the cell, its pigments, and their packing; which part of the contrast scatters, for
 //! studies in which the real or imaginary part of η² is replaced by its mean.
 
+mod stack;
+
+pub use stack::{StackLayerTable, StackTable};
+pub(super) use stack::{one_or_stacked, one_or_stacked_schema};
+
 use super::microstructure::MicrostructureTable;
 use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
@@ -60,6 +65,30 @@ pub struct LayerTable {
     /// A rough face of the ink, with the medium of that side (`index_in`, `index_out`) between the
     /// grains.
     pub relief: Option<ReliefRequest>,
+    /// The layers of `[[layer]]`, in the order of the light; `None` for a single `[layer]`.
+    #[serde(skip)]
+    pub stacked: Option<Vec<StackLayerTable>>,
+}
+
+impl LayerTable {
+    /// One layer of a stack as if it were alone, with what `[stack]` says of all.
+    pub(in crate::input) fn of_stack(layer: &StackLayerTable, stack: &StackTable) -> Self {
+        Self {
+            cell: stack.cell,
+            period_um: stack.period_um,
+            thickness_um: layer.thickness_um.clone(),
+            binder: layer.binder.clone(),
+            walls: true,
+            index_in: stack.index_in,
+            index_out: stack.index_out,
+            mixing: stack.mixing,
+            contrast: stack.contrast,
+            composed: None,
+            microstructure: layer.microstructure.clone(),
+            relief: layer.relief,
+            stacked: None,
+        }
+    }
 }
 
 /// `[layer.composed]`: the layer as a stack of slabs. The outer ones are solved with the surfaces,
@@ -81,7 +110,7 @@ impl Default for ComposedTable {
     }
 }
 
-fn vacuum() -> f64 {
+pub(super) fn vacuum() -> f64 {
     1.0
 }
 
@@ -143,6 +172,11 @@ pub struct PigmentTable {
     pub agglomeration: Option<Agglomeration>,
     /// How whole grains reach the volume fraction.
     pub share: ShareRule,
+    /// Share of the layer's volume against depth, instead of `volume_fraction`: rows `[depth,
+    /// share]` with depths from 0 at the lit face to 1 at the other, linear in between. Grains keep
+    /// away from walls as without it; reports give the shares reached in the thirds of the depth.
+    #[schemars(example = [[0.0, 0.2], [1.0, 0.4]])]
+    pub profile: Option<Vec<[f64; 2]>>,
 }
 
 /// One layer around the core of a grain, of the same thickness all around.

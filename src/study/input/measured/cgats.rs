@@ -358,7 +358,7 @@ mod tests {
     fn values(file: &MeasuredFile) -> Vec<Vec<f64>> {
         let of = |content: &SampleContent| match content {
             SampleContent::Spectrum(rows) => rows.iter().filter_map(|row| row.value.value()).collect(),
-            SampleContent::Lab(..) => Vec::new(),
+            SampleContent::Lab(..) | SampleContent::Xyz(..) => Vec::new(),
         };
         file.samples.iter().map(|sample| of(&sample.content)).collect()
     }

@@ -50,7 +50,9 @@ pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<C
     let mut meant: Vec<usize> = match &request.patch {
         Some(patch) => named(samples, patch)?,
         // of colours alone one is the target
-        None if count > 1 && (request.one_must_be_named || samples.iter().all(is_colour)) => {
+        None if count > 1
+            && (request.one_must_be_named || samples.iter().all(|sample| sample.content.is_colour())) =>
+        {
             let example = samples.iter().map(MeasuredSample::name).find(|name| !name.is_empty());
             let example = example.map_or(String::new(), |name| format!(", such as {name:?}"));
             return Err(format!("{count} samples, of which none is named: write compare.patch{example}"));
@@ -86,13 +88,13 @@ pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<C
     let Some(&first) = meant.first() else { return Err("no sample".into()) };
     let sample = &samples[first];
     let rest = || meant.iter().skip(1).map(|&i| &samples[i]);
-    let colours: Vec<&MeasuredSample> = match sample.content {
-        SampleContent::Lab(..) => rest().filter(|other| other.is_same_sample(sample)).collect(),
-        SampleContent::Spectrum(_) => Vec::new(),
-    };
-    let differs = |other: &MeasuredSample| match sample.content {
-        SampleContent::Lab(..) => !other.is_same_sample(sample),
-        SampleContent::Spectrum(_) => !same_values(&other.content, &sample.content),
+    let mut colours: Vec<&MeasuredSample> = Vec::new();
+    if sample.content.is_colour() {
+        colours = rest().filter(|other| other.is_same_sample(sample)).collect();
+    }
+    let differs = |other: &MeasuredSample| match sample.content.is_colour() {
+        true => !other.is_same_sample(sample),
+        false => !same_values(&other.content, &sample.content),
     };
     if rest().any(differs) {
         let others = meant
@@ -109,10 +111,6 @@ pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<C
         return Err(format!("{} measurements of {called} that differ: {remedy}", meant.len()));
     }
     Ok(Chosen { sample, colours, place: places[first], samples: count })
-}
-
-fn is_colour(sample: &MeasuredSample) -> bool {
-    matches!(sample.content, SampleContent::Lab(..))
 }
 
 /// The number of the sample that each measurement is of, from 1, and how many samples there are.
@@ -308,7 +306,7 @@ pub fn white(
         file.samples.iter().filter(|other| other.white.is_none() && other.kind == MeasuredKind::Reflectance);
     let cells = undeclared.filter_map(|sample| match &sample.content {
         SampleContent::Spectrum(cells) => Some(cells),
-        SampleContent::Lab(..) => None,
+        SampleContent::Lab(..) | SampleContent::Xyz(..) => None,
     });
     let [from, to] = request.used_nm;
     let is_used = |cell: &&SpectralCell| cell.nm.is_some_and(|nm| (from..=to).contains(&nm));
@@ -332,6 +330,29 @@ pub fn white(
         "no unit is stated; taken as factors of a perfect white, as the file's largest value is {largest}; {key} says it"
     );
     Ok(White { value: 1.0, remark: Some(remark) })
+}
+
+/// Luminance Y of a perfect white in a file of X, Y, Z: 100 by the formats, unless the key says 1.
+///
+/// # Errors
+/// No sample of the file is lighter than a hundredth of that white.
+pub fn white_y(file: &MeasuredFile, unit: Option<MeasuredUnit>) -> Result<f64, String> {
+    match unit {
+        Some(MeasuredUnit::Percent) => return Ok(100.0),
+        Some(MeasuredUnit::Factor) => return Ok(1.0),
+        None => {}
+    }
+    let luminance = |sample: &MeasuredSample| match &sample.content {
+        SampleContent::Xyz(cells, _) => cells[1].value().filter(|y| y.is_finite()),
+        SampleContent::Spectrum(_) | SampleContent::Lab(..) => None,
+    };
+    match file.samples.iter().filter_map(luminance).reduce(f64::max) {
+        Some(largest) if largest <= 1.0 => Err(format!(
+            "the largest Y of the file is {largest}: black, or shares of a white of 1; say which by compare.unit = \"percent\" \
+             or \"factor\""
+        )),
+        _ => Ok(100.0),
+    }
 }
 
 /// The largest finite value of some cells.

@@ -57,8 +57,10 @@ pub fn read(text: &str) -> Result<MeasuredFile, String> {
                 Some(SampleContent::Spectrum(spectrum(node, specification, lines.line_of(node))))
             }
             "CustomSpectrum" => Some(SampleContent::Spectrum(points(node, lines.line_of(node)))),
-            "ColorCIELab" => lab(node, lines.line_of(node))
+            "ColorCIELab" => three_values(node, ["L", "A", "B"], lines.line_of(node))
                 .map(|lab| SampleContent::Lab(lab, specification.viewing.clone())),
+            "ColorCIEXYZ" => three_values(node, ["X", "Y", "Z"], lines.line_of(node))
+                .map(|xyz| SampleContent::Xyz(xyz, specification.viewing.clone())),
             _ => None,
         };
         let Some(content) = content else { continue };
@@ -89,7 +91,7 @@ pub fn read(text: &str) -> Result<MeasuredFile, String> {
         SampleContent::Spectrum(rows) => {
             rows.iter().all(|row| row.value.value().is_none_or(|value| value <= LARGEST_FACTOR))
         }
-        SampleContent::Lab(..) => true,
+        SampleContent::Lab(..) | SampleContent::Xyz(..) => true,
     };
     if file.samples.iter().all(is_factor) {
         file.samples.iter_mut().for_each(|sample| sample.white = sample.white.or(Some(1.0)));
@@ -266,10 +268,10 @@ fn points(node: Node, line: usize) -> Vec<SpectralCell> {
     named(node, "SpectralPoint").map(cell).collect()
 }
 
-/// L*, a*, b*.
-fn lab(node: Node, line: usize) -> Option<[Written; 3]> {
+/// The values of a colour by the names of its coordinates.
+fn three_values(node: Node, names: [&str; 3], line: usize) -> Option<[Written; 3]> {
     let part = |name| text_of(node, name).map(|text| Written { text: text.to_owned(), line });
-    Some([part("L")?, part("A")?, part("B")?])
+    Some([part(names[0])?, part(names[1])?, part(names[2])?])
 }
 
 /// Describes what is too large, if anything. The text need not be well formed.

@@ -167,6 +167,9 @@ const LABS: [[&str; 3]; 4] = [
     ["L", "A", "B"],
 ];
 
+/// Groups of X, Y, Z.
+const XYZS: [[&str; 3]; 3] = [["XYZX", "XYZY", "XYZZ"], ["CIEXYZX", "CIEXYZY", "CIEXYZZ"], ["X", "Y", "Z"]];
+
 /// A wavelength in one field, and the value at it in another.
 #[derive(Clone, Copy)]
 struct PairField {
@@ -182,6 +185,7 @@ pub struct FieldTable {
     names: Vec<usize>,
     device: Vec<usize>,
     lab: Option<[usize; 3]>,
+    xyz: Option<[usize; 3]>,
     bands: Vec<(usize, BandField)>,
     pairs: Vec<PairField>,
     condition: Option<usize>,
@@ -203,7 +207,9 @@ impl FieldTable {
             };
             device = names_bare.iter().enumerate().filter(|(_, name)| is_ink(name)).map(|(i, _)| i).collect();
         }
-        let lab = LABS.iter().find_map(|group| all(group)).map(|places| [places[0], places[1], places[2]]);
+        let three = |places: Vec<usize>| [places[0], places[1], places[2]];
+        let lab = LABS.iter().find_map(|group| all(group)).map(three);
+        let xyz = XYZS.iter().find_map(|group| all(group)).map(three);
         let bands = fields.iter().enumerate().filter_map(|(i, name)| Some((i, band(name)?))).collect();
         let columns = |known: &[&str]| -> Vec<usize> {
             (0..fields.len()).filter(|&i| known.contains(&names_bare[i].as_str())).collect()
@@ -220,12 +226,12 @@ impl FieldTable {
         let pairs = wavelengths.into_iter().zip(values).map(pair).collect();
         let has = |word: &str| names_bare.iter().position(|name| name.contains(word));
         let condition = has("CONDITION").or(place("FILTER")).or(place("MEASUREMENTMODE")).or(place("MODE"));
-        Self { names, device, lab, bands, pairs, condition, geometry: has("GEOMETRY") }
+        Self { names, device, lab, xyz, bands, pairs, condition, geometry: has("GEOMETRY") }
     }
 
     /// Whether rows under these fields hold a spectrum or a colour.
     pub fn is_measured(&self) -> bool {
-        self.has_spectra() || self.lab.is_some()
+        self.has_spectra() || self.lab.is_some() || self.xyz.is_some()
     }
 
     /// Whether rows under these fields hold spectra.
@@ -237,7 +243,8 @@ impl FieldTable {
     pub fn names_end(&self) -> usize {
         let bands = self.bands.iter().map(|(i, _)| *i);
         let pairs = self.pairs.iter().map(|pair| pair.nm.min(pair.value));
-        bands.chain(pairs).chain(self.lab.into_iter().flatten()).min().unwrap_or(0)
+        let colours = self.lab.into_iter().chain(self.xyz).flatten();
+        bands.chain(pairs).chain(colours).min().unwrap_or(0)
     }
 
     /// Number of fields whose names are wavelengths.
@@ -306,6 +313,9 @@ impl FieldTable {
         }
         if let Some(lab) = self.lab {
             let content = SampleContent::Lab(lab.map(|i| cells[i].clone()), declared.viewing.clone());
+            into.samples.push(MeasuredSample { content, ..plain });
+        } else if let Some(xyz) = self.xyz {
+            let content = SampleContent::Xyz(xyz.map(|i| cells[i].clone()), declared.viewing.clone());
             into.samples.push(MeasuredSample { content, ..plain });
         }
     }

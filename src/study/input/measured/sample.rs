@@ -64,6 +64,15 @@ pub enum SampleContent {
     Spectrum(Vec<SpectralCell>),
     /// L*, a*, b*.
     Lab([Written; 3], StatedViewing),
+    /// X, Y, Z.
+    Xyz([Written; 3], StatedViewing),
+}
+
+impl SampleContent {
+    /// Whether it is a colour, which holds less than a spectrum.
+    pub fn is_colour(&self) -> bool {
+        !matches!(self, Self::Spectrum(_))
+    }
 }
 
 /// One measurement of one sample.

@@ -4,6 +4,10 @@
 //! layer's own index, by the mixing rule of its wave equation: so its solves have records, stores
 //! and progress as any others.
 
+mod stack_plates;
+
+pub use stack_plates::{LayerPlates, StackMedia, StackedPortion};
+
 use super::{Angles, Study, StudyKind};
 use crate::appearance::composed::flux::{Hemisphere, Sides};
 use crate::appearance::composed::ordinates::Ordinates;
@@ -31,6 +35,12 @@ pub struct Composed {
     /// equation. Another one may change nothing but the bars.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mixing: Option<MixingRule>,
+    /// How the layers of a stack become plates, in the order of the light; empty for one layer.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub layers: Vec<LayerPlates>,
+    /// The layer of a stack whose thicknesses are reported; without one, the stack's own is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub varied: Option<usize>,
 }
 
 /// Where a slab lies.
@@ -43,6 +53,8 @@ pub enum Position {
     Front,
     /// At the exit side, with the layer's surface.
     Back,
+    /// On both sides at the layer's surfaces: a layer of a stack that is solved as a whole.
+    Whole,
 }
 
 /// A study of one slab of a composed layer.
@@ -53,20 +65,32 @@ pub struct Portion {
     /// Whether it has half the thickness: the comparison tells what composing costs.
     pub halved: bool,
     /// Its number among the slabs of the layer, from 0.
-    number: u64,
+    pub(super) number: u64,
     /// Thickness of a slab that is not halved, µm.
-    slab_um: f64,
+    pub(super) slab_um: f64,
     /// Directions of every zone.
-    directions: [usize; 2],
+    pub(super) directions: [usize; 2],
     /// Mixing rule of the half-spaces, if it is not that of the wave equation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    mixing: Option<MixingRule>,
+    pub(super) mixing: Option<MixingRule>,
+    /// Its layer of a stack; `None` in a layer that is alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) stacked: Option<StackedPortion>,
 }
 
 impl Portion {
     /// The first slab of the same layer.
     fn first(&self) -> Self {
-        Self { position: Position::Inner, halved: false, number: 0, ..self.clone() }
+        let (position, number) = match &self.stacked {
+            None => (Position::Inner, 0),
+            Some(StackedPortion { first, .. }) => *first,
+        };
+        Self { position, halved: false, number, ..self.clone() }
+    }
+
+    /// Number of its layer in a stack, from 0.
+    pub fn layer(&self) -> usize {
+        self.stacked.as_ref().map_or(0, |stacked| stacked.layer)
     }
 
     /// Its thickness, µm.
@@ -90,8 +114,10 @@ impl Portion {
             Position::Inner => "inner slab",
             Position::Front => "slab with the front surface",
             Position::Back => "slab with the back surface",
+            Position::Whole => "whole layer",
         };
-        format!("{place}{}", if self.halved { ", half as thick" } else { "" })
+        let layer = self.stacked.as_ref().map(|stacked| format!("{}: ", stacked.name)).unwrap_or_default();
+        format!("{layer}{place}{}", if self.halved { ", half as thick" } else { "" })
     }
 
     /// The packing that it is cut out of: without walls for an inner slab, of twice the thickness
@@ -99,10 +125,13 @@ impl Portion {
     /// joint of slabs would lack grains.
     pub(super) fn packed(&self, slab: PackingRequest) -> PackingRequest {
         let height = slab.thickness_um;
+        if self.position == Position::Whole {
+            return PackingRequest { walls: true, ..slab };
+        }
         let (whole, from) = match self.position {
             // Without walls, grains reach across half of the thickness at most.
             Position::Inner if slab.widest_body_um() <= 0.5 * height => (height, 0.0),
-            Position::Inner | Position::Front => (2.0 * height, 0.0),
+            Position::Inner | Position::Front | Position::Whole => (2.0 * height, 0.0),
             Position::Back => (2.0 * height, height),
         };
         let walls = self.position != Position::Inner;
@@ -131,10 +160,13 @@ impl Study {
 
     /// Real indices in front and behind: those of the layer's surroundings, or its own.
     pub(super) fn outer_indices(&self, wavelength_um: f64) -> [f64; 2] {
+        if let Some(Portion { position, stacked: Some(stacked), .. }) = self.portion() {
+            return stacked.between(*position, wavelength_um);
+        }
         let within = || self.embedding_index(wavelength_um);
         let (before, behind) = (self.layer.index_in, self.layer.index_out);
         match self.portion().map(|portion| portion.position) {
-            None => [before, behind],
+            None | Some(Position::Whole) => [before, behind],
             Some(Position::Inner) => [within(); 2],
             Some(Position::Front) => [before, within()],
             Some(Position::Back) => [within(), behind],
@@ -144,11 +176,15 @@ impl Study {
     /// The states of light on both sides of a portion; `None` for other studies.
     pub fn sides(&self, wavelength_um: f64) -> Option<Sides> {
         let portion = self.portion()?;
-        let borders = [self.layer.index_in, self.layer.index_out, self.embedding_index(wavelength_um)];
+        let borders = match &portion.stacked {
+            Some(stacked) => stacked.media_at(wavelength_um),
+            None => vec![self.layer.index_in, self.layer.index_out, self.embedding_index(wavelength_um)],
+        };
+        let outermost = portion.layer() == 0 && matches!(portion.position, Position::Front | Position::Whole);
         let medium = |(side, index): (usize, f64)| Hemisphere {
             ordinates: Ordinates::new(index, &borders, portion.directions),
             polarisations: self.polarisations().len(),
-            oblique_deg: (side == 0 && portion.position == Position::Front).then_some(PRINT_DEG),
+            oblique_deg: (side == 0 && outermost).then_some(PRINT_DEG),
         };
         let [before, behind] = self.outer_indices(wavelength_um);
         let alike = portion.position == Position::Inner;
@@ -159,6 +195,9 @@ impl Study {
     /// layer and at its surfaces; equal surroundings share one surface. Empty for other studies.
     pub fn portions(&self) -> Vec<Study> {
         let Some(composed) = self.composed() else { return Vec::new() };
+        if !composed.layers.is_empty() {
+            return self.portions_of_stack(composed);
+        }
         let positions = match self.layer.index_in == self.layer.index_out {
             true => &[Position::Inner, Position::Front][..],
             false => &[Position::Inner, Position::Front, Position::Back],
@@ -168,7 +207,8 @@ impl Study {
             for &position in positions {
                 let &Composed { slab_um, directions, mixing, .. } = composed;
                 let number = portions.len() as u64;
-                let portion = Portion { position, halved, number, slab_um, directions, mixing };
+                let portion =
+                    Portion { position, halved, number, slab_um, directions, mixing, stacked: None };
                 portions.push(self.of_portion(portion, self.packing.seed));
             }
         }
@@ -179,7 +219,7 @@ impl Study {
     /// differences between slabs are not those of grids; otherwise this study.
     pub fn grid_source(&self) -> Cow<'_, Study> {
         match self.portion() {
-            Some(portion) if portion.number > 0 => {
+            Some(portion) if portion.number != portion.first().number => {
                 let layer_seed = self.packing.seed.wrapping_sub(portion.seed_offset());
                 Cow::Owned(self.of_portion(portion.first(), layer_seed))
             }
@@ -188,7 +228,7 @@ impl Study {
     }
 
     /// The study of a slab, from that of its layer or of another slab; `layer_seed` is the layer's.
-    fn of_portion(&self, portion: Portion, layer_seed: u64) -> Study {
+    pub(super) fn of_portion(&self, portion: Portion, layer_seed: u64) -> Study {
         let mut study = self.clone();
         study.title = format!("{}: {}", self.title, portion.in_words());
         study.layer.thickness_um = portion.thickness_um();

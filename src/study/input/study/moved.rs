@@ -16,10 +16,10 @@ enum InputPlace {
     Core(usize),
     /// A layer around it: pigment and layer.
     Shell(usize, usize),
-    /// The binder.
-    Binder,
-    /// A pigment dissolved in the binder.
-    Dissolved(usize),
+    /// The binder of a layer.
+    Binder(usize),
+    /// A pigment dissolved in the binder of a layer: layer and pigment.
+    Dissolved(usize, usize),
 }
 
 /// A table moved by one of the independent parts of its errors, to one side, in all of its rows at
@@ -46,10 +46,8 @@ impl Study {
     fn all_moves(&self) -> Vec<InputMove> {
         let mut moves = Vec::new();
         for place in self.places() {
-            for axis in [ErrorAxis::N, ErrorAxis::Kappa] {
-                if self.spectrum(place).moved(axis, 1.0).is_some() {
-                    moves.extend([1.0, -1.0].map(|times| InputMove { place, axis, times }));
-                }
+            for axis in self.spectrum(place).error_axes() {
+                moves.extend([1.0, -1.0].map(|times| InputMove { place, axis, times }));
             }
         }
         moves
@@ -101,10 +99,10 @@ impl Study {
         let material = match by.place {
             InputPlace::Core(pigment) => &mut study.pigments[pigment].material,
             InputPlace::Shell(pigment, layer) => &mut study.pigments[pigment].shell[layer],
-            InputPlace::Binder | InputPlace::Dissolved(_) => &mut study.layer.binder,
+            InputPlace::Binder(layer) | InputPlace::Dissolved(layer, _) => study.binder_mut(layer),
         };
         match by.place {
-            InputPlace::Dissolved(i) => material.dissolved[i].1 = spectrum,
+            InputPlace::Dissolved(_, i) => material.dissolved[i].1 = spectrum,
             _ => material.spectrum = spectrum,
         }
         material.index = self.wavelengths_nm.iter().map(|nm| material.index_at(1e-3 * nm)).collect();
@@ -118,8 +116,10 @@ impl Study {
             places.push(InputPlace::Core(i));
             places.extend((0..pigment.shell.len()).map(|layer| InputPlace::Shell(i, layer)));
         }
-        places.push(InputPlace::Binder);
-        places.extend((0..self.layer.binder.dissolved.len()).map(InputPlace::Dissolved));
+        for (layer, binder) in self.binders().into_iter().enumerate() {
+            places.push(InputPlace::Binder(layer));
+            places.extend((0..binder.dissolved.len()).map(|i| InputPlace::Dissolved(layer, i)));
+        }
         places
     }
 
@@ -127,8 +127,8 @@ impl Study {
         match place {
             InputPlace::Core(pigment) => &self.pigments[pigment].material.spectrum,
             InputPlace::Shell(pigment, layer) => &self.pigments[pigment].shell[layer].spectrum,
-            InputPlace::Binder => &self.layer.binder.spectrum,
-            InputPlace::Dissolved(i) => &self.layer.binder.dissolved[i].1,
+            InputPlace::Binder(layer) => &self.binders()[layer].spectrum,
+            InputPlace::Dissolved(layer, i) => &self.binders()[layer].dissolved[i].1,
         }
     }
 }

@@ -1,11 +1,13 @@
 //! The layer with its materials, the paper, and what is requested: directions, accuracy and what
 //! to compare with.
 
+use crate::appearance::bare_paper::PaperGeometry;
+use crate::appearance::fluorescence::Fluorescence;
 use crate::appearance::paper::{Albedo, Coupling};
 use crate::appearance::viewing::Viewing;
-use crate::ink::PigmentGrains;
+use crate::ink::{Joint, PigmentGrains};
 use crate::input::file::ContrastPart;
-use crate::input::measured::MeasuredSpectrum;
+use crate::input::measured::{MeasuredCondition, MeasuredSpectrum};
 use crate::material::mixing::MixingRule;
 use crate::material::spectra::Spectrum;
 use crate::wave::{Precision, Scheme};
@@ -27,6 +29,25 @@ pub struct Layer {
     pub binder: IndexSpectrum,
     /// Which part of the contrast scatters.
     pub contrast: ContrastPart,
+}
+
+/// One layer of a stack, in the order of the light.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct StackLayer {
+    /// Name in reports.
+    pub name: String,
+    /// Mean thickness, µm.
+    pub thickness_um: f64,
+    /// Standard deviation of the thickness, µm; above 0 in one layer at most.
+    pub thickness_std_um: f64,
+    /// The medium between its grains.
+    pub binder: IndexSpectrum,
+    /// Number of its pigments with grains: those of the layers follow one another in
+    /// [`Study::pigments`](super::Study::pigments), and their packing requests in
+    /// [`PackingRequest::layers`](crate::ink::PackingRequest::layers).
+    pub pigments: usize,
+    /// How it meets the next layer; a wall at the last one.
+    pub joint: Joint,
 }
 
 /// One kind of grain.
@@ -93,6 +114,40 @@ pub struct Paper {
     pub albedo: Albedo,
     /// Contact between ink and paper.
     pub coupling: Coupling,
+    /// The measurement of the bare paper that the albedo follows from.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub measured: Option<MeasuredPaper>,
+    /// Its brightener.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fluorescence: Option<Fluorescence>,
+    /// The dots that the layer is printed in, besides the solid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dots: Option<Dots>,
+}
+
+/// A measurement of bare paper, and the albedo behind its surface.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MeasuredPaper {
+    /// Directions of light and view.
+    pub geometry: PaperGeometry,
+    /// The instrument's light by ISO 13655, if it was chosen.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condition: Option<MeasuredCondition>,
+    /// \[wavelength in nm, factor, albedo\] rows.
+    pub rows: Vec<[f64; 3]>,
+}
+
+/// The tints of a halftone print.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Dots {
+    /// Nominal coverage of the layer in each tint; the rest is bare paper.
+    pub nominal: Vec<f64>,
+    /// Dots per cm.
+    pub ruling_per_cm: f64,
+    /// Length over which the paper spreads light, µm.
+    pub spread_um: f64,
+    /// Physical gain of a nominal coverage of a half.
+    pub physical_gain: f64,
 }
 
 /// Directions of the light.

@@ -2,8 +2,8 @@
 //! layer, with the directions and beside them.
 
 use super::{
-    Angles, Composed, Dissolved, Judgement, Layer, Paper, Pigment, Portion, Study, StudyKind, TargetColour,
-    WantedResolution,
+    Angles, Composed, Dissolved, Judgement, Layer, Paper, Pigment, Portion, StackLayer, Study, StudyKind,
+    TargetColour, WantedNumber, WantedResolution,
 };
 use crate::ink::PackingRequest;
 use crate::input::file::OutputTable;
@@ -19,6 +19,8 @@ pub(super) struct WrittenLayer {
     layer: Layer,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     composed: Option<Composed>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    stack: Vec<StackLayer>,
 }
 
 /// Directions, and why they allow no paper.
@@ -52,6 +54,8 @@ pub(super) struct WrittenStudy {
     goal: Goal,
     output: OutputTable,
     judgement: Judgement,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    numbers: Vec<WantedNumber>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     portion: Option<Portion>,
 }
@@ -59,7 +63,11 @@ pub(super) struct WrittenStudy {
 impl Study {
     /// The layer, and how it is composed.
     pub(super) fn written_layer(&self) -> WrittenLayer {
-        WrittenLayer { layer: self.layer.clone(), composed: self.composed().cloned() }
+        WrittenLayer {
+            layer: self.layer.clone(),
+            composed: self.composed().cloned(),
+            stack: self.stack.clone(),
+        }
     }
 
     /// The directions, and why they allow no paper, for content hashes.
@@ -93,6 +101,7 @@ impl From<Study> for WrittenStudy {
             goal: study.goal,
             output: study.output,
             judgement: study.judgement,
+            numbers: study.numbers,
         }
     }
 }
@@ -109,6 +118,7 @@ impl From<WrittenStudy> for Study {
             kind,
             title: written.title,
             layer: written.layer.layer,
+            stack: written.layer.stack,
             pigments: written.pigments,
             dissolved: written.dissolved,
             packing: written.packing,
@@ -126,6 +136,7 @@ impl From<WrittenStudy> for Study {
             goal: written.goal,
             output: written.output,
             judgement: written.judgement,
+            numbers: written.numbers,
             remarks: Vec::new(),
         }
     }

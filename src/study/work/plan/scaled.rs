@@ -71,8 +71,10 @@ fn densest(study: &Study) -> f64 {
 /// between grains and binder across the layer.
 fn applications(study: &Study) -> f64 {
     let um = 1e-3 * study.wavelengths_nm[0];
-    let binder = study.layer.binder.index_at(um);
-    let contrast = study.materials().map(|m| (m.index_at(um) - binder).norm()).fold(0.0, f64::max);
+    let binders: Vec<_> = study.binders().iter().map(|binder| binder.index_at(um)).collect();
+    let in_binders = study.materials().zip(study.layers_of_materials());
+    let contrasts = in_binders.map(|(material, layer)| (material.index_at(um) - binders[layer]).norm());
+    let contrast = contrasts.fold(0.0, f64::max);
     let phase = TAU / um * study.layer.thickness_um * contrast;
     (10.0 + APPLICATIONS_A_RADIAN * phase).min(study.goal.max_applications as f64)
 }
@@ -83,11 +85,10 @@ const APPLICATIONS_A_RADIAN: f64 = 5.0;
 
 /// Core seconds of one packing, proportional to its spheres; the other cores are idle.
 fn packing(study: &Study) -> f64 {
-    let count: f64 = study
-        .pigments
-        .iter()
-        .map(|p| p.grains.expected(study.volume_um3()) * p.grains.shape.template().spheres.len() as f64)
-        .sum();
+    let in_layers = study.pigments.iter().zip(study.volumes_of_pigments_um3());
+    let spheres =
+        in_layers.map(|(p, um3)| p.grains.expected(um3) * p.grains.shape.template().spheres.len() as f64);
+    let count: f64 = spheres.sum();
     let share: f64 = study.pigments.iter().map(|p| p.grains.volume_fraction).sum();
     count * SPHERE[usize::from(share > RELAXED)] * rayon::current_num_threads() as f64
 }

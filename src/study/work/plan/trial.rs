@@ -69,7 +69,8 @@ fn in_small_cell(study: &Study) -> Study {
 
 /// Approximate number of grains of a cell.
 pub(crate) fn grains(study: &Study) -> f64 {
-    study.pigments.iter().map(|p| p.grains.expected(study.volume_um3())).sum()
+    let in_layers = study.pigments.iter().zip(study.volumes_of_pigments_um3());
+    in_layers.map(|(p, um3)| p.grains.expected(um3)).sum()
 }
 
 /// Runs the trial of a variant; `alike` is an earlier trial with the same requested resolution,

@@ -18,19 +18,23 @@ use num_complex::{Complex, Complex64};
 const SINGLE_GAIN: f64 = 0.2;
 /// A cycle that leaves more than this fraction of the residual has stalled.
 const STALLS: f64 = 0.99;
-/// Applications that short recurrences need at least where GMRES stalls (measured: 440 to 620): an
-/// elimination that costs no more is carried out at once.
+/// Applications that short recurrences need at least where GMRES stalls: an elimination that costs
+/// no more is carried out at once. Measured on 5 and 15 % of n = 2.3 and 2.65, 235 nm, 1 and 2 µm,
+/// cells of 1.35 µm, 440 and 550 nm: 440 to 620 where they converge, which is in three of seven
+/// cases, and 1.3 to 2.1 times the processor time of the elimination.
 const LEAST: f64 = 400.0;
 /// Share of a dearer elimination's cost for which short recurrences are tried before it.
 const PATIENCE: f64 = 0.5;
 /// Contrast |η² − η_b²| of strong scatterers, where grains resonate by themselves. Below it, guided
-/// modes of the mean slab delay the scalar wave, and correcting them is cheaper.
+/// modes of the mean slab delay the scalar wave, and correcting them is cheaper: measured, with
+/// n = 2 in 1.558 (1.6) short recurrences cost 1.7 times as much, with 2.65 (4.6) a tenth.
 const STRONG: f64 = 2.5;
 /// What to do with strong scatterers that short recurrences do not solve either.
 const ADVICE: &str = "take a finer grid, allow more applications (solver.max_applications), or compose the layer of \
                              thinner slabs ([layer.composed])";
 /// Growth factor on `restart` for a solve that the first cycle has not brought to its goal, memory
-/// permitting: restarts cost more applications than a longer basis costs work.
+/// permitting: restarts cost more applications than a longer basis costs work (measured on 5 % of
+/// n = 2.6, 250 nm, κ = 0: 904 applications against 319).
 const HARD_GROWTH: usize = 4;
 
 /// A solve in progress; `work` holds the residual at the start of a cycle.

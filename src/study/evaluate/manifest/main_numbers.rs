@@ -1,4 +1,4 @@
-//! A print as sweeps, searches and comparisons read it, whichever evaluator made its numbers: the
+//! The main numbers of a print, as sweeps and designs read them, whichever evaluator made them: the
 //! layer on its paper; of a composed study, the layer of the first thickness.
 
 use super::{ColourNote, Manifest, NATURAL_LIGHT, PublishedColours, PublishedSpectra, SpectrumRow};
@@ -14,7 +14,7 @@ pub type Deviations<T> = Vec<(usize, T)>;
 /// The main numbers of a print. Numbers of the same realisations have correlated errors; those of a
 /// composed layer, whose slabs have realisations of their own, count as independent of others.
 #[derive(Clone, Debug, Default)]
-pub struct PrintNumbers {
+pub struct MainNumbers {
     /// Number of complete realisations, of the slab that has fewest where the layer is composed.
     pub realisations: usize,
     /// Colour under natural light, viewed along the normal.
@@ -26,7 +26,7 @@ pub struct PrintNumbers {
     pub contrast: Option<(Estimate, Deviations<f64>)>,
     /// The difference to the study's target colour.
     pub target: Option<Target>,
-    /// `#rrggbb` of the print, as screens show it.
+    /// `#rrggbb` of the layer on its paper, as screens show it.
     pub hex: Option<String>,
     /// One row per wavelength and angle.
     pub spectra: Vec<PrintRow>,
@@ -53,23 +53,23 @@ pub struct PrintRow {
 
 impl Manifest<'_> {
     /// The main numbers of the print.
-    pub fn print(&self) -> PrintNumbers {
+    pub fn main_numbers(&self) -> MainNumbers {
         let maker = self.ink_maker.as_ref();
-        let print = match &self.colours {
+        let of_colours = match &self.colours {
             PublishedColours::Whole(notes) => {
                 let natural = notes.iter().find(|note| note.conditions == NATURAL_LIGHT);
-                natural.map(PrintNumbers::of_note).unwrap_or_default()
+                natural.map(MainNumbers::of_note).unwrap_or_default()
             }
-            PublishedColours::Composed(all) => all.first().map(PrintNumbers::of_first).unwrap_or_default(),
+            PublishedColours::Composed(all) => all.first().map(MainNumbers::of_first).unwrap_or_default(),
         };
         let contrast = maker.map(|maker| (maker.contrast_ratio, maker.contrast_deviations.clone()));
-        PrintNumbers {
+        MainNumbers {
             realisations: self.realisations(),
-            contrast: contrast.or(print.contrast),
+            contrast: contrast.or(of_colours.contrast),
             target: maker.and_then(|maker| maker.target.clone()),
-            hex: maker.map(|maker| maker.print.hex.clone()).or(print.hex),
+            hex: maker.map(|maker| maker.print.hex.clone()).or(of_colours.hex),
             spectra: self.print_rows(),
-            ..print
+            ..of_colours
         }
     }
 
@@ -90,7 +90,7 @@ impl Manifest<'_> {
     }
 }
 
-impl PrintNumbers {
+impl MainNumbers {
     fn of_note(note: &ColourNote) -> Self {
         Self { colour: Some(note.colour), lab_deviations: note.deviations.clone(), ..Self::default() }
     }

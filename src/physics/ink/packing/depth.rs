@@ -1,0 +1,77 @@
+//! Depths at which grains of a profile are placed.
+
+/// Density of grains against depth, linear between rows, as a distribution to draw from.
+#[derive(Clone, Debug)]
+pub(crate) struct DepthLaw {
+    /// Depth over the thickness, not falling, and density.
+    rows: Vec<[f64; 2]>,
+    /// Share of the grains above every row.
+    above: Vec<f64>,
+}
+
+impl DepthLaw {
+    /// The law of rows; `None` without any, where all depths are alike.
+    pub fn of(rows: &[[f64; 2]]) -> Option<Self> {
+        let mut above = vec![0.0];
+        for pair in rows.windows(2) {
+            let [[from, first], [to, last]] = [pair[0], pair[1]];
+            above.push(above[above.len() - 1] + 0.5 * (to - from) * (first + last));
+        }
+        let all = above[above.len() - 1];
+        above.iter_mut().for_each(|share| *share /= all);
+        (all > 0.0).then(|| Self { rows: rows.to_vec(), above })
+    }
+
+    /// The depth above which a share of the grains lies, both 0 to 1.
+    pub fn quantile(&self, share: f64) -> f64 {
+        let last = self.rows.len() - 2;
+        let segment = self.above[1..=last].iter().take_while(|above| **above <= share).count();
+        let [from, first] = self.rows[segment];
+        let [to, second] = self.rows[segment + 1];
+        let within = self.above[segment + 1] - self.above[segment];
+        if within <= 0.0 || first + second <= 0.0 {
+            return from;
+        }
+        // share of the segment's area: first t + (second − first) t²/2 = m, in the stable form
+        let m = 0.5 * (first + second) * (share - self.above[segment]) / within;
+        let root = (first * first + 2.0 * (second - first) * m).max(0.0).sqrt();
+        if first + root > 0.0 { from + (to - from) * 2.0 * m / (first + root) } else { from }
+    }
+
+    /// Share of the grains above a depth, 0 to 1.
+    pub fn share_above(&self, depth: f64) -> f64 {
+        let segments = self.rows.windows(2).zip(self.above.windows(2));
+        for (rows, above) in segments {
+            let [[from, first], [to, second]] = [rows[0], rows[1]];
+            if depth < to && first + second > 0.0 {
+                let t = ((depth - from) / (to - from)).max(0.0);
+                let part = (first * t + 0.5 * (second - first) * t * t) / (0.5 * (first + second));
+                return above[0] + part * (above[1] - above[0]);
+            }
+        }
+        1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Quantiles invert the shares, also across depths that hold nothing.
+    #[test]
+    fn quantiles_invert_shares() {
+        for rows in [
+            vec![[0.0, 0.2], [1.0, 0.4]],
+            vec![[0.0, 0.0], [1.0, 0.3]],
+            vec![[0.0, 0.3], [0.4, 0.0], [1.0, 0.2]],
+            vec![[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [1.0, 1.0]],
+        ] {
+            let law = DepthLaw::of(&rows).expect("a law");
+            for i in 1..50 {
+                let share = f64::from(i) / 50.0;
+                let depth = law.quantile(share);
+                assert!((law.share_above(depth) - share).abs() < 1e-12, "{rows:?} {share} {depth}");
+            }
+        }
+    }
+}

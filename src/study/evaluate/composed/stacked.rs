@@ -1,0 +1,136 @@
+//! Stacks as lists of plates: from the ensembles of all portions to a stack of one thickness of its
+//! varied layer.
+//!
+//! A layer that is solved as a whole is one element, and among slabs of half the thickness it is
+//! its two halves, so that the comparison carries what a joint within a strong layer costs.
+
+use super::level::{Change, Level, MeanSlab};
+use crate::appearance::composed::flux::Hemisphere;
+use crate::appearance::composed::fringes::stack_film::{Mirrors, SolvedElement};
+use crate::appearance::composed::ordinates::Ordinates;
+use crate::appearance::composed::stack::{PlateStack, StackElement};
+use crate::appearance::paper::PRINT_DEG;
+use crate::input::study::{Composed, LayerPlates, Position, StackMedia, Study};
+
+/// The stack of a study at all wavelengths.
+pub struct StackTask<'a> {
+    study: &'a Study,
+    composed: &'a Composed,
+    /// \[wavelength\]
+    media: Vec<StackMedia>,
+}
+
+/// What one layer of a stack is made of at one wavelength.
+struct Around<'a> {
+    layer: usize,
+    media: &'a StackMedia,
+    wavelength: usize,
+}
+
+impl<'a> StackTask<'a> {
+    /// `None` for studies that are no stack of plates.
+    pub fn new(study: &'a Study) -> Option<Self> {
+        let composed = study.composed().filter(|composed| !composed.layers.is_empty())?;
+        Some(Self { study, composed, media: study.stack_media() })
+    }
+
+    /// The stack at every wavelength, its varied layer `thickness_um` thick.
+    ///
+    /// # Errors
+    /// A portion that is missing; joints whose media differ.
+    pub fn stacks(
+        &self,
+        level: &Level,
+        thickness_um: f64,
+        change: Change,
+    ) -> Result<Vec<PlateStack>, String> {
+        (0..self.media.len()).map(|w| self.stack(level, thickness_um, w, change)).collect()
+    }
+
+    fn stack(
+        &self,
+        level: &Level,
+        thickness_um: f64,
+        wavelength: usize,
+        change: Change,
+    ) -> Result<PlateStack, String> {
+        let media = &self.media[wavelength];
+        let mut elements = Vec::new();
+        for (layer, plates) in self.composed.layers.iter().enumerate() {
+            let around = Around { layer, media, wavelength };
+            let own_um = self.study.stack[layer].thickness_um;
+            let um = if self.composed.varied == Some(layer) { thickness_um } else { own_um };
+            elements.extend(match plates {
+                LayerPlates::Clear => self.clear(&around, um),
+                LayerPlates::Whole => self.solved(&around, level, 1.0, change)?,
+                LayerPlates::Slabs(slab_um) => self.solved(&around, level, slabs_in(um, *slab_um), change)?,
+            });
+        }
+        let oblique_deg = Some(PRINT_DEG);
+        let before = Hemisphere { oblique_deg, ..self.medium(media, media.joints[0]) };
+        PlateStack::new(elements, before, 1e-3 * media.wavelength_nm)
+    }
+
+    /// States of light in a medium of the stack.
+    fn medium(&self, media: &StackMedia, index: f64) -> Hemisphere {
+        Hemisphere {
+            ordinates: Ordinates::new(index, &media.all(), self.composed.directions),
+            polarisations: if self.study.wave.is_vector() { 2 } else { 1 },
+            oblique_deg: None,
+        }
+    }
+
+    fn clear(&self, Around { layer, media, .. }: &Around, thickness_um: f64) -> Vec<StackElement> {
+        let oblique_deg = (*layer == 0).then_some(PRINT_DEG);
+        let before = Hemisphere { oblique_deg, ..self.medium(media, media.joints[*layer]) };
+        let within = self.medium(media, media.within[*layer]);
+        let behind = self.medium(media, media.joints[layer + 1]);
+        let wavelength_um = 1e-3 * media.wavelength_nm;
+        let index = self.study.stack[*layer].binder.index_at(wavelength_um);
+        StackElement::clear([&before, &within, &behind], index, thickness_um, wavelength_um, *layer)
+    }
+
+    /// A layer of `count` slabs of the thickness that is not halved.
+    fn solved(
+        &self,
+        around: &Around,
+        level: &Level,
+        count: f64,
+        change: Change,
+    ) -> Result<Vec<StackElement>, String> {
+        let Around { layer, media, wavelength } = *around;
+        let count = if level.halved { 2.0 * count } else { count };
+        let places = if count > 1.0 {
+            vec![
+                (Position::Front, Mirrors::InFront, 1.0),
+                (Position::Inner, Mirrors::Nowhere, count - 2.0),
+                (Position::Back, Mirrors::Behind, 1.0),
+            ]
+        } else {
+            vec![(Position::Whole, Mirrors::OnBothSides, 1.0)]
+        };
+        let mut elements = Vec::new();
+        for (position, mirrors, count) in places.into_iter().filter(|(_, _, count)| *count > 0.0) {
+            let mean = level.mean([layer, wavelength], position, change);
+            let missing =
+                || format!("layer {} has no complete realisation yet", self.study.stack[layer].name);
+            let MeanSlab { plate, coherent, media: [before, behind], slab_um } = mean.ok_or_else(missing)?;
+            let film = SolvedElement {
+                amplitudes: coherent,
+                between: [before.ordinates.index, behind.ordinates.index],
+                index: media.within[layer],
+                thickness_um: slab_um,
+                mirrors,
+                count,
+            };
+            elements.push(StackElement::solved(plate, film, behind, layer));
+        }
+        Ok(elements)
+    }
+}
+
+/// Slabs in a thickness: a whole number but for rounding, or any.
+pub(super) fn slabs_in(thickness_um: f64, slab_um: f64) -> f64 {
+    let count = thickness_um / slab_um;
+    if (count - count.round()).abs() < 1e-9 * count { count.round() } else { count }
+}

@@ -1,0 +1,83 @@
+//! The ink on paper that fluoresces: what the paper emits below it depends on the layer at all
+//! shorter wavelengths.
+
+use super::{InkOnPaper, MovedNodes};
+use crate::appearance::paper::{PRINT_DEG, PaperError};
+use crate::appearance::paper_series::{AreaMix, AreaOptics};
+use crate::evaluate::on_paper::{Emitted, EmittedShare, LayerOnPaper, PolarAngle};
+use crate::evaluate::prints::Brightened;
+
+/// Step of the differences that stand for derivatives by R and T.
+const STEP: f64 = 1e-4;
+
+impl InkOnPaper {
+    /// The ink on its paper under another light, where the paper fluoresces.
+    ///
+    /// # Errors
+    /// None: 45° and 0° are within the hemisphere.
+    pub(in crate::evaluate) fn lit_by(mut self, brightened: &Brightened) -> Result<Self, PaperError> {
+        let light = self.at(PRINT_DEG)?;
+        let view = self.at(0.0)?;
+        let fitted = self.places.outputs.end.max(self.places.colours.end);
+        let kept =
+            self.moved.iter().flat_map(|MovedNodes { few, moved }| [*few].into_iter().chain(moved.clone()));
+        let first = kept.clone().min().unwrap_or(self.whole.len());
+        let blocks: Vec<[usize; 2]> =
+            [[0, first]].into_iter().chain(kept.map(|start| [start, start + fitted])).collect();
+        let mut whole = self.whole.clone();
+        for [from, to] in blocks {
+            let emitted = self.emitted(&self.whole[from..to], [&light, &view], brightened);
+            whole[from..to].iter_mut().zip(emitted).for_each(|(layer, emitted)| layer.emitted = emitted);
+        }
+        let mut replicates = self.replicates.clone();
+        for layers in &mut replicates {
+            let emitted = self.emitted(layers, [&light, &view], brightened);
+            layers.iter_mut().zip(emitted).for_each(|(layer, emitted)| layer.emitted = emitted);
+        }
+        self.whole = whole;
+        self.replicates = replicates;
+        Ok(self)
+    }
+
+    /// What the paper emits below each of these layers, of which the first are those of the
+    /// spectra.
+    fn emitted(
+        &self,
+        layers: &[LayerOnPaper],
+        [light, view]: [&PolarAngle; 2],
+        brightened: &Brightened,
+    ) -> Vec<Emitted> {
+        let outputs_nm = self.wavelengths_nm();
+        let seen = &layers[..outputs_nm.len()];
+        let at_45: Vec<AreaOptics> = seen.iter().map(|layer| layer.optics(light, view)).collect();
+        let natural: Vec<AreaOptics> = seen
+            .iter()
+            .zip(&at_45)
+            .map(|(layer, optics)| AreaOptics { entering: layer.mean_transmittance(), ..*optics })
+            .collect();
+        let places_nm: Vec<f64> = layers.iter().map(|layer| self.wavelength_nm(layer)).collect();
+        let lit_at_45 = shares(&at_45, outputs_nm, &places_nm, brightened);
+        let natural = shares(&natural, outputs_nm, &places_nm, brightened);
+        let both = natural.into_iter().zip(lit_at_45);
+        both.map(|(natural, lit_at_45)| Emitted { natural, lit_at_45 }).collect()
+    }
+}
+
+/// S/E at these places, and its derivatives by R and T of all wavelengths together.
+fn shares(
+    optics: &[AreaOptics],
+    outputs_nm: &[f64],
+    places_nm: &[f64],
+    brightened: &Brightened,
+) -> Vec<EmittedShare> {
+    let emitted = |change: &dyn Fn(&AreaOptics) -> AreaOptics| -> Vec<f64> {
+        let moved: Vec<AreaOptics> = optics.iter().map(change).collect();
+        let light = brightened.below(&AreaMix::whole(), &[&moved], outputs_nm);
+        places_nm.iter().map(|nm| light.relative(*nm).first().copied().unwrap_or(0.0)).collect()
+    };
+    let here = emitted(&|area| *area);
+    let by_r = emitted(&|area| AreaOptics { lost: area.lost - STEP, ..*area });
+    let by_t = emitted(&|area| AreaOptics { entering: area.entering + STEP, ..*area });
+    let share = |i: usize| [here[i], (by_r[i] - here[i]) / STEP, (by_t[i] - here[i]) / STEP];
+    (0..here.len()).map(share).collect()
+}

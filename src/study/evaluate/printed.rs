@@ -1,0 +1,179 @@
+//! The prints of a study with their error bars, as they are published.
+
+use super::ink::{InkError, InkOnPaper};
+use super::on_paper::LayerOnPaper;
+use super::prints::{PrintNumbers, PrintTask, PrintedTint};
+use super::uncertainty::{Shift, UNMOVED, Uncertainty};
+use crate::appearance::bare_paper::PaperGeometry;
+use crate::appearance::paper::PRINT_DEG;
+use crate::appearance::paper_series::AreaOptics;
+use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
+use serde::Serialize;
+use std::f64::consts::FRAC_1_SQRT_2;
+
+/// Prints on the study's paper.
+#[derive(Clone, Debug, Serialize)]
+pub struct Prints {
+    /// Illuminant and observer of the colours.
+    pub conditions: String,
+    /// Directions of light and view.
+    pub geometry: &'static str,
+    /// One print each, from bare paper to the solid, for every condition and thickness.
+    pub prints: Vec<PrintNote>,
+}
+
+/// A print with its errors.
+#[derive(Clone, Debug, Serialize)]
+pub struct PrintNote {
+    /// Which print it is.
+    #[serde(flatten)]
+    pub print: PrintedTint,
+    /// Thickness of a composed layer, µm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub thickness_um: Option<f64>,
+    /// As screens show it, `#rrggbb`.
+    pub hex: String,
+    /// L*, a*, b*.
+    pub lab: [Estimate; 3],
+    /// Coverage by Murray and Davies from Y.
+    pub apparent_coverage: Option<Estimate>,
+    /// Coverage with the physical gain, less the nominal one.
+    pub physical_gain: f64,
+    /// Coverage by Murray and Davies, less that with the physical gain: what spreading adds.
+    pub optical_gain: Option<Estimate>,
+    /// n of Yule and Nielsen that would give Y of this print.
+    pub yule_nielsen: Option<f64>,
+    /// Radiance factor at every wavelength of the study; above 1 where the paper emits.
+    pub factors: Vec<Estimate>,
+}
+
+impl PrintNote {
+    /// Condition and coverage in words.
+    pub fn name(&self) -> String {
+        let what = match self.print.nominal {
+            0.0 => "bare paper".to_owned(),
+            1.0 => "solid".to_owned(),
+            nominal => format!("{:.4} %", 100.0 * nominal).replace(".0000", ""),
+        };
+        self.print.condition.map_or(what.clone(), |condition| format!("{}, {what}", condition.name()))
+    }
+}
+
+impl PrintTask<'_> {
+    /// Prints with their errors.
+    pub(super) fn notes(
+        &self,
+        thickness_um: Option<f64>,
+        numbers: &[PrintNumbers<f64>],
+        with_errors: &[PrintNumbers<Estimate>],
+    ) -> Vec<PrintNote> {
+        let n = self.yule_nielsen(numbers);
+        let mut notes = Vec::new();
+        for (k, print) in self.prints.iter().enumerate() {
+            let Ok(colour) = self.eye.colour(self.seen(&numbers[k].factors)) else { continue };
+            let [r, g, b] = colour.srgb8;
+            let bars = &with_errors[k];
+            let is_tint = print.nominal > 0.0 && print.nominal < 1.0;
+            let apparent = Some(bars.apparent).filter(|apparent| is_tint && apparent.value.is_finite());
+            notes.push(PrintNote {
+                print: print.clone(),
+                thickness_um,
+                hex: format!("#{r:02x}{g:02x}{b:02x}"),
+                lab: bars.lab,
+                apparent_coverage: apparent,
+                physical_gain: print.coverage - print.nominal,
+                optical_gain: apparent
+                    .map(|apparent| Estimate { value: apparent.value - print.coverage, ..apparent }),
+                yule_nielsen: n[k].filter(|_| is_tint),
+                factors: bars.factors.clone(),
+            });
+        }
+        notes
+    }
+
+    /// With what the wavelengths leave open of L*, a*, b*.
+    pub(super) fn between_wavelengths(&self, factors: &[f64]) -> [f64; 3] {
+        let seen = self.seen(factors);
+        let Ok(xyz) = self.eye.xyz(seen) else { return [0.0; 3] };
+        let mut shifts = self.eye.spacing(seen, xyz, None);
+        shifts.extend(self.eye.beyond(seen, xyz));
+        std::array::from_fn(|c| shifts.iter().fold(0.0, |sum: f64, shift| sum.hypot(shift[c])))
+    }
+}
+
+/// The prints of an ink that is solved as a whole; `None` where there is only a solid on plain
+/// paper.
+///
+/// # Errors
+/// None: 45° and 0° are within the hemisphere.
+pub(super) fn ink_prints(
+    study: &Study,
+    ink: &InkOnPaper,
+    uncertainty: &Uncertainty,
+) -> Result<Option<Prints>, InkError> {
+    let Some(task) = PrintTask::new(study) else { return Ok(None) };
+    let light = ink.at(PRINT_DEG)?;
+    let view = ink.at(0.0)?;
+    let optics = |layer: &LayerOnPaper, [r, t]: Shift| {
+        let here = layer.optics(&light, &view);
+        AreaOptics {
+            own: here.own + r,
+            entering: here.entering + t,
+            leaving: here.leaving + t / layer.index_out.powi(2),
+            lost: here.lost - r,
+        }
+    };
+    let at = |layers: &[LayerOnPaper], by: &dyn Fn(&LayerOnPaper) -> Shift| -> Vec<AreaOptics> {
+        layers.iter().map(|layer| optics(layer, by(layer))).collect()
+    };
+    let unmoved = at(ink.layers(), &|_| UNMOVED);
+    let whole = task.numbers(&unmoved);
+    let replicates: Vec<_> = ink.layers_of_replicates().map(|l| task.numbers(&at(l, &|_| UNMOVED))).collect();
+    let mut moved = uncertainty.moved(ink, |by| Ok(task.numbers(&at(ink.layers(), by))))?;
+    let scaled = moved.len();
+    moved.extend(moved_by_inputs(ink, &unmoved, |layer| optics(layer, UNMOVED)).map(|o| task.numbers(&o)));
+    let mut bars = Vec::new();
+    for (k, print) in whole.iter().enumerate() {
+        let open = task.between_wavelengths(&print.factors);
+        let estimate = |get: &dyn Fn(&PrintNumbers<f64>) -> f64, open: f64| {
+            let value = get(print);
+            let own: Vec<f64> = replicates.iter().map(|all| get(&all[k])).collect();
+            // every table is moved to both sides
+            let weight = |i: usize| if i < scaled { 1.0 } else { FRAC_1_SQRT_2 };
+            let by_parts = moved.iter().enumerate().map(|(i, all)| weight(i) * (get(&all[k]) - value));
+            uncertainty.widen(Estimate::jackknife(value, &own), by_parts.fold(open, f64::hypot))
+        };
+        bars.push(PrintNumbers {
+            lab: std::array::from_fn(|c| estimate(&|print| print.lab[c], open[c])),
+            apparent: estimate(&|print| print.apparent, 0.0),
+            factors: (0..print.factors.len()).map(|w| estimate(&|print| print.factors[w], 0.0)).collect(),
+        });
+    }
+    let prints = task.notes(None, &whole, &bars);
+    Ok(Some(Prints { conditions: task.viewing.clone(), geometry: PaperGeometry::LitAt45.name(), prints }))
+}
+
+/// The layer with every table of indices moved by its error.
+fn moved_by_inputs(
+    ink: &InkOnPaper,
+    unmoved: &[AreaOptics],
+    optics: impl Fn(&LayerOnPaper) -> AreaOptics,
+) -> impl Iterator<Item = Vec<AreaOptics>> {
+    let changes =
+        |part: fn(&AreaOptics) -> f64| ink.input_changes(0..unmoved.len(), |layer| part(&optics(layer)));
+    let own = changes(|area| area.own);
+    let entering = changes(|area| area.entering);
+    let leaving = changes(|area| area.leaving);
+    let lost = changes(|area| area.lost);
+    let moved = |k: usize| {
+        let change = |(i, area): (usize, &AreaOptics)| AreaOptics {
+            own: area.own + own[k][i],
+            entering: area.entering + entering[k][i],
+            leaving: area.leaving + leaving[k][i],
+            lost: area.lost + lost[k][i],
+        };
+        unmoved.iter().enumerate().map(change).collect()
+    };
+    (0..own.len()).map(moved).collect::<Vec<_>>().into_iter()
+}

@@ -1,0 +1,243 @@
+//! Prints on the study's paper besides the solid under daylight: in dots, and under the lights of
+//! instruments where the paper fluoresces. Layers that are solved as a whole and composed ones are
+//! seen alike: as [`AreaOptics`] at the study's wavelengths.
+
+use crate::appearance::bare_paper::{BareSurface, PaperGeometry};
+use crate::appearance::fluorescence::{CUT_NM, summed_nm};
+use crate::appearance::halftone::{murray_davies, physical_coverage, spread_share, yule_nielsen};
+use crate::appearance::paper_series::{AreaMix, AreaOptics};
+use crate::appearance::tristimulus::{Colorimeter, visible};
+use crate::appearance::viewing::{Summation, Viewing};
+use crate::input::measured::MeasuredCondition;
+use crate::input::study::{Paper, Study};
+use serde::Serialize;
+
+/// Micrometres of a centimetre.
+const UM_PER_CM: f64 = 1e4;
+
+/// A brightened paper under a light.
+#[derive(Clone, Debug)]
+pub struct Brightened {
+    /// Wavelengths of the sum over excitation.
+    grid_nm: Vec<f64>,
+    albedos: Vec<f64>,
+    light: Vec<f64>,
+    matrix: Vec<Vec<f64>>,
+}
+
+/// What the paper below every kind of area emits, against wavelength.
+pub struct EmittedLight<'a> {
+    brightened: &'a Brightened,
+    /// \[wavelength\]\[kind of area\]
+    emitted: Vec<Vec<f64>>,
+}
+
+impl Brightened {
+    /// The paper under an illuminant, at wavelengths from below `cut_nm` of which there is no
+    /// light; `None` if it does not fluoresce.
+    pub fn new(paper: &Paper, wavelengths_nm: &[f64], viewing: &Viewing, cut_nm: f64) -> Option<Self> {
+        let fluorescence = paper.fluorescence.as_ref()?;
+        let grid_nm = summed_nm(*wavelengths_nm.first()?, *wavelengths_nm.last()?);
+        let power = |&nm: &f64| if nm < cut_nm { 0.0 } else { viewing.power(nm) };
+        let albedo = |&nm: &f64| paper.albedo.at(nm).unwrap_or(f64::NAN);
+        Some(Self {
+            albedos: grid_nm.iter().map(albedo).collect(),
+            light: grid_nm.iter().map(power).collect(),
+            matrix: fluorescence.matrix(&grid_nm),
+            grid_nm,
+        })
+    }
+
+    /// What is emitted below kinds of area that are known at these wavelengths.
+    pub fn below(&self, mix: &AreaMix, kinds: &[&[AreaOptics]], wavelengths_nm: &[f64]) -> EmittedLight<'_> {
+        let at = |&nm: &f64| kinds.iter().map(|kind| AreaOptics::at(kind, wavelengths_nm, nm)).collect();
+        let areas: Vec<Vec<AreaOptics>> = self.grid_nm.iter().map(at).collect();
+        let emitted = mix.emitted(&areas, &self.albedos, &self.light, &self.matrix);
+        EmittedLight { brightened: self, emitted }
+    }
+}
+
+impl EmittedLight<'_> {
+    /// S_k/E at a wavelength; nothing where there is no light to compare with.
+    pub fn relative(&self, nm: f64) -> Vec<f64> {
+        let Brightened { grid_nm, light, .. } = self.brightened;
+        let after = grid_nm.partition_point(|&x| x < nm).min(grid_nm.len().saturating_sub(1));
+        let below =
+            if grid_nm.get(after).is_some_and(|&x| x <= nm) { after } else { after.saturating_sub(1) };
+        let (Some(from), Some(to)) = (grid_nm.get(below), grid_nm.get(after)) else { return Vec::new() };
+        let share = if to > from { ((nm - from) / (to - from)).clamp(0.0, 1.0) } else { 0.0 };
+        let mix = |low: f64, high: f64| low + share * (high - low);
+        let power = mix(light[below], light[after]);
+        let kinds = self.emitted[below].iter().zip(&self.emitted[after]);
+        kinds.map(|(low, high)| if power > 0.0 { mix(*low, *high) / power } else { 0.0 }).collect()
+    }
+}
+
+/// One print.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct PrintedTint {
+    /// Light of the instrument, where the paper fluoresces.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub condition: Option<MeasuredCondition>,
+    /// Coverage as it was asked for; 0 is bare paper, 1 the solid.
+    pub nominal: f64,
+    /// Coverage with the physical gain.
+    pub coverage: f64,
+    /// Share of the light that the paper spreads over all areas alike.
+    pub spread: f64,
+}
+
+/// What of a print its bars are made of.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct PrintNumbers<T> {
+    /// L*, a*, b* at 45:0.
+    pub lab: [T; 3],
+    /// Coverage by Murray and Davies from Y: what a densitometer calls it. NaN without ink.
+    pub apparent: T,
+    /// Radiance factor at 45:0, wavelength by wavelength.
+    pub factors: Vec<T>,
+}
+
+impl<T> PrintNumbers<T> {
+    /// New numbers, each from this one.
+    pub fn map<U>(self, number: &impl Fn(T) -> U) -> PrintNumbers<U> {
+        PrintNumbers {
+            lab: self.lab.map(number),
+            apparent: number(self.apparent),
+            factors: self.factors.into_iter().map(number).collect(),
+        }
+    }
+
+    /// New numbers, each from those of its place here and in `other`.
+    pub fn zipped<V, U>(self, other: PrintNumbers<V>, number: &impl Fn(T, V) -> U) -> PrintNumbers<U> {
+        let [l, a, b] = self.lab;
+        let [other_l, other_a, other_b] = other.lab;
+        PrintNumbers {
+            lab: [number(l, other_l), number(a, other_a), number(b, other_b)],
+            apparent: number(self.apparent, other.apparent),
+            factors: self.factors.into_iter().zip(other.factors).map(|(x, y)| number(x, y)).collect(),
+        }
+    }
+}
+
+/// The prints of a study.
+pub struct PrintTask<'a> {
+    study: &'a Study,
+    /// In the order of their results: by condition, then by coverage from bare to solid.
+    pub prints: Vec<PrintedTint>,
+    /// The eye that sums their colours.
+    pub eye: Colorimeter,
+    /// Name of illuminant and observer.
+    pub viewing: String,
+    /// Bare paper at 45:0.
+    bare: AreaOptics,
+    albedos: Vec<f64>,
+    /// The paper under the light of every condition; one without a light if it does not fluoresce.
+    lights: Vec<(Option<MeasuredCondition>, Option<Brightened>)>,
+}
+
+impl<'a> PrintTask<'a> {
+    /// The prints of a study; `None` where there is a solid alone on paper without a brightener,
+    /// and where its wavelengths carry no colour.
+    pub fn new(study: &'a Study) -> Option<Self> {
+        let Paper { fluorescence, dots, coupling, albedo, .. } = &study.paper;
+        if fluorescence.is_none() && dots.is_none() {
+            return None;
+        }
+        let nm = &study.wavelengths_nm;
+        let daylight = Viewing::new("D50", "2", Summation::Plain).ok()?;
+        let lamp = Viewing::new("A", "2", Summation::Plain).ok()?;
+        let viewing = if fluorescence.is_some() { daylight.clone() } else { study.judgement.viewing.clone() };
+        let lit = |condition, viewing: &Viewing, cut_nm| {
+            (Some(condition), Brightened::new(&study.paper, nm, viewing, cut_nm))
+        };
+        let lights = match fluorescence {
+            None => vec![(None, None)],
+            Some(_) => vec![
+                lit(MeasuredCondition::M0, &lamp, 0.0),
+                lit(MeasuredCondition::M1, &daylight, 0.0),
+                lit(MeasuredCondition::M2, &daylight, CUT_NM),
+            ],
+        };
+        let tints = dots.iter().flat_map(|dots| {
+            dots.nominal.iter().map(move |&nominal| {
+                let coverage = physical_coverage(nominal, dots.physical_gain);
+                let ruling_per_um = dots.ruling_per_cm / UM_PER_CM;
+                let spread = spread_share(coverage, ruling_per_um, dots.spread_um);
+                PrintedTint { condition: None, nominal, coverage, spread }
+            })
+        });
+        let alone = |nominal: f64| PrintedTint { condition: None, nominal, coverage: nominal, spread: 1.0 };
+        let ramp: Vec<PrintedTint> = [alone(0.0)].into_iter().chain(tints).chain([alone(1.0)]).collect();
+        let prints = lights.iter().flat_map(|(condition, _)| {
+            ramp.iter().map(move |print| PrintedTint { condition: *condition, ..print.clone() })
+        });
+        let surface = BareSurface::new(*coupling);
+        let [entering, leaving] = surface.passed(PaperGeometry::LitAt45);
+        Some(Self {
+            study,
+            prints: prints.collect(),
+            eye: Colorimeter::under(&nm[visible(nm)], &viewing).ok()?,
+            viewing: viewing.name(),
+            bare: AreaOptics { own: 0.0, entering, leaving, lost: surface.escaping() },
+            albedos: nm.iter().map(|&nm| albedo.at(nm).unwrap_or(f64::NAN)).collect(),
+            lights,
+        })
+    }
+
+    /// All prints of a layer that is known at the study's wavelengths.
+    pub fn numbers(&self, layer: &[AreaOptics]) -> Vec<PrintNumbers<f64>> {
+        let each = self.prints.len() / self.lights.len();
+        let mut all = Vec::new();
+        for ((_, light), prints) in self.lights.iter().zip(self.prints.chunks(each)) {
+            let factors: Vec<Vec<f64>> =
+                prints.iter().map(|print| self.factors(layer, print, light.as_ref())).collect();
+            let luminances: Vec<f64> = factors.iter().map(|factors| self.luminance(factors)).collect();
+            let paper = luminances[0];
+            let solid = luminances[each - 1];
+            for (k, factors) in factors.into_iter().enumerate() {
+                let inked = k > 0 && paper > solid;
+                let apparent = if inked { murray_davies(paper, luminances[k], solid) } else { f64::NAN };
+                all.push(PrintNumbers { lab: self.lab(&factors), apparent, factors });
+            }
+        }
+        all
+    }
+
+    /// Radiance factors of one print at 45:0.
+    fn factors(&self, layer: &[AreaOptics], print: &PrintedTint, light: Option<&Brightened>) -> Vec<f64> {
+        let nm = &self.study.wavelengths_nm;
+        let mix = AreaMix { shares: vec![print.coverage, 1.0 - print.coverage], spread: print.spread };
+        let bare = vec![self.bare; nm.len()];
+        let emitted = light.map(|light| light.below(&mix, &[layer, &bare], nm));
+        let factor = |(i, &nm): (usize, &f64)| {
+            let emitted = emitted.as_ref().map_or(Vec::new(), |emitted| emitted.relative(nm));
+            mix.factor(&[layer[i], self.bare], self.albedos[i], &emitted)
+        };
+        nm.iter().enumerate().map(factor).collect()
+    }
+
+    /// The factors that the eye sums.
+    pub fn seen<'f>(&self, factors: &'f [f64]) -> &'f [f64] {
+        &factors[visible(&self.study.wavelengths_nm)]
+    }
+
+    fn luminance(&self, factors: &[f64]) -> f64 {
+        self.eye.xyz(self.seen(factors)).map_or(f64::NAN, |xyz| xyz[1])
+    }
+
+    fn lab(&self, factors: &[f64]) -> [f64; 3] {
+        self.eye.colour(self.seen(factors)).map_or([f64::NAN; 3], |colour| colour.lab)
+    }
+
+    /// n of Yule and Nielsen for the luminance of each print, where there is one.
+    pub fn yule_nielsen(&self, numbers: &[PrintNumbers<f64>]) -> Vec<Option<f64>> {
+        let each = self.prints.len() / self.lights.len();
+        let luminances: Vec<f64> = numbers.iter().map(|print| self.luminance(&print.factors)).collect();
+        let n = |(k, print): (usize, &PrintedTint)| {
+            let first = k / each * each;
+            yule_nielsen(print.coverage, luminances[first], luminances[k], luminances[first + each - 1])
+        };
+        self.prints.iter().enumerate().map(n).collect()
+    }
+}

@@ -1,0 +1,145 @@
+//! Stacks that are lists of plates: which layers are solved as a whole, and what cannot be.
+
+use super::light::check_list;
+use crate::ink::Joint;
+use crate::input::file::{ComposedTable, StackLayerTable};
+use crate::input::forms::ThicknessWritten;
+use crate::input::study::{Composed, LayerPlates, Study, StudyKind};
+use crate::input::{Faults, LightRule, StudyFile, limits};
+
+/// How much more a solve of twice the thickness takes: *measured* 2.0 to 2.9.
+const TWICE: f64 = 2.4;
+
+/// Makes a stack of plates of the study of a stack.
+pub(super) fn compose(
+    written: &StudyFile,
+    layers: &[StackLayerTable],
+    table: &ComposedTable,
+    study: &mut Study,
+    faults: &mut Faults,
+) {
+    faults.number("stack.composed.slab_um", table.slab_um, limits::THICKNESS_UM, "2 is usual");
+    for (zone, count) in table.directions.into_iter().enumerate() {
+        let field = format!("stack.composed.directions[{zone}]");
+        faults.whole(&field, count, limits::ZONE_DIRECTIONS, "3 is enough: errors are below 5e-4");
+    }
+    let is_listed = |layer: &StackLayerTable| matches!(layer.thickness_um, ThicknessWritten::Several(_));
+    let varied = layers.iter().position(is_listed);
+    let thicknesses_um = varied.map_or(vec![study.layer.thickness_um], |i| layers[i].thickness_um.all());
+    if let Some(i) = varied {
+        let field = format!("layer[{i}].thickness_um");
+        let remedy = "list rising thicknesses, in µm";
+        check_list(&field, &thicknesses_um, limits::THICKNESS_UM, remedy, faults);
+    }
+    let plates: Vec<LayerPlates> =
+        (0..layers.len()).map(|i| plates_of(study, layers, table, i, faults)).collect();
+    refuse(written, layers, study, faults);
+    study.remarks.push(in_words(study, &plates, table.slab_um));
+    let thickest = plates.iter().zip(&study.stack).map(|(plates, layer)| match plates {
+        LayerPlates::Slabs(um) => *um,
+        LayerPlates::Clear | LayerPlates::Whole => layer.thickness_um,
+    });
+    let composed = Composed {
+        slab_um: thickest.fold(0.0, f64::max),
+        directions: table.directions,
+        thicknesses_um,
+        mixing: None,
+        layers: plates,
+        varied,
+    };
+    study.variation.light = LightRule::Listed;
+    study.kind = StudyKind::Composed(composed);
+}
+
+/// How one layer becomes plates. A whole layer takes one portion and two halves, slabs take three
+/// of their thickness and three of half of it: from twice a slab on, slabs are cheaper.
+fn plates_of(
+    study: &Study,
+    layers: &[StackLayerTable],
+    table: &ComposedTable,
+    i: usize,
+    faults: &mut Faults,
+) -> LayerPlates {
+    let layer = &study.stack[i];
+    if layer.pigments == 0 {
+        return LayerPlates::Clear;
+    }
+    let um = layer.thickness_um;
+    let is_listed = matches!(layers[i].thickness_um, ThicknessWritten::Several(_));
+    let asked_um = layers[i].slab_um;
+    let slab_um = asked_um.unwrap_or(table.slab_um);
+    let field = format!("layer[{i}].slab_um");
+    faults.number(&field, slab_um, limits::THICKNESS_UM, "2 is usual");
+    if is_listed && slab_um > 0.5 * um * (1.0 + 1e-9) {
+        let allowed = format!("at most {} µm, half of the thinnest of the listed thicknesses", 0.5 * um);
+        let remedy = "take thinner slabs for this layer, or give it one thickness";
+        faults.add(field, slab_um, allowed, remedy);
+        return LayerPlates::Whole;
+    }
+    let is_whole = if asked_um.is_some() { um <= slab_um * (1.0 + 1e-9) } else { um < 2.0 * slab_um };
+    if is_whole && !is_listed {
+        return LayerPlates::Whole;
+    }
+    LayerPlates::Slabs(um / (um / slab_um).round().max(2.0))
+}
+
+/// What a stack of plates cannot hold.
+fn refuse(written: &StudyFile, layers: &[StackLayerTable], study: &Study, faults: &mut Faults) {
+    for (i, layer) in layers.iter().enumerate() {
+        let mut refuse = |there: bool, key: &str, allowed: &str, remedy: &str| {
+            if there {
+                let allowed = format!("{allowed} where the stack is composed");
+                faults.add(format!("layer[{i}].{key}"), "given", allowed, remedy);
+            }
+        };
+        let remedy = "remove it, or remove [stack.composed]: a thin stack is solved whole";
+        refuse(layer.joint == Some(Joint::Open), "joint", "\"wall\"", remedy);
+        refuse(layer.relief.is_some(), "relief", "a plane surface", remedy);
+        refuse(layer.microstructure.is_some(), "microstructure", "packed grains", remedy);
+        refuse(layer.thickness_um.std() > 0.0, "thickness_um.std", "one thickness or a list", remedy);
+    }
+    let mut refuse = |there: bool, field: &str, allowed: &str, remedy: &str| {
+        if there {
+            faults.add(field, "given", format!("{allowed} where the stack is composed"), remedy);
+        }
+    };
+    let angles = written.angles.count.is_some() || written.angles.polar_deg.is_some();
+    let remedy = "remove angles.count and angles.polar_deg; stack.composed.directions sets them";
+    refuse(angles, "angles", "directions of its own", remedy);
+    let shifted = "remove it: all realisations are solved at the wavelengths of the spectra";
+    refuse(written.light.per_realisation.is_some(), "light.per_realisation", "listed wavelengths", shifted);
+    let aim = "remove it and set run.realisations; 12 to 24 are usual";
+    refuse(written.run.target_delta_e.is_some(), "run.target_delta_e", "a number of realisations", aim);
+    let measured = "remove [compare]: compare the spectra of results.json";
+    refuse(written.compare.measured.is_some(), "compare.measured", "no measurement", measured);
+    if study.pigments.is_empty() {
+        let remedy = "remove [stack.composed]: a clear stack is solved exactly at any thickness";
+        faults.add("layer.pigment", "none", "grains in a layer where the stack is composed", remedy);
+    } else if study.realisations < 2 {
+        let remedy = "12 to 24 are usual: one realisation has no error bar";
+        faults.add("run.realisations", study.realisations, "2 or more", remedy);
+    }
+}
+
+/// What becomes of every layer, and what the other way would cost.
+fn in_words(study: &Study, plates: &[LayerPlates], slab_um: f64) -> String {
+    let per_um = |um: f64| um.powf(TWICE.log2());
+    let whole = |um: f64| per_um(um) + 2.0 * per_um(0.5 * um);
+    let slabs = |um: f64| 3.0 * (per_um(um) + per_um(0.5 * um));
+    let words = study.stack.iter().zip(plates).map(|(layer, plates)| {
+        let (name, um) = (&layer.name, layer.thickness_um);
+        match plates {
+            LayerPlates::Clear => format!("{name}: clear, known exactly"),
+            LayerPlates::Whole => {
+                let slab_um = slab_um.min(0.5 * um);
+                let times = slabs(slab_um) / whole(um);
+                format!("{name}: solved whole (slabs of {slab_um:.2} µm would cost about {times:.1} times as much)")
+            }
+            LayerPlates::Slabs(own_um) => {
+                let times = whole(um) / slabs(*own_um);
+                format!("{name}: slabs of {own_um:.2} µm (whole it would cost about {times:.1} times as much)")
+            }
+        }
+    });
+    format!("stack.composed: {}", words.collect::<Vec<_>>().join("; "))
+}

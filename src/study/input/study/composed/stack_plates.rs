@@ -1,0 +1,167 @@
+//! Stacks as lists of plates: which layers are solved as a whole, which in slabs, and between which
+//! media.
+//!
+//! Behind a layer lies the binder of the next one: the step of index is in the solve of the layer
+//! in front, and the next layer's grains begin behind a wall in their own binder. All media have
+//! the same zones of directions, which end at the indices of all of them.
+
+use super::{Composed, Portion, Position};
+use crate::input::study::{StackLayer, Study, StudyKind};
+use serde::{Deserialize, Serialize};
+
+/// How one layer of a stack becomes plates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LayerPlates {
+    /// Without grains: it is known exactly.
+    Clear,
+    /// Solved as a whole, from surface to surface.
+    Whole,
+    /// Composed of slabs of this thickness, µm.
+    Slabs(f64),
+}
+
+/// The layer that a slab of a stack belongs to, and the media of the stack.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StackedPortion {
+    /// Number of the layer, from 0.
+    pub(super) layer: usize,
+    /// Its name.
+    pub(super) name: String,
+    /// Position and number of the portion whose grid all portions of the layer have.
+    pub(super) first: (Position, u64),
+    /// The media of the stack at every wavelength.
+    pub(super) media: Vec<StackMedia>,
+}
+
+/// Real indices of a stack's half-spaces at one wavelength.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StackMedia {
+    /// Vacuum wavelength, nm.
+    pub wavelength_nm: f64,
+    /// In front of layer k: for k = 0 the incident side, else the binder of layer k; and the exit
+    /// side.
+    pub joints: Vec<f64>,
+    /// What inner slabs of layer k are solved between; of a clear layer its own index.
+    pub within: Vec<f64>,
+}
+
+impl StackMedia {
+    /// All of them: where zones of directions end.
+    pub fn all(&self) -> Vec<f64> {
+        self.joints.iter().chain(&self.within).copied().collect()
+    }
+}
+
+impl StackedPortion {
+    /// The media at the wavelength nearest to this one.
+    fn at(&self, wavelength_um: f64) -> Option<&StackMedia> {
+        let distance = |media: &StackMedia| (media.wavelength_nm - 1e3 * wavelength_um).abs();
+        self.media.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// Indices of all media.
+    pub(super) fn media_at(&self, wavelength_um: f64) -> Vec<f64> {
+        self.at(wavelength_um).map(StackMedia::all).unwrap_or_default()
+    }
+
+    /// Indices in front of and behind a portion at this position.
+    pub(super) fn between(&self, position: Position, wavelength_um: f64) -> [f64; 2] {
+        let Some(media) = self.at(wavelength_um) else { return [f64::NAN; 2] };
+        let (before, behind) = (media.joints[self.layer], media.joints[self.layer + 1]);
+        let within = media.within[self.layer];
+        match position {
+            Position::Inner => [within; 2],
+            Position::Front => [before, within],
+            Position::Back => [within, behind],
+            Position::Whole => [before, behind],
+        }
+    }
+}
+
+impl Study {
+    /// The media of a stack at its wavelengths.
+    pub fn stack_media(&self) -> Vec<StackMedia> {
+        let layers: Vec<Study> = (0..self.stack.len()).map(|k| self.of_layer(k)).collect();
+        let at = |nm: &f64| {
+            let um = 1e-3 * nm;
+            let binder = |layer: &StackLayer| {
+                let index = layer.binder.index_at(um);
+                (index * index).re.max(0.0).sqrt()
+            };
+            let mut joints: Vec<f64> = self.stack.iter().map(binder).collect();
+            let within = layers.iter().map(|layer| layer.embedding_index(um)).collect();
+            joints[0] = self.layer.index_in;
+            joints.push(self.layer.index_out);
+            StackMedia { wavelength_nm: *nm, joints, within }
+        };
+        self.wavelengths_nm.iter().map(at).collect()
+    }
+
+    /// One layer of a stack as a study of its own.
+    pub fn of_layer(&self, layer: usize) -> Study {
+        let own = &self.stack[layer];
+        let pigments = self.pigments_of_layers().swap_remove(layer);
+        let mut study = self.clone();
+        study.stack = Vec::new();
+        study.layer.thickness_um = own.thickness_um;
+        study.layer.binder = own.binder.clone();
+        study.pigments = self.pigments[pigments].to_vec();
+        let request = &self.packing.layers[layer].request;
+        study.packing = crate::ink::PackingRequest {
+            period_um: self.packing.period_um,
+            seed: self.packing.seed,
+            ..request.clone()
+        };
+        study
+    }
+
+    /// The studies that a stack of plates takes: of every layer with grains the whole layer or
+    /// slabs of its own thickness, and slabs of half of that.
+    pub(super) fn portions_of_stack(&self, composed: &Composed) -> Vec<Study> {
+        let media = self.stack_media();
+        let mut portions = Vec::new();
+        for (layer, plates) in composed.layers.iter().enumerate() {
+            let own_um = self.stack[layer].thickness_um;
+            let slab_um = match plates {
+                LayerPlates::Clear => continue,
+                LayerPlates::Whole => own_um,
+                LayerPlates::Slabs(um) => *um,
+            };
+            let study = Study { kind: StudyKind::InkOnPaper, ..self.of_layer(layer) };
+            let first = (positions(plates, false)[0], portions.len() as u64);
+            for halved in [false, true] {
+                for &position in positions(plates, halved) {
+                    let number = portions.len() as u64;
+                    let stacked = StackedPortion {
+                        layer,
+                        name: self.stack[layer].name.clone(),
+                        first,
+                        media: media.clone(),
+                    };
+                    let portion = Portion {
+                        position,
+                        halved,
+                        number,
+                        slab_um,
+                        directions: composed.directions,
+                        mixing: composed.mixing,
+                        stacked: Some(stacked),
+                    };
+                    portions.push(study.of_portion(portion, self.packing.seed));
+                }
+            }
+        }
+        portions
+    }
+}
+
+/// Positions of the portions of a layer. A whole layer is compared with two halves.
+fn positions(plates: &LayerPlates, halved: bool) -> &'static [Position] {
+    match (plates, halved) {
+        (LayerPlates::Clear, _) => &[],
+        (LayerPlates::Whole, false) => &[Position::Whole],
+        (LayerPlates::Whole, true) => &[Position::Front, Position::Back],
+        (LayerPlates::Slabs(_), _) => &[Position::Inner, Position::Front, Position::Back],
+    }
+}

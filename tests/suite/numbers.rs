@@ -1,0 +1,186 @@
+//! Weighted numbers of whole studies: in `results.json`, tables and pages, of thin and composed layers and in sweeps.
+
+use crate::run_support::{TINY, study, succeed};
+use serde_json::Value;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+fn results(folder: &Path) -> Value {
+    serde_json::from_slice(&fs::read(folder.join("results.json")).unwrap()).unwrap()
+}
+
+fn number(results: &Value, name: &str) -> [f64; 2] {
+    let all = results["numbers"].as_array().unwrap();
+    let note = all.iter().find(|note| note["name"] == name).unwrap();
+    ["value", "standard_error"].map(|key| note[key].as_f64().unwrap())
+}
+
+const NUMBERS: &str = r#"
+[[number]]
+name = "red density"
+weights = "status_t_red"
+of = "lit_at_45"
+transform = "density"
+[[number]]
+name = "blue density"
+weights = "status_t_blue"
+of = "lit_at_45"
+transform = "density"
+[[number]]
+name = "Y"
+weights = "D65/2"
+of = "natural_light"
+[[number]]
+name = "yellowness"
+weights = "D65/10"
+of = "natural_light"
+transform = "yellowness"
+[[number]]
+name = "haze"
+weights = "C/2"
+of = "scattered_transmittance"
+over = "transmittance"
+"#;
+
+/// A yellow ink is dense in blue light and yellow; its Y under natural light is the colour's, whether
+/// the wavelengths are listed or shifted; the table and the page have every number with its bar.
+/// *Planted*: residuals of the fits left out of shifted sums; the second spectrum of a haze left out.
+#[test]
+fn a_yellow_ink_has_its_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let listed = TINY.replace("step_nm = 100", "step_nm = 20");
+    let shifted =
+        listed.replace("sampling = \"listed\"\n", "").replace("realisations = 2", "realisations = 4");
+    for (name, text) in [("listed", listed), ("shifted", shifted)] {
+        let out = folder.path().join(name);
+        let said = succeed(&study(folder.path(), &format!("{text}{NUMBERS}")), &out, &[]);
+        let results = results(&out);
+        let [red, blue] = ["red density", "blue density"].map(|name| number(&results, name));
+        assert!(blue[0] > red[0] + 0.05 && red[1] > 0.0, "{name}: {red:?} {blue:?}");
+        let [luminous, error] = number(&results, "Y");
+        let of_colour = results["colours"][0]["xyz"][1].as_f64().unwrap();
+        // the CIE's tables from 380 to 780 nm against sums from 400 to 700 nm
+        assert!((100.0 * luminous - of_colour).abs() < 0.2, "{name}: {luminous} {of_colour}");
+        assert!(error > 0.0 && error < 0.1, "{name}: {error}");
+        assert!(number(&results, "yellowness")[0] > 10.0, "{name}");
+        let [haze, error] = number(&results, "haze");
+        assert!(haze > 0.0 && haze < 1.0 && error > 0.0, "{name}: {haze} {error}");
+        let table = fs::read_to_string(out.join("numbers.csv")).unwrap();
+        assert!(table.lines().count() == 6 && table.contains("red density,,"), "{table}");
+        let page = fs::read_to_string(out.join("report.html")).unwrap();
+        assert!(
+            page.contains("Weighted numbers")
+                && page.contains("density of lit_at_45, weighted with status_t_red")
+        );
+        assert!(!said.contains("[number"), "{said}");
+    }
+}
+
+/// The density of light that is not there cannot be: it is withheld with the reason, and nothing else is.
+#[test]
+fn a_density_of_nothing_is_withheld() {
+    let folder = tempfile::tempdir().unwrap();
+    let dark = TINY.replace("[light]", "[paper]\nalbedo = 0.0\n[light]");
+    let dark = dark.replace("binder.index = 1.558", "binder.index = 1.0").replace(
+        "[[pigment]]\nname = \"yellow\"\ndiameter_nm = 200\nvolume_fraction = 0.15\nindex = { built_in = \"yellow\" }\n",
+        "",
+    );
+    let text = format!(
+        "{dark}[[number]]\nname = \"black\"\nweights = \"status_t_red\"\nof = \"albedo\"\ntransform = \"density\"\n"
+    );
+    let out = folder.path().join("out");
+    succeed(&study(folder.path(), &text), &out, &[]);
+    let results = results(&out);
+    assert!(results["numbers"][0]["value"].is_null() && out.join("picture.png").exists());
+    let reason = results["withheld"][0]["reason"].as_str().unwrap();
+    assert!(reason.contains("not above 0"), "{reason}");
+}
+
+/// Slabs of milliseconds from 400 to 1400 nm: colours take the visible part and say so, and are those of the visible part
+/// alone; the sun's part has a bar from every source. *Planted*: the eye given all wavelengths.
+#[test]
+fn a_composed_layer_beyond_the_eye_has_colours_and_numbers() {
+    let text = |nm: &str, number: &str| {
+        format!(
+            "title = 'Wide'\n[layer]\nperiod_um = 0.8\nthickness_um = [2, 4]\nbinder.index = 1.5\n\
+             composed = {{ slab_um = 0.5 }}\n[[pigment]]\nname = 'grains'\ndiameter_nm = 200\nvolume_fraction = 0.15\n\
+             index = 2.0\n[paper]\nalbedo = 0.5\n[light]\nwavelengths_nm = [{nm}]\n[run]\nrealisations = 2\nseed = 7\n\
+             [resolution]\npoints_per_um = 16\nplanes_per_um = 40\n{number}"
+        )
+    };
+    let sun =
+        "[[number]]\nname = 'sun'\nweights = 'solar_g173'\nfrom_nm = 400\nto_nm = 1400\nof = 'albedo'\n";
+    let folder = tempfile::tempdir().unwrap();
+    let eye = folder.path().join("eye");
+    succeed(&study(folder.path(), &text("400, 480, 560, 640, 720", "")), &eye, &[]);
+    let wide = folder.path().join("wide");
+    let said =
+        succeed(&study(folder.path(), &text("400, 480, 560, 640, 720, 860, 1060, 1400", sun)), &wide, &[]);
+    assert!(said.contains("colours take the wavelengths from 380 to 780 nm"), "{said}");
+    let [eye, all] = [&eye, &wide].map(|folder| results(folder));
+    for k in 0..2 {
+        let lab =
+            |results: &Value, c: usize| results["colours"][k]["natural_light"][c]["value"].as_f64().unwrap();
+        // the same solves; error bars take their model's part from neighbouring wavelengths, values do not
+        assert!((0..3).all(|c| (lab(&eye, c) - lab(&all, c)).abs() < 1e-9), "{:?}", lab(&all, 0));
+        let note = &all["numbers"][k];
+        assert_eq!((&note["name"], note["thickness_um"].as_f64()), (&"sun".into(), Some([2.0, 4.0][k])));
+        let value = note["value"].as_f64().unwrap();
+        let error = note["standard_error"].as_f64().unwrap();
+        assert!((0.2..0.9).contains(&value) && error > 0.0 && error < 0.2, "{value} {error}");
+        assert!(
+            note["parts"]["chance"].as_f64().unwrap() > 0.0
+                && note["parts"]["wavelengths"].as_f64().unwrap() > 0.0
+        );
+    }
+    let page = fs::read_to_string(wide.join("report.html")).unwrap();
+    assert!(
+        page.contains("Colours and pictures take the wavelengths from 380 to 780 nm")
+            && page.contains("Weighted numbers")
+    );
+    assert!(fs::read_to_string(wide.join("numbers.csv")).unwrap().contains("sun,2,"));
+}
+
+/// Weighted numbers of a sweep's variants are in its table, and conclusions judge them. *Planted*: the difference judged
+/// without its sign.
+#[test]
+fn sweeps_have_columns_and_verdicts_of_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    let (base, rest) = TINY.split_once("[light]").unwrap();
+    let base = base
+        .replace("title = \"Tiny yellow\"\n", "")
+        .replace("[layer]", "[base.layer]")
+        .replace("[[pigment]]", "[[base.pigment]]");
+    let rest =
+        format!("[base.light]{rest}").replace("[angles]", "[base.angles]").replace("[run]", "[base.run]");
+    let rest = rest.replace("[resolution]", "[base.resolution]").replace("[output]", "[base.output]");
+    let text = format!(
+        "title = \"Densities\"\n{base}{rest}[[base.number]]\nname = \"blue density\"\nweights = \"status_t_blue\"\n\
+         of = \"lit_at_45\"\ntransform = \"density\"\n[[axis]]\nname = \"share\"\n\
+         field = \"pigment.yellow.volume_fraction\"\nvalues = [0.05, 0.2]\n[[conclusion]]\nid = \"denser\"\n\
+         statement = \"More pigment is denser\"\nquantity = \"number\"\nnumber = \"blue density\"\n\
+         plus = [{{ share = 0.2 }}]\nminus = [{{ share = 0.05 }}]\nat_least = 0.0\n"
+    );
+    let path = folder.path().join("sweep.toml");
+    fs::write(&path, &text).unwrap();
+    let out = folder.path().join("out");
+    let sweep = |path: &Path| {
+        Command::new(env!("CARGO_BIN_EXE_inkwave"))
+            .arg("sweep")
+            .arg(path)
+            .arg("--output")
+            .arg(&out)
+            .output()
+            .unwrap()
+    };
+    let done = sweep(&path);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let table = fs::read_to_string(out.join("sweep.csv")).unwrap();
+    assert!(table.lines().next().unwrap().ends_with("blue density,blue density_standard_error"), "{table}");
+    let conclusions = fs::read_to_string(out.join("conclusions.csv")).unwrap();
+    assert!(conclusions.contains("denser") && !conclusions.contains("refuted"), "{conclusions}");
+    fs::write(&path, text.replace("number = \"blue density\"", "number = \"green density\"")).unwrap();
+    let said = String::from_utf8_lossy(&sweep(&path).stderr).into_owned();
+    assert!(said.contains("green density") && said.contains("one of blue density"), "{said}");
+}

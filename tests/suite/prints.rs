@@ -1,0 +1,163 @@
+//! Prints as a user runs them: dots, measured and brightened paper, of layers that are solved as a whole and of composed ones.
+
+use super::run_support::{TINY, described_tables, study, succeed};
+use serde_json::Value;
+use std::path::Path;
+
+const DOTS: &str =
+    "[dots]\nruling_per_cm = 60\nspread_um = 40\nphysical_gain = 0.05\n[[area]]\ncoverage = [0.25, 0.5]\n";
+const BANDS: &str =
+    "excitation = [[300, 0.2], [360, 0.8], [420, 0]], emission = [[410, 0], [440, 1], [500, 0]]";
+const COMPOSED: &str = r#"
+[layer]
+period_um = 0.8
+thickness_um = [1, 2]
+binder.index = 1.5
+composed = { slab_um = 0.5 }
+[[pigment]]
+name = "grains"
+diameter_nm = 200
+volume_fraction = 0.15
+index = { n = 2.0, k = 0.02 }
+[light]
+wavelengths_nm = [300, 360, 400, 450, 500, 550, 600, 650, 700]
+[run]
+realisations = 2
+seed = 7
+[resolution]
+points_per_um = 12
+planes_per_um = 36
+"#;
+
+fn results(text: &str) -> (Value, tempfile::TempDir) {
+    let scratch = tempfile::tempdir().unwrap();
+    let output = scratch.path().join("out");
+    succeed(&study(scratch.path(), text), &output, &[]);
+    let results = std::fs::read(output.join("results.json")).expect("results");
+    (serde_json::from_slice(&results).expect("JSON"), scratch)
+}
+
+fn lab(value: &Value) -> [f64; 3] {
+    std::array::from_fn(|i| value["lab"][i]["value"].as_f64().expect("a number"))
+}
+
+/// The solid in dots is the solid; tints lie between it and the paper, darker than Murray and Davies say; tables are
+/// described. *Planted*: the spread of a solid's light left out.
+#[test]
+fn tints_lie_between_paper_and_solid() {
+    // an ink that absorbs: of a clear one the layer sends back more of what the paper returns than it takes
+    let absorbing = TINY.replace("{ built_in = \"yellow\" }", "{ n = 1.5, k = 0.3 }");
+    let (results, scratch) = results(&format!("{absorbing}{DOTS}"));
+    let prints = results["prints"]["prints"].as_array().expect("prints");
+    assert_eq!(prints.len(), 4);
+    let factors = prints[3]["factors"].as_array().expect("factors");
+    let lit: Vec<&Value> =
+        results["spectra"].as_array().unwrap().iter().filter(|row| row["polar_deg"] == 0.0).collect();
+    for (factor, row) in factors.iter().zip(lit) {
+        let [solid, lit] = [&factor["value"], &row["lit_at_45"]["value"]].map(|x| x.as_f64().unwrap());
+        // an identity: rounding
+        assert!((solid - lit).abs() < 1e-14, "{solid} {lit}");
+    }
+    let lightness: Vec<f64> = prints.iter().map(|print| lab(print)[0]).collect();
+    assert!(lightness.windows(2).all(|pair| pair[0] > pair[1]), "{lightness:?}");
+    let gain = prints[2]["optical_gain"]["value"].as_f64().expect("a gain");
+    assert!(
+        gain > 0.0 && (prints[2]["physical_gain"].as_f64().unwrap() - 0.05).abs() < 1e-12,
+        "{}",
+        prints[2]
+    );
+    assert!(prints[2]["yule_nielsen"].as_f64().unwrap() > 1.1);
+    assert!(prints[2]["lab"][0]["standard_error"].as_f64().unwrap() > 0.0);
+    assert!(described_tables(&scratch.path().join("out")) >= 4);
+    let page = std::fs::read_to_string(scratch.path().join("out/report.html")).unwrap();
+    assert!(page.contains("<h2>Prints</h2>") && page.contains("Clapper"), "no prints on the page");
+}
+
+/// Composed layers: dots of full coverage are the solid, and a brightener without yield changes no number.
+#[test]
+fn composed_layers_are_printed_as_well() {
+    let paper = |quantum_yield: f64| {
+        format!(
+            "{COMPOSED}{DOTS}[paper]\nalbedo = 0.9\nfluorescence = {{ {BANDS}, yield = {quantum_yield} }}\n"
+        )
+    };
+    let (dark, _) = results(&paper(0.0));
+    let (bright, _) = results(&paper(0.7));
+    let number = |row: &Value, key: &str| row[key]["value"].as_f64().expect("a number");
+    let rows = |results: &Value| results["spectra"].as_array().expect("rows").clone();
+    let prints = |results: &Value| results["prints"]["prints"].as_array().expect("prints").clone();
+    assert_eq!(prints(&bright).len(), 2 * 3 * 4);
+    for (plain, lit) in rows(&dark).iter().zip(rows(&bright)) {
+        let at = plain["wavelength_nm"].as_f64().unwrap();
+        let more = ["lit_at_45", "natural_light"].map(|key| number(&lit, key) - number(plain, key));
+        match at {
+            450.0 => assert!(more.iter().all(|x| *x > 0.01), "{at}: {more:?}"),
+            // emission ends at 500 nm
+            500.0.. => assert!(more.iter().all(|x| x.abs() < 1e-12), "{at}: {more:?}"),
+            _ => {}
+        }
+    }
+    // without ultraviolet light there is no more light than without a brightener
+    for (plain, lit) in prints(&dark).iter().zip(prints(&bright)) {
+        if plain["condition"] == "M2" {
+            assert_eq!(lab(plain), lab(&lit));
+        } else {
+            let difference: f64 = lab(plain)[2] - lab(&lit)[2];
+            assert!(difference > 0.0, "bluer by what is emitted: {difference}");
+        }
+    }
+    // the solid at 45:0 without emission
+    for (print, um) in [(prints(&dark)[3].clone(), 1.0), (prints(&dark)[15].clone(), 2.0)] {
+        assert_eq!(print["thickness_um"], um);
+        let own = rows(&dark);
+        let own = own.iter().filter(|row| row["thickness_um"] == um);
+        for (factor, row) in print["factors"].as_array().unwrap().iter().zip(own) {
+            assert!((factor["value"].as_f64().unwrap() - number(row, "lit_at_45")).abs() < 1e-12);
+        }
+    }
+}
+
+/// A brightener without yield and without excitation changes no digit of a study; one with both makes the print bluer, and
+/// its bare paper reads what was measured.
+#[test]
+fn brightened_paper_is_bluer_and_a_dark_brightener_changes_nothing() {
+    let base = TINY
+        .replace("from_nm = 400", "from_nm = 300")
+        .replace("step_nm = 100", "step_nm = 20")
+        .replace("index = { built_in = \"yellow\" }", "index = { n = 1.7, k = 0.05 }");
+    let paper = |more: &str| format!("{base}[paper]\nalbedo = 0.9\n{more}\n");
+    let (plain, _) = results(&paper(""));
+    let (dark, _) = results(&paper(
+        "fluorescence = { excitation = [[300, 0], [420, 0]], emission = [[410, 0], [440, 1], [500, 0]], yield = 0 }",
+    ));
+    assert_eq!(plain["spectra"], dark["spectra"]);
+    assert_eq!(plain["colours"], dark["colours"]);
+    let (bright, _) = results(&paper(&format!("fluorescence = {{ {BANDS}, yield = 0.6 }}")));
+    let b = |results: &Value| results["colours"][1]["lab"][2].as_f64().expect("b*");
+    assert!(b(&plain) - b(&bright) > 1.0, "{} {}", b(&plain), b(&bright));
+}
+
+/// What is read of a measured paper is what the study's bare paper reads, and the page says so.
+#[test]
+fn measured_paper_is_returned() {
+    let scratch = tempfile::tempdir().unwrap();
+    let rows: String =
+        (0..=15).map(|k| format!("{},{}\n", 400 + 20 * k, 0.80 + 0.004 * f64::from(k))).collect();
+    std::fs::write(scratch.path().join("paper.csv"), format!("wavelength_nm,reflectance\n{rows}")).unwrap();
+    let text = TINY.replace("binder.index = 1.558", "binder.index = 1.5\nindex_out = 1.5");
+    let paper =
+        "[paper]\ncoupling = \"optical_contact\"\nmeasured = { csv = \"paper.csv\", unit = \"factor\" }\n";
+    let output = scratch.path().join("out");
+    let said = succeed(&study(scratch.path(), &format!("{text}{DOTS}{paper}")), &output, &[]);
+    assert!(said.contains("behind the paper's surface the albedo is"), "{said}");
+    let results: Value =
+        serde_json::from_slice(&std::fs::read(output.join("results.json")).unwrap()).unwrap();
+    let bare = &results["prints"]["prints"][0];
+    for (k, factor) in bare["factors"].as_array().unwrap().iter().enumerate() {
+        let want = 0.80 + 0.004 * 5.0 * k as f64;
+        assert!((factor["value"].as_f64().unwrap() - want).abs() < 1e-12, "{factor} {want}");
+    }
+    assert!(results["study"]["paper"]["measured"]["geometry"] == "45:0");
+    let page = std::fs::read_to_string(Path::new(&output).join("report.html")).unwrap();
+    assert!(page.contains("paper as measured"), "the page says how the albedo was made");
+}

@@ -1,0 +1,65 @@
+//! Prints the page of `reports/measured`: measured paints beside Mie's theory and radiative transfer.
+
+use inkwave::material::named::NamedMaterial;
+use inkwave_validation::measured::{COMPARISONS, ratios, spread};
+
+fn lab([l, a, b]: [f64; 3]) -> String {
+    format!("{l:.1}, {a:.1}, {b:.1}")
+}
+
+fn colours() {
+    println!(
+        "| paint | material, median diameter | measured L\\*, a\\*, b\\* | estimated | ΔE₀₀ | surface | ΔE₀₀ with it | paints differ by | within | why |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|---|");
+    for comparison in COMPARISONS {
+        let paints = comparison.compared();
+        let makers = spread(&paints);
+        for paint in &paints {
+            let within = if makers == 0.0 {
+                "one paint"
+            } else if paint.with_surface <= makers {
+                "yes"
+            } else {
+                "no"
+            };
+            println!(
+                "| {} | {}, {:.0} nm | {} | {} | {:.1} | {:.3} | {:.1} | {makers:.1} | {within} | {} |",
+                paint.paint,
+                comparison.material,
+                1e3 * comparison.diameter_um,
+                lab(paint.measured_lab),
+                lab(paint.estimated_lab),
+                paint.delta_e,
+                paint.surface,
+                paint.with_surface,
+                comparison.reason,
+            );
+        }
+    }
+}
+
+fn coefficients() {
+    println!("| paint | material | nm | K/S measured | K/S estimated |\n|---|---|---|---|---|");
+    for (paint, material) in [
+        ("Red_Oxide", "haematite (Longtin)"),
+        ("Red_Oxide", "haematite (Querry)"),
+        ("Carbon_Black", "flame soot"),
+    ] {
+        let diameter_um = if paint == "Red_Oxide" { 0.2 } else { 0.08 };
+        for [nm, measured, estimated] in ratios(paint, material, diameter_um).into_iter().step_by(5) {
+            println!("| {paint} | {material} | {nm:.0} | {measured:.3} | {estimated:.3} |");
+        }
+    }
+}
+
+fn main() {
+    println!("## Masstones\n");
+    colours();
+    println!("\n## K/S\n");
+    coefficients();
+    println!("\n## Listed materials without a measured paint here\n");
+    let compared = |name: &str| COMPARISONS.iter().any(|comparison| comparison.material == name);
+    let rest = inkwave::material::named::MATERIALS.iter().map(|material: &NamedMaterial| material.name);
+    println!("{}.", rest.filter(|name| !compared(name)).collect::<Vec<_>>().join(", "));
+}
