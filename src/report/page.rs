@@ -40,12 +40,14 @@ mod tests {
             variation => context!(cell => "fixed", thickness_std_um => 0.0),
             paper => context!(source => "1"),
             wavelengths_nm => [550.0],
+            goal => context!(tolerance => 1e-4),
         };
         let composed = context!(slab_um => 1.0, thicknesses_um => [2.0], directions => [3, 3]);
         let largest = context!(chance => 0.0, model => 0.0, grid => 0.0, directions => 0.0);
         let solves = context!(finished => 3, asked => 9);
         let numbers = context!(composed, largest, solves, solve_seconds => 0.0, colours => nothing);
-        on_study(context!(title => "<b>&", status, study, ..numbers)).unwrap()
+        let files = context!(thicknesses_um => [2.0], tables => ["spectra.csv"], solver => "krylov");
+        on_study(context!(title => "<b>&", status, study, ..numbers, ..files)).unwrap()
     }
 
     #[test]

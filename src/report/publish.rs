@@ -3,7 +3,7 @@
 use super::columns::FolderTables;
 use super::numbers;
 use super::page::on_study;
-use super::sheet::{main_results, missed_target, sheet};
+use super::sheet::{ShownFiles, main_results, missed_target, sheet};
 use super::tables::{self, NamedTable};
 use crate::appearance::bdf::BdfError;
 use crate::appearance::picture::InkPicture;
@@ -134,11 +134,13 @@ pub fn publish(evaluated: &Evaluated, folder: &OutputFolder) -> PublishResult<Pu
         return Err(PublishError::NoRoom(what));
     }
     let pictures = pictures(evaluated)?;
-    let page = sheet(evaluated, pictures.first().map(|first| first.pictures.labelled.as_slice()))?;
+    let tables = tables::of_study(manifest, evaluated.seen())?;
+    let names = tables.iter().map(|(name, ..)| *name).collect();
+    let page = sheet(evaluated, &ShownFiles { picture: pictures.first(), tables: names })?;
     Publication {
         study,
         status: manifest.origin.status,
-        tables: tables::of_study(manifest, evaluated.seen())?,
+        tables,
         results: serde_json::to_vec_pretty(manifest)?,
         page: on_study(page)?,
         pictures,
@@ -178,7 +180,7 @@ impl Publication<'_> {
     /// Writes all files; removes the mark of partial results where these are complete.
     fn write(self, folder: &OutputFolder) -> PublishResult {
         folder.begin()?;
-        for NamedPictures { name, pictures } in &self.pictures {
+        for NamedPictures { name, pictures, .. } in &self.pictures {
             folder.write(&format!("{name}.png"), &pictures.plain)?;
             folder.write(&format!("{name}-with-axes.png"), &pictures.labelled)?;
         }
@@ -197,15 +199,17 @@ impl Publication<'_> {
 }
 
 /// Pictures of a layer and the name of their files.
-struct NamedPictures {
+pub(super) struct NamedPictures {
     name: String,
-    pictures: Pictures,
+    /// Thickness of the layer in µm, where the study has layers of several thicknesses.
+    pub(super) thickness_um: Option<f64>,
+    pub(super) pictures: Pictures,
 }
 
 /// The picture of P1 Fig. 6 as PNG, with and without axes.
-struct Pictures {
+pub(super) struct Pictures {
     plain: Vec<u8>,
-    labelled: Vec<u8>,
+    pub(super) labelled: Vec<u8>,
 }
 
 impl Pictures {
@@ -235,7 +239,8 @@ fn pictures(evaluated: &Evaluated) -> PublishResult<Vec<NamedPictures>> {
             Some(um) => format!("picture-{um}um"),
             None => "picture".to_owned(),
         };
-        all.push(NamedPictures { name, pictures: Pictures::new(&layer.picture, study)? });
+        let pictures = Pictures::new(&layer.picture, study)?;
+        all.push(NamedPictures { name, thickness_um: layer.thickness_um, pictures });
     }
     Ok(all)
 }

@@ -6,10 +6,12 @@ mod figures;
 mod slabs;
 
 use super::numbers;
+use super::publish::NamedPictures;
 use super::scalar_error;
 use crate::draw::DrawResult;
 use crate::draw::page::{hex, png_data};
 use crate::evaluate::evaluated::Evaluated;
+use crate::evaluate::ink_maker::{InkMaker, Swatch};
 use crate::evaluate::manifest::{ColourNote, EnsembleNotes, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
@@ -23,11 +25,19 @@ use crate::wave::Resolution;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 
-/// What the page of a study shows; `picture` is the labelled picture as PNG.
+/// What the page of a study shows beside its numbers.
+pub(super) struct ShownFiles<'a> {
+    /// The first picture.
+    pub picture: Option<&'a NamedPictures>,
+    /// Names of the tables.
+    pub tables: Vec<&'static str>,
+}
+
+/// What the page of a study shows.
 ///
 /// # Errors
 /// A figure cannot be drawn.
-pub fn sheet(evaluated: &Evaluated, picture: Option<&[u8]>) -> DrawResult<Value> {
+pub(super) fn sheet(evaluated: &Evaluated, files: &ShownFiles) -> DrawResult<Value> {
     let manifest = &evaluated.manifest;
     let mut figures = figures::of_ink_makers(manifest)?;
     let mut parts = Vec::new();
@@ -40,12 +50,18 @@ pub fn sheet(evaluated: &Evaluated, picture: Option<&[u8]>) -> DrawResult<Value>
             context!(packed => packings(manifest.study, ensemble), grid => grid(manifest.study, ensemble)),
         );
     }
+    parts.extend(manifest.ink_maker.as_ref().map(|maker| context!(patches => Serde(patches(maker)))));
     if let Some(slabs) = &manifest.slabs {
         figures.extend(slabs::figures(manifest, slabs)?);
         parts.push(slabs::page(manifest, slabs));
     }
     let shown = context! {
-        picture => picture.map(png_data),
+        picture => files.picture.map(|picture| png_data(&picture.pictures.labelled)),
+        pictured_um => files.picture.and_then(|picture| picture.thickness_um),
+        tables => Serde(&files.tables),
+        thicknesses_um => manifest.thicknesses_um(),
+        conditions => Serde(manifest.colours.whole()),
+        failed => Serde(failed(manifest)),
         swatch => manifest.colours.whole().first().map(|note| hex(note.colour.srgb8)),
         figures => Serde(figures),
         shapes => Serde(shapes(manifest.study)),
@@ -54,6 +70,18 @@ pub fn sheet(evaluated: &Evaluated, picture: Option<&[u8]>) -> DrawResult<Value>
     parts.extend([shown, limits(manifest), provenance(manifest)]);
     let data = parts.into_iter().fold(Value::from(Serde(manifest)), |all, part| context!(..part, ..all));
     Ok(data)
+}
+
+/// Names and colours of the patches of a layer that is solved as a whole.
+fn patches(maker: &InkMaker) -> [(&'static str, String); 3] {
+    let InkMaker { over_black, over_white, print, .. } = maker;
+    let patch = |name, swatch: &Swatch| (name, swatch.hex.clone());
+    [patch("over black", over_black), patch("over white", over_white), patch("on its paper", print)]
+}
+
+/// Place and reason of every solve without a result.
+fn failed(manifest: &Manifest) -> Vec<(String, String)> {
+    manifest.failures.iter().map(|note| (note.place(), note.reason().to_owned())).collect()
 }
 
 /// Shape and size of the grains of every packed pigment.

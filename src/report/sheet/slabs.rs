@@ -63,9 +63,18 @@ fn spectral_line(row: &ComposedRow) -> String {
 /// What the page shows beside the manifest.
 pub(super) fn page(manifest: &Manifest, slabs: &SlabNotes) -> Value {
     context! {
+        patches => Serde(patches(manifest.colours.composed())),
         shown_medium => Serde(shown_medium(manifest, slabs)),
         largest => Serde(largest_parts(manifest)),
     }
+}
+
+/// Names and colours of the patches of every thickness.
+fn patches(colours: &[ComposedColours]) -> Vec<(String, String)> {
+    let patch = |layer: &ComposedColours| {
+        Some((format!("{} µm on the paper", layer.thickness_um), layer.hex.clone()?))
+    };
+    colours.iter().filter_map(patch).collect()
 }
 
 /// Curves against thickness and depth, and spectra.

@@ -170,6 +170,12 @@ impl PublishedColours {
 }
 
 impl Manifest<'_> {
+    /// Thicknesses of the layers that the study is about, µm.
+    pub fn thicknesses_um(&self) -> Vec<f64> {
+        let composed = self.slabs.as_ref().map(|slabs| slabs.composed.thicknesses_um.clone());
+        composed.unwrap_or_else(|| vec![self.study.layer.thickness_um])
+    }
+
     /// Why nothing is published, where more packings failed than the study allows.
     pub fn refusal(&self) -> Option<String> {
         self.ensemble.as_ref()?.tried_packings.refusal(self.study.failed_packings)
@@ -217,6 +223,13 @@ pub enum FailureNote {
 }
 
 impl FailureNote {
+    /// The realisation and the light, as far as they do not stand in the message.
+    pub fn place(&self) -> String {
+        let Self::Whole { realisation, wavelength_nm, polar_deg, .. } = self else { return String::new() };
+        let light = wavelength_nm.zip(*polar_deg).map(|(nm, deg)| format!("{nm} nm, {deg:.1}°"));
+        format!("realisation {}, {}", realisation + 1, light.unwrap_or_else(|| "packing".to_owned()))
+    }
+
     /// The error's message.
     pub fn reason(&self) -> &str {
         match self {
