@@ -46,8 +46,8 @@ mod tests {
         let largest = context!(chance => 0.0, model => 0.0, grid => 0.0, directions => 0.0);
         let solves = context!(finished => 3, asked => 9);
         let numbers = context!(composed, largest, solves, solve_seconds => 0.0, colours => nothing);
-        let files = context!(thicknesses_um => [2.0], tables => ["spectra.csv"], solver => "krylov");
-        on_study(context!(title => "<b>&", status, study, ..numbers, ..files)).unwrap()
+        let page = context!(title => "<b>&", thicknesses_um => [2.0], solver => "krylov", status, study);
+        on_study(context!(..page, ..numbers)).unwrap()
     }
 
     #[test]
