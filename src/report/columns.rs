@@ -13,6 +13,9 @@ pub fn heading(name: &str) -> String {
     name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ")
 }
 
+/// A table's name, bytes and description.
+pub type NamedTable = (&'static str, Vec<u8>, &'static str);
+
 /// What a column holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {

@@ -1,10 +1,10 @@
 //! Writes the results of the finished solves: `results.json`, tables, picture and page.
 
-use super::columns::FolderTables;
+use super::columns::{FolderTables, NamedTable};
 use super::numbers;
 use super::page::on_study;
 use super::sheet::{ShownFiles, main_results, missed_target, sheet};
-use super::tables::{self, NamedTable};
+use super::tables;
 use crate::appearance::bdf::BdfError;
 use crate::appearance::picture::InkPicture;
 use crate::draw::OutputError;
@@ -136,7 +136,13 @@ pub fn publish(evaluated: &Evaluated, folder: &OutputFolder) -> PublishResult<Pu
     let pictures = pictures(evaluated)?;
     let tables = tables::of_study(manifest, evaluated.seen())?;
     let names = tables.iter().map(|(name, ..)| *name).collect();
-    let page = sheet(evaluated, &ShownFiles { picture: pictures.first(), tables: names })?;
+    let first = pictures.first();
+    let shown = ShownFiles {
+        picture: first.map(|first| first.pictures.labelled.as_slice()),
+        pictured_um: first.and_then(|first| first.thickness_um),
+        tables: names,
+    };
+    let page = sheet(evaluated, &shown)?;
     Publication {
         study,
         status: manifest.origin.status,
@@ -199,17 +205,17 @@ impl Publication<'_> {
 }
 
 /// Pictures of a layer and the name of their files.
-pub(super) struct NamedPictures {
+struct NamedPictures {
     name: String,
     /// Thickness of the layer in µm, where the study has layers of several thicknesses.
-    pub(super) thickness_um: Option<f64>,
-    pub(super) pictures: Pictures,
+    thickness_um: Option<f64>,
+    pictures: Pictures,
 }
 
 /// The picture of P1 Fig. 6 as PNG, with and without axes.
-pub(super) struct Pictures {
+struct Pictures {
     plain: Vec<u8>,
-    pub(super) labelled: Vec<u8>,
+    labelled: Vec<u8>,
 }
 
 impl Pictures {

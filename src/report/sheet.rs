@@ -6,7 +6,6 @@ mod figures;
 mod slabs;
 
 use super::numbers;
-use super::publish::NamedPictures;
 use super::scalar_error;
 use crate::draw::DrawResult;
 use crate::draw::page::{hex, png_data};
@@ -27,8 +26,10 @@ use minijinja::{Value, context};
 
 /// What the page of a study shows beside its numbers.
 pub(super) struct ShownFiles<'a> {
-    /// The first picture.
-    pub picture: Option<&'a NamedPictures>,
+    /// The first picture with its axes, as PNG.
+    pub picture: Option<&'a [u8]>,
+    /// Thickness of its layer in µm, where the study has layers of several thicknesses.
+    pub pictured_um: Option<f64>,
     /// Names of the tables.
     pub tables: Vec<&'static str>,
 }
@@ -56,8 +57,8 @@ pub(super) fn sheet(evaluated: &Evaluated, files: &ShownFiles) -> DrawResult<Val
         parts.push(slabs::page(manifest, slabs));
     }
     let shown = context! {
-        picture => files.picture.map(|picture| png_data(&picture.pictures.labelled)),
-        pictured_um => files.picture.and_then(|picture| picture.thickness_um),
+        picture => files.picture.map(png_data),
+        pictured_um => files.pictured_um,
         tables => Serde(&files.tables),
         thicknesses_um => manifest.thicknesses_um(),
         conditions => Serde(manifest.colours.whole()),

@@ -1,5 +1,6 @@
 //! CSV tables for other programs: all of a study, rows of published numbers, and distributions.
 
+use super::columns::NamedTable;
 use super::numbers::numbers_table;
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::draw::cell::{numbers, records, table, with_errors};
@@ -28,9 +29,6 @@ pub fn rows<'a, R: PublishedRow + 'a>(rows: impl IntoIterator<Item = &'a R>) -> 
     });
     table(place.chain(with_errors(R::names())), lines)
 }
-
-/// A table's name, bytes and description.
-pub type NamedTable = (&'static str, Vec<u8>, &'static str);
 
 /// All tables of a study, in the order in which they are described; `seen` has the distributions of
 /// a layer that is solved as a whole.

@@ -1,8 +1,6 @@
-//! Composed layers of a sweep: their media, such as the crowding of a pigment against its share, and
-//! their weighted numbers at every thickness, along the first axis.
+//! Composed layers of a sweep along its first axis: media, and weighted numbers of every thickness.
 
 use super::outcome::Outcome;
-use super::publish::number_names;
 use crate::draw::DrawResult;
 use crate::draw::cell::{numbers, table, with_errors};
 use crate::draw::chart::{Chart, Curve};
@@ -70,6 +68,17 @@ pub(super) fn numbers_table(sweep: &Sweep, outcomes: &[Outcome]) -> csv::Result<
     }
     let columns = with_errors(names.iter().map(String::as_str));
     table(axes.chain(["thickness_um".to_owned()]).chain(columns), all).map(Some)
+}
+
+/// Names of the weighted numbers of all variants, each once.
+pub(super) fn number_names(sweep: &Sweep) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for number in sweep.variants.iter().flat_map(|variant| &variant.study.numbers) {
+        if !names.contains(&number.name) {
+            names.push(number.name.clone());
+        }
+    }
+    names
 }
 
 /// Thicknesses of which a composed layer has weighted numbers, µm.

@@ -2,7 +2,7 @@
 //! contact sheets, conclusions.
 
 use super::conclusions::{Judged, judge};
-use super::media::{media_table, numbers_table};
+use super::media::{media_table, number_names, numbers_table};
 use super::outcome::Outcome;
 use super::reported::{Reported, nearest, numbers, target_columns, target_numbers};
 use super::sheets::{contact_sheet, sheets};
@@ -151,19 +151,8 @@ fn axis_columns(sweep: &Sweep, heading: impl Fn(&AxisOutline) -> String) -> Vec<
     sweep.outline.axes.iter().map(column).collect()
 }
 
-/// Names of the weighted numbers of all variants, each once.
-pub(super) fn number_names(sweep: &Sweep) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for number in sweep.variants.iter().flat_map(|variant| &variant.study.numbers) {
-        if !names.contains(&number.name) {
-            names.push(number.name.clone());
-        }
-    }
-    names
-}
-
 /// The columns of weighted numbers, which the user has named.
-pub(super) fn number_columns(sweep: &Sweep) -> Vec<Column> {
+fn number_columns(sweep: &Sweep) -> Vec<Column> {
     let column = |name: String| Column {
         about: format!("weighted number {name} of the variant"),
         name,
