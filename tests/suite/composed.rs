@@ -173,6 +173,7 @@ fn a_sweep_of_composed_layers_has_a_table_and_a_page() {
 fn a_sweep_of_both_kinds_of_layers_has_one_table() {
     let scratch = tempfile::tempdir().unwrap();
     let base = LAYER.replace("[1, 2, 50]", "1").replace("composed = { slab_um = 0.5 }\n", "");
+    let base = base.replace("[450, 550, 650]", "[400, 500, 600, 700]");
     std::fs::write(scratch.path().join("base.toml"), base).unwrap();
     let axis = "base = \"base.toml\"\n[[axis]]\nname = \"solved\"\n[[axis.case]]\nlabel = \"as a whole\"\n\
                 [[axis.case]]\nlabel = \"in slabs\"\nset.\"layer.composed\" = { slab_um = 0.5 }\n";
