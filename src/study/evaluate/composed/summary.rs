@@ -50,12 +50,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     let composed = task.composed;
     let slabs = if task.stack.is_some() { Vec::new() } else { whole.slabs(Change::default()) };
     let stacks = of_stack(&task, [&whole, &half])?;
-    let no_hiding = if task.stack.is_some() {
-        Some("of a stack there is the contrast ratio of every thickness".to_owned())
-    } else {
-        task.curve_um = CURVE.map(|count| count as f64 * composed.slab_um).to_vec();
-        find_hiding(&mut task, &slabs).err()
-    };
+    let no_hiding = set_curve(&mut task, &slabs).err();
     let moved = moved_levels(study, solved);
     let JudgedNumbers { numbers, replicates } = with_errors(&task, [&whole, &half], moved.as_ref())?;
     let mut requested = Layers::default();
@@ -73,10 +68,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     for ((&nm, slabs), numbers) in study.wavelengths_nm.iter().zip(&slabs).zip(numbers.medium) {
         medium.push(medium_row(nm, slabs, numbers, &mut withheld));
     }
-    let media: Vec<[&Hemisphere; 2]> = match &task.stack {
-        Some(_) => stacks.iter().map(|stack| [stack.before(), stack.behind()]).collect(),
-        None => slabs.iter().map(|slabs| [&slabs.media[0], &slabs.media[2]]).collect(),
-    };
+    let media = media_of(&slabs, &stacks);
     let distributions = distributions(study, &media, &composed.thicknesses_um, &numbers.distributions);
     let absorbed = absorbed(study, &composed.thicknesses_um, &numbers.absorbed);
     let hiding = task.around_hiding_um.zip(numbers.hiding);
@@ -154,6 +146,22 @@ fn of_stack(task: &LayerTask, levels: [&Level; 2]) -> Result<Vec<PlateStack>, St
     let um = task.composed.thicknesses_um[0];
     stack.stacks(levels[1], um, Change::default())?;
     stack.stacks(levels[0], um, Change::default())
+}
+
+/// Sets the thicknesses of the curve, and those around the one that hides; a reason where there is
+/// none.
+fn set_curve(task: &mut LayerTask, slabs: &[Slabs]) -> Result<(), String> {
+    if task.stack.is_some() {
+        return Err("of a stack there is the contrast ratio of every thickness".to_owned());
+    }
+    task.curve_um = CURVE.map(|count| count as f64 * task.composed.slab_um).to_vec();
+    find_hiding(task, slabs)
+}
+
+/// Media in front of a layer or stack and behind it, at every wavelength.
+fn media_of<'s>(slabs: &'s [Slabs], stacks: &'s [PlateStack]) -> Vec<[&'s Hemisphere; 2]> {
+    let of_slabs = slabs.iter().map(|slabs| [&slabs.media[0], &slabs.media[2]]);
+    of_slabs.chain(stacks.iter().map(|stack| [stack.before(), stack.behind()])).collect()
 }
 
 /// What every layer of a stack absorbs.
