@@ -1,8 +1,8 @@
 //! The error bars of a composed layer's numbers.
 //!
 //! Every number is a function of the ensemble-mean flux matrices of all portions, so all of them
-//! are evaluated again for every change of these, and compared name by name. The errors of tables of
-//! indices are changes of whole slabs in a few realisations.
+//! are evaluated again for every change of these, and compared name by name. The errors of tables
+//! of indices are changes of whole slabs in a few realisations.
 
 use super::level::{Change, Level};
 use super::numbers::LayerTask;

@@ -34,8 +34,8 @@ pub struct InputMove {
 
 impl Study {
     /// All moves by one standard error to either side; none without errors in any table. Of a
-    /// composed layer they are those of its slabs, of which the whole ones are solved with them. The
-    /// plates of a stack are not moved.
+    /// composed layer they are those of its slabs, of which the whole ones are solved with them.
+    /// The plates of a stack are not moved.
     pub fn input_moves(&self) -> Vec<InputMove> {
         let moves = match &self.kind {
             StudyKind::InkOnPaper | StudyKind::LayerAlone(_) => true,
