@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks the pages in docs: links lead somewhere, and every listing prints what stands below it.
+"""Checks the pages in docs: links lead somewhere, pages made by docs_pages.py are as they are made, and every listing prints
+what stands below it.
 
     scripts/check_docs.py             links, and all listings (the program by $INKWAVE, NumPy)
     scripts/check_docs.py --links     links alone
@@ -24,6 +25,8 @@ import sys
 import tempfile
 import traceback
 import warnings
+
+import docs_pages
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -128,7 +131,7 @@ def main(arguments):
     options = {word for word in arguments if word.startswith("--")}
     names = [word for word in arguments if word not in options and word != "all"]
     pages = [pathlib.Path(name).resolve() for name in names] or sorted((ROOT / "docs").rglob("*.md"))
-    faults = [fault for page in pages for fault in links(page, page.read_text(encoding="utf-8"))]
+    faults = docs_pages.faults() + [fault for page in pages for fault in links(page, page.read_text(encoding="utf-8"))]
     listings = 0
     if "--links" not in options:
         import inkwave
