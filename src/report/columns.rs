@@ -101,6 +101,8 @@ const COLUMNS: &[Definition] = &[
     plain("reflectance_diffuse", "layer alone, without paper: R of diffuse light"),
     plain("transmittance_diffuse", "layer alone, without paper: T of diffuse light"),
     plain("mirrored", "layer alone, without paper: share of light at 0° that is mirrored"),
+    only(&["absorbed.csv"], words("layer", "name of the layer of the stack")),
+    plain("absorptance_normal", "stack alone, without paper: what the layer absorbs of light at 0°"),
     // on the paper
     plain(
         "natural_light",
