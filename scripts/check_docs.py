@@ -7,7 +7,7 @@ what stands below it.
     scripts/check_docs.py --write     writes what the listings print into the pages
     scripts/check_docs.py PAGE…       these pages
 
-A page's blocks are one session in a folder of their own, where `examples` is that of the repository. `python` blocks are run; a block
+A page's blocks are one session in a folder of their own, where `examples` and `reports` are those of the repository. `python` blocks are run; a block
 `text` that follows is what they print. Of a `console` block, the lines that begin with `$ inkwave` are run, those below are what they print: the
 error where they fail, else the result. A block whose first line is `# file: NAME` becomes that file. `…` stands for anything. Blocks `python no-run` take too long
 and are compiled only; they have no printed output.
@@ -140,7 +140,8 @@ def main(arguments):
     for page in [] if "--links" in options else pages:
         with tempfile.TemporaryDirectory() as scratch:
             os.chdir(scratch)
-            os.symlink(ROOT / "examples", "examples")
+            for folder in ("examples", "reports"):
+                os.symlink(ROOT / folder, folder)
             found, count = checked(page, "--write" in options)
             os.chdir(ROOT)
         faults, listings = faults + found, listings + count
