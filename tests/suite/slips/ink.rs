@@ -103,6 +103,11 @@ pub const INK: &[Slip] = &[
         "index = { material = \"red\" }",
         ["pigment[0].index.material", "red", "TiO2 rutile", "{ built_in ="],
     ),
+    slip(
+        K,
+        "index = { material = \"rutile\" }",
+        ["pigment[0].index.material", "rutile", "did you mean", "TiO2 rutile?"],
+    ),
     slip(K, "index = { material = \"chalk\" }", ["pigment[0].index.material", "chalk", "TiO2 rutile", "csv"]),
     slip(
         K,
