@@ -74,7 +74,9 @@ fn files(path: &Path) -> Vec<PathBuf> {
 fn holds_prose(path: &Path) -> bool {
     let kind = path.extension().map(|kind| kind.to_string_lossy().into_owned());
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    !path.ends_with(LIST) && !name.starts_with("LICENSE") && kind.is_none_or(|kind| KINDS.contains(&kind.as_str()))
+    !path.ends_with(LIST)
+        && !name.starts_with("LICENSE")
+        && kind.is_none_or(|kind| KINDS.contains(&kind.as_str()))
 }
 
 fn is_doc(line: &str) -> bool {

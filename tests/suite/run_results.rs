@@ -199,6 +199,8 @@ fn every_table_of_a_study_goes_when_another_begins() {
         }
     }
     assert!(named.len() > 8 && named.iter().any(|name| name == "numbers.csv"), "{named:?}");
+    // read by the program, not written
+    named.retain(|name| name != "scalar_error.csv" && !name.contains('/'));
     for name in named {
         assert!(inkwave::store::folder::RESULTS.contains(&name.as_str()), "{name}");
     }
