@@ -40,13 +40,13 @@ impl Heading {
 }
 
 /// What the page's tables are made with.
-struct Tables {
+struct RecipeTables {
     headings: Vec<Heading>,
     /// Whether any field has a price.
     priced: bool,
 }
 
-impl Tables {
+impl RecipeTables {
     fn new(task: &DesignTask) -> Self {
         let middle = task.study(&vec![0.5; task.variables.len()]);
         let pigments: Vec<String> =
@@ -105,7 +105,7 @@ pub fn publish(task: &DesignTask, outcome: &DesignOutcome, folder: &OutputFolder
     });
     folder.write("design.json", &serde_json::to_vec_pretty(&json)?)?;
     let [l, a, b] = outcome.target;
-    let tables = Tables::new(task);
+    let tables = RecipeTables::new(task);
     let page = context! {
         title => &task.title,
         met => outcome.met,
