@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
-"""Checks the pages in docs: links lead somewhere, and every listing prints what stands below it.
+"""Checks the pages in docs: links lead somewhere, pages made by docs_pages.py are as they are made, and every listing prints
+what stands below it.
 
     scripts/check_docs.py             links, and all listings (the program by $INKWAVE, NumPy)
     scripts/check_docs.py --links     links alone
     scripts/check_docs.py --write     writes what the listings print into the pages
     scripts/check_docs.py PAGE…       these pages
 
-A page's blocks are one session in a folder of their own, where `examples` is that of the repository. `python` blocks are run; a block
+A page's blocks are one session in a folder of their own, where `examples` and `reports` are those of the repository. `python` blocks are run; a block
 `text` that follows is what they print. Of a `console` block, the lines that begin with `$ inkwave` are run, those below are what they print: the
 error where they fail, else the result. A block whose first line is `# file: NAME` becomes that file. `…` stands for anything. Blocks `python no-run` take too long
 and are compiled only; they have no printed output.
@@ -24,6 +25,8 @@ import sys
 import tempfile
 import traceback
 import warnings
+
+import docs_pages
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
@@ -128,7 +131,7 @@ def main(arguments):
     options = {word for word in arguments if word.startswith("--")}
     names = [word for word in arguments if word not in options and word != "all"]
     pages = [pathlib.Path(name).resolve() for name in names] or sorted((ROOT / "docs").rglob("*.md"))
-    faults = [fault for page in pages for fault in links(page, page.read_text(encoding="utf-8"))]
+    faults = docs_pages.faults() + [fault for page in pages for fault in links(page, page.read_text(encoding="utf-8"))]
     listings = 0
     if "--links" not in options:
         import inkwave
@@ -137,7 +140,8 @@ def main(arguments):
     for page in [] if "--links" in options else pages:
         with tempfile.TemporaryDirectory() as scratch:
             os.chdir(scratch)
-            os.symlink(ROOT / "examples", "examples")
+            for folder in ("examples", "reports"):
+                os.symlink(ROOT / folder, folder)
             found, count = checked(page, "--write" in options)
             os.chdir(ROOT)
         faults, listings = faults + found, listings + count

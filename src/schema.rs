@@ -6,6 +6,7 @@ use crate::design::file::DesignFile;
 use crate::fit::file::FitFile;
 use crate::input::case_inputs::CaseInputs;
 use crate::input::file::StudyFile;
+use crate::report::columns::dictionary;
 use crate::sweep::file::SweepFile;
 use clap::ValueEnum;
 use inkwave_bench::experiment::ComparisonFile;
@@ -32,6 +33,8 @@ pub enum Document {
     Case,
     /// What programs of comparisons are asked, and may answer.
     External,
+    /// What the columns of all tables hold.
+    Columns,
 }
 
 impl Document {
@@ -45,10 +48,11 @@ impl Document {
             Document::Design => include_str!("../examples/design/every-key.toml"),
             Document::Case => include_str!("../examples/every-key-case.toml"),
             Document::External => include_str!("../schema/external.md"),
+            Document::Columns => include_str!("../docs/columns.md"),
         }
     }
 
-    /// Its JSON Schema (draft 7, which most editors know).
+    /// Its JSON Schema (draft 7, which most editors know); of columns the list of them.
     pub fn schema(self) -> Value {
         match self {
             Document::Study => toml_schema::<StudyFile>("Study of inkwave"),
@@ -60,6 +64,7 @@ impl Document {
             Document::External => {
                 root::<Protocol>("Question and answer of programs in comparisons of inkwave").into()
             }
+            Document::Columns => dictionary(),
         }
     }
 }

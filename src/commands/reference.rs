@@ -44,7 +44,11 @@ pub fn materials(args: &MaterialsArgs) -> Result<()> {
     };
     let Some(known) = NamedMaterial::find(name) else {
         let names = MATERIALS.iter().map(|material| material.name).collect::<Vec<_>>().join(", ");
-        let help = "no open collection of indices holds organic pigments: give measured n and κ as index = { csv = \"…\" }";
+        let alike = NamedMaterial::with_words(name);
+        let help = match alike.as_slice() {
+            [] => "no open collection of indices holds organic pigments: give measured n and κ as index = { csv = \"…\" }".to_owned(),
+            alike => format!("did you mean {}?", alike.join(" or ")),
+        };
         return Err(miette!(help = help, "no material {name:?}; known are {names}"));
     };
     say(row(known))?;

@@ -1,28 +1,88 @@
 //! Files of a design: `design.json`, the best recipe as a study, and a page.
 
-use super::recipe::{DesignTask, short};
+use super::recipe::{DesignTask, Variable, short};
 use super::run::{DesignAnswer, DesignOutcome, Verified};
-use crate::draw::page::{made_by, rendered};
+use crate::appearance::tristimulus::Colorimeter;
+use crate::draw::page::{hex, made_by, rendered};
+use crate::input::locate::steps;
 use crate::report::publish::PublishResult;
 use crate::store::folder::OutputFolder;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 
-/// A recipe as a row of the page's tables.
-fn row(hex: Option<&str>, values: &[f64], numbers: Vec<String>) -> Value {
-    context!(hex => hex.map(str::to_owned), values => values.iter().map(|&x| short(x)).collect::<Vec<_>>(), numbers)
+/// A field that varies, as people who make inks call it.
+struct Heading {
+    /// Such as "share of yellow, %".
+    words: String,
+    /// What its values are multiplied by: shares are shown in percent.
+    scale: f64,
 }
 
-fn verified(run: &Verified) -> Value {
-    let predicted = run.predicted.map_or(String::new(), |x| format!("{x:.2}"));
-    let delta_e = run.delta_e_2000.in_words(2);
-    let contrast = run.contrast_ratio.in_words(3);
-    row(Some(&run.hex), &run.values, vec![delta_e, predicted, contrast, short(run.cost)])
+impl Heading {
+    /// Of a variable; `pigments` are the names of the study's pigments.
+    fn new(variable: &Variable, pigments: &[String]) -> Self {
+        let path: Vec<&str> = steps(&variable.name).collect();
+        let by_number = |place: &str| pigments.get(place.parse::<usize>().ok()?).cloned();
+        let of = |place: &str| by_number(place).unwrap_or_else(|| place.to_owned());
+        let (words, scale) = match path.as_slice() {
+            _ if variable.written.ratio.is_some() => (variable.name.clone(), 1.0),
+            ["pigment", which, "volume_fraction"] => (format!("share of {}, %", of(which)), 100.0),
+            ["pigment", which, "diameter_nm"] => (format!("diameter of {}, nm", of(which)), 1.0),
+            ["layer", "thickness_um"] => ("thickness, µm".to_owned(), 1.0),
+            _ => (variable.name.clone(), 1.0),
+        };
+        Self { words, scale }
+    }
+
+    fn shown(&self, value: f64) -> String {
+        short(self.scale * value)
+    }
 }
 
-fn answered(answer: &DesignAnswer) -> Value {
-    let numbers = vec![format!("{:.2}", answer.delta_e_2000), format!("{:.3}", answer.contrast_ratio)];
-    row(None, &answer.values, numbers)
+/// What the page's tables are made with.
+struct RecipeTables {
+    headings: Vec<Heading>,
+    /// Whether any field has a price.
+    priced: bool,
+}
+
+impl RecipeTables {
+    fn new(task: &DesignTask) -> Self {
+        let middle = task.study(&vec![0.5; task.variables.len()]);
+        let pigments: Vec<String> =
+            middle.map(|study| study.pigments.into_iter().map(|p| p.name).collect()).unwrap_or_default();
+        let headings = task.variables.iter().map(|variable| Heading::new(variable, &pigments)).collect();
+        Self { headings, priced: task.variables.iter().any(|variable| variable.written.cost != 0.0) }
+    }
+
+    /// A recipe as a row of the page's tables.
+    fn row(&self, hex: Option<&str>, values: &[f64], numbers: Vec<String>) -> Value {
+        let values: Vec<String> = self.headings.iter().zip(values).map(|(h, &x)| h.shown(x)).collect();
+        context!(hex => hex.map(str::to_owned), values, numbers)
+    }
+
+    fn verified(&self, run: &Verified) -> Value {
+        let predicted = run.predicted.map_or(String::new(), |x| format!("{x:.2}"));
+        let cost = self.priced.then(|| short(run.cost));
+        let numbers = [run.delta_e_2000.in_words(2), predicted, run.contrast_ratio.in_words(3)];
+        self.row(Some(&run.hex), &run.values, numbers.into_iter().chain(cost).collect())
+    }
+
+    fn answered(&self, answer: &DesignAnswer) -> Value {
+        let numbers = vec![format!("{:.2}", answer.delta_e_2000), format!("{:.3}", answer.contrast_ratio)];
+        self.row(None, &answer.values, numbers)
+    }
+}
+
+/// L*, a*, b* under daylight as screens show it, `#rrggbb`.
+fn patch([l, a, b]: [f64; 3]) -> Option<String> {
+    let wavelengths_nm: Vec<f64> = (0..31).map(|i| 400.0 + 10.0 * f64::from(i)).collect();
+    let meter = Colorimeter::new(&wavelengths_nm).ok()?;
+    let y = (l + 16.0) / 116.0;
+    let cubed = |f: f64| if f > 6.0 / 29.0 { f.powi(3) } else { (f - 4.0 / 29.0) * 108.0 / 841.0 };
+    let [x_n, y_n, z_n] = meter.white_xyz;
+    let xyz = [x_n * cubed(y + a / 500.0), y_n * cubed(y), z_n * cubed(y - b / 200.0)];
+    Some(hex(meter.colour_of(xyz).srgb8))
 }
 
 /// The ranges of the valley in words, one for each variable.
@@ -45,14 +105,17 @@ pub fn publish(task: &DesignTask, outcome: &DesignOutcome, folder: &OutputFolder
     });
     folder.write("design.json", &serde_json::to_vec_pretty(&json)?)?;
     let [l, a, b] = outcome.target;
+    let tables = RecipeTables::new(task);
     let page = context! {
         title => &task.title,
         met => outcome.met,
         verdict => &outcome.verdict,
         target => format!("L* {l:.2}, a* {a:.2}, b* {b:.2}"),
-        variables => Serde(names),
-        verified => outcome.verified.iter().map(verified).collect::<Vec<_>>(),
-        valley => outcome.valley.iter().map(answered).collect::<Vec<_>>(),
+        patch => patch(outcome.target),
+        priced => tables.priced,
+        variables => tables.headings.iter().map(|heading| heading.words.clone()).collect::<Vec<_>>(),
+        verified => outcome.verified.iter().map(|run| tables.verified(run)).collect::<Vec<_>>(),
+        valley => outcome.valley.iter().map(|answer| tables.answered(answer)).collect::<Vec<_>>(),
         ranges => ranges(task, outcome),
         left_out => Serde(&outcome.left_out),
         note => format!(
@@ -63,4 +126,25 @@ pub fn publish(task: &DesignTask, outcome: &DesignOutcome, folder: &OutputFolder
     };
     folder.write("report.html", rendered(include_str!("design.html"), page)?.as_bytes())?;
     Ok(folder.complete()?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// White, a mid grey and a yellow, whose sRGB is tabulated elsewhere (D65, IEC 61966-2-1): Lab (97.14, −21.55, 94.48) is
+    /// `#ffff00`. *Planted*: a and b exchanged.
+    #[test]
+    fn the_target_has_the_colour_of_its_lab() {
+        assert_eq!(patch([100.0, 0.0, 0.0]).as_deref(), Some("#ffffff"));
+        assert_eq!(patch([53.59, 0.0, 0.0]).as_deref(), Some("#808080"));
+        let yellow = patch([97.14, -21.55, 94.48]).unwrap();
+        let channels: Vec<i64> =
+            [1, 3, 5].map(|i| i64::from_str_radix(&yellow[i..i + 2], 16).unwrap()).to_vec();
+        // The white of 10 nm steps is not quite D65's: a step of a channel or two.
+        assert!(
+            channels.iter().zip([255, 255, 0]).all(|(found, known)| (found - known).abs() <= 2),
+            "{yellow}"
+        );
+    }
 }

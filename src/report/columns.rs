@@ -73,6 +73,9 @@ const ENDINGS: [(&str, &str); 2] = [
     ("_half_width_95", "half the width of the 95 % interval of"),
 ];
 
+/// Tables of comparisons.
+const COMPARISON: &[&str] = &["comparison.csv", "residuals.csv"];
+
 const COLUMNS: &[Definition] = &[
     number("wavelength_nm", "nm", "vacuum wavelength"),
     number("thickness_um", "µm", "thickness of the layer"),
@@ -106,6 +109,8 @@ const COLUMNS: &[Definition] = &[
     plain("reflectance_diffuse", "layer alone, without paper: R of diffuse light"),
     plain("transmittance_diffuse", "layer alone, without paper: T of diffuse light"),
     plain("mirrored", "layer alone, without paper: share of light at 0° that is mirrored"),
+    only(&["absorbed.csv"], words("layer", "name of the layer of the stack")),
+    plain("absorptance_normal", "stack alone, without paper: what the layer absorbs of light at 0°"),
     // on the paper
     plain(
         "natural_light",
@@ -235,6 +240,37 @@ const COLUMNS: &[Definition] = &[
     number("y_um", "µm", "centre of a sphere along y"),
     number("z_um", "µm", "centre of a sphere along z"),
     number("radius_um", "µm", "radius of a sphere"),
+    // packings alone
+    only(&["statistics.csv"], words("quantity", "what was measured on the packings")),
+    only(&["statistics.csv"], words("unit", "unit of the quantity, 1 for shares and counts")),
+    only(&["statistics.csv"], plain("mean", "mean over the packings")),
+    only(&["statistics.csv"], plain("standard_error", "one standard error of mean")),
+    // comparisons
+    only(COMPARISON, words("case", "name of the case, where several files are compared")),
+    only(COMPARISON, plain("pigment_n", "real part of the first pigment's index, in a matrix of cases")),
+    only(COMPARISON, plain("pigment_kappa", "imaginary part of the first pigment's index")),
+    only(COMPARISON, number("period_um", "µm", "period of the square cell, in a matrix of cases")),
+    only(COMPARISON, words("strategy", "name of the strategy, or of another program")),
+    only(COMPARISON, plain("knob", "value of another program's own knob for accuracy")),
+    only(COMPARISON, words("mean", "whether the mean medium includes the absorption, or is real")),
+    only(COMPARISON, words("scheme", "discretisation along z")),
+    only(COMPARISON, integer("nx", "points of the grid along x")),
+    only(COMPARISON, integer("ny", "points of the grid along y")),
+    only(COMPARISON, integer("cells", "cells of the grid along z")),
+    only(COMPARISON, integer("unknowns", "complex unknowns")),
+    only(COMPARISON, plain("error", "largest error of any order's amplitude against the reference")),
+    only(COMPARISON, plain("error_estimate", "largest error as inkwave solve estimates it")),
+    only(COMPARISON, plain("residual", "relative residual of the discrete problem")),
+    only(COMPARISON, integer("steps", "steps of the strategy")),
+    only(COMPARISON, integer("operator_applications", "applications of the operator")),
+    only(COMPARISON, number("seconds", "s", "median wall-clock time of a solve")),
+    only(COMPARISON, number("processor_seconds", "s", "median processor time of a solve, all threads")),
+    only(COMPARISON, number("own_seconds", "s", "what another program measured of its own solve")),
+    only(COMPARISON, number("bytes", "B", "memory of problem and strategy, or of another program")),
+    only(COMPARISON, words("outcome", "converged, or why there is no result")),
+    only(COMPARISON, words("grid", "grid, scheme and mean in words")),
+    only(COMPARISON, integer("look", "number of the recorded residual")),
+    only(COMPARISON, plain("applications", "applications of the operator until then")),
 ];
 
 /// The column of this name in a table; `None` if nothing is known of it.
@@ -249,6 +285,23 @@ pub fn column(table: &str, name: &str) -> Option<Column> {
         let stem = column(table, name.strip_suffix(ending)?)?;
         Some(Column { name: name.to_owned(), kind: NUMBER, about: format!("{start} {}", stem.name), ..stem })
     })
+}
+
+/// All columns that tables may have, in the order of the light: name, type, unit, description, and
+/// the tables where a name means this alone.
+pub fn dictionary() -> Value {
+    let column = |line: &Definition| {
+        let mut column = json!({ "name": line.name, "type": line.kind, "description": line.about });
+        if !line.unit.is_empty() {
+            column["unit"] = line.unit.into();
+        }
+        if !line.tables.is_empty() {
+            column["tables"] = line.tables.into();
+        }
+        column
+    };
+    let endings = ENDINGS.map(|(ending, about)| json!({ "ending": ending, "description": about }));
+    json!({ "columns": COLUMNS.iter().map(column).collect::<Vec<_>>(), "endings": endings })
 }
 
 /// The columns of a table in order, as a schema of tables has them. Columns that are named by the

@@ -70,10 +70,13 @@ fn files(path: &Path) -> Vec<PathBuf> {
     entries.flat_map(|path| files(&path)).collect()
 }
 
-/// Whether a file holds prose, by its name.
+/// Whether a file holds prose, by its name; licences have the words of others.
 fn holds_prose(path: &Path) -> bool {
     let kind = path.extension().map(|kind| kind.to_string_lossy().into_owned());
-    !path.ends_with(LIST) && kind.is_none_or(|kind| KINDS.contains(&kind.as_str()))
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    !path.ends_with(LIST)
+        && !name.starts_with("LICENSE")
+        && kind.is_none_or(|kind| KINDS.contains(&kind.as_str()))
 }
 
 fn is_doc(line: &str) -> bool {

@@ -180,3 +180,28 @@ fn the_examples_are_sound_and_the_first_is_yellow() {
         (colour["chroma"]["value"].as_f64().unwrap(), colour["hue_deg"]["value"].as_f64().unwrap());
     assert!(chroma > 50.0 && (80.0..115.0).contains(&hue), "chroma {chroma}, hue {hue}");
 }
+
+/// Every table that pages of studies write is removed when another study begins in the folder: an earlier study's numbers must
+/// not lie beside the new one's. *Planted*: a table added to `src/report` alone.
+#[test]
+fn every_table_of_a_study_goes_when_another_begins() {
+    let mut named = Vec::new();
+    let mut folders = vec![std::path::PathBuf::from("src/report")];
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() && !path.ends_with("packing") {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "rs") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let tables = text.split("(\"").skip(1).filter_map(|rest| rest.split('"').next());
+                named.extend(tables.filter(|name| name.ends_with(".csv")).map(str::to_owned));
+            }
+        }
+    }
+    assert!(named.len() > 8 && named.iter().any(|name| name == "numbers.csv"), "{named:?}");
+    // read by the program, not written
+    named.retain(|name| name != "scalar_error.csv" && !name.contains('/'));
+    for name in named {
+        assert!(inkwave::store::folder::RESULTS.contains(&name.as_str()), "{name}");
+    }
+}

@@ -74,7 +74,7 @@ fn is_read(document: Document, value: &Value) -> bool {
         Document::Fit => read::<FitFile>(node()).is_ok(),
         Document::Design => read::<DesignFile>(node()).is_ok(),
         Document::Case => read::<CaseInputs>(node().get("inputs").cloned().unwrap_or(node())).is_ok(),
-        Document::External => unreachable!("no input file"),
+        Document::External | Document::Columns => unreachable!("no input file"),
     }
 }
 
@@ -101,7 +101,7 @@ fn refused(document: Document, value: &Value) -> bool {
             let loads = |path: &Path| inkwave::design::recipe::load(path).is_ok();
             !is_read(document, value) || !in_a_file(value, loads)
         }
-        Document::External => unreachable!("no input file"),
+        Document::External | Document::Columns => unreachable!("no input file"),
     }
 }
 
@@ -130,6 +130,21 @@ fn the_committed_schemas_are_what_the_program_prints() {
         let text = std::fs::read_to_string(root().join(format!("schema/{name}.json"))).expect("committed");
         let committed: Value = serde_json::from_str(&text).expect("JSON");
         assert_eq!(committed, document.schema(), "inkwave schema {name} > schema/{name}.json");
+    }
+}
+
+/// The committed dictionary is the program's, and knows every column of the committed comparisons. *Planted*: a column added to
+/// a comparison and not to the list.
+#[test]
+fn the_committed_dictionary_of_columns_is_what_the_program_prints() {
+    let text = std::fs::read_to_string(root().join("schema/columns.json")).expect("committed");
+    let committed: Value = serde_json::from_str(&text).expect("JSON");
+    assert_eq!(committed, Document::Columns.schema(), "inkwave schema columns > schema/columns.json");
+    for folder in ["reports/comparison", "reports/peers"] {
+        let table = csv::Reader::from_path(root().join(folder).join("comparison.csv"));
+        for name in table.expect("a table").headers().expect("a header") {
+            assert!(inkwave::report::columns::column("comparison.csv", name).is_some(), "{folder}: {name}");
+        }
     }
 }
 

@@ -179,6 +179,18 @@ impl NamedMaterial {
         MATERIALS.iter().find(|material| material.names().any(|own| own.eq_ignore_ascii_case(name)))
     }
 
+    /// Names of the materials whose name or use has these words, ignoring case.
+    pub fn with_words(words: &str) -> Vec<&'static str> {
+        let words = words.trim().to_lowercase();
+        if words.is_empty() {
+            return Vec::new();
+        }
+        let has = |material: &&Self| {
+            material.names().chain([material.what]).any(|text| text.to_lowercase().contains(&words))
+        };
+        MATERIALS.iter().filter(has).map(|material| material.name).collect()
+    }
+
     /// Its name, and its former ones.
     pub fn names(&self) -> impl Iterator<Item = &'static str> {
         [self.name].into_iter().chain(self.former.iter().copied())
@@ -305,6 +317,13 @@ mod tests {
     use super::*;
 
     /// Rows of the publications, and of the database's page for the formulas.
+    #[test]
+    fn materials_are_found_by_a_part_of_their_name_or_use() {
+        assert_eq!(NamedMaterial::with_words("Rutile"), ["TiO2 rutile"]);
+        assert_eq!(NamedMaterial::with_words("red pigment"), ["haematite (Longtin)"]);
+        assert!(NamedMaterial::with_words(" ").is_empty() && NamedMaterial::with_words("chalk").is_empty());
+    }
+
     #[test]
     fn materials_have_the_published_indices() {
         let rows = [

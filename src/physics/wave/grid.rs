@@ -26,7 +26,7 @@ pub enum Scheme {
     Cubic,
     /// Exact difference scheme with quartic moments at Gauss–Lobatto points.
     Quartic,
-    /// Second differences as in P2 (3.5), with tent moments.
+    /// Second differences as in P2 section 3, with tent moments.
     SecondDifference,
 }
 

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// Result files of a study, a fit and a design, which are removed when new work begins: those of
 /// another input must not pass for the new one's.
-pub const RESULTS: [&str; 13] = [
+pub const RESULTS: [&str; 18] = [
     "results.json",
     "fit.json",
     "pigment.csv",
@@ -29,6 +29,11 @@ pub const RESULTS: [&str; 13] = [
     "bdf.csv",
     "kubelka-munk.csv",
     "measured.csv",
+    "medium.csv",
+    "absorbed.csv",
+    "numbers.csv",
+    "prints.csv",
+    "print-spectra.csv",
     "datapackage.json",
 ];
 /// Subfolders that are written to.

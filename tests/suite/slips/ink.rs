@@ -88,6 +88,26 @@ pub const INK: &[Slip] = &[
         "index = { built_in = \"mauve\" }",
         ["pigment[0].index.built_in", "mauve", "red, yellow, blue, green", "csv"],
     ),
+    slip(
+        K,
+        "index = { built_in = \"TiO2 rutile\" }",
+        [
+            "pigment[0].index.built_in",
+            "TiO2 rutile",
+            "red, yellow, blue, green",
+            "{ material = \"TiO2 rutile\" }",
+        ],
+    ),
+    slip(
+        K,
+        "index = { material = \"red\" }",
+        ["pigment[0].index.material", "red", "TiO2 rutile", "{ built_in ="],
+    ),
+    slip(
+        K,
+        "index = { material = \"rutile\" }",
+        ["pigment[0].index.material", "rutile", "did you mean", "TiO2 rutile?"],
+    ),
     slip(K, "index = { material = \"chalk\" }", ["pigment[0].index.material", "chalk", "TiO2 rutile", "csv"]),
     slip(
         K,

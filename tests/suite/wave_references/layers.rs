@@ -281,7 +281,7 @@ fn second_differences_converge_with_order_two() {
             let resolution = Resolution { nx: 1, ny: 1, cells, scheme: Scheme::SecondDifference };
             (cells as f64, reference.largest_error(&solve_at(&reference.case, resolution, 1e-12).far))
         };
-        // Order: P2 (3.5) is central, and the ends are as accurate; 40 cells are still a little coarse.
+        // Order: P2 section 3 is central, and the ends are as accurate; 40 cells are still a little coarse.
         let slope = fitted_slope(&[40, 80, 160].map(error));
         assert!((slope - 2.0).abs() < 0.2, "{}: order {slope:.2}", reference.id);
     }

@@ -115,7 +115,7 @@ fn strongly_evanescent_cells_neither_overflow_nor_couple() {
 
 #[test]
 fn second_differences_have_a_local_error_of_order_four() {
-    // P2 (3.5): the symbol 2 cos(kz h)/h + kz² h − 2/h = h³ kz⁴/12 + O(h⁵).
+    // P2 section 3: the symbol 2 cos(kz h)/h + kz² h − 2/h = h³ kz⁴/12 + O(h⁵).
     let kz2 = Complex64::from(50.0);
     for h in [0.02, 0.01] {
         let c = NodeCoefficients::new(kz2, h, Scheme::SecondDifference);

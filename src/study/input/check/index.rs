@@ -226,6 +226,15 @@ fn not_found(field: &str, key: &str, written: &str, folder: &Path, error: &Spect
             )
         }
         (_, SpectrumError::KramersKronig(_)) => "correct the table, or give n beside it".to_owned(),
+        ("built_in", _) if NamedMaterial::find(written).is_some() => {
+            format!("{written} is a measured material: {{ material = {written:?} }}")
+        }
+        ("material", _) if Synthetic::ALL.iter().any(|known| known.name() == written) => {
+            format!("{written} is a built-in pigment: {{ built_in = {written:?} }}")
+        }
+        ("material", _) if !NamedMaterial::with_words(written).is_empty() => {
+            format!("did you mean {}?", NamedMaterial::with_words(written).join(" or "))
+        }
         ("built_in", _) => take.to_owned(),
         ("material", _) => format!("{take}; organic pigments are in no open collection of indices"),
         ("csv", _) => "correct the table; its path is relative to the study file".to_owned(),
