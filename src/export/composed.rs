@@ -12,6 +12,7 @@ use crate::evaluate::composed::quantities::Lab;
 use crate::evaluate::composed::report::report;
 use crate::evaluate::composed::view::ComposedView;
 use crate::evaluate::directional::DirectionalPrint;
+use crate::evaluate::printed::Prints;
 use crate::evaluate::published::{ErrorParts, Withheld};
 use crate::input::study::Study;
 use crate::report::composed::tables;
@@ -119,6 +120,10 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
         let print =
             Print::new(study, created, bands, PrintSpectra { spectra, interpolated: true, has_colours });
         Ok(Print { title: format!("{}, {thickness_um} µm", study.title), ..print })
+    }
+
+    fn prints(&self) -> ExportResult<Option<Prints>> {
+        Ok(self.manifest()?.prints.clone())
     }
 
     /// One file for each kind of slab.

@@ -21,6 +21,7 @@ pub mod near_field;
 pub mod npz;
 pub mod print;
 pub mod provenance;
+pub mod ramp;
 pub mod request;
 pub mod run;
 pub mod samples;

@@ -69,7 +69,7 @@ const COLUMNS: &[Definition] = &[
     number("wavelength_nm", "nm", "vacuum wavelength"),
     number("thickness_um", "µm", "thickness of the layer"),
     only(
-        &["spectra.csv"],
+        &["spectra.csv", "absorbed.csv"],
         number("polar_deg", "°", "polar angle of the incident light, from the layer's normal"),
     ),
     // the layer alone
@@ -91,12 +91,20 @@ const COLUMNS: &[Definition] = &[
          layer of any size",
     ),
     only(&["spectra.csv"], plain("absorptance", "layer alone, without paper: absorbed share A")),
+    only(
+        &["absorbed.csv"],
+        plain("absorptance", "share of the light that this layer absorbs, without paper"),
+    ),
     plain("reflectance_normal", "layer alone, without paper: R of light at 0°"),
     plain("transmittance_normal", "layer alone, without paper: T of light at 0°"),
     plain("reflectance_45", "layer alone, without paper: R of light at 45°"),
     plain("transmittance_45", "layer alone, without paper: T of light at 45°"),
     plain("reflectance_diffuse", "layer alone, without paper: R of diffuse light"),
     plain("transmittance_diffuse", "layer alone, without paper: T of diffuse light"),
+    plain(
+        "absorptance_behind",
+        "layer alone, without paper: absorbed share of unpolarised diffuse light from behind, as the paper sends it",
+    ),
     plain("mirrored", "layer alone, without paper: share of light at 0° that is mirrored"),
     // on the paper
     plain(
@@ -106,6 +114,12 @@ const COLUMNS: &[Definition] = &[
     plain(
         "lit_at_45",
         "layer on its paper: lit at 45° and seen along the normal, π × BRDF; a perfect white: 1",
+    ),
+    plain("sphere_at_8", "layer on its paper: in a sphere, seen at 8° with mirrored light (d:8)"),
+    plain("sphere_at_8_excluded", "layer on its paper: in a sphere, seen at 8° without mirrored light (d:8)"),
+    plain(
+        "diffuse_normal",
+        "layer on its paper: under diffuse light, seen along the normal without mirrored light (d:0)",
     ),
     plain("over_black", "layer over black: lit at 45° and seen along the normal, π × BRDF"),
     plain("over_white", "layer over white of albedo 0.8: lit at 45° and seen along the normal, π × BRDF"),

@@ -143,6 +143,7 @@ fn tables_of(manifest: &Manifest<&Study>, seen: &Seen) -> csv::Result<Vec<NamedT
         ("spectra.csv", tables::rows(&manifest.spectra)?, "spectra of the layer alone, and on its paper"),
         ("bdf.csv", bdf, "distributions of the layer alone, order by order"),
     ];
+    all.extend(tables::absorbed(&manifest.absorbed)?);
     let factor = manifest.certainty.coverage_factor_95;
     all.extend(tables::ink_maker(manifest.ink_maker.as_ref(), factor)?);
     all.extend(numbers::numbers_table(&manifest.numbers)?);

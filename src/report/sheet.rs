@@ -193,6 +193,11 @@ mod tests {
             absorptance: half(None),
             natural_light: None,
             lit_at_45: None,
+            sphere_at_8: None,
+            sphere_at_8_excluded: None,
+            diffuse_normal: None,
+            transmittance_diffuse: None,
+            absorptance_behind: None,
             deviations: Vec::new(),
         };
         let rows = [row(Some(0.01), None), row(Some(0.04), Some(0.02))];

@@ -4,6 +4,7 @@ use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::draw::cell::{numbers, records, table, with_errors};
 use crate::evaluate::gate;
 use crate::evaluate::ink_maker::InkMaker;
+use crate::evaluate::manifest::AbsorbedNote;
 use crate::evaluate::printed::{PrintNote, Prints};
 use crate::evaluate::published::{PublishedRow, Quantity};
 use crate::input::measured::MeasuredCondition;
@@ -53,6 +54,23 @@ pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<V
         files.push(("measured.csv", table(header, rows)?, "the measurement and its prediction"));
     }
     Ok(files)
+}
+
+/// `absorbed.csv`, where there are several layers.
+///
+/// # Errors
+/// A table that cannot be written.
+pub fn absorbed(rows: &[AbsorbedNote]) -> csv::Result<Option<NamedTable>> {
+    if rows.is_empty() {
+        return Ok(None);
+    }
+    let place = ["wavelength_nm", "polar_deg", "layer"].map(str::to_owned);
+    let lines = rows.iter().map(|row| {
+        let place = [row.wavelength_nm.to_string(), row.polar_deg.to_string(), row.layer.clone()];
+        (place, numbers(Some(row.absorptance)))
+    });
+    let bytes = table(place.into_iter().chain(with_errors(["absorptance"])), lines)?;
+    Ok(Some(("absorbed.csv", bytes, "what every layer of the stack absorbs, without paper")))
 }
 
 /// `prints.csv` and `print-spectra.csv`, where there are prints besides the solid on plain paper.
@@ -224,13 +242,18 @@ mod tests {
             absorptance: of(0.25),
             natural_light: None,
             lit_at_45: Some(of(0.75)),
+            sphere_at_8: None,
+            sphere_at_8_excluded: None,
+            diffuse_normal: None,
+            transmittance_diffuse: Some(of(0.625)),
+            absorptance_behind: None,
             deviations: Vec::new(),
         };
         let text = String::from_utf8(rows(&[row]).unwrap()).unwrap();
         let last = text.lines().last().unwrap();
         assert_eq!(
             last,
-            "400,0,0.25,0.125,0.1,0.125,0.5,0.125,0.4,0.125,0.25,0.125,,,0.75,0.125,0.375,0.125"
+            "400,0,0.25,0.125,0.1,0.125,0.5,0.125,0.4,0.125,0.25,0.125,,,0.75,0.125,0.375,0.125,,,,,,,0.625,0.125,,"
         );
     }
 }

@@ -10,7 +10,7 @@ use num_complex::Complex64;
 
 pub const CLAIM: Claim = Claim {
     id: "39-stack-inks",
-    statement: "Two thin inks that are solved each alone and joined as plates have the totals of both solved at once within 1 % or two bars (at 0°, where both at once know one Bloch vector only, 4 %), and joining without the mean wave's interference has not.",
+    statement: "Two thin inks that are solved each alone and joined as plates have the totals of both solved at once within 1 % or two bars, near 0° and from all directions, and joining without the mean wave's interference has not.",
     because: "The joint lies in the binder of the ink behind, whose grains begin at a wall; the mean wave passes the whole stack as a film, and what it loses is shared as composing shares it.",
     file: file!(),
     measure,
@@ -34,9 +34,9 @@ struct Compared {
     added: Vec<Totals>,
 }
 
-/// What R and T of cells of one Bloch vector are off by: all cells that are lit at 0° have the same, and guided modes
-/// of the cell move them by some 3 % from those of many vectors.
-const ONE_BLOCH_VECTOR: f64 = 0.04;
+/// Sides of the cells, µm: in units of the guided waves of these layers they differ by more than one, so that no order of
+/// a cell meets a guided mode in all of them. Cells of one side move R and T at 0° by some 3 %.
+const SIDES_UM: [f64; 2] = [0.8, 1.3];
 
 const LIGHTS: [&str; 3] = ["0°", "45°", "all nodes"];
 
@@ -52,7 +52,7 @@ fn cases(level: Level) -> Vec<Case> {
     let pair = |coats: [Coat; 2], wavelength_um: f64| TwoCoats {
         coats,
         wavelength_um,
-        side_um: 1.0,
+        sides_um: SIDES_UM,
         realisations,
         joint: coats[1].binder,
     };
@@ -92,8 +92,7 @@ fn measure(level: Level, findings: &mut Findings) {
                 let error = bar(&difference);
                 let value = all.direct[light][lobe];
                 let off = difference(&all);
-                let most = if light == 0 { ONE_BLOCH_VECTOR.max(case.most) } else { case.most };
-                worst = worst.max(off.abs() / (most * value).max(2.0 * error));
+                worst = worst.max(off.abs() / (case.most * value).max(2.0 * error));
                 rows.push(vec![
                     format!("{symbol}, {name}"),
                     format!("{value:.4}"),
@@ -103,11 +102,7 @@ fn measure(level: Level, findings: &mut Findings) {
             }
         }
         findings.check(
-            format!(
-                "{}: plates less both at once, over {} % (4 % at 0°) or two bars",
-                case.name,
-                100.0 * case.most
-            ),
+            format!("{}: plates less both at once, over {} % or two bars", case.name, 100.0 * case.most),
             worst,
             Bound::AtMost(1.0),
             Reason::Promise,

@@ -7,6 +7,7 @@ use super::survivors::Survivors;
 pub use super::uncertainty::Budget;
 use super::uncertainty::nothing;
 use crate::appearance::colour::Colour;
+use crate::appearance::paper_series::LayerOptics;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::store::identity::METHOD_VERSION;
@@ -111,11 +112,18 @@ pub struct Manifest<S: Serialize> {
     /// Prints in dots, and under the lights of instruments on paper that fluoresces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prints: Option<Prints>,
+    /// The layer as light between it and its paper meets it, lit at 45° and seen along the normal:
+    /// what prints of other studies take of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub optics: Option<LayerOptics>,
     /// Numbers that were withheld because they are impossible, such as a negative contrast ratio.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,
     /// One row per wavelength and angle.
     pub spectra: Vec<SpectrumRow>,
+    /// What every layer of a stack absorbs, without paper; empty for one layer.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub absorbed: Vec<AbsorbedNote>,
     /// Sum of the wall times of all solves, s; several solves may run in parallel, on several
     /// threads each.
     pub solve_seconds: f64,
@@ -287,9 +295,34 @@ pub struct SpectrumRow {
     /// π × BRDF of the ink on its paper, lit at 45° and viewed along the normal (white diffuser:
     /// 1).
     pub lit_at_45: Option<Estimate>,
+    /// At 0°: the ink on its paper in a sphere, seen at 8° (d:8), with mirrored light.
+    pub sphere_at_8: Option<Estimate>,
+    /// At 0°: the same without mirrored light.
+    pub sphere_at_8_excluded: Option<Estimate>,
+    /// At 0°: the ink on its paper under diffuse light, seen along the normal through a port from
+    /// which nothing is mirrored (d:0).
+    pub diffuse_normal: Option<Estimate>,
+    /// At 0°: T̄ of diffuse light from in front. With Ā it gives the series of returns from any
+    /// paper, g = ρ/(1 − ρ R̄_b) with R̄_b = 1 − T̄/n² − Ā.
+    pub transmittance_diffuse: Option<Estimate>,
+    /// At 0°: Ā of unpolarised diffuse light from behind, as the paper sends it.
+    pub absorptance_behind: Option<Estimate>,
     /// Number of each realisation and its contribution to R and T.
     #[serde(skip)]
     pub deviations: Vec<(usize, [f64; 2])>,
+}
+
+/// What one layer of a stack absorbs at one wavelength and angle; all layers together absorb A.
+#[derive(Clone, Debug, Serialize)]
+pub struct AbsorbedNote {
+    /// Name of the layer.
+    pub layer: String,
+    /// Wavelength, nm.
+    pub wavelength_nm: f64,
+    /// Polar angle, degrees.
+    pub polar_deg: f64,
+    /// Share of the light that it absorbs, without paper.
+    pub absorptance: Estimate,
 }
 
 /// A number of a spectrum.
@@ -308,7 +341,7 @@ const fn factor(name: &'static str, estimate: fn(&SpectrumRow) -> Option<Estimat
 }
 
 /// The numbers of a spectrum in the order of `spectra.csv`.
-const SPECTRUM: [SpectrumColumn; 8] = [
+const SPECTRUM: [SpectrumColumn; 13] = [
     share("reflectance", |row| Some(row.reflectance)),
     share("specular_reflectance", |row| Some(row.specular_reflectance)),
     share("transmittance", |row| Some(row.transmittance)),
@@ -317,6 +350,11 @@ const SPECTRUM: [SpectrumColumn; 8] = [
     factor("natural_light", |row| row.natural_light),
     factor("lit_at_45", |row| row.lit_at_45),
     share("coherent_transmittance", |row| row.coherent_transmittance),
+    factor("sphere_at_8", |row| row.sphere_at_8),
+    factor("sphere_at_8_excluded", |row| row.sphere_at_8_excluded),
+    factor("diffuse_normal", |row| row.diffuse_normal),
+    share("transmittance_diffuse", |row| row.transmittance_diffuse),
+    share("absorptance_behind", |row| row.absorptance_behind),
 ];
 
 impl PublishedRow for SpectrumRow {
