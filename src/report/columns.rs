@@ -125,6 +125,7 @@ const COLUMNS: &[Definition] = &[
     plain("over_white", "layer over white of albedo 0.8: lit at 45° and seen along the normal, π × BRDF"),
     // prints in dots, and under the lights of instruments
     words("condition", "light of the instrument by ISO 13655, M0 to M2; empty on paper without a brightener"),
+    words("print", "the print in words: its condition and the nominal coverages of its inks"),
     plain("nominal_coverage", "coverage as it was asked for: 0 is bare paper, 1 the solid"),
     plain("coverage", "coverage with the physical gain of the dots"),
     plain("spread_share", "share of the light that the paper spreads over dots and paper alike, 0 to 1"),
@@ -132,6 +133,8 @@ const COLUMNS: &[Definition] = &[
     only(&["prints.csv"], plain("a", "print at 45:0: a*")),
     only(&["prints.csv"], plain("b", "print at 45:0: b*")),
     plain("apparent_coverage", "coverage by Murray and Davies from Y of paper, print and solid"),
+    plain("density", "visual density over the paper, -log10(Y/Y of the paper)"),
+    plain("additivity", "of an overprint of solids: its density over the sum of those of its inks"),
     plain("optical_gain", "apparent_coverage less coverage: what the paper's spread of light adds"),
     plain("yule_nielsen_n", "n of Yule and Nielsen that gives Y of the print"),
     plain("radiance_factor", "print at 45:0, a perfect white being 1; above 1 where the paper emits"),

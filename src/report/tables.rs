@@ -89,11 +89,24 @@ pub fn prints(prints: Option<&Prints>) -> csv::Result<Vec<NamedTable>> {
         let [l, a, b] = note.lab.map(|number| numbers(Some(number)));
         let geometry = [note.print.coverage, note.print.spread].map(|x| x.to_string());
         let n = note.yule_nielsen.map_or_else(String::new, |n| n.to_string());
-        (place(note), geometry, [l, a, b, numbers(note.apparent_coverage), numbers(note.optical_gain)], n)
+        (
+            place(note),
+            geometry,
+            [
+                l,
+                a,
+                b,
+                numbers(note.apparent_coverage),
+                numbers(note.optical_gain),
+                numbers(Some(note.density)),
+                numbers(note.additivity),
+            ],
+            [n, note.name()],
+        )
     });
     let more = ["coverage", "spread_share"].map(str::to_owned);
-    let bars = with_errors(["L", "a", "b", "apparent_coverage", "optical_gain"]);
-    let last = std::iter::once("yule_nielsen_n".to_owned());
+    let bars = with_errors(["L", "a", "b", "apparent_coverage", "optical_gain", "density", "additivity"]);
+    let last = ["yule_nielsen_n", "print"].map(str::to_owned);
     let colours = table(names.iter().cloned().chain(more).chain(bars).chain(last), rows)?;
     Ok(vec![("prints.csv", colours, "colours at 45:0 of every print, from bare paper to the solid")])
 }
@@ -111,11 +124,12 @@ pub fn print_spectra(prints: Option<&Prints>, wavelengths_nm: &[f64]) -> csv::Re
         for (nm, factor) in wavelengths_nm.iter().zip(&note.factors) {
             let place =
                 [condition.to_owned(), thickness.clone(), note.print.nominal.to_string(), nm.to_string()];
-            rows.push((place, numbers(Some(*factor))));
+            rows.push((place, numbers(Some(*factor)), note.name()));
         }
     }
     let names = ["condition", "thickness_um", "nominal_coverage", "wavelength_nm"].map(str::to_owned);
-    let header = names.into_iter().chain(with_errors(["radiance_factor"]));
+    let last = std::iter::once("print".to_owned());
+    let header = names.into_iter().chain(with_errors(["radiance_factor"])).chain(last);
     Ok(vec![("print-spectra.csv", table(header, rows)?, "radiance factors at 45:0 of every print")])
 }
 

@@ -38,6 +38,11 @@ pub struct PrintNote {
     pub lab: [Estimate; 3],
     /// Coverage by Murray and Davies from Y.
     pub apparent_coverage: Option<Estimate>,
+    /// Visual density over the paper, −log₁₀(Y/Y of the paper).
+    pub density: Estimate,
+    /// Of an overprint of solids: its density over the sum of those of its inks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub additivity: Option<Estimate>,
     /// Coverage with the physical gain, less the nominal one.
     pub physical_gain: f64,
     /// Coverage by Murray and Davies, less that with the physical gain: what spreading adds.
@@ -86,6 +91,8 @@ impl PrintTask<'_> {
                 hex: format!("#{r:02x}{g:02x}{b:02x}"),
                 lab: bars.lab,
                 apparent_coverage: apparent,
+                density: bars.density,
+                additivity: Some(bars.additivity).filter(|additivity| additivity.value.is_finite()),
                 physical_gain: print.coverage - print.nominal,
                 optical_gain: apparent
                     .map(|apparent| Estimate { value: apparent.value - print.coverage, ..apparent }),
@@ -154,6 +161,8 @@ pub(super) fn ink_prints(
         bars.push(PrintNumbers {
             lab: std::array::from_fn(|c| estimate(&|print| print.lab[c], open[c])),
             apparent: estimate(&|print| print.apparent, 0.0),
+            density: estimate(&|print| print.density, 0.0),
+            additivity: estimate(&|print| print.additivity, 0.0),
             factors: (0..print.factors.len()).map(|w| estimate(&|print| print.factors[w], 0.0)).collect(),
         });
     }

@@ -130,6 +130,11 @@ pub struct PrintNumbers<T> {
     pub lab: [T; 3],
     /// Coverage by Murray and Davies from Y: what a densitometer calls it. NaN without ink.
     pub apparent: T,
+    /// Visual density over the paper, −log₁₀(Y/Y of the paper).
+    pub density: T,
+    /// Of an overprint of solids, its density over the sum of those of its inks: 1 where densities
+    /// add up. NaN of other prints, and where an ink's solid is not among the prints.
+    pub additivity: T,
     /// Radiance factor at 45:0, wavelength by wavelength.
     pub factors: Vec<T>,
 }
@@ -140,6 +145,8 @@ impl<T> PrintNumbers<T> {
         PrintNumbers {
             lab: self.lab.map(number),
             apparent: number(self.apparent),
+            density: number(self.density),
+            additivity: number(self.additivity),
             factors: self.factors.into_iter().map(number).collect(),
         }
     }
@@ -151,9 +158,32 @@ impl<T> PrintNumbers<T> {
         PrintNumbers {
             lab: [number(l, other_l), number(a, other_a), number(b, other_b)],
             apparent: number(self.apparent, other.apparent),
+            density: number(self.density, other.density),
+            additivity: number(self.additivity, other.additivity),
             factors: self.factors.into_iter().zip(other.factors).map(|(x, y)| number(x, y)).collect(),
         }
     }
+}
+
+/// The density of an overprint of solids over the sum of those of its inks.
+fn additivity(prints: &[PrintedTint], k: usize, density: impl Fn(usize) -> f64) -> f64 {
+    let inks = &prints[k].inks;
+    let count = inks.iter().filter(|ink| ink.coverage == 1.0).count();
+    if count < 2 || inks.iter().any(|ink| ink.coverage != 0.0 && ink.coverage != 1.0) {
+        return f64::NAN;
+    }
+    let mut sum = 0.0;
+    for (number, _) in inks.iter().enumerate().filter(|(_, ink)| ink.coverage == 1.0) {
+        let is_alone = |print: &PrintedTint| {
+            let mut own = print.inks.iter().enumerate();
+            !print.inks.is_empty() && own.all(|(i, ink)| ink.coverage == f64::from(i == number))
+        };
+        match prints.iter().position(is_alone) {
+            Some(solid) => sum += density(solid),
+            None => return f64::NAN,
+        }
+    }
+    density(k) / sum
 }
 
 /// The prints of a study.
@@ -277,10 +307,17 @@ impl<'a> PrintTask<'a> {
             let luminances: Vec<f64> = factors.iter().map(|factors| self.luminance(factors)).collect();
             let paper = luminances[0];
             let solid = luminances[each - 1];
+            let density = |luminance: f64| -(luminance / paper).log10();
             for (k, factors) in factors.into_iter().enumerate() {
                 let inked = k > 0 && paper > solid && self.others.is_empty();
                 let apparent = if inked { murray_davies(paper, luminances[k], solid) } else { f64::NAN };
-                all.push(PrintNumbers { lab: self.lab(&factors), apparent, factors });
+                all.push(PrintNumbers {
+                    lab: self.lab(&factors),
+                    apparent,
+                    density: density(luminances[k]),
+                    additivity: additivity(prints, k, |k| density(luminances[k])),
+                    factors,
+                });
             }
         }
         all

@@ -63,15 +63,26 @@ impl Problem {
                 .sum::<Complex64>();
         }
         let mut weights = vec![uniform; grid.points()];
-        let share = |channel: usize| f64::from(coverage.channels[channel].background == background);
-        let of_pair = |&[a, b]: &[usize; 2]| 0.5 * (share(a) + share(b));
-        let shares = (0..coverage.channels.len()).map(share).chain(coverage.pairs.iter().map(of_pair));
+        let is_own = |channel: usize| coverage.channels[channel].background == background;
+        let points = grid.points() as f64;
+        let of_pair = |number: usize, &[a, b]: &[usize; 2]| {
+            let whole = self.contrasts[coverage.channels.len() + number];
+            let loss = match [is_own(a), is_own(b)] {
+                [true, true] => return whole,
+                [false, false] => return Complex64::ZERO,
+                // of Im(k_a k_b) what absorbs in a belongs to a
+                [true, false] => self.contrasts[a].im * self.contrasts[b].re,
+                [false, true] => self.contrasts[b].im * self.contrasts[a].re,
+            };
+            Complex64::new(0.5 * whole.re, 2.0 * points * loss)
+        };
+        let of_channel =
+            |channel: usize| if is_own(channel) { self.contrasts[channel] } else { Complex64::ZERO };
+        let singles = (0..coverage.channels.len()).map(of_channel);
+        let pairs = coverage.pairs.iter().enumerate().map(|(number, pair)| of_pair(number, pair));
         let fields = coverage.moments.iter().chain(&coverage.folded);
-        for ((moments, &contrast), share) in fields.zip(&self.contrasts).zip(shares) {
-            if share > 0.0 {
-                let values = weights.iter_mut().zip(moments.row(plane));
-                values.for_each(|(w, &m)| *w += share * contrast * m);
-            }
+        for (moments, contrast) in fields.zip(singles.chain(pairs)).filter(|(_, c)| *c != Complex64::ZERO) {
+            weights.iter_mut().zip(moments.row(plane)).for_each(|(w, &m)| *w += contrast * m);
         }
         weights
     }
