@@ -1,5 +1,6 @@
 use super::*;
 use crate::appearance::tristimulus::Colorimeter;
+use crate::evaluate::manifest::SpectrumReplicates;
 
 fn estimate(value: f64, error: f64) -> Estimate {
     Estimate { value, standard_error: Some(error) }
@@ -107,6 +108,7 @@ fn a_spectrum_goes_with_its_colour() {
         transmittance_diffuse: None,
         absorptance_behind: None,
         deviations: Vec::new(),
+        replicates: SpectrumReplicates::default(),
     };
     let mut rows = [row(1.4), row(8.3)];
     let reasons = spectra(&mut rows, &[]);
