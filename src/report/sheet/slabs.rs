@@ -211,6 +211,7 @@ struct LargestParts {
     model: f64,
     grid: f64,
     directions: f64,
+    inputs: f64,
 }
 
 fn largest_parts(manifest: &Manifest) -> LargestParts {
@@ -229,6 +230,7 @@ fn largest_parts(manifest: &Manifest) -> LargestParts {
             largest.model = largest.model.max(parts.model);
             largest.grid = largest.grid.max(parts.grid);
             largest.directions = largest.directions.max(parts.directions);
+            largest.inputs = largest.inputs.max(parts.inputs);
         }
     }
     largest

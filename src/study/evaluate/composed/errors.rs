@@ -1,7 +1,8 @@
 //! The error bars of a composed layer's numbers.
 //!
 //! Every number is a function of the ensemble-mean flux matrices of all portions, so all of them
-//! are evaluated again for every change of these, and compared name by name.
+//! are evaluated again for every change of these, and compared name by name. The errors of tables of
+//! indices are changes of whole slabs in a few realisations.
 
 use super::level::{Change, Level};
 use super::numbers::LayerTask;
@@ -10,6 +11,7 @@ use crate::evaluate::quantities::{
     ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
     ThicknessNumbers,
 };
+use crate::input::study::Study;
 
 /// Wavelengths on either side over which the squared error of composing is averaged: that error is
 /// smooth, and chance is not.
@@ -32,8 +34,24 @@ pub struct JudgedNumbers {
     pub replicates: Vec<PortionReplicates>,
 }
 
-/// All numbers with their bars: from slabs of h (`whole`) and of h/2 (`half`).
-pub fn with_errors(task: &LayerTask, whole: &Level, half: &Level) -> JudgedNumbers {
+/// Whole slabs of a few realisations, from which all errors due to tables of indices follow.
+pub struct MovedLevels {
+    /// As they are.
+    pub unmoved: Level,
+    /// With every move of a table by one standard error, to either side, and the study so moved.
+    pub moved: Vec<(Study, Level)>,
+}
+
+/// All numbers with their bars: from slabs of h and of h/2 (`levels`).
+///
+/// # Errors
+/// Those of [`LayerTask::new`].
+pub fn with_errors(
+    task: &LayerTask,
+    levels: [&Level; 2],
+    moved: Option<&MovedLevels>,
+) -> Result<JudgedNumbers, String> {
+    let [whole, half] = levels;
     let numbers = task.numbers(whole, Change::default());
     let change =
         |other: ComposedNumbers<f64>| other.zipped(numbers.clone(), |changed, number| changed - number);
@@ -48,14 +66,32 @@ pub fn with_errors(task: &LayerTask, whole: &Level, half: &Level) -> JudgedNumbe
     let chance_of_halving =
         chance.clone().zipped(chance_of_half, |whole, half| if is_known { whole + half } else { 0.0 });
     let model = errors_of_composing(by_halving, chance_of_halving);
+    let of_inputs = match moved {
+        Some(moved) => input_variances(task, moved)?,
+        None => numbers.clone().map(|_| 0.0),
+    };
     let numbers = numbers
         .map(|value| ErrorParts { value, ..ErrorParts::default() })
         .zipped(chance, |parts, variance| ErrorParts { chance: variance.sqrt(), ..parts })
         .zipped(model, |parts, model| ErrorParts { model, ..parts })
         .zipped(by_grid, |parts, change| ErrorParts { grid: change.abs(), ..parts })
         .zipped(by_directions, |parts, change| ErrorParts { directions: change.abs(), ..parts })
+        .zipped(of_inputs, |parts, inputs| ErrorParts { inputs: inputs.sqrt(), ..parts })
         .map(ErrorParts::summed);
-    JudgedNumbers { numbers, replicates: of_whole }
+    Ok(JudgedNumbers { numbers, replicates: of_whole })
+}
+
+/// Variances due to the errors of tables of indices. Moves to both sides are among those given, so
+/// that half of the sum of the squares of what they change is the variance.
+fn input_variances(task: &LayerTask, levels: &MovedLevels) -> Result<ComposedNumbers<f64>, String> {
+    let unmoved = task.numbers(&levels.unmoved, Change::default());
+    let mut sum = unmoved.clone().map(|_| 0.0);
+    for (study, level) in &levels.moved {
+        let changed = task.of_study(study)?.numbers(level, Change::default());
+        let squares = changed.zipped(unmoved.clone(), |changed, number| 0.5 * (changed - number).powi(2));
+        sum = sum.zipped(squares, |sum, square| sum + square);
+    }
+    Ok(sum)
 }
 
 /// The numbers without each realisation, portion by portion; portions of one realisation have none.

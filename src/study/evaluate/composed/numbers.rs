@@ -85,6 +85,16 @@ impl<'a> LayerTask<'a> {
         })
     }
 
+    /// What this asks, of the layer of another study that differs in its indices alone.
+    ///
+    /// # Errors
+    /// Those of [`LayerTask::new`].
+    pub fn of_study<'b>(&self, study: &'b Study) -> Result<LayerTask<'b>, String> {
+        let task = LayerTask::new(study)?;
+        let curve_um = self.curve_um.clone();
+        Ok(LayerTask { curve_um, around_hiding_um: self.around_hiding_um, ..task })
+    }
+
     /// All numbers, of slabs of either thickness.
     pub fn numbers(&self, level: &Level, change: Change) -> ComposedNumbers<f64> {
         if let Some(stack) = &self.stack {

@@ -1,6 +1,6 @@
 //! The published numbers of a composed layer, with everything that their bars are made of.
 
-use super::errors::{JudgedNumbers, with_errors};
+use super::errors::{JudgedNumbers, MovedLevels, with_errors};
 use super::gate::{self, LayerInColour};
 use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::numbers::{LayerTask, MOST_SLABS, lights, projected_sr};
@@ -22,6 +22,7 @@ use crate::evaluate::quantities::{
 };
 use crate::evaluate::wavelengths::nearest;
 use crate::input::study::{Composed, Study};
+use crate::run::MovedSolves;
 
 /// Slabs of the curve against thickness, up to a layer that practically no light passes.
 const CURVE: [usize; 16] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 1024, 4096];
@@ -55,7 +56,8 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         task.curve_um = CURVE.map(|count| count as f64 * composed.slab_um).to_vec();
         find_hiding(&mut task, &slabs).err()
     };
-    let JudgedNumbers { numbers, replicates } = with_errors(&task, &whole, &half);
+    let moved = moved_levels(study, solved);
+    let JudgedNumbers { numbers, replicates } = with_errors(&task, [&whole, &half], moved.as_ref())?;
     let mut requested = Layers::default();
     for (um, layer) in composed.thicknesses_um.iter().zip(&numbers.requested) {
         requested.add(&task, *um, layer);
@@ -126,6 +128,25 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         process_seconds: None,
         study,
     })
+}
+
+/// The whole slabs of a few realisations, as they are and with every move of a table; `None` where
+/// there are no moves, or some portion has no such realisation yet.
+fn moved_levels(study: &Study, solved: &[SolvedPortion]) -> Option<MovedLevels> {
+    let moves = study.input_moves();
+    let whole = |(portion, _): &&SolvedPortion| portion.portion().is_some_and(|portion| !portion.halved);
+    let portions: Vec<&SolvedPortion> = solved.iter().filter(whole).collect();
+    let few = |(_, collected): &&SolvedPortion| collected.moved_solves(moves.len());
+    let solves = portions.iter().map(few).collect::<Option<Vec<_>>>()?;
+    let level = |portions: Vec<SolvedPortion>| Level::new(&portions, false);
+    let unmoved = portions.iter().zip(&solves).map(|((study, _), few)| (study.clone(), few.unmoved.clone()));
+    let mut moved = Vec::new();
+    for (i, by) in moves.iter().enumerate() {
+        let of_move =
+            |((study, _), few): (&&SolvedPortion, &MovedSolves)| (study.moved(by), few.moved[i].clone());
+        moved.push((study.moved(by), level(portions.iter().zip(&solves).map(of_move).collect())?));
+    }
+    Some(MovedLevels { unmoved: level(unmoved.collect())?, moved })
 }
 
 /// The stack of the first thickness at every wavelength, of slabs that are whole; empty for a layer
@@ -227,6 +248,7 @@ fn spreading_rate(hiding: ErrorParts) -> ErrorParts {
         grid: relative(hiding.grid),
         directions: relative(hiding.directions),
         wavelengths: relative(hiding.wavelengths),
+        inputs: relative(hiding.inputs),
     }
 }
 
@@ -298,9 +320,9 @@ impl Layers {
         for (asked, number) in task.weighted.iter().zip(&numbers.weighted) {
             let spectra = task.weighted_spectra(asked, &values);
             let spectra: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
-            let ErrorParts { value, chance, model, grid, directions, .. } = *number;
+            let ErrorParts { value, chance, model, grid, directions, inputs, .. } = *number;
             let wavelengths = asked.wavelength_error(&spectra, &[], true);
-            let parts = NumberParts { chance, model, grid, directions, wavelengths, inputs: 0.0 };
+            let parts = NumberParts { chance, model, grid, directions, wavelengths, inputs };
             let error = parts.together();
             let impossible = asked.impossible(value, Some(error));
             let possible = impossible.is_none();
