@@ -122,7 +122,7 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
     }
 
     fn prints(&self) -> ExportResult<Option<Prints>> {
-        Ok(self.manifest()?.prints.clone())
+        Ok(self.evaluated()?.manifest.prints.clone())
     }
 
     /// One file for each kind of slab.

@@ -7,7 +7,7 @@ use crate::draw::cell::{numbers, records, table, with_errors};
 use crate::evaluate::gate;
 use crate::evaluate::ink_maker::InkMaker;
 use crate::evaluate::manifest::composed::{AbsorbedRow, DistributionRow};
-use crate::evaluate::manifest::{AbsorbedNote, Manifest};
+use crate::evaluate::manifest::{AbsorbedNote, Manifest, SpectrumRow};
 use crate::evaluate::printed::{PrintNote, Prints};
 use crate::evaluate::published::{NumberNote, PublishedRow, Quantity};
 use crate::evaluate::seen::Seen;
@@ -57,6 +57,7 @@ pub fn of_study(manifest: &Manifest, seen: Option<&Seen>) -> csv::Result<Vec<Nam
             ("spectra.csv", rows(manifest.spectra.whole())?, "spectra of the layer alone, and on its paper"),
             ("bdf.csv", bdf, "distributions of the layer alone, order by order"),
         ]);
+        all.extend(instruments(manifest.spectra.whole())?);
         all.extend(absorbed_by_layers(&manifest.absorbed)?);
         let factor = ensemble.certainty.coverage_factor_95;
         all.extend(ink_maker(manifest.ink_maker.as_ref(), factor)?);
@@ -94,6 +95,28 @@ fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<N
         files.push(("measured.csv", table(header, rows)?, "the measurement and its prediction"));
     }
     Ok(files)
+}
+
+/// `instruments.csv`, where there is a layer on paper: what instruments of diffuse light read, and
+/// what the series of returns needs.
+fn instruments(rows: &[SpectrumRow]) -> csv::Result<Option<NamedTable>> {
+    let lines: Vec<_> = rows
+        .iter()
+        .filter(|row| row.transmittance_diffuse.is_some())
+        .map(|row| {
+            let read = [row.sphere_at_8, row.sphere_at_8_excluded, row.diffuse_normal];
+            let means = [row.transmittance_diffuse, row.absorptance_behind];
+            (row.wavelength_nm.to_string(), read.map(numbers), means.map(numbers))
+        })
+        .collect();
+    if lines.is_empty() {
+        return Ok(None);
+    }
+    let names = ["sphere_at_8", "sphere_at_8_excluded", "diffuse_normal", "transmittance_diffuse"];
+    let names = names.into_iter().chain(["absorptance_behind"]);
+    let bytes = table(std::iter::once("wavelength_nm".to_owned()).chain(with_errors(names)), lines)?;
+    let about = "what instruments of diffuse light read, and means for the series of returns from any paper";
+    Ok(Some(("instruments.csv", bytes, about)))
 }
 
 /// `absorbed.csv`, where there are several layers.
@@ -256,7 +279,7 @@ fn leaving(row: &DistributionRow) -> ([String; 3], &'static str, [String; 2], [S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::manifest::{SpectrumReplicates, SpectrumRow};
+    use crate::evaluate::manifest::SpectrumReplicates;
     use inkwave_validation::fixtures::two_orders;
 
     #[test]
@@ -321,7 +344,7 @@ mod tests {
         let last = text.lines().last().unwrap();
         assert_eq!(
             last,
-            "400,0,0.25,0.125,0.1,0.125,0.5,0.125,0.4,0.125,0.25,0.125,,,0.75,0.125,0.375,0.125,,,,,,,0.625,0.125,,"
+            "400,0,0.25,0.125,0.1,0.125,0.5,0.125,0.4,0.125,0.25,0.125,,,0.75,0.125,0.375,0.125"
         );
     }
 }

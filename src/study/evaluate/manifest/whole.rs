@@ -192,7 +192,7 @@ const fn factor(name: &'static str, estimate: fn(&SpectrumRow) -> Option<Estimat
 }
 
 /// The numbers of a spectrum in the order of `spectra.csv`.
-const SPECTRUM: [SpectrumColumn; 13] = [
+const SPECTRUM: [SpectrumColumn; 8] = [
     share("reflectance", |row| Some(row.reflectance)),
     share("specular_reflectance", |row| Some(row.specular_reflectance)),
     share("transmittance", |row| Some(row.transmittance)),
@@ -201,11 +201,6 @@ const SPECTRUM: [SpectrumColumn; 13] = [
     factor("natural_light", |row| row.natural_light),
     factor("lit_at_45", |row| row.lit_at_45),
     share("coherent_transmittance", |row| row.coherent_transmittance),
-    factor("sphere_at_8", |row| row.sphere_at_8),
-    factor("sphere_at_8_excluded", |row| row.sphere_at_8_excluded),
-    factor("diffuse_normal", |row| row.diffuse_normal),
-    share("transmittance_diffuse", |row| row.transmittance_diffuse),
-    share("absorptance_behind", |row| row.absorptance_behind),
 ];
 
 impl PublishedRow for SpectrumRow {
