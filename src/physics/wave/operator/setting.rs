@@ -136,8 +136,8 @@ pub(super) fn cell_offset(
     cell: usize,
 ) -> Complex64 {
     let eta = media.backgrounds[grid.background[cell]] * k0;
-    // A difference of the size of rounding is set to zero: homogeneous layers then need no iteration
-    // at all.
+    // A difference of the size of rounding is set to zero: homogeneous layers then need no
+    // iteration at all.
     let raw = eta * eta - mean_k2[cell];
     if raw.norm() < 1e-14 * mean_k2[cell].norm() { Complex64::default() } else { raw }
 }
