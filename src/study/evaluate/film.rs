@@ -135,8 +135,8 @@ impl Film {
     /// Share of the power of a plane wave from the incident side that every layer absorbs, with the
     /// polar angle in vacuum. Nothing at grazing incidence.
     ///
-    /// A wave f with the reflection Γ carries |f|² Re{(1 + Γ)* y (1 − Γ)}, y the admittance; a layer
-    /// keeps the difference between its faces.
+    /// A wave f with the reflection Γ carries |f|² Re{(1 + Γ)* y (1 − Γ)}, y the admittance; what a
+    /// layer keeps is the difference between its faces.
     pub fn absorbed(&self, polar_deg: f64, light: Polarisation) -> Vec<f64> {
         let each = self.squared_indices.len() / self.layers_um.len();
         let mut absorbed = vec![0.0; self.layers_um.len()];

@@ -60,12 +60,12 @@ impl MovedLayers {
         self.errors_of(|layer| layer.spectrum(angle, total).values)
     }
 
-    /// The same of what a layer of a stack absorbs.
+    /// Standard error of what a layer of a stack absorbs, as of totals.
     pub fn absorbed_errors(&self, angle: usize, layer: usize) -> Vec<f64> {
         self.errors_of(|seen| seen.absorbed(angle, layer).values)
     }
 
-    /// The same of any spectrum.
+    /// Standard errors of any spectrum due to the tables' errors.
     fn errors_of(&self, spectrum: impl Fn(&LayerSeen) -> Vec<f64>) -> Vec<f64> {
         let unmoved = spectrum(&self.few);
         let mut squares = vec![0.0; unmoved.len()];

@@ -222,12 +222,13 @@ impl Conditions {
         under_sky(layer, &self.view, self.sky, by)
     }
 
-    /// The same in a sphere seen at 8° (d:8), with or without mirrored light.
+    /// The radiance factor in a sphere seen at 8° (d:8), with or without mirrored light.
     pub fn in_sphere(&self, sky: MirroredSky, layer: &LayerOnPaper, by: Shift) -> f64 {
         under_sky(layer, &self.slanted, sky, by)
     }
 
-    /// The same seen along the normal through a port, from which nothing is mirrored (d:0).
+    /// The radiance factor of diffuse light seen along the normal through a port, from which
+    /// nothing is mirrored (d:0).
     pub fn diffuse_normal(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
         under_sky(layer, &self.view, MirroredSky::Excluded, by)
     }
