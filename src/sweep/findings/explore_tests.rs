@@ -16,11 +16,6 @@ fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> Outcome {
         transmittance: number(),
         natural_light: Some(number()),
         lit_at_45: Some(number()),
-        sphere_at_8: None,
-        sphere_at_8_excluded: None,
-        diffuse_normal: None,
-        transmittance_diffuse: None,
-        absorptance_behind: None,
         deviations: Vec::new(),
     };
     let points = |polar_deg: f64| wavelengths_nm.iter().map(move |nm| (polar_deg, nm));
