@@ -51,5 +51,6 @@ pub fn two_orders() -> FarField {
         reflectance: 0.05,
         transmittance: 0.5,
         absorptance: 0.45,
+        absorbed: Vec::new(),
     }
 }

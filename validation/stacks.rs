@@ -28,8 +28,9 @@ pub struct Coat {
 pub struct TwoCoats {
     pub coats: [Coat; 2],
     pub wavelength_um: f64,
-    /// Side of the square cell, µm.
-    pub side_um: f64,
+    /// Shortest and longest side of the cells, µm: every pair of packings has its own, so that guided modes of a cell,
+    /// whose places depend on its sides, do not stand for those of an endless layer. At 0° all cells have one Bloch vector.
+    pub sides_um: [f64; 2],
     pub realisations: usize,
     /// Index of the joint; the binder of the layer behind is right.
     pub joint: f64,
@@ -51,9 +52,9 @@ const OBLIQUE_DEG: f64 = 45.0;
 
 impl Coat {
     /// Of one packing.
-    fn packed(&self, side_um: f64, seed: u64, stream: u64) -> Vec<Sphere> {
+    fn packed(&self, period_um: [f64; 2], seed: u64, stream: u64) -> Vec<Sphere> {
         let request = PackingRequest {
-            period_um: [side_um; 2],
+            period_um,
             thickness_um: self.thickness_um,
             pigments: vec![PigmentGrains::spheres(self.diameter_nm, self.share)],
             seed,
@@ -95,13 +96,14 @@ impl TwoCoats {
 
     fn pair(&self, stream: u64) -> SolvedPair {
         let mut draws = Draws::new(51, stream);
-        let shift = [draws.between(0.0, self.side_um), draws.between(0.0, self.side_um)];
+        let period_um = self.period_um(stream);
+        let shift = period_um.map(|um| draws.between(0.0, um));
         let azimuth_deg = draws.between(0.0, 360.0);
-        let packed = [0_usize, 1].map(|k| self.coats[k].packed(self.side_um, 7 + k as u64, stream));
+        let packed = [0_usize, 1].map(|k| self.coats[k].packed(period_um, 7 + k as u64, stream));
         let ends = [[AIR, self.joint], [self.joint, AIR]];
         let apart = |k: usize| {
             let sides = &self.sides()[k];
-            let scene = self.scene(&[(k, packed[k].as_slice())]);
+            let scene = self.scene(period_um, &[(k, packed[k].as_slice())]);
             let mut solved = Vec::new();
             for (medium, from) in sides.media.iter().zip([Side::Incident, Side::Exit]) {
                 for (direction, polar_deg) in medium.directions_deg().into_iter().enumerate() {
@@ -114,8 +116,9 @@ impl TwoCoats {
                 Lit { from, direction, polarisation: 0, absorptance: far.absorptance, orders: &far.orders }
             }))
         };
-        let behind: Vec<Sphere> = packed[1].iter().map(|sphere| self.moved(sphere, shift)).collect();
-        let both = self.scene(&[(0, packed[0].as_slice()), (1, behind.as_slice())]);
+        let behind: Vec<Sphere> =
+            packed[1].iter().map(|sphere| self.moved(sphere, period_um, shift)).collect();
+        let both = self.scene(period_um, &[(0, packed[0].as_slice()), (1, behind.as_slice())]);
         let direct = |polar_deg: f64| {
             let far = self.far(&both, [AIR; 2], (polar_deg, azimuth_deg, Side::Incident));
             [far.reflectance, far.transmittance]
@@ -126,15 +129,25 @@ impl TwoCoats {
         }
     }
 
+    /// Sides of the cell of a pair, spread evenly over their range.
+    fn period_um(&self, stream: u64) -> [f64; 2] {
+        // steps of the plastic number fill a square evenly
+        const PLASTIC: f64 = 1.324_717_957_244_746;
+        let [shortest, longest] = self.sides_um;
+        let along = |step: f64| shortest + (longest - shortest) * (0.5 + stream as f64 * step).fract();
+        [along(PLASTIC.recip()), along(PLASTIC.powi(-2))]
+    }
+
     /// A sphere of the second layer under the first one.
-    fn moved(&self, sphere: &Sphere, shift: [f64; 2]) -> Sphere {
+    fn moved(&self, sphere: &Sphere, period_um: [f64; 2], shift: [f64; 2]) -> Sphere {
         let [x, y, z] = sphere.center_um;
-        let lateral = [x + shift[0], y + shift[1]].map(|um| um.rem_euclid(self.side_um));
-        Sphere { center_um: [lateral[0], lateral[1], z + self.coats[0].thickness_um], ..*sphere }
+        let x = (x + shift[0]).rem_euclid(period_um[0]);
+        let y = (y + shift[1]).rem_euclid(period_um[1]);
+        Sphere { center_um: [x, y, z + self.coats[0].thickness_um], ..*sphere }
     }
 
     /// Layers with their grains, from the front.
-    fn scene(&self, layers: &[(usize, &[Sphere])]) -> Scene {
+    fn scene(&self, period_um: [f64; 2], layers: &[(usize, &[Sphere])]) -> Scene {
         let strata = layers
             .iter()
             .map(|(k, _)| Stratum { thickness_um: self.coats[*k].thickness_um, background: *k })
@@ -144,12 +157,7 @@ impl TwoCoats {
             let body = move |sphere: &Sphere| Body::new(BodyShape::Balls(vec![*sphere]), k);
             spheres.iter().map(body).collect::<Vec<_>>()
         };
-        Scene {
-            period_um: [self.side_um; 2],
-            strata,
-            bodies: layers.iter().flat_map(bodies).collect(),
-            cut: false,
-        }
+        Scene { period_um, strata, bodies: layers.iter().flat_map(bodies).collect(), cut: false }
     }
 
     fn far(
@@ -165,10 +173,11 @@ impl TwoCoats {
             inclusions: self.coats.iter().map(|coat| coat.grains).collect(),
         };
         let incidence = Incidence { wavelength_um: self.wavelength_um, polar_deg, azimuth_deg, from };
-        let points = inkwave::solve::accuracy::smooth_size((PER_UM * self.side_um).ceil() as usize);
+        let points = |um: f64| inkwave::solve::accuracy::smooth_size((PER_UM * um).ceil() as usize);
+        let [nx, ny] = scene.period_um.map(points);
         let height_um: f64 = scene.strata.iter().map(|stratum| stratum.thickness_um).sum();
         let cells = (PER_UM * height_um).round() as usize;
-        let resolution = Resolution { nx: points, ny: points, cells, scheme: Scheme::default() };
+        let resolution = Resolution { nx, ny, cells, scheme: Scheme::default() };
         let problem =
             Problem::from_scene(scene, &media, &incidence, resolution, Mean::default()).expect("two layers");
         let goal = Goal { tolerance: 1e-5, ..Goal::default() };

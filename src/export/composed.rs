@@ -10,6 +10,7 @@ use crate::evaluate::composed::view::ComposedView;
 use crate::evaluate::directional::DirectionalPrint;
 use crate::evaluate::evaluated::{Evaluated, FinishedSolves};
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, independent};
+use crate::evaluate::printed::Prints;
 use crate::evaluate::published::{ErrorParts, Withheld};
 use crate::evaluate::quantities::Lab;
 use crate::input::study::Study;
@@ -118,6 +119,10 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
         let print =
             Print::new(study, created, bands, PrintSpectra { spectra, interpolated: true, has_colours });
         Ok(Print { title: format!("{}, {thickness_um} µm", study.title), ..print })
+    }
+
+    fn prints(&self) -> ExportResult<Option<Prints>> {
+        Ok(self.evaluated()?.manifest.prints.clone())
     }
 
     /// One file for each kind of slab.

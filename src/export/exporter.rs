@@ -7,7 +7,7 @@ use super::provenance::{self, Described, Run, STUDY};
 use super::request::{ExportError, ExportResult, Format, NearField, Request};
 use super::spectra::{self, Dialect};
 use super::voxels::{self, Voxels};
-use super::{grains, near_field, samples};
+use super::{grains, near_field, ramp, samples};
 use crate::evaluate::directional::DirectionalPrint;
 use crate::evaluate::summary::program;
 use crate::ink::{Method, Packing};
@@ -47,7 +47,13 @@ pub fn export(
         match format {
             Format::Mitsuba => exporter.mitsuba(&mut out)?,
             Format::Cxf => out.cxf(&exporter.print("cxf")?)?,
-            Format::Cgats => out.cgats(&exporter.print("cgats")?),
+            Format::Cgats => {
+                out.cgats(&exporter.print("cgats")?);
+                if let Some(prints) = finished.prints()? {
+                    let text = ramp::cgats(finished.study(), &prints, &request.created)?;
+                    out.add("prints.cgats", text, "prints in dots with Lab and spectra, CGATS.17");
+                }
+            }
             Format::Npz => out.files.extend(finished.far_fields()?),
             Format::Vti => exporter.vti(&mut out)?,
             Format::Positions => exporter.positions(&mut out)?,

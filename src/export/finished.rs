@@ -4,6 +4,7 @@ use super::print::Print;
 use super::provenance::Described;
 use super::request::ExportResult;
 use crate::evaluate::directional::DirectionalPrint;
+use crate::evaluate::printed::Prints;
 use crate::input::study::Study;
 use crate::wave::Resolution;
 
@@ -39,6 +40,12 @@ pub trait FinishedStudy {
     /// # Errors
     /// Too few wavelengths, or numbers that are withheld.
     fn print(&self, thickness_um: f64, format: &str, created: &str) -> ExportResult<Print>;
+
+    /// Prints in dots, if the study has any.
+    ///
+    /// # Errors
+    /// The numbers cannot be made.
+    fn prints(&self) -> ExportResult<Option<Prints>>;
 
     /// All orders of all solves.
     ///

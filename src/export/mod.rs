@@ -22,6 +22,7 @@ pub mod near_field;
 pub mod npz;
 pub mod print;
 pub mod provenance;
+pub mod ramp;
 pub mod request;
 pub mod samples;
 pub mod spectra;

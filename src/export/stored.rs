@@ -9,6 +9,7 @@ use super::request::{ExportError, ExportResult};
 use crate::evaluate::directional::{DirectionalInk, DirectionalPrint};
 use crate::evaluate::ink::InkOnPaper;
 use crate::evaluate::manifest::Manifest;
+use crate::evaluate::printed::Prints;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
@@ -94,6 +95,10 @@ impl FinishedStudy for Stored {
     fn print(&self, _: f64, format: &str, created: &str) -> ExportResult<Print> {
         self.ink(format)?;
         print(self, format, created)
+    }
+
+    fn prints(&self) -> ExportResult<Option<Prints>> {
+        Ok(summarise(&self.study, &self.collected, &self.seen).prints)
     }
 
     fn far_fields(&self) -> ExportResult<Vec<Described>> {

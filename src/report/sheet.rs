@@ -249,6 +249,11 @@ mod tests {
             absorptance: half(None),
             natural_light: None,
             lit_at_45: None,
+            sphere_at_8: None,
+            sphere_at_8_excluded: None,
+            diffuse_normal: None,
+            transmittance_diffuse: None,
+            absorptance_behind: None,
             deviations: Vec::new(),
             replicates: SpectrumReplicates::default(),
         };

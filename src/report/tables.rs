@@ -6,8 +6,8 @@ use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::draw::cell::{numbers, records, table, with_errors};
 use crate::evaluate::gate;
 use crate::evaluate::ink_maker::InkMaker;
-use crate::evaluate::manifest::Manifest;
 use crate::evaluate::manifest::composed::{AbsorbedRow, DistributionRow};
+use crate::evaluate::manifest::{AbsorbedNote, Manifest, SpectrumRow};
 use crate::evaluate::printed::{PrintNote, Prints};
 use crate::evaluate::published::{NumberNote, PublishedRow, Quantity};
 use crate::evaluate::seen::Seen;
@@ -57,6 +57,8 @@ pub fn of_study(manifest: &Manifest, seen: Option<&Seen>) -> csv::Result<Vec<Nam
             ("spectra.csv", rows(manifest.spectra.whole())?, "spectra of the layer alone, and on its paper"),
             ("bdf.csv", bdf, "distributions of the layer alone, order by order"),
         ]);
+        all.extend(instruments(manifest.spectra.whole())?);
+        all.extend(absorbed_by_layers(&manifest.absorbed)?);
         let factor = ensemble.certainty.coverage_factor_95;
         all.extend(ink_maker(manifest.ink_maker.as_ref(), factor)?);
     }
@@ -95,6 +97,42 @@ fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<N
     Ok(files)
 }
 
+/// `instruments.csv`, where there is a layer on paper: what instruments of diffuse light read, and
+/// what the series of returns needs.
+fn instruments(rows: &[SpectrumRow]) -> csv::Result<Option<NamedTable>> {
+    let lines: Vec<_> = rows
+        .iter()
+        .filter(|row| row.transmittance_diffuse.is_some())
+        .map(|row| {
+            let read = [row.sphere_at_8, row.sphere_at_8_excluded, row.diffuse_normal];
+            let means = [row.transmittance_diffuse, row.absorptance_behind];
+            (row.wavelength_nm.to_string(), read.map(numbers), means.map(numbers))
+        })
+        .collect();
+    if lines.is_empty() {
+        return Ok(None);
+    }
+    let names = ["sphere_at_8", "sphere_at_8_excluded", "diffuse_normal", "transmittance_diffuse"];
+    let names = names.into_iter().chain(["absorptance_behind"]);
+    let bytes = table(std::iter::once("wavelength_nm".to_owned()).chain(with_errors(names)), lines)?;
+    let about = "what instruments of diffuse light read, and means for the series of returns from any paper";
+    Ok(Some(("instruments.csv", bytes, about)))
+}
+
+/// `absorbed.csv`, where there are several layers.
+fn absorbed_by_layers(rows: &[AbsorbedNote]) -> csv::Result<Option<NamedTable>> {
+    if rows.is_empty() {
+        return Ok(None);
+    }
+    let place = ["wavelength_nm", "polar_deg", "layer"].map(str::to_owned);
+    let lines = rows.iter().map(|row| {
+        let place = [row.wavelength_nm.to_string(), row.polar_deg.to_string(), row.layer.clone()];
+        (place, numbers(Some(row.absorptance)))
+    });
+    let bytes = table(place.into_iter().chain(with_errors(["absorptance"])), lines)?;
+    Ok(Some(("absorbed.csv", bytes, "what every layer of the stack absorbs, without paper")))
+}
+
 /// `prints.csv`, where there are prints besides the solid on plain paper.
 fn prints(prints: Option<&Prints>) -> csv::Result<Vec<NamedTable>> {
     let Some(Prints { prints, .. }) = prints else { return Ok(Vec::new()) };
@@ -108,11 +146,24 @@ fn prints(prints: Option<&Prints>) -> csv::Result<Vec<NamedTable>> {
         let [l, a, b] = note.lab.map(|number| numbers(Some(number)));
         let geometry = [note.print.coverage, note.print.spread].map(|x| x.to_string());
         let n = note.yule_nielsen.map_or_else(String::new, |n| n.to_string());
-        (place(note), geometry, [l, a, b, numbers(note.apparent_coverage), numbers(note.optical_gain)], n)
+        (
+            place(note),
+            geometry,
+            [
+                l,
+                a,
+                b,
+                numbers(note.apparent_coverage),
+                numbers(note.optical_gain),
+                numbers(Some(note.density)),
+                numbers(note.additivity),
+            ],
+            [n, note.name()],
+        )
     });
     let more = ["coverage", "spread_share"].map(str::to_owned);
-    let bars = with_errors(["L", "a", "b", "apparent_coverage", "optical_gain"]);
-    let last = std::iter::once("yule_nielsen_n".to_owned());
+    let bars = with_errors(["L", "a", "b", "apparent_coverage", "optical_gain", "density", "additivity"]);
+    let last = ["yule_nielsen_n", "print"].map(str::to_owned);
     let colours = table(names.iter().cloned().chain(more).chain(bars).chain(last), rows)?;
     Ok(vec![("prints.csv", colours, "colours at 45:0 of every print, from bare paper to the solid")])
 }
@@ -127,11 +178,12 @@ fn print_spectra(prints: Option<&Prints>, wavelengths_nm: &[f64]) -> csv::Result
         for (nm, factor) in wavelengths_nm.iter().zip(&note.factors) {
             let place =
                 [condition.to_owned(), thickness.clone(), note.print.nominal.to_string(), nm.to_string()];
-            rows.push((place, numbers(Some(*factor))));
+            rows.push((place, numbers(Some(*factor)), note.name()));
         }
     }
     let names = ["condition", "thickness_um", "nominal_coverage", "wavelength_nm"].map(str::to_owned);
-    let header = names.into_iter().chain(with_errors(["radiance_factor"]));
+    let last = std::iter::once("print".to_owned());
+    let header = names.into_iter().chain(with_errors(["radiance_factor"])).chain(last);
     Ok(vec![("print-spectra.csv", table(header, rows)?, "radiance factors at 45:0 of every print")])
 }
 
@@ -227,7 +279,7 @@ fn leaving(row: &DistributionRow) -> ([String; 3], &'static str, [String; 2], [S
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::manifest::{SpectrumReplicates, SpectrumRow};
+    use crate::evaluate::manifest::SpectrumReplicates;
     use inkwave_validation::fixtures::two_orders;
 
     #[test]
@@ -280,6 +332,11 @@ mod tests {
             absorptance: of(0.25),
             natural_light: None,
             lit_at_45: Some(of(0.75)),
+            sphere_at_8: None,
+            sphere_at_8_excluded: None,
+            diffuse_normal: None,
+            transmittance_diffuse: Some(of(0.625)),
+            absorptance_behind: None,
             deviations: Vec::new(),
             replicates: SpectrumReplicates::default(),
         };

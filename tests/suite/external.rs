@@ -300,7 +300,15 @@ fn truth() -> FarField {
         further: Default::default(),
     };
     let (orders, period_um) = (vec![order], [1.0; 2]);
-    FarField { incidence, period_um, orders, reflectance: 0.05, transmittance: 0.65, absorptance: 0.3 }
+    FarField {
+        incidence,
+        period_um,
+        orders,
+        reflectance: 0.05,
+        transmittance: 0.65,
+        absorptance: 0.3,
+        absorbed: Vec::new(),
+    }
 }
 
 const GOOD: &str = r#"{"orders":[{"m":0,"side":"reflected","amplitude":[0.1,0.2]},{"m":0,"n":0,"side":"transmitted","amplitude":[0.8,0.1]}]}"#;

@@ -161,3 +161,128 @@ fn measured_paper_is_returned() {
     let page = std::fs::read_to_string(Path::new(&output).join("report.html")).unwrap();
     assert!(page.contains("paper as measured"), "the page says how the albedo was made");
 }
+
+/// Three inks that absorb one third of the spectrum each, and their overprints: clear layers, which need no grains.
+const THIRDS: &str = r#"
+[layer]
+thickness_um = THICKNESS
+binder.index = { n = 1.5, k = 0.02 }
+index_out = 1.5
+[paper]
+coupling = "optical_contact"
+albedo = 0.93
+[light]
+from_nm = 400
+to_nm = 700
+step_nm = 20
+"#;
+
+fn of_thickness(um: f64) -> String {
+    THIRDS.replace("THICKNESS", &um.to_string())
+}
+
+/// Prints of two inks whose layers and overprint are three runs: every factor is what returns that are followed one by one
+/// give with Demichel's shares; without spread it is the average of the solids. 49 patches need no further solve.
+/// *Planted*: the shares of the second ink for those of the overprint.
+#[test]
+fn overprints_share_the_area_as_demichel_says() {
+    use inkwave_validation::formulas::halftone::Area;
+    use inkwave_validation::formulas::returns::Returns;
+    let scratch = tempfile::tempdir().unwrap();
+    let run = |name: &str, text: &str| -> Value {
+        let file = scratch.path().join(format!("{name}.toml"));
+        std::fs::write(&file, text).unwrap();
+        let output = scratch.path().join(name);
+        succeed(&file, &output, &[]);
+        serde_json::from_slice(&std::fs::read(output.join("results.json")).unwrap()).unwrap()
+    };
+    let alone: Vec<Value> =
+        [("cyan", 0.7), ("yellow", 1.1)].map(|(name, um)| run(name, &of_thickness(um))).into();
+    let levels = "[0, 0.1, 0.25, 0.5, 0.75, 0.9, 1]";
+    let inks = format!(
+        "[[ink]]\nname = 'cyan'\ncoverage = {levels}\n[[ink]]\nname = 'yellow'\ncoverage = {levels}\n\
+         [[area]]\ninks = ['cyan']\nresults = 'cyan'\n[[area]]\ninks = ['yellow']\nresults = 'yellow'\n\
+         [[area]]\ninks = ['yellow', 'cyan']\n"
+    );
+    let screen = |spread_um: f64| {
+        format!("[dots]\nruling_per_cm = 60\nspread_um = {spread_um}\npatches = 'grid'\n{inks}")
+    };
+    let spread = run("spread", &format!("{}{}", of_thickness(1.8), screen(40.0)));
+    let open = run("open", &format!("{}{}", of_thickness(1.8), screen(0.0)));
+    let number = |value: &Value| value.as_f64().expect("a number");
+    let areas_of = |results: &Value, w: usize| -> (f64, Area) {
+        let optics = &results["optics"]["whole"][w];
+        let lost = number(&optics["lost"]);
+        let area = Area {
+            entering: number(&optics["entering"]),
+            leaving: number(&optics["leaving"]),
+            back: 1.0 - lost,
+        };
+        (number(&optics["own"]), area)
+    };
+    let factor = |print: &Value, w: usize| number(&print["factors"][w]["value"]);
+    let prints = |results: &Value| results["prints"]["prints"].as_array().expect("prints").clone();
+    assert_eq!(prints(&spread).len(), 1 + 49 + 1);
+    let bare = behind_bare(&spread);
+    for print in &prints(&spread)[1..50] {
+        let [c, y] = [0, 1].map(|k| number(&print["inks"][k]["coverage"]));
+        for w in [0, 7, 15] {
+            let kinds = [&alone[0], &alone[1], &spread].map(|results| areas_of(results, w));
+            let shares = [c * (1.0 - y), y * (1.0 - c), c * y, (1.0 - c) * (1.0 - y)];
+            let own: f64 = kinds.iter().zip(shares).map(|((own, _), share)| own * share).sum();
+            let areas = [kinds.iter().map(|(_, area)| *area).chain([bare]).collect::<Vec<_>>()];
+            let truth = Returns {
+                areas: &areas,
+                shares: &shares,
+                spread: number(&print["spread"]),
+                paper: &[vec![0.93]],
+                light: &[1.0],
+            };
+            let want = own + truth.factors(600)[0];
+            // rounding, and what 600 returns of 0.6 leave
+            assert!((factor(print, w) - want).abs() < 1e-12, "{c} {y}: {} {want}", factor(print, w));
+        }
+    }
+    let all = prints(&open);
+    let solid = |c: f64, y: f64| {
+        let is = |print: &&Value| {
+            number(&print["inks"][0]["coverage"]) == c && number(&print["inks"][1]["coverage"]) == y
+        };
+        all[1..50].iter().find(is).expect("a patch").clone()
+    };
+    let corners = [solid(0.0, 0.0), solid(1.0, 0.0), solid(0.0, 1.0), solid(1.0, 1.0)];
+    for (corner, results) in corners[1..].iter().zip([&alone[0], &alone[1], &open]) {
+        let rows = results["spectra"].as_array().unwrap();
+        let lit: Vec<&Value> = rows.iter().filter(|row| row["polar_deg"] == 0.0).collect();
+        for (w, row) in lit.into_iter().enumerate() {
+            // a solid patch is the run of its layer
+            assert!((factor(corner, w) - number(&row["lit_at_45"]["value"])).abs() < 1e-13);
+        }
+    }
+    // densities of the layers add up, and what the paper returns more than once makes less of a dense one
+    let additivity = number(&corners[3]["additivity"]["value"]);
+    let densities = [1, 2, 3].map(|k| number(&corners[k]["density"]["value"]));
+    assert!((additivity - densities[2] / (densities[0] + densities[1])).abs() < 1e-12);
+    assert!(additivity > 0.5 && additivity < 1.0, "{additivity}");
+    assert!(corners[1]["additivity"].is_null());
+    let tint = solid(0.25, 0.5);
+    for w in 0..16 {
+        let of = corners.each_ref().map(|corner| factor(corner, w));
+        let mean = 0.375 * of[0] + 0.125 * of[1] + 0.375 * of[2] + 0.125 * of[3];
+        assert!((factor(&tint, w) - mean).abs() < 1e-13, "Neugebauer's average");
+    }
+    assert!(described_tables(&scratch.path().join("open")) >= 4);
+}
+
+/// Bare paper behind its surface, from its factor and that surface's means.
+fn behind_bare(results: &Value) -> inkwave_validation::formulas::halftone::Area {
+    use inkwave::appearance::bare_paper::{BareSurface, PaperGeometry};
+    use inkwave::appearance::paper::Coupling;
+    let surface = BareSurface::new(Coupling::OpticalContact { index: 1.5 });
+    let [entering, leaving] = surface.passed(PaperGeometry::LitAt45);
+    let back = 1.0 - surface.escaping();
+    // the first print is bare paper
+    let factor = results["prints"]["prints"][0]["factors"][3]["value"].as_f64().unwrap();
+    assert!((factor - 0.93 * entering * leaving / (1.0 - 0.93 * back)).abs() < 1e-13);
+    inkwave_validation::formulas::halftone::Area { entering, leaving, back }
+}

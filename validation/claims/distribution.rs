@@ -69,7 +69,16 @@ fn reflecting(wavelength_um: f64, side: f64, mut efficiency: impl FnMut() -> f64
     let reflectance: f64 = orders.iter().map(|o| o.reflected_efficiency).sum();
     let incidence = Incidence { wavelength_um, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
     let absorptance = 1.0 - reflectance;
-    FarField { incidence, period_um: [side; 2], orders, reflectance, transmittance: 0.0, absorptance }
+    let absorbed = Vec::new();
+    FarField {
+        incidence,
+        period_um: [side; 2],
+        orders,
+        reflectance,
+        transmittance: 0.0,
+        absorptance,
+        absorbed,
+    }
 }
 
 /// f = albedo/π everywhere, e = f cos θ dω = (albedo/π) dα dβ, makes a Lambertian layer of albedo 0.8.

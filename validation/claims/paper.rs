@@ -70,6 +70,7 @@ fn by_formula(film: &Film, strata: usize, r: usize) -> SolvedRealisation {
             specular_transmittance: t,
             unscattered: Default::default(),
             absorptance: 1.0 - r - t,
+            absorbed: Vec::new(),
             order_area: 0.0,
             scattered: Vec::new(),
         }

@@ -16,22 +16,61 @@ pub fn totals(
     polar_deg: f64,
     is_p: bool,
 ) -> [f64; 2] {
-    let along = first * polar_deg.to_radians().sin();
-    let admittance = |index: Complex64| {
-        let b = (index * index - along * along).sqrt();
-        (b, if is_p { b / (index * index) } else { b })
-    };
-    let (_, entry) = admittance(first.into());
-    let (_, exit) = admittance(last.into());
-    // fields behind the last film, whose amplitude is 1
-    let (mut u, mut v) = (Complex64::ONE, exit);
-    for film in films.iter().rev() {
-        let (b, q) = admittance(film.index);
-        let phase = TAU / wavelength_um * film.thickness_um * b;
-        let (sin, cos) = (phase.sin(), phase.cos());
-        (u, v) = (cos * u - Complex64::I * sin / q * v, cos * v - Complex64::I * q * sin * u);
-    }
+    let light = Light { first, last, wavelength_um, polar_deg, is_p };
+    let fields = light.fields(films);
+    let entry = light.admittances(first.into())[1];
+    let exit = light.admittances(last.into())[1];
+    let [u, v] = fields[0];
     let incident = (entry * u + v) / (2.0 * entry);
     let reflected = (entry * u - v) / (2.0 * entry);
     [(reflected / incident).norm_sqr(), exit.re / entry.re / incident.norm_sqr()]
+}
+
+/// Share of the light that every film absorbs: the flux Re U*V at its front less that at its back.
+pub fn absorbed(
+    [first, last]: [f64; 2],
+    films: &[Film],
+    wavelength_um: f64,
+    polar_deg: f64,
+    is_p: bool,
+) -> Vec<f64> {
+    let light = Light { first, last, wavelength_um, polar_deg, is_p };
+    let fields = light.fields(films);
+    let entry = light.admittances(first.into())[1];
+    let [u, v] = fields[0];
+    let incident = ((entry * u + v) / (2.0 * entry)).norm_sqr() * entry.re;
+    let flux = |[u, v]: [Complex64; 2]| (u.conj() * v).re / incident;
+    fields.windows(2).map(|ends| flux(ends[0]) - flux(ends[1])).collect()
+}
+
+/// Light between two half-spaces.
+struct Light {
+    first: f64,
+    last: f64,
+    wavelength_um: f64,
+    polar_deg: f64,
+    is_p: bool,
+}
+
+impl Light {
+    /// b and q in a medium.
+    fn admittances(&self, index: Complex64) -> [Complex64; 2] {
+        let along = self.first * self.polar_deg.to_radians().sin();
+        let b = (index * index - along * along).sqrt();
+        [b, if self.is_p { b / (index * index) } else { b }]
+    }
+
+    /// (U, V) in front of every film and behind the last one, where the amplitude is 1.
+    fn fields(&self, films: &[Film]) -> Vec<[Complex64; 2]> {
+        let mut fields = vec![[Complex64::ONE, self.admittances(self.last.into())[1]]];
+        for film in films.iter().rev() {
+            let [b, q] = self.admittances(film.index);
+            let phase = TAU / self.wavelength_um * film.thickness_um * b;
+            let (sin, cos) = (phase.sin(), phase.cos());
+            let [u, v] = fields[fields.len() - 1];
+            fields.push([cos * u - Complex64::I * sin / q * v, cos * v - Complex64::I * q * sin * u]);
+        }
+        fields.reverse();
+        fields
+    }
 }

@@ -53,7 +53,16 @@ pub fn speckle(rng: &mut rand::rngs::ChaCha8Rng, power: f64, coherent: f64) -> F
     let incidence =
         Incidence { wavelength_um: LAMBDA_UM, polar_deg: 0.0, azimuth_deg: 0.0, from: Side::Incident };
     let absorptance = 1.0 - reflectance - transmittance;
-    FarField { incidence, period_um: [PERIOD_UM; 2], orders, reflectance, transmittance, absorptance }
+    let absorbed = Vec::new();
+    FarField {
+        incidence,
+        period_um: [PERIOD_UM; 2],
+        orders,
+        reflectance,
+        transmittance,
+        absorptance,
+        absorbed,
+    }
 }
 
 fn ensemble(rng: &mut rand::rngs::ChaCha8Rng, count: usize) -> Vec<FarField> {

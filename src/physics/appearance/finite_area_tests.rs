@@ -44,6 +44,7 @@ fn far(period_um: f64, orders: Vec<Order>) -> FarField {
         reflectance: total,
         transmittance: total,
         absorptance: 0.0,
+        absorbed: Vec::new(),
     }
 }
 

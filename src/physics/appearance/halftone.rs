@@ -26,6 +26,19 @@ pub fn demichel(coverages: &[f64]) -> Vec<f64> {
     (0..1_usize << coverages.len()).map(share).collect()
 }
 
+/// w of a print of several inks on screens of one ruling that do not know of each other: the mean
+/// of theirs, each weighted by the variance c (1 − c) of its pattern; that of an ink alone is its
+/// own. 1 where all areas are alike.
+pub fn mean_spread_share(coverages: &[f64], ruling_per_um: f64, spread_um: f64) -> f64 {
+    let mut weights = 0.0;
+    let mut sum = 0.0;
+    for &c in coverages.iter().filter(|c| **c > 0.0 && **c < 1.0) {
+        weights += c * (1.0 - c);
+        sum += c * (1.0 - c) * spread_share(c, ruling_per_um, spread_um);
+    }
+    if weights > 0.0 { sum / weights } else { 1.0 }
+}
+
 /// Most orders of the screen's pattern that are summed to either side.
 const MOST_ORDERS: usize = 400;
 /// Orders at which the spread's transform is negligible: (2πkℓ)² beyond this.
@@ -125,6 +138,16 @@ mod tests {
         assert!(
             (three.iter().sum::<f64>() - 1.0).abs() < 1e-15 && (three[7] - 0.1 * 0.6 * 0.9).abs() < 1e-15
         );
+    }
+
+    /// Solid inks beside an ink in dots do not move its w.
+    #[test]
+    fn the_spread_of_several_inks_is_between_theirs() {
+        let [few, many] = [0.1, 0.5].map(|c| spread_share(c, 0.006, 40.0));
+        assert_eq!(mean_spread_share(&[0.5, 1.0, 0.0], 0.006, 40.0), many);
+        let both = mean_spread_share(&[0.1, 0.5], 0.006, 40.0);
+        assert!(both > few.min(many) && both < few.max(many), "{few} {both} {many}");
+        assert_eq!(mean_spread_share(&[0.0, 1.0], 0.006, 40.0), 1.0);
     }
 
     #[test]

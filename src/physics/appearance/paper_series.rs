@@ -18,6 +18,7 @@
 
 /// A kind of area at one wavelength, as light between it and the paper meets it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct AreaOptics {
     /// Radiance factor of the layer itself, without paper.
     pub own: f64,
@@ -52,6 +53,39 @@ impl AreaOptics {
             }
             (Some(last), None) => all[last],
             (None, None) => Self::default(),
+        }
+    }
+}
+
+/// A layer against wavelength as light between it and its paper meets it, with its errors: what
+/// prints take of layers that were solved elsewhere.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct LayerOptics {
+    /// Index of the medium between layer and paper.
+    pub index_out: f64,
+    /// Vacuum wavelengths, nm, rising.
+    pub wavelengths_nm: Vec<f64>,
+    /// \[wavelength\]
+    pub whole: Vec<AreaOptics>,
+    /// \[realisation left out\]\[wavelength\]
+    pub replicates: Vec<Vec<AreaOptics>>,
+    /// \[cause\]\[wavelength\], each moved by one standard error of grid, solver or a table.
+    pub moved: Vec<Vec<AreaOptics>>,
+}
+
+impl LayerOptics {
+    /// The layer at other wavelengths within its range, linear in between.
+    pub fn at(&self, wavelengths_nm: &[f64]) -> Self {
+        let moved = |rows: &Vec<AreaOptics>| -> Vec<AreaOptics> {
+            wavelengths_nm.iter().map(|&nm| AreaOptics::at(rows, &self.wavelengths_nm, nm)).collect()
+        };
+        Self {
+            index_out: self.index_out,
+            wavelengths_nm: wavelengths_nm.to_vec(),
+            whole: moved(&self.whole),
+            replicates: self.replicates.iter().map(moved).collect(),
+            moved: self.moved.iter().map(moved).collect(),
         }
     }
 }

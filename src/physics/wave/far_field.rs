@@ -75,6 +75,8 @@ pub struct FarField {
     pub transmittance: f64,
     /// A, the absorbed fraction of the incident power.
     pub absorptance: f64,
+    /// What of A is absorbed in every background medium with its bodies; empty with one background.
+    pub absorbed: Vec<f64>,
 }
 
 impl FarField {
@@ -92,6 +94,7 @@ impl FarField {
             reflectance: 0.5 * (s.reflectance + p.reflectance),
             transmittance: 0.5 * (s.transmittance + p.transmittance),
             absorptance: 0.5 * (s.absorptance + p.absorptance),
+            absorbed: s.absorbed.iter().zip(&p.absorbed).map(|(s, p)| 0.5 * (s + p)).collect(),
             ..s.clone()
         }
     }
@@ -153,7 +156,15 @@ impl Setting {
         orders.sort_by_key(|o| (o.m, o.n));
         let reflectance = orders.iter().map(|o| o.reflected_efficiency).sum();
         let transmittance = orders.iter().map(|o| o.transmitted_efficiency).sum();
-        FarField { incidence: self.incidence, period_um, orders, reflectance, transmittance, absorptance }
+        FarField {
+            incidence: self.incidence,
+            period_um,
+            orders,
+            reflectance,
+            transmittance,
+            absorptance,
+            absorbed: Vec::new(),
+        }
     }
 
     /// The order (m, n), which is harmonic `i`.
@@ -183,10 +194,12 @@ impl Problem {
     /// balance.
     pub fn far_field(&self, u: &Field) -> FarField {
         let faces = [0, self.shape().0 - 1];
-        self.far_field_of(self.coverage.grid.period_um, self.absorptance(u), |side, i, incident| {
-            let amplitude = u[[faces[side], i]] - incident;
-            let efficiency = self.kappa[side][i].re / self.incident_kappa() * amplitude.norm_sqr();
-            ([amplitude, Complex64::ZERO], efficiency)
-        })
+        let far =
+            self.far_field_of(self.coverage.grid.period_um, self.absorptance(u), |side, i, incident| {
+                let amplitude = u[[faces[side], i]] - incident;
+                let efficiency = self.kappa[side][i].re / self.incident_kappa() * amplitude.norm_sqr();
+                ([amplitude, Complex64::ZERO], efficiency)
+            });
+        FarField { absorbed: self.absorbed(u), ..far }
     }
 }

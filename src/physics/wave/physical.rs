@@ -164,6 +164,7 @@ mod tests {
             reflectance,
             transmittance,
             absorptance,
+            absorbed: Vec::new(),
         }
     }
 

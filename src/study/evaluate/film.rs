@@ -122,6 +122,71 @@ impl Film {
     }
 }
 
+/// A slice seen from in front: its admittance, what everything behind reflects at its front and at
+/// its back, the wave that enters it for one in front, and what a passage leaves of the wave.
+struct PassedSlice {
+    admittance: Complex64,
+    reflects: [Complex64; 2],
+    enters: Complex64,
+    phase: Complex64,
+}
+
+impl Film {
+    /// Share of the power of a plane wave from the incident side that every layer absorbs, with the
+    /// polar angle in vacuum. Nothing at grazing incidence.
+    ///
+    /// A wave f with the reflection Γ carries |f|² Re{(1 + Γ)* y (1 − Γ)}, y the admittance; what a
+    /// layer keeps is the difference between its faces.
+    pub fn absorbed(&self, polar_deg: f64, light: Polarisation) -> Vec<f64> {
+        let each = self.squared_indices.len() / self.layers_um.len();
+        let mut absorbed = vec![0.0; self.layers_um.len()];
+        let (sin, cos) = polar_deg.to_radians().sin_cos();
+        if cos < 1e-12 {
+            return absorbed;
+        }
+        let k0 = TAU / self.wavelength_um;
+        let admittance = |b: Complex64, squared: Complex64| match light {
+            Polarisation::S => b,
+            Polarisation::P => b / squared,
+        };
+        let exit = Complex64::from(self.index_out * self.index_out);
+        let mut after = admittance((exit - sin * sin).sqrt(), exit);
+        let mut gamma = Complex64::ZERO;
+        let mut slices = Vec::new();
+        for (slice, &squared) in self.squared_indices.iter().enumerate().rev() {
+            let b = nonzero((squared - sin * sin).sqrt());
+            let here = admittance(b, squared);
+            let (back, _) = interface(here, after, gamma);
+            let phase = (Complex64::i() * b * k0 * self.layers_um[slice / each] / each as f64).exp();
+            gamma = back * phase * phase;
+            slices.push(PassedSlice {
+                admittance: here,
+                reflects: [gamma, back],
+                enters: Complex64::ZERO,
+                phase,
+            });
+            after = here;
+        }
+        slices.reverse();
+        let mut before = admittance(cos.into(), Complex64::ONE);
+        let entry = before.re;
+        for slice in &mut slices {
+            slice.enters = interface(before, slice.admittance, slice.reflects[0]).1;
+            before = slice.admittance;
+        }
+        let carried = |y: Complex64, gamma: Complex64| ((1.0 + gamma).conj() * y * (1.0 - gamma)).re;
+        let mut wave = Complex64::ONE;
+        for (number, slice) in slices.iter().enumerate() {
+            wave *= slice.enters;
+            let front = wave.norm_sqr() * carried(slice.admittance, slice.reflects[0]);
+            wave *= slice.phase;
+            let back = wave.norm_sqr() * carried(slice.admittance, slice.reflects[1]);
+            absorbed[number / each] += (front - back) / entry;
+        }
+        absorbed
+    }
+}
+
 /// Reflection at a face between admittances `a` and `b`, where everything behind reflects `gamma`,
 /// and the transmitted amplitude, both at the face.
 fn interface(a: Complex64, b: Complex64, gamma: Complex64) -> (Complex64, Complex64) {
@@ -187,6 +252,24 @@ mod tests {
                 let got = film.reflectance_transmittance(side, deg, light);
                 // identity; 1/cos θ ≤ 30 and e^{κ k h} ≤ 1e5 in the matrix amplify rounding errors
                 prop_assert!((want.0 - got.0).abs() < 1e-9 && (want.1 - got.1).abs() < 1e-9, "{want:?} {got:?}");
+            }
+        }
+
+        /// What the layers of a stack absorb is what it neither reflects nor transmits, and a layer
+        /// that does not absorb has none of it.
+        #[test]
+        fn layers_absorb_what_the_stack_keeps(
+            n in proptest::collection::vec(1.0..2.0f64, 6), kappa in 0.0..0.3f64, deg in 0.0..88.0f64, out in 1.0..1.7f64,
+        ) {
+            let index = |(i, &n): (usize, &f64)| Complex64::new(n, if i < 2 { 0.0 } else { kappa * i as f64 }).powu(2);
+            let squared_indices: Vec<Complex64> = n.iter().enumerate().map(index).collect();
+            let film = Film { squared_indices, layers_um: vec![0.3, 0.5, 0.2], wavelength_um: 0.5, index_out: out };
+            for light in Polarisation::BOTH {
+                let (r, t) = film.reflectance_transmittance(Side::Incident, deg, light);
+                let layers = film.absorbed(deg, light);
+                // identity, amplified by 1/cos θ ≤ 30
+                prop_assert!((layers.iter().sum::<f64>() - (1.0 - r - t)).abs() < 1e-9, "{layers:?} {r} {t}");
+                prop_assert!(layers[0].abs() < 1e-9 && layers[1..].iter().all(|a| *a > -1e-9), "{layers:?}");
             }
         }
 

@@ -116,6 +116,21 @@ impl FilmAt {
         })
     }
 
+    /// Shares that the layers of a stack absorb of light from the incident side.
+    pub fn absorbed(&self, polar_deg: f64) -> Vec<f64> {
+        let lights: &[Polarisation] =
+            if self.wave.is_vector() { self.wave.polarisations() } else { &[Polarisation::S] };
+        let count = (self.films.len() * lights.len()) as f64;
+        let layers = self.films.first().map_or(0, |film| film.layers_um.len());
+        let mut all = vec![0.0; layers];
+        for (film, &light) in self.films.iter().flat_map(|film| lights.iter().map(move |light| (film, light)))
+        {
+            let own = film.absorbed(polar_deg, light);
+            all.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / count);
+        }
+        all
+    }
+
     /// The film's faces for diffuse light, with its mean index: the real part of √⟨η²⟩ over its
     /// slices.
     pub fn faces(&self) -> DiffuseFaces {

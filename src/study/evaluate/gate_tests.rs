@@ -102,6 +102,11 @@ fn a_spectrum_goes_with_its_colour() {
         absorptance: estimate(0.0, 0.01),
         natural_light: Some(estimate(0.8, 0.01)),
         lit_at_45: Some(estimate(lit, 0.08)),
+        sphere_at_8: None,
+        sphere_at_8_excluded: None,
+        diffuse_normal: None,
+        transmittance_diffuse: None,
+        absorptance_behind: None,
         deviations: Vec::new(),
         replicates: SpectrumReplicates::default(),
     };

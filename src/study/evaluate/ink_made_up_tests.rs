@@ -65,6 +65,7 @@ impl MadeUp<'_> {
             specular_transmittance: film[1] - 2.0 * lost,
             unscattered: Default::default(),
             absorptance: 1.0 - r - t,
+            absorbed: Vec::new(),
             scattered: scattered(polar_deg),
         }
     }

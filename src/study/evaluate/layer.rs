@@ -86,6 +86,8 @@ pub struct LayerEnsemble {
     pub strata: usize,
     /// Whether there are solves from the exit side.
     pub exit: bool,
+    /// Number of layers of a stack of whose absorptance the solves tell; 0 for one layer.
+    pub layers: usize,
     /// Wavelengths over the range of the spectra, nm, closer than these, over which weighted
     /// numbers are summed; empty without any.
     pub sums_nm: Vec<f64>,
@@ -101,15 +103,20 @@ impl LayerEnsemble {
         let first = solved.first().and_then(|r| r.wavelengths.first());
         let strata = first.map_or(1, |w| w.strata.len());
         let exit = first.map_or(films.index_out != 1.0, |w| !w.exit.is_empty());
-        let columns = exact_deg.len() * TOTALS + if strata > 0 { MEANS } else { 0 };
+        let layers = layers_told(solved, films);
+        let columns = exact_deg.len() * (TOTALS + layers) + if strata > 0 { MEANS } else { 0 };
         let of_realisation = |r: &SolvedRealisation| -> Vec<(f64, Vec<f64>)> {
             let film = |w: &SolvedWavelength| films.of_thickness(w.wavelength_nm, r.thickness_um);
-            r.wavelengths.iter().map(|w| (w.wavelength_nm, differences(w, &film(w), exact_deg))).collect()
+            r.wavelengths
+                .iter()
+                .map(|w| (w.wavelength_nm, differences(w, &film(w), exact_deg, layers)))
+                .collect()
         };
         let differences: Vec<_> = solved.iter().map(of_realisation).collect();
         let samples = |(nm, values): &(f64, Vec<f64>)| (*nm, Normal::plain(values));
         let fits = Fits::new(differences.iter().map(|rows| rows.iter().map(samples)), &basis, 1, columns);
-        Self { fits, basis, exact_deg: exact_deg.to_vec(), strata, exit, sums_nm: Vec::new(), differences }
+        let exact_deg = exact_deg.to_vec();
+        Self { fits, basis, exact_deg, strata, exit, layers, sums_nm: Vec::new(), differences }
     }
 
     /// Number of realisations.
@@ -142,6 +149,12 @@ impl LayerEnsemble {
         self.exact_deg.len() * TOTALS + mean as usize
     }
 
+    /// Column of what a layer of a stack absorbs at the exact angle with this index.
+    pub fn absorbed_column(&self, angle: usize, layer: usize) -> usize {
+        let means = if self.strata > 0 { MEANS } else { 0 };
+        self.exact_deg.len() * TOTALS + means + angle * self.layers + layer
+    }
+
     /// Measured difference from the film: realisation, index of its wavelength, column.
     pub fn measured(&self, r: usize, j: usize, column: usize) -> f64 {
         self.differences[r][j].1[column]
@@ -166,7 +179,7 @@ pub fn film_totals(film: &FilmAt, polar_deg: f64) -> [f64; TOTALS] {
 }
 
 /// Differences from the film in the order of the columns.
-fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64]) -> Vec<f64> {
+fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64], layers: usize) -> Vec<f64> {
     let of_angle = |(s, &deg): (&SolvedDirection, &f64)| {
         let totals = s.totals();
         let film = film_totals(film, deg);
@@ -176,7 +189,21 @@ fn differences(solved: &SolvedWavelength, film: &FilmAt, exact_deg: &[f64]) -> V
     if !solved.strata.is_empty() {
         all.extend(means(solved, film));
     }
+    if layers > 0 {
+        let of_angle = |(s, &deg): (&SolvedDirection, &f64)| {
+            let pairs = s.absorbed.iter().zip(film.absorbed(deg));
+            pairs.map(|(own, film)| own - film).collect::<Vec<_>>()
+        };
+        all.extend(solved.exact.iter().zip(exact_deg).flat_map(of_angle));
+    }
     all
+}
+
+/// Number of layers of a stack, if every solve tells what each of them absorbs; 0 for one layer.
+fn layers_told(solved: &[SolvedRealisation], films: &Films) -> usize {
+    let layers = films.profile.layers.len();
+    let mut solves = solved.iter().flat_map(|r| &r.wavelengths).flat_map(|w| &w.exact);
+    if layers > 1 && solves.all(|solve| solve.absorbed.len() == layers) { layers } else { 0 }
 }
 
 /// Differences of the means. The film is subtracted solve by solve and its exact mean added again,

@@ -187,6 +187,7 @@ mod tests {
             specular_transmittance: 0.3,
             unscattered: Default::default(),
             absorptance: 0.1,
+            absorbed: vec![0.04, 0.06],
             order_area: 0.1,
             scattered: Vec::new(),
         };

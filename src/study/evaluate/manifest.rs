@@ -10,7 +10,9 @@ use super::ink_maker::InkMaker;
 use super::printed::Prints;
 use super::published::{NumberNote, Withheld};
 pub use super::uncertainty::Budget;
+use crate::appearance::paper_series::LayerOptics;
 use crate::input::study::Study;
+use crate::numerics::estimate::Estimate;
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
 use serde::Serialize;
@@ -105,11 +107,19 @@ pub struct Manifest<'a> {
     /// Prints in dots, and under the lights of instruments on paper that fluoresces.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub prints: Option<Prints>,
+    /// The layer as light between it and its paper meets it, lit at 45° and seen along the normal:
+    /// what prints of other studies take of it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub optics: Option<LayerOptics>,
     /// Numbers that were withheld because they are impossible, such as a negative contrast ratio.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,
     /// One row per wavelength, and per angle or thickness.
     pub spectra: PublishedSpectra,
+    /// What every layer of a stack absorbs that is solved as a whole, without paper; empty for one
+    /// layer.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub absorbed: Vec<AbsorbedNote>,
     /// What a layer composed of slabs has beside these.
     #[serde(flatten)]
     pub slabs: Option<SlabNotes<'a>>,
@@ -201,6 +211,19 @@ pub struct Count {
     pub asked: usize,
     /// Number finished.
     pub finished: usize,
+}
+
+/// What one layer of a stack absorbs at one wavelength and angle; all layers together absorb A.
+#[derive(Clone, Debug, Serialize)]
+pub struct AbsorbedNote {
+    /// Name of the layer.
+    pub layer: String,
+    /// Wavelength, nm.
+    pub wavelength_nm: f64,
+    /// Polar angle, degrees.
+    pub polar_deg: f64,
+    /// Share of the light that it absorbs, without paper.
+    pub absorptance: Estimate,
 }
 
 /// A solve without a result, or a realisation without a packing.

@@ -2,11 +2,11 @@
 
 use super::ink::{InkError, InkOnPaper};
 use super::on_paper::LayerOnPaper;
-use super::prints::{PrintNumbers, PrintTask, PrintedTint};
+use super::prints::{InkCoverage, PrintNumbers, PrintTask, PrintedTint};
 use super::uncertainty::{Shift, UNMOVED, Uncertainty};
 use crate::appearance::bare_paper::PaperGeometry;
 use crate::appearance::paper::PRINT_DEG;
-use crate::appearance::paper_series::AreaOptics;
+use crate::appearance::paper_series::{AreaOptics, LayerOptics};
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use serde::Serialize;
@@ -38,6 +38,11 @@ pub struct PrintNote {
     pub lab: [Estimate; 3],
     /// Coverage by Murray and Davies from Y.
     pub apparent_coverage: Option<Estimate>,
+    /// Visual density over the paper, −log₁₀(Y/Y of the paper).
+    pub density: Estimate,
+    /// Of an overprint of solids: its density over the sum of those of its inks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub additivity: Option<Estimate>,
     /// Coverage with the physical gain, less the nominal one.
     pub physical_gain: f64,
     /// Coverage by Murray and Davies, less that with the physical gain: what spreading adds.
@@ -51,7 +56,11 @@ pub struct PrintNote {
 impl PrintNote {
     /// Condition and coverage in words.
     pub fn name(&self) -> String {
+        let of_ink =
+            |ink: &InkCoverage| format!("{} {:.4} %", ink.name, 100.0 * ink.coverage).replace(".0000", "");
+        let inks: Vec<String> = self.print.inks.iter().filter(|ink| ink.coverage > 0.0).map(of_ink).collect();
         let what = match self.print.nominal {
+            _ if !inks.is_empty() => inks.join(", "),
             0.0 => "bare paper".to_owned(),
             1.0 => "solid".to_owned(),
             nominal => format!("{:.4} %", 100.0 * nominal).replace(".0000", ""),
@@ -82,6 +91,8 @@ impl PrintTask<'_> {
                 hex: format!("#{r:02x}{g:02x}{b:02x}"),
                 lab: bars.lab,
                 apparent_coverage: apparent,
+                density: bars.density,
+                additivity: Some(bars.additivity).filter(|additivity| additivity.value.is_finite()),
                 physical_gain: print.coverage - print.nominal,
                 optical_gain: apparent
                     .map(|apparent| Estimate { value: apparent.value - print.coverage, ..apparent }),
@@ -115,15 +126,7 @@ pub(super) fn ink_prints(
     let Some(task) = PrintTask::new(study) else { return Ok(None) };
     let light = ink.at(PRINT_DEG)?;
     let view = ink.at(0.0)?;
-    let optics = |layer: &LayerOnPaper, [r, t]: Shift| {
-        let here = layer.optics(&light, &view);
-        AreaOptics {
-            own: here.own + r,
-            entering: here.entering + t,
-            leaving: here.leaving + t / layer.index_out.powi(2),
-            lost: here.lost - r,
-        }
-    };
+    let optics = |layer: &LayerOnPaper, by: Shift| moved_optics(layer.optics(&light, &view), layer, by);
     let at = |layers: &[LayerOnPaper], by: &dyn Fn(&LayerOnPaper) -> Shift| -> Vec<AreaOptics> {
         layers.iter().map(|layer| optics(layer, by(layer))).collect()
     };
@@ -131,27 +134,104 @@ pub(super) fn ink_prints(
     let whole = task.numbers(&unmoved);
     let replicates: Vec<_> = ink.layers_of_replicates().map(|l| task.numbers(&at(l, &|_| UNMOVED))).collect();
     let mut moved = uncertainty.moved(ink, |by| Ok(task.numbers(&at(ink.layers(), by))))?;
+    let of_others = beside(&task, &unmoved, |layer| &layer.replicates);
+    moved.extend(beside(&task, &unmoved, |layer| &layer.moved).into_iter().flatten());
     let scaled = moved.len();
     moved.extend(moved_by_inputs(ink, &unmoved, |layer| optics(layer, UNMOVED)).map(|o| task.numbers(&o)));
+    let coarse = task.coarsely_excited(&unmoved);
     let mut bars = Vec::new();
     for (k, print) in whole.iter().enumerate() {
         let open = task.between_wavelengths(&print.factors);
+        let excited = |get: &dyn Fn(&PrintNumbers<f64>) -> f64| {
+            coarse.as_ref().map_or(0.0, |coarse| (get(&coarse[k]) - get(print)) / 3.0)
+        };
         let estimate = |get: &dyn Fn(&PrintNumbers<f64>) -> f64, open: f64| {
             let value = get(print);
             let own: Vec<f64> = replicates.iter().map(|all| get(&all[k])).collect();
             // every table is moved to both sides
             let weight = |i: usize| if i < scaled { 1.0 } else { FRAC_1_SQRT_2 };
             let by_parts = moved.iter().enumerate().map(|(i, all)| weight(i) * (get(&all[k]) - value));
-            uncertainty.widen(Estimate::jackknife(value, &own), by_parts.fold(open, f64::hypot))
+            let chances = of_others.iter().filter_map(|replicates| {
+                let own: Vec<f64> = replicates.iter().map(|all| get(&all[k])).collect();
+                Estimate::jackknife(value, &own).standard_error
+            });
+            let shared = by_parts.chain(chances).chain([excited(get)]).fold(open, f64::hypot);
+            uncertainty.widen(Estimate::jackknife(value, &own), shared)
         };
         bars.push(PrintNumbers {
             lab: std::array::from_fn(|c| estimate(&|print| print.lab[c], open[c])),
             apparent: estimate(&|print| print.apparent, 0.0),
+            density: estimate(&|print| print.density, 0.0),
+            additivity: estimate(&|print| print.additivity, 0.0),
             factors: (0..print.factors.len()).map(|w| estimate(&|print| print.factors[w], 0.0)).collect(),
         });
     }
     let prints = task.notes(None, &whole, &bars);
     Ok(Some(Prints { conditions: task.viewing.clone(), geometry: PaperGeometry::LitAt45.name(), prints }))
+}
+
+/// Prints with the layer of one other run after the other changed in each of its ways.
+fn beside(
+    task: &PrintTask,
+    layer: &[AreaOptics],
+    changed: impl Fn(&LayerOptics) -> &Vec<Vec<AreaOptics>>,
+) -> Vec<Vec<Vec<PrintNumbers<f64>>>> {
+    let whole: Vec<&[AreaOptics]> = task.others().iter().map(|other| other.whole.as_slice()).collect();
+    let of_other = |(number, other): (usize, &LayerOptics)| {
+        let with = |rows: &Vec<AreaOptics>| {
+            let mut others = whole.clone();
+            others[number] = rows.as_slice();
+            task.numbers_beside(layer, &others)
+        };
+        changed(other).iter().map(with).collect()
+    };
+    task.others().iter().enumerate().map(of_other).collect()
+}
+
+/// An ink that is solved as a whole, at 45:0, as prints of other studies take it.
+///
+/// # Errors
+/// None: 45° and 0° are within the hemisphere.
+pub(super) fn ink_optics(
+    study: &Study,
+    ink: &InkOnPaper,
+    uncertainty: &Uncertainty,
+) -> Result<LayerOptics, InkError> {
+    let light = ink.at(PRINT_DEG)?;
+    let view = ink.at(0.0)?;
+    let at = |layers: &[LayerOnPaper], by: &dyn Fn(&LayerOnPaper) -> Shift| -> Vec<AreaOptics> {
+        layers.iter().map(|layer| moved_optics(layer.optics(&light, &view), layer, by(layer))).collect()
+    };
+    let whole = at(ink.layers(), &|_| UNMOVED);
+    let mut moved = uncertainty.moved(ink, |by| Ok(at(ink.layers(), by)))?;
+    let by_inputs = moved_by_inputs(ink, &whole, |layer| layer.optics(&light, &view));
+    // every table is moved to both sides
+    moved.extend(by_inputs.map(|all| {
+        let part = |(there, here): (AreaOptics, &AreaOptics)| AreaOptics {
+            own: here.own + FRAC_1_SQRT_2 * (there.own - here.own),
+            entering: here.entering + FRAC_1_SQRT_2 * (there.entering - here.entering),
+            leaving: here.leaving + FRAC_1_SQRT_2 * (there.leaving - here.leaving),
+            lost: here.lost + FRAC_1_SQRT_2 * (there.lost - here.lost),
+        };
+        all.into_iter().zip(&whole).map(part).collect()
+    }));
+    Ok(LayerOptics {
+        index_out: study.layer.index_out,
+        wavelengths_nm: study.wavelengths_nm.clone(),
+        replicates: ink.layers_of_replicates().map(|layers| at(layers, &|_| UNMOVED)).collect(),
+        whole,
+        moved,
+    })
+}
+
+/// A layer's optics where R and T are off by this.
+fn moved_optics(here: AreaOptics, layer: &LayerOnPaper, [r, t]: Shift) -> AreaOptics {
+    AreaOptics {
+        own: here.own + r,
+        entering: here.entering + t,
+        leaving: here.leaving + t / layer.index_out.powi(2),
+        lost: here.lost - r,
+    }
 }
 
 /// The layer with every table of indices moved by its error.

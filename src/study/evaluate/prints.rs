@@ -5,11 +5,11 @@
 use crate::appearance::bare_paper::{BareSurface, PaperGeometry};
 use crate::appearance::fluorescence::{CUT_NM, summed_nm};
 use crate::appearance::halftone::{murray_davies, physical_coverage, spread_share, yule_nielsen};
-use crate::appearance::paper_series::{AreaMix, AreaOptics};
+use crate::appearance::paper_series::{AreaMix, AreaOptics, LayerOptics};
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::measured::MeasuredCondition;
-use crate::input::study::{Paper, Study};
+use crate::input::study::{Dots, MixedAreas, MixedPrint, Paper, Study};
 use serde::Serialize;
 
 /// Micrometres of a centimetre.
@@ -74,7 +74,7 @@ impl EmittedLight<'_> {
 }
 
 /// One print.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct PrintedTint {
     /// Light of the instrument, where the paper fluoresces.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -85,6 +85,42 @@ pub struct PrintedTint {
     pub coverage: f64,
     /// Share of the light that the paper spreads over all areas alike.
     pub spread: f64,
+    /// Nominal coverages of the inks, or of the areas with layers of other runs; empty where this
+    /// study's layer is printed alone.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub inks: Vec<InkCoverage>,
+    /// Shares of this study's layer, of the layers of other runs, and of bare paper.
+    #[serde(skip)]
+    pub shares: Vec<f64>,
+}
+
+impl PrintedTint {
+    /// The prints of several kinds of area.
+    fn all_of(dots: &Dots, mixed: &MixedAreas) -> Vec<Self> {
+        let print = |(&nominal, print): (&f64, &MixedPrint)| {
+            let inks = mixed.names.iter().zip(&print.nominal);
+            let coverage: f64 = print.shares.iter().sum();
+            let bare = (1.0 - coverage).max(0.0);
+            Self {
+                condition: None,
+                nominal,
+                coverage,
+                spread: print.spread,
+                inks: inks.map(|(name, &coverage)| InkCoverage { name: name.clone(), coverage }).collect(),
+                shares: print.shares.iter().copied().chain([bare]).collect(),
+            }
+        };
+        dots.nominal.iter().zip(&mixed.prints).map(print).collect()
+    }
+}
+
+/// The nominal coverage of an ink.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct InkCoverage {
+    /// Its name in the study.
+    pub name: String,
+    /// Its coverage, 0 to 1.
+    pub coverage: f64,
 }
 
 /// What of a print its bars are made of.
@@ -94,6 +130,11 @@ pub struct PrintNumbers<T> {
     pub lab: [T; 3],
     /// Coverage by Murray and Davies from Y: what a densitometer calls it. NaN without ink.
     pub apparent: T,
+    /// Visual density over the paper, −log₁₀(Y/Y of the paper).
+    pub density: T,
+    /// Of an overprint of solids, its density over the sum of those of its inks: 1 where densities
+    /// add up. NaN of other prints, and where an ink's solid is not among the prints.
+    pub additivity: T,
     /// Radiance factor at 45:0, wavelength by wavelength.
     pub factors: Vec<T>,
 }
@@ -104,6 +145,8 @@ impl<T> PrintNumbers<T> {
         PrintNumbers {
             lab: self.lab.map(number),
             apparent: number(self.apparent),
+            density: number(self.density),
+            additivity: number(self.additivity),
             factors: self.factors.into_iter().map(number).collect(),
         }
     }
@@ -115,9 +158,32 @@ impl<T> PrintNumbers<T> {
         PrintNumbers {
             lab: [number(l, other_l), number(a, other_a), number(b, other_b)],
             apparent: number(self.apparent, other.apparent),
+            density: number(self.density, other.density),
+            additivity: number(self.additivity, other.additivity),
             factors: self.factors.into_iter().zip(other.factors).map(|(x, y)| number(x, y)).collect(),
         }
     }
+}
+
+/// The density of an overprint of solids over the sum of those of its inks.
+fn additivity(prints: &[PrintedTint], k: usize, density: impl Fn(usize) -> f64) -> f64 {
+    let inks = &prints[k].inks;
+    let count = inks.iter().filter(|ink| ink.coverage == 1.0).count();
+    if count < 2 || inks.iter().any(|ink| ink.coverage != 0.0 && ink.coverage != 1.0) {
+        return f64::NAN;
+    }
+    let mut sum = 0.0;
+    for (number, _) in inks.iter().enumerate().filter(|(_, ink)| ink.coverage == 1.0) {
+        let is_alone = |print: &PrintedTint| {
+            let mut own = print.inks.iter().enumerate();
+            !print.inks.is_empty() && own.all(|(i, ink)| ink.coverage == f64::from(i == number))
+        };
+        match prints.iter().position(is_alone) {
+            Some(solid) => sum += density(solid),
+            None => return f64::NAN,
+        }
+    }
+    density(k) / sum
 }
 
 /// The prints of a study.
@@ -131,6 +197,8 @@ pub struct PrintTask<'a> {
     pub viewing: String,
     /// Bare paper at 45:0.
     bare: AreaOptics,
+    /// Layers of other runs that some areas bear.
+    others: &'a [LayerOptics],
     albedos: Vec<f64>,
     /// The paper under the light of every condition; one without a light if it does not fluoresce.
     lights: Vec<(Option<MeasuredCondition>, Option<Brightened>)>,
@@ -164,10 +232,16 @@ impl<'a> PrintTask<'a> {
                 let coverage = physical_coverage(nominal, dots.physical_gain);
                 let ruling_per_um = dots.ruling_per_cm / UM_PER_CM;
                 let spread = spread_share(coverage, ruling_per_um, dots.spread_um);
-                PrintedTint { condition: None, nominal, coverage, spread }
+                PrintedTint { condition: None, nominal, coverage, spread, ..PrintedTint::default() }
             })
         });
-        let alone = |nominal: f64| PrintedTint { condition: None, nominal, coverage: nominal, spread: 1.0 };
+        let mixed = dots.as_ref().and_then(|dots| Some((dots, dots.mixed.as_ref()?)));
+        let tints: Vec<PrintedTint> = match mixed {
+            Some((dots, mixed)) => PrintedTint::all_of(dots, mixed),
+            None => tints.collect(),
+        };
+        let alone =
+            |nominal: f64| PrintedTint { nominal, coverage: nominal, spread: 1.0, ..PrintedTint::default() };
         let ramp: Vec<PrintedTint> = [alone(0.0)].into_iter().chain(tints).chain([alone(1.0)]).collect();
         let prints = lights.iter().flat_map(|(condition, _)| {
             ramp.iter().map(move |print| PrintedTint { condition: *condition, ..print.clone() })
@@ -179,40 +253,103 @@ impl<'a> PrintTask<'a> {
             prints: prints.collect(),
             eye: Colorimeter::under(&nm[visible(nm)], &viewing).ok()?,
             viewing: viewing.name(),
+            others: mixed.map_or(&[][..], |(_, mixed)| mixed.layers.as_slice()),
             bare: AreaOptics { own: 0.0, entering, leaving, lost: surface.escaping() },
             albedos: nm.iter().map(|&nm| albedo.at(nm).unwrap_or(f64::NAN)).collect(),
             lights,
         })
     }
 
+    /// The layers of other runs that some areas bear.
+    pub fn others(&self) -> &[LayerOptics] {
+        self.others
+    }
+
     /// All prints of a layer that is known at the study's wavelengths.
     pub fn numbers(&self, layer: &[AreaOptics]) -> Vec<PrintNumbers<f64>> {
+        let others: Vec<&[AreaOptics]> = self.others.iter().map(|other| other.whole.as_slice()).collect();
+        self.numbers_beside(layer, &others)
+    }
+
+    /// All prints as if the layer's optics that excite the paper were known at every second
+    /// wavelength only; `None` if the paper does not fluoresce. Between wavelengths they are taken
+    /// as linear, so that the difference is three times the error of all wavelengths.
+    pub fn coarsely_excited(&self, layer: &[AreaOptics]) -> Option<Vec<PrintNumbers<f64>>> {
+        self.lights.iter().find(|(_, light)| light.is_some())?;
+        let nm = &self.study.wavelengths_nm;
+        let even: Vec<usize> = (0..nm.len()).filter(|i| i % 2 == 0 || i + 1 == nm.len()).collect();
+        let kept_nm: Vec<f64> = even.iter().map(|&i| nm[i]).collect();
+        let kept: Vec<AreaOptics> = even.iter().map(|&i| layer[i]).collect();
+        let coarse: Vec<AreaOptics> = nm.iter().map(|&nm| AreaOptics::at(&kept, &kept_nm, nm)).collect();
+        let others: Vec<&[AreaOptics]> = self.others.iter().map(|other| other.whole.as_slice()).collect();
+        Some(self.numbers_lit(&coarse, layer, &others))
+    }
+
+    /// All prints, with these values of the layers of other runs.
+    pub fn numbers_beside(&self, layer: &[AreaOptics], others: &[&[AreaOptics]]) -> Vec<PrintNumbers<f64>> {
+        self.numbers_lit(layer, layer, others)
+    }
+
+    /// All prints; `exciting` is the layer through which light excites the paper.
+    fn numbers_lit(
+        &self,
+        exciting: &[AreaOptics],
+        layer: &[AreaOptics],
+        others: &[&[AreaOptics]],
+    ) -> Vec<PrintNumbers<f64>> {
         let each = self.prints.len() / self.lights.len();
         let mut all = Vec::new();
         for ((_, light), prints) in self.lights.iter().zip(self.prints.chunks(each)) {
-            let factors: Vec<Vec<f64>> =
-                prints.iter().map(|print| self.factors(layer, print, light.as_ref())).collect();
+            let factors: Vec<Vec<f64>> = prints
+                .iter()
+                .map(|print| self.factors([exciting, layer], others, print, light.as_ref()))
+                .collect();
             let luminances: Vec<f64> = factors.iter().map(|factors| self.luminance(factors)).collect();
             let paper = luminances[0];
             let solid = luminances[each - 1];
+            let density = |luminance: f64| -(luminance / paper).log10();
             for (k, factors) in factors.into_iter().enumerate() {
-                let inked = k > 0 && paper > solid;
+                let inked = k > 0 && paper > solid && self.others.is_empty();
                 let apparent = if inked { murray_davies(paper, luminances[k], solid) } else { f64::NAN };
-                all.push(PrintNumbers { lab: self.lab(&factors), apparent, factors });
+                all.push(PrintNumbers {
+                    lab: self.lab(&factors),
+                    apparent,
+                    density: density(luminances[k]),
+                    additivity: additivity(prints, k, |k| density(luminances[k])),
+                    factors,
+                });
             }
         }
         all
     }
 
-    /// Radiance factors of one print at 45:0.
-    fn factors(&self, layer: &[AreaOptics], print: &PrintedTint, light: Option<&Brightened>) -> Vec<f64> {
+    /// Radiance factors of one print at 45:0; the layer as it excites the paper, and as it is seen.
+    fn factors(
+        &self,
+        [exciting, layer]: [&[AreaOptics]; 2],
+        others: &[&[AreaOptics]],
+        print: &PrintedTint,
+        light: Option<&Brightened>,
+    ) -> Vec<f64> {
         let nm = &self.study.wavelengths_nm;
-        let mix = AreaMix { shares: vec![print.coverage, 1.0 - print.coverage], spread: print.spread };
         let bare = vec![self.bare; nm.len()];
-        let emitted = light.map(|light| light.below(&mix, &[layer, &bare], nm));
+        let shares = match print.shares.is_empty() {
+            true => vec![print.coverage, 1.0 - print.coverage],
+            false => print.shares.clone(),
+        };
+        let elsewhere = others.iter().copied().filter(|_| !print.shares.is_empty());
+        let kinds: Vec<&[AreaOptics]> =
+            [layer].into_iter().chain(elsewhere).chain([bare.as_slice()]).collect();
+        let mix = AreaMix { shares, spread: print.spread };
+        let emitted = light.map(|light| {
+            let exciting: Vec<&[AreaOptics]> =
+                [exciting].into_iter().chain(kinds[1..].iter().copied()).collect();
+            light.below(&mix, &exciting, nm)
+        });
         let factor = |(i, &nm): (usize, &f64)| {
             let emitted = emitted.as_ref().map_or(Vec::new(), |emitted| emitted.relative(nm));
-            mix.factor(&[layer[i], self.bare], self.albedos[i], &emitted)
+            let areas: Vec<AreaOptics> = kinds.iter().map(|kind| kind[i]).collect();
+            mix.factor(&areas, self.albedos[i], &emitted)
         };
         nm.iter().enumerate().map(factor).collect()
     }
@@ -235,6 +372,9 @@ impl<'a> PrintTask<'a> {
         let each = self.prints.len() / self.lights.len();
         let luminances: Vec<f64> = numbers.iter().map(|print| self.luminance(&print.factors)).collect();
         let n = |(k, print): (usize, &PrintedTint)| {
+            if !self.others.is_empty() {
+                return None;
+            }
             let first = k / each * each;
             yule_nielsen(print.coverage, luminances[first], luminances[k], luminances[first + each - 1])
         };

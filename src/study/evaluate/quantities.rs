@@ -18,6 +18,8 @@ named_numbers! {
         reflectance_diffuse: Share,
         /// T of diffuse light.
         transmittance_diffuse: Share,
+        /// Ā of unpolarised diffuse light from behind, as the paper sends it.
+        absorptance_behind: Share,
         /// Coherent transmittance at 0°, |⟨t⟩|²: what goes straight on, unscattered. (⟨|t|²⟩ of
         /// one order, as single cells have it, depends on the size of the cell: a composed layer
         /// has none.)

@@ -22,6 +22,8 @@ pub struct SolvedDirection {
     pub unscattered: [Complex64; LIGHTS],
     /// A, from the field inside the layer.
     pub absorptance: f64,
+    /// What of A every layer of a stack absorbs; empty for one layer.
+    pub absorbed: Vec<f64>,
     /// Projected solid angle λ²/(Lx Ly) of an order of the cell, sr.
     pub order_area: f64,
     /// Reflected orders except the specular one.
@@ -63,6 +65,7 @@ impl From<&FarField> for SolvedDirection {
             transmittance: field.transmittance,
             specular_transmittance: specular.transmitted_efficiency,
             absorptance: field.absorptance,
+            absorbed: field.absorbed.clone(),
             order_area: 1.0 / density,
             scattered: scattered.collect(),
         }
@@ -89,13 +92,17 @@ impl SolvedDirection {
         ]
     }
 
-    /// Adds errors to the totals; the diffuse orders follow R in proportion.
+    /// Adds errors to the totals; the diffuse orders follow R in proportion, and what layers absorb
+    /// follows A.
     pub(super) fn shift(&mut self, by: [f64; TOTALS]) {
+        let absorbed = self.absorptance;
         let before = self.reflectance - self.specular_reflectance;
         self.totals_mut().into_iter().zip(by).for_each(|(total, by)| *total += by);
         let after = self.reflectance - self.specular_reflectance;
         let factor = if before > 0.0 { (after / before).max(0.0) } else { 1.0 };
         self.scattered.iter_mut().for_each(|order| order.density *= factor);
+        let of_absorbed = if absorbed > 0.0 { self.absorptance / absorbed } else { 1.0 };
+        self.absorbed.iter_mut().for_each(|share| *share *= of_absorbed);
     }
 
     /// Becomes the mean with the same solve of another packing in the same cell.
@@ -104,6 +111,8 @@ impl SolvedDirection {
         totals.for_each(|(value, other)| *value = 0.5 * (*value + other));
         let amplitudes = self.unscattered.iter_mut().zip(other.unscattered);
         amplitudes.for_each(|(value, other)| *value = 0.5 * (*value + other));
+        let absorbed = self.absorbed.iter_mut().zip(&other.absorbed);
+        absorbed.for_each(|(value, other)| *value = 0.5 * (*value + other));
         let orders = self.scattered.iter_mut().zip(&other.scattered);
         orders.for_each(|(value, other)| value.density = 0.5 * (value.density + other.density));
     }

@@ -57,10 +57,20 @@ impl MovedLayers {
     /// Standard error of a total at one of the exact angles due to the tables' errors, against the
     /// study's wavelengths.
     pub fn errors(&self, angle: usize, total: Total) -> Vec<f64> {
-        let unmoved = self.few.spectrum(angle, total).values;
+        self.errors_of(|layer| layer.spectrum(angle, total).values)
+    }
+
+    /// Standard error of what a layer of a stack absorbs, as of totals.
+    pub fn absorbed_errors(&self, angle: usize, layer: usize) -> Vec<f64> {
+        self.errors_of(|seen| seen.absorbed(angle, layer).values)
+    }
+
+    /// Standard errors of any spectrum due to the tables' errors.
+    fn errors_of(&self, spectrum: impl Fn(&LayerSeen) -> Vec<f64>) -> Vec<f64> {
+        let unmoved = spectrum(&self.few);
         let mut squares = vec![0.0; unmoved.len()];
         for moved in &self.moved {
-            let there = moved.spectrum(angle, total).values;
+            let there = spectrum(moved);
             let changes = there.iter().zip(&unmoved).map(|(there, unmoved)| there - unmoved);
             squares.iter_mut().zip(changes).for_each(|(sum, change)| *sum += 0.5 * change * change);
         }
@@ -107,6 +117,18 @@ impl LayerSeen {
         let deg = self.ensemble.exact_deg[angle];
         let film: Vec<f64> = self.films.iter().map(|film| film_totals(film, deg)[total as usize]).collect();
         let column = ensemble.column(angle, total);
+        SpectrumEstimate {
+            values: self.beyond(&film, None, column),
+            replicates: (0..ensemble.replicates()).map(|r| self.beyond(&film, Some(r), column)).collect(),
+        }
+    }
+
+    /// What a layer of a stack absorbs at one of the exact angles, against the study's wavelengths.
+    pub fn absorbed(&self, angle: usize, layer: usize) -> SpectrumEstimate {
+        let ensemble = &self.ensemble;
+        let deg = ensemble.exact_deg[angle];
+        let film: Vec<f64> = self.films.iter().map(|film| film.absorbed(deg)[layer]).collect();
+        let column = ensemble.absorbed_column(angle, layer);
         SpectrumEstimate {
             values: self.beyond(&film, None, column),
             replicates: (0..ensemble.replicates()).map(|r| self.beyond(&film, Some(r), column)).collect(),

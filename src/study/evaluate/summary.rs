@@ -5,17 +5,19 @@ use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::ink_maker;
 use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
 use super::manifest::{
-    Certainty, ColourNote, Count, EnsembleNotes, FailureNote, Manifest, Provenance, PublishedColours,
-    PublishedSpectra, SpectrumReplicates, SpectrumRow,
+    AbsorbedNote, Certainty, ColourNote, Count, EnsembleNotes, FailureNote, Manifest, Provenance,
+    PublishedColours, PublishedSpectra, SpectrumReplicates, SpectrumRow,
 };
 pub use super::manifest::{LIT_AT_45, NATURAL_LIGHT, program};
 use super::numbers::numbers;
-use super::printed::ink_prints;
+use super::on_paper::LayerOnPaper;
+use super::printed::{ink_optics, ink_prints};
 use super::published::Withheld;
 use super::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength, TOTALS};
 use super::seen::{LayerSeen, MovedLayers, NoInk, Seen, see};
 use super::survivors::Survivors;
 use super::uncertainty::{ColourParts, Conditions, Shift, UNMOVED, Uncertainty};
+use crate::appearance::paper::MirroredSky;
 use crate::input::study::{Study, TargetColour};
 use crate::numerics::estimate::largest;
 use crate::numerics::estimate::{Estimate, coverage_factor_95, jackknife_deviations};
@@ -60,8 +62,10 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         no_ink_maker: None,
         numbers: Vec::new(),
         prints: None,
+        optics: None,
         withheld: Vec::new(),
         spectra: PublishedSpectra::Whole(Vec::new()),
+        absorbed: absorbed(study, seen, &uncertainty),
         slabs: None,
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         process_seconds: None,
@@ -97,6 +101,7 @@ fn enter_looks(manifest: &mut Manifest, seen: &Seen, uncertainty: &Uncertainty) 
     }
     let Ok(ink) = &seen.ink else { return };
     manifest.prints = ink_prints(manifest.study, ink, uncertainty).ok().flatten();
+    manifest.optics = ink_optics(manifest.study, ink, uncertainty).ok();
     match ink_maker(manifest.study, ink, uncertainty, &seen.cells) {
         Ok(mut numbers) => match gate::ink_maker(&numbers) {
             None => {
@@ -242,6 +247,10 @@ fn note(conditions: &str, (colour, budget, deviations): ColourParts, seen: &Seen
     }
 }
 
+/// A factor of the print in diffuse light: its place in a row, and its value with a shift.
+type InDiffuseLight =
+    (fn(&mut SpectrumRow) -> &mut Option<Estimate>, fn(&Conditions, &LayerOnPaper, Shift) -> f64);
+
 /// All wavelengths of each angle in turn; the ink on its paper is included at the normal.
 fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<SpectrumRow> {
     let Some(layer) = &seen.layer else { return Vec::new() };
@@ -253,6 +262,22 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
     let lit_at_45 = ink.spectrum(|l| conditions.lit_at_45(l, UNMOVED));
     let natural = natural_light.estimates();
     let lit = lit_at_45.estimates();
+    let in_spheres: [InDiffuseLight; 3] = [
+        (|row| &mut row.sphere_at_8, |c, layer, by| c.in_sphere(MirroredSky::Included, layer, by)),
+        (|row| &mut row.sphere_at_8_excluded, |c, layer, by| c.in_sphere(MirroredSky::Excluded, layer, by)),
+        (|row| &mut row.diffuse_normal, |c, layer, by| c.diffuse_normal(layer, by)),
+    ];
+    for (place, factor) in in_spheres {
+        let normal = rows.iter_mut().filter(|row| row.polar_deg == 0.0);
+        let own = ink.spectrum(|layer| factor(&conditions, layer, UNMOVED)).estimates();
+        for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
+            let moved = |by: Shift| factor(&conditions, layer, by) - own[i].value;
+            let inputs = ink.input_error(i, |l| factor(&conditions, l, UNMOVED));
+            *place(row) = Some(uncertainty.widen_by(own[i], row.wavelength_nm, inputs, moved));
+        }
+    }
+    let through = ink.spectrum(LayerOnPaper::mean_transmittance).estimates();
+    let behind = ink.spectrum(LayerOnPaper::mean_absorptance_exit).estimates();
     let normal = rows.iter_mut().filter(|row| row.polar_deg == 0.0);
     for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
         let sky = |by: Shift| conditions.natural_light(layer, by) - natural[i].value;
@@ -261,8 +286,41 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
         let inputs_print = ink.input_error(i, |l| conditions.lit_at_45(l, UNMOVED));
         row.natural_light = Some(uncertainty.widen_by(natural[i], row.wavelength_nm, inputs_sky, sky));
         row.lit_at_45 = Some(uncertainty.widen_by(lit[i], row.wavelength_nm, inputs_print, print));
+        let nm = row.wavelength_nm;
+        let inputs_through = ink.input_error(i, LayerOnPaper::mean_transmittance);
+        let inputs_behind = ink.input_error(i, LayerOnPaper::mean_absorptance_exit);
+        let through = uncertainty.widen_by(through[i], nm, inputs_through, |[_, t]| t);
+        let behind = uncertainty.widen_by(behind[i], nm, inputs_behind, |[r, t]| r + t);
+        row.transmittance_diffuse = Some(gate::bounded(through));
+        row.absorptance_behind = Some(gate::bounded(behind));
         row.replicates.natural_light = natural_light.without_each(i);
         row.replicates.lit_at_45 = lit_at_45.without_each(i);
+    }
+    rows
+}
+
+/// What every layer of a stack absorbs, angle by angle, layer by layer.
+fn absorbed(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<AbsorbedNote> {
+    let Some(seen_layer) = seen.layer.as_ref().filter(|layer| layer.ensemble.layers > 0) else {
+        return Vec::new();
+    };
+    let mut rows = Vec::new();
+    for (angle, &polar_deg) in seen_layer.ensemble.exact_deg.iter().enumerate() {
+        let all = seen_layer.spectrum(angle, Total::Absorptance).values;
+        for (number, layer) in study.stack.iter().enumerate() {
+            let estimates = seen_layer.absorbed(angle, number).estimates();
+            let inputs = seen.inputs.as_ref().map(|moved| moved.absorbed_errors(angle, number));
+            for (i, &wavelength_nm) in seen_layer.wavelengths_nm.iter().enumerate() {
+                // errors of R and T are errors of what all layers absorb, in proportion
+                let share = if all[i] > 0.0 { (estimates[i].value / all[i]).clamp(0.0, 1.0) } else { 0.0 };
+                let moved = |[r, t]: Shift| share * (r + t);
+                let inputs = inputs.as_ref().map_or(0.0, |errors| errors[i]);
+                let widened = uncertainty.widen_by(estimates[i], wavelength_nm, inputs, moved);
+                let absorptance = gate::bounded(widened);
+                let layer = layer.name.clone();
+                rows.push(AbsorbedNote { layer, wavelength_nm, polar_deg, absorptance });
+            }
+        }
     }
     rows
 }
@@ -302,6 +360,11 @@ fn rows_of(layer: &LayerSeen, angle: usize, seen: &Seen, uncertainty: &Uncertain
             absorptance: widened(4),
             natural_light: None,
             lit_at_45: None,
+            sphere_at_8: None,
+            sphere_at_8_excluded: None,
+            diffuse_normal: None,
+            transmittance_diffuse: None,
+            absorptance_behind: None,
             deviations: cells.iter().copied().zip(jackknife_deviations(&replicates)).collect(),
             replicates: SpectrumReplicates {
                 reflectance: r.without_each(i),

@@ -8,6 +8,7 @@ use super::ink::{InkError, InkOnPaper, Sight};
 use super::levels::GridPart;
 use super::on_paper::{EmittedShare, LayerOnPaper, PolarAngle};
 use super::samples::SolvedRealisation;
+use crate::appearance::bare_paper::SPHERE_DEG;
 use crate::appearance::colour::Colour;
 use crate::appearance::paper::{MirroredSky, PRINT_DEG, PaperError};
 use crate::numerics::estimate::Estimate;
@@ -201,26 +202,35 @@ pub(super) fn nothing<T: Default + PartialEq>(number: &T) -> bool {
     *number == T::default()
 }
 
-/// The two standard conditions, viewed along the normal.
+/// The conditions of instruments: two viewed along the normal, and a sphere viewed at 8°.
 pub(super) struct Conditions {
     light: PolarAngle,
     view: PolarAngle,
+    slanted: PolarAngle,
     sky: MirroredSky,
 }
 
 impl Conditions {
     pub fn new(ink: &InkOnPaper, sky: MirroredSky) -> Result<Self, PaperError> {
-        Ok(Self { light: ink.at(PRINT_DEG)?, view: ink.at(0.0)?, sky })
+        let slanted = ink.at(SPHERE_DEG)?;
+        Ok(Self { light: ink.at(PRINT_DEG)?, view: ink.at(0.0)?, slanted, sky })
     }
 
     /// The radiance factor under a uniform sky, shifted by the error of R, of T on the way in and
     /// out, and of R̄ on the paper's side.
-    pub fn natural_light(&self, layer: &LayerOnPaper, [r, t]: Shift) -> f64 {
-        let inwards = layer.transmittance(&self.view);
-        let outwards = layer.mean_transmittance();
-        let emitted = emitted_error(layer, layer.emitted.natural, inwards, [r, t]);
-        let shift = r + through_paper(layer, inwards, outwards, [r, t]);
-        layer.natural_light(&self.view, self.sky) + (shift + emitted)
+    pub fn natural_light(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
+        under_sky(layer, &self.view, self.sky, by)
+    }
+
+    /// The radiance factor in a sphere seen at 8° (d:8), with or without mirrored light.
+    pub fn in_sphere(&self, sky: MirroredSky, layer: &LayerOnPaper, by: Shift) -> f64 {
+        under_sky(layer, &self.slanted, sky, by)
+    }
+
+    /// The radiance factor of diffuse light seen along the normal through a port, from which
+    /// nothing is mirrored (d:0).
+    pub fn diffuse_normal(&self, layer: &LayerOnPaper, by: Shift) -> f64 {
+        under_sky(layer, &self.view, MirroredSky::Excluded, by)
     }
 
     /// π times the BRDF of the ink on its paper lit at 45°, shifted by errors; the error of the
@@ -232,6 +242,15 @@ impl Conditions {
         let shift = r + through_paper(layer, inwards, outwards, [r, t]);
         PI * layer.brdf(&self.light, &self.view) + (shift + emitted)
     }
+}
+
+/// The radiance factor under a uniform sky with its shift.
+fn under_sky(layer: &LayerOnPaper, view: &PolarAngle, sky: MirroredSky, [r, t]: Shift) -> f64 {
+    let inwards = layer.transmittance(view);
+    let outwards = layer.mean_transmittance();
+    let emitted = emitted_error(layer, layer.emitted.natural, inwards, [r, t]);
+    let shift = r + through_paper(layer, inwards, outwards, [r, t]);
+    layer.natural_light(view, sky) + (shift + emitted)
 }
 
 /// Error of S b T towards the eye, where S is emitted, db = n² ρ b² dR̄_b, and errors of R and T

@@ -120,7 +120,8 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
 
     let mut remarks: Vec<String> = file.light.short_of_end(&wavelengths_nm).into_iter().collect();
     let mut paper = file.paper.checked(file.layer.index_out, &tables, &mut wave_faults, &mut remarks);
-    paper.dots = dots::checked(&file.dots, &file.areas, &mut wave_faults);
+    let screen = dots::DotsReader { file: &file, tables: &tables, faults: &mut wave_faults };
+    paper.dots = screen.checked();
     let surroundings = Surroundings::of(&file.layer, paper.coupling);
     let Directions { angles, kind } = file.angles.checked(&surroundings, &mut wave_faults);
     let has_target = file.run.target_delta_e.is_some();

@@ -73,6 +73,9 @@ pub struct StudyFile {
     /// printed. What they leave is bare paper.
     #[serde(default, rename = "area")]
     pub areas: Vec<AreaTable>,
+    /// Inks of a print in dots, one `[[ink]]` each; `[[area]]` says what bears each overprint.
+    #[serde(default, rename = "ink", skip_serializing_if = "Vec::is_empty")]
+    pub inks: Vec<InkTable>,
     /// Vacuum wavelengths (default: 400 to 700 nm in steps of 20 nm).
     #[serde(default)]
     pub light: LightTable,
@@ -154,17 +157,54 @@ pub struct DotsTable {
     /// Default: 0.
     #[schemars(transform = limits::DOT_GAIN.mark())]
     pub physical_gain: f64,
+    /// Which prints the coverages of `[[ink]]` make: one for each entry of their lists (default),
+    /// or every combination of their entries, such as 27 of three inks with three coverages each.
+    pub patches: PatchRule,
+}
+
+/// Which prints the coverages of several inks make.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum PatchRule {
+    /// One print for each entry of the lists.
+    #[default]
+    Each,
+    /// Every combination of their entries; the first ink varies fastest.
+    Grid,
+}
+
+/// `[[ink]]`: an ink of a print in dots, whose overprints with the others share the area as
+/// independent dots do (Demichel).
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InkTable {
+    /// Name, by which areas say what they bear.
+    #[schemars(example = &"cyan")]
+    pub name: String,
+    /// Nominal coverage, 0 to 1, or a list with one for each print.
+    pub coverage: CoverageWritten,
 }
 
 /// `[[area]]`: a kind of area of a halftone print.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AreaTable {
-    /// Share of the area, 0 to 1; or a list for a ramp of tints.
-    pub coverage: CoverageWritten,
+    /// Share of the area, 0 to 1; or a list for a ramp of tints. Needed without `inks`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<CoverageWritten>,
+    /// Names of the `[[ink]]`s that overlap in this area, instead of `coverage`. Every overprint
+    /// needs its area; what bears no ink is bare paper.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[schemars(example = ["cyan", "yellow"])]
+    pub inks: Vec<String>,
     /// What it bears. Default: `"layer"`.
     #[serde(default)]
     pub bears: AreaBears,
+    /// Folder of results of another study, relative to this file: the area bears the layer of that
+    /// study, on this study's paper. Its `index_out` and range of wavelengths must be those here.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(example = &"out/cyan")]
+    pub results: Option<String>,
 }
 
 /// What a kind of area bears.

@@ -13,7 +13,8 @@ pub use composed::{Composed, LayerPlates, Portion, Position, StackMedia, Stacked
 pub use kind::StudyKind;
 pub use moved::InputMove;
 pub use number::{WantedNumber, WantedWeights};
-pub use parts::{Angles, Dissolved, Dots, IndexSpectrum, Judgement, Layer, MeasuredPaper, Paper};
+pub use parts::{Angles, Dissolved, Dots, IndexSpectrum, Judgement, Layer, MeasuredPaper, MixedAreas};
+pub use parts::{MixedPrint, Paper};
 pub use parts::{Pigment, StackLayer, WantedResolution};
 pub use written::WrittenAngles;
 

@@ -29,6 +29,9 @@ pub struct PointRecord {
     pub transmittance: f64,
     /// Absorptance A.
     pub absorptance: f64,
+    /// What of A is absorbed in every layer of a stack; empty for one layer.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub absorbed: Vec<f64>,
     /// Cost of the solve.
     pub account: SolveAccount,
     /// The propagating orders.
@@ -163,6 +166,7 @@ impl PointRecord {
             reflectance: far_field.reflectance,
             transmittance: far_field.transmittance,
             absorptance: far_field.absorptance,
+            absorbed: far_field.absorbed.clone(),
             account,
             orders: kept.map(|order| OrderRecord::new(order, polarisation)).collect(),
             polarisation,
@@ -179,6 +183,7 @@ impl PointRecord {
             reflectance: self.reflectance,
             transmittance: self.transmittance,
             absorptance: self.absorptance,
+            absorbed: self.absorbed.clone(),
         }
     }
 
@@ -189,7 +194,8 @@ impl PointRecord {
 
     fn is_finite(&self) -> bool {
         let totals = [self.reflectance, self.transmittance, self.absorptance, self.account.residual];
-        totals.into_iter().all(f64::is_finite) && self.orders.iter().all(OrderRecord::is_finite)
+        totals.iter().chain(&self.absorbed).all(|value| value.is_finite())
+            && self.orders.iter().all(OrderRecord::is_finite)
     }
 }
 
@@ -225,6 +231,7 @@ pub(crate) mod tests {
             reflectance: 0.05,
             transmittance: 0.5,
             absorptance: 0.45,
+            absorbed: vec![0.125, 0.325],
         }
     }
 

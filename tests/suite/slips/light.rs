@@ -31,6 +31,22 @@ pub const LIGHT: &[Slip] = &[
         "[[area]]\ncoverage = 0.7\n[dots]\nruling_per_cm = 60\n[light]",
         ["dots.spread_um", "found nothing", "since there are areas", "spread_um = 40"],
     ),
+    slip(
+        "[light]",
+        "[[ink]]\nname = \"cyan\"\ncoverage = 0.5\n[[area]]\ninks = [\"magenta\"]\n[dots]\nruling_per_cm = 60\nspread_um = 40\n[light]",
+        ["area[0].inks", "magenta", "names of [[ink]]: cyan", "correct the name"],
+    ),
+    slip(
+        "[light]",
+        "[[ink]]\nname = \"cyan\"\ncoverage = 0.5\n[[ink]]\nname = \"red\"\ncoverage = 0.5\n[[area]]\ninks = [\"cyan\", \"red\"]\n\
+         [dots]\nruling_per_cm = 60\nspread_um = 40\n[light]",
+        ["area.inks", "no area of cyan", "every overprint of the inks", "add an [[area]]"],
+    ),
+    slip(
+        "[light]",
+        "[[area]]\ncoverage = 0.5\nresults = \"nowhere\"\n[dots]\nruling_per_cm = 60\nspread_um = 40\n[light]",
+        ["area[0].results", "nowhere", "a folder of results", "run that study first"],
+    ),
     slip("[light]", "[paper]\ncoupling = \"glue\"\n[light]", ["coupling", "glue", "`gap`", "write one of"]),
     slip(
         RANGE,

@@ -2,15 +2,16 @@
 
 use crate::claim::{Claim, Findings, Level};
 use crate::formulas::films::Film;
-use crate::formulas::stacks::totals;
+use crate::formulas::stacks::{absorbed, totals};
 use crate::studies::{done, row};
 use inkwave::numerics::Draws;
 use num_complex::Complex64;
+use serde_json::Value;
 use std::fmt::Write;
 
 pub const CLAIM: Claim = Claim {
     id: "33-clear-stacks",
-    statement: "A study of [[layer]] without grains publishes R and T of the films in their order, for scalar, s, p and unpolarised light.",
+    statement: "A study of [[layer]] without grains publishes R and T of the films in their order and what each of them absorbs, for scalar, s, p and unpolarised light.",
     because: "Every layer is a stratum with its own binder, solved exactly, and its coherent film is the same stack (Born and Wolf 1.6).",
     file: file!(),
     measure,
@@ -23,6 +24,7 @@ fn measure(level: Level, findings: &mut Findings) {
     let mut draws = Draws::new(33, 0);
     let mut largest = 0.0_f64;
     let mut smallest_swap = f64::INFINITY;
+    let mut kept_wrongly = 0.0_f64;
     for case in 0..level.pick(4, 40) {
         let wave = ["scalar", "s", "p", "unpolarised"][case % 4];
         let films: Vec<Film> = (0..3)
@@ -34,9 +36,16 @@ fn measure(level: Level, findings: &mut Findings) {
         let exit = draws.between(1.0, 1.6);
         let mut swapped = films.clone();
         swapped.reverse();
-        let published = published(wave, &films, exit);
+        let results = published(wave, &films, exit);
         let mut moved = 0.0_f64;
-        for (row, (nm, deg)) in published.iter().zip(places()) {
+        for (nm, deg) in places() {
+            let row = row(&results, nm, deg);
+            let row =
+                ["reflectance", "transmittance"].map(|key| row[key]["value"].as_f64().expect("a number"));
+            for (got, want) in kept_by_layers(&results, nm, deg).iter().zip(kept(wave, &films, exit, nm, deg))
+            {
+                kept_wrongly = kept_wrongly.max((got - want).abs());
+            }
             let of = |films: &[Film]| in_light(wave, films, exit, nm, deg);
             let [r, t] = of(&films);
             largest = largest.max((row[0] - r).abs()).max((row[1] - t).abs());
@@ -45,6 +54,12 @@ fn measure(level: Level, findings: &mut Findings) {
         smallest_swap = smallest_swap.min(moved);
     }
     findings.identity("R and T of random stacks of three films", largest, 1e-10, "rounding of both formulas");
+    findings.identity(
+        "what every film of these stacks absorbs",
+        kept_wrongly,
+        1e-10,
+        "rounding of both formulas",
+    );
     findings.check(
         "R moved by the reverse order, the least of all stacks: the order is seen",
         smallest_swap,
@@ -67,8 +82,28 @@ fn in_light(wave: &str, films: &[Film], exit: f64, nm: f64, deg: f64) -> [f64; 2
     }
 }
 
-/// R and T that a study of these films publishes, in the order of [`places`].
-fn published(wave: &str, films: &[Film], exit: f64) -> Vec<[f64; 2]> {
+/// What every film absorbs in a light.
+fn kept(wave: &str, films: &[Film], exit: f64, nm: f64, deg: f64) -> Vec<f64> {
+    let of = |is_p| absorbed([1.0, exit], films, 1e-3 * nm, deg, is_p);
+    match wave {
+        "p" => of(true),
+        "unpolarised" => of(false).into_iter().zip(of(true)).map(|(s, p)| 0.5 * (s + p)).collect(),
+        _ => of(false),
+    }
+}
+
+/// What a study publishes of it, in the order of its layers.
+fn kept_by_layers(results: &Value, nm: f64, deg: f64) -> Vec<f64> {
+    let rows = results["absorbed"].as_array().expect("what layers absorb");
+    let here = |row: &&Value| row["wavelength_nm"] == nm && row["polar_deg"] == deg;
+    let share = |row: &Value| row["absorptance"]["value"].as_f64().expect("a number");
+    let all: Vec<f64> = rows.iter().filter(here).map(share).collect();
+    assert_eq!(all.len(), 3, "a row a layer");
+    all
+}
+
+/// The results of a study of these films.
+fn published(wave: &str, films: &[Film], exit: f64) -> Value {
     let mut text = format!("[stack]\nindex_out = {exit}\n");
     for Film { index, thickness_um } in films {
         let binder = format!("{{ n = {}, k = {} }}", index.re, index.im);
@@ -79,10 +114,5 @@ fn published(wave: &str, films: &[Film], exit: f64) -> Vec<[f64; 2]> {
         "[light]\nwavelengths_nm = {WAVELENGTHS_NM:?}\nwave = '{wave}'\n[angles]\npolar_deg = {ANGLES_DEG:?}\n"
     )
     .expect("text");
-    let results = done(&text).results;
-    let of = |(nm, deg): (f64, f64)| {
-        let row = row(&results, nm, deg);
-        ["reflectance", "transmittance"].map(|key| row[key]["value"].as_f64().expect("a number"))
-    };
-    places().map(of).collect()
+    done(&text).results
 }

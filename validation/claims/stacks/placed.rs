@@ -12,7 +12,7 @@ use std::fmt::Write;
 
 pub const CLAIM: Claim = Claim {
     id: "34-placed-stacks",
-    statement: "Layers of grains lie where [[layer]] puts them: over one binder a stack equals one layer with the same grains in a file, a varnish of the binder's index equals a thicker binder, and two inks in two binders equal a scene built by hand.",
+    statement: "Layers of grains lie where [[layer]] puts them: over one binder a stack equals one layer with the same grains in a file, a varnish of the binder's index equals a thicker binder, and two inks in two binders equal a scene built by hand; what the layers absorb is absorbed where the absorbing grains are.",
     because: "A stack is one scene: a stratum and a background for every layer, and grains that are moved down by the layers before theirs.",
     file: file!(),
     measure,
@@ -100,12 +100,16 @@ fn one_layer(seed: usize, folder: &std::path::Path) -> String {
     text + &rest(seed)
 }
 
-/// R and T at normal incidence of a study.
-fn published(text: &str) -> [f64; 2] {
+/// R, T and A at normal incidence of a study, and what of A its layers absorb.
+fn published(text: &str) -> ([f64; 3], Vec<f64>) {
     let results = done(text).results;
     let row = &results["spectra"][0];
     assert_eq!(row["polar_deg"], 0.0);
-    ["reflectance", "transmittance"].map(|key| row[key]["value"].as_f64().expect("a number"))
+    let totals = ["reflectance", "transmittance", "absorptance"];
+    let totals = totals.map(|key| row[key]["value"].as_f64().expect("a number"));
+    let rows = results["absorbed"].as_array().cloned().unwrap_or_default();
+    let normal = rows.iter().filter(|row| row["polar_deg"] == 0.0);
+    (totals, normal.map(|row| row["absorptance"]["value"].as_f64().expect("a number")).collect())
 }
 
 /// R and T at normal incidence of a scene built by hand, on a grid of its own.
@@ -133,6 +137,10 @@ fn by_hand(binders: [f64; 3], seed: usize) -> [f64; 2] {
     [far.reflectance, far.transmittance]
 }
 
+fn totals([r, t, _]: [f64; 3]) -> [f64; 2] {
+    [r, t]
+}
+
 fn difference(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).abs().max((a[1] - b[1]).abs())
 }
@@ -142,11 +150,17 @@ fn measure(level: Level, findings: &mut Findings) {
     let mut one = 0.0_f64;
     let mut two = 0.0_f64;
     let mut swapped = f64::INFINITY;
+    let mut unkept = 0.0_f64;
+    let mut unbalanced = 0.0_f64;
     for seed in 1..=level.pick(1, 6) {
-        let in_stack = published(&stack([BINDER; 3], seed));
-        one = one.max(difference(in_stack, published(&one_layer(seed, folder.path()))));
+        let (in_stack, _) = published(&stack([BINDER; 3], seed));
+        one = one.max(difference(totals(in_stack), totals(published(&one_layer(seed, folder.path())).0)));
         let binders = [BINDER, OTHER, 1.6];
-        let of_two = published(&stack(binders, seed));
+        let (all, layers) = published(&stack(binders, seed));
+        // the first ink absorbs, the varnish and the second ink do not
+        unkept = unkept.max((layers[1] - all[2]).abs()).max(layers[0].abs()).max(layers[2].abs());
+        unbalanced = unbalanced.max((all.iter().sum::<f64>() - 1.0).abs());
+        let of_two = totals(all);
         two = two.max(difference(of_two, by_hand(binders, seed)));
         let order = by_hand([BINDER, 1.6, OTHER], seed);
         swapped = swapped.min(difference(of_two, order));
@@ -164,6 +178,20 @@ fn measure(level: Level, findings: &mut Findings) {
         crate::claim::Bound::AtMost(2e-3),
         crate::claim::Reason::Promise,
         "both grids' errors",
+    );
+    findings.check(
+        "absorptance of the layers, where only the first ink absorbs",
+        unkept,
+        crate::claim::Bound::AtMost(1e-10),
+        crate::claim::Reason::Identity,
+        "losses are summed cell by cell, and a cell has one binder: rounding",
+    );
+    findings.check(
+        "R + T + A of the stack, less 1",
+        unbalanced,
+        crate::claim::Bound::AtMost(1e-4),
+        crate::claim::Reason::Identity,
+        "the solver's residual, 1e-5 and less, amplified tenfold at most",
     );
     findings.check(
         "the binders in the wrong order, against the same scene",

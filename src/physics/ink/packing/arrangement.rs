@@ -194,11 +194,12 @@ impl<'a> Arrangement<'a> {
 /// Hard bodies, which come and move one at a time.
 impl Arrangement<'_> {
     /// Places the next body of the plan, unless it overlaps a wall or another body; returns whether
-    /// it did.
+    /// it did. The depth of a body with a profile is a quantile of it, over the thickness.
     pub fn add_if_free(&mut self, pose: Pose) -> bool {
         let b = self.placed;
         let mut grid = self.take_grid();
         self.set_pose(b, pose);
+        self.follow_profile(b, pose.centre);
         let free = self.is_free(b, &grid);
         if free {
             self.spheres_of(b).for_each(|s| grid.insert(s, self.spheres.centre[s]));
@@ -282,9 +283,12 @@ impl Arrangement<'_> {
     }
 
     /// Puts body b at `place`, with z rescaled to the range accessible to the rotated body between
-    /// the walls, whatever is there.
+    /// the walls, or to its profile there, whatever is there.
     pub fn scatter(&mut self, b: usize, place: V3, rotation: Rotation) {
         self.put(b, Pose { centre: place, rotation });
+        if self.follow_profile(b, place) {
+            return;
+        }
         if self.spheres.cell.walls {
             let height = self.spheres.cell.size[2];
             let [low, high] = self.span_z(b);
@@ -354,6 +358,23 @@ impl Arrangement<'_> {
             solid.rotation = if lone { rotation } else { part.rotation.then(rotation) };
         }
         self.set_centre(b, pose.centre);
+    }
+
+    /// Moves a body with a profile to the depth whose share of the grains above is that of z over
+    /// the thickness; walls cut the profile off where they cut off an even layer. Returns whether
+    /// it has a profile.
+    fn follow_profile(&mut self, b: usize, place: V3) -> bool {
+        let Some(law) = self.plan.profile_of(b) else { return false };
+        let height = self.spheres.cell.size[2];
+        let [low, high] = if self.spheres.cell.walls { self.span_z(b) } else { [0.0; 2] };
+        let [from, to] = [-low / height, 1.0 - high / height];
+        let margin = 2.0 * MARGIN;
+        // A body too long for the layer in its orientation starts in the middle.
+        let within =
+            if to - from > 2.0 * margin { [from + margin, to - margin] } else { [0.5 * (from + to); 2] };
+        let depth = law.quantile_within(within, place[2] / height);
+        self.set_centre(b, [place[0], place[1], height * depth]);
+        true
     }
 
     /// Translates body b.

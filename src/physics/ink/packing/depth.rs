@@ -7,11 +7,19 @@ pub(crate) struct DepthLaw {
     rows: Vec<[f64; 2]>,
     /// Share of the grains above every row.
     above: Vec<f64>,
+    /// Mean density.
+    mean: f64,
 }
 
+/// Distance to either side of a row at which a step of the density is looked at.
+const BESIDE: f64 = 1e-9;
+
 impl DepthLaw {
-    /// The law of rows; `None` without any, where all depths are alike.
+    /// The law of rows; `None` where all depths are alike, or hold nothing.
     pub fn of(rows: &[[f64; 2]]) -> Option<Self> {
+        if rows.iter().all(|row| row[1] == rows[0][1]) {
+            return None;
+        }
         let mut above = vec![0.0];
         for pair in rows.windows(2) {
             let [[from, first], [to, last]] = [pair[0], pair[1]];
@@ -19,7 +27,7 @@ impl DepthLaw {
         }
         let all = above[above.len() - 1];
         above.iter_mut().for_each(|share| *share /= all);
-        (all > 0.0).then(|| Self { rows: rows.to_vec(), above })
+        (all > 0.0).then(|| Self { rows: rows.to_vec(), above, mean: all })
     }
 
     /// The depth above which a share of the grains lies, both 0 to 1.
@@ -36,6 +44,27 @@ impl DepthLaw {
         let m = 0.5 * (first + second) * (share - self.above[segment]) / within;
         let root = (first * first + 2.0 * (second - first) * m).max(0.0).sqrt();
         if first + root > 0.0 { from + (to - from) * 2.0 * m / (first + root) } else { from }
+    }
+
+    /// Depths on both sides of every row: the density is largest at one of them.
+    pub fn ends(&self) -> impl Iterator<Item = f64> + '_ {
+        let beside = |row: &[f64; 2]| [row[0] - BESIDE, row[0] + BESIDE].map(|depth| depth.clamp(0.0, 1.0));
+        self.rows.iter().flat_map(beside)
+    }
+
+    /// Density at a depth, over its mean.
+    pub fn density(&self, depth: f64) -> f64 {
+        let inside = |rows: &&[[f64; 2]]| depth <= rows[1][0] && rows[1][0] > rows[0][0];
+        let Some(rows) = self.rows.windows(2).find(inside) else { return 0.0 };
+        let [[from, first], [to, second]] = [rows[0], rows[1]];
+        (first + (second - first) * ((depth - from) / (to - from)).max(0.0)) / self.mean
+    }
+
+    /// The depth above which a share of those grains lies that are between two depths; the nearest
+    /// one between these where there are none.
+    pub fn quantile_within(&self, [from, to]: [f64; 2], share: f64) -> f64 {
+        let [above, below] = [self.share_above(from), self.share_above(to)];
+        self.quantile(above + (below - above) * share).clamp(from, to)
     }
 
     /// Share of the grains above a depth, 0 to 1.

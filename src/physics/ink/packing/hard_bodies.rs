@@ -13,9 +13,9 @@ use crate::ink::error::{Course, PackError, Reached};
 use crate::numerics::Draws;
 use crate::numerics::vector::{Rotation, V3, add, scale};
 
-/// Attempts to place a body of a profile at one depth: redrawing both at once would thin out where
-/// grains are dense.
-const TRIES_AT_DEPTH: u64 = 64;
+/// Attempts to place a body of a profile at one depth: redrawing the depth as well would thin out
+/// where grains are dense. Three spheres of ten thousand tries fit where 30 % are taken.
+const TRIES_AT_DEPTH: u64 = 10_000;
 /// Attempts between two reports to the watch.
 const REPORT: u64 = 100_000;
 
@@ -24,18 +24,19 @@ pub(crate) fn add_all(arrangement: &mut Arrangement, course: &mut Course) -> Res
     let plan = arrangement.plan;
     let mut attempts = 0;
     for b in 0..plan.bodies.len() {
-        let keeps_depth = plan.depths[plan.bodies[b].pigment].is_some();
-        let mut kept_um = None;
+        let mut kept = None;
+        let first = attempts;
         let limit = attempts + plan.request.sequential.attempts_per_grain;
         loop {
             attempts += 1;
             // A uniform position between the walls and a random orientation.
             let rotation = plan.draw_rotation(b, &mut course.draws);
-            let mut centre = plan.draw_place(b, &mut course.draws);
-            if keeps_depth {
+            let mut centre = plan.cell.draw_place(&mut course.draws);
+            if plan.profile_of(b).is_some() {
                 // where it is crowded, another place at the same depth is sought first
-                centre[2] = kept_um.filter(|_| attempts % TRIES_AT_DEPTH != 0).unwrap_or(centre[2]);
-                kept_um = Some(centre[2]);
+                let fresh = (attempts - first).is_multiple_of(TRIES_AT_DEPTH);
+                centre[2] = kept.filter(|_| !fresh).unwrap_or(centre[2]);
+                kept = Some(centre[2]);
             }
             if arrangement.add_if_free(Pose { centre, rotation }) {
                 break;

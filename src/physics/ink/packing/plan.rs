@@ -92,18 +92,27 @@ impl<'r> PackingPlan<'r> {
         }
     }
 
-    /// A random place of body b: anywhere, or by its profile along the depth.
-    pub fn draw_place(&self, b: usize, draws: &mut Draws) -> V3 {
-        let [x, y, z] = self.cell.draw_place(draws);
-        match &self.depths[self.bodies[b].pigment] {
-            Some(law) => [x, y, self.cell.size[2] * law.quantile(z / self.cell.size[2])],
-            None => [x, y, z],
-        }
+    /// The profile along the depth of body b, if it has one.
+    pub fn profile_of(&self, b: usize) -> Option<&DepthLaw> {
+        self.depths[self.bodies[b].pigment].as_ref()
     }
 
     /// Whether a pigment has a profile along the depth.
     pub fn has_profiles(&self) -> bool {
         self.depths.iter().any(Option::is_some)
+    }
+
+    /// Volume fraction of all grains at the depth where they are densest.
+    pub fn densest(&self) -> f64 {
+        let ends = |law: &DepthLaw| law.ends().collect::<Vec<_>>();
+        let pigments = || self.depths.iter().zip(&self.shares);
+        let at = |depth: f64| {
+            let local = |(law, share): (&Option<DepthLaw>, &Share)| {
+                share.achieved_fraction * law.as_ref().map_or(1.0, |law| law.density(depth))
+            };
+            pigments().map(local).sum::<f64>()
+        };
+        self.depths.iter().flatten().flat_map(ends).map(at).fold(0.0, f64::max)
     }
 
     /// A random rotation of body b, in its field if it has one.

@@ -29,6 +29,9 @@ const TANGLE_PATIENCE: u64 = 50;
 const FEW: f64 = 0.02;
 /// Reinsertions of interlocked clusters.
 const MOST_REINSERTIONS: u64 = 100;
+/// Motion of bodies with a profile along the depth, over that across, as long as this removes
+/// overlaps: repulsion drives grains from where they are dense to where they are not.
+const DEPTH_MOBILITY: f64 = 1.0 / 64.0;
 /// Steps between two reports to the watch.
 const REPORT: u64 = 20;
 
@@ -43,6 +46,8 @@ struct OverlapRelaxation<'a> {
     loads: BodyLoads,
     inflation: f64,
     step: f64,
+    /// Motion along the depth over that across, of bodies with a profile.
+    depth_mobility: f64,
     steps: u64,
     batch_start: u64,
     /// Whether any body has more than one sphere.
@@ -70,6 +75,7 @@ impl<'a> OverlapRelaxation<'a> {
             loads: BodyLoads::new(inertia),
             inflation: settings.inflation,
             step: settings.step,
+            depth_mobility: DEPTH_MOBILITY,
             steps: 0,
             batch_start: 0,
             clusters: plan.bodies.iter().any(|b| !b.single_sphere()),
@@ -115,6 +121,7 @@ impl<'a> OverlapRelaxation<'a> {
         self.batch_start = self.steps;
         self.inflation = self.settings.inflation;
         self.step = self.settings.step;
+        self.depth_mobility = DEPTH_MOBILITY;
         self.arrangement.list_neighbours(self.inflation);
     }
 
@@ -139,7 +146,11 @@ impl<'a> OverlapRelaxation<'a> {
             let step_of_batch = self.steps - self.batch_start + 1;
             if step_of_batch.is_multiple_of(PATIENCE) {
                 if overlaps.energy > 0.8 * energy_at_check {
-                    self.inflation *= 0.5;
+                    if self.plan.has_profiles() && self.depth_mobility < 1.0 {
+                        self.depth_mobility = (4.0 * self.depth_mobility).min(1.0);
+                    } else {
+                        self.inflation *= 0.5;
+                    }
                     if self.inflation < LEAST_INFLATION {
                         return Ok(Some(overlaps));
                     }
@@ -171,7 +182,7 @@ impl<'a> OverlapRelaxation<'a> {
         }
         self.reinsertions += 1;
         for b in interlocked {
-            let place = self.plan.draw_place(b, draws);
+            let place = self.plan.cell.draw_place(draws);
             self.arrangement.scatter(b, place, self.plan.draw_rotation(b, draws));
             self.loads.touch(b);
             if !self.moves[b] {
@@ -202,11 +213,7 @@ impl<'a> OverlapRelaxation<'a> {
 /// memory. (The bodies are shuffled, hence the position of each is still uniform.)
 fn random_places(plan: &PackingPlan, bodies: Range<usize>, draws: &mut Draws) -> Vec<V3> {
     let count = bodies.len();
-    let mut places: Vec<V3> = bodies.map(|b| plan.draw_place(b, draws)).collect();
-    if plan.has_profiles() {
-        // every place is that of its own body
-        return places;
-    }
+    let mut places: Vec<V3> = bodies.map(|_| plan.cell.draw_place(draws)).collect();
     let side = (plan.cell.size.iter().product::<f64>() / count.max(1) as f64).cbrt() * 2.0;
     places.sort_by_cached_key(|p: &V3| [p[1], p[0], p[2]].map(|c| (c / side) as u64));
     places

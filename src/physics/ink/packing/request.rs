@@ -1,6 +1,5 @@
 //! The request for a packing: cell, pigments and method.
 
-use super::depth::DepthLaw;
 use crate::ink::{
     Agglomeration, Grain, Orientation, PackError, ReliefRequest, Shape, SizeDistribution, VoxelCut,
 };
@@ -379,7 +378,7 @@ fn profile_defect(pigment: &PigmentGrains) -> Option<(&'static str, String, &'st
         |[depth, share]: &[f64; 2]| (0.0..=1.0).contains(depth) && share.is_finite() && *share >= 0.0;
     let is_whole = rows.len() >= 2 && first[0] == 0.0 && last[0] == 1.0;
     let rises = rows.windows(2).all(|pair| pair[1][0] >= pair[0][0]);
-    let good = is_whole && rises && rows.iter().all(is_sound) && DepthLaw::of(rows).is_some();
+    let good = is_whole && rises && rows.iter().all(is_sound) && rows.iter().any(|row| row[1] > 0.0);
     (!good).then(|| ("profile", format!("{rows:?}"), allowed))
 }
 

@@ -44,13 +44,12 @@ struct AbsorbingCell {
 }
 
 impl VectorMean {
-    /// Loss Σ Im k̄² ∫|E|² dz over cells and harmonics, 1/µm, of the field with these node values
-    /// and the source V E = −`y`.
-    pub(super) fn loss(&self, y: &Field, nodes: &Nodes) -> f64 {
+    /// Losses Σ Im k̄² ∫|E|² dz over harmonics in every cell, 1/µm, of the field with these node
+    /// values and the source V E = −`y`.
+    pub(super) fn losses(&self, y: &Field, nodes: &Nodes) -> Vec<f64> {
         let cell = |index| AbsorbingCell { index, height: self.heights[index], k2: self.mean_k2[index] };
         let cells = (0..self.heights.len()).into_par_iter();
-        let losses: Vec<f64> = cells.map(|index| cell(index).loss(&self.lateral, y, nodes)).collect();
-        losses.iter().sum()
+        cells.map(|index| cell(index).loss(&self.lateral, y, nodes)).collect()
     }
 }
 

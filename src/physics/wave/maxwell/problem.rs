@@ -53,6 +53,14 @@ pub struct Polarised {
     pub polarisation: Polarisation,
 }
 
+/// Absorbed fractions of the incident flux.
+pub(super) struct Losses {
+    /// Of all cells.
+    absorptance: f64,
+    /// Of the cells of every background; empty with a single one.
+    absorbed: Vec<f64>,
+}
+
 impl VectorProblem {
     /// Sets up one wavelength and direction on a geometry.
     ///
@@ -103,41 +111,55 @@ impl VectorProblem {
     }
 
     /// Fields E_s and h of every harmonic at the nodes, from a solution's moments, and the absorbed
-    /// fraction of the incident flux.
+    /// fraction of the incident flux in every cell.
     ///
     /// A is the volume integral of the loss, (1/κ) ∫ Im E†(k̄² + V)E: the part of V from the
     /// moments e of the solution, that of the mean from the field in the cells due to V e. R + T +
     /// A is 1 to the accuracy with which e solves the problem.
-    pub(super) fn leaving(&self, e: &Field, polarisation: Polarisation) -> (Nodes, f64) {
+    pub(super) fn leaving(&self, e: &Field, polarisation: Polarisation) -> (Nodes, Losses) {
         let mut loads = Field::zeros(e.dim());
+        let mut of_contrast = vec![0.0; self.moments.grid.cells()];
         let mut loss = 0.0;
         if self.double.has_contrast() {
             self.double.contrast_product(e.view(), &mut loads);
-            loss = self.contrast_loss(e, &loads);
+            loss = self.contrast_loss(e, &loads, &mut of_contrast);
             // The scattered wave is −A⁻¹ V e.
             loads.par_mapv_inplace(|z| -z);
         }
         let nodes = self.double.mean.nodes(&loads, self.entry(polarisation));
-        loss += self.double.mean.loss(&loads, &nodes);
-        (nodes, loss / self.incident_kappa())
+        let of_mean = self.double.mean.losses(&loads, &nodes);
+        loss += of_mean.iter().sum::<f64>();
+        let backgrounds = self.media.backgrounds.len();
+        let mut absorbed = vec![0.0; if backgrounds > 1 { backgrounds } else { 0 }];
+        for (cell, &background) in self.moments.grid.background.iter().enumerate() {
+            let own = (of_contrast[cell] + of_mean[cell]) / self.incident_kappa();
+            absorbed.get_mut(background).into_iter().for_each(|sum| *sum += own);
+        }
+        (nodes, Losses { absorptance: loss / self.incident_kappa(), absorbed })
     }
 
     /// Loss Σ h w_q Im⟨E†VE⟩ from e and V e: the part due to the deviation of the index from the
-    /// mean.
-    fn contrast_loss(&self, e: &Field, product: &Field) -> f64 {
+    /// mean; and the same of every cell.
+    fn contrast_loss(&self, e: &Field, product: &Field, of_cells: &mut [f64]) -> f64 {
         let weight = |row: usize| 0.5 * self.moments.grid.height_um(row / CELL_ROWS);
         let rows = e.outer_iter().zip(product.outer_iter()).enumerate();
-        rows.map(|(r, (e, v))| weight(r) * e.iter().zip(v).map(|(e, v)| (e.conj() * v).im).sum::<f64>()).sum()
+        let of_rows = rows.map(|(r, (e, v))| {
+            let loss = weight(r) * e.iter().zip(v).map(|(e, v)| (e.conj() * v).im).sum::<f64>();
+            of_cells[r / CELL_ROWS] += loss;
+            loss
+        });
+        of_rows.sum()
     }
 
     /// Evaluates the orders at both faces of the solution for one incident polarisation. The first
     /// amplitude of an order has the incident polarisation, the crossed one follows; efficiencies
     /// contain both.
     pub fn far_field(&self, field: &Field, polarisation: Polarisation) -> FarField {
-        let (nodes, absorptance) = self.leaving(field, polarisation);
-        self.far_field_of(self.moments.grid.period_um, absorptance, |side, i, incident| {
+        let (nodes, Losses { absorptance, absorbed }) = self.leaving(field, polarisation);
+        let far = self.far_field_of(self.moments.grid.period_um, absorptance, |side, i, incident| {
             self.emitted(&nodes, polarisation, side, i, incident)
-        })
+        });
+        FarField { absorbed, ..far }
     }
 
     /// What leaves through a side in harmonic i, less the incident wave.

@@ -82,7 +82,7 @@ impl MeanOperator {
     }
 
     /// Adds out ← out + A u of cell j.
-    fn add_cell(&self, j: usize, u: &Field, out: &mut Field) {
+    pub(super) fn add_cell(&self, j: usize, u: &Field, out: &mut Field) {
         let first = self.element.degree * j;
         let last = first + self.element.degree;
         let diagonal = row_of(&self.diagonal, j);

@@ -3,6 +3,7 @@
 //!
 //! Unknowns are harmonics of the nodes and of the bubbles in each cell; see [`super::mean`].
 
+mod absorption;
 mod points;
 mod related;
 
@@ -177,17 +178,6 @@ impl Problem {
     /// End conditions iκ of both half-spaces for one harmonic.
     pub fn end_conditions(&self, harmonic: usize) -> [Complex64; 2] {
         [0, 1].map(|side| Complex64::I * self.kappa[side][harmonic])
-    }
-
-    /// Absorbed fraction of the incident flux, Im⟨u, (A_interior + V) u⟩/κ₀₀.
-    pub fn absorptance(&self, u: &Field) -> f64 {
-        let mut product = Field::zeros(self.shape());
-        self.double().contrast_loads(u.view(), &mut product);
-        self.mean.inverse.load(&mut product);
-        self.mean.add_product(u, None, &mut product);
-        let rows = u.outer_iter().zip(product.outer_iter());
-        let absorbed = rows.map(|(u, y)| u.iter().zip(y).map(|(u, y)| (u.conj() * y).im).sum::<f64>());
-        absorbed.sum::<f64>() / self.incident_kappa()
     }
 }
 

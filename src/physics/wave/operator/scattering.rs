@@ -46,15 +46,19 @@ impl<T: Real> Scattering<T> {
     /// Applies out ← V u as loads on planes (one inverse and one forward transform per plane).
     pub fn contrast_loads(&self, u: ArrayView2<Complex<T>>, out: &mut Array2<Complex<T>>) {
         let scratch = || self.fft.scratch();
-        self.idle.in_chunks(out, Axis(0), 1, scratch, |plane, mut row, scratch| {
-            self.plane_loads(&u, plane, row.as_slice_mut().expect("rows are contiguous"), scratch);
+        self.idle.in_chunks(out, Axis(0), 1, scratch, |plane, mut loads, scratch| {
+            let view = self.weights.view();
+            let out = loads.as_slice_mut().expect("rows are contiguous");
+            self.plane_loads(&u, plane, row(&view, plane), out, scratch);
         });
     }
 
-    fn plane_loads(
+    /// Applies out ← W u on one plane, with weights W at its points.
+    pub(super) fn plane_loads(
         &self,
         u: &ArrayView2<Complex<T>>,
         plane: usize,
+        weights: &[Complex<T>],
         out: &mut [Complex<T>],
         scratch: &mut PlaneScratch<T>,
     ) {
@@ -62,7 +66,7 @@ impl<T: Real> Scattering<T> {
         self.harmonics.spread(out, &mut scratch.spectrum);
         self.fft.inverse(scratch, &self.harmonics.rows); // u_p(x, y) = Σ û_p e^{i(kx x + ky y)}
         // W_p u_p, W_p = ∫ ψ_p (k² − ⟨k²⟩) dz
-        multiply(&mut scratch.plane, row(&self.weights.view(), plane));
+        multiply(&mut scratch.plane, weights);
         self.fft.forward(scratch, &self.harmonics.rows);
         self.harmonics.gather(&scratch.spectrum, out); // y_p, harmonics of W_p u_p
     }

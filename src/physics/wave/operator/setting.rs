@@ -119,16 +119,27 @@ fn mean_wavenumber(layout: &Layout, media: &Media, k0: f64, cell: usize) -> Comp
 pub(super) fn plane_offsets(grid: &Grid, media: &Media, k0: f64, mean_k2: &[Complex64]) -> Vec<Complex64> {
     let mut offsets = vec![Complex64::default(); grid.planes()];
     for j in 0..grid.cells() {
-        let eta = media.backgrounds[grid.background[j]] * k0;
-        // A difference of the size of rounding is set to zero: homogeneous layers then need no
-        // iteration at all.
-        let raw = eta * eta - mean_k2[j];
-        let shift = if raw.norm() < 1e-14 * mean_k2[j].norm() { Complex64::default() } else { raw };
+        let shift = cell_offset(grid, media, k0, mean_k2, j);
         for (plane, weight) in grid.planes_of_cell(j).zip(&grid.element.weights) {
             offsets[plane] += shift * (grid.height_um(j) * weight / grid.points() as f64);
         }
     }
     offsets
+}
+
+/// k² of a cell's background less the mean, 1/µm².
+pub(super) fn cell_offset(
+    grid: &Grid,
+    media: &Media,
+    k0: f64,
+    mean_k2: &[Complex64],
+    cell: usize,
+) -> Complex64 {
+    let eta = media.backgrounds[grid.background[cell]] * k0;
+    // A difference of the size of rounding is set to zero: homogeneous layers then need no
+    // iteration at all.
+    let raw = eta * eta - mean_k2[cell];
+    if raw.norm() < 1e-14 * mean_k2[cell].norm() { Complex64::default() } else { raw }
 }
 
 /// Number of cells that the phase limit requires of a grid `other`, from k̄² of the cells of an

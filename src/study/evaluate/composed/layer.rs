@@ -42,6 +42,8 @@ pub struct OnPaper {
     pub leaving: f64,
     /// R̄_b with interference.
     pub back: f64,
+    /// Ā_b with interference.
+    pub absorbed: f64,
 }
 
 impl<'a> ComposedLayer<'a> {
@@ -155,7 +157,8 @@ impl<'a> ComposedLayer<'a> {
         let behind = self.diffuse(1);
         let returned = returns(behind, self.change_from_behind, leaving, albedo);
         let back = reflected_behind(behind, self.change_from_behind, leaving);
-        OnPaper { plate, returned, leaving, back }
+        let absorbed = (1.0 - back - behind.transmitted * leaving).max(0.0);
+        OnPaper { plate, returned, leaving, back, absorbed }
     }
 
     /// R̄ and T̄ of unpolarised diffuse light from a side, without interference.

@@ -339,6 +339,7 @@ pub fn spectral(layer: &ComposedLayer, wave: Wave, sky: MirroredSky, albedo: f64
         transmittance_45: slanted.transmitted,
         reflectance_diffuse: diffuse.reflected,
         transmittance_diffuse: diffuse.transmitted,
+        absorptance_behind: paper.absorbed,
         coherent_transmittance: straight.max(0.0).min(normal_changed.transmitted),
         mirrored,
         natural_light: natural - excluded,

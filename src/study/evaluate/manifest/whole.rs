@@ -136,6 +136,18 @@ pub struct SpectrumRow {
     /// π × BRDF of the ink on its paper, lit at 45° and viewed along the normal (white diffuser:
     /// 1).
     pub lit_at_45: Option<Estimate>,
+    /// At 0°: the ink on its paper in a sphere, seen at 8° (d:8), with mirrored light.
+    pub sphere_at_8: Option<Estimate>,
+    /// At 0°: the same without mirrored light.
+    pub sphere_at_8_excluded: Option<Estimate>,
+    /// At 0°: the ink on its paper under diffuse light, seen along the normal through a port from
+    /// which nothing is mirrored (d:0).
+    pub diffuse_normal: Option<Estimate>,
+    /// At 0°: T̄ of diffuse light from in front. With Ā it gives the series of returns from any
+    /// paper, g = ρ/(1 − ρ R̄_b) with R̄_b = 1 − T̄/n² − Ā.
+    pub transmittance_diffuse: Option<Estimate>,
+    /// At 0°: Ā of unpolarised diffuse light from behind, as the paper sends it.
+    pub absorptance_behind: Option<Estimate>,
     /// Number of each realisation and its contribution to R and T.
     #[serde(skip)]
     pub deviations: Vec<(usize, [f64; 2])>,

@@ -112,6 +112,9 @@ fn refuse(written: &StudyFile, layers: &[StackLayerTable], study: &Study, faults
     refuse(written.run.target_delta_e.is_some(), "run.target_delta_e", "a number of realisations", aim);
     let measured = "remove [compare]: compare the spectra of results.json";
     refuse(written.compare.measured.is_some(), "compare.measured", "no measurement", measured);
+    let elsewhere = written.areas.iter().any(|area| area.results.is_some());
+    let remedy = "run this study and print it from one that is solved as a whole";
+    refuse(elsewhere, "area.results", "areas of this study's layers", remedy);
     if study.pigments.is_empty() {
         let remedy = "remove [stack.composed]: a clear stack is solved exactly at any thickness";
         faults.add("layer.pigment", "none", "grains in a layer where the stack is composed", remedy);

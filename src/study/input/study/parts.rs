@@ -4,6 +4,7 @@
 use crate::appearance::bare_paper::PaperGeometry;
 use crate::appearance::fluorescence::Fluorescence;
 use crate::appearance::paper::{Albedo, Coupling};
+use crate::appearance::paper_series::LayerOptics;
 use crate::appearance::viewing::Viewing;
 use crate::ink::{Joint, PigmentGrains};
 use crate::input::file::ContrastPart;
@@ -148,6 +149,32 @@ pub struct Dots {
     pub spread_um: f64,
     /// Physical gain of a nominal coverage of a half.
     pub physical_gain: f64,
+    /// Prints with further kinds of area than this study's layer and bare paper.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mixed: Option<MixedAreas>,
+}
+
+/// Kinds of area that bear layers of other runs, and the shares of all kinds in every print.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MixedAreas {
+    /// Names of the inks, or of the areas where coverages are given for areas.
+    pub names: Vec<String>,
+    /// The layers of other runs, at the study's wavelengths.
+    pub layers: Vec<LayerOptics>,
+    /// One for each of [`Dots::nominal`].
+    pub prints: Vec<MixedPrint>,
+}
+
+/// The shares of one print.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MixedPrint {
+    /// Nominal coverage of every name.
+    pub nominal: Vec<f64>,
+    /// Shares with the physical gain: of this study's layer, then of the layers of other runs; the
+    /// rest is bare paper.
+    pub shares: Vec<f64>,
+    /// Share of the light that the paper spreads over all areas alike.
+    pub spread: f64,
 }
 
 /// Directions of the light.

@@ -46,7 +46,10 @@ impl OverlapRelaxation<'_> {
         let h = self.step / self.settings.translational_viscosity;
         let force = std::mem::take(&mut self.loads.force[b]);
         let torque = std::mem::take(&mut self.loads.torque[b]);
-        let displacement = scale(force, h); // Δx = F Δt/μ
+        let mut displacement = scale(force, h); // Δx = F Δt/μ
+        if self.plan.profile_of(b).is_some() {
+            displacement[2] *= self.depth_mobility;
+        }
         let mut turn = [0.0; 3];
         if self.loads.inertia[b] > 0.0 {
             // Δφ = M Δt/J, plus the rotation by the aligning field
