@@ -10,7 +10,7 @@ use super::task::{Estimated, Solved, Task};
 use crate::numerics::estimate::largest;
 use crate::solve::account::{SolveError, Watch};
 use crate::wave::grid::share_cells;
-use crate::wave::{BodyShape, FarField, Grid, Order, Resolution, TotalErrors, WaveError};
+use crate::wave::{BodyShape, FarField, Grid, Order, Resolution, WaveError};
 
 /// Ratio of the number of points or cells of a coarser companion to that of the result.
 const COMPANION: f64 = 0.8;
@@ -49,8 +49,7 @@ impl Task<'_> {
         let parts = self.error_parts(&solved, &far_fields, watch)?;
         let residual = largest(solved.iter().map(|s| s.solution.account.residual));
         let error_estimate = error_estimate(parts, residual);
-        let errors = TotalErrors::of_amplitudes(error_estimate, residual);
-        let far_fields = far_fields.into_iter().map(|far| far.judged(errors)).collect::<Result<_, _>>()?;
+        let far_fields = Estimated::judged(far_fields, parts, residual)?;
         let seconds_estimate = clock.elapsed().as_secs_f64();
         Ok(Estimated { solved, far_fields, error_estimate, parts, seconds_setup, seconds_estimate })
     }
