@@ -65,8 +65,8 @@ pub struct CaseInputs {
     /// Side of incidence: `incident` is z < 0.
     #[serde(default)]
     pub from: Side,
-    /// Directions that are solved together, instead of a single one, on one grid: each is a table with
-    /// `sigma_deg`, `phi_deg` and `from`; what it leaves out is that of the case.
+    /// Directions that are solved together, instead of a single one, on one grid: each is a table
+    /// with `sigma_deg`, `phi_deg` and `from`; what it leaves out is that of the case.
     #[schemars(length(min = 1, max = MOST_DIRECTIONS))]
     pub directions: Option<Vec<DirectionInput>>,
     /// Spheres in the binder or in films; one wholly inside another sphere or body displaces its

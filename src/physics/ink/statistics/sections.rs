@@ -86,15 +86,16 @@ pub fn section_statistics(
         let discs = by_height.discs(*z);
         let covered = |pigment: usize| Lines::new(&discs, Some(pigment), period, spacing_um, 0).covered();
         let lines = [0, 1].map(|axis| Lines::new(&discs, None, period, spacing_um, axis));
-        Section {
+        PlaneSection {
             covered: (0..packing.shares().len()).map(covered).collect(),
             chords_per_um: lines.each_ref().map(Lines::chords_per_um),
             s2: lines.map(|lines| statistics.r_um.iter().map(|r| lines.both_ends(*r)).collect()),
         }
     };
     // in order, so that sums do not depend on the number of threads
-    let sections: Vec<Section> = statistics.z_um.par_iter().map(section).collect();
-    for (plane, Section { covered, chords_per_um, s2: [s2_x, s2_y] }) in sections.into_iter().enumerate() {
+    let sections: Vec<PlaneSection> = statistics.z_um.par_iter().map(section).collect();
+    for (plane, PlaneSection { covered, chords_per_um, s2: [s2_x, s2_y] }) in sections.into_iter().enumerate()
+    {
         statistics.profile.iter_mut().zip(covered).for_each(|(profile, covered)| profile[plane] = covered);
         statistics.chords_per_um.iter_mut().zip(chords_per_um).for_each(|(sum, n)| *sum += weight * n);
         statistics.s2_x.iter_mut().zip(s2_x).for_each(|(sum, s2)| *sum += weight * s2);
@@ -105,7 +106,7 @@ pub fn section_statistics(
 }
 
 /// What one plane adds to the statistics.
-struct Section {
+struct PlaneSection {
     /// Covered fraction by pigment.
     covered: Vec<f64>,
     chords_per_um: [f64; 2],
@@ -277,8 +278,8 @@ fn overlap(line: &[[f64; 2]], shift: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Planes look at the spheres near them alone, also across the ends of a layer that repeats: the
-    /// same as all spheres one by one. *Planted*: no images.
+    /// Planes look at the spheres near them alone, also across the ends of a layer that repeats:
+    /// the same as all spheres one by one. *Planted*: no images.
     #[test]
     fn planes_miss_no_sphere() {
         let mut draws = crate::numerics::Draws::new(3, 0);

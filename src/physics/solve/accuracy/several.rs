@@ -14,7 +14,7 @@ use crate::wave::{FarField, Incidence, Resolution, Side};
 pub struct SharedGrid {
     /// The grid.
     pub resolution: Resolution,
-    /// Largest contributions of the grid to the estimates of the directions compared: plane, z.
+    /// Contributions of the grid to the largest estimate of the directions compared: plane, z.
     pub parts: [f64; 2],
     /// Amplitude error that the grid was searched for; `None` for a given grid.
     accuracy: Option<f64>,
@@ -51,12 +51,13 @@ impl SharedGrid {
     /// What the solves so far share with one more, which has the finest grid of them.
     fn joined(before: Option<SharedGrid>, found: &Estimated, accuracy: Option<f64>) -> SharedGrid {
         let known = before.map_or([0.0; 2], |grid| grid.parts);
-        let parts = [0, 1].map(|axis| largest([known[axis], found.parts[axis]]));
+        let is_larger = found.parts[0] + found.parts[1] > known[0] + known[1];
+        let parts = if is_larger { found.parts } else { known };
         SharedGrid { resolution: found.system().grid().resolution, parts, accuracy }
     }
 
-    /// Solves one direction on the grid; its error estimate is that of the directions compared, with
-    /// its own residual. A direction whose orders or cells need a finer grid searches its own.
+    /// Solves one direction on the grid; its error estimate is that of the directions compared,
+    /// with its own residual. A direction whose orders or cells need a finer grid searches its own.
     ///
     /// # Errors
     /// As [`Task::solve`], and results that break a physical law.
