@@ -140,7 +140,7 @@ class Solves(InFolder):
             grid = dict(nxy=far["resolution"]["nx"], nz=far["resolution"]["cells"], scheme=far["resolution"]["scheme"])
             single = iw.solve(CASE, sigma_deg=one["polar_deg"], phi_deg=one.get("azimuth_deg", 0), from_=one.get("from", "incident"),
                               tolerance=2e-4, **grid)
-            # a searched grid has coverages to a tenth of the accuracy
+            # the coverage of a searched grid is less exact than that of a given one
             self.assertAlmostEqual(single["R_total"], far["R_total"], places=3)
         with self.assertRaisesRegex(TypeError, "beside directions"):
             iw.solve(CASE, 1e-2, polar_deg=[0, 40], directions=listed)

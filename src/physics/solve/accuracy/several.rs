@@ -2,7 +2,7 @@
 //! its error, as the test solves of a study do; the others are solved on it alone, without
 //! companions.
 
-use super::companions::error_estimate;
+use super::companions::{error_estimate, judged};
 use super::error::{AccuracyError, Result};
 use super::task::{Estimated, Solved, Task};
 use crate::numerics::estimate::largest;
@@ -78,7 +78,7 @@ impl SharedGrid {
         let far_fields: Vec<FarField> = solved.iter().map(Solved::far_field).collect();
         let residual = largest(solved.iter().map(|s| s.solution.account.residual));
         Ok(Estimated {
-            far_fields: Estimated::judged(far_fields, self.parts, residual)?,
+            far_fields: judged(far_fields, self.parts, residual)?,
             solved,
             error_estimate: error_estimate(self.parts, residual),
             parts: self.parts,

@@ -1,13 +1,11 @@
 //! One solve of a search: inputs and results, and a cache of the coverages of its scene on several
 //! grids.
 
-use super::companions::error_estimate;
 use super::error::Result;
 use crate::solve::demand::{Admitted, TooLarge};
 use crate::solve::{Account, Goal, Size, Solution, Solver, Watch};
 use crate::wave::{
-    FarField, Geometry, Incidence, Mean, Media, Precision, Resolution, Scene, Scheme, System, TotalErrors,
-    Wave, WaveError,
+    FarField, Geometry, Incidence, Mean, Media, Precision, Resolution, Scene, Scheme, System, Wave, WaveError,
 };
 use num_complex::Complex64;
 use std::sync::{Mutex, MutexGuard};
@@ -67,15 +65,6 @@ pub struct Estimated {
 }
 
 impl Estimated {
-    /// The far fields that break no physical law beyond their errors: parts of the grid, residual.
-    ///
-    /// # Errors
-    /// One of them breaks a law.
-    pub(super) fn judged(far: Vec<FarField>, parts: [f64; 2], residual: f64) -> Result<Vec<FarField>> {
-        let errors = TotalErrors::of_amplitudes(error_estimate(parts, residual), residual);
-        Ok(far.into_iter().map(|far| far.judged(errors)).collect::<Result<_, _>>()?)
-    }
-
     /// The first problem; the scalar wave has only one.
     pub fn system(&self) -> &dyn System {
         &*self.solved[0].system
