@@ -81,14 +81,16 @@ fn ratios(strata: usize, index_out: f64, step: f64) -> [f64; 2] {
 
 /// Steps of the golden ratio between wavelengths and the sequence's step between cells leave an
 /// error that all cells share; the bar holds it. Significance: the ratio of 96 seeds has a standard
-/// error of 0.07, and phases that are uniform make it smaller. *Planted*: nothing unseen.
+/// error of at most 0.07, and a prototype of the same draws found 1.40 and 1.06. *Planted*: nothing
+/// unseen.
 #[test]
 fn errors_of_directions_that_all_cells_share_are_in_the_bar() {
     let golden = 0.618_033_988_749_894_9;
     for index_out in [1.0, 1.5] {
         let [jackknife, all] = ratios(3, index_out, golden);
         assert!(jackknife > 1.2, "{index_out}: {jackknife} shows nothing to mend");
-        assert!((0.8..1.15).contains(&all), "{index_out}: {all} with {jackknife} before");
+        assert!((0.8..1.2).contains(&all), "{index_out}: {all} with {jackknife} before");
+        assert!(all < 0.9 * jackknife, "{index_out}: {all} with {jackknife} before");
     }
 }
 
