@@ -826,6 +826,50 @@ class Ink:
             rows.append(lab(self.meter.xyz(values), self.meter.white))
         return [[x / (self.count - 1) ** 2 for x in row] for row in covariance(rows)]
 
+    def unseen_directions(self, quantity, xyz):
+        """Shifts of Lab by errors of the directions that all realisations have in common: of each component, what the squared
+        error of the fitted curves' means over the hemispheres has beyond the jackknife's square, over 16 common shifts."""
+        study, layer = self.study, self.layer
+        if not 2 <= self.count <= 64 or not study.strata:
+            return []
+        beyond = lambda r, nm, s: s.a - 1 + sum(layer.films.at(nm, s.deg, [layer.thickness[r]], True))
+        rows = lambda r: [
+            (shares(study, w[0]), [cosine(s.deg) ** k for k in range(4)], [beyond(r, w[0], s)]) for w in layer.solved[r] for s in w[3]
+        ]
+        absorbed = fits(study, [rows(r) for r in range(self.count)], 4, 1) if study.exit_strata else None
+
+        def degrees(strata, place):
+            squares = [max((k + place) / strata, 1e-4) for k in range(strata)]
+            return [math.degrees(math.acos(math.sqrt(x))) for x in squares]
+
+        def errors(here, nm, place):
+            _, t, a = here.quadrature_error(degrees(study.strata, place))
+            if absorbed:
+                poly = [layer.fitted(absorbed, 0, nm, 4, k, 0) for k in range(4)]
+                below = [cosine(d) for d in degrees(study.exit_strata, place)]
+                a = sum(c * (sum(mu**k for mu in below) / len(below) - 2 / (k + 2)) for k, c in enumerate(poly))
+            return [[0.0] * 3] * 2, t, a
+
+        first, white, n = study.strata - 1, self.meter.white, self.count
+        place = lambda w: study.strata * cosine(w[2][0].deg) ** 2 - first
+        commons, seen = [], [0.0] * 3
+        for k in range(16):
+            labs = []
+            for r in range(n):
+                by = []
+                for nm in self.colours:
+                    here = self.at[0][nm]
+                    error = errors(here, nm, (place(self.nearest(r, nm)) + k / 16) % 1)
+                    by.append((quantity(here.moved(error, 1e-4)) - quantity(here.moved(error, -1e-4))) / 2e-4)
+                there = lab([max(0.0, x + y) for x, y in zip(xyz, self.meter.xyz(by))], white)
+                labs.append([x - y for x, y in zip(there, lab(xyz, white))])
+            mean = [sum(column) / n for column in zip(*labs)]
+            commons.append(mean)
+            seen = [s + sum((row[i] - mean[i]) ** 2 for row in labs) / (n * (n - 1)) for i, s in enumerate(seen)]
+        squares = [sum(mean[i] ** 2 for mean in commons) for i in range(3)]
+        scale = [math.sqrt(max(0.0, 1 - s / q) / 16) if q > 1e-18 else 0.0 for s, q in zip(seen, squares)]
+        return [[x * y for x, y in zip(scale, mean)] for mean in commons] if any(scale) else []
+
     def colour(self, name, quantity, moved, grid, residual):
         """A colour with its covariance and the parts of its error."""
         colour = self.meter.colour(self.xyz(quantity))
@@ -837,7 +881,8 @@ class Ink:
 
         shifts = [shift(grid), shift([residual] * 2)]
         between = self.between_lab(quantity, colour["xyz"])
-        whole = self.widened(chance, shifts + between)
+        unseen = self.unseen_directions(quantity, colour["xyz"])
+        whole = self.widened(chance, shifts + between + unseen)
         spread = lambda c: math.sqrt(max(0.0, c[0][0] + c[1][1] + c[2][2]))
         angles = self.angle_covariance(quantity)
         angles = angles and spread(angles)
@@ -855,7 +900,7 @@ class Ink:
             "delta_e_2000_95": whole and factor and factor * noise_2000(colour["lab"], whole),
             "budget": {
                 "chance_and_cell": chance and math.sqrt(max(0.0, spread(chance) ** 2 - (angles or 0.0) ** 2)),
-                "angles": angles,
+                "angles": math.hypot(angles, *(x for by in unseen for x in by)) if unseen else angles,
                 "wavelengths": math.dist(colour["lab"], plain),
                 "grid": math.hypot(*shifts[0]),
                 "residual": math.hypot(*shifts[1]),

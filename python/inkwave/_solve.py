@@ -20,8 +20,9 @@ __all__ = ["Scan", "solve"]
 # Words of studies for keys of a case.
 WORDS = {"period_um": "L", "thickness_um": "H", "binder": "eta_binder", "index_in": "n_in", "index_out": "n_out",
          "polar_deg": "sigma_deg", "azimuth_deg": "phi_deg", "center_um": "center", "radius_um": "radius", "index": "eta"}
-_SCANNED = ("wavelength", "wavelength_nm", "wavelength_um", "sigma_deg", "phi_deg")
-_KEYS = {"wavelength", "wavelength_nm", "wavelength_um", "sigma_deg", "phi_deg", "from", "L", "Ly", "H", "n_in", "n_out", "eta_in",
+_WAVELENGTHS = ("wavelength", "wavelength_nm", "wavelength_um")
+_ANGLES = ("sigma_deg", "phi_deg")
+_KEYS = {"wavelength", "wavelength_nm", "wavelength_um", "sigma_deg", "phi_deg", "from", "directions", "L", "Ly", "H", "n_in", "n_out", "eta_in",
          "eta_out", "eta_binder", "note", "spheres", "cylinders", "bodies", "layers_from_z0", "sublayers_from_z0", *WORDS}
 _WAVES = {"scalar": "scalar", "vector": "vector", "s": "vector", "p": "vector", "unpolarised": "vector"}
 
@@ -38,7 +39,8 @@ def solve(case: Union[Mapping[str, Any], Path, None] = None, accuracy: Optional[
 
     `case` is a dictionary as in `inkwave solve CASE.json` (lengths in µm, angles in degrees), or the path of such a file; its keys may
     be words here, too. Indices are numbers, complex numbers or [re, im]; arrays are NumPy's or lists. A list of wavelengths or
-    angles gives a `Scan`. `wave` is "scalar", "vector", "s", "p" or "unpolarised", as in studies: with "vector" amplitudes are
+    angles, or of `directions` (dictionaries with `polar_deg`, `azimuth_deg` and `from`), gives a `Scan`; the directions of a wavelength are
+    solved on one grid, at a fraction of the cost of single solves. `wave` is "scalar", "vector", "s", "p" or "unpolarised", as in studies: with "vector" amplitudes are
     `far["orders"]["R"]["s"]["p"]` and so on, with "s" or "p" those of that incident light, and "unpolarised" takes the mean of the
     totals. Further options are those of the command line: `solver="born"`, `nxy=20, nz=12` instead of an accuracy,
     `illuminated_um=10` for the light per steradian of a lit square (`far["finite_area"]`), `snap=True` for a direction of the
@@ -59,17 +61,27 @@ def solve(case: Union[Mapping[str, Any], Path, None] = None, accuracy: Optional[
             raise TypeError(f"{', '.join(inputs)}: keys of a case beside a file; write them into {os.fspath(case)}, or give a dictionary")
         return _solved(case, accuracy, wave, flags)
     inputs = _translated(plain(inputs))
-    scanned = {name: inputs[name] for name in _SCANNED if isinstance(inputs.get(name), list)}
-    if not scanned:
+    colours = {name: inputs[name] for name in _WAVELENGTHS if isinstance(inputs.get(name), list)}
+    angles = {name: inputs.pop(name) for name in _ANGLES if isinstance(inputs.get(name), list)}
+    if angles and "directions" in inputs:
+        raise TypeError(f"{', '.join(angles)}: a list of angles beside directions; give one of them")
+    if angles:
+        inputs["directions"] = [dict(zip(angles, values)) for values in itertools.product(*angles.values())]
+    directions = inputs.get("directions")
+    if not colours and directions is None:
         return _solved(inputs, accuracy, wave, flags)
+    seen = list(angles) or [name for name in (*_ANGLES, "from") if any(name in one for one in directions or [])]
+    usual = {"sigma_deg": 0.0, "phi_deg": 0.0, "from": "incident", **inputs}
     solves, rows = [], []
-    for values in itertools.product(*scanned.values()):
-        place = dict(zip(scanned, values))
-        far = _solved({**inputs, **place}, accuracy, wave, flags)
-        solves.append(far)
-        totals = {name: far.get(name) for name in ("R_total", "T_total", "A_total", "error_estimate")}
-        rows.append({**{_OUTWARD.get(name, name): value for name, value in place.items()}, **_flat(totals)})
-    index = [_OUTWARD.get(name, name) for name in scanned]
+    for values in itertools.product(*colours.values()):
+        place = dict(zip(colours, values))
+        found = _solved({**inputs, **place}, accuracy, wave, flags)
+        for direction, far in zip(directions or [{}], found if isinstance(found, list) else [found]):
+            solves.append(far)
+            place.update({name: direction.get(name, usual[name]) for name in seen})
+            totals = {name: far.get(name) for name in ("R_total", "T_total", "A_total", "error_estimate")}
+            rows.append({**{_OUTWARD.get(name, name): value for name, value in place.items()}, **_flat(totals)})
+    index = [_OUTWARD.get(name, name) for name in (*colours, *seen)]
     units = {str(name): "nm" if name.endswith("_nm") else "°" if name.endswith("_deg") else "µm" for name in index}
     scan = Scan({name: np.array([row[name] for row in rows]) for name in rows[0]} if rows else {}, index=index, units=units)
     scan.solves = solves
@@ -105,7 +117,8 @@ def _translated(case: Any) -> Any:
             for name, value in found.items()}
 
 
-def _solved(case: Union[Mapping[str, Any], Path], accuracy: Optional[float], wave: Optional[str], flags: Mapping[str, Any]) -> Dict[str, Any]:
+def _solved(case: Union[Mapping[str, Any], Path], accuracy: Optional[float], wave: Optional[str], flags: Mapping[str, Any]) -> Any:
+    """One answer, or those of a list of directions."""
     arguments: List[object] = [] if accuracy is None else ["--accuracy", accuracy]
     if wave is not None:
         arguments += ["--wave", _WAVES.get(wave, wave)]
@@ -120,8 +133,12 @@ def _solved(case: Union[Mapping[str, Any], Path], accuracy: Optional[float], wav
         else:
             path = case
         found: Dict[str, Any] = json.loads(call("solve", path, *arguments, show=False))
-    found["orders"] = columns(found["orders"])
-    return polarised(found, wave) if wave in ("s", "p", "unpolarised") else found
+    answers = found.get("solves", [found])
+    for one in answers:
+        one["orders"] = columns(one["orders"])
+        if wave in ("s", "p", "unpolarised"):
+            polarised(one, wave)
+    return answers if "solves" in found else found
 
 
 def polarised(found: Dict[str, Any], wave: str) -> Dict[str, Any]:

@@ -131,6 +131,20 @@ class Solves(InFolder):
             self.assertAlmostEqual(row["R_total"], exact, places=6)
         self.assertEqual(len(scan.solves), 8)
 
+    def test_directions_of_both_sides_are_solved_together(self):
+        listed = [{"polar_deg": 0}, {"polar_deg": 40, "azimuth_deg": 15}, {"polar_deg": 40, "from": "exit"}]
+        scan = iw.solve(CASE, 1e-2, directions=listed)
+        self.assertEqual(scan["polar_deg"].tolist(), [0, 40, 40])
+        self.assertEqual(scan["from"].tolist(), ["incident", "incident", "exit"])
+        for far, one in zip(scan.solves, listed):
+            grid = dict(nxy=far["resolution"]["nx"], nz=far["resolution"]["cells"], scheme=far["resolution"]["scheme"])
+            single = iw.solve(CASE, sigma_deg=one["polar_deg"], phi_deg=one.get("azimuth_deg", 0), from_=one.get("from", "incident"),
+                              tolerance=2e-4, **grid)
+            # the coverage of a searched grid is less exact than that of a given one
+            self.assertAlmostEqual(single["R_total"], far["R_total"], places=3)
+        with self.assertRaisesRegex(TypeError, "beside directions"):
+            iw.solve(CASE, 1e-2, polar_deg=[0, 40], directions=listed)
+
 
 class Studies(InFolder):
     def test_a_builder_a_dictionary_and_a_file_are_one_study(self):

@@ -116,7 +116,7 @@ impl Packed {
         let media = study.media(incidence.wavelength_um);
         scene.check(&media)?;
         incidence.check()?;
-        Ok(Case { scene, media, incidence, remarks: Vec::new() })
+        Ok(Case { scene, media, incidence, directions: Vec::new(), remarks: Vec::new() })
     }
 
     /// The indices of all media.

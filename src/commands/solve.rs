@@ -1,5 +1,7 @@
 //! `inkwave solve CASE`: one solve of an explicit geometry, as JSON on standard output.
 
+mod list;
+
 use super::progress::style;
 use super::solve_options::{LightArgs, StudyPoint};
 use super::solve_report;
@@ -11,9 +13,10 @@ use inkwave::export::npz::operator;
 use inkwave::input::case::Case;
 use inkwave::input::wave_kind::WaveKind;
 use inkwave::solve::accuracy::{Estimated, Solved, Task, suited_scheme};
-use inkwave::solve::{Coverages, Goal, GridTrial, SolverChoice, Step, Watch};
-use inkwave::wave::{Incidence, Mean, Precision, Resolution, Scheme};
+use inkwave::solve::{Coverages, Goal, GridTrial, Solver, SolverChoice, Step, Watch};
+use inkwave::wave::{Incidence, Mean, Precision, Resolution, Scheme, Wave};
 use miette::{IntoDiagnostic, Result};
+use serde_json::Value;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +26,10 @@ const DEFAULT_ACCURACY: f64 = 1e-3;
 /// Solve one explicit geometry and print its orders as JSON
 ///
 /// A case (JSON or TOML; `inkwave schema case --annotated` prints every key) describes one cell:
-/// lengths in µm, angles in degrees, indices as [re, im]. `remarks` in the result name lengths that
+/// lengths in µm, angles in degrees, indices as [re, im]. A list of `directions` is solved on one
+/// grid in one go: `solves` holds the result of each; the error estimate of all is the largest of
+/// the directions numbered in `compared` (from 0), the steepest and the flattest of either side.
+/// `remarks` in the result name lengths that
 /// look as if they were in another unit. With the vector wave, `R.s.p` of an order is the amplitude
 /// of the p light that leaves, for s light of amplitude 1 that arrives. With --realisation the
 /// geometry is a realisation of a study instead.
@@ -81,12 +87,18 @@ pub struct SolveArgs {
 }
 
 impl SolveArgs {
+    /// Requested amplitude error.
     fn accuracy(&self) -> f64 {
         self.accuracy.unwrap_or(DEFAULT_ACCURACY)
     }
 
     fn wave(&self) -> WaveKind {
         self.wave.unwrap_or_default()
+    }
+
+    /// Whether only derivatives of the totals are printed.
+    fn gradient_is_text(&self) -> bool {
+        self.gradient == Some(GradientForm::Text)
     }
 }
 
@@ -114,12 +126,11 @@ fn wave_kinds() -> impl TypedValueParser<Value = WaveKind> {
 /// Runs the command.
 pub fn run(mut args: SolveArgs) -> Result<()> {
     check(&args)?;
-    let (mut case, wave) = args.point.case(&args.case)?;
+    let (case, wave) = args.point.case(&args.case)?;
     args.wave.get_or_insert(wave);
     let args = &args;
     check_case(args, &case)?;
     case.remarks.iter().for_each(|remark| note!("warning: {remark}"));
-    let snapped = args.light.snap(&mut case)?;
     // A grid given explicitly may be as fine as the user likes.
     let contrast = case.media.largest_contrast();
     let error = if args.nz.is_some() {
@@ -128,31 +139,123 @@ pub fn run(mut args: SolveArgs) -> Result<()> {
         Precision::error_among(args.accuracy(), contrast)
     };
     let wave = args.wave().wave();
-    let coverages = Coverages::new(wave, &case.scene, Precision::of(error));
-    let (solved, gradients) = estimate(args, &case, &coverages)?;
+    let coverages = &Coverages::new(wave, &case.scene, Precision::of(error));
+    let solver = &*SolverChoice::named(&args.solver).into_diagnostic()?.build();
+    let memory = super::work::bytes(args.memory_gb)?;
+    let solving = Solving { args, case: &case, wave, coverages, solver, memory };
+    if case.directions.is_empty() { one_direction(&solving) } else { list::run(&solving) }
+}
+
+/// What the solves of a case share.
+struct Solving<'a> {
+    /// The options.
+    args: &'a SolveArgs,
+    /// The case.
+    case: &'a Case,
+    /// The wave equation.
+    wave: Wave,
+    coverages: &'a Coverages<'a>,
+    solver: &'a dyn Solver,
+    /// Memory for one solve, bytes.
+    memory: f64,
+}
+
+impl Solving<'_> {
+    /// The lights of the case, snapped if requested, each with its entry `snapped`.
+    fn lights(&self) -> Result<Vec<(Incidence, Option<Value>)>> {
+        let Case { incidence, directions, .. } = self.case;
+        let listed = if directions.is_empty() { std::slice::from_ref(incidence) } else { directions };
+        listed.iter().map(|light| self.args.light.snapped(self.case, *light)).collect()
+    }
+
+    /// The solve of one light.
+    fn task<'a>(&'a self, incidence: &'a Incidence) -> Task<'a> {
+        let args = self.args;
+        Task {
+            coverages: self.coverages,
+            media: &self.case.media,
+            incidence,
+            mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },
+            scheme: scheme(args),
+            solver: self.solver,
+            goal: Goal { tolerance: tolerance(args), ..Goal::default() },
+            memory: self.memory,
+        }
+    }
+
+    /// The grid of the options; `None` if it is searched.
+    fn resolution(&self) -> Option<Resolution> {
+        self.args.nz.map(|cells| resolution(self.args, self.case, cells))
+    }
+
+    /// The derivatives if requested.
+    fn gradients(&self, task: &Task, solved: &Estimated) -> Result<Vec<Gradient>> {
+        let slopes = self.args.gradient.map(|_| gradients(task, solved));
+        Ok(slopes.transpose().into_diagnostic()?.unwrap_or_default())
+    }
+
+    /// Everything that is printed of a solve but the remarks, and the first zero of a lit square's
+    /// lobes, degrees.
+    fn report(
+        &self,
+        solved: &Estimated,
+        light: &Incidence,
+        snapped: Option<&Value>,
+        gradients: &[Gradient],
+    ) -> Result<(Value, f64)> {
+        let mut report = self.with_remarks(solve_report::report(solved, self.wave, light));
+        let first_zero_deg = self.args.light.add_area(solved.far_field(), &self.case.media, &mut report)?;
+        if let Some(snapped) = snapped {
+            report["snapped"] = snapped.clone();
+        }
+        if self.args.gradient.is_some() {
+            let orders = &solved.far_field().orders;
+            report["gradients"] = gradients.iter().map(|gradient| gradient.json(orders)).collect();
+        }
+        Ok((report, first_zero_deg))
+    }
+
+    /// Adds the case's remarks, if there are any.
+    fn with_remarks(&self, mut report: Value) -> Value {
+        if !self.case.remarks.is_empty() {
+            report["remarks"] = self.case.remarks.clone().into();
+        }
+        report
+    }
+}
+
+/// Solves the only direction and prints its result.
+fn one_direction(solving: &Solving) -> Result<()> {
+    let args = solving.args;
+    let (light, snapped) = solving.lights()?.swap_remove(0);
+    let task = solving.task(&light);
+    // cleared when it is dropped
+    let mut bar = Bar::new();
+    let solved = match solving.resolution() {
+        Some(resolution) => task.solve_with_estimate(resolution, &mut bar),
+        None => task.solve_to_accuracy(args.accuracy(), &mut bar),
+    };
+    let solved = solved.into_diagnostic()?;
+    let gradients = solving.gradients(&task, &solved)?;
+    drop(bar);
     if let Some(path) = &args.export_operator {
         export_operator(&solved, path)?;
     }
-    if args.gradient == Some(GradientForm::Text) {
+    if args.gradient_is_text() {
         if snapped.is_some() {
-            let Incidence { polar_deg, azimuth_deg, .. } = case.incidence;
+            let Incidence { polar_deg, azimuth_deg, .. } = light;
             note!("snapped: these are derivatives at polar_deg {polar_deg}, azimuth_deg {azimuth_deg}");
         }
-        return say(gradients.iter().map(Gradient::text).collect::<String>().trim_end());
+        return say(gradient_text(&gradients).trim_end());
     }
-    let mut report = solve_report::report(&solved, wave, &case.incidence);
-    if !case.remarks.is_empty() {
-        report["remarks"] = case.remarks.clone().into();
-    }
-    args.light.add_area(solved.far_field(), &case.media, &mut report)?;
-    if let Some(snapped) = snapped {
-        report["snapped"] = snapped;
-    }
-    if args.gradient.is_some() {
-        let orders = &solved.far_field().orders;
-        report["gradients"] = gradients.iter().map(|gradient| gradient.json(orders)).collect();
-    }
+    let (report, first_zero_deg) = solving.report(&solved, &light, snapped.as_ref(), &gradients)?;
+    args.light.warn_of_step(first_zero_deg);
     say!("{report:#}")
+}
+
+/// The derivatives of the totals as a table.
+fn gradient_text(gradients: &[Gradient]) -> String {
+    gradients.iter().map(Gradient::text).collect()
 }
 
 /// Writes the discrete problem with its solution.
@@ -161,29 +264,6 @@ fn export_operator(solved: &Estimated, path: &Path) -> Result<()> {
     let split = system.split().ok_or_else(|| miette::miette!("--export-operator needs the scalar wave"))?;
     let bytes = operator(split, &solution.field, &solution.account).into_diagnostic()?;
     std::fs::write(path, bytes).map_err(|e| miette::miette!("cannot write {}: {e}", path.display()))
-}
-
-/// Solves on the grid given, or searches for one; with the derivatives that were requested.
-fn estimate(args: &SolveArgs, case: &Case, coverages: &Coverages) -> Result<(Estimated, Vec<Gradient>)> {
-    let task = Task {
-        coverages,
-        media: &case.media,
-        incidence: &case.incidence,
-        mean: Mean { depends_on_z: !args.constant_mean, absorbing: !args.real_mean },
-        scheme: scheme(args),
-        solver: &*SolverChoice::named(&args.solver).into_diagnostic()?.build(),
-        goal: Goal { tolerance: tolerance(args), ..Goal::default() },
-        memory: super::work::bytes(args.memory_gb)?,
-    };
-    // cleared when it is dropped
-    let mut bar = Bar::new();
-    let estimated = match args.nz {
-        Some(cells) => task.solve_with_estimate(resolution(args, case, cells), &mut bar),
-        None => task.solve_to_accuracy(args.accuracy(), &mut bar),
-    };
-    let estimated = estimated.into_diagnostic()?;
-    let slopes = args.gradient.map(|_| gradients(&task, &estimated));
-    Ok((estimated, slopes.transpose().into_diagnostic()?.unwrap_or_default()))
 }
 
 fn check(args: &SolveArgs) -> Result<()> {

@@ -67,25 +67,26 @@ impl LightArgs {
         FiniteArea::check_side(side, case.scene.period_um, case.incidence.wavelength_um).into_diagnostic()
     }
 
-    /// Snaps the light of the case if requested; returns the entry `snapped` of the output.
-    pub fn snap(&self, case: &mut Case) -> Result<Option<Value>> {
+    /// The light to solve, snapped if requested, and the entry `snapped` of the output.
+    pub fn snapped(&self, case: &Case, requested: Incidence) -> Result<(Incidence, Option<Value>)> {
         if !self.snap {
-            return Ok(None);
+            return Ok((requested, None));
         }
-        let requested = case.incidence;
         let snapped = requested.snapped(case.scene.period_um, &case.media).into_diagnostic()?;
-        case.incidence = snapped.incidence;
-        Ok(Some(json!({
-            "polar_deg": case.incidence.polar_deg,
-            "azimuth_deg": case.incidence.azimuth_deg,
+        let light = snapped.incidence;
+        let entry = json!({
+            "polar_deg": light.polar_deg,
+            "azimuth_deg": light.azimuth_deg,
             "vector": snapped.vector,
             "asked": { "polar_deg": requested.polar_deg, "azimuth_deg": requested.azimuth_deg },
-        })))
+        });
+        Ok((light, Some(entry)))
     }
 
-    /// Adds `finite_area` if requested.
-    pub fn add_area(&self, far: &FarField, media: &Media, report: &mut Value) -> Result<()> {
-        let Some(side) = self.illuminated_um else { return Ok(()) };
+    /// Adds `finite_area` if requested; returns the angle from the middle of a lobe to its first
+    /// zero, degrees, or infinity.
+    pub fn add_area(&self, far: &FarField, media: &Media, report: &mut Value) -> Result<f64> {
+        let Some(side) = self.illuminated_um else { return Ok(f64::INFINITY) };
         let polar = self.angles(90.0, true);
         let azimuth = self.angles(360.0, false);
         let mut first_zero_deg = f64::INFINITY;
@@ -101,12 +102,11 @@ impl LightArgs {
             area[name] = lobes(&lit, &polar, &azimuth).into_diagnostic()?;
         }
         report["finite_area"] = area;
-        self.warn_of_step(first_zero_deg);
-        Ok(())
+        Ok(first_zero_deg)
     }
 
     /// Warns if directions are so far apart that they miss lobes.
-    fn warn_of_step(&self, first_zero_deg: f64) {
+    pub fn warn_of_step(&self, first_zero_deg: f64) {
         let step = self.step_deg();
         let finest = *STEPS_DEG.start();
         if step <= first_zero_deg {
@@ -184,7 +184,7 @@ impl StudyPoint {
         let media = study.media(incidence.wavelength_um);
         let wave = if study.wave.is_vector() { WaveKind::Vector } else { WaveKind::Scalar };
         let scene = Scene::from_packing(&packing);
-        Ok((Case { scene, media, incidence, remarks: Vec::new() }, wave))
+        Ok((Case { scene, media, incidence, directions: Vec::new(), remarks: Vec::new() }, wave))
     }
 
     fn incidence(&self, study: &Study, realisation: usize) -> Result<Incidence> {

@@ -20,7 +20,7 @@ pub fn report(e: &Estimated, wave: Wave, light: &Incidence) -> Value {
     let steps: Vec<usize> = e.solved.iter().map(|s| s.solution.account.steps).collect();
     let orders = 0..e.far_field().orders.len();
     json!({
-        "wave": if wave.is_vector() { "vector" } else { "scalar" },
+        "wave": wave_name(wave),
         // without the rounding of µm to nm
         "wavelength_nm": (1e12 * light.wavelength_um).round() / 1e9,
         "polar_deg": light.polar_deg,
@@ -51,8 +51,13 @@ pub fn report(e: &Estimated, wave: Wave, light: &Incidence) -> Value {
     })
 }
 
+/// The wave's name in the options.
+pub(super) fn wave_name(wave: Wave) -> &'static str {
+    if wave.is_vector() { "vector" } else { "scalar" }
+}
+
 /// What the keys of polarised amplitudes mean.
-const POLARISATIONS: &str = "R and T of an order by incident, then by outgoing polarisation: R.s.p is the amplitude of \
+pub(super) const POLARISATIONS: &str = "R and T of an order by incident, then by outgoing polarisation: R.s.p is the amplitude of \
     the p light that leaves where s light of amplitude 1 arrives. All others by incident polarisation.";
 
 /// The grid: points, cells and planes, also per µm.

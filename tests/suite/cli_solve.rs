@@ -371,6 +371,78 @@ fn a_good_run_prints_every_documented_key() {
     }
 }
 
+/// A list of directions from both sides prints for each what a single case prints on the same grid,
+/// digit for digit. *Planted*: the case's side for all.
+#[test]
+fn listed_directions_print_what_single_cases_print() {
+    let directions = json!([
+        { "sigma_deg": 0 }, { "phi_deg": 70 }, { "sigma_deg": 55, "phi_deg": 10, "from": "exit" }, { "from": "exit" }
+    ]);
+    for wave in ["scalar", "vector"] {
+        let mut listed = good();
+        listed["directions"] = directions.clone();
+        let options = ["--wave", wave, "--nxy", "10", "--nz", "8"];
+        let all = solved(&listed.to_string(), "case.json", &options);
+        assert_eq!(all["compared"], json!([0, 1, 2, 3]), "the steepest and the flattest of both sides");
+        let solves = all["solves"].as_array().expect("a list");
+        assert_eq!(solves.len(), 4);
+        let mut largest = json!({ "plane": 0.0, "z": 0.0 });
+        let sum = |parts: &Value| ["plane", "z"].iter().filter_map(|key| parts[key].as_f64()).sum::<f64>();
+        for (solve, direction) in solves.iter().zip(directions.as_array().expect("a list")) {
+            let mut single = good();
+            let keys = single.as_object_mut().expect("an object");
+            keys.extend(direction.as_object().expect("an object").clone());
+            let single = solved(&single.to_string(), "case.json", &options);
+            for key in [
+                "orders",
+                "R_total",
+                "T_total",
+                "A_total",
+                "polar_deg",
+                "azimuth_deg",
+                "residual",
+                "resolution",
+            ] {
+                assert_eq!(solve[key], single[key], "{wave}, {direction}: {key}");
+            }
+            let parts = &single["error_estimate_parts"];
+            largest = if sum(parts) > sum(&largest) { parts.clone() } else { largest };
+            assert!(solve["version"].is_null() && all["version"].is_string(), "said once");
+        }
+        assert!(solves.iter().all(|solve| solve["error_estimate_parts"] == largest), "that of all");
+    }
+}
+
+/// On a searched grid, every direction reaches the accuracy, and options apply to each.
+#[test]
+fn options_apply_to_every_direction() {
+    let mut listed = good();
+    listed["directions"] =
+        json!([{ "sigma_deg": 5 }, { "sigma_deg": 33, "phi_deg": 40 }, { "sigma_deg": 60 }]);
+    let text = listed.to_string();
+    let all =
+        solved(&text, "case.json", &["--accuracy", "1e-2", "--snap", "--gradient", "--illuminated-um", "2"]);
+    let solves = all["solves"].as_array().expect("a list");
+    for (solve, polar) in solves.iter().zip([5.0, 33.0, 60.0]) {
+        assert!(solve["error_estimate"].as_f64().expect("a number") <= 1e-2, "{solve}");
+        assert_eq!(solve["snapped"]["asked"]["polar_deg"], polar);
+        assert_eq!(solve["polar_deg"], solve["snapped"]["polar_deg"]);
+        assert!(solve["gradients"].is_array() && solve["finite_area"]["reflected"].is_object());
+    }
+    refuses_text("case.json", &text, &["--export-operator", "x.npz"], &["--export-operator", "`directions`"]);
+    for (value, words) in [
+        (json!([]), ["directions: found 0 entries", "1 to 4096 entries", "sigma_deg = 45"]),
+        (
+            json!([{ "sigma_deg": 90 }]),
+            ["directions[0].sigma_deg: found 90", "from 0 to below 90°", "use 89"],
+        ),
+        (json!([{}, { "polar_deg": 3 }]), ["directions[1].polar_deg", "an unknown key", "`sigma_deg`"]),
+        (json!([45]), ["directions[0]: found integer `45`", "a table", "in that form"]),
+    ] {
+        refuses_text("case.json", &with("/directions", value), &[], &words);
+    }
+}
+
 /// Programs that read one wave's results read the other's: keys are the same, values of the vector wave are by polarisation.
 #[test]
 fn both_waves_print_the_same_keys() {

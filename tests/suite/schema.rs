@@ -248,7 +248,7 @@ fn bad_files_do_not_fit() {
     let sweep = as_json("base = 'yellow.toml'\n[[axis]]\nfield = 'layer.thickness_um'\nvalues = [1, 2]");
     let compare = as_json("study = 'yellow.toml'\nstrategies = ['krylov']");
     let case = reference_cases().swap_remove(0);
-    let slips: [(Document, &Value, &str, Value); 28] = [
+    let slips: [(Document, &Value, &str, Value); 30] = [
         (Study, &study, "/layer/thicknes_um", json!(1)),
         (Study, &study, "/layer/thickness_um", json!("1 µm")),
         (Study, &study, "/layer/thickness_um", json!(-1)),
@@ -277,6 +277,8 @@ fn bad_files_do_not_fit() {
         (Compare, &compare, "/goal", json!({ "tolerence": 1e-6 })),
         (Case, &case, "/wavelength", json!("550 nm")),
         (Case, &case, "/sigma_deg", json!(90)),
+        (Case, &case, "/directions", json!([])),
+        (Case, &case, "/directions", json!([{ "sigma_deg": 90 }])),
     ];
     for (document, good, place, value) in slips {
         let judge = validator(document);

@@ -50,7 +50,7 @@ fn solved(packing: &Packing) -> FarField {
     let incidence =
         Incidence { wavelength_um: 0.5, polar_deg: 20.0, azimuth_deg: 30.0, from: Side::Incident };
     let scene = Scene::from_packing(packing);
-    let case = Case { scene, media, incidence, remarks: Vec::new() };
+    let case = Case { scene, media, incidence, directions: Vec::new(), remarks: Vec::new() };
     solve_at(&case, Resolution { nx: 14, ny: 14, cells: 10, scheme: Scheme::Quadratic }, 1e-9).far
 }
 

@@ -1,5 +1,6 @@
 //! Printed intervals hold the truth as often as they say: a small study, many times over, against one large one.
 
+mod seeds;
 mod small;
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason, Table};
@@ -152,6 +153,9 @@ fn measure(level: Level, findings: &mut Findings) {
         for &kind in level.pick(&quick[..], ink.kinds) {
             small_studies(level, (ink, &truth), kind, findings);
         }
+    }
+    if level == Level::Full {
+        seeds::seeds(findings);
     }
 }
 

@@ -122,14 +122,24 @@ impl ComparisonFile {
         let text = files::read_text(&path, files::CASE).unwrap_or_default();
         let json =
             serde_json::from_str(&text).or_else(|_| toml::from_str::<Value>(&text)).unwrap_or_default();
-        let Some(id) = id else { return Ok(CaseGeometry::Written(Box::new(Case::read(&path)?), json)) };
+        let Some(id) = id else { return one_direction(Case::read(&path)?, json) };
         let Some(case) = json["cases"].as_array().into_iter().flatten().find(|case| case["id"] == id) else {
             let allowed = format!("an `id` among the `cases` of {}", path.display());
             let remedy = "leave `id` out for a file with one case";
             return Err(Fault::new("cases.id", format!("{id:?}"), allowed, remedy).into());
         };
-        Ok(CaseGeometry::Written(Box::new(Case::parse(&case["inputs"].to_string(), false)?), case.clone()))
+        one_direction(Case::parse(&case["inputs"].to_string(), false)?, case.clone())
     }
+}
+
+/// A case with its text, if it has a single direction.
+fn one_direction(case: Case, text: Value) -> CompareResult<CaseGeometry> {
+    if case.directions.is_empty() {
+        return Ok(CaseGeometry::Written(Box::new(case), text));
+    }
+    let found = format!("a list of {}", case.directions.len());
+    let remedy = "give `sigma_deg`, `phi_deg` and `from` instead of the list";
+    Err(Fault::new("directions", found, "one direction in a comparison", remedy).into())
 }
 
 /// A packed layer of spheres with the keys of a case file.

@@ -3,6 +3,7 @@
 
 mod brightened;
 mod colours;
+mod directions;
 mod sums;
 
 pub use colours::Sight;
@@ -20,6 +21,7 @@ use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
 use crate::appearance::tristimulus::{TABLE_RANGE_NM, visible};
 use crate::appearance::viewing::ColourError;
+use directions::SampledDirections;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::Range;
 use thiserror::Error;
@@ -123,6 +125,7 @@ pub struct InkOnPaper {
     /// The layer in the light returned by the paper, if that differs.
     returned: Option<(LayerEnsemble, Fits)>,
     directional: Fits,
+    directions: SampledDirections,
     /// 1/(Lx Ly), averaged over the solves, 1/µm².
     orders_per_um2: f64,
     whole: Vec<LayerOnPaper>,
@@ -185,6 +188,10 @@ impl InkOnPaper {
         }
         let diffuse_width = if returned.is_some() { DIFFUSE } else { SYMMETRIC };
         let [own_curves, diffuse, directional] = fits(&layer, anchored, solved, inputs.films, diffuse_width);
+        let of_means = returned
+            .as_ref()
+            .map_or((solved, inputs.films.clone()), |returned| (returned.solved, inputs.films.returned()));
+        let directions = SampledDirections::new(of_means.0, &layer.basis, &of_means.1);
         let returned = returned.map(|SolvedLayer { ensemble, solved }| {
             let fits = curves(&ensemble, anchored, solved, &inputs.films.returned());
             (ensemble, fits)
@@ -200,6 +207,7 @@ impl InkOnPaper {
             diffuse_width,
             returned,
             directional,
+            directions,
             orders_per_um2: orders_per_um2(solved),
             whole: Vec::new(),
             replicates: Vec::new(),

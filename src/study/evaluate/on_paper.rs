@@ -408,6 +408,16 @@ impl LayerOnPaper {
         Measured { transmittance, absorptance, ..Measured::default() }
     }
 
+    /// Coefficients of the curves of R and of T in the light returned by the paper: of the values at
+    /// both anchors, then of the other functions ([`anchor_weights`]).
+    pub(super) fn returned_coefficients(&self) -> [[f64; 2 + BENDS]; 2] {
+        let Self { measured: Measured { returned: anchors, .. }, curve, .. } = self;
+        [REFLECTANCE, TRANSMITTANCE].map(|total| {
+            let of = |k: usize| if k < 2 { anchors[k][total] } else { curve.returned[total][k - 2] };
+            std::array::from_fn(of)
+        })
+    }
+
     /// A total of the layer without paper.
     #[inline]
     fn total(&self, angle: &PolarAngle, total: usize) -> f64 {

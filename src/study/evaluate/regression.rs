@@ -91,6 +91,21 @@ impl Fits {
         Self::of_parts(&parts, basis, width, columns)
     }
 
+    /// The fit to all realisations alone; see [`Fits::new`].
+    pub fn whole(
+        ensemble: impl IntoIterator<Item: Iterator<Item = (f64, Normal)>>,
+        basis: &SpectralBasis,
+        width: usize,
+        columns: usize,
+    ) -> Array2<f64> {
+        let mut sum = Normal::new(basis.count() * width, columns);
+        for part in normal_equations(ensemble, basis, width, columns) {
+            sum.matrix += &part.matrix;
+            sum.right += &part.right;
+        }
+        solve(&sum, basis, width)
+    }
+
     /// Like [`Fits::new`], and keeps what each realisation adds.
     pub fn with_influence(
         ensemble: impl IntoIterator<Item: Iterator<Item = (f64, Normal)>>,

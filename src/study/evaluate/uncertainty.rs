@@ -110,10 +110,12 @@ impl Uncertainty {
         shared.extend(sight.meter.beyond(&ink.values(sight, &plain), colour.xyz));
         let spacing = ink.spacing(sight, &plain);
         let inputs = ink.input_shifts(sight, colour.xyz, &plain)?;
+        let directions = ink.unseen_directions(sight, colour.xyz, &plain)?;
         let chance = colour.lab_covariance;
-        let all: Vec<[f64; 3]> = shared.iter().chain(&spacing).chain(&inputs).copied().collect();
+        let all = shared.iter().chain(&spacing).chain(&inputs).chain(&directions);
+        let all: Vec<[f64; 3]> = all.copied().collect();
         let colour = Colour { lab_covariance: self.widen_lab(chance, &all), ..colour };
-        Ok(Widened { colour, chance, shared, spacing, inputs, deviations })
+        Ok(Widened { colour, chance, shared, spacing, inputs, directions, deviations })
     }
 
     /// Colour of a quantity for the standard observer with its total covariance, the contributions
@@ -124,7 +126,7 @@ impl Uncertainty {
         solved: &[SolvedRealisation],
         quantity: &PaperQuantity,
     ) -> Result<ColourParts, InkError> {
-        let Widened { colour, chance, shared, spacing, inputs, deviations } =
+        let Widened { colour, chance, shared, spacing, inputs, directions, deviations } =
             self.widened(ink, &ink.daylight()?, quantity)?;
         let plain = |layer: &LayerOnPaper| quantity(layer, UNMOVED);
         let lengths: Vec<f64> = shared.into_iter().map(length).collect();
@@ -134,9 +136,10 @@ impl Uncertainty {
         let angles = ink.angle_covariance(solved, plain)?.map(spread);
         // the contribution of the directions is a part of the jackknife's
         let apart = |whole: f64| (whole * whole - angles.unwrap_or(0.0).powi(2)).max(0.0).sqrt();
+        let unseen = whole_length(&directions);
         let budget = Budget {
             chance_and_cell: chance.map(spread).map(apart),
-            angles,
+            angles: angles.map(|seen| if unseen > 0.0 { seen.hypot(unseen) } else { seen }),
             wavelengths: length(ink.wavelength_shift(plain)?),
             grid: together(grid),
             residual: rest[0],
@@ -162,6 +165,8 @@ pub(super) struct Widened {
     spacing: Vec<[f64; 3]>,
     /// Shifts of Lab due to the errors of tables of indices.
     inputs: Vec<[f64; 3]>,
+    /// Shifts of Lab by errors of the directions that all cells have in common.
+    directions: Vec<[f64; 3]>,
     /// Contribution of each realisation to Lab.
     pub deviations: Vec<[f64; 3]>,
 }

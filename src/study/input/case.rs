@@ -2,7 +2,7 @@
 //! TOML.
 
 pub use super::case_inputs::CaseError;
-use super::case_inputs::{BarInput, CaseInputs, IndexInput, SublayerInput};
+use super::case_inputs::{BarInput, CaseInputs, DirectionInput, IndexInput, SublayerInput};
 use super::fault::{Fault, Faults};
 use super::read::read;
 use super::tree::{Node, parse_json, parse_toml};
@@ -19,8 +19,10 @@ pub struct Case {
     pub scene: Scene,
     /// Indices of all media.
     pub media: Media,
-    /// The incident light.
+    /// The incident light; of a list of directions the first.
     pub incidence: Incidence,
+    /// The lights of a list of directions; empty for a single one.
+    pub directions: Vec<Incidence>,
     /// What may be a mistake, in words.
     pub remarks: Vec<String>,
 }
@@ -67,18 +69,36 @@ impl Case {
             backgrounds,
             inclusions,
         };
-        let incidence = Incidence {
-            wavelength_um: inputs.vacuum_wavelength_um().unwrap_or(f64::NAN),
-            polar_deg: inputs.sigma_deg,
-            azimuth_deg: inputs.phi_deg,
-            from: inputs.from,
-        };
+        let directions = directions(inputs);
+        let incidence = directions.first().copied().unwrap_or(incidence(inputs));
         scene.check(&media).map_err(|error| with_names(error, &names))?;
         incidence.check()?;
         check_thickness(inputs, &scene)?;
         let scene = scene.nested().map_err(|error| with_names(error, &names))?;
-        Ok(Case { scene, media, incidence, remarks: inputs.remarks() })
+        Ok(Case { scene, media, incidence, directions, remarks: inputs.remarks() })
     }
+}
+
+/// The light of `sigma_deg`, `phi_deg` and `from`.
+fn incidence(inputs: &CaseInputs) -> Incidence {
+    Incidence {
+        wavelength_um: inputs.vacuum_wavelength_um().unwrap_or(f64::NAN),
+        polar_deg: inputs.sigma_deg,
+        azimuth_deg: inputs.phi_deg,
+        from: inputs.from,
+    }
+}
+
+/// The lights of the list of directions.
+fn directions(inputs: &CaseInputs) -> Vec<Incidence> {
+    let usual = incidence(inputs);
+    let light = |direction: &DirectionInput| Incidence {
+        polar_deg: direction.sigma_deg.unwrap_or(usual.polar_deg),
+        azimuth_deg: direction.phi_deg.unwrap_or(usual.azimuth_deg),
+        from: direction.from.unwrap_or(usual.from),
+        ..usual
+    };
+    inputs.directions.iter().flatten().map(light).collect()
 }
 
 /// The keys of the case: all of the document, or its `inputs`, beside which none of them may stand.

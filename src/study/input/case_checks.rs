@@ -1,6 +1,6 @@
 //! Allowed ranges of a case's numbers, under the names of the file.
 
-use super::case_inputs::{CaseInputs, IndexInput, WAVELENGTHS};
+use super::case_inputs::{CaseInputs, IndexInput, MOST_DIRECTIONS, WAVELENGTHS};
 use super::fault::{Allowed, Faults};
 use super::forms::Pair;
 use super::limits::{ABOVE_ZERO, ABOVE_ZERO_NM, LIGHT_UM, NOT_NEGATIVE, POLAR_DEG};
@@ -12,19 +12,39 @@ const FINITE: Allowed = Allowed::between(f64::MIN, f64::MAX, "");
 /// Real or imaginary part of an index.
 const INDEX_PART: Allowed = Allowed::between(0.0, f64::MAX, "");
 const IN_UM: &str = "give it in µm";
+const GRAZING: &str = "grazing light carries no flux into the layer; use 89 or less";
 
 /// Finds numbers out of range before they are combined into a scene.
 pub fn check(inputs: &CaseInputs) -> Faults {
     let mut faults = Faults::default();
     wavelength(inputs, &mut faults);
-    let grazing = "grazing light carries no flux into the layer; use 89 or less";
-    faults.number("sigma_deg", inputs.sigma_deg, POLAR_DEG, grazing);
+    faults.number("sigma_deg", inputs.sigma_deg, POLAR_DEG, GRAZING);
     faults.number("phi_deg", inputs.phi_deg, FINITE, "give it in degrees");
+    directions(inputs, &mut faults);
     lengths(inputs, &mut faults);
     indices(inputs).iter().for_each(|(field, eta)| index(field, *eta, &mut faults));
     grains(inputs, &mut faults);
     bodies(inputs, &mut faults);
     faults
+}
+
+/// Checks the list of directions, if there is one.
+fn directions(inputs: &CaseInputs, faults: &mut Faults) {
+    let Some(listed) = &inputs.directions else { return };
+    if !(1..=MOST_DIRECTIONS).contains(&listed.len()) {
+        let allowed = format!("1 to {MOST_DIRECTIONS} entries");
+        let remedy = "list directions such as { sigma_deg = 45 }, or leave the list out";
+        faults.add("directions", format!("{} entries", listed.len()), allowed, remedy);
+    }
+    for (i, direction) in listed.iter().enumerate().take(MOST_DIRECTIONS) {
+        let place = |key: &str| format!("directions[{i}].{key}");
+        if let Some(polar) = direction.sigma_deg {
+            faults.number(&place("sigma_deg"), polar, POLAR_DEG, GRAZING);
+        }
+        if let Some(azimuth) = direction.phi_deg {
+            faults.number(&place("phi_deg"), azimuth, FINITE, "give it in degrees");
+        }
+    }
 }
 
 /// Checks that one key gives the wavelength, in its range.

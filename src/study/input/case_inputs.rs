@@ -65,6 +65,10 @@ pub struct CaseInputs {
     /// Side of incidence: `incident` is z < 0.
     #[serde(default)]
     pub from: Side,
+    /// Directions that are solved together, instead of a single one, on one grid: each is a table
+    /// with `sigma_deg`, `phi_deg` and `from`; what it leaves out is that of the case.
+    #[schemars(length(min = 1, max = MOST_DIRECTIONS))]
+    pub directions: Option<Vec<DirectionInput>>,
     /// Spheres in the binder or in films; one wholly inside another sphere or body displaces its
     /// material, which makes layers and hollow grains.
     pub spheres: Option<Vec<SphereInput>>,
@@ -81,6 +85,22 @@ pub struct CaseInputs {
     #[serde(default)]
     #[allow(dead_code, reason = "free text of reference files")]
     note: Option<String>,
+}
+
+/// Most directions of a case: more than the orders of any cell that fits into memory.
+pub(super) const MOST_DIRECTIONS: usize = 4096;
+
+/// A direction of the light; what is left out is that of the case.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DirectionInput {
+    /// Polar angle from the normal, degrees.
+    #[schemars(transform = limits::POLAR_DEG.mark())]
+    pub sigma_deg: Option<f64>,
+    /// Azimuth from the x axis, degrees.
+    pub phi_deg: Option<f64>,
+    /// Side of incidence.
+    pub from: Option<Side>,
 }
 
 /// Requires one of the keys of the wavelength.

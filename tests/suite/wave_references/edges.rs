@@ -13,7 +13,7 @@ fn case(period: f64, height: f64, bodies: Vec<Body>, pigment: Complex64, light: 
     let media =
         Media { incident: one, exit: one, backgrounds: vec![1.558.into()], inclusions: vec![pigment] };
     let scene = Scene::layer([period; 2], height, bodies);
-    Case { scene, media, incidence: light, remarks: Vec::new() }
+    Case { scene, media, incidence: light, directions: Vec::new(), remarks: Vec::new() }
 }
 
 fn light(wavelength_um: f64, polar_deg: f64) -> Incidence {

@@ -247,7 +247,7 @@ fn half_spaces_of_different_index_follow_fresnel_and_airy() {
                 let media =
                     Media { incident: ends[0], exit: ends[1], backgrounds: vec![n[1]], inclusions: vec![] };
                 let incidence = Incidence { wavelength_um: 0.53, polar_deg, azimuth_deg: 117.0, from };
-                let case = Case { scene, media, incidence, remarks: Vec::new() };
+                let case = Case { scene, media, incidence, directions: Vec::new(), remarks: Vec::new() };
                 let solved =
                     solve_at(&case, Resolution { nx: 3, ny: 2, cells: 2, scheme: Scheme::Cubic }, 1e-12);
                 let own = solved.far.specular();
@@ -267,7 +267,7 @@ fn light_beyond_the_critical_angle_is_totally_reflected() {
     let incidence =
         Incidence { wavelength_um: 0.55, polar_deg: 60.0, azimuth_deg: 0.0, from: Side::Incident };
     let scene = Scene::layer([1.0; 2], 1.0, Vec::new());
-    let case = Case { scene, media, incidence, remarks: Vec::new() };
+    let case = Case { scene, media, incidence, directions: Vec::new(), remarks: Vec::new() };
     let solved = solve_at(&case, Resolution { nx: 1, ny: 1, cells: 5, scheme: Scheme::Cubic }, 1e-12);
     // Identity.
     assert!((solved.far.reflectance - 1.0).abs() < 1e-13 && solved.far.transmittance == 0.0);

@@ -2,7 +2,8 @@
 //! probability.
 
 use crate::ink::grains::volume::merge;
-use crate::ink::{Packing, Solid, Sphere};
+use crate::ink::{Grain, Packing, Solid, Sphere};
+use rayon::prelude::*;
 
 /// Statistics of the pigment on lines parallel to x and y in equally spaced planes z = const.
 ///
@@ -80,49 +81,102 @@ pub fn section_statistics(
         r_um,
     };
     let weight = 1.0 / planes as f64;
-    for plane in 0..planes {
-        let discs = discs(packing, statistics.z_um[plane]);
-        for (pigment, profile) in statistics.profile.iter_mut().enumerate() {
-            profile[plane] = Lines::new(&discs, Some(pigment), period, spacing_um, 0).covered();
+    let by_height = SpheresByHeight::new(packing);
+    let section = |z: &f64| {
+        let discs = by_height.discs(*z);
+        let covered = |pigment: usize| Lines::new(&discs, Some(pigment), period, spacing_um, 0).covered();
+        let lines = [0, 1].map(|axis| Lines::new(&discs, None, period, spacing_um, axis));
+        PlaneSection {
+            covered: (0..packing.shares().len()).map(covered).collect(),
+            chords_per_um: lines.each_ref().map(Lines::chords_per_um),
+            s2: lines.map(|lines| statistics.r_um.iter().map(|r| lines.both_ends(*r)).collect()),
         }
-        for axis in 0..2 {
-            let lines = Lines::new(&discs, None, period, spacing_um, axis);
-            statistics.chords_per_um[axis] += weight * lines.chords_per_um();
-            let s2 = if axis == 0 { &mut statistics.s2_x } else { &mut statistics.s2_y };
-            s2.iter_mut().zip(&statistics.r_um).for_each(|(s, r)| *s += weight * lines.both_ends(*r));
-        }
+    };
+    // in order, so that sums do not depend on the number of threads
+    let sections: Vec<PlaneSection> = statistics.z_um.par_iter().map(section).collect();
+    for (plane, PlaneSection { covered, chords_per_um, s2: [s2_x, s2_y] }) in sections.into_iter().enumerate()
+    {
+        statistics.profile.iter_mut().zip(covered).for_each(|(profile, covered)| profile[plane] = covered);
+        statistics.chords_per_um.iter_mut().zip(chords_per_um).for_each(|(sum, n)| *sum += weight * n);
+        statistics.s2_x.iter_mut().zip(s2_x).for_each(|(sum, s2)| *sum += weight * s2);
+        statistics.s2_y.iter_mut().zip(s2_y).for_each(|(sum, s2)| *sum += weight * s2);
     }
     statistics.mean_square_profile = statistics.total_profile().iter().map(|p| p * p).sum::<f64>() * weight;
     statistics
 }
 
+/// What one plane adds to the statistics.
+struct PlaneSection {
+    /// Covered fraction by pigment.
+    covered: Vec<f64>,
+    chords_per_um: [f64; 2],
+    /// S2 along x and along y by separation.
+    s2: [Vec<f64>; 2],
+}
+
 /// A sphere cut by a plane, or the sphere around a convex body.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Disc<'a> {
-    pub centre: [f64; 2],
-    pub radius: f64,
-    pub pigment: usize,
+struct Disc<'a> {
+    centre: [f64; 2],
+    radius: f64,
+    pigment: usize,
     /// The convex body, and the plane's height where the body is.
     solid: Option<(&'a Solid, f64)>,
 }
 
-pub(crate) fn discs(packing: &Packing, z: f64) -> Vec<Disc<'_>> {
-    let height = packing.thickness_um();
-    let ends = packing.walls() || packing.is_cut();
-    let mut discs = Vec::new();
-    for grain in packing.grains() {
-        for s in &grain.spheres {
-            let off = z - s.center_um[2];
-            let off = if ends { off } else { off - height * (off / height).round() };
-            let square = s.radius_um * s.radius_um - off * off;
-            if square > 0.0 {
-                let centre = [s.center_um[0], s.center_um[1]];
-                let solid = grain.solid.as_ref().map(|solid| (solid, s.center_um[2] + off));
-                discs.push(Disc { centre, radius: square.sqrt(), pigment: grain.pigment, solid });
-            }
-        }
+/// The spheres of a packing in the order of their heights, so that a plane looks at those near it
+/// alone.
+struct SpheresByHeight<'a> {
+    /// Height of the centre, within the layer where the packing repeats across it, and the sphere.
+    sorted: Vec<(f64, &'a Sphere, &'a Grain)>,
+    largest_um: f64,
+    /// Thickness of a layer that repeats across it.
+    repeats_um: Option<f64>,
+}
+
+impl<'a> SpheresByHeight<'a> {
+    fn new(packing: &'a Packing) -> Self {
+        let ends = packing.walls() || packing.is_cut();
+        let repeats_um = (!ends).then_some(packing.thickness_um());
+        let spheres = packing.grains().iter().flat_map(|grain| grain.spheres.iter().map(move |s| (s, grain)));
+        let placed = |(s, grain): (&'a Sphere, &'a Grain)| {
+            let z = s.center_um[2];
+            (repeats_um.map_or(z, |height| z.rem_euclid(height)), s, grain)
+        };
+        let mut sorted: Vec<_> = spheres.map(placed).collect();
+        let largest_um = sorted.iter().map(|(_, s, _)| s.radius_um).fold(0.0, f64::max);
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self { sorted, largest_um, repeats_um }
     }
-    discs
+
+    /// The spheres cut by a plane, each in its image nearest to the plane.
+    fn discs(&self, z: f64) -> Vec<Disc<'a>> {
+        // rounding must not lose a sphere
+        let reach = self.largest_um * (1.0 + 1e-9);
+        let images: &[f64] = if self.repeats_um.is_some() { &[-1.0, 0.0, 1.0] } else { &[0.0] };
+        let height = self.repeats_um.unwrap_or(0.0);
+        let within = |image: &f64| {
+            let middle = z + image * height;
+            let first = self.sorted.partition_point(|s| s.0 < middle - reach);
+            let last = self.sorted.partition_point(|s| s.0 <= middle + reach);
+            first..last
+        };
+        let ranges = images.iter().map(within);
+        // a sphere is near the plane in one image, unless it is as wide as the layer
+        let all =
+            if height > 0.0 && 2.0 * reach >= height { vec![0..self.sorted.len()] } else { ranges.collect() };
+        all.into_iter().flatten().filter_map(|i| self.disc(z, i)).collect()
+    }
+
+    fn disc(&self, z: f64, i: usize) -> Option<Disc<'a>> {
+        let (_, s, grain) = self.sorted[i];
+        let off = z - s.center_um[2];
+        let off = self.repeats_um.map_or(off, |height| off - height * (off / height).round());
+        let square = s.radius_um * s.radius_um - off * off;
+        let centre = [s.center_um[0], s.center_um[1]];
+        let solid = grain.solid.as_ref().map(|solid| (solid, s.center_um[2] + off));
+        (square > 0.0).then(|| Disc { centre, radius: square.sqrt(), pigment: grain.pigment, solid })
+    }
 }
 
 impl Disc<'_> {
@@ -223,7 +277,42 @@ fn overlap(line: &[[f64; 2]], shift: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::Grain;
+
+    /// Planes look at the spheres near them alone, also across the ends of a layer that repeats:
+    /// the same as all spheres one by one. *Planted*: no images.
+    #[test]
+    fn planes_miss_no_sphere() {
+        let mut draws = crate::numerics::Draws::new(3, 0);
+        let (period, height) = (6.0, 1.0);
+        for walls in [true, false] {
+            let mut sphere = |i: usize| {
+                let radius_um = if i % 7 == 0 { 0.2 } else { 0.05 };
+                let z = draws.between(0.0, height);
+                let z = if walls { z.clamp(radius_um, height - radius_um) } else { z };
+                let place = [0.45 + 0.5 * (i % 11) as f64, 0.45 + 0.5 * (i / 11) as f64, z];
+                Grain::new(vec![Sphere { center_um: place, radius_um }], 0)
+            };
+            let grains: Vec<Grain> = (0..121).map(&mut sphere).collect();
+            let packing = Packing::from_grains([period; 2], height, walls, grains).unwrap();
+            let by_height = SpheresByHeight::new(&packing);
+            for k in 0..200 {
+                let z = (k as f64 + 0.5) * height / 200.0;
+                let mut found: Vec<f64> = by_height.discs(z).iter().map(|disc| disc.radius).collect();
+                let radius = |s: &Sphere| {
+                    let off = z - s.center_um[2];
+                    let off = if walls { off } else { off - height * (off / height).round() };
+                    let square = s.radius_um.powi(2) - off * off;
+                    (square > 0.0).then(|| square.sqrt())
+                };
+                let all = packing.grains().iter().flat_map(|g| &g.spheres).filter_map(radius);
+                let mut all: Vec<f64> = all.collect();
+                found.sort_by(f64::total_cmp);
+                all.sort_by(f64::total_cmp);
+                assert_eq!(found.len(), all.len(), "walls {walls}, z = {z}");
+                assert!(found.iter().zip(&all).all(|(a, b)| (a - b).abs() < 1e-12));
+            }
+        }
+    }
 
     /// A tiny sphere in a wide cell has as few lines as bearable, and the sections of many grains
     /// remain those of all: the volume by lines three times as far apart.

@@ -49,8 +49,7 @@ impl Task<'_> {
         let parts = self.error_parts(&solved, &far_fields, watch)?;
         let residual = largest(solved.iter().map(|s| s.solution.account.residual));
         let error_estimate = error_estimate(parts, residual);
-        let errors = TotalErrors::of_amplitudes(error_estimate, residual);
-        let far_fields = far_fields.into_iter().map(|far| far.judged(errors)).collect::<Result<_, _>>()?;
+        let far_fields = judged(far_fields, parts, residual)?;
         let seconds_estimate = clock.elapsed().as_secs_f64();
         Ok(Estimated { solved, far_fields, error_estimate, parts, seconds_setup, seconds_estimate })
     }
@@ -204,6 +203,15 @@ impl Task<'_> {
 /// the residual.
 pub fn error_estimate(parts: [f64; 2], residual: f64) -> f64 {
     SAFETY * (parts[0] + parts[1]) + 1e-13 + RESIDUAL_WEIGHT * residual
+}
+
+/// The far fields that break no physical law beyond their errors: parts of the grid, residual.
+///
+/// # Errors
+/// One of them breaks a law.
+pub(super) fn judged(far: Vec<FarField>, parts: [f64; 2], residual: f64) -> Result<Vec<FarField>> {
+    let errors = TotalErrors::of_amplitudes(error_estimate(parts, residual), residual);
+    Ok(far.into_iter().map(|far| far.judged(errors)).collect::<Result<_, _>>()?)
 }
 
 /// Largest difference of any propagating amplitude in any polarisation, or of a neighbour of the

@@ -42,6 +42,35 @@ impl Task<'_> {
         Err(given_up.or(search.refused).unwrap_or(AccuracyError::Accuracy(accuracy)))
     }
 
+    /// [`Self::solve_to_accuracy`] that tries the grid of another direction first, and refines it
+    /// for this one where its estimate asks for it; the result's grid is nowhere coarser.
+    ///
+    /// # Errors
+    /// As [`Self::solve_to_accuracy`].
+    pub fn solve_to_accuracy_from(
+        &self,
+        before: Option<Resolution>,
+        accuracy: f64,
+        watch: &mut dyn Watch,
+    ) -> Result<Estimated> {
+        if let Some(resolution) = before {
+            match self.solve_with_estimate(resolution, watch) {
+                Ok(tried) if tried.error_estimate <= accuracy => return Ok(tried),
+                Err(AccuracyError::Wave(refusal)) if raised(resolution, &refusal).is_some() => {}
+                tried => drop(tried?),
+            }
+        }
+        let refined = self.solve_to_accuracy(accuracy, watch)?;
+        let (fine, Some(coarse)) = (refined.system().grid().resolution, before) else { return Ok(refined) };
+        let both = Resolution {
+            nx: fine.nx.max(coarse.nx),
+            ny: fine.ny.max(coarse.ny),
+            cells: fine.cells.max(coarse.cells),
+            scheme: fine.scheme,
+        };
+        if both == fine { Ok(refined) } else { self.solve_with_estimate(both, watch) }
+    }
+
     /// First resolution of the search.
     ///
     /// # Errors

@@ -31,7 +31,7 @@ type Along<'a> = dyn Fn([usize; 3], &Measured) -> f64 + 'a;
 pub struct Sight {
     pub(in crate::evaluate) meter: Colorimeter,
     /// Indices of the wavelengths.
-    nodes: Range<usize>,
+    pub(super) nodes: Range<usize>,
     /// Whether the spectrum is known at the wavelengths that are summed alone, and not in between.
     apart: bool,
     /// Whether to add the residuals of the solves from the fitted spectra, which requires smooth

@@ -65,21 +65,7 @@ impl Probing<'_> {
             }
             WantedResolution::Accuracy { amplitude, .. } => amplitude,
         };
-        if let Some(resolution) = before {
-            let tried = task.solve_with_estimate(resolution, watch)?;
-            if tried.error_estimate <= accuracy {
-                return Ok(tried);
-            }
-        }
-        let refined = task.solve_to_accuracy(accuracy, watch)?;
-        let (fine, Some(coarse)) = (refined.system().grid().resolution, before) else { return Ok(refined) };
-        let both = Resolution {
-            nx: fine.nx.max(coarse.nx),
-            ny: fine.ny.max(coarse.ny),
-            cells: fine.cells.max(coarse.cells),
-            scheme: fine.scheme,
-        };
-        if both == fine { Ok(refined) } else { task.solve_with_estimate(both, watch) }
+        task.solve_to_accuracy_from(before, accuracy, watch)
     }
 }
 
