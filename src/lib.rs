@@ -43,7 +43,7 @@
 //!
 //! ```text
 //! numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate
-//!          ← work ← draw ← report ← design, fit, sweep ← bench, export, schema
+//!          ← work ← draw ← report ← design, fit, sweep ← bench, export, schema ← library
 //! ```
 //!
 //! `bench` is a crate of its own, `inkwave-bench`: comparisons of strategies, grids and other
@@ -116,6 +116,7 @@ pub mod architecture {}
 pub mod design;
 pub mod export;
 pub mod fit;
+pub mod library;
 pub mod report;
 pub mod schema;
 pub mod sweep;

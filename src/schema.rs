@@ -3,6 +3,8 @@
 //! They are adapted to what the reader of the files accepts.
 
 use crate::design::file::DesignFile;
+use crate::evaluate::composed::composition::Composition;
+use crate::evaluate::composed::library::Library;
 use crate::fit::file::FitFile;
 use crate::input::case_inputs::CaseInputs;
 use crate::input::file::StudyFile;
@@ -32,6 +34,10 @@ pub enum Document {
     Case,
     /// What programs of comparisons are asked, and may answer.
     External,
+    /// Solved layers as plates, as `library` writes them.
+    Library,
+    /// A stack of a library's plates, for `compose`.
+    Composition,
 }
 
 impl Document {
@@ -45,6 +51,8 @@ impl Document {
             Document::Design => include_str!("../examples/design/every-key.toml"),
             Document::Case => include_str!("../examples/every-key-case.toml"),
             Document::External => include_str!("../schema/external.md"),
+            Document::Library => include_str!("../schema/library.md"),
+            Document::Composition => include_str!("../examples/library/every-key.toml"),
         }
     }
 
@@ -60,6 +68,8 @@ impl Document {
             Document::External => {
                 root::<Protocol>("Question and answer of programs in comparisons of inkwave").into()
             }
+            Document::Library => root::<Library>("Library of plates of inkwave").into(),
+            Document::Composition => toml_schema::<Composition>("Composition of inkwave"),
         }
     }
 }

@@ -48,6 +48,11 @@ impl StoredSlabs {
         Ok(Self { study, thicknesses_um, solved })
     }
 
+    /// The study of the layer, and what is solved of its slabs.
+    pub fn portions(&self) -> (&Study, &[SolvedPortion]) {
+        (&self.study, &self.solved)
+    }
+
     /// For its exports.
     pub fn evaluated(&self) -> EvaluatedSlabs<'_> {
         EvaluatedSlabs { slabs: self, manifest: OnceCell::new() }

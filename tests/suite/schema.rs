@@ -74,7 +74,7 @@ fn is_read(document: Document, value: &Value) -> bool {
         Document::Fit => read::<FitFile>(node()).is_ok(),
         Document::Design => read::<DesignFile>(node()).is_ok(),
         Document::Case => read::<CaseInputs>(node().get("inputs").cloned().unwrap_or(node())).is_ok(),
-        Document::External => unreachable!("no input file"),
+        Document::External | Document::Library | Document::Composition => unreachable!("no input file here"),
     }
 }
 
@@ -101,7 +101,7 @@ fn refused(document: Document, value: &Value) -> bool {
             let loads = |path: &Path| inkwave::design::recipe::load(path).is_ok();
             !is_read(document, value) || !in_a_file(value, loads)
         }
-        Document::External => unreachable!("no input file"),
+        Document::External | Document::Library | Document::Composition => unreachable!("no input file here"),
     }
 }
 

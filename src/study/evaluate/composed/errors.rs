@@ -22,14 +22,22 @@ const HALVED: f64 = 2.0;
 
 /// All numbers with their bars: from slabs of h (`whole`) and of h/2 (`half`).
 pub fn with_errors(task: &LayerTask, whole: &Level, half: &Level) -> ComposedNumbers<ErrorParts> {
-    let numbers = task.numbers(whole, Change::default());
+    bars_of(&|level, change| task.numbers(level, change), whole, half)
+}
+
+/// Numbers from the portions of one thickness, with what is changed of them.
+pub type NumbersOf<'a> = &'a dyn Fn(&Level, Change) -> ComposedNumbers<f64>;
+
+/// As [`with_errors`], of whatever is evaluated.
+pub fn bars_of(evaluated: NumbersOf, whole: &Level, half: &Level) -> ComposedNumbers<ErrorParts> {
+    let numbers = evaluated(whole, Change::default());
     let change =
         |other: ComposedNumbers<f64>| other.zipped(numbers.clone(), |changed, number| changed - number);
-    let by_halving = change(task.numbers(half, Change::default()));
-    let by_grid = change(task.numbers(whole, Change { grid: true, ..Change::default() }));
-    let by_directions = change(task.numbers(whole, Change { fewer_directions: true, ..Change::default() }));
-    let chance = variances(task, whole, &numbers);
-    let chance_of_half = variances(task, half, &numbers);
+    let by_halving = change(evaluated(half, Change::default()));
+    let by_grid = change(evaluated(whole, Change { grid: true, ..Change::default() }));
+    let by_directions = change(evaluated(whole, Change { fewer_directions: true, ..Change::default() }));
+    let chance = variances(evaluated, whole, &numbers);
+    let chance_of_half = variances(evaluated, half, &numbers);
     // a single realisation tells nothing about chance
     let is_known = whole.realisations().into_iter().chain(half.realisations()).all(|count| count > 1);
     let chance_of_halving =
@@ -45,11 +53,11 @@ pub fn with_errors(task: &LayerTask, whole: &Level, half: &Level) -> ComposedNum
 }
 
 /// Jackknife variances over the realisations of every portion.
-fn variances(task: &LayerTask, level: &Level, numbers: &ComposedNumbers<f64>) -> ComposedNumbers<f64> {
+fn variances(evaluated: NumbersOf, level: &Level, numbers: &ComposedNumbers<f64>) -> ComposedNumbers<f64> {
     let mut sum = numbers.clone().map(|_| 0.0);
     for (portion, count) in level.realisations().into_iter().enumerate().filter(|(_, count)| *count > 1) {
         let without =
-            |r: usize| task.numbers(level, Change { left_out: Some([portion, r]), ..Change::default() });
+            |r: usize| evaluated(level, Change { left_out: Some([portion, r]), ..Change::default() });
         let replicates = ComposedNumbers::gathered((0..count).map(without).collect());
         let of_portion = replicates.map(|replicates| replicates.map(jackknife_variance));
         sum =
