@@ -102,13 +102,16 @@ fn tell(library: &Library, found: &ComposedStack) -> Result<()> {
 
 /// A file of TOML, or of JSON by its ending.
 fn read<T: DeserializeOwned>(path: &Path) -> Result<T> {
-    let text = std::fs::read_to_string(path).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
+    let text =
+        std::fs::read_to_string(path).into_diagnostic().wrap_err_with(|| path.display().to_string())?;
     let is_json = path.extension().is_some_and(|ending| ending == "json");
     let found = match is_json {
         true => serde_json::from_str(&text).map_err(|error| error.to_string()),
         false => toml::from_str(&text).map_err(|error| error.to_string()),
     };
-    found.map_err(|error| miette!(help = "`inkwave schema composition` has every key", "{}: {error}", path.display()))
+    found.map_err(|error| {
+        miette!(help = "`inkwave schema composition` has every key", "{}: {error}", path.display())
+    })
 }
 
 fn write(path: &Path, text: &str) -> Result<()> {

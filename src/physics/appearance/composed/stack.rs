@@ -41,12 +41,7 @@ impl StackElement {
     /// A plane face between two media, of no thickness.
     pub fn face([before, behind]: [&Hemisphere; 2], layer: usize) -> Self {
         let indices = [before, behind].map(|medium| Complex64::from(medium.ordinates.index));
-        Self {
-            plate: face(before, behind),
-            film: FilmElement::Face(indices),
-            behind: behind.clone(),
-            layer,
-        }
+        Self { plate: face(before, behind), film: FilmElement::Face(indices), behind: behind.clone(), layer }
     }
 
     /// A clear layer between two media: its two faces, and what is between them.

@@ -142,7 +142,8 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
     let half = task.level(true)?;
     // what cannot be joined is said once
     for level in [&whole, &half] {
-        (0..library.wavelengths_nm.len()).try_for_each(|w| task.stack(level, w, Change::default()).map(drop))?;
+        (0..library.wavelengths_nm.len())
+            .try_for_each(|w| task.stack(level, w, Change::default()).map(drop))?;
     }
     let numbers = bars_of(&|level, change| task.numbers(level, change), &whole, &half);
     let layer = numbers.requested.into_iter().next().ok_or("nothing composed")?;
@@ -188,7 +189,8 @@ impl<'a> CompositionTask<'a> {
         }
         let nm = &library.wavelengths_nm;
         let albedo = |nm: &f64| paper.albedo.at(*nm).map_err(|error| format!("paper.albedo: {error}"));
-        let viewing = Viewing::new(illuminant, observer, Summation::Plain).map_err(|error| error.to_string())?;
+        let viewing =
+            Viewing::new(illuminant, observer, Summation::Plain).map_err(|error| error.to_string())?;
         let coupling = match paper.contact {
             true => Coupling::OpticalContact { index: library.joint.index },
             false => Coupling::Gap,
@@ -214,7 +216,8 @@ impl<'a> CompositionTask<'a> {
             portions.extend(self.library.portions_of(plate, halved)?);
         }
         let wavelengths_um = self.library.wavelengths_nm.iter().map(|nm| 1e-3 * nm).collect();
-        Level::of_library(portions, halved, wavelengths_um).ok_or_else(|| "a library without plates".to_owned())
+        Level::of_library(portions, halved, wavelengths_um)
+            .ok_or_else(|| "a library without plates".to_owned())
     }
 
     /// The stack at one wavelength.

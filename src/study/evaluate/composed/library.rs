@@ -195,7 +195,8 @@ impl Library {
         let composed = study.composed().ok_or(NO_STATES)?;
         let index = composed.joint_index.ok_or(NO_STATES)?;
         let joint = joint_of(study, composed, index)?;
-        let level = |halved| Level::new(solved, halved).ok_or("not every layer has a complete realisation yet");
+        let level =
+            |halved| Level::new(solved, halved).ok_or("not every layer has a complete realisation yet");
         let portions = [level(false)?.kept(), level(true)?.kept()];
         let mut plates = Vec::new();
         for (layer, kind) in composed.layers.iter().enumerate() {
@@ -254,17 +255,27 @@ impl Library {
         let apart = |a: &[f64], b: &[f64]| {
             a.len() != b.len() || a.iter().zip(b).any(|(a, b)| (a - b).abs() > 1e3 * ROUNDING)
         };
-        if apart(&own.ordinates.sines, &self.joint.sines) || apart(&own.ordinates.weights, &self.joint.weights) {
-            return Err("joint: found other directions than those of its index; gather the library again".to_owned());
+        if apart(&own.ordinates.sines, &self.joint.sines)
+            || apart(&own.ordinates.weights, &self.joint.weights)
+        {
+            return Err(
+                "joint: found other directions than those of its index; gather the library again".to_owned()
+            );
         }
         for (number, plate) in self.plates.iter().enumerate() {
             if self.plates[..number].iter().any(|other| other.name == plate.name) {
-                return Err(format!("plates: found two of the name {:?}; allowed are different names", plate.name));
+                return Err(format!(
+                    "plates: found two of the name {:?}; allowed are different names",
+                    plate.name
+                ));
             }
             for halved in [false, true] {
                 let kept = self.portions_of(number, halved)?;
                 if kept.is_empty() || plate.within.len() != self.wavelengths_nm.len() {
-                    return Err(format!("plate {:?}: lacks portions or wavelengths; gather it again", plate.name));
+                    return Err(format!(
+                        "plate {:?}: lacks portions or wavelengths; gather it again",
+                        plate.name
+                    ));
                 }
             }
         }
@@ -328,7 +339,8 @@ impl Library {
         let plate = &self.plates[number];
         let own = plate.portions.iter().filter(|portion| portion.halved == halved);
         let kept = |portion: &LibraryPortion| {
-            let states = portion.states.iter().map(|states| self.unpacked(states)).collect::<Option<Vec<_>>>();
+            let states =
+                portion.states.iter().map(|states| self.unpacked(states)).collect::<Option<Vec<_>>>();
             let states = states.filter(|all| all.len() == self.wavelengths_nm.len());
             let states = states.ok_or_else(|| {
                 format!("plate {:?}: its numbers are incomplete or not finite; gather it again", plate.name)
@@ -486,7 +498,11 @@ fn eyes(wavelengths_nm: &[f64]) -> Vec<LibraryEye> {
                 eye.xyz(&only).unwrap_or_default()
             };
             let weights = (0..wavelengths_nm.len()).map(weight).collect();
-            all.push(LibraryEye { illuminant: illuminant.to_owned(), observer: observer.to_owned(), weights });
+            all.push(LibraryEye {
+                illuminant: illuminant.to_owned(),
+                observer: observer.to_owned(),
+                weights,
+            });
         }
     }
     all

@@ -64,7 +64,8 @@ fn check_joint(index: f64, study: &Study, faults: &mut Faults) {
         let least = own.fold(f64::INFINITY, f64::min);
         if least < index {
             let allowed = format!("{index} or more, as stack.composed.joint_index");
-            let remedy = "lower stack.composed.joint_index to that of this layer, or leave the clear layer out";
+            let remedy =
+                "lower stack.composed.joint_index to that of this layer, or leave the clear layer out";
             faults.add(format!("layer[{i}].binder.index"), least, allowed, remedy);
         }
     }
