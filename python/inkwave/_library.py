@@ -260,7 +260,8 @@ class Library:
         self._numbers = {plate["name"]: k for k, plate in enumerate(self._plates)}
         self._portions = [[self._portion(plate["name"], portion) for portion in plate["portions"]] for plate in self._plates]
         self._layers: Dict[Any, _Flux] = {}
-        self._films: Dict[Any, List[_Film]] = {}
+        self._films: Dict[Any, List[Tuple[_Film, _Film]]] = {}
+        self._fringes: Dict[Any, List[Tuple[np.ndarray, np.ndarray]]] = {}
         p = self._polarisations
         self._shares = {"scalar": [1.0], "s": [1.0, 0.0], "p": [0.0, 1.0]}.get(self._wave, [1.0 / p] * p)
         near = np.r_[0.0, self._sines[: self._near]]
@@ -441,9 +442,12 @@ class Library:
 
     def _turns(self, number: int, count: float, change: _Change, p: int) -> List[Tuple[np.ndarray, np.ndarray]]:
         """Fringes over the hemisphere of every element, and what of the light passes it at 0° and comes back."""
+        key = (number, count, self._own(number, change)._replace(grid=False), p)
+        if key in self._fringes:
+            return self._fringes[key]
         films = self._elements(number, count, change, p, np.array([0.0]))
         within = np.array(self._plates[number]["within"])
-        found = []
+        found = self._fringes[key] = []
         for (position, times), film in zip(self._places_of(count, change), films):
             portion, _ = self._state(number, position, change)
             per_um = 2 * (within - np.sqrt(np.maximum(within**2 - 1.0, 0.0))) / (1e-3 * self.wavelengths_nm)
