@@ -84,6 +84,7 @@
 //! - [`design`]: from a target colour to recipes.
 //! - [`fit`]: from measured drawdowns to a pigment's index.
 //! - [`export`]: other programs' formats.
+//! - [`library`]: plates of solved layers, gathered from folders, and the page that composes them.
 //! - [`schema`]: JSON Schemas and commented examples of all input files.
 //!
 //! # Conventions

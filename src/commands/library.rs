@@ -1,7 +1,6 @@
 //! `inkwave library FOLDER…`: solved layers as plates. `inkwave compose FILE --library FILE`: a
 //! stack of them on paper, without a solve.
 
-use super::terminal::say;
 use clap::Args;
 use inkwave::evaluate::composed::composition::{ComposedStack, Composition, compose as composed};
 use inkwave::evaluate::composed::library::Library;
@@ -71,9 +70,8 @@ pub fn compose(args: &ComposeArgs) -> Result<()> {
 fn tell(library: &Library, found: &ComposedStack) -> Result<()> {
     let names: Vec<&str> = found.composition.layers.iter().map(|layer| layer.plate.as_str()).collect();
     let stack = names.join(" on ");
-    let lab = |estimates: [Estimate; 3]| {
-        let [l, a, b] = estimates.map(|part| part.in_words(2));
-        format!("L* {l}, a* {a}, b* {b}")
+    let lab = |[l, a, b]: [Estimate; 3]| {
+        format!("L* {}, a* {}, b* {}", l.in_words(2), a.in_words(2), b.in_words(2))
     };
     let lit = found.colours.as_ref().and_then(|colours| colours.lit_at_45);
     let natural = found.colours.as_ref().and_then(|colours| colours.natural_light);

@@ -202,7 +202,7 @@ const inkwave = (() => {
     }
     return found.reverse();
   }
-  const PIECE_RULE = gaussLegendre(PIECE);
+  const PIECE_RULE = gaussLegendre(PIECE), HEMISPHERE_RULE = gaussLegendre(64);
 
   function besselOne(x) {
     if (x > 40) {
@@ -234,7 +234,7 @@ const inkwave = (() => {
       const s = (cosine - index * inner) / (cosine + index * inner), p = (index * cosine - inner) / (index * cosine + inner);
       return 1 - 0.5 * (s * s + p * p);
     };
-    const mean = sum(gaussLegendre(64).map(([s, w]) => w * 4 * s ** 3 * passed(s * s)));
+    const mean = sum(HEMISPHERE_RULE.map(([s, w]) => w * 4 * s ** 3 * passed(s * s)));
     return { own: 0, entering: passed(Math.cos(Math.PI / 4)), leaving: passed(1) / index ** 2, lost: mean / index ** 2 };
   }
   function mixed(areas, shares, spread, albedo) {
@@ -439,17 +439,17 @@ const inkwave = (() => {
       const key = `${this.keyOf(number, change)}/${change.fewer ? "f" : ""}/${count}/${w}/${pol}/${pieces}`;
       if (!this.films.has(key)) {
         const elements = this.placesOf(count, change).map(([position, times]) => this.element(number, position, times, change, w, pol));
-        const coherent = [], without = [];
-        for (const sine of this.rule(pieces).sines) {
+        const { sines } = this.rule(pieces), coherent = new Float64Array(6 * sines.length), without = new Float64Array(3 * sines.length);
+        sines.forEach((sine, k) => {
           let whole = null, power = null;
           for (const element of elements) {
             const film = element.at(sine), own = powers(film);
             whole = whole ? filmThen(whole, film) : film;
             power = power ? powersThen(power, own) : own;
           }
-          coherent.push(whole);
-          without.push(power);
-        }
+          coherent.set([...whole.ra, ...whole.rb, ...whole.t], 6 * k);
+          without.set([power.ra, power.rb, power.t], 3 * k);
+        });
         const turns = elements.map(element => [element.turns, cn(element.at(0).t)]);
         this.films.set(key, { coherent, without, turns });
       }
@@ -468,8 +468,11 @@ const inkwave = (() => {
         }
         const kept = fewer => range(this.places.length).filter(d => !(fewer && d === this.places.length >> 1));
         const lagranges = [false, true].map(fewer => sines.map(s => lagrange(kept(fewer).map(d => this.places[d]), Math.sqrt(Math.max(1 - s * s, 0)))));
-        const faces = range(this.p).map(pol => sines.map(s => plane(1, this.index, s, pol)));
-        const backs = range(this.p).map(pol => sines.map(s => plane(this.index, 1, s, pol)));
+        const listed = (before, behind) => range(this.p).map(pol => {
+          const films = sines.map(s => plane(before, behind, s, pol));
+          return { coherent: Float64Array.from(films.flatMap(f => [...f.ra, ...f.rb, ...f.t])), without: Float64Array.from(films.flatMap(f => { const own = powers(f); return [own.ra, own.rb, own.t]; })) };
+        });
+        const faces = listed(1, this.index), backs = listed(this.index, 1);
         this.rules.set(pieces, { sines, weights, lagranges, kept: [kept(false), kept(true)], faces, backs });
       }
       return this.rules.get(pieces);
@@ -478,19 +481,35 @@ const inkwave = (() => {
     /** The whole stack's lobes at the sines of a rule: [side][coherent or not][sine]. */
     fields(job, w, pol, pieces, exact) {
       const rule = this.rule(pieces), change = exact ? { ...job.change, fewer: false } : job.change;
-      const layers = job.layers.map(([number, count]) => this.layerFilm(number, count, change, w, pol, pieces));
+      const films = [rule.faces[pol], ...job.layers.map(([number, count]) => this.layerFilm(number, count, change, w, pol, pieces))];
+      if (!job.contact) films.push(rule.backs[pol]);
       const out = [[[], []], [[], []]];
-      rule.sines.forEach((_, k) => {
-        const face = rule.faces[pol][k];
-        let whole = face, power = powers(face);
-        for (const layer of layers) { whole = filmThen(whole, layer.coherent[k]); power = powersThen(power, layer.without[k]); }
-        if (!job.contact) { const back = rule.backs[pol][k]; whole = filmThen(whole, back); power = powersThen(power, powers(back)); }
-        const t = cn(whole.t);
-        out[0][0].push(passive(cn(whole.ra), t));
-        out[1][0].push(passive(cn(whole.rb), t));
-        out[0][1].push(passive(power.ra, power.t));
-        out[1][1].push(passive(power.rb, power.t));
-      });
+      for (let k = 0; k < rule.sines.length; k++) {
+        // star products as filmThen and powersThen, without their arrays
+        let [ar, ai, br, bi, tr, ti, pa, pb, pt] = [0, 0, 0, 0, 1, 0, 0, 0, 1];
+        for (const { coherent, without } of films) {
+          const c = 6 * k, xr = coherent[c], xi = coherent[c + 1], yr = coherent[c + 2], yi = coherent[c + 3], sr = coherent[c + 4], si = coherent[c + 5];
+          const dr = 1 - (br * xr - bi * xi), di = -(br * xi + bi * xr), d = dr * dr + di * di, mr = dr / d, mi = -di / d;
+          const t2r = tr * tr - ti * ti, t2i = 2 * tr * ti, s2r = sr * sr - si * si, s2i = 2 * sr * si;
+          const ur = xr * mr - xi * mi, ui = xr * mi + xi * mr, vr = br * mr - bi * mi, vi = br * mi + bi * mr;
+          ar += t2r * ur - t2i * ui;
+          ai += t2r * ui + t2i * ur;
+          br = yr + s2r * vr - s2i * vi;
+          bi = yi + s2r * vi + s2i * vr;
+          const fr = tr * sr - ti * si, fi = tr * si + ti * sr;
+          tr = fr * mr - fi * mi;
+          ti = fr * mi + fi * mr;
+          const x = without[3 * k], y = without[3 * k + 1], s = without[3 * k + 2], many = 1 / Math.max(1 - pb * x, FAINT);
+          pa += pt * pt * x * many;
+          pb = y + s * s * pb * many;
+          pt *= s * many;
+        }
+        const through = tr * tr + ti * ti;
+        out[0][0].push(passive(ar * ar + ai * ai, through));
+        out[1][0].push(passive(br * br + bi * bi, through));
+        out[0][1].push(passive(pa, pt));
+        out[1][1].push(passive(pb, pt));
+      }
       return out;
     }
 
@@ -535,7 +554,7 @@ const inkwave = (() => {
         return s ? change.map(x => x / index ** 2) : change;
       };
       const nodeShares = lagrange(this.places.slice(1), Math.sqrt(1 - LIT * LIT)), lit = near + 1;
-      const facePowers = (pol, k) => powers(rule0.faces[pol][k]);
+      const facePowers = (pol, k) => ({ ra: rule0.faces[pol].without[3 * k], t: rule0.faces[pol].without[3 * k + 2] });
       let normalChange = [0, 0], slantedChange = [0, 0], byNodes = 0, diffuse = [0, 0], fromBehind = [0, 0], slantedLight = [0, 0];
       for (let pol = 0; pol < p; pol++) {
         const part = shares[pol];

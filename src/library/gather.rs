@@ -10,7 +10,7 @@ const VARIANTS: &str = "variants";
 
 /// Why there is no library.
 #[derive(Debug, thiserror::Error)]
-#[error("{path}: {reason}", path = path.display())]
+#[error("{path}: {reason}", path = .path.display())]
 pub struct GatherError {
     /// The folder or file.
     pub path: PathBuf,

@@ -142,7 +142,7 @@
     fail(null);
     $("states").replaceChildren(...states.map((state, k) => make("section", { class: "state", id: `state-${k}`, style: `--own: var(--${"ab"[k]})` },
       make("h2", {}, "AB"[k]), make("div", { class: "patch", id: `patch-${k}`, role: "img" }), make("div", { class: "numbers", id: `numbers-${k}` }),
-      make("p", { class: "soft" }, "Top of the stack"), stackList(k), make("p", { class: "soft" }, "Paper"), make("div", { class: "strip", id: `strip-${k}`, title: "Coverage from 0 to 100 %" }), controls(k))));
+      make("p", { class: "soft" }, "Top of the stack"), stackList(k), make("p", { class: "soft" }, "Paper; in dots, from bare to solid:"), make("div", { class: "strip", id: `strip-${k}`, title: "Coverage from 0 to 100 %" }), controls(k))));
     states.forEach((_, k) => look(k));
     if (gamut) hull();
   }
@@ -176,8 +176,8 @@
     results.forEach((result, k) => {
       if (!result || !$(`numbers-${k}`)) return;
       const { state, found, errors } = result, [spectrum, name] = seen(state), lab = found[name], bars = errors ? errors[name] : [];
-      const words = ["L*", "a*", "b*"].map((letter, c) => `${letter} ${shown(lab[c], bars[c])}`).join("   ");
-      $(`numbers-${k}`).textContent = `${words}   contrast ratio ${shown(found.contrast_ratio, errors ? errors.contrast_ratio : null, 3)}`;
+      const words = ["L*", "a*", "b*"].map((letter, c) => `${letter} ${shown(lab[c], bars[c])}`).join(", ");
+      $(`numbers-${k}`).textContent = `${words}\ncontrast ratio ${shown(found.contrast_ratio, errors ? errors.contrast_ratio : null, 3)}`;
       $(`patch-${k}`).setAttribute("aria-label", `Colour of ${"AB"[k]}: ${words}, ${spectrum}`);
     });
     const [a, b] = results;

@@ -338,7 +338,7 @@ impl Library {
     pub(super) fn portions_of(&self, number: usize, halved: bool) -> Result<Vec<KeptPortion>, String> {
         let plate = &self.plates[number];
         let own = plate.portions.iter().filter(|portion| portion.halved == halved);
-        let kept = |portion: &LibraryPortion| {
+        let kept = |portion: &LibraryPortion| -> Result<KeptPortion, String> {
             let states =
                 portion.states.iter().map(|states| self.unpacked(states)).collect::<Option<Vec<_>>>();
             let states = states.filter(|all| all.len() == self.wavelengths_nm.len());
@@ -457,6 +457,8 @@ fn plate_of(
         size_nm: [pigment.grains.size.smallest_nm(), pigment.grains.size.largest_nm()],
         index: pigment.material.source.clone(),
     });
+    // names are no part of an ink: pigments of two layers have different ones
+    let materials: Vec<_> = own.pigments.iter().map(|p| (&p.grains, &p.material, &p.shell)).collect();
     let packing = crate::ink::PackingRequest { seed: 0, thickness_um: 0.0, ..own.packing.clone() };
     let mut packed = Vec::new();
     for (halved, all) in [(false, &portions[0]), (true, &portions[1])] {
@@ -472,7 +474,7 @@ fn plate_of(
     }
     LibraryPlate {
         name: study.stack[layer].name.clone(),
-        ink: Key::of("ink", &(&own.layer.binder, &own.pigments, &packing)).short().to_owned(),
+        ink: Key::of("ink", &(&own.layer.binder, materials, &packing)).short().to_owned(),
         binder: own.layer.binder.source.clone(),
         pigments: pigments.collect(),
         thickness_um: slabs.unwrap_or(study.stack[layer].thickness_um),
