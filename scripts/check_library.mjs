@@ -15,7 +15,7 @@ for (const { composition, numbers } of JSON.parse(read("validation/data/library-
     if (!(far <= widest)) widest = far;
   });
 }
-// a promise: values to 1e-6; bars to 1 %, of which nobody reads more than two digits
+// a promise: values to 1e-6; bars to 1 %, of which two digits are read
 claim("20 stacks as the program composes them", worst < 1e-6, `largest difference ${worst.toExponential(1)}`);
 claim("their bars", widest < 1e-2, `largest relative difference ${widest.toExponential(1)}`);
 const refused = [

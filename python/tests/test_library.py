@@ -28,7 +28,7 @@ class Library(unittest.TestCase):
         for k, one in enumerate(self.golden):
             for name, numbers in one["numbers"].items():
                 value, bar = np.atleast_1d(getattr(found, name)[k]), np.atleast_1d(found.errors[name][k])
-                # a promise: values to 1e-6; bars to 1 %, of which nobody reads more than two digits
+                # a promise: values to 1e-6; bars to 1 %, of which two digits are read
                 np.testing.assert_allclose(value, numbers["value"], rtol=0, atol=1e-6, err_msg=f"{k} {name}")
                 np.testing.assert_allclose(bar, numbers["bar"], rtol=1e-2, atol=1e-8, err_msg=f"{k} {name}")
 

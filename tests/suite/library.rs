@@ -45,8 +45,11 @@ points_per_um = 12
 planes_per_um = 24
 "#;
 
-const GOLDEN: &str = include_str!("../../validation/data/library-golden.json");
-const LIBRARY: &str = include_str!("../../validation/data/library.json");
+/// A committed file of `validation/data`, as `scripts/library-golden` writes it.
+fn data(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/data").join(name);
+    std::fs::read_to_string(path).expect("committed")
+}
 
 fn inkwave(words: &[&str], folder: &Path) -> Output {
     Command::new(env!("CARGO_BIN_EXE_inkwave")).args(words).current_dir(folder).output().expect("runs")
@@ -114,8 +117,8 @@ fn a_composition_is_the_run_of_its_stack() {
 /// The committed numbers, which the page's engine and Python are judged by, are the program's.
 #[test]
 fn the_golden_stacks_are_the_programs() {
-    let library = Library::read(LIBRARY).expect("a library");
-    let golden: Vec<Value> = serde_json::from_str(GOLDEN).expect("JSON");
+    let library = Library::read(&data("library.json")).expect("a library");
+    let golden: Vec<Value> = serde_json::from_str(&data("library-golden.json")).expect("JSON");
     assert_eq!(golden.len(), 20);
     for one in golden {
         let found = compose(&library, &composition(one["composition"].clone())).expect("composed");
@@ -165,9 +168,10 @@ fn page_and_python_compose_as_the_program() {
 fn what_does_not_fit_is_refused() {
     let scratch = tempfile::tempdir().unwrap();
     let folder = scratch.path();
-    std::fs::write(folder.join("library.json"), LIBRARY).unwrap();
+    let library = data("library.json");
+    std::fs::write(folder.join("library.json"), &library).unwrap();
     let changed = |name: &str, change: &dyn Fn(&mut Value)| {
-        let mut value: Value = serde_json::from_str(LIBRARY).unwrap();
+        let mut value: Value = serde_json::from_str(&library).unwrap();
         change(&mut value);
         std::fs::write(folder.join(name), value.to_string()).unwrap();
     };
