@@ -36,7 +36,7 @@ index = 2.0
 [paper]
 albedo = 0.8
 [light]
-wavelengths_nm = [450, 550, 650]
+wavelengths_nm = [420, 500, 580, 660]
 [run]
 realisations = 2
 seed = 7
@@ -92,7 +92,7 @@ fn a_composition_is_the_run_of_its_stack() {
         let found = serde_json::to_value(found.expect("composed")).unwrap();
         let rows = run["spectra"].as_array().expect("rows");
         let rows: Vec<&Value> = rows.iter().filter(|row| row["thickness_um"] == um).collect();
-        assert_eq!(rows.len(), 3, "{um}");
+        assert_eq!(rows.len(), 4, "{um}");
         for (own, row) in found["spectra"].as_array().expect("rows").iter().zip(rows) {
             for (name, part) in row.as_object().expect("a row").iter().filter(|(_, part)| part.is_object()) {
                 let number = |value: &Value, key: &str| value[key].as_f64().expect("a number");
@@ -177,7 +177,7 @@ fn what_does_not_fit_is_refused() {
     };
     changed("newer.json", &|value| value["inkwave_library"] = json!(2));
     changed("method.json", &|value| value["method"] = json!(9));
-    changed("other.json", &|value| value["wavelengths_nm"][0] = json!(455));
+    changed("other.json", &|value| value["wavelengths_nm"][0] = json!(425));
     changed("less.json", &|value| {
         drop(value["plates"][0]["portions"][0]["states"].as_array_mut().unwrap().pop())
     });
@@ -191,7 +191,10 @@ fn what_does_not_fit_is_refused() {
         ("cut.json", "incomplete"),
         ("text.json", "found no library"),
         ("missing.json", "missing.json"),
-        ("other.json", "wavelengths_nm: found [455.0, 550.0, 650.0] nm; allowed [450.0, 550.0, 650.0] nm"),
+        (
+            "other.json",
+            "wavelengths_nm: found [425.0, 500.0, 580.0, 660.0] nm; allowed [420.0, 500.0, 580.0, 660.0] nm",
+        ),
         ("named.json", "different plates of this name"),
     ];
     for (name, words) in libraries {
