@@ -19,7 +19,7 @@ for (const { composition, numbers } of JSON.parse(read("validation/data/library-
 claim("20 stacks as the program composes them", worst < 1e-6, `largest difference ${worst.toExponential(1)}`);
 claim("their bars", widest < 1e-2, `largest relative difference ${widest.toExponential(1)}`);
 const refused = [
-  [{ layers: [] }, "layers: found none"], [{ layers: [{ plate: "gold" }] }, "allowed are red, light, white"],
+  [{ layers: [] }, "layers: found none"], [{ layers: [{ plate: "gold" }] }, "allowed are red, light, white, pale"],
   [{ layers: [{ plate: "red", thickness_um: 0.7 }] }, "allowed 0.5"], [{ layers: [{ plate: "white", thickness_um: 0.6 }] }, "two slabs"],
   [{ layers: [{ plate: "red" }], paper: { albedo: 1.2 } }, "paper.albedo"], [{ layers: [{ plate: "red" }], illuminant: "F9" }, "F9"],
   [{ layers: [{ plate: "red" }], dots: { coverage: 2, ruling_per_cm: 60, spread_um: 0 } }, "dots.coverage"],

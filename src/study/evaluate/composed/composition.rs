@@ -9,14 +9,12 @@
 //! makes of a composed stack: the same fluxes, the same mean wave, the same series of the paper and
 //! the same bars.
 
-use super::errors::bars_of;
+use super::errors::judged;
 use super::gate::{LayerInColour, rows};
 use super::layer::ComposedLayer;
 use super::level::{Change, KeptPortion, Level};
 use super::library::Library;
-use super::manifest::{ComposedColours, ComposedRow};
 use super::numbers::{colours_of, spectral};
-use super::quantities::{ColourNumbers, ComposedNumbers, LayerNumbers, ThicknessNumbers};
 use super::stacked::{between_faces, slab_elements};
 use crate::appearance::bare_paper::{BareSurface, PaperGeometry};
 use crate::appearance::composed::flux::Hemisphere;
@@ -26,8 +24,10 @@ use crate::appearance::paper::{Albedo, Coupling, MirroredSky, PRINT_DEG};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::{Summation, Viewing};
+use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow};
 use crate::evaluate::prints::PrintNumbers;
 use crate::evaluate::published::{ErrorParts, Withheld};
+use crate::evaluate::quantities::{ColourNumbers, ComposedNumbers, LayerNumbers, ThicknessNumbers};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -145,7 +145,7 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
         (0..library.wavelengths_nm.len())
             .try_for_each(|w| task.stack(level, w, Change::default()).map(drop))?;
     }
-    let numbers = bars_of(&|level, change| task.numbers(level, change), &whole, &half);
+    let numbers = judged(&|level, change| task.numbers(level, change), [&whole, &half], None).numbers;
     let layer = numbers.requested.into_iter().next().ok_or("nothing composed")?;
     let row = |(&wavelength_nm, numbers): (&f64, &LayerNumbers<ErrorParts>)| ComposedRow {
         thickness_um,

@@ -104,6 +104,7 @@ pub struct ComposedTable {
     pub directions: [usize; 2],
     /// Of a stack: every layer is solved between half-spaces of this index, that of most binders,
     /// so that its plates join those of any other layer in any order (`inkwave library`).
+    #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(transform = limits::JOINT_INDEX.mark(), example = 1.5)]
     pub joint_index: Option<f64>,
 }
