@@ -69,7 +69,7 @@ pub struct CompositionLayer {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct CompositionPaper {
-    /// Share of the light that it returns, 0 to 1: a number, or rows \[nm, share\].
+    /// Share of the light that it returns, 0 to 1: a number, or rows of nm and share.
     #[schemars(with = "serde_json::Value")]
     pub albedo: Albedo,
     /// Whether it touches the stack, in a medium of the joint's index; else there is a thin gap.

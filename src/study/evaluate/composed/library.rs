@@ -127,7 +127,7 @@ pub struct LibraryPlate {
     pub study: String,
     /// Title of that study.
     pub title: String,
-    /// \[wavelength\]: real index of the even medium that its mean wave is compared with.
+    /// At every wavelength: real index of the even medium that its mean wave is compared with.
     pub within: Vec<f64>,
     /// The portions that it is made of.
     pub portions: Vec<LibraryPortion>,
@@ -145,7 +145,7 @@ pub struct LibraryPortion {
     pub thickness_um: f64,
     /// Error of R and T that is expected from the grid.
     pub grid_error: f64,
-    /// \[wavelength\]: its numbers.
+    /// Its numbers at every wavelength.
     pub states: Vec<LibraryStates>,
 }
 
