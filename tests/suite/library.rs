@@ -203,7 +203,10 @@ fn what_does_not_fit_is_refused() {
     }
     let compositions = [
         ("layers = []", "layers: found none"),
-        ("layers = [{ plate = 'gold' }]", "layers[0].plate: found \"gold\"; allowed are red, light, white, pale"),
+        (
+            "layers = [{ plate = 'gold' }]",
+            "layers[0].plate: found \"gold\"; allowed are red, light, white, pale",
+        ),
         ("layers = [{ plate = 'red', thickness_um = 0.7 }]", "found 0.7 µm of \"red\"; allowed 0.5"),
         ("layers = [{ plate = 'white', thickness_um = 0.6 }]", "allowed from 1 µm, two slabs"),
         ("layers = [{ plate = 'red' }]\npaper = { albedo = 1.2 }", "paper.albedo"),
