@@ -1,7 +1,7 @@
 """Stacks of a library's plates, composed with NumPy: thousands at once, without the program.
 
-The formulas are those of the program (`inkwave compose`), whose documentation explains them; a file of numbers that it made
-(`validation/data/library-golden.json`) judges both, and the page of a library besides.
+The formulas are those of the program (`inkwave compose`), whose documentation explains them; the same numbers
+(`validation/data/library-golden.json`) judge both, and the page of a library besides.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Judges `inkwave.Library` by the program's numbers (validation/data/library-golden.json)."""
+"""Judges `inkwave.Library` by the numbers that the program and the page are judged by (validation/data/library-golden.json)."""
 
 import json
 import pathlib

@@ -45,7 +45,7 @@ points_per_um = 12
 planes_per_um = 24
 "#;
 
-/// A committed file of `validation/data`, as `scripts/library-golden` writes it.
+/// A file of `validation/data`, as `scripts/library-golden` writes it.
 fn data(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/data").join(name);
     std::fs::read_to_string(path).expect("committed")
@@ -114,9 +114,10 @@ fn a_composition_is_the_run_of_its_stack() {
     assert!(page.contains("inkwave_library") && !page.contains("http://") && !page.contains("https://www."));
 }
 
-/// The committed numbers, which the page's engine and Python are judged by, are the program's.
+/// Twenty random stacks of made-up plates, and their bars, are those that NumPy finds by code of its own. *Planted*: a block of a
+/// plate that is transposed.
 #[test]
-fn the_golden_stacks_are_the_programs() {
+fn stacks_of_made_up_plates_are_those_of_numpy() {
     let library = Library::read(&data("library.json")).expect("a library");
     let golden: Vec<Value> = serde_json::from_str(&data("library-golden.json")).expect("JSON");
     assert_eq!(golden.len(), 20);
@@ -131,9 +132,15 @@ fn the_golden_stacks_are_the_programs() {
                 "lab" | "factors" => found["dots"][name].as_array().unwrap().iter().collect(),
                 _ => found["spectra"].as_array().unwrap().iter().map(|row| &row[name]).collect(),
             };
-            for (own, value) in own.into_iter().zip(numbers["value"].as_array().unwrap()) {
+            let bars = numbers["bar"].as_array().unwrap();
+            for ((own, value), bar) in own.into_iter().zip(numbers["value"].as_array().unwrap()).zip(bars) {
+                let parts = ["chance", "model", "grid", "directions"].map(|part| own[part].as_f64().unwrap());
+                let error = parts.into_iter().fold(0.0, f64::hypot);
+                let apart = (error - bar.as_f64().unwrap()).abs();
+                assert!(apart < 1e-2 * error + 1e-8, "{name} {error} {bar}: {}", one["composition"]);
                 let off = own["value"].as_f64().unwrap() - value.as_f64().unwrap();
-                assert!(off.abs() < 1e-9, "{name} {off}: {}", one["composition"]);
+                // a promise
+                assert!(off.abs() < 1e-6, "{name} {off}: {}", one["composition"]);
             }
         }
     }
