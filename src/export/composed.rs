@@ -6,6 +6,7 @@ use super::print::{Bands, InstrumentGeometry, Print, PrintSpectra, PrintSpectrum
 use super::provenance::Described;
 use super::request::{ExportError, ExportResult};
 use super::stored::{self, results_of};
+use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::view::ComposedView;
 use crate::evaluate::directional::DirectionalPrint;
 use crate::evaluate::evaluated::{Evaluated, FinishedSolves};
@@ -49,7 +50,8 @@ impl StoredSlabs {
 
     /// The study of the layer, and what is solved of its slabs.
     pub fn portions(&self) -> (&Study, &[SolvedPortion]) {
-        (&self.study, &self.solved)
+        let solved = if let FinishedSolves::Slabs(solved) = &self.solved { solved.as_slice() } else { &[] };
+        (&self.study, solved)
     }
 
     /// For its exports.
