@@ -43,7 +43,7 @@
 //!
 //! ```text
 //! numerics ← material ← ink ← wave ← solve ← appearance ← store ← input ← run ← evaluate
-//!          ← work ← draw ← report ← design, fit, sweep ← bench, export, schema
+//!          ← work ← draw ← report ← design, fit, sweep ← bench, export, schema ← library
 //! ```
 //!
 //! `bench` is a crate of its own, `inkwave-bench`: comparisons of strategies, grids and other
@@ -84,6 +84,7 @@
 //! - [`design`]: from a target colour to recipes.
 //! - [`fit`]: from measured drawdowns to a pigment's index.
 //! - [`export`]: other programs' formats.
+//! - [`library`]: plates of solved layers, gathered from folders, and the page that composes them.
 //! - [`schema`]: JSON Schemas and commented examples of all input files.
 //!
 //! # Conventions
@@ -116,6 +117,7 @@ pub mod architecture {}
 pub mod design;
 pub mod export;
 pub mod fit;
+pub mod library;
 pub mod report;
 pub mod schema;
 pub mod sweep;

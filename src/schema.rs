@@ -3,6 +3,8 @@
 //! They are adapted to what the reader of the files accepts.
 
 use crate::design::file::DesignFile;
+use crate::evaluate::composed::composition::Composition;
+use crate::evaluate::composed::library::Library;
 use crate::fit::file::FitFile;
 use crate::input::case_inputs::CaseInputs;
 use crate::input::file::StudyFile;
@@ -35,6 +37,10 @@ pub enum Document {
     External,
     /// What the columns of all tables hold.
     Columns,
+    /// Solved layers as plates, as `library` writes them.
+    Library,
+    /// A stack of a library's plates, for `compose`.
+    Composition,
 }
 
 impl Document {
@@ -49,6 +55,8 @@ impl Document {
             Document::Case => include_str!("../examples/every-key-case.toml"),
             Document::External => include_str!("../schema/external.md"),
             Document::Columns => include_str!("../docs/columns.md"),
+            Document::Library => include_str!("../schema/library.md"),
+            Document::Composition => include_str!("../examples/library/every-key.toml"),
         }
     }
 
@@ -65,6 +73,8 @@ impl Document {
                 root::<Protocol>("Question and answer of programs in comparisons of inkwave").into()
             }
             Document::Columns => dictionary(),
+            Document::Library => root::<Library>("Library of plates of inkwave").into(),
+            Document::Composition => toml_schema::<Composition>("Composition of inkwave"),
         }
     }
 }

@@ -11,6 +11,7 @@ where they are installed.
 """
 
 from ._files import Layer, Pigment, material
+from ._library import Composed, Library
 from ._program import InkwaveError, InkwaveWarning, InputError, MissingProgram, program
 from ._results import Colour, Design, Fit, Ink, Sweep, export, read
 from ._shards import Submitted, submit
@@ -22,7 +23,7 @@ from ._work import design, fit, pack, run, sweep
 __version__ = "0.1.0"
 
 __all__ = [
-    "Colour", "Design", "Fit", "Ink", "InkwaveError", "InkwaveWarning", "InputError", "Layer", "MissingProgram", "Pigment", "Scan",
+    "Colour", "Composed", "Design", "Fit", "Ink", "InkwaveError", "InkwaveWarning", "InputError", "Layer", "Library", "MissingProgram", "Pigment", "Scan",
     "Submitted", "Sweep", "Table", "Value", "compare", "conforms", "design", "export", "fit", "material", "pack", "program", "read",
     "run", "solve", "submit", "sweep",
 ]

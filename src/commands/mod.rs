@@ -7,6 +7,7 @@ pub mod compare;
 pub mod diagnostics;
 pub mod export;
 pub mod inverse;
+pub mod library;
 pub mod merge;
 pub mod pack;
 pub mod progress;

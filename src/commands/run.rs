@@ -150,6 +150,7 @@ fn offer(mut study: Study, settings: RunSettings) -> Result<()> {
         mixing: None,
         layers: Vec::new(),
         varied: None,
+        joint_index: None,
     });
     let slabs = by_size(&of_one("", study), settings).core_seconds;
     say!(

@@ -6,6 +6,7 @@ use super::print::{Bands, InstrumentGeometry, Print, PrintSpectra, PrintSpectrum
 use super::provenance::Described;
 use super::request::{ExportError, ExportResult};
 use super::stored::{self, results_of};
+use crate::evaluate::composed::level::SolvedPortion;
 use crate::evaluate::composed::view::ComposedView;
 use crate::evaluate::directional::DirectionalPrint;
 use crate::evaluate::evaluated::{Evaluated, FinishedSolves};
@@ -46,6 +47,12 @@ impl StoredSlabs {
         let composed = study.composed().into_iter();
         let thicknesses_um = composed.flat_map(|composed| composed.thicknesses_um.clone()).collect();
         Ok(Self { study, thicknesses_um, solved })
+    }
+
+    /// The study of the layer, and what is solved of its slabs.
+    pub fn portions(&self) -> (&Study, &[SolvedPortion]) {
+        let solved = if let FinishedSolves::Slabs(solved) = &self.solved { solved.as_slice() } else { &[] };
+        (&self.study, solved)
     }
 
     /// For its exports.

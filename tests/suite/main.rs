@@ -28,6 +28,7 @@ mod housekeeping;
 mod index_errors;
 mod inverse;
 mod kubelka_munk;
+mod library;
 mod materials;
 mod measurements;
 mod memory;

@@ -5,10 +5,12 @@
 //! difference between slabs of h and of h/2, the model's own error; and what the grid's error of R
 //! does.
 
+pub mod composition;
 mod errors;
 mod gate;
 pub mod layer;
 pub mod level;
+pub mod library;
 pub mod numbers;
 mod prints;
 pub mod stacked;

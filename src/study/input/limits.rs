@@ -32,6 +32,8 @@ pub const CUTS: Whole = Whole::between(1, 100);
 pub const VOXEL_NM: Allowed = Allowed::between(0.1, 10_000.0, "nm");
 /// Real refractive index.
 pub const INDEX: Allowed = Allowed::between(0.1, 10.0, "");
+/// Index of the half-spaces that the plates of a library are solved between.
+pub const JOINT_INDEX: Allowed = Allowed::between(1.1, 3.0, "");
 /// Imaginary part of an index, which absorbs.
 pub const ABSORPTION: Allowed = Allowed::between(0.0, 10.0, "");
 /// Wavelength at which n is known beside κ: above that of the pole in the ultraviolet.

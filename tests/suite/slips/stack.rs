@@ -63,6 +63,16 @@ pub const OF_STACKS: &[Slip] = &[
         "period_um = -0.8",
         ["stack.period_um", "-0.8", "greater than 0", "larger cells"],
     ),
+    slip(
+        "[stack]",
+        "[stack]\ncomposed = { joint_index = 0.5 }",
+        ["stack.composed.joint_index", "found 0.5", "from 1.1 to 3", "that of the binders"],
+    ),
+    slip(
+        "[stack]",
+        "[stack]\ncomposed = { joint_index = 1.558 }",
+        ["layer[0].binder.index", "found 1.5", "1.558 or more", "leave the clear layer out"],
+    ),
     slip("[stack]", "[stack]\nindex_in = 0", ["stack.index_in", "found 0", "from 0.1 to 10", "1 for air"]),
     slip(
         "diameter_nm = 200",

@@ -38,6 +38,12 @@ impl StackElement {
         Self { plate, film: FilmElement::Solved(film), behind, layer }
     }
 
+    /// A plane face between two media, of no thickness.
+    pub fn face([before, behind]: [&Hemisphere; 2], layer: usize) -> Self {
+        let indices = [before, behind].map(|medium| Complex64::from(medium.ordinates.index));
+        Self { plate: face(before, behind), film: FilmElement::Face(indices), behind: behind.clone(), layer }
+    }
+
     /// A clear layer between two media: its two faces, and what is between them.
     pub fn clear(
         [before, within, behind]: [&Hemisphere; 3],
@@ -57,6 +63,11 @@ impl StackElement {
             ),
             element(face(within, behind), FilmElement::Face([index, last]), behind),
         ]
+    }
+
+    /// The layer that it is of, from 0.
+    pub fn layer(&self) -> usize {
+        self.layer
     }
 
     /// How many of it stand one behind another, a part of one included.

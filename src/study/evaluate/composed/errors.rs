@@ -51,25 +51,36 @@ pub fn with_errors(
     levels: [&Level; 2],
     moved: Option<&MovedLevels>,
 ) -> Result<JudgedNumbers, String> {
+    let of_inputs = moved.map(|moved| input_variances(task, moved)).transpose()?;
+    Ok(judged(&|level, change| task.numbers(level, change), levels, of_inputs))
+}
+
+/// Numbers from the portions of one thickness, with what is changed of them.
+pub type NumbersOf<'a> = &'a dyn Fn(&Level, Change) -> ComposedNumbers<f64>;
+
+/// As [`with_errors`], of whatever is evaluated; `of_inputs` are variances due to tables of
+/// indices.
+pub fn judged(
+    evaluated: NumbersOf,
+    levels: [&Level; 2],
+    of_inputs: Option<ComposedNumbers<f64>>,
+) -> JudgedNumbers {
     let [whole, half] = levels;
-    let numbers = task.numbers(whole, Change::default());
+    let numbers = evaluated(whole, Change::default());
     let change =
         |other: ComposedNumbers<f64>| other.zipped(numbers.clone(), |changed, number| changed - number);
-    let by_halving = change(task.numbers(half, Change::default()));
-    let by_grid = change(task.numbers(whole, Change { grid: true, ..Change::default() }));
-    let by_directions = change(task.numbers(whole, Change { fewer_directions: true, ..Change::default() }));
-    let of_whole = replicates(task, whole);
+    let by_halving = change(evaluated(half, Change::default()));
+    let by_grid = change(evaluated(whole, Change { grid: true, ..Change::default() }));
+    let by_directions = change(evaluated(whole, Change { fewer_directions: true, ..Change::default() }));
+    let of_whole = replicates(evaluated, whole);
     let chance = variances(&of_whole, &numbers);
-    let chance_of_half = variances(&replicates(task, half), &numbers);
+    let chance_of_half = variances(&replicates(evaluated, half), &numbers);
     // a single realisation tells nothing about chance
     let is_known = whole.realisations().into_iter().chain(half.realisations()).all(|count| count > 1);
     let chance_of_halving =
         chance.clone().zipped(chance_of_half, |whole, half| if is_known { whole + half } else { 0.0 });
     let model = errors_of_composing(by_halving, chance_of_halving);
-    let of_inputs = match moved {
-        Some(moved) => input_variances(task, moved)?,
-        None => numbers.clone().map(|_| 0.0),
-    };
+    let of_inputs = of_inputs.unwrap_or_else(|| numbers.clone().map(|_| 0.0));
     let numbers = numbers
         .map(|value| ErrorParts { value, ..ErrorParts::default() })
         .zipped(chance, |parts, variance| ErrorParts { chance: variance.sqrt(), ..parts })
@@ -78,7 +89,7 @@ pub fn with_errors(
         .zipped(by_directions, |parts, change| ErrorParts { directions: change.abs(), ..parts })
         .zipped(of_inputs, |parts, inputs| ErrorParts { inputs: inputs.sqrt(), ..parts })
         .map(ErrorParts::summed);
-    Ok(JudgedNumbers { numbers, replicates: of_whole })
+    JudgedNumbers { numbers, replicates: of_whole }
 }
 
 /// Variances due to the errors of tables of indices. Moves to both sides are among those given, so
@@ -95,11 +106,11 @@ fn input_variances(task: &LayerTask, levels: &MovedLevels) -> Result<ComposedNum
 }
 
 /// The numbers without each realisation, portion by portion; portions of one realisation have none.
-fn replicates(task: &LayerTask, level: &Level) -> Vec<PortionReplicates> {
+fn replicates(evaluated: NumbersOf, level: &Level) -> Vec<PortionReplicates> {
     let mut all = Vec::new();
     for (portion, count) in level.realisations().into_iter().enumerate().filter(|(_, count)| *count > 1) {
         let without =
-            |r: usize| task.numbers(level, Change { left_out: Some([portion, r]), ..Change::default() });
+            |r: usize| evaluated(level, Change { left_out: Some([portion, r]), ..Change::default() });
         all.extend(ComposedNumbers::gathered((0..count).map(without).collect()));
     }
     all

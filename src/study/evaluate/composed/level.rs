@@ -20,10 +20,79 @@ struct Ensemble {
     position: Position,
     /// Thickness, µm.
     slab_um: f64,
-    /// \[wavelength\]: its media, and the fluxes of every cell.
-    wavelengths: Vec<(Sides, Vec<Fluxes>)>,
+    states: EnsembleStates,
     /// Expected error of R from the grid.
     grid_error: f64,
+}
+
+/// What is known of a portion at every wavelength.
+enum EnsembleStates {
+    /// Its media, and the fluxes of every cell.
+    Solved(Vec<(Sides, Vec<Fluxes>)>),
+    /// What a library keeps.
+    Kept(Vec<KeptStates>),
+}
+
+/// Fluxes and amplitudes of a portion at one wavelength.
+#[derive(Clone, Debug)]
+pub struct PortionStates {
+    /// Its fluxes.
+    pub plate: Plate,
+    /// Its mean amplitudes.
+    pub coherent: Coherent,
+}
+
+/// The mean over an ensemble at one wavelength, and those that leave out one cell each.
+#[derive(Clone, Debug)]
+pub struct KeptStates {
+    /// The media on its sides.
+    pub media: [Hemisphere; 2],
+    /// Of all cells.
+    pub mean: PortionStates,
+    /// \[cell that is left out\]
+    pub replicates: Vec<PortionStates>,
+}
+
+/// A portion as a library keeps it.
+#[derive(Clone, Debug)]
+pub struct KeptPortion {
+    /// Number of the plate that it is of, in place of the layer.
+    pub layer: usize,
+    /// Where it lies.
+    pub position: Position,
+    /// Thickness, µm.
+    pub slab_um: f64,
+    /// Expected error of R from the grid.
+    pub grid_error: f64,
+    /// \[wavelength\]
+    pub states: Vec<KeptStates>,
+}
+
+impl Ensemble {
+    /// Number of its cells.
+    fn cells(&self) -> usize {
+        match &self.states {
+            EnsembleStates::Solved(all) => all.first().map_or(0, |(_, cells)| cells.len()),
+            EnsembleStates::Kept(all) => all.first().map_or(0, |kept| kept.replicates.len()),
+        }
+    }
+
+    /// The mean at one wavelength, with or without one of the cells.
+    fn states(&self, wavelength: usize, left_out: Option<usize>) -> (PortionStates, [Hemisphere; 2]) {
+        match &self.states {
+            EnsembleStates::Solved(all) => {
+                let (sides, cells) = &all[wavelength];
+                let plate = sides.mean(cells, left_out);
+                let coherent = sides.coherent(cells, left_out);
+                (PortionStates { plate, coherent }, sides.media.clone())
+            }
+            EnsembleStates::Kept(all) => {
+                let kept = &all[wavelength];
+                let states = left_out.map_or(&kept.mean, |cell| &kept.replicates[cell]);
+                (states.clone(), kept.media.clone())
+            }
+        }
+    }
 }
 
 /// Mean fluxes and amplitudes of a portion.
@@ -82,9 +151,40 @@ impl Level {
         Some(Self { slab_um, halved, portions, wavelengths_um })
     }
 
+    /// The portions that a library keeps of some plates, of which there is one or more.
+    pub fn of_library(portions: Vec<KeptPortion>, halved: bool, wavelengths_um: Vec<f64>) -> Option<Self> {
+        let slab_um = portions.first()?.slab_um;
+        let ensemble = |kept: KeptPortion| Ensemble {
+            layer: kept.layer,
+            position: kept.position,
+            slab_um: kept.slab_um,
+            states: EnsembleStates::Kept(kept.states),
+            grid_error: kept.grid_error,
+        };
+        let portions = portions.into_iter().map(ensemble).collect();
+        Some(Self { slab_um, halved, portions, wavelengths_um })
+    }
+
+    /// All that a library keeps of the portions.
+    pub fn kept(&self) -> Vec<KeptPortion> {
+        let states = |portion: &Ensemble, wavelength: usize| {
+            let (mean, media) = portion.states(wavelength, None);
+            let replicates = (0..portion.cells()).map(|cell| portion.states(wavelength, Some(cell)).0);
+            KeptStates { media, mean, replicates: replicates.collect() }
+        };
+        let kept = |portion: &Ensemble| KeptPortion {
+            layer: portion.layer,
+            position: portion.position,
+            slab_um: portion.slab_um,
+            grid_error: portion.grid_error,
+            states: (0..self.wavelengths_um.len()).map(|wavelength| states(portion, wavelength)).collect(),
+        };
+        self.portions.iter().map(kept).collect()
+    }
+
     /// Numbers of complete cells of every portion.
     pub fn realisations(&self) -> Vec<usize> {
-        self.portions.iter().map(|p| p.wavelengths.first().map_or(0, |(_, all)| all.len())).collect()
+        self.portions.iter().map(Ensemble::cells).collect()
     }
 
     /// Of one portion of a layer at a wavelength; `None` where there is none at this position.
@@ -96,16 +196,10 @@ impl Level {
     ) -> Option<MeanSlab> {
         let k = self.portions.iter().position(|p| p.position == position && p.layer == layer)?;
         let portion = &self.portions[k];
-        let (sides, fluxes) = &portion.wavelengths[wavelength];
         let left_out = change.left_out.filter(|out| out[0] == k).map(|out| out[1]);
-        let plate = sides.mean(fluxes, left_out);
+        let (PortionStates { plate, coherent }, media) = portion.states(wavelength, left_out);
         let grid = if change.grid { portion.grid_error } else { 0.0 };
-        Some(MeanSlab {
-            plate: plate.moved(grid),
-            coherent: sides.coherent(fluxes, left_out),
-            media: sides.media.clone(),
-            slab_um: portion.slab_um,
-        })
+        Some(MeanSlab { plate: plate.moved(grid), coherent, media, slab_um: portion.slab_um })
     }
 
     /// Mean flux matrices at every wavelength.
@@ -166,7 +260,8 @@ fn ensemble((study, collected): &SolvedPortion) -> Option<Ensemble> {
     let wavelengths = study.wavelengths_nm.iter().map(solved).collect::<Option<Vec<_>>>()?;
     let grid = collected.resolved.grid_error;
     let grid_error = grid.reflectance.max(grid.transmittance);
-    (!cells.is_empty()).then_some(Ensemble { layer, position, slab_um, wavelengths, grid_error })
+    let states = EnsembleStates::Solved(wavelengths);
+    (!cells.is_empty()).then_some(Ensemble { layer, position, slab_um, states, grid_error })
 }
 
 /// The media at one wavelength and the flux matrices of every cell.

@@ -275,7 +275,7 @@ impl LayerNumbers<f64> {
 }
 
 /// Colours of a layer from its visible spectra; `None` if one of them has none.
-fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<ColourNumbers<f64>> {
+pub(super) fn colours_of(eye: &Colorimeter, spectra: &[LayerNumbers<f64>]) -> Option<ColourNumbers<f64>> {
     let colour = |spectrum: fn(&LayerNumbers<f64>) -> f64| {
         eye.colour(&spectra.iter().map(spectrum).collect::<Vec<_>>()).ok()
     };
@@ -294,7 +294,7 @@ pub struct SpectralLayer {
     /// Its numbers.
     pub numbers: LayerNumbers<f64>,
     /// As light at 45:0 and light between it and the paper meet it.
-    at_45: AreaOptics,
+    pub(super) at_45: AreaOptics,
 }
 
 /// A layer or a stack at one wavelength, alone and on paper of this albedo.

@@ -67,8 +67,14 @@ impl<'a> StackTask<'a> {
             });
         }
         let oblique_deg = Some(PRINT_DEG);
-        let before = Hemisphere { oblique_deg, ..self.medium(media, media.joints[0]) };
-        PlateStack::new(elements, before, 1e-3 * media.wavelength_nm)
+        let Some([before, behind]) = media.outer else {
+            let before = Hemisphere { oblique_deg, ..self.medium(media, media.joints[0]) };
+            return PlateStack::new(elements, before, 1e-3 * media.wavelength_nm);
+        };
+        let before = Hemisphere { oblique_deg, ..self.medium(media, before) };
+        let joint = self.medium(media, media.joints[0]);
+        let behind = self.medium(media, behind);
+        between_faces(elements, [&before, &joint, &behind], 1e-3 * media.wavelength_nm)
     }
 
     /// States of light in a medium of the stack.
@@ -81,7 +87,7 @@ impl<'a> StackTask<'a> {
     }
 
     fn clear(&self, Around { layer, media, .. }: &Around, thickness_um: f64) -> Vec<StackElement> {
-        let oblique_deg = (*layer == 0).then_some(PRINT_DEG);
+        let oblique_deg = (*layer == 0 && media.outer.is_none()).then_some(PRINT_DEG);
         let before = Hemisphere { oblique_deg, ..self.medium(media, media.joints[*layer]) };
         let within = self.medium(media, media.within[*layer]);
         let behind = self.medium(media, media.joints[layer + 1]);
@@ -99,34 +105,65 @@ impl<'a> StackTask<'a> {
         change: Change,
     ) -> Result<Vec<StackElement>, String> {
         let Around { layer, media, wavelength } = *around;
-        let count = if level.halved { 2.0 * count } else { count };
-        let places = if count > 1.0 {
-            vec![
-                (Position::Front, Mirrors::InFront, 1.0),
-                (Position::Inner, Mirrors::Nowhere, count - 2.0),
-                (Position::Back, Mirrors::Behind, 1.0),
-            ]
-        } else {
-            vec![(Position::Whole, Mirrors::OnBothSides, 1.0)]
-        };
-        let mut elements = Vec::new();
-        for (position, mirrors, count) in places.into_iter().filter(|(_, _, count)| *count > 0.0) {
-            let mean = level.mean([layer, wavelength], position, change);
-            let missing =
-                || format!("layer {} has no complete realisation yet", self.study.stack[layer].name);
-            let MeanSlab { plate, coherent, media: [before, behind], slab_um } = mean.ok_or_else(missing)?;
-            let film = SolvedElement {
-                amplitudes: coherent,
-                between: [before.ordinates.index, behind.ordinates.index],
-                index: media.within[layer],
-                thickness_um: slab_um,
-                mirrors,
-                count,
-            };
-            elements.push(StackElement::solved(plate, film, behind, layer));
-        }
-        Ok(elements)
+        let mean = |position| level.mean([layer, wavelength], position, change);
+        slab_elements(mean, level.halved, count, media.within[layer], layer)
+            .ok_or_else(|| format!("layer {} has no complete realisation yet", self.study.stack[layer].name))
     }
+}
+
+/// The elements of a layer of `count` slabs of the thickness that is not halved, from the mean
+/// portion at every position; `None` if one is missing. `within` is the index that the layer is
+/// compared with.
+pub(super) fn slab_elements(
+    mean: impl Fn(Position) -> Option<MeanSlab>,
+    is_halved: bool,
+    count: f64,
+    within: f64,
+    layer: usize,
+) -> Option<Vec<StackElement>> {
+    let count = if is_halved { 2.0 * count } else { count };
+    let places = if count > 1.0 {
+        vec![
+            (Position::Front, Mirrors::InFront, 1.0),
+            (Position::Inner, Mirrors::Nowhere, count - 2.0),
+            (Position::Back, Mirrors::Behind, 1.0),
+        ]
+    } else {
+        vec![(Position::Whole, Mirrors::OnBothSides, 1.0)]
+    };
+    let mut elements = Vec::new();
+    for (position, mirrors, count) in places.into_iter().filter(|(_, _, count)| *count > 0.0) {
+        let MeanSlab { plate, coherent, media: [before, behind], slab_um } = mean(position)?;
+        let film = SolvedElement {
+            amplitudes: coherent,
+            between: [before.ordinates.index, behind.ordinates.index],
+            index: within,
+            thickness_um: slab_um,
+            mirrors,
+            count,
+        };
+        elements.push(StackElement::solved(plate, film, behind, layer));
+    }
+    Some(elements)
+}
+
+/// Layers between half-spaces of one index, the joint's, with plane faces to the media in front of
+/// the stack and behind it.
+///
+/// # Errors
+/// As [`PlateStack::new`].
+pub(super) fn between_faces(
+    layers: Vec<StackElement>,
+    [before, joint, behind]: [&Hemisphere; 3],
+    wavelength_um: f64,
+) -> Result<PlateStack, String> {
+    let last = layers.last().map_or(0, StackElement::layer);
+    let mut elements = vec![StackElement::face([before, joint], 0)];
+    elements.extend(layers);
+    if behind.ordinates.index != joint.ordinates.index {
+        elements.push(StackElement::face([joint, behind], last));
+    }
+    PlateStack::new(elements, before.clone(), wavelength_um)
 }
 
 /// Slabs in a thickness: a whole number but for rounding, or any.

@@ -34,6 +34,10 @@ impl LayerTable {
             let remedy = "3 is enough: errors are below 5e-4";
             faults.whole(&field, count, limits::ZONE_DIRECTIONS, remedy);
         }
+        if let Some(index) = table.joint_index {
+            let remedy = "write the layer as [[layer]] and the key below [stack.composed]: plates of a library are layers of a stack";
+            faults.add("layer.composed.joint_index", index, "nothing in a layer that is alone", remedy);
+        }
         let first_um = thicknesses_um.first().copied().unwrap_or(f64::NAN);
         if table.slab_um > 0.5 * first_um * (1.0 + 1e-9) {
             let allowed = format!("at most {} µm, half of the thinnest layer: two slabs", 0.5 * first_um);
@@ -49,6 +53,7 @@ impl LayerTable {
             mixing: None,
             layers: Vec::new(),
             varied: None,
+            joint_index: None,
         })
     }
 }

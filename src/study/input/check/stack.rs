@@ -32,11 +32,12 @@ pub(super) fn examine(
         collect(&mut wave_faults, &mut part.wave_faults);
     }
     let Some((first, others)) = parts.split_first() else { return nothing(written, folder, name) };
-    if others.is_empty() {
+    let composed = written.stack.as_ref().and_then(|stack| stack.composed.as_ref());
+    // a plate of a library may be alone
+    if others.is_empty() && composed.is_none_or(|table| table.joint_index.is_none()) {
         let study = first.study.clone();
         return Examined { study, packing_faults, wave_faults };
     }
-    let composed = written.stack.as_ref().and_then(|stack| stack.composed.as_ref());
     check_periods(&parts, &mut packing_faults);
     if composed.is_none() {
         check_thickness(&parts, &mut packing_faults);

@@ -46,9 +46,29 @@ pub(super) fn compose(
         mixing: None,
         layers: plates,
         varied,
+        joint_index: table.joint_index,
     };
+    if let Some(index) = table.joint_index {
+        check_joint(index, study, faults);
+    }
     study.variation.light = LightRule::Listed;
     study.kind = StudyKind::Composed(composed);
+}
+
+/// The index of the half-spaces between the layers. Clear layers are followed at the directions of
+/// these half-spaces, all of which must exist in them.
+fn check_joint(index: f64, study: &Study, faults: &mut Faults) {
+    faults.number("stack.composed.joint_index", index, limits::JOINT_INDEX, "take that of the binders");
+    for (i, layer) in study.stack.iter().enumerate().filter(|(_, layer)| layer.pigments == 0) {
+        let own = study.wavelengths_nm.iter().map(|nm| layer.binder.index_at(1e-3 * nm).re);
+        let least = own.fold(f64::INFINITY, f64::min);
+        if least < index {
+            let allowed = format!("{index} or more, as stack.composed.joint_index");
+            let remedy =
+                "lower stack.composed.joint_index to that of this layer, or leave the clear layer out";
+            faults.add(format!("layer[{i}].binder.index"), least, allowed, remedy);
+        }
+    }
 }
 
 /// How one layer becomes plates. A whole layer takes one portion and two halves, slabs take three

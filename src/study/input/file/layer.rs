@@ -102,11 +102,16 @@ pub struct ComposedTable {
     /// Directions in which light is followed: in the cone from which it reaches air, and beyond.
     #[schemars(transform = limits::Entries(limits::ZONE_DIRECTIONS))]
     pub directions: [usize; 2],
+    /// Of a stack: every layer is solved between half-spaces of this index, that of most binders,
+    /// so that its plates join those of any other layer in any order (`inkwave library`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(transform = limits::JOINT_INDEX.mark(), example = 1.5)]
+    pub joint_index: Option<f64>,
 }
 
 impl Default for ComposedTable {
     fn default() -> Self {
-        Self { slab_um: 2.0, directions: [3, 3] }
+        Self { slab_um: 2.0, directions: [3, 3], joint_index: None }
     }
 }
 

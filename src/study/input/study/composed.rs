@@ -16,6 +16,7 @@ use crate::ink::PackingRequest;
 use crate::input::variation::LightRule;
 use crate::material::mixing::MixingRule;
 use crate::wave::{Incidence, Side, Wave};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
@@ -41,10 +42,14 @@ pub struct Composed {
     /// The layer of a stack whose thicknesses are reported; without one, the stack's own is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub varied: Option<usize>,
+    /// Index of the half-spaces that every layer of a stack is solved between; without one, those
+    /// of its neighbours.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint_index: Option<f64>,
 }
 
 /// Where a slab lies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Position {
     /// Between others.
@@ -180,7 +185,9 @@ impl Study {
             Some(stacked) => stacked.media_at(wavelength_um),
             None => vec![self.layer.index_in, self.layer.index_out, self.embedding_index(wavelength_um)],
         };
-        let outermost = portion.layer() == 0 && matches!(portion.position, Position::Front | Position::Whole);
+        let faced = portion.stacked.as_ref().is_some_and(|stacked| stacked.has_faces(wavelength_um));
+        let outermost =
+            !faced && portion.layer() == 0 && matches!(portion.position, Position::Front | Position::Whole);
         let medium = |(side, index): (usize, f64)| Hemisphere {
             ordinates: Ordinates::new(index, &borders, portion.directions),
             polarisations: self.polarisations().len(),

@@ -44,12 +44,20 @@ pub struct StackMedia {
     pub joints: Vec<f64>,
     /// What inner slabs of layer k are solved between; of a clear layer its own index.
     pub within: Vec<f64>,
+    /// In front of the stack and behind it, where plane faces lead from there to joints of one
+    /// index; `None` where the outermost layers are solved with what surrounds the stack.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub outer: Option<[f64; 2]>,
 }
 
 impl StackMedia {
-    /// All of them: where zones of directions end.
+    /// Indices at which zones of directions end: of all media; between plane faces those of the
+    /// layers are left out, so that a layer's plates do not depend on other layers.
     pub fn all(&self) -> Vec<f64> {
-        self.joints.iter().chain(&self.within).copied().collect()
+        match self.outer {
+            None => self.joints.iter().chain(&self.within).copied().collect(),
+            Some(outer) => self.joints.iter().copied().chain(outer).collect(),
+        }
     }
 }
 
@@ -58,6 +66,11 @@ impl StackedPortion {
     fn at(&self, wavelength_um: f64) -> Option<&StackMedia> {
         let distance = |media: &StackMedia| (media.wavelength_nm - 1e3 * wavelength_um).abs();
         self.media.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
+    }
+
+    /// Whether plane faces lead to what surrounds the stack.
+    pub(super) fn has_faces(&self, wavelength_um: f64) -> bool {
+        self.at(wavelength_um).is_some_and(|media| media.outer.is_some())
     }
 
     /// Indices of all media.
@@ -93,7 +106,12 @@ impl Study {
             let within = layers.iter().map(|layer| layer.embedding_index(um)).collect();
             joints[0] = self.layer.index_in;
             joints.push(self.layer.index_out);
-            StackMedia { wavelength_nm: *nm, joints, within }
+            let joint = self.composed().and_then(|composed| composed.joint_index);
+            let outer = joint.map(|_| [self.layer.index_in, self.layer.index_out]);
+            if let Some(index) = joint {
+                joints.fill(index);
+            }
+            StackMedia { wavelength_nm: *nm, joints, within, outer }
         };
         self.wavelengths_nm.iter().map(at).collect()
     }

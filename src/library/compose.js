@@ -1,0 +1,746 @@
+// Stacks of a library's plates, composed: the formulas of the program (src/physics/appearance/composed, src/study/evaluate/composed).
+// validation/data/library-golden.json judges this file, the program and inkwave.Library of Python.
+"use strict";
+const inkwave = (() => {
+  const FAINT = 1e-9, NOTHING = 1e-9, PIECE = 8, PIECES = 16, MOST_FRINGES = 200, MOST_SLABS = 4096, BLACK = 0, WHITE = 0.8;
+  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, FORM = 1, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
+  const sum = list => list.reduce((a, b) => a + b, 0);
+  const range = n => Array.from({ length: n }, (_, k) => k);
+
+  // Matrices: { n: rows, m: columns, x: row by row }
+  const zeros = (n, m) => ({ n, m, x: new Float64Array(n * m) });
+  const identity = n => { const e = zeros(n, n); for (let i = 0; i < n; i++) e.x[i * n + i] = 1; return e; };
+  function times(a, b) {
+    const c = zeros(a.n, b.m);
+    for (let i = 0; i < a.n; i++) for (let k = 0; k < a.m; k++) {
+      const y = a.x[i * a.m + k];
+      if (y !== 0) for (let j = 0; j < b.m; j++) c.x[i * b.m + j] += y * b.x[k * b.m + j];
+    }
+    return c;
+  }
+  const combine = (a, b, f) => ({ n: a.n, m: a.m, x: a.x.map((y, k) => f(y, b.x[k])) });
+  const plus = (a, b) => combine(a, b, (y, z) => y + z);
+  const scaled = (a, by) => ({ n: a.n, m: a.m, x: a.x.map(y => by * y) });
+  const transposed = a => { const t = zeros(a.m, a.n); for (let i = 0; i < a.n; i++) for (let j = 0; j < a.m; j++) t.x[j * a.n + i] = a.x[i * a.m + j]; return t; };
+  function columnSums(a) {
+    const sums = new Float64Array(a.m);
+    for (let i = 0; i < a.n; i++) for (let j = 0; j < a.m; j++) sums[j] += a.x[i * a.m + j];
+    return sums;
+  }
+  /** (1 − A B)⁻¹ X. */
+  function bounced(a, b, x) {
+    const n = a.n, m = x.m, product = times(a, b), left = product.x.map((y, k) => (k % (n + 1) === 0 ? 1 : 0) - y), right = x.x.slice();
+    for (let k = 0; k < n; k++) {
+      let p = k;
+      for (let i = k + 1; i < n; i++) if (Math.abs(left[i * n + k]) > Math.abs(left[p * n + k])) p = i;
+      if (p !== k) {
+        for (let j = 0; j < n; j++) [left[k * n + j], left[p * n + j]] = [left[p * n + j], left[k * n + j]];
+        for (let j = 0; j < m; j++) [right[k * m + j], right[p * m + j]] = [right[p * m + j], right[k * m + j]];
+      }
+      for (let i = k + 1; i < n; i++) {
+        const f = left[i * n + k] / left[k * n + k];
+        if (f === 0) continue;
+        for (let j = k; j < n; j++) left[i * n + j] -= f * left[k * n + j];
+        for (let j = 0; j < m; j++) right[i * m + j] -= f * right[k * m + j];
+      }
+    }
+    for (let k = n - 1; k >= 0; k--) for (let j = 0; j < m; j++) {
+      let y = right[k * m + j];
+      for (let i = k + 1; i < n; i++) y -= left[k * n + i] * right[i * m + j];
+      right[k * m + j] = y / left[k * n + k];
+    }
+    return { n, m, x: right };
+  }
+  /** A function of a symmetric matrix, by Jacobi's rotations. */
+  function functionOf(matrix, f) {
+    const n = matrix.n, a = matrix.x.slice(), v = identity(n).x;
+    for (let sweep = 0; sweep < 60; sweep++) {
+      let off = 0;
+      for (let i = 0; i < n; i++) for (let j = 0; j < i; j++) off += a[i * n + j] ** 2;
+      if (off < 1e-34) break;
+      for (let p = 0; p < n; p++) for (let q = p + 1; q < n; q++) {
+        if (a[p * n + q] === 0) continue;
+        const theta = (a[q * n + q] - a[p * n + p]) / (2 * a[p * n + q]);
+        const t = Math.sign(theta || 1) / (Math.abs(theta) + Math.sqrt(theta * theta + 1)), c = 1 / Math.sqrt(t * t + 1), s = t * c;
+        for (let k = 0; k < n; k++) { const x = a[k * n + p], y = a[k * n + q]; a[k * n + p] = c * x - s * y; a[k * n + q] = s * x + c * y; }
+        for (let k = 0; k < n; k++) { const x = a[p * n + k], y = a[q * n + k]; a[p * n + k] = c * x - s * y; a[q * n + k] = s * x + c * y; }
+        for (let k = 0; k < n; k++) { const x = v[k * n + p], y = v[k * n + q]; v[k * n + p] = c * x - s * y; v[k * n + q] = s * x + c * y; }
+      }
+    }
+    const vectors = { n, m: n, x: v }, by = { n, m: n, x: v.map((y, k) => y * f(a[(k % n) * (n + 1)])) };
+    return times(by, transposed(vectors));
+  }
+
+  // Plates: reflection from both sides, transmission onward and back
+  function then(a, b) {
+    const down = bounced(a.rb, b.ra, a.tab), up = bounced(b.ra, a.rb, b.tba);
+    return { ra: plus(a.ra, times(a.tba, times(b.ra, down))), rb: plus(b.rb, times(b.tab, times(a.rb, up))), tab: times(b.tab, down), tba: times(a.tba, up) };
+  }
+  const turned = a => ({ ra: a.rb, rb: a.ra, tab: a.tba, tba: a.tab });
+  /** With more of the light reflected and less transmitted. */
+  function moved(plate, by) {
+    if (by === 0) return plate;
+    const pair = (r, t) => {
+      const back = columnSums(r), onward = columnSums(t), moves = back.map((b, j) => b > by && onward[j] > by);
+      return [{ ...r, x: r.x.map((y, k) => moves[k % r.m] ? y * (back[k % r.m] + by) / back[k % r.m] : y) },
+        { ...t, x: t.x.map((y, k) => moves[k % t.m] ? y * (onward[k % t.m] - by) / onward[k % t.m] : y) }];
+    };
+    const [ra, tab] = pair(plate.ra, plate.tab), [rb, tba] = pair(plate.rb, plate.tba);
+    return { ra, rb, tab, tba };
+  }
+  function repeated(plate, count, weights) {
+    if (count === 1) return plate;
+    const n = plate.ra.n;
+    let all = { ra: zeros(n, n), rb: zeros(n, n), tab: identity(n), tba: identity(n) }, power = plate, whole = Math.floor(count);
+    while (whole > 0) {
+      if (whole % 2) all = then(all, power);
+      whole = Math.floor(whole / 2);
+      if (whole) power = then(power, power);
+    }
+    return count % 1 === 0 ? all : then(all, fraction(plate, count % 1, weights));
+  }
+  const shrunkFurther = (part, theta) => theta < SMALL ? part * (1 - part * part) / 3 : (shrunk(part, theta) - part) / Math.min(theta, 1);
+  function shrunk(part, theta) {
+    theta = Math.min(Math.max(theta, 0), 1 - LEAST);
+    return theta < SMALL ? part + theta * part * (1 - part * part) / 3 : Math.tanh(part * Math.atanh(Math.sqrt(theta))) / Math.sqrt(theta);
+  }
+  /** A part of a slab that is alike from both sides. */
+  function fraction(plate, part, weights) {
+    const n = plate.ra.n, etendue = weights.map(w => w > 0 ? w : PENCIL);
+    const even = m => {
+      const s = (i, j) => m.x[i * n + j] * Math.sqrt(etendue[j] / etendue[i]), out = zeros(n, n);
+      for (let i = 0; i < n; i++) for (let j = 0; j < n; j++) {
+        const [a, b] = [weights[i] > 0, weights[j] > 0];
+        out.x[i * n + j] = a && !b ? s(i, j) : !a && b ? s(j, i) : 0.5 * (s(i, j) + s(j, i));
+      }
+      return out;
+    };
+    const r = even(plate.ra), t = even(plate.tab);
+    const y = functionOf(plus(r, t), c => Math.max((1 - c) / Math.max(1 + c, LEAST), 0));
+    const x = functionOf(plus(r, scaled(t, -1)), c => Math.max((1 + c) / Math.max(1 - c, LEAST), 0));
+    const root = functionOf(y, v => Math.sqrt(Math.max(v, 0))), product = times(times(root, x), root);
+    const partY = times(times(root, functionOf(product, v => shrunk(part, v))), root);
+    const further = times(times(root, functionOf(product, v => shrunkFurther(part, v))), root);
+    const partX = plus(scaled(x, part), times(times(x, further), x));
+    const alike = functionOf(partY, v => (1 - v) / (1 + Math.max(v, 0))), opposite = functionOf(partX, v => (v - 1) / (Math.max(v, 0) + 1));
+    const flux = sign => {
+      const out = zeros(n, n);
+      for (let i = 0; i < n; i++) for (let j = 0; j < n; j++) {
+        if (weights[i] === 0 && weights[j] > 0) continue;
+        out.x[i * n + j] = 0.5 * (alike.x[i * n + j] + sign * opposite.x[i * n + j]) * Math.sqrt(etendue[i] / etendue[j]);
+      }
+      return out;
+    };
+    const back = flux(1), onward = flux(-1);
+    return { ra: back, rb: back, tab: onward, tba: onward };
+  }
+
+  // Complex numbers: [re, im]
+  const cm = (a, b) => [a[0] * b[0] - a[1] * b[1], a[0] * b[1] + a[1] * b[0]];
+  const ca = (a, b) => [a[0] + b[0], a[1] + b[1]];
+  const cs = (a, b) => [a[0] - b[0], a[1] - b[1]];
+  const cd = (a, b) => { const d = b[0] * b[0] + b[1] * b[1]; return [(a[0] * b[0] + a[1] * b[1]) / d, (a[1] * b[0] - a[0] * b[1]) / d]; };
+  const ce = a => { const r = Math.exp(a[0]); return [r * Math.cos(a[1]), r * Math.sin(a[1])]; };
+  const cq = a => { // the root with a real part of 0 or more
+    const r = Math.hypot(a[0], a[1]);
+    if (r === 0) return [0, 0];
+    const re = Math.sqrt((r + Math.abs(a[0])) / 2), im = Math.abs(a[1]) / (2 * re);
+    return a[0] >= 0 ? [re, a[1] < 0 ? -im : im] : [im, a[1] < 0 ? -re : re];
+  };
+  const cn = a => a[0] * a[0] + a[1] * a[1];
+  const conj = a => [a[0], -a[1]];
+
+  // Films: amplitudes from in front, from behind, and through
+  function filmThen(a, b) {
+    const many = cd([1, 0], cs([1, 0], cm(a.rb, b.ra)));
+    return { ra: ca(a.ra, cm(cm(cm(a.t, a.t), b.ra), many)), rb: ca(b.rb, cm(cm(cm(b.t, b.t), a.rb), many)), t: cm(cm(a.t, b.t), many) };
+  }
+  const powers = a => ({ ra: cn(a.ra), rb: cn(a.rb), t: cn(a.t) });
+  function powersThen(a, b) {
+    const many = 1 / Math.max(1 - a.rb * b.ra, FAINT);
+    return { ra: a.ra + a.t * a.t * b.ra * many, rb: b.rb + b.t * b.t * a.rb * many, t: a.t * b.t * many };
+  }
+  /** n cos θ of a real index: real, or decaying. */
+  const normal = (index, sine) => { const s = index * index - sine * sine; return s >= 0 ? [Math.sqrt(s), 0] : [0, Math.sqrt(-s)]; };
+  function plane(before, behind, sine, p) {
+    const of = n => p === 0 ? normal(n, sine) : normal(n, sine).map(x => x / (n * n));
+    const a = of(before), b = of(behind), r = cd(cs(a, b), ca(a, b));
+    return { ra: r, rb: [-r[0], -r[1]], t: cq(cs([1, 0], cm(r, r))) };
+  }
+
+  function lagrange(points, x) {
+    return points.map((own, i) => points.reduce((w, other, j) => j === i ? w : w * (x - other) / (own - other), 1));
+  }
+  /** Nodes and weights of ∫ dx over 0 < x < 1. */
+  function gaussLegendre(count) {
+    const rule = [];
+    for (let k = 0; k < count; k++) {
+      let x = Math.cos(Math.PI * (k + 0.75) / (count + 0.5)), slope = 1;
+      for (let step = 0; step < 60; step++) {
+        let p0 = 1, p1 = x;
+        for (let l = 2; l <= count; l++) [p0, p1] = [p1, ((2 * l - 1) * x * p1 - (l - 1) * p0) / l];
+        slope = count * (x * p1 - p0) / (x * x - 1);
+        const by = p1 / slope;
+        x -= by;
+        if (Math.abs(by) < 1e-16) break;
+      }
+      rule.push([0.5 * (1 + x), 1 / ((1 - x * x) * slope * slope)]);
+    }
+    return rule;
+  }
+  /** Weights of Gauss's rule for ∫ 2v f(v) dv over 0 < v < 1, from the largest node down. */
+  function radau(count) {
+    const legendre = (n, x) => { let p0 = 1, p1 = x; if (n === 0) return 1; for (let l = 2; l <= n; l++) [p0, p1] = [p1, ((2 * l - 1) * x * p1 - (l - 1) * p0) / l]; return p1; };
+    const f = x => legendre(count, x) + legendre(count + 1, x), steps = 200 * Math.max(count, 1), found = [];
+    const bound = k => -Math.cos(Math.PI * k / steps);
+    for (let k = 1; k < steps && found.length < count; k++) {
+      let a = bound(k), b = bound(k + 1);
+      if (f(a) * f(b) > 0) continue;
+      for (let i = 0; i < 60; i++) { const c = 0.5 * (a + b); if (f(a) * f(c) <= 0) b = c; else a = c; }
+      const x = 0.5 * (a + b);
+      found.push((1 - x) * (1 + x) / (2 * ((count + 1) * legendre(count, x)) ** 2));
+    }
+    return found.reverse();
+  }
+  const PIECE_RULE = gaussLegendre(PIECE), HEMISPHERE_RULE = gaussLegendre(64);
+
+  function besselOne(x) {
+    if (x > 40) {
+      const y = 1 / (8 * x), p = 1 + 7.5 * y * y - 590.625 * y ** 4, q = 3 * y - 52.5 * y ** 3, phase = x - 0.75 * Math.PI;
+      return Math.sqrt(2 / (Math.PI * x)) * (p * Math.cos(phase) - q * Math.sin(phase));
+    }
+    const steps = 24 + 2 * Math.ceil(x);
+    return sum(range(steps).map(i => { const tau = TAU * (i + 0.5) / steps; return Math.cos(tau - x * Math.sin(tau)); })) / steps;
+  }
+  /** Share of the light that a paper spreads over all areas alike, of round dots on a square lattice. */
+  function spreadShare(coverage, rulingPerUm, spreadUm) {
+    let area = Math.min(coverage, 1 - coverage);
+    if (!(spreadUm > 0)) return 0;
+    const length = spreadUm * rulingPerUm, radius = Math.sqrt(Math.max(area, 1e-6) / Math.PI);
+    area = Math.PI * radius * radius;
+    const reach = Math.min(Math.ceil(30 / (TAU * length)), 400);
+    let same = 0;
+    for (let m = 1; m <= reach; m++) for (let n = 0; n <= m; n++) {
+      const images = n === 0 || n === m ? 4 : 8, order = Math.hypot(m, n), z = TAU * radius * order, c = area * 2 * besselOne(z) / z;
+      same += images * c * c / (1 + (TAU * order * length) ** 2) ** 1.5;
+    }
+    return Math.min(Math.max(1 - same / (area * (1 - area)), 0), 1);
+  }
+  /** Bare paper at 45:0 behind a plane surface of a medium. */
+  function bare(index) {
+    if (index === 1) return { own: 0, entering: 1, leaving: 1, lost: 1 };
+    const passed = cosine => {
+      const inner = Math.sqrt(1 - (1 - cosine * cosine) / (index * index));
+      const s = (cosine - index * inner) / (cosine + index * inner), p = (index * cosine - inner) / (index * cosine + inner);
+      return 1 - 0.5 * (s * s + p * p);
+    };
+    const mean = sum(HEMISPHERE_RULE.map(([s, w]) => w * 4 * s ** 3 * passed(s * s)));
+    return { own: 0, entering: passed(Math.cos(Math.PI / 4)), leaving: passed(1) / index ** 2, lost: mean / index ** 2 };
+  }
+  function mixed(areas, shares, spread, albedo) {
+    let given = 0, shared = 0;
+    const divisors = areas.map(a => (1 - albedo) + albedo * (a.lost + spread * (1 - a.lost)));
+    areas.forEach((a, k) => {
+      given += albedo * shares[k] * a.entering / divisors[k];
+      shared += albedo * spread * shares[k] * (1 - a.lost) / divisors[k];
+    });
+    const all = given / (1 - shared);
+    return sum(areas.map((a, k) => {
+      const own = (albedo * shares[k] * a.entering + albedo * (1 - a.lost) * spread * shares[k] * all) / divisors[k];
+      return shares[k] * a.own + a.leaving * ((1 - spread) * own + spread * shares[k] * all);
+    }));
+  }
+
+  // Shares of the light: [reflected, transmitted]
+  const withLoss = (l, s) => { const lost = 1 - l[0] - l[1]; return [l[0] + lost * s[0], l[1] + lost * s[1]]; };
+  const minus = (a, b) => [a[0] - b[0], a[1] - b[1]];
+  const add = (a, by, b) => [a[0] + by * b[0], a[1] + by * b[1]];
+  const passive = (r, t) => { const whole = Math.max(r + t, 1); return [r / whole, t / whole]; };
+  function changed(l, by) {
+    const r = l[0] + by[0], whole = Math.min(Math.max(r + l[1] + by[1], 0), 1), reflected = Math.min(Math.max(r, 0), whole);
+    return [reflected, whole - reflected];
+  }
+  function sharesOf(field, composed) {
+    const lost = 1 - field[0] - field[1];
+    if (lost < NOTHING) return composed;
+    const together = Math.max((composed[0] + composed[1] - field[0] - field[1]) / lost, 0);
+    const reflected = Math.min(Math.max((composed[0] - field[0]) / lost, 0), together);
+    return [reflected, together - reflected];
+  }
+  const ratio = (a, b) => { const q = a / b; return Number.isFinite(q) ? q : 1; };
+
+  class Refusal extends Error {}
+
+  function bytesOf(text) {
+    if (typeof Buffer !== "undefined") { const b = Buffer.from(text, "base64"); return new Uint8Array(b.buffer, b.byteOffset, b.length).slice(); }
+    return Uint8Array.from(atob(text), c => c.charCodeAt(0));
+  }
+
+  class Library {
+    constructor(content) {
+      if (!content || !Number.isInteger(content.inkwave_library)) throw new Refusal("found no library; allowed is a file that `inkwave library` has written");
+      if (content.inkwave_library > FORM) throw new Refusal(`inkwave_library: found form ${content.inkwave_library}; allowed up to ${FORM}: make the page with a newer program`);
+      const { joint } = content;
+      this.content = content;
+      this.nm = content.wavelengths_nm;
+      this.index = joint.index;
+      this.p = joint.polarisations;
+      this.sines = joint.sines;
+      this.weights = joint.weights;
+      this.directions = joint.directions;
+      this.near = joint.directions[0];
+      this.shares = { scalar: [1], s: [1, 0], p: [0, 1] }[content.wave] || Array(this.p).fill(1 / this.p);
+      this.known = [0, ...this.sines.slice(0, this.near)];
+      this.places = this.known.map(s => Math.sqrt(1 - s * s));
+      this.plates = new Map(content.plates.map((plate, k) => [plate.name, k]));
+      this.eyes = content.eyes;
+      this.unpackedStates = new Map();
+      this.fluxes = new Map();
+      this.films = new Map();
+      this.front = this.face(true);
+      this.back = turned(this.face(false));
+      this.rules = new Map();
+    }
+
+    /** The plane face between air and the joint's medium. */
+    face(oblique) {
+      const { p, near, index } = this, n = 1 + p * this.sines.length, air = 1 + p * (near + (oblique ? 1 : 0));
+      const plate = { ra: zeros(air, air), rb: identity(n), tab: zeros(n, air), tba: zeros(air, n) };
+      const mirrored = (sine, pol) => {
+        const [a, b] = [1, index].map(m => Math.sqrt(Math.max(m * m - sine * sine, 0)) / (pol === 0 ? 1 : m * m));
+        return ((a - b) / (a + b)) ** 2;
+      };
+      this.known.forEach((sine, d) => {
+        for (let pol = 0; pol < (d === 0 ? 1 : p); pol++) {
+          const s = d === 0 ? 0 : 1 + (d - 1) * p + pol, m = mirrored(sine, pol);
+          plate.ra.x[s * air + s] = plate.rb.x[s * n + s] = m;
+          plate.tab.x[s * air + s] = plate.tba.x[s * n + s] = 1 - m;
+        }
+      });
+      if (oblique) {
+        const shares = lagrange(this.places.slice(1), Math.sqrt(1 - LIT * LIT));
+        for (let pol = 0; pol < p; pol++) shares.forEach((share, node) => {
+          const to = 1 + node * p + pol, from = 1 + near * p + pol, m = mirrored(LIT, pol);
+          plate.ra.x[to * air + from] += share * m;
+          plate.tab.x[to * air + from] += share * (1 - m);
+        });
+      }
+      return plate;
+    }
+
+    /** Fluxes and amplitudes of a portion at a wavelength; cell −1 is the mean. */
+    states(number, portion, w, cell) {
+      const key = `${number}/${portion}/${w}/${cell}`;
+      if (!this.unpackedStates.has(key)) {
+        const at = this.content.plates[number].portions[portion].states[w], [m, n] = at.states;
+        const x = new Float64Array(bytesOf(at.mean).buffer);
+        const known = 1 + this.near;
+        if (x.length !== m * m + n * n + 2 * m * n + 8 * known * this.p) throw new Refusal(`plate "${this.content.plates[number].name}": its numbers are incomplete; gather the library again`);
+        if (cell >= 0) {
+          const { unit, differences } = at.replicates[cell], d = new Int16Array(bytesOf(differences).buffer);
+          d.forEach((y, k) => { x[k] += unit * y; });
+        }
+        let from = 0;
+        const matrix = (rows, columns) => ({ n: rows, m: columns, x: x.slice(from, from += rows * columns) });
+        const flux = { ra: matrix(m, m), rb: matrix(n, n), tab: matrix(n, m), tba: matrix(m, n) };
+        const amplitude = (side, d, pol, lobe) => { const at = from + 2 * (((side * known + d) * this.p + pol) * 2 + lobe); return [x[at], x[at + 1]]; };
+        this.unpackedStates.set(key, { flux, amplitude, between: at.between });
+      }
+      return this.unpackedStates.get(key);
+    }
+
+    placesOf(count, change) {
+      const many = change.halved ? 2 * count : count;
+      return many <= 1 ? [["whole", 1]] : [["front", 1], ["inner", many - 2], ["back", 1]].filter(([, times]) => times > 0);
+    }
+
+    portionOf(number, position, change) {
+      const k = this.content.plates[number].portions.findIndex(p => p.position === position && p.halved === !!change.halved);
+      if (k < 0) throw new Refusal(`plate "${this.content.plates[number].name}": lacks a portion; gather the library again`);
+      const out = change.leftOut;
+      return [k, out && out[0] === number && out[1] === k ? out[2] : -1];
+    }
+
+    keyOf(number, change) {
+      const out = change.leftOut && change.leftOut[0] === number ? change.leftOut.join() : "";
+      return `${number}/${change.halved ? "h" : ""}${out}`;
+    }
+
+    etendues(index) {
+      const ends = this.index < index - 1e-3 ? [1, this.index, index] : [1, index], all = [0];
+      let start = 0;
+      for (const end of ends) {
+        for (const w of radau(this.directions[start === 0 ? 0 : 1])) for (let k = 0; k < this.p; k++) all.push(w * (end * end - start * start));
+        start = end;
+      }
+      return all;
+    }
+
+    layerFlux(number, count, change, w) {
+      const key = `${this.keyOf(number, change)}/${change.grid ? "g" : ""}/${count}/${w}`;
+      if (!this.fluxes.has(key)) {
+        let whole = null;
+        for (const [position, times] of this.placesOf(count, change)) {
+          const [k, cell] = this.portionOf(number, position, change), { flux, between } = this.states(number, k, w, cell);
+          let plate = moved(flux, change.grid ? this.content.plates[number].portions[k].grid_error : 0);
+          if (times !== 1) plate = repeated(plate, times, this.etendues(between[1]));
+          whole = whole ? then(whole, plate) : plate;
+        }
+        this.fluxes.set(key, whole);
+      }
+      return this.fluxes.get(key);
+    }
+
+    /** One element as the mean wave meets it: a function of the sine. */
+    element(number, position, times, change, w, pol) {
+      const [k, cell] = this.portionOf(number, position, change), plate = this.content.plates[number];
+      const { amplitude, between: [before, behind] } = this.states(number, k, w, cell);
+      const um = plate.portions[k].thickness_um, index = plate.within[w], k0 = TAU / (1e-3 * this.nm[w]), inner = position === "inner";
+      const depth = { front: 0, inner: 0.5, whole: 0.5, back: 1 }[position];
+      const phase = sine => normal(index, sine).map(x => x * k0 * um);
+      const even = (sine, passed) => {
+        const f = phase(sine), through = { ra: [0, 0], rb: [0, 0], t: ce([passed[0] - f[1], passed[1] + f[0]]) };
+        return inner ? through : filmThen(filmThen(plane(before, index, sine, pol), through), plane(index, behind, sine, pol));
+      };
+      const depths = (sine, passed) => { const once = phase(sine)[0] + passed[1]; return [depth, 1 - depth].map(part => [Math.cos(2 * part * once), Math.sin(2 * part * once)]); };
+      const passed = this.known.map((sine, d) => {
+        const onward = amplitude(0, d, pol, 1);
+        let root = cq(cm(onward, amplitude(1, d, pol, 1)));
+        if (cm(conj(root), onward)[0] < 0) root = [-root[0], -root[1]];
+        const q = cd(root, even(sine, [0, 0]).t), size = Math.hypot(...q);
+        return size > FAINT ? [Math.log(size), Math.atan2(q[1], q[0])] : [Math.log(FAINT), 0];
+      });
+      for (let d = 1; d < passed.length; d++) passed[d][1] -= TAU * Math.round((passed[d][1] - passed[d - 1][1]) / TAU);
+      const reflected = this.known.map((sine, d) => {
+        const film = even(sine, passed[d]), phases = depths(sine, passed[d]);
+        return [0, 1].map(side => cm(cs(amplitude(side, d, pol, 0), side ? film.rb : film.ra), conj(phases[side])));
+      });
+      const kept = range(this.known.length).filter(d => !(change.fewer && d === this.known.length >> 1));
+      const clearest = Math.max(...kept.map(d => passed[d][0])), places = kept.map(d => this.places[d]);
+      const at = (sine, weights) => {
+        let here = [0, 0];
+        const beyond = [[0, 0], [0, 0]];
+        weights.forEach((weight, i) => {
+          const d = kept[i];
+          here = add(here, weight, passed[d]);
+          for (const side of [0, 1]) beyond[side] = add(beyond[side], weight, reflected[d][side]);
+        });
+        here[0] = Math.min(here[0], clearest);
+        if (inner) { const f = phase(sine); return { ra: [0, 0], rb: [0, 0], t: ce([(here[0] - f[1]) * times, (here[1] + f[0]) * times]) }; }
+        const film = even(sine, here), phases = depths(sine, here);
+        return { ra: ca(film.ra, cm(beyond[0], phases[0])), rb: ca(film.rb, cm(beyond[1], phases[1])), t: cm(even(sine, [0, 0]).t, ce(here)) };
+      };
+      const turns = 2 * (index - Math.sqrt(Math.max(index * index - 1, 0))) * um * times / (1e-3 * this.nm[w]);
+      return { at: sine => at(sine, lagrange(places, Math.sqrt(Math.max(1 - sine * sine, 0)))), turns };
+    }
+
+    /** A layer at many sines: films with, and powers without interference between its elements. */
+    layerFilm(number, count, change, w, pol, pieces) {
+      const key = `${this.keyOf(number, change)}/${change.fewer ? "f" : ""}/${count}/${w}/${pol}/${pieces}`;
+      if (!this.films.has(key)) {
+        const elements = this.placesOf(count, change).map(([position, times]) => this.element(number, position, times, change, w, pol));
+        const { sines } = this.rule(pieces), coherent = new Float64Array(6 * sines.length), without = new Float64Array(3 * sines.length);
+        sines.forEach((sine, k) => {
+          let whole = null, power = null;
+          for (const element of elements) {
+            const film = element.at(sine), own = powers(film);
+            whole = whole ? filmThen(whole, film) : film;
+            power = power ? powersThen(power, own) : own;
+          }
+          coherent.set([...whole.ra, ...whole.rb, ...whole.t], 6 * k);
+          without.set([power.ra, power.rb, power.t], 3 * k);
+        });
+        const turns = elements.map(element => [element.turns, cn(element.at(0).t)]);
+        this.films.set(key, { coherent, without, turns });
+      }
+      return this.films.get(key);
+    }
+
+    /** Sines of the mean over the hemisphere, of 0 pieces those that are needed besides: known ones, then 45°. */
+    rule(pieces) {
+      if (!this.rules.has(pieces)) {
+        const sines = [], weights = [];
+        if (pieces === 0) sines.push(...this.known, LIT);
+        for (let k = 0; k < pieces; k++) for (const [x, weight] of PIECE_RULE) {
+          const place = (k + x) / pieces;
+          sines.push(Math.sqrt(Math.max(1 - place * place, 0)));
+          weights.push(2 * place * weight / pieces);
+        }
+        const kept = fewer => range(this.places.length).filter(d => !(fewer && d === this.places.length >> 1));
+        const lagranges = [false, true].map(fewer => sines.map(s => lagrange(kept(fewer).map(d => this.places[d]), Math.sqrt(Math.max(1 - s * s, 0)))));
+        const listed = (before, behind) => range(this.p).map(pol => {
+          const films = sines.map(s => plane(before, behind, s, pol));
+          return { coherent: Float64Array.from(films.flatMap(f => [...f.ra, ...f.rb, ...f.t])), without: Float64Array.from(films.flatMap(f => { const own = powers(f); return [own.ra, own.rb, own.t]; })) };
+        });
+        const faces = listed(1, this.index), backs = listed(this.index, 1);
+        this.rules.set(pieces, { sines, weights, lagranges, kept: [kept(false), kept(true)], faces, backs });
+      }
+      return this.rules.get(pieces);
+    }
+
+    /** The whole stack's lobes at the sines of a rule: [side][coherent or not][sine]. */
+    fields(job, w, pol, pieces, exact) {
+      const rule = this.rule(pieces), change = exact ? { ...job.change, fewer: false } : job.change;
+      const films = [rule.faces[pol], ...job.layers.map(([number, count]) => this.layerFilm(number, count, change, w, pol, pieces))];
+      if (!job.contact) films.push(rule.backs[pol]);
+      const out = [[[], []], [[], []]];
+      for (let k = 0; k < rule.sines.length; k++) {
+        // star products as filmThen and powersThen, without their arrays
+        let [ar, ai, br, bi, tr, ti, pa, pb, pt] = [0, 0, 0, 0, 1, 0, 0, 0, 1];
+        for (const { coherent, without } of films) {
+          const c = 6 * k, xr = coherent[c], xi = coherent[c + 1], yr = coherent[c + 2], yi = coherent[c + 3], sr = coherent[c + 4], si = coherent[c + 5];
+          const dr = 1 - (br * xr - bi * xi), di = -(br * xi + bi * xr), d = dr * dr + di * di, mr = dr / d, mi = -di / d;
+          const t2r = tr * tr - ti * ti, t2i = 2 * tr * ti, s2r = sr * sr - si * si, s2i = 2 * sr * si;
+          const ur = xr * mr - xi * mi, ui = xr * mi + xi * mr, vr = br * mr - bi * mi, vi = br * mi + bi * mr;
+          ar += t2r * ur - t2i * ui;
+          ai += t2r * ui + t2i * ur;
+          br = yr + s2r * vr - s2i * vi;
+          bi = yi + s2r * vi + s2i * vr;
+          const fr = tr * sr - ti * si, fi = tr * si + ti * sr;
+          tr = fr * mr - fi * mi;
+          ti = fr * mi + fi * mr;
+          const x = without[3 * k], y = without[3 * k + 1], s = without[3 * k + 2], many = 1 / Math.max(1 - pb * x, FAINT);
+          pa += pt * pt * x * many;
+          pb = y + s * s * pb * many;
+          pt *= s * many;
+        }
+        const through = tr * tr + ti * ti;
+        out[0][0].push(passive(ar * ar + ai * ai, through));
+        out[1][0].push(passive(br * br + bi * bi, through));
+        out[0][1].push(passive(pa, pt));
+        out[1][1].push(passive(pb, pt));
+      }
+      return out;
+    }
+
+    fringes(job, w, pol, turnedOver) {
+      const all = job.layers.flatMap(([number, count]) => this.layerFilm(number, count, job.change, w, pol, 0).turns);
+      const face = 1 - ((1 - this.index) / (1 + this.index)) ** 2;
+      let seen = turnedOver && job.contact ? 1 : face, fringes = 0;
+      for (const [turns, passed] of turnedOver ? all.reverse() : all) {
+        if (seen < FAINT) break;
+        fringes += turns;
+        seen *= passed;
+      }
+      return fringes;
+    }
+
+    /** All numbers of a stack at one wavelength. */
+    spectral(job, w) {
+      const { p, near, shares } = this;
+      let plate = this.front;
+      for (const [number, count] of job.layers) plate = then(plate, this.layerFlux(number, count, job.change, w));
+      if (!job.contact) plate = then(plate, this.back);
+      const sums = { ra: columnSums(plate.ra), rb: columnSums(plate.rb), tab: columnSums(plate.tab), tba: columnSums(plate.tba) };
+      const index = job.contact ? this.index : 1, rule0 = this.rule(0), fewer = job.change.fewer ? 1 : 0;
+      const states = pol => [0, ...range(near).map(node => 1 + node * p + pol)];
+      const tables = range(p).map(pol => {
+        const exact = this.fields(job, w, pol, 0, true), between = fewer ? this.fields(job, w, pol, 0, false) : exact;
+        const side = s => {
+          const columns = states(pol).map(k => s ? [sums.rb[k], sums.tba[k]] : [sums.ra[k], sums.tab[k]]);
+          const lost = columns.map((c, d) => sharesOf(exact[s][1][d], c));
+          return { lost, incoherent: columns.map((_, d) => withLoss(exact[s][1][d], lost[d])) };
+        };
+        return { between, sides: [side(0), side(1)] };
+      });
+      const shareAt = (pol, s, rule, k) => rule.lagranges[fewer][k].reduce((l, weight, i) => add(l, weight, tables[pol].sides[s].lost[rule.kept[fewer][i]]), [0, 0]);
+      const ofDiffuse = (pol, s) => {
+        const fringes = this.fringes(job, w, pol, s === 1), interferes = fringes <= MOST_FRINGES;
+        const pieces = PIECES * (1 + (interferes ? Math.ceil(2 * fringes / PIECES) : 0)), rule = this.rule(pieces);
+        const fields = this.fields(job, w, pol, pieces, false)[s][interferes ? 0 : 1];
+        let change = [0, 0];
+        fields.forEach((l, k) => { change = add(change, rule.weights[k], withLoss(l, shareAt(pol, s, rule, k))); });
+        range(near).forEach(node => { change = add(change, -this.weights[node], tables[pol].sides[s].incoherent[node + 1]); });
+        return s ? change.map(x => x / index ** 2) : change;
+      };
+      const nodeShares = lagrange(this.places.slice(1), Math.sqrt(1 - LIT * LIT)), lit = near + 1;
+      const facePowers = (pol, k) => ({ ra: rule0.faces[pol].without[3 * k], t: rule0.faces[pol].without[3 * k + 2] });
+      let normalChange = [0, 0], slantedChange = [0, 0], byNodes = 0, diffuse = [0, 0], fromBehind = [0, 0], slantedLight = [0, 0];
+      for (let pol = 0; pol < p; pol++) {
+        const part = shares[pol];
+        diffuse = add(diffuse, 1 / p, ofDiffuse(pol, 0));
+        fromBehind = add(fromBehind, 1 / p, ofDiffuse(pol, 1));
+        if (part === 0) continue;
+        const [coherent, without] = tables[pol].between[0], at0 = shareAt(pol, 0, rule0, 0);
+        normalChange = add(normalChange, part, minus(withLoss(coherent[0], at0), withLoss(without[0], at0)));
+        const at45 = shareAt(pol, 0, rule0, lit), face = facePowers(pol, lit);
+        let within = [0, 0];
+        nodeShares.forEach((share, node) => {
+          const own = facePowers(pol, node + 1);
+          within = add(within, share / Math.max(own.t, FAINT), minus(without[node + 1], [own.ra, 0]));
+        });
+        slantedChange = add(slantedChange, part, minus(withLoss(coherent[lit], at45), withLoss(add([face.ra, 0], face.t, within), at45)));
+        nodeShares.forEach((share, node) => { byNodes += part * share * sums.tab[1 + node * p + pol]; });
+        const column = 1 + near * p + pol;
+        slantedLight = add(slantedLight, part, [sums.ra[column], sums.tab[column]]);
+      }
+      const light = [sums.ra[0], sums.tab[0]], changedLight = changed(light, normalChange), slanted = changed(slantedLight, slantedChange);
+      const throughNormal = ratio(changedLight[1], light[1]), through45 = ratio(slanted[1], byNodes);
+      const spread = (weights, extra) => [0, ...weights.flatMap(x => Array(p).fill(x)), ...Array(extra).fill(0)];
+      const front = spread(this.weights.slice(0, near), p), behind = spread(job.contact ? this.weights : this.weights.slice(0, near), 0);
+      const mean = (of, weights) => sum(weights.map((x, k) => x * of[k])) / sum(weights);
+      const onto = [mean(sums.ra, front), mean(sums.tab, front)], back = [mean(sums.rb, behind), mean(sums.tba, behind)];
+      const leaving = ratio(changed(onto, diffuse)[1], onto[1]);
+      const reflected = Math.min(Math.max(Math.min(back[0] + back[1] + fromBehind[0] + fromBehind[1], 1) - back[1] * leaving, 0), 1);
+      const total = sum(behind), up = times(plate.tba, { n: behind.length, m: 1, x: Float64Array.from(behind, x => x / total) }).x;
+      const towards = column => sum(range(p).flatMap(pol => range(near).map(node => p * shares[pol] * nodeShares[node] / this.weights[node] * column(1 + node * p + pol))));
+      const alone = towards(k => plate.ra.x[k * plate.ra.m]), outwards = towards(k => up[k]);
+      const on = (albedo, seen) => ratio(1 - albedo * back[0], 1 - albedo * reflected) * seen * albedo * light[1] / (1 - albedo * back[0]);
+      const litAt = albedo => alone + throughNormal * through45 * on(albedo, outwards);
+      const albedo = job.albedo[w], solid = litAt(albedo), lost = 1 - reflected, out = changedLight[1] / index ** 2;
+      const series = slanted[1] * out * albedo / ((1 - albedo) + albedo * lost);
+      const area = { own: alone, entering: slanted[1], leaving: out * ratio(solid - alone, series), lost };
+      const factor = job.dots ? mixed([area, bare(index)], [job.dots.coverage, 1 - job.dots.coverage], job.dots.spread, albedo) : solid;
+      return {
+        reflectance_normal: changedLight[0], transmittance_normal: changedLight[1],
+        natural_light: changedLight[0] + throughNormal * leaving * on(albedo, sum([...up])),
+        lit_at_45: solid, over_black: litAt(BLACK), over_white: litAt(WHITE), factors: factor,
+      };
+    }
+
+    /** What a composition asks: plates by number, albedos, dots. */
+    job(composition) {
+      const { layers, paper = {}, dots = null } = composition;
+      if (!Array.isArray(layers) || !layers.length) throw new Refusal("layers: found none; allowed is one or more: name a plate of the library");
+      const placed = layers.map((layer, k) => {
+        const number = this.plates.get(layer.plate);
+        if (number === undefined) throw new Refusal(`layers[${k}].plate: found "${layer.plate}"; allowed are ${[...this.plates.keys()].join(", ")}`);
+        return [number, this.count(number, layer.thickness_um, k)];
+      });
+      const given = paper.albedo === undefined ? 0.9 : paper.albedo, albedo = this.nm.map(nm => albedoAt(given, nm));
+      if (!albedo.every(x => x >= 0 && x <= 1)) throw new Refusal(`paper.albedo: found ${JSON.stringify(given)}; allowed 0 to 1 at all wavelengths of the library`);
+      if (dots) for (const [name, most] of [["coverage", 1], ["ruling_per_cm", 1000], ["spread_um", 10000]]) {
+        if (!(dots[name] >= 0 && dots[name] <= most)) throw new Refusal(`dots.${name}: found ${dots[name]}; allowed 0 to ${most}`);
+      }
+      const spread = dots ? spreadShare(dots.coverage, dots.ruling_per_cm / 1e4, dots.spread_um) : 0;
+      return { layers: placed, albedo, contact: !!paper.contact, dots: dots ? { coverage: dots.coverage, spread } : null, change: {} };
+    }
+
+    count(number, um, k) {
+      const plate = this.content.plates[number], own = plate.thickness_um;
+      if (um === undefined || um === null) return plate.slabs ? 2 : 1;
+      if (!plate.slabs) {
+        if (!(Math.abs(um - own) <= 1e-6 * own)) throw new Refusal(`layers[${k}].thickness_um: found ${um} µm of "${plate.name}"; allowed ${own}, as which it was solved whole`);
+        return 1;
+      }
+      let count = um / own;
+      if (Math.abs(count - Math.round(count)) < 1e-9 * count) count = Math.round(count);
+      if (!(count >= 2 && count <= MOST_SLABS)) throw new Refusal(`layers[${k}].thickness_um: found ${um} µm of "${plate.name}"; allowed from ${2 * own} µm, two slabs`);
+      return count;
+    }
+
+    eye(composition) {
+      const { illuminant = "D65", observer = "2" } = composition;
+      const eye = this.eyes.find(e => e.illuminant === illuminant && e.observer === observer);
+      if (!eye) throw new Refusal(`illuminant, observer: found ${illuminant}, ${observer}; allowed are those of the library: ${this.eyes.map(e => `${e.illuminant}/${e.observer}`).join(", ") || "none, its wavelengths carry no colour"}`);
+      return eye;
+    }
+
+    evaluated(job, eye) {
+      const rows = this.nm.map((_, w) => this.spectral(job, w)), found = {};
+      for (const name of Object.keys(rows[0])) found[name] = rows.map(row => row[name]);
+      if (!eye) return found;
+      found.xyz = xyzOf(eye, found.factors);
+      found.lab_natural_light = labOf(xyzOf(eye, found.natural_light), whiteOf(eye));
+      found.lab_lit_at_45 = labOf(xyzOf(eye, found.lit_at_45), whiteOf(eye));
+      found.contrast_ratio = xyzOf(eye, found.over_black)[1] / xyzOf(eye, found.over_white)[1];
+      found.lab = labOf(found.xyz, whiteOf(eye));
+      return found;
+    }
+
+    /** A composition's numbers without bars. */
+    compose(composition) {
+      const eye = this.eyes.length ? this.eye(composition) : null;
+      return this.evaluated(this.job(composition), eye);
+    }
+
+    /** Changes of the ensembles that the bars are made of. */
+    changes(job) {
+      const plates = [...new Set(job.layers.map(([number]) => number))].sort((a, b) => a - b), cells = [[], []];
+      for (const number of plates) this.content.plates[number].portions.forEach((portion, k) => {
+        cells[portion.halved ? 1 : 0].push([number, k, Math.min(...portion.states.map(at => at.replicates.length))]);
+      });
+      const all = [{ halved: true }, { grid: true }, { fewer: true }];
+      cells.forEach((portions, halved) => portions.forEach(([number, k, count]) => {
+        if (count > 1) for (let r = 0; r < count; r++) all.push({ halved: halved === 1, leftOut: [number, k, r] });
+      }));
+      return { all, cells };
+    }
+
+    /** Standard errors of all numbers, by chance, halves of layers, grid and directions. `pause` is awaited between evaluations. */
+    async errors(composition, base, pause = null) {
+      const job = this.job(composition), eye = this.eyes.length ? this.eye(composition) : null, { all, cells } = this.changes(job), many = [];
+      for (const change of all) {
+        many.push(this.evaluated({ ...job, change }, eye));
+        if (pause && await pause()) return null;
+      }
+      const known = cells.flat().every(([, , count]) => count > 1), errors = {};
+      for (const [name, value] of Object.entries(base)) {
+        if (name === "xyz") continue;
+        const list = Array.isArray(value), values = list ? value : [value], at = (k, i) => list ? many[k][name][i] : many[k][name];
+        const variances = values.map((_, i) => {
+          let place = 3;
+          return cells.map(portions => sum(portions.map(([, , count]) => {
+            if (count < 2) return 0;
+            const x = range(count).map(r => at(place + r, i)), mean = sum(x) / count;
+            place += count;
+            return (count - 1) / count * sum(x.map(y => (y - mean) ** 2));
+          })));
+        });
+        let beyond = values.map((v, i) => (at(0, i) - v) ** 2 - (known ? variances[i][0] + variances[i][1] : 0));
+        if (list && !name.startsWith("lab") && name !== "factors") {
+          const raw = beyond;
+          beyond = raw.map((_, i) => { const near = raw.slice(Math.max(i - 2, 0), i + 3); return sum(near) / near.length; });
+        }
+        const found = values.map((v, i) => Math.sqrt(variances[i][0] + Math.max(beyond[i], 0) / 4 + (at(1, i) - v) ** 2 + (at(2, i) - v) ** 2));
+        errors[name] = list ? found : found[0];
+      }
+      return errors;
+    }
+  }
+
+  function albedoAt(given, nm) {
+    if (typeof given === "number") return given;
+    for (let k = 1; k < given.length; k++) {
+      const [[a, x], [b, y]] = [given[k - 1], given[k]];
+      if (nm >= a && nm <= b) return x + (nm - a) / (b - a) * (y - x);
+    }
+    return NaN;
+  }
+  const xyzOf = (eye, spectrum) => [0, 1, 2].map(c => sum(eye.weights.map((weight, w) => weight[c] * spectrum[w])));
+  const whiteOf = eye => [0, 1, 2].map(c => sum(eye.weights.map(weight => weight[c])));
+  function labOf(xyz, white) {
+    const [x, y, z] = xyz.map((v, c) => { const t = v / white[c]; return t > 216 / 24389 ? Math.cbrt(t) : 841 / 108 * t + 16 / 116; });
+    return [116 * y - 16, 500 * (x - y), 200 * (y - z)];
+  }
+  /** CIEDE2000 (Sharma, Wu and Dalal, 2005). */
+  function deltaE(first, second) {
+    const [l1, a1, b1] = first, [l2, a2, b2] = second, rad = Math.PI / 180, cut = c => Math.sqrt(c ** 7 / (c ** 7 + 25 ** 7));
+    const stretch = 1 + 0.5 * (1 - cut((Math.hypot(a1, b1) + Math.hypot(a2, b2)) / 2));
+    const c1 = Math.hypot(a1 * stretch, b1), c2 = Math.hypot(a2 * stretch, b2), hue = (a, b) => { const h = Math.atan2(b, a); return h < 0 ? h + TAU : h; };
+    const h1 = hue(a1 * stretch, b1), h2 = hue(a2 * stretch, b2);
+    let between = h2 - h1;
+    if (between > Math.PI) between -= TAU; else if (between < -Math.PI) between += TAU;
+    const dh = 2 * Math.sqrt(c1 * c2) * Math.sin(between / 2), l = (l1 + l2) / 2, c = (c1 + c2) / 2;
+    let h = h1 + h2;
+    if (c1 * c2 !== 0) h = Math.abs(h1 - h2) <= Math.PI ? h / 2 : h < TAU ? (h + TAU) / 2 : (h - TAU) / 2;
+    const t = 1 - 0.17 * Math.cos(h - 30 * rad) + 0.24 * Math.cos(2 * h) + 0.32 * Math.cos(3 * h + 6 * rad) - 0.2 * Math.cos(4 * h - 63 * rad);
+    const sl = 1 + 0.015 * (l - 50) ** 2 / Math.sqrt(20 + (l - 50) ** 2), sc = 1 + 0.045 * c, sh = 1 + 0.015 * c * t;
+    const rt = -Math.sin(60 * rad * Math.exp(-(((h / rad - 275) / 25) ** 2))) * 2 * cut(c);
+    const [x, y, z] = [(l2 - l1) / sl, (c2 - c1) / sc, dh / sh];
+    return Math.sqrt(Math.max(x * x + y * y + z * z + rt * y * z, 0));
+  }
+  const BRADFORD = [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]];
+  const BACK = [[0.9869929, -0.1470543, 0.1599627], [0.4323053, 0.5183603, 0.0492912], [-0.0085287, 0.0400428, 0.9684867]];
+  const RGB = [[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]];
+  const by = (m, v) => m.map(row => sum(row.map((x, k) => x * v[k])));
+  /** sRGB from 0 to 1, adapted to the screen's white; clipped. */
+  function screen(xyz, white) {
+    const here = by(BRADFORD, white), there = by(BRADFORD, [95.047, 100, 108.883]);
+    const adapt = v => by(BACK, by(BRADFORD, v).map((x, k) => x * there[k] / here[k]));
+    const w = by(RGB, adapt(white));
+    return by(RGB, adapt(xyz)).map((c, k) => Math.min(Math.max(c / w[k], 0), 1)).map(c => c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
+  }
+  return { Library, Refusal, deltaE, labOf, whiteOf, xyzOf, screen, spreadShare, plates: { then, turned, repeated, identity, zeros } };
+})();
+if (typeof module !== "undefined") module.exports = inkwave;

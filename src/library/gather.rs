@@ -1,0 +1,86 @@
+//! From folders of finished studies and from other libraries to one library.
+
+use crate::evaluate::composed::library::Library;
+use crate::evaluate::manifest::program;
+use crate::export::folder::StoredFolder;
+use std::path::{Path, PathBuf};
+
+/// The folder of a sweep's variants.
+const VARIANTS: &str = "variants";
+
+/// Why there is no library.
+#[derive(Debug, thiserror::Error)]
+#[error("{path}: {reason}", path = .path.display())]
+pub struct GatherError {
+    /// The folder or file.
+    pub path: PathBuf,
+    /// The reason.
+    pub reason: String,
+}
+
+/// One library of all plates: `sources` are folders of `inkwave run`, of sweeps, and libraries.
+///
+/// # Errors
+/// A source that cannot be read or holds no plates, and sources that do not fit together.
+pub fn gather(sources: &[PathBuf]) -> Result<Library, GatherError> {
+    let mut all: Option<Library> = None;
+    for source in sources {
+        for (path, library) in read(source)? {
+            match &mut all {
+                None => all = Some(library),
+                Some(all) => all.merge(library).map_err(|reason| GatherError { path, reason })?,
+            }
+        }
+    }
+    all.filter(|library| !library.plates.is_empty()).ok_or_else(|| GatherError {
+        path: sources.first().cloned().unwrap_or_default(),
+        reason: "found no layer with grains; allowed are stacks with one or more".to_owned(),
+    })
+}
+
+/// A library from its file.
+///
+/// # Errors
+/// A file that cannot be read, and what [`Library::read`] refuses.
+pub fn from_file(path: &Path) -> Result<Library, GatherError> {
+    let failed = |reason: String| GatherError { path: path.to_owned(), reason };
+    let text = std::fs::read_to_string(path).map_err(|error| failed(error.to_string()))?;
+    Library::read(&text).map_err(failed)
+}
+
+/// The libraries of one source, with the places where they are.
+fn read(source: &Path) -> Result<Vec<(PathBuf, Library)>, GatherError> {
+    if source.is_file() {
+        return Ok(vec![(source.to_owned(), from_file(source)?)]);
+    }
+    let variants = source.join(VARIANTS);
+    if !variants.is_dir() {
+        return Ok(vec![(source.to_owned(), of_folder(source)?)]);
+    }
+    let failed = |reason: String| GatherError { path: variants.clone(), reason };
+    let entries = std::fs::read_dir(&variants).map_err(|error| failed(error.to_string()))?;
+    let mut folders = Vec::new();
+    for entry in entries {
+        folders.push(entry.map_err(|error| failed(error.to_string()))?.path());
+    }
+    folders.sort();
+    folders.retain(|folder| folder.is_dir());
+    folders.into_iter().map(|folder| Ok((folder.clone(), of_folder(&folder)?))).collect()
+}
+
+/// The plates of one finished study.
+fn of_folder(path: &Path) -> Result<Library, GatherError> {
+    let failed = |reason: String| GatherError { path: path.to_owned(), reason };
+    let stored = StoredFolder::read(path).map_err(|error| failed(error.to_string()))?;
+    match &stored {
+        StoredFolder::Composed(slabs) => {
+            let (study, solved) = slabs.portions();
+            Library::of_stack(study, solved, &program()).map_err(failed)
+        }
+        StoredFolder::Whole(_) => Err(failed(
+            "a layer that was solved with the air around it, from directions of its own: it holds no plates. Write it as \
+             [[layer]] with [stack.composed] joint_index = 1.5 (or the index of its binder), and run it again"
+                .to_owned(),
+        )),
+    }
+}

@@ -1,0 +1,4 @@
+//! Libraries of plates: gathered from folders of finished studies, and the page that composes them.
+
+pub mod gather;
+pub mod page;

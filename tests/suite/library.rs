@@ -1,0 +1,238 @@
+//! Libraries of plates: a composed stack is what a run of that stack gives, in the program, in the page's engine and in Python;
+//! and what does not fit together is refused.
+
+use super::run_support::{study, succeed};
+use inkwave::evaluate::composed::composition::{Composition, compose};
+use inkwave::evaluate::composed::library::Library;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Two inks that are solved whole, one of them thinner than its joint, and a white in slabs.
+const PLATES: &str = r#"
+title = "Plates"
+[stack]
+period_um = 0.8
+composed = { joint_index = 1.5, slab_um = 0.5 }
+[[layer]]
+name = "red"
+thickness_um = 0.5
+binder.index = 1.5
+[[layer.pigment]]
+name = "red"
+diameter_nm = 200
+volume_fraction = 0.2
+index = { n = 1.6, k = 0.05 }
+[[layer]]
+name = "white"
+thickness_um = [1, 2.3]
+slab_um = 0.5
+binder.index = 1.5
+[[layer.pigment]]
+name = "white"
+diameter_nm = 200
+volume_fraction = 0.15
+index = 2.0
+[paper]
+albedo = 0.8
+[light]
+wavelengths_nm = [420, 500, 580, 660]
+[run]
+realisations = 2
+seed = 7
+[resolution]
+points_per_um = 12
+planes_per_um = 24
+"#;
+
+/// A file of `validation/data`, as `scripts/library-golden` writes it.
+fn data(name: &str) -> String {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("validation/data").join(name);
+    std::fs::read_to_string(path).expect("committed")
+}
+
+fn inkwave(words: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_inkwave")).args(words).current_dir(folder).output().expect("runs")
+}
+
+/// What a command that must fail says.
+fn refused(words: &[&str], folder: &Path) -> String {
+    let done = inkwave(words, folder);
+    assert!(!done.status.success(), "{words:?}");
+    String::from_utf8_lossy(&done.stderr)
+        .split_whitespace()
+        .filter(|word| *word != "│")
+        .collect::<Vec<_>>()
+        .join(" ")
+}
+
+fn read(path: &Path) -> Value {
+    serde_json::from_slice(&std::fs::read(path).expect("a file")).expect("JSON")
+}
+
+fn composition(value: Value) -> Composition {
+    serde_json::from_value(value).expect("a composition")
+}
+
+/// The stack of the run itself, composed of its plates, of slabs that are whole and in part: all numbers are the run's. The
+/// library keeps every digit of the means, and of what replicates differ by 1/32767. *Planted*: the front face left out.
+#[test]
+fn a_composition_is_the_run_of_its_stack() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    succeed(&study(folder, PLATES), &folder.join("out"), &[]);
+    let done = inkwave(&["library", "out", "--output", "library.json", "--page", "page.html"], folder);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let library =
+        Library::read(&std::fs::read_to_string(folder.join("library.json")).unwrap()).expect("a library");
+    let run = read(&folder.join("out/results.json"));
+    for (k, um) in [1.0, 2.3].into_iter().enumerate() {
+        let layers = json!([{ "plate": "red" }, { "plate": "white", "thickness_um": um }]);
+        let found = compose(&library, &composition(json!({ "layers": layers, "paper": { "albedo": 0.8 } })));
+        let found = serde_json::to_value(found.expect("composed")).unwrap();
+        let rows = run["spectra"].as_array().expect("rows");
+        let rows: Vec<&Value> = rows.iter().filter(|row| row["thickness_um"] == um).collect();
+        assert_eq!(rows.len(), 4, "{um}");
+        for (own, row) in found["spectra"].as_array().expect("rows").iter().zip(rows) {
+            for (name, part) in row.as_object().expect("a row").iter().filter(|(_, part)| part.is_object()) {
+                let number = |value: &Value, key: &str| value[key].as_f64().expect("a number");
+                let off = (number(&own[name], "value") - number(part, "value")).abs();
+                assert!(off < 1e-12, "{um} {name}: {off}");
+                let [bar, other] = [number(&own[name], "standard_error"), number(part, "standard_error")];
+                assert!((bar - other).abs() < 1e-3 * other + 1e-7, "{um} {name}: {bar} {other}");
+            }
+        }
+        for name in ["natural_light", "lit_at_45"] {
+            for c in 0..3 {
+                let off = found["colours"][name][c]["value"].as_f64().unwrap()
+                    - run["colours"][k][name][c]["value"].as_f64().unwrap();
+                assert!(off.abs() < 1e-9, "{um} {name}: {off}");
+            }
+        }
+    }
+    let page = std::fs::read_to_string(folder.join("page.html")).unwrap();
+    assert!(page.contains("inkwave_library") && !page.contains("http://") && !page.contains("https://www."));
+}
+
+/// Twenty random stacks of made-up plates, and their bars, are those that NumPy finds by code of its own. *Planted*: a block of a
+/// plate that is transposed.
+#[test]
+fn stacks_of_made_up_plates_are_those_of_numpy() {
+    let library = Library::read(&data("library.json")).expect("a library");
+    let golden: Vec<Value> = serde_json::from_str(&data("library-golden.json")).expect("JSON");
+    assert_eq!(golden.len(), 20);
+    for one in golden {
+        let found = compose(&library, &composition(one["composition"].clone())).expect("composed");
+        let found = serde_json::to_value(found).unwrap();
+        for (name, numbers) in one["numbers"].as_object().expect("numbers") {
+            let own: Vec<&Value> = match name.as_str() {
+                "lab_natural_light" => found["colours"]["natural_light"].as_array().unwrap().iter().collect(),
+                "lab_lit_at_45" => found["colours"]["lit_at_45"].as_array().unwrap().iter().collect(),
+                "contrast_ratio" => vec![&found["colours"]["contrast_ratio"]],
+                "lab" | "factors" => found["dots"][name].as_array().unwrap().iter().collect(),
+                _ => found["spectra"].as_array().unwrap().iter().map(|row| &row[name]).collect(),
+            };
+            let bars = numbers["bar"].as_array().unwrap();
+            for ((own, value), bar) in own.into_iter().zip(numbers["value"].as_array().unwrap()).zip(bars) {
+                let parts = ["chance", "model", "grid", "directions"].map(|part| own[part].as_f64().unwrap());
+                let error = parts.into_iter().fold(0.0, f64::hypot);
+                let apart = (error - bar.as_f64().unwrap()).abs();
+                assert!(apart < 1e-2 * error + 1e-8, "{name} {error} {bar}: {}", one["composition"]);
+                let off = own["value"].as_f64().unwrap() - value.as_f64().unwrap();
+                // a promise
+                assert!(off.abs() < 1e-6, "{name} {off}: {}", one["composition"]);
+            }
+        }
+    }
+}
+
+/// The page's engine by Node.js, where there is one; Python's by NumPy, where there is one.
+#[test]
+fn page_and_python_compose_as_the_program() {
+    let python = std::env::var("INKWAVE_PYTHON").unwrap_or_else(|_| "python3".into());
+    let has_numpy =
+        Command::new(&python).args(["-c", "import numpy"]).output().is_ok_and(|done| done.status.success());
+    let has_node = Command::new("node").arg("--version").output().is_ok_and(|done| done.status.success());
+    let judges = [
+        (has_node, "node", "scripts/check_library.mjs"),
+        (has_numpy, &*python, "python/tests/test_library.py"),
+    ];
+    for (is_there, program, script) in judges {
+        if !is_there {
+            eprintln!("skipped: no {program} for {script}");
+            continue;
+        }
+        let done =
+            Command::new(program).arg(script).current_dir(env!("CARGO_MANIFEST_DIR")).output().expect("runs");
+        let said =
+            [&done.stdout, &done.stderr].map(|text| String::from_utf8_lossy(text).into_owned()).concat();
+        assert!(done.status.success(), "{said}");
+    }
+}
+
+/// What is no plate, and what does not fit together, with what is allowed instead.
+#[test]
+fn what_does_not_fit_is_refused() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    let library = data("library.json");
+    std::fs::write(folder.join("library.json"), &library).unwrap();
+    let changed = |name: &str, change: &dyn Fn(&mut Value)| {
+        let mut value: Value = serde_json::from_str(&library).unwrap();
+        change(&mut value);
+        std::fs::write(folder.join(name), value.to_string()).unwrap();
+    };
+    changed("newer.json", &|value| value["inkwave_library"] = json!(2));
+    changed("method.json", &|value| value["method"] = json!(9));
+    changed("other.json", &|value| value["wavelengths_nm"][0] = json!(425));
+    changed("less.json", &|value| {
+        drop(value["plates"][0]["portions"][0]["states"].as_array_mut().unwrap().pop())
+    });
+    changed("named.json", &|value| value["plates"][0]["thickness_um"] = json!(0.6));
+    changed("cut.json", &|value| value["plates"][0]["portions"][0]["states"][0]["mean"] = json!("AAAA"));
+    std::fs::write(folder.join("text.json"), "no library").unwrap();
+    let libraries = [
+        ("newer.json", "found form 2; allowed up to 1"),
+        ("method.json", "method: found 9; allowed 10"),
+        ("less.json", "incomplete"),
+        ("cut.json", "incomplete"),
+        ("text.json", "found no library"),
+        ("missing.json", "missing.json"),
+        (
+            "other.json",
+            "wavelengths_nm: found [425.0, 500.0, 580.0, 660.0] nm; allowed [420.0, 500.0, 580.0, 660.0] nm",
+        ),
+        ("named.json", "different plates of this name"),
+    ];
+    for (name, words) in libraries {
+        let said = refused(&["library", "library.json", name, "--output", "all.json"], folder);
+        assert!(said.contains(words), "{name}: {said}");
+    }
+    let compositions = [
+        ("layers = []", "layers: found none"),
+        (
+            "layers = [{ plate = 'gold' }]",
+            "layers[0].plate: found \"gold\"; allowed are red, light, white, pale",
+        ),
+        ("layers = [{ plate = 'red', thickness_um = 0.7 }]", "found 0.7 µm of \"red\"; allowed 0.5"),
+        ("layers = [{ plate = 'white', thickness_um = 0.6 }]", "allowed from 1 µm, two slabs"),
+        ("layers = [{ plate = 'red' }]\npaper = { albedo = 1.2 }", "paper.albedo"),
+        ("layers = [{ plate = 'red' }]\nilluminant = 'F99'", "F99"),
+        ("layers = [{ plate = 'red' }]\ncolour = 1", "colour"),
+        (
+            "layers = [{ plate = 'red' }]\ndots = { coverage = 2, ruling_per_cm = 60, spread_um = 0 }",
+            "dots.coverage: found 2",
+        ),
+    ];
+    for (text, words) in compositions {
+        std::fs::write(folder.join("one.toml"), text).unwrap();
+        let said = refused(&["compose", "one.toml"], folder);
+        assert!(said.contains(words), "{words}: {said}");
+    }
+    let thin = PLATES
+        .replace("composed = { joint_index = 1.5, slab_um = 0.5 }\n", "")
+        .replace("slab_um = 0.5\n", "");
+    succeed(&study(folder, &thin.replace("[1, 2.3]", "0.3")), &folder.join("thin"), &[]);
+    let said = refused(&["library", "thin"], folder);
+    assert!(said.contains("holds no plates") && said.contains("joint_index"), "{said}");
+}
