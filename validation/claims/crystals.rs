@@ -72,7 +72,7 @@ fn films(level: Level, findings: &mut Findings) {
         if axis[0] != 0.0 {
             let because = "s must turn into p by a tilted axis, or the comparison says little";
             let what = format!("films, axis {axis:?}: s into p");
-            findings.check(what, crossed, Bound::AtLeast(0.03), Reason::Promise, because);
+            findings.check(what, crossed, Bound::AtLeast(0.01), Reason::Promise, because);
         }
     }
 }
