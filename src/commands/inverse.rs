@@ -41,12 +41,23 @@ pub fn fit(args: &FitArgs) -> Result<()> {
     task.remarks.iter().for_each(note);
     let settings = args.work.settings()?;
     if args.work.plan {
-        return plan_fit(&task, settings);
+        let nodes = fit::composed::variants(&task);
+        return if task.is_composed() {
+            tell_plan(&nodes, false, settings)
+        } else {
+            plan_fit(&task, settings)
+        };
     }
     let folder = opened(&args.work.folder(&args.fit, ""), Holds::Fit)?;
     let progress = Progress::new();
-    progress.expect(PlannedSolves::of(&task).most(), true);
-    let outcome = progress.during(|| FitRun::new(&task, &folder, settings, &progress)?.fit());
+    let outcome = if task.is_composed() {
+        let solves = fit::composed::variants(&task).iter().map(|node| node.study.solves()).sum();
+        progress.expect(solves, false);
+        progress.during(|| fit::composed::fit(&task, &folder, settings, &progress))
+    } else {
+        progress.expect(PlannedSolves::of(&task).most(), true);
+        progress.during(|| FitRun::new(&task, &folder, settings, &progress)?.fit())
+    };
     let outcome = outcome.map_err(fit_report)?;
     fit::publish::publish(&task, &outcome, &folder).into_diagnostic()?;
     say!("{}: {}", task.title, in_words(&outcome))?;

@@ -59,6 +59,12 @@ pub fn materials(args: &MaterialsArgs) -> Result<()> {
     if known.is_birefringent() {
         say!("  Birefringent: the waves see the orientation average of ε, such as (2 ε_o + ε_e)/3.")?;
     }
+    if known.is_uniaxial() {
+        say!(
+            "  Both rays, with Maxwell's equations: index = {{ material = {:?}, birefringent = true }}",
+            known.name
+        )?;
+    }
     known.origins().try_for_each(|line| say!("  {line}"))
 }
 

@@ -195,7 +195,8 @@ impl Exporter<'_> {
         let requested_nm = self.request.near_field.map(|light| light.wavelength_nm);
         let w = requested_nm.map_or(Ok(study.wavelengths_nm.len() / 2), |nm| self.wavelength(nm))?;
         let wavelength_nm = study.wavelengths_nm[w];
-        let image = Voxels::of(&packing).image(&names, &study.media(1e-3 * wavelength_nm), wavelength_nm);
+        let image =
+            Voxels::of(&packing).image(&names, &study.mean_media(1e-3 * wavelength_nm), wavelength_nm);
         let about = "η² less that of the binder, and every pigment's share; lengths in µm";
         out.add("contrast.vti", image.vti(), about);
         match self.request.near_field {

@@ -178,7 +178,6 @@ fn encode(values: &[f32]) -> String {
 mod tests {
     use super::*;
     use crate::ink::Sphere;
-    use crate::wave::Material;
     use crate::wave::{Body, BodyShape, Coverage, Incidence, Mean, Media, Resolution, Scene, Scheme, Side};
     use std::sync::Arc;
 
@@ -187,15 +186,7 @@ mod tests {
     #[test]
     fn without_contrast_the_wave_is_the_incident_one() {
         let ball = Sphere { center_um: [0.4, 0.3, 0.25], radius_um: 0.2 };
-        let scene = Scene::layer(
-            [1.0, 0.8],
-            0.5,
-            vec![Body {
-                shape: BodyShape::Balls(vec![ball]),
-                material: Material::Inclusion(0),
-                within: None,
-            }],
-        );
+        let scene = Scene::layer([1.0, 0.8], 0.5, vec![Body::new(BodyShape::Balls(vec![ball]), 0)]);
         let one = Complex64::ONE;
         let media = Media { incident: one, exit: one, backgrounds: vec![one], inclusions: vec![one] };
         let incidence =

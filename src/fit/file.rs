@@ -17,7 +17,9 @@
 
 use crate::input::base::Base;
 use crate::input::forms::AlbedoWritten;
+use crate::input::limits;
 use crate::input::measured::{MeasuredCondition, MeasuredUnit, Patch};
+use crate::numerics::allowed::Allowed;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -102,6 +104,29 @@ pub enum AlsoFitted {
     Thickness,
 }
 
+/// n known from elsewhere, such as by immersion.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct KnownN {
+    /// Vacuum wavelength, nm; it may lie outside the spectra.
+    #[schemars(transform = limits::ANCHOR_NM.mark(), example = 589)]
+    pub n_nm: f64,
+    /// n there.
+    #[schemars(transform = limits::INDEX.mark(), example = 1.65)]
+    pub n: f64,
+    /// Its standard error (default: 0.01).
+    #[serde(default = "usual_error")]
+    #[schemars(transform = KNOWN_ERROR.mark())]
+    pub n_error: f64,
+}
+
+/// Standard error of a known n: what makes the least squares singular is refused.
+pub const KNOWN_ERROR: Allowed = Allowed::between(1e-4, 1.0, "");
+
+fn usual_error() -> f64 {
+    0.01
+}
+
 /// `[fit]`: what is fitted, and how.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -114,6 +139,9 @@ pub struct FitTable {
     pub noise: f64,
     /// What else is unknown.
     pub also: Vec<AlsoFitted>,
+    /// n known from elsewhere at one wavelength, for the prior of Kramers and Kronig: opaque coats
+    /// leave n open without it.
+    pub known_n: Option<KnownN>,
     /// Range of n searched; the result says where fitted values go beyond it.
     pub n: [f64; 2],
     /// Range of κ searched; the result says where fitted values go beyond it.
@@ -123,6 +151,14 @@ pub struct FitTable {
 impl Default for FitTable {
     fn default() -> Self {
         let prior = PriorName::default();
-        Self { pigment: None, prior, noise: 0.003, also: Vec::new(), n: [1.3, 2.0], kappa: [0.0, 0.6] }
+        Self {
+            pigment: None,
+            prior,
+            noise: 0.003,
+            also: Vec::new(),
+            known_n: None,
+            n: [1.3, 2.0],
+            kappa: [0.0, 0.6],
+        }
     }
 }

@@ -186,8 +186,8 @@ impl<'a> Data<'a> {
 
     pub fn step(&self, strength: f64) -> Option<FitStep> {
         let Self { jacobian, residual, weights: covariance, point, prior, .. } = self;
-        let IndexPrior { mean, positive, .. } = prior;
-        let precision = &prior.precision(strength);
+        let positive = &prior.positive;
+        let (precision, mean) = &prior.expectation(strength)?;
         LinearFit { jacobian, residual, covariance, point, mean, precision, positive }.step()
     }
 
@@ -205,8 +205,9 @@ impl<'a> Data<'a> {
     pub fn cost(&self, strength: f64) -> Option<f64> {
         let left = column(&self.residual);
         let misfit = left.transpose() * cholesky(&self.weights)?.solve(&left);
-        let away = column(self.point) - column(&self.prior.mean);
-        let pull = away.transpose() * (self.prior.precision(strength) * &away);
+        let (precision, mean) = self.prior.expectation(strength)?;
+        let away = column(self.point) - column(&mean);
+        let pull = away.transpose() * (precision * &away);
         Some(misfit[(0, 0)] + pull[(0, 0)])
     }
 

@@ -1,11 +1,12 @@
 //! From the file of a fit to checked studies and spectra.
 
-use super::file::{FitFile, FitGeometry, FitTable, MeasuredTable, PriorName};
+use super::file::{FitFile, FitGeometry, FitTable, KNOWN_ERROR, MeasuredTable, PriorName};
 use super::prior::SHORTEST_NM;
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::field::set;
 use crate::input::forms::AlbedoWritten;
+use crate::input::limits::{ANCHOR_NM, INDEX};
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest};
 use crate::input::study::Study;
@@ -21,6 +22,8 @@ const DARKEST: f64 = -0.02;
 const LARGEST_COMPARED: u64 = 1 << 22;
 /// Fewest cells whose differences give an error.
 const FEWEST_CELLS: usize = 6;
+/// Distance of n from the binder's below which a composed coat scatters too little for its table.
+const LEAST_CONTRAST: f64 = 0.05;
 
 /// A layer on a backing, and what was measured of it.
 #[derive(Clone, Debug)]
@@ -76,6 +79,11 @@ impl FitTask {
         &self.coats[0].wavelengths_nm
     }
 
+    /// Whether the coats are composed of slabs.
+    pub fn is_composed(&self) -> bool {
+        self.coats.first().is_some_and(|coat| coat.composed().is_some())
+    }
+
     /// Index of the binder in the middle of the spectrum.
     pub fn binder_index(&self) -> f64 {
         let index = &self.coats[0].layer.binder.index;
@@ -125,12 +133,7 @@ impl FitReading<'_> {
                 self.faults.add(field, format!("[{from}, {to}]"), range, remedy);
             }
         }
-        if self.base.get("layer").is_some_and(|layer| layer.get("composed").is_some()) {
-            let allowed = "a layer that is solved directly: a fit needs the derivatives of its solves";
-            let remedy =
-                "remove [base.layer.composed], and fit drawdowns of a few µm, which determine the index best";
-            self.faults.add("base.layer.composed", "given", allowed, remedy);
-        }
+        self.check_known(&file.fit);
         if self.base.get("layer").is_some_and(Value::is_array) {
             let remedy =
                 "make drawdowns of one layer, and stack it with others in a study once its index is known";
@@ -148,6 +151,44 @@ impl FitReading<'_> {
         for (table, key) in [("light", "per_realisation"), ("run", "target_delta_e")] {
             if let Some(Value::Table(table)) = self.base.get_mut(table) {
                 table.remove(key);
+            }
+        }
+    }
+
+    /// Checks n known from elsewhere.
+    fn check_known(&mut self, fit: &FitTable) {
+        let Some(known) = fit.known_n else { return };
+        let below = "the pole of the ultraviolet is at 200 nm; give a longer wavelength";
+        self.faults.number("fit.known_n.n_nm", known.n_nm, ANCHOR_NM, below);
+        let measured = "give n where it was measured, such as n_nm = 589 and n = 1.65 by immersion";
+        self.faults.number("fit.known_n.n", known.n, INDEX, measured);
+        self.faults.number("fit.known_n.n_error", known.n_error, KNOWN_ERROR, "0.01 is usual");
+        if fit.prior != PriorName::KramersKronig {
+            let allowed = "fit.prior = \"kramers-kronig\", which carries n from one wavelength to all";
+            let remedy = "leave fit.prior out, or remove fit.known_n";
+            self.faults.add("fit.known_n", "fit.prior = \"smooth\"", allowed, remedy);
+        }
+    }
+
+    /// What the table of a composed base cannot hold.
+    fn check_composed(&mut self, file: &FitFile, task: &FitTask) {
+        let [from, to] = file.fit.n;
+        let binder = task.binder_index();
+        if from < binder + LEAST_CONTRAST && to > binder - LEAST_CONTRAST {
+            let allowed = format!(
+                "a range of n all above or all below the binder's {binder:.3}, by {LEAST_CONTRAST} or more, where the base is composed: coats do not scatter in between"
+            );
+            let remedy = format!("write n = [{:.2}, {to}], or what you know of it", binder + 0.1);
+            self.faults.add("fit.n", format!("[{from}, {to}]"), allowed, remedy);
+        }
+        let lists = [("measured", &task.measured), ("predict", &task.predicted)];
+        for (list, drawdowns) in lists {
+            for (i, drawdown) in drawdowns.iter().enumerate() {
+                if drawdown.geometry == FitGeometry::Sphere {
+                    let allowed = "\"45:0\" or \"natural\" where the base is composed";
+                    let remedy = "measure at 45:0, or fit thin coats";
+                    self.faults.add(format!("{list}[{i}].geometry"), "\"d:8\"", allowed, remedy);
+                }
             }
         }
     }
@@ -214,7 +255,11 @@ impl FitReading<'_> {
         let title = file.title.clone().unwrap_or_else(|| stem(path));
         let mut remarks = std::mem::take(&mut self.remarks);
         remarks.dedup();
-        Some(FitTask { title, settings, pigment, coats, coats_measured, measured, predicted, remarks })
+        let task = FitTask { title, settings, pigment, coats, coats_measured, measured, predicted, remarks };
+        if task.is_composed() {
+            self.check_composed(file, &task);
+        }
+        Some(task)
     }
 
     fn drawdowns(&mut self, list: &str, tables: &[MeasuredTable], coats: &mut Vec<Study>) -> Vec<Drawdown> {

@@ -5,9 +5,10 @@
 //! is linear in ω = 1/λ between knots, so that the integral is a sum of logarithms; the constant
 //! and one pole in the UV stand for absorption beyond the knots.
 
-use super::file::PriorName;
+use super::file::{KnownN, PriorName};
 use crate::material::kramers_kronig::{POLE_UM, hat, transform};
-use faer::Mat;
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
 
 /// Distance of the knots of κ, nm: chords of 25 nm miss a pigment's peak by more than the noise.
 const KNOTS_NM: f64 = 10.0;
@@ -51,6 +52,8 @@ pub struct IndexPrior {
     rough: Vec<Vec<(usize, f64)>>,
     /// Knots of κ beyond either end of the data; none where the prior does not adapt to κ.
     beyond: Option<usize>,
+    /// n known at a wavelength, with the row of the unknowns' weights there.
+    known: Option<(KnownN, Vec<f64>)>,
 }
 
 impl IndexPrior {
@@ -67,6 +70,14 @@ impl IndexPrior {
             prior.sizes.push(THICKNESS);
         }
         Self { thickness, ..prior }
+    }
+
+    /// The prior of Kramers and Kronig with n known at a wavelength.
+    #[must_use]
+    pub fn with_known(self, wavelengths_nm: &[f64], known: KnownN) -> Self {
+        let mut row = weights_of_n(&knots(wavelengths_nm), 1e3 / known.n_nm);
+        row.resize(self.count(), 0.0);
+        Self { known: Some((known, row)), ..self }
     }
 
     /// Number of unknowns.
@@ -106,6 +117,23 @@ impl IndexPrior {
         adapted
     }
 
+    /// Precision and expected values of the unknowns, with what is known of n: P + rrᵀ/σ², and the
+    /// mean that this moves. `None` if that is not positive definite.
+    pub fn expectation(&self, strength: f64) -> Option<(Mat<f64>, Vec<f64>)> {
+        let mut precision = self.precision(strength);
+        let Some((known, row)) = &self.known else { return Some((precision, self.mean.clone())) };
+        let count = self.count();
+        let mean = Mat::from_fn(count, 1, |i, _| self.mean[i]);
+        let mut right = &precision * &mean;
+        let weight = known.n_error.powi(-2);
+        for i in 0..count {
+            right[(i, 0)] += weight * row[i] * known.n;
+            (0..count).for_each(|j| precision[(i, j)] += weight * row[i] * row[j]);
+        }
+        let moved = precision.llt(Side::Lower).ok()?.solve(&right);
+        Some((precision, (0..count).map(|i| moved[(i, 0)]).collect()))
+    }
+
     /// Precision of the unknowns, with differences of the size `strength`.
     pub fn precision(&self, strength: f64) -> Mat<f64> {
         let mut precision = Mat::zeros(self.count(), self.count());
@@ -134,20 +162,34 @@ fn second_differences(from: usize, count: usize, factor: f64) -> Vec<Vec<(usize,
         .collect()
 }
 
-fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
-    let (first, last) = (wavelengths_nm[0], wavelengths_nm[wavelengths_nm.len() - 1]);
-    let (from, to) = (first - BEYOND_NM, last + BEYOND_NM);
-    let pieces = ((to - from) / KNOTS_NM).round().min(MOST_PIECES);
-    // one node more on both sides, where κ is 0
+/// Ends of the knots, nm, and the number of distances between them.
+fn range_of_knots(wavelengths_nm: &[f64]) -> ([f64; 2], f64) {
+    let ends = [wavelengths_nm[0] - BEYOND_NM, wavelengths_nm[wavelengths_nm.len() - 1] + BEYOND_NM];
+    (ends, ((ends[1] - ends[0]) / KNOTS_NM).round().min(MOST_PIECES))
+}
+
+/// Knots of κ as rising ω, with one more on both sides, where κ is 0.
+fn knots(wavelengths_nm: &[f64]) -> Vec<f64> {
+    let ([from, to], pieces) = range_of_knots(wavelengths_nm);
     let nm: Vec<f64> = (-1..=pieces as i32 + 1).map(|k| from + (to - from) / pieces * f64::from(k)).collect();
-    // rising ω
-    let omega: Vec<f64> = nm.iter().rev().map(|nm| 1e3 / nm).collect();
+    nm.iter().rev().map(|nm| 1e3 / nm).collect()
+}
+
+/// Weights of the unknowns in n at ω: those of all knots, the constant and the pole.
+fn weights_of_n(omega: &[f64], w: f64) -> Vec<f64> {
+    let nodes = omega.windows(3).map(|nodes| [nodes[0], nodes[1], nodes[2]]);
+    let pole = w * w * POLE_UM * POLE_UM / (1.0 - w * w * POLE_UM * POLE_UM);
+    nodes.map(|nodes| transform(nodes, w)).chain([1.0, pole]).collect()
+}
+
+fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
+    let ([from, to], pieces) = range_of_knots(wavelengths_nm);
+    let omega = knots(wavelengths_nm);
     let hats = omega.len() - 2;
     let (mut n, mut kappa) = (Vec::new(), Vec::new());
     for w in wavelengths_nm.iter().map(|nm| 1e3 / nm) {
         let nodes = omega.windows(3).map(|nodes| [nodes[0], nodes[1], nodes[2]]);
-        let pole = w * w * POLE_UM * POLE_UM / (1.0 - w * w * POLE_UM * POLE_UM);
-        n.push(nodes.clone().map(|nodes| transform(nodes, w)).chain([1.0, pole]).collect());
+        n.push(weights_of_n(&omega, w));
         kappa.push(nodes.map(|nodes| hat(nodes, w)).chain([0.0; 2]).collect());
     }
     let factor = (STRENGTH_NM * pieces / (to - from)).powf(1.5);
@@ -156,7 +198,7 @@ fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
     let mean = [vec![0.0; hats], vec![binder, 0.0]].concat();
     let positive = [vec![true; hats], vec![false; 2]].concat();
     let sizes = [vec![SIZES[0]; hats], SIZES[1..].to_vec()].concat();
-    IndexPrior { n, kappa, mean, positive, sizes, thickness: false, rough, beyond }
+    IndexPrior { n, kappa, mean, positive, sizes, thickness: false, rough, beyond, known: None }
 }
 
 fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
@@ -175,6 +217,7 @@ fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
         thickness: false,
         rough,
         beyond: None,
+        known: None,
     }
 }
 

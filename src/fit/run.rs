@@ -9,7 +9,7 @@ pub use outcome::{FitOutcome, FittedIndex, FittedSpectrum, Forecast, OtherSoluti
 use super::law::{Data, FitStep, LinearFit};
 use super::load::{Drawdown, FitTask};
 use super::prior::IndexPrior;
-use super::response::Origin;
+use super::response::{Origin, Response};
 use super::start::{Surface, TABLE_ERROR, paths};
 use crate::evaluate::seen::NoInk;
 use crate::input::limits::{ABSORPTION, INDEX};
@@ -60,6 +60,9 @@ pub enum FitError {
         "the least squares have no solution: take noise of at least 0.0001 and wavelengths further apart"
     )]
     Singular,
+    /// A node of the table of a composed base without a reflectance.
+    #[error("no reflectance of {0}: solve more realisations, or a narrower range of fit.n and fit.kappa")]
+    Node(String),
     /// The spectra lead to numbers that are no refractive index.
     #[error(
         "the spectra lead to n = {n:.2}, κ = {kappa:.2} at {wavelength_nm} nm, which is no refractive index (n from 0.1 to 10, κ up to 10): \
@@ -271,9 +274,7 @@ impl<'a> FitRun<'a> {
 
     /// The prior of this fit.
     fn prior(&self) -> IndexPrior {
-        let task = self.task;
-        let thickness = !task.settings.also.is_empty();
-        IndexPrior::new(task.settings.prior, task.wavelengths_nm(), task.binder_index(), thickness)
+        prior_of(self.task)
     }
 
     /// The branches that fit on the table, the best one first.
@@ -287,43 +288,13 @@ impl<'a> FitRun<'a> {
         Ok(all)
     }
 
-    /// Gauss–Newton on the table, with the strength of the prior chosen by the evidence on the way.
+    /// Gauss–Newton on the table.
     fn settle(&self, surface: &Surface, prior: &IndexPrior, start: Vec<f64>) -> Result<Branch, FitError> {
         let response_at = |unknowns: &[f64]| {
-            surface.response(self.task, &prior.index(unknowns), prior.log_thickness(unknowns))
+            let log = prior.log_thickness(unknowns);
+            Ok(surface.response(self.task, &prior.index(unknowns), log)?)
         };
-        let mut unknowns = start;
-        let mut response = response_at(&unknowns)?;
-        for round in 0..ITERATIONS {
-            let early = round < ITERATIONS / 3;
-            let prior = if early { prior } else { &prior.adapted(&unknowns) };
-            let data = Data::new(self.task, prior, &unknowns, &response, &[TABLE_ERROR]);
-            let chosen = if early {
-                data.step(FIRST_STRENGTH).map(|step| (FIRST_STRENGTH, step))
-            } else {
-                data.chosen()
-            };
-            let (strength, step) = chosen.ok_or(FitError::Singular)?;
-            let before = data.cost(strength).ok_or(FitError::Singular)?;
-            let mut share = 1.0;
-            let mut moved = None;
-            for _ in 0..HALVINGS {
-                let tried = between(&unknowns, &step.unknowns, share);
-                let response = response_at(&tried)?;
-                let data = Data::new(self.task, prior, &tried, &response, &[TABLE_ERROR]);
-                if data.cost(strength).is_some_and(|cost| cost < before) {
-                    moved = Some((tried, response));
-                    break;
-                }
-                share *= 0.4;
-            }
-            let Some((next, there)) = moved else { break };
-            (unknowns, response) = (next, there);
-        }
-        let prior = prior.adapted(&unknowns);
-        let data = Data::new(self.task, &prior, &unknowns, &response, &[TABLE_ERROR]);
-        let cost = -2.0 * data.chosen().ok_or(FitError::Singular)?.1.log_evidence;
-        Ok(Branch { unknowns, cost })
+        descend(self.task, prior, start, &[TABLE_ERROR], response_at)
     }
 
     /// Gauss–Newton with solves on all cells.
@@ -413,14 +384,65 @@ struct FitSolution {
 }
 
 /// A branch that fits the data on the table.
-struct Branch {
-    unknowns: Vec<f64>,
+pub(super) struct Branch {
+    pub unknowns: Vec<f64>,
     /// Minus twice the logarithm of the evidence.
     cost: f64,
 }
 
+/// The prior of a fit.
+pub(super) fn prior_of(task: &FitTask) -> IndexPrior {
+    let thickness = !task.settings.also.is_empty();
+    let nm = task.wavelengths_nm();
+    let prior = IndexPrior::new(task.settings.prior, nm, task.binder_index(), thickness);
+    match task.settings.known_n {
+        Some(known) => prior.with_known(nm, known),
+        None => prior,
+    }
+}
+
+/// Gauss–Newton on a table, with the strength of the prior chosen by the evidence on the way;
+/// `systematic` are the table's errors as [`Data::new`] takes them.
+pub(super) fn descend(
+    task: &FitTask,
+    prior: &IndexPrior,
+    start: Vec<f64>,
+    systematic: &[f64],
+    response_at: impl Fn(&[f64]) -> Result<Response, FitError>,
+) -> Result<Branch, FitError> {
+    let mut unknowns = start;
+    let mut response = response_at(&unknowns)?;
+    for round in 0..ITERATIONS {
+        let early = round < ITERATIONS / 3;
+        let prior = if early { prior } else { &prior.adapted(&unknowns) };
+        let data = Data::new(task, prior, &unknowns, &response, systematic);
+        let chosen =
+            if early { data.step(FIRST_STRENGTH).map(|step| (FIRST_STRENGTH, step)) } else { data.chosen() };
+        let (strength, step) = chosen.ok_or(FitError::Singular)?;
+        let before = data.cost(strength).ok_or(FitError::Singular)?;
+        let mut share = 1.0;
+        let mut moved = None;
+        for _ in 0..HALVINGS {
+            let tried = between(&unknowns, &step.unknowns, share);
+            let response = response_at(&tried)?;
+            let data = Data::new(task, prior, &tried, &response, systematic);
+            if data.cost(strength).is_some_and(|cost| cost < before) {
+                moved = Some((tried, response));
+                break;
+            }
+            share *= 0.4;
+        }
+        let Some((next, there)) = moved else { break };
+        (unknowns, response) = (next, there);
+    }
+    let prior = prior.adapted(&unknowns);
+    let data = Data::new(task, &prior, &unknowns, &response, systematic);
+    let cost = -2.0 * data.chosen().ok_or(FitError::Singular)?.1.log_evidence;
+    Ok(Branch { unknowns, cost })
+}
+
 /// The unknowns whose index is nearest to a path of \[n, κ\].
-fn near(prior: &IndexPrior, path: &[[f64; 2]]) -> Option<Vec<f64>> {
+pub(super) fn near(prior: &IndexPrior, path: &[[f64; 2]]) -> Option<Vec<f64>> {
     let waves = path.len();
     let count = prior.count();
     let rows = |i: usize| if i < waves { &prior.n[i] } else { &prior.kappa[i - waves] };
@@ -451,6 +473,6 @@ fn share_of_step(prior: &IndexPrior, from: &[f64], to: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-mod coverage_tests;
+pub(super) mod coverage_tests;
 #[cfg(test)]
 mod statistics_tests;

@@ -85,10 +85,10 @@ accuracy = 1e-1
     assert!(withheld.contains("not determined by these realisations at 640 nm"), "{withheld}");
 }
 
-/// A base that composes its layer is refused where that would have no effect. *Planted*: the table
-/// read and forgotten.
+/// A base that composes its layer is refused by designs, where that would have no effect (*planted*: the table read and
+/// forgotten), and by fits that search on both sides of the binder's index.
 #[test]
-fn fits_and_designs_of_composed_layers_are_refused() {
+fn designs_of_composed_layers_are_refused_and_fits_on_both_sides_of_the_binder() {
     let scratch = tempfile::tempdir().unwrap();
     let put = |name: &str, text: &str| {
         std::fs::write(scratch.path().join(name), text).expect("written");
@@ -103,9 +103,84 @@ fn fits_and_designs_of_composed_layers_are_refused() {
         format!("{:?}", inkwave::fit::load::load(&put("fit.toml", fit)).err()),
         format!("{:?}", inkwave::design::recipe::load(&put("design.toml", design)).err()),
     ];
-    for refusal in refusals {
-        assert!(refusal.contains("base.layer.composed") && refusal.contains("a few µm"), "{refusal}");
+    assert!(
+        refusals[0].contains("fit.n") && refusals[0].contains("above or all below the binder's"),
+        "{refusals:?}"
+    );
+    assert!(refusals[1].contains("base.layer.composed") && refusals[1].contains("a few µm"), "{refusals:?}");
+}
+
+/// A masstone in tiny cells, whose grids are too coarse for truth but the same in both: its index is found from 45:0 of
+/// other packings.
+const MASSTONE: &str = r#"
+[layer]
+period_um = 0.6
+thickness_um = 16
+binder.index = 1.5
+composed = { slab_um = 0.5, directions = [2, 2] }
+[[pigment]]
+name = "grains"
+diameter_nm = 180
+volume_fraction = 0.15
+index = INDEX
+[paper]
+albedo = 0.04
+[light]
+wavelengths_nm = [500, 600]
+[run]
+realisations = 8
+seed = SEED
+[resolution]
+points_per_um = 14
+planes_per_um = 20
+"#;
+
+/// κ of an opaque coat is found where n is known at one wavelength, with its error; without, n is said to be undetermined.
+/// The plan tells the solves of all nodes.
+#[test]
+fn an_opaque_coat_gives_kappa_where_n_is_known() {
+    let scratch = tempfile::tempdir().unwrap();
+    let put = |name: &str, text: &str| std::fs::write(scratch.path().join(name), text).expect("written");
+    let truth = [[500.0, 0.06], [600.0, 0.02]];
+    put("index.csv", "wavelength_nm,kappa,n\n500,0.06,2.0\n600,0.02,2.0\n");
+    let other = MASSTONE.replace("SEED", "11").replace("INDEX", "{ csv = \"index.csv\" }");
+    succeed(&study(scratch.path(), &other), &scratch.path().join("truth"), &[]);
+    let rows = results(&scratch.path().join("truth"))["spectra"].clone();
+    let rows = rows.as_array().expect("rows").iter();
+    let factor = |row: &Value| row["lit_at_45"]["value"].as_f64().expect("a factor");
+    let spectrum: Vec<f64> = rows.map(factor).collect();
+    put("coat.csv", &format!("wavelength_nm,reflectance\n500,{}\n600,{}\n", spectrum[0], spectrum[1]));
+    put("base.toml", &MASSTONE.replace("SEED", "1").replace("INDEX", "1.9"));
+    let fit = |known: &str| {
+        put(
+            "fit.toml",
+            &format!(
+                "base = \"base.toml\"\n[[measured]]\nfile = \"coat.csv\"\nbacking = 0.04\n[fit]\nn = [1.8, 2.2]\nkappa = [0.0, 0.3]\n{known}"
+            ),
+        );
+        let program = |more: &[&str]| {
+            let mut words = vec!["fit", "fit.toml", "--output", "fitted"];
+            words.extend(more);
+            let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"));
+            program.current_dir(scratch.path()).args(words).output().expect("the program")
+        };
+        let plan = String::from_utf8_lossy(&program(&["--plan"]).stdout).into_owned();
+        assert!(plan.contains("variants          15"), "{plan}");
+        let done = program(&[]);
+        assert!(done.status.success(), "{}", said(&done));
+        let json = std::fs::read(scratch.path().join("fitted/fit.json")).expect("a fit");
+        serde_json::from_slice::<Value>(&json).expect("JSON")["fit"].clone()
+    };
+    let known = fit("known_n = { n_nm = 550, n = 2.0, n_error = 0.02 }\n");
+    for (row, [nm, kappa]) in known["index"].as_array().expect("rows").iter().zip(truth) {
+        let found = row["kappa"].as_f64().expect("κ");
+        let error = row["kappa_error"].as_f64().expect("its error");
+        assert!((found - kappa).abs() < 3.0 * error, "{nm}: {found} ± {error} for {kappa}");
+        assert!(error < 0.4 * kappa && (found / kappa - 1.0).abs() < 0.3, "{nm}: {found} ± {error}");
     }
+    let open = fit("");
+    assert_eq!(open["n_is_determined"], false);
+    assert!(open["remarks"][0].as_str().is_some_and(|said| said.contains("fit.known_n")), "{open}");
 }
 
 fn start(file: &Path, output: &Path) -> Child {

@@ -44,7 +44,7 @@ fn flat([z, face_um]: [f64; 2], balls: &[Sphere], solids: &[Solid]) -> Body {
     let surface = HeightField { z_um: vec![z], count: [1, 1], period_um: PERIOD };
     let material = if face_um == 0.0 { Material::Incident } else { Material::Exit };
     let shape = BodyShape::Open { surface, face_um, balls: balls.to_vec(), solids: solids.to_vec() };
-    Body { shape, material, within: None }
+    Body::of(shape, material)
 }
 
 /// Identity of descriptions: a flat relief as columns of vacuum, or as a stratum of vacuum whose interface is a node.

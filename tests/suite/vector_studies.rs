@@ -160,3 +160,25 @@ fn what_is_not_solved_with_maxwells_equations_is_refused_by_its_field() {
         assert!(!done.status.success() && said.contains(field), "{field}: {said}");
     }
 }
+
+/// Identity: grains whose two indices are equal are those of one index, bit for bit, and other axes than their own move no
+/// grain. Birefringent ones scatter differently from their mean.
+#[test]
+fn grains_of_two_equal_indices_are_those_of_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |name: &str, index: &str| {
+        let text = TINY.replace("index = { built_in = \"yellow\" }", index);
+        let own = folder.path().join(name);
+        std::fs::create_dir(&own).unwrap();
+        column(&results(&own, &lit_by("unpolarised", &text)), "natural_light")
+    };
+    let plain = of("plain", "index = 1.9");
+    let equal = of("equal", "index = { ordinary = 1.9, extraordinary = 1.9 }\noptic_axis = [1, 0, 0]");
+    assert!(!plain.is_empty());
+    assert_eq!(plain, equal);
+    let mean = f64::sqrt((2.0 * 1.75f64.powi(2) + 2.2f64.powi(2)) / 3.0);
+    let mean = of("mean", &format!("index = {mean}"));
+    let crystals = of("crystals", "index = { ordinary = 1.75, extraordinary = 2.2 }");
+    let apart = largest(mean.iter().zip(&crystals).map(|(a, b)| a - b));
+    assert!((1e-4..0.1).contains(&apart), "{apart}");
+}

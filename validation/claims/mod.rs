@@ -9,6 +9,7 @@ mod cell_size;
 mod coated;
 mod colour;
 mod composed;
+mod crystals;
 mod dilute;
 mod directions;
 mod distribution;
@@ -39,7 +40,7 @@ mod varied_cells;
 mod vector;
 mod weighted;
 
-pub const ALL: [Claim; 45] = [
+pub const ALL: [Claim; 46] = [
     slab::CLAIM,
     layers::CLAIM,
     energy::CLAIM,
@@ -85,4 +86,5 @@ pub const ALL: [Claim; 45] = [
     backing::BRIGHTENED,
     backing::DOTS,
     backing::LATTICE,
+    crystals::CLAIM,
 ];

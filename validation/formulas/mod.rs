@@ -7,3 +7,4 @@ pub mod mie;
 pub mod opaque;
 pub mod returns;
 pub mod stacks;
+pub mod uniaxial;

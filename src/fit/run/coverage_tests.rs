@@ -31,7 +31,7 @@ pub(super) fn task() -> FitTask {
 }
 
 /// Three Lorentz lines, in UV, blue and the visible: causal, and none of the prior's family.
-pub(super) fn pigment(nm: &[f64], draws: &mut Draws) -> Vec<[f64; 2]> {
+pub(in crate::fit) fn pigment(nm: &[f64], draws: &mut Draws) -> Vec<[f64; 2]> {
     let mut between = |from: f64, to: f64| draws.between(from, to);
     let constant = between(2.0, 2.4);
     let lines = [[220.0, 320.0, 0.1, 0.3], [380.0, 500.0, 0.03, 0.12], [430.0, 640.0, 0.01, 0.1]];

@@ -2,8 +2,9 @@
 //! refractiveindex.info database (CC0 1.0), each with its origin at its head and with a grade; and
 //! the built-in pigments.
 //!
-//! The grains of a birefringent crystal have random orientations in a layer; the waves here use one
-//! scalar index, that of the orientation average ε̄ = (2ε_o + ε_e)/3.
+//! The grains of a birefringent crystal have random orientations in a layer. One index for all of
+//! them is that of the orientation average ε̄ = (2ε_o + ε_e)/3; Maxwell's equations take both rays
+//! of a uniaxial one as well ([`Ray`]).
 //!
 //! P1 fixes Re η = 1.4 for every pigment and shows Im η of red, yellow, blue and an artificial
 //! green only as a plot (Fig. 5). The built-in pigments are therefore **synthetic**: smooth sums of
@@ -201,6 +202,21 @@ impl NamedMaterial {
         self.records.len() > 1
     }
 
+    /// Whether it is a uniaxial crystal of which both rays are recorded.
+    pub fn is_uniaxial(&self) -> bool {
+        matches!(self.records, [(O, _), (E, _)])
+    }
+
+    /// Index of one ray of a uniaxial crystal; `None` for other materials.
+    #[cfg(feature = "serde")]
+    pub(super) fn ray(&self, ray: Ray, name: &str) -> Option<NamedIndex> {
+        let mut whole = self.is_uniaxial().then(|| self.index_called(name))?;
+        let (_, record) = whole.parts.swap_remove(ray as usize);
+        whole.name = format!("{name}, {} ray", ray.name());
+        whole.parts = vec![(1.0, record)];
+        Some(whole)
+    }
+
     /// Index of the material against wavelength.
     #[cfg(feature = "serde")]
     pub fn index(&self) -> NamedIndex {
@@ -228,6 +244,25 @@ impl NamedMaterial {
     pub fn origins(&self) -> impl Iterator<Item = &'static str> {
         let texts = self.records.iter().flat_map(|(_, texts)| texts.iter());
         texts.flat_map(|text| text.lines().map_while(|line| line.strip_prefix('#'))).map(str::trim)
+    }
+}
+
+/// A ray in a uniaxial crystal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ray {
+    /// Its field is across the optic axis.
+    Ordinary,
+    /// Its field has a part along the optic axis.
+    Extraordinary,
+}
+
+impl Ray {
+    /// Name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Ordinary => "ordinary",
+            Self::Extraordinary => "extraordinary",
+        }
     }
 }
 
@@ -350,6 +385,17 @@ mod tests {
         let averaged = NamedMaterial::find("tio2 RUTILE").unwrap().index().index(0.5893);
         let expected = f64::sqrt((2.0 * 2.613f64.powi(2) + 2.909f64.powi(2)) / 3.0);
         assert!((averaged.re - expected).abs() < 1e-3 && averaged.im == 0.0, "{averaged} {expected}");
+    }
+
+    /// Both rays of rutile, whose mean is the material's own index; barite is biaxial.
+    #[test]
+    fn uniaxial_crystals_have_two_rays() {
+        let rutile = NamedMaterial::find("TiO2 rutile").unwrap();
+        let [o, e] = [Ray::Ordinary, Ray::Extraordinary].map(|ray| rutile.ray(ray, "rutile").unwrap());
+        assert!((o.index(0.5893).re - 2.613).abs() < 1e-3 && (e.index(0.5893).re - 2.909).abs() < 1e-3);
+        let mean = ((2.0 * o.index(0.5).powi(2) + e.index(0.5).powi(2)) / 3.0).sqrt();
+        assert!((mean - rutile.index().index(0.5)).norm() < 1e-12);
+        assert!(NamedMaterial::find("BaSO4").unwrap().ray(Ray::Ordinary, "barite").is_none());
     }
 
     /// Rutile across its seams: Devore's ray keeps its formula, the seams are straight, and the

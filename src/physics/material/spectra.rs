@@ -6,10 +6,12 @@ mod index_file;
 pub use error::SpectrumError;
 
 use super::columns::widest_gap_nm;
+#[cfg(feature = "serde")]
+use super::dispersion::DataSource;
 use super::dispersion::Dispersion;
 use super::kramers_kronig::{self, KnownIndex};
 #[cfg(feature = "serde")]
-use super::named::{MATERIALS, NamedMaterial};
+use super::named::{MATERIALS, NamedMaterial, Ray};
 use super::named::{NamedIndex, SYNTHETIC_RANGE_NM, Synthetic};
 use super::usable::Unusable;
 use crate::numerics::files::FileError;
@@ -161,6 +163,17 @@ impl Spectrum {
         Ok(Self::Named(material.index_called(called.unwrap_or(&material.name))))
     }
 
+    /// One ray of a uniaxial crystal of the program's list.
+    ///
+    /// # Errors
+    /// A name that is not in the list, or that of another material.
+    #[cfg(feature = "serde")]
+    pub fn ray(name: &str, ray: Ray) -> Result<Self, SpectrumError> {
+        Self::material(name)?;
+        let index = NamedMaterial::find(name).and_then(|material| material.ray(ray, material.name));
+        index.map(Self::Named).ok_or_else(|| SpectrumError::NotUniaxial { value: name.into() })
+    }
+
     /// Reads `wavelength_nm,kappa[,n]` (or `k`), with commas, semicolons or tabs, or the blocks
     /// `wl,n` and `wl,k` (µm) of refractiveindex.info; rows may fall, lines that start with `#` are
     /// remarks. A table without a column `n` needs `n` beside it. Columns `n_error`, `kappa_error`
@@ -213,6 +226,34 @@ impl Spectrum {
             Some(n) => record.with_n(n),
             None => record,
         }))
+    }
+
+    /// Reads κ of a record of refractiveindex.info (YAML) that has no n, and gives it n by the
+    /// relation of Kramers and Kronig, as [`Spectrum::from_kappa`] does for tables.
+    ///
+    /// # Errors
+    /// As [`Spectrum::from_yaml`] and [`Spectrum::from_kappa`]; a record with n, or with κ by a
+    /// formula.
+    #[cfg(feature = "serde")]
+    pub fn from_recorded_kappa(
+        path: impl AsRef<Path>,
+        known: KnownIndex,
+        n_error: f64,
+    ) -> Result<Self, SpectrumError> {
+        let path = path.as_ref();
+        let record = Dispersion::read(path)?;
+        let refused = |reason: String| SpectrumError::KramersKronig(FileError::new(path.display(), reason));
+        if record.n.is_some() {
+            return Err(refused("the record has n itself: leave kramers_kronig out".to_owned()));
+        }
+        let Some(DataSource::Table(rows)) = record.kappa else {
+            return Err(refused("no tabulated k, from which n could follow".to_owned()));
+        };
+        let sample = |&[um, kappa]: &[f64; 2]| Sample { wavelength_nm: 1e3 * um, n: PLACEHOLDER_N, kappa };
+        let table = Self::tabulated(&record.name, rows.iter().map(sample).collect())?;
+        let Self::Tabulated(mut table) = table else { return Ok(table) };
+        table.unusable = record.unusable;
+        table.with_real_part(known, n_error).map(Self::Tabulated).map_err(refused)
     }
 
     /// Drops the folder from the name of a table: it is the same in any folder.
@@ -551,6 +592,27 @@ mod tests {
         let bad = file("wavelength_nm,n,kappa,n_error\n400,1.5,0.2,-1\n700,1.5,0.2,0\n");
         let message = Spectrum::from_csv(bad.path(), None).unwrap_err().to_string();
         assert!(message.contains("n_error = -1"), "{message}");
+    }
+
+    /// Identity: a record of κ has the n of a table with its rows.
+    #[test]
+    fn recorded_kappa_has_the_n_of_its_table() {
+        let known = KnownIndex::At { wavelength_um: 0.589, n: 1.65 };
+        let csv = file("wavelength_nm,kappa\n400,0.1\n500,0.3\n600,0.05\n");
+        let beside = BesideKappa::KramersKronig { known, n_error: 0.01 };
+        let table = Spectrum::from_kappa(csv.path(), &beside, None).unwrap();
+        let yaml = file(
+            "DATA:\n  - type: tabulated k\n    data: |\n        0.4 0.1\n        0.5 0.3\n        0.6 0.05\n",
+        );
+        let record = Spectrum::from_recorded_kappa(yaml.path(), known, 0.01).unwrap();
+        for um in [0.4, 0.47, 0.6] {
+            assert!((record.index(um).unwrap() - table.index(um).unwrap()).norm() < 1e-12);
+        }
+        assert_eq!(record.error_axes().len(), table.error_axes().len());
+        let both = "  - type: tabulated nk\n    data: |\n        0.4 1.5 0.1\n        0.6 1.5 0.2\n";
+        let both = file(&format!("DATA:\n{both}"));
+        let said = Spectrum::from_recorded_kappa(both.path(), known, 0.0).unwrap_err().to_string();
+        assert!(said.contains("has n itself"), "{said}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Interface of the strategies, and the size of a solve with the memory of its parts.
 
 use super::{Goal, Ledger, Solution, SolveError, Watch};
-use crate::wave::{Field, Mean, Media, Resolution, Scene, System, Wave};
+use crate::wave::{Field, Material, Mean, Media, Resolution, Scene, System, Wave};
 use std::f64::consts::PI;
 
 /// A strategy with its memory demand.
@@ -105,6 +105,8 @@ pub struct Size {
     pub resolution: Resolution,
     /// Pairs of a background and a body material; 0 for films.
     pub channels: usize,
+    /// How many of them are of uniaxial crystals.
+    pub crystals: usize,
     /// Periods and thickness, µm.
     pub layer_um: [f64; 3],
     /// Largest wavenumber in a medium and wavenumber in vacuum, 1/µm; zeros if no guided modes are
@@ -121,19 +123,24 @@ const VECTOR_TENSOR: f64 = 9.0 * COMPLEX;
 const VECTOR_TABLES: f64 = 4.5 * COMPLEX;
 /// Bytes of a channel: seven real moments.
 const VECTOR_MOMENTS: f64 = 7.0 * 8.0;
+/// Further bytes of a channel of crystals: 42 real moments.
+const CRYSTAL_MOMENTS: f64 = 42.0 * 8.0;
 
 impl Size {
     /// Size of a scene on a grid; guided modes are treated for the scalar wave only.
     pub fn new(wave: Wave, scene: &Scene, media: &Media, wavelength_um: f64, resolution: Resolution) -> Size {
         let backgrounds = distinct(scene.strata.iter().map(|s| s.background));
         let materials = distinct(scene.bodies.iter().map(|b| b.material));
+        let crystals = scene.bodies.iter().map(|b| b.material);
+        let crystals = backgrounds * distinct(crystals.filter(|m| matches!(m, Material::Uniaxial(_))));
         let k0 = 2.0 * PI / wavelength_um;
         let densest = media.backgrounds.iter().chain(&media.inclusions).map(|eta| eta.re).fold(1.0, f64::max);
         let [lx, ly] = scene.period_um;
         let layer_um = [lx, ly, scene.thickness_um()];
         let vector = wave.is_vector();
         let wavenumbers = if vector { [0.0; 2] } else { [k0 * densest, k0] };
-        Size { resolution, channels: backgrounds * materials, layer_um, wavenumbers, vector }
+        let channels = backgrounds * materials;
+        Size { resolution, channels, crystals, layer_um, wavenumbers, vector }
     }
 
     /// Number of points of a plane.
@@ -171,7 +178,8 @@ impl Size {
         let channels = self.channels as f64;
         let degree = self.resolution.scheme.degree() as f64;
         if self.vector {
-            let each = VECTOR_TENSOR + VECTOR_TABLES + VECTOR_MOMENTS * channels;
+            let moments = VECTOR_MOMENTS * channels + CRYSTAL_MOMENTS * self.crystals as f64;
+            let each = VECTOR_TENSOR + VECTOR_TABLES + moments;
             return self.points() * self.planes() * each;
         }
         let moments = channels + 0.5 * channels * (channels + 1.0);

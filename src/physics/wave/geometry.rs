@@ -4,7 +4,7 @@
 use super::maxwell::{Averaging, NormalMoments, VectorProblem};
 use super::{
     Body, BodyShape, Coverage, Grid, HeightField, Incidence, Material, Mean, Media, Polarisation, Precision,
-    Problem, Resolution, Scene, Stratum, System, Wave, WaveError,
+    Problem, Resolution, Scene, Stratum, System, Uniaxial, Wave, WaveError,
 };
 use crate::ink::{Layered, Packing, Relief, RoughFace};
 use std::sync::Arc;
@@ -61,8 +61,9 @@ impl Geometry {
 
 impl Scene {
     /// One stratum of binder (the background with its number) for every layer, with the nested
-    /// bodies of every grain; their materials are the inclusions (see [`Packing::materials`]), and
-    /// the space beyond a relief is filled by the medium of its side.
+    /// bodies of every grain; their materials are the inclusions (see [`Packing::materials`] and
+    /// [`Packing::extraordinary`]), and the space beyond a relief is filled by the medium of its
+    /// side.
     ///
     /// The packing has been checked for overlap, so the check of pairs is not repeated.
     pub fn from_packing(packing: &Packing) -> Scene {
@@ -71,7 +72,13 @@ impl Scene {
             let mut within = None;
             for Layered { material, spheres, solid } in packing.nested(grain) {
                 let shape = solid.map_or_else(|| BodyShape::Balls(spheres), BodyShape::Solid);
-                bodies.push(Body { within, ..Body::new(shape, material) });
+                let body = match grain.optic_axis.zip(packing.extraordinary(material)) {
+                    Some((axis, extraordinary)) => {
+                        Body::crystal(shape, Uniaxial { ordinary: material, extraordinary }, axis)
+                    }
+                    None => Body::new(shape, material),
+                };
+                bodies.push(Body { within, ..body });
                 within = Some(bodies.len() - 1);
             }
         }
@@ -109,5 +116,5 @@ fn open(packing: &Packing, relief: &Relief) -> Body {
     let balls = clusters.flat_map(|g| g.spheres.clone()).collect();
     let solids = packing.grains().iter().filter_map(|g| g.solid.clone()).collect();
     let shape = BodyShape::Open { surface, face_um, balls, solids };
-    Body { shape, material: relief.face.into(), within: None }
+    Body::of(shape, relief.face.into())
 }

@@ -35,5 +35,5 @@ pub use operator::problem::{DIRECTIONS, Mean, Medium, Problem};
 pub use operator::scattering::{Scatter, Scattering};
 pub use operator::setting::Setting;
 pub use physical::{TotalErrors, Unphysical};
-pub use scene::{Body, BodyShape, HeightField, Material, Media, Scene, Stratum};
+pub use scene::{Body, BodyShape, HeightField, Material, Media, Scene, Stratum, Uniaxial, mean_of_rays};
 pub use system::System;

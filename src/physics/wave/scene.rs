@@ -3,6 +3,7 @@
 
 use super::WaveError;
 use crate::ink::{Solid, Sphere};
+use crate::numerics::vector::{V3, norm, unit};
 use num_complex::Complex64;
 
 /// A body's shape, lengths in µm. Bodies along y serve the two-dimensional references.
@@ -63,11 +64,23 @@ pub struct HeightField {
 pub enum Material {
     /// The medium of this index in [`Media::inclusions`], such as a pigment.
     Inclusion(usize),
+    /// A uniaxial crystal, whose optic axis is that of the body; Maxwell's equations only.
+    Uniaxial(Uniaxial),
     /// The medium of the incident side (vacuum unless the study says otherwise), which fills the
     /// space above a relief.
     Incident,
     /// The medium of the exit side, which fills the space below a relief on that side.
     Exit,
+}
+
+/// Both indices of a uniaxial crystal, by their places in [`Media::inclusions`]: ε = ε_o (1 − a aᵀ)
+/// + ε_e a aᵀ with the optic axis a.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Uniaxial {
+    /// The ordinary ray's.
+    pub ordinary: usize,
+    /// The extraordinary ray's.
+    pub extraordinary: usize,
 }
 
 /// One body of the scene.
@@ -80,6 +93,8 @@ pub struct Body {
     /// The body directly around this one, whose material it displaces, as an index into
     /// [`Scene::bodies`]; `None` in the background.
     pub within: Option<usize>,
+    /// Unit vector along the optic axis of a uniaxial crystal; of no effect in other materials.
+    pub optic_axis: V3,
 }
 
 /// One stratum of constant background, counted from z = 0; `background` indexes
@@ -207,7 +222,17 @@ impl Scene {
 impl Body {
     /// A body made of the medium `inclusion` of [`Media::inclusions`].
     pub fn new(shape: BodyShape, inclusion: usize) -> Body {
-        Body { shape, material: Material::Inclusion(inclusion), within: None }
+        Body::of(shape, Material::Inclusion(inclusion))
+    }
+
+    /// A body in no other one, made of a material whose optic axis, if it has one, is z.
+    pub fn of(shape: BodyShape, material: Material) -> Body {
+        Body { shape, material, within: None, optic_axis: [0.0, 0.0, 1.0] }
+    }
+
+    /// A body made of a uniaxial crystal with its optic axis along a vector of any length above 0.
+    pub fn crystal(shape: BodyShape, indices: Uniaxial, optic_axis: V3) -> Body {
+        Body { optic_axis: unit(optic_axis), ..Body::of(shape, Material::Uniaxial(indices)) }
     }
 
     /// Lowest and highest z of the body.
@@ -232,6 +257,13 @@ impl Body {
     fn check(&self, index: usize, period: f64) -> Result<(), WaveError> {
         let [lo, hi] = self.extent_um();
         self.check_lateral(index, period)?;
+        let length = norm(self.optic_axis);
+        if !(length - 1.0).abs().le(&1e-9) {
+            return Err(WaveError::Unsound(format!(
+                "optic axis of body {index} is {:?}; it must be a unit vector",
+                self.optic_axis
+            )));
+        }
         positive(&format!("height of body {index} (µm)"), hi - lo)
     }
 
@@ -275,13 +307,21 @@ impl Body {
 }
 
 impl Media {
-    /// Refractive index of a body's material; [`Scene::check`] guarantees that the material is
-    /// known.
+    /// Refractive index of a body's material, of a crystal that of the mean over all directions of
+    /// its axis, ε̄ = (2ε_o + ε_e)/3; [`Scene::check`] guarantees that the material is known.
     pub fn index_of(&self, material: Material) -> Complex64 {
+        mean_of_rays(self.rays_of(material))
+    }
+
+    /// Ordinary and extraordinary index of a body's material, which are equal in all but crystals.
+    pub fn rays_of(&self, material: Material) -> [Complex64; 2] {
         match material {
-            Material::Inclusion(index) => self.inclusions[index],
-            Material::Incident => self.incident,
-            Material::Exit => self.exit,
+            Material::Inclusion(index) => [self.inclusions[index]; 2],
+            Material::Uniaxial(Uniaxial { ordinary, extraordinary }) => {
+                [self.inclusions[ordinary], self.inclusions[extraordinary]]
+            }
+            Material::Incident => [self.incident; 2],
+            Material::Exit => [self.exit; 2],
         }
     }
 
@@ -293,10 +333,12 @@ impl Media {
 
     fn check(&self, scene: &Scene) -> Result<(), WaveError> {
         let backgrounds = scene.strata.iter().map(|s| ("background", s.background, self.backgrounds.len()));
-        let inclusions = scene.bodies.iter().filter_map(|b| match b.material {
-            Material::Inclusion(index) => Some(("inclusion", index, self.inclusions.len())),
-            Material::Incident | Material::Exit => None,
+        let inclusions = scene.bodies.iter().flat_map(|b| match b.material {
+            Material::Inclusion(index) => vec![index],
+            Material::Uniaxial(Uniaxial { ordinary, extraordinary }) => vec![ordinary, extraordinary],
+            Material::Incident | Material::Exit => Vec::new(),
         });
+        let inclusions = inclusions.map(|index| ("inclusion", index, self.inclusions.len()));
         let hosts = scene.bodies.iter().filter_map(|b| Some(("body", b.within?, scene.bodies.len())));
         let mut used = backgrounds.chain(inclusions).chain(hosts);
         if let Some((what, index, known)) = used.find(|&(_, index, known)| index >= known) {
@@ -310,6 +352,15 @@ impl Media {
         let inner = inner.chain(self.inclusions.iter().enumerate().map(named("inclusion")));
         all.into_iter().chain(inner).try_for_each(|(name, eta)| check_index(&name, eta))
     }
+}
+
+/// Index of the mean permittivity of a crystal over all directions of its axis, ε̄ = (2ε_o +
+/// ε_e)/3, from its ordinary and extraordinary index; exactly these where they are equal.
+pub fn mean_of_rays([ordinary, extraordinary]: [Complex64; 2]) -> Complex64 {
+    if ordinary == extraordinary {
+        return ordinary;
+    }
+    ((2.0 * ordinary * ordinary + extraordinary * extraordinary) / 3.0).sqrt()
 }
 
 fn check_index(name: &str, eta: Complex64) -> Result<(), WaveError> {

@@ -440,7 +440,7 @@ fn solved_at(angles: &Angles, fields: &[FarField]) -> SolvedWavelength {
 
 /// Indices of the backgrounds, the inclusions, and last of the space beyond a relief.
 fn indices(study: &Study, nm: f64) -> (Vec<Complex64>, Vec<Complex64>) {
-    let media = study.media(1e-3 * nm);
+    let media = study.mean_media(1e-3 * nm);
     let beyond = study.packing.relief.map_or(media.incident, |relief| media.index_of(relief.face.into()));
     (media.backgrounds, media.inclusions.into_iter().chain([beyond]).collect())
 }

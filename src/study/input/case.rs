@@ -2,13 +2,15 @@
 //! TOML.
 
 pub use super::case_inputs::CaseError;
-use super::case_inputs::{BarInput, CaseInputs, DirectionInput, IndexInput, SublayerInput};
+use super::case_inputs::{
+    BarInput, CaseInputs, CrystalInput, DirectionInput, IndexInput, NamedBody, SublayerInput,
+};
 use super::fault::{Fault, Faults};
 use super::read::read;
 use super::tree::{Node, parse_json, parse_toml};
 use crate::ink::Form;
 use crate::numerics::files;
-use crate::wave::{Body, BodyShape, Incidence, Media, Scene, Stratum, WaveError};
+use crate::wave::{Body, BodyShape, Incidence, Media, Scene, Stratum, Uniaxial, WaveError};
 use num_complex::Complex64;
 use std::path::Path;
 
@@ -56,9 +58,9 @@ impl Case {
         let mut backgrounds = Vec::new();
         let mut inclusions = Vec::new();
         let strata = strata(inputs, &mut backgrounds)?;
-        let named = inputs.bodies().into_iter();
-        let named = named.map(|(name, shape, eta)| (name, Body::new(shape, index_of(&mut inclusions, eta))));
-        let (names, bodies): (Vec<String>, Vec<Body>) = named.unzip();
+        let named = inputs.bodies().into_iter().chain(inputs.birefringent_films());
+        let (names, bodies): (Vec<String>, Vec<Body>) =
+            named.map(|named| named.into_body(&mut inclusions)).unzip();
         let bars = inputs.sublayers_from_z0.iter().flatten().flat_map(|sublayer| &sublayer.bars);
         bars.into_iter().try_for_each(|bar| check_bar(bar, inputs.period_um()[0]))?;
         let strata = split_at_flat_faces(strata, &bodies);
@@ -99,6 +101,21 @@ fn directions(inputs: &CaseInputs) -> Vec<Incidence> {
         ..usual
     };
     inputs.directions.iter().flatten().map(light).collect()
+}
+
+impl NamedBody {
+    /// The body with its name; its indices join `inclusions`.
+    fn into_body(self, inclusions: &mut Vec<Complex64>) -> (String, Body) {
+        let ordinary = index_of(inclusions, self.eta);
+        let body = match self.crystal {
+            Some(CrystalInput { eta_extraordinary, optic_axis }) => {
+                let extraordinary = index_of(inclusions, eta_extraordinary);
+                Body::crystal(self.shape, Uniaxial { ordinary, extraordinary }, optic_axis)
+            }
+            None => Body::new(self.shape, ordinary),
+        };
+        (self.name, body)
+    }
 }
 
 /// The keys of the case: all of the document, or its `inputs`, beside which none of them may stand.

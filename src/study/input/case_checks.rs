@@ -6,6 +6,7 @@ use super::forms::Pair;
 use super::limits::{ABOVE_ZERO, ABOVE_ZERO_NM, LIGHT_UM, NOT_NEGATIVE, POLAR_DEG};
 use crate::numerics::allowed::shown;
 use crate::numerics::vector::norm;
+use crate::wave::Body;
 
 /// Any finite number.
 const FINITE: Allowed = Allowed::between(f64::MIN, f64::MAX, "");
@@ -25,6 +26,7 @@ pub fn check(inputs: &CaseInputs) -> Faults {
     indices(inputs).iter().for_each(|(field, eta)| index(field, *eta, &mut faults));
     grains(inputs, &mut faults);
     bodies(inputs, &mut faults);
+    crystals(inputs, &mut faults);
     faults
 }
 
@@ -115,7 +117,9 @@ fn indices(inputs: &CaseInputs) -> Vec<(String, [f64; 2])> {
     ];
     let single = single.into_iter().filter_map(|(name, eta)| Some((name.to_owned(), eta?)));
     let mut all: Vec<_> = single.collect();
-    all.extend(inputs.bodies().into_iter().map(|(name, _, eta)| (format!("{name}.eta"), eta)));
+    all.extend(inputs.bodies().into_iter().map(|body| (format!("{}.eta", body.name), body.eta)));
+    let crystals = inputs.crystals().into_iter();
+    all.extend(crystals.filter_map(|(name, eta, _)| Some((format!("{name}.eta_extraordinary"), eta?))));
     let layers = inputs.layers_from_z0.iter().flatten().enumerate();
     all.extend(layers.map(|(i, l)| (format!("layers_from_z0[{i}].eta"), l.eta)));
     let layers = inputs.sublayers_from_z0.iter().flatten().enumerate();
@@ -167,6 +171,41 @@ fn bodies(inputs: &CaseInputs, faults: &mut Faults) {
         if !(length.is_finite() && length > 0.0) {
             let found = format!("{:?}", body.axis.unwrap_or_default());
             faults.add(format!("bodies[{i}].axis"), found, "a direction of finite length", "give [x, y, z]");
+        }
+    }
+}
+
+/// Checks optic axes, and that films of crystals hold no bodies.
+fn crystals(inputs: &CaseInputs, faults: &mut Faults) {
+    for (name, extraordinary, axis) in inputs.crystals() {
+        let Some(axis) = axis else { continue };
+        let length = norm(axis);
+        if !(length.is_finite() && length > 0.0) {
+            let found = format!("{axis:?}");
+            faults.add(format!("{name}.optic_axis"), found, "a direction of finite length", "give [x, y, z]");
+        }
+        if extraordinary.is_none() {
+            let allowed = "an axis of what has two indices";
+            let remedy = "give eta_extraordinary, or remove optic_axis";
+            faults.add(format!("{name}.optic_axis"), "no eta_extraordinary", allowed, remedy);
+        }
+    }
+    let bodies = inputs.bodies();
+    for film in inputs.birefringent_films() {
+        let [low, high] = Body::new(film.shape, 0).extent_um();
+        let inside = bodies.iter().find(|body| {
+            let [from, to] = Body::new(body.shape.clone(), 0).extent_um();
+            from < high && to > low
+        });
+        if let Some(body) = inside {
+            let field = format!("{}.eta_extraordinary", film.name);
+            let remedy = "move the body into another film, or give the film one index";
+            faults.add(
+                field,
+                format!("{} in the film", body.name),
+                "a birefringent film without bodies",
+                remedy,
+            );
         }
     }
 }

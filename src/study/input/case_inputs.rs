@@ -7,8 +7,7 @@ use crate::ink::Sphere;
 use crate::ink::{Shape, Solid};
 use crate::numerics::allowed::shown;
 use crate::numerics::files::name_or_table;
-use crate::numerics::vector::Rotation;
-use crate::numerics::vector::unit;
+use crate::numerics::vector::{Rotation, V3, unit};
 use crate::wave::{BodyShape, Side};
 use schemars::{JsonSchema, Schema};
 use serde::Deserialize;
@@ -188,30 +187,87 @@ impl CaseInputs {
 
     /// All bodies in the order of the scene, with their names in the file and their indices; films
     /// of zero thickness have none.
-    pub(super) fn bodies(&self) -> Vec<(String, BodyShape, [f64; 2])> {
+    pub(super) fn bodies(&self) -> Vec<NamedBody> {
         let mut all = Vec::new();
         for (i, s) in self.spheres.iter().flatten().enumerate() {
             let ball = Sphere { center_um: s.center, radius_um: s.radius };
-            all.push((format!("spheres[{i}]"), BodyShape::Balls(vec![ball]), s.eta));
+            let shape = BodyShape::Balls(vec![ball]);
+            let crystal = crystal(s.eta_extraordinary, s.optic_axis, Rotation::IDENTITY);
+            all.push(NamedBody { name: format!("spheres[{i}]"), shape, eta: s.eta, crystal });
         }
         for (i, c) in self.cylinders.iter().flatten().enumerate() {
             let shape = BodyShape::CylinderY { x_um: c.x, z_um: c.z, radius_um: c.radius };
-            all.push((format!("cylinders[{i}]"), shape, c.eta));
+            all.push(NamedBody { name: format!("cylinders[{i}]"), shape, eta: c.eta, crystal: None });
         }
         for (i, b) in self.bodies.iter().flatten().enumerate() {
-            all.extend(b.solid().map(|s| (format!("bodies[{i}]"), BodyShape::Solid(s), b.eta)));
+            all.extend(b.solid().map(|solid| NamedBody {
+                name: format!("bodies[{i}]"),
+                crystal: crystal(b.eta_extraordinary, b.optic_axis, solid.rotation),
+                shape: BodyShape::Solid(solid),
+                eta: b.eta,
+            }));
         }
         let mut bottom = 0.0;
         for (i, layer) in self.sublayers_from_z0.iter().flatten().enumerate() {
             let z_um = [bottom, bottom + layer.thickness];
             for (j, bar) in layer.bars.iter().enumerate().filter(|_| layer.thickness != 0.0) {
                 let name = format!("sublayers_from_z0[{i}].bars[{j}]");
-                all.push((name, BodyShape::BarY { x_um: [bar.x0, bar.x1], z_um }, bar.eta));
+                let shape = BodyShape::BarY { x_um: [bar.x0, bar.x1], z_um };
+                all.push(NamedBody { name, shape, eta: bar.eta, crystal: None });
             }
             bottom = z_um[1];
         }
         all
     }
+
+    /// Films of crystals as bodies that fill them.
+    pub(super) fn birefringent_films(&self) -> Vec<NamedBody> {
+        let mut all = Vec::new();
+        let mut bottom = 0.0;
+        for (i, film) in self.layers_from_z0.iter().flatten().enumerate() {
+            let z_um = [bottom, bottom + film.thickness];
+            bottom = z_um[1];
+            let crystal = crystal(film.eta_extraordinary, film.optic_axis, Rotation::IDENTITY);
+            if crystal.is_some() && film.thickness != 0.0 {
+                let name = format!("layers_from_z0[{i}]");
+                all.push(NamedBody { name, shape: BodyShape::Sheet { z_um }, eta: film.eta, crystal });
+            }
+        }
+        all
+    }
+
+    /// What crystals have, with the names of their fields: the extraordinary index and the axis.
+    pub(super) fn crystals(&self) -> Vec<(String, Option<[f64; 2]>, Option<[f64; 3]>)> {
+        let mut all = Vec::new();
+        let spheres = self.spheres.iter().flatten().enumerate();
+        all.extend(spheres.map(|(i, s)| (format!("spheres[{i}]"), s.eta_extraordinary, s.optic_axis)));
+        let bodies = self.bodies.iter().flatten().enumerate();
+        all.extend(bodies.map(|(i, b)| (format!("bodies[{i}]"), b.eta_extraordinary, b.optic_axis)));
+        let films = self.layers_from_z0.iter().flatten().enumerate();
+        all.extend(films.map(|(i, f)| (format!("layers_from_z0[{i}]"), f.eta_extraordinary, f.optic_axis)));
+        all
+    }
+}
+
+/// A body of a case with its name in the file.
+pub(super) struct NamedBody {
+    pub name: String,
+    pub shape: BodyShape,
+    /// Index; of a crystal the ordinary ray's.
+    pub eta: [f64; 2],
+    pub crystal: Option<CrystalInput>,
+}
+
+/// What a crystal has besides its ordinary index.
+pub(super) struct CrystalInput {
+    pub eta_extraordinary: [f64; 2],
+    /// In the case's coordinates.
+    pub optic_axis: V3,
+}
+
+fn crystal(eta: Option<[f64; 2]>, axis: Option<V3>, rotation: Rotation) -> Option<CrystalInput> {
+    let optic_axis = rotation.turn(axis.unwrap_or([0.0, 0.0, 1.0]));
+    eta.map(|eta_extraordinary| CrystalInput { eta_extraordinary, optic_axis })
 }
 
 /// A sphere.
@@ -225,6 +281,11 @@ pub struct SphereInput {
     pub radius: f64,
     /// Index as [re, im].
     pub eta: [f64; 2],
+    /// Index of the extraordinary ray as [re, im], of a birefringent sphere: `eta` is then the
+    /// ordinary ray's. For Maxwell's equations (`--wave vector`).
+    pub eta_extraordinary: Option<[f64; 2]>,
+    /// Direction of the optic axis (default: z).
+    pub optic_axis: Option<[f64; 3]>,
 }
 
 /// A circular cylinder along y.
@@ -258,6 +319,11 @@ pub struct BodyInput {
     pub turn_deg: f64,
     /// Index as [re, im].
     pub eta: [f64; 2],
+    /// Index of the extraordinary ray as [re, im], of a birefringent body: `eta` is then the
+    /// ordinary ray's. For Maxwell's equations (`--wave vector`).
+    pub eta_extraordinary: Option<[f64; 2]>,
+    /// Direction of the optic axis before the body is turned (default: z).
+    pub optic_axis: Option<[f64; 3]>,
 }
 
 impl BodyInput {
@@ -278,6 +344,11 @@ pub struct LayerInput {
     pub thickness: f64,
     /// Index as [re, im].
     pub eta: [f64; 2],
+    /// Index of the extraordinary ray as [re, im], of a birefringent film, which holds no bodies:
+    /// `eta` is then the ordinary ray's. For Maxwell's equations (`--wave vector`).
+    pub eta_extraordinary: Option<[f64; 2]>,
+    /// Direction of the optic axis (default: z).
+    pub optic_axis: Option<[f64; 3]>,
 }
 
 /// A film with bars.

@@ -162,6 +162,7 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     study.remarks.extend(given.remarks);
     remark_on_inputs(&mut study);
     light::refusals(&file.pigments, &study, &mut wave_faults);
+    pigments::crystal_faults(&file, &mut wave_faults);
     if let Some(composed) = composed {
         composed::refusals(&file, &study, &mut wave_faults);
         composed::complete(&mut study, composed);

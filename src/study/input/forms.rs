@@ -194,7 +194,7 @@ impl Pair {
 
 /// A complex refractive index n + iκ: a number, or a table in one of several forms. The table alone
 /// is derived, fields are read by `index`.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct IndexWritten {
     /// Real part.
@@ -215,6 +215,20 @@ pub struct IndexWritten {
     /// The dilution whose absorbance a file holds.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dilution: Option<DilutionWritten>,
+    /// Both rays of a listed crystal instead of their mean; of pigments only.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub birefringent: Option<bool>,
+    /// Index of the ordinary ray, of pigments only.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "ray")]
+    pub ordinary: Option<Box<IndexWritten>>,
+    /// Index of the extraordinary ray.
+    #[serde(default, skip_serializing_if = "Option::is_none", deserialize_with = "ray")]
+    pub extraordinary: Option<Box<IndexWritten>>,
+}
+
+/// Reads the index of one ray in any of its forms.
+fn ray<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Box<IndexWritten>>, D::Error> {
+    Ok(Some(Box::new(index(deserializer)?)))
 }
 
 /// n by the relation of Kramers and Kronig from the κ of the file: what is known of n, either at
@@ -305,6 +319,32 @@ pub(super) enum IndexForms {
         /// Real part at all wavelengths, if the file contains only k.
         #[schemars(transform = INDEX.mark())]
         n: Option<f64>,
+        /// Instead of it: n by the relation of Kramers and Kronig.
+        kramers_kronig: Option<KramersKronigWritten>,
+    },
+}
+
+/// Schema of the index of a pigment: one for all directions of the field, or both of a crystal.
+#[derive(JsonSchema)]
+#[schemars(rename = "PigmentIndex", untagged, deny_unknown_fields)]
+#[allow(dead_code, reason = "the schema alone")]
+pub(super) enum PigmentIndexForms {
+    /// One index.
+    One(IndexForms),
+    /// A listed uniaxial crystal, such as "TiO2 rutile", with both of its rays.
+    Listed {
+        /// Its name.
+        #[schemars(schema_with = "material_names")]
+        material: String,
+        /// Whether both rays count, with Maxwell's equations, or their mean (default: false).
+        birefringent: bool,
+    },
+    /// A uniaxial crystal, with Maxwell's equations: ε_o across its optic axis, ε_e along it.
+    Rays {
+        /// Index of the ordinary ray.
+        ordinary: IndexForms,
+        /// Index of the extraordinary ray.
+        extraordinary: IndexForms,
     },
 }
 
@@ -317,8 +357,19 @@ fn material_names(_: &mut SchemaGenerator) -> Schema {
 }
 
 /// The keys of [`IndexWritten`].
-pub(super) const INDEX_KEYS: &[&str] =
-    &["n", "k", "built_in", "material", "csv", "yaml", "kramers_kronig", "dilution"];
+pub(super) const INDEX_KEYS: &[&str] = &[
+    "n",
+    "k",
+    "built_in",
+    "material",
+    "csv",
+    "yaml",
+    "kramers_kronig",
+    "dilution",
+    "birefringent",
+    "ordinary",
+    "extraordinary",
+];
 
 /// Reads an index in any of its forms.
 pub(super) fn index<'de, D: Deserializer<'de>>(deserializer: D) -> Result<IndexWritten, D::Error> {

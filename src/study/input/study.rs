@@ -192,6 +192,12 @@ impl Study {
         self.pigments.iter().map(|p| &p.material).chain(self.pigments.iter().flat_map(|p| &p.shell))
     }
 
+    /// Indices of the extraordinary rays of birefringent pigments, in order; in
+    /// [`Media::inclusions`] they stand behind those of all materials.
+    pub fn extraordinary_indices(&self) -> impl Iterator<Item = &IndexSpectrum> {
+        self.pigments.iter().filter_map(|pigment| pigment.extraordinary.as_ref())
+    }
+
     /// Fractions of these materials of the volume of the layer that holds them.
     pub fn material_shares(&self) -> Vec<f64> {
         let (mut cores, mut layers) = (Vec::new(), Vec::new());
@@ -213,14 +219,27 @@ impl Study {
         self.pigments.iter().map(|p| p.name.clone()).chain(layers).collect()
     }
 
-    /// Indices at one wavelength; the inclusions are those of [`Study::materials`].
+    /// Indices at one wavelength; the inclusions are those of [`Study::materials`], then the
+    /// extraordinary indices of birefringent ones.
     pub fn media(&self, wavelength_um: f64) -> Media {
+        let mut media = self.mean_media(wavelength_um);
+        for (number, pigment) in self.pigments.iter().enumerate() {
+            let Some(extraordinary) = &pigment.extraordinary else { continue };
+            media.inclusions[number] = pigment.material.index_at(wavelength_um);
+            media.inclusions.push(extraordinary.index_at(wavelength_um));
+        }
+        media
+    }
+
+    /// Indices at one wavelength; the inclusions are those of [`Study::materials`], with the mean
+    /// over all directions of the axis for birefringent ones.
+    pub fn mean_media(&self, wavelength_um: f64) -> Media {
         let (backgrounds, inclusions) = self.binders_and_pigments(wavelength_um);
         let [incident, exit] = self.outer_indices(wavelength_um).map(Complex64::from);
         Media { incident, exit, backgrounds, inclusions }
     }
 
-    /// Indices within a single layer at one wavelength.
+    /// Indices within a single layer at one wavelength, means for birefringent pigments.
     pub(super) fn binder_and_pigments(&self, wavelength_um: f64) -> (Complex64, Vec<Complex64>) {
         let (backgrounds, inclusions) = self.binders_and_pigments(wavelength_um);
         (backgrounds[0], inclusions)

@@ -103,15 +103,16 @@ impl Resolved {
 
 /// What a solve of the study needs on a grid.
 pub fn size(study: &Study, resolution: Resolution) -> Size {
-    let indices = study.materials().chain(study.binders());
+    let indices = study.materials().chain(study.extraordinary_indices()).chain(study.binders());
     let densest = indices.flat_map(|material| &material.index).map(|eta| eta.re).fold(1.0, f64::max);
     let k0 = std::f64::consts::TAU / (1e-3 * study.wavelengths_nm[0]);
     let [lx, ly] = study.layer.period_um;
     let h = study.layer.thickness_um;
     let channels = study.materials().count() + usize::from(study.packing.relief.is_some());
+    let crystals = study.pigments.iter().filter(|pigment| pigment.extraordinary.is_some()).count();
     let vector = study.wave.is_vector();
     let wavenumbers = if vector { [0.0; 2] } else { [k0 * densest, k0] };
-    Size { resolution, channels, layer_um: [lx, ly, h], wavenumbers, vector }
+    Size { resolution, channels, crystals, layer_um: [lx, ly, h], wavenumbers, vector }
 }
 
 impl Record for Resolved {

@@ -127,7 +127,7 @@ pub const INK: &[Slip] = &[
     slip(
         K,
         "index = { n = 1.5, kramers_kronig = { n_infinity = 1.65 } }",
-        ["pigment[0].index", "n and kramers_kronig", "beside csv alone", "kappa.csv"],
+        ["pigment[0].index", "n and kramers_kronig", "beside csv or yaml alone", "kappa.csv"],
     ),
     slip(
         K,
@@ -313,6 +313,107 @@ pub const INK: &[Slip] = &[
             "with the shape disc",
             "grains made of spheres",
             "leave `fractal` out",
+        ],
+    ),
+    slip(
+        K,
+        "index = { csv = \"wide.csv\", kramers_kronig = { n_nm = 100, n = 1.65 } }",
+        ["pigment[0].index.kramers_kronig.n_nm", "100", "from 250", "by no pole of the ultraviolet"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"wide.csv\", kramers_kronig = { n_nm = 589, n = 1.65, n_error = 2 } }",
+        ["pigment[0].index.kramers_kronig.n_error", "found 2", "from 0 to 1", "n = 1.65 by immersion"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"negative.csv\", kramers_kronig = { n_infinity = 1.6 } }",
+        ["pigment[0].index.csv", "needs every row", "kappa ≥ 0 and n > 0", "correct the table, or give n"],
+    ),
+    slip(
+        K,
+        "index = { yaml = \"kappa.yml\", n = 1.5, kramers_kronig = { n_infinity = 1.65 } }",
+        ["pigment[0].index", "n and kramers_kronig", "either of them", "keep n"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"wide.csv\", dilution = { path_mm = 10, concentration_g_per_l = 0.02, density_g_per_cm3 = 1.5 } }",
+        ["pigment[0].index", "dilution without n", "either of them beside the file", "kramers_kronig for n"],
+    ),
+    slip(
+        K,
+        "index = { csv = \"wide.csv\", n = 1.6, dilution = { path_mm = 0, concentration_g_per_l = 0.02, density_g_per_cm3 = 1.5 } }",
+        ["pigment[0].index.dilution.path_mm", "found 0", "above 0", "a cuvette has 10 mm"],
+    ),
+    // birefringent grains
+    slip(
+        K,
+        "index = { ordinary = 1.6, extraordinary = 1.8 }",
+        [
+            "pigment[0].index.extraordinary",
+            "the scalar wave, which has no polarisation",
+            "Maxwell's equations (light.wave = \"unpolarised\"",
+            "one index for both rays",
+        ],
+    ),
+    slip(
+        K,
+        "index = { ordinary = 1.6 }",
+        [
+            "pigment[0].index",
+            "ordinary alone",
+            "{ ordinary = …, extraordinary = … } alone",
+            "ordinary = 2.61",
+        ],
+    ),
+    slip(
+        K,
+        "index = { n = 1.6, ordinary = 1.6, extraordinary = 1.8 }",
+        ["pigment[0].index", "n, ordinary and extraordinary", "alone", "ordinary = 2.61"],
+    ),
+    slip(
+        K,
+        "index = { material = \"BaSO4\", birefringent = true }",
+        [
+            "pigment[0].index.birefringent",
+            "true for \"BaSO4\"",
+            "TiO2 rutile, ZnO, CaCO3",
+            "remove birefringent",
+        ],
+    ),
+    slip(
+        K,
+        "index = { ordinary = 1.6, extraordinary = { csv = \"narrow.csv\", n = 1.8 } }",
+        [
+            "pigment[0].index.extraordinary",
+            "no value at 400 nm",
+            "from 500 to 600 nm",
+            "covers 400 to 700 nm",
+        ],
+    ),
+    slip(
+        K,
+        "index = 1.6\noptic_axis = [0, 0, 1]",
+        ["pigment[0].optic_axis", "one index", "grains with two indices", "remove optic_axis"],
+    ),
+    slip(
+        K,
+        "index = { ordinary = 1.6, extraordinary = 1.8 }\noptic_axis = [0, 0, 0]",
+        ["pigment[0].optic_axis", "[0.0, 0.0, 0.0]", "finite length above 0", "[0, 0, 1] is usual"],
+    ),
+    slip(
+        "binder.index = 1.558",
+        "binder.index = { ordinary = 1.5, extraordinary = 1.6 }",
+        ["layer.binder.index", "ordinary and extraordinary", "grains of pigments alone", "give one index"],
+    ),
+    slip(
+        K,
+        "index = { ordinary = 1.6, extraordinary = 1.8 }\norientation = \"in_plane\"\n[layer.composed]\nslab_um = 0.25",
+        [
+            "pigment[0].index.extraordinary",
+            "aligned optic axes",
+            "\"random\" where the layer is composed",
+            "remove orientation",
         ],
     ),
 ];

@@ -183,6 +183,7 @@ impl<'a> Arrangement<'a> {
                     solid,
                     pigment: body.pigment,
                     agglomerate,
+                    optic_axis: None,
                     volume_um3: part.volume_um3,
                 });
             }

@@ -25,6 +25,9 @@ pub struct Grain {
     pub axis: V3,
     /// Number of the grain's agglomerate, if any.
     pub agglomerate: Option<usize>,
+    /// Unit vector along the optic axis of a birefringent grain.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub optic_axis: Option<V3>,
     /// Volume of the union of the spheres, µm³.
     pub volume_um3: f64,
 }
@@ -56,7 +59,7 @@ impl Grain {
         let ends = spheres.first().zip(spheres.last());
         let axis = ends.map_or([0.0, 0.0, 1.0], |(a, b)| unit(sub(b.center_um, a.center_um)));
         let volume_um3 = union_volume(&spheres).um3;
-        Self { spheres, solid: None, pigment, axis, agglomerate: None, volume_um3 }
+        Self { spheres, solid: None, pigment, axis, agglomerate: None, optic_axis: None, volume_um3 }
     }
 
     /// A convex body; its axis is the form's z axis.
@@ -67,6 +70,7 @@ impl Grain {
             pigment,
             axis: solid.rotation.turn([0.0, 0.0, 1.0]),
             agglomerate: None,
+            optic_axis: None,
             volume_um3: solid.form.volume_um3(),
             solid: Some(solid),
         }

@@ -17,6 +17,7 @@ mod gradient;
 pub(crate) mod grain;
 mod hard_bodies;
 mod neighbours;
+mod optic;
 pub mod overlap;
 pub(crate) mod pack;
 pub(crate) mod placed;

@@ -1,6 +1,6 @@
 //! Placed grains: a packing exists only if an independent check has found no overlap in it.
 
-use super::{overlap, shell};
+use super::{optic, overlap, shell};
 use crate::ink::{Grain, Layered, PackError, PackingRequest, Relief, RoughFace, Sphere};
 
 /// Method of placement.
@@ -132,6 +132,8 @@ pub struct Packing {
     pub(super) layers_um: Vec<f64>,
     /// Per pigment, thicknesses of the layers of its grains from the core outwards, µm.
     shells_um: Vec<Vec<f64>>,
+    /// Per pigment, whether its cores are birefringent.
+    birefringent: Vec<bool>,
 }
 
 impl Packing {
@@ -175,7 +177,7 @@ impl Packing {
     /// The only constructor: checks every pair, and that the layers leave a core in every grain.
     pub(super) fn proven(
         request: &PackingRequest,
-        grains: Vec<Grain>,
+        mut grains: Vec<Grain>,
         shares: Vec<Share>,
         mut account: PackingAccount,
     ) -> Result<Self, PackError> {
@@ -184,6 +186,7 @@ impl Packing {
         let walls = request.walls;
         let size_um = [period_um[0], period_um[1], thickness_um];
         account.smallest_gap_um = overlap::smallest_gap(size_um, walls, &grains)?;
+        optic::give_axes(request, &mut grains);
         let bare = Self {
             period_um,
             thickness_um,
@@ -195,6 +198,7 @@ impl Packing {
             relief: None,
             layers_um: Vec::new(),
             shells_um: Vec::new(),
+            birefringent: request.pigments.iter().map(|pigment| pigment.optic_axis.is_some()).collect(),
         };
         bare.with_shells(request.shells_um())
     }
@@ -264,6 +268,14 @@ impl Packing {
     /// Number of materials in the grains: the cores of all pigments come first, then their layers.
     pub fn materials(&self) -> usize {
         self.shells_um.len() + self.shells_um.iter().map(Vec::len).sum::<usize>()
+    }
+
+    /// Place of a material's extraordinary index behind the indices of all materials, if it is a
+    /// birefringent core: in the order of the pigments.
+    pub fn extraordinary(&self, material: usize) -> Option<usize> {
+        let is_birefringent = self.birefringent.get(material).copied().unwrap_or(false);
+        let before = || self.birefringent[..material].iter().filter(|is| **is).count();
+        is_birefringent.then(|| self.materials() + before())
     }
 
     /// The nested bodies of a grain from the outside inwards; each lies in the one before it.

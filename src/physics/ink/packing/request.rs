@@ -6,6 +6,7 @@ use crate::ink::{
 use crate::numerics::allowed::Allowed;
 #[cfg(feature = "serde")]
 use crate::numerics::files::name_or_table;
+use crate::numerics::vector::V3;
 
 /// Request for a packing; see [`pack`](crate::ink::pack()). Units are in the field names.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,6 +139,11 @@ pub struct PigmentGrains {
     /// linear in between; evenly without any. Only ratios of densities matter.
     #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Vec::is_empty"))]
     pub profile: Vec<[f64; 2]>,
+    /// Optic axis in the frame of a grain, of any length above 0, if the pigment is birefringent.
+    /// That of a convex body turns with it, that of a union of spheres about the union's axis at
+    /// random; a sphere has no frame, and its axis is drawn as `orientation` aligns them.
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
+    pub optic_axis: Option<V3>,
 }
 
 impl PigmentGrains {
@@ -157,6 +163,7 @@ impl PigmentGrains {
             agglomeration: None,
             share: ShareRule::NearestGrain,
             profile: Vec::new(),
+            optic_axis: None,
         }
     }
 }

@@ -43,6 +43,12 @@ pub enum SpectrumError {
         /// The names of the list.
         known: String,
     },
+    /// A listed material that is no uniaxial crystal with both rays.
+    #[error("{value:?} is no uniaxial crystal whose two rays are recorded; give both as indices of your own")]
+    NotUniaxial {
+        /// The name found.
+        value: String,
+    },
     /// An invalid number in an index or a table.
     #[error("{field} = {}: allowed are finite values {allowed}; {remedy}", shown(*value))]
     BadValue {

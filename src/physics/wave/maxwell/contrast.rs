@@ -11,6 +11,7 @@
 //! The symmetric part keeps reciprocity and energy balance exact. A flat horizontal face gives the
 //! harmonic mean for zz and the arithmetic one for xx and yy.
 
+use super::crystal::{CRYSTAL_FIELDS, CrystalFields, Permittivity, PointFields, TensorSums};
 use super::moments::{ChannelFields, NormalMoments};
 use super::sources::FIELDS;
 use crate::wave::{Media, WaveError};
@@ -47,7 +48,9 @@ pub(super) fn tensors(
 ) -> Result<Vec<Vec<Symmetric>>, WaveError> {
     let grid = &moments.grid;
     let square = |eta: Complex64| eta * eta;
-    let epsilons: Vec<_> = moments.channels.iter().map(|c| square(media.index_of(c.material))).collect();
+    let rays = moments.channels.iter().map(|c| media.rays_of(c.material).map(square));
+    let epsilons: Vec<_> =
+        rays.map(|[ordinary, other]| Permittivity { ordinary, step: other - ordinary }).collect();
     let planes = moments.planes.par_iter().enumerate().map(|(plane, present)| Plane {
         present,
         epsilons: &epsilons,
@@ -63,7 +66,7 @@ pub(super) fn tensors(
 struct Plane<'a> {
     present: &'a [ChannelFields],
     /// Permittivity of every channel's material.
-    epsilons: &'a [Complex64],
+    epsilons: &'a [Permittivity],
     /// Permittivity of the background.
     background: Complex64,
     /// Mean k̄², 1/µm².
@@ -87,13 +90,47 @@ impl Plane<'_> {
 
     /// Tensor V at one of `points` points, divided by their number.
     fn tensor(&self, point: usize, points: f64) -> Result<Symmetric, WaveError> {
-        let inclusions =
-            self.present.iter().map(|present| (self.epsilons[present.channel], &present.fields[point]));
-        let mut tensor =
-            effective(self.background, inclusions, self.averaging)?.map(|e| e * self.k2 / points);
+        let mut tensor = self.effective(point)?.map(|e| e * self.k2 / points);
         [0, 2, 5].into_iter().for_each(|i| tensor[i] -= self.mean / points);
         Ok(tensor)
     }
+}
+
+impl Plane<'_> {
+    /// Effective permittivity at a point.
+    fn effective(&self, point: usize) -> Result<Symmetric, WaveError> {
+        let is_anisotropic =
+            |c: &ChannelFields| c.crystals.is_some() && self.epsilons[c.channel].step != Complex64::ZERO;
+        if !self.present.iter().any(is_anisotropic) {
+            let inclusions = self.present.iter();
+            let inclusions = inclusions.map(|c| (self.epsilons[c.channel].ordinary, &c.fields[point]));
+            return effective(self.background, inclusions, self.averaging);
+        }
+        let along_normals = self.averaging == Averaging::Normal;
+        let mut sums = TensorSums::of(self.background);
+        for channel in self.present {
+            let crystal = channel.crystals.as_ref().map_or(&NO_CRYSTAL, |all| &all[point]);
+            let fields = PointFields { base: &channel.fields[point], crystal, along_normals };
+            sums.add(self.background, self.epsilons[channel.channel], &fields);
+        }
+        let (product, determinant) = sums.effective();
+        divided(product, determinant)
+    }
+}
+
+/// The fields of a material that is no crystal.
+const NO_CRYSTAL: CrystalFields = [0.0; CRYSTAL_FIELDS];
+
+/// The tensor over det W_C, unless that is too small.
+fn divided(tensor: Symmetric, determinant: Complex64) -> Result<Symmetric, WaveError> {
+    if determinant.norm() < LEAST_DETERMINANT {
+        return Err(WaveError::NotInVectorMode {
+            what: "this contrast",
+            reason: "the normal-field tensor is nearly singular at a point of the grid",
+            remedy: "raise the resolution; indices that differ by 2 or more may be out of the vector wave's reach",
+        });
+    }
+    Ok(tensor.map(|v| v / determinant))
 }
 
 fn diagonal(value: Complex64) -> Symmetric {
@@ -121,14 +158,7 @@ fn effective<'a>(
         }
     }
     let (adjugate, determinant) = adjugate(&e);
-    if determinant.norm() < LEAST_DETERMINANT {
-        return Err(WaveError::NotInVectorMode {
-            what: "this contrast",
-            reason: "the normal-field tensor is nearly singular at a point of the grid",
-            remedy: "raise the resolution; indices that differ by 2 or more may be out of the vector wave's reach",
-        });
-    }
-    Ok(symmetric_product(&d, &adjugate).map(|v| v / determinant))
+    divided(symmetric_product(&d, &adjugate), determinant)
 }
 
 /// Adjugate and determinant of a symmetric tensor.

@@ -5,6 +5,9 @@
 //! plane. They are real and independent of wavelength and angle, computed once per scene and grid
 //! and shared by both polarisations.
 
+mod crystals;
+
+use super::crystal::CrystalFields;
 use super::solid_sources::{self, Core};
 use super::sources::{self, FIELDS, NormalField, Slab, Source, VALUES};
 use crate::ink::{Solid, Sphere};
@@ -12,7 +15,10 @@ use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch};
 use crate::wave::contrast::coverage::{Precision, find_channels, overlap};
 use crate::wave::contrast::nufft::{SourceTransform, Sources, Spreading};
 use crate::wave::contrast::section::{Demands, Sampling, extents};
-use crate::wave::{Body, BodyShape, Channel, Grid, Layout, Resolution, Scene, Scheme, WaveError};
+use crate::wave::{Body, BodyShape, Channel, Grid, Layout, Material, Resolution, Scene, Scheme, WaveError};
+use crystals::CrystalSum;
+#[cfg(test)]
+pub(super) use crystals::fields as crystal_fields;
 use num_complex::Complex64;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -27,6 +33,8 @@ pub struct ChannelFields {
     pub channel: usize,
     /// χ and the six components of χN at every point.
     pub fields: Fields,
+    /// What uniaxial crystals have besides, at every point; `None` for other materials.
+    pub crystals: Option<Vec<CrystalFields>>,
 }
 
 /// Moments of every material's indicator and normal tensor on every Gauss plane.
@@ -59,8 +67,16 @@ struct MomentBuilder<'a> {
 
 /// One channel in one cell: fields on both planes, and mean of χ.
 struct CellFields {
-    planes: [Fields; 2],
+    planes: [(Fields, Option<Vec<CrystalFields>>); 2],
     fraction: f64,
+}
+
+impl CellFields {
+    /// The fields with those that crystals have besides.
+    fn with_crystals(self, [first, second]: [Vec<CrystalFields>; 2]) -> CellFields {
+        let [(a, _), (b, _)] = self.planes;
+        CellFields { planes: [(a, Some(first)), (b, Some(second))], fraction: self.fraction }
+    }
 }
 
 impl NormalMoments {
@@ -89,8 +105,8 @@ impl NormalMoments {
         let layout = Layout::new(scene, grid, channels, |j, c| Some(cells[j][c].as_ref()?.fraction));
         for (j, cell) in cells.into_iter().enumerate() {
             for (channel, sums) in cell.into_iter().enumerate().filter_map(|(c, f)| Some((c, f?))) {
-                for (q, fields) in sums.planes.into_iter().enumerate() {
-                    planes[2 * j + q].push(ChannelFields { channel, fields });
+                for (q, (fields, crystals)) in sums.planes.into_iter().enumerate() {
+                    planes[2 * j + q].push(ChannelFields { channel, fields, crystals });
                 }
             }
         }
@@ -99,7 +115,10 @@ impl NormalMoments {
 
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
-        self.planes.iter().flatten().map(|channel| size_of_val(channel.fields.as_slice())).sum()
+        let of_channel = |channel: &ChannelFields| {
+            size_of_val(channel.fields.as_slice()) + channel.crystals.as_deref().map_or(0, size_of_val)
+        };
+        self.planes.iter().flatten().map(of_channel).sum()
     }
 }
 
@@ -119,11 +138,34 @@ fn check(scene: &Scene, resolution: Resolution) -> Result<(), WaveError> {
             remedy: "use layers of single spheres or convex bodies, or the scalar wave",
         });
     }
+    check_crystals(scene)?;
     if scene.bodies.iter().any(|b| matches!(b.shape, BodyShape::Open { .. })) {
         return Err(WaveError::NotInVectorMode {
             what: "a rough surface (relief)",
             reason: "its normal-field tensor is not implemented, and averaging without it has an error of several per cent",
             remedy: "use a flat surface, or the scalar wave",
+        });
+    }
+    Ok(())
+}
+
+/// Rejects crystals whose tensor is not implemented.
+fn check_crystals(scene: &Scene) -> Result<(), WaveError> {
+    let is_crystal = |body: &&Body| matches!(body.material, Material::Uniaxial(_));
+    let is_filled = scene.bodies.iter().filter_map(|b| scene.bodies.get(b.within?)).any(|b| is_crystal(&b));
+    if is_filled {
+        return Err(WaveError::NotInVectorMode {
+            what: "a body inside a birefringent one",
+            reason: "the normal-field tensor between them is not implemented",
+            remedy: "give the outer body one index for both rays",
+        });
+    }
+    let is_along_y = |body: &Body| matches!(body.shape, BodyShape::CylinderY { .. } | BodyShape::BarY { .. });
+    if scene.bodies.iter().filter(is_crystal).any(is_along_y) {
+        return Err(WaveError::NotInVectorMode {
+            what: "a birefringent cylinder or bar along y",
+            reason: "its normal-field tensor is not implemented",
+            remedy: "use spheres, convex bodies or films, or one index for both rays",
         });
     }
     Ok(())
@@ -173,6 +215,11 @@ impl<'a> MomentBuilder<'a> {
         let range_um = [self.grid.nodes_um[cell], self.grid.nodes_um[cell + 1]];
         let mut sum = MomentSum::new(self, Slab { range_um, sampling: &self.sampling });
         present.iter().for_each(|(body, core)| sum.add_body(&body.shape, core.as_ref()));
+        if matches!(channel.material, Material::Uniaxial(_)) {
+            let mut crystals = CrystalSum::new(self, sum.slab);
+            present.iter().for_each(|(body, _)| crystals.add_body(body));
+            return Some(sum.finish().with_crystals(crystals.finish()));
+        }
         Some(sum.finish())
     }
 }
@@ -281,7 +328,7 @@ impl<'a> MomentSum<'a> {
         }
         // Order (0, 0) comes first; each plane represents half the cell.
         let mean = self.direct[0][0];
-        CellFields { planes, fraction: 0.5 * (mean.re + mean.im) }
+        CellFields { planes: planes.map(|fields| (fields, None)), fraction: 0.5 * (mean.re + mean.im) }
     }
 }
 

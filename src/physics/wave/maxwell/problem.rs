@@ -237,7 +237,10 @@ fn direction([x, y]: [f64; 2], k0: f64, azimuth: f64) -> [f64; 2] {
 
 /// Metals may be films, whose mean is exact; beside grains the tensor may have no inverse.
 fn check_metals(moments: &NormalMoments, media: &Media) -> Result<(), WaveError> {
-    let indices = |c: &Channel| [media.index_of(c.material), media.backgrounds[c.background]];
+    let indices = |c: &Channel| {
+        let [ordinary, extraordinary] = media.rays_of(c.material);
+        [ordinary, extraordinary, media.backgrounds[c.background]]
+    };
     if !moments.channels.iter().flat_map(indices).any(|eta| (eta * eta).re < 0.0) {
         return Ok(());
     }

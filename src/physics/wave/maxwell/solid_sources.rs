@@ -15,7 +15,7 @@ use crate::wave::contrast::section::{Edge, Sampling};
 use crate::wave::{Body, BodyShape, Scene};
 
 /// Components xx, xy, yy, xz, yz, zz of n nᵀ.
-type Square = [f64; FIELDS - 1];
+pub(super) type Square = [f64; FIELDS - 1];
 
 /// The surface of a body: of the outer one, or of one inside the layer.
 struct SolidSurface {
@@ -35,37 +35,49 @@ enum Face {
 }
 
 /// Degree that N, which is not a polynomial, adds to the integrand.
-const TENSOR_DEGREE: f64 = 6.0;
+pub(super) const TENSOR_DEGREE: f64 = 6.0;
 
 /// Sources, within a cell, of the first of these bodies less those inside it; `nodes` are the
 /// heights of the grid, µm.
 pub(super) fn of_bodies(bodies: &[Solid], nodes: &[f64], slab: &Slab, push: &mut impl FnMut(Source)) {
+    points_in(bodies, nodes, slab, TENSOR_DEGREE, &mut |[x, y, _], shares, tensor| {
+        push(Source { position: [x, y], values: values(&tensor, shares) });
+    });
+}
+
+/// Points within a cell in the first of these bodies less those inside it, µm, with the integrals
+/// of both Gauss planes' functions that they stand for, µm², and N there; `extra` is the degree of
+/// what is integrated besides the wave and those functions.
+pub(super) fn points_in(
+    bodies: &[Solid],
+    nodes: &[f64],
+    slab: &Slab,
+    extra: f64,
+    visit: &mut impl FnMut(V3, [f64; 2], Square),
+) {
     let surfaces: Vec<SolidSurface> =
         bodies.iter().enumerate().map(|(i, solid)| SolidSurface::of(solid, nodes, i > 0)).collect();
     for (i, solid) in bodies.iter().enumerate() {
         let sign = if i == 0 { 1.0 } else { -1.0 };
-        slab.sampling.cuts(solid, slab.range_um, TENSOR_DEGREE, &mut |z, weight, edge| {
+        slab.sampling.cuts(solid, slab.range_um, extra, &mut |z, weight, edge| {
             let shares = slab.point(z, weight, z).map(|[share, ..]| sign * share);
-            push_cut(&surfaces, edge, slab.sampling, z, shares, push);
+            for (place, area) in points_of_cut(edge, slab.sampling, extra) {
+                let point = [place[0], place[1], z];
+                visit(point, shares.map(|share| area * share), tensor(&surfaces, point));
+            }
         });
     }
 }
 
-/// Pushes the sources of a cut at height z with shares in both Gauss planes.
-fn push_cut(
-    surfaces: &[SolidSurface],
-    edge: &Edge,
-    sampling: &Sampling,
-    z: f64,
-    shares: [f64; 2],
-    push: &mut impl FnMut(Source),
-) {
+/// Points of a cut with their areas, µm and µm².
+fn points_of_cut(edge: &Edge, sampling: &Sampling, extra: f64) -> Vec<([f64; 2], f64)> {
     let inside = [0, 1].map(|i| edge.iter().map(|p| p.position[i]).sum::<f64>() / edge.len() as f64);
-    for ([x, y], area) in fan(inside, edge, sampling, TENSOR_DEGREE) {
-        let position = [inside[0] + x, inside[1] + y];
-        let tensor = tensor(surfaces, [position[0], position[1], z]);
-        push(Source { position, values: values(&tensor, shares.map(|m| area * m)) });
-    }
+    let mut points = fan(inside, edge, sampling, extra);
+    points.iter_mut().for_each(|([x, y], _)| {
+        *x += inside[0];
+        *y += inside[1];
+    });
+    points
 }
 
 fn values(tensor: &Square, shares: [f64; 2]) -> [f64; VALUES] {
@@ -167,7 +179,8 @@ impl Face {
     }
 }
 
-fn square([x, y, z]: V3) -> Square {
+/// The tensor v vᵀ.
+pub(super) fn square([x, y, z]: V3) -> Square {
     [x * x, x * y, y * y, x * z, y * z, z * z]
 }
 

@@ -52,6 +52,12 @@ impl NormalField {
         NormalField { constant: 1.0 / (radius_um * radius_um), slope: 0.0 }
     }
 
+    /// Components xx, xy, yy, xz, yz, zz of N at a place relative to the centre.
+    pub fn at(&self, [x, y, z]: [f64; 3]) -> [f64; FIELDS - 1] {
+        let factor = self.constant - self.slope * (x * x + y * y + z * z);
+        [x * x, x * y, y * y, x * z, y * z, z * z].map(|square| factor * square)
+    }
+
     /// N between two concentric spheres.
     pub fn of_layer(inner_um: f64, outer_um: f64) -> NormalField {
         let inner = inner_um * inner_um;
@@ -117,7 +123,7 @@ pub fn of_ball(balls: &[Sphere], i: usize, slab: &Slab, push: &mut impl FnMut(So
 /// Sources of a ball within a cell, with N of its own or of the layer that ends at its surface.
 pub fn of_single(ball: &Sphere, normal: NormalField, slab: &Slab, push: &mut impl FnMut(Source)) {
     let [cx, cy, cz] = ball.center_um;
-    for (theta, weight) in profile_nodes(cz, ball.radius_um, slab) {
+    for (theta, weight) in profile_nodes(cz, ball.radius_um, slab, PROFILE_DEGREE) {
         let (sine, cosine) = theta.sin_cos();
         let r = ball.radius_um * sine;
         let Some(chord) = chord(ball.radius_um * cosine, cz, slab) else { continue };
@@ -135,17 +141,17 @@ pub fn of_single(ball: &Sphere, normal: NormalField, slab: &Slab, push: &mut imp
 }
 
 /// The part of a column ±`half` about the centre that lies in the cell, relative to the centre.
-fn chord(half: f64, center: f64, slab: &Slab) -> Option<[f64; 2]> {
+pub(super) fn chord(half: f64, center: f64, slab: &Slab) -> Option<[f64; 2]> {
     let range = [(slab.range_um[0] - center).max(-half), (slab.range_um[1] - center).min(half)];
     (range[1] > range[0]).then_some(range)
 }
 
 /// Degree added by the profile's powers of sin θ and cos θ, per radian of half-range.
-const PROFILE_DEGREE: f64 = 8.0;
+pub(super) const PROFILE_DEGREE: f64 = 8.0;
 
 /// Nodes θ and weights for columns at R sin θ, 0 ≤ θ ≤ π/2, divided where columns begin to
-/// intersect a face of the cell.
-fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
+/// intersect a face of the cell; powers of sin θ and cos θ add `extra` per radian to the degree.
+pub(super) fn profile_nodes(center: f64, radius: f64, slab: &Slab, extra: f64) -> Vec<(f64, f64)> {
     let mut breaks = vec![0.0, FRAC_PI_2];
     let faces = slab.range_um.map(|z| (z - center).abs() / radius);
     breaks.extend(faces.into_iter().filter(|&c| c < 1.0).map(f64::acos));
@@ -160,7 +166,7 @@ fn profile_nodes(center: f64, radius: f64, slab: &Slab) -> Vec<(f64, f64)> {
         // Sines and cosines of θ up to the fifth power multiply the wave: twice their degree over
         // the half-range.
         let reach = 0.5 * radius * (pair[1].sin() - pair[0].sin());
-        let degree = slab.sampling.demands.degree(reach) + PROFILE_DEGREE * half;
+        let degree = slab.sampling.demands.degree(reach) + extra * half;
         let rule = gauss_rule((0.5 * degree).ceil() as usize + 2);
         nodes.extend(rule.iter().map(|&(x, w)| (middle + half * x, half * w)));
     }
@@ -201,7 +207,7 @@ pub(super) fn fan(inside: [f64; 2], edge: &Edge, sampling: &Sampling, extra: f64
 /// Lines of a cylinder along y: x relative to its axis with a weight in µm, and all fields.
 pub fn of_cylinder(z_um: f64, radius_um: f64, slab: &Slab) -> Vec<(f64, [f64; VALUES])> {
     let mut lines = Vec::new();
-    for (theta, weight) in profile_nodes(z_um, radius_um, slab) {
+    for (theta, weight) in profile_nodes(z_um, radius_um, slab, PROFILE_DEGREE) {
         let (sine, cosine) = theta.sin_cos();
         let Some(chord) = chord(radius_um * cosine, z_um, slab) else { continue };
         let heights = slab.stretch(chord, z_um);

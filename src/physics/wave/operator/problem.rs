@@ -15,7 +15,9 @@ use super::scattering::Scattering;
 use super::setting::plane_offsets;
 use super::sharing::Idle;
 use crate::numerics::fourier::PlaneFft;
-use crate::wave::{Coverage, Field, Incidence, Media, Scatter, Scene, Setting, WaveError, decaying_root};
+use crate::wave::{
+    Coverage, Field, Incidence, Material, Media, Scatter, Scene, Setting, WaveError, decaying_root,
+};
 use num_complex::Complex64;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
@@ -90,6 +92,7 @@ impl Problem {
         incidence: &Incidence,
         mean: Mean,
     ) -> Result<Problem, WaveError> {
+        check_crystals(coverage)?;
         let (setting, mean_k2) =
             Setting::new(coverage, &coverage.harmonics, media, incidence, mean, |k0, eta, [x, y]| {
                 decaying_root(k0 * k0 * eta * eta - (x * x + y * y))
@@ -179,6 +182,18 @@ impl Problem {
     pub fn end_conditions(&self, harmonic: usize) -> [Complex64; 2] {
         [0, 1].map(|side| Complex64::I * self.kappa[side][harmonic])
     }
+}
+
+/// Rejects crystals: the scalar wave has no polarisation that could tell their indices apart.
+fn check_crystals(coverage: &Coverage) -> Result<(), WaveError> {
+    if !coverage.channels.iter().any(|channel| matches!(channel.material, Material::Uniaxial(_))) {
+        return Ok(());
+    }
+    let found = "the scalar wave with an extraordinary index, which it has no polarisation to feel";
+    let allowed =
+        "Maxwell's equations (--wave vector; in studies light.wave = \"unpolarised\", \"s\" or \"p\")";
+    let remedy = "solve these, or give one index for both rays";
+    Err(WaveError::Unsound(format!("wave: found {found}; allowed is {allowed}; {remedy}")))
 }
 
 #[cfg(test)]

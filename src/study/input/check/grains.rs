@@ -108,6 +108,7 @@ impl PigmentTable {
             agglomeration: self.agglomeration.clone(),
             share: self.share,
             profile: self.profile.clone().unwrap_or_default(),
+            optic_axis: self.index.is_birefringent().then(|| self.optic_axis.unwrap_or([0.0, 0.0, 1.0])),
         }
     }
 

@@ -8,7 +8,7 @@ use crate::input::{Fault, Faults, keys_in_words, limits};
 use crate::material::columns::widest_gap_nm;
 use crate::material::kramers_kronig::KnownIndex;
 use crate::material::mixing::MixingRule;
-use crate::material::named::{MATERIALS, NamedMaterial, Synthetic};
+use crate::material::named::{MATERIALS, NamedMaterial, Ray, Synthetic};
 use crate::material::spectra::{BesideKappa, Dilution, Spectrum, SpectrumError};
 use crate::numerics::allowed::shown;
 use num_complex::Complex64;
@@ -16,33 +16,77 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 impl IndexWritten {
+    /// Whether it gives both rays of a crystal.
+    pub(super) fn is_birefringent(&self) -> bool {
+        self.birefringent == Some(true) || self.ordinary.is_some() || self.extraordinary.is_some()
+    }
+
+    /// The index at every wavelength, of a crystal that of the ordinary ray; and that of the
+    /// extraordinary one.
+    pub(super) fn rays(
+        &self,
+        field: &str,
+        tables: &Tabulation,
+        faults: &mut Faults,
+    ) -> (IndexSpectrum, Option<IndexSpectrum>) {
+        if !self.is_birefringent() {
+            let one = Self { birefringent: None, ..self.clone() };
+            return (one.tabulated(field, tables, faults), None);
+        }
+        let alone = Self { birefringent: None, ordinary: None, extraordinary: None, ..self.clone() };
+        match (&self.ordinary, &self.extraordinary, &self.material) {
+            (Some(ordinary), Some(extraordinary), _)
+                if self.birefringent.is_none() && alone == Self::default() =>
+            {
+                let ordinary = ordinary.tabulated(&format!("{field}.ordinary"), tables, faults);
+                let other = extraordinary.tabulated(&format!("{field}.extraordinary"), tables, faults);
+                (ordinary, Some(other))
+            }
+            (None, None, Some(name)) if Self { material: None, ..alone.clone() } == Self::default() => {
+                let of = |ray: Ray| Spectrum::ray(name, ray);
+                match (of(Ray::Ordinary), of(Ray::Extraordinary)) {
+                    (Ok(ordinary), Ok(other)) => (
+                        tabulated(ordinary, field, "material", tables, faults),
+                        Some(tabulated(other, field, "material", tables, faults)),
+                    ),
+                    (Err(error), _) | (_, Err(error)) => {
+                        faults.push(no_rays(field, name, &error));
+                        (IndexSpectrum::vacuum(tables), None)
+                    }
+                }
+            }
+            _ => {
+                let found = keys_in_words(self, INDEX_KEYS);
+                let allowed =
+                    "{ ordinary = …, extraordinary = … } alone, or { material = \"…\", birefringent = true }";
+                let remedy = "write for example index = { ordinary = 2.61, extraordinary = 2.90 }";
+                faults.add(field, found, allowed, remedy);
+                (IndexSpectrum::vacuum(tables), None)
+            }
+        }
+    }
+
     /// The index at every wavelength; 1 everywhere after an error, which makes the study invalid
     /// anyway.
     pub(super) fn tabulated(&self, field: &str, tables: &Tabulation, faults: &mut Faults) -> IndexSpectrum {
-        let wavelengths_nm = tables.wavelengths_nm;
-        let before = faults.0.len();
-        let spectrum = self.spectrum(field, tables.folder, faults).unwrap_or(Spectrum::VACUUM);
-        let key = if self.yaml.is_some() { "yaml" } else { "csv" };
-        let faulty = faulty_rows(&format!("{field}.{key}"), &spectrum, wavelengths_nm);
-        faults.0.extend(faulty.or_else(|| outside(field, &spectrum, wavelengths_nm)));
-        let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
-        let index = values.collect::<Result<Vec<_>, _>>().unwrap_or_default();
-        faults.0.extend(unsound(field, &index, wavelengths_nm));
-        // wavelengths that are not allowed are reported with the light
-        let is_invalid = faults.0.len() > before || index.len() < wavelengths_nm.len();
-        let vacuum = || vec![Complex64::ONE; wavelengths_nm.len()];
-        IndexSpectrum {
-            source: if is_invalid { String::new() } else { source(&spectrum) },
-            index: if is_invalid { vacuum() } else { index },
-            spectrum: if is_invalid { Spectrum::VACUUM } else { spectrum },
-            dissolved: Vec::new(),
-            mixing: MixingRule::default(),
+        if self.birefringent.is_some() || self.ordinary.is_some() || self.extraordinary.is_some() {
+            let found = keys_in_words(self, INDEX_KEYS);
+            let remedy = "give one index; for the mean of a crystal's rays { material = \"…\" }";
+            faults.add(field, found, "one index: grains of pigments alone are birefringent", remedy);
+            return IndexSpectrum::vacuum(tables);
         }
+        let before = faults.0.len();
+        let Some(spectrum) = self.spectrum(field, tables.folder, faults) else {
+            return IndexSpectrum::vacuum(tables);
+        };
+        let key = if self.yaml.is_some() { "yaml" } else { "csv" };
+        let tabulated = tabulated(spectrum, field, key, tables, faults);
+        if faults.0.len() > before { IndexSpectrum::vacuum(tables) } else { tabulated }
     }
 
     /// The spectrum that is written; `None` after an error.
     fn spectrum(&self, field: &str, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
-        let Self { n, k, built_in, material, csv, yaml, kramers_kronig, dilution } = self;
+        let Self { n, k, built_in, material, csv, yaml, kramers_kronig, dilution, .. } = self;
         if kramers_kronig.is_some() || dilution.is_some() {
             return self.beside_kappa(field, folder, faults);
         }
@@ -75,15 +119,17 @@ impl IndexWritten {
 impl IndexWritten {
     /// The spectrum of a file of κ with a relation for n, or of the absorbance of a dilution.
     fn beside_kappa(&self, field: &str, folder: &Path, faults: &mut Faults) -> Option<Spectrum> {
-        let (Some(csv), None, None, None, None) =
-            (&self.csv, self.k, &self.built_in, &self.material, &self.yaml)
-        else {
-            let found = keys_in_words(self, INDEX_KEYS);
-            let allowed = "kramers_kronig and dilution beside csv alone: the file gives κ, or the absorbance";
-            let remedy =
-                "write for example { csv = \"kappa.csv\", kramers_kronig = { n_nm = 589, n = 1.65 } }";
-            faults.add(field, found, allowed, remedy);
-            return None;
+        let (key, written) = match (&self.csv, &self.yaml, self.k, &self.built_in, &self.material) {
+            (Some(csv), None, None, None, None) => ("csv", csv),
+            (None, Some(yaml), None, None, None) if self.dilution.is_none() => ("yaml", yaml),
+            _ => {
+                let found = keys_in_words(self, INDEX_KEYS);
+                let allowed = "kramers_kronig beside csv or yaml alone, and dilution beside csv alone: the file gives κ, or the absorbance";
+                let remedy =
+                    "write for example { csv = \"kappa.csv\", kramers_kronig = { n_nm = 589, n = 1.65 } }";
+                faults.add(field, found, allowed, remedy);
+                return None;
+            }
         };
         let before = faults.0.len();
         let beside = match (self.n, &self.kramers_kronig) {
@@ -105,10 +151,17 @@ impl IndexWritten {
         if faults.0.len() > before {
             return None;
         }
-        match Spectrum::from_kappa(folder.join(csv), &beside?, dilution.as_ref()) {
+        let path = folder.join(written);
+        let read = match (key, beside?) {
+            ("yaml", BesideKappa::KramersKronig { known, n_error }) => {
+                Spectrum::from_recorded_kappa(path, known, n_error)
+            }
+            (_, beside) => Spectrum::from_kappa(path, &beside, dilution.as_ref()),
+        };
+        match read {
             Ok(spectrum) => Some(spectrum.without_folder()),
             Err(error) => {
-                faults.push(not_found(&format!("{field}.csv"), "csv", csv, folder, &error));
+                faults.push(not_found(&format!("{field}.{key}"), key, written, folder, &error));
                 None
             }
         }
@@ -165,6 +218,54 @@ impl DilutionWritten {
             faults.number(&format!("{field}.{key}"), value, range, remedy);
         }
         Dilution { path_mm, concentration_g_per_l, density_g_per_cm3 }
+    }
+}
+
+impl IndexSpectrum {
+    /// The index 1, after an error.
+    fn vacuum(tables: &Tabulation) -> Self {
+        Self {
+            source: String::new(),
+            index: vec![Complex64::ONE; tables.wavelengths_nm.len()],
+            spectrum: Spectrum::VACUUM,
+            dissolved: Vec::new(),
+            mixing: MixingRule::default(),
+        }
+    }
+}
+
+/// A spectrum at every wavelength, unless it has none there; `key` is that of its file.
+fn tabulated(
+    spectrum: Spectrum,
+    field: &str,
+    key: &str,
+    tables: &Tabulation,
+    faults: &mut Faults,
+) -> IndexSpectrum {
+    let wavelengths_nm = tables.wavelengths_nm;
+    let before = faults.0.len();
+    let faulty = faulty_rows(&format!("{field}.{key}"), &spectrum, wavelengths_nm);
+    faults.0.extend(faulty.or_else(|| outside(field, &spectrum, wavelengths_nm)));
+    let values = wavelengths_nm.iter().map(|nm| spectrum.index(nm * 1e-3));
+    let index = values.collect::<Result<Vec<_>, _>>().unwrap_or_default();
+    faults.0.extend(unsound(field, &index, wavelengths_nm));
+    // wavelengths that are not allowed are reported with the light
+    if faults.0.len() > before || index.len() < wavelengths_nm.len() {
+        return IndexSpectrum::vacuum(tables);
+    }
+    IndexSpectrum { source: source(&spectrum), index, spectrum, ..IndexSpectrum::vacuum(tables) }
+}
+
+/// A listed material without two rays.
+fn no_rays(field: &str, name: &str, error: &SpectrumError) -> Fault {
+    let uniaxial = MATERIALS.iter().filter(|material| material.is_uniaxial()).map(|material| material.name);
+    let allowed = format!("a uniaxial crystal: {}", uniaxial.collect::<Vec<_>>().join(", "));
+    let remedy = "take one of these, or your own { ordinary = …, extraordinary = … }; or remove birefringent";
+    match error {
+        SpectrumError::UnknownMaterial { .. } => {
+            Fault::new(format!("{field}.material"), format!("{name:?}"), allowed, remedy)
+        }
+        _ => Fault::new(format!("{field}.birefringent"), format!("true for {name:?}"), allowed, remedy),
     }
 }
 
@@ -272,7 +373,8 @@ pub(super) fn bridged(study: &Study) -> BTreeSet<String> {
     let Some(&from) = study.wavelengths_nm.first() else { return BTreeSet::new() };
     let Some(&to) = study.wavelengths_nm.last() else { return BTreeSet::new() };
     let dissolved = study.dissolved.iter().map(|dissolved| &dissolved.material);
-    let spectra = study.materials().chain(dissolved).chain([&study.layer.binder]).map(|m| &m.spectrum);
+    let materials = study.materials().chain(study.extraordinary_indices());
+    let spectra = materials.chain(dissolved).chain([&study.layer.binder]).map(|m| &m.spectrum);
     let spectra: Vec<&Spectrum> = spectra.collect();
     let listed = spectra.iter().flat_map(|spectrum| of_listed(spectrum, [from, to]));
     let gaps = spectra.iter().filter_map(|s| Some(gap_in_words(&s.name(), s.widest_gap_nm([from, to])?)));

@@ -176,6 +176,11 @@ pub(super) fn refusals(pigments: &[PigmentTable], study: &Study, faults: &mut Fa
         let index = media.iter().map(|(nm, media)| (*nm, media.inclusions[core]));
         faults.0.extend(metal(pigment.field("index"), index, scalar));
     }
+    for (pigment, checked) in packed(pigments).zip(&study.pigments) {
+        let Some(other) = &checked.extraordinary else { continue };
+        let index = study.wavelengths_nm.iter().copied().zip(other.index.iter().copied());
+        faults.0.extend(metal(pigment.field("index.extraordinary"), index, scalar));
+    }
     let binder = media.iter().map(|(nm, media)| (*nm, media.backgrounds[0]));
     faults.0.extend(metal("layer.binder.index".to_owned(), binder, scalar));
 }

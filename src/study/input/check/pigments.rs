@@ -2,12 +2,13 @@
 
 use super::Tabulation;
 use super::cell::NominalCell;
-use crate::ink::{PackError, PackingRequest, PigmentGrains, Shape};
+use crate::ink::{Orientation, PackError, PackingRequest, PigmentGrains, Shape};
 use crate::input::file::{MicrostructureTable, PigmentTable};
 use crate::input::forms::Diameter;
 use crate::input::study::{Dissolved, Layer, Pigment};
 use crate::input::{Fault, Faults, StudyFile, limits};
 use crate::material::mixing::MixingRule;
+use crate::numerics::vector::norm;
 use num_complex::Complex64;
 
 /// A pigment and its number in the file, from 0.
@@ -52,6 +53,7 @@ impl NumberedPigment<'_> {
             ("agglomeration", self.table.agglomeration.is_some()),
             ("shape", self.table.shape != Shape::default()),
             ("profile", self.table.profile.is_some()),
+            ("optic_axis", self.table.optic_axis.is_some()),
         ];
         for (key, is_given) in keys_of_grains {
             if is_given {
@@ -62,15 +64,41 @@ impl NumberedPigment<'_> {
         }
     }
 
+    /// What birefringent grains cannot be with.
+    fn check_crystal(&self, file: &StudyFile, faults: &mut Faults) {
+        let key = if self.table.index.extraordinary.is_some() { "extraordinary" } else { "birefringent" };
+        let field = self.field(&format!("index.{key}"));
+        let mut refuse = |there: bool, found: &str, allowed: &str, remedy: &str| {
+            if there {
+                faults.add(field.clone(), found, allowed, remedy);
+            }
+        };
+        let remedy = "set light.wave = \"unpolarised\", or give one index for both rays";
+        let allowed =
+            "Maxwell's equations (light.wave = \"unpolarised\", \"s\" or \"p\"), which feel the optic axis";
+        refuse(!file.light.wave.is_vector(), "the scalar wave, which has no polarisation", allowed, remedy);
+        let part = file.layer.contrast.is_full();
+        refuse(!part, "layer.contrast", "the full contrast", "remove layer.contrast, or give one index");
+        let voxels = file.layer.microstructure.as_ref().is_some_and(|table| table.voxels.is_some());
+        let whole = "grains that are known one by one: several boxes of voxels make one grain";
+        refuse(voxels, "layer.microstructure.voxels", whole, "give the grains' positions, or one index");
+        let aligned = self.table.orientation != Orientation::Random;
+        let composed = file.layer.composed.is_some();
+        let isotropic =
+            "orientation = \"random\" where the layer is composed: the mean wave between slabs has one index";
+        let remedy = "remove orientation, or [layer.composed]";
+        refuse(composed && aligned, "aligned optic axes", isotropic, remedy);
+    }
+
     /// The pigment with its indices and those of the layers around its cores.
     fn with_indices(&self, grains: PigmentGrains, tables: &Tabulation, faults: &mut Faults) -> Pigment {
-        let material = self.table.index.tabulated(&self.field("index"), tables, faults);
+        let (material, extraordinary) = self.table.index.rays(&self.field("index"), tables, faults);
         let mut shell = Vec::new();
         for (layer, table) in self.table.shell.iter().enumerate() {
             let field = self.field(&format!("shell[{layer}].index"));
             shell.push(table.index.tabulated(&field, tables, faults));
         }
-        Pigment { name: self.name(), grains, material, shell }
+        Pigment { name: self.name(), grains, material, extraordinary, shell }
     }
 }
 
@@ -128,6 +156,28 @@ pub(super) fn grains(
         check_total_fraction(pigments, faults);
     }
     all
+}
+
+/// What birefringent grains cannot be with, and optic axes of other ones.
+pub(super) fn crystal_faults(file: &StudyFile, faults: &mut Faults) {
+    for pigment in packed(&file.pigments) {
+        let table = pigment.table;
+        if let Some(axis) = table.optic_axis {
+            let length = norm(axis);
+            if !(length.is_finite() && length > 0.0) {
+                let allowed = "a direction [x, y, z] of finite length above 0";
+                faults.add(pigment.field("optic_axis"), format!("{axis:?}"), allowed, "[0, 0, 1] is usual");
+            }
+            if !table.index.is_birefringent() {
+                let allowed = "an optic axis of grains with two indices";
+                let remedy = "give index = { ordinary = …, extraordinary = … }, or remove optic_axis";
+                faults.add(pigment.field("optic_axis"), "one index", allowed, remedy);
+            }
+        }
+        if table.index.is_birefringent() {
+            pigment.check_crystal(file, faults);
+        }
+    }
 }
 
 /// The checked pigments with their indices.

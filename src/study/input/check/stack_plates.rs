@@ -1,7 +1,7 @@
 //! Stacks that are lists of plates: which layers are solved as a whole, and what cannot be.
 
 use super::light::check_list;
-use crate::ink::Joint;
+use crate::ink::{Joint, Orientation};
 use crate::input::file::{ComposedTable, StackLayerTable};
 use crate::input::forms::ThicknessWritten;
 use crate::input::study::{Composed, LayerPlates, Study, StudyKind};
@@ -117,6 +117,12 @@ fn refuse(written: &StudyFile, layers: &[StackLayerTable], study: &Study, faults
         refuse(layer.relief.is_some(), "relief", "a plane surface", remedy);
         refuse(layer.microstructure.is_some(), "microstructure", "packed grains", remedy);
         refuse(layer.thickness_um.std() > 0.0, "thickness_um.std", "one thickness or a list", remedy);
+        for (k, pigment) in layer.pigments.iter().enumerate() {
+            let aligned = pigment.index.is_birefringent() && pigment.orientation != Orientation::Random;
+            let remedy = "remove orientation, or give the pigment one index";
+            let allowed = "\"random\" for birefringent grains";
+            refuse(aligned, &format!("pigment[{k}].orientation"), allowed, remedy);
+        }
     }
     let mut refuse = |there: bool, field: &str, allowed: &str, remedy: &str| {
         if there {

@@ -11,7 +11,9 @@ use crate::ink::{
     Agglomeration, EquilibrationSettings, MethodChoice, Orientation, RelaxationSettings, ReliefRequest,
     SequentialSettings, Shape, ShareRule, SizeDistribution,
 };
-use crate::input::forms::{Diameter, IndexForms, IndexWritten, Pair, ThicknessWritten, index};
+use crate::input::forms::{
+    Diameter, IndexForms, IndexWritten, Pair, PigmentIndexForms, ThicknessWritten, index,
+};
 use crate::input::{limits, variation};
 use crate::material::mixing::{MixingRule, molecular_mixture};
 use crate::numerics::files::name_or_table;
@@ -168,8 +170,15 @@ pub struct PigmentTable {
     pub volume_fraction: Option<f64>,
     /// Refractive index; not needed for packings only.
     #[serde(deserialize_with = "index")]
-    #[schemars(with = "IndexForms", example = std::collections::BTreeMap::from_iter(Some(("built_in", "yellow"))))]
+    #[schemars(with = "PigmentIndexForms", example = std::collections::BTreeMap::from_iter(Some(("built_in", "yellow"))))]
     pub index: IndexWritten,
+    /// Optic axis of birefringent grains as `[x, y, z]`, of any length above 0, in the frame of the
+    /// grain: z is the axis that `orientation` aligns. That of a convex body turns with it, that of
+    /// a union of spheres about the union's axis at random; spheres have no frame, and their axes
+    /// are drawn as `orientation` says (default: `[0, 0, 1]`).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    #[schemars(example = (0.0, 0.0, 1.0))]
+    pub optic_axis: Option<[f64; 3]>,
     /// Alignment of the grains' axes.
     #[serde(deserialize_with = "name_or_table")]
     pub orientation: Orientation,

@@ -14,6 +14,8 @@ const MOVED_REALISATIONS: usize = 2;
 enum InputPlace {
     /// Core of a pigment's grains.
     Core(usize),
+    /// The extraordinary ray of its core.
+    Extraordinary(usize),
     /// A layer around it: pigment and layer.
     Shell(usize, usize),
     /// The binder of a layer.
@@ -102,6 +104,10 @@ impl Study {
         let Some(spectrum) = self.spectrum(by.place).moved(by.axis, by.times) else { return study };
         let material = match by.place {
             InputPlace::Core(pigment) => &mut study.pigments[pigment].material,
+            InputPlace::Extraordinary(pigment) => match &mut study.pigments[pigment].extraordinary {
+                Some(material) => material,
+                None => return study,
+            },
             InputPlace::Shell(pigment, layer) => &mut study.pigments[pigment].shell[layer],
             InputPlace::Binder(layer) | InputPlace::Dissolved(layer, _) => study.binder_mut(layer),
         };
@@ -118,6 +124,7 @@ impl Study {
         let mut places = Vec::new();
         for (i, pigment) in self.pigments.iter().enumerate() {
             places.push(InputPlace::Core(i));
+            places.extend(pigment.extraordinary.as_ref().map(|_| InputPlace::Extraordinary(i)));
             places.extend((0..pigment.shell.len()).map(|layer| InputPlace::Shell(i, layer)));
         }
         for (layer, binder) in self.binders().into_iter().enumerate() {
@@ -130,6 +137,10 @@ impl Study {
     fn spectrum(&self, place: InputPlace) -> &Spectrum {
         match place {
             InputPlace::Core(pigment) => &self.pigments[pigment].material.spectrum,
+            InputPlace::Extraordinary(pigment) => {
+                let pigment = &self.pigments[pigment];
+                &pigment.extraordinary.as_ref().unwrap_or(&pigment.material).spectrum
+            }
             InputPlace::Shell(pigment, layer) => &self.pigments[pigment].shell[layer].spectrum,
             InputPlace::Binder(layer) => &self.binders()[layer].spectrum,
             InputPlace::Dissolved(layer, i) => &self.binders()[layer].dissolved[i].1,

@@ -60,6 +60,10 @@ pub struct Pigment {
     pub grains: PigmentGrains,
     /// Its refractive index; that of the core where there are layers around it.
     pub material: IndexSpectrum,
+    /// The index of its extraordinary ray, if it is birefringent; `material` is that of the
+    /// ordinary one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub extraordinary: Option<IndexSpectrum>,
     /// Layers around the core, from the core outwards; their thicknesses are those of
     /// [`PigmentGrains::shell_nm`].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -2,6 +2,7 @@
 
 use super::{IndexSpectrum, StackLayer, Study};
 use crate::ink::{PackingRequest, StackedRequest};
+use crate::wave::mean_of_rays;
 use num_complex::Complex64;
 use std::ops::Range;
 
@@ -74,11 +75,16 @@ impl Study {
         thicknesses_um.into_iter().map(|um| x * y * um).collect()
     }
 
-    /// Indices of the binders of all layers, and of all materials, at one wavelength.
+    /// Indices of the binders of all layers, and of all materials, at one wavelength; of
+    /// birefringent pigments that of the mean over all directions of the axis.
     pub(super) fn binders_and_pigments(&self, wavelength_um: f64) -> (Vec<Complex64>, Vec<Complex64>) {
         let of_layers = self.layers_of_materials();
         let shares = self.material_shares();
         let mut inclusions: Vec<Complex64> = self.materials().map(|m| m.index_at(wavelength_um)).collect();
+        for (inclusion, pigment) in inclusions.iter_mut().zip(&self.pigments) {
+            let other = pigment.extraordinary.as_ref().map(|other| other.index_at(wavelength_um));
+            *inclusion = mean_of_rays([*inclusion, other.unwrap_or(*inclusion)]);
+        }
         let mut backgrounds = Vec::new();
         for (layer, binder) in self.binders().into_iter().enumerate() {
             let own: Vec<usize> = (0..of_layers.len()).filter(|&m| of_layers[m] == layer).collect();
