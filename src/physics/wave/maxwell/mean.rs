@@ -14,7 +14,7 @@ use super::kernels::{BLOCK, Constants, NodeSystem, Tables, across, add_loads, wi
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::operator::inverse::{row, row_of};
 use crate::wave::operator::sharing::{Idle, tabulated};
-use crate::wave::{Field, Grid};
+use crate::wave::{Field, Grid, decaying_root};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
@@ -69,8 +69,10 @@ impl VectorMean {
         let ends = |weights: [Complex64; 2]| {
             [0, 1].map(|side| kappa[side].iter().map(|kappa| I * kappa * weights[side]).collect::<Vec<_>>())
         };
-        let tables = tabulated((heights.len(), lateral.len()), 4, |j, i| {
-            let (cell, node) = cell_functions(mean_k2[j] - lateral[i] * lateral[i], heights[j]);
+        let kz2 = |j: usize, i: usize| mean_k2[j] - lateral[i] * lateral[i];
+        let exponent = |j: usize, i: usize| [Complex64::I * decaying_root(kz2(j, i)) * heights[j]];
+        let tables = tabulated((heights.len(), lateral.len()), 4, exponent, |j, i, [step]| {
+            let (cell, node) = cell_functions(kz2(j, i), heights[j], step);
             [cell.b, cell.c, node.off, node.diagonal]
         });
         let [b, c, mut off, mut diagonal] = tables.try_into().expect("four tables");
