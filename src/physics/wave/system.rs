@@ -5,6 +5,7 @@
 //! polarisation, with unknowns of the same shape. Strategies that only apply the operator work on
 //! every system; those that treat A and V separately use [`System::split`].
 
+use super::maxwell::VectorProblem;
 use super::operator::setting::cells_needed;
 use super::{FarField, Field, Grid, Polarisation, Problem, Scatter};
 use ndarray::ArrayView2;
@@ -50,6 +51,12 @@ pub trait System: Send + Sync {
     /// A and V separately, in values at points: for strategies that alternate between them, or use
     /// guided modes of A. `None` if the unknowns are moments.
     fn split(&self) -> Option<&Problem> {
+        None
+    }
+
+    /// The problem that both polarisations of the vector wave share, whose lowest harmonics can be
+    /// eliminated; `None` for the scalar wave.
+    fn vector(&self) -> Option<&VectorProblem> {
         None
     }
 

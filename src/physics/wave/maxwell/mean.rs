@@ -10,7 +10,9 @@
 //! in cell j is row 6j + 3q + c; columns are harmonics. Neither kz nor q is used as a divisor.
 
 use super::cell::cell_functions;
-use super::kernels::{BLOCK, Constants, NodeSystem, Tables, across, add_loads, within};
+use super::kernels::{
+    BLOCK, Constants, NodeSystem, Tables, UnitResponses, across, add_loads, selected, within,
+};
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::operator::inverse::{row, row_of};
 use crate::wave::operator::sharing::{Idle, tabulated};
@@ -85,6 +87,38 @@ impl VectorMean {
         VectorMean { heights, mean_k2, lateral, electric, magnetic, functions: [b, c], idle: Idle::default() }
     }
 
+    /// The operator on some of the harmonics.
+    pub(super) fn restricted(&self, columns: &[usize]) -> VectorMean {
+        let chosen = |table: &Array2<Complex64>| selected(table, columns);
+        VectorMean {
+            heights: self.heights.clone(),
+            mean_k2: self.mean_k2.clone(),
+            lateral: columns.iter().map(|&i| self.lateral[i]).collect(),
+            electric: self.electric.restricted(columns),
+            magnetic: self.magnetic.restricted(columns),
+            functions: self.functions.each_ref().map(chosen),
+            idle: Idle::default(),
+        }
+    }
+
+    /// What unit sources in a cell and unit values at its nodes cause, in all harmonics.
+    pub(super) fn unit_responses(&self, cell: usize) -> UnitResponses {
+        let width = self.lateral.len();
+        let constants = Constants::new(self.heights[cell], self.mean_k2[cell]);
+        UnitResponses::new(&constants, &self.tables(cell, 0, width), width)
+    }
+
+    /// An entry of the nodes' systems in every harmonic: of TE, then of TM for h in a `unit`.
+    pub(super) fn node_entries(
+        &self,
+        entry: impl Fn(&NodeSystem<f64>, usize) -> Complex64,
+        unit: f64,
+    ) -> Vec<Complex64> {
+        let harmonics = 0..self.lateral.len();
+        let electric = harmonics.clone().map(|i| entry(&self.electric, i));
+        electric.chain(harmonics.map(|i| unit * unit * entry(&self.magnetic, i))).collect()
+    }
+
     /// The operator in another precision.
     pub fn narrowed<T: Real>(&self) -> VectorMean<T> {
         let heights = self.heights.clone();
@@ -137,6 +171,15 @@ impl<T: Real> VectorMean<T> {
             self.node_values(&y.view(), b * BLOCK, entry, [u, w]);
             self.moments(&mut y, b * BLOCK, u, w);
         });
+    }
+
+    /// Right-hand sides of the node systems from F = V E: TE and TM, node by node.
+    pub(super) fn node_loads(&self, y: &Array2<Complex<T>>) -> [Vec<Complex<T>>; 2] {
+        let zeros = || vec![Complex::default(); (self.heights.len() + 1) * self.lateral.len()];
+        let mut loads = [zeros(), zeros()];
+        let [u, w] = &mut loads;
+        self.loads(&y.view(), 0, u, w);
+        loads
     }
 
     /// Fields E_s and h of a block at all nodes, node by node.

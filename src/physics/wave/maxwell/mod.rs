@@ -9,6 +9,7 @@
 
 mod absorption;
 mod cell;
+pub(crate) mod coarse;
 mod contrast;
 mod kernels;
 mod mean;

@@ -7,6 +7,7 @@
 //! propagation. Reflected amplitudes refer to the illuminated face, transmitted ones to the
 //! opposite face, at x = y = 0.
 
+use super::coarse::{CoarsePlan, CoarseSpace};
 use super::contrast::{Averaging, tensors};
 use super::mean::{CELL_ROWS, MeanEntry, Nodes, VectorMean};
 use super::moments::NormalMoments;
@@ -20,7 +21,7 @@ use crate::wave::{
 use ndarray::ArrayView2;
 use num_complex::Complex64;
 use std::ops::Deref;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Maxwell's equations on a scene for one wavelength and direction, both polarisations: immutable,
 /// shared by threads.
@@ -34,6 +35,8 @@ pub struct VectorProblem {
     /// The operator A⁻¹V.
     double: VectorScattering<f64>,
     single: OnceLock<VectorScattering<f32>>,
+    /// What one polarisation eliminated and the other will need.
+    coarse: Mutex<Option<Arc<CoarseSpace>>>,
 }
 
 impl Deref for VectorProblem {
@@ -80,7 +83,31 @@ impl VectorProblem {
         let contrast = tensors(moments, media, setting.k0, &mean_k2, averaging)?;
         let mean = VectorMean::new(&moments.grid, mean_k2, q, setting.kappa.each_ref().map(Vec::as_slice), k);
         let double = VectorScattering::new(mean, harmonics, directions, PlaneFft::new(nx, ny), &contrast);
-        Ok(Arc::new(VectorProblem { moments: moments.clone(), setting, k, double, single: OnceLock::new() }))
+        let (moments, single, coarse) = (moments.clone(), OnceLock::new(), Mutex::default());
+        Ok(Arc::new(VectorProblem { moments, setting, k, double, single, coarse }))
+    }
+
+    /// The operator A⁻¹V.
+    pub(super) fn operator(&self) -> &VectorScattering<f64> {
+        &self.double
+    }
+
+    /// The operator in single precision, built on first use.
+    pub(crate) fn narrow_operator(&self) -> &VectorScattering<f32> {
+        let Resolution { nx, ny, .. } = self.moments.grid.resolution;
+        self.single.get_or_init(|| self.double.narrowed(PlaneFft::new(nx, ny)))
+    }
+
+    /// The lowest harmonics eliminated as planned. What is made for one polarisation is kept for
+    /// the other, which takes it away.
+    pub(crate) fn eliminated(&self, plan: CoarsePlan) -> Arc<CoarseSpace> {
+        let kept = || self.coarse.lock().unwrap_or_else(PoisonError::into_inner);
+        let left = kept().take();
+        left.filter(|space| space.plan == plan).unwrap_or_else(|| {
+            let space = Arc::new(plan.carried_out(self));
+            *kept() = Some(space.clone());
+            space
+        })
     }
 
     /// The problem for light of one polarisation.
@@ -189,8 +216,11 @@ impl System for Polarised {
     }
 
     fn single(&self) -> Option<&dyn Scatter<f32>> {
-        let Resolution { nx, ny, .. } = self.grid().resolution;
-        Some(self.problem.single.get_or_init(|| self.problem.double.narrowed(PlaneFft::new(nx, ny))))
+        Some(self.problem.narrow_operator())
+    }
+
+    fn vector(&self) -> Option<&VectorProblem> {
+        Some(&self.problem)
     }
 
     fn mean_k2(&self) -> &[Complex64] {
