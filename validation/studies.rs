@@ -1,6 +1,6 @@
 //! Small studies run as a user runs them, for claims about whole results.
 
-use inkwave::evaluate::composed::report::report;
+use inkwave::evaluate::composed::summary::summarise_slabs;
 use inkwave::evaluate::manifest::Manifest;
 use inkwave::evaluate::seen::{Seen, see};
 use inkwave::evaluate::summary::summarise;
@@ -62,7 +62,7 @@ pub fn composed_between(text: &str, mixing: Option<MixingRule>) -> Value {
     }
     let output = OutputFolder::open(folder.path(), Holds::Study).expect("a folder for the study");
     let solved = run_portions(&study, &output, RunSettings::default(), &()).expect("slabs that run").solved;
-    serde_json::to_value(report(&study, &solved).expect("complete slabs")).expect("JSON")
+    serde_json::to_value(summarise_slabs(&study, &solved).expect("complete slabs")).expect("JSON")
 }
 
 /// A study file's text, checked.
@@ -80,7 +80,7 @@ fn solved(study: &Study, folder: &Path) -> Collected {
 
 fn told(study: &Study, collected: &Collected) -> Done {
     let seen = see(study, collected).expect("records that belong together");
-    let manifest: Manifest<&Study> = summarise(study, collected, &seen);
+    let manifest: Manifest = summarise(study, collected, &seen);
     Done { results: serde_json::to_value(&manifest).expect("JSON"), seen }
 }
 

@@ -7,20 +7,18 @@ use super::sweep::{tell_others, tell_plan};
 use super::terminal::{note, to_resume};
 use super::work::{WorkArgs, opened};
 use clap::Args;
-use inkwave::evaluate::manifest::Status;
-use inkwave::evaluate::survivors::Survivors;
+use inkwave::evaluate::manifest::{Count, Status};
 use inkwave::input::load::{load, stem};
 use inkwave::input::study::{Composed, Study, StudyKind};
-use inkwave::report::composed;
-use inkwave::report::publish::{Published, publish};
-use inkwave::run::{Collected, RunSettings};
+use inkwave::report::publish::{PublishError, Published, evaluate_and_publish};
+use inkwave::run::{RunSettings, Stores};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
-use inkwave::work::alone::{Ran, RanPortions, run_portions, run_study, stored};
+use inkwave::work::alone::{RanStudy, run_any_study, stored};
 use inkwave::work::plan::by_size;
 use inkwave::work::variant::of_one;
 use miette::{IntoDiagnostic, Result, miette};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Arguments of `inkwave run`.
 #[derive(Debug, Args)]
@@ -45,9 +43,6 @@ pub fn run(args: &RunArgs) -> Result<()> {
     }
     let of_study = study.output.folder.as_ref().filter(|_| args.work.output.is_none());
     let path = of_study.map_or_else(|| args.work.folder(&args.study, ""), PathBuf::from);
-    if study.composed().is_some() {
-        return run_composed(&study, &path, settings);
-    }
     let folder = opened(&path, Holds::Study)?;
     if let Some(reason) = study.no_ink() {
         note!("no paper, colour and picture: {reason}");
@@ -58,27 +53,36 @@ pub fn run(args: &RunArgs) -> Result<()> {
     let progress = Progress::new();
     progress.expect(study.solves(), study.target_delta_e.is_some());
     let live = Live::new(&folder, &progress, Box::new(|| publish_stored(&study, &folder)));
-    let ran = progress.during(|| run_study(&study, &folder, settings, &live));
-    let Ran { collected, publishes } =
+    let ran = progress.during(|| run_any_study(&study, &folder, settings, &live));
+    let RanStudy { solved, damages, publishes } =
         ran.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
-    tell_damages(&collected.damages);
+    tell_damages(&damages);
     if !publishes {
         return tell_others(&folder);
     }
-    let published = publish(&study, &collected, &folder).into_diagnostic()?;
-    tell(&study, &collected, &published, &folder, progress.stopped())
+    note!("evaluating the layer: numbers, error bars and pictures");
+    let published = match evaluate_and_publish(&study, &solved, &folder) {
+        Err(error @ PublishError::Slabs(_)) => {
+            let finished = solved.finished();
+            let kept = format!("{finished} of {} solves are finished and kept", study.solves());
+            return Err(miette!(help = to_resume(), "{error}: {kept}"));
+        }
+        published => published.into_diagnostic()?,
+    };
+    published.remarks.iter().for_each(note);
+    tell(&study, &published, &folder, progress.stopped())
 }
 
 /// Publishes what is finished; false if that fails.
 fn publish_stored(study: &Study, folder: &OutputFolder) -> bool {
-    let collected = stored(study, folder).ok().flatten();
-    collected.is_some_and(|collected| publish(study, &collected, folder).is_ok())
+    let solved = Stores::open(folder).ok().and_then(|stores| stored(study, &stores));
+    solved.is_some_and(|solved| evaluate_and_publish(study, &solved, folder).is_ok())
 }
 
-/// Prints the colour, or why there is none, and every other number that is missing.
-fn tell_colour(study: &Study, published: &Published) -> Result<()> {
-    if let Some(colour) = &published.colour {
-        say!("{}: {colour}", study.title)?;
+/// Prints the main results, or why there is no colour, and every other number that is missing.
+fn tell_results(study: &Study, published: &Published) -> Result<()> {
+    for line in &published.lines {
+        say!("{}: {line}", study.title)?;
     }
     if let Some(reason) = &published.no_colour {
         say!("{}: no colour: {reason}", study.title)?;
@@ -99,14 +103,8 @@ const LACKING: &str = "the results are means over the packings that succeeded, a
 const FAILED: &str = "the report lists the reasons; try another solver, a finer grid or more applications";
 
 /// Prints where the results are; incomplete results are an error, so that scripts notice.
-fn tell(
-    study: &Study,
-    collected: &Collected,
-    published: &Published,
-    folder: &OutputFolder,
-    stopped: bool,
-) -> Result<()> {
-    tell_colour(study, published)?;
+fn tell(study: &Study, published: &Published, folder: &OutputFolder, stopped: bool) -> Result<()> {
+    tell_results(study, published)?;
     say!("Report: {}", folder.path().join("report.html").display())?;
     if let (Some(widest), Some(target), false) = (published.widest, study.target_delta_e, stopped) {
         let all = study.realisations;
@@ -115,54 +113,21 @@ fn tell(
              realisations: raise run.realisations"
         );
     }
-    if let Some(missing) = Survivors::new(study, collected).missing_in_words() {
+    if let Some(missing) = &published.missing_packings {
         note!("{missing}: {LACKING}");
     }
     if published.status == Status::Complete {
         return Ok(());
     }
-    let done = collected.finished();
-    let all = study.solves() - collected.spared(study);
-    let (help, why) = match (stopped, collected.failures().count()) {
+    let Count { finished, asked } = published.solves;
+    let (help, why) = match (stopped, published.failed_solves) {
         (true, _) => (to_resume(), "stopped".to_owned()),
         (false, failed) => (FAILED.to_owned(), format!("{failed} solves have no result")),
     };
-    Err(miette!(help = help, "{why}: {done} of {all} solves are finished, the results are marked as partial"))
-}
-
-/// Runs a composed layer and prints its colours.
-fn run_composed(study: &Study, path: &Path, settings: RunSettings) -> Result<()> {
-    let folder = opened(path, Holds::Study)?;
-    let progress = Progress::new();
-    progress.expect(study.solves(), false);
-    let ran = progress.during(|| run_portions(study, &folder, settings, &progress));
-    let RanPortions { solved, damages, publishes } =
-        ran.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
-    tell_damages(&damages);
-    if progress.stopped() {
-        let finished: usize = solved.iter().map(|(_, collected)| collected.finished()).sum();
-        let kept = format!("stopped: {finished} of {} solves are finished and kept", study.solves());
-        return Err(miette!(
-            help = to_resume(),
-            "{kept}; a composed layer is evaluated when all are finished"
-        ));
-    }
-    if !publishes {
-        return tell_others(&folder);
-    }
-    note!("evaluating the layer: numbers, error bars and pictures");
-    let published = composed::publish(study, &solved, &folder);
-    let published = published.map_err(|error| miette!(help = to_resume(), "{error}"))?;
-    published.remarks.iter().for_each(note);
-    for line in composed::lines(&published) {
-        say!("{}: {line}", study.title)?;
-    }
-    say!("Report: {}", folder.path().join("report.html").display())?;
-    if published.origin.status == Status::Complete {
-        return Ok(());
-    }
-    let help = if progress.stopped() { to_resume() } else { "the report lists the reasons".to_owned() };
-    Err(miette!(help = help, "not every solve has a result: the results are marked as partial"))
+    Err(miette!(
+        help = help,
+        "{why}: {finished} of {asked} solves are finished, the results are marked as partial"
+    ))
 }
 
 /// Layers from this thickness on are offered to be composed, µm: two slabs of the usual 2 µm.

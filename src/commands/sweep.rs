@@ -6,12 +6,12 @@ use super::terminal::{note, this_command, to_resume};
 use super::work::{WorkArgs, opened};
 use clap::Args;
 use inkwave::run::RunSettings;
-use inkwave::run::watch::{Event, RunWatch};
+use inkwave::run::watch::RunWatch;
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
 use inkwave::sweep::publish::{Publisher, publish};
 use inkwave::sweep::reported::Reported;
-use inkwave::sweep::{Sweep, composed, folder, load};
+use inkwave::sweep::{Sweep, folder, load};
 use inkwave::work::run::Scope;
 use inkwave::work::units::{Shard, ends_early, units};
 use inkwave::work::variant::{Variant, solved_for};
@@ -60,7 +60,6 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     remarks.into_iter().for_each(note);
     let settings = args.work.settings()?;
     let settings = RunSettings { retry_failed: args.retry_failed, ..settings };
-    refuse_mixed(&sweep)?;
     if args.work.plan {
         return tell_plan(&sweep.variants, args.json, settings);
     }
@@ -76,9 +75,7 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     );
     let mut publisher = Publisher::new(&sweep);
     let live = Live::new(&folder, &progress, Box::new(|| publisher.publish(&folder).is_ok()));
-    // composed layers take long to evaluate: they have pages at the end
-    let has_live_pages = !args.grids_only && !composed::is_composed(&sweep);
-    let watch: &dyn RunWatch = if has_live_pages { &live } else { &progress };
+    let watch: &dyn RunWatch = if args.grids_only { &progress } else { &live };
     let tally = progress.during(|| runner::run(&sweep.variants, &folder, (part, scope), settings, watch));
     let tally = tally.map_err(run_report)?;
     tell_damages(&tally.damages);
@@ -95,28 +92,13 @@ pub fn run(args: &SweepArgs) -> Result<()> {
     if shard.is_some() {
         // The sweep is reported once the shards are merged; until then the page shows the results
         // of this one.
-        match composed::is_composed(&sweep) {
-            true => _ = composed::publish(&sweep, &folder, &()).into_diagnostic()?,
-            false => _ = publish(&sweep, &folder).into_diagnostic()?,
-        }
+        publish(&sweep, &folder).into_diagnostic()?;
         return tell_shard(&tally, part, &folder, progress.stopped());
     }
     if !tally.publishes {
         return tell_others(&folder);
     }
     report(&sweep, &folder, progress.stopped(), &this_command())
-}
-
-/// Refuses composed layers among others: they have other numbers, tables and pages.
-fn refuse_mixed(sweep: &Sweep) -> Result<()> {
-    let is_whole = |variant: &&Variant| variant.study.composed().is_none();
-    match sweep.variants.iter().find(is_whole).filter(|_| composed::is_composed(sweep)) {
-        None => Ok(()),
-        Some(other) => {
-            let help = "declare all variants composed, or none";
-            Err(miette!(help = help, "variant {} is not composed, and others are", other.name))
-        }
-    }
 }
 
 /// Says that other processes continue here.
@@ -126,33 +108,7 @@ pub(super) fn tell_others(folder: &OutputFolder) -> Result<()> {
 
 /// Publishes what the store has of a sweep and prints where the results are.
 pub(super) fn report(sweep: &Sweep, folder: &OutputFolder, stopped: bool, go_on: &str) -> Result<()> {
-    if !composed::is_composed(sweep) {
-        return tell(&publish(sweep, folder).into_diagnostic()?, folder, stopped, go_on);
-    }
-    if stopped {
-        let help = format!("to resume: {go_on}");
-        return Err(miette!(help = help, "stopped: layers are evaluated when all of their slabs are there"));
-    }
-    let published = composed::publish(sweep, folder, &Stages).into_diagnostic()?;
-    say!("Report: {}", published.page.display())?;
-    let complete = published.complete;
-    let all = sweep.variants.len();
-    if complete == all {
-        return Ok(());
-    }
-    let help = format!("to resume: {go_on}, or merge the missing shards; the pages list solves that failed");
-    Err(miette!(help = help, "{complete} of {all} layers are finished"))
-}
-
-/// Prints the stages of an evaluation.
-struct Stages;
-
-impl RunWatch for Stages {
-    fn hear(&self, event: Event) {
-        if let Event::Stage(what) = event {
-            note!("{what}");
-        }
-    }
+    tell(&publish(sweep, folder).into_diagnostic()?, folder, stopped, go_on)
 }
 
 /// Opens the output folder, writes the sweep to it and applies `--retry-failed` and `--grids`.

@@ -8,9 +8,8 @@ use super::recipe::{DesignTask, corner, short};
 use super::surface::{Spectra3, spectra};
 use crate::appearance::colour::ciede2000;
 use crate::appearance::viewing::ColourError;
+use crate::evaluate::evaluated::{Evaluated, FinishedSolves};
 use crate::evaluate::ink::InkError;
-use crate::evaluate::seen::see;
-use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::run::watch::RunWatch;
@@ -266,19 +265,21 @@ impl DesignRun<'_> {
         if self.watch.stop() {
             return Err(RunError::Stopped.into());
         }
-        let seen = match see(&study, &collected) {
-            Ok(seen) => seen,
+        let solved = FinishedSolves::Whole(Box::new(collected));
+        let evaluated = match Evaluated::new(&study, &solved) {
+            Ok(evaluated) => evaluated,
             Err(error) => return Ok(Err(error.to_string())),
         };
-        let ink = match &seen.ink {
-            Ok(ink) => ink,
-            Err(reason) => return Ok(Err(reason.to_string())),
+        let spectra = match evaluated.seen().map(|seen| &seen.ink) {
+            Some(Ok(ink)) => spectra(ink)?,
+            Some(Err(reason)) => return Ok(Err(reason.to_string())),
+            None => return Ok(Err("a composed layer has no spectra over other backings".to_owned())),
         };
-        let spectra = spectra(ink)?;
-        let manifest = summarise(&study, &collected, &seen);
+        let manifest = evaluated.manifest;
         if let Some(what) = manifest.unphysical() {
             return Ok(Err(format!("{what}: curves through few wavelengths and cells overshoot")));
         }
+        let main = manifest.main_numbers();
         let maker = manifest.ink_maker.as_ref();
         let Some((maker, target)) = maker.and_then(|maker| Some((maker, maker.target.as_ref()?))) else {
             let reason = manifest.no_ink_maker.or(manifest.no_colour);
@@ -293,7 +294,7 @@ impl DesignRun<'_> {
             predicted: None,
             surface_error: None,
             contrast_ratio: maker.contrast_ratio,
-            realisations: manifest.realisations.finished,
+            realisations: main.realisations,
             cost: task.cost(places),
             places: places.to_vec(),
             spectra,

@@ -5,16 +5,14 @@ use super::npz;
 use super::print::{Bands, InstrumentGeometry, Print, PrintSpectra, PrintSpectrum, resample};
 use super::provenance::Described;
 use super::request::{ExportError, ExportResult};
-use super::stored;
-use crate::evaluate::composed::level::SolvedPortion;
-use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, ComposedRow};
-use crate::evaluate::composed::quantities::Lab;
-use crate::evaluate::composed::report::report;
+use super::stored::{self, results_of};
 use crate::evaluate::composed::view::ComposedView;
 use crate::evaluate::directional::DirectionalPrint;
+use crate::evaluate::evaluated::{Evaluated, FinishedSolves};
+use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, independent};
 use crate::evaluate::published::{ErrorParts, Withheld};
+use crate::evaluate::quantities::Lab;
 use crate::input::study::Study;
-use crate::report::composed::tables;
 use crate::work::alone::stored_portions;
 use std::cell::OnceCell;
 use std::path::Path;
@@ -24,13 +22,13 @@ use std::path::Path;
 pub struct StoredSlabs {
     study: Study,
     thicknesses_um: Vec<f64>,
-    solved: Vec<SolvedPortion>,
+    solved: FinishedSolves,
 }
 
 /// A composed layer with its numbers, which are evaluated once, when a format needs them.
 pub struct EvaluatedSlabs<'a> {
     slabs: &'a StoredSlabs,
-    manifest: OnceCell<ComposedManifest<'a>>,
+    evaluated: OnceCell<Evaluated<'a>>,
 }
 
 impl StoredSlabs {
@@ -38,7 +36,8 @@ impl StoredSlabs {
     pub(super) fn of_study(study: Study, path: &Path) -> ExportResult<Self> {
         let stores = stored::stores(path)?;
         let solved = stored_portions(&study, &stores);
-        let finished = solved.iter().map(|(_, collected)| collected.finished()).sum();
+        let solved = FinishedSolves::Slabs(solved);
+        let finished = solved.finished();
         let asked = study.solves();
         if finished < asked {
             return Err(ExportError::Unfinished { path: path.to_owned(), finished, asked });
@@ -50,17 +49,17 @@ impl StoredSlabs {
 
     /// For its exports.
     pub fn evaluated(&self) -> EvaluatedSlabs<'_> {
-        EvaluatedSlabs { slabs: self, manifest: OnceCell::new() }
+        EvaluatedSlabs { slabs: self, evaluated: OnceCell::new() }
     }
 }
 
 impl<'a> EvaluatedSlabs<'a> {
-    fn manifest(&self) -> ExportResult<&ComposedManifest<'a>> {
-        if let Some(manifest) = self.manifest.get() {
-            return Ok(manifest);
+    fn evaluated(&self) -> ExportResult<&Evaluated<'a>> {
+        if let Some(evaluated) = self.evaluated.get() {
+            return Ok(evaluated);
         }
-        let manifest = report(&self.slabs.study, &self.slabs.solved).map_err(ExportError::Refused)?;
-        Ok(self.manifest.get_or_init(|| manifest))
+        let evaluated = Evaluated::new(&self.slabs.study, &self.slabs.solved)?;
+        Ok(self.evaluated.get_or_init(|| evaluated))
     }
 }
 
@@ -87,18 +86,18 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
     }
 
     fn directions(&self, thickness_um: f64) -> ExportResult<Box<dyn DirectionalPrint + '_>> {
-        let view = ComposedView::new(&self.slabs.study, &self.slabs.solved, thickness_um);
+        let view = ComposedView::new(&self.slabs.study, self.slabs.solved.slabs(), thickness_um);
         Ok(Box::new(view.map_err(ExportError::Refused)?))
     }
 
     fn print(&self, thickness_um: f64, format: &str, created: &str) -> ExportResult<Print> {
         let study = &self.slabs.study;
-        let manifest = self.manifest()?;
+        let manifest = &self.evaluated()?.manifest;
         let bands = Bands::new(study, format)?;
-        let colours = manifest.colours.iter().find(|colours| colours.thickness_um == thickness_um);
+        let colours = manifest.colours.composed().iter().find(|colours| colours.thickness_um == thickness_um);
         let mut spectra = Vec::new();
         for geometry in InstrumentGeometry::ALL {
-            let rows = manifest.spectra.iter().filter(|row| row.thickness_um == thickness_um);
+            let rows = manifest.spectra.composed().iter().filter(|row| row.thickness_um == thickness_um);
             let values: Option<Vec<_>> = rows.map(|row| Some(spectrum(geometry, row)?.estimate())).collect();
             let withheld = || {
                 let reasons: Vec<_> = manifest.withheld.iter().map(Withheld::in_words).collect();
@@ -110,7 +109,7 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
             spectra.push(PrintSpectrum {
                 geometry,
                 values,
-                lab_covariance: page.map(diagonal),
+                lab_covariance: page.map(independent),
                 colour: None,
                 page_lab: page.map(|lab| lab.map(|part| part.value)),
             });
@@ -124,7 +123,7 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
     /// One file for each kind of slab.
     fn far_fields(&self) -> ExportResult<Vec<Described>> {
         let mut files = Vec::new();
-        for (study, collected) in &self.slabs.solved {
+        for (study, collected) in self.slabs.solved.slabs() {
             let kind = study.portion().map(|portion| portion.in_words()).unwrap_or_default();
             let name = format!("far-fields-{}.npz", kind.replace(", ", "-").replace(' ', "-"));
             let orders = npz::far_fields(collected)?;
@@ -134,13 +133,7 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
     }
 
     fn results(&self) -> ExportResult<Vec<Described>> {
-        let manifest = self.manifest()?;
-        let results = serde_json::to_vec_pretty(manifest)?;
-        let mut files = vec![Described::new("results.json", results, "all numbers with their errors")];
-        files.extend(
-            tables(manifest)?.into_iter().map(|(name, bytes, about)| Described::new(name, bytes, about)),
-        );
-        Ok(files)
+        results_of(&self.evaluated()?.manifest, None)
     }
 
     fn packed(&self, format: &str) -> ExportResult<PackedLayer<'_>> {
@@ -148,11 +141,4 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
         let reason = "shows one packing, and a composed layer has none of its own";
         Err(ExportError::Refused(format!("{format} {reason}: {allowed}")))
     }
-}
-
-/// The bars of Lab, as if they were independent.
-fn diagonal(lab: Lab<ErrorParts>) -> [[f64; 3]; 3] {
-    let mut covariance = [[0.0; 3]; 3];
-    (0..3).for_each(|i| covariance[i][i] = lab[i].standard_error.powi(2));
-    covariance
 }

@@ -1,8 +1,8 @@
 //! Folders of finished studies, and what is exported of them.
 
 use super::composed::StoredSlabs;
+use super::exporter::{Exported, export};
 use super::request::{ExportResult, Request};
-use super::run::{Exported, export};
 use super::stored::{self, Stored};
 use crate::run::watch::RunWatch;
 use std::path::Path;

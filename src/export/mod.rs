@@ -1,7 +1,7 @@
 //! Files for other programs, made from stored results.
 //!
 //! [`folder`] reads a [`finished`] study back, [`stored`] as a layer solved as a whole or
-//! [`composed`] of slabs; [`run`](mod@run) makes the files requested of either. Each writer takes
+//! [`composed`] of slabs; [`exporter`] makes the files requested of either. Each writer takes
 //! what it draws (numbers, a packing) and returns bytes; `scripts/check-exports` opens every file
 //! with the program it is meant for.
 //!
@@ -13,6 +13,7 @@
 //! - [`grains`]: positions of a packing, and a view of it in the browser
 
 pub mod composed;
+pub mod exporter;
 pub mod finished;
 pub mod folder;
 pub mod grains;
@@ -22,7 +23,6 @@ pub mod npz;
 pub mod print;
 pub mod provenance;
 pub mod request;
-pub mod run;
 pub mod samples;
 pub mod spectra;
 pub mod stored;

@@ -1,5 +1,6 @@
 //! What to export, and the errors of exports.
 
+use crate::evaluate::evaluated::EvaluateError;
 use crate::evaluate::ink::InkError;
 use crate::ink::PackError;
 use crate::solve::SolveError;
@@ -108,6 +109,16 @@ pub enum ExportError {
 
 /// What an export gives.
 pub type ExportResult<T = ()> = Result<T, ExportError>;
+
+impl From<EvaluateError> for ExportError {
+    fn from(error: EvaluateError) -> Self {
+        match error {
+            EvaluateError::Slabs(reason) => Self::Refused(reason),
+            EvaluateError::Ink(error) => Self::Ink(error),
+            EvaluateError::Bdf(error) => Self::Seen(error),
+        }
+    }
+}
 
 impl ExportError {
     /// What to try, unless the message includes it.

@@ -102,21 +102,21 @@ impl FinishedStudy for Stored {
     }
 
     fn results(&self) -> ExportResult<Vec<Described>> {
-        let manifest = summarise(&self.study, &self.collected, &self.seen);
-        let amplitude_error = manifest.certainty.amplitude_error_estimate;
-        let bdfs = tables::distributions(&self.seen.bdfs, amplitude_error, self.study.layer.index_out)?;
-        let results = serde_json::to_vec_pretty(&manifest)?;
-        let spectra = tables::rows(&manifest.spectra)?;
-        Ok(vec![
-            Described::new("results.json", results, "all numbers with their errors"),
-            Described::new("spectra.csv", spectra, "spectra of the layer and of the print"),
-            Described::new("bdf.csv", bdfs, "distributions of the layer alone, order by order"),
-        ])
+        results_of(&summarise(&self.study, &self.collected, &self.seen), Some(&self.seen))
     }
 
     fn packed(&self, _: &str) -> ExportResult<PackedLayer<'_>> {
         Ok(PackedLayer { study: &self.study, resolution: self.collected.resolved.resolution })
     }
+}
+
+/// `results.json` and all tables.
+pub(super) fn results_of(manifest: &Manifest, seen: Option<&Seen>) -> ExportResult<Vec<Described>> {
+    let results = serde_json::to_vec_pretty(manifest)?;
+    let mut files = vec![Described::new("results.json", results, "all numbers with their errors")];
+    let tables = tables::of_study(manifest, seen)?;
+    files.extend(tables.into_iter().map(|(name, bytes, about)| Described::new(name, bytes, about)));
+    Ok(files)
 }
 
 /// The spectra with their colours. Fitted spectra are evaluated at the wavelengths of the file,
@@ -149,13 +149,13 @@ fn print(stored: &Stored, format: &str, created: &str) -> ExportResult<Print> {
 
 /// Both spectra of the print, those that are known at every wavelength; Lab of the page is that of
 /// `of_page`.
-fn known(manifest: &Manifest<&Study>, of_page: &Manifest<&Study>) -> Vec<PrintSpectrum> {
+fn known(manifest: &Manifest, of_page: &Manifest) -> Vec<PrintSpectrum> {
     let mut all = Vec::new();
     for geometry in InstrumentGeometry::ALL {
         // the ink on its paper is evaluated at normal incidence only
-        let normal = manifest.spectra.iter().filter(|row| row.polar_deg == 0.0);
+        let normal = manifest.spectra.whole().iter().filter(|row| row.polar_deg == 0.0);
         let values = normal.map(|row| geometry.of(row.lit_at_45, row.natural_light)).collect();
-        let colour = |manifest: &Manifest<&Study>| {
+        let colour = |manifest: &Manifest| {
             let maker = manifest.ink_maker.as_ref()?;
             Some(geometry.of(&maker.print, &maker.natural_light).colour)
         };

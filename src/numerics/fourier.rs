@@ -201,7 +201,7 @@ impl Harmonics {
     }
 
     /// Spreads compact harmonics over a transposed spectrum, with zeros between them.
-    pub fn scatter<T: Copy + Default>(&self, compact: &[T], spectrum: &mut [T]) {
+    pub fn spread<T: Copy + Default>(&self, compact: &[T], spectrum: &mut [T]) {
         self.gaps.iter().for_each(|gap| spectrum[gap.clone()].fill(T::default()));
         for &[position, index, len] in &self.runs {
             spectrum[position..position + len].copy_from_slice(&compact[index..index + len]);

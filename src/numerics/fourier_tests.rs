@@ -20,7 +20,7 @@ fn gather_undoes_scatter_and_ignores_what_was_there_before() {
         let harmonics = Harmonics::new(nx, ny);
         let compact = garbage(harmonics.len());
         let mut spectrum = garbage(nx * ny);
-        harmonics.scatter(&compact, &mut spectrum);
+        harmonics.spread(&compact, &mut spectrum);
         let mut back = garbage(harmonics.len() + 1)[1..].to_vec();
         harmonics.gather(&spectrum, &mut back);
         assert_eq!(compact, back, "{nx} × {ny}");
@@ -49,7 +49,7 @@ fn inverse_transform_is_the_sum_of_plane_waves() {
         let mut scratch = fft.scratch();
         (scratch.plane, scratch.spectrum) = (garbage(nx * ny), garbage(nx * ny));
         let compact = garbage(harmonics.len());
-        harmonics.scatter(&compact, &mut scratch.spectrum);
+        harmonics.spread(&compact, &mut scratch.spectrum);
         fft.inverse(&mut scratch, &harmonics.rows);
         for (i, value) in scratch.plane.iter().enumerate() {
             let [x, y] = [(i % nx) as f64 / nx as f64, (i / nx) as f64 / ny as f64];
@@ -69,7 +69,7 @@ fn forward_after_inverse_multiplies_by_the_number_of_points() {
         let (fft, harmonics) = (PlaneFft::new(nx, ny), Harmonics::new(nx, ny));
         let mut scratch = fft.scratch();
         let compact = garbage(harmonics.len());
-        harmonics.scatter(&compact, &mut scratch.spectrum);
+        harmonics.spread(&compact, &mut scratch.spectrum);
         fft.inverse(&mut scratch, &harmonics.rows);
         scratch.spectrum.copy_from_slice(&garbage(nx * ny));
         fft.forward(&mut scratch, &harmonics.rows);

@@ -8,6 +8,14 @@ use serde_json::{Value, json};
 /// Name of the file that describes a folder's tables.
 pub const DATA_PACKAGE: &str = "datapackage.json";
 
+/// A number's name with its unit, for readers.
+pub fn heading(name: &str) -> String {
+    name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ")
+}
+
+/// A table's name, bytes and description.
+pub type NamedTable = (&'static str, Vec<u8>, &'static str);
+
 /// What a column holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
@@ -329,8 +337,8 @@ impl<'a> FolderTables<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::composed::manifest::{ComposedRow, MediumRow};
     use crate::evaluate::manifest::SpectrumRow;
+    use crate::evaluate::manifest::composed::{ComposedRow, MediumRow};
     use crate::evaluate::published::PublishedRow;
 
     #[test]

@@ -1,7 +1,6 @@
 //! Reports: pages, tables, reports of packings, and the folder of published files.
 
 pub mod columns;
-pub mod composed;
 mod numbers;
 pub mod packing;
 pub mod page;

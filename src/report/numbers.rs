@@ -3,7 +3,7 @@
 use crate::draw::cell::{numbers, table, text, with_errors};
 use crate::evaluate::published::NumberNote;
 use crate::numerics::estimate::Estimate;
-use crate::report::tables::NamedTable;
+use crate::report::columns::NamedTable;
 use serde::Serialize;
 
 /// A weighted number on a page.

@@ -4,16 +4,15 @@ use crate::draw::page::templates;
 use crate::numerics::estimate::Estimate;
 use minijinja::Value;
 
-/// Renders a page on a study from its template, which extends `page.html`.
-pub(crate) fn on_study(layout: &str, data: impl Into<Value>) -> Result<String, minijinja::Error> {
+/// Renders the page on a study.
+pub(super) fn on_study(data: impl Into<Value>) -> Result<String, minijinja::Error> {
     let mut templates = templates()?;
     templates.add_filter("in_words", in_words);
     templates.add_filter("fixed", |x: f64, decimals: usize| format!("{x:.decimals$}"));
     templates.add_filter("plain", |x: f64| x.to_string());
     templates.add_filter("percent", |share: f64| format!("{} %", (share * 1e4).round() / 1e2));
     templates.add_filter("power", |x: f64, digits: Option<usize>| format!("{x:.*e}", digits.unwrap_or(1)));
-    templates.add_template("page.html", include_str!("page.html"))?;
-    templates.add_template("study.html", layout)?;
+    templates.add_template("study.html", include_str!("study.html"))?;
     templates.get_template("study.html")?.render(data)
 }
 
@@ -32,9 +31,23 @@ mod tests {
     use super::*;
     use minijinja::context;
 
+    /// A page of a composed layer without numbers.
     fn page(status: &str) -> String {
+        let nothing: [f64; 0] = [];
+        let study = context! {
+            angles => context!(strata => 0, exact_deg => [0.0]),
+            layer => context!(period_um => [1.0, 1.0], binder => context!(source => "1.5"), index_in => 1.0, index_out => 1.0),
+            variation => context!(cell => "fixed", thickness_std_um => 0.0),
+            paper => context!(source => "1"),
+            wavelengths_nm => [550.0],
+            goal => context!(tolerance => 1e-4),
+        };
+        let composed = context!(slab_um => 1.0, thicknesses_um => [2.0], directions => [3, 3]);
+        let largest = context!(chance => 0.0, model => 0.0, grid => 0.0, directions => 0.0);
         let solves = context!(finished => 3, asked => 9);
-        on_study("{% extends \"page.html\" %}", context!(title => "<b>&", status, solves)).unwrap()
+        let numbers = context!(composed, largest, solves, solve_seconds => 0.0, colours => nothing);
+        let page = context!(title => "<b>&", thicknesses_um => [2.0], solver => "krylov", status, study);
+        on_study(context!(..page, ..numbers)).unwrap()
     }
 
     #[test]

@@ -1,22 +1,20 @@
 //! Writes the results of the finished solves: `results.json`, tables, picture and page.
 
-use super::columns::FolderTables;
+use super::columns::{FolderTables, NamedTable};
 use super::numbers;
 use super::page::on_study;
-use super::sheet::{colour_in_words, missed_target, sheet};
-use super::tables::{self, NamedTable};
+use super::sheet::{ShownFiles, main_results, missed_target, sheet};
+use super::tables;
 use crate::appearance::bdf::BdfError;
 use crate::appearance::picture::InkPicture;
 use crate::draw::OutputError;
 use crate::draw::figure::Bitmap;
 use crate::draw::picture::{PictureStyle, render};
+use crate::evaluate::evaluated::{EvaluateError, Evaluated, FinishedSolves};
 use crate::evaluate::ink::InkError;
-use crate::evaluate::manifest::{Manifest, Status};
+use crate::evaluate::manifest::{Count, FailureNote, Status};
 use crate::evaluate::published::Withheld;
-use crate::evaluate::seen::{Seen, see};
-use crate::evaluate::summary::summarise;
 use crate::input::study::Study;
-use crate::run::Collected;
 use crate::run::crew::processor_seconds;
 use crate::store::folder::{FolderError, OutputFolder};
 
@@ -70,13 +68,31 @@ pub enum PublishError {
 /// What publishing gives.
 pub type PublishResult<T = ()> = Result<T, PublishError>;
 
+impl From<EvaluateError> for PublishError {
+    fn from(error: EvaluateError) -> Self {
+        match error {
+            EvaluateError::Slabs(reason) => Self::Slabs(reason),
+            EvaluateError::Ink(error) => Self::Ink(error),
+            EvaluateError::Bdf(error) => Self::Bdf(error),
+        }
+    }
+}
+
 /// What was published.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Published {
     /// Whether anything is missing.
     pub status: Status,
-    /// L*, a*, b* and C* under natural light in words, where there is a colour.
-    pub colour: Option<String>,
+    /// Requested and finished solves.
+    pub solves: Count,
+    /// Number of solves that failed; of a composed layer, of packings as well.
+    pub failed_solves: usize,
+    /// How many packings have no room, if any.
+    pub missing_packings: Option<String>,
+    /// The main results in a line each.
+    pub lines: Vec<String>,
+    /// What to change in the study for better numbers.
+    pub remarks: Vec<String>,
     /// Why there is no colour, where there is none.
     pub no_colour: Option<String>,
     /// Weighted numbers in words.
@@ -87,87 +103,90 @@ pub struct Published {
     pub withheld: Vec<String>,
 }
 
+/// Evaluates a single study and publishes it, with the time that this process has taken.
+///
+/// # Errors
+/// As [`publish`]; slabs without a complete realisation, or records that do not belong together.
+pub fn evaluate_and_publish(
+    study: &Study,
+    solved: &FinishedSolves,
+    folder: &OutputFolder,
+) -> PublishResult<Published> {
+    let mut evaluated = Evaluated::new(study, solved)?;
+    evaluated.manifest.process_seconds = processor_seconds();
+    publish(&evaluated, folder)
+}
+
 /// Writes everything that the finished solves allow; removes the mark of partial results when all
 /// are finished.
 ///
 /// # Errors
-/// Files that cannot be written, or records that do not belong together.
-pub fn publish(study: &Study, collected: &Collected, folder: &OutputFolder) -> PublishResult<Published> {
-    let seen = see(study, collected)?;
-    let process_seconds = processor_seconds();
-    publish_seen(&Manifest { process_seconds, ..summarise(study, collected, &seen) }, &seen, folder)
-}
-
-/// Publishes a study that has been evaluated.
-pub(crate) fn publish_seen(
-    manifest: &Manifest<&Study>,
-    seen: &Seen,
-    folder: &OutputFolder,
-) -> PublishResult<Published> {
+/// Numbers that cannot be, too few packings with room, files that cannot be written.
+pub fn publish(evaluated: &Evaluated, folder: &OutputFolder) -> PublishResult<Published> {
+    let manifest = &evaluated.manifest;
     let study = manifest.study;
     if let Some(what) = manifest.unphysical() {
         folder.begin()?;
         return Err(PublishError::Unphysical(what));
     }
-    if let Some(what) = manifest.tried_packings.refusal(study.failed_packings) {
+    if let Some(what) = manifest.refusal() {
         folder.begin()?;
         return Err(PublishError::NoRoom(what));
     }
-    // the picture shows the same curves at other angles
-    let is_weighted = |number: &str| study.numbers.iter().any(|wanted| wanted.name == number);
-    let is_sound = manifest.withheld.iter().all(|withheld| is_weighted(&withheld.number));
-    let pictures = if is_sound { pictures(study, seen)? } else { None };
-    let page = sheet(manifest, seen, pictures.as_ref().map(|p| p.labelled.as_slice()))?;
+    let pictures = pictures(evaluated)?;
+    let tables = tables::of_study(manifest, evaluated.seen())?;
+    let names = tables.iter().map(|(name, ..)| *name).collect();
+    let first = pictures.first();
+    let shown = ShownFiles {
+        picture: first.map(|first| first.pictures.labelled.as_slice()),
+        pictured_um: first.and_then(|first| first.thickness_um),
+        tables: names,
+    };
+    let page = sheet(evaluated, &shown)?;
     Publication {
         study,
         status: manifest.origin.status,
-        tables: tables_of(manifest, seen)?,
+        tables,
         results: serde_json::to_vec_pretty(manifest)?,
-        page: on_study(include_str!("sheet.html"), page)?,
-        pictures: pictures.into_iter().map(|pictures| NamedPictures::new("picture", pictures)).collect(),
+        page: on_study(page)?,
+        pictures,
     }
     .write(folder)?;
-    let colour = colour_in_words(manifest);
-    let withheld = manifest.withheld.iter().map(Withheld::in_words).collect();
-    let no_colour = manifest.no_colour.clone();
-    let widest = missed_target(manifest);
-    let numbers = numbers::in_words(&manifest.numbers);
-    Ok(Published { status: manifest.origin.status, colour, no_colour, numbers, widest, withheld })
+    let is_packing = |note: &&FailureNote| matches!(note, FailureNote::Whole { wavelength_nm: None, .. });
+    let missing_packings =
+        manifest.ensemble.as_ref().and_then(|ensemble| ensemble.tried_packings.missing_in_words());
+    let remarks = manifest.slabs.iter().flat_map(|slabs| slabs.remarks.clone());
+    Ok(Published {
+        status: manifest.origin.status,
+        solves: manifest.solves,
+        failed_solves: manifest.failures.iter().filter(|note| !is_packing(note)).count(),
+        missing_packings,
+        lines: main_results(manifest),
+        remarks: remarks.collect(),
+        no_colour: manifest.no_colour.clone(),
+        numbers: numbers::in_words(&manifest.numbers),
+        widest: missed_target(manifest),
+        withheld: manifest.withheld.iter().map(Withheld::in_words).collect(),
+    })
 }
 
-/// All tables of a layer that is solved as a whole.
-fn tables_of(manifest: &Manifest<&Study>, seen: &Seen) -> csv::Result<Vec<NamedTable>> {
-    let amplitude_error = manifest.certainty.amplitude_error_estimate;
-    let bdf = tables::distributions(&seen.bdfs, amplitude_error, manifest.study.layer.index_out)?;
-    let mut all = vec![
-        ("spectra.csv", tables::rows(&manifest.spectra)?, "spectra of the layer alone, and on its paper"),
-        ("bdf.csv", bdf, "distributions of the layer alone, order by order"),
-    ];
-    let factor = manifest.certainty.coverage_factor_95;
-    all.extend(tables::ink_maker(manifest.ink_maker.as_ref(), factor)?);
-    all.extend(numbers::numbers_table(&manifest.numbers)?);
-    all.extend(tables::prints(manifest.prints.as_ref())?);
-    all.extend(tables::print_spectra(manifest.prints.as_ref(), &manifest.study.wavelengths_nm)?);
-    Ok(all)
-}
-
-/// What a study's folder holds beside its records, whichever evaluator made the numbers.
-pub(super) struct Publication<'a> {
-    pub(super) study: &'a Study,
-    pub(super) status: Status,
-    pub(super) pictures: Vec<NamedPictures>,
-    pub(super) tables: Vec<NamedTable>,
+/// What a study's folder holds beside its records.
+struct Publication<'a> {
+    study: &'a Study,
+    status: Status,
+    pictures: Vec<NamedPictures>,
+    tables: Vec<NamedTable>,
     /// `results.json`.
-    pub(super) results: Vec<u8>,
+    results: Vec<u8>,
     /// `report.html`.
-    pub(super) page: String,
+    page: String,
 }
 
 impl Publication<'_> {
     /// Writes all files; removes the mark of partial results where these are complete.
-    pub(super) fn write(self, folder: &OutputFolder) -> PublishResult {
+    fn write(self, folder: &OutputFolder) -> PublishResult {
         folder.begin()?;
-        for NamedPictures { name, pictures } in &self.pictures {
+        for NamedPictures { name, pictures, .. } in &self.pictures {
             folder.write(&format!("{name}.png"), &pictures.plain)?;
             folder.write(&format!("{name}-with-axes.png"), &pictures.labelled)?;
         }
@@ -186,25 +205,21 @@ impl Publication<'_> {
 }
 
 /// Pictures of a layer and the name of their files.
-pub(super) struct NamedPictures {
+struct NamedPictures {
     name: String,
-    pub(super) pictures: Pictures,
-}
-
-impl NamedPictures {
-    pub(super) fn new(name: impl Into<String>, pictures: Pictures) -> Self {
-        Self { name: name.into(), pictures }
-    }
+    /// Thickness of the layer in µm, where the study has layers of several thicknesses.
+    thickness_um: Option<f64>,
+    pictures: Pictures,
 }
 
 /// The picture of P1 Fig. 6 as PNG, with and without axes.
-pub(super) struct Pictures {
-    pub(super) plain: Vec<u8>,
-    pub(super) labelled: Vec<u8>,
+struct Pictures {
+    plain: Vec<u8>,
+    labelled: Vec<u8>,
 }
 
 impl Pictures {
-    pub(super) fn new(picture: &InkPicture, study: &Study) -> PublishResult<Self> {
+    fn new(picture: &InkPicture, study: &Study) -> PublishResult<Self> {
         let style = PictureStyle { side_px: study.output.picture_pixels, ..PictureStyle::default() };
         let plain = png(picture, &style, study)?;
         let labelled = png(picture, &PictureStyle { labels: true, ..style }, study)?;
@@ -212,19 +227,28 @@ impl Pictures {
     }
 }
 
-/// Angles of the picture, degrees.
-pub(super) fn picture_angles(study: &Study) -> Vec<f64> {
-    let step = study.angles.picture_max_deg / (PICTURE_ANGLES - 1) as f64;
-    (0..PICTURE_ANGLES).map(|i| i as f64 * step).collect()
-}
-
-/// `None` if the wavelengths or angles do not suffice for a colour.
-fn pictures(study: &Study, seen: &Seen) -> PublishResult<Option<Pictures>> {
-    let Ok(ink) = &seen.ink else { return Ok(None) };
-    match ink.picture(&picture_angles(study), study.output.mirrored_sky) {
-        Err(InkError::Colour(_)) => Ok(None),
-        picture => Ok(Some(Pictures::new(&picture?, study)?)),
+/// The pictures of all layers, the first without its thickness in the name; none of a layer that is
+/// solved as a whole and has impossible numbers: they show the same curves at other angles.
+fn pictures(evaluated: &Evaluated) -> PublishResult<Vec<NamedPictures>> {
+    let manifest = &evaluated.manifest;
+    let study = manifest.study;
+    let is_weighted = |number: &str| study.numbers.iter().any(|wanted| wanted.name == number);
+    let is_sound = manifest.withheld.iter().all(|withheld| is_weighted(&withheld.number));
+    if manifest.slabs.is_none() && !is_sound {
+        return Ok(Vec::new());
     }
+    let step = study.angles.picture_max_deg / (PICTURE_ANGLES - 1) as f64;
+    let angles: Vec<f64> = (0..PICTURE_ANGLES).map(|i| i as f64 * step).collect();
+    let mut all = Vec::new();
+    for (k, layer) in evaluated.pictures(&angles)?.into_iter().enumerate() {
+        let name = match layer.thickness_um.filter(|_| k > 0) {
+            Some(um) => format!("picture-{um}um"),
+            None => "picture".to_owned(),
+        };
+        let pictures = Pictures::new(&layer.picture, study)?;
+        all.push(NamedPictures { name, thickness_um: layer.thickness_um, pictures });
+    }
+    Ok(all)
 }
 
 fn png(picture: &InkPicture, style: &PictureStyle, study: &Study) -> PublishResult<Vec<u8>> {

@@ -1,13 +1,17 @@
-//! Contents of the report page of a study: its tables of packings, what those of uncertainty and
-//! provenance need, and what its list of limits depends on beside the manifest.
+//! Contents of the report page of a study beside the manifest: figures, tables of packings, what
+//! those of uncertainty and provenance need, and what its list of limits depends on. Every section
+//! is there where its part of the manifest is.
 
 mod figures;
+mod slabs;
 
 use super::numbers;
 use super::scalar_error;
 use crate::draw::DrawResult;
 use crate::draw::page::{hex, png_data};
-use crate::evaluate::manifest::{Manifest, SpectrumRow};
+use crate::evaluate::evaluated::Evaluated;
+use crate::evaluate::ink_maker::{InkMaker, Swatch};
+use crate::evaluate::manifest::{ColourNote, EnsembleNotes, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
 use crate::ink::{Method, PigmentGrains, SizeDistribution};
@@ -17,32 +21,72 @@ use crate::numerics::estimate::Estimate;
 use crate::numerics::vector::norm;
 use crate::store::packing_record::{PackingRecord, ShareRecord};
 use crate::wave::Resolution;
-pub(super) use figures::shown_nm;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 
-/// What the page of a run shows; `picture` is the labelled picture as PNG.
+/// What the page of a study shows beside its numbers.
+pub(super) struct ShownFiles<'a> {
+    /// The first picture with its axes, as PNG.
+    pub picture: Option<&'a [u8]>,
+    /// Thickness of its layer in µm, where the study has layers of several thicknesses.
+    pub pictured_um: Option<f64>,
+    /// Names of the tables.
+    pub tables: Vec<&'static str>,
+}
+
+/// What the page of a study shows.
 ///
 /// # Errors
 /// A figure cannot be drawn.
-pub fn sheet(manifest: &Manifest<&Study>, seen: &Seen, picture: Option<&[u8]>) -> DrawResult<Value> {
-    let figures = [figures::figures(manifest, seen)?, figures::of_ink_makers(manifest)?].concat();
+pub(super) fn sheet(evaluated: &Evaluated, files: &ShownFiles) -> DrawResult<Value> {
+    let manifest = &evaluated.manifest;
+    let mut figures = figures::of_ink_makers(manifest)?;
+    let mut parts = Vec::new();
+    if let Some(seen) = evaluated.seen() {
+        figures = [figures::figures(manifest, seen)?, figures].concat();
+        parts.push(averages(manifest, seen));
+    }
+    if let Some(ensemble) = &manifest.ensemble {
+        parts.push(
+            context!(packed => packings(manifest.study, ensemble), grid => grid(manifest.study, ensemble)),
+        );
+    }
+    parts.extend(manifest.ink_maker.as_ref().map(|maker| context!(patches => Serde(patches(maker)))));
+    if let Some(slabs) = &manifest.slabs {
+        figures.extend(slabs::figures(manifest, slabs)?);
+        parts.push(slabs::page(manifest, slabs));
+    }
     let shown = context! {
-        picture => picture.map(png_data),
-        swatch => manifest.colours.first().map(|note| hex(note.colour.srgb8)),
+        picture => files.picture.map(png_data),
+        pictured_um => files.pictured_um,
+        tables => Serde(&files.tables),
+        thicknesses_um => manifest.thicknesses_um(),
+        conditions => Serde(manifest.colours.whole()),
+        failed => Serde(failed(manifest)),
+        swatch => manifest.colours.whole().first().map(|note| hex(note.colour.srgb8)),
         figures => Serde(figures),
         shapes => Serde(shapes(manifest.study)),
-        packed => packings(manifest),
         weighted => Serde(numbers::lines(&manifest.numbers)),
     };
-    let certainty = certainty(manifest, seen);
-    let limits = limits(manifest);
-    let provenance = provenance(manifest);
-    Ok(context!(..shown, ..certainty, ..limits, ..provenance, ..Value::from(Serde(manifest))))
+    parts.extend([shown, limits(manifest), provenance(manifest)]);
+    let data = parts.into_iter().fold(Value::from(Serde(manifest)), |all, part| context!(..part, ..all));
+    Ok(data)
+}
+
+/// Names and colours of the patches of a layer that is solved as a whole.
+fn patches(maker: &InkMaker) -> [(&'static str, String); 3] {
+    let InkMaker { over_black, over_white, print, .. } = maker;
+    let patch = |name, swatch: &Swatch| (name, swatch.hex.clone());
+    [patch("over black", over_black), patch("over white", over_white), patch("on its paper", print)]
+}
+
+/// Place and reason of every solve without a result.
+fn failed(manifest: &Manifest) -> Vec<(String, String)> {
+    manifest.failures.iter().map(|note| (note.place(), note.reason().to_owned())).collect()
 }
 
 /// Shape and size of the grains of every packed pigment.
-pub(super) fn shapes(study: &Study) -> Vec<[String; 2]> {
+fn shapes(study: &Study) -> Vec<[String; 2]> {
     let grains = study.pigments.iter().map(|pigment| &pigment.grains);
     grains.map(|grains| [grains.shape.name().to_owned(), size(grains)]).collect()
 }
@@ -55,23 +99,30 @@ fn size(grains: &PigmentGrains) -> String {
     }
 }
 
-/// The first colour in one line.
-pub(super) fn colour_in_words(manifest: &Manifest<&Study>) -> Option<String> {
-    let first = manifest.colours.first()?;
-    let [l, a, b] = [0, 1, 2].map(|i| {
-        let standard_error = first.lab_standard_error.map(|errors| errors[i]);
-        Estimate { value: first.colour.lab[i], standard_error }.in_words(2)
-    });
-    let chroma = first.chroma.in_words(2);
-    let conditions = &first.conditions;
-    Some(format!("L* {l}, a* {a}, b* {b}, C* {chroma} under {conditions}"))
+/// The main results in a line each: the first colour of a layer that is solved as a whole, or those
+/// of every thickness of a composed one.
+pub(super) fn main_results(manifest: &Manifest) -> Vec<String> {
+    match &manifest.slabs {
+        Some(slabs) => slabs::lines(manifest, slabs),
+        None => manifest.colours.whole().first().map(colour_in_words).into_iter().collect(),
+    }
 }
 
-pub(crate) fn limits(manifest: &Manifest<&Study>) -> Value {
+fn colour_in_words(note: &ColourNote) -> String {
+    let [l, a, b] = [0, 1, 2].map(|i| {
+        let standard_error = note.lab_standard_error.map(|errors| errors[i]);
+        Estimate { value: note.colour.lab[i], standard_error }.in_words(2)
+    });
+    let chroma = note.chroma.in_words(2);
+    let conditions = &note.conditions;
+    format!("L* {l}, a* {a}, b* {b}, C* {chroma} under {conditions}")
+}
+
+fn limits(manifest: &Manifest) -> Value {
     context! {
         viewing => manifest.study.judgement.viewing.name(),
         scalar_error => scalar_error::line(manifest.study),
-        lacking => manifest.tried_packings.missing_in_words(),
+        lacking => manifest.ensemble.as_ref().and_then(|ensemble| ensemble.tried_packings.missing_in_words()),
         synthetic => manifest.study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
         too_few => few_wavelengths(manifest),
         widest => missed_target(manifest),
@@ -85,36 +136,36 @@ const ENOUGH_WAVELENGTHS: usize = 8;
 
 /// The number of wavelengths of a colour that has too few: those solved over all realisations where
 /// each has its own.
-fn few_wavelengths(manifest: &Manifest<&Study>) -> Option<usize> {
+fn few_wavelengths(manifest: &Manifest) -> Option<usize> {
+    let ensemble = manifest.ensemble.as_ref()?;
     let solved = match manifest.study.variation.light {
-        LightRule::Shifted { strata, .. } => strata * manifest.realisations.finished,
+        LightRule::Shifted { strata, .. } => strata * ensemble.realisations.finished,
         LightRule::Listed => manifest
             .study
             .wavelengths_nm
             .iter()
-            .filter(|nm| manifest.spectra.iter().any(|row| row.wavelength_nm == **nm))
+            .filter(|nm| manifest.spectra.whole().iter().any(|row| row.wavelength_nm == **nm))
             .count(),
     };
     (solved < ENOUGH_WAVELENGTHS && manifest.study.angles.strata > 0).then_some(solved)
 }
 
 /// The widest interval where it is beyond `run.target_delta_e`.
-pub(super) fn missed_target(manifest: &Manifest<&Study>) -> Option<f64> {
+pub(super) fn missed_target(manifest: &Manifest) -> Option<f64> {
     let target = manifest.study.target_delta_e?;
     let bars = aimed_at(manifest.study, manifest).filter_map(|note| note.delta_e_2000_95);
     bars.reduce(f64::max).filter(|&bar| bar > target)
 }
 
 /// What the table of uncertainties holds beside the manifest.
-pub(crate) fn certainty(manifest: &Manifest<&Study>, seen: &Seen) -> Value {
-    let colour = manifest.colours.first().and_then(|note| note.lab_standard_error);
+fn averages(manifest: &Manifest, seen: &Seen) -> Value {
+    let colour = manifest.colours.whole().first().and_then(|note| note.lab_standard_error);
     context! {
         averaged => seen.realisations.len(),
         cells => seen.cells.len(),
         no_ink => seen.ink.as_ref().err().map(ToString::to_string),
         colour_error => colour.map(norm),
-        inputs => manifest.study.inputs_with_errors(),
-        largest_error => largest_error(&manifest.spectra),
+        largest_error => largest_error(manifest.spectra.whole()),
     }
 }
 
@@ -123,9 +174,9 @@ fn largest_error(rows: &[SpectrumRow]) -> Option<f64> {
     errors.filter_map(|estimate| estimate.standard_error).reduce(f64::max)
 }
 
-pub(crate) fn packings(manifest: &Manifest<&Study>) -> Vec<Value> {
-    let rows = manifest.packings.iter().flat_map(|packing| {
-        let pigments = manifest.study.pigments.iter().zip(&packing.shares);
+fn packings(study: &Study, ensemble: &EnsembleNotes) -> Vec<Value> {
+    let rows = ensemble.packings.iter().flat_map(|packing| {
+        let pigments = study.pigments.iter().zip(&packing.shares);
         pigments.map(|(pigment, share)| packing_row(packing, &pigment.name, share))
     });
     rows.collect()
@@ -155,9 +206,9 @@ fn method(packing: &PackingRecord) -> String {
     }
 }
 
-/// What the table of provenance holds beside the manifest.
-pub(crate) fn provenance(manifest: &Manifest<&Study>) -> Value {
-    let grid = match manifest.study.resolution {
+/// The grids in words.
+fn grid(study: &Study, ensemble: &EnsembleNotes) -> String {
+    let chosen = match study.resolution {
         WantedResolution::Accuracy { amplitude, .. } => {
             format!("chosen for amplitude errors of {amplitude:.0e}")
         }
@@ -165,10 +216,14 @@ pub(crate) fn provenance(manifest: &Manifest<&Study>) -> Value {
     };
     let words =
         |r: Resolution| format!("{} × {} points, {} cells ({} planes)", r.nx, r.ny, r.cells, r.planes());
-    let longest = manifest.resolution_longest.map(|r| format!("; {} for the longest waves", words(r)));
+    let longest = ensemble.resolution_longest.map(|r| format!("; {} for the longest waves", words(r)));
+    format!("{}, {chosen}{}", words(ensemble.resolution), longest.unwrap_or_default())
+}
+
+/// What the table of provenance holds beside the manifest.
+fn provenance(manifest: &Manifest) -> Value {
     context! {
         wave => manifest.study.wave.in_words(),
-        grid => format!("{}, {grid}{}", words(manifest.resolution), longest.unwrap_or_default()),
         solver => manifest.study.solver.build().name(),
         mixed => (manifest.origin.builds.len() > 1).then_some("different builds: "),
     }
@@ -177,6 +232,7 @@ pub(crate) fn provenance(manifest: &Manifest<&Study>) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::evaluate::manifest::SpectrumReplicates;
     use crate::numerics::estimate::Estimate;
 
     #[test]
@@ -194,6 +250,7 @@ mod tests {
             natural_light: None,
             lit_at_45: None,
             deviations: Vec::new(),
+            replicates: SpectrumReplicates::default(),
         };
         let rows = [row(Some(0.01), None), row(Some(0.04), Some(0.02))];
         assert_eq!(largest_error(&rows), Some(0.04));

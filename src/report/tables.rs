@@ -1,11 +1,16 @@
-//! CSV tables for other programs: rows of published numbers, and distributions.
+//! CSV tables for other programs: all of a study, rows of published numbers, and distributions.
 
+use super::columns::NamedTable;
+use super::numbers::numbers_table;
 use crate::appearance::bdf::{Bdf, Lobe, OrderMean};
 use crate::draw::cell::{numbers, records, table, with_errors};
 use crate::evaluate::gate;
 use crate::evaluate::ink_maker::InkMaker;
+use crate::evaluate::manifest::Manifest;
+use crate::evaluate::manifest::composed::{AbsorbedRow, DistributionRow};
 use crate::evaluate::printed::{PrintNote, Prints};
-use crate::evaluate::published::{PublishedRow, Quantity};
+use crate::evaluate::published::{NumberNote, PublishedRow, Quantity};
+use crate::evaluate::seen::Seen;
 use crate::input::measured::MeasuredCondition;
 use crate::numerics::estimate::Estimate;
 use crate::wave::Side;
@@ -25,13 +30,48 @@ pub fn rows<'a, R: PublishedRow + 'a>(rows: impl IntoIterator<Item = &'a R>) -> 
     table(place.chain(with_errors(R::names())), lines)
 }
 
-/// A table's name, bytes and description.
-pub type NamedTable = (&'static str, Vec<u8>, &'static str);
+/// All tables of a study, in the order in which they are described; `seen` has the distributions of
+/// a layer that is solved as a whole.
+///
+/// # Errors
+/// One that cannot be written.
+pub fn of_study(manifest: &Manifest, seen: Option<&Seen>) -> csv::Result<Vec<NamedTable>> {
+    let mut all = Vec::new();
+    if let Some(slabs) = &manifest.slabs {
+        let spectra = rows(manifest.spectra.composed().iter().chain(&slabs.curve))?;
+        let leaving = leaving_light(&slabs.distributions)?;
+        all.extend([
+            ("spectra.csv", spectra, "R, T and what is seen on the paper at every thickness and wavelength"),
+            ("medium.csv", rows(&slabs.medium)?, "what the packed medium is to light"),
+            ("bdf.csv", leaving, "where light at 0° goes, layer alone"),
+        ]);
+        if !slabs.absorbed.is_empty() {
+            let about = "what every layer absorbs of light at 0°";
+            all.push(("absorbed.csv", absorbed(&slabs.absorbed)?, about));
+        }
+    }
+    if let Some((ensemble, seen)) = manifest.ensemble.as_ref().zip(seen) {
+        let amplitude_error = ensemble.certainty.amplitude_error_estimate;
+        let bdf = distributions(&seen.bdfs, amplitude_error, manifest.study.layer.index_out)?;
+        all.extend([
+            ("spectra.csv", rows(manifest.spectra.whole())?, "spectra of the layer alone, and on its paper"),
+            ("bdf.csv", bdf, "distributions of the layer alone, order by order"),
+        ]);
+        let factor = ensemble.certainty.coverage_factor_95;
+        all.extend(ink_maker(manifest.ink_maker.as_ref(), factor)?);
+    }
+    let on_curve = manifest.slabs.iter().flat_map(|slabs| &slabs.curve_numbers);
+    let weighted: Vec<NumberNote> = manifest.numbers.iter().chain(on_curve).cloned().collect();
+    all.extend(numbers_table(&weighted)?);
+    all.extend(prints(manifest.prints.as_ref())?);
+    all.extend(print_spectra(manifest.prints.as_ref(), &manifest.study.wavelengths_nm)?);
+    Ok(all)
+}
 
 /// `kubelka-munk.csv` where K and S are known, and `measured.csv` if there is a measurement.
 /// `factor` times a standard error is half the width of a 95 % interval: with few realisations far
 /// more than 2.
-pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<NamedTable>> {
+fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<Vec<NamedTable>> {
     let Some(maker) = maker else { return Ok(Vec::new()) };
     let mut files = Vec::new();
     if !maker.kubelka_munk.is_empty() {
@@ -55,11 +95,8 @@ pub fn ink_maker(maker: Option<&InkMaker>, factor: Option<f64>) -> csv::Result<V
     Ok(files)
 }
 
-/// `prints.csv` and `print-spectra.csv`, where there are prints besides the solid on plain paper.
-///
-/// # Errors
-/// A table that cannot be written.
-pub fn prints(prints: Option<&Prints>) -> csv::Result<Vec<NamedTable>> {
+/// `prints.csv`, where there are prints besides the solid on plain paper.
+fn prints(prints: Option<&Prints>) -> csv::Result<Vec<NamedTable>> {
     let Some(Prints { prints, .. }) = prints else { return Ok(Vec::new()) };
     let place = |note: &PrintNote| {
         let condition = note.print.condition.map_or("", MeasuredCondition::name).to_owned();
@@ -80,11 +117,8 @@ pub fn prints(prints: Option<&Prints>) -> csv::Result<Vec<NamedTable>> {
     Ok(vec![("prints.csv", colours, "colours at 45:0 of every print, from bare paper to the solid")])
 }
 
-/// Radiance factors of all prints at the study's wavelengths.
-///
-/// # Errors
-/// A table that cannot be written.
-pub fn print_spectra(prints: Option<&Prints>, wavelengths_nm: &[f64]) -> csv::Result<Vec<NamedTable>> {
+/// `print-spectra.csv`: radiance factors of all prints at the study's wavelengths.
+fn print_spectra(prints: Option<&Prints>, wavelengths_nm: &[f64]) -> csv::Result<Vec<NamedTable>> {
     let Some(Prints { prints, .. }) = prints else { return Ok(Vec::new()) };
     let mut rows = Vec::new();
     for note in prints {
@@ -114,7 +148,7 @@ fn with_half(e: Estimate, factor: Option<f64>) -> ([String; 2], String) {
 /// `amplitude_error` is the error of an order's complex amplitude a due to the grid; its efficiency
 /// e = w|a|² then has an error of 2 √(e w) times that, where w = cos θ_out/cos θ_in is the order's
 /// share of the flux.
-pub fn distributions(bdfs: &[Bdf], amplitude_error: f64, index_out: f64) -> csv::Result<Vec<u8>> {
+fn distributions(bdfs: &[Bdf], amplitude_error: f64, index_out: f64) -> csv::Result<Vec<u8>> {
     let lobes = bdfs.iter().flat_map(|bdf| [(bdf, Lobe::Reflected), (bdf, Lobe::Transmitted)]);
     let orders = lobes.flat_map(|(bdf, lobe)| bdf.orders(lobe).iter().map(move |order| (bdf, lobe, order)));
     records(orders.map(|(bdf, lobe, order)| row(bdf, lobe, order, amplitude_error, index_out)))
@@ -168,10 +202,32 @@ fn row(
     ]
 }
 
+fn absorbed(rows: &[AbsorbedRow]) -> csv::Result<Vec<u8>> {
+    let place = ["thickness_um", "wavelength_nm", "layer"].map(str::to_owned);
+    let line = |row: &AbsorbedRow| {
+        let place = [row.thickness_um.to_string(), row.wavelength_nm.to_string(), row.layer.clone()];
+        (place, numbers(Some(row.absorptance_normal.estimate())))
+    };
+    table(place.into_iter().chain(with_errors(["absorptance_normal"])), rows.iter().map(line))
+}
+
+fn leaving_light(rows: &[DistributionRow]) -> csv::Result<Vec<u8>> {
+    let place = ["thickness_um", "wavelength_nm", "polar_in_deg", "lobe", "polar_out_deg", "projected_sr"];
+    table(place.map(str::to_owned).into_iter().chain(with_errors(["bdf_per_sr"])), rows.iter().map(leaving))
+}
+
+/// A line of the table of light that leaves.
+fn leaving(row: &DistributionRow) -> ([String; 3], &'static str, [String; 2], [String; 2]) {
+    let lobe = if row.reflected { "reflected" } else { "transmitted" };
+    let place = [row.thickness_um, row.wavelength_nm, 0.0].map(|x| x.to_string());
+    let out = [row.polar_out_deg, row.projected_sr].map(|x| x.to_string());
+    (place, lobe, out, numbers(Some(row.bdf_per_sr.estimate())))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::manifest::SpectrumRow;
+    use crate::evaluate::manifest::{SpectrumReplicates, SpectrumRow};
     use inkwave_validation::fixtures::two_orders;
 
     #[test]
@@ -225,6 +281,7 @@ mod tests {
             natural_light: None,
             lit_at_45: Some(of(0.75)),
             deviations: Vec::new(),
+            replicates: SpectrumReplicates::default(),
         };
         let text = String::from_utf8(rows(&[row]).unwrap()).unwrap();
         let last = text.lines().last().unwrap();

@@ -29,4 +29,4 @@ pub mod merge;
 
 pub use definition::load::Sweep;
 pub use definition::{axes, claims, expand, file, folder, load};
-pub use findings::{composed, conclusions, outcome, publish, reported};
+pub use findings::{conclusions, outcome, publish, reported};

@@ -159,9 +159,39 @@ fn a_sweep_of_composed_layers_has_a_table_and_a_page() {
     assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
     let table = std::fs::read_to_string(output.join("composed.csv")).unwrap();
     assert_eq!(table.lines().count(), 7, "{table}");
-    // composed.csv, and three tables of each layer
-    assert_eq!(described_tables(&output), 7);
-    assert!(output.join("report.html").exists());
+    // sweep.csv, composed.csv, conclusions.csv, and three tables of each layer
+    assert_eq!(described_tables(&output), 9);
+    let page = std::fs::read_to_string(output.join("report.html")).unwrap();
+    for shown in ["against share, with standard errors", "Curves and spectra of the layer", "Colours"] {
+        assert!(page.contains(shown), "{shown}");
+    }
+}
+
+/// A layer that is solved as a whole and one composed of slabs have one table: on a perfect white, both are as light as
+/// it. *Planted*: variants of one kind alone are published.
+#[test]
+fn a_sweep_of_both_kinds_of_layers_has_one_table() {
+    let scratch = tempfile::tempdir().unwrap();
+    let base = LAYER.replace("[1, 2, 50]", "1").replace("composed = { slab_um = 0.5 }\n", "");
+    let base = base.replace("[450, 550, 650]", "[400, 500, 600, 700]");
+    std::fs::write(scratch.path().join("base.toml"), base).unwrap();
+    let axis = "base = \"base.toml\"\n[[axis]]\nname = \"solved\"\n[[axis.case]]\nlabel = \"as a whole\"\n\
+                [[axis.case]]\nlabel = \"in slabs\"\nset.\"layer.composed\" = { slab_um = 0.5 }\n";
+    let (file, output) = (scratch.path().join("sweep.toml"), scratch.path().join("out"));
+    std::fs::write(&file, axis).unwrap();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_inkwave"));
+    let done = command.arg("sweep").arg(&file).arg("--output").arg(&output).output().unwrap();
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let mut table = csv::Reader::from_path(output.join("sweep.csv")).unwrap();
+    let lightness = table.headers().unwrap().iter().position(|name| name == "L").unwrap();
+    let rows: Vec<csv::StringRecord> = table.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 2, "{rows:?}");
+    for row in rows {
+        let l: f64 = row[lightness].parse().unwrap();
+        // no light is lost but for the solver's residual
+        assert!((l - 100.0).abs() < 0.1, "{row:?}");
+    }
+    assert!(output.join("composed.csv").exists() && output.join("contact-sheet.png").exists());
 }
 
 /// Grains of the binder's index: a film of 1.5, whose fringes at any thickness are Airy's.

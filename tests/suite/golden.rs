@@ -4,8 +4,9 @@
 //! number: film, least squares, jackknife, paper, colour, error budget, picture. Here the program gets the same solves.
 //! What the script has to be told again after the records changed is in its first lines.
 
+use inkwave::evaluate::evaluated::FinishedSolves;
 use inkwave::input::load::load;
-use inkwave::report::publish::publish;
+use inkwave::report::publish::evaluate_and_publish;
 use inkwave::run::collected::{Collected, Realisation};
 use inkwave::run::resolve::Resolved;
 use inkwave::store::folder::OutputFolder;
@@ -184,7 +185,7 @@ fn compare(name: &str, colours: [f64; 2]) {
     let place = tempfile::tempdir().expect("a folder");
     let out = place.path().join("out");
     let folder = OutputFolder::open(&out, Holds::Study).expect("a folder");
-    publish(&study, &collected, &folder).expect("published");
+    evaluate_and_publish(&study, &FinishedSolves::Whole(Box::new(collected)), &folder).expect("published");
     let (results, want) = (json(&out.join("results.json")), json(&golden(&format!("{name}.json"))));
     let mut ledger = Ledger::new();
     ledger.value("certainty", &results["certainty"], &want["certainty"]);

@@ -214,3 +214,64 @@ fn rows_that_are_not_used_do_not_block_a_file() {
     let said = index_at_550(folder.path(), "yaml", "half.yml", half).unwrap_err();
     assert!(said.contains("formula 2 has 4 coefficients"), "{said}");
 }
+
+/// A composed layer of grains whose index is a table, in two packings.
+const COMPOSED: &str = r#"
+[layer]
+period_um = 0.8
+thickness_um = [1.2, 2.4]
+binder.index = 1.5
+composed = { slab_um = 0.6 }
+[[pigment]]
+name = "fitted"
+diameter_nm = 200
+volume_fraction = 0.2
+index = { csv = "pigment.csv" }
+[light]
+wavelengths_nm = [450, 550, 650]
+[run]
+realisations = 2
+seed = 7
+[resolution]
+points_per_um = 10
+planes_per_um = 40
+[solver]
+tolerance = 1e-5
+"#;
+
+/// Bars of a composed layer hold what the errors of its table do: the change of its numbers between runs with the table moved
+/// by one error to either side. *Planted*: the move of one side left out.
+#[test]
+fn error_bars_of_composed_layers_include_what_a_moved_table_changes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (with, said) = with_table(folder.path(), "with", COMPOSED, &with_errors());
+    assert!(!said.contains("not in the error bars"), "{said}");
+    let (own, _) = with_table(folder.path(), "own", COMPOSED, &moved(|_| [0.0; 2]));
+    let mut others = Vec::new();
+    for side in [1.0, -1.0] {
+        let along = moved(|[n, kappa, correlation]| [side * n, side * correlation * kappa]);
+        let rest =
+            moved(|[_, kappa, correlation]| [0.0, side * (1.0 - correlation * correlation).sqrt() * kappa]);
+        for (axis, table) in [("along", along), ("rest", rest)] {
+            others.push(with_table(folder.path(), &format!("{axis}{side}"), COMPOSED, &table).0);
+        }
+    }
+    let mut seen = 0;
+    for row in 0..6 {
+        for quantity in ["reflectance_normal", "transmittance_diffuse", "over_white", "over_black"] {
+            let path = format!("/spectra/{row}/{quantity}");
+            let here = number(&own, &path, "value");
+            let squares = others.iter().map(|other| 0.5 * (number(other, &path, "value") - here).powi(2));
+            let want = squares.sum::<f64>().sqrt();
+            let have = number(&with, &path, "inputs");
+            // identity: the same solves
+            assert!((have - want).abs() < 1e-6 + 1e-3 * want, "{path}: {have} {want}");
+            assert_eq!(number(&with, &path, "value"), here);
+            let parts = number(&with, &path, "chance").hypot(number(&with, &path, "model"));
+            assert!(number(&with, &path, "standard_error") > 0.999 * parts.hypot(want), "{path}");
+            seen += usize::from(want > 1e-3);
+        }
+    }
+    assert!(seen > 10, "{seen} bars that errors widen");
+    assert!(own.pointer("/spectra/0/reflectance_normal/inputs").is_none());
+}

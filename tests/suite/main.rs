@@ -47,6 +47,7 @@ mod prints;
 mod prose;
 mod python_module;
 mod referee;
+mod replicates;
 mod run_continue;
 mod run_fields;
 mod run_results;

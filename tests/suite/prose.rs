@@ -146,7 +146,7 @@ fn no_prose_has_a_phrase_of_the_list() {
     let read: Vec<PathBuf> = all.into_iter().filter(|path| holds_prose(path)).collect();
     for kind in [
         "README.md",
-        "src/report/page.html",
+        "src/report/study.html",
         "src/commands/solve.rs",
         "scripts/nightly",
         "validation/golden.py",

@@ -1,8 +1,9 @@
 //! Runs that were stopped, killed or changed, and go on.
 
 use crate::run_support::{TINY, study, succeed};
+use inkwave::evaluate::evaluated::FinishedSolves;
 use inkwave::input::load::load;
-use inkwave::report::publish::publish;
+use inkwave::report::publish::evaluate_and_publish;
 use inkwave::run::RunSettings;
 use inkwave::run::watch::{Event, RunWatch};
 use inkwave::store::folder::OutputFolder;
@@ -56,7 +57,7 @@ fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
         let output = OutputFolder::open(&parts, Holds::Study).unwrap();
         let settings = RunSettings { jobs: Some(1), ..RunSettings::default() };
         let collected = run_study(&checked, &output, settings, &watch).unwrap().collected;
-        publish(&checked, &collected, &output).unwrap();
+        evaluate_and_publish(&checked, &FinishedSolves::Whole(Box::new(collected)), &output).unwrap();
         assert!(parts.join("PARTIAL").exists());
         let page = std::fs::read_to_string(parts.join("report.html")).unwrap();
         assert!(page.contains("Partial results"), "after {solves} more");

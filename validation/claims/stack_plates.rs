@@ -12,7 +12,7 @@ use inkwave::appearance::composed::transport::Transport;
 use inkwave::appearance::paper::MirroredSky;
 use inkwave::evaluate::composed::layer::ComposedLayer;
 use inkwave::evaluate::composed::numbers::{lights, spectral};
-use inkwave::evaluate::composed::quantities::LayerNumbers;
+use inkwave::evaluate::quantities::LayerNumbers;
 use inkwave::numerics::Draws;
 use inkwave::wave::Wave;
 use num_complex::Complex64;

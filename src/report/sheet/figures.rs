@@ -19,9 +19,9 @@ const BRDF_STEP_DEG: f64 = 5.0;
 const LIGHT_DEG: f64 = 45.0;
 
 /// All plots that the finished solves allow.
-pub(super) fn figures(manifest: &Manifest<&Study>, seen: &Seen) -> DrawResult<Vec<Figure>> {
+pub(super) fn figures(manifest: &Manifest, seen: &Seen) -> DrawResult<Vec<Figure>> {
     let study = manifest.study;
-    let rows = &manifest.spectra;
+    let rows = manifest.spectra.whole();
     let all =
         [seen_spectra(study, rows), layer_spectra(study, rows), other_angles(study, rows), brdf(study, seen)];
     all.into_iter().flatten().map(|(heading, plot, caption)| Figure::new(heading, &plot, caption)).collect()
@@ -148,7 +148,7 @@ fn brdf(study: &Study, seen: &Seen) -> Drawing {
 }
 
 /// The study's wavelengths nearest to the shown ones, without repeats.
-pub(in crate::report) fn shown_nm(wavelengths_nm: &[f64]) -> Vec<f64> {
+pub(super) fn shown_nm(wavelengths_nm: &[f64]) -> Vec<f64> {
     let mut all: Vec<f64> = SHOWN_NM.iter().filter_map(|&nm| nearest(wavelengths_nm, nm)).collect();
     all.dedup();
     all
@@ -159,7 +159,7 @@ fn nearest(wavelengths_nm: &[f64], target: f64) -> Option<f64> {
 }
 
 /// Plots of K and S, and of a measurement with its residuals.
-pub(super) fn of_ink_makers(manifest: &Manifest<&Study>) -> DrawResult<Vec<Figure>> {
+pub(super) fn of_ink_makers(manifest: &Manifest) -> DrawResult<Vec<Figure>> {
     let Some(maker) = &manifest.ink_maker else { return Ok(Vec::new()) };
     let mut figures = Vec::new();
     if !maker.kubelka_munk.is_empty() {
@@ -176,10 +176,10 @@ fn figure(heading: &str, y_label: &str, curves: Vec<Curve>, caption: String) -> 
     Figure::new(heading, &plot, caption)
 }
 
-fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> DrawResult<Figure> {
-    let certainty = &manifest.certainty;
-    let solved_nm: Vec<f64> = manifest.spectra.iter().map(|row| row.wavelength_nm).collect();
-    let factor = certainty.coverage_factor_95;
+fn kubelka_munk(maker: &InkMaker, manifest: &Manifest) -> DrawResult<Figure> {
+    let certainty = manifest.ensemble.as_ref().map(|ensemble| ensemble.certainty);
+    let solved_nm: Vec<f64> = manifest.spectra.whole().iter().map(|row| row.wavelength_nm).collect();
+    let factor = certainty.and_then(|certainty| certainty.coverage_factor_95);
     let wider = factor.unwrap_or(1.0);
     let wide = |e: Estimate| Estimate { standard_error: e.standard_error.map(|error| error * wider), ..e };
     let rows = || maker.kubelka_munk.iter();
@@ -189,12 +189,12 @@ fn kubelka_munk(maker: &InkMaker, manifest: &Manifest<&Study>) -> DrawResult<Fig
         Curve::measured("absorption K", absorption).asked_at(&solved_nm),
         Curve::measured("scattering S", scattering).asked_at(&solved_nm),
     ];
-    let bars = match factor {
-        Some(factor) => {
+    let bars = match (factor, certainty) {
+        (Some(factor), Some(certainty)) => {
             let degrees = certainty.degrees_of_freedom;
             format!("95 % intervals: {factor:.2} standard errors (Student's t, {degrees} degrees of freedom)")
         }
-        None => "standard errors".to_owned(),
+        _ => "standard errors".to_owned(),
     };
     let caption = format!(
         "Kubelka–Munk coefficients of the layer without its faces, from its diffuse reflectance and transmittance, at the \

@@ -1,5 +1,6 @@
 use super::*;
 use crate::appearance::tristimulus::Colorimeter;
+use crate::evaluate::manifest::SpectrumReplicates;
 
 fn estimate(value: f64, error: f64) -> Estimate {
     Estimate { value, standard_error: Some(error) }
@@ -102,6 +103,7 @@ fn a_spectrum_goes_with_its_colour() {
         natural_light: Some(estimate(0.8, 0.01)),
         lit_at_45: Some(estimate(lit, 0.08)),
         deviations: Vec::new(),
+        replicates: SpectrumReplicates::default(),
     };
     let mut rows = [row(1.4), row(8.3)];
     let reasons = spectra(&mut rows, &[]);

@@ -62,6 +62,12 @@ pub struct SpectrumEstimate {
 }
 
 impl SpectrumEstimate {
+    /// The value at one wavelength from all realisations but one, for each of them; empty for one
+    /// realisation.
+    pub fn without_each(&self, wavelength: usize) -> Vec<f64> {
+        self.replicates.iter().map(|spectrum| spectrum[wavelength]).collect()
+    }
+
     /// Value and jackknife standard error at each wavelength.
     pub fn estimates(&self) -> Vec<Estimate> {
         let column = |k: usize| self.replicates.iter().map(|r| r[k]).collect::<Vec<_>>();

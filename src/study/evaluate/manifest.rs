@@ -1,18 +1,18 @@
 //! `results.json`: the numbers and their provenance.
 
+pub mod composed;
+pub mod main_numbers;
+mod whole;
+
+use self::composed::{ComposedColours, ComposedRow, SlabNotes};
+pub use self::whole::{Certainty, ColourNote, EnsembleNotes, SpectrumReplicates, SpectrumRow};
 use super::ink_maker::InkMaker;
 use super::printed::Prints;
-use super::published::{NamedNumber, NumberNote, PublishedRow, Quantity, Withheld};
-use super::survivors::Survivors;
+use super::published::{NumberNote, Withheld};
 pub use super::uncertainty::Budget;
-use super::uncertainty::nothing;
-use crate::appearance::colour::Colour;
 use crate::input::study::Study;
-use crate::numerics::estimate::Estimate;
 use crate::store::identity::METHOD_VERSION;
-use crate::store::packing_record::PackingRecord;
 use crate::store::record::PointRecord;
-use crate::wave::Resolution;
 use serde::Serialize;
 use std::collections::BTreeSet;
 
@@ -70,37 +70,31 @@ pub fn program() -> String {
     concat!("inkwave ", env!("CARGO_PKG_VERSION")).to_owned()
 }
 
-/// All results of a run. Standard errors include randomness, cell, angles and wavelengths (by the
-/// jackknife over realisations), the error of the grid and that of the residual, added in
-/// quadrature; `null` if a single realisation leaves them unknown.
+/// The published result of a print, whichever evaluator made it: the file `results.json`. What only
+/// some prints have is an optional part; the keys of a part stand beside the others in the file.
+///
+/// Standard errors include randomness, cell, angles and wavelengths (by the jackknife over
+/// realisations), the error of the grid and that of the residual, added in quadrature; `null` if a
+/// single realisation leaves them unknown.
 #[derive(Clone, Debug, Serialize)]
-pub struct Manifest<S: Serialize> {
+pub struct Manifest<'a> {
     /// Where the numbers come from.
     #[serde(flatten)]
     pub origin: Provenance,
-    /// Requested and finished realisations.
-    pub realisations: Count,
     /// Requested and finished solves.
     pub solves: Count,
-    /// Numbers of packings with and without room for their grains.
-    pub tried_packings: Survivors,
     /// Failures with their reasons.
     pub failures: Vec<FailureNote>,
-    /// The grid of the shortest wavelengths and the largest contrast.
-    pub resolution: Resolution,
-    /// The grid of the longest wavelengths, if it differs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub resolution_longest: Option<Resolution>,
-    /// Errors and their estimates.
-    pub certainty: Certainty,
-    /// One record per packing.
-    pub packings: Vec<PackingRecord>,
+    /// Packings, grid and errors of a layer that is solved as a whole.
+    #[serde(flatten)]
+    pub ensemble: Option<EnsembleNotes>,
     /// Colours under all conditions.
-    pub colours: Vec<ColourNote>,
-    /// Hiding power, Kubelka–Munk coefficients and differences, if there are colours.
-    pub ink_maker: Option<InkMaker>,
+    pub colours: PublishedColours,
     /// Why there are no colours.
     pub no_colour: Option<String>,
+    /// Hiding power, Kubelka–Munk coefficients and differences of a layer that is solved as a
+    /// whole, if there are colours.
+    pub ink_maker: Option<InkMaker>,
     /// Why there are colours but no numbers for ink makers, such as an illuminant for which the
     /// wavelengths do not suffice.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -114,8 +108,11 @@ pub struct Manifest<S: Serialize> {
     /// Numbers that were withheld because they are impossible, such as a negative contrast ratio.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub withheld: Vec<Withheld>,
-    /// One row per wavelength and angle.
-    pub spectra: Vec<SpectrumRow>,
+    /// One row per wavelength, and per angle or thickness.
+    pub spectra: PublishedSpectra,
+    /// What a layer composed of slabs has beside these.
+    #[serde(flatten)]
+    pub slabs: Option<SlabNotes<'a>>,
     /// Sum of the wall times of all solves, s; several solves may run in parallel, on several
     /// threads each.
     pub solve_seconds: f64,
@@ -125,49 +122,75 @@ pub struct Manifest<S: Serialize> {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub process_seconds: Option<f64>,
     /// The study with all defaults filled in.
-    pub study: S,
+    pub study: &'a Study,
 }
 
-/// Totals outside 0–1 by more than this are invalid; every single solve has passed a stricter
-/// check.
-const BEYOND: f64 = 0.03;
+/// The spectra of a print.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum PublishedSpectra {
+    /// Of a layer that is solved as a whole: one row per wavelength and angle.
+    Whole(Vec<SpectrumRow>),
+    /// Of a composed layer: one row for each requested thickness and wavelength.
+    Composed(Vec<ComposedRow>),
+}
 
-impl<S: Serialize> Manifest<S> {
+impl PublishedSpectra {
+    /// Rows of a layer that is solved as a whole; none of another.
+    pub fn whole(&self) -> &[SpectrumRow] {
+        if let Self::Whole(rows) = self { rows } else { &[] }
+    }
+
+    /// Rows of a composed layer; none of another.
+    pub fn composed(&self) -> &[ComposedRow] {
+        if let Self::Composed(rows) = self { rows } else { &[] }
+    }
+}
+
+/// The colours of a print.
+#[derive(Clone, Debug, Serialize)]
+#[serde(untagged)]
+pub enum PublishedColours {
+    /// Of a layer that is solved as a whole: one under each condition.
+    Whole(Vec<ColourNote>),
+    /// Of a composed layer: those of each requested thickness.
+    Composed(Vec<ComposedColours>),
+}
+
+impl PublishedColours {
+    /// Colours of a layer that is solved as a whole; none of another.
+    pub fn whole(&self) -> &[ColourNote] {
+        if let Self::Whole(notes) = self { notes } else { &[] }
+    }
+
+    /// Colours of a composed layer; none of another.
+    pub fn composed(&self) -> &[ComposedColours] {
+        if let Self::Composed(colours) = self { colours } else { &[] }
+    }
+}
+
+impl Manifest<'_> {
+    /// Thicknesses of the layers that the study is about, µm.
+    pub fn thicknesses_um(&self) -> Vec<f64> {
+        let composed = self.slabs.as_ref().map(|slabs| slabs.composed.thicknesses_um.clone());
+        composed.unwrap_or_else(|| vec![self.study.layer.thickness_um])
+    }
+
+    /// Why nothing is published, where more packings failed than the study allows.
+    pub fn refusal(&self) -> Option<String> {
+        self.ensemble.as_ref()?.tried_packings.refusal(self.study.failed_packings)
+    }
+
     /// The first invalid number: NaN, infinite, or a total outside 0–1 by more than its error.
     pub fn unphysical(&self) -> Option<String> {
-        let c = &self.certainty;
-        let certainty = [
-            ("amplitude_error_estimate", c.amplitude_error_estimate),
-            ("reflectance_grid_error", c.reflectance_grid_error),
-            ("transmittance_grid_error", c.transmittance_grid_error),
-            ("largest_energy_error", c.largest_energy_error),
-            ("largest_residual", c.largest_residual),
-        ];
-        let wrong = certainty.into_iter().find(|(_, value)| !value.is_finite());
-        wrong.map(|(name, value)| format!("certainty.{name} is {value}")).or_else(|| {
-            self.spectra.iter().find_map(SpectrumRow::unphysical).or_else(|| self.unphysical_colour())
-        })
+        let certainty = self.ensemble.as_ref().and_then(|ensemble| ensemble.certainty.unphysical());
+        let spectrum = || self.spectra.whole().iter().find_map(SpectrumRow::unphysical);
+        certainty.or_else(spectrum).or_else(|| self.unphysical_colour())
     }
 
     fn unphysical_colour(&self) -> Option<String> {
-        let wrong = self.colours.iter().find(|note| !note.colour.lab.iter().all(|x| x.is_finite()));
+        let wrong = self.colours.whole().iter().find(|note| !note.colour.lab.iter().all(|x| x.is_finite()));
         wrong.map(|note| format!("Lab under {} is {:?}", note.conditions, note.colour.lab))
-    }
-}
-
-impl SpectrumRow {
-    fn unphysical(&self) -> Option<String> {
-        let totals = [
-            ("reflectance", self.reflectance),
-            ("transmittance", self.transmittance),
-            ("absorptance", self.absorptance),
-        ];
-        let outside = |e: &Estimate| !(-BEYOND..=1.0 + BEYOND).contains(&e.value);
-        let no_number = |e: &Estimate| !(e.value.is_finite() && e.standard_error.is_none_or(f64::is_finite));
-        let seen = [("natural_light", self.natural_light), ("lit_at_45", self.lit_at_45)];
-        let seen = seen.into_iter().filter_map(|(name, e)| Some((name, e?))).find(|(_, e)| no_number(e));
-        let wrong = totals.into_iter().find(|(_, e)| no_number(e) || outside(e)).or(seen);
-        wrong.map(|(name, e)| format!("{name} is {} at {} nm", e.value, self.wavelength_nm))
     }
 }
 
@@ -182,165 +205,35 @@ pub struct Count {
 
 /// A solve without a result, or a realisation without a packing.
 #[derive(Clone, Debug, Serialize)]
-pub struct FailureNote {
-    /// Number of the realisation, from 0.
-    pub realisation: usize,
-    /// Wavelength, nm; absent for a packing.
-    pub wavelength_nm: Option<f64>,
-    /// Polar angle, degrees; absent for a packing.
-    pub polar_deg: Option<f64>,
+#[serde(untagged)]
+pub enum FailureNote {
+    /// Of a layer that is solved as a whole.
+    Whole {
+        /// Number of the realisation, from 0.
+        realisation: usize,
+        /// Wavelength, nm; absent for a packing.
+        wavelength_nm: Option<f64>,
+        /// Polar angle, degrees; absent for a packing.
+        polar_deg: Option<f64>,
+        /// The error's message.
+        reason: String,
+    },
+    /// Of a slab: the slab, the realisation and the error's message.
+    Slab(String),
+}
+
+impl FailureNote {
+    /// The realisation and the light, as far as they do not stand in the message.
+    pub fn place(&self) -> String {
+        let Self::Whole { realisation, wavelength_nm, polar_deg, .. } = self else { return String::new() };
+        let light = wavelength_nm.zip(*polar_deg).map(|(nm, deg)| format!("{nm} nm, {deg:.1}°"));
+        format!("realisation {}, {}", realisation + 1, light.unwrap_or_else(|| "packing".to_owned()))
+    }
+
     /// The error's message.
-    pub reason: String,
-}
-
-/// What limits the accuracy of the numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Certainty {
-    /// Largest estimated error of an order's complex amplitude due to the grid, over the test
-    /// solves.
-    pub amplitude_error_estimate: f64,
-    /// Estimated error of the layer's R due to the grid, over the test solves; part of the standard
-    /// errors.
-    pub reflectance_grid_error: f64,
-    /// Estimated error of the layer's T due to the grid, over the test solves; part of the standard
-    /// errors.
-    pub transmittance_grid_error: f64,
-    /// Number of packings solved on a finer grid as well, by which the numbers are corrected and
-    /// from which the grid's errors of R and T are then estimated; absent if there are none.
-    #[serde(skip_serializing_if = "nothing")]
-    pub packings_on_finer_grid: usize,
-    /// Degrees of freedom of the standard errors: number of realisations minus one; 0 without
-    /// randomness.
-    pub degrees_of_freedom: usize,
-    /// Factor from standard errors to 95 % intervals (Student's t).
-    pub coverage_factor_95: Option<f64>,
-    /// Standard error of T̄ at the worst wavelength due to the choice of directions; part of the
-    /// errors of all colours.
-    pub angle_error_estimate: Option<f64>,
-    /// T̄ from every second stratum minus T̄ from all, averaged over the wavelengths: an
-    /// independent check, zero within its error.
-    pub half_strata_difference: Option<Estimate>,
-    /// R̄ from the exit side by its own quadrature minus 1 − T̄/n² − Ā, averaged over the
-    /// wavelengths, if there are solves from that side: a second check.
-    pub exit_reflectance_difference: Option<Estimate>,
-    /// Mean |R + T + A − 1| of all solves: the effect of the solver's residual on R and T; part of
-    /// the standard errors.
-    pub mean_energy_error: f64,
-    /// Largest |R + T + A − 1| of all solves.
-    pub largest_energy_error: f64,
-    /// Largest relative residual of all solves.
-    pub largest_residual: f64,
-    /// Mean number of iterations.
-    pub mean_steps: f64,
-    /// Total number of operator applications.
-    pub operator_applications: usize,
-}
-
-/// A colour under named conditions.
-#[derive(Clone, Debug, Serialize)]
-pub struct ColourNote {
-    /// Illumination and viewing.
-    pub conditions: String,
-    /// C*ab with its error.
-    pub chroma: Estimate,
-    /// hab with its error, degrees.
-    pub hue_deg: Estimate,
-    /// Standard errors of L*, a*, b*; unknown for a single realisation.
-    pub lab_standard_error: Option<[f64; 3]>,
-    /// Half width of the 95 % interval as a CIEDE2000 difference.
-    pub delta_e_2000_95: Option<f64>,
-    /// Contributions to the standard error.
-    pub budget: Budget,
-    /// Number of each realisation and its contribution to Lab; colours of the same realisations
-    /// have correlated errors.
-    #[serde(skip)]
-    pub deviations: Vec<(usize, [f64; 3])>,
-    /// The colour.
-    #[serde(flatten)]
-    pub colour: Colour,
-}
-
-/// One wavelength and angle. R, T, A and their specular parts are those of the layer without paper.
-#[derive(Clone, Debug, Serialize)]
-pub struct SpectrumRow {
-    /// Wavelength, nm.
-    pub wavelength_nm: f64,
-    /// Polar angle, degrees.
-    pub polar_deg: f64,
-    /// Reflectance R.
-    pub reflectance: Estimate,
-    /// R of the specular order of the cells: ⟨|r|²⟩, which holds the mirror image and the diffuse
-    /// light of that order, the more the smaller the cell.
-    pub specular_reflectance: Estimate,
-    /// Transmittance T.
-    pub transmittance: Estimate,
-    /// T of the unscattered order of the cells: ⟨|t|²⟩, which holds the coherent light and the
-    /// diffuse light of that order, the more the smaller the cell.
-    pub specular_transmittance: Estimate,
-    /// Coherent transmittance |⟨t⟩|²: what goes straight on through a layer of any size, without
-    /// bias; `None` for layers of uneven thickness.
-    pub coherent_transmittance: Option<Estimate>,
-    /// Absorptance A.
-    pub absorptance: Estimate,
-    /// The ink on its paper under a uniform sky, viewed along the normal (white diffuser: 1).
-    pub natural_light: Option<Estimate>,
-    /// π × BRDF of the ink on its paper, lit at 45° and viewed along the normal (white diffuser:
-    /// 1).
-    pub lit_at_45: Option<Estimate>,
-    /// Number of each realisation and its contribution to R and T.
-    #[serde(skip)]
-    pub deviations: Vec<(usize, [f64; 2])>,
-}
-
-/// A number of a spectrum.
-struct SpectrumColumn {
-    name: &'static str,
-    quantity: Quantity,
-    estimate: fn(&SpectrumRow) -> Option<Estimate>,
-}
-
-const fn share(name: &'static str, estimate: fn(&SpectrumRow) -> Option<Estimate>) -> SpectrumColumn {
-    SpectrumColumn { name, quantity: Quantity::Share, estimate }
-}
-
-const fn factor(name: &'static str, estimate: fn(&SpectrumRow) -> Option<Estimate>) -> SpectrumColumn {
-    SpectrumColumn { name, quantity: Quantity::Factor, estimate }
-}
-
-/// The numbers of a spectrum in the order of `spectra.csv`.
-const SPECTRUM: [SpectrumColumn; 8] = [
-    share("reflectance", |row| Some(row.reflectance)),
-    share("specular_reflectance", |row| Some(row.specular_reflectance)),
-    share("transmittance", |row| Some(row.transmittance)),
-    share("specular_transmittance", |row| Some(row.specular_transmittance)),
-    share("absorptance", |row| Some(row.absorptance)),
-    factor("natural_light", |row| row.natural_light),
-    factor("lit_at_45", |row| row.lit_at_45),
-    share("coherent_transmittance", |row| row.coherent_transmittance),
-];
-
-impl PublishedRow for SpectrumRow {
-    const PLACE: &'static [&'static str] = &["wavelength_nm", "polar_deg"];
-
-    fn names() -> Vec<&'static str> {
-        SPECTRUM.iter().map(|column| column.name).collect()
-    }
-
-    fn place(&self) -> Vec<f64> {
-        vec![self.wavelength_nm, self.polar_deg]
-    }
-
-    fn wavelength_nm(&self) -> f64 {
-        self.wavelength_nm
-    }
-
-    fn numbers(&self) -> Vec<NamedNumber> {
-        let number = |column: &SpectrumColumn| NamedNumber {
-            name: column.name,
-            in_words: column.name,
-            quantity: column.quantity,
-            estimate: (column.estimate)(self),
-        };
-        SPECTRUM.iter().map(number).collect()
+    pub fn reason(&self) -> &str {
+        match self {
+            Self::Whole { reason, .. } | Self::Slab(reason) => reason,
+        }
     }
 }

@@ -10,6 +10,7 @@
 pub mod coherent;
 pub mod composed;
 pub mod directional;
+pub mod evaluated;
 pub mod film;
 pub mod films;
 pub mod gate;
@@ -23,6 +24,7 @@ pub mod on_paper;
 pub mod printed;
 pub mod prints;
 pub mod published;
+pub mod quantities;
 pub mod regression;
 pub mod samples;
 pub mod seen;

@@ -177,7 +177,7 @@ pub struct LayerOnPaper {
     curve: AngleCurve,
     /// The film's T̄ and Ā from the exit side.
     film_means: [f64; 2],
-    pub(super) albedo: f64,
+    pub(super) paper_albedo: f64,
     /// Index of the half-space on the exit side: that of the paper in optical contact.
     pub(super) index_out: f64,
     /// What the paper emits besides.
@@ -198,7 +198,7 @@ impl LayerOnPaper {
         [albedo, index_out]: [f64; 2],
     ) -> Result<Self, PaperError> {
         let emitted = Emitted::default();
-        let layer = Self { node, measured, curve, film_means, albedo, index_out, emitted };
+        let layer = Self { node, measured, curve, film_means, paper_albedo: albedo, index_out, emitted };
         returned(albedo, layer.mean_transmittance(), layer.mean_absorptance_exit(), index_out)?;
         Ok(layer)
     }
@@ -233,19 +233,19 @@ impl LayerOnPaper {
     /// g = ρ/(1 − ρ R̄_b), over n² in optical contact.
     pub fn return_factor(&self) -> f64 {
         // checked in `new`; noise alone cannot make it a result
-        returned(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out)
+        returned(self.paper_albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out)
             .unwrap_or(f64::NAN)
     }
 
     /// 1/(1 − ρ R̄_b), over n² in optical contact: the series of light that the paper emits.
     pub(super) fn emerging_factor(&self) -> f64 {
-        emerging(self.albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out)
+        emerging(self.paper_albedo, self.mean_transmittance(), self.mean_absorptance_exit(), self.index_out)
             .unwrap_or(f64::NAN)
     }
 
     /// The layer over another backing of the given albedo, which does not fluoresce.
     pub fn over(&self, albedo: f64) -> Self {
-        Self { albedo, emitted: Emitted::default(), ..*self }
+        Self { paper_albedo: albedo, emitted: Emitted::default(), ..*self }
     }
 
     /// The layer as light from this angle and light between it and the paper meet it, seen at

@@ -1,6 +1,7 @@
 //! Published numbers by name: what each of them is and can be, for the manifests, gates, tables and
 //! pages of plain and of composed layers.
 
+use super::uncertainty::nothing;
 use crate::numerics::estimate::Estimate;
 use serde::Serialize;
 
@@ -53,12 +54,15 @@ pub struct ErrorParts {
     pub directions: f64,
     /// Of colours, what the spectrum may be between and beyond the wavelengths.
     pub wavelengths: f64,
+    /// Errors of the tables of indices, taken as common to all wavelengths; absent without any.
+    #[serde(skip_serializing_if = "nothing")]
+    pub inputs: f64,
 }
 
 impl ErrorParts {
     /// With the sum of its parts.
     pub fn summed(self) -> Self {
-        let parts = [self.chance, self.model, self.grid, self.directions, self.wavelengths];
+        let parts = [self.chance, self.model, self.grid, self.directions, self.wavelengths, self.inputs];
         Self { standard_error: parts.into_iter().fold(0.0, f64::hypot), ..self }
     }
 

@@ -265,35 +265,11 @@ impl<'a> CompleteCells<'a> {
     /// packings as they are.
     fn move_inputs(&self, seen: &mut Seen) {
         let moves = self.study.input_moves();
-        let is_complete = |r: &&Realisation| {
-            let whole = |points: &Vec<Option<PointRecord>>| points.iter().all(Option::is_some);
-            !moves.is_empty() && r.moved.len() == moves.len() && r.moved.iter().all(whole)
-        };
-        let few: Vec<&Realisation> = self.collected.complete().filter(is_complete).collect();
-        if few.is_empty() {
-            return;
-        }
-        let with = |points: &dyn Fn(&Realisation) -> Vec<Option<PointRecord>>| {
-            let realisation = |r: &&Realisation| Realisation {
-                packing: r.packing.clone(),
-                points: points(r),
-                finer: Vec::new(),
-                moved: Vec::new(),
-                failures: Vec::new(),
-            };
-            Collected {
-                resolved: self.collected.resolved,
-                realisations: few.iter().map(realisation).collect(),
-                refused: Vec::new(),
-                enough: false,
-                damages: Vec::new(),
-            }
-        };
-        let unmoved = CompleteCells::new(self.study, &with(&|r| r.points.clone())).appearance();
+        let Some(solves) = self.collected.moved_solves(moves.len()) else { return };
+        let unmoved = CompleteCells::new(self.study, &solves.unmoved).appearance();
         let mut all = Vec::new();
-        for (i, by) in moves.iter().enumerate() {
-            let moved = self.study.moved(by);
-            all.push(CompleteCells::new(&moved, &with(&|r| r.moved[i].clone())).appearance());
+        for (by, solves) in moves.iter().zip(&solves.moved) {
+            all.push(CompleteCells::new(&self.study.moved(by), solves).appearance());
         }
         if let (Ok(ink), Ok(few)) = (&mut seen.ink, &unmoved.ink)
             && let Ok(moved) = all.iter().map(|seen| seen.ink.as_ref()).collect::<Result<Vec<_>, _>>()

@@ -4,7 +4,10 @@ use super::gate;
 use super::ink::{InkError, InkOnPaper};
 use super::ink_maker::ink_maker;
 use super::layer::{EnsembleMean, LayerEnsemble, SpectrumEstimate, Total};
-use super::manifest::{Certainty, ColourNote, Count, FailureNote, Manifest, Provenance, SpectrumRow};
+use super::manifest::{
+    Certainty, ColourNote, Count, EnsembleNotes, FailureNote, Manifest, Provenance, PublishedColours,
+    PublishedSpectra, SpectrumReplicates, SpectrumRow,
+};
 pub use super::manifest::{LIT_AT_45, NATURAL_LIGHT, program};
 use super::numbers::numbers;
 use super::printed::ink_prints;
@@ -24,8 +27,8 @@ use crate::store::PointRecord;
 /// uncertain, and studies that happen to scatter least would end first.
 const FEWEST: usize = 16;
 
-/// All numbers of a run.
-pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Manifest<&'a Study> {
+/// All numbers of a layer that is solved as a whole.
+pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Manifest<'a> {
     let records = || collected.realisations.iter().flat_map(|r| r.points.iter().flatten());
     let solves = Count { asked: study.solves() - collected.spared(study), finished: collected.finished() };
     let grid = seen.grid.largest(&study.wavelengths_nm);
@@ -37,31 +40,37 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
         missing_cells: survivors.largest_shift(seen.cells.len()),
         certain: study.pigments.is_empty() && study.variation.thickness_std_um == 0.0,
     };
-    let mut manifest = Manifest {
-        origin: Provenance::new(study, records(), solves),
+    let ensemble = EnsembleNotes {
         realisations: Count { asked: study.realisations, finished: collected.complete().count() },
-        solves,
-        failures: failures(collected),
         tried_packings: survivors,
         resolution: collected.resolved.resolution,
         resolution_longest: Some(collected.resolved.longest(study))
             .filter(|longest| *longest != collected.resolved.resolution),
         certainty,
         packings: collected.realisations.iter().map(|r| r.packing.clone()).collect(),
-        colours: Vec::new(),
+    };
+    let mut manifest = Manifest {
+        origin: Provenance::new(study, records(), solves),
+        solves,
+        failures: failures(collected),
+        ensemble: Some(ensemble),
+        colours: PublishedColours::Whole(Vec::new()),
         no_colour: None,
         ink_maker: None,
         no_ink_maker: None,
         numbers: Vec::new(),
         prints: None,
         withheld: Vec::new(),
-        spectra: spectra(study, seen, &uncertainty),
+        spectra: PublishedSpectra::Whole(Vec::new()),
+        slabs: None,
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         process_seconds: None,
         study,
     };
+    let mut rows = spectra(study, seen, &uncertainty);
     enter_looks(&mut manifest, seen, &uncertainty);
-    let reasons = gate::spectra(&mut manifest.spectra, &manifest.withheld);
+    let reasons = gate::spectra(&mut rows, &manifest.withheld);
+    manifest.spectra = PublishedSpectra::Whole(rows);
     manifest.withheld.extend(reasons);
     let (weighted, reasons) = numbers(study, seen, &uncertainty);
     manifest.numbers = weighted;
@@ -71,16 +80,18 @@ pub fn summarise<'a>(study: &'a Study, collected: &Collected, seen: &Seen) -> Ma
 
 /// Enters colours and the numbers for ink makers, as far as they are possible, and why some are
 /// missing.
-fn enter_looks(manifest: &mut Manifest<&Study>, seen: &Seen, uncertainty: &Uncertainty) {
+fn enter_looks(manifest: &mut Manifest, seen: &Seen, uncertainty: &Uncertainty) {
     let ink = seen.ink.as_ref().map_err(NoInk::to_string);
     let colours = ink
         .and_then(|ink| colours(manifest.study, seen, ink, uncertainty).map_err(|error| error.to_string()));
     let is_coloured = colours.is_ok();
     match colours.map(gate::colours) {
         Ok(judged) => {
-            (manifest.colours, manifest.withheld) = judged;
-            let reasons = manifest.withheld.iter().map(Withheld::in_words).collect::<Vec<_>>().join("; ");
-            manifest.no_colour = (manifest.colours.is_empty() && !reasons.is_empty()).then_some(reasons);
+            let (notes, withheld) = judged;
+            let reasons = withheld.iter().map(Withheld::in_words).collect::<Vec<_>>().join("; ");
+            manifest.no_colour = (notes.is_empty() && !reasons.is_empty()).then_some(reasons);
+            manifest.colours = PublishedColours::Whole(notes);
+            manifest.withheld = withheld;
         }
         Err(reason) => manifest.no_colour = Some(reason),
     }
@@ -111,13 +122,13 @@ pub fn enough(study: &Study, collected: &Collected) -> bool {
     let Ok(seen) = see(study, collected) else { return false };
     let manifest = summarise(study, collected, &seen);
     let narrow = |note: &ColourNote| note.delta_e_2000_95.is_some_and(|bar| bar <= target);
-    !manifest.colours.is_empty() && aimed_at(study, &manifest).all(narrow)
+    !manifest.colours.whole().is_empty() && aimed_at(study, &manifest).all(narrow)
 }
 
 /// The colours to which `run.target_delta_e` applies.
-pub fn aimed_at<'a>(study: &Study, manifest: &'a Manifest<&Study>) -> impl Iterator<Item = &'a ColourNote> {
+pub fn aimed_at<'a>(study: &Study, manifest: &'a Manifest<'_>) -> impl Iterator<Item = &'a ColourNote> {
     let target = study.target_colour;
-    manifest.colours.iter().filter(move |note| match target {
+    manifest.colours.whole().iter().filter(move |note| match target {
         TargetColour::Every => true,
         TargetColour::NaturalLight => note.conditions == NATURAL_LIGHT,
         TargetColour::LitAt45 => note.conditions == LIT_AT_45,
@@ -127,7 +138,7 @@ pub fn aimed_at<'a>(study: &Study, manifest: &'a Manifest<&Study>) -> impl Itera
 fn failures(collected: &Collected) -> Vec<FailureNote> {
     let packings = collected.refused.iter().map(|r| (r.realisation, None, &r.reason));
     let solves = collected.failures().map(|f| (f.point.realisation, Some(f.point.incidence), &f.reason));
-    let notes = packings.chain(solves).map(|(realisation, light, reason)| FailureNote {
+    let notes = packings.chain(solves).map(|(realisation, light, reason)| FailureNote::Whole {
         realisation,
         wavelength_nm: light.map(|light| 1e3 * light.wavelength_um),
         polar_deg: light.map(|light| light.polar_deg),
@@ -238,8 +249,10 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
     let mut rows: Vec<_> = angles.flat_map(|angle| rows_of(layer, angle, seen, uncertainty)).collect();
     let Ok(ink) = &seen.ink else { return rows };
     let Ok(conditions) = Conditions::new(ink, study.output.mirrored_sky) else { return rows };
-    let natural = ink.spectrum(|l| conditions.natural_light(l, UNMOVED)).estimates();
-    let lit = ink.spectrum(|l| conditions.lit_at_45(l, UNMOVED)).estimates();
+    let natural_light = ink.spectrum(|l| conditions.natural_light(l, UNMOVED));
+    let lit_at_45 = ink.spectrum(|l| conditions.lit_at_45(l, UNMOVED));
+    let natural = natural_light.estimates();
+    let lit = lit_at_45.estimates();
     let normal = rows.iter_mut().filter(|row| row.polar_deg == 0.0);
     for (i, (row, layer)) in normal.zip(ink.layers()).enumerate() {
         let sky = |by: Shift| conditions.natural_light(layer, by) - natural[i].value;
@@ -248,6 +261,8 @@ fn spectra(study: &Study, seen: &Seen, uncertainty: &Uncertainty) -> Vec<Spectru
         let inputs_print = ink.input_error(i, |l| conditions.lit_at_45(l, UNMOVED));
         row.natural_light = Some(uncertainty.widen_by(natural[i], row.wavelength_nm, inputs_sky, sky));
         row.lit_at_45 = Some(uncertainty.widen_by(lit[i], row.wavelength_nm, inputs_print, print));
+        row.replicates.natural_light = natural_light.without_each(i);
+        row.replicates.lit_at_45 = lit_at_45.without_each(i);
     }
     rows
 }
@@ -259,7 +274,7 @@ fn rows_of(layer: &LayerSeen, angle: usize, seen: &Seen, uncertainty: &Uncertain
     let moved: [fn(Shift) -> f64; TOTALS] = [|[r, _]| r, |[r, _]| r, |[_, t]| t, |[_, t]| t, |[r, t]| r + t];
     let spectra = Total::ALL.map(|total| layer.spectrum(angle, total));
     let estimates = spectra.each_ref().map(SpectrumEstimate::estimates);
-    let [r, _, t, ..] = &spectra;
+    let [r, specular_r, t, specular_t, a] = &spectra;
     let coherent = layer.coherent_transmittance(angle);
     let of_inputs = |moved: &MovedLayers| Total::ALL.map(|total| moved.errors(angle, total)).to_vec();
     let inputs: Vec<Vec<f64>> = seen.inputs.as_ref().map_or(Vec::new(), of_inputs);
@@ -288,6 +303,14 @@ fn rows_of(layer: &LayerSeen, angle: usize, seen: &Seen, uncertainty: &Uncertain
             natural_light: None,
             lit_at_45: None,
             deviations: cells.iter().copied().zip(jackknife_deviations(&replicates)).collect(),
+            replicates: SpectrumReplicates {
+                reflectance: r.without_each(i),
+                specular_reflectance: specular_r.without_each(i),
+                transmittance: t.without_each(i),
+                specular_transmittance: specular_t.without_each(i),
+                absorptance: a.without_each(i),
+                ..SpectrumReplicates::default()
+            },
         });
     }
     rows

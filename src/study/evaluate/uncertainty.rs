@@ -242,7 +242,7 @@ fn emitted_error(layer: &LayerOnPaper, emitted: EmittedShare, outwards: f64, [r,
         return 0.0;
     }
     let series = layer.emerging_factor();
-    let moved_series = (layer.index_out * series).powi(2) * layer.albedo * r;
+    let moved_series = (layer.index_out * series).powi(2) * layer.paper_albedo * r;
     (by_r * r + by_t * t) * series * outwards + share * (moved_series * outwards + series * t)
 }
 

@@ -69,6 +69,15 @@ pub struct Collected {
     pub damages: Vec<Damage>,
 }
 
+/// The solves of a few realisations as they are, and with tables of indices moved by their errors.
+#[derive(Clone, Debug)]
+pub struct MovedSolves {
+    /// As they are.
+    pub unmoved: Collected,
+    /// \[move\] ([`Study::input_moves`](crate::input::study::Study::input_moves))
+    pub moved: Vec<Collected>,
+}
+
 /// Records of one realisation.
 #[derive(Clone, Debug)]
 pub struct Realisation {
@@ -127,6 +136,37 @@ impl Collected {
     /// The failures of all realisations.
     pub fn failures(&self) -> impl Iterator<Item = &Failure> {
         self.realisations.iter().flat_map(|r| &r.failures)
+    }
+
+    /// The solves of the realisations that are finished with all of these `moves` of tables, too;
+    /// `None` without any.
+    pub fn moved_solves(&self, moves: usize) -> Option<MovedSolves> {
+        let is_finished = |points: &Vec<Option<PointRecord>>| points.iter().all(Option::is_some);
+        let is_complete = |r: &&Realisation| r.moved.len() == moves && r.moved.iter().all(is_finished);
+        let few: Vec<&Realisation> = self.complete().filter(is_complete).collect();
+        if moves == 0 || few.is_empty() {
+            return None;
+        }
+        let with = |points: &dyn Fn(&Realisation) -> Vec<Option<PointRecord>>| {
+            let realisation = |r: &&Realisation| Realisation {
+                packing: r.packing.clone(),
+                points: points(r),
+                finer: Vec::new(),
+                moved: Vec::new(),
+                failures: Vec::new(),
+            };
+            Collected {
+                resolved: self.resolved,
+                realisations: few.iter().map(realisation).collect(),
+                refused: Vec::new(),
+                enough: false,
+                damages: Vec::new(),
+            }
+        };
+        Some(MovedSolves {
+            unmoved: with(&|r| r.points.clone()),
+            moved: (0..moves).map(|i| with(&|r| r.moved[i].clone())).collect(),
+        })
     }
 
     /// Realisations in which every solve is finished.

@@ -11,5 +11,5 @@ pub mod resolve;
 pub mod tangents;
 pub mod watch;
 
-pub use collected::{Collected, Failure, Realisation, Refused, RunSettings, Stores};
+pub use collected::{Collected, Failure, MovedSolves, Realisation, Refused, RunSettings, Stores};
 pub use watch::RunError;

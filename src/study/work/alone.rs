@@ -5,6 +5,7 @@ use super::rounds::collect;
 use super::run::{Scope, Tally, run};
 use super::units::Shard;
 use crate::evaluate::composed::level::SolvedPortion;
+use crate::evaluate::evaluated::FinishedSolves;
 use crate::input::study::Study;
 use crate::run::watch::RunWatch;
 use crate::run::{Collected, RunError, RunSettings, Stores};
@@ -41,12 +42,44 @@ pub fn run_study(
     Ok(Ran { collected: Collected { damages: tally.damages, ..collected }, publishes: tally.publishes })
 }
 
-/// Everything stored for a study; `None` before the first packing and grid.
+/// Everything stored for a study, or for the slabs of a composed one; `None` before the first
+/// packing and grid.
+pub fn stored(study: &Study, stores: &Stores) -> Option<FinishedSolves> {
+    if study.composed().is_none() {
+        return collect(study, stores, 0).map(|collected| FinishedSolves::Whole(Box::new(collected)));
+    }
+    Some(stored_portions(study, stores)).filter(|slabs| !slabs.is_empty()).map(FinishedSolves::Slabs)
+}
+
+/// Result of running any study, over all processes of the folder.
+#[derive(Debug)]
+pub struct RanStudy {
+    /// Everything computed for the study.
+    pub solved: FinishedSolves,
+    /// Damage that this process found in the store; what is needed has been recomputed.
+    pub damages: Vec<Damage>,
+    /// Whether this process has to write the results.
+    pub publishes: bool,
+}
+
+/// Runs a layer as a whole with [`run_study`], or the slabs of a composed one with
+/// [`run_portions`].
 ///
 /// # Errors
-/// The records cannot be read.
-pub fn stored(study: &Study, folder: &OutputFolder) -> std::io::Result<Option<Collected>> {
-    Ok(collect(study, &Stores::open(folder)?, 0))
+/// As these.
+pub fn run_any_study(
+    study: &Study,
+    folder: &OutputFolder,
+    settings: RunSettings,
+    watch: &dyn RunWatch,
+) -> Result<RanStudy, RunError> {
+    if study.composed().is_some() {
+        let RanPortions { solved, damages, publishes } = run_portions(study, folder, settings, watch)?;
+        return Ok(RanStudy { solved: FinishedSolves::Slabs(solved), damages, publishes });
+    }
+    let Ran { collected, publishes } = run_study(study, folder, settings, watch)?;
+    let damages = collected.damages.clone();
+    Ok(RanStudy { solved: FinishedSolves::Whole(Box::new(collected)), damages, publishes })
 }
 
 /// Result of running the slabs of a composed layer, over all processes of the folder.

@@ -14,7 +14,8 @@ use crate::appearance::colour::ciede2000;
 use crate::appearance::picture::InkPicture;
 use crate::draw::figure::Bitmap;
 use crate::draw::page::{STYLE, hex, made_by};
-use crate::evaluate::manifest::{Count, SpectrumRow};
+use crate::evaluate::manifest::Count;
+use crate::evaluate::manifest::main_numbers::PrintRow;
 use crate::numerics::estimate::Estimate;
 use crate::sweep::definition::load::{AxisOutline, Outline, Sweep};
 use base64::Engine;
@@ -33,7 +34,7 @@ const NUMBERS: f64 = 1e6;
 const UNKNOWN: u16 = u16::MAX;
 
 /// Names, units and values of the spectra, in order.
-const SPECTRA: [(&str, &str, fn(&SpectrumRow) -> Option<Estimate>); 4] = [
+const SPECTRA: [(&str, &str, fn(&PrintRow) -> Option<Estimate>); 4] = [
     ("under a uniform sky", "share of a perfect white", |row| row.natural_light),
     ("lit at 45°, seen at 0°", "share of a perfect white", |row| row.lit_at_45),
     ("transmittance of the layer", "share of the light", |row| Some(row.transmittance)),
@@ -103,7 +104,7 @@ fn in_numbers(e: Estimate) -> [Option<f64>; 2] {
         .map(|x| Some((x? * NUMBERS).round() / NUMBERS).filter(|x| x.is_finite()))
 }
 
-fn spectra(rows: &[SpectrumRow], wavelengths_nm: &[f64]) -> String {
+fn spectra(rows: &[PrintRow], wavelengths_nm: &[f64]) -> String {
     let mut bytes = Vec::new();
     for (.., kind) in SPECTRA {
         let estimates: Vec<Option<Estimate>> = wavelengths_nm

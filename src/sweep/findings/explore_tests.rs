@@ -9,21 +9,17 @@ use ndarray::Array2;
 fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> Outcome {
     let mut draws = crate::numerics::Draws::new(seed, 0);
     let mut number = || Estimate { value: draws.uniform(), standard_error: Some(0.01 * draws.uniform()) };
-    let mut row = |polar_deg: f64, &wavelength_nm: &f64| SpectrumRow {
+    let mut row = |polar_deg: f64, &wavelength_nm: &f64| PrintRow {
         wavelength_nm,
         polar_deg,
         reflectance: number(),
-        specular_reflectance: number(),
         transmittance: number(),
-        specular_transmittance: number(),
-        coherent_transmittance: None,
-        absorptance: number(),
         natural_light: Some(number()),
         lit_at_45: Some(number()),
         deviations: Vec::new(),
     };
     let points = |polar_deg: f64| wavelengths_nm.iter().map(move |nm| (polar_deg, nm));
-    let spectra: Vec<SpectrumRow> = points(0.0).chain(points(45.0)).map(|(deg, nm)| row(deg, nm)).collect();
+    let spectra: Vec<PrintRow> = points(0.0).chain(points(45.0)).map(|(deg, nm)| row(deg, nm)).collect();
     let values: Vec<f64> = spectra[..wavelengths_nm.len()].iter().map(|row| row.reflectance.value).collect();
     let colour = Colorimeter::new(wavelengths_nm).unwrap().colour(&values).unwrap();
     let covariance = Some([[0.1234567, 0.01, 0.0], [0.01, 0.2345678, 0.0], [0.0, 0.0, 0.3456789]]);
@@ -61,6 +57,8 @@ fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> Outcome {
         print_hex: None,
         spectra,
         picture: Some(picture),
+        medium: Vec::new(),
+        hiding_thickness_um: None,
     }
 }
 

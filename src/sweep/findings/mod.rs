@@ -1,9 +1,9 @@
 //! The results of a sweep: outcomes, conclusions, tables, contact sheets and pages.
 
-pub mod composed;
 pub mod conclusions;
 mod curves;
 mod explore;
+mod media;
 pub mod outcome;
 mod page;
 pub mod publish;

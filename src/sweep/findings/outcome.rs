@@ -3,9 +3,10 @@
 use crate::appearance::colour::Colour;
 use crate::appearance::picture::InkPicture;
 use crate::evaluate::ink_maker::Target;
-use crate::evaluate::manifest::{Count, Manifest, SpectrumRow};
+use crate::evaluate::manifest::composed::MediumRow;
+use crate::evaluate::manifest::main_numbers::PrintRow;
+use crate::evaluate::manifest::{Count, FailureNote, Manifest};
 use crate::evaluate::published::NumberNote;
-use crate::evaluate::summary::NATURAL_LIGHT;
 use crate::input::study::Study;
 use crate::numerics::estimate::{Estimate, Linked};
 use crate::sweep::definition::file::MeasuredQuantity;
@@ -46,9 +47,13 @@ pub struct Outcome {
     /// `#rrggbb` of the print, adapted to the illuminant.
     pub print_hex: Option<String>,
     /// One row per wavelength and angle.
-    pub spectra: Vec<SpectrumRow>,
+    pub spectra: Vec<PrintRow>,
     /// The picture for contact sheets, where there is paper.
     pub picture: Option<InkPicture>,
+    /// The packed medium at every wavelength, of a composed layer.
+    pub medium: Vec<MediumRow>,
+    /// Thickness that hides, µm, of a composed layer.
+    pub hiding_thickness_um: Option<Estimate>,
 }
 
 impl Outcome {
@@ -74,6 +79,8 @@ impl Outcome {
             print_hex: None,
             spectra: Vec::new(),
             picture: None,
+            medium: Vec::new(),
+            hiding_thickness_um: None,
         }
     }
 
@@ -83,21 +90,23 @@ impl Outcome {
     }
 
     /// Adds the numbers of a variant's manifest.
-    pub fn with(self, manifest: &Manifest<&Study>) -> Self {
-        let natural = manifest.colours.iter().find(|note| note.conditions == NATURAL_LIGHT);
-        let maker = manifest.ink_maker.as_ref();
+    pub fn with(self, manifest: &Manifest) -> Self {
+        let main = manifest.main_numbers();
+        let slabs = manifest.slabs.as_ref();
         Self {
             solves: manifest.solves,
             failures: manifest.failures.len(),
-            reason: manifest.failures.first().map(|failure| failure.reason.clone()),
-            realisations: manifest.realisations.finished,
-            colour: natural.map(|note| note.colour),
-            lab_deviations: natural.map(|note| note.deviations.iter().copied().collect()).unwrap_or_default(),
-            contrast: maker.map(|maker| (maker.contrast_ratio, maker.contrast_deviations.clone())),
+            reason: manifest.failures.first().map(FailureNote::reason).map(str::to_owned),
+            realisations: main.realisations,
+            colour: main.colour,
+            lab_deviations: main.lab_deviations.into_iter().collect(),
+            contrast: main.contrast,
             numbers: manifest.numbers.clone(),
-            target: maker.and_then(|maker| maker.target.clone()),
-            print_hex: maker.map(|maker| maker.print.hex.clone()),
-            spectra: manifest.spectra.clone(),
+            target: main.target,
+            print_hex: main.hex,
+            spectra: main.spectra,
+            medium: slabs.map(|slabs| slabs.medium.clone()).unwrap_or_default(),
+            hiding_thickness_um: slabs.and_then(|slabs| Some(slabs.hiding_thickness_um?.estimate())),
             ..self
         }
     }
@@ -110,7 +119,7 @@ impl Outcome {
             let deviations = self.lab_deviations.iter();
             self.linked(estimate, deviations.map(|(&r, by)| (r, (0..3).map(|i| gradient[i] * by[i]).sum())))
         };
-        let of_row = |number: fn(&SpectrumRow) -> Estimate, place: usize| {
+        let of_row = |number: fn(&PrintRow) -> Estimate, place: usize| {
             let row = self.row(wavelength_nm)?;
             Some(self.linked(number(row), row.deviations.iter().map(|(r, by)| (*r, by[place]))))
         };
@@ -130,13 +139,13 @@ impl Outcome {
         }
     }
 
-    /// The weighted number of this name.
+    /// The weighted number of this name, of a composed layer of its first thickness.
     pub fn weighted(&self, name: &str) -> Option<Linked> {
         let note = self.numbers.iter().find(|note| note.name == name)?;
         Some(self.linked(note.estimate()?, note.deviations.iter().copied()))
     }
 
-    fn row(&self, wavelength_nm: Option<f64>) -> Option<&SpectrumRow> {
+    fn row(&self, wavelength_nm: Option<f64>) -> Option<&PrintRow> {
         let nm = wavelength_nm.filter(|_| self.realisations > 0)?;
         self.spectra.iter().find(|row| (row.wavelength_nm - nm).abs() < 1e-6)
     }
@@ -153,7 +162,7 @@ impl Outcome {
     }
 
     /// Rows of the first angle, one per wavelength, as shown by curves.
-    pub fn at_first_angle(&self) -> &[SpectrumRow] {
+    pub fn at_first_angle(&self) -> &[PrintRow] {
         let first = self.spectra.first().map(|row| row.polar_deg);
         &self.spectra[..self.spectra.iter().take_while(|row| Some(row.polar_deg) == first).count()]
     }
@@ -225,6 +234,8 @@ mod tests {
             print_hex: None,
             spectra: Vec::new(),
             picture: None,
+            medium: Vec::new(),
+            hiding_thickness_um: None,
         }
     }
 

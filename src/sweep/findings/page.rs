@@ -2,6 +2,7 @@
 
 use super::conclusions::Judged;
 use super::curves;
+use super::media;
 use super::outcome::Outcome;
 use super::reported::{Reported, shown};
 use super::sheets::DrawnSheet;
@@ -35,7 +36,7 @@ pub(super) fn page(sweep: &Sweep, reported: &Reported, sheets: &[DrawnSheet]) ->
         axes => Vec::from_iter(outline.axes.iter().map(AxisOutline::heading)),
         reference => &outcomes[outline.reference].name,
         variants => Vec::from_iter((0..all).map(|v| row(sweep, v, outcomes))),
-        figures => Serde(figures(sweep, sheets, outcomes)?),
+        figures => Serde([figures(sweep, sheets, outcomes)?, media::figures(sweep, outcomes)?].concat()),
         program => made_by(),
     };
     Ok(rendered(include_str!("sweep.html"), data)?)

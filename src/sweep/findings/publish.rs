@@ -2,24 +2,23 @@
 //! contact sheets, conclusions.
 
 use super::conclusions::{Judged, judge};
+use super::media::{media_table, number_names, numbers_table};
 use super::outcome::Outcome;
 use super::reported::{Reported, nearest, numbers, target_columns, target_numbers};
 use super::sheets::{contact_sheet, sheets};
 use super::{explore, page};
-use crate::appearance::picture::InkPicture;
 use crate::draw::cell;
 use crate::draw::picture::PictureStyle;
+use crate::evaluate::evaluated::{EvaluateError, Evaluated};
 use crate::evaluate::manifest::Count;
-use crate::evaluate::seen::{Seen, see};
-use crate::evaluate::summary::summarise;
-use crate::input::study::Study;
 use crate::report::columns::{Column, FolderTables};
-use crate::report::publish::{PublishError, PublishResult, publish_seen};
+use crate::report::publish::{PublishError, PublishResult, publish as publish_study};
 use crate::run::Stores;
 use crate::store::folder::OutputFolder;
 use crate::sweep::definition::folder::VARIANTS;
 use crate::sweep::definition::load::{AxisOutline, Sweep};
-use crate::work::rounds::{collect, refused};
+use crate::work::alone::stored;
+use crate::work::rounds::refused;
 
 /// Rows and columns of a picture on a contact sheet.
 const SHEET_ANGLES: usize = 31;
@@ -79,6 +78,15 @@ fn report(sweep: &Sweep, folder: &OutputFolder, outcomes: Vec<Outcome>) -> Publi
     let axes = axis_columns(sweep, |axis| cell::text(&axis.name));
     let columns = [axes, number_columns(sweep)].concat();
     written.write("sweep.csv", &table(sweep, &reported.outcomes)?, "the variants of the sweep", &columns)?;
+    let axes = || axis_columns(sweep, AxisOutline::heading);
+    if let Some(media) = media_table(sweep, &reported.outcomes)? {
+        let about = "what the packed media of the composed layers are to light";
+        written.write("composed.csv", &media, about, &axes())?;
+    }
+    if let Some(numbers) = numbers_table(sweep, &reported.outcomes)? {
+        let about = "weighted numbers of composed layers of every thickness";
+        written.write("numbers.csv", &numbers, about, &[axes(), number_columns(sweep)].concat())?;
+    }
     let conclusions = conclusions_table(&reported.conclusions)?;
     written.write("conclusions.csv", &conclusions, "claims about the sweep, judged", &[])?;
     written.describe(&sweep.outline.title)?;
@@ -98,33 +106,42 @@ fn sheet_name(i: usize, count: usize) -> String {
 fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder) -> PublishResult<Outcome> {
     let study = &sweep.variants[number].study;
     let nothing = Outcome::nothing(sweep, number);
-    let Some(collected) = collect(study, stores, 0) else {
+    let Some(solved) = stored(study, stores) else {
         let refused = refused(study, stores, study.realisations);
         let reason = refused.first().map(|first| first.reason.clone());
         return Ok(Outcome { failures: refused.len(), reason, ..nothing });
     };
-    let seen = see(study, &collected)?;
-    let manifest = summarise(study, &collected, &seen);
+    let solves = Count { finished: solved.finished(), ..nothing.solves };
+    let evaluated = match Evaluated::new(study, &solved) {
+        // slabs that are not solved yet, or that failed
+        Err(EvaluateError::Slabs(reason)) => {
+            let is_open = solves.finished < solves.asked && solved.failures() == 0;
+            let failures = if is_open { 0 } else { solved.failures().max(1) };
+            return Ok(Outcome { solves, failures, reason: (!is_open).then_some(reason), ..nothing });
+        }
+        evaluated => evaluated?,
+    };
+    let manifest = &evaluated.manifest;
     let of_variant = folder.inside(&format!("{VARIANTS}/{}", sweep.variants[number].name))?;
-    match publish_seen(&manifest, &seen, &of_variant) {
+    match publish_study(&evaluated, &of_variant) {
         // a variant without a result does not hold back the others
         Err(none @ (PublishError::Unphysical(_) | PublishError::NoRoom(_))) => {
             let solves = Count { finished: manifest.solves.finished, ..nothing.solves };
             let failures = 1 + manifest.failures.len();
             Ok(Outcome { solves, failures, reason: Some(none.to_string()), ..nothing })
         }
-        published => published.map(|_| Outcome { picture: picture(study, &seen), ..nothing.with(&manifest) }),
+        published => {
+            published?;
+            let step = study.angles.picture_max_deg / (SHEET_ANGLES - 1) as f64;
+            let angles: Vec<f64> = (0..SHEET_ANGLES).map(|i| i as f64 * step).collect();
+            let picture = evaluated.picture(&angles).ok().flatten();
+            Ok(Outcome { picture, ..nothing.with(manifest) })
+        }
     }
 }
 
-fn picture(study: &Study, seen: &Seen) -> Option<InkPicture> {
-    let step = study.angles.picture_max_deg / (SHEET_ANGLES - 1) as f64;
-    let angles: Vec<f64> = (0..SHEET_ANGLES).map(|i| i as f64 * step).collect();
-    seen.ink.as_ref().ok()?.picture(&angles, study.output.mirrored_sky).ok()
-}
-
 /// The columns of a sweep's axes, which the user has named.
-pub(super) fn axis_columns(sweep: &Sweep, heading: impl Fn(&AxisOutline) -> String) -> Vec<Column> {
+fn axis_columns(sweep: &Sweep, heading: impl Fn(&AxisOutline) -> String) -> Vec<Column> {
     let column = |axis: &AxisOutline| Column {
         name: heading(axis),
         kind: "string",
@@ -134,19 +151,8 @@ pub(super) fn axis_columns(sweep: &Sweep, heading: impl Fn(&AxisOutline) -> Stri
     sweep.outline.axes.iter().map(column).collect()
 }
 
-/// Names of the weighted numbers of all variants, each once.
-pub(super) fn number_names(sweep: &Sweep) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for number in sweep.variants.iter().flat_map(|variant| &variant.study.numbers) {
-        if !names.contains(&number.name) {
-            names.push(number.name.clone());
-        }
-    }
-    names
-}
-
 /// The columns of weighted numbers, which the user has named.
-pub(super) fn number_columns(sweep: &Sweep) -> Vec<Column> {
+fn number_columns(sweep: &Sweep) -> Vec<Column> {
     let column = |name: String| Column {
         about: format!("weighted number {name} of the variant"),
         name,

@@ -25,6 +25,8 @@ fn variant(name: &str, value: f64, error: Option<f64>, deviations: [f64; 3]) -> 
         print_hex: Some("#808080".into()),
         spectra: Vec::new(),
         picture: None,
+        medium: Vec::new(),
+        hiding_thickness_um: None,
     }
 }
 

@@ -119,7 +119,7 @@ impl<'a, T: Real> Folding<'a, T> {
             let moment = |i: usize| spectra.get(p).map_or(Complex::default(), |spectrum| spectrum[i]);
             let both = |&i: &usize| moment(i) + Complex::new(-compact[i].im, compact[i].re);
             let kept: Vec<Complex<T>> = self.kept.iter().map(both).collect();
-            self.inner.scatter(&kept, &mut narrow.spectrum);
+            self.inner.spread(&kept, &mut narrow.spectrum);
             self.narrow.inverse(narrow, &self.inner.rows);
             out.iter_mut().zip(&narrow.plane).for_each(|(o, v)| *o = v.im.wide());
             if let Some(out) = moments.get_mut(p) {
@@ -146,7 +146,7 @@ impl<'a, T: Real> Folding<'a, T> {
             let outer = if inverse > T::default() { T::one() } else { T::default() };
             *out = value * Complex::new(outer, inverse);
         }
-        self.harmonics.scatter(&buffers.compact, &mut buffers.wide.spectrum);
+        self.harmonics.spread(&buffers.compact, &mut buffers.wide.spectrum);
         self.wide.inverse(&mut buffers.wide, &self.harmonics.rows);
         buffers.outer[channel].copy_from_slice(&buffers.wide.plane);
     }

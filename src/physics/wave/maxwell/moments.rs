@@ -272,7 +272,7 @@ impl<'a> MomentSum<'a> {
             if let Some(sources) = self.sources.grids.get_mut(f) {
                 builder.add_sources(sources, &mut wide, spectrum);
             }
-            builder.harmonics.scatter(spectrum, &mut narrow.spectrum);
+            builder.harmonics.spread(spectrum, &mut narrow.spectrum);
             builder.fft.inverse(&mut narrow, &builder.harmonics.rows);
             for (i, value) in narrow.plane.iter().enumerate() {
                 planes[0][i][f] = value.re;

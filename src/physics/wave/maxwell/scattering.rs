@@ -140,7 +140,7 @@ impl<T: Real> PlaneWork<T> {
         rotate(&operator.directions, s, p, x, y);
         let spectra: [&[Complex<T>]; 3] = [x, y, z];
         for (scratch, spectrum) in self.scratch.iter_mut().zip(spectra) {
-            operator.harmonics.scatter(spectrum, &mut scratch.spectrum);
+            operator.harmonics.spread(spectrum, &mut scratch.spectrum);
             operator.fft.inverse(scratch, &operator.harmonics.rows);
         }
     }

@@ -59,7 +59,7 @@ impl<T: Real> Scattering<T> {
         scratch: &mut PlaneScratch<T>,
     ) {
         self.mean.plane_values(u, plane, out); // û_p, from nodes and bubbles
-        self.harmonics.scatter(out, &mut scratch.spectrum);
+        self.harmonics.spread(out, &mut scratch.spectrum);
         self.fft.inverse(scratch, &self.harmonics.rows); // u_p(x, y) = Σ û_p e^{i(kx x + ky y)}
         // W_p u_p, W_p = ∫ ψ_p (k² − ⟨k²⟩) dz
         multiply(&mut scratch.plane, row(&self.weights.view(), plane));

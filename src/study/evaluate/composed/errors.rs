@@ -1,15 +1,17 @@
 //! The error bars of a composed layer's numbers.
 //!
 //! Every number is a function of the ensemble-mean flux matrices of all portions, so all of them
-//! are evaluated again for every change of these, and compared name by name.
+//! are evaluated again for every change of these, and compared name by name. The errors of tables of
+//! indices are changes of whole slabs in a few realisations.
 
 use super::level::{Change, Level};
 use super::numbers::LayerTask;
-use super::quantities::{
+use crate::evaluate::published::ErrorParts;
+use crate::evaluate::quantities::{
     ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
     ThicknessNumbers,
 };
-use crate::evaluate::published::ErrorParts;
+use crate::input::study::Study;
 
 /// Wavelengths on either side over which the squared error of composing is averaged: that error is
 /// smooth, and chance is not.
@@ -20,42 +22,95 @@ const NEIGHBOURS: usize = 2;
 // 2 µm, at most 0.03 % of 4 µm.
 const HALVED: f64 = 2.0;
 
-/// All numbers with their bars: from slabs of h (`whole`) and of h/2 (`half`).
-pub fn with_errors(task: &LayerTask, whole: &Level, half: &Level) -> ComposedNumbers<ErrorParts> {
+/// The numbers of a layer from all realisations of a portion but one, for each of these.
+pub type PortionReplicates = ComposedNumbers<Vec<f64>>;
+
+/// All numbers with their bars, and the jackknife replicates behind their chance.
+#[derive(Clone, Debug)]
+pub struct JudgedNumbers {
+    /// The numbers with the parts of their errors.
+    pub numbers: ComposedNumbers<ErrorParts>,
+    /// \[portion of whole slabs with more than one realisation\]
+    pub replicates: Vec<PortionReplicates>,
+}
+
+/// Whole slabs of a few realisations, from which all errors due to tables of indices follow.
+pub struct MovedLevels {
+    /// As they are.
+    pub unmoved: Level,
+    /// With every move of a table by one standard error, to either side, and the study so moved.
+    pub moved: Vec<(Study, Level)>,
+}
+
+/// All numbers with their bars: from slabs of h and of h/2 (`levels`).
+///
+/// # Errors
+/// Those of [`LayerTask::new`].
+pub fn with_errors(
+    task: &LayerTask,
+    levels: [&Level; 2],
+    moved: Option<&MovedLevels>,
+) -> Result<JudgedNumbers, String> {
+    let [whole, half] = levels;
     let numbers = task.numbers(whole, Change::default());
     let change =
         |other: ComposedNumbers<f64>| other.zipped(numbers.clone(), |changed, number| changed - number);
     let by_halving = change(task.numbers(half, Change::default()));
     let by_grid = change(task.numbers(whole, Change { grid: true, ..Change::default() }));
     let by_directions = change(task.numbers(whole, Change { fewer_directions: true, ..Change::default() }));
-    let chance = variances(task, whole, &numbers);
-    let chance_of_half = variances(task, half, &numbers);
+    let of_whole = replicates(task, whole);
+    let chance = variances(&of_whole, &numbers);
+    let chance_of_half = variances(&replicates(task, half), &numbers);
     // a single realisation tells nothing about chance
     let is_known = whole.realisations().into_iter().chain(half.realisations()).all(|count| count > 1);
     let chance_of_halving =
         chance.clone().zipped(chance_of_half, |whole, half| if is_known { whole + half } else { 0.0 });
     let model = errors_of_composing(by_halving, chance_of_halving);
-    numbers
+    let of_inputs = match moved {
+        Some(moved) => input_variances(task, moved)?,
+        None => numbers.clone().map(|_| 0.0),
+    };
+    let numbers = numbers
         .map(|value| ErrorParts { value, ..ErrorParts::default() })
         .zipped(chance, |parts, variance| ErrorParts { chance: variance.sqrt(), ..parts })
         .zipped(model, |parts, model| ErrorParts { model, ..parts })
         .zipped(by_grid, |parts, change| ErrorParts { grid: change.abs(), ..parts })
         .zipped(by_directions, |parts, change| ErrorParts { directions: change.abs(), ..parts })
-        .map(ErrorParts::summed)
+        .zipped(of_inputs, |parts, inputs| ErrorParts { inputs: inputs.sqrt(), ..parts })
+        .map(ErrorParts::summed);
+    Ok(JudgedNumbers { numbers, replicates: of_whole })
 }
 
-/// Jackknife variances over the realisations of every portion.
-fn variances(task: &LayerTask, level: &Level, numbers: &ComposedNumbers<f64>) -> ComposedNumbers<f64> {
-    let mut sum = numbers.clone().map(|_| 0.0);
+/// Variances due to the errors of tables of indices. Moves to both sides are among those given, so
+/// that half of the sum of the squares of what they change is the variance.
+fn input_variances(task: &LayerTask, levels: &MovedLevels) -> Result<ComposedNumbers<f64>, String> {
+    let unmoved = task.numbers(&levels.unmoved, Change::default());
+    let mut sum = unmoved.clone().map(|_| 0.0);
+    for (study, level) in &levels.moved {
+        let changed = task.of_study(study)?.numbers(level, Change::default());
+        let squares = changed.zipped(unmoved.clone(), |changed, number| 0.5 * (changed - number).powi(2));
+        sum = sum.zipped(squares, |sum, square| sum + square);
+    }
+    Ok(sum)
+}
+
+/// The numbers without each realisation, portion by portion; portions of one realisation have none.
+fn replicates(task: &LayerTask, level: &Level) -> Vec<PortionReplicates> {
+    let mut all = Vec::new();
     for (portion, count) in level.realisations().into_iter().enumerate().filter(|(_, count)| *count > 1) {
         let without =
             |r: usize| task.numbers(level, Change { left_out: Some([portion, r]), ..Change::default() });
-        let replicates = ComposedNumbers::gathered((0..count).map(without).collect());
-        let of_portion = replicates.map(|replicates| replicates.map(jackknife_variance));
-        sum =
-            of_portion.map_or(sum.clone(), |variances| sum.zipped(variances, |sum, variance| sum + variance));
+        all.extend(ComposedNumbers::gathered((0..count).map(without).collect()));
     }
-    sum
+    all
+}
+
+/// Jackknife variances, added over the portions.
+fn variances(replicates: &[PortionReplicates], numbers: &ComposedNumbers<f64>) -> ComposedNumbers<f64> {
+    let nothing = numbers.clone().map(|_| 0.0);
+    replicates.iter().fold(nothing, |sum, of_portion| {
+        sum.zipped(of_portion.clone().map(jackknife_variance), |sum, variance| sum + variance)
+    })
 }
 
 /// Jackknife variance (n − 1)/n Σ_r (x_r − x̄)² of a number from its n leave-one-out replicates.

@@ -1,11 +1,11 @@
 //! Numbers of a composed layer that cannot be are withheld, with the reason.
 
-use super::manifest::{ComposedColours, ComposedRow};
-use super::quantities::{ColourNumbers, Lab};
 use crate::appearance::colour::Colour;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::{impossible, impossible_colour, withhold};
+use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, independent};
 use crate::evaluate::published::{ErrorParts, PublishedRow, Quantity, Withheld};
+use crate::evaluate::quantities::{ColourNumbers, Lab};
 use crate::numerics::estimate::Estimate;
 
 /// R and T of one kind of light, which add up to 1 at most.
@@ -116,6 +116,9 @@ impl LayerInColour<'_> {
         let colours = ComposedColours {
             thickness_um,
             hex,
+            colour: natural_light
+                .as_ref()
+                .map(|judged| Colour { lab_covariance: Some(independent(judged.lab)), ..judged.colour }),
             natural_light: lab(natural_light),
             lit_at_45: lab(lit_at_45),
             over_black: lab(over_black),
@@ -176,7 +179,7 @@ impl LayerInColour<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::composed::quantities::LayerNumbers;
+    use crate::evaluate::quantities::LayerNumbers;
 
     fn number(value: f64, error: f64) -> Option<ErrorParts> {
         Some(ErrorParts { value, chance: error, ..ErrorParts::default() }.summed())

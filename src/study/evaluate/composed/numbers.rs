@@ -2,10 +2,6 @@
 
 use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use super::level::{Change, Level, Slabs};
-use super::quantities::{
-    ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
-    ThicknessNumbers,
-};
 use super::stacked::{StackTask, slabs_in};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
@@ -18,6 +14,10 @@ use crate::appearance::viewing::Viewing;
 use crate::evaluate::ink_maker::{BLACK, WHITE};
 use crate::evaluate::numbers::AskedNumber;
 use crate::evaluate::prints::{Brightened, PrintTask};
+use crate::evaluate::quantities::{
+    ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
+    ThicknessNumbers,
+};
 use crate::input::file::SeenLight;
 use crate::input::study::{Composed, Study};
 use crate::wave::Wave;
@@ -83,6 +83,16 @@ impl<'a> LayerTask<'a> {
             curve_um: Vec::new(),
             around_hiding_um: None,
         })
+    }
+
+    /// What this asks, of the layer of another study that differs in its indices alone.
+    ///
+    /// # Errors
+    /// Those of [`LayerTask::new`].
+    pub fn of_study<'b>(&self, study: &'b Study) -> Result<LayerTask<'b>, String> {
+        let task = LayerTask::new(study)?;
+        let curve_um = self.curve_um.clone();
+        Ok(LayerTask { curve_um, around_hiding_um: self.around_hiding_um, ..task })
     }
 
     /// All numbers, of slabs of either thickness.

@@ -1,10 +1,10 @@
 //! The prints of a composed layer, as they are published.
 
-use super::quantities::ThicknessNumbers;
 use crate::appearance::bare_paper::PaperGeometry;
 use crate::evaluate::printed::Prints;
 use crate::evaluate::prints::{PrintNumbers, PrintTask};
 use crate::evaluate::published::ErrorParts;
+use crate::evaluate::quantities::ThicknessNumbers;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 

@@ -33,13 +33,16 @@ pub struct InputMove {
 }
 
 impl Study {
-    /// All moves by one standard error to either side; none without errors in any table. The slabs
-    /// of composed layers are not moved.
+    /// All moves by one standard error to either side; none without errors in any table. Of a
+    /// composed layer they are those of its slabs, of which the whole ones are solved with them. The
+    /// plates of a stack are not moved.
     pub fn input_moves(&self) -> Vec<InputMove> {
-        match self.kind {
-            StudyKind::InkOnPaper | StudyKind::LayerAlone(_) => self.all_moves(),
-            StudyKind::Composed(_) | StudyKind::Slab(_) => Vec::new(),
-        }
+        let moves = match &self.kind {
+            StudyKind::InkOnPaper | StudyKind::LayerAlone(_) => true,
+            StudyKind::Composed(composed) => composed.layers.is_empty(),
+            StudyKind::Slab(portion) => !portion.halved && portion.stacked.is_none(),
+        };
+        if moves { self.all_moves() } else { Vec::new() }
     }
 
     /// All moves, also of the tables of a composed layer.
@@ -58,14 +61,15 @@ impl Study {
         if realisation < MOVED_REALISATIONS { self.input_moves() } else { Vec::new() }
     }
 
-    /// Says that the error bars of a composed layer lack the errors of its tables.
+    /// Says that the error bars of a stack of plates lack the errors of its tables.
     pub fn errors_left_out(&self) -> Option<String> {
         let names = self.inputs_with_errors().join(", ");
         let remark = format!(
-            "{names}: its errors of n and κ are not in the error bars of a composed layer; run the study with the table moved by \
+            "{names}: its errors of n and κ are not in the error bars of a stack of plates; run the study with the table moved by \
              one error to see what they do"
         );
-        (self.composed().is_some() && !names.is_empty()).then_some(remark)
+        let is_stack = self.composed().is_some_and(|composed| !composed.layers.is_empty());
+        (is_stack && !names.is_empty()).then_some(remark)
     }
 
     /// Names of the tables whose errors are known, each once.

@@ -95,7 +95,7 @@ impl Problem {
     }
 
     fn to_points(&self, harmonics: &[Complex64], scratch: &mut PlaneScratch) {
-        self.harmonics.scatter(harmonics, &mut scratch.spectrum);
+        self.harmonics.spread(harmonics, &mut scratch.spectrum);
         self.fft.inverse(scratch, &self.harmonics.rows);
     }
 }

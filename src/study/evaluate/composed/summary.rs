@@ -1,23 +1,28 @@
 //! The published numbers of a composed layer, with everything that their bars are made of.
 
-use super::errors::with_errors;
+use super::errors::{JudgedNumbers, MovedLevels, with_errors};
 use super::gate::{self, LayerInColour};
 use super::level::{Change, Level, Slabs, SolvedPortion};
-use super::manifest::{
-    AbsorbedRow, ComposedColours, ComposedManifest, ComposedRow, DepthRow, DistributionRow, MediumRow,
-};
 use super::numbers::{LayerTask, MOST_SLABS, lights, projected_sr};
 use super::prints::prints;
-use super::quantities::{Distribution, HidingNumbers, LayerNumbers, MediumNumbers, ThicknessNumbers};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
-use crate::evaluate::manifest::{Count, Provenance};
+use crate::evaluate::manifest::composed::{
+    AbsorbedRow, ComposedColours, ComposedRow, DepthRow, DistributionRow, MediumRow, SlabNotes,
+};
+use crate::evaluate::manifest::{
+    Count, FailureNote, Manifest, Provenance, PublishedColours, PublishedSpectra,
+};
 use crate::evaluate::published::{ErrorParts, NumberNote, NumberParts, Quantity, Withheld};
+use crate::evaluate::quantities::{
+    Distribution, HidingNumbers, LayerNumbers, MediumNumbers, ThicknessNumbers,
+};
 use crate::evaluate::wavelengths::nearest;
 use crate::input::study::{Composed, Study};
+use crate::run::MovedSolves;
 
 /// Slabs of the curve against thickness, up to a layer that practically no light passes.
 const CURVE: [usize; 16] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 1024, 4096];
@@ -31,11 +36,11 @@ const CLEAR: f64 = 0.5;
 /// Part of a bar of L*, a* or b* from which it is said where it comes from.
 const LARGE: f64 = 1.0;
 
-/// Evaluates a composed layer; a reason where too little is solved.
+/// All numbers of a composed layer; a reason where too little is solved.
 ///
 /// # Errors
 /// A portion without complete realisations, paper without an albedo.
-pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<ComposedManifest<'a>, String> {
+pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Manifest<'a>, String> {
     let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
     let whole = level(false)?;
     let half = level(true)?;
@@ -51,7 +56,8 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
         task.curve_um = CURVE.map(|count| count as f64 * composed.slab_um).to_vec();
         find_hiding(&mut task, &slabs).err()
     };
-    let numbers = with_errors(&task, &whole, &half);
+    let moved = moved_levels(study, solved);
+    let JudgedNumbers { numbers, replicates } = with_errors(&task, [&whole, &half], moved.as_ref())?;
     let mut requested = Layers::default();
     for (um, layer) in composed.thicknesses_um.iter().zip(&numbers.requested) {
         requested.add(&task, *um, layer);
@@ -84,36 +90,61 @@ pub fn report<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Composed
     let records = || solved.iter().flat_map(|(_, c)| &c.realisations).flat_map(|r| r.points.iter().flatten());
     let finished = solved.iter().map(|(_, collected)| collected.finished()).sum();
     let solves = Count { asked: study.solves(), finished };
-    Ok(ComposedManifest {
-        origin: Provenance::new(study, records(), solves),
+    let remarks = [thin_slabs(composed, &medium), far_apart(seen_nm, &requested.colours)];
+    let slabs = SlabNotes {
         composed,
-        solves,
-        failures: solved.iter().flat_map(failures).collect(),
-        spectra: requested.rows,
-        remarks: [thin_slabs(composed, &medium), far_apart(seen_nm, &requested.colours)]
-            .into_iter()
-            .flatten()
-            .collect(),
-        colours: requested.colours,
-        numbers: requested.weighted,
-        no_colour,
-        prints,
+        medium,
         distributions,
         absorbed,
-        withheld,
         curve: curve.rows,
         curve_colours: curve.colours,
         curve_numbers: curve.weighted,
         hiding_thickness_um,
         spreading_rate_m2_per_l: hiding_thickness_um.map(spreading_rate),
         no_hiding: no_hiding.or(impossible),
-        medium,
+        remarks: remarks.into_iter().flatten().collect(),
         depth,
         depth_nm,
+        replicates,
+        realisations: solved.iter().map(|(_, c)| c.complete().count()).min().unwrap_or(0),
+    };
+    Ok(Manifest {
+        origin: Provenance::new(study, records(), solves),
+        solves,
+        failures: solved.iter().flat_map(failures).map(FailureNote::Slab).collect(),
+        ensemble: None,
+        colours: PublishedColours::Composed(requested.colours),
+        no_colour,
+        ink_maker: None,
+        no_ink_maker: None,
+        numbers: requested.weighted,
+        prints,
+        withheld,
+        spectra: PublishedSpectra::Composed(requested.rows),
+        slabs: Some(slabs),
         solve_seconds: records().map(|record| record.account.seconds).sum(),
         process_seconds: None,
         study,
     })
+}
+
+/// The whole slabs of a few realisations, as they are and with every move of a table; `None` where
+/// there are no moves, or some portion has no such realisation yet.
+fn moved_levels(study: &Study, solved: &[SolvedPortion]) -> Option<MovedLevels> {
+    let moves = study.input_moves();
+    let whole = |(portion, _): &&SolvedPortion| portion.portion().is_some_and(|portion| !portion.halved);
+    let portions: Vec<&SolvedPortion> = solved.iter().filter(whole).collect();
+    let few = |(_, collected): &&SolvedPortion| collected.moved_solves(moves.len());
+    let solves = portions.iter().map(few).collect::<Option<Vec<_>>>()?;
+    let level = |portions: Vec<SolvedPortion>| Level::new(&portions, false);
+    let unmoved = portions.iter().zip(&solves).map(|((study, _), few)| (study.clone(), few.unmoved.clone()));
+    let mut moved = Vec::new();
+    for (i, by) in moves.iter().enumerate() {
+        let of_move =
+            |((study, _), few): (&&SolvedPortion, &MovedSolves)| (study.moved(by), few.moved[i].clone());
+        moved.push((study.moved(by), level(portions.iter().zip(&solves).map(of_move).collect())?));
+    }
+    Some(MovedLevels { unmoved: level(unmoved.collect())?, moved })
 }
 
 /// The stack of the first thickness at every wavelength, of slabs that are whole; empty for a layer
@@ -215,6 +246,7 @@ fn spreading_rate(hiding: ErrorParts) -> ErrorParts {
         grid: relative(hiding.grid),
         directions: relative(hiding.directions),
         wavelengths: relative(hiding.wavelengths),
+        inputs: relative(hiding.inputs),
     }
 }
 
@@ -286,9 +318,9 @@ impl Layers {
         for (asked, number) in task.weighted.iter().zip(&numbers.weighted) {
             let spectra = task.weighted_spectra(asked, &values);
             let spectra: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
-            let ErrorParts { value, chance, model, grid, directions, .. } = *number;
+            let ErrorParts { value, chance, model, grid, directions, inputs, .. } = *number;
             let wavelengths = asked.wavelength_error(&spectra, &[], true);
-            let parts = NumberParts { chance, model, grid, directions, wavelengths, inputs: 0.0 };
+            let parts = NumberParts { chance, model, grid, directions, wavelengths, inputs };
             let error = parts.together();
             let impossible = asked.impossible(value, Some(error));
             let possible = impossible.is_none();

@@ -1,70 +1,19 @@
-//! The page and the pictures of a composed layer, beside its tables.
+//! What the page of a composed layer has beside others: curves against thickness and depth, and the
+//! coefficients of the medium.
 
-mod tables;
-
-pub use tables::tables;
-
-use super::numbers;
-use super::page::on_study;
-use super::publish::{NamedPictures, Pictures, Publication, PublishError, PublishResult, picture_angles};
-use super::sheet;
+use super::figures::shown_nm;
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
-use crate::draw::page::{Figure, png_data};
-use crate::evaluate::composed::level::SolvedPortion;
-use crate::evaluate::composed::manifest::{ComposedColours, ComposedManifest, ComposedRow};
-use crate::evaluate::composed::report::report;
-use crate::evaluate::composed::view::ComposedView;
-use crate::evaluate::ink::InkError;
+use crate::draw::page::Figure;
+use crate::evaluate::manifest::Manifest;
+use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, SlabNotes};
 use crate::evaluate::published::{ErrorParts, PublishedRow};
 use crate::input::study::{Study, WantedNumber};
 use crate::numerics::estimate::Estimate;
-use crate::run::crew::processor_seconds;
-use crate::store::folder::OutputFolder;
+use crate::report::columns::heading;
 use minijinja::value::Serde;
 use minijinja::{Value, context};
 use serde::Serialize;
-
-/// Writes `results.json`, tables and page; returns what is published.
-///
-/// # Errors
-/// Slabs without a complete realisation; files that cannot be written.
-pub fn publish<'a>(
-    study: &'a Study,
-    solved: &[SolvedPortion],
-    folder: &OutputFolder,
-) -> PublishResult<ComposedManifest<'a>> {
-    let manifest = report(study, solved).map_err(PublishError::Slabs)?;
-    let manifest = ComposedManifest { process_seconds: processor_seconds(), ..manifest };
-    let pictures = pictures(&manifest, solved)?;
-    let page = page(&manifest, pictures.first().map(|first| &first.pictures))?;
-    Publication {
-        study,
-        status: manifest.origin.status,
-        tables: tables(&manifest)?,
-        results: serde_json::to_vec_pretty(&manifest)?,
-        page: on_study(include_str!("composed.html"), page)?,
-        pictures,
-    }
-    .write(folder)?;
-    Ok(manifest)
-}
-
-/// The pictures of each thickness requested, the first without its thickness in the name; none
-/// without a colour.
-fn pictures(manifest: &ComposedManifest, solved: &[SolvedPortion]) -> PublishResult<Vec<NamedPictures>> {
-    let study = manifest.study;
-    let angles = picture_angles(study);
-    let mut all = Vec::new();
-    for (k, colours) in manifest.colours.iter().enumerate() {
-        let um = colours.thickness_um;
-        let view = ComposedView::new(study, solved, um).map_err(PublishError::Slabs)?;
-        let picture = view.picture(&angles, study.output.mirrored_sky).map_err(InkError::from)?;
-        let name = if k == 0 { "picture".to_owned() } else { format!("picture-{um}um") };
-        all.push(NamedPictures::new(name, Pictures::new(&picture, study)?));
-    }
-    Ok(all)
-}
 
 /// Smaller errors are rounding, and are not shown.
 const CERTAIN: f64 = 1e-6;
@@ -86,19 +35,18 @@ fn lab(judged: Option<[ErrorParts; 3]>) -> String {
 }
 
 /// The main results in a line each.
-pub fn lines(manifest: &ComposedManifest) -> Vec<String> {
+pub(super) fn lines(manifest: &Manifest, slabs: &SlabNotes) -> Vec<String> {
     let mut lines = Vec::new();
-    for c in &manifest.colours {
+    for c in manifest.colours.composed() {
         let um = c.thickness_um;
         let seen = lab(c.natural_light);
         let ratio = words_of(c.contrast_ratio, 3);
         lines.push(format!("{um} µm: {seen} under natural light, contrast ratio {ratio}"));
     }
     if lines.is_empty() {
-        lines.extend(manifest.spectra.iter().map(spectral_line));
+        lines.extend(manifest.spectra.composed().iter().map(spectral_line));
     }
-    lines.extend(numbers::in_words(&manifest.numbers));
-    lines.extend(manifest.hiding_thickness_um.map(|um| format!("hides at {} µm", words(&um, 1))));
+    lines.extend(slabs.hiding_thickness_um.map(|um| format!("hides at {} µm", words(&um, 1))));
     lines
 }
 
@@ -112,37 +60,39 @@ fn spectral_line(row: &ComposedRow) -> String {
     format!("{um} µm, {nm} nm: at 0° R {r}, T {t}; diffuse light R {diffuse_r}, T {diffuse_t}")
 }
 
-fn page(manifest: &ComposedManifest, pictures: Option<&Pictures>) -> DrawResult<Value> {
-    let study = manifest.study;
-    Ok(context! {
-        picture => pictures.map(|pictures| png_data(&pictures.labelled)),
-        figures => Serde(figures(manifest)?),
-        ink_maker => true,
-        weighted => Serde(numbers::lines(&manifest.numbers)),
-        shown_medium => Serde(shown_medium(manifest)),
+/// What the page shows beside the manifest.
+pub(super) fn page(manifest: &Manifest, slabs: &SlabNotes) -> Value {
+    context! {
+        patches => Serde(patches(manifest.colours.composed())),
+        shown_medium => Serde(shown_medium(manifest, slabs)),
         largest => Serde(largest_parts(manifest)),
-        shapes => Serde(sheet::shapes(study)),
-        wave => study.wave.in_words(),
-        ..Value::from(Serde(manifest)),
-    })
+    }
+}
+
+/// Names and colours of the patches of every thickness.
+fn patches(colours: &[ComposedColours]) -> Vec<(String, String)> {
+    let patch = |layer: &ComposedColours| {
+        Some((format!("{} µm on the paper", layer.thickness_um), layer.hex.clone()?))
+    };
+    colours.iter().filter_map(patch).collect()
 }
 
 /// Curves against thickness and depth, and spectra.
-fn figures(manifest: &ComposedManifest) -> DrawResult<Vec<Figure>> {
+pub(super) fn figures(manifest: &Manifest, slabs: &SlabNotes) -> DrawResult<Vec<Figure>> {
     let mut all = vec![
-        ("The light's way", depth_chart(manifest), DEPTH),
-        ("On the paper", spectra_chart(manifest), SPECTRA),
+        ("The light's way", depth_chart(slabs), DEPTH),
+        ("On the paper", spectra_chart(manifest, slabs), SPECTRA),
     ];
-    // a stack has the thicknesses asked for, often one
-    if !manifest.curve.is_empty() {
-        all.insert(0, ("Against thickness", shares_chart(manifest), SHARES));
+    // a stack has the thicknesses requested, often one
+    if !slabs.curve.is_empty() {
+        all.insert(0, ("Against thickness", shares_chart(manifest, slabs), SHARES));
     }
-    if !manifest.curve_colours.is_empty() {
-        all.insert(1, ("Hiding", hiding_chart(manifest), HIDING));
-        all.insert(2, ("Colour", colour_chart(manifest), COLOUR));
+    if !slabs.curve_colours.is_empty() {
+        all.insert(1, ("Hiding", hiding_chart(slabs), HIDING));
+        all.insert(2, ("Colour", colour_chart(slabs), COLOUR));
     }
-    if !manifest.curve_numbers.is_empty() {
-        all.push(("Weighted numbers", numbers_chart(manifest), NUMBERS));
+    if !slabs.curve_numbers.is_empty() {
+        all.push(("Weighted numbers", numbers_chart(manifest.study, slabs), NUMBERS));
     }
     all.into_iter().map(|(heading, chart, caption)| Figure::new(heading, &chart, caption)).collect()
 }
@@ -164,14 +114,14 @@ fn against_thickness(y_label: &str, curves: Vec<Curve>) -> Chart {
     Chart { log: [true, false], y_range: Some([0.0, 1.0]), ..chart }
 }
 
-fn shares_chart(manifest: &ComposedManifest) -> Chart {
+fn shares_chart(manifest: &Manifest, slabs: &SlabNotes) -> Chart {
     let curve = |nm: f64, name: &str, share: fn(&ComposedRow) -> Option<ErrorParts>| {
-        let rows = manifest.curve.iter().filter(move |row| row.wavelength_nm == nm);
+        let rows = slabs.curve.iter().filter(move |row| row.wavelength_nm == nm);
         let points = rows.filter_map(|row| Some((row.thickness_um, share(row)?.estimate())));
         Curve::measured(format!("{name}, {nm:.0} nm"), points)
     };
     let mut curves = Vec::new();
-    for nm in sheet::shown_nm(&manifest.study.wavelengths_nm) {
+    for nm in shown_nm(&manifest.study.wavelengths_nm) {
         curves.push(curve(nm, "R", |row| row.layer.reflectance_diffuse));
         curves.push(curve(nm, "T", |row| row.layer.transmittance_diffuse));
     }
@@ -180,59 +130,59 @@ fn shares_chart(manifest: &ComposedManifest) -> Chart {
 
 /// A number of the colours against the thickness, over `by`.
 fn colour_curve(
-    manifest: &ComposedManifest,
+    slabs: &SlabNotes,
     name: &str,
     number: fn(&ComposedColours) -> Option<ErrorParts>,
     by: f64,
 ) -> Curve {
-    let points = manifest.curve_colours.iter().filter_map(|c| Some((c.thickness_um, number(c)?)));
+    let points = slabs.curve_colours.iter().filter_map(|c| Some((c.thickness_um, number(c)?)));
     let points = points.map(|(um, judged)| [um, judged.value / by, judged.standard_error / by]);
     Curve::with_bars(name, Style::Data, points)
 }
 
-fn hiding_chart(manifest: &ComposedManifest) -> Chart {
+fn hiding_chart(slabs: &SlabNotes) -> Chart {
     let curves = vec![
-        colour_curve(manifest, "contrast ratio", |c| c.contrast_ratio, 1.0),
-        colour_curve(manifest, "L*/100 on the paper", |c| Some(c.natural_light?[0]), 100.0),
-        colour_curve(manifest, "L*/100 over black", |c| Some(c.over_black?[0]), 100.0),
+        colour_curve(slabs, "contrast ratio", |c| c.contrast_ratio, 1.0),
+        colour_curve(slabs, "L*/100 on the paper", |c| Some(c.natural_light?[0]), 100.0),
+        colour_curve(slabs, "L*/100 over black", |c| Some(c.over_black?[0]), 100.0),
     ];
     against_thickness("contrast ratio, L*/100", curves)
 }
 
-fn colour_chart(manifest: &ComposedManifest) -> Chart {
+fn colour_chart(slabs: &SlabNotes) -> Chart {
     let curves = vec![
-        colour_curve(manifest, "L*", |c| Some(c.natural_light?[0]), 1.0),
-        colour_curve(manifest, "a*", |c| Some(c.natural_light?[1]), 1.0),
-        colour_curve(manifest, "b*", |c| Some(c.natural_light?[2]), 1.0),
+        colour_curve(slabs, "L*", |c| Some(c.natural_light?[0]), 1.0),
+        colour_curve(slabs, "a*", |c| Some(c.natural_light?[1]), 1.0),
+        colour_curve(slabs, "b*", |c| Some(c.natural_light?[2]), 1.0),
     ];
     Chart { y_range: None, ..against_thickness("L*, a*, b*", curves) }
 }
 
-fn numbers_chart(manifest: &ComposedManifest) -> Chart {
+fn numbers_chart(study: &Study, slabs: &SlabNotes) -> Chart {
     let curve = |wanted: &WantedNumber| {
-        let notes = manifest.curve_numbers.iter().filter(|note| note.name == wanted.name);
+        let notes = slabs.curve_numbers.iter().filter(|note| note.name == wanted.name);
         Curve::measured(
             wanted.name.as_str(),
             notes.filter_map(|note| Some((note.thickness_um?, note.estimate()?))),
         )
     };
-    let curves = manifest.study.numbers.iter().map(curve).collect();
+    let curves = study.numbers.iter().map(curve).collect();
     Chart { y_range: None, ..against_thickness("number", curves) }
 }
 
-fn depth_chart(manifest: &ComposedManifest) -> Chart {
+fn depth_chart(slabs: &SlabNotes) -> Chart {
     let curve = |name: &str, number: fn([f64; 2]) -> f64| {
-        let points = manifest.depth.iter().map(|row| (row.depth_um, number([row.down, row.up])));
-        Curve::new(format!("{name}, {:.0} nm", manifest.depth_nm), Style::Data, points)
+        let points = slabs.depth.iter().map(|row| (row.depth_um, number([row.down, row.up])));
+        Curve::new(format!("{name}, {:.0} nm", slabs.depth_nm), Style::Data, points)
     };
     let curves = vec![curve("down", |[d, _]| d), curve("up", |[_, u]| u), curve("net", |[d, u]| d - u)];
     Chart { from_zero: true, ..Chart::linear("", "depth, µm", "flux, share of the incident light", curves) }
 }
 
-fn spectra_chart(manifest: &ComposedManifest) -> Chart {
+fn spectra_chart(manifest: &Manifest, slabs: &SlabNotes) -> Chart {
     let mut curves = Vec::new();
-    for um in &manifest.composed.thicknesses_um {
-        let rows = manifest.spectra.iter().filter(|row| row.thickness_um == *um);
+    for um in &slabs.composed.thicknesses_um {
+        let rows = manifest.spectra.composed().iter().filter(|row| row.thickness_um == *um);
         let points = rows.filter_map(|row| Some((row.wavelength_nm, row.layer.natural_light?.estimate())));
         curves.push(Curve::measured(format!("{um} µm"), points));
     }
@@ -241,10 +191,10 @@ fn spectra_chart(manifest: &ComposedManifest) -> Chart {
 }
 
 /// Coefficients of the medium at a few wavelengths.
-fn shown_medium(manifest: &ComposedManifest) -> Vec<(String, Estimate)> {
-    let shown = sheet::shown_nm(&manifest.study.wavelengths_nm);
+fn shown_medium(manifest: &Manifest, slabs: &SlabNotes) -> Vec<(String, Estimate)> {
+    let shown = shown_nm(&manifest.study.wavelengths_nm);
     let mut rows = Vec::new();
-    for row in manifest.medium.iter().filter(|row| shown.contains(&row.wavelength_nm)) {
+    for row in slabs.medium.iter().filter(|row| shown.contains(&row.wavelength_nm)) {
         for number in row.numbers() {
             let Some(estimate) = number.estimate else { continue };
             let name = heading(number.name);
@@ -254,11 +204,6 @@ fn shown_medium(manifest: &ComposedManifest) -> Vec<(String, Estimate)> {
     rows
 }
 
-/// A number's name with its unit, for readers.
-pub fn heading(name: &str) -> String {
-    name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ")
-}
-
 /// Largest parts of the bars of R and T.
 #[derive(Default, Serialize)]
 struct LargestParts {
@@ -266,11 +211,12 @@ struct LargestParts {
     model: f64,
     grid: f64,
     directions: f64,
+    inputs: f64,
 }
 
-fn largest_parts(manifest: &ComposedManifest) -> LargestParts {
+fn largest_parts(manifest: &Manifest) -> LargestParts {
     let mut largest = LargestParts::default();
-    for ComposedRow { layer, .. } in &manifest.spectra {
+    for ComposedRow { layer, .. } in manifest.spectra.composed() {
         let totals = [
             layer.reflectance_normal,
             layer.transmittance_normal,
@@ -284,6 +230,7 @@ fn largest_parts(manifest: &ComposedManifest) -> LargestParts {
             largest.model = largest.model.max(parts.model);
             largest.grid = largest.grid.max(parts.grid);
             largest.directions = largest.directions.max(parts.directions);
+            largest.inputs = largest.inputs.max(parts.inputs);
         }
     }
     largest

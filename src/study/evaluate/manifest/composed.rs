@@ -1,14 +1,13 @@
-//! The numbers of a composed layer as they are published.
+//! What is published of a composed layer beside what every print has.
 
-use super::quantities::{Lab, LayerNumbers, MediumNumbers};
-use crate::evaluate::manifest::{Count, Provenance};
-use crate::evaluate::printed::Prints;
-use crate::evaluate::published::{ErrorParts, NamedNumber, NumberNote, PublishedRow, Withheld};
-use crate::input::study::{Composed, Study};
+use crate::appearance::colour::Colour;
+use crate::evaluate::published::{ErrorParts, NamedNumber, NumberNote, PublishedRow};
+use crate::evaluate::quantities::{ComposedNumbers, Lab, LayerNumbers, MediumNumbers};
+use crate::input::study::Composed;
 use serde::Serialize;
 
 /// A layer at one wavelength. `null` is a number that cannot be
-/// ([`ComposedManifest::withheld`] says why).
+/// ([`super::Manifest::withheld`] says why).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ComposedRow {
     /// Thickness of the layer, µm.
@@ -48,6 +47,10 @@ pub struct ComposedColours {
     pub thickness_um: f64,
     /// As screens show it on the paper under natural light, `#rrggbb`.
     pub hex: Option<String>,
+    /// The colour on the paper under natural light, with the bars of its L*, a*, b* as if they were
+    /// independent.
+    #[serde(skip)]
+    pub colour: Option<Colour>,
     /// On the paper under natural light.
     pub natural_light: Option<Lab<ErrorParts>>,
     /// On the paper at 45:0.
@@ -59,7 +62,7 @@ pub struct ComposedColours {
 }
 
 /// What the packed medium is to light of one wavelength; `null` where these realisations do not
-/// determine it ([`ComposedManifest::withheld`] says why).
+/// determine it ([`super::Manifest::withheld`] says why).
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MediumRow {
     /// Vacuum wavelength, nm.
@@ -133,27 +136,11 @@ pub struct AbsorbedRow {
     pub absorptance_normal: ErrorParts,
 }
 
-/// All numbers of a composed layer: the file `results.json`.
+/// What a composed layer has beside the numbers of every print.
 #[derive(Clone, Debug, Serialize)]
-pub struct ComposedManifest<'a> {
-    /// Where the numbers come from.
-    #[serde(flatten)]
-    pub origin: Provenance,
+pub struct SlabNotes<'a> {
     /// How it was composed.
     pub composed: &'a Composed,
-    /// Solves requested and finished.
-    pub solves: Count,
-    /// Solves without a result, and packings without room.
-    pub failures: Vec<String>,
-    /// One row for each requested thickness and wavelength.
-    pub spectra: Vec<ComposedRow>,
-    /// Colours of each requested thickness.
-    pub colours: Vec<ComposedColours>,
-    /// Why there are none.
-    pub no_colour: Option<String>,
-    /// Prints in dots, and under the lights of instruments on paper that fluoresces.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub prints: Option<Prints>,
     /// The medium at every wavelength.
     pub medium: Vec<MediumRow>,
     /// Where light at 0° goes, of each requested thickness.
@@ -161,12 +148,6 @@ pub struct ComposedManifest<'a> {
     /// What every layer of a stack absorbs; none of one layer.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub absorbed: Vec<AbsorbedRow>,
-    /// Weighted numbers that the study asks for, of each requested thickness.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub numbers: Vec<NumberNote>,
-    /// Numbers that were withheld because they are impossible or not determined.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub withheld: Vec<Withheld>,
     /// Rows of whole numbers of slabs.
     pub curve: Vec<ComposedRow>,
     /// Their colours.
@@ -186,10 +167,19 @@ pub struct ComposedManifest<'a> {
     pub depth: Vec<DepthRow>,
     /// That wavelength, nm.
     pub depth_nm: f64,
-    /// Seconds that the solves took, added up.
-    pub solve_seconds: f64,
-    /// Processor seconds of the process that wrote this.
-    pub process_seconds: Option<f64>,
-    /// The study with every default filled in.
-    pub study: &'a Study,
+    /// Jackknife replicates of all numbers by name, before any is withheld: \[portion of whole slabs
+    /// with more than one realisation\]. Their variances add up to the squares of
+    /// [`ErrorParts::chance`]; not written to files.
+    #[serde(skip)]
+    pub replicates: Vec<ComposedNumbers<Vec<f64>>>,
+    /// Complete realisations of the slab that has fewest of them.
+    #[serde(skip)]
+    pub realisations: usize,
+}
+
+/// Variances of L*, a*, b* from their bars, as if these were independent.
+pub fn independent(lab: Lab<ErrorParts>) -> [[f64; 3]; 3] {
+    let mut covariance = [[0.0; 3]; 3];
+    (0..3).for_each(|i| covariance[i][i] = lab[i].standard_error.powi(2));
+    covariance
 }

@@ -1,7 +1,7 @@
 //! The published quantities of a composed layer by name, as values or as values with errors.
 
-use crate::evaluate::prints::PrintNumbers;
-use crate::evaluate::published::named_numbers;
+use super::prints::PrintNumbers;
+use super::published::named_numbers;
 
 named_numbers! {
     /// A layer at one wavelength; R and T are shares of the incident light.
