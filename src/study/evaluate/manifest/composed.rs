@@ -167,8 +167,8 @@ pub struct SlabNotes<'a> {
     pub depth: Vec<DepthRow>,
     /// That wavelength, nm.
     pub depth_nm: f64,
-    /// Jackknife replicates of all numbers by name, before any is withheld: \[portion of whole slabs
-    /// with more than one realisation\]. Their variances add up to the squares of
+    /// Jackknife replicates of all numbers by name, before any is withheld: \[portion of whole
+    /// slabs with more than one realisation\]. Their variances add up to the squares of
     /// [`ErrorParts::chance`]; not written to files.
     #[serde(skip)]
     pub replicates: Vec<ComposedNumbers<Vec<f64>>>,
