@@ -9,7 +9,6 @@
 
 mod absorption;
 mod cell;
-pub(crate) mod coarse;
 mod contrast;
 mod kernels;
 mod mean;
@@ -23,4 +22,5 @@ mod sources;
 pub use crate::wave::light::Polarisation;
 pub use contrast::Averaging;
 pub use moments::{ChannelFields, NormalMoments};
+pub(crate) use problem::coarse;
 pub use problem::{Polarised, VectorProblem};

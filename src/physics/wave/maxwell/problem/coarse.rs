@@ -14,13 +14,13 @@
 //! Measured on 15 % of n = 2.7, 250 nm, 1 µm, 560 nm, cells of 0.8 µm, to 1e-3: 16 steps instead of
 //! 126, with the 45 harmonics below the wavenumber in the grains of 361.
 
-use super::kernels::UnitResponses;
-use super::mean::{CELL_ROWS, VectorMean};
-use super::problem::VectorProblem;
-use super::scattering::VectorScattering;
+use super::VectorProblem;
 use crate::numerics::dense::MatrixEntry;
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::Resolution;
+use crate::wave::maxwell::kernels::UnitResponses;
+use crate::wave::maxwell::mean::{CELL_ROWS, VectorMean};
+use crate::wave::maxwell::scattering::VectorScattering;
 use crate::wave::operator::inverse::row_of;
 use faer::{ColMut, ColRef, Mat, c32};
 use ndarray::Array2;
