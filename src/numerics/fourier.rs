@@ -86,6 +86,11 @@ impl<T: Real> PlaneFft<T> {
         PlaneFft { nx, ny, forward: plans(FftDirection::Forward), inverse: plans(FftDirection::Inverse) }
     }
 
+    /// Number of points along x.
+    pub fn nx(&self) -> usize {
+        self.nx
+    }
+
     /// Allocates the work arrays of one thread.
     pub fn scratch(&self) -> PlaneScratch<T> {
         let plans = self.forward.iter().chain(&self.inverse);

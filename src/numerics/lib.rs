@@ -10,6 +10,7 @@ pub mod allowed;
 pub mod dense;
 mod draws;
 pub mod estimate;
+pub mod exponential;
 pub mod files;
 pub mod fourier;
 pub mod interpolate;

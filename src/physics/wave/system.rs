@@ -5,6 +5,7 @@
 //! polarisation, with unknowns of the same shape. Strategies that only apply the operator work on
 //! every system; those that treat A and V separately use [`System::split`].
 
+use super::maxwell::{Polarised, VectorProblem};
 use super::operator::setting::cells_needed;
 use super::{FarField, Field, Grid, Polarisation, Problem, Scatter};
 use ndarray::ArrayView2;
@@ -50,6 +51,12 @@ pub trait System: Send + Sync {
     /// A and V separately, in values at points: for strategies that alternate between them, or use
     /// guided modes of A. `None` if the unknowns are moments.
     fn split(&self) -> Option<&Problem> {
+        None
+    }
+
+    /// The problem that both polarisations of the vector wave share, whose lowest harmonics can be
+    /// eliminated; `None` for the scalar wave.
+    fn vector(&self) -> Option<&VectorProblem> {
         None
     }
 
@@ -126,5 +133,51 @@ impl System for Problem {
 
     fn bytes(&self) -> usize {
         self.bytes()
+    }
+}
+
+impl System for Polarised {
+    fn grid(&self) -> &Grid {
+        &self.problem.moments.grid
+    }
+
+    fn polarisation(&self) -> Option<Polarisation> {
+        Some(self.polarisation)
+    }
+
+    fn shape(&self) -> (usize, usize) {
+        self.problem.shape()
+    }
+
+    fn has_contrast(&self) -> bool {
+        self.problem.operator().has_contrast()
+    }
+
+    fn background_wave(&self) -> Field {
+        self.problem.background(self.polarisation)
+    }
+
+    fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
+        self.problem.operator().scatter(u, out);
+    }
+
+    fn single(&self) -> Option<&dyn Scatter<f32>> {
+        Some(self.problem.narrow_operator())
+    }
+
+    fn vector(&self) -> Option<&VectorProblem> {
+        Some(&self.problem)
+    }
+
+    fn mean_k2(&self) -> &[Complex64] {
+        self.problem.mean_k2()
+    }
+
+    fn far_field(&self, u: &Field) -> FarField {
+        self.problem.far_field(u, self.polarisation)
+    }
+
+    fn bytes(&self) -> usize {
+        self.problem.bytes()
     }
 }

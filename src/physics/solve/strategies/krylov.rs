@@ -6,8 +6,8 @@ mod run;
 use super::guided::GuidedModes;
 use super::idr::Idr;
 use crate::solve::{Fit, Ledger, Size, Solution, SolveError, Solver, flat};
-use crate::wave::Field;
 use crate::wave::system::Double;
+use crate::wave::{Field, System};
 use run::{KrylovRun, RightFactor};
 
 /// Restarted GMRES; memory: the basis (at most `restart` vectors) and 4 vectors of 16 bytes per
@@ -111,16 +111,17 @@ impl Solver for Growing {
         let restart = self.settings.restart.max(1);
         let first_cycle = true;
         let mut run = KrylovRun { ledger, field, work, correction, single, restart, first_cycle };
+        let bytes = self.bytes_of_elimination(problem, size_of_val(flat(&run.field)));
         while !run.ledger.reached() {
             let before = run.ledger.account.residual;
             match run.single {
-                Some(operator) => run.cycle(operator, run.restart.min(MOST_SINGLE))?,
-                None => run.cycle(&Double(problem), run.restart)?,
+                Some(operator) => run.cycle(operator, run.steps(run.restart.min(MOST_SINGLE), bytes))?,
+                None => run.cycle(&Double(problem), run.steps(run.restart, bytes))?,
             }
             let after = run.ledger.measure(&run.field, &mut run.work);
             let room = self.longest >= 2 * Idr::default().shadow_space;
             if room && after > SLOW * before && run.is_strong() && !run.is_coarse() {
-                run.solve_strong((size_of_val(flat(&run.field)) * self.longest) as f64)?;
+                run.solve_strong(bytes)?;
                 continue;
             }
             if !run.ledger.reached() {
@@ -145,6 +146,13 @@ impl Gmres {
 }
 
 impl Growing {
+    /// Memory for an elimination, bytes, given that of a vector: all that the basis may grow into.
+    /// In the vector wave the basis has its own.
+    fn bytes_of_elimination(&self, problem: &dyn System, vector: usize) -> f64 {
+        let basis = if problem.vector().is_some() { self.settings.restart } else { 0 };
+        (vector * self.longest.saturating_sub(basis)) as f64
+    }
+
     /// Remedy for a solve that stalls with `restart` basis vectors.
     fn advice(&self, restart: usize) -> String {
         let more = 2 * restart;

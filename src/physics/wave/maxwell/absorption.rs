@@ -12,6 +12,7 @@
 //! everything.
 
 use super::mean::{CELL_ROWS, Nodes, VectorMean};
+use crate::numerics::exponential::exponentials;
 use crate::wave::contrast::section::gauss_rule;
 use crate::wave::{Field, decaying_root};
 use num_complex::Complex64;
@@ -73,19 +74,23 @@ impl AbsorbingCell {
         // h'' + kz² h = q J_z + i J_p'.
         let magnetic = Driven { nodes: ends(1), source: [-(q * z[0] + I * p[1] / self.height), -q * z[1]] };
         let waves = Waves { q, electric, magnetic, sources };
-        let rule = gauss_rule(points(x)).iter();
-        rule.map(|&(t, weight)| 0.5 * weight * self.square(&waves, &CellBasis::new(x, x2, 0.5 * t))).sum()
+        let half: f64 =
+            CellBasis::on_half(x, x2).map(|(weight, basis)| weight * self.square(&waves, &basis)).sum();
+        0.5 * half
     }
 
-    /// Intensity |E|² at the τ of the basis.
+    /// Mean of the intensities |E|² at ±τ of the basis: the squares of the even and of the odd part.
     fn square(&self, waves: &Waves, basis: &CellBasis) -> f64 {
         let h2 = self.height * self.height;
-        let [_, p, z] = waves.sources.map(|[a, b]| a + basis.tau * b);
+        let [_, p, z] = waves.sources.map(|[a, b]| [a, basis.tau * b]);
         let [e, _] = waves.electric.at(basis, h2);
         let [h, slope] = waves.magnetic.at(basis, h2);
-        let along = -I * slope / self.height - p;
-        let upright = -waves.q * h - z;
-        e.norm_sqr() + (along.norm_sqr() + upright.norm_sqr()) / self.k2.norm_sqr()
+        let part = |k: usize| {
+            let along = -I * slope[k] / self.height - p[k];
+            let upright = -waves.q * h[k] - z[k];
+            e[k].norm_sqr() + (along.norm_sqr() + upright.norm_sqr()) / self.k2.norm_sqr()
+        };
+        part(0) + part(1)
     }
 
     /// Coefficients a and b of J = a + bτ from J = −y on both Gauss planes: ψ = ½ ∓ √3 τ.
@@ -100,10 +105,16 @@ impl AbsorbingCell {
 /// Number of nodes to integrate |e^{ixτ}|² to rounding: its Chebyshev series reaches it at degree
 /// 16 + 8 √|x|.
 fn points(x: Complex64) -> usize {
-    (10.0 + 4.0 * x.norm().sqrt()).ceil().min(60.0) as usize
+    (10.0 + 4.0 * x.norm().sqrt()).ceil().min(MOST_POINTS as f64) as usize
 }
 
-/// The four functions at one τ.
+/// Most points of a rule.
+const MOST_POINTS: usize = 60;
+/// Below it, a point is the middle one.
+const MIDDLE: f64 = 1e-9;
+
+/// The four functions at one τ ≥ 0, with the parity of their names in τ; their derivatives have the
+/// other.
 struct CellBasis {
     tau: f64,
     even: WithSlope,
@@ -113,9 +124,27 @@ struct CellBasis {
 }
 
 impl CellBasis {
+    /// The basis at the points τ ≥ 0 of the rule for x, with their weights on −1 … 1 for both signs.
     /// Computed from decaying exponentials, so that nothing overflows.
-    fn new(x: Complex64, x2: Complex64, tau: f64) -> CellBasis {
-        let [down, up, across] = [0.5 - tau, 0.5 + tau, 1.0].map(|t| (I * x * t).exp());
+    fn on_half(x: Complex64, x2: Complex64) -> impl Iterator<Item = (f64, CellBasis)> {
+        let rule = gauss_rule(points(x)).iter().filter(|(t, _)| *t > -MIDDLE);
+        let mut waves = [Complex64::ZERO; MOST_POINTS + 2];
+        let mut used = 0;
+        for (pair, (t, _)) in waves.chunks_exact_mut(2).zip(rule.clone()) {
+            pair.copy_from_slice(&[1.0 - t, 1.0 + t].map(|t| I * x * (0.5 * t)));
+            used += 2;
+        }
+        waves[used] = I * x;
+        exponentials(&mut waves[..=used]);
+        rule.enumerate().map(move |(k, &(t, weight))| {
+            // the middle has no mirror image
+            let both = if t < MIDDLE { weight } else { 2.0 * weight };
+            (both, CellBasis::new(x, x2, 0.5 * t, [waves[2 * k], waves[2 * k + 1], waves[used]]))
+        })
+    }
+
+    /// From x, x², τ and the exponentials of ix(½ − τ), ix(½ + τ) and ix.
+    fn new(x: Complex64, x2: Complex64, tau: f64, [down, up, across]: [Complex64; 3]) -> CellBasis {
         let (sum, difference) = (up + down, up - down);
         let even = [sum / (1.0 + across), I * x * difference / (1.0 + across)];
         let odd = [difference / (across - 1.0), I * x * sum / (across - 1.0)];
@@ -126,13 +155,15 @@ impl CellBasis {
 }
 
 impl Driven {
-    /// Value and derivative with respect to t; `h2` is the cell's height squared.
-    fn at(&self, basis: &CellBasis, h2: f64) -> WithSlope {
+    /// Even and odd part in τ of the value, then those of the derivative with respect to t; `h2` is
+    /// the cell's height squared.
+    fn at(&self, basis: &CellBasis, h2: f64) -> [[Complex64; 2]; 2] {
         let [first, last] = self.nodes;
         let [a, b] = self.source.map(|s| h2 * s);
         let (mean, half) = (0.5 * (first + last), 0.5 * (last - first));
         let CellBasis { even, odd, even_source, odd_source, .. } = basis;
-        let driven = |k: usize| a * even_source[k] + 0.5 * b * odd_source[k];
-        [0, 1].map(|k| mean * even[k] + half * odd[k] + driven(k))
+        let of_even = |k: usize| mean * even[k] + a * even_source[k];
+        let of_odd = |k: usize| half * odd[k] + 0.5 * b * odd_source[k];
+        [[of_even(0), of_odd(0)], [of_odd(1), of_even(1)]]
     }
 }

@@ -36,21 +36,20 @@ pub struct CellFunctions {
 }
 
 /// [`CellFunctions`] and the coefficients of the exact difference scheme for a cell of height `h`
-/// (µm) and kz² in 1/µm²: one root and one exponential for both.
-pub fn cell_functions(kz2: Complex64, h: f64) -> (CellFunctions, NodeCoefficients) {
+/// (µm) and kz² in 1/µm², given the wave's `step` e^{ikz h} across it: for both one exponential.
+pub fn cell_functions(kz2: Complex64, h: f64, step: Complex64) -> (CellFunctions, NodeCoefficients) {
     let x2 = kz2 * (h * h);
-    if x2.norm() < SERIES_B {
+    if x2.norm_sqr() < SERIES_B * SERIES_B {
         return (CellFunctions::new(x2), NodeCoefficients::new(kz2, h, Scheme::Quadratic));
     }
     let ikz = Complex64::I * decaying_root(kz2);
-    let step = (ikz * h).exp();
     (CellFunctions::of_step(x2, -Complex64::I * ikz * h, step), NodeCoefficients::of_step(ikz, step))
 }
 
 impl CellFunctions {
     /// The functions of x² = kz² h²; real x² must be below π², where the cell resonates.
     pub fn new(x2: Complex64) -> CellFunctions {
-        if x2.norm() < SERIES_B {
+        if x2.norm_sqr() < SERIES_B * SERIES_B {
             return CellFunctions { b: series(&B, x2), c: series(&C, x2) };
         }
         let x = decaying_root(x2);
@@ -65,7 +64,7 @@ impl CellFunctions {
         let inverse = 1.0 / x2;
         let b = (tangent / y - 1.0) * inverse;
         let closed = || (12.0 * inverse * (1.0 - y / tangent) - 1.0) * inverse;
-        let c = if x2.norm() < SERIES_C { series(&C, x2) } else { closed() };
+        let c = if x2.norm_sqr() < SERIES_C * SERIES_C { series(&C, x2) } else { closed() };
         CellFunctions { b, c }
     }
 }

@@ -194,6 +194,48 @@ pub(super) fn within<T: Real>(
     }
 }
 
+/// What unit sources F in a cell and unit values at its nodes cause, harmonic by harmonic.
+pub(super) struct UnitResponses {
+    /// Loads of E_s and h at the first and at the second node, by each row of a cell's source.
+    pub loads: [[Vec<Complex64>; 4]; 6],
+    /// Rows of moments in the cell, by each row of its source.
+    pub sources: [[Vec<Complex64>; 6]; 6],
+    /// Rows of moments, by E_s and h at the first and at the second node.
+    pub nodes: [[Vec<Complex64>; 6]; 4],
+}
+
+impl UnitResponses {
+    /// The responses of a cell in the `width` harmonics of its tables.
+    pub fn new(cell: &Constants<f64>, tables: &Tables<f64>, width: usize) -> UnitResponses {
+        let zeros = || vec![Complex64::ZERO; width];
+        let unit = |k: usize| move |row: usize| vec![Complex64::from(f64::from(u8::from(row == k))); width];
+        let loads = |k: usize| {
+            let source: [_; 6] = std::array::from_fn(unit(k));
+            let mut loads: [_; 4] = std::array::from_fn(|_| zeros());
+            let [u0, w0, u1, w1] = &mut loads;
+            add_loads(cell, tables, &source.each_ref().map(Vec::as_slice), u0, u1, w0, w1);
+            loads
+        };
+        let moments = |source: [Vec<Complex64>; 6], nodes: [Vec<Complex64>; 4]| {
+            let mut rows = source;
+            let [u0, w0, u1, w1] = &nodes;
+            let [s0, p0, z0, s1, p1, z1] = &mut rows;
+            across(cell, tables, [u0, u1], s0, s1);
+            within(cell, tables, [w0, w1], p0, z0, p1, z1);
+            rows
+        };
+        UnitResponses {
+            loads: std::array::from_fn(loads),
+            sources: std::array::from_fn(|k| {
+                moments(std::array::from_fn(unit(k)), std::array::from_fn(|_| zeros()))
+            }),
+            nodes: std::array::from_fn(|k| {
+                moments(std::array::from_fn(|_| zeros()), std::array::from_fn(unit(k)))
+            }),
+        }
+    }
+}
+
 /// Harmonics treated together by one thread.
 pub(super) const BLOCK: usize = 64;
 
@@ -210,6 +252,26 @@ impl NodeSystem<f64> {
     /// Factorises the exact difference scheme of every harmonic; see [`inverse_pivots`].
     pub fn new(off: Array2<Complex64>, diagonal: &Array2<Complex64>, ends: [Vec<Complex64>; 2]) -> Self {
         NodeSystem { inverse_pivot: inverse_pivots(&off, diagonal, ends), off }
+    }
+
+    /// The factors of some of the harmonics.
+    pub fn restricted(&self, columns: &[usize]) -> Self {
+        NodeSystem {
+            off: selected(&self.off, columns),
+            inverse_pivot: selected(&self.inverse_pivot, columns),
+        }
+    }
+
+    /// Coupling of a cell's two nodes in a harmonic.
+    pub fn off(&self, cell: usize, harmonic: usize) -> Complex64 {
+        self.off[[cell, harmonic]]
+    }
+
+    /// Diagonal entry of a node in a harmonic, from the pivots: d_j = 1/p_j + o² p_{j−1}.
+    pub fn diagonal(&self, node: usize, harmonic: usize) -> Complex64 {
+        let pivot = |j: usize| self.inverse_pivot[[j, harmonic]];
+        let before = node.checked_sub(1).map(|j| self.off(j, harmonic).powi(2) * pivot(j));
+        1.0 / pivot(node) + before.unwrap_or_default()
     }
 
     /// The factors in another precision.
@@ -239,6 +301,11 @@ impl<T: Real> NodeSystem<T> {
     pub fn bytes(&self) -> usize {
         (self.off.len() + self.inverse_pivot.len()) * size_of::<Complex<T>>()
     }
+}
+
+/// Some columns of a table.
+pub(super) fn selected(table: &Array2<Complex64>, columns: &[usize]) -> Array2<Complex64> {
+    Array2::from_shape_fn((table.nrows(), columns.len()), |(row, i)| table[[row, columns[i]]])
 }
 
 /// Forward elimination y ← (y − o b) p.

@@ -10,11 +10,13 @@
 //! in cell j is row 6j + 3q + c; columns are harmonics. Neither kz nor q is used as a divisor.
 
 use super::cell::cell_functions;
-use super::kernels::{BLOCK, Constants, NodeSystem, Tables, across, add_loads, within};
+use super::kernels::{
+    BLOCK, Constants, NodeSystem, Tables, UnitResponses, across, add_loads, selected, within,
+};
 use crate::numerics::fourier::{Real, narrow};
 use crate::wave::operator::inverse::{row, row_of};
 use crate::wave::operator::sharing::{Idle, tabulated};
-use crate::wave::{Field, Grid};
+use crate::wave::{Field, Grid, decaying_root};
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
@@ -69,8 +71,10 @@ impl VectorMean {
         let ends = |weights: [Complex64; 2]| {
             [0, 1].map(|side| kappa[side].iter().map(|kappa| I * kappa * weights[side]).collect::<Vec<_>>())
         };
-        let tables = tabulated((heights.len(), lateral.len()), 4, |j, i| {
-            let (cell, node) = cell_functions(mean_k2[j] - lateral[i] * lateral[i], heights[j]);
+        let kz2 = |j: usize, i: usize| mean_k2[j] - lateral[i] * lateral[i];
+        let exponent = |j: usize, i: usize| [Complex64::I * decaying_root(kz2(j, i)) * heights[j]];
+        let tables = tabulated((heights.len(), lateral.len()), 4, exponent, |j, i, [step]| {
+            let (cell, node) = cell_functions(kz2(j, i), heights[j], step);
             [cell.b, cell.c, node.off, node.diagonal]
         });
         let [b, c, mut off, mut diagonal] = tables.try_into().expect("four tables");
@@ -81,6 +85,38 @@ impl VectorMean {
         }
         let magnetic = NodeSystem::new(off, &diagonal, ends(k.map(|k| 1.0 / (k * k))));
         VectorMean { heights, mean_k2, lateral, electric, magnetic, functions: [b, c], idle: Idle::default() }
+    }
+
+    /// The operator on some of the harmonics.
+    pub(super) fn restricted(&self, columns: &[usize]) -> VectorMean {
+        let chosen = |table: &Array2<Complex64>| selected(table, columns);
+        VectorMean {
+            heights: self.heights.clone(),
+            mean_k2: self.mean_k2.clone(),
+            lateral: columns.iter().map(|&i| self.lateral[i]).collect(),
+            electric: self.electric.restricted(columns),
+            magnetic: self.magnetic.restricted(columns),
+            functions: self.functions.each_ref().map(chosen),
+            idle: Idle::default(),
+        }
+    }
+
+    /// What unit sources in a cell and unit values at its nodes cause, in all harmonics.
+    pub(super) fn unit_responses(&self, cell: usize) -> UnitResponses {
+        let width = self.lateral.len();
+        let constants = Constants::new(self.heights[cell], self.mean_k2[cell]);
+        UnitResponses::new(&constants, &self.tables(cell, 0, width), width)
+    }
+
+    /// An entry of the nodes' systems in every harmonic: of TE, then of TM for h in a `unit`.
+    pub(super) fn node_entries(
+        &self,
+        entry: impl Fn(&NodeSystem<f64>, usize) -> Complex64,
+        unit: f64,
+    ) -> Vec<Complex64> {
+        let harmonics = 0..self.lateral.len();
+        let electric = harmonics.clone().map(|i| entry(&self.electric, i));
+        electric.chain(harmonics.map(|i| unit * unit * entry(&self.magnetic, i))).collect()
     }
 
     /// The operator in another precision.
@@ -135,6 +171,15 @@ impl<T: Real> VectorMean<T> {
             self.node_values(&y.view(), b * BLOCK, entry, [u, w]);
             self.moments(&mut y, b * BLOCK, u, w);
         });
+    }
+
+    /// Right-hand sides of the node systems from F = V E: TE and TM, node by node.
+    pub(super) fn node_loads(&self, y: &Array2<Complex<T>>) -> [Vec<Complex<T>>; 2] {
+        let zeros = || vec![Complex::default(); (self.heights.len() + 1) * self.lateral.len()];
+        let mut loads = [zeros(), zeros()];
+        let [u, w] = &mut loads;
+        self.loads(&y.view(), 0, u, w);
+        loads
     }
 
     /// Fields E_s and h of a block at all nodes, node by node.

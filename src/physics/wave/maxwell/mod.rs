@@ -23,4 +23,5 @@ mod sources;
 pub use crate::wave::light::Polarisation;
 pub use contrast::Averaging;
 pub use moments::{ChannelFields, NormalMoments};
+pub(crate) use problem::coarse;
 pub use problem::{Polarised, VectorProblem};

@@ -7,6 +7,8 @@
 //! propagation. Reflected amplitudes refer to the illuminated face, transmitted ones to the
 //! opposite face, at x = y = 0.
 
+pub(crate) mod coarse;
+
 use super::contrast::{Averaging, tensors};
 use super::mean::{CELL_ROWS, MeanEntry, Nodes, VectorMean};
 use super::moments::NormalMoments;
@@ -14,13 +16,13 @@ use super::scattering::VectorScattering;
 use crate::numerics::fourier::{Harmonics, PlaneFft};
 use crate::wave::far_field::Leaving;
 use crate::wave::{
-    Channel, FarField, Field, Grid, Incidence, Mean, Media, Polarisation, Resolution, Scatter, Setting,
-    System, WaveError, decaying_root,
+    Channel, FarField, Field, Incidence, Mean, Media, Polarisation, Resolution, Setting, WaveError,
+    decaying_root,
 };
-use ndarray::ArrayView2;
+use coarse::{CoarsePlan, CoarseSpace};
 use num_complex::Complex64;
 use std::ops::Deref;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// Maxwell's equations on a scene for one wavelength and direction, both polarisations: immutable,
 /// shared by threads.
@@ -34,6 +36,8 @@ pub struct VectorProblem {
     /// The operator A⁻¹V.
     double: VectorScattering<f64>,
     single: OnceLock<VectorScattering<f32>>,
+    /// What one polarisation eliminated and the other will need.
+    coarse: Mutex<Option<Arc<CoarseSpace>>>,
 }
 
 impl Deref for VectorProblem {
@@ -88,7 +92,52 @@ impl VectorProblem {
         let contrast = tensors(moments, media, setting.k0, &mean_k2, averaging)?;
         let mean = VectorMean::new(&moments.grid, mean_k2, q, setting.kappa.each_ref().map(Vec::as_slice), k);
         let double = VectorScattering::new(mean, harmonics, directions, PlaneFft::new(nx, ny), &contrast);
-        Ok(Arc::new(VectorProblem { moments: moments.clone(), setting, k, double, single: OnceLock::new() }))
+        let (moments, single, coarse) = (moments.clone(), OnceLock::new(), Mutex::default());
+        Ok(Arc::new(VectorProblem { moments, setting, k, double, single, coarse }))
+    }
+
+    /// Rows and columns of a field.
+    pub(in crate::wave) fn shape(&self) -> (usize, usize) {
+        (CELL_ROWS * self.moments.grid.cells(), self.harmonics.len())
+    }
+
+    /// Mean k̄² of each cell, 1/µm².
+    pub(in crate::wave) fn mean_k2(&self) -> &[Complex64] {
+        &self.double.mean.mean_k2
+    }
+
+    /// The wave in the mean medium.
+    pub(in crate::wave) fn background(&self, polarisation: Polarisation) -> Field {
+        self.double.mean.background(self.entry(polarisation))
+    }
+
+    /// Memory held without solver vectors, bytes.
+    pub(in crate::wave) fn bytes(&self) -> usize {
+        let single = self.single.get().map_or(0, VectorScattering::bytes);
+        self.moments.bytes() + self.double.bytes() + single
+    }
+
+    /// The operator A⁻¹V.
+    pub(in crate::wave) fn operator(&self) -> &VectorScattering<f64> {
+        &self.double
+    }
+
+    /// The operator in single precision, built on first use.
+    pub(crate) fn narrow_operator(&self) -> &VectorScattering<f32> {
+        let Resolution { nx, ny, .. } = self.moments.grid.resolution;
+        self.single.get_or_init(|| self.double.narrowed(PlaneFft::new(nx, ny)))
+    }
+
+    /// The lowest harmonics eliminated as planned. What is made for one polarisation is kept for
+    /// the other, which takes it away.
+    pub(crate) fn eliminated(&self, plan: CoarsePlan) -> Arc<CoarseSpace> {
+        let kept = || self.coarse.lock().unwrap_or_else(PoisonError::into_inner);
+        let left = kept().take();
+        left.filter(|space| space.plan == plan).unwrap_or_else(|| {
+            let space = Arc::new(plan.carried_out(self));
+            *kept() = Some(space.clone());
+            space
+        })
     }
 
     /// The problem for light of one polarisation.
@@ -182,50 +231,6 @@ impl VectorProblem {
         let parallel = (kappa * k.conj() / k).re;
         let efficiency = (kappa.re * s.norm_sqr() + parallel * p.norm_sqr()) / self.incident_kappa();
         ([amplitudes[polarisation as usize], amplitudes[1 - polarisation as usize]], efficiency)
-    }
-}
-
-impl System for Polarised {
-    fn grid(&self) -> &Grid {
-        &self.problem.moments.grid
-    }
-
-    fn polarisation(&self) -> Option<Polarisation> {
-        Some(self.polarisation)
-    }
-
-    fn shape(&self) -> (usize, usize) {
-        (CELL_ROWS * self.grid().cells(), self.problem.harmonics.len())
-    }
-
-    fn has_contrast(&self) -> bool {
-        self.problem.double.has_contrast()
-    }
-
-    fn background_wave(&self) -> Field {
-        self.problem.double.mean.background(self.problem.entry(self.polarisation))
-    }
-
-    fn scatter(&self, u: ArrayView2<Complex64>, out: &mut Field) {
-        self.problem.double.scatter(u, out);
-    }
-
-    fn single(&self) -> Option<&dyn Scatter<f32>> {
-        let Resolution { nx, ny, .. } = self.grid().resolution;
-        Some(self.problem.single.get_or_init(|| self.problem.double.narrowed(PlaneFft::new(nx, ny))))
-    }
-
-    fn mean_k2(&self) -> &[Complex64] {
-        &self.problem.double.mean.mean_k2
-    }
-
-    fn far_field(&self, u: &Field) -> FarField {
-        self.problem.far_field(u, self.polarisation)
-    }
-
-    fn bytes(&self) -> usize {
-        let VectorProblem { moments, double, single, .. } = &*self.problem;
-        moments.bytes() + double.bytes() + single.get().map_or(0, VectorScattering::bytes)
     }
 }
 

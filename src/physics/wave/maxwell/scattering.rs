@@ -8,12 +8,12 @@
 use super::contrast::Symmetric;
 use super::mean::VectorMean;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real, narrow};
-use crate::wave::operator::inverse::{Line, row};
+use crate::wave::operator::inverse::{Line, row, row_of};
 use crate::wave::operator::scattering::Scatter;
 use crate::wave::operator::sharing::Idle;
 use multiversion::multiversion;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
-use num_complex::Complex;
+use num_complex::{Complex, Complex64};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -46,6 +46,25 @@ impl VectorScattering<f64> {
         };
         let contrast = contrast.par_iter().map(rows).collect();
         VectorScattering { mean, harmonics, directions, fft, contrast, idle: Idle::default() }
+    }
+
+    /// Unit vectors of the components s, p, z of a harmonic.
+    pub(super) fn axes(&self, harmonic: usize) -> [[f64; 3]; 3] {
+        let [x, y] = self.directions[harmonic];
+        [[-y, x, 0.0], [x, y, 0.0], [0.0, 0.0, 1.0]]
+    }
+
+    /// Fourier coefficients of the components xx, xy, yy, xz, yz, zz of V on a plane at (m mod nx,
+    /// n mod ny), n fastest; `None` if it vanishes.
+    pub(super) fn spectrum(&self, plane: usize) -> Option<[Vec<Complex64>; 6]> {
+        let tensor = self.contrast.get(plane).filter(|tensor| !tensor.is_empty())?;
+        let mut scratch = self.fft.scratch();
+        let rows = 0..self.fft.nx();
+        Some(std::array::from_fn(|component| {
+            scratch.plane.copy_from_slice(row_of(tensor, component));
+            self.fft.forward(&mut scratch, std::slice::from_ref(&rows));
+            scratch.spectrum.clone()
+        }))
     }
 
     /// The operator in single precision.

@@ -50,31 +50,37 @@ impl NodeCoefficients {
     }
 }
 
-/// Coefficients of one cell for one harmonic, all from two exponentials: those of the nodes, and
-/// the first node's basis function at the inner `points` (see [`left_share`]), which must be
-/// symmetric.
+/// Exponents ikz h Δt of the wave between neighbours among the ends and the inner `points` of a
+/// cell. These are symmetric, so that at most two differ.
+pub(super) fn increments(kz2: Complex64, h: f64, points: &[f64]) -> [Complex64; 2] {
+    let ikz = Complex64::I * decaying_root(kz2);
+    let first = points.first().copied().unwrap_or(1.0);
+    let second = points.get(1).map_or(0.0, |second| second - first);
+    [first, second].map(|step| ikz * (h * step))
+}
+
+/// Coefficients of one cell for one harmonic, all from two exponentials, those of the
+/// [`increments`]: the nodes' coefficients, and the first node's basis function at the inner
+/// `points` (see [`left_share`]).
 pub(super) fn cell_factors(
     kz2: Complex64,
     h: f64,
     points: &[f64],
     scheme: Scheme,
+    steps: [Complex64; 2],
 ) -> (NodeCoefficients, [Complex64; MAX_DEGREE]) {
     let mut shares = [Complex64::default(); MAX_DEGREE];
-    if scheme == Scheme::SecondDifference || (kz2 * (h * h)).norm() < SMALL {
+    if scheme == Scheme::SecondDifference || (kz2 * (h * h)).norm_sqr() < SMALL * SMALL {
         points.iter().zip(&mut shares).for_each(|(&t, share)| *share = left_share(kz2, h, t, scheme));
         return (NodeCoefficients::new(kz2, h, scheme), shares);
     }
     let ikz = Complex64::I * decaying_root(kz2);
-    // e^{ikz h t} at the inner points: increments repeat from both ends, at most two differ.
+    // e^{ikz h t} at the inner points: increments repeat from both ends.
     let mut waves = [Complex64::ONE; MAX_DEGREE + 1];
-    let mut increments = [Complex64::ONE; MAX_DEGREE + 1];
     let count = points.len();
     for q in 0..=count {
-        let before = if q == 0 { 0.0 } else { points[q - 1] };
-        let here = if q == count { 1.0 } else { points[q] };
-        let mirrored = count - q;
-        increments[q] = if mirrored < q { increments[mirrored] } else { (ikz * (h * (here - before))).exp() };
-        waves[q] = increments[q] * if q == 0 { Complex64::ONE } else { waves[q - 1] };
+        let before = if q == 0 { Complex64::ONE } else { waves[q - 1] };
+        waves[q] = before * steps[q.min(count - q)];
     }
     let step = waves[count];
     let scale = 1.0 / (1.0 - step * step);

@@ -4,7 +4,7 @@
 //! See [`super::cell`] for the coefficients of each cell. Rows of a field: node j is row `degree ·
 //! j`, followed by the cell's bubbles; columns are harmonics.
 
-use super::cell::cell_factors;
+use super::cell::{cell_factors, increments};
 use super::inverse::{MeanInverse, row_of};
 use super::sharing::tabulated;
 use crate::wave::{Element, Field, Grid, Scheme};
@@ -37,9 +37,11 @@ impl MeanOperator {
         let element = grid.element.clone();
         let shape = (heights.len(), lateral_k2.len());
         let count = element.degree - 1;
-        let mut tables = tabulated(shape, 2 + count, |j, i| {
-            let points = &element.points[1..=count];
-            let (node, [a, b, c, d]) = cell_factors(mean_k2[j] - lateral_k2[i], heights[j], points, scheme);
+        let points = &element.points[1..=count];
+        let kz2 = |j: usize, i: usize| mean_k2[j] - lateral_k2[i];
+        let exponents = |j: usize, i: usize| increments(kz2(j, i), heights[j], points);
+        let mut tables = tabulated(shape, 2 + count, exponents, |j, i, waves| {
+            let (node, [a, b, c, d]) = cell_factors(kz2(j, i), heights[j], points, scheme, waves);
             [node.off, node.diagonal, a, b, c, d]
         });
         let left_share = tables.split_off(2);

@@ -1,6 +1,7 @@
 //! Parallel division of the work of one application: fixed, so that sums do not depend on the
 //! number of threads.
 
+use crate::numerics::exponential::exponentials;
 use ndarray::{Array2, ArrayViewMut1, ArrayViewMut2, Axis};
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -25,17 +26,21 @@ pub(in crate::wave) fn in_chunks<T: Send + Sync>(
     chunks.into_iter().enumerate().for_each(|(k, chunk)| work(k, chunk));
 }
 
-/// Tables of cells × harmonics from the `entries` of all of them at a cell and a harmonic, in
-/// parallel over cells.
-pub(in crate::wave) fn tabulated<const N: usize>(
+/// Tables of cells × harmonics from the `entries` of all of them at a cell and a harmonic, given
+/// the exponentials of the `exponents` there, in parallel over cells.
+pub(in crate::wave) fn tabulated<const E: usize, const N: usize>(
     shape: (usize, usize),
     tables: usize,
-    entries: impl Fn(usize, usize) -> [Complex64; N] + Sync,
+    exponents: impl Fn(usize, usize) -> [Complex64; E] + Sync,
+    entries: impl Fn(usize, usize, [Complex64; E]) -> [Complex64; N] + Sync,
 ) -> Vec<Array2<Complex64>> {
     let mut tables = vec![Array2::zeros(shape); tables];
     by_row(&mut tables, shape.0).into_par_iter().enumerate().for_each(|(cell, mut rows)| {
-        for i in 0..shape.1 {
-            rows.iter_mut().zip(entries(cell, i)).for_each(|(row, entry)| row[i] = entry);
+        let mut waves: Vec<_> = (0..shape.1).flat_map(|i| exponents(cell, i)).collect();
+        exponentials(&mut waves);
+        for (i, waves) in waves.chunks_exact(E).enumerate() {
+            let entries = entries(cell, i, std::array::from_fn(|k| waves[k]));
+            rows.iter_mut().zip(entries).for_each(|(row, entry)| row[i] = entry);
         }
     });
     tables

@@ -9,9 +9,12 @@ use crate::solve::strategies::guided::Correction;
 use crate::solve::strategies::idr::Idr;
 use crate::solve::vectors::norm;
 use crate::solve::{Ledger, SolveError, flat};
-use crate::wave::{Field, Scatter};
+use crate::wave::maxwell::VectorProblem;
+use crate::wave::maxwell::coarse::{CoarsePlan as VectorPlan, CoarseSpace as VectorSpace};
+use crate::wave::{Field, Scatter, System};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
+use std::sync::Arc;
 
 /// If a basis in single precision reduces the true residual by less than this factor, double
 /// precision takes over.
@@ -25,6 +28,8 @@ const STALLS: f64 = 0.99;
 const LEAST: f64 = 400.0;
 /// Share of a dearer elimination's cost for which short recurrences are tried before it.
 const PATIENCE: f64 = 0.5;
+/// Steps in which strong scatterers of the vector wave show whether they resonate.
+const TRIAL: usize = 12;
 /// Contrast |η² − η_b²| of strong scatterers, where grains resonate by themselves. Below it, guided
 /// modes of the mean slab delay the scalar wave, and correcting them is cheaper: measured, with
 /// n = 2 in 1.558 (1.6) short recurrences cost 1.7 times as much, with 2.65 (4.6) a tenth.
@@ -42,7 +47,7 @@ pub(super) struct KrylovRun<'a> {
     pub ledger: Ledger<'a>,
     pub field: Field,
     pub work: Field,
-    pub correction: Option<RightFactor>,
+    pub correction: Option<RightFactor<'a>>,
     /// The operator in single precision, as long as that suffices.
     pub single: Option<&'a dyn Scatter<f32>>,
     /// Number of basis vectors per cycle.
@@ -51,42 +56,89 @@ pub(super) struct KrylovRun<'a> {
 }
 
 /// What GMRES multiplies the operator with from the right.
-pub(super) enum RightFactor {
+pub(super) enum RightFactor<'a> {
     Guided(Correction),
     Coarse(CoarseSpace),
+    Vector(&'a VectorProblem, Arc<VectorSpace>),
 }
 
-impl RightFactor {
+impl RightFactor<'_> {
     fn bytes(&self) -> usize {
         match self {
             Self::Guided(guided) => guided.bytes(),
             Self::Coarse(coarse) => coarse.bytes(),
+            Self::Vector(_, coarse) => coarse.bytes(),
         }
     }
 }
 
-impl KrylovRun<'_> {
+/// An elimination of the lowest harmonics that fits into the memory.
+enum Elimination<'a> {
+    Scalar(CoarsePlan<'a>),
+    Vector(&'a VectorProblem, VectorPlan),
+}
+
+impl<'a> Elimination<'a> {
+    /// The elimination for a system that holds at most `bytes`.
+    fn within(system: &'a dyn System, bytes: f64) -> Option<Self> {
+        if let Some(problem) = system.vector() {
+            return Some(Self::Vector(problem, VectorPlan::within(problem, bytes)?));
+        }
+        let plan = system.split().map(CoarsePlan::new).filter(|plan| plan.bytes() <= bytes);
+        plan.map(Self::Scalar)
+    }
+
+    /// Applications of the operator by short recurrences that take as long.
+    fn in_applications(&self) -> f64 {
+        match self {
+            Self::Scalar(plan) => plan.in_applications(),
+            Self::Vector(_, plan) => plan.in_applications(),
+        }
+    }
+
+    fn carried_out(self) -> RightFactor<'a> {
+        match self {
+            Self::Scalar(plan) => RightFactor::Coarse(plan.carried_out()),
+            Self::Vector(problem, plan) => RightFactor::Vector(problem, problem.eliminated(plan)),
+        }
+    }
+}
+
+impl<'a> KrylovRun<'a> {
     /// Whether grains resonate by themselves, or nothing is known of the mean slab's guided modes.
     pub fn is_strong(&self) -> bool {
         self.ledger.problem.split().is_none_or(|scalar| scalar.media.largest_contrast() > STRONG)
     }
 
     pub fn is_coarse(&self) -> bool {
-        matches!(self.correction, Some(RightFactor::Coarse(_)))
+        matches!(self.correction, Some(RightFactor::Coarse(_) | RightFactor::Vector(..)))
+    }
+
+    /// Steps of a cycle of at most `most`, with `bytes` for an elimination. Where strong scatterers
+    /// of the vector wave allow a cheap one, the first is a trial: a whole cycle costs as much.
+    pub fn steps(&self, most: usize, bytes: f64) -> usize {
+        let vector = self.ledger.problem.vector().filter(|_| self.first_cycle && !self.is_coarse());
+        let is_strong = vector.is_some_and(|vector| vector.media.largest_contrast() > STRONG);
+        let is_cheap = || self.elimination(bytes).is_some_and(|plan| plan.in_applications() <= LEAST);
+        if is_strong && is_cheap() { most.min(TRIAL) } else { most }
+    }
+
+    fn elimination(&self, bytes: f64) -> Option<Elimination<'a>> {
+        Elimination::within(self.ledger.problem, bytes)
     }
 
     /// Continues with the elimination of the lowest harmonics if `bytes` suffice for it; where that
     /// is dear, short recurrences are tried before it.
     pub fn solve_strong(&mut self, bytes: f64) -> Result<(), SolveError> {
-        let plan = self.ledger.problem.split().map(CoarsePlan::new).filter(|plan| plan.bytes() <= bytes);
-        let cost = plan.as_ref().map(CoarsePlan::in_applications);
+        let plan = self.elimination(bytes);
+        let cost = plan.as_ref().map(Elimination::in_applications);
         if cost.is_none_or(|cost| cost > LEAST) {
             match (self.short_recurrences(cost), &plan) {
                 (Err(SolveError::NotConverged { .. } | SolveError::Diverged { .. }), Some(_)) => {}
                 (tried, _) => return tried,
             }
         }
-        self.correction = plan.map(|plan| RightFactor::Coarse(plan.carried_out()));
+        self.correction = plan.map(Elimination::carried_out);
         Ok(())
     }
 
@@ -194,6 +246,7 @@ impl KrylovRun<'_> {
         match &self.correction {
             Some(RightFactor::Guided(guided)) => guided.apply(v),
             Some(RightFactor::Coarse(coarse)) => coarse.apply(v),
+            Some(RightFactor::Vector(problem, coarse)) => coarse.apply(problem.narrow_operator(), v),
             None => {}
         }
     }
