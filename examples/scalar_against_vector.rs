@@ -3,7 +3,7 @@
 //! variants as Markdown, and writes their differences to DATA.csv.
 
 use inkwave::appearance::tristimulus::Colorimeter;
-use inkwave::evaluate::manifest::SpectrumRow;
+use inkwave::evaluate::manifest::main_numbers::PrintRow;
 use inkwave::input::study::Study;
 use inkwave::numerics::estimate::{Estimate, Linked};
 use inkwave::store::folder::OutputFolder;
@@ -123,7 +123,7 @@ fn pair(study: &Study, scalar: &Outcome, vector: &Outcome) -> Result<Pair, Box<d
     })
 }
 
-fn normal(outcome: &Outcome) -> impl Iterator<Item = &SpectrumRow> {
+fn normal(outcome: &Outcome) -> impl Iterator<Item = &PrintRow> {
     outcome.spectra.iter().filter(|row| row.polar_deg == 0.0)
 }
 

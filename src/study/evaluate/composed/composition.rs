@@ -283,8 +283,16 @@ impl<'a> CompositionTask<'a> {
         let luminance = |coverage: f64| colour(&factors(coverage)).map_or(f64::NAN, |colour| colour.xyz[1]);
         let printed = factors(dots.coverage);
         let lab = colour(&printed).map_or([f64::NAN; 3], |colour| colour.lab);
-        let apparent = murray_davies(luminance(0.0), luminance(dots.coverage), luminance(1.0));
-        PrintNumbers { lab, apparent, factors: printed }
+        let [paper, tint] = [luminance(0.0), luminance(dots.coverage)];
+        let apparent = murray_davies(paper, tint, luminance(1.0));
+        // of one ink there is no sum of densities to compare with
+        PrintNumbers {
+            lab,
+            apparent,
+            density: -(tint / paper).log10(),
+            additivity: f64::NAN,
+            factors: printed,
+        }
     }
 }
 
