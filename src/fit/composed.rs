@@ -10,7 +10,7 @@ use super::file::FitGeometry;
 use super::law::{Data, rms};
 use super::load::{Drawdown, FitTask};
 use super::response::{Response, Spectra};
-use super::run::{Branch, FitError, FitOutcome, Forecast, Trust, descend, near, prior_of};
+use super::run::{Branch, FitError, FitOutcome, FittedIndex, Forecast, Trust, descend, near, prior_of};
 use crate::evaluate::composed::summary::summarise_slabs;
 use crate::evaluate::published::ErrorParts;
 use crate::evaluate::quantities::LayerNumbers;
@@ -31,7 +31,7 @@ const NODES_N: usize = 3;
 const SHARES: [f64; 5] = [0.003, 0.02, 0.1, 0.4, 1.0];
 /// Error of a reflectance between the nodes: *measured* on the closed form of the tests, 0.003 at most.
 const BETWEEN_NODES: f64 = 0.003;
-/// The same solves give a layer of this many times the thickness.
+/// A layer of this many times the thickness comes from solves that are made anyway.
 const THICKER: f64 = 1.1;
 /// Reflectances are taken between these.
 const ENDS: [f64; 2] = [1e-4, 1.0 - 1e-4];
@@ -41,6 +41,9 @@ const LEAST_APART: f64 = 0.02;
 const STEP: f64 = 1e-4;
 /// Points per wavelength of the search for a start.
 const SEARCHED: usize = 60;
+/// Error of n over |n − n_binder| from which n is not determined: scattering goes with the square of
+/// that difference, and the κ of an opaque coat with scattering.
+const CONTRAST_ERROR: f64 = 0.1;
 
 /// The studies whose slabs are solved: of every coat one at each node.
 pub fn variants(task: &FitTask) -> Vec<Variant> {
@@ -263,6 +266,7 @@ impl NodeTable {
         let data = Data::new(task, &prior, &unknowns, &response, &systematic);
         let (strength, step) = data.chosen().ok_or(FitError::Singular)?;
         let mut outcome = data.outcome(strength, &step, 0);
+        outcome.n_is_determined &= contrast_error(&outcome, task.binder_index()) < CONTRAST_ERROR;
         if !outcome.n_is_determined && outcome.trust != Trust::Contradicted {
             let n_error = rms(outcome.index.iter().filter_map(|row| row.n_error));
             outcome.remarks.insert(
@@ -295,6 +299,12 @@ impl NodeTable {
         };
         (0..task.wavelengths_nm().len()).map(best).collect()
     }
+}
+
+/// Root mean square of the error of n over |n − n_binder|.
+fn contrast_error(outcome: &FitOutcome, binder: f64) -> f64 {
+    let relative = |row: &FittedIndex| row.n_error.map(|error| error / (row.n - binder).abs());
+    rms(outcome.index.iter().filter_map(relative))
 }
 
 /// What an instrument reads of a composed layer.

@@ -45,7 +45,7 @@ fn table(task: &FitTask) -> NodeTable {
 /// κ is within 10 % for half of them, and its intervals hold. Without the known n, n is said to be undetermined.
 ///
 /// κ goes with scattering, so with (n − n_binder)², and n from one wavelength to the others depends on absorption that
-/// nobody measured: 3 to 30 % are usual (median 7 %).
+/// were not measured: 3 to 30 % are usual (median 7 %).
 #[test]
 fn opaque_coats_give_kappa_where_n_is_known() {
     let mut task = read(FIT).expect("sound");

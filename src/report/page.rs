@@ -38,12 +38,12 @@ mod tests {
             angles => context!(strata => 0, exact_deg => [0.0]),
             layer => context!(period_um => [1.0, 1.0], binder => context!(source => "1.5"), index_in => 1.0, index_out => 1.0),
             variation => context!(cell => "fixed", thickness_std_um => 0.0),
-            paper => context!(source => "1"),
+            paper => context!(source => "1", coupling => context!(optical_contact => ())),
             wavelengths_nm => [550.0],
             goal => context!(tolerance => 1e-4),
         };
         let composed = context!(slab_um => 1.0, thicknesses_um => [2.0], directions => [3, 3]);
-        let largest = context!(chance => 0.0, model => 0.0, grid => 0.0, directions => 0.0);
+        let largest = context!(chance => 0.0, model => 0.0, grid => 0.0, directions => 0.0, inputs => 0.0);
         let solves = context!(finished => 3, asked => 9);
         let numbers = context!(composed, largest, solves, solve_seconds => 0.0, colours => nothing);
         let page = context!(title => "<b>&", thicknesses_um => [2.0], solver => "krylov", status, study);

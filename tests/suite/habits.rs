@@ -34,12 +34,20 @@ fn every_type_name_has_one_meaning() {
 
 /// The program's own files.
 fn commands() -> Vec<(String, String)> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/commands");
-    let paths = std::fs::read_dir(folder).expect("commands").map(|entry| entry.expect("an entry").path());
-    let text = |path: &Path| std::fs::read_to_string(path).expect("a source file");
-    paths
-        .map(|path| (format!("commands/{}", path.file_name().expect("a name").display()), text(&path)))
-        .collect()
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let (mut folders, mut files) = (vec![src.join("commands")], Vec::new());
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).expect("commands").map(|entry| entry.expect("an entry").path())
+        {
+            if path.is_dir() {
+                folders.push(path);
+                continue;
+            }
+            let name = path.strip_prefix(&src).expect("below src").display().to_string();
+            files.push((name, std::fs::read_to_string(&path).expect("a source file")));
+        }
+    }
+    files
 }
 
 /// The planted fault: one name for two types, in whatever scope; names of tests and of traits' own types do not count.

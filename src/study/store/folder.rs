@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// Result files of a study, a fit and a design, which are removed when new work begins: those of
 /// another input must not pass for the new one's.
-pub const RESULTS: [&str; 18] = [
+pub const RESULTS: [&str; 19] = [
     "results.json",
     "fit.json",
     "pigment.csv",
@@ -30,6 +30,7 @@ pub const RESULTS: [&str; 18] = [
     "kubelka-munk.csv",
     "measured.csv",
     "medium.csv",
+    "instruments.csv",
     "absorbed.csv",
     "numbers.csv",
     "prints.csv",

@@ -146,6 +146,15 @@ pub const CHANGES: &[Change] = &[
     ),
     (
         &[
+            ("dots.patches", "'grid'"),
+            ("dots.ruling_per_cm", "60"),
+            ("dots.spread_um", "40"),
+            ("area", "[{ coverage = [0.5] }]"),
+        ],
+        Published,
+    ),
+    (
+        &[
             ("dots.physical_gain", "0.1"),
             ("dots.ruling_per_cm", "60"),
             ("dots.spread_um", "40"),

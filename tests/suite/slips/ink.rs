@@ -328,7 +328,7 @@ pub const INK: &[Slip] = &[
     slip(
         K,
         "index = { csv = \"negative.csv\", kramers_kronig = { n_infinity = 1.6 } }",
-        ["pigment[0].index.csv", "needs every row", "kappa ≥ 0 and n > 0", "correct the table, or give n"],
+        ["pigment[0].index.csv", "row 1: kappa = -0.2", "kappa ≥ 0 and n > 0", "correct the table"],
     ),
     slip(
         K,
@@ -343,7 +343,7 @@ pub const INK: &[Slip] = &[
     slip(
         K,
         "index = { csv = \"wide.csv\", n = 1.6, dilution = { path_mm = 0, concentration_g_per_l = 0.02, density_g_per_cm3 = 1.5 } }",
-        ["pigment[0].index.dilution.path_mm", "found 0", "above 0", "a cuvette has 10 mm"],
+        ["pigment[0].index.dilution.path_mm", "found 0", "greater than 0", "a cuvette has 10 mm"],
     ),
     // birefringent grains
     slip(

@@ -336,7 +336,7 @@ fn strong_scatterers_of_the_vector_wave_are_eliminated() {
         // the residual times a condition number of up to some hundreds
         assert!(largest(&known.field, &found.field) < 2e-3, "{:e}", largest(&known.field, &found.field));
         let [own, others] = [&found, &scarce].map(|solution| solution.account.operator_applications);
-        assert!(own < 70 && 2 * own < others, "{own} applications, {others} without elimination");
+        assert!(3 * own < others, "{own} applications, {others} without elimination");
         let vectors = |count: usize| count * size_of_val(flat(&found.field));
         assert!(found.account.bytes < vectors(480 + 9) && scarce.account.bytes < vectors(61 + 9));
     }
@@ -349,7 +349,7 @@ fn strong_scatterers_of_the_vector_wave_are_eliminated() {
 /// keeps the number of its steps. *Planted*: a trial for every vector wave.
 #[test]
 fn weak_scatterers_of_the_vector_wave_need_no_elimination() {
-    let [s, _] = hard_in_vector_mode(1.7);
+    let [s, _] = hard_in_vector_mode(1.85);
     let goal = Goal { tolerance: 1e-5, ..Goal::default() };
     let plain = Gmres::default().solve(&s, goal, &mut Silent).expect("converges").account;
     let grown = Growing { settings: Gmres::default(), longest: 900 };

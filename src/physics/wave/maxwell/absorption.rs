@@ -79,7 +79,7 @@ impl AbsorbingCell {
         0.5 * half
     }
 
-    /// Mean of the intensities |E|² at ±τ of the basis: the squares of the even and of the odd part.
+    /// Mean of |E|² at ±τ of the basis: the squares of the even and of the odd part.
     fn square(&self, waves: &Waves, basis: &CellBasis) -> f64 {
         let h2 = self.height * self.height;
         let [_, p, z] = waves.sources.map(|[a, b]| [a, basis.tau * b]);

@@ -15,8 +15,8 @@
 //! and their moments those of N, A, uN, NA, uNA, uA and u²A. In the isotropic limit δ = 0 this is
 //! the rule of [`super::contrast`].
 
-use super::contrast::Symmetric;
 use super::sources::FIELDS;
+use super::symmetric::Symmetric;
 use num_complex::Complex64;
 
 /// Number of fields of a crystal besides χ and χN.

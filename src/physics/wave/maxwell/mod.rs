@@ -19,6 +19,7 @@ mod problem;
 mod scattering;
 mod solid_sources;
 mod sources;
+mod symmetric;
 
 pub use crate::wave::light::Polarisation;
 pub use contrast::Averaging;

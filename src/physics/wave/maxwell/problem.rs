@@ -19,7 +19,7 @@ use crate::wave::{
     Channel, FarField, Field, Incidence, Mean, Media, Polarisation, Resolution, Setting, WaveError,
     decaying_root,
 };
-use coarse::{CoarsePlan, CoarseSpace};
+use coarse::{VectorCoarsePlan, VectorCoarseSpace};
 use num_complex::Complex64;
 use std::ops::Deref;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -37,7 +37,7 @@ pub struct VectorProblem {
     double: VectorScattering<f64>,
     single: OnceLock<VectorScattering<f32>>,
     /// What one polarisation eliminated and the other will need.
-    coarse: Mutex<Option<Arc<CoarseSpace>>>,
+    coarse: Mutex<Option<Arc<VectorCoarseSpace>>>,
 }
 
 impl Deref for VectorProblem {
@@ -130,7 +130,7 @@ impl VectorProblem {
 
     /// The lowest harmonics eliminated as planned. What is made for one polarisation is kept for
     /// the other, which takes it away.
-    pub(crate) fn eliminated(&self, plan: CoarsePlan) -> Arc<CoarseSpace> {
+    pub(crate) fn eliminated(&self, plan: VectorCoarsePlan) -> Arc<VectorCoarseSpace> {
         let kept = || self.coarse.lock().unwrap_or_else(PoisonError::into_inner);
         let left = kept().take();
         left.filter(|space| space.plan == plan).unwrap_or_else(|| {

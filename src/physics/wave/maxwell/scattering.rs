@@ -5,8 +5,8 @@
 //! inverse and three forward transforms. Then the mean solve per harmonic. Small fields are
 //! processed by one thread.
 
-use super::contrast::Symmetric;
 use super::mean::VectorMean;
+use super::symmetric::Symmetric;
 use crate::numerics::fourier::{Harmonics, PlaneFft, PlaneScratch, Real, narrow};
 use crate::wave::operator::inverse::{Line, row, row_of};
 use crate::wave::operator::scattering::Scatter;

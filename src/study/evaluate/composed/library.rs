@@ -381,7 +381,7 @@ impl Library {
     }
 }
 
-/// What a study that is no library study is told.
+/// Why a study is no library study, and what to do.
 const NO_STATES: &str = "its layers were not solved between half-spaces of one index, so that no plates of them join any others: \
      write the layers as [[layer]] with [stack.composed] joint_index = 1.5 (or that of their binders), and run it again";
 

@@ -10,7 +10,7 @@ use crate::solve::strategies::idr::Idr;
 use crate::solve::vectors::norm;
 use crate::solve::{Ledger, SolveError, flat};
 use crate::wave::maxwell::VectorProblem;
-use crate::wave::maxwell::coarse::{CoarsePlan as VectorPlan, CoarseSpace as VectorSpace};
+use crate::wave::maxwell::coarse::{VectorCoarsePlan, VectorCoarseSpace};
 use crate::wave::{Field, Scatter, System};
 use ndarray::Array2;
 use num_complex::{Complex, Complex64};
@@ -59,7 +59,7 @@ pub(super) struct KrylovRun<'a> {
 pub(super) enum RightFactor<'a> {
     Guided(Correction),
     Coarse(CoarseSpace),
-    Vector(&'a VectorProblem, Arc<VectorSpace>),
+    Vector(&'a VectorProblem, Arc<VectorCoarseSpace>),
 }
 
 impl RightFactor<'_> {
@@ -75,14 +75,14 @@ impl RightFactor<'_> {
 /// An elimination of the lowest harmonics that fits into the memory.
 enum Elimination<'a> {
     Scalar(CoarsePlan<'a>),
-    Vector(&'a VectorProblem, VectorPlan),
+    Vector(&'a VectorProblem, VectorCoarsePlan),
 }
 
 impl<'a> Elimination<'a> {
     /// The elimination for a system that holds at most `bytes`.
     fn within(system: &'a dyn System, bytes: f64) -> Option<Self> {
         if let Some(problem) = system.vector() {
-            return Some(Self::Vector(problem, VectorPlan::within(problem, bytes)?));
+            return Some(Self::Vector(problem, VectorCoarsePlan::within(problem, bytes)?));
         }
         let plan = system.split().map(CoarsePlan::new).filter(|plan| plan.bytes() <= bytes);
         plan.map(Self::Scalar)

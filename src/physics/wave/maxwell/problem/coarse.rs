@@ -53,13 +53,13 @@ const OPERATIONS: f64 = 8.0 * (72.0 + 144.0 + 72.0 + 32.0);
 
 /// The harmonics to be eliminated, with what that costs.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct CoarsePlan {
+pub(crate) struct VectorCoarsePlan {
     columns: Vec<usize>,
     cells: usize,
     unknowns: usize,
 }
 
-impl CoarsePlan {
+impl VectorCoarsePlan {
     /// The plan with the highest cut that costs little and holds at most `bytes`; if all are dear,
     /// that with the lowest.
     pub fn within(problem: &VectorProblem, bytes: f64) -> Option<Self> {
@@ -82,7 +82,7 @@ impl CoarsePlan {
         let square = |&i: &usize| problem.lateral[i].iter().map(|k| k * k).sum::<f64>();
         let columns = (0..problem.harmonics.len()).filter(|i| square(i) < limit).collect();
         let cells = problem.moments.grid.cells();
-        CoarsePlan { columns, cells, unknowns: CELL_ROWS * cells * problem.harmonics.len() }
+        VectorCoarsePlan { columns, cells, unknowns: CELL_ROWS * cells * problem.harmonics.len() }
     }
 
     /// Memory of the operator and of its construction, bytes.
@@ -99,14 +99,14 @@ impl CoarsePlan {
     }
 
     /// Eliminates.
-    pub fn carried_out(self, problem: &VectorProblem) -> CoarseSpace {
+    pub fn carried_out(self, problem: &VectorProblem) -> VectorCoarseSpace {
         let mean = problem.operator().mean.restricted(&self.columns);
         let elimination =
             Elimination { problem, columns: &self.columns, mean: &mean, unit: mean.mean_k2[0].norm().sqrt() };
         let (shares, nodes) = elimination.carried_out();
         let work = Mutex::new(Work::default());
         let unit = elimination.unit as f32;
-        CoarseSpace {
+        VectorCoarseSpace {
             mean: mean.narrowed(),
             harmonics: problem.harmonics.len(),
             plan: self,
@@ -119,9 +119,9 @@ impl CoarsePlan {
 }
 
 /// The operator 1 − X S⁻¹ L V, ready to be applied to fields.
-pub(crate) struct CoarseSpace {
+pub(crate) struct VectorCoarseSpace {
     /// What was eliminated.
-    pub plan: CoarsePlan,
+    pub plan: VectorCoarsePlan,
     /// The mean operator on the harmonics eliminated.
     mean: VectorMean<f32>,
     /// Number of all harmonics.
@@ -150,7 +150,7 @@ struct Work {
     product: Array2<c32>,
 }
 
-impl CoarseSpace {
+impl VectorCoarseSpace {
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let entries = |matrix: &Mat<c32>| matrix.nrows() * matrix.ncols();
@@ -223,7 +223,7 @@ struct Elimination<'a> {
     columns: &'a [usize],
     /// The mean operator on these harmonics.
     mean: &'a VectorMean,
-    /// As in [`CoarseSpace`].
+    /// As in [`VectorCoarseSpace`].
     unit: f64,
 }
 

@@ -14,7 +14,7 @@ fn problem([nx, ny, cells]: [usize; 3]) -> Arc<VectorProblem> {
     let media =
         Media { incident: one, exit: 1.5 * one, backgrounds: vec![1.558.into()], inclusions: vec![pigment] };
     let incidence =
-        Incidence { wavelength_um: 0.7, polar_deg: 25.0, azimuth_deg: 40.0, from: Side::Incident };
+        Incidence { wavelength_um: 0.75, polar_deg: 25.0, azimuth_deg: 40.0, from: Side::Incident };
     let grid = Resolution { nx, ny, cells, scheme: Scheme::Quadratic };
     let moments = NormalMoments::new(&scene, grid).expect("moments");
     VectorProblem::new(&Arc::new(moments), &media, &incidence, Mean::default(), Averaging::Normal)
@@ -55,7 +55,7 @@ fn what_is_left_acts_within_single_cells() {
     for size in [[1, 1, 1], [1, 3, 2], [5, 1, 3], [3, 5, 2], [6, 4, 3], [5, 5, 5]] {
         let problem = problem(size);
         let harmonics = problem.harmonics.len();
-        let space = CoarsePlan::new(&problem, 1e3).carried_out(&problem);
+        let space = VectorCoarsePlan::new(&problem, 1e3).carried_out(&problem);
         assert_eq!(space.plan.columns.len(), harmonics);
         let v = some_field((CELL_ROWS * size[2], harmonics));
         let mut factor = v.clone();
@@ -75,7 +75,7 @@ fn what_is_left_acts_within_single_cells() {
 #[test]
 fn higher_harmonics_stay() {
     let problem = problem([7, 7, 2]);
-    let plan = CoarsePlan::new(&problem, 1.0);
+    let plan = VectorCoarsePlan::new(&problem, 1.0);
     let space = plan.clone().carried_out(&problem);
     let v = some_field((2 * CELL_ROWS, 49));
     let mut changed = v.clone();
@@ -94,23 +94,23 @@ fn higher_harmonics_stay() {
 #[test]
 fn the_memory_is_planned() {
     let problem = problem([15, 15, 12]);
-    let plan = CoarsePlan::new(&problem, 3.0);
+    let plan = VectorCoarsePlan::new(&problem, 3.0);
     let planned = plan.bytes();
     let kept = plan.carried_out(&problem).bytes() as f64;
     assert!(kept < planned && planned < 2.0 * kept, "{planned:e} for {kept:e}");
-    let whole = CoarsePlan::within(&problem, f64::INFINITY).expect("a plan");
-    let less = CoarsePlan::within(&problem, 0.9 * whole.bytes()).expect("a smaller plan");
+    let whole = VectorCoarsePlan::within(&problem, f64::INFINITY).expect("a plan");
+    let less = VectorCoarsePlan::within(&problem, 0.9 * whole.bytes()).expect("a smaller plan");
     assert!(less.columns.len() < whole.columns.len() && less.bytes() <= 0.9 * whole.bytes());
-    assert_eq!(CoarsePlan::within(&problem, 0.0), None);
+    assert_eq!(VectorCoarsePlan::within(&problem, 0.0), None);
 }
 
 /// What one polarisation made, the other takes, once.
 #[test]
 fn both_polarisations_share_an_elimination() {
     let problem = problem([5, 5, 2]);
-    let plan = CoarsePlan::new(&problem, 1.0);
+    let plan = VectorCoarsePlan::new(&problem, 1.0);
     let [first, second, third] = [(); 3].map(|()| problem.eliminated(plan.clone()));
     assert!(Arc::ptr_eq(&first, &second) && !Arc::ptr_eq(&second, &third));
-    let other = problem.eliminated(CoarsePlan::new(&problem, 1e3));
+    let other = problem.eliminated(VectorCoarsePlan::new(&problem, 1e3));
     assert_ne!(other.plan, third.plan, "another plan is another space");
 }
