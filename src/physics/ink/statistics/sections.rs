@@ -161,11 +161,11 @@ impl<'a> SpheresByHeight<'a> {
             let last = self.sorted.partition_point(|s| s.0 <= middle + reach);
             first..last
         };
-        let ranges = images.iter().map(within);
         // a sphere is near the plane in one image, unless it is as wide as the layer
-        let all =
-            if height > 0.0 && 2.0 * reach >= height { vec![0..self.sorted.len()] } else { ranges.collect() };
-        all.into_iter().flatten().filter_map(|i| self.disc(z, i)).collect()
+        if height > 0.0 && 2.0 * reach >= height {
+            return (0..self.sorted.len()).filter_map(|i| self.disc(z, i)).collect();
+        }
+        images.iter().flat_map(within).filter_map(|i| self.disc(z, i)).collect()
     }
 
     fn disc(&self, z: f64, i: usize) -> Option<Disc<'a>> {
