@@ -186,7 +186,6 @@ fn of_thickness(um: f64) -> String {
 /// *Planted*: the shares of the second ink for those of the overprint.
 #[test]
 fn overprints_share_the_area_as_demichel_says() {
-    use inkwave_validation::formulas::halftone::Area;
     use inkwave_validation::formulas::returns::Returns;
     let scratch = tempfile::tempdir().unwrap();
     let run = |name: &str, text: &str| -> Value {
@@ -210,16 +209,6 @@ fn overprints_share_the_area_as_demichel_says() {
     let spread = run("spread", &format!("{}{}", of_thickness(1.8), screen(40.0)));
     let open = run("open", &format!("{}{}", of_thickness(1.8), screen(0.0)));
     let number = |value: &Value| value.as_f64().expect("a number");
-    let areas_of = |results: &Value, w: usize| -> (f64, Area) {
-        let optics = &results["optics"]["whole"][w];
-        let lost = number(&optics["lost"]);
-        let area = Area {
-            entering: number(&optics["entering"]),
-            leaving: number(&optics["leaving"]),
-            back: 1.0 - lost,
-        };
-        (number(&optics["own"]), area)
-    };
     let factor = |print: &Value, w: usize| number(&print["factors"][w]["value"]);
     let prints = |results: &Value| results["prints"]["prints"].as_array().expect("prints").clone();
     assert_eq!(prints(&spread).len(), 1 + 49 + 1);
@@ -272,6 +261,18 @@ fn overprints_share_the_area_as_demichel_says() {
         assert!((factor(&tint, w) - mean).abs() < 1e-13, "Neugebauer's average");
     }
     assert!(described_tables(&scratch.path().join("open")) >= 4);
+}
+
+/// What a run says of its layer at a wavelength: its own light, and its area in the series of returns.
+fn areas_of(results: &Value, w: usize) -> (f64, inkwave_validation::formulas::halftone::Area) {
+    let optics = &results["optics"]["whole"][w];
+    let number = |key: &str| optics[key].as_f64().expect("a number");
+    let area = inkwave_validation::formulas::halftone::Area {
+        entering: number("entering"),
+        leaving: number("leaving"),
+        back: 1.0 - number("lost"),
+    };
+    (number("own"), area)
 }
 
 /// Bare paper behind its surface, from its factor and that surface's means.

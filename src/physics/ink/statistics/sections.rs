@@ -286,7 +286,7 @@ mod tests {
         let (period, height) = (6.0, 1.0);
         for walls in [true, false] {
             let mut sphere = |i: usize| {
-                let radius_um = if i % 7 == 0 { 0.2 } else { 0.05 };
+                let radius_um = if i.is_multiple_of(7) { 0.2 } else { 0.05 };
                 let z = draws.between(0.0, height);
                 let z = if walls { z.clamp(radius_um, height - radius_um) } else { z };
                 let place = [0.45 + 0.5 * (i % 11) as f64, 0.45 + 0.5 * (i / 11) as f64, z];

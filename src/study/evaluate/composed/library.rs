@@ -296,7 +296,7 @@ impl Library {
             return differs("method", &other.method.to_string(), &self.method.to_string(), again);
         }
         if self.wave != other.wave {
-            return differs("wave", &other.wave.in_words(), &self.wave.in_words(), again);
+            return differs("wave", other.wave.in_words(), self.wave.in_words(), again);
         }
         if self.wavelengths_nm != other.wavelengths_nm {
             let found = format!("{:?} nm", other.wavelengths_nm);
@@ -418,7 +418,7 @@ impl LibraryPlate {
                     2.0 * own_um,
                     MOST_SLABS * own_um
                 );
-                (whole >= 2.0 && whole <= MOST_SLABS).then_some(whole).ok_or(words)
+                (2.0..=MOST_SLABS).contains(&whole).then_some(whole).ok_or(words)
             }
         }
     }

@@ -115,7 +115,7 @@ impl DotsReader<'_, '_> {
             shares
         };
         let names = self.file.inks.iter().map(|ink| ink.name.clone()).collect();
-        let prints = coverages.into_iter().map(|nominal| screen.mixed(nominal, &shares)).collect();
+        let prints = coverages.into_iter().map(|nominal| screen.mixed(nominal, shares)).collect();
         Some(MixedAreas { names, layers, prints })
     }
 
