@@ -101,10 +101,14 @@ impl VectorCoarsePlan {
     /// Eliminates.
     pub fn carried_out(self, problem: &VectorProblem) -> VectorCoarseSpace {
         let mean = problem.operator().mean.restricted(&self.columns);
-        let elimination =
-            Elimination { problem, columns: &self.columns, mean: &mean, unit: mean.mean_k2[0].norm().sqrt() };
+        let elimination = VectorElimination {
+            problem,
+            columns: &self.columns,
+            mean: &mean,
+            unit: mean.mean_k2[0].norm().sqrt(),
+        };
         let (shares, nodes) = elimination.carried_out();
-        let work = Mutex::new(Work::default());
+        let work = Mutex::new(CoarseWork::default());
         let unit = elimination.unit as f32;
         VectorCoarseSpace {
             mean: mean.narrowed(),
@@ -130,12 +134,12 @@ pub(crate) struct VectorCoarseSpace {
     unit: f32,
     /// X of each cell: moments due to E_s and h at the first and at the second node.
     shares: Vec<Mat<c32>>,
-    nodes: Vec<Node>,
-    work: Mutex<Work>,
+    nodes: Vec<EliminatedNode>,
+    work: Mutex<CoarseWork>,
 }
 
 /// A node of S eliminated, vectors of E_s and h one after the other.
-struct Node {
+struct EliminatedNode {
     /// Inverse D of its pivot.
     inverse: Mat<c32>,
     /// Its coupling into the next node, and D times that of the next node into it; none at the
@@ -145,7 +149,7 @@ struct Node {
 
 /// Arrays of one application.
 #[derive(Default)]
-struct Work {
+struct CoarseWork {
     field: Array2<c32>,
     product: Array2<c32>,
 }
@@ -154,8 +158,9 @@ impl VectorCoarseSpace {
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let entries = |matrix: &Mat<c32>| matrix.nrows() * matrix.ncols();
-        let node =
-            |node: &Node| entries(&node.inverse) + node.next.iter().flatten().map(entries).sum::<usize>();
+        let node = |node: &EliminatedNode| {
+            entries(&node.inverse) + node.next.iter().flatten().map(entries).sum::<usize>()
+        };
         let matrices =
             self.shares.iter().map(entries).sum::<usize>() + self.nodes.iter().map(node).sum::<usize>();
         (matrices + 2 * self.plan.unknowns) * size_of::<c32>()
@@ -181,7 +186,7 @@ impl VectorCoarseSpace {
     /// Loads L V v of the nodes.
     fn loads<T: Real>(&self, operator: &VectorScattering<f32>, v: &[Complex<T>]) -> Vec<Vec<c32>> {
         let mut work = self.work.lock().unwrap_or_else(PoisonError::into_inner);
-        let Work { field, product } = &mut *work;
+        let CoarseWork { field, product } = &mut *work;
         let shape = (v.len() / self.harmonics, self.harmonics);
         if field.dim() != shape {
             *field = Array2::zeros(shape);
@@ -218,7 +223,7 @@ impl VectorCoarseSpace {
 }
 
 /// The matrices of the elimination being made.
-struct Elimination<'a> {
+struct VectorElimination<'a> {
     problem: &'a VectorProblem,
     columns: &'a [usize],
     /// The mean operator on these harmonics.
@@ -227,10 +232,10 @@ struct Elimination<'a> {
     unit: f64,
 }
 
-impl Elimination<'_> {
+impl VectorElimination<'_> {
     /// X of each cell, and the nodes eliminated from the illuminated face on:
     /// D_j = (S_jj − S_{j,j−1} D_{j−1} S_{j−1,j})⁻¹.
-    fn carried_out(&self) -> (Vec<Mat<c32>>, Vec<Node>) {
+    fn carried_out(&self) -> (Vec<Mat<c32>>, Vec<EliminatedNode>) {
         let count = 2 * self.columns.len();
         let cells: Vec<usize> = (0..self.mean.heights.len()).collect();
         let mut shares = Vec::with_capacity(cells.len());
@@ -245,11 +250,11 @@ impl Elimination<'_> {
                 let upper = &inverse * with_diagonal(block(0, 1).to_owned(), &off);
                 let lower = with_diagonal(block(1, 0).to_owned(), &off);
                 left = self.diagonal(j + 1) + block(1, 1) - &lower * &upper;
-                nodes.push(Node { inverse, next: Some([lower, upper]) });
+                nodes.push(EliminatedNode { inverse, next: Some([lower, upper]) });
                 shares.push(share);
             }
         }
-        nodes.push(Node { inverse: c32::inverse(left.as_ref()), next: None });
+        nodes.push(EliminatedNode { inverse: c32::inverse(left.as_ref()), next: None });
         (shares, nodes)
     }
 
