@@ -408,8 +408,8 @@ impl LayerOnPaper {
         Measured { transmittance, absorptance, ..Measured::default() }
     }
 
-    /// Coefficients of the curves of R and of T in the light returned by the paper: of the values at
-    /// both anchors, then of the other functions ([`anchor_weights`]).
+    /// Coefficients of the curves of R and of T in the light returned by the paper: of the values
+    /// at both anchors, then of the other functions ([`anchor_weights`]).
     pub(super) fn returned_coefficients(&self) -> [[f64; 2 + BENDS]; 2] {
         let Self { measured: Measured { returned: anchors, .. }, curve, .. } = self;
         [REFLECTANCE, TRANSMITTANCE].map(|total| {

@@ -124,7 +124,7 @@ struct CellBasis {
 }
 
 impl CellBasis {
-    /// The basis at the points τ ≥ 0 of the rule for x, with their weights on −1 … 1 for both signs.
+    /// The basis at the points τ ≥ 0 of the rule for x, with the weights of τ and −τ on −1 … 1.
     /// Computed from decaying exponentials, so that nothing overflows.
     fn on_half(x: Complex64, x2: Complex64) -> impl Iterator<Item = (f64, CellBasis)> {
         let rule = gauss_rule(points(x)).iter().filter(|(t, _)| *t > -MIDDLE);
