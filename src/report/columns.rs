@@ -10,7 +10,7 @@ pub const DATA_PACKAGE: &str = "datapackage.json";
 
 /// A number's name with its unit, for readers.
 pub fn heading(name: &str) -> String {
-    name.replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ")
+    name.replace("kubelka_munk", "Kubelka–Munk").replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ")
 }
 
 /// A table's name, bytes and description.
