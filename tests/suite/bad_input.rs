@@ -117,7 +117,8 @@ fn concentrations_that_cannot_be_packed_leave_nothing_behind() {
 #[test]
 fn paths_that_cannot_be_read_or_written_are_told() {
     let folder = tempfile::tempdir().unwrap();
-    let (good, out) = (study(folder.path(), TINY), folder.path().join("out"));
+    let good = study(folder.path(), TINY);
+    let out = folder.path().join("out");
     let said = refused(&folder.path().join("none.toml"), &out);
     assert!(
         said.contains("none.toml") && said.contains("cannot read") && said.contains("give the path"),

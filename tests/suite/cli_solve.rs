@@ -446,15 +446,16 @@ fn options_apply_to_every_direction() {
 /// Programs that read one wave's results read the other's: keys are the same, values of the vector wave are by polarisation.
 #[test]
 fn both_waves_print_the_same_keys() {
-    let [scalar, vector] = ["scalar", "vector"].map(|wave| {
+    let of_wave = |wave: &str| {
         let options = ["--wave", wave, "--nxy", "9", "--nz", "8"];
         solved(&good().to_string(), "case.json", &options)
-    });
+    };
+    let scalar = of_wave("scalar");
+    let vector = of_wave("vector");
     let keys = |value: &Value| value.as_object().expect("an object").keys().cloned().collect::<Vec<_>>();
     for pointer in ["", "/orders/0", "/resolution", "/error_estimate_parts"] {
-        let [scalar, vector] =
-            [&scalar, &vector].map(|r| keys(r.pointer(pointer).expect("a part of a result")));
-        assert_eq!(scalar, vector, "{pointer}");
+        let part = |result: &Value| keys(result.pointer(pointer).expect("a part of a result"));
+        assert_eq!(part(&scalar), part(&vector), "{pointer}");
     }
     assert_eq!([&scalar["wave"], &vector["wave"]], ["scalar", "vector"]);
     for total in ["R_total", "T_total", "A_total", "energy_error", "steps"] {
@@ -480,7 +481,8 @@ fn light_from_below_sees_less_of_an_asymmetric_layer() {
         json!({ "wavelength": 0.55, "from": from, "layers_from_z0":
                 [{ "thickness": 0.2, "eta": [1.5, 0] }, { "thickness": 0.2, "eta": [1.5, 0.3] }] })
     };
-    let [above, below] = ["incident", "exit"].map(|from| solved(&case(from).to_string(), "case.json", &[]));
+    let above = solved(&case("incident").to_string(), "case.json", &[]);
+    let below = solved(&case("exit").to_string(), "case.json", &[]);
     let number = |value: &Value| value.as_f64().expect("a number");
     // Reciprocity makes the transmittance the same; absorption makes the reflectance differ.
     assert!((number(&above["T_total"]) - number(&below["T_total"])).abs() < 1e-13);

@@ -76,7 +76,8 @@ fn committed_pages_are_no_older_than_their_method() {
 /// The accuracy stated is that of the reference cases in the report beside it.
 #[test]
 fn the_accuracy_in_the_tables_is_that_of_the_references() {
-    let (readme, report) = (read("reports/latest/README.md"), read("reports/latest/report.md"));
+    let readme = read("reports/latest/README.md");
+    let report = read("reports/latest/report.md");
     let table =
         readme.split("<!-- accuracy -->\n").nth(1).and_then(|rest| rest.split("<!-- /accuracy -->").next());
     let table = table.expect("a table between its marks").trim_end();
@@ -96,7 +97,8 @@ fn the_costs_in_the_readme_are_those_measured() {
 /// The schedule renews the page outside of the clone; what is committed says how old it is.
 #[test]
 fn the_readme_says_how_old_the_benchmarks_are() {
-    let (readme, page) = (read("README.md"), read("reports/benchmarks/README.md"));
+    let readme = read("README.md");
+    let page = read("reports/benchmarks/README.md");
     let told = readme.split("](reports/benchmarks/README.md) of ").nth(1).and_then(|rest| rest.get(..10));
     let day = told.expect("a date beside the link");
     assert!(page.contains(&format!("{day}T")), "the page is not of {day}");
@@ -198,7 +200,8 @@ fn is_allowed(expression: &str, allowed: &[&str]) -> bool {
         }
         parts
     };
-    let (any, all) = (parts(" OR "), parts(" AND "));
+    let any = parts(" OR ");
+    let all = parts(" AND ");
     match (any.len(), all.len()) {
         (2.., _) => any.iter().any(|part| is_allowed(part, allowed)),
         (_, 2..) => all.iter().all(|part| is_allowed(part, allowed)),

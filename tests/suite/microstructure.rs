@@ -42,7 +42,8 @@ fn given(folder: &Path, microstructure: &str, period: &str) -> Result<Study, Str
 
 #[test]
 fn what_is_written_is_read_back() {
-    let (packing, folder) = (packed(0), tempfile::tempdir().expect("a folder"));
+    let packing = packed(0);
+    let folder = tempfile::tempdir().expect("a folder");
     let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).expect("written");
     write("g.csv", &grains_csv(&packing).expect("a table"));
     write("g.dump", dump(&packing).as_bytes());
@@ -121,7 +122,10 @@ fn lengths_on_another_scale_are_refused_with_both() {
     let folder = tempfile::tempdir().expect("a folder");
     let csv = |unit: &str, rows: &str| format!("x_{unit},y_{unit},z_{unit},radius_{unit}\n{rows}");
     let dump = |scale: f64, high: f64| {
-        let [l, h, x, r] = [2.0 * scale, high * scale, 0.5 * scale, 0.2 * scale];
+        let l = 2.0 * scale;
+        let h = high * scale;
+        let x = 0.5 * scale;
+        let r = 0.2 * scale;
         format!(
             "ITEM: NUMBER OF ATOMS\n1\nITEM: BOX BOUNDS pp pp ff\n0 {l}\n0 {l}\n0 {h}\nITEM: ATOMS x y z radius\n{x} {x} {x} {r}\n"
         )
@@ -268,7 +272,8 @@ fn many_spheres_are_judged_in_seconds() {
 #[test]
 fn spheres_of_a_grain_need_no_neighbouring_rows() {
     let folder = tempfile::tempdir().expect("a folder");
-    let [one, two] = ["0.2,0.2,0.2,0.1,a,1\n", "0.3,0.2,0.2,0.1,a,1\n"];
+    let one = "0.2,0.2,0.2,0.1,a,1\n";
+    let two = "0.3,0.2,0.2,0.1,a,1\n";
     let other = "0.7,0.7,0.2,0.1,pigment 2,2\n";
     let scene = |rows: &[&str]| {
         let text = format!("x_um,y_um,z_um,radius_um,pigment,grain\n{}", rows.concat());

@@ -54,7 +54,8 @@ fn assert_rigid(grain: &Grain, template: &Template) {
     let scale = grain.spheres.iter().map(|s| s.radius_um).fold(0.0, f64::max);
     for (i, (a, ta)) in grain.spheres.iter().zip(&template.spheres).enumerate() {
         for (b, tb) in grain.spheres[..i].iter().zip(&template.spheres) {
-            let (d, td) = (a.gap_to(b), ta.gap_to(tb) * scale);
+            let d = a.gap_to(b);
+            let td = ta.gap_to(tb) * scale;
             // Identity: rounding of hundreds of composed rotations.
             assert!((d - td).abs() < 1e-12, "{d} {td}");
         }
@@ -171,7 +172,8 @@ fn small_cells_that_jam_start_anew() {
 #[test]
 fn a_finite_field_gives_the_watson_order() {
     let field = Orientation::Perpendicular { strength: Some(4.0) };
-    let (mut top, mut bottom) = (0.0, 0.0);
+    let mut top = 0.0;
+    let mut bottom = 0.0;
     for i in 0..100_000 {
         let square = ((i as f64 + 0.5) * 1e-5).powi(2);
         top += (4.0 * square).exp() * square;

@@ -48,7 +48,8 @@ impl RunWatch for StopAfter {
 fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
     let folder = tempfile::tempdir().unwrap();
     let study_file = study(folder.path(), TINY);
-    let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
+    let whole = folder.path().join("whole");
+    let parts = folder.path().join("parts");
     succeed(&study_file, &whole, &[]);
 
     let checked = load(&study_file).unwrap();
@@ -125,7 +126,8 @@ fn a_solve_that_fails_is_reported_and_does_not_stop_the_others() {
         let four = seeded.replace("realisations = 2", "realisations = 4");
         let out = folder.path().join(format!("out{seed}"));
         succeed(&study(folder.path(), &four), &out, &[]);
-        let (first, others) = (steps(&out, true), steps(&out, false));
+        let first = steps(&out, true);
+        let others = steps(&out, false);
         let limit = format!("[solver]\nmax_applications = {}\n[output]", others - 1);
         let limited = four.replace("[output]", &limit);
         let done =
@@ -139,7 +141,8 @@ fn a_solve_that_fails_is_reported_and_does_not_stop_the_others() {
         serde_json::from_slice(&std::fs::read(out.join("results.json")).unwrap()).unwrap();
     let failures = results["failures"].as_array().unwrap();
     assert!(!failures.is_empty() && failures[0]["reason"].as_str().unwrap().contains("residual"));
-    let [asked, finished] = ["asked", "finished"].map(|key| results["solves"][key].as_u64().unwrap());
+    let asked = results["solves"]["asked"].as_u64().unwrap();
+    let finished = results["solves"]["finished"].as_u64().unwrap();
     assert_eq!(finished + failures.len() as u64, asked);
     assert!(std::fs::read_to_string(out.join("report.html")).unwrap().contains("Solves without a result"));
 }
