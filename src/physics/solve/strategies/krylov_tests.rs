@@ -252,7 +252,8 @@ fn hard(index: f64) -> Problem {
 fn a_hard_solve_takes_pains() {
     let problem = hard(2.15);
     let goal = Goal { tolerance: 1e-4, ..Goal::default() };
-    let (near, hard) = (GuidedModes::default(), GuidedModes::default().of_hard_solves());
+    let near = GuidedModes::default();
+    let hard = GuidedModes::default().of_hard_solves();
     assert!(near.correction(&problem).is_none() && hard.correction(&problem).is_some());
     let short = Gmres { restart: 20, ..Gmres::default() };
     let off = GuidedModes { threshold: 0.0, ..near };
@@ -335,13 +336,15 @@ fn strong_scatterers_of_the_vector_wave_are_eliminated() {
         let scarce = growing(61).solve(system, goal, &mut Silent).expect("converges");
         // the residual times a condition number of up to some hundreds
         assert!(largest(&known.field, &found.field) < 2e-3, "{:e}", largest(&known.field, &found.field));
-        let [own, others] = [&found, &scarce].map(|solution| solution.account.operator_applications);
+        let own = found.account.operator_applications;
+        let others = scarce.account.operator_applications;
         assert!(3 * own < others, "{own} applications, {others} without elimination");
         let vectors = |count: usize| count * size_of_val(flat(&found.field));
         assert!(found.account.bytes < vectors(480 + 9) && scarce.account.bytes < vectors(61 + 9));
     }
     let [_, alone] = hard_in_vector_mode(2.7);
-    let [after, alone] = [&p, &alone].map(|p| growing(480).solve(p, goal, &mut Silent).expect("converges"));
+    let after = growing(480).solve(&p, goal, &mut Silent).expect("converges");
+    let alone = growing(480).solve(&alone, goal, &mut Silent).expect("converges");
     assert_eq!(after.field, alone.field);
 }
 
