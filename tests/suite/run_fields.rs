@@ -154,7 +154,7 @@ fn wrong(
         }
     }
     let mixed = published(shared);
-    let alone = published(&own.join("out"));
+    let alone = published(own.join("out"));
     let stale = differences(&mixed, &alone);
     if !stale.is_empty() {
         return Some(format!("{edits:?}: another study's numbers were taken for this one's: {stale:#?}"));
