@@ -23,7 +23,8 @@
 //! let solution = Gmres::default().solve(&problem, Goal::default(), &mut Silent)?; // exists only if converged
 //! let bdf = Bdf::from_ensemble(&[problem.far_field(&solution.field)])?; // orders → reflection per steradian
 //!
-//! let [reflected, transmitted] = [Lobe::Reflected, Lobe::Transmitted].map(|l| bdf.totals(l).total.value);
+//! let reflected = bdf.totals(Lobe::Reflected).total.value;
+//! let transmitted = bdf.totals(Lobe::Transmitted).total.value;
 //! assert!(reflected > 0.0 && transmitted > 0.3 && reflected + transmitted < 1.0);
 //! // Spectra of such numbers become colours; a perfect white stays one.
 //! let white = Colorimeter::new(&[400.0, 500.0, 600.0, 700.0])?.colour(&[1.0; 4])?;
@@ -50,7 +51,8 @@
 //! programs. It uses the folders up to [`draw`]; of the product, only the command `compare` and
 //! [`schema`] use it.
 //!
-//! [`architecture`] draws the data flow with the shapes of all arrays.
+//! [`architecture`] begins with a table of where to look (contrast, paper, error bars, gate), then
+//! draws the data flow with the shapes of all arrays.
 //!
 //! - [`numerics`]: mathematics without physics. Vectors and rotations, reproducible random draws, a
 //!   value with its standard error, Fourier planes.

@@ -39,8 +39,10 @@ pub fn changes(judged: &[Judged], nights: &[Night]) -> Changes {
 }
 
 fn differences(judged: &Judged, night: &Night) -> Vec<(u8, String)> {
-    let (id, measured) = (judged.claim.id, &judged.measured);
-    let (margin, seconds) = (measured.margin(), measured.seconds);
+    let id = judged.claim.id;
+    let measured = &judged.measured;
+    let margin = measured.margin();
+    let seconds = measured.seconds;
     let mut found = Vec::new();
     if measured.holds() != night.holds {
         let words = if measured.holds() { "holds again" } else { "fails; it held the last time" };

@@ -191,6 +191,7 @@ pub fn ratios(column: &str, material: &str, diameter_um: f64) -> Vec<[f64; 3]> {
         &spectra.iter().find(|(name, _)| *name == format!("{start}_{column}")).expect("a column").1
     };
     let estimated = estimate(material, diameter_um, &nm);
-    let (k, s) = (of("K"), of("S"));
+    let k = of("K");
+    let s = of("S");
     (0..nm.len()).map(|i| [nm[i], k[i] / s[i], k_over_s(estimated[i])]).collect()
 }

@@ -130,7 +130,9 @@ fn main() -> Result<ExitCode, Box<dyn Error>> {
         .map(|(i, claim)| {
             let measured = night_of(claim, level, &args.work, &store)?;
             let verdict = if measured.holds() { "holds" } else { "FAILS" };
-            let (n, margin, seconds) = (chosen.len(), measured.margin(), measured.seconds);
+            let n = chosen.len();
+            let margin = measured.margin();
+            let seconds = measured.seconds;
             eprintln!("[{}/{n}] {} {verdict}, margin {margin:.2} ({seconds:.0} s)", i + 1, claim.id);
             Ok(Judged { claim, measured })
         })

@@ -80,7 +80,8 @@ fn drawn(plot: &Chart) -> String {
 }
 
 fn chapter(judged: &Judged, nights: &[Night]) -> Chapter {
-    let (claim, measured) = (judged.claim, &judged.measured);
+    let claim = judged.claim;
+    let measured = &judged.measured;
     let tightest = measured.findings.tightest().map(line);
     let text = |pick: fn(&Line) -> &String| tightest.as_ref().map_or_else(|| "–".into(), |l| pick(l).clone());
     let mut all = margins(nights, claim.id);
@@ -154,7 +155,9 @@ fn checks(judged: &[Judged]) -> csv::Result<Vec<u8>> {
     for j in judged {
         for c in &j.measured.findings.checks {
             let [measured, margin] = [c.measured, c.margin()].map(|v| format!("{v:e}"));
-            let (bound, holds, reason) = (c.bound.to_string(), c.holds().to_string(), c.reason.to_string());
+            let bound = c.bound.to_string();
+            let holds = c.holds().to_string();
+            let reason = c.reason.to_string();
             writer.write_record([
                 j.claim.id, &c.what, &measured, &bound, &margin, &holds, &reason, &c.because,
             ])?;
@@ -187,7 +190,8 @@ pub fn splice(path: &Path, judged: &[Judged]) -> Result<(), Box<dyn Error>> {
     let references = judged.iter().find(|j| j.claim.id == ACCURACY);
     let accuracy = references.and_then(|j| j.measured.findings.tables.first());
     for (name, table) in [("verdicts", Some(&verdicts)), ("accuracy", accuracy)] {
-        let (open, close) = (format!("<!-- {name} -->\n"), format!("<!-- /{name} -->"));
+        let open = format!("<!-- {name} -->\n");
+        let close = format!("<!-- /{name} -->");
         let place = text.find(&open).zip(text.find(&close)).zip(table);
         let ((start, end), table) =
             place.ok_or_else(|| format!("{} has no place for {name}", path.display()))?;

@@ -33,7 +33,8 @@ fn judge(claim: &Claim) -> Result<(), Failed> {
     }
     if !findings.hold() {
         let broken = broken.join("\n  ");
-        let [statement, because] = [claim.statement, claim.because];
+        let statement = claim.statement;
+        let because = claim.because;
         return Err(format!("{statement}\nbecause: {because}\n{}\n  {broken}", claim.file).into());
     }
     // A report that cannot draw its plots would only fail at night.

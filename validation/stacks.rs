@@ -112,7 +112,8 @@ impl TwoCoats {
                 }
             }
             sides.fluxes(solved.iter().map(|(from, direction, far)| {
-                let (from, direction) = (*from, *direction);
+                let from = *from;
+                let direction = *direction;
                 Lit { from, direction, polarisation: 0, absorptance: far.absorptance, orders: &far.orders }
             }))
         };

@@ -56,7 +56,8 @@ pub fn composed(text: &str) -> Value {
 /// `results.json` of a composed layer whose slabs are solved between half-spaces by a mixing rule; without one, by that
 /// of its wave equation.
 pub fn composed_between(text: &str, mixing: Option<MixingRule>) -> Value {
-    let (mut study, folder) = (checked(text), tempfile::tempdir().expect("a temporary folder"));
+    let mut study = checked(text);
+    let folder = tempfile::tempdir().expect("a temporary folder");
     if let StudyKind::Composed(composed) = &mut study.kind {
         composed.mixing = mixing;
     }

@@ -157,7 +157,8 @@ pub fn largest_difference(a: &FarField, b: &FarField, map: impl Fn(i32, i32) -> 
 pub fn fitted_slope(errors: &[(f64, f64)]) -> f64 {
     let points: Vec<[f64; 2]> = errors.iter().map(|(n, e)| [n.ln(), e.ln()]).collect();
     let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(0), mean(1));
+    let x = mean(0);
+    let y = mean(1);
     let covariance: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
     -covariance / points.iter().map(|p| (p[0] - x).powi(2)).sum::<f64>()
 }

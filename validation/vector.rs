@@ -44,7 +44,8 @@ impl Reference {
         let mut errors = [[0.0_f64; 2]; 2];
         for expected in &self.orders {
             let number = |key: &str| expected[key].as_i64().expect("orders are whole numbers") as i32;
-            let (m, n) = (number("m"), number("n"));
+            let m = number("m");
+            let n = number("n");
             let travels = expected["propagating_R"] == true || expected["propagating_T"] == true;
             if !travels && (m.abs() > 1 || n.abs() > 1) {
                 continue;
@@ -83,7 +84,8 @@ pub fn order(far: &[FarField], m: i32, n: i32) -> [&Order; 2] {
 pub fn pairs(orders: [&Order; 2]) -> [[[Complex64; 2]; 2]; 2] {
     [0, 1].map(|side| {
         [0, 1].map(|i| {
-            let [own, crossed] = [0, 1].map(|k| orders[i].amplitudes().nth(k).expect("four")[side]);
+            let own = orders[i].amplitudes().next().expect("four")[side];
+            let crossed = orders[i].amplitudes().nth(1).expect("four")[side];
             if i == 0 { [own, crossed] } else { [crossed, own] }
         })
     })

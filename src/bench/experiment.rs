@@ -59,7 +59,8 @@ impl ComparisonFile {
         let mut bodies = None;
         // Cases of one period have one packing.
         for same in subjects.chunk_by(Subject::is_packed_like) {
-            let (case, wave) = (same[0].case()?, same[0].wave);
+            let case = same[0].case()?;
+            let wave = same[0].wave;
             if let Some(points) = self.listed() {
                 let schemes = self.schemes(wave);
                 let grids: Vec<_> = points.iter().map(|p| sized(&case.scene, *p, schemes[0])).collect();
@@ -74,7 +75,8 @@ impl ComparisonFile {
     fn asked(&self, subjects: &[Subject], strategies: &[NamedStrategy]) -> CompareResult<usize> {
         let mut rows = 0;
         for subject in subjects {
-            let (absorbs, schemes) = (absorbs(&subject.media()?), self.schemes(subject.wave).len());
+            let absorbs = absorbs(&subject.media()?);
+            let schemes = self.schemes(subject.wave).len();
             let means =
                 strategies.iter().map(|strategy| self.means(&*strategy.solver, absorbs).len()).sum::<usize>();
             rows += means * self.listed().map_or(1, |points| points.len()) * schemes;

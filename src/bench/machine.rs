@@ -43,7 +43,8 @@ impl Machine {
 fn transforms_per_second() -> Option<f64> {
     let fft = PlaneFft::<f64>::new(POINTS, POINTS);
     let mut scratch = fft.scratch();
-    let (start, all) = (processor_seconds()?, 0..POINTS);
+    let start = processor_seconds()?;
+    let all = 0..POINTS;
     for count in 1..=MOST {
         scratch.plane.fill(1.0.into());
         fft.forward(&mut scratch, std::slice::from_ref(&all));

@@ -237,7 +237,8 @@ fn seconds(row: &Row) -> f64 {
 }
 
 fn seconds_and_memory(row: &Row) -> String {
-    let (seconds, megabytes) = (seconds(row), row.bytes as f64 / 1e6);
+    let seconds = seconds(row);
+    let megabytes = row.bytes as f64 / 1e6;
     let places = (2 - seconds.max(1e-4).log10().ceil() as i32).max(0) as usize;
     format!("{seconds:.places$}\u{a0}s, {megabytes:.0}\u{a0}MB")
 }

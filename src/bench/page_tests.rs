@@ -66,7 +66,8 @@ fn seconds_of_solves_and_of_processes_are_kept_apart() {
     assert!(processes.contains("| film | meanas | – | – | – | – | killed: too slow |"), "{processes}");
     assert!(solves.contains("| film | krylov | ") && !solves.contains("treams"), "{solves}");
     assert!(!processes.contains("krylov"), "{processes}");
-    let (whole, alone) = (read("error_against_cpu_seconds-1.svg"), read("error_against_solve_seconds-1.svg"));
+    let whole = read("error_against_cpu_seconds-1.svg");
+    let alone = read("error_against_solve_seconds-1.svg");
     assert!(whole.contains("of the whole process") && whole.contains("treams") && !whole.contains("krylov"));
     assert!(alone.contains("of the solve alone") && alone.contains("krylov") && !alone.contains("treams"));
     let html = read("comparison.html");

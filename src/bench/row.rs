@@ -105,7 +105,9 @@ impl Row {
 
     /// The row of `comparison.csv`; cells are empty where something does not apply.
     pub(super) fn record(&self) -> [(&'static str, String); 22] {
-        let (case, account, discrete) = (self.case, self.account.as_ref(), self.discrete);
+        let case = self.case;
+        let account = self.account.as_ref();
+        let discrete = self.discrete;
         let grid = discrete.map(|d| d.resolution);
         [
             ("case", written(self.named.as_ref())),

@@ -131,7 +131,8 @@ impl Packed {
     fn incidence(&self, study: &Study) -> CompareResult<Incidence> {
         let all = &study.wavelengths_nm;
         let nm = self.wavelength_nm.unwrap_or(all[all.len() / 2]);
-        let (low, high) = (all[0], all[all.len() - 1]);
+        let low = all[0];
+        let high = all[all.len() - 1];
         if !(low..=high).contains(&nm) {
             let allowed = format!("{low} to {high} nm, the study's range");
             let remedy = "widen the study's [light], or leave the wavelength out";

@@ -189,7 +189,8 @@ impl StudyPoint {
 
     fn incidence(&self, study: &Study, realisation: usize) -> Result<Incidence> {
         let all = &study.wavelengths_nm;
-        let (first, last) = (all[0], all[all.len() - 1]);
+        let first = all[0];
+        let last = all[all.len() - 1];
         let nm = self.wavelength_nm.unwrap_or(first);
         if !(first..=last).contains(&nm) {
             miette::bail!(

@@ -77,7 +77,9 @@ impl Chart {
 
     /// Both axes linear.
     pub fn linear(title: &str, x_label: &str, y_label: &str, curves: Vec<Curve>) -> Self {
-        let (title, x_label, y_label) = (title.into(), x_label.into(), y_label.into());
+        let title = title.into();
+        let x_label = x_label.into();
+        let y_label = y_label.into();
         Self { title, x_label, y_label, curves, ..Self::default() }
     }
 
@@ -193,7 +195,8 @@ impl Chart {
     fn draw<B: DrawingBackend>(&self, axes: &mut Axes<B>, curve: &Curve, pen: Pen) -> DrawResult {
         let shown: Vec<&[f64; 3]> = curve.points.iter().filter(|p| self.shown(p)).collect();
         if curve.style == Style::Guide {
-            let [lower, upper] = [0, 1].map(|end| shown.iter().map(move |p| self.ends(p)[end]));
+            let lower = shown.iter().map(move |p| self.ends(p)[0]);
+            let upper = shown.iter().map(move |p| self.ends(p)[1]);
             let band: Vec<_> = upper.chain(lower.rev()).collect();
             axes.draw_series([Polygon::new(band, pen.colour.mix(0.25))]).map_err(failed)?;
             return self.line(axes, &shown, DASHES, pen.colour.into());

@@ -33,8 +33,10 @@ impl<T> ContactSheet<T> {
     /// A sheet along these axes, with another title and other cells.
     pub fn map<U>(&self, title: String, cell: impl Fn(&T) -> U) -> ContactSheet<U> {
         let cells = self.cells.iter().map(|row| row.iter().map(&cell).collect()).collect();
-        let (row_axis, column_axis) = (self.row_axis.clone(), self.column_axis.clone());
-        let (rows, columns) = (self.rows.clone(), self.columns.clone());
+        let row_axis = self.row_axis.clone();
+        let column_axis = self.column_axis.clone();
+        let rows = self.rows.clone();
+        let columns = self.columns.clone();
         ContactSheet { title, row_axis, rows, column_axis, columns, cells }
     }
 }

@@ -106,7 +106,8 @@ impl Curve {
             return None;
         }
         let mean = |i: usize| points.iter().map(|p| p[i]).sum::<f64>() / points.len() as f64;
-        let (x, y) = (mean(0), mean(1));
+        let x = mean(0);
+        let y = mean(1);
         let square: f64 = points.iter().map(|p| (p[0] - x).powi(2)).sum();
         let slope = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum::<f64>() / square;
         let variance = points.iter().map(|p| (p[1] - y - slope * (p[0] - x)).powi(2)).sum::<f64>()

@@ -61,7 +61,8 @@ impl Leaf {
     /// Position of entry `k` in the area of the names: the left end of its line, and its middle.
     pub fn place(&self, k: usize) -> (i32, i32) {
         let step = (WIDTH - MARGIN) / self.columns as u32;
-        let (row, column) = ((k / self.columns) as u32, (k % self.columns) as u32);
+        let row = (k / self.columns) as u32;
+        let column = (k % self.columns) as u32;
         ((MARGIN + column * step) as i32, (NAME_STEP / 2 + row * NAME_STEP) as i32)
     }
 }

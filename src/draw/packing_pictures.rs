@@ -56,11 +56,13 @@ fn pixels([low, high]: [f64; 2], per_um: f64) -> std::ops::RangeInclusive<i64> {
 
 fn paint_top_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut Raster) {
     let [lx, ly] = packing.period_um();
-    let (sx, sy) = (raster.width as f64 / lx, raster.height as f64 / ly);
+    let sx = raster.width as f64 / lx;
+    let sy = raster.height as f64 / ly;
     let [[x0, x1], [y0, y1]] = [0, 1].map(|axis| solid.extent_um(axis));
     for j in pixels([ly - y1, ly - y0], sy) {
         for i in pixels([x0, x1], sx) {
-            let (x, y) = ((i as f64 + 0.5) / sx, ly - (j as f64 + 0.5) / sy);
+            let x = (i as f64 + 0.5) / sx;
+            let y = ly - (j as f64 + 0.5) / sy;
             if let Some([z, _]) = solid.chord([x, y, 0.0], [0.0, 0.0, 1.0]) {
                 raster.set(i, j, z, || {
                     let lit = dot(solid.normal([x, y, z]), [-0.4, 0.4, -1.0]) / 1.15;
@@ -75,7 +77,8 @@ fn paint_top_solid(packing: &Packing, solid: &Solid, colour: Rgb, raster: &mut R
 /// Paints the section of a body before all that is deeper than `depth`.
 fn paint_cut_solid(packing: &Packing, solid: &Solid, depth: f64, colour: Rgb, raster: &mut Raster) {
     let [lx, ly] = packing.period_um();
-    let (sx, sz) = (raster.width as f64 / lx, raster.height as f64 / packing.thickness_um());
+    let sx = raster.width as f64 / lx;
+    let sz = raster.height as f64 / packing.thickness_um();
     for j in pixels(solid.extent_um(2), sz) {
         // A hair beside the middle, where faces of voxels lie.
         let from = [0.0, (0.5 - 1e-9) * ly, (j as f64 + 0.5) / sz];
@@ -117,7 +120,8 @@ pub fn cut_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
 fn paint_cut(packing: &Packing, w: usize, h: usize) -> Raster {
     let [lx, ly] = packing.period_um();
     let mut raster = Raster::new(w, h, BACKGROUND);
-    let (sx, sz) = (w as f64 / lx, h as f64 / packing.thickness_um());
+    let sx = w as f64 / lx;
+    let sz = h as f64 / packing.thickness_um();
     for i in 0..w {
         let [from, to] = packing.filled_um((i as f64 + 0.5) / sx, 0.5 * ly);
         for j in 0..h {
@@ -144,7 +148,8 @@ fn made_of(template: &Template) -> String {
 
 /// The cell with its edges, obliquely from the incident side; the face z = 0 is up.
 pub fn perspective_picture(packing: &Packing) -> DrawResult<Vec<u8>> {
-    let (w, h) = (1200u32, 760u32);
+    let w = 1200u32;
+    let h = 760u32;
     drawn((w, h + 40), |area| draw_perspective(area, packing, (w, h)))
 }
 

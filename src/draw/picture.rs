@@ -87,7 +87,8 @@ fn label(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &
 
 /// Every 20° inside the range of angles: label and offset of the cell's centre.
 fn ticks(picture: &InkPicture, side_px: usize) -> Vec<(String, usize)> {
-    let (first, last) = (picture.angles_deg[0], picture.angles_deg[picture.angles_deg.len() - 1]);
+    let first = picture.angles_deg[0];
+    let last = picture.angles_deg[picture.angles_deg.len() - 1];
     let cell = side_px as f64 / picture.angles_deg.len() as f64;
     let reach = (picture.angles_deg.len() - 1) as f64 * cell;
     let offset = |deg: f64| {

@@ -125,7 +125,8 @@ impl Camera {
         if ahead <= 2.0 * radius {
             return;
         }
-        let (cx, cy) = (0.5 * raster.width as f64, 0.5 * raster.height as f64);
+        let cx = 0.5 * raster.width as f64;
+        let cy = 0.5 * raster.height as f64;
         let reach = 1.3 * self.focal * radius / (ahead - radius);
         let eye = [self.eye[0], self.eye[1], top - self.eye[2]];
         let light = self.light();
@@ -145,7 +146,9 @@ impl Camera {
 
     /// Ranges of [`Self::project`] that a body's corners span, which hold all of it.
     fn bounds(&self, solid: &Solid, top: f64) -> [[f64; 2]; 2] {
-        let [x, y, z] = [0, 1, 2].map(|axis| solid.extent_um(axis));
+        let x = solid.extent_um(0);
+        let y = solid.extent_um(1);
+        let z = solid.extent_um(2);
         let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for k in 0..8 {
             let (u, v, _) = self.project([x[k & 1], y[k >> 1 & 1], top - z[k >> 2]]);
@@ -163,7 +166,8 @@ impl Camera {
 
     /// Draws a line as a row of points, hidden behind what is nearer.
     pub fn line(&self, raster: &mut Raster, a: V3, b: V3, colour: Rgb) {
-        let (cx, cy) = (0.5 * raster.width as f64, 0.5 * raster.height as f64);
+        let cx = 0.5 * raster.width as f64;
+        let cy = 0.5 * raster.height as f64;
         let steps = 4 * raster.width.max(raster.height);
         for k in 0..=steps {
             let p = add(a, scale(sub(b, a), k as f64 / steps as f64));

@@ -35,7 +35,8 @@ fn logarithmic(range: &Range<f64>, most: usize) -> Vec<f64> {
 }
 
 fn round_numbers(range: &Range<f64>, leading: &[f64]) -> Vec<f64> {
-    let (from, to) = (range.start.log10().floor() as i32, range.end.log10().ceil() as i32);
+    let from = range.start.log10().floor() as i32;
+    let to = range.end.log10().ceil() as i32;
     let within = range.start * (1.0 - ROUNDING)..=range.end * (1.0 + ROUNDING);
     let all = (from..=to).flat_map(|k| leading.iter().map(move |l| l * 10f64.powi(k)));
     all.filter(|v| within.contains(v)).collect()
@@ -47,7 +48,8 @@ const MOST_WIDENED: usize = 240;
 /// Widens a logarithmic range until it has at least two ticks, on the side where this adds less.
 pub(super) fn wide(low: f64, high: f64) -> Range<f64> {
     let there = |range: &Range<f64>| logarithmic(range, MOST_ALONG).len();
-    let (mut down, mut up) = (low..high, low..high);
+    let mut down = low..high;
+    let mut up = low..high;
     for _ in 0..MOST_WIDENED {
         if there(&down) >= 2 || there(&up) >= 2 {
             break;

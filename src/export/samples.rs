@@ -44,7 +44,9 @@ fn directions(ink: &dyn DirectionalPrint) -> Vec<(f64, Direction)> {
     let polar = |u: f64| (LEAST_COSINE + (1.0 - LEAST_COSINE) * u).acos().to_degrees();
     (1..=SAMPLES)
         .map(|k| {
-            let [u, v, w] = [2, 3, 5].map(|base| halton(k, base));
+            let u = halton(k, 2);
+            let v = halton(k, 3);
+            let w = halton(k, 5);
             (polar(u).min(largest), Direction { polar_deg: polar(v), azimuth_deg: 180.0 * w })
         })
         .collect()

@@ -122,10 +122,16 @@ impl VoxelRaster {
         [i % nx, i / nx % ny, i / (nx * ny)]
     }
 
+    /// Centre of the `i`-th voxel, µm.
+    fn centre_um(&self, i: usize) -> [f64; 3] {
+        let place = self.place(i);
+        std::array::from_fn(|axis| (place[axis] as f64 + 0.5) * self.step_um[axis])
+    }
+
     fn marks(&self, packing: &Packing) -> Vec<u8> {
         let mut marks = vec![BINDER; self.count.iter().product()];
         for (i, mark) in marks.iter_mut().enumerate().filter(|_| packing.relief().is_some()) {
-            let [x, y, z] = [0, 1, 2].map(|a| (self.place(i)[a] as f64 + 0.5) * self.step_um[a]);
+            let [x, y, z] = self.centre_um(i);
             let [from, to] = packing.filled_um(x, y);
             if z < from || z > to {
                 *mark = VACUUM;

@@ -127,7 +127,9 @@ impl<const D: usize> Sequence<D> {
 /// xⁿ by repeated squaring. The last digit of `powi` may depend on the build, and with it a seed's
 /// directions, which identify stored solves.
 fn power(x: f64, n: usize) -> f64 {
-    let (mut power, mut square, mut left) = (1.0, x, n);
+    let mut power = 1.0;
+    let mut square = x;
+    let mut left = n;
     loop {
         if left % 2 == 1 {
             power *= square;

@@ -128,7 +128,8 @@ impl Linked {
     /// assert_eq!(difference.estimate, Estimate { value: 10.0, standard_error: Some(0.0) });
     /// ```
     pub fn sum<'a>(terms: impl IntoIterator<Item = (f64, &'a Linked)>) -> Linked {
-        let (mut value, mut own) = (0.0, Some(0.0));
+        let mut value = 0.0;
+        let mut own = Some(0.0);
         let mut deviations = BTreeMap::new();
         for (weight, term) in terms {
             value += weight * term.estimate.value;
@@ -207,7 +208,8 @@ mod tests {
 
     /// A mean of samples, as an ensemble gives it.
     fn mean(samples: &[f64]) -> Linked {
-        let (n, sum) = (samples.len() as f64, samples.iter().sum::<f64>());
+        let n = samples.len() as f64;
+        let sum = samples.iter().sum::<f64>();
         let replicates: Vec<[f64; 1]> = samples.iter().map(|x| [(sum - x) / (n - 1.0)]).collect();
         let deviations = jackknife_deviations(&replicates).into_iter().map(|[by]| by);
         Linked { estimate: Estimate::of_mean(samples), deviations: deviations.enumerate().collect() }

@@ -161,7 +161,8 @@ pub struct Harmonics {
 impl Harmonics {
     /// The harmonics of a grid of nx × ny points.
     pub fn new(nx: usize, ny: usize) -> Harmonics {
-        let (mmax, nmax) = ((nx as i32 - 1) / 2, (ny as i32 - 1) / 2);
+        let mmax = (nx as i32 - 1) / 2;
+        let nmax = (ny as i32 - 1) / 2;
         let rows = once(0..mmax as usize + 1).chain((mmax > 0).then(|| nx - mmax as usize..nx)).collect();
         let mut harmonics = Harmonics { orders: Vec::new(), runs: Vec::new(), gaps: Vec::new(), rows };
         for m in (0..=mmax).chain(-mmax..0) {

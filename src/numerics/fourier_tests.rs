@@ -45,14 +45,16 @@ fn the_set_is_symmetric_starts_with_the_origin_and_lists_nothing_twice() {
 #[test]
 fn inverse_transform_is_the_sum_of_plane_waves() {
     for (nx, ny) in all_sizes() {
-        let (fft, harmonics) = (PlaneFft::new(nx, ny), Harmonics::new(nx, ny));
+        let fft = PlaneFft::new(nx, ny);
+        let harmonics = Harmonics::new(nx, ny);
         let mut scratch = fft.scratch();
         (scratch.plane, scratch.spectrum) = (garbage(nx * ny), garbage(nx * ny));
         let compact = garbage(harmonics.len());
         harmonics.spread(&compact, &mut scratch.spectrum);
         fft.inverse(&mut scratch, &harmonics.rows);
         for (i, value) in scratch.plane.iter().enumerate() {
-            let [x, y] = [(i % nx) as f64 / nx as f64, (i / nx) as f64 / ny as f64];
+            let x = (i % nx) as f64 / nx as f64;
+            let y = (i / nx) as f64 / ny as f64;
             let wave = |([m, n], c): (&[i32; 2], &Complex64)| {
                 c * Complex64::cis(TAU * (f64::from(*m) * x + f64::from(*n) * y))
             };
@@ -66,7 +68,8 @@ fn inverse_transform_is_the_sum_of_plane_waves() {
 #[test]
 fn forward_after_inverse_multiplies_by_the_number_of_points() {
     for (nx, ny) in all_sizes() {
-        let (fft, harmonics) = (PlaneFft::new(nx, ny), Harmonics::new(nx, ny));
+        let fft = PlaneFft::new(nx, ny);
+        let harmonics = Harmonics::new(nx, ny);
         let mut scratch = fft.scratch();
         let compact = garbage(harmonics.len());
         harmonics.spread(&compact, &mut scratch.spectrum);

@@ -306,7 +306,8 @@ mod tests {
             let rows: Vec<csv::StringRecord> = reader.records().collect::<Result<_, _>>().unwrap();
             for (row, index) in rows.iter().zip([reflected, transmitted]) {
                 let cell = field.incidence.wavelength_um.powi(2) / (field.period_um[0] * field.period_um[1]);
-                let [efficiency, per_sr] = [10, 12].map(|k| row[k].parse::<f64>().unwrap());
+                let efficiency = row[10].parse::<f64>().unwrap();
+                let per_sr = row[12].parse::<f64>().unwrap();
                 let share = per_sr * cell / f64::powi(index, 2);
                 // An identity: rounding.
                 assert!(

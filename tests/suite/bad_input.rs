@@ -13,11 +13,11 @@ fn plain(text: &[u8]) -> String {
 
 fn refused(study: &Path, output: &Path) -> String {
     let done = run(study, output, &[]);
-    let said = plain(&done.stderr);
+    let message = plain(&done.stderr);
     assert!(!done.status.success(), "accepted");
-    assert!(!said.contains("panicked"), "{said}");
-    assert!(!output.exists(), "something was written: {said}");
-    said
+    assert!(!message.contains("panicked"), "{message}");
+    assert!(!output.exists(), "something was written: {message}");
+    message
 }
 
 #[test]
@@ -40,15 +40,15 @@ fn every_mistake_is_reported_with_field_value_range_and_remedy() {
     for (good, Slip { from, to, says }) in of_layers.chain(OF_STACKS.iter().map(|slip| (STACK, slip))) {
         assert!(good.contains(from), "{from}");
         let text = good.replacen(from, to, 1);
-        let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+        let message = refused(&study(folder.path(), &text), &folder.path().join("out"));
         for part in says {
-            if !said.contains(part) {
-                missed.push(format!("{to:?} does not say {part:?}: {said}"));
+            if !message.contains(part) {
+                missed.push(format!("{to:?} does not say {part:?}: {message}"));
             }
         }
         let line = to.lines().last().unwrap_or_default();
-        if !line.is_empty() && !said.contains("study.toml:") {
-            missed.push(format!("{to:?} does not show its line: {said}"));
+        if !line.is_empty() && !message.contains("study.toml:") {
+            missed.push(format!("{to:?} does not show its line: {message}"));
         }
     }
     assert!(missed.is_empty(), "{}", missed.join("\n\n"));
@@ -58,10 +58,10 @@ fn every_mistake_is_reported_with_field_value_range_and_remedy() {
 fn all_faults_are_told_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let text = TINY.replace("seed = 7", "seed = 7\n[paper]\nalbedo = 2").replace("count = 3", "count = 1000");
-    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    let message = refused(&study(folder.path(), &text), &folder.path().join("out"));
     assert!(
-        said.contains("2 fields") && said.contains("paper.albedo") && said.contains("angles.count"),
-        "{said}"
+        message.contains("2 fields") && message.contains("paper.albedo") && message.contains("angles.count"),
+        "{message}"
     );
 }
 
@@ -69,11 +69,11 @@ fn all_faults_are_told_at_once() {
 fn a_fault_of_the_light_is_reported_once() {
     let folder = tempfile::tempdir().unwrap();
     let text = TINY.replace("from_nm = 400", "from_nm = 1");
-    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
-    assert!(!said.contains("fields") && !said.contains("pigment[0].index"), "{said}");
+    let message = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    assert!(!message.contains("fields") && !message.contains("pigment[0].index"), "{message}");
     let text = TINY.replace("seed = 7", "seed = 7\ntarget_delta_e = 1e-300");
-    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
-    assert!(said.contains("run.target_delta_e: found 1e-300;"), "{said}");
+    let message = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    assert!(message.contains("run.target_delta_e: found 1e-300;"), "{message}");
 }
 
 #[test]
@@ -83,11 +83,12 @@ fn a_sweep_gets_the_name_of_its_own_command() {
         folder.path(),
         "base = \"yellow.toml\"\n[[axis]]\nfield = \"paper.albedo\"\nvalues = [0.5, 0.9]\n",
     );
-    let said = refused(&path, &folder.path().join("out"));
-    assert!(said.contains("study.toml is a sweep") && said.contains("`inkwave sweep "), "{said}");
+    let message = refused(&path, &folder.path().join("out"));
+    assert!(message.contains("study.toml is a sweep") && message.contains("`inkwave sweep "), "{message}");
     // a slip in a study stays one
-    let said = refused(&study(folder.path(), &TINY.replace("[run]", "[base]")), &folder.path().join("out"));
-    assert!(said.contains("unknown key") && !said.contains("is a sweep"), "{said}");
+    let message =
+        refused(&study(folder.path(), &TINY.replace("[run]", "[base]")), &folder.path().join("out"));
+    assert!(message.contains("unknown key") && !message.contains("is a sweep"), "{message}");
 }
 
 #[test]
@@ -95,11 +96,11 @@ fn all_unknown_keys_are_told_at_once() {
     let folder = tempfile::tempdir().unwrap();
     let text = TINY.replace("seed = 7", "sead = 7\nspeed = 3").replace("built_in", "builtin");
     let text = text.replace("[output]", "[ouput]");
-    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    let message = refused(&study(folder.path(), &text), &folder.path().join("out"));
     for part in
         ["run.sead", "did you mean seed?", "run.speed", "pigment[0].index.builtin", "ouput", "4 fields"]
     {
-        assert!(said.contains(part), "{part}: {said}");
+        assert!(message.contains(part), "{part}: {message}");
     }
 }
 
@@ -108,32 +109,33 @@ fn concentrations_that_cannot_be_packed_leave_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     let text = TINY.replace("volume_fraction = 0.15", "volume_fraction = 0.64");
     let text = text.replace("[output]", "[packing.relaxation]\nmax_steps = 200\n[output]");
-    let said = refused(&study(folder.path(), &text), &folder.path().join("out"));
+    let message = refused(&study(folder.path(), &text), &folder.path().join("out"));
     for part in ["volume fraction", "0.64", "not reached", "volume_fraction"] {
-        assert!(said.contains(part), "{said}");
+        assert!(message.contains(part), "{message}");
     }
 }
 
 #[test]
 fn paths_that_cannot_be_read_or_written_are_told() {
     let folder = tempfile::tempdir().unwrap();
-    let (good, out) = (study(folder.path(), TINY), folder.path().join("out"));
-    let said = refused(&folder.path().join("none.toml"), &out);
+    let good = study(folder.path(), TINY);
+    let out = folder.path().join("out");
+    let message = refused(&folder.path().join("none.toml"), &out);
     assert!(
-        said.contains("none.toml") && said.contains("cannot read") && said.contains("give the path"),
-        "{said}"
+        message.contains("none.toml") && message.contains("cannot read") && message.contains("give the path"),
+        "{message}"
     );
 
     let below_a_file = good.join("out");
-    let said = refused(&good, &below_a_file);
-    assert!(said.contains("cannot write") && said.contains("--output DIR"), "{said}");
+    let message = refused(&good, &below_a_file);
+    assert!(message.contains("cannot write") && message.contains("--output DIR"), "{message}");
 
     std::fs::write(folder.path().join("thesis.txt"), "years of work").unwrap();
     let done = run(&good, folder.path(), &[]);
-    let said = plain(&done.stderr);
+    let message = plain(&done.stderr);
     assert!(
-        !done.status.success() && said.contains("holds other files") && said.contains("--output DIR"),
-        "{said}"
+        !done.status.success() && message.contains("holds other files") && message.contains("--output DIR"),
+        "{message}"
     );
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2, "nothing was added");
 }
@@ -147,9 +149,9 @@ fn wide_gaps_between_rows_are_told_once() {
     let text = TINY.replacen(K, "index = { csv = \"two.csv\", n = 1.4 }", 1);
     let text = text.replace("[output]", "[compare]\nmeasured = \"print.csv\"\n[output]");
     let done = run(&study(folder.path(), &text), &folder.path().join("out"), &["--plan"]);
-    let said = plain(&done.stderr);
-    assert!(done.status.success(), "{said}");
+    let message = plain(&done.stderr);
+    assert!(done.status.success(), "{message}");
     for file in ["two.csv: no row between 400 and 700 nm", "print.csv: no row between 400 and 700 nm"] {
-        assert_eq!(said.matches(file).count(), 1, "{said}");
+        assert_eq!(message.matches(file).count(), 1, "{message}");
     }
 }

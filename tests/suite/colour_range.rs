@@ -10,12 +10,30 @@ fn results(folder: &Path) -> Value {
     serde_json::from_slice(&fs::read(folder.join("results.json")).unwrap()).unwrap()
 }
 
-/// Lab at 45:0, the standard error of its parts, and what light beyond the range has in it.
-fn lit_at_45(results: &Value) -> ([f64; 3], [f64; 3], f64) {
+/// A colour at 45:0 with its error.
+struct PrintColour {
+    lab: [f64; 3],
+    standard_error: [f64; 3],
+    /// The part of the error that is due to light beyond the wavelengths.
+    beyond_range: f64,
+}
+
+fn lit_at_45(results: &Value) -> PrintColour {
     let colour = &results["colours"][1];
     assert_eq!(colour["conditions"], "45°:0°");
     let three = |key: &str| std::array::from_fn(|i| colour[key][i].as_f64().unwrap());
-    (three("lab"), three("lab_standard_error"), colour["budget"]["beyond_range"].as_f64().unwrap_or(0.0))
+    PrintColour {
+        lab: three("lab"),
+        standard_error: three("lab_standard_error"),
+        beyond_range: colour["budget"]["beyond_range"].as_f64().unwrap_or(0.0),
+    }
+}
+
+/// What a run leaves: its results, what it printed, and its page.
+struct FinishedRun {
+    results: Value,
+    printed: String,
+    page: String,
 }
 
 /// A colour of 440–700 nm is that of 400–700 nm within its bars, and says what it takes; one of 400–600 nm is none.
@@ -26,27 +44,33 @@ fn a_colour_is_extrapolated_within_its_bars_or_not_published() {
         let text = TINY.replace("step_nm = 100", "step_nm = 20");
         let text = text.replace("from_nm = 400", from).replace("to_nm = 700", to);
         let out = folder.path().join(name);
-        let said = succeed(&study(folder.path(), &text), &out, &[]);
-        (results(&out), said, fs::read_to_string(out.join("report.html")).unwrap())
+        let printed = succeed(&study(folder.path(), &text), &out, &[]);
+        let page = fs::read_to_string(out.join("report.html")).unwrap();
+        FinishedRun { results: results(&out), printed, page }
     };
-    let (whole, said, _) = run("whole", "from_nm = 400", "to_nm = 700");
-    let (truth, chance, none) = lit_at_45(&whole);
-    assert!(none == 0.0 && !said.contains("the spectra are continued by their values"), "{said}");
-    assert_eq!(whole["colours"][1]["budget"].get("beyond_range"), None);
+    let whole = run("whole", "from_nm = 400", "to_nm = 700");
+    let truth = lit_at_45(&whole.results);
+    assert_eq!(truth.beyond_range, 0.0);
+    assert!(!whole.printed.contains("the spectra are continued by their values"), "{}", whole.printed);
+    assert_eq!(whole.results["colours"][1]["budget"].get("beyond_range"), None);
 
-    let (cut, said, page) = run("cut", "from_nm = 440", "to_nm = 700");
-    let (lab, error, beyond) = lit_at_45(&cut);
-    let held = |i: usize| (lab[i] - truth[i]).abs() <= 1.96 * error[i].hypot(chance[i]);
-    assert!((0..3).all(held) && (0.1..10.0).contains(&beyond), "{lab:?} ± {error:?}, {truth:?} ± {chance:?}");
-    assert!(said.contains("from 440 to 700 nm, and colours need 400 to 700 nm"), "{said}");
-    assert!(page.contains("the rest is continued by the end values"));
+    let cut = run("cut", "from_nm = 440", "to_nm = 700");
+    let colour = lit_at_45(&cut.results);
+    for i in 0..3 {
+        let error = colour.standard_error[i].hypot(truth.standard_error[i]);
+        let off = (colour.lab[i] - truth.lab[i]).abs();
+        assert!(off <= 1.96 * error, "L*, a*, b* [{i}]: off by {off}, ± {error}");
+    }
+    assert!((0.1..10.0).contains(&colour.beyond_range), "{}", colour.beyond_range);
+    assert!(cut.printed.contains("from 440 to 700 nm, and colours need 400 to 700 nm"), "{}", cut.printed);
+    assert!(cut.page.contains("the rest is continued by the end values"));
 
-    let (short, _, page) = run("short", "from_nm = 400", "to_nm = 600");
-    assert_eq!(short["colours"].as_array().unwrap().len(), 0);
-    let reason = short["no_colour"].as_str().unwrap();
+    let short = run("short", "from_nm = 400", "to_nm = 600");
+    assert_eq!(short.results["colours"].as_array().unwrap().len(), 0);
+    let reason = short.results["no_colour"].as_str().unwrap();
     assert!(reason.contains("from 400 to 600 nm") && reason.contains("cover 400 to 700 nm"), "{reason}");
-    assert!(page.contains("There is no colour") && short["ink_maker"].is_null());
-    let rows = short["spectra"].as_array().unwrap();
+    assert!(short.page.contains("There is no colour") && short.results["ink_maker"].is_null());
+    let rows = short.results["spectra"].as_array().unwrap();
     assert!(rows.len() == 22 && rows.iter().all(|row| row["transmittance"]["value"].is_number()));
 }
 

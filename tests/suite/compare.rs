@@ -55,7 +55,8 @@ fn every_strategy_is_a_row_and_every_file_is_whole() {
     assert_eq!(comparison.rows.len(), 8);
     let find = |name: &str| comparison.rows.iter().find(|r| r.strategy == name).expect("a row");
     // One discrete system: krylov and the dense solve have the same error, to the residual asked for (1e-6, amplified).
-    let [krylov, direct] = ["krylov", "direct"].map(|n| find(n).result.clone().expect("converged"));
+    let krylov = find("krylov").result.clone().expect("converged");
+    let direct = find("direct").result.clone().expect("converged");
     assert!((krylov - direct).abs() < 1e-4, "{krylov:.3e} and {direct:.3e}");
     // Index 2.5 is beyond the Born series: a row that says why, not a crash.
     assert!(find("born").outcome().contains("diverges"), "{}", find("born").outcome());
@@ -171,7 +172,8 @@ fn slips_are_told() {
 
 /// What a run, or its plan, says against a file.
 fn refusal(path: &Path, run: bool) -> Option<String> {
-    let (read, registry) = (ComparisonFile::read(path), Registry::default());
+    let read = ComparisonFile::read(path);
+    let registry = Registry::default();
     let error = match read {
         Err(error) => Some(error),
         Ok(file) if run => file.run(&registry, &mut Silent, |_| ()).err(),
@@ -252,7 +254,8 @@ fn a_matrix_tells_costs_and_reasons() {
     for case in matrix.rows.chunks(4) {
         // One discrete problem: what converges agrees to the residual, a hundredth of 0.1, amplified.
         let errors: Vec<f64> = case.iter().filter_map(|row| row.result.clone().ok()).collect();
-        let [least, most] = [f64::min, f64::max].map(|f| errors.iter().copied().reduce(f).expect("krylov's"));
+        let least = errors.iter().copied().reduce(f64::min).expect("krylov's");
+        let most = errors.iter().copied().reduce(f64::max).expect("krylov's");
         assert!(most - least < 2e-2 && most < 0.2, "{errors:?}");
         let strong = case[0].case.is_some_and(|varied| varied.pigment[0] == 2.5);
         assert_eq!(case[1].outcome().contains("diverges"), strong, "{}", case[1].outcome());
@@ -267,10 +270,9 @@ fn a_matrix_tells_costs_and_reasons() {
         "{page}"
     );
     // Born is missing beside 2.5; all others keep their colours there.
-    let [weak, strong] = [1, 2].map(|k| {
-        let name = folder.path().join(format!("out/applications-{k}.svg"));
-        std::fs::read_to_string(name).expect("a plot")
-    });
+    let plot = |name: &str| std::fs::read_to_string(folder.path().join(name)).expect("a plot");
+    let weak = plot("out/applications-1.svg");
+    let strong = plot("out/applications-2.svg");
     assert!(weak.contains("\nborn\n") && !strong.contains("\nborn\n"));
     for name in ["krylov", "bicgstab"] {
         assert_eq!(colour(&weak, name), colour(&strong, name), "{name}");
@@ -280,8 +282,8 @@ fn a_matrix_tells_costs_and_reasons() {
 
 /// Scheme, grid and mean of every row.
 fn discrete(comparison: &Comparison) -> Vec<(Scheme, usize, bool)> {
-    let of = |row: &Row| row.discrete.map(|d| (d.resolution.scheme, d.resolution.nx, d.absorbing_mean));
-    comparison.rows.iter().filter_map(of).collect()
+    let discrete = |row: &Row| row.discrete.map(|d| (d.resolution.scheme, d.resolution.nx, d.absorbing_mean));
+    comparison.rows.iter().filter_map(discrete).collect()
 }
 
 /// Keys beside a matrix were taken and had no effect.

@@ -68,7 +68,8 @@ fn is_sound(results: &Value) {
 #[test]
 fn one_set_of_solves_answers_all_thicknesses_and_is_resumed() {
     let scratch = tempfile::tempdir().unwrap();
-    let (file, output) = (study(scratch.path(), LAYER), scratch.path().join("out"));
+    let file = study(scratch.path(), LAYER);
+    let output = scratch.path().join("out");
     succeed(&file, &output, &[]);
     let first = results(&output);
     is_sound(&first);
@@ -131,7 +132,8 @@ fn unpolarised_light_is_composed_from_s_and_p() {
     let text =
         LAYER.replace("[light]\n", "[light]\nwave = \"unpolarised\"\n").replace("index = 2.0", "index = 1.8");
     let text = text.replace("450, 550, 650", "440, 530, 620");
-    let (file, output) = (study(scratch.path(), &text), scratch.path().join("out"));
+    let file = study(scratch.path(), &text);
+    let output = scratch.path().join("out");
     succeed(&file, &output, &[]);
     is_sound(&results(&output));
     exports_are_sound(&output);
@@ -177,7 +179,8 @@ fn a_sweep_of_both_kinds_of_layers_has_one_table() {
     std::fs::write(scratch.path().join("base.toml"), base).unwrap();
     let axis = "base = \"base.toml\"\n[[axis]]\nname = \"solved\"\n[[axis.case]]\nlabel = \"as a whole\"\n\
                 [[axis.case]]\nlabel = \"in slabs\"\nset.\"layer.composed\" = { slab_um = 0.5 }\n";
-    let (file, output) = (scratch.path().join("sweep.toml"), scratch.path().join("out"));
+    let file = scratch.path().join("sweep.toml");
+    let output = scratch.path().join("out");
     std::fs::write(&file, axis).unwrap();
     let mut command = Command::new(env!("CARGO_BIN_EXE_inkwave"));
     let done = command.arg("sweep").arg(&file).arg("--output").arg(&output).output().unwrap();
@@ -221,9 +224,12 @@ accuracy = 5e-2
 fn airy(thickness_um: f64, wavelength_um: f64, index_out: f64, sine: f64) -> f64 {
     let normal = |index: f64| (index * index - sine * sine).sqrt();
     let face = |a: f64, b: f64| (a - b) / (a + b);
-    let (front, back) = (face(normal(1.0), normal(1.5)), face(normal(1.5), normal(index_out)));
+    let front = face(normal(1.0), normal(1.5));
+    let back = face(normal(1.5), normal(index_out));
     let phase = (2.0 * std::f64::consts::TAU / wavelength_um * normal(1.5) * thickness_um).cos();
-    let (f2, b2, product) = (front * front, back * back, front * back);
+    let f2 = front * front;
+    let b2 = back * back;
+    let product = front * back;
     (f2 + b2 + 2.0 * product * phase) / (1.0 + f2 * b2 + 2.0 * product * phase)
 }
 
@@ -241,12 +247,15 @@ fn airy_of_diffuse(thickness_um: f64, wavelength_um: f64, index_out: f64) -> f64
 /// of a slab rounded, the paper's series without what interference sends back.
 fn film_is_exact(text: &str, index_out: f64) {
     let scratch = tempfile::tempdir().unwrap();
-    let (file, output) = (study(scratch.path(), text), scratch.path().join("out"));
+    let file = study(scratch.path(), text);
+    let output = scratch.path().join("out");
     succeed(&file, &output, &[]);
     let results = results(&output);
     for row in results["spectra"].as_array().expect("rows") {
-        let [um, nm] = ["thickness_um", "wavelength_nm"].map(|key| row[key].as_f64().expect("a number"));
-        let [normal, slanted] = [0.0, 0.5_f64.sqrt()].map(|sine| airy(um, 1e-3 * nm, index_out, sine));
+        let um = row["thickness_um"].as_f64().expect("a number");
+        let nm = row["wavelength_nm"].as_f64().expect("a number");
+        let normal = airy(um, 1e-3 * nm, index_out, 0.0);
+        let slanted = airy(um, 1e-3 * nm, index_out, 0.5_f64.sqrt());
         let diffuse = airy_of_diffuse(um, 1e-3 * nm, index_out);
         // the series between the film and the paper: of the paper's light, T̄/n² leaves
         let leaves = (1.0 - diffuse) / (index_out * index_out);
@@ -315,12 +324,14 @@ accuracy = 5e-2
     let run = |name: &str, text: &str| {
         let folder = scratch.path().join(name);
         std::fs::create_dir(&folder).unwrap();
-        let (file, output) = (study(&folder, text), folder.join("out"));
+        let file = study(&folder, text);
+        let output = folder.join("out");
         succeed(&file, &output, &[]);
         let rows = results(&output)["spectra"].as_array().expect("rows").clone();
         rows.into_iter().filter(|row| row["thickness_um"] == 4.0).collect::<Vec<_>>()
     };
-    let (listed, alone) = (run("listed", text), run("alone", &text.replace("[3, 4]", "4")));
+    let listed = run("listed", text);
+    let alone = run("alone", &text.replace("[3, 4]", "4"));
     let error = |row: &Value, name: &str| row[name]["standard_error"].as_f64().expect("an error");
     let mut worst: f64 = 0.0;
     for (a, b) in listed.iter().zip(&alone) {

@@ -74,7 +74,8 @@ seed = 1
 [resolution]
 accuracy = 1e-1
 "#;
-    let (file, output) = (study(scratch.path(), text), scratch.path().join("out"));
+    let file = study(scratch.path(), text);
+    let output = scratch.path().join("out");
     succeed(&file, &output, &[]);
     let results = results(&output);
     let medium = &results["medium"][0];
@@ -203,7 +204,8 @@ fn solved(output: &Output) -> usize {
 fn processes_in_one_folder_share_a_composed_layer() {
     let scratch = tempfile::tempdir().unwrap();
     let text = LAYER.replace("realisations = 2", "realisations = 8");
-    let (file, alone) = (study(scratch.path(), &text), scratch.path().join("alone"));
+    let file = study(scratch.path(), &text);
+    let alone = scratch.path().join("alone");
     let all = solved(&run(&file, &alone, &[]));
     let shared = scratch.path().join("shared");
     let workers = [(); 2].map(|()| start(&file, &shared));
@@ -213,7 +215,8 @@ fn processes_in_one_folder_share_a_composed_layer() {
         assert!((1..all).contains(&solved(end)), "{} of {all}: {}", solved(end), said(end));
     }
     assert_eq!(ends.iter().map(solved).sum::<usize>(), all, "each solve is made once");
-    let (one, other) = (results(&alone), results(&shared));
+    let one = results(&alone);
+    let other = results(&shared);
     assert_eq!(other["status"], "complete");
     for key in ["spectra", "medium", "colours"] {
         assert_eq!(one[key], other[key], "{key}");
@@ -225,7 +228,8 @@ fn processes_in_one_folder_share_a_composed_layer() {
 #[test]
 fn fewer_wavelengths_need_no_solve() {
     let scratch = tempfile::tempdir().unwrap();
-    let (file, output) = (study(scratch.path(), LAYER), scratch.path().join("out"));
+    let file = study(scratch.path(), LAYER);
+    let output = scratch.path().join("out");
     succeed(&file, &output, &[]);
     let first = results(&output);
     for (list, rows) in [("[430, 660]", [0, 2]), ("[540, 660]", [1, 2]), ("[430, 540]", [0, 1])] {
@@ -234,7 +238,8 @@ fn fewer_wavelengths_need_no_solve() {
         assert!(said.contains("already stored") && !said.contains("per hour"), "{list}: {said}");
         let fewer = results(&output);
         for (k, row) in rows.into_iter().enumerate() {
-            let [own, before] = [&fewer["spectra"][k], &first["spectra"][row]];
+            let own = &fewer["spectra"][k];
+            let before = &first["spectra"][row];
             for key in ["wavelength_nm", "reflectance_normal", "transmittance_45", "lit_at_45"] {
                 // errors look at neighbouring wavelengths, numbers do not
                 let number = |row: &Value| row[key]["value"].as_f64().or(row[key].as_f64());
@@ -252,7 +257,8 @@ fn evaluation_hears_both_signals_and_loses_nothing() {
     use nix::sys::signal::{Signal, kill};
     let scratch = tempfile::tempdir().unwrap();
     let text = LAYER.replace("realisations = 2", "realisations = 6");
-    let (file, output) = (study(scratch.path(), &text), scratch.path().join("out"));
+    let file = study(scratch.path(), &text);
+    let output = scratch.path().join("out");
     succeed(&file, &output, &[]);
     let whole = results(&output);
     for signal in [Signal::SIGINT, Signal::SIGTERM] {
@@ -301,7 +307,8 @@ fn shards_of_composed_layers_are_merged() {
     let whole = made(&["sweep", &sweep, "--output", &path("whole")]);
     made(&["sweep", &sweep, "--output", &path("grids"), "--grids-only"]);
     let shards = ["1/2", "2/2"].map(|shard| {
-        let (folder, grids) = (path(&shard[..1]), path("grids"));
+        let folder = path(&shard[..1]);
+        let grids = path("grids");
         made(&["sweep", &sweep, "--output", &folder, "--shard", shard, "--grids", &grids])
     });
     assert!(shards.iter().all(|&solves| solves > 0), "{shards:?}");

@@ -15,7 +15,8 @@ const PERIOD: [f64; 2] = [0.7, 0.7];
 
 /// Binder, and as other strata the media of either side.
 fn media() -> Media {
-    let (one, exit) = (Complex64::ONE, Complex64::from(1.2));
+    let one = Complex64::ONE;
+    let exit = Complex64::from(1.2);
     let inclusions = vec![Complex64::new(1.4, 0.05)];
     Media { incident: one, exit, backgrounds: vec![1.558.into(), one, exit], inclusions }
 }
@@ -64,7 +65,8 @@ fn flat_relief_is_a_stratum_of_vacuum() {
         let columns = Scene::layer(PERIOD, 0.6, bodies.iter().cloned().chain([open]).collect());
         let difference =
             |n, cells| largest_difference(&solve(&layered, n, cells), &solve(&columns, n, cells));
-        let (coarse, fine) = (difference(16, 12), difference(24, 20));
+        let coarse = difference(16, 12);
+        let fine = difference(24, 20);
         assert!(coarse < 1e-3 && fine < 1e-4, "{level:?}: {coarse:.1e} → {fine:.1e}");
     }
 }
@@ -117,7 +119,8 @@ fn convex_bodies_protrude_from_a_relief() {
     let columns =
         Scene::layer(PERIOD, 0.6, bodies.into_iter().chain([flat([0.15, 0.0], &[], &solids)]).collect());
     let difference = |n, cells| largest_difference(&solve(&layered, n, cells), &solve(&columns, n, cells));
-    let (coarse, fine) = (difference(16, 12), difference(24, 20));
+    let coarse = difference(16, 12);
+    let fine = difference(24, 20);
     assert!(coarse < 1e-3 && fine < 1e-4, "{coarse:.1e} → {fine:.1e}");
 }
 
@@ -156,7 +159,8 @@ fn chains_are_treated_alike_along_x_and_y() {
         let goal = Goal { tolerance: 1e-10, ..Goal::default() };
         problem.far_field(&Gmres::default().solve(&problem, goal, &mut Silent).expect("converges").field)
     };
-    let (x, y) = (orders(&along(0), 30.0), orders(&along(1), 60.0));
+    let x = orders(&along(0), 30.0);
+    let y = orders(&along(1), 60.0);
     for a in &x.orders {
         let b = y.orders.iter().find(|b| b.m == a.n && b.n == a.m).expect("the transposed order");
         let difference = (a.reflected - b.reflected).norm().max((a.transmitted - b.transmitted).norm());

@@ -170,7 +170,8 @@ fn a_merge_takes_the_sound_copy_and_names_the_point_of_a_contradiction() {
     let merge = |shards: &[&str], output: &str| {
         let shards: Vec<String> = shards.iter().map(|name| place.path(name)).collect();
         let shards = shards.iter().map(String::as_str);
-        let (first, output) = (["merge"].into_iter(), place.path(output));
+        let first = ["merge"].into_iter();
+        let output = place.path(output);
         let arguments: Vec<&str> = first.chain(shards).chain(["--output", &output]).collect();
         inkwave(&arguments).output().unwrap()
     };

@@ -13,12 +13,14 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-fn export(folder: &Path, more: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_inkwave")).arg("export").arg(folder).args(more).output().unwrap()
+/// Runs `inkwave export` on a folder.
+fn export(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_inkwave")).arg("export").arg(folder).args(arguments).output().unwrap()
 }
 
-fn refusal(folder: &Path, more: &[&str]) -> String {
-    let done = export(folder, more);
+/// What a refused export says, in one line.
+fn refusal(folder: &Path, arguments: &[&str]) -> String {
+    let done = export(folder, arguments);
     assert!(!done.status.success());
     String::from_utf8_lossy(&done.stderr).split_whitespace().collect::<Vec<_>>().join(" ")
 }
@@ -37,16 +39,18 @@ fn tensors(path: &Path) -> BTreeMap<String, Tensor> {
     let file = fs::read(path).unwrap();
     assert_eq!(&file[..14], b"tensor_file\0\x01\x00");
     let number =
-        |at: usize, bytes: usize| (0..bytes).map(|i| (file[at + i] as usize) << (8 * i)).sum::<usize>();
-    let mut at = 18;
-    let mut found = BTreeMap::new();
+        |start: usize, bytes: usize| (0..bytes).map(|i| (file[start + i] as usize) << (8 * i)).sum::<usize>();
+    let mut position = 18;
+    let mut tensors = BTreeMap::new();
     for _ in 0..number(14, 4) {
-        let length = number(at, 2);
-        let name = String::from_utf8(file[at + 2..at + 2 + length].to_vec()).unwrap();
-        at += 2 + length;
-        let (dimensions, kind, offset) = (number(at, 2), file[at + 2], number(at + 3, 8));
-        let shape: Vec<usize> = (0..dimensions).map(|i| number(at + 11 + 8 * i, 8)).collect();
-        at += 11 + 8 * dimensions;
+        let length = number(position, 2);
+        let name = String::from_utf8(file[position + 2..position + 2 + length].to_vec()).unwrap();
+        position += 2 + length;
+        let dimensions = number(position, 2);
+        let kind = file[position + 2];
+        let offset = number(position + 3, 8);
+        let shape: Vec<usize> = (0..dimensions).map(|i| number(position + 11 + 8 * i, 8)).collect();
+        position += 11 + 8 * dimensions;
         let count: usize = shape.iter().product();
         let float =
             |i: usize| f32::from_le_bytes(file[offset + 4 * i..offset + 4 * i + 4].try_into().unwrap());
@@ -54,30 +58,39 @@ fn tensors(path: &Path) -> BTreeMap<String, Tensor> {
             10 => (0..count).map(float).collect(),
             _ => file[offset..offset + count].iter().map(|&b| f32::from(b)).collect(),
         };
-        found.insert(name, Tensor { shape, values });
+        tensors.insert(name, Tensor { shape, values });
     }
-    found
+    tensors
 }
 
 /// f cos θ_o as the renderer looks it up: half vector, bilinear, linear in θ_i.
 fn looked_up(file: &BTreeMap<String, Tensor>, wave: usize, light: f64, view: f64, azimuth: f64) -> f64 {
-    let (theta_i, spectra) = (&file["theta_i"].values, &file["spectra"]);
+    let theta_i = &file["theta_i"].values;
+    let spectra = &file["spectra"];
     let n = spectra.shape[4];
     let out = [-view.sin() * azimuth.cos(), -view.sin() * azimuth.sin(), view.cos()];
     let half = [out[0] + light.sin(), out[1], out[2] + light.cos()];
     let theta = half[0].hypot(half[1]).atan2(half[2]);
     let phi = if theta > 0.0 { half[1].atan2(half[0]) } else { 0.0 };
-    let [row, column] =
-        [(phi + PI) / TAU, (theta / FRAC_PI_2).sqrt()].map(|x| x.clamp(0.0, 1.0) * (n - 1) as f64);
-    let split = |x: f64| ((x as usize).min(n - 2), x - (x as usize).min(n - 2) as f64);
-    let ((r, s), (c, t)) = (split(row), split(column));
+    // the cell of the grid, and the place within it
+    let place = |share: f64| {
+        let x = share.clamp(0.0, 1.0) * (n - 1) as f64;
+        let cell = (x as usize).min(n - 2);
+        (cell, x - cell as f64)
+    };
+    let (row, s) = place((phi + PI) / TAU);
+    let (column, t) = place((theta / FRAC_PI_2).sqrt());
     let plane = |k: usize| {
-        let at = |i, j| f64::from(spectra.values[((k * spectra.shape[2] + wave) * n + r + i) * n + c + j]);
-        (1.0 - s) * ((1.0 - t) * at(0, 0) + t * at(0, 1)) + s * ((1.0 - t) * at(1, 0) + t * at(1, 1))
+        let first_row = (k * spectra.shape[2] + wave) * n + row;
+        let corner = |i, j| f64::from(spectra.values[(first_row + i) * n + column + j]);
+        let upper = (1.0 - t) * corner(0, 0) + t * corner(0, 1);
+        let lower = (1.0 - t) * corner(1, 0) + t * corner(1, 1);
+        (1.0 - s) * upper + s * lower
     };
     let after = theta_i.partition_point(|&x| f64::from(x) < light).clamp(1, theta_i.len() - 1);
-    let (lo, hi) = (f64::from(theta_i[after - 1]), f64::from(theta_i[after]));
-    let share = ((light - lo) / (hi - lo)).clamp(0.0, 1.0);
+    let below = f64::from(theta_i[after - 1]);
+    let above = f64::from(theta_i[after]);
+    let share = ((light - below) / (above - below)).clamp(0.0, 1.0);
     (1.0 - share) * plane(after - 1) + share * plane(after)
 }
 
@@ -89,12 +102,12 @@ fn material_error(folder: &Path, with_cosine: bool) -> f64 {
     for row in table(&folder.join("brdf-samples.csv")) {
         let number = |name: &str| row[name].parse::<f64>().unwrap();
         let wave = waves.iter().position(|&nm| f64::from(nm) == number("wavelength_nm")).unwrap();
-        let angles =
-            ["light_polar_deg", "view_polar_deg", "azimuth_deg"].map(|name| number(name).to_radians());
-        let [light, view, azimuth] = angles;
+        let light = number("light_polar_deg").to_radians();
+        let view = number("view_polar_deg").to_radians();
+        let azimuth = number("azimuth_deg").to_radians();
         if light.cos() > 0.2 && view.cos() > 0.2 {
-            let want = number("brdf_per_sr") * if with_cosine { view.cos() } else { 1.0 };
-            errors.push((looked_up(&file, wave, light, view, azimuth) / want - 1.0).abs());
+            let expected = number("brdf_per_sr") * if with_cosine { view.cos() } else { 1.0 };
+            errors.push((looked_up(&file, wave, light, view, azimuth) / expected - 1.0).abs());
         }
     }
     errors.sort_by(f64::total_cmp);
@@ -113,7 +126,8 @@ fn every_format_holds_the_runs_numbers_and_nothing_is_solved() {
     let files = out.join("export");
 
     // 3 %: bilinear in a grid of 96 half vectors, linear over 3° of incidence
-    let (right, wrong) = (material_error(&files, true), material_error(&files, false));
+    let right = material_error(&files, true);
+    let wrong = material_error(&files, false);
     assert!(right <= 0.03, "{right}");
     assert!(wrong > 0.03, "a material without its cosine must not pass: {wrong}");
     assert_eq!(tensors(&files.join("ink-rgb.bsdf"))["rgb"].shape[2], 3);
@@ -208,13 +222,17 @@ fn far_fields_agree(files: &Path) {
         let sum: f64 = (first[s]..first[s + 1]).map(|k| reflected[k as usize]).sum();
         assert!((sum - total).abs() < 1e-12);
     }
-    let [nm, polar, azimuth, alpha, beta] =
-        ["solve_wavelength_nm", "solve_polar_deg", "solve_azimuth_deg", "order_alpha", "order_beta"]
-            .map(|name| -> Array1<f64> { npz.by_name(name).unwrap() });
-    let [m, n] = ["order_m", "order_n"].map(|name| -> Array1<i32> { npz.by_name(name).unwrap() });
+    let nm: Array1<f64> = npz.by_name("solve_wavelength_nm").unwrap();
+    let polar: Array1<f64> = npz.by_name("solve_polar_deg").unwrap();
+    let azimuth: Array1<f64> = npz.by_name("solve_azimuth_deg").unwrap();
+    let alpha: Array1<f64> = npz.by_name("order_alpha").unwrap();
+    let beta: Array1<f64> = npz.by_name("order_beta").unwrap();
+    let m: Array1<i32> = npz.by_name("order_m").unwrap();
+    let n: Array1<i32> = npz.by_name("order_n").unwrap();
     for s in 0..totals.len() {
         // the law of gratings in vacuum; the wavelength has twelve digits
-        let (sin, azimuth) = (polar[s].to_radians().sin(), azimuth[s].to_radians());
+        let sin = polar[s].to_radians().sin();
+        let azimuth = azimuth[s].to_radians();
         let steps = [0, 1].map(|axis| 1e-3 * nm[s] / period[[s, axis]]);
         for k in first[s] as usize..first[s + 1] as usize {
             let along_x = sin * azimuth.cos() + f64::from(m[k]) * steps[0];
@@ -252,10 +270,11 @@ fn what_cannot_be_exported_is_refused_with_a_remedy() {
     let listed = TINY.replace("count = 3", "polar_deg = [0, 30]");
     succeed(&study(folder.path(), &listed), &out, &[]);
     assert!(refusal(&out, &["--to", "mitsuba"]).contains("angles.count"));
-    let (boxes, shaped) = (folder.path().join("boxes"), "diameter_nm = 150\nshape = \"box\"");
+    let boxes = folder.path().join("boxes");
+    let shaped = "diameter_nm = 150\nshape = \"box\"";
     succeed(&study(folder.path(), &listed.replace("diameter_nm = 200", shaped)), &boxes, &[]);
-    let told = export(&boxes, &["--to", "positions"]);
-    assert!(String::from_utf8_lossy(&told.stdout).contains("no positions"), "{told:?}");
+    let positions = export(&boxes, &["--to", "positions"]);
+    assert!(String::from_utf8_lossy(&positions.stdout).contains("no positions"), "{positions:?}");
     assert!(!boxes.join("export/grains.csv").exists());
     let early = refusal(&out, &["--to", "vti", "--near-field", "555"]);
     assert!(
@@ -282,22 +301,24 @@ fn the_rgb_material_is_the_colour_of_the_spectral_one_channel_by_channel() {
     let out = folder.path().join("out");
     succeed(&study(folder.path(), TINY), &out, &[]);
     assert!(export(&out, &["--to", "mitsuba"]).status.success());
-    let [spectral, rgb] =
-        ["spectral", "rgb"].map(|kind| tensors(&out.join(format!("export/ink-{kind}.bsdf"))));
+    let spectral = tensors(&out.join("export/ink-spectral.bsdf"));
+    let rgb = tensors(&out.join("export/ink-rgb.bsdf"));
     let nm: Vec<f64> = spectral["wavelengths"].values.iter().map(|&x| f64::from(x)).collect();
     let meter = Colorimeter::new(&nm).unwrap();
     let cells = spectral["spectra"].shape[3..].iter().product::<usize>();
-    let (spectra, channels) = (&spectral["spectra"].values, &rgb["rgb"].values);
+    let spectra = &spectral["spectra"].values;
+    let channels = &rgb["rgb"].values;
     // every 97th cell of the second angle of incidence
     let mut coloured = 0;
     for cell in (0..cells).step_by(97) {
-        let at = |all: &[f32], count: usize, k: usize| f64::from(all[(count + k) * cells + cell]);
-        let values: Vec<f64> = (0..nm.len()).map(|w| at(spectra, nm.len(), w)).collect();
-        let want = meter.linear_rgb(meter.xyz(&values).unwrap()).map(|x| x.max(0.0));
-        let found = [0, 1, 2].map(|c| at(channels, 3, c));
+        let values: Vec<f64> =
+            (0..nm.len()).map(|w| f64::from(spectra[(nm.len() + w) * cells + cell])).collect();
+        let expected = meter.linear_rgb(meter.xyz(&values).unwrap()).map(|x| x.max(0.0));
+        let rgb = [0, 1, 2].map(|c| f64::from(channels[(3 + c) * cells + cell]));
         // both files hold single precision, 6e-8 of sums of a few terms
-        assert!(found.iter().zip(want).all(|(a, b)| (a - b).abs() <= 1e-6 * (1.0 + b)), "{found:?} {want:?}");
-        coloured += usize::from((found[0] - found[2]).abs() > 0.1 * found[1]);
+        let near = |(a, b): (&f64, f64)| (a - b).abs() <= 1e-6 * (1.0 + b);
+        assert!(rgb.iter().zip(expected).all(near), "{rgb:?} {expected:?}");
+        coloured += usize::from((rgb[0] - rgb[2]).abs() > 0.1 * rgb[1]);
     }
     assert!(coloured > 10, "{coloured} cells that tell red from blue");
 }

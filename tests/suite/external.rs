@@ -132,7 +132,8 @@ fn programs_are_rows_with_their_errors_and_costs() {
         assert!((error - 10_f64.powf(-knob)).abs() < 1e-9, "knob {knob}: {error:.3e}");
         assert_eq!(row.knob, Some(knob));
         assert_eq!(row.own_seconds, Some(0.25));
-        let (wall, processors) = (row.seconds.expect("s"), row.processor_seconds);
+        let wall = row.seconds.expect("s");
+        let processors = row.processor_seconds;
         assert!(wall > 0.3, "{wall} s");
         // Python's own megabytes and its busy wait, to the ticks of 10 ms
         if cfg!(target_os = "linux") {
@@ -299,7 +300,8 @@ fn truth() -> FarField {
         transmitted_efficiency: 0.65,
         further: Default::default(),
     };
-    let (orders, period_um) = (vec![order], [1.0; 2]);
+    let orders = vec![order];
+    let period_um = [1.0; 2];
     FarField {
         incidence,
         period_um,

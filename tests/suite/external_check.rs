@@ -87,7 +87,8 @@ fn checked(folder: &Path, slip: &str, waves: &str) -> Conformity {
     let adapter = concat!(env!("CARGO_MANIFEST_DIR"), "/python/adapters/inkwave_solve.py");
     let program = concat!("INKWAVE=", env!("CARGO_BIN_EXE_inkwave"));
     let command = ["env", program, "python3", "slipping.py", slip, waves, adapter].map(String::from).to_vec();
-    let (name, knob) = ("slipping".into(), vec![1e-3]);
+    let name = "slipping".into();
+    let knob = vec![1e-3];
     let program = ExternalTable { name, command, knob, time_limit_s: 120.0, memory_gb: 4.0 };
     check(&program, folder, &mut Silent).expect("not stopped")
 }

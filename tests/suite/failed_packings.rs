@@ -31,18 +31,19 @@ fn many_packings_without_room_are_no_result_unless_asked_for() {
     let (text, refused) = blocked(folder.path());
     let out = folder.path().join("out");
     let done = run(&study(folder.path(), &text), &out, &[]);
-    let said = String::from_utf8_lossy(&done.stderr).replace('│', " ");
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
-    let wanted = format!("{refused} of 7 packings have no room, more than run.failed_packings = 0.1 allows");
+    let message = String::from_utf8_lossy(&done.stderr).replace('│', " ");
+    let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+    let expected =
+        format!("{refused} of 7 packings have no room, more than run.failed_packings = 0.1 allows");
     assert!(
-        !done.status.success() && said.contains(&wanted) && said.contains("smaller layer.period_um"),
-        "{said}"
+        !done.status.success() && message.contains(&expected) && message.contains("smaller layer.period_um"),
+        "{message}"
     );
     assert!(!out.join("results.json").exists() && !out.join("report.html").exists());
 
-    let asked = text.replace("seed = 7", "seed = 7\nfailed_packings = 0.5");
-    let said = succeed(&study(folder.path(), &asked), &out, &[]);
-    assert!(said.contains(&format!("{refused} of 7 packings have no room: ")), "{said}");
+    let tolerant = text.replace("seed = 7", "seed = 7\nfailed_packings = 0.5");
+    let message = succeed(&study(folder.path(), &tolerant), &out, &[]);
+    assert!(message.contains(&format!("{refused} of 7 packings have no room: ")), "{message}");
     assert!(!out.join("PARTIAL").exists());
     let export = inkwave(&["export", &out.display().to_string(), "--to", "npz"]).status().unwrap();
     assert!(export.success());

@@ -16,7 +16,8 @@ fn seen(place: &Place, file: &str, (from, to): (&str, &str), words: &str) {
     let whole = std::fs::read_to_string(&path).unwrap();
     assert!(whole.contains(from), "{file} without {from}: {whole}");
     std::fs::write(&path, whole.replacen(from, to, 1)).unwrap();
-    let (out, merged) = (place.path("out"), place.path("merged"));
+    let out = place.path("out");
+    let merged = place.path("merged");
     let report: &[&str] = &["report", &out];
     for command in [report, &["merge", &out, "--output", &merged]] {
         let output = inkwave(command).output().unwrap();

@@ -179,7 +179,8 @@ fn scarce_memory_shortens_the_basis_and_changes_nothing_else() {
         assert!(output.status.success(), "{}", message(&output));
         serde_json::from_slice::<Value>(&output.stdout).expect("JSON")
     };
-    let (much, little) = (solve("4"), solve("0.012"));
+    let much = solve("4");
+    let little = solve("0.012");
     let number = |v: &Value| v["R_total"].as_f64().expect("a number");
     assert!((number(&much) - number(&little)).abs() < 1e-5);
 }

@@ -142,7 +142,8 @@ impl Ledger {
         let samples = frame.line_size / frame.width as usize;
         let at = |x: usize, y: usize| &pixels[y * frame.line_size + x * samples..][..3];
         let rows = |key: &str| want[key].as_array().expect("rows").clone();
-        let (strip, square) = (rows("strip"), rows("square"));
+        let strip = rows("strip");
+        let square = rows("square");
         let left = frame.width as usize - square.len();
         for (y, (strip, row)) in strip.iter().zip(&square).enumerate() {
             let row = row.as_str().expect("hexadecimal digits");
@@ -180,13 +181,16 @@ fn compare(name: &str, colours: [f64; 2]) {
         }
     };
     let realisations = solves.realisations.into_iter().map(whole).collect();
-    let (resolved, refused, damages) = (solves.grid, Vec::new(), Vec::new());
+    let resolved = solves.grid;
+    let refused = Vec::new();
+    let damages = Vec::new();
     let collected = Collected { resolved, realisations, refused, enough: false, damages };
     let place = tempfile::tempdir().expect("a folder");
     let out = place.path().join("out");
     let folder = OutputFolder::open(&out, Holds::Study).expect("a folder");
     evaluate_and_publish(&study, &FinishedSolves::Whole(Box::new(collected)), &folder).expect("published");
-    let (results, want) = (json(&out.join("results.json")), json(&golden(&format!("{name}.json"))));
+    let results = json(&out.join("results.json"));
+    let want = json(&golden(&format!("{name}.json")));
     let mut ledger = Ledger::new();
     ledger.value("certainty", &results["certainty"], &want["certainty"]);
     ledger.tolerance = colours;

@@ -71,11 +71,12 @@ fn gratings_in_strata_keep_the_accuracy_asked() {
         ("vector", 1e-3, grating(0.7, 0.0, 0.3745, 1.0, &[(0.7, 1.558, Some(([0.03745, 0.2247], 1.3)))])),
     ];
     for (wave, accuracy, text) in cases {
-        let [asked, finer] = [accuracy, 0.1 * accuracy].map(|a| {
-            let a = a.to_string();
-            near_orders(&solved(&text, &["--wave", wave, "--accuracy", &a]))
-        });
-        let worst = asked.iter().zip(&finer).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let orders = |accuracy: f64| {
+            near_orders(&solved(&text, &["--wave", wave, "--accuracy", &accuracy.to_string()]))
+        };
+        let requested = orders(accuracy);
+        let finer = orders(0.1 * accuracy);
+        let worst = requested.iter().zip(&finer).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         // The accuracy, and a tenth for the finer solve.
         assert!(worst <= 1.1 * accuracy, "{wave} at {accuracy}: {worst:e} in {text}");
     }

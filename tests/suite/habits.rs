@@ -35,7 +35,8 @@ fn every_type_name_has_one_meaning() {
 /// The program's own files.
 fn commands() -> Vec<(String, String)> {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let (mut folders, mut files) = (vec![src.join("commands")], Vec::new());
+    let mut folders = vec![src.join("commands")];
+    let mut files = Vec::new();
     while let Some(folder) = folders.pop() {
         for path in std::fs::read_dir(folder).expect("commands").map(|entry| entry.expect("an entry").path())
         {

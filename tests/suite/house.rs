@@ -215,7 +215,8 @@ pub fn library() -> Vec<(String, String)> {
 /// All files below `src` with their texts.
 fn sources() -> Vec<(String, String)> {
     let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let (mut folders, mut files) = (vec![src.clone()], Vec::new());
+    let mut folders = vec![src.clone()];
+    let mut files = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).expect("a folder of src") {
             let path = entry.expect("an entry").path();

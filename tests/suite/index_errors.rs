@@ -121,7 +121,8 @@ fn error_bars_include_what_runs_with_a_moved_table_change() {
             if with.pointer(&path).is_none_or(Value::is_null) {
                 continue;
             }
-            let (have, want) = (added(&with, &own, &path), change(&path, "value"));
+            let have = added(&with, &own, &path);
+            let want = change(&path, "value");
             // identity: the same solves; what is left is the rounding of differences of squares
             assert!((have - want).abs() < 1e-6 + 1e-4 * want, "{path}: {have} {want}");
             assert_eq!(number(&with, &path, "value"), number(&own, &path, "value"));

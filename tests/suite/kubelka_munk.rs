@@ -25,7 +25,8 @@ fn over_grey(seen: &Seen) -> Vec<f64> {
             [s.reflectance - film_r, s.transmittance - film_t]
         };
         let sum = strata.iter().map(beyond).fold([0.0; 2], |[a, b], [r, t]| [a + r, b + t]);
-        let [r, t] = [r + sum[0] / strata.len() as f64, t + sum[1] / strata.len() as f64];
+        let r = r + sum[0] / strata.len() as f64;
+        let t = t + sum[1] / strata.len() as f64;
         r + t * t * GREY / (1.0 - GREY * r)
     };
     (0..seen.solved[0].wavelengths.len()).map(mean).collect()
@@ -42,7 +43,8 @@ fn two_fluxes_of_stored_solves_predict_a_third_backing_and_a_thin_layer_has_no_c
     let stored = Stored::read(&out).unwrap();
     let ink = stored.seen.ink.as_ref().unwrap();
     let fluxes = |layer: &LayerOnPaper| {
-        let (r, t) = (layer.mean_reflectance_exit(), layer.mean_transmittance());
+        let r = layer.mean_reflectance_exit();
+        let t = layer.mean_transmittance();
         KubelkaMunk::from_layer(r, t, THICKNESS_UM).unwrap()
     };
     let predicted = ink.spectrum(|layer| fluxes(layer).over(GREY, THICKNESS_UM));
@@ -51,7 +53,8 @@ fn two_fluxes_of_stored_solves_predict_a_third_backing_and_a_thin_layer_has_no_c
     let mut most_once = 0.0f64;
     for (i, estimate) in predicted.estimates().iter().enumerate() {
         let [r, t] = fluxes(&ink.layers()[i]).layer(THICKNESS_UM);
-        let (bar, once) = (estimate.standard_error.unwrap(), r + t * t * GREY);
+        let bar = estimate.standard_error.unwrap();
+        let once = r + t * t * GREY;
         println!("{:.5} ± {bar:.5}, over grey {:.5}, once through {once:.5}", estimate.value, grey[i]);
         assert!((estimate.value - grey[i]).abs() < 2.0 * bar, "{estimate:?} {}", grey[i]);
         most_once = most_once.max((once - grey[i]).abs() / bar);

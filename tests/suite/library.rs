@@ -98,7 +98,8 @@ fn a_composition_is_the_run_of_its_stack() {
                 let number = |value: &Value, key: &str| value[key].as_f64().expect("a number");
                 let off = (number(&own[name], "value") - number(part, "value")).abs();
                 assert!(off < 1e-12, "{um} {name}: {off}");
-                let [bar, other] = [number(&own[name], "standard_error"), number(part, "standard_error")];
+                let bar = number(&own[name], "standard_error");
+                let other = number(part, "standard_error");
                 assert!((bar - other).abs() < 1e-3 * other + 1e-7, "{um} {name}: {bar} {other}");
             }
         }

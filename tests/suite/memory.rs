@@ -44,7 +44,8 @@ fn no_solve_takes_more_than_its_bound() {
     let path = folder.path().join("case.json");
     std::fs::write(&path, case.to_string()).expect("a writable folder");
     let case = Case::parse(&case.to_string(), false).expect("a case");
-    let (points, cells) = (40, 12);
+    let points = 40;
+    let cells = 12;
     for name in ["krylov", "bicgstab", "idr", "born", "convergent_born", "relaxation"] {
         let mut solve = Command::new(env!("CARGO_BIN_EXE_inkwave"));
         solve.arg("solve").arg(&path).args([
@@ -64,7 +65,8 @@ fn no_solve_takes_more_than_its_bound() {
         }
         let solver = Registry::default().build(name).expect("a name");
         let size = Size::new(Wave::Scalar, &case.scene, &case.media, 0.5, resolution);
-        let (bound, peak) = (size.bytes(&*solver), peak_bytes(solve));
+        let bound = size.bytes(&*solver);
+        let peak = peak_bytes(solve);
         let held = size.problem() + size.fields(2.0);
         println!("{name}: bound {:.0} MB, peak {:.0} MB", 1e-6 * bound, 1e-6 * peak);
         assert!(peak < bound + held + PROGRAM, "{name}: bound {bound:.2e}, peak {peak:.2e}");

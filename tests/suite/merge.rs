@@ -16,7 +16,9 @@ fn measured() -> Place {
 #[test]
 fn shards_whose_measured_inputs_differ_are_not_joined() {
     let place = measured();
-    let [one, two, out] = ["one", "two", "out"].map(|name| place.path(name));
+    let one = place.path("one");
+    let two = place.path("two");
+    let out = place.path("out");
     let inputs = std::fs::read_dir(place.path("two/inputs")).unwrap().next().unwrap().unwrap();
     let table = inputs.path().join("ink.csv");
     let text = std::fs::read_to_string(&table).unwrap();

@@ -34,7 +34,8 @@ fn scalar_difference(a: &Case, b: &Case) -> f64 {
 }
 
 fn vector_difference(a: &Case, b: &Case, [points, cells]: [usize; 2]) -> f64 {
-    let [a, b] = [a, b].map(|case| vector::solve(case, points, cells, 1e-10).far);
+    let a = vector::solve(a, points, cells, 1e-10).far;
+    let b = vector::solve(b, points, cells, 1e-10).far;
     a.iter().zip(&b).map(|(a, b)| largest_difference(a, b)).fold(0.0, f64::max)
 }
 
@@ -53,7 +54,8 @@ fn a_core_of_the_shells_index_is_not_there() {
     let whole = case(&[(0.2, 0.16, 1.6)]);
     assert!(scalar_difference(&coated, &whole) < 1e-10);
     // The normal field differs inside, which both grids resolve: its error falls with the grid.
-    let [coarse, fine] = [[15, 12], [31, 40]].map(|grid| vector_difference(&coated, &whole, grid));
+    let coarse = vector_difference(&coated, &whole, [15, 12]);
+    let fine = vector_difference(&coated, &whole, [31, 40]);
     assert!(fine < 1e-5 && fine < 0.3 * coarse, "{coarse:e} {fine:e}");
 }
 
@@ -78,7 +80,8 @@ fn cores_anywhere_inside_displace_what_is_around_them() {
     );
     assert!(scalar_difference(&voids(1.6), &whole) < 1e-10);
     assert!(scalar_difference(&voids(1.0), &whole) > 1e-2);
-    let [coarse, fine] = [[15, 12], [31, 40]].map(|grid| vector_difference(&voids(1.6), &whole, grid));
+    let coarse = vector_difference(&voids(1.6), &whole, [15, 12]);
+    let fine = vector_difference(&voids(1.6), &whole, [31, 40]);
     assert!(fine < 1e-5 && fine < 0.3 * coarse, "{coarse:e} {fine:e}");
 }
 

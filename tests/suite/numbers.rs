@@ -56,7 +56,8 @@ fn a_yellow_ink_has_its_numbers() {
         let out = folder.path().join(name);
         let said = succeed(&study(folder.path(), &format!("{text}{NUMBERS}")), &out, &[]);
         let results = results(&out);
-        let [red, blue] = ["red density", "blue density"].map(|name| number(&results, name));
+        let red = number(&results, "red density");
+        let blue = number(&results, "blue density");
         assert!(blue[0] > red[0] + 0.05 && red[1] > 0.0, "{name}: {red:?} {blue:?}");
         let [luminous, error] = number(&results, "Y");
         let of_colour = results["colours"][0]["xyz"][1].as_f64().unwrap();
@@ -118,7 +119,8 @@ fn a_composed_layer_beyond_the_eye_has_colours_and_numbers() {
     let said =
         succeed(&study(folder.path(), &text("400, 480, 560, 640, 720, 860, 1060, 1400", sun)), &wide, &[]);
     assert!(said.contains("colours take the wavelengths from 380 to 780 nm"), "{said}");
-    let [eye, all] = [&eye, &wide].map(|folder| results(folder));
+    let eye = results(&eye);
+    let all = results(&wide);
     for k in 0..2 {
         let lab =
             |results: &Value, c: usize| results["colours"][k]["natural_light"][c]["value"].as_f64().unwrap();

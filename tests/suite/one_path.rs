@@ -137,7 +137,8 @@ fn item_name(item: &str) -> Option<&str> {
 /// The sources of a crate, as (path below its folder, text).
 fn sources(folder: &str) -> Vec<(String, String)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let (mut folders, mut files) = (vec![root.clone()], Vec::new());
+    let mut folders = vec![root.clone()];
+    let mut files = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(&folder).expect("a folder of a crate") {
             let path = entry.expect("an entry").path();

@@ -54,7 +54,8 @@ fn assert_rigid(grain: &Grain, template: &Template) {
     let scale = grain.spheres.iter().map(|s| s.radius_um).fold(0.0, f64::max);
     for (i, (a, ta)) in grain.spheres.iter().zip(&template.spheres).enumerate() {
         for (b, tb) in grain.spheres[..i].iter().zip(&template.spheres) {
-            let (d, td) = (a.gap_to(b), ta.gap_to(tb) * scale);
+            let d = a.gap_to(b);
+            let td = ta.gap_to(tb) * scale;
             // Identity: rounding of hundreds of composed rotations.
             assert!((d - td).abs() < 1e-12, "{d} {td}");
         }
@@ -71,9 +72,9 @@ fn every_shape_packs_without_overlap_and_stays_rigid() {
         let template = shape.template();
         for (fraction, method) in [(0.10, MethodChoice::SequentialAddition), (0.40, MethodChoice::Relaxation)]
         {
-            let asked =
+            let requested =
                 PackingRequest { method, ..request(vec![PigmentGrains::of(shape.clone(), 250.0, fraction)]) };
-            let packing = pack(&asked, &mut ()).unwrap();
+            let packing = pack(&requested, &mut ()).unwrap();
             assert!(smallest_gap(&packing) > 0.0, "{} {fraction}", shape.name());
             packing.grains().iter().for_each(|g| assert_rigid(g, &template));
             let one = packing.grains()[0].volume_um3 / 9.0;
@@ -120,13 +121,13 @@ fn rods(orientation: Orientation, fraction: f64) -> PigmentGrains {
 #[test]
 fn random_axes_are_isotropic_in_a_periodic_cell() {
     for (fraction, method) in [(0.10, MethodChoice::SequentialAddition), (0.40, MethodChoice::Relaxation)] {
-        let asked = PackingRequest {
+        let requested = PackingRequest {
             thickness_um: 3.0,
             walls: false,
             method,
             ..request(vec![rods(Orientation::Random, fraction)])
         };
-        let tensor = orientation_tensor(&pack(&asked, &mut ()).unwrap(), None).unwrap();
+        let tensor = orientation_tensor(&pack(&requested, &mut ()).unwrap(), None).unwrap();
         // Significance: three standard deviations of P2(cos θ), √(1/5) = 0.447, over √N independent grains.
         let bar = 3.0 * 0.447 / (tensor.grains as f64).sqrt();
         assert!(tensor.q.iter().flatten().all(|q| q.abs() < bar), "{tensor:?} {bar}");
@@ -161,8 +162,8 @@ fn small_cells_that_jam_start_anew() {
         orientation: Orientation::Perpendicular { strength: None },
         ..PigmentGrains::of(Shape::CYLINDER, 300.0, 0.5)
     };
-    let asked = PackingRequest { period_um: [1.6; 2], ..request(vec![upright]) };
-    let packed = |stream| pack(&PackingRequest { stream, ..asked.clone() }, &mut ());
+    let requested = PackingRequest { period_um: [1.6; 2], ..request(vec![upright]) };
+    let packed = |stream| pack(&PackingRequest { stream, ..requested.clone() }, &mut ());
     let gaps = (0..8).into_par_iter().map(|stream| smallest_gap(&packed(stream).expect("room")));
     assert!(gaps.all(|gap| gap > 0.0));
 }
@@ -171,7 +172,8 @@ fn small_cells_that_jam_start_anew() {
 #[test]
 fn a_finite_field_gives_the_watson_order() {
     let field = Orientation::Perpendicular { strength: Some(4.0) };
-    let (mut top, mut bottom) = (0.0, 0.0);
+    let mut top = 0.0;
+    let mut bottom = 0.0;
     for i in 0..100_000 {
         let square = ((i as f64 + 0.5) * 1e-5).powi(2);
         top += (4.0 * square).exp() * square;
@@ -179,13 +181,13 @@ fn a_finite_field_gives_the_watson_order() {
     }
     let expected = 1.5 * top / bottom - 0.5;
     let order = |equilibration| {
-        let asked = PackingRequest {
+        let requested = PackingRequest {
             thickness_um: 3.0,
             walls: false,
             equilibration,
             ..request(vec![rods(field, 0.02)])
         };
-        orientation_tensor(&pack(&asked, &mut ()).unwrap(), None).unwrap()
+        orientation_tensor(&pack(&requested, &mut ()).unwrap(), None).unwrap()
     };
     for sweeps in [None, Some(EquilibrationSettings { sweeps: 300 })] {
         let tensor = order(sweeps);
@@ -195,8 +197,8 @@ fn a_finite_field_gives_the_watson_order() {
         assert!((tensor.q[2][2] - expected).abs() < bar, "{sweeps:?}: {} {expected} {bar}", tensor.q[2][2]);
     }
     // Relaxation: the torque stops at the order asked for.
-    let asked = PackingRequest { method: MethodChoice::Relaxation, ..request(vec![rods(field, 0.30)]) };
-    let tensor = orientation_tensor(&pack(&asked, &mut ()).unwrap(), None).unwrap();
+    let requested = PackingRequest { method: MethodChoice::Relaxation, ..request(vec![rods(field, 0.30)]) };
+    let tensor = orientation_tensor(&pack(&requested, &mut ()).unwrap(), None).unwrap();
     // Bound: contacts at 30 % and the walls may cost some order; full alignment (1) or none (0) must fail.
     assert!((tensor.q[2][2] - expected).abs() < 0.1, "{} {expected}", tensor.q[2][2]);
 }
@@ -233,12 +235,13 @@ fn mono_layers_of_grains_too_large_to_glue_are_refused() {
 /// Relaxed layers: the profile is the same from both walls, the plane has no preferred direction, S2 keeps its rules.
 #[test]
 fn relaxed_layers_are_symmetric_isotropic_and_have_an_honest_s2() {
-    let asked = |stream| PackingRequest {
+    let requested = |stream| PackingRequest {
         stream,
         method: MethodChoice::Relaxation,
         ..request(vec![PigmentGrains::spheres(250.0, 0.45)])
     };
-    let packings: Vec<Packing> = (0..8).into_par_iter().map(|k| pack(&asked(k), &mut ()).unwrap()).collect();
+    let packings: Vec<Packing> =
+        (0..8).into_par_iter().map(|k| pack(&requested(k), &mut ()).unwrap()).collect();
     let sections: Vec<_> =
         packings.par_iter().map(|p| section_statistics(p, 100, 0.03, 0.0125, 1.25)).collect();
     let estimate = |of: &dyn Fn(&inkwave::ink::statistics::SectionStatistics) -> f64| {

@@ -46,9 +46,13 @@ fn packed() -> (Vec<(String, Shape)>, Vec<Packing>) {
 /// The grains of a JSON file, checked again for overlaps.
 pub fn read_packing_json(path: &std::path::Path) -> Packing {
     let file: serde_json::Value = serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap();
-    let [period, shells, grains] = ["period_um", "shells_um", "grains"].map(|key| file[key].clone());
-    let (period, grains) = (serde_json::from_value(period).unwrap(), serde_json::from_value(grains).unwrap());
-    let (height, walls) = (file["thickness_um"].as_f64().unwrap(), file["walls"].as_bool().unwrap());
+    let period = file["period_um"].clone();
+    let shells = file["shells_um"].clone();
+    let grains = file["grains"].clone();
+    let period = serde_json::from_value(period).unwrap();
+    let grains = serde_json::from_value(grains).unwrap();
+    let height = file["thickness_um"].as_f64().unwrap();
+    let walls = file["walls"].as_bool().unwrap();
     let packing = Packing::from_grains(period, height, walls, grains).unwrap();
     packing.with_shells(serde_json::from_value(shells).unwrap()).unwrap()
 }
@@ -139,7 +143,8 @@ fn the_cut_shows_the_sections_of_the_grains() {
     };
     let pixels = decoded(cut_picture(&packing).unwrap());
     let is = |colour: [u8; 3]| pixels.chunks(3).filter(|p| **p == colour).count() as f64;
-    let (pigment, binder) = (is([0, 114, 178]), is([228, 232, 236]));
+    let pigment = is([0, 114, 178]);
+    let binder = is([228, 232, 236]);
     let share = pigment / (pigment + binder);
     // Order: the rim of a disc of some 800 pixels is mixed colour: 2 % of its area.
     assert!((share - 0.09 * std::f64::consts::PI).abs() < 0.02 * share, "{share}");

@@ -38,7 +38,8 @@ fn overlapping_pairs(packing: &Packing) -> usize {
     let nearest = |d: f64, l: f64| d - l * (d / l).round();
     let meets = |a: &Solid, b: &Solid| {
         let [x, y, z] = a.center_um;
-        let (dx, dy) = (nearest(b.center_um[0] - x, lx), nearest(b.center_um[1] - y, ly));
+        let dx = nearest(b.center_um[0] - x, lx);
+        let dy = nearest(b.center_um[1] - y, ly);
         let moved = Solid { center_um: [x + dx, y + dy, b.center_um[2]], ..b.clone() };
         a.triangles(16).into_iter().flatten().any(|p| contains(&moved, p)) && z.is_finite()
     };
@@ -71,14 +72,14 @@ fn the_proof_rejects_bodies_that_meet_across_the_boundary() {
     assert!(matches!(packed([0.05, 0.9]), Err(PackError::Overlap { .. })));
     // Long bodies that are apart in the image with the nearest centre and meet in another one.
     let long = Shape::Box { edges: [0.95, 0.05, 0.05] }.form().expect("a convex body");
-    let [one, two] =
-        [([0.5, 0.5, 0.5], 0.0), ([0.96, 0.25, 0.5], std::f64::consts::FRAC_PI_4)].map(|(at, turn)| {
-            let scale = 0.95 / long.longest_um();
-            Solid { rotation: Rotation::by([0.0, 0.0, turn]), ..Solid::upright(long.scaled(scale), at) }
-        });
-    let both = [one, two].map(|solid| Grain::convex(solid, 0)).to_vec();
-    let found = Packing::from_grains([1.0, 1.0], 1.0, true, both.clone());
-    assert!(matches!(found, Err(PackError::Overlap { .. })), "{found:?}");
+    let long_grain = |centre: [f64; 3], turn: f64| {
+        let upright = Solid::upright(long.scaled(0.95 / long.longest_um()), centre);
+        Grain::convex(Solid { rotation: Rotation::by([0.0, 0.0, turn]), ..upright }, 0)
+    };
+    let both =
+        vec![long_grain([0.5, 0.5, 0.5], 0.0), long_grain([0.96, 0.25, 0.5], std::f64::consts::FRAC_PI_4)];
+    let packing = Packing::from_grains([1.0, 1.0], 1.0, true, both.clone());
+    assert!(matches!(packing, Err(PackError::Overlap { .. })), "{packing:?}");
     assert!(Packing::from_grains([1.5, 1.0], 1.0, true, both).is_ok());
 }
 
@@ -108,9 +109,9 @@ fn flakes_wider_than_the_cell_are_refused_with_the_size_needed() {
 fn statistics_see_the_bodies_themselves() {
     let request = request(Shape::Disc { diameter: 3.0, thickness: 1.0 }, 0.2, MethodChoice::Relaxation);
     let packing = pack(&request, &mut ()).expect("20 % of discs");
-    let found = section_statistics(&packing, 60, 0.004, 0.02, 0.1);
+    let sections = section_statistics(&packing, 60, 0.004, 0.02, 0.1);
     // Sampling: 60 planes and 250 lines, some 10⁻² of a share with 40 grains.
-    let fraction = found.total_profile().iter().sum::<f64>() / found.z_um.len() as f64;
+    let fraction = sections.total_profile().iter().sum::<f64>() / sections.z_um.len() as f64;
     assert!((fraction - packing.achieved_fraction(0)).abs() < 0.01 * 0.2, "{fraction}");
     let mean = profile(&packing, 16).iter().map(|slice| slice[0]).sum::<f64>() / 16.0;
     assert!((mean - packing.achieved_fraction(0)).abs() < 1e-12);
@@ -132,9 +133,9 @@ fn platelets_follow_the_field_that_aligns_their_axes() {
 
 /// A share of the grains in agglomerates of three, in a cell with room for them.
 fn glued(shape: Shape, share: f64, method: MethodChoice, degree: f64) -> PackingRequest {
-    let mut asked = PackingRequest { period_um: [1.5, 1.45], ..request(shape, share, method) };
-    asked.pigments[0].agglomeration = Some(agglomeration_of(3, degree));
-    asked
+    let mut requested = PackingRequest { period_um: [1.5, 1.45], ..request(shape, share, method) };
+    requested.pigments[0].agglomeration = Some(agglomeration_of(3, degree));
+    requested
 }
 
 /// Members of the agglomerates, in the order of their bodies.
@@ -145,8 +146,9 @@ fn agglomerates(packing: &Packing) -> Vec<Vec<&Grain>> {
 }
 
 /// The solid of a grain and where that of another lies from it, in the nearest image.
-fn seen(packing: &Packing, from: &Grain, to: &Grain) -> (Solid, Solid, [f64; 3]) {
-    let [a, b] = [from, to].map(|g| g.solid.clone().expect("a convex body"));
+fn neighbours(packing: &Packing, from: &Grain, to: &Grain) -> (Solid, Solid, [f64; 3]) {
+    let a = from.solid.clone().expect("a convex body");
+    let b = to.solid.clone().expect("a convex body");
     let cell = [packing.period_um()[0], packing.period_um()[1], f64::INFINITY];
     let nearest = |i: usize| {
         let d = b.center_um[i] - a.center_um[i];
@@ -161,8 +163,8 @@ fn seen(packing: &Packing, from: &Grain, to: &Grain) -> (Solid, Solid, [f64; 3])
 fn glued_bodies_touch_and_keep_their_volume_and_share() {
     for shape in shapes() {
         for (share, method) in [(0.06, MethodChoice::SequentialAddition), (0.2, MethodChoice::Relaxation)] {
-            let asked = glued(shape.clone(), share, method, 0.75);
-            let packing = pack(&asked, &mut ()).unwrap_or_else(|e| panic!("{}: {e}", shape.name()));
+            let requested = glued(shape.clone(), share, method, 0.75);
+            let packing = pack(&requested, &mut ()).unwrap_or_else(|e| panic!("{}: {e}", shape.name()));
             let volume = std::f64::consts::PI / 6.0 * 0.2f64.powi(3);
             // Identity: spheres of equal volume, 200 nm across.
             assert!(packing.grains().iter().all(|g| (g.volume_um3 / volume - 1.0).abs() < 1e-12));
@@ -184,7 +186,7 @@ fn glued_bodies_touch_and_keep_their_volume_and_share() {
 fn assert_in_one_piece(packing: &Packing, members: &[&Grain]) {
     for (i, grain) in members.iter().enumerate().skip(1) {
         let gap = |other: &&Grain| {
-            let (a, b, apart) = seen(packing, other, grain);
+            let (a, b, apart) = neighbours(packing, other, grain);
             proven_gap_um(&a, &b, apart) / a.form.thin_um()
         };
         let closest = members[..i].iter().map(gap).fold(f64::MAX, f64::min);
@@ -199,24 +201,27 @@ fn assert_in_one_piece(packing: &Packing, members: &[&Grain]) {
 fn agglomerates_of_bodies_move_rigidly() {
     for shape in shapes() {
         let packed = |sweeps: Option<u64>| {
-            let mut asked = glued(shape.clone(), 0.15, MethodChoice::Relaxation, 1.0);
-            asked.equilibration = sweeps.map(|sweeps| EquilibrationSettings { sweeps });
-            pack(&asked, &mut ()).unwrap_or_else(|e| panic!("{}: {e}", shape.name()))
+            let mut requested = glued(shape.clone(), 0.15, MethodChoice::Relaxation, 1.0);
+            requested.equilibration = sweeps.map(|sweeps| EquilibrationSettings { sweeps });
+            pack(&requested, &mut ()).unwrap_or_else(|e| panic!("{}: {e}", shape.name()))
         };
-        let [before, after] = [None, Some(40)].map(packed);
+        let before = packed(None);
+        let after = packed(Some(40));
         let mut turned = 0.0f64;
         for (old, new) in agglomerates(&before).iter().zip(agglomerates(&after)) {
             for (i, j) in [(0, 1), (1, 0), (0, old.len() - 1)] {
-                let frames = [(&before, old), (&after, &new)].map(|(packing, members)| {
-                    let (a, b, apart) = seen(packing, members[i], members[j]);
+                // the place of one member in the frame of another, and two of its axes there
+                let in_frame = |packing: &Packing, members: &[&Grain]| {
+                    let (a, b, apart) = neighbours(packing, members[i], members[j]);
                     let back = a.rotation.inverse();
                     // Identity: the axis of a grain is the z axis of its body.
                     let off = sub(members[i].axis, a.rotation.turn([0.0, 0.0, 1.0]));
                     assert!(norm(off) < 1e-12, "{off:?}");
                     let axes = [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(|v| back.turn(b.rotation.turn(v)));
                     (back.turn(apart), axes)
-                });
-                let [(was, axes), (is, moved)] = frames;
+                };
+                let (was, axes) = in_frame(&before, old);
+                let (is, moved) = in_frame(&after, &new);
                 // Identity: rounding of some thousand small rotations.
                 assert!(norm(sub(was, is)) < 1e-10, "{}: {was:?} {is:?}", shape.name());
                 assert!((0..2).all(|k| norm(sub(axes[k], moved[k])) < 1e-10), "{}", shape.name());
@@ -242,9 +247,12 @@ fn the_proof_judges_members_of_one_agglomerate_like_any_grains() {
 
 #[test]
 fn fractal_agglomerates_of_convex_bodies_are_refused() {
-    let mut asked = request(shapes()[1].clone(), 0.1, MethodChoice::Auto);
+    let mut requested = request(shapes()[1].clone(), 0.1, MethodChoice::Auto);
     let fractal = Some(Fractal { dimension: 1.78, prefactor: 1.3 });
-    asked.pigments[0].agglomeration = Some(Agglomeration { fractal, ..agglomeration_of(3, 1.0) });
-    let said = pack(&asked, &mut ()).unwrap_err().to_string();
-    assert!(said.contains("pigment[0].agglomeration.fractal") && said.contains("beaded_ellipsoid"), "{said}");
+    requested.pigments[0].agglomeration = Some(Agglomeration { fractal, ..agglomeration_of(3, 1.0) });
+    let error = pack(&requested, &mut ()).unwrap_err().to_string();
+    assert!(
+        error.contains("pigment[0].agglomeration.fractal") && error.contains("beaded_ellipsoid"),
+        "{error}"
+    );
 }

@@ -70,7 +70,8 @@ fn forecast(file: &Path, folder: &Path) -> [f64; 3] {
 fn a_forecast_is_neither_far_too_long_nor_far_too_short() {
     let folder = tempfile::tempdir().unwrap();
     let text = TINY.replace("realisations = 2", "realisations = 24").replace("step_nm = 100", "step_nm = 50");
-    let (file, output) = (study(folder.path(), &text), folder.path().join("out"));
+    let file = study(folder.path(), &text);
+    let output = folder.path().join("out");
     let [seconds, least, most] = forecast(&file, &output);
     assert!(least < seconds && seconds < most && most / least < 10.0, "{least} {seconds} {most}");
     succeed(&file, &output, &["--jobs", "1"]);

@@ -54,7 +54,8 @@ fn tints_lie_between_paper_and_solid() {
     let lit: Vec<&Value> =
         results["spectra"].as_array().unwrap().iter().filter(|row| row["polar_deg"] == 0.0).collect();
     for (factor, row) in factors.iter().zip(lit) {
-        let [solid, lit] = [&factor["value"], &row["lit_at_45"]["value"]].map(|x| x.as_f64().unwrap());
+        let solid = factor["value"].as_f64().unwrap();
+        let lit = row["lit_at_45"]["value"].as_f64().unwrap();
         // an identity: rounding
         assert!((solid - lit).abs() < 1e-14, "{solid} {lit}");
     }
@@ -88,13 +89,15 @@ fn composed_layers_are_printed_as_well() {
     let prints = |results: &Value| results["prints"]["prints"].as_array().expect("prints").clone();
     assert_eq!(prints(&bright).len(), 2 * 3 * 4);
     for (plain, lit) in rows(&dark).iter().zip(rows(&bright)) {
-        let at = plain["wavelength_nm"].as_f64().unwrap();
-        let more = ["lit_at_45", "natural_light"].map(|key| number(&lit, key) - number(plain, key));
-        match at {
-            450.0 => assert!(more.iter().all(|x| *x > 0.01), "{at}: {more:?}"),
-            // emission ends at 500 nm
-            500.0.. => assert!(more.iter().all(|x| x.abs() < 1e-12), "{at}: {more:?}"),
-            _ => {}
+        let nm = plain["wavelength_nm"].as_f64().unwrap();
+        for key in ["lit_at_45", "natural_light"] {
+            let emitted = number(&lit, key) - number(plain, key);
+            match nm {
+                450.0 => assert!(emitted > 0.01, "{key} at {nm} nm: {emitted}"),
+                // emission ends at 500 nm
+                500.0.. => assert!(emitted.abs() < 1e-12, "{key} at {nm} nm: {emitted}"),
+                _ => {}
+            }
         }
     }
     // without ultraviolet light there is no more light than without a brightener
@@ -109,9 +112,9 @@ fn composed_layers_are_printed_as_well() {
     // the solid at 45:0 without emission
     for (print, um) in [(prints(&dark)[3].clone(), 1.0), (prints(&dark)[15].clone(), 2.0)] {
         assert_eq!(print["thickness_um"], um);
-        let own = rows(&dark);
-        let own = own.iter().filter(|row| row["thickness_um"] == um);
-        for (factor, row) in print["factors"].as_array().unwrap().iter().zip(own) {
+        let rows = rows(&dark);
+        let of_thickness = rows.iter().filter(|row| row["thickness_um"] == um);
+        for (factor, row) in print["factors"].as_array().unwrap().iter().zip(of_thickness) {
             assert!((factor["value"].as_f64().unwrap() - number(row, "lit_at_45")).abs() < 1e-12);
         }
     }
@@ -125,7 +128,7 @@ fn brightened_paper_is_bluer_and_a_dark_brightener_changes_nothing() {
         .replace("from_nm = 400", "from_nm = 300")
         .replace("step_nm = 100", "step_nm = 20")
         .replace("index = { built_in = \"yellow\" }", "index = { n = 1.7, k = 0.05 }");
-    let paper = |more: &str| format!("{base}[paper]\nalbedo = 0.9\n{more}\n");
+    let paper = |fluorescence: &str| format!("{base}[paper]\nalbedo = 0.9\n{fluorescence}\n");
     let (plain, _) = results(&paper(""));
     let (dark, _) = results(&paper(
         "fluorescence = { excitation = [[300, 0], [420, 0]], emission = [[410, 0], [440, 1], [500, 0]], yield = 0 }",
@@ -148,14 +151,14 @@ fn measured_paper_is_returned() {
     let paper =
         "[paper]\ncoupling = \"optical_contact\"\nmeasured = { csv = \"paper.csv\", unit = \"factor\" }\n";
     let output = scratch.path().join("out");
-    let said = succeed(&study(scratch.path(), &format!("{text}{DOTS}{paper}")), &output, &[]);
-    assert!(said.contains("behind the paper's surface the albedo is"), "{said}");
+    let printed = succeed(&study(scratch.path(), &format!("{text}{DOTS}{paper}")), &output, &[]);
+    assert!(printed.contains("behind the paper's surface the albedo is"), "{printed}");
     let results: Value =
         serde_json::from_slice(&std::fs::read(output.join("results.json")).unwrap()).unwrap();
     let bare = &results["prints"]["prints"][0];
     for (k, factor) in bare["factors"].as_array().unwrap().iter().enumerate() {
-        let want = 0.80 + 0.004 * 5.0 * k as f64;
-        assert!((factor["value"].as_f64().unwrap() - want).abs() < 1e-12, "{factor} {want}");
+        let measured = 0.80 + 0.004 * 5.0 * k as f64;
+        assert!((factor["value"].as_f64().unwrap() - measured).abs() < 1e-12, "{factor} {measured}");
     }
     assert!(results["study"]["paper"]["measured"]["geometry"] == "45:0");
     let page = std::fs::read_to_string(Path::new(&output).join("report.html")).unwrap();
@@ -195,8 +198,7 @@ fn overprints_share_the_area_as_demichel_says() {
         succeed(&file, &output, &[]);
         serde_json::from_slice(&std::fs::read(output.join("results.json")).unwrap()).unwrap()
     };
-    let alone: Vec<Value> =
-        [("cyan", 0.7), ("yellow", 1.1)].map(|(name, um)| run(name, &of_thickness(um))).into();
+    let alone = [run("cyan", &of_thickness(0.7)), run("yellow", &of_thickness(1.1))];
     let levels = "[0, 0.1, 0.25, 0.5, 0.75, 0.9, 1]";
     let inks = format!(
         "[[ink]]\nname = 'cyan'\ncoverage = {levels}\n[[ink]]\nname = 'yellow'\ncoverage = {levels}\n\
@@ -214,11 +216,12 @@ fn overprints_share_the_area_as_demichel_says() {
     assert_eq!(prints(&spread).len(), 1 + 49 + 1);
     let bare = behind_bare(&spread);
     for print in &prints(&spread)[1..50] {
-        let [c, y] = [0, 1].map(|k| number(&print["inks"][k]["coverage"]));
+        let c = number(&print["inks"][0]["coverage"]);
+        let y = number(&print["inks"][1]["coverage"]);
         for w in [0, 7, 15] {
             let kinds = [&alone[0], &alone[1], &spread].map(|results| areas_of(results, w));
             let shares = [c * (1.0 - y), y * (1.0 - c), c * y, (1.0 - c) * (1.0 - y)];
-            let own: f64 = kinds.iter().zip(shares).map(|((own, _), share)| own * share).sum();
+            let reflected: f64 = kinds.iter().zip(shares).map(|((alone, _), share)| alone * share).sum();
             let areas = [kinds.iter().map(|(_, area)| *area).chain([bare]).collect::<Vec<_>>()];
             let truth = Returns {
                 areas: &areas,
@@ -227,9 +230,10 @@ fn overprints_share_the_area_as_demichel_says() {
                 paper: &[vec![0.93]],
                 light: &[1.0],
             };
-            let want = own + truth.factors(600)[0];
+            let expected = reflected + truth.factors(600)[0];
+            let printed = factor(print, w);
             // rounding, and what 600 returns of 0.6 leave
-            assert!((factor(print, w) - want).abs() < 1e-12, "{c} {y}: {} {want}", factor(print, w));
+            assert!((printed - expected).abs() < 1e-12, "{c} {y}: {printed} {expected}");
         }
     }
     let all = prints(&open);
@@ -256,8 +260,8 @@ fn overprints_share_the_area_as_demichel_says() {
     assert!(corners[1]["additivity"].is_null());
     let tint = solid(0.25, 0.5);
     for w in 0..16 {
-        let of = corners.each_ref().map(|corner| factor(corner, w));
-        let mean = 0.375 * of[0] + 0.125 * of[1] + 0.375 * of[2] + 0.125 * of[3];
+        let [paper, cyan, yellow, both] = corners.each_ref().map(|corner| factor(corner, w));
+        let mean = 0.375 * paper + 0.125 * cyan + 0.375 * yellow + 0.125 * both;
         assert!((factor(&tint, w) - mean).abs() < 1e-13, "Neugebauer's average");
     }
     assert!(described_tables(&scratch.path().join("open")) >= 4);

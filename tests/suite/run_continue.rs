@@ -48,7 +48,8 @@ impl RunWatch for StopAfter {
 fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
     let folder = tempfile::tempdir().unwrap();
     let study_file = study(folder.path(), TINY);
-    let (whole, parts) = (folder.path().join("whole"), folder.path().join("parts"));
+    let whole = folder.path().join("whole");
+    let parts = folder.path().join("parts");
     succeed(&study_file, &whole, &[]);
 
     let checked = load(&study_file).unwrap();
@@ -65,8 +66,8 @@ fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
         assert!(results.contains("\"status\": \"partial\""));
     }
     assert_eq!(points(&parts).len(), 16);
-    let said = succeed(&study_file, &parts, &[]);
-    assert!(said.contains("16 of 24 solves were already stored"), "{said}");
+    let printed = succeed(&study_file, &parts, &[]);
+    assert!(printed.contains("16 of 24 solves were already stored"), "{printed}");
     assert!(tables(&whole) == tables(&parts) && !parts.join("PARTIAL").exists());
 }
 
@@ -84,8 +85,8 @@ fn lost_and_damaged_records_are_computed_again() {
     records.execute_batch(&format!("delete from records {}", of(&keys[0]))).unwrap();
     records.execute_batch(&format!("update records {half} {}", of(&keys[1]))).unwrap();
     drop(records);
-    let said = succeed(&study_file, &out, &[]);
-    assert!(said.contains("1 record of the store damaged") && said.contains(&keys[1]), "{said}");
+    let printed = succeed(&study_file, &out, &[]);
+    assert!(printed.contains("1 record of the store damaged") && printed.contains(&keys[1]), "{printed}");
     assert!(before == tables(&out));
 }
 
@@ -102,11 +103,11 @@ fn a_change_recomputes_what_depends_on_it() {
     let all = "24 of 24 solves were already stored";
     assert!(after("[light]", "[paper]\nalbedo = 0.5\n[light]").contains(all), "paper is not in the solves");
     assert!(after("Tiny yellow", "Another title").contains(all));
-    let said = after("step_nm = 100", "step_nm = 50");
+    let printed = after("step_nm = 100", "step_nm = 50");
     // Directions turn on from wavelength to wavelength: only the first wavelength keeps its own.
-    assert!(said.contains("6 of 42 solves were already stored"), "old wavelengths stay: {said}");
-    let said = after("realisations = 2", "realisations = 3");
-    assert!(said.contains("24 of 36 solves were already stored"), "old realisations stay: {said}");
+    assert!(printed.contains("6 of 42 solves were already stored"), "old wavelengths stay: {printed}");
+    let printed = after("realisations = 2", "realisations = 3");
+    assert!(printed.contains("24 of 36 solves were already stored"), "old realisations stay: {printed}");
     assert!(!after("seed = 7", "seed = 8").contains("already stored"), "another seed, other packings");
 }
 
@@ -125,13 +126,14 @@ fn a_solve_that_fails_is_reported_and_does_not_stop_the_others() {
         let four = seeded.replace("realisations = 2", "realisations = 4");
         let out = folder.path().join(format!("out{seed}"));
         succeed(&study(folder.path(), &four), &out, &[]);
-        let (first, others) = (steps(&out, true), steps(&out, false));
+        let first = steps(&out, true);
+        let others = steps(&out, false);
         let limit = format!("[solver]\nmax_applications = {}\n[output]", others - 1);
         let limited = four.replace("[output]", &limit);
         let done =
             (first < others).then(|| crate::run_support::run(&study(folder.path(), &limited), &out, &[]))?;
-        let said = String::from_utf8_lossy(&done.stderr).into_owned();
-        said.contains("no result at").then_some((done.status.code(), out))
+        let printed = String::from_utf8_lossy(&done.stderr).into_owned();
+        printed.contains("no result at").then_some((done.status.code(), out))
     });
     let (code, out) = suitable.expect("one seed of a dozen");
     assert_eq!(code, Some(1));
@@ -139,7 +141,8 @@ fn a_solve_that_fails_is_reported_and_does_not_stop_the_others() {
         serde_json::from_slice(&std::fs::read(out.join("results.json")).unwrap()).unwrap();
     let failures = results["failures"].as_array().unwrap();
     assert!(!failures.is_empty() && failures[0]["reason"].as_str().unwrap().contains("residual"));
-    let [asked, finished] = ["asked", "finished"].map(|key| results["solves"][key].as_u64().unwrap());
+    let asked = results["solves"]["asked"].as_u64().unwrap();
+    let finished = results["solves"]["finished"].as_u64().unwrap();
     assert_eq!(finished + failures.len() as u64, asked);
     assert!(std::fs::read_to_string(out.join("report.html")).unwrap().contains("Solves without a result"));
 }
@@ -152,8 +155,8 @@ fn a_study_that_cannot_begin_leaves_earlier_results_alone() {
     let before = tables(&out);
     let too_coarse = TINY.replace("planes_per_um = 40", "planes_per_um = 2");
     let done = crate::run_support::run(&study(folder.path(), &too_coarse), &out, &[]);
-    let said = String::from_utf8_lossy(&done.stderr).into_owned();
-    assert!(!done.status.success() && said.contains("planes_per_um"), "{said}");
+    let printed = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(!done.status.success() && printed.contains("planes_per_um"), "{printed}");
     assert!(before == tables(&out) && !out.join("PARTIAL").exists() && out.join("report.html").exists());
 }
 
@@ -198,9 +201,9 @@ fn ctrl_c_stops_cleanly_and_a_kill_loses_nothing_finished() {
     let asked = Instant::now();
     let done = child.wait_with_output().unwrap();
     assert!(asked.elapsed() < Duration::from_secs(20));
-    let said = String::from_utf8_lossy(&done.stderr).into_owned();
-    assert_eq!(done.status.code(), Some(1), "{said}");
-    assert!(said.contains("were already stored") && said.contains("marked as partial"), "{said}");
+    let printed = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert_eq!(done.status.code(), Some(1), "{printed}");
+    assert!(printed.contains("were already stored") && printed.contains("marked as partial"), "{printed}");
     assert!(out.join("PARTIAL").exists() && out.join("report.html").exists());
     let no_litter =
         std::fs::read_dir(&out).unwrap().all(|f| !f.unwrap().file_name().to_string_lossy().starts_with('.'));

@@ -125,7 +125,8 @@ fn differences(one: &BTreeMap<&'static str, String>, other: &BTreeMap<&'static s
         one.keys().chain(other.keys()).copied().filter(|name| differing(name)).collect();
     let text = |of: &BTreeMap<&'static str, String>, name: &str| of.get(name).cloned().unwrap_or_default();
     let shown = |name: &str| {
-        let (a, b) = (text(one, name), text(other, name));
+        let a = text(one, name);
+        let b = text(other, name);
         let line = a.lines().zip(b.lines()).find(|(a, b)| a != b).unwrap_or(("more", "fewer"));
         format!("{name}: {:.200} / {:.200}", line.0, line.1)
     };
@@ -152,7 +153,8 @@ fn wrong(
             return Some(format!("{edits:?}: {}", String::from_utf8_lossy(&done.stderr)));
         }
     }
-    let [mixed, alone] = [shared, &own.join("out")].map(published);
+    let mixed = published(shared);
+    let alone = published(own.join("out"));
     let stale = differences(&mixed, &alone);
     if !stale.is_empty() {
         return Some(format!("{edits:?}: another study's numbers were taken for this one's: {stale:#?}"));
@@ -174,7 +176,8 @@ fn a_changed_field_is_never_answered_with_an_old_number() {
     for (name, text) in MEASURED {
         std::fs::write(folder.path().join(name), text).expect("a file");
     }
-    let (next, faults) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let next = AtomicUsize::new(0);
+    let faults = Mutex::new(Vec::new());
     let work = |worker: usize| {
         let shared = folder.path().join(format!("shared-{worker}"));
         let place = folder.path().join(format!("base-{worker}"));

@@ -76,7 +76,8 @@ fn coherent_and_specular_transmittance_are_both_published() {
     // grains that scatter strongly in small cells: much diffuse light goes straight on
     let strong =
         TINY.replace("{ built_in = \"yellow\" }", "2.4").replace("realisations = 2", "realisations = 8");
-    let (mut specular, mut coherent) = (0.0, 0.0);
+    let mut specular = 0.0;
+    let mut coherent = 0.0;
     for row in rows(&strong, "strong") {
         let error = row["coherent_transmittance"]["standard_error"].as_f64().unwrap();
         assert!(
@@ -144,7 +145,8 @@ fn a_clear_layer_needs_no_packing_and_obeys_fresnel() {
     let results = results(&out);
     assert_eq!(results["realisations"]["asked"], 1);
     for row in results["spectra"].as_array().unwrap().iter().filter(|row| row["polar_deg"] == 0.0) {
-        let (n, thickness): (f64, f64) = (1.558, 0.5);
+        let n: f64 = 1.558;
+        let thickness: f64 = 0.5;
         let nm = row["wavelength_nm"].as_f64().unwrap();
         let phase = std::f64::consts::TAU * n * thickness / (1e-3 * nm);
         // Airy's formula for a film in air at normal incidence

@@ -38,7 +38,8 @@ fn long_study() -> String {
 fn two_runs_on_one_folder_share_the_solves() {
     let folder = tempfile::tempdir().unwrap();
     let study = study(folder.path(), &long_study());
-    let [alone, shared] = ["alone", "shared"].map(|name| folder.path().join(name));
+    let alone = folder.path().join("alone");
+    let shared = folder.path().join("shared");
     succeed(&study, &alone, &[]);
     let both = [(); 2].map(|()| start(&study, &shared)).map(|child| child.wait_with_output().unwrap());
     assert!(both.iter().all(|done| done.status.success()), "{}", both.each_ref().map(said).concat());

@@ -197,7 +197,8 @@ fn all_keys(schema: &Value, keys: &mut BTreeSet<String>) {
 fn keys_behind_a_hash_are_good_as_they_stand() {
     let text = Document::Study.every_key();
     let good = validator(Document::Study);
-    let (mut header, mut count) = (String::new(), 0);
+    let mut header = String::new();
+    let mut count = 0;
     for line in text.lines() {
         if let Some(table) = line.trim_start_matches("# ").strip_prefix('[') {
             header = if line.starts_with('#') { String::new() } else { format!("[{table}") };
@@ -326,7 +327,8 @@ fn schema_and_reader_agree_on_every_change() {
         let kept = |place: &String| document != Document::Sweep || !place.starts_with("/base");
         for changed in every_change(&good, kept) {
             changes += 1;
-            let (fits, is_read) = (judge.is_valid(&changed), is_read(document, &changed));
+            let fits = judge.is_valid(&changed);
+            let is_read = is_read(document, &changed);
             assert!(fits || refused(document, &changed), "{}: the program takes {changed}", path.display());
             assert!(!fits || is_read, "{}: the schema lets pass {changed}", path.display());
         }
@@ -407,7 +409,8 @@ fn bounds_are_the_same() {
             if bound.is_nan() {
                 continue;
             }
-            let (at, beyond) = (with(&good, place, number(bound)), with(&good, place, number(beyond)));
+            let at = with(&good, place, number(bound));
+            let beyond = with(&good, place, number(beyond));
             let own = |value: &Value| faults(value).iter().any(|fault| fault.field == field);
             assert!(judge.is_valid(&at) && !own(&at), "{place} at {bound}: {:?}", faults(&at));
             assert!(
@@ -442,7 +445,8 @@ fn bounds_of_entries_are_the_same() {
     for (base, place, entry, within, beyond) in lists {
         let field = place.trim_start_matches('/').replace('/', ".") + entry;
         let is_refused = |value: &Value| faults(value).iter().any(|fault| fault.field == field);
-        let (within, beyond) = (with(base, place, within), with(base, place, beyond));
+        let within = with(base, place, within);
+        let beyond = with(base, place, beyond);
         assert!(judge.is_valid(&within) && !is_refused(&within), "{field}: {:?}", faults(&within));
         assert!(!judge.is_valid(&beyond) && is_refused(&beyond), "{field} beyond: {:?}", faults(&beyond));
     }

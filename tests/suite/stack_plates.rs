@@ -57,7 +57,8 @@ fn value(row: &Value, name: &str) -> f64 {
 #[test]
 fn a_stack_of_plates_runs_and_accounts_for_its_light() {
     let scratch = tempfile::tempdir().unwrap();
-    let (file, output) = (study(scratch.path(), STACK), scratch.path().join("out"));
+    let file = study(scratch.path(), STACK);
+    let output = scratch.path().join("out");
     let said = succeed(&file, &output, &[]);
     for words in ["varnish: clear", "ink: solved whole", "white: slabs of 0.50 µm"] {
         assert!(said.contains(words), "{words}: {said}");
@@ -68,7 +69,9 @@ fn a_stack_of_plates_runs_and_accounts_for_its_light() {
     assert_eq!((rows.len(), absorbed.len(), first["status"].as_str()), (4, 12, Some("complete")));
     for (row, layers) in rows.iter().zip(absorbed.chunks(3)) {
         let lost = 1.0 - value(row, "reflectance_normal") - value(row, "transmittance_normal");
-        let [varnish, ink, white] = [0, 1, 2].map(|k| value(&layers[k], "absorptance_normal"));
+        let varnish = value(&layers[0], "absorptance_normal");
+        let ink = value(&layers[1], "absorptance_normal");
+        let white = value(&layers[2], "absorptance_normal");
         // rounding, and clear grains' solves to their residual
         assert!((varnish + ink + white - lost).abs() < 1e-9, "{layers:?} {lost}");
         assert!(varnish.abs() < 1e-9 && white.abs() < 1e-3 && ink > 0.05, "{layers:?}");

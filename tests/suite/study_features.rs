@@ -42,7 +42,8 @@ fn both_ways_agree(relief: &str) {
     assert_eq!((lit(Side::Incident), lit(Side::Exit)), (6 * 4 * 3, 6 * 4));
     // R̄ from the exit side by its own quadrature and by reciprocity, 1 − T̄ − Ā: they share nothing but the absorption.
     let apart = &certainty["exit_reflectance_difference"];
-    let [value, error] = ["value", "standard_error"].map(|key| apart[key].as_f64().unwrap());
+    let value = apart["value"].as_f64().unwrap();
+    let error = apart["standard_error"].as_f64().unwrap();
     // Student's t of 5 degrees of freedom exceeds 6.9 once in a thousand
     assert!(error > 0.0 && value.abs() < 6.9 * error, "{value} ± {error}");
 }
@@ -85,7 +86,8 @@ fn the_papers_albedo_may_be_a_spectrum() {
         let normal = rows.iter().filter(|row| row["polar_deg"] == 0.0);
         normal.map(|row| row["natural_light"]["value"].as_f64().unwrap()).collect::<Vec<f64>>()
     };
-    let [dark, light] = [("dark", "0.5"), ("light", "0.8")].map(|(name, rho)| with(name, rho));
+    let dark = with("dark", "0.5");
+    let light = with("light", "0.8");
     let listed = with("listed", "[[400, 0.5], [700, 0.8]]");
     assert_eq!(listed, with("table", "{ csv = \"paper.csv\" }"));
     assert!(listed[0] == dark[0] && listed[3] == light[3]);

@@ -69,7 +69,8 @@ fn names_that_are_no_text_are_names_all_the_same() {
 /// Runs a study within this address space.
 fn within(kilobytes: u32, text: &str) -> Output {
     let folder = tempfile::tempdir().unwrap();
-    let (study, out) = (study(folder.path(), text), folder.path().join("out"));
+    let study = study(folder.path(), text);
+    let out = folder.path().join("out");
     let line = format!("ulimit -v {kilobytes}; exec \"$0\" run \"$1\" --output \"$2\"");
     let mut shell = Command::new("bash");
     shell.args(["-c", &line, env!("CARGO_BIN_EXE_inkwave")]).arg(study).arg(out);

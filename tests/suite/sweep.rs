@@ -82,7 +82,8 @@ fn a_report_made_anew_is_the_same() {
 #[test]
 fn a_kill_loses_at_most_the_points_in_flight() {
     let place = Place::new(&TINY.replace("step_nm = 100", "step_nm = 5"));
-    let (file, out) = (place.path("tiny.toml"), place.path("out"));
+    let file = place.path("tiny.toml");
+    let out = place.path("out");
     let mut child = inkwave(&["sweep", &file, "--output", &out])
         .stdout(Stdio::null())
         .stderr(Stdio::null())
@@ -113,7 +114,8 @@ fn a_kill_loses_at_most_the_points_in_flight() {
 fn a_variant_that_fails_is_recorded_and_tried_again_when_asked() {
     let hard = TINY.replace("[[axis]]\nname = \"paper\"", "[[override]]\nwhere = { share = \"15 %\" }\nset = { \"solver.max_applications\" = 2 }\n[[axis]]\nname = \"paper\"");
     let place = Place::new(&hard);
-    let (file, out) = (place.path("tiny.toml"), place.path("out"));
+    let file = place.path("tiny.toml");
+    let out = place.path("out");
     let run =
         |more: &[&str]| inkwave(&[&["sweep", &file, "--output", &out], more].concat()).output().unwrap();
     let first = run(&[]);

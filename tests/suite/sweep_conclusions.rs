@@ -69,8 +69,10 @@ fn mean_gain(place: &Place, share: &str) -> f64 {
         let first = rows[0]["polar_deg"].clone();
         rows.iter().filter(|row| row["polar_deg"] == first).map(|row| number(row, "transmittance")).collect()
     };
-    let (grains, mixture) = (of("200"), of("molecular"));
-    let [low, high] = [f64::min, f64::max].map(|pick| mixture.iter().copied().reduce(pick).unwrap());
+    let grains = of("200");
+    let mixture = of("molecular");
+    let low = mixture.iter().copied().reduce(f64::min).unwrap();
+    let high = mixture.iter().copied().reduce(f64::max).unwrap();
     let part = mixture.iter().zip(&grains).filter(|(m, _)| **m <= 0.5 * (low + high));
     let gains: Vec<f64> = part.map(|(m, g)| g - m).collect();
     assert!(!gains.is_empty() && gains.len() < mixture.len(), "{mixture:?}");
@@ -87,7 +89,8 @@ fn conclusions_say_whose_they_are_and_measure_what_they_say() {
     let of_variants = rows(&place.path("out/sweep.csv"));
     // numbers of 16 digits, a few additions
     for (id, share) in [("10 %: pale", "10"), ("15 %: pale", "15")] {
-        let (row, wanted) = (found(&judged, "id", id), mean_gain(&place, share));
+        let row = found(&judged, "id", id);
+        let wanted = mean_gain(&place, share);
         approx::assert_abs_diff_eq!(number(row, "measured"), wanted, epsilon = 1e-12);
         assert_eq!((row["source"].as_str(), row["because"].as_str()), ("P1", "On the mean over that part"));
         assert!(
@@ -123,7 +126,8 @@ fn slips_of_conclusions_name_their_key() {
     slip("each = \"share\"", "each = \"shape\"", ["conclusion[2].each", "share, size, paper"]);
     slip("source = \"P1\"\n", "", ["conclusion[2].quote", "quotation without a source"]);
     slip("[400, 700]\nover = \"some\"", "[400, 700]\nover = \"any\"", ["any", "some"]);
-    let (range, point) = ("range_nm = [400, 700]\nover = \"some\"", "wavelength_nm = 400\nover = \"some\"");
+    let range = "range_nm = [400, 700]\nover = \"some\"";
+    let point = "wavelength_nm = 400\nover = \"some\"";
     slip(range, point, ["conclusion[3].over", "range_nm"]);
 }
 

@@ -88,7 +88,8 @@ fn a_sweep_with_a_target_names_the_variant_that_meets_it() {
         let path = place.path(&format!("out/variants/{variant}/results.json"));
         serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()
     };
-    let (plain, wanted) = (table(&place), "15-200-0.5");
+    let plain = table(&place);
+    let wanted = "15-200-0.5";
     let header = |text: &str| text.lines().next().unwrap().to_owned();
     let before = header(&std::fs::read_to_string(place.path("out/sweep.csv")).unwrap());
     assert!(before.ends_with(",delta_e_2000,delta_e_2000_standard_error"), "{before}");
@@ -190,7 +191,9 @@ fn the_explorer_interpolates_between_three_numbers_with_the_error_of_leaving_one
     let t = if between(0)["logarithmic"] == true { 1.5_f64.log2() } else { 0.5 };
     for (v, variant) in data["variants"].as_array().unwrap().iter().enumerate() {
         let (share, rest) = variant["name"].as_str().unwrap().split_once('-').unwrap();
-        let [low, middle, high] = ["10", "15", "20"].map(|share| lab(&format!("{share}-{rest}")));
+        let low = lab(&format!("10-{rest}"));
+        let middle = lab(&format!("15-{rest}"));
+        let high = lab(&format!("20-{rest}"));
         let line: [f64; 3] = std::array::from_fn(|i| low[i] + t * (high[i] - low[i]));
         let expected = (share == "15").then(|| ciede2000(line, middle));
         let found = between(0)["left_out"][v].as_f64();

@@ -54,7 +54,8 @@ fn a_film_without_grains_is_airys_in_every_polarisation() {
     let base = "[layer]\nperiod_um = 0.8\nthickness_um = 0.7\nbinder.index = 1.558\n\
         [[pigment]]\nname = 'grey'\ndiameter_nm = 'molecular'\nvolume_fraction = 0.3\nindex = { n = 1.4, k = 0.2 }\n\
         [light]\nwavelengths_nm = [450, 600]\n[angles]\npolar_deg = [0, 30, 60]\n";
-    let (host, grain) = (Complex64::from(1.558 * 1.558), Complex64::new(1.4, 0.2) * Complex64::new(1.4, 0.2));
+    let host = Complex64::from(1.558 * 1.558);
+    let grain = Complex64::new(1.4, 0.2) * Complex64::new(1.4, 0.2);
     let beta = 0.3 * (grain - host) / (grain + 2.0 * host);
     let garnett = (host * (1.0 + 2.0 * beta) / (1.0 - beta)).sqrt();
     let average = (0.7 * host + 0.3 * grain).sqrt();
@@ -66,7 +67,8 @@ fn a_film_without_grains_is_airys_in_every_polarisation() {
             for row in results["spectra"].as_array().unwrap() {
                 let number = |name: &str| row[name].as_f64().unwrap();
                 let film = |p| airy(index, 0.7, 1e-3 * number("wavelength_nm"), number("polar_deg"), p);
-                let [s, p] = [false, true].map(film);
+                let s = film(false);
+                let p = film(true);
                 for (i, name) in ["reflectance", "transmittance"].into_iter().enumerate() {
                     let want = shares[0] * s[i] + shares[1] * p[i];
                     // the film is exact: rounding
@@ -94,22 +96,24 @@ fn unpolarised_light_is_the_mean_of_s_and_p_and_no_record_is_stale() {
     assert_eq!(keys(folder.path()).len(), 24 + 48, "s and p are solved once");
     assert_eq!(both["study"]["wave"], "unpolarised");
     for name in ["reflectance", "specular_reflectance", "transmittance", "absorptance", "natural_light"] {
-        let [s, p, both, scalar] = [&s, &p, &both, &scalar].map(|r| column(r, name));
+        let s = column(&s, name);
+        let p = column(&p, name);
+        let both = column(&both, name);
+        let scalar = column(&scalar, name);
         let mean = s.iter().zip(&p).map(|(s, p)| 0.5 * (s + p));
         // linear fits of the same samples: rounding
         assert!(!both.is_empty() && largest(mean.zip(&both).map(|(m, b)| m - b)) < 1e-10, "{name}");
         // the vector wave is another one than the scalar
         assert!(largest(both.iter().zip(&scalar).map(|(b, s)| b - s)) > 1e-4, "{name}");
     }
-    let [at_0, at_45] = [0.0, 45.0].map(|deg| {
+    let largest_difference = |deg: f64| {
         let rows = s["spectra"].as_array().unwrap().iter().zip(p["spectra"].as_array().unwrap());
-        let at = rows.filter(|(row, _)| row["polar_deg"].as_f64() == Some(deg));
-        let apart = |(s, p): (&Value, &Value)| {
-            let [s, p] = [s, p].map(|row| row["reflectance"]["value"].as_f64().unwrap());
-            (s - p).abs()
-        };
-        at.map(apart).fold(0.0, f64::max)
-    });
+        let rows = rows.filter(|(row, _)| row["polar_deg"].as_f64() == Some(deg));
+        let reflectance = |row: &Value| row["reflectance"]["value"].as_f64().unwrap();
+        rows.map(|(s, p)| (reflectance(s) - reflectance(p)).abs()).fold(0.0, f64::max)
+    };
+    let at_0 = largest_difference(0.0);
+    let at_45 = largest_difference(45.0);
     // two packings of few grains tell s from p a little at 0°; at 45° Fresnel does
     assert!(at_0 < 0.03 && at_45 > 0.05, "{at_0} {at_45}");
 }

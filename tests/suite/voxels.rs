@@ -40,7 +40,8 @@ fn cut(nx: usize, ny: usize, nz: usize) -> Array3<u8> {
 }
 
 fn solved(packing: &Packing) -> FarField {
-    let (incident, exit) = (1.0.into(), 1.0.into());
+    let incident = 1.0.into();
+    let exit = 1.0.into();
     let media = Media {
         incident,
         exit,
@@ -72,7 +73,8 @@ fn voxel_errors(count: usize) -> [f64; 2] {
         let voxels = VoxelCut::new(&labels(&exact, Some([6 * count, 6 * count, 5 * count])), false);
         let boxes =
             Packing::from_grains([PERIOD_UM; 2], 0.5, true, voxels.grains([PERIOD_UM, PERIOD_UM, 0.5]));
-        let (a, b) = (solved(&exact), solved(&boxes.expect("boxes that touch")));
+        let a = solved(&exact);
+        let b = solved(&boxes.expect("boxes that touch"));
         let totals = (a.reflectance - b.reflectance).abs().max((a.transmittance - b.transmittance).abs());
         for (sum, error) in sums.iter_mut().zip([largest_difference(&a, &b, |m, n| (m, n)), totals]) {
             *sum += error * error / PLACES as f64;
@@ -96,7 +98,8 @@ fn voxelised_spheres_converge_to_the_spheres() {
 
 #[test]
 fn labels_written_are_the_voxels_read() {
-    let (folder, cut) = (tempfile::tempdir().expect("a folder"), cut(6, 4, 5));
+    let folder = tempfile::tempdir().expect("a folder");
+    let cut = cut(6, 4, 5);
     write(folder.path(), "cut.npy", &cut);
     let study =
         study(folder.path(), 0.1, "voxels = 'cut.npy', voxel_nm = 20", "").unwrap_or_else(|e| panic!("{e}"));
@@ -118,7 +121,8 @@ fn labels_written_are_the_voxels_read() {
 
 #[test]
 fn one_array_gives_several_cuts_and_mirrored_ones_have_no_seam() {
-    let (folder, cut) = (tempfile::tempdir().expect("a folder"), cut(6, 4, 5));
+    let folder = tempfile::tempdir().expect("a folder");
+    let cut = cut(6, 4, 5);
     write(folder.path(), "cut.npy", &cut);
     let at = |more: &str| {
         let keys =

@@ -58,12 +58,14 @@ fn longer_waves_have_coarser_grids_that_keep_the_accuracy() {
     let (_, exact) = ran(folder.path(), "exact", "accuracy = 1e-4\nper_wavelength = false");
     let count = |r: &Value| ["nx", "ny", "cells"].map(|key| r[key].as_u64().unwrap()).iter().product::<u64>();
     assert_eq!(own["resolution"], one["resolution"], "the shortest waves keep their grid");
-    let [finest, longest] = [&own["resolution"], &own["resolution_longest"]].map(count);
+    let finest = count(&own["resolution"]);
+    let longest = count(&own["resolution_longest"]);
     assert!(2 * longest < finest, "{finest} points at 400 nm, {longest} at 700 nm");
     assert!(one.get("resolution_longest").is_none());
     // R and T are sums of squares of amplitudes, which are 1 at most together: twice an amplitude's error bounds theirs.
     for point in &points {
-        let ([r, t], [exact_r, exact_t]) = (totals(&points, point), totals(&exact, point));
+        let [r, t] = totals(&points, point);
+        let [exact_r, exact_t] = totals(&exact, point);
         let worst = (r - exact_r).abs().max((t - exact_t).abs());
         assert!(worst < 2e-3, "{worst} at {} µm", point.incidence.wavelength_um);
     }

@@ -6,7 +6,8 @@ use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
 fn start(place: &Place, output: &str) -> Child {
-    let (file, output) = (place.path("tiny.toml"), place.path(output));
+    let file = place.path("tiny.toml");
+    let output = place.path(output);
     let mut command = inkwave(&["sweep", &file, "--jobs", "1", "--output", &output]);
     command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
@@ -68,7 +69,8 @@ fn other_work_in_a_folder_where_processes_are_at_work_is_refused() {
 #[test]
 fn shards_take_grids_that_were_chosen_before() {
     let place = Place::new(TINY);
-    let (file, grids) = (place.path("tiny.toml"), place.path("grids"));
+    let file = place.path("tiny.toml");
+    let grids = place.path("grids");
     succeed(&["sweep", &file, "--grids-only", "--output", &grids]);
     assert_eq!(points(&grids), 0);
     let count = |folder: &str| Store::<PointRecord>::open(folder).unwrap().database().keys("grid").len();
@@ -87,7 +89,8 @@ fn shards_take_grids_that_were_chosen_before() {
 fn a_task_number_of_any_engine_is_heard_and_numbers_beyond_the_units_are_refused() {
     let place = Place::new(TINY);
     let run = |variable: &str, shard: &str, output: &str| {
-        let (file, output) = (place.path("tiny.toml"), place.path(output));
+        let file = place.path("tiny.toml");
+        let output = place.path(output);
         let mut command = inkwave(&["sweep", &file, "--output", &output, "--shard", shard]);
         command.env(variable, "2").output().unwrap()
     };
@@ -171,7 +174,8 @@ fn a_wanted_bar_may_speak_of_one_colour() {
     let text = std::fs::read_to_string(variant.path().join("results.json")).unwrap();
     let manifest: serde_json::Value = serde_json::from_str(&text).unwrap();
     let bar = |colour: usize| manifest["colours"][colour]["delta_e_2000_95"].as_f64().unwrap();
-    let (sky, print) = (bar(0), bar(1));
+    let sky = bar(0);
+    let print = bar(1);
     let between = 0.5 * (sky + print);
     let axis = "name = \"colour\"\nfield = \"run.target_colour\"\n";
     let colours = format!("{axis}values = [\"every\", \"natural_light\", \"lit_at_45\"]\n");

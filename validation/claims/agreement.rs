@@ -40,7 +40,8 @@ pub fn measure(registry: &Registry, level: Level, findings: &mut Findings) {
     let sizes: &[[usize; 3]] = level.pick(&[[7, 6, 5]], &[[7, 6, 5], [11, 5, 5], [6, 12, 6], [8, 8, 5]]);
     let mut histories = Vec::new();
     for entry in registry.entries() {
-        let (name, solver) = (entry.name.as_str(), entry.build());
+        let name = entry.name.as_str();
+        let solver = entry.build();
         if solver.most_unknowns().is_some() {
             continue;
         }

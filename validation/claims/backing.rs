@@ -159,8 +159,8 @@ fn brightened(_: Level, findings: &mut Findings) {
     let mut error: f64 = 0.0;
     for (w, got) in factors(&brightener(0.8), &mix, &open).into_iter().enumerate() {
         let excited: f64 = (0..w).map(|j| matrix[w][j] * open[j][0].entering * light[j]).sum();
-        let here = &open[w][0];
-        error = error.max((got - here.leaving * (albedos[w] * here.entering + excited / light[w])).abs());
+        let area = &open[w][0];
+        error = error.max((got - area.leaving * (albedos[w] * area.entering + excited / light[w])).abs());
     }
     findings.identity("Hersch's relation without returns", error, 1e-14, "rounding of a sum of 80 terms");
     let most = brightener(1.0).most_quanta(|nm| 1.0 - brightener(1.0).absorbed(nm), &summed_nm(300.0, 780.0));
@@ -173,10 +173,10 @@ fn brightened(_: Level, findings: &mut Findings) {
 /// A paper measured with and without ultraviolet light.
 fn pair(findings: &mut Findings) {
     let m2 = |nm: f64| 0.90 + 0.02 * ((nm - 400.0) / 300.0);
-    let more = |nm: f64| 0.13 * (-0.5 * ((nm - 440.0) / 25.0_f64).powi(2)).exp();
+    let fluorescence = |nm: f64| 0.13 * (-0.5 * ((nm - 440.0) / 25.0_f64).powi(2)).exp();
     let nm = || (0..=32).map(|k| 400.0 + 10.0 * f64::from(k));
     let files = [
-        ("m1.csv", table(nm().map(|nm| (nm, m2(nm) + more(nm))))),
+        ("m1.csv", table(nm().map(|nm| (nm, m2(nm) + fluorescence(nm))))),
         ("m2.csv", table(nm().map(|nm| (nm, m2(nm))))),
     ];
     let paper = "fluorescence = { m1_csv = 'm1.csv', m2_csv = 'm2.csv', unit = 'factor' }";
@@ -185,14 +185,14 @@ fn pair(findings: &mut Findings) {
     let layer = vec![optics(INK); study.wavelengths_nm.len()];
     let all = task.numbers(&layer);
     let each = all.len() / 3;
-    let error = |number: usize, want: &dyn Fn(f64) -> f64| {
+    let error = |number: usize, expected: &dyn Fn(f64) -> f64| {
         let measured = study.wavelengths_nm.iter().zip(&all[number].factors).filter(|(nm, _)| **nm >= 400.0);
-        measured.map(|(nm, factor)| (factor - want(*nm)).abs()).fold(0.0, f64::max)
+        measured.map(|(nm, factor)| (factor - expected(*nm)).abs()).fold(0.0, f64::max)
     };
     let because = "emission at every wavelength is what the pair leaves over";
     findings.promise(
         "bare paper under M1 against its measurement",
-        error(each, &|nm| m2(nm) + more(nm)),
+        error(each, &|nm| m2(nm) + fluorescence(nm)),
         1e-3,
         because,
     );
@@ -208,26 +208,29 @@ fn dots(_: Level, findings: &mut Findings) {
     let mut between: f64 = 0.0;
     let mut solid: f64 = 0.0;
     for (coverage, albedo) in [(0.1, 0.9), (0.37, 0.955), (0.5, 0.6), (0.8, 1.0)] {
-        let at = |spread: f64, coverage: f64| {
+        let factor = |spread: f64, coverage: f64| {
             let mix = AreaMix { shares: vec![coverage, 1.0 - coverage], spread };
             mix.factor(&[optics(INK), optics(BARE)], albedo, &[])
         };
         let alone = |area: &Area| area.entering * area.leaving * albedo / (1.0 - albedo * area.back);
-        let mean = |of: fn(&Area) -> f64| coverage * of(&INK) + (1.0 - coverage) * of(&BARE);
+        let mean = |part: fn(&Area) -> f64| coverage * part(&INK) + (1.0 - coverage) * part(&BARE);
         let neugebauer = coverage * alone(&INK) + (1.0 - coverage) * alone(&BARE);
-        let [entering, leaving, back] = [mean(|x| x.entering), mean(|x| x.leaving), mean(|x| x.back)];
+        let entering = mean(|x| x.entering);
+        let leaving = mean(|x| x.leaving);
+        let back = mean(|x| x.back);
         let clapper_yule = albedo * entering * leaving / (1.0 - albedo * back);
-        limits =
-            limits.max((at(0.0, coverage) - neugebauer).abs()).max((at(1.0, coverage) - clapper_yule).abs());
+        limits = limits
+            .max((factor(0.0, coverage) - neugebauer).abs())
+            .max((factor(1.0, coverage) - clapper_yule).abs());
         let areas = [vec![INK, BARE]];
         let shares = [coverage, 1.0 - coverage];
         let paper = [vec![albedo]];
         let truth = Returns { areas: &areas, shares: &shares, spread: 0.4, paper: &paper, light: &[1.0] };
-        between = between.max((at(0.4, coverage) - truth.factors(400)[0]).abs());
+        between = between.max((factor(0.4, coverage) - truth.factors(400)[0]).abs());
         let scalar =
             INK.entering * INK.leaving * returned(albedo, 1.0 - INK.back, 0.0, 1.0).unwrap_or(f64::NAN);
         for spread in [0.0, 0.3, 0.7, 1.0] {
-            solid = solid.max((at(spread, 1.0) - scalar).abs());
+            solid = solid.max((factor(spread, 1.0) - scalar).abs());
         }
     }
     findings.identity("dots without and with full spread against closed forms", limits, 1e-12, "rounding");

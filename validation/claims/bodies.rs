@@ -116,7 +116,8 @@ fn layered(case: &Case, [core, layer]: [f64; 2]) -> Case {
 fn measure(level: Level, findings: &mut Findings) {
     let points = level.pick(14, 20);
     for (name, shape, [whole, core]) in bodies() {
-        let (contrast, of_core) = (1e-4, -0.6e-4);
+        let contrast = 1e-4;
+        let of_core = -0.6e-4;
         let eta = |contrast: f64| (HOST * HOST + contrast).sqrt();
         let bare = case(&shape, eta(contrast));
         weak(findings, name, points, &bare, &|q| contrast * whole(q));
@@ -162,12 +163,15 @@ fn films(findings: &mut Findings) {
     let boxes =
         with(json!({"H": HEIGHT, "eta_binder": [HOST, 0.0], "bodies": [slab(0.2, 1.4), slab(0.5, 2.2)]}));
     let film = |thickness: f64, eta: f64, kappa: f64| json!({"thickness": thickness, "eta": [eta, kappa]});
-    let [host, outer, inner] = [film(0.05, HOST, 0.0), film(0.15, 2.2, 0.02), film(0.2, 1.4, 0.02)];
+    let host = film(0.05, HOST, 0.0);
+    let outer = film(0.15, 2.2, 0.02);
+    let inner = film(0.2, 1.4, 0.02);
     let films = with(json!({"layers_from_z0": [host, outer, inner, outer, host]}));
     let because = "the same layers, to the residual";
     let off = largest_difference(&scalar(&films, 5, 20), &scalar(&boxes, 5, 20));
     findings.promise("layered box as wide as the cell, scalar wave", off, 1e-8, because);
-    let [films, boxes] = [films, boxes].map(|case| vector::solve(&case, 5, 20, 1e-10).far);
+    let films = vector::solve(&films, 5, 20, 1e-10).far;
+    let boxes = vector::solve(&boxes, 5, 20, 1e-10).far;
     let off = (0..2).map(|i| largest_difference(&films[i], &boxes[i])).fold(0.0, f64::max);
     findings.promise("layered box as wide as the cell, vector wave", off, 1e-8, because);
 }
@@ -175,7 +179,8 @@ fn films(findings: &mut Findings) {
 /// Largest difference between amplitudes and those of first order, and the largest of the latter.
 fn deviation(far: &FarField, form: &dyn Fn([f64; 3]) -> Complex64) -> (f64, f64) {
     let scattered = far.orders.iter().filter(|o| (o.m, o.n) != (0, 0) && o.transmitted_propagates);
-    let (mut worst, mut largest) = (0.0f64, 0.0f64);
+    let mut worst = 0.0f64;
+    let mut largest = 0.0f64;
     for order in scattered {
         let [reflected, transmitted] = first_order(order, form);
         worst = worst.max((order.reflected - reflected).norm()).max((order.transmitted - transmitted).norm());
@@ -186,7 +191,8 @@ fn deviation(far: &FarField, form: &dyn Fn([f64; 3]) -> Complex64) -> (f64, f64)
 
 /// i k₀² Δε F(q)/(2 κ Lx Ly), with the phases of the planes z = 0 and z = H that the amplitudes refer to.
 fn first_order(order: &Order, form: &dyn Fn([f64; 3]) -> Complex64) -> [Complex64; 2] {
-    let (k0, [lx, ly]) = (TAU / WAVELENGTH, PERIOD);
+    let k0 = TAU / WAVELENGTH;
+    let [lx, ly] = PERIOD;
     let [kx, ky] = order.direction.map(|d| d * k0);
     let kz = ((k0 * HOST).powi(2) - kx * kx - ky * ky).sqrt();
     let incident = wavevector();
@@ -200,7 +206,9 @@ fn first_order(order: &Order, form: &dyn Fn([f64; 3]) -> Complex64) -> [Complex6
 }
 
 fn wavevector() -> [f64; 3] {
-    let (k, polar, azimuth) = (TAU / WAVELENGTH * HOST, 20f64.to_radians(), 35f64.to_radians());
+    let k = TAU / WAVELENGTH * HOST;
+    let polar = 20f64.to_radians();
+    let azimuth = 35f64.to_radians();
     [k * polar.sin() * azimuth.cos(), k * polar.sin() * azimuth.sin(), k * polar.cos()]
 }
 
@@ -211,7 +219,8 @@ fn into_body(q: [f64; 3]) -> [f64; 3] {
 
 /// As [`deviation`] for the power of both outgoing polarisations: |e_in|² less its part along the outgoing direction.
 fn vector_deviation(far: &[FarField; 2], form: &dyn Fn([f64; 3]) -> Complex64) -> f64 {
-    let (mut worst, mut largest) = (0.0f64, 0.0f64);
+    let mut worst = 0.0f64;
+    let mut largest = 0.0f64;
     let along = wavevector();
     let s_in = unit([-along[1], along[0], 0.0]);
     for order in far[0].orders.iter().filter(|o| (o.m, o.n) != (0, 0) && o.transmitted_propagates) {

@@ -70,7 +70,8 @@ fn measure(level: Level, findings: &mut Findings) {
         let values: Vec<(f64, Estimate)> =
             solved.iter().map(|(side, f)| (*side, estimate(f, quantity))).collect();
         let apart = |i: usize, j: usize| {
-            let (a, b) = (values[i].1, values[j].1);
+            let a = values[i].1;
+            let b = values[j].1;
             let bar = a.standard_error.expect("several").hypot(b.standard_error.expect("several"));
             ((a.value - b.value).abs(), bar)
         };

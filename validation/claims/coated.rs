@@ -61,7 +61,8 @@ impl Coated {
         let mut largest = 0.0_f64;
         for order in &self.orders {
             let at = ["m", "n"].map(|key| order[key].as_i64().expect("a whole number") as i32);
-            let (side, expected) = (usize::from(order["side"] == "transmitted"), &order["amplitude"]);
+            let side = usize::from(order["side"] == "transmitted");
+            let expected = &order["amplitude"];
             for (i, j) in (0..2).flat_map(|i| (0..2).map(move |j| (i, j))) {
                 let listed = if self.vector { &expected[NAMES[i]][NAMES[j]] } else { expected };
                 largest = largest.max((amplitude(at, side, [i, j]) - complex(listed)).norm());

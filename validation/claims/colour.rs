@@ -48,7 +48,10 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
 
 fn measure(_: Level, findings: &mut Findings) {
     let file: Value = serde_json::from_str(include_str!("../data/colour.json")).expect("JSON");
-    let (mut xyz, mut lab, mut rgb, mut bytes) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
+    let mut xyz = 0.0f64;
+    let mut lab = 0.0f64;
+    let mut rgb = 0.0f64;
+    let mut bytes = 0.0f64;
     for (key, grid) in
         [("g380_780_5", wavelengths(380., 780., 5.)), ("g400_700_10", wavelengths(400., 700., 10.))]
     {
@@ -56,7 +59,8 @@ fn measure(_: Level, findings: &mut Findings) {
         for case in file["spectra"].as_array().expect("spectra") {
             let name = case["name"].as_str().expect("a name");
             let values: Vec<f64> = grid.iter().map(|&l| spectrum(name, l)).collect();
-            let (got, want) = (meter.colour(&values).expect("a colour"), &case[key]);
+            let got = meter.colour(&values).expect("a colour");
+            let want = &case[key];
             xyz = xyz.max(largest(&got.xyz, &numbers(&want["XYZ"])));
             lab = lab.max(largest(&got.lab, &numbers(&want["Lab"])));
             rgb = rgb.max(largest(&got.srgb, &numbers(&want["srgb_whitenorm"])));

@@ -79,9 +79,13 @@ fn films(level: Level, findings: &mut Findings) {
 
 /// Polarisability of Clausius and Mossotti along both axes, in a square lattice of dipoles that are static at its scale.
 fn small_sphere(findings: &mut Findings) {
-    let (side, height, radius, host) = (0.4, 0.14, 0.05, 1.5);
+    let side = 0.4;
+    let height = 0.14;
+    let radius = 0.05;
+    let host = 1.5;
     let axis = [0.48, 0.36, 0.8];
-    let (o, e) = (1.7, 2.4);
+    let o = 1.7;
+    let e = 2.4;
     let text = format!(
         "wavelength_um = 12\nsigma_deg = 50\nphi_deg = 20\nL = {side}\nH = {height}\nn_in = {host}\nn_out = {host}\n\
          eta_binder = [{host}, 0]\n[[spheres]]\ncenter = [0.2, 0.2, 0.07]\nradius = {radius}\neta = [{o}, 0]\n\
@@ -143,7 +147,10 @@ fn tensor(across: f64, step: f64, axis: [f64; 3]) -> Tensor {
 
 fn inverted(m: Tensor) -> Tensor {
     let cofactor = |i: usize, j: usize| {
-        let [r, s, p, q] = [(i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3];
+        let r = (i + 1) % 3;
+        let s = (i + 2) % 3;
+        let p = (j + 1) % 3;
+        let q = (j + 2) % 3;
         m[r][p] * m[s][q] - m[r][q] * m[s][p]
     };
     let determinant: f64 = (0..3).map(|j| m[0][j] * cofactor(0, j)).sum();

@@ -94,7 +94,8 @@ fn forward_amplitude(sphere: &Sphere, side: f64) -> Complex64 {
 
 fn measure(level: Level, findings: &mut Findings) {
     for single in cases().into_iter().take(level.pick(2, 4)) {
-        let (count, forward) = (level.pick(4, 6), single.forward());
+        let count = level.pick(4, 6);
+        let forward = single.forward();
         let sides: Vec<f64> =
             (0..count).map(|i| (3.3 + 0.37 * i as f64) * single.sphere.wavelength_um).collect();
         let mean = sides.iter().map(|&s| forward_amplitude(&single.sphere, s)).sum::<Complex64>()

@@ -67,20 +67,23 @@ struct View<'a> {
 
 impl View<'_> {
     fn new(mie: &Mie, side: f64, height: f64) -> View<'_> {
-        let ((sine, cosine), azimuth) = (POLAR_DEG.to_radians().sin_cos(), AZIMUTH_DEG.to_radians());
+        let (sine, cosine) = POLAR_DEG.to_radians().sin_cos();
+        let azimuth = AZIMUTH_DEG.to_radians();
         View { mie, side, height, incident: [sine * azimuth.cos(), sine * azimuth.sin(), cosine] }
     }
 
     /// Unit vector of an order with lateral wavevector k0 (α, β); none of evanescent ones.
     fn outgoing(&self, [x, y]: [f64; 2], k0: f64, reflected: bool) -> Option<Vector> {
-        let [x, y] = [x, y].map(|a| a * k0 / self.mie.k);
+        let x = x * k0 / self.mie.k;
+        let y = y * k0 / self.mie.k;
         let square = 1.0 - x * x - y * y;
         (square > 0.0).then(|| [x, y, if reflected { -square.sqrt() } else { square.sqrt() }])
     }
 
     /// F from an order's amplitude, the incident wave taken off where it is one with the order.
     fn scattered(&self, amplitude: Complex64, out: Vector, incident_too: bool) -> Complex64 {
-        let (k, away) = (self.mie.k, 0.5 * self.height);
+        let k = self.mie.k;
+        let away = 0.5 * self.height;
         let straight = Complex64::cis(k * self.incident[2] * self.height);
         let wave = if incident_too { amplitude - straight } else { amplitude };
         let lateral = (0..2).map(|i| (self.incident[i] - out[i]) * PLACE[i]).sum::<f64>() * self.side;
@@ -105,14 +108,16 @@ fn dyadic(mie: &Mie, from: Vector, to: Vector, [input, output]: [usize; 2]) -> C
     let length = dot(across, across).sqrt();
     // Straight on and back every plane is one.
     let normal = if length < 1e-9 { basis(from)[0] } else { across.map(|x| x / length) };
-    let (e_in, e_out) = (basis(from)[input], basis(to)[output]);
+    let e_in = basis(from)[input];
+    let e_out = basis(to)[output];
     let along = dot(cross(from, normal), e_in) * dot(cross(to, normal), e_out);
     let through = dot(normal, e_in) * dot(normal, e_out);
     Complex64::I / mie.k * (s2 * along + s1 * through)
 }
 
 fn incidence(sphere: &Sphere) -> Incidence {
-    let (wavelength_um, from) = (sphere.wavelength_um, Side::Incident);
+    let wavelength_um = sphere.wavelength_um;
+    let from = Side::Incident;
     Incidence { wavelength_um, polar_deg: POLAR_DEG, azimuth_deg: AZIMUTH_DEG, from }
 }
 
@@ -124,7 +129,8 @@ fn scalar_orders(single: &Single, mie: &Mie, side: f64) -> Vec<Amplitude> {
     let problem =
         Problem::from_scene(&scene, &media, &incidence, resolution, Mean::default()).expect("problem");
     let solution = Gmres::default().solve(&problem, GOAL, &mut Silent).expect("converges");
-    let (view, k0) = (View::new(mie, side, scene.thickness_um()), TAU / single.sphere.wavelength_um);
+    let view = View::new(mie, side, scene.thickness_um());
+    let k0 = TAU / single.sphere.wavelength_um;
     let mut all = Vec::new();
     for order in problem.far_field(&solution.field).orders {
         for (reflected, amplitude) in [(true, order.reflected), (false, order.transmitted)] {
@@ -141,7 +147,8 @@ fn scalar_orders(single: &Single, mie: &Mie, side: f64) -> Vec<Amplitude> {
 fn vector_orders(single: &Single, mie: &Mie, side: f64) -> Vec<Amplitude> {
     let (scene, media, scalar) = array(&single.sphere, side);
     // Two Gauss planes a cell for three, and odd numbers of points, which the tensor wants.
-    let (points, cells) = (scalar.nx | 1, scalar.cells * 3 / 2);
+    let points = scalar.nx | 1;
+    let cells = scalar.cells * 3 / 2;
     let resolution = Resolution { nx: points, ny: points, cells, scheme: Scheme::Quadratic };
     let moments = Arc::new(NormalMoments::new(&scene, resolution).expect("moments"));
     let incidence = incidence(&single.sphere);
@@ -149,7 +156,8 @@ fn vector_orders(single: &Single, mie: &Mie, side: f64) -> Vec<Amplitude> {
     let problem = problem.expect("problem");
     let fields = Polarisation::BOTH
         .map(|p| Gmres::default().solve(&problem.polarised(p), GOAL, &mut Silent).expect("converges").field);
-    let (view, k0) = (View::new(mie, side, scene.thickness_um()), TAU / single.sphere.wavelength_um);
+    let view = View::new(mie, side, scene.thickness_um());
+    let k0 = TAU / single.sphere.wavelength_um;
     let mut all = Vec::new();
     let [s, p] = far_fields(&problem, &fields);
     for (order, other) in s.orders.iter().zip(&p.orders) {
@@ -186,7 +194,8 @@ impl Over {
 
     /// Square of the mean's standard error.
     fn square_error(&self) -> f64 {
-        let (mean, n) = (self.mean(), self.remainders.len() as f64);
+        let mean = self.mean();
+        let n = self.remainders.len() as f64;
         self.remainders.iter().map(|r| (r - mean).norm_sqr()).sum::<f64>() / (n * (n - 1.0))
     }
 }

@@ -83,7 +83,9 @@ fn reflecting(wavelength_um: f64, side: f64, mut efficiency: impl FnMut() -> f64
 
 /// f = albedo/π everywhere, e = f cos θ dω = (albedo/π) dα dβ, makes a Lambertian layer of albedo 0.8.
 fn lambertian(findings: &mut Findings) {
-    let (wavelength_um, side, albedo) = (0.5, 20.0, 0.8);
+    let wavelength_um = 0.5;
+    let side = 20.0;
+    let albedo = 0.8;
     let field = reflecting(wavelength_um, side, || albedo / PI * (wavelength_um / side).powi(2));
     let bdf = Bdf::from_ensemble(&[field]).expect("one field");
     let reflectance = bdf.totals(Lobe::Reflected).total.value;
@@ -108,7 +110,8 @@ fn lambertian(findings: &mut Findings) {
 fn calibration(level: Level, findings: &mut Findings) {
     const REALISATIONS: usize = 16;
     let mut draws = Draws::new(12, 1);
-    let (repeats, power) = (level.pick(400, 4000), 1e-3);
+    let repeats = level.pick(400, 4000);
+    let power = 1e-3;
     let mut sum = 0.0;
     for _ in 0..repeats {
         // Efficiencies of speckle are exponentially distributed.
@@ -122,7 +125,8 @@ fn calibration(level: Level, findings: &mut Findings) {
     }
     // t² with ν degrees of freedom: mean ν/(ν − 2), variance 2ν²(ν − 1)/((ν − 2)²(ν − 4)).
     let nu = (REALISATIONS - 1) as f64;
-    let (mean, variance) = (nu / (nu - 2.0), 2.0 * nu * nu * (nu - 1.0) / ((nu - 2.0).powi(2) * (nu - 4.0)));
+    let mean = nu / (nu - 2.0);
+    let variance = 2.0 * nu * nu * (nu - 1.0) / ((nu - 2.0).powi(2) * (nu - 4.0));
     let off = (sum / repeats as f64 - mean).abs() / (variance / repeats as f64).sqrt();
     findings.significance(
         "calibration of the standard error on synthetic speckle, in standard errors",

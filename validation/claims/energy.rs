@@ -27,7 +27,8 @@ pub fn measure(registry: &Registry, level: Level, findings: &mut Findings) {
     let points = level.pick([10, 9], [16, 15]);
     for kappa in [0.0, 0.1] {
         for entry in registry.entries() {
-            let (name, solver) = (entry.name.as_str(), entry.build());
+            let name = entry.name.as_str();
+            let solver = entry.build();
             // The largest dense matrix that stays below a minute.
             let points = if solver.most_unknowns().is_some() { [7, 6] } else { points };
             let cell = Cell { mean: solver.suited_mean(), ..Cell::new(kappa, points, 6) };

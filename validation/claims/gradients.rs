@@ -48,7 +48,10 @@ fn by_differences(problem: &Problem, along: usize, h: f64) -> [f64; 3] {
         let FarField { reflectance, transmittance, absorptance, .. } = moved.far_field(&solved(&moved));
         [reflectance, transmittance, absorptance]
     };
-    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(at);
+    let a = at(-2.0);
+    let b = at(-1.0);
+    let c = at(1.0);
+    let d = at(2.0);
     std::array::from_fn(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * h))
 }
 

@@ -217,7 +217,8 @@ fn chance(level: Level, kind: &str, all: &[Deviations], findings: &mut Findings)
     if level == Level::Full {
         let what = format!("{kind}: how many of the four tests above would notice bars two thirds as wide");
         let narrow = |(_, of): &(&str, Pick)| {
-            let (share, [rms, error]) = (covered(all, *of, 2.0 / 3.0), spread(all, *of).map(|x| 1.5 * x));
+            let share = covered(all, *of, 2.0 / 3.0);
+            let [rms, error] = spread(all, *of).map(|x| 1.5 * x);
             let tests = [share.value < bounds(level, &share, all.len())[0], rms - CHANCE * error > SPREAD[1]];
             tests.into_iter().filter(|notices| *notices).count()
         };

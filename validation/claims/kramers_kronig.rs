@@ -62,8 +62,12 @@ fn rows(material: &Oscillators, step_nm: f64) -> Vec<[f64; 2]> {
 
 fn measure(level: Level, findings: &mut Findings) {
     let mut draw = drawing(46);
-    let (mut within, mut twice, mut all, mut largest) = (0usize, 0usize, 0usize, 0.0f64);
-    let (mut squares, mut constant) = (0.0, 0.0);
+    let mut within = 0usize;
+    let mut twice = 0usize;
+    let mut all = 0usize;
+    let mut largest = 0.0f64;
+    let mut squares = 0.0;
+    let mut constant = 0.0;
     let pairs = level.pick(200, 2000);
     let mut shown = Vec::new();
     for pair in 0..pairs {
@@ -141,7 +145,8 @@ fn discretisation(findings: &mut Findings) {
         let truth = |um: f64| material.index(1.0 / um).re;
         ((n(0.54) - n(0.58)) - (truth(0.54) - truth(0.58))).abs()
     };
-    let (coarse, fine) = (error(20.0), error(10.0));
+    let coarse = error(20.0);
+    let fine = error(10.0);
     findings.promise(
         "dispersion across a band from rows every 10 nm, error",
         fine,

@@ -50,7 +50,8 @@ fn measure(level: Level, findings: &mut Findings) {
             thickness_um: draws.between(0.001, 1.0),
         };
         let films: Vec<Film> = (0..6).map(|_| film()).collect();
-        let (below, polar_deg) = (draws.between(1.0, 2.0), draws.between(0.0, 85.0));
+        let below = draws.between(1.0, 2.0);
+        let polar_deg = draws.between(0.0, 85.0);
         let want = amplitudes(1.0, &films, below.into(), 0.5, polar_deg);
         let got = solved([1.0, below], &films, 0.5, polar_deg);
         largest = largest.max((got[0] - want[0]).norm()).max((got[1] - want[1]).norm());

@@ -37,7 +37,9 @@ fn pigment() -> Complex64 {
 
 /// Permittivity of the lattice, and of the plain average.
 fn permittivities() -> [Complex64; 2] {
-    let (host, grain, f) = (Complex64::from(BINDER * BINDER), pigment() * pigment(), FRACTION);
+    let host = Complex64::from(BINDER * BINDER);
+    let grain = pigment() * pigment();
+    let f = FRACTION;
     let beta = (grain - host) / (grain + 2.0 * host);
     let octupole = 1.305 * f.powf(10.0 / 3.0) * (grain - host) / (grain + 4.0 / 3.0 * host);
     [host * (1.0 + 3.0 * f / (1.0 / beta - f - octupole)), f * grain + (1.0 - f) * host]
@@ -45,7 +47,8 @@ fn permittivities() -> [Complex64; 2] {
 
 /// Airy's r and t of a film in the binder: E along the plane, or H.
 fn film(permittivity: Complex64, polarisation: Polarisation) -> [Complex64; 2] {
-    let (k0, host) = (TAU / WAVELENGTH_UM, Complex64::from(BINDER * BINDER));
+    let k0 = TAU / WAVELENGTH_UM;
+    let host = Complex64::from(BINDER * BINDER);
     let lateral = host * POLAR_DEG.to_radians().sin().powi(2);
     let normal = |e: Complex64| (e - lateral).sqrt();
     let admittance = |e: Complex64| match polarisation {
@@ -97,7 +100,8 @@ fn measure(level: Level, findings: &mut Findings) {
             let film = film(permittivity, polarisation);
             solved.iter().map(|(n, got)| (*n as f64, distance(got[polarisation as usize], film))).collect()
         };
-        let (errors, others) = (to(own), to(average));
+        let errors = to(own);
+        let others = to(average);
         let because = "2 by theory; a line through few sizes";
         findings.order(
             format!("{name}: order in the lattice constant"),
@@ -121,6 +125,7 @@ fn measure(level: Level, findings: &mut Findings) {
         FRACTION.powf(10.0 / 3.0),
         because,
     );
-    let (title, size) = ("Balls of a lattice as they shrink, Maxwell's equations", "lattice constant a, nm");
+    let title = "Balls of a lattice as they shrink, Maxwell's equations";
+    let size = "lattice constant a, nm";
     findings.plots.push(Chart::log_log(title, size, "difference of r, t", curves));
 }

@@ -116,13 +116,15 @@ fn verlet_weis(fraction: f64) -> Vec<f64> {
     let table = table();
     let entries = table["percus_yevick"].as_array().unwrap();
     let entry = entries.iter().find(|e| e["phi"].as_f64() == Some(fraction)).unwrap();
-    let (r, g) = (numbers(&entry["r_over_d"]), numbers(&entry["g_VW"]));
+    let r = numbers(&entry["r_over_d"]);
+    let g = numbers(&entry["g_VW"]);
     let middle = |i: usize| match i {
         0 => (5.0 * g[0] + 15.0 * g[1] - 5.0 * g[2] + g[3]) / 16.0,
         _ => (-g[i - 1] + 9.0 * g[i] + 9.0 * g[i + 1] - g[i + 2]) / 16.0,
     };
     let bin = |i: usize| {
-        let (a, b) = (r[i], r[i + 1]);
+        let a = r[i];
+        let b = r[i + 1];
         let m = 0.5 * (a + b);
         let weighted = a * a * g[i] + 4.0 * m * m * middle(i) + b * b * g[i + 1];
         weighted / (a * a + 4.0 * m * m + b * b)
@@ -146,7 +148,9 @@ fn sequential(level: Level, findings: &mut Findings) {
     for (key, fraction) in [("0.10", 0.10), ("0.20", 0.20), ("0.30", 0.30)] {
         let reference = &table["rsa"][key];
         let packings = ensemble(8.0, fraction, MethodChoice::SequentialAddition, 0, level.pick(6, 16));
-        let (g, truth, error) = (g_of(&packings), numbers(&reference["g"]), numbers(&reference["se"]));
+        let g = g_of(&packings);
+        let truth = numbers(&reference["g"]);
+        let error = numbers(&reference["se"]);
         let misfit = misfit(&g, &truth, &error);
         findings.significance(format!("RSA, φ = {fraction}"), misfit, 1.0, CHANCE);
         findings.plots.push(plot(format!("Sequential addition, φ = {fraction}"), &g, &truth, &error));
@@ -179,7 +183,8 @@ fn fluid(level: Level, findings: &mut Findings) {
     ] {
         let measured = g_of(&ensemble(4.0, fraction, method, sweeps, realisations));
         let truth = &file["by_fraction"][key];
-        let (known, error) = (numbers(&truth["g"]), numbers(&truth["se"]));
+        let known = numbers(&truth["g"]);
+        let error = numbers(&truth["se"]);
         let strict = misfit(&measured, &known, &error);
         findings.significance(
             format!("equilibrium against Monte Carlo, φ = {fraction}"),

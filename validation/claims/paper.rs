@@ -118,7 +118,8 @@ fn gap_errors(case: &Value, ink: &InkOnPaper) -> [f64; 2] {
 fn contact_error(case: &Value) -> f64 {
     let index = case["n"].as_f64().expect("a number");
     let ink = ink(case, index.into(), Coupling::OpticalContact { index }, None);
-    let (paper, normal) = (&ink.layers()[0], ink.at(0.0).expect("0°"));
+    let paper = &ink.layers()[0];
+    let normal = ink.at(0.0).expect("0°");
     let angles = numbers(&case["angles_deg"]);
     let want = numbers(&case["radiance_factor_from0"]);
     let error = |(deg, want): (&f64, &f64)| {
@@ -151,7 +152,9 @@ fn curve_errors(index: Complex64, thickness_um: f64) -> [f64; 2] {
     };
     let mut errors = [0.0_f64; 2];
     for deg in (0..=60).step_by(5).map(f64::from) {
-        let (at, truth, alone) = (ink.at(deg).expect("up to 60°"), of(&truth, deg), of(&wrong, deg));
+        let at = ink.at(deg).expect("up to 60°");
+        let truth = of(&truth, deg);
+        let alone = of(&wrong, deg);
         let fitted = [ink.layers()[0].reflectance(&at), ink.layers()[0].transmittance(&at)];
         for i in 0..2 {
             errors[0] = errors[0].max((fitted[i] - truth[i]).abs());
@@ -204,7 +207,8 @@ fn measure(level: Level, findings: &mut Findings) {
     let wrong = |strata: usize| {
         worst(&|c| gap_errors(c, &ink(c, index_of(c) + WRONG_INDEX, Coupling::Gap, Some(strata))))
     };
-    let (few, many) = (wrong(2), wrong(level.pick(6, 12)));
+    let few = wrong(2);
+    let many = wrong(level.pick(6, 12));
     let because =
         "16 shifts of each stratum are a fine sum over the hemisphere: a midpoint rule of 32 points";
     findings.promise("gap, wrong film, 4 directions: means", few[0], 2e-3, because);

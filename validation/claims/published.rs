@@ -43,7 +43,10 @@ fn check(table: &Published, accuracy: f64, findings: &mut Findings) {
     let case = Case::parse(&table.inputs.to_string(), false).unwrap_or_else(|e| panic!("{id}: {e}"));
     let solved = solve_to(&case, accuracy).unwrap_or_else(|e| panic!("{id}: {e}"));
     let mut rows = Vec::new();
-    let (mut worst, mut squares, mut asymmetry, mut own_asymmetry) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
+    let mut worst = 0.0f64;
+    let mut squares = 0.0f64;
+    let mut asymmetry = 0.0f64;
+    let mut own_asymmetry = 0.0f64;
     for entry in &table.efficiencies {
         let (side, polarisation, m, n, published) = entry;
         let own = efficiency(&solved.far_fields, side, polarisation, [*m, *n]);
@@ -80,7 +83,8 @@ fn images<'a>(id: &str, polarisation: &'a str, [m, n]: [i32; 2]) -> Vec<(&'a str
         return vec![(polarisation, [-m, n]), (polarisation, [m, -n]), (swapped, [n, m])];
     }
     // The plane of incidence is a mirror of the hexagonal lattice: m₁ ↔ m₂ with (m, n) = (m₂, 2 m₁ − m₂).
-    let (m1, m2) = ((n + m) / 2, m);
+    let m1 = (n + m) / 2;
+    let m2 = m;
     vec![(polarisation, [m1, 2 * m2 - m1])]
 }
 

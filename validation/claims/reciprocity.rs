@@ -37,7 +37,8 @@ fn normal(direction: [f64; 2], index: f64) -> f64 {
 fn asymmetry(cell: &Cell, from: Direction, most: usize) -> f64 {
     let forward = far_field(cell, from);
     let index = |side: Side| if side == Side::Incident { 1.0 } else { 1.3 };
-    let (entry, exit) = (from.2, if from.2 == Side::Incident { Side::Exit } else { Side::Incident });
+    let entry = from.2;
+    let exit = if from.2 == Side::Incident { Side::Exit } else { Side::Incident };
     let incident = forward.specular().direction;
     let both = |o: &Order| {
         [(o.reflected_propagates, o.reflected, entry), (o.transmitted_propagates, o.transmitted, exit)]
@@ -60,7 +61,8 @@ fn asymmetry(cell: &Cell, from: Direction, most: usize) -> f64 {
                 .map(|o| if side == entry { o.reflected } else { o.transmitted });
             let back =
                 back.unwrap_or_else(|| panic!("order ({}, {}) is missing on the way back", order.m, order.n));
-            let [there, here] = [normal(order.direction, index(side)), normal(incident, index(entry))];
+            let there = normal(order.direction, index(side));
+            let here = normal(incident, index(entry));
             largest = largest.max((there * amplitude - here * back).norm());
         }
     }

@@ -255,7 +255,8 @@ fn covering(rows: &[&Row]) -> f64 {
 fn honesty(level: Level, findings: &mut Findings) {
     let accuracies: &[f64] = level.pick(&[1e-3], &[1e-2, 1e-3, BETWEEN, 1e-4, 1e-5]);
     let mut all = Vec::new();
-    let (mut curves, mut shares) = (Vec::new(), Vec::new());
+    let mut curves = Vec::new();
+    let mut shares = Vec::new();
     for &accuracy in accuracies {
         let rows = solved_at(level, accuracy);
         let points = rows.iter().map(|r| (r.error, r.estimate));

@@ -20,7 +20,9 @@ const KAPPAS: [f64; 5] = [0.0, 1e-3, 0.1, 0.6, 1.0];
 
 fn measure(level: Level, findings: &mut Findings) {
     let angles: &[f64] = level.pick(&[0.0, 35.0, 80.0], &[0.0, 10.0, 20.0, 35.0, 50.0, 65.0, 80.0, 89.0]);
-    let (mut largest, mut relative, mut opaque) = (0.0f64, 0.0f64, 0.0f64);
+    let mut largest = 0.0f64;
+    let mut relative = 0.0f64;
+    let mut opaque = 0.0f64;
     for &polar_deg in angles {
         for kappa in KAPPAS {
             for thickness_um in THICKNESSES {

@@ -63,7 +63,8 @@ fn profile(packing: &Packing) -> Vec<f64> {
     };
     let spheres: Vec<_> = packing.grains().iter().flat_map(|g| &g.spheres).collect();
     let share = |slice: usize| {
-        let [from, to] = [slice, slice + 1].map(|s| s as f64 * step);
+        let from = slice as f64 * step;
+        let to = (slice + 1) as f64 * step;
         let volume = |s: &&inkwave::ink::Sphere| {
             below(to - s.center_um[2], s.radius_um) - below(from - s.center_um[2], s.radius_um)
         };
@@ -118,9 +119,11 @@ fn differences(diameter: f64, packings: u64) -> [f64; 3] {
     let mut sums = [const { Vec::new() }; 3];
     for stream in 0..packings {
         let packing = packed(diameter, stream);
-        let (found, phi) = (solved(&packing, diameter), profile(&packing));
+        let found = solved(&packing, diameter);
+        let phi = profile(&packing);
         let even = vec![phi.iter().sum::<f64>() / SLICES as f64; SLICES];
-        let (layered, even) = (film(&phi, Complex64::default()), film(&even, Complex64::default()));
+        let layered = film(&phi, Complex64::default());
+        let even = film(&even, Complex64::default());
         let shifted = film(&phi, second_order);
         let pairs = [[&found, &layered], [&found, &even], [&shifted, &layered]];
         for (sum, [a, b]) in sums.iter_mut().zip(pairs) {
@@ -163,7 +166,8 @@ fn measure(level: Level, findings: &mut Findings) {
     let curve = |name: &str, i: usize| {
         Curve::new(name, Style::Data, found.iter().map(|(d, f)| (1e3 * d, f[i])).collect::<Vec<_>>())
     };
-    let (layered, even) = (curve("film of φ(z)", 0), curve("film of the mean fraction", 1));
+    let layered = curve("film of φ(z)", 0);
+    let even = curve("film of the mean fraction", 1);
     let guide = Curve::guide("order 2", &layered, 2.0);
     findings.plots.push(Chart::log_log(
         "Small grains and the layered film",

@@ -130,7 +130,8 @@ fn made_reciprocal(plate: Plate, weights: &[f64]) -> Plate {
         for j in (0..weights.len()).filter(|&j| weights[i] * weights[j] > 0.0) {
             let by = weights[i] / weights[j];
             for k in 0..2 {
-                let (r, t) = (&plate.reflection[k], &plate.transmission[k]);
+                let r = &plate.reflection[k];
+                let t = &plate.transmission[k];
                 even.reflection[k][(i, j)] = 0.5 * (r[(i, j)] + r[(j, i)] * by);
                 even.transmission[k][(i, j)] = 0.5 * (t[(i, j)] + t[(j, i)] * by);
             }

@@ -35,7 +35,8 @@ fn colour((ink, nm, fraction): (&str, f64, f64), seed: usize, rest: &str) -> ([f
 
 fn measure(level: Level, findings: &mut Findings) {
     let seeds = level.pick(1, 6);
-    let (mut squares, mut count) = (0.0, 0.0_f64);
+    let mut squares = 0.0;
+    let mut count = 0.0_f64;
     for (ink, seed) in INKS.into_iter().flat_map(|ink| (1..=seeds).map(move |seed| (ink, seed))) {
         let (lab, bar) = colour(ink, seed, TARGET);
         let (fine, fine_bar) = colour(ink, seed, &format!("{TARGET}[resolution]\naccuracy = 2e-3\n"));

@@ -34,7 +34,8 @@ fn layer(cell: &str, period_um: f64, kappa: f64, realisations: usize) -> Value {
 fn chance(a: &Value, b: &Value) -> f64 {
     let degrees = [a, b].map(|r| r["certainty"]["degrees_of_freedom"].as_f64().expect("several cells"));
     let of = |(deg, key): (f64, &str)| {
-        let [[x, dx], [y, dy]] = [a, b].map(|results| estimate(&row(results, 550.0, deg)[key]));
+        let [x, dx] = estimate(&row(a, 550.0, deg)[key]);
+        let [y, dy] = estimate(&row(b, 550.0, deg)[key]);
         let squares = [dx * dx, dy * dy];
         let parts: f64 = squares.iter().zip(degrees).map(|(square, n)| square * square / n).sum();
         let law =
@@ -145,7 +146,8 @@ fn measure(level: Level, findings: &mut Findings) {
     }
     let realisations = level.pick(4, 12);
     let because = "a stratum's width falls with their number: at least as its first power";
-    let (few, many) = (parts(3, 4, realisations)[0], parts(8, 4, realisations)[0]);
+    let few = parts(3, 4, realisations)[0];
+    let many = parts(8, 4, realisations)[0];
     findings.check(
         "error from directions, 1 stratum over 6",
         few / many,
@@ -154,7 +156,8 @@ fn measure(level: Level, findings: &mut Findings) {
         because,
     );
     let because = "splines of a quarter the width carry the bands of a pigment that wide ones miss";
-    let (few, many) = (parts(3, 3, realisations)[1], parts(3, 12, realisations)[1]);
+    let few = parts(3, 3, realisations)[1];
+    let many = parts(3, 12, realisations)[1];
     findings.check(
         "error from wavelengths, 3 over 12",
         few / many,

@@ -32,10 +32,12 @@ pub fn amplitudes(
     let mut kz: Vec<Complex64> = vec![Complex64::from(k0 * first * polar_deg.to_radians().cos())];
     kz.extend(films.iter().map(|f| normal(f.index)));
     kz.push(normal(last));
-    let (mut r, mut t) = (Complex64::ZERO, Complex64::ONE);
+    let mut r = Complex64::ZERO;
+    let mut t = Complex64::ONE;
     for j in (0..kz.len() - 1).rev() {
         let sum = kz[j] + kz[j + 1];
-        let (face_r, face_t) = ((kz[j] - kz[j + 1]) / sum, 2.0 * kz[j] / sum);
+        let face_r = (kz[j] - kz[j + 1]) / sum;
+        let face_t = 2.0 * kz[j] / sum;
         let p = match films.get(j) {
             Some(film) => (Complex64::I * kz[j + 1] * film.thickness_um).exp(),
             None => Complex64::ONE,

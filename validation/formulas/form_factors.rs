@@ -34,7 +34,8 @@ pub fn prism(q: [f64; 3], corners: &[[f64; 2]], h: f64) -> Complex64 {
     let square = q[0] * q[0] + q[1] * q[1];
     let next = corners.iter().cycle().skip(1);
     let edge = |(a, b): (&[f64; 2], &[f64; 2])| {
-        let (e, c) = ([b[0] - a[0], b[1] - a[1]], [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])]);
+        let e = [b[0] - a[0], b[1] - a[1]];
+        let c = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
         let along = 0.5 * (q[0] * e[0] + q[1] * e[1]);
         let phase = Complex64::cis(-(q[0] * c[0] + q[1] * c[1]));
         Complex64::I * (q[0] * e[1] - q[1] * e[0]) / square * sinc(along) * phase

@@ -41,7 +41,8 @@ pub struct Screen {
 impl Screen {
     /// What lies at a place, in pitches.
     fn area(&self, [x, y]: [f64; 2]) -> &Area {
-        let [x, y] = [x - x.round(), y - y.round()];
+        let x = x - x.round();
+        let y = y - y.round();
         let has_dots = self.coverage <= 0.5;
         let share = if has_dots { self.coverage } else { 1.0 - self.coverage };
         let in_disc = x * x + y * y < share / PI;

@@ -35,13 +35,16 @@ pub struct Mie {
 impl Sphere {
     pub fn mie(&self) -> Mie {
         let k = TAU / self.wavelength_um * self.host;
-        let (x, m) = (k * self.radius_um, self.index / self.host);
+        let x = k * self.radius_um;
+        let m = self.index / self.host;
         // Wiscombe's count with room: terms far beyond x vanish like (x/2l)^(2l).
         let last = (x + 4.05 * x.cbrt() + 12.0) as usize;
         let inside = logarithmic_derivatives(m * x, last);
         let outside = logarithmic_derivatives(x.into(), last);
-        let (mut psi, mut chi) = (x.sin(), [x.sin(), -x.cos()]);
-        let (mut a, mut b) = (Vec::new(), Vec::new());
+        let mut psi = x.sin();
+        let mut chi = [x.sin(), -x.cos()];
+        let mut a = Vec::new();
+        let mut b = Vec::new();
         for l in 0..=last {
             if l > 0 {
                 psi /= l as f64 / x + outside[l].re;
@@ -73,7 +76,8 @@ fn logarithmic_derivatives(z: Complex64, last: usize) -> Vec<Complex64> {
 impl Mie {
     /// f(θ) of the scalar wave: u → f e^{ikr}/r far away, f = (i/k) Σ (2l+1) b_l P_l(cos θ).
     pub fn scalar(&self, cosine: f64) -> Complex64 {
-        let (mut before, mut here) = (0.0, 1.0);
+        let mut before = 0.0;
+        let mut here = 1.0;
         let mut sum = Complex64::default();
         for (l, b) in self.b.iter().enumerate() {
             let n = l as f64;
@@ -85,7 +89,8 @@ impl Mie {
 
     /// (S₁, S₂) at cos θ (4.74): E ⊥ and ∥ to the plane of scattering; E → (i/k) S E e^{ikr}/r.
     pub fn amplitudes(&self, cosine: f64) -> [Complex64; 2] {
-        let (mut before, mut pi) = (0.0, 1.0);
+        let mut before = 0.0;
+        let mut pi = 1.0;
         let mut sums = [Complex64::default(); 2];
         for l in 1..self.a.len() {
             let n = l as f64;

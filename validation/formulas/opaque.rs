@@ -47,7 +47,9 @@ impl OpaquePaint {
 
     /// Reflectance factor at 45:0 without the gloss; the layer is `thickness` optical thicknesses deep, over black.
     pub fn reflectance(&self, index: Complex64, wavelength_um: f64, thickness: f64) -> f64 {
-        let (mut scattered, mut lost, mut parts) = (0.0, 0.0, Vec::new());
+        let mut scattered = 0.0;
+        let mut lost = 0.0;
+        let mut parts = Vec::new();
         for (diameter, share) in self.sizes() {
             let radius_um = 0.5 * diameter;
             let mie = Sphere { wavelength_um, radius_um, index, host: self.binder }.mie();
@@ -66,7 +68,7 @@ impl OpaquePaint {
 impl Medium {
     /// The phase function at cos Θ, of mean 1.
     fn phase(&self, cosine: f64) -> f64 {
-        let of = |(share, mie): &(f64, super::mie::Mie)| {
+        let part = |(share, mie): &(f64, super::mie::Mie)| {
             let [s1, s2] = mie.amplitudes(cosine);
             // ∫ (|S₁|² + |S₂|²)/2 dΩ = k² C_sca
             let total: f64 = (1..mie.a.len())
@@ -74,14 +76,14 @@ impl Medium {
                 .sum();
             share * (s1.norm_sqr() + s2.norm_sqr()) / total
         };
-        self.parts.iter().map(of).sum()
+        self.parts.iter().map(part).sum()
     }
 }
 
 /// Phase functions averaged over the azimuth: rows of directions, of the same or of opposite sense. `table` holds the phase
 /// function at equal steps of Θ.
 fn azimuth_mean(table: &[f64], nodes: &[f64], sense: f64) -> Matrix {
-    let at = |cosine: f64| {
+    let phase = |cosine: f64| {
         let place = cosine.clamp(-1.0, 1.0).acos() / PI * (table.len() - 1) as f64;
         let below = (place as usize).min(table.len() - 2);
         table[below] + (place - below as f64) * (table[below + 1] - table[below])
@@ -89,7 +91,7 @@ fn azimuth_mean(table: &[f64], nodes: &[f64], sense: f64) -> Matrix {
     let mean = |a: f64, b: f64| {
         let across = ((1.0 - a * a) * (1.0 - b * b)).sqrt();
         let azimuths = (0..AZIMUTHS).map(|k| PI * (k as f64 + 0.5) / AZIMUTHS as f64);
-        azimuths.map(|phi| at(sense * a * b + across * phi.cos())).sum::<f64>() / AZIMUTHS as f64
+        azimuths.map(|phi| phase(sense * a * b + across * phi.cos())).sum::<f64>() / AZIMUTHS as f64
     };
     nodes.iter().map(|a| nodes.iter().map(|b| mean(*a, *b)).collect()).collect()
 }
@@ -103,7 +105,8 @@ pub fn seen_through_a_face(albedo: f64, phase: &dyn Fn(f64) -> f64, binder: f64,
     weights.extend([0.0; 2]);
     let steps = 1440;
     let table: Vec<f64> = (0..=steps).map(|k| phase((PI * f64::from(k) / f64::from(steps)).cos())).collect();
-    let (mut forward, mut back) = (azimuth_mean(&table, &nodes, 1.0), azimuth_mean(&table, &nodes, -1.0));
+    let mut forward = azimuth_mean(&table, &nodes, 1.0);
+    let mut back = azimuth_mean(&table, &nodes, -1.0);
     // Gauss's rule and the table lose no light
     for j in 0..nodes.len() {
         let sum: f64 = (0..nodes.len()).map(|i| 0.5 * weights[i] * (forward[i][j] + back[i][j])).sum();
@@ -114,10 +117,12 @@ pub fn seen_through_a_face(albedo: f64, phase: &dyn Fn(f64) -> f64, binder: f64,
     }
     let measure: Vec<f64> = nodes.iter().zip(&weights).map(|(mu, w)| 2.0 * mu * w).collect();
     let single = |phase: &Matrix| -> Matrix {
-        let of = |i: usize, j: usize| albedo * phase[i][j] * THIN / (4.0 * nodes[i] * nodes[j]);
-        (0..nodes.len()).map(|i| (0..nodes.len()).map(|j| of(i, j)).collect()).collect()
+        let element = |i: usize, j: usize| albedo * phase[i][j] * THIN / (4.0 * nodes[i] * nodes[j]);
+        (0..nodes.len()).map(|i| (0..nodes.len()).map(|j| element(i, j)).collect()).collect()
     };
-    let (mut r, mut t, mut depth) = (single(&back), single(&forward), THIN);
+    let mut r = single(&back);
+    let mut t = single(&forward);
+    let mut depth = THIN;
     while depth < thickness {
         let direct: Vec<f64> = nodes.iter().map(|mu| (-depth / mu).exp()).collect();
         (r, t) = doubled(&r, &t, &direct, &measure);
@@ -138,8 +143,8 @@ pub fn seen_through_a_face(albedo: f64, phase: &dyn Fn(f64) -> f64, binder: f64,
 fn doubled(r: &Matrix, t: &Matrix, direct: &[f64], measure: &[f64]) -> (Matrix, Matrix) {
     let n = direct.len();
     let times = |a: &Matrix, b: &Matrix| -> Matrix {
-        let of = |i: usize, j: usize| (0..n).map(|k| a[i][k] * measure[k] * b[k][j]).sum();
-        (0..n).map(|i| (0..n).map(|j| of(i, j)).collect()).collect()
+        let element = |i: usize, j: usize| (0..n).map(|k| a[i][k] * measure[k] * b[k][j]).sum();
+        (0..n).map(|i| (0..n).map(|j| element(i, j)).collect()).collect()
     };
     let joined = |parts: &dyn Fn(usize, usize) -> f64| -> Matrix {
         (0..n).map(|i| (0..n).map(|j| parts(i, j)).collect()).collect()
@@ -170,7 +175,8 @@ fn fresnel(n: f64, mu: f64) -> f64 {
         return 1.0;
     }
     let out = square.sqrt();
-    let (s, p) = ((n * mu - out) / (n * mu + out), (mu - n * out) / (mu + n * out));
+    let s = (n * mu - out) / (n * mu + out);
+    let p = (mu - n * out) / (mu + n * out);
     0.5 * (s * s + p * p)
 }
 
@@ -180,7 +186,8 @@ fn gauss(count: usize) -> (Vec<f64>, Vec<f64>) {
         let mut x = (PI * (i as f64 + 0.75) / (count as f64 + 0.5)).cos();
         let mut slope = 1.0;
         for _ in 0..50 {
-            let (mut before, mut here) = (1.0, x);
+            let mut before = 1.0;
+            let mut here = x;
             for l in 2..=count {
                 let l = l as f64;
                 (before, here) = (here, ((2.0 * l - 1.0) * x * here - (l - 1.0) * before) / l);

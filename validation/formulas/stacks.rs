@@ -66,7 +66,8 @@ impl Light {
         for film in films.iter().rev() {
             let [b, q] = self.admittances(film.index);
             let phase = TAU / self.wavelength_um * film.thickness_um * b;
-            let (sin, cos) = (phase.sin(), phase.cos());
+            let sin = phase.sin();
+            let cos = phase.cos();
             let [u, v] = fields[fields.len() - 1];
             fields.push([cos * u - Complex64::I * sin / q * v, cos * v - Complex64::I * q * sin * u]);
         }

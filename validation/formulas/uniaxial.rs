@@ -71,7 +71,8 @@ pub fn amplitudes(light: &FilmLight, films: &[UniaxialFilm]) -> [[[Complex64; 2]
 fn berreman([ordinary, extraordinary]: [Complex64; 2], axis: [f64; 3], along: f64) -> Matrix {
     let length = axis.iter().map(|a| a * a).sum::<f64>().sqrt();
     let a = axis.map(|v| v / length);
-    let (o, e) = (ordinary * ordinary, extraordinary * extraordinary);
+    let o = ordinary * ordinary;
+    let e = extraordinary * extraordinary;
     let eps = |i: usize, j: usize| (if i == j { o } else { Complex64::ZERO }) + (e - o) * a[i] * a[j];
     // E_z = Σ z_i (…)_i from D_z = −along H_s
     let z = [-eps(2, 0) / eps(2, 2), -eps(2, 1) / eps(2, 2), Complex64::ZERO, -along / eps(2, 2)];

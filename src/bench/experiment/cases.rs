@@ -144,7 +144,8 @@ fn one_direction(case: Case, text: Value) -> CompareResult<CaseGeometry> {
 
 /// A packed layer of spheres with the keys of a case file.
 fn inputs_of(case: &Case) -> Result<Value, String> {
-    let (scene, media) = (&case.scene, &case.media);
+    let scene = &case.scene;
+    let media = &case.media;
     let [stratum] = &scene.strata[..] else { return Err(NO_CASE.into()) };
     let index = |eta: num_complex::Complex64| [eta.re, eta.im];
     let mut spheres = Vec::new();

@@ -146,7 +146,8 @@ fn has_twin<T: PartialEq>(list: &Option<Vec<T>>) -> bool {
 impl ComparisonFile {
     /// Reads a comparison; a study or a plain case file is compared with the default lists.
     pub fn read(path: &Path) -> CompareResult<ComparisonFile> {
-        let (origin, name) = (path.to_owned(), path.file_name().map(PathBuf::from));
+        let origin = path.to_owned();
+        let name = path.file_name().map(PathBuf::from);
         if path.extension().is_some_and(|e| e == "json") {
             return Ok(ComparisonFile { case: name, origin, ..ComparisonFile::default() });
         }
@@ -211,11 +212,15 @@ impl ComparisonFile {
         let mut faults = Faults::default();
         let given = [self.study.is_some(), self.case.is_some(), !self.cases.is_empty()];
         let given = given.into_iter().filter(|given| *given).count();
-        let (case, vector) = (self.study.is_none(), self.wave == WaveKind::Vector);
-        let (some, fill, leave) = ("at least one", "add one or leave it out", "leave one out");
+        let case = self.study.is_none();
+        let vector = self.wave == WaveKind::Vector;
+        let some = "at least one";
+        let fill = "add one or leave it out";
+        let leave = "leave one out";
         let one = "exactly one of `study`, `case` and `cases`";
         let name = "name a study file or case files, or write a whole study as [study]";
-        let (beside, instead) = ("given beside a case", "name a study instead, or leave it out");
+        let beside = "given beside a case";
+        let instead = "name a study instead, or leave it out";
         let one_scheme = "no schemes: the vector wave has one discretisation only";
         let varied = "a study, whose period and index vary";
         let (wave, direction) =

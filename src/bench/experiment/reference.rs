@@ -30,7 +30,8 @@ impl ComparisonFile {
         coverages: &Coverages,
         watch: &mut dyn Watch,
     ) -> CompareResult<Vec<ReferenceTrial>> {
-        let (solver, mut trials) = (Gmres::default(), Vec::new());
+        let solver = Gmres::default();
+        let mut trials = Vec::new();
         for scheme in self.schemes(subject.wave) {
             let task = Task { scheme, ..task(case, coverages, &solver, self.goal().tolerance) };
             if let Some(accuracy) = self.searched() {
@@ -120,7 +121,8 @@ pub(super) fn task<'a>(
     tolerance: f64,
 ) -> Task<'a> {
     let Case { media, incidence, .. } = case;
-    let (mean, goal) = (Mean::default(), Goal { tolerance, ..Goal::default() });
+    let mean = Mean::default();
+    let goal = Goal { tolerance, ..Goal::default() };
     let memory = memory::usable();
     Task { coverages, media, incidence, mean, scheme: Scheme::Cubic, solver, goal, memory }
 }

@@ -91,7 +91,8 @@ impl ReadAnswer {
             let name = || format!("the {side} order ({}, {})", order.m, order.n);
             let found = self.orders.get(&(order.m, order.n, order.side));
             let found = found.ok_or_else(|| format!("{} propagates and is not answered", name()))?;
-            let (has, needs) = (found.len(), order.amplitudes.len());
+            let has = found.len();
+            let needs = order.amplitudes.len();
             if has != needs {
                 return Err(format!("{} has {has} complex amplitude(s) instead of {needs}", name()));
             }

@@ -33,7 +33,8 @@ pub fn speckle(rng: &mut rand::rngs::ChaCha8Rng, power: f64, coherent: f64) -> F
             let cos = square.max(0.0).sqrt();
             let shift = if (m, n) == (0, 0) { coherent } else { 0.0 };
             let draw = |rng: &mut _| complex_normal(rng) * power.sqrt() + shift;
-            let (reflected, transmitted) = (draw(rng), draw(rng));
+            let reflected = draw(rng);
+            let transmitted = draw(rng);
             orders.push(Order {
                 m,
                 n,

@@ -188,8 +188,10 @@ mod tests {
         let factors: Vec<Vec<f64>> = emission_nm.iter().map(row).collect();
         let table = Fluorescence::Table { excitation_nm, emission_nm, factors };
         let nm = summed_nm(300.0, 700.0);
-        let [one, other] = [bands.matrix(&nm), table.matrix(&nm)];
-        let [i, j] = [440.0, 360.0].map(|at| nm.iter().position(|x| *x == at).unwrap());
+        let one = bands.matrix(&nm);
+        let other = table.matrix(&nm);
+        let i = nm.iter().position(|x| *x == 440.0).unwrap();
+        let j = nm.iter().position(|x| *x == 360.0).unwrap();
         assert!((one[i][j] / other[i][j] - 1.0).abs() < 1e-12);
         let sum = |m: &[Vec<f64>]| m.iter().flatten().sum::<f64>();
         assert!((sum(&one) / sum(&other) - 1.0).abs() < 0.02);

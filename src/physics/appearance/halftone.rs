@@ -143,7 +143,8 @@ mod tests {
     /// Solid inks beside an ink in dots do not move its w.
     #[test]
     fn the_spread_of_several_inks_is_between_theirs() {
-        let [few, many] = [0.1, 0.5].map(|c| spread_share(c, 0.006, 40.0));
+        let few = spread_share(0.1, 0.006, 40.0);
+        let many = spread_share(0.5, 0.006, 40.0);
         assert_eq!(mean_spread_share(&[0.5, 1.0, 0.0], 0.006, 40.0), many);
         let both = mean_spread_share(&[0.1, 0.5], 0.006, 40.0);
         assert!(both > few.min(many) && both < few.max(many), "{few} {both} {many}");
@@ -181,7 +182,9 @@ mod tests {
     /// The n of Yule and Nielsen is 1 without spread, and that of a tint made with n = 1.7.
     #[test]
     fn the_n_of_yule_and_nielsen_is_found() {
-        let (paper, solid, a) = (0.85, 0.2, 0.4);
+        let paper = 0.85;
+        let solid = 0.2;
+        let a = 0.4;
         let made = |n: f64| (a * f64::powf(solid, 1.0 / n) + (1.0 - a) * f64::powf(paper, 1.0 / n)).powf(n);
         assert_eq!(yule_nielsen(a, paper, made(1.0), solid), Some(1.0));
         assert!((yule_nielsen(a, paper, made(1.7), solid).unwrap() - 1.7).abs() < 1e-9);

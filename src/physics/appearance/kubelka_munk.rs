@@ -218,7 +218,9 @@ mod tests {
     fn noise_around_no_absorption_is_continued() {
         let continued = |t: f64| KubelkaMunk::continued(0.3, t, 1.0).unwrap();
         for get in [|k: KubelkaMunk| k.absorption_per_um, |k: KubelkaMunk| k.scattering_per_um] {
-            let [below, none, above] = [0.699, 0.7, 0.701].map(|t| get(continued(t)));
+            let below = get(continued(0.699));
+            let none = get(continued(0.7));
+            let above = get(continued(0.701));
             // order: second differences of a step of 1e-3; K and S have derivatives of order one
             assert!((below - 2.0 * none + above).abs() < 2e-5 && (below - above).abs() > 1e-4);
         }

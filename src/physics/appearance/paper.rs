@@ -182,7 +182,8 @@ fn interpolate(rows: &[[f64; 2]], nm: f64) -> Result<f64, PaperError> {
     if rows.len() < 2 || unordered.is_some() {
         return Err(PaperError::AlbedoTable { value: unordered.map_or(nm, |w| w[1][0]) });
     }
-    let (lo, hi) = (rows[0][0], rows[rows.len() - 1][0]);
+    let lo = rows[0][0];
+    let hi = rows[rows.len() - 1][0];
     if !(lo..=hi).contains(&nm) {
         return Err(PaperError::AlbedoRange { value: nm, lo, hi });
     }

@@ -202,7 +202,8 @@ mod tests {
 
     #[test]
     fn limits_are_neugebauer_and_clapper_yule() {
-        let (a, rho) = (0.37, 0.9);
+        let a = 0.37;
+        let rho = 0.9;
         let alone = |area: &AreaOptics| {
             area.own + area.entering * area.leaving * rho / (1.0 - rho * (1.0 - area.lost))
         };
@@ -217,7 +218,8 @@ mod tests {
     /// Two wavelengths in closed form: the longer one holds F Φ of the shorter one besides its own.
     #[test]
     fn fluorescence_of_two_wavelengths_has_a_closed_form() {
-        let (rho, f) = ([0.3, 0.9], 0.2);
+        let rho = [0.3, 0.9];
+        let f = 0.2;
         let mix = AreaMix::whole();
         let matrix = vec![vec![], vec![f]];
         let emitted = mix.emitted(&[vec![INK], vec![INK]], &rho, &[2.0, 1.0], &matrix);

@@ -161,7 +161,8 @@ fn times(matrix: &[[f64; 3]; 3], xyz: [f64; 3]) -> [f64; 3] {
 
 /// Matrix that maps colours under an illuminant of this white to corresponding colours under D65.
 fn adaptation(white: [f64; 3]) -> [[f64; 3]; 3] {
-    let (here, there) = (times(&BRADFORD, white), times(&BRADFORD, SCREEN_WHITE));
+    let here = times(&BRADFORD, white);
+    let there = times(&BRADFORD, SCREEN_WHITE);
     let scaled: [[f64; 3]; 3] = std::array::from_fn(|i| BRADFORD[i].map(|m| m * there[i] / here[i]));
     std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| BRADFORD_BACK[i][k] * scaled[k][j]).sum()))
 }
@@ -190,7 +191,8 @@ fn check_white(grid: &[f64], white: [f64; 3], ends: &[SpectrumEnd; 2]) -> Result
     let mut inside = (0..3).map(|c| (["X", "Y", "Z"][c], 1.0 - (below[c] + above[c]) / white[c]));
     let lost = inside.find(|(_, channel)| channel.is_nan() || *channel < least);
     let Some((name, channel)) = lost else { return Ok(()) };
-    let (first, last) = (grid[0], grid[grid.len() - 1]);
+    let first = grid[0];
+    let last = grid[grid.len() - 1];
     Err(ColourError::WhiteNotCovered { first, last, name, channel, least })
 }
 
@@ -210,7 +212,8 @@ fn light_times_observer(nm: f64, viewing: &Viewing) -> [f64; 3] {
     let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
     let below = (nm.floor() as usize).clamp(lo, hi - 1);
     let t = nm - below as f64;
-    let (a, b) = (viewing.row(below), viewing.row(below + 1));
+    let a = viewing.row(below);
+    let b = viewing.row(below + 1);
     std::array::from_fn(|c| a[c] + t * (b[c] - a[c]))
 }
 
@@ -220,7 +223,8 @@ type Integrand = Vec<(f64, [f64; 3])>;
 /// The step of the sum to which a grid is resampled, and the light there. By ASTM E308 every
 /// nanometre of the tables counts, and the range beyond the grid is assigned to its ends.
 fn integrand(grid: &[f64], viewing: &Viewing) -> (f64, Integrand) {
-    let (first, last) = (grid[0], grid[grid.len() - 1]);
+    let first = grid[0];
+    let last = grid[grid.len() - 1];
     if viewing.summation == Summation::E308 {
         let [lo, hi] = TABLE_RANGE_NM.map(|x| x as usize);
         return (1.0, (lo..=hi).map(|nm| ((nm as f64).clamp(first, last), viewing.row(nm))).collect());

@@ -163,8 +163,10 @@ pub(super) fn dot<T: Real>(a: (&[T], &[T]), b: (&[T], &[T])) -> Complex64 {
     let (b_re, b_im) = b;
     let mut parallel = [T::zero(); LANES];
     let mut crossed = [T::zero(); LANES];
-    let (ar, ai) = (a_re.as_chunks::<LANES>(), a_im.as_chunks::<LANES>());
-    let (br, bi) = (b_re.as_chunks::<LANES>(), b_im.as_chunks::<LANES>());
+    let ar = a_re.as_chunks::<LANES>();
+    let ai = a_im.as_chunks::<LANES>();
+    let br = b_re.as_chunks::<LANES>();
+    let bi = b_im.as_chunks::<LANES>();
     for ((ar, ai), (br, bi)) in ar.0.iter().zip(ai.0).zip(br.0.iter().zip(bi.0)) {
         for i in 0..LANES {
             parallel[i] += ar[i] * br[i] + ai[i] * bi[i];
@@ -183,14 +185,16 @@ pub(super) fn dot<T: Real>(a: (&[T], &[T]), b: (&[T], &[T])) -> Complex64 {
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx2+fma", "x86_64+avx2+fma"))]
 fn add_together<T: Real>([re, im]: [&mut [T]; 2], factors: [[T; 2]; TOGETHER], v: [(&[T], &[T]); TOGETHER]) {
     let whole = re.len() / LANES * LANES;
-    let (re, im) = (re.as_chunks_mut::<LANES>(), im.as_chunks_mut::<LANES>());
+    let re = re.as_chunks_mut::<LANES>();
+    let im = im.as_chunks_mut::<LANES>();
     let lanes = v.map(|(x, y)| [x.as_chunks::<LANES>().0, y.as_chunks::<LANES>().0]);
     for (j, (re, im)) in re.0.iter_mut().zip(im.0).enumerate() {
         let mut sum_re = *re;
         let mut sum_im = *im;
         for k in 0..TOGETHER {
             let [a_re, a_im] = factors[k];
-            let [x, y] = [&lanes[k][0][j], &lanes[k][1][j]];
+            let x = &lanes[k][0][j];
+            let y = &lanes[k][1][j];
             for i in 0..LANES {
                 sum_re[i] += a_re * x[i] - a_im * y[i];
                 sum_im[i] += a_re * y[i] + a_im * x[i];

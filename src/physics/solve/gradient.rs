@@ -87,7 +87,8 @@ fn slopes(far: &FarField, moved: &[FarField], steps: &[Complex64]) -> FarSlopes 
     let amplitudes = |k: usize| [0, 1].map(|i| [0, 1].map(|side| slope(k, i, side)));
     let of_order = |(k, order): (usize, &Order)| {
         let amplitudes = amplitudes(k);
-        let [reflected, transmitted] = [0, 1].map(|side| efficiency(order, &amplitudes, side));
+        let reflected = efficiency(order, &amplitudes, 0);
+        let transmitted = efficiency(order, &amplitudes, 1);
         OrderSlopes { amplitudes, reflected, transmitted }
     };
     let orders: Vec<OrderSlopes> = far.orders.iter().enumerate().map(of_order).collect();

@@ -66,7 +66,10 @@ fn differences(geometry: &Geometry, pigment: Complex64, p: usize, along: usize, 
         let system = systems(geometry, pigment + k * h * direction, Side::Incident).remove(p);
         totals(&system.far_field(&solved(&*system)))
     };
-    let [a, b, c, d] = [-2.0, -1.0, 1.0, 2.0].map(moved_by);
+    let a = moved_by(-2.0);
+    let b = moved_by(-1.0);
+    let c = moved_by(1.0);
+    let d = moved_by(2.0);
     std::array::from_fn(|i| (a[i] - 8.0 * b[i] + 8.0 * c[i] - d[i]) / (12.0 * h))
 }
 
@@ -85,7 +88,8 @@ fn differences_fall_onto_the_tangent_with_the_fourth_power() {
     for (wave, p) in [(Wave::Scalar, 0), (Wave::Unpolarised, 0), (Wave::Unpolarised, 1)] {
         let geometry = geometry(wave);
         // a guided resonance near η = 1.65 bounds the steps: the series' radius is 0.08
-        let [coarse, fine] = [1e-2, 5e-3].map(|h| largest_error(&geometry, pigment, p, h));
+        let coarse = largest_error(&geometry, pigment, p, 1e-2);
+        let fine = largest_error(&geometry, pigment, p, 5e-3);
         // order 4: 2⁴ but for terms of sixth order, (2h/0.08)² of it
         let ratio = coarse / fine;
         assert!((15.0..18.0).contains(&ratio), "{wave:?} {p}: {coarse:e} {fine:e}");
@@ -111,7 +115,8 @@ fn the_tangent_conserves_energy_beside_a_resonance() {
 #[test]
 fn two_neighbours_serve_as_well_as_four() {
     let pigment = Complex64::new(1.65, 0.08);
-    let [two, four] = [2, 4].map(|count| tangent_of(&geometry(Wave::Scalar), pigment, Side::Exit, 0, count));
+    let two = tangent_of(&geometry(Wave::Scalar), pigment, Side::Exit, 0, 2);
+    let four = tangent_of(&geometry(Wave::Scalar), pigment, Side::Exit, 0, 4);
     for (a, b) in slopes_of(&two).iter().flatten().zip(slopes_of(&four).iter().flatten()) {
         assert!((a - b).abs() < 1e-6, "{a} {b}");
     }
@@ -186,11 +191,13 @@ fn the_transposed_operator_is_that_of_the_reversed_direction() {
             };
             Field::from_shape_simple_fn(problem.shape(), || Complex64::new(next(), next()))
         };
-        let (u, v) = (random(0.1), random(0.7));
+        let u = random(0.1);
+        let v = random(0.7);
         let reversed = problem.reversed().expect("sound");
         let transposed = problem.opposite(&reversed.applied(&problem.opposite(&v)));
         let dot = |a: &Field, b: &Field| a.iter().zip(b).map(|(a, b)| a * b).sum::<Complex64>();
-        let (one, other) = (dot(&v, &problem.applied(&u)), dot(&transposed, &u));
+        let one = dot(&v, &problem.applied(&u));
+        let other = dot(&transposed, &u);
         let scale: f64 = v.iter().zip(&problem.applied(&u)).map(|(a, b)| (a * b).norm()).sum();
         assert!((one - other).norm() < 1e-13 * scale, "{one} {other}");
     }

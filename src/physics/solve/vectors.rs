@@ -32,10 +32,12 @@ fn swapped(v: &[f64; LANES]) -> [f64; LANES] {
 /// Inner product Σ ā b of one chunk. Lane-wise sums, written so that they vectorise on any machine.
 #[multiversion(targets("x86_64+avx2"))]
 fn dot_chunk(a: &[Complex64], b: &[Complex64]) -> Complex64 {
-    let [a, b] = [doubles(a), doubles(b)];
+    let a = doubles(a);
+    let b = doubles(b);
     let mut parallel = [0.0; LANES];
     let mut crossed = [0.0; LANES];
-    let (a8, b8) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
+    let a8 = a.as_chunks::<LANES>();
+    let b8 = b.as_chunks::<LANES>();
     for (a, b) in a8.0.iter().zip(b8.0) {
         let b_swapped = swapped(b);
         for i in 0..LANES {

@@ -16,7 +16,8 @@ fn budget(len: usize) -> f64 {
 #[test]
 fn kernels_agree_with_plain_loops() {
     for len in LENGTHS {
-        let (a, b) = (vector(len, 0.7), vector(len, 1.3));
+        let a = vector(len, 0.7);
+        let b = vector(len, 1.3);
         let plain: Complex64 = a.iter().zip(&b).map(|(a, b)| a.conj() * b).sum();
         assert!((dot(&a, &b) - plain).norm() <= budget(len), "{len}");
         let square: f64 = a.iter().map(|z| z.norm_sqr()).sum();
@@ -26,7 +27,8 @@ fn kernels_agree_with_plain_loops() {
 
 #[test]
 fn results_do_not_depend_on_the_number_of_threads() {
-    let (a, b) = (vector(5 * CHUNK + 321, 0.7), vector(5 * CHUNK + 321, 1.3));
+    let a = vector(5 * CHUNK + 321, 0.7);
+    let b = vector(5 * CHUNK + 321, 1.3);
     let all = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         pool.install(|| (norm(&a), dot(&a, &b)))

@@ -4,6 +4,8 @@
 mod brightened;
 mod colours;
 mod directions;
+mod moved;
+mod places;
 mod sums;
 
 pub use colours::Sight;
@@ -19,15 +21,11 @@ use super::samples::{SolvedRealisation, SolvedWavelength};
 use super::wavelengths::SpectralBasis;
 use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::appearance::paper::{PRINT_DEG, PaperError, Substrate};
-use crate::appearance::tristimulus::{TABLE_RANGE_NM, visible};
 use crate::appearance::viewing::ColourError;
 use directions::SampledDirections;
-use std::f64::consts::FRAC_1_SQRT_2;
-use std::ops::Range;
+use moved::MovedNodes;
+use places::{Places, places};
 use thiserror::Error;
-
-/// Largest wavelength step of colour sums and of the films that guide coarser ones, nm.
-const COLOUR_STEP_NM: f64 = 5.0;
 
 /// Why there is no ink on paper.
 #[derive(Debug, Error, PartialEq)]
@@ -51,30 +49,6 @@ pub struct InkInputs<'a> {
     pub substrate: &'a Substrate,
     /// Wavelengths of the spectra, nm, increasing.
     pub outputs_nm: &'a [f64],
-}
-
-/// Indices of the wavelengths: of spectra, of colours, and of solves.
-#[derive(Clone, Debug)]
-struct Places {
-    outputs: Range<usize>,
-    /// Those of the spectra that colours can take.
-    visible: Range<usize>,
-    /// What colours are summed over, within the tables of the observers.
-    colours: Range<usize>,
-    /// What weighted numbers are summed over.
-    sums: Range<usize>,
-    /// The film alone, at the visible wavelengths of a list …
-    guide: Range<usize>,
-    /// … and every 5 nm between them.
-    fine_guide: Range<usize>,
-    /// The film alone, at all wavelengths of a list …
-    sum_guide: Range<usize>,
-    /// … and at closer ones, for weighted numbers.
-    fine_sum_guide: Range<usize>,
-    /// One range per realisation; empty with listed wavelengths.
-    solved: Vec<Range<usize>>,
-    /// Width of the range that the wavelengths of the solves are drawn from, nm.
-    range_nm: f64,
 }
 
 /// The ink on its paper. Every quantity is computed from ensemble means (a print shows many cells
@@ -135,16 +109,6 @@ pub struct InkOnPaper {
     moved: Option<MovedNodes>,
 }
 
-/// Where the layer of a few packings stands among the nodes: index of its first node, whose
-/// followers are those of the spectra and of the colours of the whole.
-#[derive(Clone, Debug)]
-struct MovedNodes {
-    /// As the study describes it.
-    few: usize,
-    /// With a table moved.
-    moved: Vec<usize>,
-}
-
 /// The layer of an ensemble with the solves that it was made of.
 #[derive(Clone, Debug)]
 pub struct SolvedLayer<'a> {
@@ -168,10 +132,12 @@ impl InkOnPaper {
         inputs: &InkInputs,
     ) -> Result<Self, InkError> {
         let SolvedLayer { ensemble: layer, solved } = solved_layer;
-        let anchored = [0.0, PRINT_DEG].map(|deg| layer.place(deg));
-        let ([Some(normal), Some(slanted)], true) = (anchored, layer.strata > 0) else {
+        let (Some(normal), Some(slanted)) = (layer.place(0.0), layer.place(PRINT_DEG)) else {
             return Err(InkError::AnglesMissing);
         };
+        if layer.strata == 0 {
+            return Err(InkError::AnglesMissing);
+        }
         let anchored = [normal, slanted];
         let (nodes_nm, mut places) = places(&layer, inputs.outputs_nm);
         let mut nodes = nodes(&layer, nodes_nm, inputs)?;
@@ -275,51 +241,6 @@ impl InkOnPaper {
         LayerOnPaper::new(node, self.nodes.means[node], measured, curve, paper)
     }
 
-    /// Adds the layer of a few packings, as it is and with tables of indices moved by their errors,
-    /// from which all errors due to these follow.
-    pub(super) fn keep_moved(&mut self, few: &Self, moved: &[&Self]) {
-        let few = self.keep(few);
-        let moved = moved.iter().map(|ink| self.keep(ink)).collect();
-        self.moved = Some(MovedNodes { few, moved });
-    }
-
-    /// Adds the layers of another ink at the wavelengths of spectra and colours; the index of the
-    /// first.
-    fn keep(&mut self, other: &Self) -> usize {
-        let start = self.whole.len();
-        let count = other.places.fitted();
-        self.nodes.wavelengths_nm.extend_from_slice(&other.nodes.wavelengths_nm[..count]);
-        self.nodes.films.extend_from_slice(&other.nodes.films[..count]);
-        self.nodes.albedos.extend_from_slice(&other.nodes.albedos[..count]);
-        self.nodes.weights.extend_from_slice(&other.nodes.weights[..count]);
-        self.nodes.means.extend_from_slice(&other.nodes.means[..count]);
-        self.whole.extend(other.whole[..count].iter().map(|layer| layer.at_node(start + layer.node)));
-        start
-    }
-
-    /// Changes of a quantity at some nodes by every move of a table by one standard error:
-    /// \[move\]\[node\].
-    /// Both sides of each error are among them, so that half of the sum of their squares is the
-    /// variance.
-    pub(super) fn input_changes(
-        &self,
-        nodes: Range<usize>,
-        quantity: impl Fn(&LayerOnPaper) -> f64,
-    ) -> Vec<Vec<f64>> {
-        let Some(MovedNodes { few, moved }) = &self.moved else { return Vec::new() };
-        let value = |start: usize, node: usize| quantity(&self.whole[start + node]);
-        let changes =
-            |&start: &usize| nodes.clone().map(|node| value(start, node) - value(*few, node)).collect();
-        moved.iter().map(changes).collect()
-    }
-
-    /// Standard error of a quantity at the `i`-th wavelength of the spectra due to the tables'
-    /// errors.
-    pub(super) fn input_error(&self, i: usize, quantity: impl Fn(&LayerOnPaper) -> f64) -> f64 {
-        let changes = self.input_changes(i..i + 1, quantity);
-        changes.iter().flatten().fold(0.0, |sum: f64, change| sum.hypot(FRAC_1_SQRT_2 * change))
-    }
-
     /// Wavelengths of the spectra, nm.
     pub fn wavelengths_nm(&self) -> &[f64] {
         &self.nodes.wavelengths_nm[self.places.outputs.clone()]
@@ -386,71 +307,6 @@ fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Resul
     let weights = nodes_nm.iter().map(|&nm| layer.basis.weights(nm)).collect();
     let means = films.iter().map(|film| film_means(&film.returned(), layer.exit)).collect();
     Ok(AngleNodes { wavelengths_nm: nodes_nm, films, albedos, weights, means })
-}
-
-impl Places {
-    /// Number of nodes up to the last of which spectra, colours or numbers are made.
-    fn fitted(&self) -> usize {
-        self.outputs.end.max(self.colours.end).max(self.sums.end)
-    }
-}
-
-fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
-    let sums_nm = layer.sums_nm.as_slice();
-    let mut nodes = outputs_nm.to_vec();
-    let mut add = |more: &mut dyn Iterator<Item = f64>| {
-        let start = nodes.len();
-        nodes.extend(more);
-        start..nodes.len()
-    };
-    let outputs = 0..outputs_nm.len();
-    let visible = visible(outputs_nm);
-    if let SpectralBasis::Splines { range_nm: [from, to], .. } = layer.basis {
-        let [lo, hi] = TABLE_RANGE_NM;
-        let colours = add(&mut every_5_nm([from.max(lo), to.min(hi)]).into_iter());
-        let sums = add(&mut sums_nm.iter().copied());
-        let solved = (0..layer.realisations()).map(|r| add(&mut layer.wavelengths_nm(r))).collect();
-        let places = Places {
-            outputs,
-            visible,
-            colours,
-            sums,
-            guide: 0..0,
-            fine_guide: 0..0,
-            sum_guide: 0..0,
-            fine_sum_guide: 0..0,
-            solved,
-            range_nm: to - from,
-        };
-        return (nodes, places);
-    }
-    let seen_nm = &outputs_nm[visible.clone()];
-    let ends = seen_nm.first().zip(seen_nm.last());
-    let guide = add(&mut seen_nm.iter().copied());
-    let fine_guide = add(&mut ends.map_or(Vec::new(), |(&from, &to)| every_5_nm([from, to])).into_iter());
-    let summed_nm = if sums_nm.is_empty() { &[] } else { outputs_nm };
-    let places = Places {
-        colours: visible.clone(),
-        sums: outputs.clone(),
-        outputs,
-        visible,
-        guide,
-        fine_guide,
-        sum_guide: add(&mut summed_nm.iter().copied()),
-        fine_sum_guide: add(&mut sums_nm.iter().copied()),
-        solved: Vec::new(),
-        range_nm: 0.0,
-    };
-    (nodes, places)
-}
-
-/// Equal steps of at most 5 nm over a range; nothing where it is none.
-fn every_5_nm([from, to]: [f64; 2]) -> Vec<f64> {
-    if from > to {
-        return Vec::new();
-    }
-    let steps = ((to - from) / COLOUR_STEP_NM).ceil().max(1.0) as usize;
-    (0..=steps).map(|k| from + (to - from) * k as f64 / steps as f64).collect()
 }
 
 #[cfg(test)]

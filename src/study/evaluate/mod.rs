@@ -6,6 +6,15 @@
 //! jackknife over realisations covers randomness, cell, angles and wavelengths together. The fitted
 //! quantity ([`regression`], over [`wavelengths`]) is the *difference from the coherent [`film`]*,
 //! which contains the layer's interference fringes.
+//!
+//! - [`seen`] evaluates the complete realisations: [`layer`] without paper, [`ink`] on its paper by
+//!   the formulas of [`on_paper`], [`prints`] in dots and on brightened paper
+//! - [`composed`] does the same for layers composed of slabs
+//! - error bars: `uncertainty` adds the scatter of the realisations, the grid ([`levels`]) and the
+//!   solver's residual
+//! - [`gate`] withholds numbers that cannot be right
+//! - [`summary`] and [`composed::summary`] fill the [`manifest`], from which everything published
+//!   is read; [`evaluated`] calls the one that a study needs
 
 pub mod coherent;
 pub mod composed;

@@ -5,6 +5,7 @@
 mod cgats;
 mod choose;
 mod cxf;
+mod factors;
 mod fields;
 mod sample;
 mod table;
@@ -195,10 +196,10 @@ impl MeasuredReading {
         }
         let measured = match &chosen.sample.content {
             SampleContent::Spectrum(cells) => {
-                let white = choose::white(&file, chosen.sample, request)?;
+                let white = factors::white(&file, chosen.sample, request)?;
                 remarks.extend(white.remark.map(|remark| format!("{source}: {remark}")));
                 let called = if chosen.samples > 1 { format!("{sample_name:?}, ") } else { String::new() };
-                let rows = choose::rows(cells, white.value, request.used_nm);
+                let rows = factors::rows(cells, white.value, request.used_nm);
                 let rows = rows.map_err(|reason| format!("{called}{reason}"))?;
                 MeasuredContent::Spectrum(MeasuredSpectrum { source, rows, patches: chosen.samples })
             }
@@ -246,7 +247,7 @@ fn colour(
             }
             SampleContent::Xyz(cells, stated) => {
                 let xyz = coordinates(cells, ["X", "Y", "Z"])?;
-                let white = choose::white_y(file, request.unit)?;
+                let white = factors::white_y(file, request.unit)?;
                 match stated.viewing(requested.summation) {
                     Ok(viewing) => {
                         Some(MeasuredColour { lab: lab_of(xyz, white, &viewing)?, viewing: Ok(viewing) })

@@ -92,7 +92,8 @@ impl Place {
     }
 
     pub fn sweep(&self, output: &str, more: &[&str]) -> String {
-        let (file, output) = (self.path("tiny.toml"), self.path(output));
+        let file = self.path("tiny.toml");
+        let output = self.path(output);
         succeed(&[&["sweep", &file, "--output", &output], more].concat())
     }
 }

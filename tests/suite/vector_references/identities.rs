@@ -60,7 +60,8 @@ fn polarised_light_finds_its_way_back() {
                 let incidence = against(o.direction, from, &case.incidence);
                 let back = solve(&Case { incidence, ..case.clone() }, 9, 12, RESIDUAL).far;
                 let side = usize::from(from == Side::Exit);
-                let (to, fro) = (to[side], pairs(order(&back, o.m, o.n))[side]);
+                let to = to[side];
+                let fro = pairs(order(&back, o.m, o.n))[side];
                 for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
                     let sign = if a == b { 1.0 } else { -1.0 };
                     let error: Complex64 = cosine(o) * to[a][b] - sign * incident * fro[b][a];
@@ -78,7 +79,8 @@ fn difference(a: &[FarField], b: &[FarField], map: impl Fn(i32, i32) -> (i32, i3
     let mut largest = 0.0_f64;
     for o in a[0].orders.iter().filter(|o| o.reflected_propagates || o.transmitted_propagates) {
         let (m, n) = map(o.m, o.n);
-        let [own, other] = [pairs(order(a, o.m, o.n)), pairs(order(b, m, n))];
+        let own = pairs(order(a, o.m, o.n));
+        let other = pairs(order(b, m, n));
         for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             for (own, other) in own.into_iter().zip(other) {
                 largest = largest.max((own[i][j] - sign(i, j) * other[i][j]).norm());
@@ -102,7 +104,8 @@ fn a_quarter_turn_changes_nothing() {
         let mut turned = reference(id).case.clone();
         turned.incidence.azimuth_deg += 90.0;
         move_balls(&mut turned, |[x, y, z]| [-y, x, z]);
-        let [straight, turned] = [&reference(id).case, &turned].map(|case| solve(case, 9, 12, RESIDUAL).far);
+        let straight = solve(&reference(id).case, 9, 12, RESIDUAL).far;
+        let turned = solve(&turned, 9, 12, RESIDUAL).far;
         let error = difference(&straight, &turned, |m, n| (-n, m), 1.0);
         assert!(error < TWO_SOLVES, "{id}: {error:.1e}");
     }
@@ -115,8 +118,8 @@ fn a_mirror_turns_cross_polarisation_over() {
         let mut mirrored = reference(id).case.clone();
         mirrored.incidence.azimuth_deg *= -1.0;
         move_balls(&mut mirrored, |[x, y, z]| [x, -y, z]);
-        let [straight, mirrored] =
-            [&reference(id).case, &mirrored].map(|case| solve(case, 9, 12, RESIDUAL).far);
+        let straight = solve(&reference(id).case, 9, 12, RESIDUAL).far;
+        let mirrored = solve(&mirrored, 9, 12, RESIDUAL).far;
         let error = difference(&straight, &mirrored, |m, n| (m, -n), -1.0);
         assert!(error < TWO_SOLVES, "{id}: {error:.1e}");
     }
@@ -133,7 +136,8 @@ fn light_from_the_exit_side_sees_the_scene_upside_down() {
         move_balls(&mut flipped, |[x, y, z]| [x, y, height - z]);
         std::mem::swap(&mut flipped.media.incident, &mut flipped.media.exit);
         flipped.incidence.from = Side::Exit;
-        let [upright, flipped] = [&upright, &flipped].map(|case| solve(case, 9, 12, RESIDUAL).far);
+        let upright = solve(&upright, 9, 12, RESIDUAL).far;
+        let flipped = solve(&flipped, 9, 12, RESIDUAL).far;
         let error = difference(&upright, &flipped, |m, n| (m, n), -1.0);
         assert!(error < TWO_SOLVES, "{id}: {error:.1e}");
     }
@@ -172,9 +176,13 @@ fn rayleigh_anomalies_are_finite_and_continuous() {
         case.incidence.wavelength_um = period;
         solve(&case, 9, 8, RESIDUAL).far
     };
-    let [before, on, after] = [0.55 - 1e-9, 0.55, 0.55 + 1e-9].map(at);
+    let before = at(0.55 - 1e-9);
+    let on = at(0.55);
+    let after = at(0.55 + 1e-9);
     for (m, n) in [(0, 0), (1, 0), (0, -1)] {
-        let [before, on, after] = [&before, &on, &after].map(|far| order(far, m, n)[1].reflected);
+        let before = order(&before, m, n)[1].reflected;
+        let on = order(&on, m, n)[1].reflected;
+        let after = order(&after, m, n)[1].reflected;
         assert!(on.is_finite() && (before - on).norm() < 1e-3 && (after - on).norm() < 1e-3);
     }
 }
@@ -183,8 +191,8 @@ fn rayleigh_anomalies_are_finite_and_continuous() {
 #[test]
 fn the_mean_is_a_matter_of_steps_only() {
     let case = &reference("vsph02").case;
-    let real = Mean { absorbing: false, ..Mean::default() };
-    let [complex, real] =
-        [Mean::default(), real].map(|mean| solve_as(case, 15, 16, 1e-6, mean, Averaging::Normal).far);
+    let solved = |mean: Mean| solve_as(case, 15, 16, 1e-6, mean, Averaging::Normal).far;
+    let complex = solved(Mean::default());
+    let real = solved(Mean { absorbing: false, ..Mean::default() });
     assert!(largest_of_all(&complex, &real) < 1e-3);
 }

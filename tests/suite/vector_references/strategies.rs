@@ -58,7 +58,8 @@ fn one_application_does_not_depend_on_the_buffer() {
     let problem = problem(case, resolution(case, 5, 5), Mean::default(), Averaging::Normal);
     let system = problem.polarised(Polarisation::P);
     let wave = system.background_wave();
-    let [mut clean, mut dirty] = [0.0, f64::NAN].map(|x| Field::from_elem(system.shape(), x.into()));
+    let mut clean = Field::zeros(system.shape());
+    let mut dirty = Field::from_elem(system.shape(), f64::NAN.into());
     system.scatter(wave.view(), &mut clean);
     system.scatter(wave.view(), &mut dirty);
     assert_eq!(clean, dirty);

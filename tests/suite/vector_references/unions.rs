@@ -59,7 +59,8 @@ fn a_pair_of_balls_converges_as_one() {
     case.scene = scene(vec![ball([0.26, 0.28, 0.27], 0.12), ball([0.36, 0.34, 0.36], 0.1)]);
     let at = |points| solve(&case, points, 10, 1e-6).far;
     let truth = at(27);
-    let [coarse, fine] = [9, 15].map(|points| largest_of_all(&at(points), &truth));
+    let coarse = largest_of_all(&at(9), &truth);
+    let fine = largest_of_all(&at(15), &truth);
     let naive = solve_as(&case, 15, 10, 1e-6, Mean::default(), Averaging::Naive).far;
     let naive = largest_of_all(&naive, &truth);
     assert!(coarse < 5e-4 && fine < 2e-4 && 3.0 * fine < naive, "{coarse:.1e} {fine:.1e}, naive {naive:.1e}");

@@ -72,7 +72,8 @@ fn orders_exactly_at_grazing_in_the_mean_medium() {
 
 /// Largest error against the same scene on a much finer grid.
 fn against_finer(case: &Case, coarse: Resolution, fine: Resolution) -> f64 {
-    let [coarse, fine] = [coarse, fine].map(|r| solve_at(case, r, 1e-8));
+    let coarse = solve_at(case, coarse, 1e-8);
+    let fine = solve_at(case, fine, 1e-8);
     assert_sound("coarse", &coarse);
     assert_sound("fine", &fine);
     inkwave::solve::accuracy::largest_difference(&coarse.far, &fine.far)

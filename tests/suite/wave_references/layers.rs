@@ -137,7 +137,8 @@ fn a_box_that_fills_the_cell_is_a_film() {
         "edges": [0.5, 0.5, 0.2] }}, "center": [0.1, 0.37, 0.3], "eta": [1.9, 0.1] }}]}}"#
     );
     let layer = |n: f64, k: f64| format!(r#"{{"thickness": 0.2, "eta": [{n}, {k}]}}"#);
-    let [binder, film] = [layer(1.5, 0.0), layer(1.9, 0.1)];
+    let binder = layer(1.5, 0.0);
+    let film = layer(1.9, 0.1);
     let layers = format!(r#"{{{common}, "layers_from_z0": [{binder}, {film}, {binder}]}}"#);
     let [filled, layers] =
         [filled, layers].map(|text| Case::parse(&text, false).unwrap_or_else(|e| panic!("{e}")));
@@ -167,9 +168,12 @@ fn first_order(wavelength: f64, side: f64) -> Complex64 {
     let [_, transmitted] = amplitudes(1.0, &films, 1.3.into(), wavelength, 0.0);
     let k0 = TAU / wavelength;
     // Field and slope at the far face of each film, from the exit side.
-    let (mut field, mut slope) = (transmitted, Complex64::I * k0 * 1.3 * transmitted);
+    let mut field = transmitted;
+    let mut slope = Complex64::I * k0 * 1.3 * transmitted;
     let mut top = FILMS.iter().map(|film| film.1).sum::<f64>();
-    let (center, radius, steps) = (0.29, 0.12, 2000);
+    let center = 0.29;
+    let radius = 0.12;
+    let steps = 2000;
     let mut sum = Complex64::ZERO;
     for (index, thickness) in FILMS.into_iter().rev() {
         let k = k0 * index;
@@ -210,7 +214,8 @@ fn a_sphere_across_two_films_adds_its_first_order_to_airy() {
     let same = FILMS.map(|(_, um)| film((1.5, um))).join(", ");
     let two = parse(format!(r#"{{ {common}, "layers_from_z0": [{same}], {SPHERE} }}"#));
     let one = parse(format!(r#"{{ {common}, "H": 0.55, "eta_binder": [1.5, 0], {SPHERE} }}"#));
-    let [two, one] = [two, one].map(|case| solve_at(&case, resolution, 1e-12).far.specular().reflected);
+    let two = solve_at(&two, resolution, 1e-12).far.specular().reflected;
+    let one = solve_at(&one, resolution, 1e-12).far.specular().reflected;
     assert!((two - one).norm() < 1e-7, "{two} {one}");
 }
 

@@ -23,7 +23,8 @@ pub fn of_clear_spheres(share: f64, medium: &Value, findings: &mut Findings) {
     let [index, decay] = coherent_wave(share);
     known.push(("coherent_path_um", 1.0 / (2.0 * TAU / WAVELENGTH_UM * decay), "chance", coherent));
     for (key, truth, part, because) in known {
-        let [own, error] = ["value", part].map(|name| medium[key][name].as_f64().unwrap_or(f64::NAN));
+        let own = medium[key]["value"].as_f64().unwrap_or(f64::NAN);
+        let error = medium[key][part].as_f64().unwrap_or(f64::NAN);
         findings.check(
             format!("{key} of {} % of spheres: slabs less theory, in errors", 100.0 * share),
             ((own - truth) / error.hypot(THEORY * truth)).abs(),
@@ -69,7 +70,8 @@ const THEORY: f64 = 0.03;
 /// density, with the structure factor of Percus and Yevick.
 fn of_spheres(share: f64) -> [f64; 2] {
     let sphere = Sphere { wavelength_um: 0.55, radius_um: 0.125, index: 2.0.into(), host: CLEAR.binder };
-    let (mie, d) = (sphere.mie(), 2.0 * sphere.radius_um);
+    let mie = sphere.mie();
+    let d = 2.0 * sphere.radius_um;
     let density = share / (PI / 6.0 * d.powi(3));
     let steps = 2000;
     (0..steps).fold([0.0; 2], |[all, forward], i| {

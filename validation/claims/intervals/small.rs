@@ -33,16 +33,17 @@ impl Small {
     pub fn run(truth: &str, cells: Cells, seed: u64, finer: f64) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let [printed, apart] =
-            with_and_without_the_grid(&small_study(truth, cells, (seed, finer)), &folder.path().join("out"));
+            with_and_without_the_grid(&small_study(truth, cells, seed, finer), &folder.path().join("out"));
         Self { printed, apart }
     }
 }
 
 /// The truth's ink in a few cells of 1.6 µm, on a grid `finer` times as fine as the truth's.
-fn small_study(truth: &str, cells: Cells, (seed, finer): (u64, f64)) -> String {
+fn small_study(truth: &str, cells: Cells, seed: u64, finer: f64) -> String {
     let mut study: toml::Table = truth.parse().expect("a study file");
-    let own = |key: &str| study["resolution"][key].as_integer().expect("points or planes") as f64;
-    let (points, planes) = (finer * own("points_per_um"), finer * own("planes_per_um"));
+    let per_um = |key: &str| study["resolution"][key].as_integer().expect("points or planes") as f64;
+    let points = finer * per_um("points_per_um");
+    let planes = finer * per_um("planes_per_um");
     let (most, target) = match cells {
         Cells::Fixed(count) => (count, None),
         Cells::Until(target) => (64, Some(target)),
@@ -94,15 +95,16 @@ impl Known {
     /// The same of a study's results.
     pub fn of(results: &Value, truth: &Value) -> Self {
         let array = |value: &'static str| truth[value].as_array().expect("an array of the truth").iter();
-        let own = results["colours"].as_array().expect("colours");
+        let colours = results["colours"].as_array().expect("colours");
         let colour = |known: &Value| {
-            let own = own.iter().find(|c| c["conditions"] == known["conditions"]);
-            lab(own.expect("the same conditions"), "lab_standard_error")
+            let same = colours.iter().find(|c| c["conditions"] == known["conditions"]);
+            lab(same.expect("the same conditions"), "lab_standard_error")
         };
         let spectrum = |known: &Value| -> Vec<[f64; 2]> {
-            let [nm, deg] = ["wavelength_nm", "polar_deg"].map(|key| known[key].as_f64().expect("a number"));
-            let own = row(results, nm, deg);
-            SPECTRA.iter().filter(|key| known.get(**key).is_some()).map(|key| estimate(&own[*key])).collect()
+            let nm = known["wavelength_nm"].as_f64().expect("a number");
+            let deg = known["polar_deg"].as_f64().expect("a number");
+            let row = row(results, nm, deg);
+            SPECTRA.iter().filter(|key| known.get(**key).is_some()).map(|key| estimate(&row[*key])).collect()
         };
         Self {
             colours: array("colours").flat_map(colour).collect(),
@@ -135,7 +137,8 @@ pub struct Shift {
 
 impl Shift {
     pub fn of(small: &Small, finer: &Small, truth: &Value) -> Self {
-        let [printed, apart] = [&small.printed, &small.apart].map(|r| Known::of(r, truth));
+        let printed = Known::of(&small.printed, truth);
+        let apart = Known::of(&small.apart, truth);
         let finer = Known::of(&finer.apart, truth);
         let part =
             |([_, whole], [_, rest]): (&[f64; 2], &[f64; 2])| (whole * whole - rest * rest).max(0.0).sqrt();

@@ -97,7 +97,8 @@ impl Known {
 
     /// The largest share packed. After a refusal only the share that is too large for any packing is asked for.
     fn reached(&self, level: Level) -> f64 {
-        let (mut most, mut refused) = (0.0f64, false);
+        let mut most = 0.0f64;
+        let mut refused = false;
         for &share in level.pick(self.asked[0], self.asked[1]) {
             if !refused || share > self.published[0] {
                 let (packed, all) = self.packed(share);

@@ -198,7 +198,8 @@ impl Sides {
         }
         self.balance(&mut all, &absorbed, coherent);
         let block = |rows: usize, columns: usize| {
-            let (i0, j0) = (self.first(rows), self.first(columns));
+            let i0 = self.first(rows);
+            let j0 = self.first(columns);
             let shape = (self.media[rows].states(), self.media[columns].states());
             Mat::from_fn(shape.0, shape.1, |i, j| all[(i0 + i, j0 + j)])
         };

@@ -39,7 +39,8 @@ impl Plate {
                 _ => 0.5 * (scaled(i, j) + scaled(j, i)),
             })
         };
-        let (r, t) = (even_out(&self.reflection[0]), even_out(&self.transmission[0]));
+        let r = even_out(&self.reflection[0]);
+        let t = even_out(&self.transmission[0]);
         let y = function_of(&(&r + &t), |c| ((1.0 - c) / (1.0 + c).max(LEAST)).max(0.0))?;
         let x = function_of(&(&r - &t), |c| ((1.0 + c) / (1.0 - c).max(LEAST)).max(0.0))?;
         let root = function_of(&y, |y| y.max(0.0).sqrt())?;
@@ -56,7 +57,8 @@ impl Plate {
                 if into_a_beam { 0.0 } else { symmetric * (etendue[i] / etendue[j]).sqrt() }
             })
         };
-        let (back, onward) = (flux(1.0), flux(-1.0));
+        let back = flux(1.0);
+        let onward = flux(-1.0);
         Some(Self { reflection: [back.clone(), back], transmission: [onward.clone(), onward] })
     }
 }
@@ -134,9 +136,11 @@ mod tests {
             m[(0, 0)] = if sign > 0.0 { 0.0 } else { 0.01 };
             m
         };
-        let (r, t) = (shape(0.7, 1.0), shape(0.3, -1.0));
+        let r = shape(0.7, 1.0);
+        let t = shape(0.3, -1.0);
         let slab = Plate { reflection: [r.clone(), r], transmission: [t.clone(), t] };
-        let [first, second] = [0.3, 0.7].map(|part| slab.fraction(part, &weights).unwrap());
+        let first = slab.fraction(0.3, &weights).unwrap();
+        let second = slab.fraction(0.7, &weights).unwrap();
         let sums = |plate: &Plate, j: usize| -> f64 {
             (0..7).map(|i| plate.reflection[0][(i, j)] + plate.transmission[0][(i, j)]).sum()
         };

@@ -22,14 +22,18 @@
 //!
 //! In a stack of layers the mean field is that of [`stack_film`], and the rest is the same.
 
+mod lobes;
+mod slab_film;
 pub mod stack_film;
 
+pub use lobes::Lobes;
+pub use slab_film::CoherentFilm;
+
+use self::slab_film::Slow;
 use self::stack_film::{Beyond, StackFilm};
-use super::flux::{Coherent, Hemisphere};
+use super::flux::Hemisphere;
 use super::ordinates::gauss_legendre;
 use crate::numerics::interpolate::lagrange;
-use num_complex::Complex64;
-use std::f64::consts::TAU;
 use std::sync::OnceLock;
 
 /// Nodes of the mean over the hemisphere in each of its pieces, and the least number of pieces.
@@ -43,66 +47,11 @@ const FAINT: f64 = 1e-9;
 /// Below this nothing is lost that could be shared.
 const NOTHING: f64 = 1e-9;
 
-/// Amplitudes of the slabs of a layer at one wavelength.
-#[derive(Clone, Debug)]
-pub struct CoherentFilm {
-    /// Of the front slab, of an inner one, and of the back slab.
-    pub slabs: [Coherent; 3],
-    /// Media in front, within and behind.
-    pub media: [Hemisphere; 3],
-    /// Thickness of a slab, µm.
-    pub slab_um: f64,
-    /// Vacuum wavelength, µm.
-    pub wavelength_um: f64,
-    /// Whether one of the known directions, halfway, is left out of the polynomials between them:
-    /// what that changes is more than what they are off.
-    pub fewer_directions: bool,
-}
-
-/// Shares of the light that are reflected and transmitted.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lobes {
-    /// R, or its change.
-    pub reflected: f64,
-    /// T, or its change.
-    pub transmitted: f64,
-}
-
 /// The mean field at one angle, with and without interference.
 #[derive(Clone, Copy, Debug)]
 struct MeanField {
     coherent: Lobes,
     incoherent: Lobes,
-}
-
-/// One direction of one polarisation: what varies slowly with the angle.
-#[derive(Clone, Copy, Debug, Default)]
-struct Slow {
-    /// r of the front slab.
-    front: Complex64,
-    /// t t′ of the front slab, r′ from inside and r_b of the back slab, less the phase of the even
-    /// medium.
-    through: Complex64,
-    inside: Complex64,
-    behind: Complex64,
-    /// Logarithm of an inner slab's amplitude, less that of the even medium.
-    slab: Complex64,
-    /// √(T T_b) of the front and the back slab.
-    passed: f64,
-}
-
-impl Slow {
-    /// This and a multiple of another.
-    fn plus(self, by: f64, other: &Self) -> Self {
-        Self {
-            front: self.front + by * other.front,
-            through: self.through + by * other.through,
-            inside: self.inside + by * other.inside,
-            behind: self.behind + by * other.behind,
-            slab: self.slab + by * other.slab,
-            passed: self.passed + by * other.passed,
-        }
-    }
 }
 
 /// What interference does in a layer of one thickness to light of one polarisation that comes from
@@ -130,122 +79,15 @@ enum MeanWave<'a> {
     Stack { film: &'a StackFilm, beyond: Vec<Vec<Beyond>> },
 }
 
-/// The mean field in one direction, and what is in front of all nodes: R and T of the first slab.
+/// What is known in one direction.
 #[derive(Clone, Copy, Debug)]
 struct KnownField {
     mean: MeanField,
+    /// R and T of the first slab, which is in front of all nodes.
     front: f64,
     through: f64,
-}
-
-impl CoherentFilm {
-    /// The layer turned over: for light from behind.
-    pub fn turned(&self) -> Self {
-        let turned = |[a, b]: &Coherent| [b.clone(), a.clone()];
-        let [front, inner, back] = &self.slabs;
-        let [before, within, behind] = self.media.clone();
-        Self { slabs: [turned(back), turned(inner), turned(front)], media: [behind, within, before], ..*self }
-    }
-
-    /// A layer of this many slabs, 2 or more and not always whole, whose R and T at 0° and at the
-    /// nodes are composed as `composed`.
-    pub fn interference(&self, count: f64, polarisation: usize, composed: &[Lobes]) -> Interference<'_> {
-        let sines = known_sines(&self.media[0]);
-        let solve = |(direction, sine): (usize, &f64)| self.solved(direction, polarisation, *sine);
-        let mut solved: Vec<Slow> = sines.iter().enumerate().map(solve).collect();
-        unwrap(&mut solved);
-        let incoherent = |(sine, slow): (&f64, &Slow)| self.film(count, *sine, slow).incoherent;
-        let fields: Vec<Lobes> = sines.iter().zip(&solved).map(incoherent).collect();
-        let even = |(sine, slow): (&f64, &Slow)| slow.plus(-1.0, &self.even(*sine, polarisation));
-        let beyond = sines.iter().zip(&solved).map(even).collect();
-        let wave = MeanWave::Slabs { film: self, count, beyond };
-        let mut interference = Interference::new(wave, &self.media[0], polarisation, &fields, composed);
-        if self.fewer_directions {
-            interference.leave_out(sines.len() / 2);
-        }
-        interference
-    }
-
-    /// k_z in the even medium, 1/µm.
-    fn phase_per_um(&self, sine: f64) -> f64 {
-        let index = self.media[1].ordinates.index;
-        TAU / self.wavelength_um * (index * index - sine * sine).max(0.0).sqrt()
-    }
-
-    /// What was solved.
-    fn solved(&self, direction: usize, polarisation: usize, sine: f64) -> Slow {
-        let amplitude =
-            |slab: usize, side: usize, lobe: usize| self.slabs[slab][side][direction][polarisation][lobe];
-        let once = Complex64::from_polar(1.0, -self.phase_per_um(sine) * self.slab_um);
-        let twice = once * once;
-        Slow {
-            front: amplitude(0, 0, 0),
-            through: amplitude(0, 0, 1) * amplitude(0, 1, 1) * twice,
-            inside: amplitude(0, 1, 0) * twice,
-            behind: amplitude(2, 0, 0) * twice,
-            slab: logarithm(amplitude(1, 0, 1) * once),
-            passed: amplitude(0, 0, 1).norm() * amplitude(2, 0, 1).norm(),
-        }
-    }
-
-    /// The even medium between plane faces.
-    fn even(&self, sine: f64, polarisation: usize) -> Slow {
-        let [before, within, behind] = [0, 1, 2].map(|k| self.media[k].ordinates.index);
-        let front = face(sine, polarisation, before, within);
-        let back = face(sine, polarisation, within, behind);
-        let passes = |r: Complex64| (1.0 - r.norm_sqr()).max(0.0).sqrt();
-        Slow {
-            front,
-            through: 1.0 - front * front,
-            inside: -front,
-            behind: back,
-            slab: Complex64::ZERO,
-            passed: passes(front) * passes(back),
-        }
-    }
-
-    /// Fringes over the hemisphere in a layer of `count` slabs: 0 where light between the surfaces
-    /// is too faint for any.
-    fn fringes(&self, at_normal: &Slow, count: f64) -> f64 {
-        if (at_normal.slab.re * 2.0 * (count - 2.0)).exp() < FAINT {
-            return 0.0;
-        }
-        let phases = [0.0, self.media[0].ordinates.edge()].map(|sine| self.phase_per_um(sine));
-        2.0 * (phases[0] - phases[1]) * self.slab_um * count / TAU
-    }
-
-    /// What varies slowly, in a direction between those that are known, with their weights.
-    fn between(&self, beyond: &[Slow], weights: &[f64], polarisation: usize, sine: f64) -> Slow {
-        let mut slow = self.even(sine, polarisation);
-        for (weight, beyond) in weights.iter().zip(beyond) {
-            slow = slow.plus(*weight, beyond);
-        }
-        // In between, noise of few realisations must not let a slab pass more than in any known
-        // direction: many slabs raise that to their power.
-        let clearest = beyond.iter().map(|slow| slow.slab.re).fold(f64::NEG_INFINITY, f64::max);
-        slow.slab.re = slow.slab.re.min(clearest.min(0.0));
-        slow
-    }
-
-    /// The mean field in a layer of `count` slabs.
-    fn film(&self, count: f64, sine: f64, slow: &Slow) -> MeanField {
-        let inner = count - 2.0;
-        let depth = self.phase_per_um(sine) * self.slab_um;
-        let passed = (slow.slab * (2.0 * inner)).exp();
-        // both ways through the back slab and the inner ones, then through the front one
-        let to_back = Complex64::from_polar(1.0, 2.0 * depth * (inner + 1.0)) * passed * slow.behind;
-        let front_depth = Complex64::from_polar(1.0, 2.0 * depth);
-        let rho = slow.inside * front_depth * to_back;
-        let back = slow.through * front_depth * to_back;
-        let kept = (1.0 - rho.norm_sqr()).max(NOTHING);
-        let transmitted = slow.passed.powi(2) * passed.norm() / kept;
-        let coherent = Lobes {
-            reflected: (slow.front + back / (1.0 - rho)).norm_sqr(),
-            transmitted: transmitted * kept / (1.0 - rho).norm_sqr(),
-        };
-        let incoherent = Lobes { reflected: slow.front.norm_sqr() + back.norm_sqr() / kept, transmitted };
-        MeanField { coherent: passive(coherent), incoherent: passive(incoherent) }
-    }
+    /// Shares of the mean field's loss that composing reflects and transmits.
+    shares: Lobes,
 }
 
 impl StackFilm {
@@ -308,31 +150,30 @@ impl<'a> Interference<'a> {
     }
 
     /// The mean field and shares of its loss at a lateral wavenumber.
-    fn known(&self, sine: f64) -> (KnownField, Lobes) {
+    fn known(&self, sine: f64) -> KnownField {
         let weights = lagrange(&self.places, place(self.before, sine));
         let mut shares = Lobes::default();
         for (weight, share) in weights.iter().zip(&self.shares) {
             shares.reflected += weight * share.reflected;
             shares.transmitted += weight * share.transmitted;
         }
-        let field = match &self.wave {
+        match &self.wave {
             MeanWave::Slabs { film, count, beyond } => {
                 let slow = film.between(beyond, &weights, self.polarisation, sine);
                 let mean = film.film(*count, sine, &slow);
-                KnownField { mean, front: slow.front.norm_sqr(), through: slow.through.norm() }
+                KnownField { mean, front: slow.front.norm_sqr(), through: slow.through.norm(), shares }
             }
             MeanWave::Stack { film, beyond } => {
                 let field = film.field(beyond, &weights, self.polarisation, sine);
-                KnownField { mean: field.mean, front: field.front[0], through: field.front[1] }
+                KnownField { mean: field.mean, front: field.front[0], through: field.front[1], shares }
             }
-        };
-        (field, shares)
+        }
     }
 
     /// R and T at a lateral wavenumber, with interference.
-    fn at(&self, sine: f64) -> Lobes {
-        let (field, shares) = self.known(sine);
-        field.mean.coherent.with_loss(shares)
+    fn with_interference(&self, sine: f64) -> Lobes {
+        let KnownField { mean, shares, .. } = self.known(sine);
+        mean.coherent.with_loss(shares)
     }
 
     /// Whether light of a lateral wavenumber passes both surfaces.
@@ -346,7 +187,7 @@ impl<'a> Interference<'a> {
         if !self.passes(sine) {
             return Lobes::default();
         }
-        let (KnownField { mean, .. }, shares) = self.known(sine);
+        let KnownField { mean, shares, .. } = self.known(sine);
         mean.coherent.with_loss(shares).less(mean.incoherent.with_loss(shares))
     }
 
@@ -356,17 +197,17 @@ impl<'a> Interference<'a> {
         if !self.passes(sine) {
             return Lobes::default();
         }
-        let (KnownField { front, through, .. }, shares) = self.known(sine);
+        let KnownField { front, through, shares, .. } = self.known(sine);
         let mut within = Lobes::default();
         let ordinates = &self.before.ordinates;
         for (node, share) in ordinates.shares(sine) {
-            let at_node = self.known(ordinates.sines[node]).0;
+            let at_node = self.known(ordinates.sines[node]);
             let front = Lobes { reflected: at_node.front, transmitted: 0.0 };
             let behind_front = at_node.mean.incoherent.less(front);
             within = within.plus(share / at_node.through.max(FAINT), behind_front);
         }
         let composed = Lobes { reflected: front, transmitted: 0.0 }.plus(through, within);
-        self.at(sine).less(composed.with_loss(shares))
+        self.with_interference(sine).less(composed.with_loss(shares))
     }
 
     /// What interference changes in a direction whose R and T are the polynomials through those at
@@ -381,7 +222,7 @@ impl<'a> Interference<'a> {
         weights
             .iter()
             .zip(&self.incoherent)
-            .fold(self.at(sine), |sum, (weight, lobes)| sum.plus(-weight, *lobes))
+            .fold(self.with_interference(sine), |sum, (weight, lobes)| sum.plus(-weight, *lobes))
     }
 
     /// What interference changes of R and T of diffuse light, and the directions between the nodes.
@@ -400,7 +241,7 @@ impl<'a> Interference<'a> {
             for &(x, weight) in piece_rule() {
                 let place = from + width * x;
                 let sine = (edge * edge - place * place).max(0.0).sqrt();
-                let (KnownField { mean, .. }, shares) = self.known(sine);
+                let KnownField { mean, shares, .. } = self.known(sine);
                 let lobes = if interferes { mean.coherent } else { mean.incoherent };
                 change = change.plus(2.0 * place * width * weight, lobes.with_loss(shares));
             }
@@ -425,59 +266,15 @@ impl<'a> Interference<'a> {
     /// Shares of the light of a lateral wavenumber that the mean field mirrors \[with, without\]
     /// interference between the surfaces.
     pub fn mirrored(&self, sine: f64) -> [f64; 2] {
-        let field = self.known(sine).0.mean;
+        let field = self.known(sine).mean;
         [field.coherent.reflected, field.incoherent.reflected]
     }
 
     /// What interference changes of the beam at 0° itself.
     pub fn change_of_beam(&self) -> Lobes {
-        let MeanField { coherent, incoherent } = self.known(0.0).0.mean;
+        let MeanField { coherent, incoherent } = self.known(0.0).mean;
         coherent.less(incoherent)
     }
-}
-
-impl Lobes {
-    /// This and a multiple of another.
-    pub fn plus(self, by: f64, other: Self) -> Self {
-        Self {
-            reflected: self.reflected + by * other.reflected,
-            transmitted: self.transmitted + by * other.transmitted,
-        }
-    }
-
-    /// The difference from another.
-    fn less(self, other: Self) -> Self {
-        self.plus(-1.0, other)
-    }
-
-    /// With shares of what is lost.
-    fn with_loss(self, shares: Self) -> Self {
-        self.plus(1.0 - self.reflected - self.transmitted, shares)
-    }
-
-    /// Changed, and kept within the light that there is.
-    pub fn changed(self, by: Self) -> Self {
-        let sum = self.plus(1.0, by);
-        let whole = (sum.reflected + sum.transmitted).clamp(0.0, 1.0);
-        let reflected = sum.reflected.max(0.0).min(whole);
-        Self { reflected, transmitted: whole - reflected }
-    }
-}
-
-/// Amplitude that a plane face between two indices reflects of s light (and of the scalar wave), or
-/// of p light (1), whose amplitude is that of the magnetic field.
-fn face(sine: f64, polarisation: usize, from: f64, to: f64) -> Complex64 {
-    let admittance = |index: f64| {
-        let normal = Complex64::from(index * index - sine * sine).sqrt();
-        if polarisation == 0 { normal } else { normal / (index * index) }
-    };
-    let (a, b) = (admittance(from), admittance(to));
-    if (a + b).norm() > 0.0 { (a - b) / (a + b) } else { Complex64::ZERO }
-}
-
-/// A logarithm that is finite for slabs through which no coherent light is seen.
-fn logarithm(amplitude: Complex64) -> Complex64 {
-    if amplitude.norm() > FAINT { amplitude.ln() } else { FAINT.ln().into() }
 }
 
 /// No more light than there is: amplitudes between nodes are not exact.
@@ -491,14 +288,6 @@ fn piece_rule() -> &'static [(f64, f64)] {
     static RULE: OnceLock<Vec<(f64, f64)>> = OnceLock::new();
     // weights of 2x dx, over 2x
     RULE.get_or_init(|| gauss_legendre(PIECE).into_iter().map(|(x, w)| (x, w / (2.0 * x))).collect())
-}
-
-/// Takes jumps of 2π out of the logarithms along the angle, which are interpolated.
-fn unwrap(rising_angles: &mut [Slow]) {
-    for k in 1..rising_angles.len() {
-        let turns = (rising_angles[k].slab.im - rising_angles[k - 1].slab.im) / TAU;
-        rising_angles[k].slab.im -= TAU * turns.round();
-    }
 }
 
 /// Shares of what the coherent field loses that composing reflects and transmits. Where it loses

@@ -55,7 +55,8 @@ impl Plate {
             let r = &mut self.reflection[k];
             let t = &mut self.transmission[k];
             for j in 0..r.ncols() {
-                let [back, onward] = [&*r, &*t].map(|m| (0..m.nrows()).map(|i| m[(i, j)]).sum::<f64>());
+                let back = (0..r.nrows()).map(|i| r[(i, j)]).sum::<f64>();
+                let onward = (0..t.nrows()).map(|i| t[(i, j)]).sum::<f64>();
                 if back > by && onward > by {
                     (0..r.nrows()).for_each(|i| r[(i, j)] *= (back + by) / back);
                     (0..t.nrows()).for_each(|i| t[(i, j)] *= (onward - by) / onward);

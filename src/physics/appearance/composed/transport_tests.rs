@@ -151,7 +151,8 @@ fn sorted_surface(air: &Hemisphere, inside: &Hemisphere, n: f64) -> Plate {
     let sines = |medium: &Hemisphere| -> Vec<f64> {
         [0.0].into_iter().chain(medium.ordinates.sines.iter().copied()).collect()
     };
-    let (outer, inner) = (sines(air), sines(inside));
+    let outer = sines(air);
+    let inner = sines(inside);
     let r = |sine: f64| if sine < 1.0 { fresnel(n, (1.0 - sine * sine).sqrt()) } else { 1.0 };
     let alike = |i: usize, j: usize| outer[i] == inner[j] && (i == 0) == (j == 0);
     let same = |i: usize, j: usize| if alike(i, j) { 1.0 - r(outer[i]) } else { 0.0 };

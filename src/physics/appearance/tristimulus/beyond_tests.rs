@@ -32,7 +32,8 @@ pub fn printed(draws: &mut Draws, grid: &[f64]) -> Vec<f64> {
     }
     let (low, high) = values.iter().fold((f64::MAX, f64::MIN), |(a, b), &v| (a.min(v), b.max(v)));
     if low < 0.02 || high > 0.95 {
-        let (dark, bright) = (uniform(0.02, 0.15), uniform(0.4, 0.92));
+        let dark = uniform(0.02, 0.15);
+        let bright = uniform(0.4, 0.92);
         values.iter_mut().for_each(|v| *v = dark + (bright - dark) * (*v - low) / (high - low).max(1e-3));
     }
     values

@@ -74,7 +74,8 @@ fn coarse_sums_keep_their_colour() {
 /// says by how much the colour is off, also where the spectrum is not the guide's.
 #[test]
 fn a_guide_sees_what_lies_between_the_wavelengths() {
-    let (fine, nm) = (grid(FINE_NM), grid(60.0));
+    let fine = grid(FINE_NM);
+    let nm = grid(60.0);
     let band = |nm: &f64| 0.5 * (-0.5 * ((nm - 490.0) / 12.0).powi(2)).exp();
     let guide = Guide {
         on_grid: nm.iter().map(|nm| 0.8 - band(nm)).collect(),
@@ -106,7 +107,8 @@ fn a_guide_sees_what_lies_between_the_wavelengths() {
 /// A spectrum that is the guide has no error but what the grid misses of it; a flat one none.
 #[test]
 fn nothing_unknown_has_no_error() {
-    let (fine, nm) = (grid(FINE_NM), grid(50.0));
+    let fine = grid(FINE_NM);
+    let nm = grid(50.0);
     let meter = Colorimeter::new(&nm).unwrap();
     let flat = Guide { on_grid: vec![0.4; nm.len()], fine: vec![0.4; fine.len()], fine_nm: fine };
     let error = errors(&meter, &flat.on_grid, Some(&flat));

@@ -57,7 +57,8 @@ impl WeightTable {
             return Err(WeightError::TooFew(rows.len()));
         }
         for (row, pair) in (2..).zip(rows.windows(2)) {
-            let [before, after] = [pair[0][0], pair[1][0]];
+            let before = pair[0][0];
+            let after = pair[1][0];
             if after.partial_cmp(&before) != Some(std::cmp::Ordering::Greater) {
                 return Err(WeightError::NotRising { row, before, after });
             }
@@ -111,7 +112,8 @@ impl WeightTable {
     pub(super) fn places(&self) -> Vec<(f64, f64)> {
         let mut nm = vec![self.rows[0][0]];
         for pair in self.rows.windows(2) {
-            let [from, to] = [pair[0][0], pair[1][0]];
+            let from = pair[0][0];
+            let to = pair[1][0];
             let parts = if to - from > ROWS_APART_NM { ((to - from) / STEP_NM).ceil() } else { 1.0 };
             nm.extend((1..parts as usize).map(|k| from + (to - from) * k as f64 / parts));
             nm.push(to);

@@ -248,7 +248,10 @@ impl Solid {
         let mut triangles = Vec::new();
         for pair in self.rings(steps).windows(2) {
             for (i, next) in (0..pair[0].len()).zip((1..pair[0].len()).chain([0])) {
-                let [a, b, c, d] = [pair[0][i], pair[0][next], pair[1][i], pair[1][next]].map(place);
+                let a = place(pair[0][i]);
+                let b = place(pair[0][next]);
+                let c = place(pair[1][i]);
+                let d = place(pair[1][next]);
                 triangles.extend([[a, b, d], [a, d, c]]);
             }
         }
@@ -336,11 +339,15 @@ pub fn centred(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
 pub fn is_convex(corners: &[[f64; 2]]) -> bool {
     let n = corners.len();
     let turn = |i: usize| {
-        let [a, b, c] = [0, 1, 2].map(|k| corners[(i + k) % n]);
+        let a = corners[i % n];
+        let b = corners[(i + 1) % n];
+        let c = corners[(i + 2) % n];
         (b[0] - a[0]) * (c[1] - b[1]) - (b[1] - a[1]) * (c[0] - b[0])
     };
     let angle = |i: usize| {
-        let [a, b, c] = [0, 1, 2].map(|k| corners[(i + k) % n]);
+        let a = corners[i % n];
+        let b = corners[(i + 1) % n];
+        let c = corners[(i + 2) % n];
         let along = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]);
         turn(i).atan2(along).abs()
     };

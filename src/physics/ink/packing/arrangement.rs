@@ -368,7 +368,8 @@ impl Arrangement<'_> {
         let Some(law) = self.plan.profile_of(b) else { return false };
         let height = self.spheres.cell.size[2];
         let [low, high] = if self.spheres.cell.walls { self.span_z(b) } else { [0.0; 2] };
-        let [from, to] = [-low / height, 1.0 - high / height];
+        let from = -low / height;
+        let to = 1.0 - high / height;
         let margin = 2.0 * MARGIN;
         // A body too long for the layer in its orientation starts in the middle.
         let within =

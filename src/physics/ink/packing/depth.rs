@@ -63,7 +63,8 @@ impl DepthLaw {
     /// The depth above which a share of those grains lies that are between two depths; the nearest
     /// one between these where there are none.
     pub fn quantile_within(&self, [from, to]: [f64; 2], share: f64) -> f64 {
-        let [above, below] = [self.share_above(from), self.share_above(to)];
+        let above = self.share_above(from);
+        let below = self.share_above(to);
         self.quantile(above + (below - above) * share).clamp(from, to)
     }
 

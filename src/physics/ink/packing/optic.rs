@@ -85,7 +85,8 @@ mod tests {
     fn the_parts_of_a_cut_grain_share_its_axis() {
         let whole = request(Shape::Sphere, Orientation::Random, Some([0.0, 0.0, 1.0]));
         let slab = |cut: [f64; 2]| PackingRequest { walls: false, cut_um: Some(cut), ..whole.clone() };
-        let [low, high] = [[0.0, 0.5], [0.5, 1.0]].map(|cut| pack(&slab(cut), &mut ()).expect("a slab"));
+        let low = pack(&slab([0.0, 0.5]), &mut ()).expect("a slab");
+        let high = pack(&slab([0.5, 1.0]), &mut ()).expect("a slab");
         let mut shared = 0;
         for grain in low.grains() {
             let here = grain.spheres[0].center_um;

@@ -283,7 +283,8 @@ mod tests {
     #[test]
     fn planes_miss_no_sphere() {
         let mut draws = crate::numerics::Draws::new(3, 0);
-        let (period, height) = (6.0, 1.0);
+        let period = 6.0;
+        let height = 1.0;
         for walls in [true, false] {
             let mut sphere = |i: usize| {
                 let radius_um = if i.is_multiple_of(7) { 0.2 } else { 0.05 };

@@ -30,7 +30,9 @@ fn with_task<T>(wave: Wave, light: Incidence, work: impl FnOnce(&Task) -> T) -> 
     let solver = Bicgstab::default();
     let scheme = wave.scheme(Scheme::Cubic);
     let goal = Goal { tolerance: 1e-5, ..Goal::default() };
-    let (coverages, media, incidence) = (&coverages, &media, &light);
+    let coverages = &coverages;
+    let media = &media;
+    let incidence = &light;
     let task = Task {
         coverages,
         media,

@@ -161,7 +161,8 @@ fn modes_of(problem: &Problem, harmonic: usize, limit: f64) -> Vec<Mode> {
     let Some((values, vectors)) = symmetric_eigen(&Mat::from_fn(n, n, scaled)) else { return Vec::new() };
     // A mode that radiates into a half-space is as far from null as its damping.
     let damping = |e: usize| {
-        let [first, last] = [0, n - 1].map(|j| vectors[(j, e)].powi(2) / mass[j]);
+        let first = vectors[(0, e)].powi(2) / mass[0];
+        let last = vectors[(n - 1, e)].powi(2) / mass[n - 1];
         ends[0].im * first + ends[1].im * last
     };
     let size = |e: usize| values[e].hypot(damping(e));

@@ -173,3 +173,7 @@ impl Growing {
 #[cfg(test)]
 #[path = "krylov_tests.rs"]
 mod tests;
+
+#[cfg(test)]
+#[path = "krylov_hard_tests.rs"]
+mod hard_tests;

@@ -1,40 +1,29 @@
 //! The published numbers of a composed layer, with everything that their bars are made of.
 
+mod depth;
+mod hiding;
+mod remarks;
+mod rows;
+
 use super::errors::{JudgedNumbers, MovedLevels, with_errors};
-use super::gate::{self, LayerInColour};
 use super::level::{Change, Level, Slabs, SolvedPortion};
-use super::numbers::{LayerTask, MOST_SLABS, lights, projected_sr};
+use super::numbers::LayerTask;
 use super::prints::prints;
 use crate::appearance::composed::flux::Hemisphere;
-use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
-use crate::evaluate::manifest::composed::{
-    AbsorbedRow, ComposedColours, ComposedRow, DepthRow, DistributionRow, MediumRow, SlabNotes,
-};
+use crate::evaluate::manifest::composed::SlabNotes;
 use crate::evaluate::manifest::{
     Count, FailureNote, Manifest, Provenance, PublishedColours, PublishedSpectra,
 };
-use crate::evaluate::published::{ErrorParts, NumberNote, NumberParts, Quantity, Withheld};
-use crate::evaluate::quantities::{
-    Distribution, HidingNumbers, LayerNumbers, MediumNumbers, ThicknessNumbers,
-};
-use crate::evaluate::wavelengths::nearest;
-use crate::input::study::{Composed, Study};
+use crate::evaluate::published::Quantity;
+use crate::input::study::Study;
 use crate::run::MovedSolves;
-
-/// Slabs of the curve against thickness, up to a layer that practically no light passes.
-const CURVE: [usize; 16] = [2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 256, 1024, 4096];
-/// Wavelength of the fluxes against depth, nm: the nearest one of the study is taken.
-const SHOWN_NM: f64 = 550.0;
-/// Most joints of the profile.
-const MOST_JOINTS: usize = 60;
-/// Share of unscattered light from which a slab that gives no coefficients is too thin, not too
-/// thick, for them.
-const CLEAR: f64 = 0.5;
-/// Part of a bar of L*, a* or b* from which it is said where it comes from.
-const LARGE: f64 = 1.0;
+use depth::{depth, depth_of_stack};
+use hiding::{hiding_thickness, set_curve, spreading_rate};
+use remarks::{far_apart, thin_slabs};
+use rows::{ThicknessRows, absorbed, distributions, medium_row};
 
 /// All numbers of a composed layer; a reason where too little is solved.
 ///
@@ -53,11 +42,11 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     let no_hiding = set_curve(&mut task, &slabs).err();
     let moved = moved_levels(study, solved);
     let JudgedNumbers { numbers, replicates } = with_errors(&task, [&whole, &half], moved.as_ref())?;
-    let mut requested = Layers::default();
+    let mut requested = ThicknessRows::default();
     for (um, layer) in composed.thicknesses_um.iter().zip(&numbers.requested) {
         requested.add(&task, *um, layer);
     }
-    let mut curve = Layers::default();
+    let mut curve = ThicknessRows::default();
     for (um, layer) in task.curve_um.iter().zip(&numbers.curve) {
         curve.add(&task, *um, layer);
     }
@@ -150,114 +139,10 @@ fn of_stack(task: &LayerTask, levels: [&Level; 2]) -> Result<Vec<PlateStack>, St
     stack.stacks(levels[0], um, Change::default())
 }
 
-/// Sets the thicknesses of the curve, and those around the one that hides; a reason where there is
-/// none.
-fn set_curve(task: &mut LayerTask, slabs: &[Slabs]) -> Result<(), String> {
-    if task.stack.is_some() {
-        return Err("of a stack there is the contrast ratio of every thickness".to_owned());
-    }
-    task.curve_um = CURVE.map(|count| count as f64 * task.composed.slab_um).to_vec();
-    find_hiding(task, slabs)
-}
-
 /// Media in front of a layer or stack and behind it, at every wavelength.
 fn media_of<'s>(slabs: &'s [Slabs], stacks: &'s [PlateStack]) -> Vec<[&'s Hemisphere; 2]> {
     let of_slabs = slabs.iter().map(|slabs| [&slabs.media[0], &slabs.media[2]]);
     of_slabs.chain(stacks.iter().map(|stack| [stack.before(), stack.behind()])).collect()
-}
-
-/// What every layer of a stack absorbs.
-fn absorbed(study: &Study, thicknesses_um: &[f64], numbers: &[Vec<Vec<ErrorParts>>]) -> Vec<AbsorbedRow> {
-    let mut rows = Vec::new();
-    for (&thickness_um, spectra) in thicknesses_um.iter().zip(numbers) {
-        for (&wavelength_nm, layers) in study.wavelengths_nm.iter().zip(spectra) {
-            for (layer, &absorptance_normal) in study.stack.iter().zip(layers) {
-                let layer = layer.name.clone();
-                rows.push(AbsorbedRow { thickness_um, wavelength_nm, layer, absorptance_normal });
-            }
-        }
-    }
-    rows
-}
-
-/// Fluxes against depth at the joints of a stack of the first thickness, on the paper.
-fn depth_of_stack(task: &LayerTask, stacks: &[PlateStack]) -> (f64, Vec<DepthRow>) {
-    let nm = &task.study.wavelengths_nm;
-    let w = nearest(nm.iter().copied(), SHOWN_NM);
-    let stack = &stacks[w];
-    let light = &lights(stack.before(), task.study.wave)[0];
-    let paper = Plate::lambertian(task.albedos[w], &stack.behind().weights());
-    let reflected = total(&(&stack.plate().then(&paper).reflection[0] * light));
-    let mut rows = vec![DepthRow { depth_um: 0.0, down: 1.0, up: reflected }];
-    for joint in stack.joints(light, &paper) {
-        rows.push(DepthRow { depth_um: joint.depth_um, down: joint.down, up: joint.up });
-    }
-    (nm[w], rows)
-}
-
-/// Slabs thinner than the mean free path of coherent light, where that is longest.
-fn thin_slabs(composed: &Composed, medium: &[MediumRow]) -> Option<String> {
-    let paths = medium.iter().filter_map(|row| Some((row.wavelength_nm, row.medium.coherent_path_um?.value)));
-    let (wavelength_nm, path_um) = paths.max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let slab_um = composed.slab_um;
-    let words = format!(
-        "layer.composed.slab_um: found slabs of {slab_um:.2} µm, thinner than the mean free path of coherent light, \
-         {path_um:.2} µm at {wavelength_nm} nm; interference between the surfaces is corrected for, that between inner slabs is left \
-         to the model's error bar: take thicker slabs, or solve the layer at once"
-    );
-    (path_um > slab_um).then_some(words)
-}
-
-/// Wavelengths so far apart that they make up most of a colour's bar.
-fn far_apart(nm: &[f64], colours: &[ComposedColours]) -> Option<String> {
-    let all = colours.iter().flat_map(|colours| [colours.natural_light, colours.lit_at_45]).flatten();
-    let widest = all.flatten().max_by(|a, b| a.wavelengths.total_cmp(&b.wavelengths))?;
-    let apart = nm.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
-    let words = format!(
-        "light.wavelengths_nm: found {} wavelengths, up to {apart:.0} nm apart; what spectra may be between them is most of \
-         the colours' bars, up to {:.1} in L*, a* or b*: list wavelengths {:.0} nm apart or closer, from 400 to 700 nm",
-        nm.len(),
-        widest.wavelengths,
-        (0.5 * apart).min(20.0)
-    );
-    let most = widest.wavelengths > LARGE && 2.0 * widest.wavelengths.powi(2) > widest.standard_error.powi(2);
-    most.then_some(words)
-}
-
-/// The hiding thickness with what the wavelengths leave open of the contrast ratios around it.
-fn hiding_thickness(
-    task: &LayerTask,
-    [below_um, above_um]: [f64; 2],
-    hiding: &HidingNumbers<ErrorParts>,
-) -> ErrorParts {
-    let contrast_ratio = |um: f64, layer: &ThicknessNumbers<ErrorParts>| {
-        let mut layers = Layers::default();
-        layers.add(task, um, layer);
-        layers.colours.first()?.contrast_ratio
-    };
-    let below = contrast_ratio(below_um, &hiding.below);
-    let above = contrast_ratio(above_um, &hiding.above);
-    let Some((from, to)) = below.zip(above) else {
-        return ErrorParts { value: f64::NAN, ..hiding.thickness_um };
-    };
-    let per_um = (to.value - from.value) / (above_um - below_um);
-    ErrorParts { wavelengths: from.wavelengths / per_um.abs(), ..hiding.thickness_um }.summed()
-}
-
-/// 1000/H m² a litre.
-fn spreading_rate(hiding: ErrorParts) -> ErrorParts {
-    let value = 1e3 / hiding.value;
-    let relative = |error: f64| value * error / hiding.value;
-    ErrorParts {
-        value,
-        standard_error: relative(hiding.standard_error),
-        chance: relative(hiding.chance),
-        model: relative(hiding.model),
-        grid: relative(hiding.grid),
-        directions: relative(hiding.directions),
-        wavelengths: relative(hiding.wavelengths),
-        inputs: relative(hiding.inputs),
-    }
 }
 
 /// Packings and solves of one portion that have no result.
@@ -266,176 +151,4 @@ fn failures((study, collected): &SolvedPortion) -> Vec<String> {
     let packings = collected.refused.iter().map(|r| (r.realisation, r.reason.clone()));
     let solves = collected.failures().map(|f| (f.point.realisation, f.reason.clone()));
     packings.chain(solves).map(|(r, reason)| format!("{words}, realisation {r}: {reason}")).collect()
-}
-
-/// Finds the two thicknesses around the one that hides; the reason if there is none.
-fn find_hiding(task: &mut LayerTask, slabs: &[Slabs]) -> Result<(), String> {
-    let hides = |count: usize| task.does_hide(slabs, count);
-    let reason = "no contrast ratio without a colour";
-    if hides(2).ok_or(reason)? {
-        return Err(format!("two slabs, {} µm, hide already", 2.0 * task.composed.slab_um));
-    }
-    let mut most = 4;
-    while !hides(most).ok_or(reason)? {
-        if most >= MOST_SLABS {
-            return Err(format!("{} µm do not hide", MOST_SLABS as f64 * task.composed.slab_um));
-        }
-        most *= 2;
-    }
-    let counts: Vec<usize> = (most / 2 + 1..most).collect();
-    let first = most / 2 + 1 + counts.partition_point(|&count| hides(count) == Some(false));
-    task.around_hiding_um = Some([first - 1, first].map(|count| count as f64 * task.composed.slab_um));
-    Ok(())
-}
-
-/// The rows and colours of some thicknesses, and what of them cannot be.
-#[derive(Default)]
-struct Layers {
-    rows: Vec<ComposedRow>,
-    colours: Vec<ComposedColours>,
-    weighted: Vec<NumberNote>,
-    withheld: Vec<Withheld>,
-}
-
-impl Layers {
-    /// Adds a layer of one thickness.
-    fn add(&mut self, task: &LayerTask, thickness_um: f64, numbers: &ThicknessNumbers<ErrorParts>) {
-        let row = |(&wavelength_nm, numbers): (&f64, &LayerNumbers<ErrorParts>)| ComposedRow {
-            thickness_um,
-            wavelength_nm,
-            layer: numbers.map(Some),
-        };
-        let all: Vec<ComposedRow> = task.study.wavelengths_nm.iter().zip(&numbers.spectra).map(row).collect();
-        let mut kept = all.clone();
-        self.withheld.extend(gate::rows(&mut kept, task.daylight.is_some()));
-        if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
-            let seen = task.visible.clone();
-            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen] };
-            let (colours, withheld) = layer.colours(numbers);
-            self.colours.push(colours);
-            self.withheld.extend(withheld);
-        }
-        self.add_weighted(task, thickness_um, numbers);
-        self.rows.extend(kept);
-    }
-}
-
-impl Layers {
-    /// Adds the weighted numbers of a layer of one thickness.
-    fn add_weighted(&mut self, task: &LayerTask, thickness_um: f64, numbers: &ThicknessNumbers<ErrorParts>) {
-        let values: Vec<LayerNumbers<f64>> =
-            numbers.spectra.iter().map(|row| row.map(|number| number.value)).collect();
-        for (asked, number) in task.weighted.iter().zip(&numbers.weighted) {
-            let spectra = task.weighted_spectra(asked, &values);
-            let spectra: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
-            let ErrorParts { value, chance, model, grid, directions, inputs, .. } = *number;
-            let wavelengths = asked.wavelength_error(&spectra, &[], true);
-            let parts = NumberParts { chance, model, grid, directions, wavelengths, inputs };
-            let error = parts.together();
-            let impossible = asked.impossible(value, Some(error));
-            let possible = impossible.is_none();
-            self.weighted.push(NumberNote {
-                name: asked.wanted.name.clone(),
-                thickness_um: Some(thickness_um),
-                value: possible.then_some(value),
-                standard_error: possible.then_some(error),
-                parts: if possible { parts } else { NumberParts::default() },
-                deviations: Vec::new(),
-                about: asked.wanted.in_words(),
-            });
-            self.withheld.extend(impossible.map(|reason| Withheld {
-                number: format!("{} of {thickness_um} µm", reason.number),
-                ..reason
-            }));
-        }
-    }
-}
-
-/// The coefficients of the medium as far as they are possible; the others are withheld.
-fn medium_row(
-    wavelength_nm: f64,
-    slabs: &Slabs,
-    numbers: MediumNumbers<ErrorParts>,
-    withheld: &mut Vec<Withheld>,
-) -> MediumRow {
-    // share of light at 0° that an inner slab passes straight on
-    let straight = slabs.inner.transmission[0][(0, 0)];
-    let remedy = if straight < CLEAR {
-        "take thinner slabs or more realisations"
-    } else {
-        "so clear a slab hardly scatters: take thicker slabs or more realisations"
-    };
-    let mut medium = numbers.map(Some);
-    for number in medium.named() {
-        let reason = number.estimate.and_then(|estimate| impossible(number.quantity, estimate));
-        let Some(reason) = reason else { continue };
-        let reason = format!(
-            "{reason} at {wavelength_nm} nm, where a slab passes {straight:.1e} of the light unscattered \
-             in the mean of these realisations: {remedy}"
-        );
-        withheld.push(Withheld { number: number.in_words.to_owned(), reason });
-        medium.withhold(number.name);
-    }
-    let embedding_index = slabs.media[1].ordinates.index;
-    // The medium of transport theory has the index of the half-spaces; another one would change the
-    // étendue of its light.
-    let apart =
-        medium.effective_index.map_or(0.0, |index| ((index.value / embedding_index).powi(2) - 1.0).abs());
-    let embedded = |number: ErrorParts| number.with_model(apart * number.value.abs());
-    let medium = MediumNumbers {
-        absorption_per_um: medium.absorption_per_um.map(embedded),
-        asymmetry: medium.asymmetry.map(embedded),
-        transport_path_um: medium.transport_path_um.map(embedded),
-        ..medium
-    };
-    MediumRow { wavelength_nm, embedding_index, medium }
-}
-
-/// Where light at 0° goes, of each requested thickness and wavelength.
-fn distributions(
-    study: &Study,
-    media: &[[&Hemisphere; 2]],
-    thicknesses_um: &[f64],
-    numbers: &[Vec<Distribution<ErrorParts>>],
-) -> Vec<DistributionRow> {
-    let mut rows = Vec::new();
-    for (&thickness_um, distributions) in thicknesses_um.iter().zip(numbers) {
-        for ((&wavelength_nm, [before, behind]), distribution) in
-            study.wavelengths_nm.iter().zip(media).zip(distributions)
-        {
-            let mut add = |reflected: bool, medium: &Hemisphere, lobe: &[ErrorParts]| {
-                rows.extend(lobe.iter().enumerate().map(|(node, &bdf_per_sr)| DistributionRow {
-                    thickness_um,
-                    wavelength_nm,
-                    reflected,
-                    polar_out_deg: medium.ordinates.polar_deg(node),
-                    projected_sr: projected_sr(medium, node),
-                    bdf_per_sr,
-                }));
-            };
-            add(true, before, &distribution.reflected);
-            add(false, behind, &distribution.transmitted);
-        }
-    }
-    rows
-}
-
-/// Fluxes against depth in the first thickness, rounded to whole slabs, on the paper.
-fn depth(task: &LayerTask, slabs: &[Slabs]) -> (f64, Vec<DepthRow>) {
-    let nm = &task.study.wavelengths_nm;
-    let w = nearest(nm.iter().copied(), SHOWN_NM);
-    let count = (task.composed.thicknesses_um[0] / task.composed.slab_um).round() as usize;
-    let [before, _, behind] = &slabs[w].media;
-    let light = &lights(before, task.study.wave)[0];
-    let paper = Plate::lambertian(task.albedos[w], &behind.weights());
-    let row = |depth_um: f64, [down, up]: [f64; 2]| DepthRow { depth_um, down, up };
-    let depth_at = |k: usize| k as f64 * task.composed.slab_um;
-    let whole = slabs[w].layer(count as f64);
-    let mut rows = vec![row(0.0, [1.0, total(&(&whole.then(&paper).reflection[0] * light))])];
-    for k in (1..count).step_by(count.div_ceil(MOST_JOINTS)) {
-        let [front, back] = slabs[w].parted(count, k);
-        rows.push(row(depth_at(k), front.between(&back.then(&paper), light).map(|flux| total(&flux))));
-    }
-    rows.push(row(depth_at(count), whole.between(&paper, light).map(|flux| total(&flux))));
-    (nm[w], rows)
 }

@@ -69,7 +69,7 @@ impl SampledDirections {
 
     /// Errors of the means in one cell, by wavelength, with all strata shifted by `shift`.
     fn errors(&self, cell: usize, shift: f64, exact: &MeanErrors) -> Vec<MeanErrors> {
-        let of = |position: &f64| {
+        let errors_at = |position: &f64| {
             let share = (position + shift).fract();
             let [incident, exit] = self.strata.map(|strata| stratified_deg(strata, share));
             let mut errors = (mean(&incident, incident_functions), mean(&exit, exit_functions));
@@ -77,7 +77,7 @@ impl SampledDirections {
             errors.1.iter_mut().zip(exact.1).for_each(|(error, exact)| *error -= exact);
             errors
         };
-        self.positions[cell].iter().map(of).collect()
+        self.positions[cell].iter().map(errors_at).collect()
     }
 }
 

@@ -68,7 +68,8 @@ fn lightness(ink: &InkOnPaper) -> [f64; 3] {
 /// Scatter of L* over the seeds, over its printed error: of the jackknife alone, and of all.
 fn ratios(strata: usize, index_out: f64, step: f64) -> [f64; 2] {
     let indices = |_: f64| (vec![Complex64::new(1.5, 0.001)], Vec::new());
-    let (profile, wave) = (Profile::homogeneous(), Wave::Scalar);
+    let profile = Profile::homogeneous();
+    let wave = Wave::Scalar;
     let films = Films { profile, indices: &indices, thicknesses_um: vec![1.0], index_out, wave };
     let made = MadeUp { films, strata, wavelengths: WAVELENGTHS, noise: 0.0 };
     let all: Vec<[f64; 3]> =

@@ -39,13 +39,13 @@ impl InkOnPaper {
 
     /// The quantity of the coherent film at and between the wavelengths of a list.
     fn sum_guide(&self, quantity: &impl Fn(&LayerOnPaper) -> f64) -> Option<Guide> {
-        let of = |nodes: &std::ops::Range<usize>| -> Vec<f64> {
+        let values = |nodes: &std::ops::Range<usize>| -> Vec<f64> {
             self.whole[nodes.clone()].iter().map(quantity).collect()
         };
         let fine = &self.places.fine_sum_guide;
         let guide = Guide {
-            on_grid: of(&self.places.sum_guide),
-            fine: of(fine),
+            on_grid: values(&self.places.sum_guide),
+            fine: values(fine),
             fine_nm: self.nodes.wavelengths_nm[fine.clone()].to_vec(),
         };
         let known = guide.on_grid.iter().chain(&guide.fine).all(|value| value.is_finite());

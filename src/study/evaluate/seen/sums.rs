@@ -60,7 +60,7 @@ impl LayerSeen {
         let film = |films: &[FilmAt]| -> Vec<f64> {
             films.iter().map(|film| film_totals(film, deg)[total as usize]).collect()
         };
-        let of = |left_out: Option<usize>| {
+        let spectrum = |left_out: Option<usize>| {
             let fitted = |&nm: &f64| self.ensemble.fitted(left_out, &self.ensemble.basis.weights(nm), column);
             film(films).iter().zip(nm).map(|(film, nm)| film + fitted(nm)).collect::<Vec<f64>>()
         };
@@ -68,8 +68,8 @@ impl LayerSeen {
         let replicates = self.ensemble.replicates();
         SummedSpectrum {
             wavelengths_nm: nm.to_vec(),
-            values: of(None),
-            replicates: (0..replicates).map(|r| of(Some(r))).collect(),
+            values: spectrum(None),
+            replicates: (0..replicates).map(|r| spectrum(Some(r))).collect(),
             shared: shifts(nm, moved, uncertainty),
             inputs: inputs.map_or(Vec::new(), |layers| layers.sum_changes(angle, total)),
             guide: is_sampled.then(|| Guide {
@@ -152,7 +152,7 @@ impl MovedLayers {
             let fitted =
                 |nm: f64| ensemble.fitted(None, &ensemble.basis.weights(nm), ensemble.column(angle, total));
             let film = |film: &FilmAt| film_totals(film, deg)[total as usize];
-            films.iter().zip(nm).map(|(of, &nm)| film(of) + fitted(nm)).collect()
+            films.iter().zip(nm).map(|(at_nm, &nm)| film(at_nm) + fitted(nm)).collect()
         };
         let unmoved = values(&self.few);
         let change = |moved: &LayerSeen| {

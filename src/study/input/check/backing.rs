@@ -1,27 +1,22 @@
 //! Paper that was measured, and paper with a brightener.
 
+mod bispectral;
+mod pair;
+
 use super::paper::{BackingReader, range, read, source_of, spectral, used_rows};
 use crate::appearance::bare_paper::{BareSurface, PaperGeometry};
-use crate::appearance::fluorescence::{
-    Fluorescence, SHORTEST_NM, STEP_NM, rows_at, standard_excitation, summed_nm,
-};
-use crate::appearance::paper::{Albedo, Coupling};
-use crate::appearance::viewing::{Summation, Viewing};
+use crate::appearance::fluorescence::{Fluorescence, SHORTEST_NM, STEP_NM, summed_nm};
+use crate::appearance::paper::Albedo;
 use crate::input::file::MeasuredPaperTable;
 use crate::input::forms::FluorescenceWritten;
 use crate::input::limits;
-use crate::input::measured::{MeasuredCondition, MeasuredGeometry, MeasuredReading, MeasuredRequest};
+use crate::input::measured::{MeasuredCondition, MeasuredGeometry, MeasuredRequest};
 use crate::input::study::{MeasuredPaper, Paper};
-use crate::material::text_table::read_text;
+use bispectral::donaldson;
 use std::path::Path;
 
-/// M1 may be below M2 by this much: noise and drift of an instrument.
-const NOISE: f64 = 0.01;
 /// Rounding of quanta.
 const ROUNDING: f64 = 1e-9;
-/// Light must reach down to this for a pair of measurements: half of the usual excitation band lies
-/// below, nm.
-const PAIR_FROM_NM: f64 = 360.0;
 
 /// A spectrum read for the paper, with its geometry.
 struct MeasuredFactor {
@@ -200,7 +195,7 @@ impl BackingReader<'_> {
         let mut nm = summed_nm(from_nm, to_nm);
         nm.extend(self.tables.wavelengths_nm);
         if let Albedo::Spectral(rows) = albedo {
-            nm.extend(rows.iter().map(|row| row[0]).filter(|at| (from_nm..=to_nm).contains(at)));
+            nm.extend(rows.iter().map(|row| row[0]).filter(|nm| (from_nm..=to_nm).contains(nm)));
         }
         nm.sort_by(f64::total_cmp);
         nm.dedup();
@@ -250,204 +245,4 @@ impl BackingReader<'_> {
             self.faults.add("paper.fluorescence", found, "at most 1", remedy);
         }
     }
-
-    /// The request, without its condition if the file states none.
-    fn stated_or_not(&mut self, path: &Path, request: MeasuredRequest) -> MeasuredRequest {
-        let anything = MeasuredRequest { condition: None, ..request.clone() };
-        let is_stated = MeasuredReading::new(path, &request).is_ok();
-        if is_stated || MeasuredReading::new(path, &anything).is_err() {
-            return request;
-        }
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let taken = request.condition.map_or("", MeasuredCondition::name);
-        self.remarks
-            .push(format!("paper.fluorescence: {name} states no {taken}, and is taken as measured under it"));
-        anything
-    }
-
-    /// Paper measured with and without ultraviolet light.
-    pub fn of_pair(&mut self, written: &FluorescenceWritten) -> Paper {
-        let mut paper = Paper {
-            source: String::new(),
-            albedo: Albedo::Constant(1.0),
-            coupling: self.coupling,
-            measured: None,
-            fluorescence: None,
-            dots: None,
-        };
-        let FluorescenceWritten::Pair { m1_csv, m2_csv, patch, unit } = written else { return paper };
-        let request = |condition| MeasuredRequest {
-            patch: patch.clone(),
-            one_must_be_named: true,
-            unit: *unit,
-            condition: Some(condition),
-            geometries: Vec::new(),
-            ..MeasuredRequest::default()
-        };
-        paper.source = format!("{m1_csv} (M1) and {m2_csv} (M2)");
-        let field = "paper.fluorescence";
-        let with = self.tables.folder.join(m1_csv);
-        let without = self.tables.folder.join(m2_csv);
-        let bright = self.stated_or_not(&with, request(MeasuredCondition::M1));
-        let Some(bright) = self.factor(field, &with, &bright, None) else { return paper };
-        let plain = self.stated_or_not(&without, request(MeasuredCondition::M2));
-        let Some(plain) = self.factor(field, &without, &plain, None) else { return paper };
-        let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
-        if from_nm > PAIR_FROM_NM {
-            let allowed = format!("light from {PAIR_FROM_NM} nm or below, which excites a brightener");
-            let remedy = "light.from_nm = 300: the layer absorbs there as well, and is solved there";
-            self.faults.add(field, format!("light from {from_nm} nm"), allowed, remedy);
-            return paper;
-        }
-        for [nm, m2] in &plain.rows {
-            let m1 = between(&bright.rows, *nm);
-            if let Some(m1) = m1.filter(|m1| *m1 < m2 - NOISE) {
-                let found = format!("M1 = {m1:.4} below M2 = {m2:.4} at {nm} nm");
-                let remedy = "exchange the files, or measure again: light only adds to fluorescence";
-                self.faults.add(field, found, "M1 of M2 or more at every wavelength", remedy);
-                return paper;
-            }
-        }
-        let Some(measured) = self.behind_surface(field, &plain, Some(MeasuredCondition::M2)) else {
-            return paper;
-        };
-        let inverse = PairInverse::new(self.coupling, &measured, from_nm, to_nm);
-        let (fluorescence, lack) = inverse.fluorescence(&bright, &plain);
-        if let Fluorescence::Bands { quantum_yield, .. } = &fluorescence {
-            if *quantum_yield > 1.0 {
-                let found =
-                    format!("{quantum_yield:.2} quanta emitted per quantum that the usual band takes");
-                let remedy = "light.from_nm = 300, or give excitation, emission and yield";
-                self.faults.add(field, found, "at most 1", remedy);
-                return paper;
-            }
-            self.remarks.push(format!(
-                "{field}: a usual excitation band about 365 nm was taken; it emits {quantum_yield:.2} quanta per quantum, and \
-                 M1 of the bare paper is returned within {lack:.4}"
-            ));
-        }
-        paper.albedo = Albedo::Spectral(inverse.elastic);
-        paper.measured = Some(measured);
-        paper.fluorescence = Some(fluorescence);
-        paper
-    }
-}
-
-/// A value of rising rows within their range.
-fn between(rows: &[[f64; 2]], nm: f64) -> Option<f64> {
-    let inside = (rows.first()?[0]..=rows.last()?[0]).contains(&nm);
-    inside.then(|| rows_at(rows, nm))
-}
-
-/// Emission of bare paper from its factors with and without ultraviolet light.
-struct PairInverse {
-    surface: BareSurface,
-    /// What the paper reflects, in steps of the sum and at the ends.
-    elastic: Vec<[f64; 2]>,
-    /// What its brightener absorbs.
-    excitation: Vec<[f64; 2]>,
-    summed_nm: Vec<f64>,
-}
-
-impl PairInverse {
-    fn new(coupling: Coupling, measured: &MeasuredPaper, from_nm: f64, to_nm: f64) -> Self {
-        let rows: Vec<[f64; 2]> = measured.rows.iter().map(|[nm, _, albedo]| [*nm, *albedo]).collect();
-        let usual = standard_excitation();
-        let first = rows[0];
-        let last = rows[rows.len() - 1];
-        let kept = |nm: f64| 1.0 - rows_at(&usual, nm);
-        // below what was measured the paper is as white, but for what the brightener takes
-        let reflected = |nm: f64| match between(&rows, nm) {
-            Some(value) => value,
-            None if nm < first[0] => (first[1] * kept(nm) / kept(first[0])).min(kept(nm)),
-            None => last[1],
-        };
-        let summed_nm = summed_nm(from_nm, to_nm);
-        let mut all_nm = summed_nm.clone();
-        all_nm.extend([from_nm, to_nm]);
-        all_nm.sort_by(f64::total_cmp);
-        all_nm.dedup();
-        let taken = |nm: f64| rows_at(&usual, nm).min(1.0 - reflected(nm));
-        Self {
-            surface: BareSurface::new(coupling),
-            elastic: all_nm.iter().map(|&nm| [nm, reflected(nm)]).collect(),
-            excitation: summed_nm.iter().map(|&nm| [nm, taken(nm)]).collect(),
-            summed_nm,
-        }
-    }
-
-    /// The bands whose bare paper reads `bright` under D50, and the largest difference that is
-    /// left.
-    fn fluorescence(&self, bright: &MeasuredFactor, plain: &MeasuredFactor) -> (Fluorescence, f64) {
-        let daylight = Viewing::new("D50", "2", Summation::Plain).unwrap_or_default();
-        let [inwards, outwards] = self.surface.passed(bright.geometry);
-        let back = 1.0 - self.surface.escaping();
-        let mut taken = 0.0;
-        let mut lack: f64 = 0.0;
-        let mut emission = Vec::new();
-        for &nm in &self.summed_nm {
-            let power = daylight.power(nm);
-            let albedo = rows_at(&self.elastic, nm);
-            let more =
-                between(&bright.rows, nm).zip(between(&plain.rows, nm)).map_or(0.0, |(m1, m2)| m1 - m2);
-            lack = lack.max(-more);
-            // what the paper must send up for this, and the quanta per nm for each that was taken
-            let emitted = more.max(0.0) * power * (1.0 - albedo * back) / outwards;
-            let emitted = if taken > 0.0 { emitted } else { 0.0 };
-            emission.push([nm, if taken > 0.0 { emitted * nm / taken } else { 0.0 }]);
-            let below = (inwards * power + back * emitted) / (1.0 - albedo * back);
-            taken += STEP_NM * rows_at(&self.excitation, nm) * nm * below;
-        }
-        // the rows are steps of one width, and vanish at the ends of what is measured
-        let quantum_yield =
-            emission.windows(2).map(|p| 0.5 * (p[1][0] - p[0][0]) * (p[0][1] + p[1][1])).sum();
-        (Fluorescence::Bands { excitation: self.excitation.clone(), emission, quantum_yield }, lack)
-    }
-}
-
-/// Reads a bispectral table: what is emitted, of longer wavelength than its light.
-fn donaldson(path: &Path) -> Result<Fluorescence, String> {
-    let text = read_text(path).map_err(|error| error.to_string())?;
-    let lines = text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
-    let mut lines = lines.map(|line| line.split([',', ';', '\t']).map(str::trim).collect::<Vec<_>>());
-    let header = lines.next().ok_or("no rows")?;
-    let number = |cell: &&str| {
-        cell.parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(|| format!("{cell:?} is no number"))
-    };
-    let excitation_nm = header[1..].iter().map(number).collect::<Result<Vec<_>, _>>()?;
-    let widths: Vec<f64> = excitation_nm.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    if widths.is_empty() || widths.iter().any(|w| *w <= 0.0 || (w - widths[0]).abs() > 1e-6 * widths[0].abs())
-    {
-        return Err(format!(
-            "{} wavelengths of the light that do not rise in equal steps",
-            excitation_nm.len()
-        ));
-    }
-    let mut emission_nm: Vec<f64> = Vec::new();
-    let mut factors = Vec::new();
-    for cells in lines {
-        let nm = number(cells.first().ok_or("an empty row")?)?;
-        let row = cells[1..].iter().map(number).collect::<Result<Vec<_>, _>>()?;
-        if row.len() != excitation_nm.len() {
-            return Err(format!(
-                "{} factors at {nm} nm, {} wavelengths of the light",
-                row.len(),
-                excitation_nm.len()
-            ));
-        }
-        if emission_nm.last().is_some_and(|last| nm <= *last) {
-            return Err(format!("emitted wavelengths that do not rise at {nm} nm"));
-        }
-        if let Some(negative) = row.iter().find(|x| **x < 0.0) {
-            return Err(format!("{negative} at {nm} nm: factors are 0 or more"));
-        }
-        let emitted =
-            excitation_nm.iter().zip(row).map(|(from, factor)| if nm > *from { factor } else { 0.0 });
-        factors.push(emitted.collect::<Vec<f64>>());
-        emission_nm.push(nm);
-    }
-    if emission_nm.len() < 2 {
-        return Err(format!("{} emitted wavelengths, 2 are the least", emission_nm.len()));
-    }
-    Ok(Fluorescence::Table { excitation_nm, emission_nm, factors })
 }

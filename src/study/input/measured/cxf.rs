@@ -3,7 +3,7 @@
 //! prefix.
 
 use super::MeasuredCondition;
-use super::choose::LARGEST_FACTOR;
+use super::factors::LARGEST_FACTOR;
 use super::sample::{MeasuredFile, MeasuredSample, SampleContent, SpectralCell, StatedViewing, Written};
 use super::words::{self, MeasuredGeometry, MeasuredKind};
 use crate::material::text_table::number;

@@ -16,7 +16,8 @@
 //! even film of its thickness: the logarithm of t, and r and r′ less those of that film, with the
 //! phase of the depth at which the wave is reflected taken off.
 
-use super::{FAINT, Lobes, MeanField, logarithm, passive};
+use super::slab_film::logarithm;
+use super::{FAINT, Lobes, MeanField, passive};
 use crate::appearance::composed::flux::{Coherent, Hemisphere};
 use num_complex::Complex64;
 use std::f64::consts::TAU;

@@ -58,7 +58,8 @@ impl CoarseCell {
 
     /// Coupling of two of its nodes, given the inverse of K + T.
     fn coupling(&self, inverse: &Blocks<Mat<c32>>, [a, b]: [usize; 2]) -> Mat<c32> {
-        let [left, right] = [&self.loads[a], &self.loads[b]].map(|load| load.chunks(self.count));
+        let left = self.loads[a].chunks(self.count);
+        let right = self.loads[b].chunks(self.count);
         let mut coupling = Mat::zeros(self.count, self.count);
         for (row, left) in inverse.iter().zip(left) {
             for (block, right) in row.iter().zip(right.clone()) {

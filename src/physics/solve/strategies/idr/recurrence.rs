@@ -72,7 +72,8 @@ impl Recurrence {
     pub fn new(s: usize, residual: &Field, size: f64) -> Self {
         let r = scaled(residual.as_slice().expect("fields are contiguous"), size);
         let zeros = || vec![vec![0.0; r.len()]; s];
-        let (directions, images) = (zeros(), zeros());
+        let directions = zeros();
+        let images = zeros();
         let shadow = Shadow::new(s, r.len() / 2);
         let e = vec![0.0; r.len()];
         let small = (0..s).map(|i| (0..s).map(|k| f64::from(i == k).into()).collect()).collect();

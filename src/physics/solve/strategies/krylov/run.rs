@@ -272,7 +272,8 @@ impl LeastSquares {
     pub fn add_column(&mut self, mut column: Vec<Complex64>) -> f64 {
         for (i, &(c, s)) in self.rotations.iter().enumerate() {
             // [h_i; h_{i+1}] ← [[c, s], [−s̄, c]] [h_i; h_{i+1}]
-            let (a, b) = (column[i], column[i + 1]);
+            let a = column[i];
+            let b = column[i + 1];
             column[i] = c * a + s * b;
             column[i + 1] = -s.conj() * a + c * b;
         }

@@ -1,0 +1,194 @@
+//! The mean wave in a layer of m slabs of one medium, as in a film: amplitudes of the front slab,
+//! of m − 2 inner ones and of the back slab.
+//!
+//! Known are amplitudes in the directions that were solved. In between, their differences from
+//! those of plane faces of the even medium (Fresnel) are polynomials.
+
+use super::{FAINT, Interference, Lobes, MeanField, MeanWave, NOTHING, known_sines, passive};
+use crate::appearance::composed::flux::{Coherent, Hemisphere};
+use num_complex::Complex64;
+use std::f64::consts::TAU;
+
+/// Amplitudes of the slabs of a layer at one wavelength.
+#[derive(Clone, Debug)]
+pub struct CoherentFilm {
+    /// Of the front slab, of an inner one, and of the back slab.
+    pub slabs: [Coherent; 3],
+    /// Media in front, within and behind.
+    pub media: [Hemisphere; 3],
+    /// Thickness of a slab, µm.
+    pub slab_um: f64,
+    /// Vacuum wavelength, µm.
+    pub wavelength_um: f64,
+    /// Whether one of the known directions, halfway, is left out of the polynomials between them:
+    /// what that changes is more than what they are off.
+    pub fewer_directions: bool,
+}
+
+/// One direction of one polarisation: what varies slowly with the angle.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Slow {
+    /// r of the front slab.
+    pub(super) front: Complex64,
+    /// t t′ of the front slab, r′ from inside and r_b of the back slab, less the phase of the even
+    /// medium.
+    pub(super) through: Complex64,
+    pub(super) inside: Complex64,
+    pub(super) behind: Complex64,
+    /// Logarithm of an inner slab's amplitude, less that of the even medium.
+    pub(super) slab: Complex64,
+    /// √(T T_b) of the front and the back slab.
+    pub(super) passed: f64,
+}
+
+impl Slow {
+    /// This and a multiple of another.
+    pub(super) fn plus(self, by: f64, other: &Self) -> Self {
+        Self {
+            front: self.front + by * other.front,
+            through: self.through + by * other.through,
+            inside: self.inside + by * other.inside,
+            behind: self.behind + by * other.behind,
+            slab: self.slab + by * other.slab,
+            passed: self.passed + by * other.passed,
+        }
+    }
+}
+
+impl CoherentFilm {
+    /// The layer turned over: for light from behind.
+    pub fn turned(&self) -> Self {
+        let turned = |[a, b]: &Coherent| [b.clone(), a.clone()];
+        let [front, inner, back] = &self.slabs;
+        let [before, within, behind] = self.media.clone();
+        Self { slabs: [turned(back), turned(inner), turned(front)], media: [behind, within, before], ..*self }
+    }
+
+    /// A layer of this many slabs, 2 or more and not always whole, whose R and T at 0° and at the
+    /// nodes are composed as `composed`.
+    pub fn interference(&self, count: f64, polarisation: usize, composed: &[Lobes]) -> Interference<'_> {
+        let sines = known_sines(&self.media[0]);
+        let solve = |(direction, sine): (usize, &f64)| self.solved(direction, polarisation, *sine);
+        let mut solved: Vec<Slow> = sines.iter().enumerate().map(solve).collect();
+        unwrap(&mut solved);
+        let incoherent = |(sine, slow): (&f64, &Slow)| self.film(count, *sine, slow).incoherent;
+        let fields: Vec<Lobes> = sines.iter().zip(&solved).map(incoherent).collect();
+        let even = |(sine, slow): (&f64, &Slow)| slow.plus(-1.0, &self.even(*sine, polarisation));
+        let beyond = sines.iter().zip(&solved).map(even).collect();
+        let wave = MeanWave::Slabs { film: self, count, beyond };
+        let mut interference = Interference::new(wave, &self.media[0], polarisation, &fields, composed);
+        if self.fewer_directions {
+            interference.leave_out(sines.len() / 2);
+        }
+        interference
+    }
+
+    /// k_z in the even medium, 1/µm.
+    fn phase_per_um(&self, sine: f64) -> f64 {
+        let index = self.media[1].ordinates.index;
+        TAU / self.wavelength_um * (index * index - sine * sine).max(0.0).sqrt()
+    }
+
+    /// What was solved.
+    fn solved(&self, direction: usize, polarisation: usize, sine: f64) -> Slow {
+        let amplitude =
+            |slab: usize, side: usize, lobe: usize| self.slabs[slab][side][direction][polarisation][lobe];
+        let once = Complex64::from_polar(1.0, -self.phase_per_um(sine) * self.slab_um);
+        let twice = once * once;
+        Slow {
+            front: amplitude(0, 0, 0),
+            through: amplitude(0, 0, 1) * amplitude(0, 1, 1) * twice,
+            inside: amplitude(0, 1, 0) * twice,
+            behind: amplitude(2, 0, 0) * twice,
+            slab: logarithm(amplitude(1, 0, 1) * once),
+            passed: amplitude(0, 0, 1).norm() * amplitude(2, 0, 1).norm(),
+        }
+    }
+
+    /// The even medium between plane faces.
+    fn even(&self, sine: f64, polarisation: usize) -> Slow {
+        let before = self.media[0].ordinates.index;
+        let within = self.media[1].ordinates.index;
+        let behind = self.media[2].ordinates.index;
+        let front = face(sine, polarisation, before, within);
+        let back = face(sine, polarisation, within, behind);
+        let passes = |r: Complex64| (1.0 - r.norm_sqr()).max(0.0).sqrt();
+        Slow {
+            front,
+            through: 1.0 - front * front,
+            inside: -front,
+            behind: back,
+            slab: Complex64::ZERO,
+            passed: passes(front) * passes(back),
+        }
+    }
+
+    /// Fringes over the hemisphere in a layer of `count` slabs: 0 where light between the surfaces
+    /// is too faint for any.
+    pub(super) fn fringes(&self, at_normal: &Slow, count: f64) -> f64 {
+        if (at_normal.slab.re * 2.0 * (count - 2.0)).exp() < FAINT {
+            return 0.0;
+        }
+        let normal = self.phase_per_um(0.0);
+        let grazing = self.phase_per_um(self.media[0].ordinates.edge());
+        2.0 * (normal - grazing) * self.slab_um * count / TAU
+    }
+
+    /// What varies slowly, in a direction between those that are known, with their weights.
+    pub(super) fn between(&self, beyond: &[Slow], weights: &[f64], polarisation: usize, sine: f64) -> Slow {
+        let mut slow = self.even(sine, polarisation);
+        for (weight, beyond) in weights.iter().zip(beyond) {
+            slow = slow.plus(*weight, beyond);
+        }
+        // In between, noise of few realisations must not let a slab pass more than in any known
+        // direction: many slabs raise that to their power.
+        let clearest = beyond.iter().map(|slow| slow.slab.re).fold(f64::NEG_INFINITY, f64::max);
+        slow.slab.re = slow.slab.re.min(clearest.min(0.0));
+        slow
+    }
+
+    /// The mean field in a layer of `count` slabs.
+    pub(super) fn film(&self, count: f64, sine: f64, slow: &Slow) -> MeanField {
+        let inner = count - 2.0;
+        let depth = self.phase_per_um(sine) * self.slab_um;
+        let passed = (slow.slab * (2.0 * inner)).exp();
+        // both ways through the back slab and the inner ones, then through the front one
+        let to_back = Complex64::from_polar(1.0, 2.0 * depth * (inner + 1.0)) * passed * slow.behind;
+        let front_depth = Complex64::from_polar(1.0, 2.0 * depth);
+        let rho = slow.inside * front_depth * to_back;
+        let back = slow.through * front_depth * to_back;
+        let kept = (1.0 - rho.norm_sqr()).max(NOTHING);
+        let transmitted = slow.passed.powi(2) * passed.norm() / kept;
+        let coherent = Lobes {
+            reflected: (slow.front + back / (1.0 - rho)).norm_sqr(),
+            transmitted: transmitted * kept / (1.0 - rho).norm_sqr(),
+        };
+        let incoherent = Lobes { reflected: slow.front.norm_sqr() + back.norm_sqr() / kept, transmitted };
+        MeanField { coherent: passive(coherent), incoherent: passive(incoherent) }
+    }
+}
+
+/// Amplitude that a plane face between two indices reflects of s light (and of the scalar wave), or
+/// of p light (1), whose amplitude is that of the magnetic field.
+fn face(sine: f64, polarisation: usize, from: f64, to: f64) -> Complex64 {
+    let admittance = |index: f64| {
+        let normal = Complex64::from(index * index - sine * sine).sqrt();
+        if polarisation == 0 { normal } else { normal / (index * index) }
+    };
+    let a = admittance(from);
+    let b = admittance(to);
+    if (a + b).norm() > 0.0 { (a - b) / (a + b) } else { Complex64::ZERO }
+}
+
+/// A logarithm that is finite for slabs through which no coherent light is seen.
+pub(super) fn logarithm(amplitude: Complex64) -> Complex64 {
+    if amplitude.norm() > FAINT { amplitude.ln() } else { FAINT.ln().into() }
+}
+
+/// Takes jumps of 2π out of the logarithms along the angle, which are interpolated.
+pub(super) fn unwrap(rising_angles: &mut [Slow]) {
+    for k in 1..rising_angles.len() {
+        let turns = (rising_angles[k].slab.im - rising_angles[k - 1].slab.im) / TAU;
+        rising_angles[k].slab.im -= TAU * turns.round();
+    }
+}

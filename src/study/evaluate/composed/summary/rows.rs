@@ -1,0 +1,165 @@
+//! Rows of the published tables, and what of them is withheld.
+
+use crate::appearance::composed::flux::Hemisphere;
+use crate::evaluate::composed::gate::{self, LayerInColour};
+use crate::evaluate::composed::level::Slabs;
+use crate::evaluate::composed::numbers::{LayerTask, projected_sr};
+use crate::evaluate::gate::impossible;
+use crate::evaluate::manifest::composed::{
+    AbsorbedRow, ComposedColours, ComposedRow, DistributionRow, MediumRow,
+};
+use crate::evaluate::published::{ErrorParts, NumberNote, NumberParts, Withheld};
+use crate::evaluate::quantities::{Distribution, LayerNumbers, MediumNumbers, ThicknessNumbers};
+use crate::input::study::Study;
+
+/// Share of unscattered light from which a slab that gives no coefficients is too thin, not too
+/// thick, for them.
+const CLEAR: f64 = 0.5;
+
+/// The rows and colours of some thicknesses, and what of them cannot be.
+#[derive(Default)]
+pub(super) struct ThicknessRows {
+    pub rows: Vec<ComposedRow>,
+    pub colours: Vec<ComposedColours>,
+    pub weighted: Vec<NumberNote>,
+    pub withheld: Vec<Withheld>,
+}
+
+impl ThicknessRows {
+    /// Adds a layer of one thickness.
+    pub fn add(&mut self, task: &LayerTask, thickness_um: f64, numbers: &ThicknessNumbers<ErrorParts>) {
+        let row = |(&wavelength_nm, numbers): (&f64, &LayerNumbers<ErrorParts>)| ComposedRow {
+            thickness_um,
+            wavelength_nm,
+            layer: numbers.map(Some),
+        };
+        let all: Vec<ComposedRow> = task.study.wavelengths_nm.iter().zip(&numbers.spectra).map(row).collect();
+        let mut kept = all.clone();
+        self.withheld.extend(gate::rows(&mut kept, task.daylight.is_some()));
+        if let Some((eye, numbers)) = task.colorimeter.as_ref().zip(numbers.colours.as_ref()) {
+            let seen = task.visible.clone();
+            let layer = LayerInColour { eye, all: &all[seen.clone()], kept: &kept[seen] };
+            let (colours, withheld) = layer.colours(numbers);
+            self.colours.push(colours);
+            self.withheld.extend(withheld);
+        }
+        self.add_weighted(task, thickness_um, numbers);
+        self.rows.extend(kept);
+    }
+
+    /// Adds the weighted numbers of a layer of one thickness.
+    fn add_weighted(&mut self, task: &LayerTask, thickness_um: f64, numbers: &ThicknessNumbers<ErrorParts>) {
+        let values: Vec<LayerNumbers<f64>> =
+            numbers.spectra.iter().map(|row| row.map(|number| number.value)).collect();
+        for (asked, number) in task.weighted.iter().zip(&numbers.weighted) {
+            let spectra = task.weighted_spectra(asked, &values);
+            let spectra: Vec<&[f64]> = spectra.iter().map(Vec::as_slice).collect();
+            let ErrorParts { value, chance, model, grid, directions, inputs, .. } = *number;
+            let wavelengths = asked.wavelength_error(&spectra, &[], true);
+            let parts = NumberParts { chance, model, grid, directions, wavelengths, inputs };
+            let error = parts.together();
+            let impossible = asked.impossible(value, Some(error));
+            let possible = impossible.is_none();
+            self.weighted.push(NumberNote {
+                name: asked.wanted.name.clone(),
+                thickness_um: Some(thickness_um),
+                value: possible.then_some(value),
+                standard_error: possible.then_some(error),
+                parts: if possible { parts } else { NumberParts::default() },
+                deviations: Vec::new(),
+                about: asked.wanted.in_words(),
+            });
+            self.withheld.extend(impossible.map(|reason| Withheld {
+                number: format!("{} of {thickness_um} µm", reason.number),
+                ..reason
+            }));
+        }
+    }
+}
+
+/// The coefficients of the medium as far as they are possible; the others are withheld.
+pub(super) fn medium_row(
+    wavelength_nm: f64,
+    slabs: &Slabs,
+    numbers: MediumNumbers<ErrorParts>,
+    withheld: &mut Vec<Withheld>,
+) -> MediumRow {
+    // share of light at 0° that an inner slab passes straight on
+    let straight = slabs.inner.transmission[0][(0, 0)];
+    let remedy = if straight < CLEAR {
+        "take thinner slabs or more realisations"
+    } else {
+        "so clear a slab hardly scatters: take thicker slabs or more realisations"
+    };
+    let mut medium = numbers.map(Some);
+    for number in medium.named() {
+        let reason = number.estimate.and_then(|estimate| impossible(number.quantity, estimate));
+        let Some(reason) = reason else { continue };
+        let reason = format!(
+            "{reason} at {wavelength_nm} nm, where a slab passes {straight:.1e} of the light unscattered \
+             in the mean of these realisations: {remedy}"
+        );
+        withheld.push(Withheld { number: number.in_words.to_owned(), reason });
+        medium.withhold(number.name);
+    }
+    let embedding_index = slabs.media[1].ordinates.index;
+    // The medium of transport theory has the index of the half-spaces; another one would change the
+    // étendue of its light.
+    let apart =
+        medium.effective_index.map_or(0.0, |index| ((index.value / embedding_index).powi(2) - 1.0).abs());
+    let embedded = |number: ErrorParts| number.with_model(apart * number.value.abs());
+    let medium = MediumNumbers {
+        absorption_per_um: medium.absorption_per_um.map(embedded),
+        asymmetry: medium.asymmetry.map(embedded),
+        transport_path_um: medium.transport_path_um.map(embedded),
+        ..medium
+    };
+    MediumRow { wavelength_nm, embedding_index, medium }
+}
+
+/// Where light at 0° goes, of each requested thickness and wavelength.
+pub(super) fn distributions(
+    study: &Study,
+    media: &[[&Hemisphere; 2]],
+    thicknesses_um: &[f64],
+    numbers: &[Vec<Distribution<ErrorParts>>],
+) -> Vec<DistributionRow> {
+    let mut rows = Vec::new();
+    for (&thickness_um, distributions) in thicknesses_um.iter().zip(numbers) {
+        for ((&wavelength_nm, [before, behind]), distribution) in
+            study.wavelengths_nm.iter().zip(media).zip(distributions)
+        {
+            let mut add = |reflected: bool, medium: &Hemisphere, lobe: &[ErrorParts]| {
+                rows.extend(lobe.iter().enumerate().map(|(node, &bdf_per_sr)| DistributionRow {
+                    thickness_um,
+                    wavelength_nm,
+                    reflected,
+                    polar_out_deg: medium.ordinates.polar_deg(node),
+                    projected_sr: projected_sr(medium, node),
+                    bdf_per_sr,
+                }));
+            };
+            add(true, before, &distribution.reflected);
+            add(false, behind, &distribution.transmitted);
+        }
+    }
+    rows
+}
+
+/// What every layer of a stack absorbs.
+pub(super) fn absorbed(
+    study: &Study,
+    thicknesses_um: &[f64],
+    numbers: &[Vec<Vec<ErrorParts>>],
+) -> Vec<AbsorbedRow> {
+    let mut rows = Vec::new();
+    for (&thickness_um, spectra) in thicknesses_um.iter().zip(numbers) {
+        for (&wavelength_nm, layers) in study.wavelengths_nm.iter().zip(spectra) {
+            for (layer, &absorptance_normal) in study.stack.iter().zip(layers) {
+                let layer = layer.name.clone();
+                rows.push(AbsorbedRow { thickness_um, wavelength_nm, layer, absorptance_normal });
+            }
+        }
+    }
+    rows
+}
