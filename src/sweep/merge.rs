@@ -12,6 +12,7 @@ use crate::store::{PackingRecord, same};
 use crate::sweep::Sweep;
 use crate::sweep::definition::folder;
 use crate::sweep::definition::folder::OpenError;
+use crate::sweep::findings::kept::KeptPage;
 use crate::work::variant::solved_for;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -105,7 +106,8 @@ fn same_numbers(kind: &str, one: &[u8], other: &[u8]) -> bool {
         PointRecord::KIND => same::<PointRecord>(one, other),
         PackingRecord::KIND => same::<PackingRecord>(one, other),
         Resolved::KIND => same::<Resolved>(one, other),
-        FailureRecord::KIND => true,
+        // pages are made again where they differ from what is merged
+        FailureRecord::KIND | KeptPage::KIND => true,
         _ => one == other,
     }
 }

@@ -1,7 +1,7 @@
 //! Estimates the cost of a variant from its size, where no trial finishes in time: unknowns ×
-//! operator applications, and spheres to pack.
+//! operator applications, and spheres to pack; and the cost of evaluating and publishing a study.
 
-use super::trial::Trial;
+use super::trial::{Trial, drawn_volume_um3};
 use crate::input::study::{Study, WantedResolution};
 use crate::run::resolve::size;
 use crate::solve::accuracy::smooth_size;
@@ -28,10 +28,10 @@ const PER_WAVE: [f64; 2] = [4.5, 8.0];
 /// Estimate for a variant without a trial.
 pub(super) fn scaled(variant: &Variant) -> Trial<'_> {
     let study = &variant.study;
-    let resolution = grid(study);
+    let resolution = usual_grid(study);
     let solve = size(study, resolution).unknowns() * applications(study) * APPLICATION;
     let coverage = (resolution.nx * resolution.ny * resolution.planes()) as f64 * COVERAGE;
-    let each = 1.0 / study.volume_um3();
+    let each = 1.0 / drawn_volume_um3(study, 0);
     Trial {
         variant,
         study: study.clone(),
@@ -39,14 +39,15 @@ pub(super) fn scaled(variant: &Variant) -> Trial<'_> {
         coverage: coverage * each,
         grid: SEARCH * (coverage + solve) * each,
         search: SEARCH,
+        has_grid: false,
         solve: solve * each,
         resolution,
         longer_waves: 0.0,
     }
 }
 
-/// The requested grid, or the one that the accuracy is likely to need.
-fn grid(study: &Study) -> Resolution {
+/// The grid of the first realisation: as requested, or the one that the accuracy is likely to need.
+pub(super) fn usual_grid(study: &Study) -> Resolution {
     let scheme = study.resolution.scheme();
     let [points_per_um, planes_per_um] = match study.resolution {
         WantedResolution::Grid { points_per_um, planes_per_um, .. } => [points_per_um, planes_per_um],
@@ -56,9 +57,10 @@ fn grid(study: &Study) -> Resolution {
             [PER_WAVE[0] * finer.powf(0.25) * waves, PER_WAVE[1] * finer.powf(0.2) * waves]
         }
     };
+    let draw = study.draw(0);
     let points = |um: f64| smooth_size((points_per_um * um).ceil() as usize);
-    let [nx, ny] = if study.pigments.is_empty() { [1, 1] } else { study.layer.period_um.map(points) };
-    let cells = (planes_per_um * study.layer.thickness_um / scheme.degree() as f64).ceil().max(1.0) as usize;
+    let [nx, ny] = if study.pigments.is_empty() { [1, 1] } else { draw.period_um.map(points) };
+    let cells = (planes_per_um * draw.thickness_um / scheme.degree() as f64).ceil().max(1.0) as usize;
     Resolution { nx, ny, cells, scheme }
 }
 
@@ -83,12 +85,12 @@ fn applications(study: &Study) -> f64 {
 /// hundreds for 2 µm of rutile.
 const APPLICATIONS_A_RADIAN: f64 = 5.0;
 
-/// Core seconds of one packing, proportional to its spheres; the other cores are idle.
+/// Core seconds of one packing, proportional to its spheres.
 fn packing(study: &Study) -> f64 {
     let in_layers = study.pigments.iter().zip(study.volumes_of_pigments_um3());
     let spheres =
         in_layers.map(|(p, um3)| p.grains.expected(um3) * p.grains.shape.template().spheres.len() as f64);
     let count: f64 = spheres.sum();
     let share: f64 = study.pigments.iter().map(|p| p.grains.volume_fraction).sum();
-    count * SPHERE[usize::from(share > RELAXED)] * rayon::current_num_threads() as f64
+    count * SPHERE[usize::from(share > RELAXED)]
 }
