@@ -54,8 +54,8 @@ pub struct Plan {
     pub memory_mb: usize,
     /// Total time on one core, s: of the processor, whatever else the machine does meanwhile.
     pub core_seconds: f64,
-    /// Range that `core_seconds` is expected to lie in: a factor of two either way where solves were
-    /// tried, of four where their grid is not known, of ten where the size alone is known.
+    /// Range that `core_seconds` is expected to lie in: a factor of two either way where solves
+    /// were tried, of four where their grid is not known, of ten where the size alone is known.
     pub core_seconds_range: [f64; 2],
     /// Describes the trials.
     pub calibration: String,
@@ -298,7 +298,7 @@ fn cost(groups: &[Vec<&Variant>], trials: &[Trial]) -> (usize, f64) {
         for (n, requested) in resolutions(group).into_iter().enumerate() {
             let studies: Vec<&Study> =
                 with_resolution(group, requested).into_iter().map(|variant| &variant.study).collect();
-            let work = Work::of(&studies);
+            let work = PlannedWork::of(&studies);
             solves += work.solves;
             let grids = studies.iter().filter(|study| chosen.insert(resolve::key(study))).count();
             let alike = trials.iter().filter(|t| t.study.resolution == requested);
@@ -317,8 +317,8 @@ fn cost(groups: &[Vec<&Variant>], trials: &[Trial]) -> (usize, f64) {
     (solves, seconds)
 }
 
-/// How far a trial is from a study, as the logarithm of the ratio of their densities of grains and of
-/// their thicknesses.
+/// How far a trial is from a study: the logarithms of the ratios of their densities of grains and
+/// of their thicknesses.
 fn apart(trial: &Trial, study: &Study) -> f64 {
     // without grains in both there is nothing to compare
     let densities =
@@ -335,12 +335,12 @@ fn mean_volume_um3(study: &Study) -> f64 {
     (0..count).map(|realisation| drawn_volume_um3(study, realisation)).sum::<f64>() / count as f64
 }
 
-/// Cost of a solve or a coverage on the finer grid of a realisation that is checked, relative to the
-/// study's grid: the ratio of their unknowns.
+/// Cost of a solve or a coverage on the finer grid of a realisation that is checked, relative to
+/// the study's grid: the ratio of their unknowns.
 const FINER_COST: f64 = 2.4;
 
 /// The work on variants with the same packings and the same requested resolution.
-struct Work {
+struct PlannedWork {
     /// Number of different solves.
     solves: usize,
     /// The work on them, in solves on the study's grid.
@@ -349,7 +349,7 @@ struct Work {
     coverages: f64,
 }
 
-impl Work {
+impl PlannedWork {
     fn of(studies: &[&Study]) -> Self {
         let mut plain = HashSet::new();
         let mut moved = 0;

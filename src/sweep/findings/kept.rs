@@ -23,8 +23,8 @@ pub(crate) struct KeptPage {
     made_from: Key,
     /// Numbers for tables and conclusions of the sweep.
     outcome: Outcome,
-    /// Contributions of the realisations to each weighted number, and to the difference to a target:
-    /// `results.json` does not hold them.
+    /// Contributions of the realisations to each weighted number, and to the difference to a
+    /// target, which published numbers do not hold.
     of_numbers: Vec<Vec<(usize, f64)>>,
     of_target: Vec<(usize, f64)>,
     /// Checksum of every file of the variant's folder.
@@ -79,7 +79,8 @@ impl<'a> KeptPages<'a> {
         Ok(self.pages.put(key(variant).as_str(), &page)?)
     }
 
-    /// Content hash of the program, of everything that the study holds, and of what is stored for it.
+    /// Content hash of the program, of everything that the study holds, and of what is stored for
+    /// it.
     fn made_from(&self, variant: &Variant) -> Key {
         let study = format!("{:?}", variant.study);
         Key::of("page", &(program(), study, stored_seals(&variant.study, self.stores)))

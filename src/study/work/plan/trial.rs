@@ -231,10 +231,11 @@ pub fn time_solves(study: &Study, covers: &Covers, watch: &Deadline) -> Result<f
         seconds += timed(|| work_through(at_a_time, watch.jobs, watch, solve))?.0;
         tried += at_a_time;
     }
-    let [begun, ended] = [begun, ended].map(AtomicUsize::into_inner);
+    let ended = ended.into_inner();
+    let cut_short = begun.into_inner() - ended;
     match ended {
         0 => Err(RunError::Stopped),
-        _ => Ok(seconds / (ended as f64 + CUT_SHORT * (begun - ended) as f64)),
+        _ => Ok(seconds / (ended as f64 + CUT_SHORT * cut_short as f64)),
     }
 }
 
@@ -264,13 +265,15 @@ fn try_solves(
 pub(crate) fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
     let tried = trial.study.draw(0);
     let wanted = study.draw(0);
-    let scaled = |n: usize, axis: usize| match n {
+    // rounding errors do not ask for another point
+    let needed = |n: usize, ratio: f64| (n as f64 * ratio * (1.0 - 1e-9)).ceil() as usize;
+    let points = |n: usize, axis: usize| match n {
         1 => 1,
-        n => smooth_size((n as f64 * wanted.period_um[axis] / tried.period_um[axis]).ceil() as usize),
+        n => smooth_size(needed(n, wanted.period_um[axis] / tried.period_um[axis])),
     };
     let r = trial.resolution;
-    let cells = (r.cells as f64 * wanted.thickness_um / tried.thickness_um).ceil() as usize;
-    Resolution { nx: scaled(r.nx, 0), ny: scaled(r.ny, 1), cells, ..r }
+    let cells = needed(r.cells, wanted.thickness_um / tried.thickness_um);
+    Resolution { nx: points(r.nx, 0), ny: points(r.ny, 1), cells, ..r }
 }
 
 /// Time since a plan began: that of the clock on the wall, or where other programs take the
