@@ -12,7 +12,6 @@ use crate::store::{PackingRecord, same};
 use crate::sweep::Sweep;
 use crate::sweep::definition::folder;
 use crate::sweep::definition::folder::OpenError;
-use crate::sweep::findings::kept::KeptPage;
 use crate::work::variant::solved_for;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -49,6 +48,9 @@ pub struct Merged {
     pub healed: usize,
 }
 
+/// Kinds of records that are merged; pages are made anew.
+const MERGED: [&str; 4] = [PointRecord::KIND, PackingRecord::KIND, Resolved::KIND, FailureRecord::KIND];
+
 /// Copies the intact records of all shards into `folder`.
 ///
 /// # Errors
@@ -68,7 +70,7 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
     let mut of_shards = Vec::new();
     for shard in shards {
         let from = Database::open(shard).map_err(failed(shard))?;
-        if let Some([one, other]) = into.adopt(&from, &[], &same_numbers).map_err(failed(shard))? {
+        if let Some([one, other]) = into.adopt(&from, &MERGED, &same_numbers).map_err(failed(shard))? {
             let what = describe(&sweep, folder, &other);
             let builds = format!("{} and {}", one.program, other.program);
             let differs = "differs from the intact record of the same inputs in another shard";
@@ -106,8 +108,7 @@ fn same_numbers(kind: &str, one: &[u8], other: &[u8]) -> bool {
         PointRecord::KIND => same::<PointRecord>(one, other),
         PackingRecord::KIND => same::<PackingRecord>(one, other),
         Resolved::KIND => same::<Resolved>(one, other),
-        // pages are made again where they differ from what is merged
-        FailureRecord::KIND | KeptPage::KIND => true,
+        FailureRecord::KIND => true,
         _ => one == other,
     }
 }

@@ -2,6 +2,7 @@
 
 mod scaled;
 mod trial;
+mod usual_grid;
 
 use super::units::{groups, units};
 use crate::input::study::{Study, WantedResolution};

@@ -18,7 +18,7 @@ const DIGITS: usize = 32;
 
 /// The published results of a variant.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct KeptPage {
+struct KeptPage {
     /// Content hash of what they were made from.
     made_from: Key,
     /// Numbers for tables and conclusions of the sweep.

@@ -3,7 +3,7 @@
 pub mod conclusions;
 mod curves;
 mod explore;
-pub(crate) mod kept;
+mod kept;
 mod media;
 pub mod outcome;
 mod page;

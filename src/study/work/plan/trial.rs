@@ -1,5 +1,6 @@
 //! Trials of single variants: the cost of packing, coverage, grid search and solves.
 
+use super::usual_grid::usual_grid;
 use crate::ink::{Packing, PigmentGrains};
 use crate::input::check::largest_extents_nm;
 use crate::input::study::{Point, Study};
@@ -17,7 +18,6 @@ use crate::solve::accuracy::grid_error::GridError;
 use crate::solve::accuracy::smooth_size;
 use crate::store::store::Store;
 use crate::wave::{Resolution, Scene};
-use crate::work::plan::scaled::usual_grid;
 use crate::work::variant::Variant;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
