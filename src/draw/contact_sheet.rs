@@ -3,11 +3,11 @@
 use super::figure::{Anchor, Bitmap, DrawResult, failed};
 use super::leaf::wrapped;
 use super::picture::{LABEL_PX, PictureStyle, TITLE_PX, check, paint};
-use crate::appearance::picture::InkPicture;
+use crate::appearance::picture::ScreenPicture;
 
 /// Many pictures in rows and columns with captions.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ContactSheet<T = Result<InkPicture, String>> {
+pub struct ContactSheet<T = Result<ScreenPicture, String>> {
     /// Title over the sheet.
     pub title: String,
     /// Name of the axis that runs down the sheet.

@@ -1,7 +1,7 @@
 //! Paints the picture of P1 Fig. 6: strip and square, with or without axes.
 
 use super::figure::{Anchor, Bitmap, DrawResult, failed};
-use crate::appearance::picture::InkPicture;
+use crate::appearance::picture::{InkPicture, ScreenPicture};
 
 /// Sizes in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +34,7 @@ const TICKS_DEG: f64 = 20.0;
 /// No angles, a strip or square that does not have their number, sides of 0 or more than 20 000
 /// pixels.
 pub fn render(picture: &InkPicture, style: &PictureStyle) -> DrawResult<Bitmap> {
+    let picture = &picture.on_screen();
     check(picture)?;
     let [left, top, right, bottom] = if style.labels { MARGINS } else { [0; 4] };
     let width = left + style.strip_px + style.gap_px + style.side_px + right;
@@ -45,28 +46,37 @@ pub fn render(picture: &InkPicture, style: &PictureStyle) -> DrawResult<Bitmap> 
     Ok(bitmap)
 }
 
-pub(super) fn check(picture: &InkPicture) -> DrawResult {
-    let sides = [picture.strip.len(), picture.square.nrows(), picture.square.ncols()];
-    match picture.angles_deg.len() {
-        0 => Err(failed("a picture without angles")),
-        count if sides == [count; 3] => Ok(()),
-        count => Err(failed(format!("{sides:?} colours along the sides of a picture of {count} angles"))),
+pub(super) fn check(picture: &ScreenPicture) -> DrawResult {
+    let count = picture.angles_deg.len();
+    let columns = picture.square.iter().map(Vec::len);
+    let sides = Vec::from_iter([picture.strip.len(), picture.square.len()].into_iter().chain(columns));
+    match sides.iter().find(|&&side| side != count) {
+        _ if count == 0 => Err(failed("a picture without angles")),
+        None => Ok(()),
+        Some(side) => Err(failed(format!("{side} colours along a side of a picture of {count} angles"))),
     }
 }
 
-pub(super) fn paint(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &PictureStyle) {
+pub(super) fn paint(picture: &ScreenPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &PictureStyle) {
     let edge = |k: usize| k * style.side_px / picture.angles_deg.len();
     let extent = |k: usize| edge(k + 1) - edge(k);
-    for (row, colour) in picture.strip.iter().enumerate() {
-        bitmap.fill([x, y + edge(row)], [style.strip_px, extent(row)], colour.srgb8);
+    for (row, &colour) in picture.strip.iter().enumerate() {
+        bitmap.fill([x, y + edge(row)], [style.strip_px, extent(row)], colour);
     }
     let x = x + style.strip_px + style.gap_px;
-    for ((row, column), colour) in picture.square.indexed_iter() {
-        bitmap.fill([x + edge(column), y + edge(row)], [extent(column), extent(row)], colour.srgb8);
+    for (row, colours) in picture.square.iter().enumerate() {
+        for (column, &colour) in colours.iter().enumerate() {
+            bitmap.fill([x + edge(column), y + edge(row)], [extent(column), extent(row)], colour);
+        }
     }
 }
 
-fn label(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &PictureStyle) -> DrawResult {
+fn label(
+    picture: &ScreenPicture,
+    bitmap: &mut Bitmap,
+    [x, y]: [usize; 2],
+    style: &PictureStyle,
+) -> DrawResult {
     let square = x + style.strip_px + style.gap_px;
     let bottom = (y + style.side_px) as i32;
     let side = style.side_px as i32;
@@ -86,7 +96,7 @@ fn label(picture: &InkPicture, bitmap: &mut Bitmap, [x, y]: [usize; 2], style: &
 }
 
 /// Every 20° inside the range of angles: label and offset of the cell's centre.
-fn ticks(picture: &InkPicture, side_px: usize) -> Vec<(String, usize)> {
+fn ticks(picture: &ScreenPicture, side_px: usize) -> Vec<(String, usize)> {
     let first = picture.angles_deg[0];
     let last = picture.angles_deg[picture.angles_deg.len() - 1];
     let cell = side_px as f64 / picture.angles_deg.len() as f64;

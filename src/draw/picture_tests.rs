@@ -70,12 +70,12 @@ fn a_written_png_has_its_colours_srgb_chunk_and_provenance() {
 #[test]
 fn a_contact_sheet_shows_what_is_there_and_marks_what_is_not() {
     let shares = [0.05, 0.15, 0.3];
-    let mut cells: Vec<Vec<Result<InkPicture, String>>> = ["yellow", "red", "blue", "green"]
+    let mut cells: Vec<Vec<Result<ScreenPicture, String>>> = ["yellow", "red", "blue", "green"]
         .map(|pigment| {
             let picture = |share| {
                 molecular_ink(pigment, share, Coupling::Gap).picture(&angles(13), MirroredSky::Excluded)
             };
-            shares.map(|share| Ok(picture(share).unwrap())).to_vec()
+            shares.map(|share| Ok(picture(share).unwrap().on_screen())).to_vec()
         })
         .to_vec();
     cells[2][2] = Err(String::new());
@@ -89,7 +89,7 @@ fn a_contact_sheet_shows_what_is_there_and_marks_what_is_not() {
     };
     let style = PictureStyle { side_px: 130, strip_px: 40, gap_px: 6, labels: false };
     let bitmap = sheet.render(&style).unwrap();
-    let yellow = sheet.cells[0][0].as_ref().unwrap().strip[0].srgb8;
+    let yellow = sheet.cells[0][0].as_ref().unwrap().strip[0];
     assert_eq!(pixel(&bitmap, SHEET_LEFT, SHEET_TOP), yellow);
     keep(&bitmap, "sheet.png");
     let ragged = ContactSheet { columns: vec!["one".into()], ..sheet };
@@ -100,7 +100,7 @@ fn a_contact_sheet_shows_what_is_there_and_marks_what_is_not() {
 fn impossible_pictures_are_refused() {
     let style = PictureStyle::default();
     let short = InkPicture { strip: Vec::new(), ..uniform(0.5) };
-    assert!(render(&short, &style).unwrap_err().to_string().contains("colours along the sides"));
+    assert!(render(&short, &style).unwrap_err().to_string().contains("colours along a side"));
     let empty = InkPicture {
         angles_deg: vec![],
         strip: vec![],

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 /// A value and its standard error (one standard deviation of the value). The error is `None`, not
 /// zero, where a single realisation leaves it unknown.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Estimate {
     /// The value.
     pub value: f64,

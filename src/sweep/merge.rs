@@ -48,6 +48,9 @@ pub struct Merged {
     pub healed: usize,
 }
 
+/// Kinds of records that are merged; pages are made anew.
+const MERGED: [&str; 4] = [PointRecord::KIND, PackingRecord::KIND, Resolved::KIND, FailureRecord::KIND];
+
 /// Copies the intact records of all shards into `folder`.
 ///
 /// # Errors
@@ -67,7 +70,7 @@ pub fn merge(shards: &[PathBuf], folder: &OutputFolder) -> Result<Merged, MergeE
     let mut of_shards = Vec::new();
     for shard in shards {
         let from = Database::open(shard).map_err(failed(shard))?;
-        if let Some([one, other]) = into.adopt(&from, &[], &same_numbers).map_err(failed(shard))? {
+        if let Some([one, other]) = into.adopt(&from, &MERGED, &same_numbers).map_err(failed(shard))? {
             let what = describe(&sweep, folder, &other);
             let builds = format!("{} and {}", one.program, other.program);
             let differs = "differs from the intact record of the same inputs in another shard";

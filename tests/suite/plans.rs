@@ -6,8 +6,8 @@ use std::path::Path;
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// Ten seconds are promised; tests share the machine.
-const SOON: Duration = Duration::from_secs(20);
+/// Ten seconds are promised on an idle machine, three times as long on a busy one, which tests share.
+const SOON: Duration = Duration::from_secs(40);
 
 /// What the plan of a study says, in time.
 fn plan(text: &str) -> String {
@@ -64,6 +64,43 @@ fn forecast(file: &Path, folder: &Path) -> [f64; 3] {
     [number(&plan["core_seconds"]), number(&range[0]), number(&range[1])]
 }
 
+/// Processor seconds that a run says it has taken, with one solve at a time.
+fn taken(file: &Path, output: &Path) -> f64 {
+    succeed(file, output, &["--jobs", "1"]);
+    let results = std::fs::read(output.join("results.json")).unwrap();
+    let results: serde_json::Value = serde_json::from_slice(&results).unwrap();
+    results["process_seconds"].as_f64().expect("seconds of the process")
+}
+
+/// Largest factor between a forecast and what follows: 1.5 on an idle machine; a processor whose other thread is busy for one
+/// of the two and idle for the other is slower by up to 1.4.
+const FORECAST: f64 = 2.1;
+
+/// Layers of all kinds: a search of the grid, unlike packings and directions; strong grains under unpolarised light, of which the
+/// lowest harmonics are eliminated; slabs that are composed. *Planted*: cores that wait for a packing count; the polarisations do
+/// not share what is set up; grids are compared on one packing alone; every slab has a grid of its own.
+#[test]
+fn forecasts_of_all_kinds_of_layers_are_near_what_follows() {
+    let grid = "points_per_um = 20\nplanes_per_um = 40";
+    let weak = TINY.replace(grid, "accuracy = 1e-2").replace("realisations = 2", "realisations = 24");
+    let strong = TINY.replace("{ built_in = \"yellow\" }", "2.5").replace("step_nm = 100", "step_nm = 150");
+    let strong = strong.replace("[light]", "[light]\nwave = \"unpolarised\"");
+    let composed = TINY
+        .replace("thickness_um = 0.5", "thickness_um = 2")
+        .replace("[[pigment]]", "[layer.composed]\nslab_um = 1\n[[pigment]]");
+    for (kind, text) in [("weak", weak), ("strong", strong), ("composed", composed)] {
+        let folder = tempfile::tempdir().unwrap();
+        let (file, output) = (study(folder.path(), &text), folder.path().join("out"));
+        let [seconds, ..] = forecast(&file, &output);
+        let taken = taken(&file, &output);
+        let ratio = taken / seconds;
+        assert!(
+            (1.0 / FORECAST..FORECAST).contains(&ratio),
+            "{kind}: {taken} s follow a forecast of {seconds}"
+        );
+    }
+}
+
 /// What a run takes lies in the range that its plan states, on a loaded machine too: both count the processor's time.
 /// *Planted*: seconds by the clock on the wall while other programs work; a forecast 100 times too long or too short.
 #[test]
@@ -74,10 +111,7 @@ fn a_forecast_is_neither_far_too_long_nor_far_too_short() {
     let output = folder.path().join("out");
     let [seconds, least, most] = forecast(&file, &output);
     assert!(least < seconds && seconds < most && most / least < 10.0, "{least} {seconds} {most}");
-    succeed(&file, &output, &["--jobs", "1"]);
-    let results = std::fs::read(output.join("results.json")).unwrap();
-    let results: serde_json::Value = serde_json::from_slice(&results).unwrap();
-    let taken = results["process_seconds"].as_f64().expect("seconds of the process");
+    let taken = taken(&file, &output);
     // 504 solves: enough for reading, packing and drawing to be small beside them
     assert!((least..most).contains(&taken), "{taken} s of {least} to {most}");
 }

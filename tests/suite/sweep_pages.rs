@@ -1,20 +1,22 @@
 //! Pages of a sweep while it runs.
 
-use crate::sweep_support::{Place, TINY, results, succeed};
+use crate::sweep_support::{Place, TINY, results, store, succeed};
 use base64::prelude::{BASE64_STANDARD, Engine};
 use inkwave::appearance::colour::ciede2000;
 use inkwave::run::RunSettings;
 use inkwave::run::watch::{Event, RunWatch};
 use inkwave::store::folder::OutputFolder;
 use inkwave::store::marker::Holds;
+use inkwave::store::{PointRecord, Record};
 use inkwave::sweep::folder;
 use inkwave::sweep::load::load;
 use inkwave::sweep::publish::Publisher;
 use inkwave::work::run::{Scope, run};
 use inkwave::work::units::Shard;
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::SystemTime;
 
 /// Stops after a number of solves.
 struct Impatient(AtomicUsize);
@@ -70,6 +72,55 @@ fn pages_written_while_a_sweep_runs_say_what_is_missing_and_end_like_all_others(
     for (local, live) in results(&place.path("local")).iter().zip(&results(&place.path("live"))) {
         assert!(local == live, "{} differs", local.0.display());
     }
+}
+
+/// When the report page of each variant was written, by the variant's name.
+fn pages_written(place: &Place) -> BTreeMap<String, SystemTime> {
+    let variants = std::fs::read_dir(place.path("out/variants")).unwrap().map(|entry| entry.unwrap());
+    let written = |page: &Path| page.metadata().unwrap().modified().unwrap();
+    let name = |entry: &std::fs::DirEntry| entry.file_name().into_string().unwrap();
+    variants.map(|entry| (name(&entry), written(&entry.path().join("report.html")))).collect()
+}
+
+/// The names of the variants whose pages a sweep makes anew; all its results must be as before.
+fn made_anew(place: &Place, whole: &[(PathBuf, Vec<u8>)]) -> Vec<String> {
+    let before = pages_written(place);
+    place.sweep("out", &[]);
+    for (before, after) in whole.iter().zip(&results(&place.path("out"))) {
+        assert!(before == after, "{} differs", before.0.display());
+    }
+    let after = pages_written(place);
+    before.into_iter().filter(|(name, at)| after[name] != *at).map(|(name, _)| name).collect()
+}
+
+/// Finished pages stay as they are, with the numbers that the sweep's own page and conclusions need; what is damaged, missing or
+/// made from other records is made anew. *Planted*: files are not compared; the records are not; contributions of realisations
+/// to weighted numbers are lost; nothing is kept.
+#[test]
+fn a_page_is_made_anew_only_where_something_changed() {
+    let conclusion = "[[conclusion]]\nid = \"luminance\"\nstatement = \"White paper reflects more\"\nquantity = \"number\"\n\
+                      number = \"Y\"\nplus = [{ share = \"10 %\", size = 200, paper = 0.9 }]\n\
+                      minus = [{ share = \"10 %\", size = 200, paper = 0.5 }]\nat_least = 0.1\n";
+    let number = "[[base.number]]\nname = \"Y\"\nweights = \"D65/2\"\nof = \"natural_light\"\n";
+    let place = Place::new(&format!("{TINY}{number}{conclusion}"));
+    place.sweep("out", &[]);
+    let whole = results(&place.path("out"));
+    let names: Vec<String> = pages_written(&place).into_keys().collect();
+    assert_eq!(made_anew(&place, &whole), [""; 0], "nothing has changed");
+    let file = |variant: usize, name: &str| place.path(&format!("out/variants/{}/{name}", names[variant]));
+    std::fs::remove_file(file(1, "picture.png")).unwrap();
+    let damaged = std::fs::read_to_string(file(4, "results.json")).unwrap().replacen('1', "2", 1);
+    std::fs::write(file(4, "results.json"), damaged).unwrap();
+    assert_eq!(made_anew(&place, &whole), [names[1].clone(), names[4].clone()]);
+    assert_eq!(made_anew(&place, &whole), [""; 0], "mended");
+    // a solve that is done again takes another time, which the pages of all papers on which it is shown tell
+    let records = store(&place.path("out"));
+    let key = records.database().keys(PointRecord::KIND).pop_first().unwrap();
+    records.remove(&key).unwrap();
+    drop(records);
+    let anew = made_anew(&place, &whole);
+    assert!((1..=4).contains(&anew.len()), "{anew:?}");
+    assert_eq!(made_anew(&place, &whole), [""; 0], "done again");
 }
 
 /// Rows of `sweep.csv` by column.

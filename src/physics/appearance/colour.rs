@@ -16,7 +16,7 @@ const GAMUT_SLACK: f64 = 1e-9;
 /// curve (IEC 61966-2-1), and `out_of_gamut` states whether clipping changed the colour.
 /// `lab_covariance` is `None` for a single realisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Colour {
     /// X, Y, Z; a perfect white has Y = 100.
     pub xyz: [f64; 3],

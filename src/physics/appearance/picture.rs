@@ -20,7 +20,29 @@ pub struct InkPicture {
     pub square: Array2<Colour>,
 }
 
+/// What a screen shows of a picture: gamma-encoded sRGB in steps of 1/255.
+#[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ScreenPicture {
+    /// Angles of strip and square, degrees, increasing.
+    pub angles_deg: Vec<f64>,
+    /// Under natural light by viewing angle.
+    pub strip: Vec<[u8; 3]>,
+    /// Diffuse reflection: rows by viewing angle, columns by angle of illumination.
+    pub square: Vec<Vec<[u8; 3]>>,
+}
+
 impl InkPicture {
+    /// What a screen shows of it.
+    pub fn on_screen(&self) -> ScreenPicture {
+        let shown = |colour: &Colour| colour.srgb8;
+        ScreenPicture {
+            angles_deg: self.angles_deg.clone(),
+            strip: self.strip.iter().map(shown).collect(),
+            square: self.square.rows().into_iter().map(|row| row.iter().map(shown).collect()).collect(),
+        }
+    }
+
     /// The picture whose strip has these colours by place of the viewing angle, and whose square
     /// has these by places of viewing and illumination.
     ///

@@ -17,7 +17,7 @@ use crate::appearance::viewing::Viewing;
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
 use crate::numerics::estimate::{Estimate, jackknife_deviations};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// Albedo of the black backing of a draw-down card.
@@ -71,7 +71,7 @@ pub struct Swatch {
 }
 
 /// The difference of the print to a target colour.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Target {
     /// Target L*, a*, b*.
     pub lab: [f64; 3],

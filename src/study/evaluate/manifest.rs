@@ -15,7 +15,7 @@ use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::store::identity::METHOD_VERSION;
 use crate::store::record::PointRecord;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// Name of the standard geometry of print measurement, lit at 45° and viewed along the normal.
@@ -205,7 +205,7 @@ impl Manifest<'_> {
 }
 
 /// Numbers of requested and finished items.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Count {
     /// Number requested.
     pub asked: usize,

@@ -3,7 +3,7 @@
 
 use super::uncertainty::nothing;
 use crate::numerics::estimate::Estimate;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// What a published number is, which tells what it can be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -80,7 +80,7 @@ impl ErrorParts {
 
 /// A weighted number that the study asks for, with its error and what that is made of; `null` is a
 /// number that cannot be.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NumberNote {
     /// Its name in the study.
     pub name: String,
@@ -103,7 +103,7 @@ pub struct NumberNote {
 }
 
 /// Contributions to the error of a weighted number.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct NumberParts {
     /// Jackknife over the realisations.
     pub chance: f64,

@@ -6,7 +6,9 @@ use crate::input::study::{Point, Study};
 use crate::solve::Size;
 use crate::solve::Solver;
 use crate::solve::demand::{Admitted, TooLarge};
-use crate::store::{Damage, Database, FailureRecord, Key, OutputFolder, PackingRecord, PointRecord, Store};
+use crate::store::{
+    Damage, Database, FailureRecord, Key, OutputFolder, PackingRecord, PointRecord, Record, Store,
+};
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
@@ -207,6 +209,11 @@ impl Stores {
     /// The recorded failure of a solve; `None` if it has not failed.
     pub fn failure(&self, (point, key): &(Point, Key)) -> Option<Failure> {
         Some(Failure { point: *point, reason: self.failures.get(key.as_str())?.reason })
+    }
+
+    /// Records of another kind in the same database.
+    pub fn of<R: Record>(&self) -> Store<R> {
+        Store::of(&self.database)
     }
 
     /// The database that holds all stores.

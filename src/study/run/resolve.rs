@@ -141,13 +141,10 @@ pub fn resolve(
         store.put(key(study).as_str(), &resolved)?;
         return Ok(resolved);
     }
-    if let WantedResolution::Grid { points_per_um, planes_per_um, scheme } = study.resolution {
-        let grid = grid(&study.draw(0), points_per_um, planes_per_um, scheme);
+    if let Some(grid) = given_grid(study) {
         size(study, grid).admit(&*study.solver.build(), memory).map_err(AccuracyError::Memory)?;
     }
-    // One is enough if whole realisations are solved on two grids later.
-    let enough = if study.has_two_levels() { 1 } else { GRID_PACKINGS };
-    let scenes = with_room(0..compared(study), enough, scene)?;
+    let scenes = with_room(0..compared(study), packings_compared(study), scene)?;
     watch.stage("estimating the error of the grid");
     let on = |realisation: usize, scene| {
         let draw = study.draw(realisation);
@@ -186,6 +183,26 @@ pub(super) fn with_room<T>(
 /// The study's grid if it is stored.
 pub fn kept(study: &Study, store: &Store<Resolved>) -> Option<Resolved> {
     store.get(key(study).as_str())
+}
+
+/// The grid that a study asks for by its points and planes, in the cell of the first realisation;
+/// `None` where its accuracy chooses the grid.
+pub fn given_grid(study: &Study) -> Option<Resolution> {
+    let WantedResolution::Grid { points_per_um, planes_per_um, scheme } = study.resolution else {
+        return None;
+    };
+    Some(grid(&study.draw(0), points_per_um, planes_per_um, scheme))
+}
+
+/// Number of packings on which two grids are compared: one is enough if whole realisations are
+/// solved on two grids later.
+pub fn packings_compared(study: &Study) -> usize {
+    if study.has_two_levels() { 1 } else { compared(study).max(1) }
+}
+
+/// Number of test solves on one packing and one grid: for Maxwell's equations with s and p light.
+pub fn probed_solves(study: &Study) -> usize {
+    probes(study, 0).len() * if study.wave.is_vector() { 2 } else { 1 }
 }
 
 /// Number of realisations on which two grids are compared.

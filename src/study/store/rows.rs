@@ -74,6 +74,12 @@ impl Rows {
         self.connection.prepare_cached(sql)?.query_row([kind, key], sealed).optional()
     }
 
+    /// The seal of the record with this key, damaged or not.
+    pub fn seal(&self, kind: &str, key: &str) -> rusqlite::Result<Option<Vec<u8>>> {
+        let sql = "select seal from records where kind = ?1 and key = ?2";
+        self.connection.prepare_cached(sql)?.query_row([kind, key], |row| row.get(0)).optional()
+    }
+
     /// Stores a record, replacing one with the same key.
     pub fn put(&self, record: &Sealed) -> rusqlite::Result<()> {
         let sql = "insert or replace into records values (?1, ?2, ?3, ?4, ?5, ?6)";

@@ -2,11 +2,12 @@
 
 mod scaled;
 mod trial;
+mod usual_grid;
 
 use super::units::{groups, units};
 use crate::input::study::{Study, WantedResolution};
 use crate::run::realisation::Packings;
-use crate::run::resolve::size;
+use crate::run::resolve::{self, size};
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::solve::demand::memory_in_words;
@@ -15,19 +16,25 @@ use crate::work::variant::{Variant, solved_for};
 use scaled::scaled;
 use serde::Serialize;
 use std::collections::HashSet;
-use std::time::{Duration, Instant};
-use trial::{Deadline, MOST_GRAINS, Trial, covers, density, full_resolution, grains, time_solves, trial};
+use trial::{
+    Deadline, MOST_GRAINS, PlanClock, Trial, covers, density, drawn_volume_um3, full_resolution, grains,
+    in_small_cell, time_solves, trial,
+};
 
 /// Maximum number of trial variants.
 const TRIALS: usize = 4;
-/// Time limit of the trials: a plan takes less than ten seconds.
-const LIMIT: Duration = Duration::from_secs(7);
+/// Time limit of the trials, s: a plan takes less than ten seconds where it has the machine for
+/// itself, and at most three times as long where other programs take most of it.
+const LIMIT: f64 = 7.0;
 /// Work that takes longer on the available cores is out of reach: one month.
 const REACH_SECONDS: f64 = 30.0 * 24.0 * 3600.0;
 
 /// Largest expected factor between cost and forecast, either way, where every kind of solve was
-/// tried: small cells, few packings, and pages and pictures that are not counted.
-const TRIED_FACTOR: f64 = 2.5;
+/// tried: small cells, few packings, and processors whose speed depends on what else they do.
+const TRIED_FACTOR: f64 = 2.0;
+/// That factor where solves were tried on the usual grid for such waves, because no search of the
+/// grid ended in time.
+const USUAL_GRID_FACTOR: f64 = 4.0;
 /// That factor where a cost follows from unknowns and usual numbers of operator applications.
 const BY_SIZE_FACTOR: f64 = 10.0;
 
@@ -48,8 +55,8 @@ pub struct Plan {
     pub memory_mb: usize,
     /// Total time on one core, s: of the processor, whatever else the machine does meanwhile.
     pub core_seconds: f64,
-    /// Range that `core_seconds` is expected to lie in: a factor of two and a half either way where
-    /// solves were tried, of ten where the size alone is known.
+    /// Range that `core_seconds` is expected to lie in: a factor of two either way where solves
+    /// were tried, of four where their grid is not known, of ten where the size alone is known.
     pub core_seconds_range: [f64; 2],
     /// Describes the trials.
     pub calibration: String,
@@ -63,15 +70,16 @@ pub struct Plan {
 /// Trial variants are spread over the densities of grains and run in small cells, with a sample of
 /// their solves. One of them is also solved at full size, which gives the ratio of the costs per
 /// µm³. Everything else is scaled by volume. For each requested resolution the grid is searched
-/// once, for the fewest grains; the other variants use the same grid. A trial that exceeds its time
-/// is replaced by an estimate from unknowns and operator applications.
+/// once, for the fewest grains; the other variants use the same grid. Where the search exceeds its
+/// time, solves are tried on the usual grid for such waves; a trial without any solve in time is
+/// replaced by an estimate from unknowns and operator applications.
 ///
 /// # Errors
 /// No trial variant can be packed and solved, or the watch requests a stop.
 pub fn plan(variants: &[Variant], settings: RunSettings, watch: &dyn RunWatch) -> Result<Plan, RunError> {
     let variants = &*solved_for(variants);
     let jobs = settings.jobs.unwrap_or_else(rayon::current_num_threads);
-    let deadline = Deadline { watch, jobs, end: Instant::now() + LIMIT };
+    let deadline = Deadline { watch, jobs, clock: PlanClock::start(), end: LIMIT };
     let (mut trials, late) = tried(&representatives(variants), &deadline)?;
     let mut calibration = in_words(&trials);
     if let Some((name, factor)) = at_full_size(&trials, &deadline)? {
@@ -79,7 +87,11 @@ pub fn plan(variants: &[Variant], settings: RunSettings, watch: &dyn RunWatch) -
         trials.iter_mut().for_each(|t| (t.solve, t.grid) = (t.solve * factor, t.grid * factor));
     }
     calibration += &late_in_words(&late, trials.is_empty());
-    let factor = if late.is_empty() { TRIED_FACTOR } else { BY_SIZE_FACTOR };
+    let factor = match late.is_empty() {
+        true if trials.iter().all(|trial| trial.has_grid) => TRIED_FACTOR,
+        true => USUAL_GRID_FACTOR,
+        false => BY_SIZE_FACTOR,
+    };
     trials.extend(late.into_iter().map(scaled));
     Ok(costed(variants, &trials, calibration, factor, settings))
 }
@@ -104,9 +116,11 @@ fn tried<'a>(variants: &[&'a Variant], deadline: &Deadline) -> Result<Tried<'a>,
     let mut trials = Vec::new();
     let mut late = Vec::new();
     let mut failure = None;
+    // a part of the time for a solve at full size, where the trials are smaller
+    let periods_differ = |study: &Study| in_small_cell(study).layer.period_um != study.layer.period_um;
+    let at_full_size = usize::from(variants.iter().any(|variant| periods_differ(&variant.study)));
     for (place, &variant) in variants.iter().enumerate() {
-        // one more part for the solve at full size
-        let part = deadline.part(variants.len() - place + 1);
+        let part = deadline.part(variants.len() - place + at_full_size);
         part.stage(&format!("calibrating with {} in a small cell", variant.name));
         let alike = trials.iter().find(|t: &&Trial| t.study.resolution == variant.study.resolution);
         match trial(variant, alike, &part).map_err(RunError::stopped) {
@@ -194,7 +208,12 @@ fn in_words(trials: &[Trial]) -> String {
     }
     let widest = trials.iter().flat_map(|t| t.study.layer.period_um).fold(0.0, f64::max);
     let names = names(trials.iter().map(|trial| trial.variant));
-    format!("trial solves of {names} in cells of up to {widest} µm, scaled by volume")
+    let unsearched = trials.iter().filter(|trial| !trial.has_grid).map(|trial| trial.variant);
+    let usual = match self::names(unsearched) {
+        none if none.is_empty() => String::new(),
+        some => format!(" (on the usual grid of such waves, as no search of a grid ended in time: {some})"),
+    };
+    format!("trial solves of {names} in cells of up to {widest} µm{usual}, scaled by volume")
 }
 
 /// For each requested resolution, variants evenly spread over the densities of grains.
@@ -266,62 +285,92 @@ fn at_full_size<'a>(trials: &[Trial<'a>], deadline: &Deadline) -> Result<Option<
 fn full_solve(trial: &Trial, study: &Study, watch: &Deadline) -> Result<f64, RunError> {
     let grids = (full_resolution(trial, study), trial.longer_waves);
     let covers = covers(study, Packings::new(study, watch).get(0)?, grids, watch)?;
-    Ok(time_solves(study, &covers, watch)? / study.volume_um3())
+    Ok(time_solves(study, &covers, watch)? / drawn_volume_um3(study, 0))
 }
 
 /// Number of different solves, and core seconds: each group at the rates of the trials with the
-/// nearest density of grains.
+/// nearest density of grains and thickness.
 fn cost(groups: &[Vec<&Variant>], trials: &[Trial]) -> (usize, f64) {
     let mut solves = 0;
     let mut seconds = 0.0;
+    // layers of different packings may share the choice of their grid, as slabs of one layer do
+    let mut chosen = HashSet::new();
     for group in groups {
         for (n, requested) in resolutions(group).into_iter().enumerate() {
             let studies: Vec<&Study> =
                 with_resolution(group, requested).into_iter().map(|variant| &variant.study).collect();
-            let [grids, solves_of_group] = grids_and_solves(&studies);
-            solves += solves_of_group;
-            let distance = |t: &&Trial| (density(&t.study) / density(studies[0])).ln().abs();
+            let work = PlannedWork::of(&studies);
+            solves += work.solves;
+            let grids = studies.iter().filter(|study| chosen.insert(resolve::key(study))).count();
             let alike = trials.iter().filter(|t| t.study.resolution == requested);
-            let nearest = alike.min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let nearest = alike.min_by(|a, b| apart(a, studies[0]).total_cmp(&apart(b, studies[0])));
             // without grains there is no contrast to iterate on
             if let (false, Some(trial)) = (studies[0].pigments.is_empty(), nearest) {
                 let realisations = studies.iter().map(|study| study.realisations);
                 // resolutions share the packings of their group
-                let packings = if n == 0 { realisations.clone().max().unwrap_or(0) } else { 0 };
-                let coverages = realisations.sum::<usize>() as f64;
-                let once = trial.packing * packings as f64 + trial.coverage * coverages;
-                let work = once + trial.grid * grids as f64 + trial.solve * solves_of_group as f64;
-                seconds += studies[0].volume_um3() * work;
+                let packings = if n == 0 { realisations.max().unwrap_or(0) } else { 0 };
+                let once = trial.packing * packings as f64 + trial.coverage * work.coverages;
+                let all = once + trial.grid * grids as f64 + trial.solve * work.in_solves;
+                seconds += mean_volume_um3(studies[0]) * all;
             }
         }
     }
     (solves, seconds)
 }
 
-/// Solves on the coarse grid that take as long as one on the finer grid.
-const FINER_COST: usize = 2;
+/// How far a trial is from a study: the logarithms of the ratios of their densities of grains and
+/// of their thicknesses.
+fn apart(trial: &Trial, study: &Study) -> f64 {
+    // without grains in both there is nothing to compare
+    let densities =
+        if density(study) > 0.0 { (density(&trial.study) / density(study)).ln().abs() } else { 0.0 };
+    densities + (trial.study.layer.thickness_um / study.layer.thickness_um).ln().abs()
+}
 
-/// Numbers of grid searches and of solves of variants with the same packings and the same requested
-/// resolution.
-fn grids_and_solves(studies: &[&Study]) -> [usize; 2] {
-    let mut solves = HashSet::new();
-    let mut grids = HashSet::new();
-    // on the finer grid, and with tables of indices moved by their errors
-    let mut finer = 0;
-    let mut moved = 0;
-    for study in studies {
-        let method = (&study.solver, &study.goal);
-        for r in 0..study.realisations {
-            solves.extend(study.points(r).iter().map(|p| {
-                let indices = study.indices(p.incidence.wavelength_um);
-                Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
-            }));
-            finer += if study.is_checked(r) { study.solves_each() } else { 0 };
-            moved += study.solves_each() * study.moves_of(r).len();
+/// Realisations whose cells are drawn for the mean of their volumes.
+const CELLS_DRAWN: usize = 64;
+
+/// Mean volume of the cells of the realisations, µm³.
+fn mean_volume_um3(study: &Study) -> f64 {
+    let count = study.realisations.clamp(1, CELLS_DRAWN);
+    (0..count).map(|realisation| drawn_volume_um3(study, realisation)).sum::<f64>() / count as f64
+}
+
+/// Cost of a solve or a coverage on the finer grid of a realisation that is checked, relative to
+/// the study's grid: the ratio of their unknowns.
+const FINER_COST: f64 = 2.4;
+
+/// The work on variants with the same packings and the same requested resolution.
+struct PlannedWork {
+    /// Number of different solves.
+    solves: usize,
+    /// The work on them, in solves on the study's grid.
+    in_solves: f64,
+    /// The work on coverages, in those of the study's grid.
+    coverages: f64,
+}
+
+impl PlannedWork {
+    fn of(studies: &[&Study]) -> Self {
+        let mut plain = HashSet::new();
+        let mut moved = 0;
+        let mut finer = 0;
+        let mut coverages = 0.0;
+        for study in studies {
+            let method = (&study.solver, &study.goal);
+            for r in 0..study.realisations {
+                plain.extend(study.points(r).iter().map(|p| {
+                    let indices = study.indices(p.incidence.wavelength_um);
+                    Key::of("solve", &(r, indices, p.incidence, p.polarisation, method))
+                }));
+                let is_checked = study.is_checked(r);
+                finer += if is_checked { study.solves_each() } else { 0 };
+                moved += study.solves_each() * study.moves_of(r).len();
+                coverages += if is_checked { 1.0 + FINER_COST } else { 1.0 };
+            }
         }
-        let indices: Vec<_> = study.wavelengths_nm.iter().map(|nm| study.indices(1e-3 * nm)).collect();
-        let light = (&study.wavelengths_nm, study.written_angles(), study.wave.is_vector());
-        grids.insert(Key::of("grid", &(light, indices, method)));
+        let solves = plain.len() + moved + finer;
+        let in_solves = (plain.len() + moved) as f64 + FINER_COST * finer as f64;
+        Self { solves, in_solves, coverages }
     }
-    [grids.len(), solves.len() + moved + FINER_COST * finer]
 }

@@ -15,6 +15,7 @@ use crate::run::realisation::all_point_keys;
 use crate::run::resolve::{self, Resolved};
 use crate::run::{Collected, Realisation, Refused, Stores};
 use crate::store::identity::Key;
+use crate::store::{FailureRecord, PackingRecord, PointRecord, Record};
 use crate::work::variant::Variant;
 use std::ops::Range;
 
@@ -116,6 +117,29 @@ fn collect_one(study: &Study, stores: &Stores, resolved: &Resolved, r: usize) ->
     let finer: Vec<_> = others.drain(..if study.is_checked(r) { study.solves_each() } else { 0 }).collect();
     let moved = others.chunks(study.solves_each().max(1)).map(<[_]>::to_vec).collect();
     Some(Realisation { packing, points, finer, moved, failures })
+}
+
+/// Content hash of what is stored for a study, by the seals of its records, which are not read: it
+/// changes where a record is added, lost or replaced by another.
+pub fn stored_seals(study: &Study, stores: &Stores) -> Key {
+    let database = stores.database();
+    let resolved = resolve::kept(study, &stores.grids);
+    let mut seals = vec![database.seal(Resolved::KIND, resolve::key(study).as_str())];
+    for r in 0..study.realisations {
+        let packing = database.seal(PackingRecord::KIND, Key::of_packing(&study.packing_request(r)).as_str());
+        if packing.is_none() {
+            seals.push(database.seal(FailureRecord::KIND, stage_key(study, r).as_str()));
+        }
+        seals.push(packing);
+        for (_, key) in resolved.iter().flat_map(|resolved| all_point_keys(study, resolved, r)) {
+            let point = database.seal(PointRecord::KIND, key.as_str());
+            if point.is_none() {
+                seals.push(database.seal(FailureRecord::KIND, key.as_str()));
+            }
+            seals.push(point);
+        }
+    }
+    Key::of("stored", &seals)
 }
 
 /// Content hash of everything that a realisation's packing and grid depend on.

@@ -11,7 +11,7 @@
 use super::outcome::Outcome;
 use super::reported::{Reported, shown, target_numbers};
 use crate::appearance::colour::ciede2000;
-use crate::appearance::picture::InkPicture;
+use crate::appearance::picture::ScreenPicture;
 use crate::draw::figure::Bitmap;
 use crate::draw::page::{STYLE, hex, made_by};
 use crate::evaluate::manifest::Count;
@@ -123,15 +123,17 @@ fn counted(value: Option<f64>) -> u16 {
     (v * STEPS).round().clamp(0.0, f64::from(UNKNOWN - 1)) as u16
 }
 
-fn pixels(picture: &InkPicture) -> String {
+fn pixels(picture: &ScreenPicture) -> String {
     let side = picture.strip.len();
     // a picture without rows shows nothing
     let Ok(mut bitmap) = Bitmap::white(side + 1, side) else { return String::new() };
-    for (y, colour) in picture.strip.iter().enumerate() {
-        bitmap.fill([0, y], [1, 1], colour.srgb8);
+    for (y, &colour) in picture.strip.iter().enumerate() {
+        bitmap.fill([0, y], [1, 1], colour);
     }
-    for ((y, x), colour) in picture.square.indexed_iter() {
-        bitmap.fill([x + 1, y], [1, 1], colour.srgb8);
+    for (y, colours) in picture.square.iter().enumerate() {
+        for (x, &colour) in colours.iter().enumerate() {
+            bitmap.fill([x + 1, y], [1, 1], colour);
+        }
     }
     bitmap.png(&[]).map_or_else(|_| String::new(), |png| STANDARD.encode(png))
 }

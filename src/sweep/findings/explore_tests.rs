@@ -3,7 +3,6 @@ use crate::appearance::colour::Colour;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::ink_maker::Target;
 use crate::sweep::definition::load::{Outline, Place};
-use ndarray::Array2;
 
 /// A variant with all numbers, and noise in all digits.
 fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> Outcome {
@@ -31,14 +30,11 @@ fn finished(name: String, wavelengths_nm: &[f64], seed: u64) -> Outcome {
     let solves = Count { asked: 24, finished: 24 };
     let labels = vec![name.clone(), name.clone(), name.clone()];
     // colours that vary from angle to angle, like those of inks
-    let cell = |x: usize, y: usize| {
-        let srgb8 = [250 - 2 * x - y, 230 - x - 2 * y, 90 + x * y / 16].map(|c| c as u8);
-        Colour { srgb8, ..colour }
-    };
-    let picture = InkPicture {
+    let cell = |x: usize, y: usize| [250 - 2 * x - y, 230 - x - 2 * y, 90 + x * y / 16].map(|c| c as u8);
+    let picture = ScreenPicture {
         angles_deg: vec![0.0; 31],
         strip: (0..31).map(|y| cell(0, y)).collect(),
-        square: Array2::from_shape_fn((31, 31), |(y, x)| cell(x, y)),
+        square: (0..31).map(|y| (0..31).map(|x| cell(x, y)).collect()).collect(),
     };
     Outcome {
         numbers: Vec::new(),

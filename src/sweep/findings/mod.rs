@@ -3,6 +3,7 @@
 pub mod conclusions;
 mod curves;
 mod explore;
+mod kept;
 mod media;
 pub mod outcome;
 mod page;

@@ -1,7 +1,7 @@
 //! The result of one variant, finished or not.
 
 use crate::appearance::colour::Colour;
-use crate::appearance::picture::InkPicture;
+use crate::appearance::picture::ScreenPicture;
 use crate::evaluate::ink_maker::Target;
 use crate::evaluate::manifest::composed::MediumRow;
 use crate::evaluate::manifest::main_numbers::PrintRow;
@@ -12,10 +12,11 @@ use crate::numerics::estimate::{Estimate, Linked};
 use crate::sweep::definition::file::MeasuredQuantity;
 use crate::sweep::definition::load::Sweep;
 use crate::work::variant::Variant;
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// The numbers of a variant for tables and conclusions.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Outcome {
     /// Name of the variant.
     pub name: String,
@@ -49,8 +50,9 @@ pub struct Outcome {
     /// One row per wavelength and angle.
     pub spectra: Vec<PrintRow>,
     /// The picture for contact sheets, where there is paper.
-    pub picture: Option<InkPicture>,
-    /// The packed medium at every wavelength, of a composed layer.
+    pub picture: Option<ScreenPicture>,
+    /// The packed medium at every wavelength, of a composed layer; not kept with its page.
+    #[serde(skip)]
     pub medium: Vec<MediumRow>,
     /// Thickness that hides, µm, of a composed layer.
     pub hiding_thickness_um: Option<Estimate>,

@@ -2,6 +2,7 @@
 //! contact sheets, conclusions.
 
 use super::conclusions::{Judged, judge};
+use super::kept::KeptPages;
 use super::media::{media_table, number_names, numbers_table};
 use super::outcome::Outcome;
 use super::reported::{Reported, nearest, numbers, target_columns, target_numbers};
@@ -53,8 +54,17 @@ impl<'a> Publisher<'a> {
     pub fn publish(&mut self, folder: &OutputFolder) -> PublishResult<Reported> {
         folder.mark_partial()?;
         let stores = Stores::open(folder)?;
+        let pages = KeptPages::new(&stores);
         for (number, outcome) in self.outcomes.iter_mut().enumerate().filter(|(_, o)| !o.is_complete()) {
-            *outcome = variant(self.sweep, number, &stores, folder)?;
+            let variant = &self.sweep.variants[number];
+            let of_variant = folder.inside(&format!("{VARIANTS}/{}", variant.name))?;
+            let unchanged = pages.unchanged(variant, &of_variant, outcome);
+            if let Some(unchanged) = unchanged {
+                *outcome = unchanged;
+                continue;
+            }
+            *outcome = published(self.sweep, number, &stores, &of_variant)?;
+            pages.keep(variant, &of_variant, outcome)?;
         }
         report(self.sweep, folder, self.outcomes.clone())
     }
@@ -103,7 +113,13 @@ fn sheet_name(i: usize, count: usize) -> String {
     if count == 1 { "contact-sheet.png".into() } else { format!("contact-sheet-{}.png", i + 1) }
 }
 
-fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder) -> PublishResult<Outcome> {
+/// Evaluates a variant and writes its page to its folder.
+fn published(
+    sweep: &Sweep,
+    number: usize,
+    stores: &Stores,
+    of_variant: &OutputFolder,
+) -> PublishResult<Outcome> {
     let study = &sweep.variants[number].study;
     let nothing = Outcome::nothing(sweep, number);
     let Some(solved) = stored(study, stores) else {
@@ -122,8 +138,7 @@ fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder)
         evaluated => evaluated?,
     };
     let manifest = &evaluated.manifest;
-    let of_variant = folder.inside(&format!("{VARIANTS}/{}", sweep.variants[number].name))?;
-    match publish_study(&evaluated, &of_variant) {
+    match publish_study(&evaluated, of_variant) {
         // a variant without a result does not hold back the others
         Err(none @ (PublishError::Unphysical(_) | PublishError::NoRoom(_))) => {
             let solves = Count { finished: manifest.solves.finished, ..nothing.solves };
@@ -134,7 +149,7 @@ fn variant(sweep: &Sweep, number: usize, stores: &Stores, folder: &OutputFolder)
             published?;
             let step = study.angles.picture_max_deg / (SHEET_ANGLES - 1) as f64;
             let angles: Vec<f64> = (0..SHEET_ANGLES).map(|i| i as f64 * step).collect();
-            let picture = evaluated.picture(&angles).ok().flatten();
+            let picture = evaluated.picture(&angles).ok().flatten().map(|picture| picture.on_screen());
             Ok(Outcome { picture, ..nothing.with(manifest) })
         }
     }

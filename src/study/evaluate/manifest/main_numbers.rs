@@ -7,6 +7,7 @@ use crate::evaluate::ink_maker::Target;
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow};
 use crate::evaluate::published::ErrorParts;
 use crate::numerics::estimate::Estimate;
+use serde::{Deserialize, Serialize};
 
 /// Contributions of the realisations to a number, by the number of the realisation.
 pub type Deviations<T> = Vec<(usize, T)>;
@@ -33,7 +34,7 @@ pub struct MainNumbers {
 }
 
 /// A print at one wavelength and angle of incidence.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PrintRow {
     /// Vacuum wavelength, nm.
     pub wavelength_nm: f64,

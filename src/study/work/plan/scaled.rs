@@ -1,11 +1,10 @@
 //! Estimates the cost of a variant from its size, where no trial finishes in time: unknowns ×
 //! operator applications, and spheres to pack.
 
-use super::trial::Trial;
-use crate::input::study::{Study, WantedResolution};
+use super::trial::{Trial, drawn_volume_um3};
+use super::usual_grid::usual_grid;
+use crate::input::study::Study;
 use crate::run::resolve::size;
-use crate::solve::accuracy::smooth_size;
-use crate::wave::Resolution;
 use crate::work::variant::Variant;
 use std::f64::consts::TAU;
 
@@ -21,17 +20,14 @@ const SPHERE: [f64; 2] = [2e-5, 1e-3];
 const RELAXED: f64 = 0.25;
 /// Cost of a grid search, in solves including their coverages.
 const SEARCH: f64 = 12.0;
-/// Points and planes per wavelength in the densest medium for an error of 1e-2, as found by
-/// searches on inks of 30 %.
-const PER_WAVE: [f64; 2] = [4.5, 8.0];
 
 /// Estimate for a variant without a trial.
 pub(super) fn scaled(variant: &Variant) -> Trial<'_> {
     let study = &variant.study;
-    let resolution = grid(study);
+    let resolution = usual_grid(study);
     let solve = size(study, resolution).unknowns() * applications(study) * APPLICATION;
     let coverage = (resolution.nx * resolution.ny * resolution.planes()) as f64 * COVERAGE;
-    let each = 1.0 / study.volume_um3();
+    let each = 1.0 / drawn_volume_um3(study, 0);
     Trial {
         variant,
         study: study.clone(),
@@ -39,32 +35,11 @@ pub(super) fn scaled(variant: &Variant) -> Trial<'_> {
         coverage: coverage * each,
         grid: SEARCH * (coverage + solve) * each,
         search: SEARCH,
+        has_grid: false,
         solve: solve * each,
         resolution,
         longer_waves: 0.0,
     }
-}
-
-/// The requested grid, or the one that the accuracy is likely to need.
-fn grid(study: &Study) -> Resolution {
-    let scheme = study.resolution.scheme();
-    let [points_per_um, planes_per_um] = match study.resolution {
-        WantedResolution::Grid { points_per_um, planes_per_um, .. } => [points_per_um, planes_per_um],
-        WantedResolution::Accuracy { amplitude, .. } => {
-            let waves = densest(study) / (1e-3 * study.wavelengths_nm[0]);
-            let finer = (1e-2 / amplitude).max(1.0);
-            [PER_WAVE[0] * finer.powf(0.25) * waves, PER_WAVE[1] * finer.powf(0.2) * waves]
-        }
-    };
-    let points = |um: f64| smooth_size((points_per_um * um).ceil() as usize);
-    let [nx, ny] = if study.pigments.is_empty() { [1, 1] } else { study.layer.period_um.map(points) };
-    let cells = (planes_per_um * study.layer.thickness_um / scheme.degree() as f64).ceil().max(1.0) as usize;
-    Resolution { nx, ny, cells, scheme }
-}
-
-/// Largest |η| of all media at the shortest wavelength.
-fn densest(study: &Study) -> f64 {
-    study.indices(1e-3 * study.wavelengths_nm[0]).into_iter().map(|eta| eta.norm()).fold(1.0, f64::max)
 }
 
 /// Operator applications per solve: a constant, plus a term proportional to the phase difference
@@ -83,12 +58,12 @@ fn applications(study: &Study) -> f64 {
 /// hundreds for 2 µm of rutile.
 const APPLICATIONS_A_RADIAN: f64 = 5.0;
 
-/// Core seconds of one packing, proportional to its spheres; the other cores are idle.
+/// Core seconds of one packing, proportional to its spheres.
 fn packing(study: &Study) -> f64 {
     let in_layers = study.pigments.iter().zip(study.volumes_of_pigments_um3());
     let spheres =
         in_layers.map(|(p, um3)| p.grains.expected(um3) * p.grains.shape.template().spheres.len() as f64);
     let count: f64 = spheres.sum();
     let share: f64 = study.pigments.iter().map(|p| p.grains.volume_fraction).sum();
-    count * SPHERE[usize::from(share > RELAXED)] * rayon::current_num_threads() as f64
+    count * SPHERE[usize::from(share > RELAXED)]
 }

@@ -1,5 +1,6 @@
 //! Trials of single variants: the cost of packing, coverage, grid search and solves.
 
+use super::usual_grid::usual_grid;
 use crate::ink::{Packing, PigmentGrains};
 use crate::input::check::largest_extents_nm;
 use crate::input::study::{Point, Study};
@@ -10,7 +11,7 @@ use crate::run::longer_waves::{Finest, coarsened};
 use crate::run::memory;
 use crate::run::point::{Grids, PointSolver};
 use crate::run::realisation::Packings;
-use crate::run::resolve::resolve;
+use crate::run::resolve::{given_grid, packings_compared, probed_solves, resolve};
 use crate::run::watch::{Event, RunWatch};
 use crate::solve::Solver;
 use crate::solve::accuracy::grid_error::GridError;
@@ -23,9 +24,23 @@ use std::time::Instant;
 
 /// Maximum period of a trial cell, µm, unless the longest grain needs more: then twice its length.
 const TRIAL_PERIOD_UM: f64 = 1.6;
-/// Solves are repeated until they have taken this long in total.
+/// Further solves are tried until they have taken this long in total.
 const LEAST_SECONDS: f64 = 0.5;
 const MOST_SOLVES: usize = 60;
+/// Least number of problems that are tried, if there are as many.
+const LEAST_PROBLEMS: usize = 8;
+/// Distance between two tried problems in the list of all: the golden section, which spreads any
+/// number of them over wavelengths and directions.
+const SPREAD: f64 = 0.618;
+/// Part of the work on an unfinished solve that counts where a deadline cuts it short.
+const CUT_SHORT: f64 = 0.5;
+/// Work on a test solve with the companions of its error estimate, in solves: they have four fifths
+/// of the points, or of the cells.
+const WITH_ESTIMATE: f64 = 2.4;
+/// Work on a test solve and on the same one on four fifths of points and cells, in solves.
+const WITH_COARSER: f64 = 1.5;
+/// Work on the search of a grid of which no search has ended, in test solves with their companions.
+const SEARCHES: f64 = 2.0;
 /// Cells with more grains cannot be packed in time.
 pub(super) const MOST_GRAINS: f64 = 5e4;
 
@@ -36,9 +51,12 @@ pub(crate) struct Trial<'a> {
     pub study: Study,
     pub packing: f64,
     pub coverage: f64,
+    /// The choice of the grid, with all its test solves.
     pub grid: f64,
-    /// Cost of the grid search, in solves.
+    /// Cost of the grid search on one packing, in solves including their coverages.
     pub search: f64,
+    /// Whether the grid is known; otherwise it is the usual one for such waves.
+    pub has_grid: bool,
     pub solve: f64,
     pub resolution: Resolution,
     /// Coarsening for longer waves, as in [`Resolved`](crate::run::resolve::Resolved).
@@ -53,7 +71,7 @@ pub(crate) fn density(study: &Study) -> f64 {
 }
 
 /// The study in the small cell of a trial.
-fn in_small_cell(study: &Study) -> Study {
+pub(super) fn in_small_cell(study: &Study) -> Study {
     let longest =
         study.pigments.iter().map(|p| 2e-3 * largest_extents_nm(&p.grains).1).fold(TRIAL_PERIOD_UM, f64::max);
     let [x, y] = study.layer.period_um;
@@ -73,6 +91,12 @@ pub(crate) fn grains(study: &Study) -> f64 {
     in_layers.map(|(p, um3)| p.grains.expected(um3)).sum()
 }
 
+/// Volume of the cell of a realisation, µm³.
+pub(crate) fn drawn_volume_um3(study: &Study, realisation: usize) -> f64 {
+    let draw = study.draw(realisation);
+    draw.period_um[0] * draw.period_um[1] * draw.thickness_um
+}
+
 /// Runs the trial of a variant; `alike` is an earlier trial with the same requested resolution,
 /// whose grid is reused.
 pub fn trial<'a>(
@@ -86,21 +110,21 @@ pub fn trial<'a>(
         return Err(RunError::Stopped);
     }
     let mut packings = Packings::new(&study, watch);
-    // Packing uses one core, the others are idle.
     let (packing, placed) = timed(|| packings.get(0))?;
-    let packing = packing * rayon::current_num_threads() as f64;
-    let (searched, grids) = grid_for(&study, &Scene::from_packing(&placed), alike, watch)?;
-    let (coverage, covers) = timed(|| covers(&study, placed, grids, watch))?;
+    let chosen = choose_grid(&study, &Scene::from_packing(&placed), alike, watch)?;
+    let (coverage, covers) = timed(|| covers(&study, placed, chosen.grids, watch))?;
     let solve = time_solves(&study, &covers, watch)?;
-    // Cost of the search in solves including their coverages; taken from an earlier trial if there
-    // is one.
-    let search = match (searched, alike) {
-        (None, Some(trial)) => trial.search,
-        (seconds, _) => seconds.unwrap_or(0.0) / (coverage + solve).max(1e-9),
-    };
-    let grid = search * (coverage + solve);
-    let each = 1.0 / study.volume_um3();
-    let (resolution, longer_waves) = grids;
+    let measured = chosen.seconds.map(|seconds| seconds / (coverage + solve).max(1e-9));
+    let search = measured.or(alike.map(|trial| trial.search)).unwrap_or_else(|| {
+        let searches = if chosen.is_known { 1.0 } else { SEARCHES };
+        probed_solves(&study) as f64 * (searches * WITH_ESTIMATE + WITH_COARSER)
+    });
+    // the search compares two grids on one packing, a run on others too
+    let others = (packings_compared(&variant.study) - 1) as f64;
+    let comparison = packing + WITH_COARSER * (coverage + probed_solves(&study) as f64 * solve);
+    let grid = search * (coverage + solve) + others * comparison;
+    let each = 1.0 / drawn_volume_um3(&study, 0);
+    let (resolution, longer_waves) = chosen.grids;
     Ok(Trial {
         variant,
         study,
@@ -108,6 +132,7 @@ pub fn trial<'a>(
         coverage: coverage * each,
         grid: grid * each,
         search,
+        has_grid: chosen.is_known,
         solve: solve * each,
         resolution,
         longer_waves,
@@ -135,21 +160,44 @@ fn grid_of((_, (finest, longer_waves)): &Covers, study: &Study, point: &Point) -
     coarsened(study, *finest, point.incidence.wavelength_um, Finest::of(study), *longer_waves)
 }
 
-/// A grid of the requested resolution with its coarsening for longer waves, and the core seconds of
-/// the search, if any.
-fn grid_for(
+/// The grid of a trial.
+struct ChosenGrid {
+    /// Core seconds of the search, where one has ended.
+    seconds: Option<f64>,
+    /// Whether it is the grid of a run; otherwise the usual one for such waves.
+    is_known: bool,
+    /// The grid, and its coarsening for longer waves.
+    grids: (Resolution, f64),
+}
+
+/// The requested grid, that of an earlier trial, or the one that a search finds in half of the time
+/// that is left; otherwise the usual one for such waves.
+fn choose_grid(
     study: &Study,
     scene: &Scene,
     alike: Option<&Trial>,
-    watch: &dyn RunWatch,
-) -> Result<(Option<f64>, (Resolution, f64)), RunError> {
-    if let Some(trial) = alike {
-        return Ok((None, (full_resolution(trial, study), trial.longer_waves)));
+    watch: &Deadline,
+) -> Result<ChosenGrid, RunError> {
+    if let Some(given) = given_grid(study) {
+        return Ok(ChosenGrid { seconds: None, is_known: true, grids: (given, 0.0) });
     }
+    if let Some(trial) = alike {
+        let grids = (full_resolution(trial, study), trial.longer_waves);
+        return Ok(ChosenGrid { seconds: None, is_known: trial.has_grid, grids });
+    }
+    let half = watch.part(2);
     let store = Store::in_memory()?;
-    let (seconds, resolved) =
-        timed(|| resolve(study, &store, memory::usable(), watch, |_| Ok(scene.clone())))?;
-    Ok((Some(seconds), (resolved.resolution, resolved.longer_waves)))
+    let searched = timed(|| resolve(study, &store, memory::usable(), &half, |_| Ok(scene.clone())));
+    match searched.map_err(RunError::stopped) {
+        Ok((seconds, found)) => {
+            let grids = (found.for_cell(&study.draw(0)), found.longer_waves);
+            Ok(ChosenGrid { seconds: Some(seconds), is_known: true, grids })
+        }
+        Err(RunError::Stopped) if !watch.stop() => {
+            Ok(ChosenGrid { seconds: None, is_known: false, grids: (usual_grid(study), 0.0) })
+        }
+        Err(error) => Err(error),
+    }
 }
 
 /// Processor seconds, and the result. The clock on the wall, which other programs' work on the
@@ -162,48 +210,101 @@ fn timed<T>(make: impl FnOnce() -> Result<T, RunError>) -> Result<(f64, T), RunE
     Ok((used.unwrap_or_else(|| clock.elapsed().as_secs_f64()), made))
 }
 
-/// Mean core seconds of a few solves, spread over wavelengths and angles.
+/// Mean core seconds of a few solves, spread over wavelengths and directions. As in a run, the
+/// polarisations of one wavelength and direction share what is set up for them.
 pub fn time_solves(study: &Study, covers: &Covers, watch: &Deadline) -> Result<f64, RunError> {
-    let chosen: Vec<Point> = spread(&study.points(0), 6.max(2 * watch.jobs));
+    let points = study.points(0);
+    let problems: Vec<&[Point]> = points.chunk_by(|a, b| a.incidence == b.incidence).collect();
+    let at_a_time = problems.len().min(LEAST_PROBLEMS.max(2 * watch.jobs));
+    let begun = AtomicUsize::new(0);
     let ended = AtomicUsize::new(0);
-    let solve = |i: usize| {
-        try_solve(study, &*study.solver.build(), covers, &chosen[i], watch);
-        Ok(_ = ended.fetch_add(usize::from(!watch.stop()), Ordering::Relaxed))
-    };
     let mut seconds = 0.0;
+    let mut tried = 0;
     while seconds < LEAST_SECONDS && ended.load(Ordering::Relaxed) < MOST_SOLVES && !watch.stop() {
-        seconds += timed(|| work_through(chosen.len(), watch.jobs, watch, solve))?.0;
+        let solve = |i: usize| {
+            let place = ((tried + i) as f64 + 0.5) * SPREAD;
+            let points = problems[(place.fract() * problems.len() as f64) as usize];
+            begun.fetch_add(points.len(), Ordering::Relaxed);
+            let solved = try_solves(study, &*study.solver.build(), covers, points, watch);
+            Ok(_ = ended.fetch_add(solved, Ordering::Relaxed))
+        };
+        seconds += timed(|| work_through(at_a_time, watch.jobs, watch, solve))?.0;
+        tried += at_a_time;
     }
-    match ended.into_inner() {
+    let ended = ended.into_inner();
+    let cut_short = begun.into_inner() - ended;
+    match ended {
         0 => Err(RunError::Stopped),
-        solves => Ok(seconds / solves as f64),
+        _ => Ok(seconds / (ended as f64 + CUT_SHORT * cut_short as f64)),
     }
 }
 
-/// Runs a solve and ignores its result: a failure costs about as much as a success.
-fn try_solve(study: &Study, solver: &dyn Solver, covers: &Covers, point: &Point, watch: &dyn RunWatch) {
-    if let Ok((systems, _)) = covers.0.problems(study, grid_of(covers, study, point), point, watch) {
-        let grid = GridError::default();
-        let _ = PointSolver { study, solver, grid, watch }.solve(&systems, point, "trial");
+/// Runs the solves of one wavelength and direction and ignores their results: a failure costs about
+/// as much as a success. Returns the number of those that ended in time.
+fn try_solves(
+    study: &Study,
+    solver: &dyn Solver,
+    covers: &Covers,
+    points: &[Point],
+    watch: &dyn RunWatch,
+) -> usize {
+    let grid = grid_of(covers, study, &points[0]);
+    let problems = covers.0.problems(study, grid, &points[0], watch);
+    let mut ended = 0;
+    for point in points {
+        if let Ok((systems, _)) = &problems {
+            let grid = GridError::default();
+            let _ = PointSolver { study, solver, grid, watch }.solve(systems, point, "trial");
+        }
+        ended += usize::from(!watch.stop());
     }
+    ended
 }
 
-/// The points and cells per µm of a trial, applied to another cell.
+/// The points and cells per µm of a trial, applied to the first cell of another study.
 pub(crate) fn full_resolution(trial: &Trial, study: &Study) -> Resolution {
-    let scaled = |n: usize, axis: usize| match n {
+    let tried = trial.study.draw(0);
+    let wanted = study.draw(0);
+    // rounding errors do not ask for another point
+    let needed = |n: usize, ratio: f64| (n as f64 * ratio * (1.0 - 1e-9)).ceil() as usize;
+    let points = |n: usize, axis: usize| match n {
         1 => 1,
-        n => smooth_size(
-            (n as f64 * study.layer.period_um[axis] / trial.study.layer.period_um[axis]).ceil() as usize
-        ),
+        n => smooth_size(needed(n, wanted.period_um[axis] / tried.period_um[axis])),
     };
     let r = trial.resolution;
-    let cells = (r.cells as f64 * study.layer.thickness_um / trial.study.layer.thickness_um).ceil() as usize;
-    Resolution { nx: scaled(r.nx, 0), ny: scaled(r.ny, 1), cells, ..r }
+    let cells = needed(r.cells, wanted.thickness_um / tried.thickness_um);
+    Resolution { nx: points(r.nx, 0), ny: points(r.ny, 1), cells, ..r }
 }
 
-fn spread(points: &[Point], count: usize) -> Vec<Point> {
-    let count = count.clamp(1, points.len());
-    (0..count).map(|k| points[(2 * k + 1) * points.len() / (2 * count)]).collect()
+/// Time since a plan began: that of the clock on the wall, or where other programs take the
+/// processor's, that of the processor, but at least a third of the wall's.
+#[derive(Clone, Copy)]
+pub(super) struct PlanClock {
+    began: Instant,
+    /// Processor seconds at the beginning.
+    used: Option<f64>,
+}
+
+/// Seconds on the wall in which a plan uses at least one second of its time.
+const SLOWEST: f64 = 3.0;
+
+impl PlanClock {
+    /// Starts now.
+    pub fn start() -> Self {
+        Self { began: Instant::now(), used: processor_seconds() }
+    }
+
+    /// Seconds since the start.
+    fn seconds(self) -> f64 {
+        let wall = self.began.elapsed().as_secs_f64();
+        let used = processor_seconds().zip(self.used).map_or(wall, |(now, before)| now - before);
+        used.clamp(wall / SLOWEST, wall)
+    }
+
+    /// Whether this time has passed.
+    fn has_passed(self, seconds: f64) -> bool {
+        self.began.elapsed().as_secs_f64() >= seconds && self.seconds() >= seconds
+    }
 }
 
 /// Forwards the events of a trial and stops it in time.
@@ -212,20 +313,23 @@ pub(super) struct Deadline<'a> {
     pub watch: &'a dyn RunWatch,
     /// Solves at a time.
     pub jobs: usize,
-    pub end: Instant,
+    /// The time since the plan began.
+    pub clock: PlanClock,
+    /// When to stop, s of that time.
+    pub end: f64,
 }
 
 impl Deadline<'_> {
     /// A deadline after an equal share of the time left, for the next of several trials.
     pub fn part(&self, trials: usize) -> Self {
-        let now = Instant::now();
-        Self { end: now + self.end.saturating_duration_since(now) / trials.max(1) as u32, ..*self }
+        let now = self.clock.seconds();
+        Self { end: now + (self.end - now).max(0.0) / trials.max(1) as f64, ..*self }
     }
 }
 
 impl RunWatch for Deadline<'_> {
     fn stop(&self) -> bool {
-        Instant::now() >= self.end || self.watch.stop()
+        self.clock.has_passed(self.end) || self.watch.stop()
     }
 
     fn hear(&self, event: Event) {
