@@ -317,10 +317,8 @@ impl<'a> CompositionTask<'a> {
         let tint = luminance(&printed);
         let paper = alone(0);
         // several inks have no one coverage, and no solids of each to sum densities of
-        let apparent = match areas.inks {
-            1 => murray_davies(paper, tint, alone(kinds.len() - 1)),
-            _ => f64::NAN,
-        };
+        let is_one = areas.inks == 1;
+        let apparent = if is_one { murray_davies(paper, tint, alone(kinds.len() - 1)) } else { f64::NAN };
         PrintNumbers {
             lab,
             apparent,
