@@ -437,6 +437,19 @@ const inkwave = (() => {
       return this.fluxes.get(key);
     }
 
+    /** A layer of a stack, with the face to air in front of the first one, and behind the last one over a gap. */
+    faced(job, place, w) {
+      const [number, count] = job.layers[place], { change } = job, first = place === 0, last = place === job.layers.length - 1 && !job.contact;
+      const own = this.layerFlux(number, count, change, w);
+      if (!first && !last) return own;
+      const key = `${this.keyOf(number, change)}/${change.grid ? "g" : ""}/${count}/${w}/${first ? "front" : ""}${last ? "back" : ""}`;
+      if (!this.fluxes.has(key)) {
+        const front = first ? then(this.front, own) : own;
+        this.fluxes.set(key, last ? then(front, this.back) : front);
+      }
+      return this.fluxes.get(key);
+    }
+
     /** One element as the mean wave meets it: a function of the sine. */
     element(number, position, times, change, w, pol) {
       const [k, cell] = this.portionOf(number, position, change), plate = this.content.plates[number];
@@ -559,6 +572,47 @@ const inkwave = (() => {
       return out;
     }
 
+    /**
+     * R and T of diffuse light from both sides, [side] = [R, T, loss by known direction], with interference or without it: sums over
+     * the sines of a rule, into which shares of the loss enter as weights of directions.
+     */
+    hemisphere(job, w, pol, pieces, interferes) {
+      const rule = this.rule(pieces), { weights } = rule, kept = rule.lagranges[job.change.fewer ? 1 : 0], known = kept[0].length;
+      const films = [rule.faces[pol], ...job.layers.map(([number, count]) => this.layerFilm(number, count, job.change, w, pol, pieces))];
+      if (!job.contact) films.push(rule.backs[pol]);
+      const out = [0, 1].map(() => new Float64Array(2 + known)), many = films.length;
+      for (let k = 0; k < weights.length; k++) {
+        let ar = 0, ai = 0, br = 0, bi = 0, tr = 1, ti = 0;
+        if (interferes) for (let f = 0; f < many; f++) {
+          const x = films[f].coherent, c = 6 * k, xr = x[c], xi = x[c + 1], sr = x[c + 4], si = x[c + 5];
+          const dr = 1 - (br * xr - bi * xi), di = -(br * xi + bi * xr), d = 1 / (dr * dr + di * di), mr = dr * d, mi = -di * d;
+          const t2r = tr * tr - ti * ti, t2i = 2 * tr * ti, s2r = sr * sr - si * si, s2i = 2 * sr * si;
+          const ur = xr * mr - xi * mi, ui = xr * mi + xi * mr, vr = br * mr - bi * mi, vi = br * mi + bi * mr;
+          ar += t2r * ur - t2i * ui;
+          ai += t2r * ui + t2i * ur;
+          br = x[c + 2] + s2r * vr - s2i * vi;
+          bi = x[c + 3] + s2r * vi + s2i * vr;
+          const fr = tr * sr - ti * si, fi = tr * si + ti * sr;
+          tr = fr * mr - fi * mi;
+          ti = fr * mi + fi * mr;
+        } else for (let f = 0; f < many; f++) {
+          const p = films[f].without, c = 3 * k, s = p[c + 2], times = 1 / Math.max(1 - br * p[c], FAINT);
+          ar += tr * tr * p[c] * times;
+          br = p[c + 1] + s * s * br * times;
+          tr *= s * times;
+        }
+        const through = interferes ? tr * tr + ti * ti : tr;
+        for (let s = 0; s < 2; s++) {
+          const back = interferes ? (s ? br * br + bi * bi : ar * ar + ai * ai) : s ? br : ar, whole = Math.max(back + through, 1), r = back / whole, on = through / whole, sum = out[s];
+          sum[0] += weights[k] * r;
+          sum[1] += weights[k] * on;
+          const lost = weights[k] * (1 - r - on), own = kept[k];
+          for (let d = 0; d < known; d++) sum[2 + d] += lost * own[d];
+        }
+      }
+      return out;
+    }
+
     fringes(job, w, pol, turnedOver) {
       const all = job.layers.flatMap(([number, count]) => this.layerFilm(number, count, job.change, w, pol, 0).turns);
       const face = 1 - ((1 - this.index) / (1 + this.index)) ** 2;
@@ -574,9 +628,7 @@ const inkwave = (() => {
     /** All numbers of a stack at one wavelength. */
     spectral(job, w) {
       const { p, near, shares } = this;
-      let plate = this.front;
-      for (const [number, count] of job.layers) plate = then(plate, this.layerFlux(number, count, job.change, w));
-      if (!job.contact) plate = then(plate, this.back);
+      const plate = job.layers.map((_, place) => this.faced(job, place, w)).reduce(then);
       const sums = { ra: columnSums(plate.ra), rb: columnSums(plate.rb), tab: columnSums(plate.tab), tba: columnSums(plate.tba) };
       const index = job.contact ? this.index : 1, rule0 = this.rule(0), fewer = job.change.fewer ? 1 : 0;
       const states = pol => [0, ...range(near).map(node => 1 + node * p + pol)];
@@ -590,12 +642,14 @@ const inkwave = (() => {
         return { between, sides: [side(0), side(1)] };
       });
       const shareAt = (pol, s, rule, k) => rule.lagranges[fewer][k].reduce((l, weight, i) => add(l, weight, tables[pol].sides[s].lost[rule.kept[fewer][i]]), [0, 0]);
-      const ofDiffuse = (pol, s) => {
+      const hemispheres = new Map(), ofDiffuse = (pol, s) => {
         const fringes = this.fringes(job, w, pol, s === 1), interferes = fringes <= MOST_FRINGES;
         const pieces = PIECES * (1 + (interferes ? Math.ceil(2 * fringes / PIECES) : 0)), rule = this.rule(pieces);
-        const fields = this.fields(job, w, pol, pieces, false)[s][interferes ? 0 : 1];
-        let change = [0, 0];
-        fields.forEach((l, k) => { change = add(change, rule.weights[k], withLoss(l, shareAt(pol, s, rule, k))); });
+        const key = `${pol}/${pieces}/${interferes}`;
+        if (!hemispheres.has(key)) hemispheres.set(key, this.hemisphere(job, w, pol, pieces, interferes));
+        const [r, on, ...losses] = hemispheres.get(key)[s];
+        let change = [r, on];
+        losses.forEach((loss, i) => { change = add(change, loss, tables[pol].sides[s].lost[rule.kept[fewer][i]]); });
         range(near).forEach(node => { change = add(change, -this.weights[node], tables[pol].sides[s].incoherent[node + 1]); });
         return s ? change.map(x => x / index ** 2) : change;
       };
