@@ -149,7 +149,7 @@
       field("Paper or card", paper), field("Albedo, or nm albedo; …", own), check("contact", "in optical contact"),
       field("Printed", choice([["", "solid"], ["whole", "in dots"], ["each", "each ink in dots"]], state.dots === true ? "whole" : state.dots || "", value => { state.dots = value === "whole" ? true : value; })),
       field(`Coverage ${(100 * state.coverage).toFixed(0)} %`, coverage), field("Dots per cm", number(state, "ruling", 1, 1000, 1)), field("Spread, µm", number(state, "spread", 0, 10000, 1)),
-      field(excites() ? `Brightener ${(100 * state.brightener).toFixed(0)} %` : "Brightener", brightener),
+      field(excites() ? `Brightener ${(100 * state.brightener).toFixed(0)} %` : `Brightener: takes a library from ${EXCITATION[0][0]} nm on`, brightener),
       field("Its light", choice([["", "as the light"], ["M0", "M0, lamp"], ["M1", "M1, D50"], ["M2", "M2, no UV"]], state.condition, value => { state.condition = value; })),
       field("Light", choice(illuminants.map(x => [x, x]), state.illuminant, value => { state.illuminant = value; })),
       field("Observer", choice(observers.map(x => [x, `${x}°`]), state.observer, value => { state.observer = value; })),
