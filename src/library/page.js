@@ -280,6 +280,30 @@
         make("td", {}, make("button", { onclick: () => { states[1].layers = p.names.map(plate => ({ plate })); for (const key of ["albedo", "contact", "dots", "coverage", "ruling", "spread", "brightener", "condition", "illuminant", "observer", "geometry"]) states[1][key] = states[0][key]; draw(); } }, "to B")))));
   }
 
+  /** Rows of nm and factor of a measured spectrum: the first sample of a CGATS file, or lines of two numbers. */
+  function spectrumOf(text) {
+    const format = text.match(/BEGIN_DATA_FORMAT\s+([\s\S]*?)\s+END_DATA_FORMAT/), data = text.match(/BEGIN_DATA\s+([\s\S]*?)\s+END_DATA/);
+    let rows;
+    if (format && data) {
+      const values = data[1].split("\n")[0].match(/"[^"]*"|\S+/g) || [];
+      rows = format[1].split(/\s+/).map((field, k) => [field.match(/^SPECTRAL_(?:NM_?)?(\d+(?:\.\d+)?)$/i), Number(values[k])]).filter(([nm]) => nm).map(([nm, value]) => [Number(nm[1]), value]);
+    } else rows = text.split("\n").map(line => line.trim().split(/[\s,;]+/).map(Number)).filter(([nm, value]) => nm > 200 && Number.isFinite(value)).map(([nm, value]) => [nm, value]);
+    rows.sort((p, q) => p[0] - q[0]);
+    const percent = rows.some(row => row[1] > 2);
+    return percent ? rows.map(([nm, value]) => [nm, value / 100]) : rows;
+  }
+  async function measured(file) {
+    const rows = spectrumOf(await file.text()), eye = library.eye(composition(states[0])), seen = library.nm.filter((_, w) => eye.weights[w].some(x => x !== 0));
+    if (rows.length < 3 || rows[0][0] > seen[0] || rows.at(-1)[0] < seen.at(-1)) {
+      const found = rows.length ? `${rows.length} wavelengths from ${rows[0][0]} to ${rows.at(-1)[0]} nm` : "no spectrum";
+      throw new inkwave.Refusal(`${file.name}: found ${found}; allowed are lines of nm and factor, or CGATS with SPECTRAL_NM fields, from ${seen[0]} to ${seen.at(-1)} nm`);
+    }
+    const at = nm => { const k = Math.max(rows.findIndex(row => row[0] >= nm), 1), [[a, x], [b, y]] = [rows[k - 1], rows[k]]; return x + (nm - a) / (b - a) * (y - x); };
+    const lab = inkwave.labOf(inkwave.xyzOf(eye, library.nm.map(nm => seen.includes(nm) ? at(nm) : 0)), inkwave.whiteOf(eye));
+    ["l", "a", "b"].forEach((c, k) => { $(`want-${c}`).value = lab[k].toFixed(2); });
+    await search();
+  }
+
   function save(name, text) {
     const link = make("a", { href: URL.createObjectURL(new Blob([text], { type: "text/plain" })), download: name });
     document.body.append(link);
@@ -312,6 +336,7 @@
   $("gamut").addEventListener("click", async () => { try { await composeAll($("gamut-about")); hull(); } catch (error) { fail(error); } });
   $("projection").addEventListener("change", () => { if (gamut) hull(); });
   $("search").addEventListener("click", () => search().catch(fail));
+  $("measured").addEventListener("change", event => { fail(null); measured(event.target.files[0]).catch(fail); });
   $("link").addEventListener("click", async () => {
     location.hash = toLink();
     try { await navigator.clipboard.writeText(location.href); $("kept").textContent = "The link is copied, and stands in the address bar."; } catch { $("kept").textContent = "The link stands in the address bar."; }
