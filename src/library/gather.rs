@@ -9,6 +9,8 @@ use std::path::{Path, PathBuf};
 
 /// The folder of a sweep's variants.
 const VARIANTS: &str = "variants";
+/// What a run that was asked for its results has.
+const RESULTS: &str = "results.json";
 /// The library of a run that was asked for its plates alone.
 pub const OWN_LIBRARY: &str = "library.json";
 
@@ -58,7 +60,7 @@ fn read(source: &Path) -> Result<Vec<(PathBuf, Library)>, GatherError> {
         return Ok(vec![(source.to_owned(), from_file(source)?)]);
     }
     let own = source.join(OWN_LIBRARY);
-    if own.is_file() {
+    if own.is_file() && !source.join(RESULTS).is_file() {
         return Ok(vec![(own.clone(), from_file(&own)?)]);
     }
     let variants = source.join(VARIANTS);
