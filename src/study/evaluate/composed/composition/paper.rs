@@ -53,8 +53,8 @@ pub enum CompositionFluorescence {
         excitation_nm: Vec<f64>,
         /// Wavelengths emitted, nm, rising.
         emission_nm: Vec<f64>,
-        /// Radiance factor \[emitted\]\[light\]; entries that are not of longer wavelength than
-        /// their light are left out.
+        /// Radiance factors: a row for every wavelength emitted, in it one for every wavelength of
+        /// the light; those that are not of longer wavelength than their light are left out.
         factors: Vec<Vec<f64>>,
     },
 }
