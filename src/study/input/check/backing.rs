@@ -187,11 +187,25 @@ impl BackingReader<'_> {
         if let Fluorescence::Bands { excitation, .. } = &fluorescence
             && excitation.iter().any(|row| row[1] > 0.0)
         {
-            paper.albedo = fluorescence.left_of(&paper.albedo, self.tables.wavelengths_nm);
+            paper.albedo = self.left_by(&paper.albedo, &fluorescence);
         }
         self.quanta(&paper.albedo, &fluorescence);
         paper.fluorescence = Some(fluorescence);
         paper
+    }
+
+    /// What an albedo reflects of the light that a brightener leaves it.
+    fn left_by(&self, albedo: &Albedo, brightener: &Fluorescence) -> Albedo {
+        let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
+        let mut nm = summed_nm(from_nm, to_nm);
+        nm.extend(self.tables.wavelengths_nm);
+        if let Albedo::Spectral(rows) = albedo {
+            nm.extend(rows.iter().map(|row| row[0]).filter(|at| (from_nm..=to_nm).contains(at)));
+        }
+        nm.sort_by(f64::total_cmp);
+        nm.dedup();
+        let row = |nm: f64| Some([nm, albedo.at(nm).ok()? * (1.0 - brightener.absorbed(nm))]);
+        Albedo::Spectral(nm.into_iter().filter_map(row).collect())
     }
 
     /// Rows that rise in wavelength and hold values from 0.
