@@ -10,7 +10,7 @@ import base64
 import json
 import math
 import pathlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -20,7 +20,7 @@ from ._program import InputError
 
 __all__ = ["Composed", "Library"]
 
-FORM = 1
+FORM = 2
 _FAINT = 1e-9
 _NOTHING = 1e-9
 _PIECE, _PIECES, _MOST_FRINGES = 8, 16, 200.0
@@ -28,7 +28,9 @@ _MOST_SLABS = 4096.0
 _BLACK, _WHITE = 0.0, 0.8
 _PRINT_SINE = math.sin(math.radians(45.0))
 _PENCIL, _LEAST, _SMALL = 1e-10, 1e-12, 1e-6
-_AT_ONCE = 64
+_STEP_NM, _SHORTEST_NM, _CUT_NM, _LONGEST_NM = 5.0, 300.0, 420.0, 780.0
+_AT_ONCE, _WITHIN_CACHE, _MOST_FILMS = 256, 1 << 14, 1024
+_MOST_INKS = 6
 
 
 class _Flux(NamedTuple):
@@ -40,9 +42,11 @@ class _Flux(NamedTuple):
     tba: np.ndarray
 
     def then(self, behind: "_Flux") -> "_Flux":
-        """This in front of another."""
-        down = _bounced(self.rb, behind.ra, self.tab)
-        up = _bounced(behind.ra, self.rb, behind.tba)
+        """This in front of another: (1 − ba)⁻¹ = 1 + b (1 − ab)⁻¹ a, so that one solve does."""
+        onward = self.tab.shape[-1]
+        both = _beside(self.tab, self.rb @ behind.tba)
+        found = _bounced(self.rb, behind.ra, both)
+        down, up = found[..., :onward], behind.tba + behind.ra @ found[..., onward:]
         return _Flux(self.ra + self.tba @ (behind.ra @ down), behind.rb + behind.tab @ (self.rb @ up), behind.tab @ down,
                      self.tba @ up)
 
@@ -107,6 +111,12 @@ class _Flux(NamedTuple):
         into_beam = ~node[..., :, None] & node[..., None, :]
         back, onward = (np.where(into_beam, 0.0, 0.5 * (alike + sign * opposite) / scale) for sign in (1.0, -1.0))
         return _Flux(back, back, onward, onward)
+
+
+def _beside(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Columns of both, for as many stacks as either has."""
+    many = np.broadcast_shapes(a.shape[:-2], b.shape[:-2])
+    return np.concatenate([np.broadcast_to(x, many + x.shape[-2:]) for x in (a, b)], axis=-1)
 
 
 def _bounced(a: np.ndarray, b: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -193,12 +203,37 @@ class _Change(NamedTuple):
     fewer: bool = False
 
 
+class _Print(NamedTuple):
+    """A print in dots: numbers of the layers on every kind of area, their shares, the spread of the light."""
+
+    kinds: Tuple[Tuple[int, ...], ...]
+    shares: np.ndarray
+    spread: float
+
+
+class _Light(NamedTuple):
+    """A paper that fluoresces, under a light, at the wavelengths of the sum over excitation."""
+
+    albedo: np.ndarray
+    power: np.ndarray
+    matrix: np.ndarray
+
+
 @dataclass(frozen=True)
 class _Job:
     layers: Tuple[Tuple[int, float], ...]
     albedo: np.ndarray
     contact: bool
-    dots: Optional[Tuple[float, float]]  # coverage, share of the light that is spread
+    printed: Optional[_Print]
+    light: Optional[_Light]
+    change: _Change
+
+
+class _Stack(NamedTuple):
+    """Layers by number of plate and count of slabs, whether a paper touches them, and what is changed of the ensembles."""
+
+    layers: Tuple[Tuple[int, float], ...]
+    contact: bool
     change: _Change
 
 
@@ -259,6 +294,9 @@ class Library:
         self._plates = content["plates"]
         self._numbers = {plate["name"]: k for k, plate in enumerate(self._plates)}
         self._portions = [[self._portion(plate["name"], portion) for portion in plate["portions"]] for plate in self._plates]
+        self._lights = {light["illuminant"]: np.array(light["powers"], float) for light in content.get("lights", [])}
+        first, last = math.ceil(max(self.wavelengths_nm[0], _SHORTEST_NM) / _STEP_NM), math.floor(self.wavelengths_nm[-1] / _STEP_NM)
+        self._summed_nm = _STEP_NM * np.arange(first, last + 1)
         self._layers: Dict[Any, _Flux] = {}
         self._films: Dict[Any, List[Tuple[_Film, _Film]]] = {}
         self._fringes: Dict[Any, List[Tuple[np.ndarray, np.ndarray]]] = {}
@@ -332,26 +370,57 @@ class Library:
     def _job(self, composition: Composition, number: int) -> _Job:
         if not isinstance(composition, Mapping) or not composition.get("layers"):
             raise InputError(f"composition {number}: found no layers; allowed is {{'layers': [{{'plate': NAME}}, …]}}")
-        unknown = set(composition) - {"layers", "paper", "dots", "illuminant", "observer"}
+        unknown = set(composition) - {"layers", "paper", "dots", "illuminant", "observer", "condition"}
         if unknown:
-            raise InputError(f"composition {number}: found {sorted(unknown)}; allowed are layers, paper, dots, illuminant, observer")
-        layers = tuple(self._layer(layer, f"composition {number}: layers[{k}]") for k, layer in enumerate(composition["layers"]))
+            allowed = "layers, paper, dots, illuminant, observer, condition"
+            raise InputError(f"composition {number}: found {sorted(unknown)}; allowed are {allowed}")
+        where = f"composition {number}: "
+        layers = tuple(self._layer(layer, f"{where}layers[{k}]") for k, layer in enumerate(composition["layers"]))
         paper = composition.get("paper", {})
-        albedo = np.array(paper.get("albedo", 0.9), float)
+        unknown = set(paper) - {"albedo", "contact", "fluorescence"}
+        if unknown:
+            raise InputError(f"{where}paper: found {sorted(unknown)}; allowed are albedo, contact, fluorescence")
+        albedo = self._albedo(paper.get("albedo", 0.9), self.wavelengths_nm, where)
+        light = None
+        if paper.get("fluorescence") is not None:
+            kernel, absorbed = _fluorescence(paper["fluorescence"], self.wavelengths_nm[0], where)
+            grid = self._summed_nm
+            elastic = self._albedo(paper.get("albedo", 0.9), grid, where) * (1 - absorbed(grid))
+            albedo = albedo * (1 - absorbed(self.wavelengths_nm))
+            light = _Light(elastic, self._power(composition, where), _matrix(kernel, grid))
+            self._judge_quanta(kernel, elastic, where)
+        return _Job(layers, albedo, bool(paper.get("contact", False)), _printed(composition, where), light, _Change())
+
+    def _albedo(self, given: Any, nm: np.ndarray, where: str) -> np.ndarray:
+        albedo = np.array(given, float)
         if albedo.ndim == 2:
             if not (albedo[0, 0] <= self.wavelengths_nm[0] and albedo[-1, 0] >= self.wavelengths_nm[-1]):
-                raise InputError(f"composition {number}: paper.albedo: found {albedo[0, 0]} to {albedo[-1, 0]} nm; extend the table")
-            albedo = np.interp(self.wavelengths_nm, albedo[:, 0], albedo[:, 1])
+                raise InputError(f"{where}paper.albedo: found {albedo[0, 0]} to {albedo[-1, 0]} nm; extend the table")
+            albedo = np.interp(nm, albedo[:, 0], albedo[:, 1])
         if not ((albedo >= 0) & (albedo <= 1)).all():
-            raise InputError(f"composition {number}: paper.albedo: found {albedo}; allowed 0 to 1")
-        dots = composition.get("dots")
-        spread = None
-        if dots:
-            for key, most in (("coverage", 1.0), ("ruling_per_cm", 1000.0), ("spread_um", 1e4)):
-                if not 0.0 <= dots.get(key, -1.0) <= most:
-                    raise InputError(f"composition {number}: dots.{key}: found {dots.get(key)}; allowed 0 to {most}")
-            spread = (dots["coverage"], spread_share(dots["coverage"], dots["ruling_per_cm"] / 1e4, dots["spread_um"]))
-        return _Job(layers, np.broadcast_to(albedo, self.wavelengths_nm.shape), bool(paper.get("contact", False)), spread, _Change())
+            raise InputError(f"{where}paper.albedo: found {albedo}; allowed 0 to 1")
+        return np.array(np.broadcast_to(albedo, nm.shape))
+
+    def _power(self, composition: Mapping[str, Any], where: str) -> np.ndarray:
+        """Power of the light that excites, at the wavelengths of the sum."""
+        condition = composition.get("condition")
+        lamps = {None: composition.get("illuminant", "D65"), "M0": "A", "M1": "D50", "M2": "D50"}
+        if condition not in lamps:
+            raise InputError(f"{where}condition: found {condition}; allowed are M0, M1, M2, or none for the illuminant's light")
+        lamp = lamps[condition]
+        if lamp not in self._lights:
+            known = ", ".join(self._lights) or "none: gather the library again"
+            raise InputError(f"{where}found no power of {lamp}, which excites; allowed are those of the library: {known}")
+        return np.where(self._summed_nm < _CUT_NM, 0.0, self._lights[lamp]) if condition == "M2" else self._lights[lamp]
+
+    def _judge_quanta(self, kernel: Any, elastic: np.ndarray, where: str) -> None:
+        grid = self._summed_nm
+        longer = np.arange(grid[-1] + _STEP_NM, _LONGEST_NM + 1e-9, _STEP_NM)
+        all_nm = np.r_[grid, longer]
+        quanta = (_matrix(kernel, all_nm) * all_nm[:, None] / all_nm).sum(0)[: grid.size] + elastic
+        if quanta.max() > 1 + 1e-9:
+            raise InputError(f"{where}paper.fluorescence: found {quanta.max():.3f} quanta reflected and emitted for each that comes in; "
+                             "allowed at most 1: lower yield or excitation, or the albedo at the wavelengths that excite")
 
     def _layer(self, layer: Union[str, Mapping[str, Any]], where: str) -> Tuple[int, float]:
         layer = {"plate": layer} if isinstance(layer, str) else layer
@@ -418,17 +487,25 @@ class Library:
             row[1: 1 + nodes.size] = nodes
         return rows
 
-    def _layer_film(self, number: int, count: float, change: _Change, sines: np.ndarray, tag: Any) -> List[Tuple[_Film, _Film]]:
-        """A layer with and without interference between its elements, per polarisation: arrays (wavelength, sine)."""
-        key = (number, count, self._own(number, change)._replace(grid=False), tag)
+    def _layer_film(self, number: int, count: float, change: _Change, sines: np.ndarray, tag: Any,
+                    faces: Tuple[bool, bool] = (False, False)) -> List[Tuple[_Film, _Film]]:
+        """A layer with and without interference between its elements, per polarisation: arrays (wavelength, sine); with the face to
+        air in front, behind."""
+        key = (number, count, self._own(number, change)._replace(grid=False), tag, faces)
         if key not in self._films:
             found = []
             for p in range(self._polarisations):
                 films = self._elements(number, count, change, p, sines)
+                if faces[0]:
+                    films.insert(0, _plane(1.0, self.joint_index, sines[None, :], p))
+                if faces[1]:
+                    films.append(_plane(self.joint_index, 1.0, sines[None, :], p))
                 whole, powers = films[0], films[0].powers()
                 for film in films[1:]:
                     whole, powers = whole.then(film), powers.then(film.powers())
                 found.append((whole, powers))
+            if len(self._films) >= _MOST_FILMS:
+                self._films.clear()
             self._films[key] = found
         return self._films[key]
 
@@ -503,31 +580,73 @@ class Library:
     # many stacks
 
     def _evaluated(self, jobs: Sequence[_Job]) -> Dict[str, np.ndarray]:
-        """Spectra (job, wavelength) of all jobs, those of as many layers and one contact together."""
+        """Spectra (job, wavelength) of all jobs; equal stacks are composed once."""
+        numbers: Dict[_Stack, int] = {}
+
+        def number(layers: Tuple[Tuple[int, float], ...], job: _Job) -> int:
+            out = job.change.left_out
+            change = job.change if out is None or any(plate == out[0] for plate, _ in layers) else job.change._replace(left_out=None)
+            return numbers.setdefault(_Stack(layers, job.contact, change), len(numbers))
+
+        solid = np.array([number(job.layers, job) for job in jobs])
+        kinds = [[number(tuple(job.layers[k] for k in kind), job) if kind else -1 for kind in job.printed.kinds]
+                 if job.printed else [] for job in jobs]
+        optics = self._optics(list(numbers))
+        return _on_paper(self, jobs, {name: x[solid] for name, x in optics.items()}, (optics, kinds))
+
+    def _optics(self, stacks: Sequence[_Stack]) -> Dict[str, np.ndarray]:
+        """What stacks are to light (stack, wavelength), whatever the paper; those of as many layers and fringes together."""
         out: Dict[str, np.ndarray] = {}
         groups: Dict[Any, List[int]] = {}
-        for k, job in enumerate(jobs):
-            groups.setdefault((len(job.layers), job.contact, job.change.fewer), []).append(k)
-        for places in groups.values():
+        for k, stack in enumerate(stacks):
+            fringes = np.stack([self._fringes_of(stack, turned) for turned in (False, True)])
+            most = fringes[fringes <= _MOST_FRINGES].max(initial=0.0)
+            pieces = _PIECES + 8 + 4 * int(np.ceil(most / 2))
+            all_interfere = bool((fringes <= _MOST_FRINGES).all())
+            groups.setdefault((len(stack.layers), stack.contact, stack.change.fewer, pieces, all_interfere), []).append(k)
+        for (_, _, _, pieces, _), places in groups.items():
             for start in range(0, len(places), _AT_ONCE):
                 some = places[start: start + _AT_ONCE]
-                for name, values in self._together([jobs[k] for k in some]).items():
-                    out.setdefault(name, np.empty((len(jobs), self.wavelengths_nm.size)))[some] = values
-            self._films.clear()
+                for name, values in _Optics(self, [stacks[k] for k in some], pieces).found().items():
+                    out.setdefault(name, np.empty((len(stacks), self.wavelengths_nm.size)))[some] = values
         return out
 
-    def _together(self, jobs: Sequence[_Job]) -> Dict[str, np.ndarray]:
-        plate = self._flux_of(jobs)
-        series = _Series(self, jobs, plate)
-        return series.spectra()
+    def _fringes_of(self, stack: _Stack, turned: bool) -> np.ndarray:
+        """Fringes over the hemisphere at every wavelength, as many as light goes through and back; the largest of polarisations."""
+        most = np.zeros(self.wavelengths_nm.size)
+        face = 1.0 - ((1.0 - self.joint_index) / (1.0 + self.joint_index)) ** 2
+        for pol in range(self._polarisations):
+            elements = [turn for number, count in stack.layers for turn in self._turns(number, count, stack.change, pol)]
+            seen = np.ones(most.size) * (1.0 if turned and stack.contact else face)
+            fringes = np.zeros(most.size)
+            for turns, passed in reversed(elements) if turned else elements:
+                fringes += np.where(seen >= _FAINT, turns, 0.0)
+                seen = seen * passed
+            most = np.maximum(most, fringes)
+        return most
 
-    def _flux_of(self, jobs: Sequence[_Job]) -> _Flux:
-        """Fluxes of all stacks: arrays (job, wavelength, to, from)."""
-        whole = self._face(oblique=True)
-        for layer in range(len(jobs[0].layers)):
-            all_ = [self._layer_flux(*job.layers[layer], job.change) for job in jobs]
-            whole = whole.then(_Flux(*(np.array(part) for part in zip(*all_))))
-        return whole if jobs[0].contact else whole.then(self._face(oblique=False).turned())
+    def _flux_of(self, stacks: Sequence[_Stack]) -> _Flux:
+        """Fluxes of all stacks: arrays (stack, wavelength, to, from)."""
+        count = len(stacks[0].layers)
+        whole: Optional[_Flux] = None
+        for place in range(count):
+            faces = (place == 0, place == count - 1 and not stacks[0].contact)
+            all_ = [self._faced_flux(*stack.layers[place], stack.change, faces) for stack in stacks]
+            part = _Flux(*(np.array(x) for x in zip(*all_)))
+            whole = part if whole is None else whole.then(part)
+        assert whole is not None
+        return whole
+
+    def _faced_flux(self, number: int, count: float, change: _Change, faces: Tuple[bool, bool]) -> _Flux:
+        """A layer with the face to air in front, behind."""
+        if not any(faces):
+            return self._layer_flux(number, count, change)
+        key = (number, count, self._own(number, change)._replace(fewer=False), faces)
+        if key not in self._layers:
+            flux = self._layer_flux(number, count, change)
+            flux = self._face(oblique=True).then(flux) if faces[0] else flux
+            self._layers[key] = flux.then(self._face(oblique=False).turned()) if faces[1] else flux
+        return self._layers[key]
 
     def _face(self, oblique: bool) -> _Flux:
         """The plane face between air and the joint's medium."""
@@ -576,7 +695,7 @@ class Library:
                           if portion.halved == halved] for halved in (False, True)}
         for halved, portions in cells.items():
             changes += [_Change(left_out=(number, k, r), halved=halved) for number, k, count in portions if count > 1 for r in range(count)]
-        jobs = [_Job(job.layers, job.albedo, job.contact, job.dots, change) for change in changes]
+        jobs = [replace(job, change=change) for change in changes]
         many = self._coloured(self._evaluated(jobs), np.broadcast_to(eye, (len(jobs), *eye.shape)))
         known = all(count > 1 for portions in cells.values() for _, _, count in portions)
         errors = {}
@@ -599,190 +718,179 @@ class Library:
         return errors
 
 
-class _Series:
-    """Stacks on paper: what interference changes of their fluxes, and the series of returns."""
+class _Optics:
+    """What stacks of as many layers are to light: their fluxes, and what interference changes of them."""
 
-    def __init__(self, library: Library, jobs: Sequence[_Job], plate: _Flux):
-        self.library, self.jobs, self.plate = library, jobs, plate
-        self.fewer = jobs[0].change.fewer
-        self.index = library.joint_index if jobs[0].contact else 1.0
-        self.wavelengths = library.wavelengths_nm.size
-        known, p = library._known, library._polarisations
-        # at 0° and the nodes, exactly as they were solved
-        self.at_known = self._fields(known, exact=True)
-        self.near = library._near
-        fringes = [self._fringes(turned) for turned in (False, True)]
-        pieces = _PIECES + int(np.ceil(2 * max(f[f <= _MOST_FRINGES].max(initial=0.0) for f in fringes)))
-        x, weight = np.polynomial.legendre.leggauss(_PIECE)
-        place = ((np.arange(pieces)[:, None] + 0.5 * (1 + x)) / pieces).ravel()
-        self.quadrature = 2 * place * np.tile(0.5 * weight, pieces) / pieces
-        self.sines = np.sqrt(np.maximum(1 - place * place, 0.0))
-        self.over_hemisphere = self._fields(self.sines)
-        self.fringes = fringes  # of either side
-        # shares of the loss, per side and polarisation: (job, wavelength, direction)
+    def __init__(self, library: Library, stacks: Sequence[_Stack], pieces: int):
+        self.library, self.stacks = library, stacks
+        self.fewer, self.contact = stacks[0].change.fewer, stacks[0].contact
+        self.index = library.joint_index if self.contact else 1.0
+        self.near, self.pieces = library._near, pieces
+        self.plate = library._flux_of(stacks)
+        places = library._places
+        self.kept = [d for d in range(places.size) if not (self.fewer and d == places.size // 2)]
+        # of both sides, per polarisation: with interference and without it at 0°, the nodes and 45°
+        self.sines = np.r_[library._known, _PRINT_SINE]
+        self.between = self._fields(self.sines, "known", self.fewer)
+        self.exact = self._fields(self.sines, "known", False) if self.fewer else self.between
+        p = library._polarisations
         self.shares = [[self._shares(side, pol) for pol in range(p)] for side in (0, 1)]
+        self.over_hemisphere = self._hemisphere()
 
-    def _fields(self, sines: np.ndarray, exact: bool = False) -> List[Tuple[np.ndarray, ...]]:
-        """Per polarisation [R_a, R_b, T] with interference and without it: arrays (job, wavelength, sine); and the first face's."""
-        library, tag = self.library, (sines.size, float(sines[-1]), exact)
-        faces = sines[None, None, :]
-        found = []
-        for pol in range(library._polarisations):
-            face = _plane(1.0, library.joint_index, faces, pol)
-            whole, powers = face, face.powers()
-            for layer in range(len(self.jobs[0].layers)):
-                pairs = []
-                for job in self.jobs:
-                    change = job.change._replace(fewer=False) if exact else job.change
-                    pairs.append(library._layer_film(*job.layers[layer], change, sines, tag)[pol])
-                whole = whole.then(_Film(*(np.array(part) for part in zip(*(pair[0] for pair in pairs)))))
-                powers = powers.then(_Film(*(np.array(part) for part in zip(*(pair[1] for pair in pairs)))))
-            if not self.jobs[0].contact:
-                back = _plane(library.joint_index, 1.0, faces, pol)
-                whole, powers = whole.then(back), powers.then(back.powers())
-            found.append((*whole.powers(), *powers, face.powers().ra[0, 0], face.powers().t[0, 0]))
-        return found
+    def _chain(self, stacks: Sequence[_Stack], pol: int, sines: np.ndarray, tag: Any, fewer: bool, kind: int) -> _Film:
+        """Amplitudes (kind 0) or powers (kind 1) of stacks: arrays (stack, wavelength, sine)."""
+        library, count = self.library, len(stacks[0].layers)
+        whole: Optional[_Film] = None
+        for place in range(count):
+            faces = (place == 0, place == count - 1 and not self.contact)
+            films = [library._layer_film(*stack.layers[place], stack.change._replace(fewer=fewer), sines, tag, faces)[pol][kind]
+                     for stack in stacks]
+            part = _Film(*(np.array(x) for x in zip(*films)))
+            whole = part if whole is None else whole.then(part)
+        assert whole is not None
+        return whole
 
-    def _fringes(self, turned: bool) -> np.ndarray:
-        """Fringes over the hemisphere (job, wavelength), as many as light goes through and back; the largest of polarisations."""
+    def _fields(self, sines: np.ndarray, tag: Any, fewer: bool) -> List[Tuple[_Film, _Film]]:
+        """Per polarisation powers with interference and without it."""
+        return [(self._chain(self.stacks, pol, sines, tag, fewer, 0).powers(), self._chain(self.stacks, pol, sines, tag, fewer, 1))
+                for pol in range(self.library._polarisations)]
+
+    def _hemisphere(self) -> List[List[Tuple[np.ndarray, np.ndarray]]]:
+        """R and T of diffuse light with interference, per side and polarisation (stack, wavelength)."""
         library = self.library
-        most = np.zeros((len(self.jobs), self.wavelengths))
-        for j, job in enumerate(self.jobs):
+        x, weight = np.polynomial.legendre.leggauss(_PIECE)
+        place = ((np.arange(self.pieces)[:, None] + 0.5 * (1 + x)) / self.pieces).ravel()
+        quadrature = 2 * place * np.tile(0.5 * weight, self.pieces) / self.pieces
+        sines = np.sqrt(np.maximum(1 - place * place, 0.0))
+        of_loss = quadrature[:, None] * _lagrange(library._places[self.kept], place)
+        size = max(1, _WITHIN_CACHE // (library.wavelengths_nm.size * sines.size))
+        found = []
+        for side in (0, 1):
+            fringes = np.stack([library._fringes_of(stack, side == 1) for stack in self.stacks])
+            found.append((fringes <= _MOST_FRINGES)[..., None])
+        out: List[List[List[Tuple[np.ndarray, np.ndarray]]]] = [[[] for _ in range(library._polarisations)] for _ in (0, 1)]
+        for start in range(0, len(self.stacks), size):
+            some = slice(start, start + size)
             for pol in range(library._polarisations):
-                elements = [turn for number, count in job.layers for turn in library._turns(number, count, job.change, pol)]
-                face = 1.0 - ((1.0 - library.joint_index) / (1.0 + library.joint_index)) ** 2
-                seen = np.ones(self.wavelengths) * (face if not turned or not job.contact else 1.0)
-                fringes = np.zeros(self.wavelengths)
-                for turns, passed in reversed(elements) if turned else elements:
-                    fringes += np.where(seen >= _FAINT, turns, 0.0)
-                    seen = seen * passed
-                most[j] = np.maximum(most[j], fringes)
-        return most
+                films = self._chain(self.stacks[some], pol, sines, self.pieces, self.fewer, 0).powers()
+                powers = None if all(x[some].all() for x in found) else self._chain(
+                    self.stacks[some], pol, sines, self.pieces, self.fewer, 1)
+                for side in (0, 1):
+                    r, t = _passive(films, side)
+                    if powers is not None:
+                        r, t = (np.where(found[side][some], a, b) for a, b in zip((r, t), _passive(powers, side)))
+                    lost = (1 - r - t) @ of_loss
+                    shares = [x[some][..., self.kept] for x in self.shares[side][pol]]
+                    out[side][pol].append(tuple(x @ quadrature + (share * lost).sum(-1) for x, share in zip((r, t), shares)))
+        return [[tuple(np.concatenate(x) for x in zip(*of_pol)) for of_pol in of_side] for of_side in out]
 
-    def _lobes(self, fields: List[Tuple[np.ndarray, ...]], side: int, pol: int, coherent: bool) -> Tuple[np.ndarray, np.ndarray]:
-        ra, rb, t = fields[pol][:3] if coherent else fields[pol][3:6]
-        r = rb if side else ra
-        whole = np.maximum(r + t, 1.0)
-        return r / whole, t / whole
+    def _lobes(self, fields: List[Tuple[_Film, _Film]], side: int, pol: int, kind: int) -> Tuple[np.ndarray, np.ndarray]:
+        return _passive(fields[pol][kind], side)
 
-    def _columns(self, side: int, pol: int) -> Tuple[np.ndarray, np.ndarray]:
-        p = self.library._polarisations
-        states = [0] + [1 + node * p + pol for node in range(self.near)]
-        r, t = (self.plate.rb, self.plate.tba) if side else (self.plate.ra, self.plate.tab)
-        return r.sum(-2)[..., states], t.sum(-2)[..., states]
+    def _states(self, pol: int) -> List[int]:
+        return [0] + [1 + node * self.library._polarisations + pol for node in range(self.near)]
 
     def _shares(self, side: int, pol: int) -> Tuple[np.ndarray, np.ndarray]:
-        field_r, field_t = self._lobes(self.at_known, side, pol, False)
-        r, t = self._columns(side, pol)
+        """Shares of the loss that go back and on, at 0° and the nodes."""
+        n = self.near + 1
+        field_r, field_t = (x[..., :n] for x in self._lobes(self.exact, side, pol, 1))
+        r, t = (x.sum(-2)[..., self._states(pol)] for x in self._matrices(side))
         lost = 1 - field_r - field_t
         safe = np.where(lost < _NOTHING, 1.0, lost)
         together = np.maximum((r + t - field_r - field_t) / safe, 0.0)
         mirrored = np.minimum(np.maximum((r - field_r) / safe, 0.0), together)
         return np.where(lost < _NOTHING, r, mirrored), np.where(lost < _NOTHING, t, together - mirrored)
 
-    def _incoherent(self, side: int, pol: int) -> Tuple[np.ndarray, np.ndarray]:
-        return _with_loss(self._lobes(self.at_known, side, pol, False), self.shares[side][pol])
+    def _matrices(self, side: int) -> Tuple[np.ndarray, np.ndarray]:
+        return (self.plate.rb, self.plate.tba) if side else (self.plate.ra, self.plate.tab)
 
-    def _shares_at(self, side: int, pol: int, sines: np.ndarray) -> Tuple[np.ndarray, np.ndarray]:
-        places = self.library._places
-        kept = [d for d in range(places.size) if not (self.fewer and d == places.size // 2)]
-        weights = _lagrange(places[kept], np.sqrt(np.maximum(1 - sines * sines, 0.0))).T
-        r, t = self.shares[side][pol]
-        return r[..., kept] @ weights, t[..., kept] @ weights
+    def _shares_at(self, side: int, pol: int, k: int) -> List[np.ndarray]:
+        """The same at one of the sines."""
+        place = np.sqrt(1 - self.sines[k: k + 1] ** 2)
+        weights = _lagrange(self.library._places[self.kept], place)[0]
+        return [x[..., self.kept] @ weights for x in self.shares[side][pol]]
 
     def _of_diffuse(self, side: int, pol: int) -> Tuple[np.ndarray, np.ndarray]:
         """What interference changes of diffuse light."""
-        coherent = self._lobes(self.over_hemisphere, side, pol, True)
-        without = self._lobes(self.over_hemisphere, side, pol, False)
-        interferes = (self.fringes[side] <= _MOST_FRINGES)[..., None]
-        lobes = tuple(np.where(interferes, a, b) for a, b in zip(coherent, without))
-        r, t = _with_loss(lobes, self._shares_at(side, pol, self.sines))
-        known = self._incoherent(side, pol)
-        weights = self.library._weights[: self.near]
+        n, weights = self.near + 1, self.library._weights[: self.near]
+        without = tuple(x[..., :n] for x in self._lobes(self.exact, side, pol, 1))
+        known = _with_loss(without, self.shares[side][pol])
         density = self.index**2 if side else 1.0
-        return tuple(((x * self.quadrature).sum(-1) - (k[..., 1:] * weights).sum(-1)) / density for x, k in zip((r, t), known))
+        return tuple((x - (k[..., 1:] * weights).sum(-1)) / density for x, k in zip(self.over_hemisphere[side][pol], known))
 
-    def spectra(self) -> Dict[str, np.ndarray]:
-        """All numbers (job, wavelength)."""
+    def _at(self, pol: int, k: int, kind: int) -> List[np.ndarray]:
+        """R and T at one of the sines, with the loss shared."""
+        lobes = [x[..., k] for x in self._lobes(self.between, 0, pol, kind)]
+        return list(_with_loss(lobes, self._shares_at(0, pol, k)))
+
+    def found(self) -> Dict[str, np.ndarray]:
+        """All that the series of a paper takes (stack, wavelength)."""
         library, plate, near = self.library, self.plate, self.near
-        p, shares = library._polarisations, library._shares
-        lit = np.array([_PRINT_SINE])
-        normal = _sums(plate, 0, [0], [1.0])
-        normal_change: List[Any] = [0.0, 0.0]
-        at_45: List[Any] = [0.0, 0.0]
-        zero, nodes = np.array([0.0]), library._sines[:near]
-        fields_0, fields_45, fields_nodes = self._fields(zero), self._fields(lit), self._fields(nodes)
+        p, shares, lit = library._polarisations, library._shares, self.near + 1
+        onto_sums, through_sums = plate.ra.sum(-2), plate.tab.sum(-2)
+        normal = (onto_sums[..., 0], through_sums[..., 0])
+        node_shares = _lagrange(library._places[1:], np.sqrt(1 - self.sines[lit: lit + 1] ** 2))[0]
+        change_0, change_45, slanted = [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]
+        by_nodes: Any = 0.0
         for pol, share in enumerate(shares):
             if share == 0.0:
                 continue
-            with_, without = self._lobes(fields_0, 0, pol, True), self._lobes(fields_0, 0, pol, False)
-            lost = self._shares_at(0, pol, zero)
-            change = [a - b for a, b in zip(_with_loss(with_, lost), _with_loss(without, lost))]
-            normal_change = [x + share * y[..., 0] for x, y in zip(normal_change, change)]
-            at_45 = [x + share * y for x, y in zip(at_45, self._of_shared(pol, fields_45, fields_nodes))]
-        normal_changed = _changed(normal, normal_change)
-        columns = [1 + near * p + pol for pol in range(p)]
-        slanted = _changed(_sums(plate, 0, columns, shares), at_45)
-        through_normal = _ratio(normal_changed[1], normal[1])
-        node_shares = _lagrange(library._places[1:], np.sqrt(1 - lit * lit))[0]
-        by_nodes = sum(share * node_shares[node] * plate.tab.sum(-2)[..., 1 + node * p + pol]
-                       for pol, share in enumerate(shares) for node in range(near))
-        through_45 = _ratio(slanted[1], by_nodes)
-        weights = np.r_[0.0, np.repeat(library._weights[:near], p), np.zeros(p)]
-        behind = np.r_[0.0, np.repeat(library._weights if self.jobs[0].contact else library._weights[:near], p)]
-        onto = [(x.sum(-2) * weights).sum(-1) / weights.sum() for x in (plate.ra, plate.tab)]
-        back = [(x.sum(-2) * behind).sum(-1) / behind.sum() for x in (plate.rb, plate.tba)]
-        change = [sum(x) / p for x in zip(*(self._of_diffuse(0, pol) for pol in range(p)))]
+            change_0 = [x + share * (a - b) for x, a, b in zip(change_0, self._at(pol, 0, 0), self._at(pol, 0, 1))]
+            with_ = self._at(pol, lit, 0)
+            change_45 = [x + share * (a - b) for x, a, b in zip(change_45, with_, self._shared(pol, node_shares))]
+            column = 1 + near * p + pol
+            slanted = [x + share * of[..., column] for x, of in zip(slanted, (onto_sums, through_sums))]
+            by_nodes = by_nodes + share * sum(w * through_sums[..., 1 + node * p + pol] for node, w in enumerate(node_shares))
+        changed, changed_45 = _changed(normal, change_0), _changed(slanted, change_45)
+        weights = library._weights[:near]
+        behind = np.r_[0.0, np.repeat(library._weights if self.contact else weights, p)]
+        back = [(x.sum(-2) * behind).sum(-1) / behind.sum() for x in self._matrices(1)]
+        each = [self._of_diffuse(0, pol) for pol in range(p)]
+        leaving = self._diffuse(each, [1 / p] * p)
         from_behind = [sum(x) / p for x in zip(*(self._of_diffuse(1, pol) for pol in range(p)))]
-        leaving = _ratio(_changed(onto, change)[1], onto[1])
-        not_absorbed = back[0] + back[1] + from_behind[0] + from_behind[1]
-        reflected = np.clip(np.minimum(not_absorbed, 1.0) - back[1] * leaving, 0.0, 1.0)
+        reflected = np.clip(np.minimum(sum(back) + sum(from_behind), 1.0) - back[1] * leaving[1], 0.0, 1.0)
         up = plate.tba @ (behind / behind.sum())  # what leaves of a unit flux from the paper
-        towards = sum(p * shares[pol] * node_shares[node] / library._weights[node] * np.eye(up.shape[-1])[1 + node * p + pol]
-                      for pol in range(p) for node in range(near))
-        alone = plate.ra[..., 0] @ towards
+        towards = np.zeros(up.shape[-1])
+        for pol in range(p):
+            for node in range(near):
+                towards[1 + node * p + pol] = p * shares[pol] * node_shares[node] / weights[node]
+        return {
+            "reflectance": changed[0], "transmittance": changed[1], "entering": normal[1],
+            "through_normal": _ratio(changed[1], normal[1]), "through_45": _ratio(changed_45[1], by_nodes),
+            "slanted": changed_45[1], "diffuse": self._diffuse(each, shares)[0], "leaving": leaving[1],
+            "alone": plate.ra[..., 0] @ towards, "back": back[0], "reflected": reflected,
+            "up": up.sum(-1), "up_at_45": up @ towards,
+        }
 
-        def on(albedo: Any, seen: np.ndarray) -> np.ndarray:
-            """What the paper returns of light at 0°, as `seen` from in front."""
-            returns = _ratio(1 - albedo * back[0], 1 - albedo * reflected)
-            return returns * seen * albedo * normal[1] / (1 - albedo * back[0])
+    def _diffuse(self, changes: Sequence[Tuple[np.ndarray, np.ndarray]], shares: Sequence[float]) -> Tuple[np.ndarray, np.ndarray]:
+        """T of diffuse light from in front with these shares of the polarisations, and its factor by interference."""
+        p, weights = self.library._polarisations, self.library._weights[: self.near]
+        all_ = np.zeros(self.plate.ra.shape[-1])
+        for pol, share in enumerate(shares):
+            all_[1 + pol: 1 + self.near * p: p] = share * weights
+        onto = [(x.sum(-2) * all_).sum(-1) / all_.sum() for x in self._matrices(0)]
+        change = [sum(share * of[k] for share, of in zip(shares, changes)) for k in (0, 1)]
+        through = _changed(onto, change)[1]
+        return through, _ratio(through, onto[1])
 
-        albedo = np.array([job.albedo for job in self.jobs])
-        natural = normal_changed[0] + through_normal * leaving * on(albedo, up.sum(-1))
-        lit_at = {name: alone + through_normal * through_45 * on(value, up @ towards)
-                  for name, value in (("lit_at_45", albedo), ("over_black", _BLACK), ("over_white", _WHITE))}
-        out = normal_changed[1] / self.index**2
-        lost = 1 - reflected
-        series = slanted[1] * out * albedo / ((1 - albedo) + albedo * lost)
-        area = (alone, slanted[1], out * _ratio(lit_at["lit_at_45"] - alone, series), lost)
-        return {"reflectance_normal": normal_changed[0], "transmittance_normal": normal_changed[1], "natural_light": natural, **lit_at,
-                "factors": self._factors(area, albedo, lit_at["lit_at_45"])}
+    def _shared(self, pol: int, node_shares: np.ndarray) -> List[np.ndarray]:
+        """R and T at 45° without interference, of light that the front face shares among the nodes."""
+        sines, index = self.sines, self.library.joint_index
+        face = _plane(1.0, index, sines, pol).powers()
+        lit = self.near + 1
+        r, t = self._lobes(self.between, 0, pol, 1)
+        within = [np.zeros(r.shape[:-1]), np.zeros(r.shape[:-1])]
+        for node, share in enumerate(node_shares, start=1):
+            by = share / max(float(face.t[node]), _FAINT)
+            within = [within[0] + by * (r[..., node] - face.ra[node]), within[1] + by * t[..., node]]
+        composed = [face.ra[lit] + face.t[lit] * within[0], face.t[lit] * within[1]]
+        return list(_with_loss(composed, self._shares_at(0, pol, lit)))
 
-    def _of_shared(self, pol: int, fields_45: Any, fields_nodes: Any) -> List[np.ndarray]:
-        """What interference changes of light at 45° that is shared among the nodes."""
-        lit = np.array([_PRINT_SINE])
-        lost = self._shares_at(0, pol, lit)
-        front, through = (fields_45[pol][k][0] for k in (6, 7))
-        within = [0.0, 0.0]
-        node_shares = _lagrange(self.library._places[1:], np.sqrt(1 - lit * lit))[0]
-        known = self._lobes(fields_nodes, 0, pol, False)
-        for node, share in enumerate(node_shares):
-            own_front, own_through = (fields_nodes[pol][k][node] for k in (6, 7))
-            by = share / max(own_through, _FAINT)
-            within = [within[0] + by * (known[0][..., node] - own_front), within[1] + by * known[1][..., node]]
-        composed = (front + through * within[0], through * within[1])
-        composed = _with_loss(composed, tuple(x[..., 0] for x in lost))
-        with_ = _with_loss(self._lobes(fields_45, 0, pol, True), lost)
-        return [a[..., 0] - b for a, b in zip(with_, composed)]
 
-    def _factors(self, area: Tuple[np.ndarray, ...], albedo: np.ndarray, solid: np.ndarray) -> np.ndarray:
-        """At 45:0, in dots where there are any."""
-        found = np.array(solid)
-        bare = _bare(self.library.joint_index if self.jobs[0].contact else 1.0)
-        for k, job in enumerate(self.jobs):
-            if job.dots is not None:
-                found[k] = _mixed([tuple(x[k] for x in area), bare], job.dots, albedo[k])
-        return found
+def _passive(powers: _Film, side: int) -> Tuple[np.ndarray, np.ndarray]:
+    r, t = (powers.rb if side else powers.ra), powers.t
+    whole = np.maximum(r + t, 1.0)
+    return r / whole, t / whole
 
 
 def _with_loss(lobes: Any, shares: Any) -> Tuple[np.ndarray, np.ndarray]:
@@ -797,34 +905,206 @@ def _changed(lobes: Any, by: Any) -> Tuple[np.ndarray, np.ndarray]:
     return reflected, whole - reflected
 
 
-def _sums(plate: _Flux, side: int, states: Sequence[int], shares: Sequence[float]) -> Tuple[np.ndarray, np.ndarray]:
-    r, t = (plate.rb, plate.tba) if side else (plate.ra, plate.tab)
-    return tuple((x.sum(-2)[..., list(states)] * np.array(shares)).sum(-1) for x in (r, t))  # type: ignore[return-value]
-
-
 def _ratio(changed: Any, composed: Any) -> np.ndarray:
     with np.errstate(divide="ignore", invalid="ignore"):
         quotient = changed / composed
     return np.where(np.isfinite(quotient), quotient, 1.0)
 
 
-def _mixed(areas: Sequence[Any], dots: Tuple[float, float], albedo: np.ndarray) -> np.ndarray:
-    """Radiance factor of areas of ink and of bare paper: (own, entering, leaving, lost) each."""
-    coverage, spread = dots
-    given = shared = 0.0
-    parts = []
-    for (own, entering, leaving, lost), share in zip(areas, (coverage, 1.0 - coverage)):
-        back = 1 - lost
-        divisor = (1 - albedo) + albedo * (lost + spread * back)
-        parts.append((share, own, entering, leaving, back, divisor))
-        given = given + albedo * share * entering / divisor
-        shared = shared + albedo * spread * share * back / divisor
-    total = given / (1 - shared)
-    factor = np.zeros_like(albedo)
-    for share, own, entering, leaving, back, divisor in parts:
-        kept = (albedo * share * entering + albedo * back * spread * share * total) / divisor
-        factor = factor + share * own + leaving * ((1 - spread) * kept + spread * share * total)
-    return factor
+def _on_paper(library: Library, jobs: Sequence[_Job], solid: Dict[str, np.ndarray],
+              areas: Tuple[Dict[str, np.ndarray], List[List[int]]]) -> Dict[str, np.ndarray]:
+    """Spectra (job, wavelength) of stacks on their papers; `areas` are the optics of stacks, and which of them every kind of area bears."""
+    albedo = np.array([job.albedo for job in jobs])
+    indices = np.array([library.joint_index if job.contact else 1.0 for job in jobs])
+    back, reflected = solid["back"], solid["reflected"]
+
+    def on(value: Any, seen: np.ndarray) -> np.ndarray:
+        """What the paper returns of light at 0°, as `seen` from in front."""
+        returns = _ratio(1 - value * back, 1 - value * reflected)
+        return returns * seen * value * solid["entering"] / (1 - value * back)
+
+    through = solid["through_normal"] * solid["through_45"]
+    found = {"reflectance_normal": solid["reflectance"], "transmittance_normal": solid["transmittance"],
+             "natural_light": solid["reflectance"] + solid["through_normal"] * solid["leaving"] * on(albedo, solid["up"])}
+    for name, value in (("lit_at_45", albedo), ("over_black", _BLACK), ("over_white", _WHITE)):
+        found[name] = solid["alone"] + through * on(value, solid["up_at_45"])
+    lit = found["lit_at_45"]
+    area = _areas(solid, albedo, indices[:, None], lit)
+    glowing = [k for k, job in enumerate(jobs) if job.light is not None]
+    if glowing:
+        leaving = area[2][glowing] / ((1 - albedo[glowing]) + albedo[glowing] * area[3][glowing])
+        for name, entering in (("lit_at_45", area[1]), ("natural_light", solid["diffuse"])):
+            kinds = np.stack([area[0], entering, area[2], area[3]])[:, glowing, None, :]
+            whole = np.ones((len(glowing), 1)), np.ones((len(glowing), 1))
+            found[name] = found[name].copy()
+            found[name][glowing] += leaving * _emitted(library, [jobs[k] for k in glowing], kinds, whole)[:, 0]
+        lit = found["lit_at_45"]
+    found["factors"] = lit.copy()
+    groups: Dict[Any, List[int]] = {}
+    for k, job in enumerate(jobs):
+        if job.printed is not None:
+            groups.setdefault((len(job.printed.kinds), job.light is not None), []).append(k)
+    optics, numbers = areas
+    for (_, glows), places in groups.items():
+        some = [jobs[k] for k in places]
+        kinds = _kinds(library, some, optics, [numbers[k] for k in places], albedo[places])
+        mix = (np.array([job.printed.shares for job in some if job.printed]),
+               np.array([[job.printed.spread] for job in some if job.printed]))
+        emitted = _emitted(library, some, kinds, mix) if glows else np.zeros(kinds.shape[1:])
+        up = np.stack([_fluxes(kinds[..., w], albedo[places][:, w: w + 1], 1.0, emitted[..., w], mix)[1]
+                       for w in range(albedo.shape[1])], -1)
+        found["factors"][places] = (mix[0][..., None] * kinds[0] + kinds[2] * up).sum(1)
+    return found
+
+
+def _areas(optics: Dict[str, np.ndarray], albedo: np.ndarray, index: Any, lit: np.ndarray) -> Tuple[np.ndarray, ...]:
+    """Stacks as light between them and their paper meets them: own, entering, leaving, lost."""
+    out = optics["transmittance"] / index**2
+    lost = 1 - optics["reflected"]
+    series = optics["slanted"] * out * albedo / ((1 - albedo) + albedo * lost)
+    return optics["alone"], optics["slanted"], out * _ratio(lit - optics["alone"], series), lost
+
+
+def _kinds(library: Library, jobs: Sequence[_Job], optics: Dict[str, np.ndarray], numbers: List[List[int]],
+           albedo: np.ndarray) -> np.ndarray:
+    """The kinds of area of prints: (own, entering, leaving, lost) × (job, kind, wavelength)."""
+    all_ = np.array(numbers)
+    here = {name: x[np.maximum(all_, 0)] for name, x in optics.items()}
+    rho, index = albedo[:, None], np.array([library.joint_index if job.contact else 1.0 for job in jobs])[:, None, None]
+    returns = _ratio(1 - rho * here["back"], 1 - rho * here["reflected"])
+    paper = returns * here["up_at_45"] * rho * here["entering"] / (1 - rho * here["back"])
+    lit = here["alone"] + here["through_normal"] * here["through_45"] * paper
+    kinds = np.stack(_areas(here, rho, index, lit))
+    for k, job in enumerate(jobs):
+        for kind in np.flatnonzero(all_[k] < 0):
+            kinds[:, k, kind] = np.array(_bare(library.joint_index if job.contact else 1.0))[:, None]
+    return kinds
+
+
+def _fluxes(kinds: np.ndarray, albedo: np.ndarray, power: Any, emitted: np.ndarray, mix: Tuple[np.ndarray, np.ndarray]) -> List[np.ndarray]:
+    """Light onto and from the paper below every kind of area (job, kind), at one wavelength; `kinds` are the four parts of each."""
+    shares, spread = mix
+    _, entering, _, lost = kinds
+    back = 1 - lost
+    divisor = (1 - albedo) + albedo * (lost + spread * back)
+    lit = albedo * shares * entering * power + emitted
+    all_ = (lit / divisor).sum(1, keepdims=True) / (1 - (albedo * spread * shares * back / divisor).sum(1, keepdims=True))
+    own = (lit + albedo * back * spread * shares * all_) / divisor
+    rising = (1 - spread) * own + spread * shares * all_
+    return [shares * entering * power + back * rising, rising]
+
+
+def _emitted(library: Library, jobs: Sequence[_Job], kinds: np.ndarray, mix: Tuple[np.ndarray, np.ndarray]) -> np.ndarray:
+    """What papers emit below every kind of area, relative to their light (job, kind, wavelength)."""
+    nm, grid = library.wavelengths_nm, library._summed_nm
+    lights = [job.light for job in jobs if job.light is not None]
+    albedo, power, matrix = (np.array([light[k] for light in lights]) for k in range(3))
+    onto_grid = np.array([np.interp(grid, nm, row) for row in np.eye(nm.size)])
+    from_grid = np.array([np.interp(nm, grid, row) for row in np.eye(grid.size)])
+    parts = kinds @ onto_grid
+    below, all_ = np.zeros(parts.shape[1:]), np.zeros(parts.shape[1:])
+    for i in range(grid.size):
+        all_[..., i] = np.einsum("jg,jkg->jk", matrix[:, i, :i], below[..., :i])
+        below[..., i] = _fluxes(parts[..., i], albedo[:, i: i + 1], power[:, i: i + 1], all_[..., i], mix)[0]
+    there = (power @ from_grid)[:, None]
+    return np.where(there > 0, all_ @ from_grid / np.where(there > 0, there, 1.0), 0.0)
+
+
+def _fluorescence(given: Mapping[str, Any], from_nm: float, where: str) -> Tuple[Any, Any]:
+    """The kernel f(to, from) of a brightener, 1/nm, and the share of the light that it takes before the albedo acts."""
+    field = f"{where}paper.fluorescence"
+    if set(given) == {"excitation", "emission", "yield"}:
+        excitation, emission = (np.array(given[key], float) for key in ("excitation", "emission"))
+        for key, rows, most in (("excitation", excitation, 1.0), ("emission", emission, np.inf)):
+            sound = rows.ndim == 2 and rows.shape[1:] == (2,) and len(rows) >= 2 and (np.diff(rows[:, 0]) > 0).all()
+            if not (sound and ((rows[:, 1] >= 0) & (rows[:, 1] <= most)).all()):
+                raise InputError(f"{field}.{key}: found {given[key]}; allowed are two or more rows [nm, value], rising, values from 0")
+        if not 0 <= given["yield"] <= 1:
+            raise InputError(f"{field}.yield: found {given['yield']}; allowed 0 to 1")
+        area = float((0.5 * np.diff(emission[:, 0]) * (emission[1:, 1] + emission[:-1, 1])).sum())
+        scale = given["yield"] / area if area > 0 else 0.0
+        active = _active(excitation[:, 1] > 0)
+
+        def absorbed(nm: np.ndarray) -> np.ndarray:
+            return np.interp(nm, *excitation.T, left=0.0, right=0.0)
+
+        def kernel(to: np.ndarray, of: np.ndarray) -> np.ndarray:
+            return scale * np.interp(to, *emission.T, left=0.0, right=0.0) * absorbed(of) * of / to
+
+        excited = excitation[active, 0]
+    elif set(given) == {"excitation_nm", "emission_nm", "factors"}:
+        light, sent, factors = (np.array(given[key], float) for key in ("excitation_nm", "emission_nm", "factors"))
+        widths = np.diff(light)
+        sound = light.size > 1 and sent.size > 1 and (widths > 0).all() and np.allclose(widths, widths[0], rtol=1e-6) and (np.diff(sent) > 0).all()
+        if not (sound and factors.shape == (sent.size, light.size) and (factors >= 0).all()):
+            raise InputError(f"{field}: found {light.size} wavelengths of the light, {sent.size} emitted, factors of shape {factors.shape}; "
+                             "allowed are rising ones (of the light in equal steps) and a factor of 0 or more for each pair")
+        factors = np.where(sent[:, None] > light, factors, 0.0)
+
+        def absorbed(nm: np.ndarray) -> np.ndarray:
+            return np.zeros_like(nm)
+
+        def kernel(to: np.ndarray, of: np.ndarray) -> np.ndarray:
+            across = np.array([np.interp(np.ravel(of), light, row, left=0.0, right=0.0) for row in factors])
+            down = np.array([np.interp(np.ravel(to), sent, column, left=0.0, right=0.0) for column in across.T])
+            return down.T / widths[0]
+
+        excited = light[(factors != 0).any(0)]
+    else:
+        raise InputError(f"{field}: found {sorted(given)}; allowed are excitation, emission, yield, or excitation_nm, emission_nm, factors")
+    if excited.size and from_nm > max(excited[0], _SHORTEST_NM) + _STEP_NM:
+        raise InputError(f"{field}: found excitation from {excited[0]} nm, a library from {from_nm} nm; allowed is a library that holds the "
+                         f"light that excites: solve its layers again with light.from_nm = {max(excited[0], _SHORTEST_NM)}")
+    return kernel, absorbed
+
+
+def _active(there: np.ndarray) -> np.ndarray:
+    """Rows that are not 0, and their neighbours."""
+    return there | np.r_[there[1:], False] | np.r_[False, there[:-1]]
+
+
+def _matrix(kernel: Any, nm: np.ndarray) -> np.ndarray:
+    """F(λ_i, λ_j) for j below i."""
+    return np.tril(_STEP_NM * kernel(nm[:, None], nm[None, :]), -1)
+
+
+def _printed(composition: Mapping[str, Any], where: str) -> Optional[_Print]:
+    """Kinds of area of a composition in dots."""
+    dots, layers = composition.get("dots"), composition["layers"]
+    inks = [(k, layer["coverage"]) for k, layer in enumerate(layers) if isinstance(layer, Mapping) and layer.get("coverage") is not None]
+    if not dots:
+        if inks:
+            raise InputError(f"{where}layers[{inks[0][0]}].coverage: found one without a screen; allowed beside dots")
+        return None
+
+    def judge(name: str, value: Any, least: float, most: float) -> None:
+        if not isinstance(value, (int, float)) or not least <= value <= most:
+            raise InputError(f"{where}{name}: found {value}; allowed {least} to {most}")
+
+    judge("dots.ruling_per_cm", dots.get("ruling_per_cm"), 1.0, 1000.0)
+    judge("dots.spread_um", dots.get("spread_um"), 0.0, 1e4)
+    for k, coverage in inks:
+        judge(f"layers[{k}].coverage", coverage, 0.0, 1.0)
+    ruling, length = dots["ruling_per_cm"] / 1e4, dots["spread_um"]
+    every = tuple(range(len(layers)))
+    if dots.get("coverage") is not None:
+        coverage = dots["coverage"]
+        judge("dots.coverage", coverage, 0.0, 1.0)
+        if inks:
+            raise InputError(f"{where}dots.coverage: found one beside layers[{inks[0][0]}].coverage; remove one of them")
+        return _Print(((), every), np.array([1 - coverage, coverage]), spread_share(coverage, ruling, length))
+    if not 1 <= len(inks) <= _MOST_INKS:
+        raise InputError(f"{where}dots.coverage: found {len(inks)} coverages; allowed is that of the stack, or layers[…].coverage of 1 to "
+                         f"{_MOST_INKS} layers")
+    kinds, shares = [], []
+    for bits in range(1 << len(inks)):
+        bare = {k for ink, (k, _) in enumerate(inks) if not bits >> ink & 1}
+        kinds.append(tuple(k for k in every if k not in bare))
+        shares.append(math.prod(c if bits >> ink & 1 else 1 - c for ink, (_, c) in enumerate(inks)))
+    varying = [c for _, c in inks if 0 < c < 1]
+    weights = [c * (1 - c) for c in varying]
+    spread = sum(w * spread_share(c, ruling, length) for w, c in zip(weights, varying)) / sum(weights) if varying else 1.0
+    return _Print(tuple(kinds), np.array(shares), spread)
 
 
 def _bare(index: float) -> Tuple[float, float, float, float]:
@@ -888,7 +1168,11 @@ def _joined(row: Sequence[_States]) -> _States:
     shapes = ((m, m), (n, n), (n, m), (m, n))
 
     def padded(part: np.ndarray, shape: Tuple[int, int]) -> np.ndarray:
-        return np.pad(part, ((0, 0), (0, shape[0] - part.shape[1]), (0, shape[1] - part.shape[2])))
+        if part.shape[1:] == shape:
+            return part
+        whole = np.zeros((part.shape[0], *shape))
+        whole[:, : part.shape[1], : part.shape[2]] = part
+        return whole
 
     parts = [np.concatenate([padded(states.flux[k], shape) for states in row]) for k, shape in enumerate(shapes)]
     return _States(_Flux(*parts), np.concatenate([states.amplitudes for states in row]))

@@ -1,5 +1,6 @@
 """Judges `inkwave.Library` by the numbers that the program and the page are judged by (validation/data/library-golden.json)."""
 
+import base64
 import json
 import pathlib
 import sys
@@ -11,6 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "python"))
 
 import inkwave as iw  # noqa: E402
+from inkwave import _library  # noqa: E402
 
 LIBRARY = ROOT / "validation" / "data" / "library.json"
 
@@ -47,6 +49,51 @@ class Library(unittest.TestCase):
                 seen = library.compose({"layers": layers, "paper": {"albedo": 1.0, "contact": contact}})
                 np.testing.assert_allclose(seen.natural_light, 1.0, atol=1e-9)
 
+    def test_dots_of_every_ink_are_neugebauers_mean(self):
+        """Over a paper that does not spread light, the mean of the overprints by Demichel's shares, each composed alone."""
+        paper, screen, (a, b) = {"albedo": 0.7}, {"ruling_per_cm": 60, "spread_um": 0}, (0.3, 0.6)
+        layers = ["light", {"plate": "red", "coverage": a}, {"plate": "white", "coverage": b}]
+        found = self.library.compose({"layers": layers, "paper": paper, "dots": screen})
+        solids = self.library.compose([{"layers": names, "paper": paper} for names in (["light"], ["light", "red"], ["light", "white"], ["light", "red", "white"])])
+        shares = np.array([(1 - a) * (1 - b), a * (1 - b), (1 - a) * b, a * b])
+        np.testing.assert_allclose(found.factors[0], shares @ solids.lit_at_45, rtol=0, atol=1e-12)
+
+    def test_bare_brightened_paper_has_a_closed_form(self):
+        """Behind a gap nothing comes back: of the light E the paper reflects what the brightener leaves, and emits F E besides."""
+        excitation, emission, quanta = [[415, 0], [430, 0.6], [480, 0]], [[440, 0], [470, 1], [520, 0.3], [580, 0]], 0.6
+        paper = {"albedo": 0.5, "fluorescence": {"excitation": excitation, "emission": emission, "yield": quanta}}
+        print_ = {"layers": [{"plate": "red", "coverage": 0}], "paper": paper, "dots": {"ruling_per_cm": 60, "spread_um": 40}}
+        found = self.library.compose([{**print_, "condition": "M1"}, {**print_, "condition": "M2"}])
+        nm = np.arange(420.0, 661.0, 5.0)
+        light = np.array(next(x["powers"] for x in json.loads(LIBRARY.read_text())["lights"] if x["illuminant"] == "D50"))
+        taken, sent = (np.interp(nm, *np.array(rows).T, left=0, right=0) for rows in (excitation, emission))
+        area = 0.5 * 30 + 0.5 * 50 * 1.3 + 0.5 * 60 * 0.3
+        for k, power in enumerate((light, np.where(nm < 420, 0, light))):
+            out = [sum(5 * quanta / area * sent[i] * taken[j] * nm[j] / nm[i] * power[j] for j in range(i)) for i in range(nm.size)]
+            want = 0.5 * (1 - taken) + np.array(out) / power
+            np.testing.assert_allclose(found.factors[k], want[np.searchsorted(nm, found.wavelengths_nm)], rtol=0, atol=1e-12)
+
+    def test_a_transposed_block_is_caught(self):
+        """What a block of a plate that lies the other way round changes is far more than a promise allows."""
+        content = json.loads(LIBRARY.read_text())
+        states = content["plates"][0]["portions"][0]["states"][1]
+        m = states["states"][0]
+        x = np.frombuffer(base64.b64decode(states["mean"]), "<f8").copy()
+        x[: m * m] = x[: m * m].reshape(m, m).T.ravel()
+        states["mean"] = base64.b64encode(x.tobytes()).decode()
+        stack = {"layers": ["light", "red", "light"]}
+        apart = np.abs(iw.Library(content).compose(stack).lit_at_45 - self.library.compose(stack).lit_at_45)[0]
+        self.assertGreater(apart[1], 1e-5)
+        np.testing.assert_array_equal(apart[[0, 2, 3]], 0)
+
+    def test_a_plate_turned_over_twice_is_itself(self):
+        flux = self.library._layer_flux(0, 1.0, _library._Change())
+        for part, twice in zip(flux, flux.turned().turned()):
+            np.testing.assert_array_equal(part, twice)
+        both = flux.then(flux.turned())
+        np.testing.assert_allclose(both.ra, both.rb, rtol=0, atol=1e-12)
+        np.testing.assert_allclose(both.tab, both.tba, rtol=0, atol=1e-12)
+
     def test_refusals_say_what_is_allowed(self):
         cases = [
             ({"layers": []}, "layers"), ({"layers": [{"plate": "gold"}]}, "allowed are red, light, white, pale"),
@@ -54,13 +101,18 @@ class Library(unittest.TestCase):
             ({"layers": [{"plate": "white", "thickness_um": 0.6}]}, "two slabs"),
             ({"layers": [{"plate": "red"}], "paper": {"albedo": 1.2}}, "paper.albedo"),
             ({"layers": [{"plate": "red"}], "illuminant": "F9"}, "F9"), ({"layers": [{"plate": "red"}], "colour": 1}, "colour"),
+            ({"layers": [{"plate": "red", "coverage": 0.5}]}, "without a screen"),
+            ({"layers": ["red"], "dots": {"ruling_per_cm": 60, "spread_um": 0}}, "found 0 coverages"),
+            ({"layers": ["red"], "paper": {"fluorescence": {"excitation": [[330, 0], [365, 0.5], [420, 0]], "emission": [[420, 0], [440, 1]], "yield": 0.5}}},
+             "a library from 420.0 nm"),
+            ({"layers": ["red"], "paper": {"fluorescence": {"yield": 0.5}}}, "excitation, emission, yield"),
         ]
         for composition, words in cases:
             with self.assertRaisesRegex(iw.InputError, words):
                 self.library.compose(composition)
         content = json.loads(LIBRARY.read_text())
-        with self.assertRaisesRegex(iw.InputError, "allowed up to 1"):
-            iw.Library({**content, "inkwave_library": 2})
+        with self.assertRaisesRegex(iw.InputError, "allowed up to 2"):
+            iw.Library({**content, "inkwave_library": 3})
         with self.assertRaisesRegex(iw.InputError, "no library"):
             iw.Library({"plates": []})
         content["plates"][0]["portions"][0]["states"].pop()

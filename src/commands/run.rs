@@ -7,9 +7,11 @@ use super::sweep::{tell_others, tell_plan};
 use super::terminal::{note, to_resume};
 use super::work::{WorkArgs, opened};
 use clap::Args;
+use inkwave::evaluate::evaluated::FinishedSolves;
 use inkwave::evaluate::manifest::{Count, Status};
-use inkwave::input::load::{load, stem};
+use inkwave::input::load::{load, load_plates, stem};
 use inkwave::input::study::{Composed, Study, StudyKind};
+use inkwave::library::gather::{OWN_LIBRARY, of_solves};
 use inkwave::report::publish::{PublishError, Published, evaluate_and_publish};
 use inkwave::run::{RunSettings, Stores};
 use inkwave::store::folder::OutputFolder;
@@ -17,8 +19,8 @@ use inkwave::store::marker::Holds;
 use inkwave::work::alone::{RanStudy, run_any_study, stored};
 use inkwave::work::plan::by_size;
 use inkwave::work::variant::of_one;
-use miette::{IntoDiagnostic, Result, miette};
-use std::path::PathBuf;
+use miette::{IntoDiagnostic, Result, WrapErr, miette};
+use std::path::{Path, PathBuf};
 
 /// Arguments of `inkwave run`.
 #[derive(Debug, Args)]
@@ -28,21 +30,28 @@ pub struct RunArgs {
     /// Print the plan as JSON
     #[arg(long, requires = "plan")]
     pub json: bool,
+    /// Solve the layers as plates of a library, between half-spaces of one index, and write no report: library.json in the
+    /// output folder, or FILE
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    pub library: Option<Option<PathBuf>>,
     #[command(flatten)]
     pub work: WorkArgs,
 }
 
 /// Reads, checks and runs a study.
 pub fn run(args: &RunArgs) -> Result<()> {
-    let study = load(&args.study).map_err(|error| mixed_up_report(error, "study"))?;
+    let is_library = args.library.is_some();
+    let loaded = if is_library { load_plates(&args.study) } else { load(&args.study) };
+    let study = loaded.map_err(|error| mixed_up_report(error, "study"))?;
     study.remarks.iter().for_each(note);
     let settings = args.work.settings()?;
     if args.work.plan {
         tell_plan(&of_one(&stem(&args.study), study.clone()), args.json, settings)?;
         return if args.json { Ok(()) } else { offer(study, settings) };
     }
-    let of_study = study.output.folder.as_ref().filter(|_| args.work.output.is_none());
-    let path = of_study.map_or_else(|| args.work.folder(&args.study, ""), PathBuf::from);
+    let of_study = study.output.folder.as_ref().filter(|_| args.work.output.is_none() && !is_library);
+    let end = if is_library { "-plates" } else { "" };
+    let path = of_study.map_or_else(|| args.work.folder(&args.study, end), PathBuf::from);
     let folder = opened(&path, Holds::Study)?;
     if let Some(reason) = study.no_ink() {
         note!("no paper, colour and picture: {reason}");
@@ -52,13 +61,18 @@ pub fn run(args: &RunArgs) -> Result<()> {
     }
     let progress = Progress::new();
     progress.expect(study.solves(), study.target_delta_e.is_some());
-    let live = Live::new(&folder, &progress, Box::new(|| publish_stored(&study, &folder)));
+    let publish = || is_library || publish_stored(&study, &folder);
+    let live = Live::new(&folder, &progress, Box::new(publish));
     let ran = progress.during(|| run_any_study(&study, &folder, settings, &live));
     let RanStudy { solved, damages, publishes } =
         ran.inspect_err(|_| folder.discard_when_empty()).map_err(run_report)?;
     tell_damages(&damages);
     if !publishes {
         return tell_others(&folder);
+    }
+    if let Some(file) = &args.library {
+        let file = file.clone().unwrap_or_else(|| folder.path().join(OWN_LIBRARY));
+        return keep_plates(&study, &solved, &file, progress.stopped());
     }
     note!("evaluating the layer: numbers, error bars and pictures");
     let published = match evaluate_and_publish(&study, &solved, &folder) {
@@ -71,6 +85,28 @@ pub fn run(args: &RunArgs) -> Result<()> {
     };
     published.remarks.iter().for_each(note);
     tell(&study, &published, &folder, progress.stopped())
+}
+
+/// Writes the plates of the layers.
+fn keep_plates(study: &Study, solved: &FinishedSolves, file: &Path, stopped: bool) -> Result<()> {
+    if stopped {
+        let finished = solved.finished();
+        let all = study.solves();
+        let words = format!("no library yet: {finished} of {all} solves are finished and kept");
+        return Err(miette!(help = to_resume(), "{words}"));
+    }
+    let library = of_solves(study, solved).map_err(|reason| miette!("{}: {reason}", study.title))?;
+    let text = serde_json::to_string(&library).into_diagnostic()?;
+    std::fs::write(file, text).into_diagnostic().wrap_err_with(|| file.display().to_string())?;
+    for plate in &library.plates {
+        say!(
+            "{}: {} µm between half-spaces of index {}",
+            plate.name,
+            plate.thickness_um,
+            library.joint.index
+        )?;
+    }
+    say!("Library: {}", file.display())
 }
 
 /// Publishes what is finished; false if that fails.

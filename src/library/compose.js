@@ -3,7 +3,8 @@
 "use strict";
 const inkwave = (() => {
   const FAINT = 1e-9, NOTHING = 1e-9, PIECE = 8, PIECES = 16, MOST_FRINGES = 200, MOST_SLABS = 4096, BLACK = 0, WHITE = 0.8;
-  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, FORM = 1, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
+  const PENCIL = 1e-10, LEAST = 1e-12, SMALL = 1e-6, FORM = 2, TAU = 2 * Math.PI, LIT = Math.sin(Math.PI / 4);
+  const STEP_NM = 5, SHORTEST_NM = 300, CUT_NM = 420, LONGEST_NM = 780, MOST_INKS = 6;
   const sum = list => list.reduce((a, b) => a + b, 0);
   const range = n => Array.from({ length: n }, (_, k) => k);
 
@@ -237,18 +238,58 @@ const inkwave = (() => {
     const mean = sum(HEMISPHERE_RULE.map(([s, w]) => w * 4 * s ** 3 * passed(s * s)));
     return { own: 0, entering: passed(Math.cos(Math.PI / 4)), leaving: passed(1) / index ** 2, lost: mean / index ** 2 };
   }
-  function mixed(areas, shares, spread, albedo) {
+  /** Light onto and from the paper below kinds of area with these shares, at one wavelength: [Φ_k, U_k]. */
+  function fluxes(areas, { shares, spread }, albedo, power, emitted) {
+    const divisor = a => (1 - albedo) + albedo * (a.lost + spread * (1 - a.lost)), lit = areas.map((a, k) => albedo * shares[k] * a.entering * power + (emitted[k] || 0));
     let given = 0, shared = 0;
-    const divisors = areas.map(a => (1 - albedo) + albedo * (a.lost + spread * (1 - a.lost)));
     areas.forEach((a, k) => {
-      given += albedo * shares[k] * a.entering / divisors[k];
-      shared += albedo * spread * shares[k] * (1 - a.lost) / divisors[k];
+      given += lit[k] / divisor(a);
+      shared += albedo * spread * shares[k] * (1 - a.lost) / divisor(a);
     });
     const all = given / (1 - shared);
-    return sum(areas.map((a, k) => {
-      const own = (albedo * shares[k] * a.entering + albedo * (1 - a.lost) * spread * shares[k] * all) / divisors[k];
-      return shares[k] * a.own + a.leaving * ((1 - spread) * own + spread * shares[k] * all);
-    }));
+    const up = areas.map((a, k) => (1 - spread) * (lit[k] + albedo * (1 - a.lost) * spread * shares[k] * all) / divisor(a) + spread * shares[k] * all);
+    return [areas.map((a, k) => shares[k] * a.entering * power + (1 - a.lost) * up[k]), up];
+  }
+  /** Radiance factor of a print; `emitted` is what the paper emits below its kinds of area, of light of power 1. */
+  function mixed(areas, mix, albedo, emitted) {
+    const [, up] = fluxes(areas, mix, albedo, 1, emitted);
+    return sum(areas.map((a, k) => mix.shares[k] * a.own + a.leaving * up[k]));
+  }
+
+  // Brighteners
+  /** A value of rising rows, linear between them and nothing beyond. */
+  function rowsAt(rows, nm) {
+    for (let k = 1; k < rows.length; k++) {
+      const [[a, x], [b, y]] = [rows[k - 1], rows[k]];
+      if (nm >= a && nm <= b) return x + (nm - a) / (b - a) * (y - x);
+    }
+    return 0;
+  }
+  /** The kernel f(to, from) of a brightener in 1/nm, the share that it takes before the albedo acts, and the first wavelength that excites. */
+  function brightener(given) {
+    const rising = rows => Array.isArray(rows) && rows.length > 1 && rows.every(([nm, value], k) => value >= 0 && (!k || nm > rows[k - 1][0]));
+    if (given.excitation) {
+      const { excitation, emission, yield: quanta } = given;
+      if (!rising(excitation) || !rising(emission) || excitation.some(row => row[1] > 1)) throw new Refusal("paper.fluorescence: found rows that are none; allowed are two or more rows [nm, value], rising, values from 0 (shares up to 1)");
+      if (!(quanta >= 0 && quanta <= 1)) throw new Refusal(`paper.fluorescence.yield: found ${quanta}; allowed 0 to 1`);
+      const area = sum(emission.slice(1).map(([nm, value], k) => 0.5 * (nm - emission[k][0]) * (value + emission[k][1]))), scale = area > 0 ? quanta / area : 0;
+      const there = k => excitation[k] && excitation[k][1] > 0, first = excitation.find((_, k) => there(k) || there(k - 1) || there(k + 1));
+      return { kernel: (to, from) => scale * rowsAt(emission, to) * rowsAt(excitation, from) * from / to, absorbed: nm => rowsAt(excitation, nm), first: first ? first[0] : null };
+    }
+    const { excitation_nm: light, emission_nm: sent, factors } = given, step = light && light[1] - light[0];
+    const sound = light && sent && factors && light.length > 1 && sent.length > 1 && step > 0 && light.every((nm, k) => !k || Math.abs(nm - light[k - 1] - step) <= 1e-6 * step)
+      && sent.every((nm, k) => !k || nm > sent[k - 1]) && factors.length === sent.length && factors.every(row => row.length === light.length && row.every(x => x >= 0));
+    if (!sound) throw new Refusal("paper.fluorescence: found no brightener; allowed are excitation, emission and yield, or excitation_nm (equal steps), emission_nm and factors");
+    const rows = factors.map((row, i) => row.map((factor, j) => [light[j], sent[i] > light[j] ? factor : 0]));
+    const first = light.find((_, j) => rows.some(row => row[j][1] !== 0));
+    return { kernel: (to, from) => rowsAt(rows.map((row, i) => [sent[i], rowsAt(row, from)]), to) / step, absorbed: () => 0, first: first === undefined ? null : first };
+  }
+  const matrixOf = (kernel, nm) => nm.map((to, i) => nm.slice(0, i).map(from => STEP_NM * kernel(to, from)));
+  /** Share s of a list between its places k − 1 and k, constant beyond its ends. */
+  function between(list, x) {
+    let k = 1;
+    while (k < list.length - 1 && list[k] < x) k++;
+    return [k, Math.min(Math.max((x - list[k - 1]) / (list[k] - list[k - 1]), 0), 1)];
   }
 
   // Shares of the light: [reflected, transmitted]
@@ -294,6 +335,11 @@ const inkwave = (() => {
       this.places = this.known.map(s => Math.sqrt(1 - s * s));
       this.plates = new Map(content.plates.map((plate, k) => [plate.name, k]));
       this.eyes = content.eyes;
+      this.lights = content.lights || [];
+      const [from, to] = [Math.ceil(Math.max(this.nm[0], SHORTEST_NM) / STEP_NM), Math.floor(this.nm.at(-1) / STEP_NM)];
+      this.summed = range(Math.max(to - from + 1, 0)).map(k => STEP_NM * (from + k));
+      this.onto = this.summed.map(nm => between(this.nm, nm));
+      this.matrices = new Map();
       this.unpackedStates = new Map();
       this.fluxes = new Map();
       this.films = new Map();
@@ -387,6 +433,19 @@ const inkwave = (() => {
           whole = whole ? then(whole, plate) : plate;
         }
         this.fluxes.set(key, whole);
+      }
+      return this.fluxes.get(key);
+    }
+
+    /** A layer of a stack, with the face to air in front of the first one, and behind the last one over a gap. */
+    faced(job, place, w) {
+      const [number, count] = job.layers[place], { change } = job, first = place === 0, last = place === job.layers.length - 1 && !job.contact;
+      const own = this.layerFlux(number, count, change, w);
+      if (!first && !last) return own;
+      const key = `${this.keyOf(number, change)}/${change.grid ? "g" : ""}/${count}/${w}/${first ? "front" : ""}${last ? "back" : ""}`;
+      if (!this.fluxes.has(key)) {
+        const front = first ? then(this.front, own) : own;
+        this.fluxes.set(key, last ? then(front, this.back) : front);
       }
       return this.fluxes.get(key);
     }
@@ -513,6 +572,47 @@ const inkwave = (() => {
       return out;
     }
 
+    /**
+     * R and T of diffuse light from both sides, [side] = [R, T, loss by known direction], with interference or without it: sums over
+     * the sines of a rule, into which shares of the loss enter as weights of directions.
+     */
+    hemisphere(job, w, pol, pieces, interferes) {
+      const rule = this.rule(pieces), { weights } = rule, kept = rule.lagranges[job.change.fewer ? 1 : 0], known = kept[0].length;
+      const films = [rule.faces[pol], ...job.layers.map(([number, count]) => this.layerFilm(number, count, job.change, w, pol, pieces))];
+      if (!job.contact) films.push(rule.backs[pol]);
+      const out = [0, 1].map(() => new Float64Array(2 + known)), many = films.length;
+      for (let k = 0; k < weights.length; k++) {
+        let ar = 0, ai = 0, br = 0, bi = 0, tr = 1, ti = 0;
+        if (interferes) for (let f = 0; f < many; f++) {
+          const x = films[f].coherent, c = 6 * k, xr = x[c], xi = x[c + 1], sr = x[c + 4], si = x[c + 5];
+          const dr = 1 - (br * xr - bi * xi), di = -(br * xi + bi * xr), d = 1 / (dr * dr + di * di), mr = dr * d, mi = -di * d;
+          const t2r = tr * tr - ti * ti, t2i = 2 * tr * ti, s2r = sr * sr - si * si, s2i = 2 * sr * si;
+          const ur = xr * mr - xi * mi, ui = xr * mi + xi * mr, vr = br * mr - bi * mi, vi = br * mi + bi * mr;
+          ar += t2r * ur - t2i * ui;
+          ai += t2r * ui + t2i * ur;
+          br = x[c + 2] + s2r * vr - s2i * vi;
+          bi = x[c + 3] + s2r * vi + s2i * vr;
+          const fr = tr * sr - ti * si, fi = tr * si + ti * sr;
+          tr = fr * mr - fi * mi;
+          ti = fr * mi + fi * mr;
+        } else for (let f = 0; f < many; f++) {
+          const p = films[f].without, c = 3 * k, s = p[c + 2], times = 1 / Math.max(1 - br * p[c], FAINT);
+          ar += tr * tr * p[c] * times;
+          br = p[c + 1] + s * s * br * times;
+          tr *= s * times;
+        }
+        const through = interferes ? tr * tr + ti * ti : tr;
+        for (let s = 0; s < 2; s++) {
+          const back = interferes ? (s ? br * br + bi * bi : ar * ar + ai * ai) : s ? br : ar, whole = Math.max(back + through, 1), r = back / whole, on = through / whole, sum = out[s];
+          sum[0] += weights[k] * r;
+          sum[1] += weights[k] * on;
+          const lost = weights[k] * (1 - r - on), own = kept[k];
+          for (let d = 0; d < known; d++) sum[2 + d] += lost * own[d];
+        }
+      }
+      return out;
+    }
+
     fringes(job, w, pol, turnedOver) {
       const all = job.layers.flatMap(([number, count]) => this.layerFilm(number, count, job.change, w, pol, 0).turns);
       const face = 1 - ((1 - this.index) / (1 + this.index)) ** 2;
@@ -528,9 +628,7 @@ const inkwave = (() => {
     /** All numbers of a stack at one wavelength. */
     spectral(job, w) {
       const { p, near, shares } = this;
-      let plate = this.front;
-      for (const [number, count] of job.layers) plate = then(plate, this.layerFlux(number, count, job.change, w));
-      if (!job.contact) plate = then(plate, this.back);
+      const plate = job.layers.map((_, place) => this.faced(job, place, w)).reduce(then);
       const sums = { ra: columnSums(plate.ra), rb: columnSums(plate.rb), tab: columnSums(plate.tab), tba: columnSums(plate.tba) };
       const index = job.contact ? this.index : 1, rule0 = this.rule(0), fewer = job.change.fewer ? 1 : 0;
       const states = pol => [0, ...range(near).map(node => 1 + node * p + pol)];
@@ -544,32 +642,35 @@ const inkwave = (() => {
         return { between, sides: [side(0), side(1)] };
       });
       const shareAt = (pol, s, rule, k) => rule.lagranges[fewer][k].reduce((l, weight, i) => add(l, weight, tables[pol].sides[s].lost[rule.kept[fewer][i]]), [0, 0]);
-      const ofDiffuse = (pol, s) => {
+      const hemispheres = new Map(), ofDiffuse = (pol, s) => {
         const fringes = this.fringes(job, w, pol, s === 1), interferes = fringes <= MOST_FRINGES;
         const pieces = PIECES * (1 + (interferes ? Math.ceil(2 * fringes / PIECES) : 0)), rule = this.rule(pieces);
-        const fields = this.fields(job, w, pol, pieces, false)[s][interferes ? 0 : 1];
-        let change = [0, 0];
-        fields.forEach((l, k) => { change = add(change, rule.weights[k], withLoss(l, shareAt(pol, s, rule, k))); });
+        const key = `${pol}/${pieces}/${interferes}`;
+        if (!hemispheres.has(key)) hemispheres.set(key, this.hemisphere(job, w, pol, pieces, interferes));
+        const [r, on, ...losses] = hemispheres.get(key)[s];
+        let change = [r, on];
+        losses.forEach((loss, i) => { change = add(change, loss, tables[pol].sides[s].lost[rule.kept[fewer][i]]); });
         range(near).forEach(node => { change = add(change, -this.weights[node], tables[pol].sides[s].incoherent[node + 1]); });
         return s ? change.map(x => x / index ** 2) : change;
       };
-      const nodeShares = lagrange(this.places.slice(1), Math.sqrt(1 - LIT * LIT)), lit = near + 1;
+      const nodeShares = lagrange(this.places.slice(1), Math.sqrt(1 - LIT * LIT)), at45Place = near + 1;
       const facePowers = (pol, k) => ({ ra: rule0.faces[pol].without[3 * k], t: rule0.faces[pol].without[3 * k + 2] });
-      let normalChange = [0, 0], slantedChange = [0, 0], byNodes = 0, diffuse = [0, 0], fromBehind = [0, 0], slantedLight = [0, 0];
+      let normalChange = [0, 0], slantedChange = [0, 0], byNodes = 0, diffuse = [0, 0], diffuseLit = [0, 0], fromBehind = [0, 0], slantedLight = [0, 0];
       for (let pol = 0; pol < p; pol++) {
-        const part = shares[pol];
-        diffuse = add(diffuse, 1 / p, ofDiffuse(pol, 0));
+        const part = shares[pol], ofSky = ofDiffuse(pol, 0);
+        diffuse = add(diffuse, 1 / p, ofSky);
+        diffuseLit = add(diffuseLit, part, ofSky);
         fromBehind = add(fromBehind, 1 / p, ofDiffuse(pol, 1));
         if (part === 0) continue;
         const [coherent, without] = tables[pol].between[0], at0 = shareAt(pol, 0, rule0, 0);
         normalChange = add(normalChange, part, minus(withLoss(coherent[0], at0), withLoss(without[0], at0)));
-        const at45 = shareAt(pol, 0, rule0, lit), face = facePowers(pol, lit);
+        const at45 = shareAt(pol, 0, rule0, at45Place), face = facePowers(pol, at45Place);
         let within = [0, 0];
         nodeShares.forEach((share, node) => {
           const own = facePowers(pol, node + 1);
           within = add(within, share / Math.max(own.t, FAINT), minus(without[node + 1], [own.ra, 0]));
         });
-        slantedChange = add(slantedChange, part, minus(withLoss(coherent[lit], at45), withLoss(add([face.ra, 0], face.t, within), at45)));
+        slantedChange = add(slantedChange, part, minus(withLoss(coherent[at45Place], at45), withLoss(add([face.ra, 0], face.t, within), at45)));
         nodeShares.forEach((share, node) => { byNodes += part * share * sums.tab[1 + node * p + pol]; });
         const column = 1 + near * p + pol;
         slantedLight = add(slantedLight, part, [sums.ra[column], sums.tab[column]]);
@@ -580,7 +681,8 @@ const inkwave = (() => {
       const front = spread(this.weights.slice(0, near), p), behind = spread(job.contact ? this.weights : this.weights.slice(0, near), 0);
       const mean = (of, weights) => sum(weights.map((x, k) => x * of[k])) / sum(weights);
       const onto = [mean(sums.ra, front), mean(sums.tab, front)], back = [mean(sums.rb, behind), mean(sums.tba, behind)];
-      const leaving = ratio(changed(onto, diffuse)[1], onto[1]);
+      const lit = [0, ...this.weights.slice(0, near).flatMap(x => shares.map(share => share * x)), ...Array(p).fill(0)];
+      const ontoLit = [mean(sums.ra, lit), mean(sums.tab, lit)], leaving = ratio(changed(onto, diffuse)[1], onto[1]);
       const reflected = Math.min(Math.max(Math.min(back[0] + back[1] + fromBehind[0] + fromBehind[1], 1) - back[1] * leaving, 0), 1);
       const total = sum(behind), up = times(plate.tba, { n: behind.length, m: 1, x: Float64Array.from(behind, x => x / total) }).x;
       const towards = column => sum(range(p).flatMap(pol => range(near).map(node => p * shares[pol] * nodeShares[node] / this.weights[node] * column(1 + node * p + pol))));
@@ -590,12 +692,30 @@ const inkwave = (() => {
       const albedo = job.albedo[w], solid = litAt(albedo), lost = 1 - reflected, out = changedLight[1] / index ** 2;
       const series = slanted[1] * out * albedo / ((1 - albedo) + albedo * lost);
       const area = { own: alone, entering: slanted[1], leaving: out * ratio(solid - alone, series), lost };
-      const factor = job.dots ? mixed([area, bare(index)], [job.dots.coverage, 1 - job.dots.coverage], job.dots.spread, albedo) : solid;
       return {
-        reflectance_normal: changedLight[0], transmittance_normal: changedLight[1],
-        natural_light: changedLight[0] + throughNormal * leaving * on(albedo, sum([...up])),
-        lit_at_45: solid, over_black: litAt(BLACK), over_white: litAt(WHITE), factors: factor,
+        area, sky: changed(ontoLit, diffuseLit)[1],
+        numbers: {
+          reflectance_normal: changedLight[0], transmittance_normal: changedLight[1],
+          natural_light: changedLight[0] + throughNormal * leaving * on(albedo, sum([...up])),
+          lit_at_45: solid, over_black: litAt(BLACK), over_white: litAt(WHITE),
+        },
       };
+    }
+
+    /** What the paper emits below kinds of area, of light of power 1, at every wavelength; `kinds` are their optics by wavelength. */
+    emitted(light, mix, kinds) {
+      const below = [], all = [];
+      this.summed.forEach((_, i) => {
+        const [k, s] = this.onto[i], at = (kind, name) => kind[k - 1][name] + s * (kind[k][name] - kind[k - 1][name]);
+        const areas = kinds.map(kind => ({ own: at(kind, "own"), entering: at(kind, "entering"), leaving: at(kind, "leaving"), lost: at(kind, "lost") }));
+        const sent = kinds.map((_, kind) => light.matrix[i].reduce((total, factor, j) => total + factor * below[j][kind], 0));
+        below.push(fluxes(areas, mix, light.albedo[i], light.power[i], sent)[0]);
+        all.push(sent);
+      });
+      return this.nm.map(nm => {
+        const [k, s] = between(this.summed, nm), at = list => list[k - 1] + s * (list[k] - list[k - 1]), power = at(light.power);
+        return kinds.map((_, kind) => power > 0 ? at(all.map(row => row[kind])) / power : 0);
+      });
     }
 
     /** What a composition asks: plates by number, albedos, dots. */
@@ -609,11 +729,55 @@ const inkwave = (() => {
       });
       const given = paper.albedo === undefined ? 0.9 : paper.albedo, albedo = this.nm.map(nm => albedoAt(given, nm));
       if (!albedo.every(x => x >= 0 && x <= 1)) throw new Refusal(`paper.albedo: found ${JSON.stringify(given)}; allowed 0 to 1 at all wavelengths of the library`);
-      if (dots) for (const [name, most] of [["coverage", 1], ["ruling_per_cm", 1000], ["spread_um", 10000]]) {
-        if (!(dots[name] >= 0 && dots[name] <= most)) throw new Refusal(`dots.${name}: found ${dots[name]}; allowed 0 to ${most}`);
+      const job = { layers: placed, albedo, contact: !!paper.contact, areas: this.areas(composition), light: null, change: {} };
+      if (!paper.fluorescence) return job;
+      const { kernel, absorbed, first } = brightener(paper.fluorescence);
+      if (first !== null && this.nm[0] > Math.max(first, SHORTEST_NM) + STEP_NM) throw new Refusal(`paper.fluorescence: found excitation from ${first} nm, a library from ${this.nm[0]} nm; allowed is a library that holds the light that excites: solve its layers again with light.from_nm = ${Math.max(first, SHORTEST_NM)}`);
+      const key = JSON.stringify([paper.fluorescence, given]);
+      if (!this.matrices.has(key)) {
+        const nm = [...this.summed];
+        while (nm.at(-1) + STEP_NM <= LONGEST_NM) nm.push(nm.at(-1) + STEP_NM);
+        const all = matrixOf(kernel, nm), elastic = this.summed.map(at => albedoAt(given, at) * (1 - absorbed(at)));
+        const most = Math.max(...elastic.map((x, j) => x + sum(nm.slice(j + 1).map((to, i) => all[j + 1 + i][j] * to / nm[j]))));
+        if (most > 1 + 1e-9) throw new Refusal(`paper.fluorescence: found ${most.toFixed(3)} quanta reflected and emitted for each that comes in; allowed at most 1: lower yield or excitation, or the albedo at the wavelengths that excite`);
+        this.matrices.set(key, { matrix: all.slice(0, this.summed.length), albedo: elastic });
       }
-      const spread = dots ? spreadShare(dots.coverage, dots.ruling_per_cm / 1e4, dots.spread_um) : 0;
-      return { layers: placed, albedo, contact: !!paper.contact, dots: dots ? { coverage: dots.coverage, spread } : null, change: {} };
+      return { ...job, albedo: albedo.map((x, w) => x * (1 - absorbed(this.nm[w]))), light: { ...this.matrices.get(key), power: this.power(composition) } };
+    }
+
+    /** Power of the light that excites a brightener, at the wavelengths of the sum. */
+    power({ illuminant = "D65", condition = null }) {
+      const lamp = condition ? { M0: "A", M1: "D50", M2: "D50" }[condition] : illuminant;
+      if (!lamp) throw new Refusal(`condition: found ${condition}; allowed are M0, M1, M2, or none for the illuminant's light`);
+      const found = this.lights.find(light => light.illuminant === lamp);
+      if (!found) throw new Refusal(`found no power of ${lamp}, which excites; allowed are ${this.lights.map(light => light.illuminant).join(", ") || "none: gather the library again"}`);
+      return found.powers.map((x, i) => condition === "M2" && this.summed[i] < CUT_NM ? 0 : x);
+    }
+
+    /** Kinds of area of a print in dots: numbers of the layers on each, their shares, the spread of the light; null of a solid. */
+    areas({ layers, dots = null }) {
+      const inks = layers.map((layer, k) => [k, layer.coverage]).filter(([, coverage]) => coverage !== undefined && coverage !== null);
+      const judge = (name, value, least, most) => { if (!(value >= least && value <= most)) throw new Refusal(`${name}: found ${value}; allowed ${least} to ${most}`); };
+      if (!dots) {
+        if (inks.length) throw new Refusal(`layers[${inks[0][0]}].coverage: found one without a screen; allowed beside dots`);
+        return null;
+      }
+      judge("dots.ruling_per_cm", dots.ruling_per_cm, 1, 1000);
+      judge("dots.spread_um", dots.spread_um, 0, 10000);
+      for (const [k, coverage] of inks) judge(`layers[${k}].coverage`, coverage, 0, 1);
+      const spread = coverage => spreadShare(coverage, dots.ruling_per_cm / 1e4, dots.spread_um), every = range(layers.length);
+      if (dots.coverage !== undefined && dots.coverage !== null) {
+        judge("dots.coverage", dots.coverage, 0, 1);
+        if (inks.length) throw new Refusal(`dots.coverage: found one beside layers[${inks[0][0]}].coverage; allowed is that of the stack or those of its layers: remove one of them`);
+        return { kinds: [[], every], shares: [1 - dots.coverage, dots.coverage], spread: spread(dots.coverage) };
+      }
+      if (!inks.length || inks.length > MOST_INKS) throw new Refusal(`dots.coverage: found ${inks.length} coverages; allowed is that of the stack, or layers[…].coverage of 1 to ${MOST_INKS} layers`);
+      const sets = range(1 << inks.length), varying = inks.map(([, c]) => c).filter(c => c > 0 && c < 1);
+      return {
+        kinds: sets.map(set => every.filter(k => { const ink = inks.findIndex(([own]) => own === k); return ink < 0 || set >> ink & 1; })),
+        shares: sets.map(set => inks.reduce((share, [, c], ink) => share * (set >> ink & 1 ? c : 1 - c), 1)),
+        spread: varying.length ? sum(varying.map(c => c * (1 - c) * spread(c))) / sum(varying.map(c => c * (1 - c))) : 1,
+      };
     }
 
     count(number, um, k) {
@@ -637,8 +801,15 @@ const inkwave = (() => {
     }
 
     evaluated(job, eye) {
-      const rows = this.nm.map((_, w) => this.spectral(job, w)), found = {};
-      for (const name of Object.keys(rows[0])) found[name] = rows.map(row => row[name]);
+      const rows = this.nm.map((_, w) => this.spectral(job, w)), found = {}, solid = rows.map(row => row.area);
+      for (const name of Object.keys(rows[0].numbers)) found[name] = rows.map(row => row.numbers[name]);
+      if (job.light) {
+        const mix = { shares: [1], spread: 1 }, leaving = solid.map((a, w) => a.leaving / ((1 - job.albedo[w]) + job.albedo[w] * a.lost));
+        const add = (name, kind) => { const sent = this.emitted(job.light, mix, [kind]); found[name] = found[name].map((x, w) => x + leaving[w] * sent[w][0]); };
+        add("lit_at_45", solid);
+        add("natural_light", rows.map(({ area, sky }) => ({ ...area, entering: sky })));
+      }
+      found.factors = job.areas ? this.printed(job, solid) : found.lit_at_45;
       if (!eye) return found;
       found.xyz = xyzOf(eye, found.factors);
       found.lab_natural_light = labOf(xyzOf(eye, found.natural_light), whiteOf(eye));
@@ -646,6 +817,18 @@ const inkwave = (() => {
       found.contrast_ratio = xyzOf(eye, found.over_black)[1] / xyzOf(eye, found.over_white)[1];
       found.lab = labOf(found.xyz, whiteOf(eye));
       return found;
+    }
+
+    /** Radiance factors of a print in dots at 45:0. */
+    printed(job, solid) {
+      const { kinds, ...mix } = job.areas, optics = kinds.map(kind => {
+        if (!kind.length) return solid.map(() => bare(job.contact ? this.index : 1));
+        if (kind.length === job.layers.length) return solid;
+        const own = { ...job, layers: kind.map(k => job.layers[k]) };
+        return this.nm.map((_, w) => this.spectral(own, w).area);
+      });
+      const emitted = job.light ? this.emitted(job.light, mix, optics) : null;
+      return this.nm.map((_, w) => mixed(optics.map(kind => kind[w]), mix, job.albedo[w], emitted ? emitted[w] : []));
     }
 
     /** A composition's numbers without bars. */

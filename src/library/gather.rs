@@ -1,12 +1,18 @@
 //! From folders of finished studies and from other libraries to one library.
 
 use crate::evaluate::composed::library::Library;
+use crate::evaluate::evaluated::FinishedSolves;
 use crate::evaluate::manifest::program;
 use crate::export::folder::StoredFolder;
+use crate::input::study::Study;
 use std::path::{Path, PathBuf};
 
 /// The folder of a sweep's variants.
 const VARIANTS: &str = "variants";
+/// What a run that was asked for its results has.
+const RESULTS: &str = "results.json";
+/// The library of a run that was asked for its plates alone.
+pub const OWN_LIBRARY: &str = "library.json";
 
 /// Why there is no library.
 #[derive(Debug, thiserror::Error)]
@@ -53,6 +59,10 @@ fn read(source: &Path) -> Result<Vec<(PathBuf, Library)>, GatherError> {
     if source.is_file() {
         return Ok(vec![(source.to_owned(), from_file(source)?)]);
     }
+    let own = source.join(OWN_LIBRARY);
+    if own.is_file() && !source.join(RESULTS).is_file() {
+        return Ok(vec![(own.clone(), from_file(&own)?)]);
+    }
     let variants = source.join(VARIANTS);
     if !variants.is_dir() {
         return Ok(vec![(source.to_owned(), of_folder(source)?)]);
@@ -68,6 +78,14 @@ fn read(source: &Path) -> Result<Vec<(PathBuf, Library)>, GatherError> {
     folders.into_iter().map(|folder| Ok((folder.clone(), of_folder(&folder)?))).collect()
 }
 
+/// The plates of solves that are finished.
+///
+/// # Errors
+/// Layers without complete realisations.
+pub fn of_solves(study: &Study, solved: &FinishedSolves) -> Result<Library, String> {
+    Library::of_stack(study, solved.slabs(), &program())
+}
+
 /// The plates of one finished study.
 fn of_folder(path: &Path) -> Result<Library, GatherError> {
     let failed = |reason: String| GatherError { path: path.to_owned(), reason };
@@ -78,8 +96,9 @@ fn of_folder(path: &Path) -> Result<Library, GatherError> {
             Library::of_stack(study, solved, &program()).map_err(failed)
         }
         StoredFolder::Whole(_) => Err(failed(
-            "a layer that was solved with the air around it, from directions of its own: it holds no plates. Write it as \
-             [[layer]] with [stack.composed] joint_index = 1.5 (or the index of its binder), and run it again"
+            "a layer that was solved with the air around it, from directions of its own: it holds no plates. Solve it as a plate: \
+             inkwave run STUDY.toml --library; or write it as [[layer]] with [stack.composed] joint_index = 1.5 (or the index of \
+             its binder), and run it again"
                 .to_owned(),
         )),
     }

@@ -15,6 +15,9 @@
   const shown = (value, error, digits = 2) => error === undefined || error === null ? `${value.toFixed(digits)} ± …` : `${value.toFixed(digits)} ± ${(COVERAGE * error).toFixed(digits)}`;
   const css = rgb => `rgb(${rgb.map(c => Math.round(255 * c)).join(",")})`;
   const PAPERS = { "white, 0.9": 0.9, "bright, 0.95": 0.95, "newsprint, 0.6": 0.6, "grey card, 0.2": 0.2, "black card, 0.04": 0.04 };
+  // a usual brightener: it takes light about 365 nm, and emits about 440 nm
+  const EXCITATION = [[330, 0], [345, 0.45], [365, 0.75], [385, 0.5], [400, 0.2], [420, 0]];
+  const EMISSION = [[410, 0], [420, 0.35], [440, 1], [460, 0.75], [480, 0.4], [500, 0.15], [540, 0]];
   let library = null, swatches = new Map(), gamut = null, running = [0, 0], results = [null, null];
   let states = [];
 
@@ -24,13 +27,18 @@
     if (error && !(error instanceof inkwave.Refusal)) console.error(error);
   }
 
-  const usual = () => ({ layers: [], albedo: 0.9, contact: false, dots: false, coverage: 0.5, ruling: 60, spread: 40, illuminant: "D65", observer: "2", geometry: "45:0" });
+  const usual = () => ({ layers: [], albedo: 0.9, contact: false, dots: false, coverage: 0.5, ruling: 60, spread: 40, brightener: 0, condition: "", illuminant: "D65", observer: "2", geometry: "45:0" });
 
   function composition(state) {
-    const paper = { albedo: state.albedo, contact: state.contact };
-    const dots = state.dots ? { coverage: state.coverage, ruling_per_cm: state.ruling, spread_um: state.spread } : undefined;
-    return { layers: state.layers.map(({ plate, thickness_um }) => thickness_um ? { plate, thickness_um } : { plate }), paper, ...(dots ? { dots } : {}), illuminant: state.illuminant, observer: state.observer };
+    const glows = state.brightener > 0, paper = { albedo: state.albedo, contact: state.contact };
+    if (glows) paper.fluorescence = { excitation: EXCITATION, emission: EMISSION, yield: state.brightener };
+    const screen = { ruling_per_cm: state.ruling, spread_um: state.spread };
+    const dots = state.dots === "each" ? screen : state.dots ? { coverage: state.coverage, ...screen } : undefined;
+    const placed = ({ plate, thickness_um, coverage }) => ({ plate, ...(thickness_um ? { thickness_um } : {}), ...(state.dots === "each" ? { coverage: coverage === undefined ? state.coverage : coverage } : {}) });
+    return { layers: state.layers.map(placed), paper, ...(dots ? { dots } : {}), illuminant: state.illuminant, observer: state.observer, ...(glows && state.condition ? { condition: state.condition } : {}) };
   }
+  /** Whether the library's light excites the brightener. */
+  const excites = () => library.lights.length > 0 && library.nm[0] <= EXCITATION[0][0] + 5;
   const seen = state => state.geometry === "45:0" ? ["factors", "lab"] : ["natural_light", "lab_natural_light"];
 
   function load(content) {
@@ -82,11 +90,13 @@
       thickness = make("select", { "aria-label": "Thickness", onchange: event => { layer.plate = event.target.value; delete layer.thickness_um; draw(); } },
         ...same.filter(other => !other.slabs).map(other => { const option = make("option", { value: other.name }, `${other.thickness_um} µm`); option.selected = other.name === layer.plate; return option; }));
     }
+    const own = layer.coverage === undefined ? state.coverage : layer.coverage;
+    const dots = state.dots === "each" ? [make("input", { type: "range", class: "coverage", min: 0, max: 1, step: 0.01, value: own, title: `${(100 * own).toFixed(0)} %`, "aria-label": `Coverage of ${layer.plate}`, oninput: event => { layer.coverage = Number(event.target.value); look(k); }, onchange: () => draw() })] : [];
     const move = by => { const to = i + by; if (to >= 0 && to < state.layers.length) { state.layers.splice(to, 0, state.layers.splice(i, 1)[0]); draw(); } };
     const item = make("li", { draggable: "true" },
       make("span", { class: "swatch", style: `background:${swatches.get(layer.plate)}` }), make("span", { class: "name", title: plateInWords(layer.plate) }, layer.plate), thickness, plate.slabs ? "µm" : "",
       make("button", { "aria-label": `${layer.plate} up`, onclick: () => move(-1) }, "↑"), make("button", { "aria-label": `${layer.plate} down`, onclick: () => move(1) }, "↓"),
-      make("button", { "aria-label": `Remove ${layer.plate}`, onclick: () => { state.layers.splice(i, 1); draw(); } }, "×"));
+      make("button", { "aria-label": `Remove ${layer.plate}`, onclick: () => { state.layers.splice(i, 1); draw(); } }, "×"), ...dots);
     item.addEventListener("dragstart", event => { item.classList.add("dragged"); event.dataTransfer.setData("text/plain", JSON.stringify({ from: k, place: i })); });
     item.addEventListener("dragend", () => item.classList.remove("dragged"));
     return item;
@@ -128,11 +138,19 @@
       draw();
     } });
     const check = (key, title) => { const box = make("input", { type: "checkbox", onchange: event => { state[key] = event.target.checked; draw(); } }); box.checked = state[key]; return make("label", {}, box, ` ${title}`); };
-    const coverage = make("input", { type: "range", min: 0, max: 1, step: 0.01, value: state.coverage, "aria-label": "Coverage", oninput: event => { state.coverage = Number(event.target.value); state.dots = true; look(k); }, onchange: () => draw() });
+    const coverage = make("input", { type: "range", min: 0, max: 1, step: 0.01, value: state.coverage, "aria-label": "Coverage", oninput: event => { state.coverage = Number(event.target.value); state.dots = state.dots || true; look(k); }, onchange: () => draw() });
+    const brightener = make("input", { type: "range", min: 0, max: 1, step: 0.02, value: state.brightener, "aria-label": "Quanta that the brightener emits per quantum absorbed", oninput: event => { state.brightener = Number(event.target.value); look(k); }, onchange: () => draw() });
+    if (!excites()) {
+      brightener.disabled = true;
+      brightener.title = `the library starts at ${library.nm[0]} nm, and a brightener is excited from ${EXCITATION[0][0]} nm on: solve its layers from there`;
+    }
     const illuminants = [...new Set(library.eyes.map(eye => eye.illuminant))], observers = [...new Set(library.eyes.map(eye => eye.observer))];
     return make("div", { class: "fields" },
-      field("Paper or card", paper), field("Albedo, or nm albedo; …", own), check("contact", "in optical contact"), check("dots", "in dots"),
+      field("Paper or card", paper), field("Albedo, or nm albedo; …", own), check("contact", "in optical contact"),
+      field("Printed", choice([["", "solid"], ["whole", "in dots"], ["each", "each ink in dots"]], state.dots === true ? "whole" : state.dots || "", value => { state.dots = value === "whole" ? true : value; })),
       field(`Coverage ${(100 * state.coverage).toFixed(0)} %`, coverage), field("Dots per cm", number(state, "ruling", 1, 1000, 1)), field("Spread, µm", number(state, "spread", 0, 10000, 1)),
+      field(excites() ? `Brightener ${(100 * state.brightener).toFixed(0)} %` : `Brightener: takes a library from ${EXCITATION[0][0]} nm on`, brightener),
+      field("Its light", choice([["", "as the light"], ["M0", "M0, lamp"], ["M1", "M1, D50"], ["M2", "M2, no UV"]], state.condition, value => { state.condition = value; })),
       field("Light", choice(illuminants.map(x => [x, x]), state.illuminant, value => { state.illuminant = value; })),
       field("Observer", choice(observers.map(x => [x, `${x}°`]), state.observer, value => { state.observer = value; })),
       field("Seen", choice([["45:0", "lit at 45°"], ["natural", "under a sky"]], state.geometry, value => { state.geometry = value; })));
@@ -167,7 +185,7 @@
   function strip(k, state, wanted, eye) {
     const steps = 11, dots = { ruling_per_cm: state.ruling, spread_um: state.spread };
     $(`strip-${k}`).replaceChildren(...Array.from({ length: steps }, (_, i) => {
-      const found = library.compose({ ...wanted, dots: { ...dots, coverage: i / (steps - 1) } });
+      const found = library.compose({ ...wanted, layers: wanted.layers.map(({ coverage, ...layer }) => layer), dots: { ...dots, coverage: i / (steps - 1) } });
       return make("div", { style: `background:${css(inkwave.screen(inkwave.xyzOf(eye, found.factors), inkwave.whiteOf(eye)))}` });
     }));
   }
@@ -224,7 +242,7 @@
     return all.filter((_, i) => i < Math.min(pairs, MOST_POINTS) || (i - pairs) % every === 0);
   }
   async function composeAll(about) {
-    const state = states[0], base = composition(state), key = JSON.stringify([{ ...base, layers: 0 }, state.geometry]);
+    const state = states[0], base = composition(state.dots === "each" ? { ...state, dots: true } : state), key = JSON.stringify([{ ...base, layers: 0 }, state.geometry]);
     if (gamut && gamut.key === key) return gamut;
     const points = [], all = stacks();
     for (let i = 0; i < all.length; i++) {
@@ -259,7 +277,31 @@
     const best = points.map(p => ({ ...p, distance: inkwave.deltaE(p.lab, wanted) })).sort((p, q) => p.distance - q.distance).slice(0, 5);
     $("found").replaceChildren(make("tr", {}, ...["", "stack, top first", "L*, a*, b*", "ΔE₀₀", ""].map(title => make("th", {}, title))),
       ...best.map(p => make("tr", {}, make("td", {}, make("div", { class: "swatch", style: `background:${p.css}` })), make("td", {}, p.names.join(" on ")), make("td", {}, p.lab.map(v => v.toFixed(1)).join(", ")), make("td", {}, p.distance.toFixed(2)),
-        make("td", {}, make("button", { onclick: () => { states[1].layers = p.names.map(plate => ({ plate })); for (const key of ["albedo", "contact", "dots", "coverage", "ruling", "spread", "illuminant", "observer", "geometry"]) states[1][key] = states[0][key]; draw(); } }, "to B")))));
+        make("td", {}, make("button", { onclick: () => { states[1].layers = p.names.map(plate => ({ plate })); for (const key of ["albedo", "contact", "dots", "coverage", "ruling", "spread", "brightener", "condition", "illuminant", "observer", "geometry"]) states[1][key] = states[0][key]; draw(); } }, "to B")))));
+  }
+
+  /** Rows of nm and factor of a measured spectrum: the first sample of a CGATS file, or lines of two numbers. */
+  function spectrumOf(text) {
+    const format = text.match(/BEGIN_DATA_FORMAT\s+([\s\S]*?)\s+END_DATA_FORMAT/), data = text.match(/BEGIN_DATA\s+([\s\S]*?)\s+END_DATA/);
+    let rows;
+    if (format && data) {
+      const values = data[1].split("\n")[0].match(/"[^"]*"|\S+/g) || [];
+      rows = format[1].split(/\s+/).map((field, k) => [field.match(/^SPECTRAL_(?:NM_?)?(\d+(?:\.\d+)?)$/i), Number(values[k])]).filter(([nm]) => nm).map(([nm, value]) => [Number(nm[1]), value]);
+    } else rows = text.split("\n").map(line => line.trim().split(/[\s,;]+/).map(Number)).filter(([nm, value]) => nm > 200 && Number.isFinite(value)).map(([nm, value]) => [nm, value]);
+    rows.sort((p, q) => p[0] - q[0]);
+    const percent = rows.some(row => row[1] > 2);
+    return percent ? rows.map(([nm, value]) => [nm, value / 100]) : rows;
+  }
+  async function measured(file) {
+    const rows = spectrumOf(await file.text()), eye = library.eye(composition(states[0])), seen = library.nm.filter((_, w) => eye.weights[w].some(x => x !== 0));
+    if (rows.length < 3 || rows[0][0] > seen[0] || rows.at(-1)[0] < seen.at(-1)) {
+      const found = rows.length ? `${rows.length} wavelengths from ${rows[0][0]} to ${rows.at(-1)[0]} nm` : "no spectrum";
+      throw new inkwave.Refusal(`${file.name}: found ${found}; allowed are lines of nm and factor, or CGATS with SPECTRAL_NM fields, from ${seen[0]} to ${seen.at(-1)} nm`);
+    }
+    const at = nm => { const k = Math.max(rows.findIndex(row => row[0] >= nm), 1), [[a, x], [b, y]] = [rows[k - 1], rows[k]]; return x + (nm - a) / (b - a) * (y - x); };
+    const lab = inkwave.labOf(inkwave.xyzOf(eye, library.nm.map(nm => seen.includes(nm) ? at(nm) : 0)), inkwave.whiteOf(eye));
+    ["l", "a", "b"].forEach((c, k) => { $(`want-${c}`).value = lab[k].toFixed(2); });
+    await search();
   }
 
   function save(name, text) {
@@ -274,9 +316,10 @@
     return `CGATS.17\n\nORIGINATOR\t"${library.content.program}, composed of plates"\nNUMBER_OF_FIELDS\t${fields.length}\nBEGIN_DATA_FORMAT\n${fields.join("\t")}\nEND_DATA_FORMAT\n\nNUMBER_OF_SETS\t${rows.length}\nBEGIN_DATA\n${rows.join("\n")}\nEND_DATA\n`;
   }
   function file() {
-    const { layers, paper, dots, illuminant, observer } = composition(states[0]), text = JSON.stringify;
+    const { layers, paper, dots, ...seenBy } = composition(states[0]);
+    const text = value => value && typeof value === "object" && !Array.isArray(value) ? `{ ${Object.entries(value).map(([key, part]) => `${key} = ${text(part)}`).join(", ")} }` : JSON.stringify(value);
     const table = parts => Object.entries(parts).map(([key, value]) => `${key} = ${text(value)}`).join("\n");
-    return `# State A. inkwave compose composition.toml --library library.json\n${table({ illuminant, observer })}\n\n${layers.map(layer => `[[layers]]\n${table(layer)}\n`).join("\n")}\n[paper]\n${table(paper)}\n${dots ? `\n[dots]\n${table(dots)}\n` : ""}`;
+    return `# State A. inkwave compose composition.toml --library library.json\n${table(seenBy)}\n\n${layers.map(layer => `[[layers]]\n${table(layer)}\n`).join("\n")}\n[paper]\n${table(paper)}\n${dots ? `\n[dots]\n${table(dots)}\n` : ""}`;
   }
   const toLink = () => `#${encodeURIComponent(JSON.stringify(states))}`;
   function fromLink() {
@@ -293,6 +336,7 @@
   $("gamut").addEventListener("click", async () => { try { await composeAll($("gamut-about")); hull(); } catch (error) { fail(error); } });
   $("projection").addEventListener("change", () => { if (gamut) hull(); });
   $("search").addEventListener("click", () => search().catch(fail));
+  $("measured").addEventListener("change", event => { fail(null); measured(event.target.files[0]).catch(fail); });
   $("link").addEventListener("click", async () => {
     location.hash = toLink();
     try { await navigator.clipboard.writeText(location.href); $("kept").textContent = "The link is copied, and stands in the address bar."; } catch { $("kept").textContent = "The link stands in the address bar."; }

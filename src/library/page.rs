@@ -14,7 +14,13 @@ pub fn page(library: &Library, title: &str) -> serde_json::Result<String> {
     // within a script, nothing may look like its end
     let json = serde_json::to_string(library)?.replace("</", "<\\/");
     let title = title.replace('&', "&amp;").replace('<', "&lt;");
-    let parts =
-        [("@TITLE@", title.as_str()), ("@ENGINE@", ENGINE), ("@CONTROLS@", CONTROLS), ("@LIBRARY@", &json)];
+    let made = format!("{}, method {}", library.program.replace("--", ""), library.method);
+    let parts = [
+        ("@TITLE@", title.as_str()),
+        ("@ENGINE@", ENGINE),
+        ("@CONTROLS@", CONTROLS),
+        ("@MADE@", made.as_str()),
+        ("@LIBRARY@", &json),
+    ];
     Ok(parts.iter().fold(PAGE.to_owned(), |page, (place, part)| page.replace(place, part)))
 }

@@ -119,13 +119,13 @@ fn a_composition_is_the_run_of_its_stack() {
     );
 }
 
-/// Twenty random stacks of made-up plates, and their bars, are those that NumPy finds by code of its own. *Planted*: a block of a
-/// plate that is transposed.
+/// Random stacks of made-up plates, on papers that fluoresce and in dots of every ink too, and their bars, are those that NumPy
+/// finds by code of its own. *Planted*: a block of a plate that is transposed.
 #[test]
 fn stacks_of_made_up_plates_are_those_of_numpy() {
     let library = Library::read(&data("library.json")).expect("a library");
     let golden: Vec<Value> = serde_json::from_str(&data("library-golden.json")).expect("JSON");
-    assert_eq!(golden.len(), 20);
+    assert_eq!(golden.len(), 36);
     for one in golden {
         let found = compose(&library, &composition(one["composition"].clone())).expect("composed");
         let found = serde_json::to_value(found).unwrap();
@@ -149,6 +149,136 @@ fn stacks_of_made_up_plates_are_those_of_numpy() {
             }
         }
     }
+}
+
+/// A print in dots on a paper that fluoresces, under the lights of instruments and under daylight, is what a run of it gives.
+/// *Planted*: the albedo below a brightener taken whole; the condition's light left out.
+#[test]
+fn a_brightened_print_in_dots_is_that_of_the_run() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    let brightener = "{ excitation = [[415, 0], [430, 0.5], [480, 0]], emission = [[450, 0], [500, 1], [600, 0]], yield = 0.6 }";
+    let paper = format!("[paper]\nalbedo = 0.8\nfluorescence = {brightener}\n");
+    let text = PLATES.replace("[paper]\nalbedo = 0.8\n", &paper).replace("[1, 2.3]", "1")
+        + "[dots]\nruling_per_cm = 60\nspread_um = 40\n[[area]]\ncoverage = 0.4\n";
+    succeed(&study(folder, &text), &folder.join("out"), &[]);
+    let done = inkwave(&["library", "out", "--output", "library.json"], folder);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let library =
+        Library::read(&std::fs::read_to_string(folder.join("library.json")).unwrap()).expect("a library");
+    let run = read(&folder.join("out/results.json"));
+    let fluorescence = json!({
+        "excitation": [[415, 0], [430, 0.5], [480, 0]],
+        "emission": [[450, 0], [500, 1], [600, 0]],
+        "yield": 0.6
+    });
+    let composed = |illuminant: &str, condition: Option<&str>| {
+        let value = json!({
+            "layers": [{ "plate": "red" }, { "plate": "white", "thickness_um": 1.0 }],
+            "paper": { "albedo": 0.8, "fluorescence": fluorescence },
+            "dots": { "coverage": 0.4, "ruling_per_cm": 60, "spread_um": 40 },
+            "illuminant": illuminant,
+            "condition": condition,
+        });
+        serde_json::to_value(compose(&library, &composition(value)).expect("composed")).unwrap()
+    };
+    let number = |value: &Value| value["value"].as_f64().expect("a number");
+    let daylight = composed("D65", None);
+    let rows = run["spectra"].as_array().expect("rows");
+    for (own, row) in daylight["spectra"].as_array().expect("rows").iter().zip(rows) {
+        for name in ["natural_light", "lit_at_45", "over_black"] {
+            let off = number(&own[name]) - number(&row[name]);
+            assert!(off.abs() < 1e-12, "{name}: {off}");
+        }
+    }
+    let prints = run["prints"]["prints"].as_array().expect("prints");
+    let mut emitted = 0.0_f64;
+    for condition in ["M0", "M1", "M2"] {
+        let is_own = |print: &&Value| print["condition"] == condition && print["nominal"] == 0.4;
+        let print = prints.iter().find(is_own).expect("a print");
+        let own = &composed("D50", Some(condition))["dots"];
+        for (own, factor) in
+            own["factors"].as_array().unwrap().iter().zip(print["factors"].as_array().unwrap())
+        {
+            assert!((number(own) - number(factor)).abs() < 1e-12, "{condition}: {own} {factor}");
+        }
+        for c in 0..3 {
+            let off = number(&own["lab"][c]) - number(&print["lab"][c]);
+            assert!(off.abs() < 1e-9, "{condition}: {off}");
+        }
+        emitted = emitted.max((number(&own["factors"][1]) - number(&daylight["dots"]["factors"][1])).abs());
+    }
+    // the conditions differ, or there were nothing to compare
+    assert!(emitted > 1e-4, "{emitted}");
+}
+
+/// Layers in dots of their own over a paper that does not spread light are Neugebauer's mean of their overprints, each composed
+/// alone; of a layer that covers nothing there is none. *Planted*: Demichel's shares of the inks changed round.
+#[test]
+fn dots_of_every_ink_are_neugebauers_mean() {
+    let library = Library::read(&data("library.json")).expect("a library");
+    let composed = |value: Value| {
+        serde_json::to_value(compose(&library, &composition(value)).expect("composed")).unwrap()
+    };
+    let factors = |found: &Value| -> Vec<f64> {
+        let all = found["dots"]["factors"].as_array().expect("factors");
+        all.iter().map(|factor| factor["value"].as_f64().unwrap()).collect()
+    };
+    let solid = |names: &[&str]| -> Vec<f64> {
+        let layers: Vec<Value> = names.iter().map(|name| json!({ "plate": name })).collect();
+        let found = composed(json!({ "layers": layers, "paper": { "albedo": 0.7 } }));
+        let rows = found["spectra"].as_array().unwrap();
+        rows.iter().map(|row| row["lit_at_45"]["value"].as_f64().unwrap()).collect()
+    };
+    let [a, b] = [0.3, 0.6];
+    let layers =
+        json!([{ "plate": "light" }, { "plate": "red", "coverage": a }, { "plate": "white", "coverage": b }]);
+    let screen = json!({ "ruling_per_cm": 60, "spread_um": 0 });
+    let found = composed(json!({ "layers": layers, "paper": { "albedo": 0.7 }, "dots": screen }));
+    let parts = [
+        ((1.0 - a) * (1.0 - b), solid(&["light"])),
+        (a * (1.0 - b), solid(&["light", "red"])),
+        ((1.0 - a) * b, solid(&["light", "white"])),
+        (a * b, solid(&["light", "red", "white"])),
+    ];
+    for (w, factor) in factors(&found).into_iter().enumerate() {
+        let mean: f64 = parts.iter().map(|(share, spectrum)| share * spectrum[w]).sum();
+        // an identity: rounding
+        assert!((factor - mean).abs() < 1e-12, "{factor} {mean}");
+    }
+    let none = json!([{ "plate": "light", "coverage": 0.0 }]);
+    let found = composed(json!({ "layers": none, "paper": { "albedo": 0.7 }, "dots": screen }));
+    assert!(factors(&found).into_iter().all(|factor| (factor - 0.7).abs() < 1e-15));
+}
+
+/// The plates of a single layer are asked for alone: no report, and the library that the folder of a stack gives.
+#[test]
+fn a_run_gives_its_plates_alone() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    let one = PLATES
+        .replace("[stack]\nperiod_um = 0.8\ncomposed = { joint_index = 1.5, slab_um = 0.5 }\n", "")
+        .split("[[layer]]\nname = \"white\"")
+        .next()
+        .map(|first| {
+            first
+                .replace("[[layer]]\nname = \"red\"", "[layer]\nperiod_um = 0.8")
+                .replace("[[layer.pigment]]", "[[pigment]]")
+        })
+        .expect("a layer");
+    let rest = PLATES.split_once("[paper]").expect("a paper").1;
+    std::fs::write(folder.join("study.toml"), format!("{one}[paper]{rest}")).unwrap();
+    let done = inkwave(&["run", "study.toml", "--library"], folder);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    let out = folder.join("out/study-plates");
+    assert!(!out.join("report.html").exists() && !out.join("results.json").exists());
+    let library =
+        Library::read(&std::fs::read_to_string(out.join("library.json")).unwrap()).expect("a library");
+    assert_eq!(library.joint.index, 1.5);
+    assert_eq!(library.plates[0].name, "Plates");
+    let done = inkwave(&["library", "out/study-plates", "--output", "all.json"], folder);
+    assert!(done.status.success(), "{}", String::from_utf8_lossy(&done.stderr));
+    assert_eq!(read(&folder.join("all.json")), read(&out.join("library.json")));
 }
 
 /// The page's engine by Node.js, where there is one; Python's by NumPy, where there is one.
@@ -187,7 +317,7 @@ fn what_does_not_fit_is_refused() {
         change(&mut value);
         std::fs::write(folder.join(name), value.to_string()).unwrap();
     };
-    changed("newer.json", &|value| value["inkwave_library"] = json!(2));
+    changed("newer.json", &|value| value["inkwave_library"] = json!(3));
     changed("method.json", &|value| value["method"] = json!(9));
     changed("other.json", &|value| value["wavelengths_nm"][0] = json!(425));
     changed("less.json", &|value| {
@@ -197,7 +327,7 @@ fn what_does_not_fit_is_refused() {
     changed("cut.json", &|value| value["plates"][0]["portions"][0]["states"][0]["mean"] = json!("AAAA"));
     std::fs::write(folder.join("text.json"), "no library").unwrap();
     let libraries = [
-        ("newer.json", "found form 2; allowed up to 1"),
+        ("newer.json", "found form 3; allowed up to 2"),
         ("method.json", "method: found 9; allowed 10"),
         ("less.json", "incomplete"),
         ("cut.json", "incomplete"),
@@ -224,6 +354,31 @@ fn what_does_not_fit_is_refused() {
         ("layers = [{ plate = 'red' }]\npaper = { albedo = 1.2 }", "paper.albedo"),
         ("layers = [{ plate = 'red' }]\nilluminant = 'F99'", "F99"),
         ("layers = [{ plate = 'red' }]\ncolour = 1", "colour"),
+        ("layers = [{ plate = 'red', coverage = 0.5 }]", "layers[0].coverage: found one without a screen"),
+        (
+            "layers = [{ plate = 'red', coverage = 0.5 }]\ndots = { coverage = 0.5, ruling_per_cm = 60, spread_um = 0 }",
+            "dots.coverage: found one beside layers[0].coverage",
+        ),
+        (
+            "layers = [{ plate = 'red' }]\ndots = { ruling_per_cm = 60, spread_um = 0 }",
+            "dots.coverage: found 0 coverages",
+        ),
+        (
+            "layers = [{ plate = 'red' }]\npaper.fluorescence = { excitation = [[330, 0], [365, 0.5], [420, 0]], emission = [[420, 0], [440, 1], [480, 0]], yield = 0.5 }",
+            "found excitation from 330 nm, a library from 420 nm; allowed is a library that holds the light that excites",
+        ),
+        (
+            "layers = [{ plate = 'red' }]\npaper.fluorescence = { excitation = [[420, 0.9], [440, 0.9]], emission = [[450, 1], [480, 1]], yield = 2 }",
+            "paper.fluorescence.yield: found 2; allowed 0 to 1",
+        ),
+        (
+            "layers = [{ plate = 'red' }]\npaper.fluorescence = { excitation_nm = [420, 440], emission_nm = [450, 500], factors = [[0.5, 0.5], [0.5, 0.5]] }",
+            "quanta reflected and emitted for each that comes in; allowed at most 1",
+        ),
+        (
+            "layers = [{ plate = 'red' }]\ncondition = 'M3'\npaper.fluorescence = { excitation = [[420, 0.1], [440, 0.1]], emission = [[450, 1], [480, 1]], yield = 0.5 }",
+            "condition: found M3; allowed M0, M1, M2",
+        ),
         (
             "layers = [{ plate = 'red' }]\ndots = { coverage = 2, ruling_per_cm = 60, spread_um = 0 }",
             "dots.coverage: found 2",

@@ -11,6 +11,8 @@
 //! spectrum. A table holds Donaldson's matrix of the paper (Br. J. Appl. Phys. 5, 210, 1954):
 //! radiance factor at λ per band of light at μ, so that f is the entry over the width of a band.
 
+use super::paper::Albedo;
+
 /// Step of the wavelengths at which excitation is summed, nm.
 pub const STEP_NM: f64 = 5.0;
 /// Shortest wavelength of light that excites, nm: daylight has next to none below.
@@ -50,6 +52,23 @@ impl Fluorescence {
             Self::Bands { excitation, .. } => rows_at(excitation, nm),
             Self::Table { .. } => 0.0,
         }
+    }
+
+    /// What an albedo reflects of the light that bands leave it, at these wavelengths, at those of
+    /// the sum over excitation and at its own between them.
+    pub fn left_of(&self, albedo: &Albedo, wavelengths_nm: &[f64]) -> Albedo {
+        let (Some(&from_nm), Some(&to_nm)) = (wavelengths_nm.first(), wavelengths_nm.last()) else {
+            return albedo.clone();
+        };
+        let mut nm = summed_nm(from_nm, to_nm);
+        nm.extend(wavelengths_nm);
+        if let Albedo::Spectral(rows) = albedo {
+            nm.extend(rows.iter().map(|row| row[0]).filter(|at| (from_nm..=to_nm).contains(at)));
+        }
+        nm.sort_by(f64::total_cmp);
+        nm.dedup();
+        let row = |nm: f64| Some([nm, albedo.at(nm).ok()? * (1.0 - self.absorbed(nm))]);
+        Albedo::Spectral(nm.into_iter().filter_map(row).collect())
     }
 
     /// First and last wavelength of light that excites, nm; `None` if there is none.

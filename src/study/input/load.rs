@@ -19,6 +19,19 @@ pub fn load(path: &Path) -> Result<Study, StudyError> {
     load_with(path, check)
 }
 
+/// Like [`load`], with all layers as plates of a library: solved between half-spaces of one index,
+/// `stack.composed.joint_index`, or that of the first binder.
+///
+/// # Errors
+/// As for [`load`], and what a composed stack cannot hold.
+pub fn load_plates(path: &Path) -> Result<Study, StudyError> {
+    load_with(path, |file, folder, name| {
+        let mut plates = file.clone();
+        plates.make_plates(file.title.as_deref().unwrap_or(name));
+        check(&plates, folder, name)
+    })
+}
+
 /// Like [`load`], for packings only: what only the wave needs is optional.
 ///
 /// # Errors

@@ -7,29 +7,37 @@
 //! The plates lie in the joint's medium, plane faces lead from there to the air in front and to the
 //! gap behind; a paper in optical contact has the joint's index. Everything else is what a run
 //! makes of a composed stack: the same fluxes, the same mean wave, the same series of the paper and
-//! the same bars.
+//! the same bars. Of layers in dots every overprint is composed as a stack of its own.
+
+mod dots;
+mod paper;
 
 use super::errors::judged;
 use super::gate::{LayerInColour, rows};
 use super::layer::ComposedLayer;
 use super::level::{Change, KeptPortion, Level};
 use super::library::Library;
-use super::numbers::{colours_of, spectral};
+use super::numbers::{SpectralLayer, brightened, colours_of, spectral};
 use super::stacked::{between_faces, slab_elements};
 use crate::appearance::bare_paper::{BareSurface, PaperGeometry};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::stack::PlateStack;
-use crate::appearance::halftone::{murray_davies, spread_share};
-use crate::appearance::paper::{Albedo, Coupling, MirroredSky, PRINT_DEG};
+use crate::appearance::halftone::murray_davies;
+use crate::appearance::paper::{Coupling, MirroredSky, PRINT_DEG};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow};
-use crate::evaluate::prints::PrintNumbers;
+use crate::evaluate::prints::{Brightened, PrintNumbers};
 use crate::evaluate::published::{ErrorParts, Withheld};
 use crate::evaluate::quantities::{ColourNumbers, ComposedNumbers, LayerNumbers, ThicknessNumbers};
+use crate::input::measured::MeasuredCondition;
+use dots::KindsOfArea;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+pub use dots::CompositionDots;
+pub use paper::{CompositionFluorescence, CompositionPaper};
 
 /// Micrometres of a centimetre.
 const UM_PER_CM: f64 = 1e4;
@@ -52,6 +60,10 @@ pub struct Composition {
     /// Observer of the colours: `2` or `10`.
     #[serde(default = "standard")]
     pub observer: String,
+    /// Light that excites the paper's brightener: M0 (a lamp), M1 (D50) or M2 (D50 without
+    /// ultraviolet); none for that of the illuminant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condition: Option<MeasuredCondition>,
 }
 
 /// One layer of a composition.
@@ -63,35 +75,10 @@ pub struct CompositionLayer {
     /// Thickness, µm; of plates in slabs any from two slabs on (default), else the solved one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub thickness_um: Option<f64>,
-}
-
-/// The paper of a composition.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct CompositionPaper {
-    /// Share of the light that it returns, 0 to 1: a number, or rows of nm and share.
-    #[schemars(with = "serde_json::Value")]
-    pub albedo: Albedo,
-    /// Whether it touches the stack, in a medium of the joint's index; else there is a thin gap.
-    pub contact: bool,
-}
-
-/// Dots of a composition.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct CompositionDots {
-    /// Share of the area that the stack covers, 0 to 1; the rest is bare paper.
-    pub coverage: f64,
-    /// Dots per cm.
-    pub ruling_per_cm: f64,
-    /// Length over which the paper spreads light, µm.
-    pub spread_um: f64,
-}
-
-impl Default for CompositionPaper {
-    fn default() -> Self {
-        Self { albedo: Albedo::Constant(0.9), contact: false }
-    }
+    /// Share of the area that it covers in dots, 0 to 1, of a composition with `dots`; everywhere
+    /// where there is none. Layers with coverages lie over each other at random (Demichel).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coverage: Option<f64>,
 }
 
 fn daylight() -> String {
@@ -129,7 +116,10 @@ struct CompositionTask<'a> {
     coupling: Coupling,
     albedos: Vec<f64>,
     eye: Option<Colorimeter>,
-    dots: Option<CompositionDots>,
+    /// The paper under the light that excites it, where it fluoresces.
+    light: Option<Brightened>,
+    /// The print in dots, if it is one.
+    areas: Option<KindsOfArea>,
 }
 
 /// Composes a stack of a library's plates.
@@ -143,7 +133,7 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
     // what cannot be joined is said once
     for level in [&whole, &half] {
         (0..library.wavelengths_nm.len())
-            .try_for_each(|w| task.stack(level, w, Change::default()).map(drop))?;
+            .try_for_each(|w| task.stack(level, w, Change::default(), &task.layers).map(drop))?;
     }
     let numbers = judged(&|level, change| task.numbers(level, change), [&whole, &half], None).numbers;
     let layer = numbers.requested.into_iter().next().ok_or("nothing composed")?;
@@ -171,7 +161,7 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
 impl<'a> CompositionTask<'a> {
     /// With the thickness of all layers, µm.
     fn new(library: &'a Library, composition: &Composition) -> Result<(Self, f64), String> {
-        let Composition { layers, paper, dots, illuminant, observer } = composition;
+        let Composition { layers, paper, dots, illuminant, observer, condition } = composition;
         if layers.is_empty() {
             return Err("layers: found none; allowed is one or more: name a plate of the library".to_owned());
         }
@@ -184,24 +174,25 @@ impl<'a> CompositionTask<'a> {
             thickness_um += count * library.plates[plate].thickness_um;
             placed.push((plate, count));
         }
-        if let Some(dots) = dots {
-            dots.check()?;
+        if let (None, Some(number)) = (dots, layers.iter().position(|layer| layer.coverage.is_some())) {
+            return Err(format!(
+                "layers[{number}].coverage: found one without a screen; allowed beside dots = {{ ruling_per_cm = 60, spread_um = 40 }}"
+            ));
         }
+        let areas = dots.as_ref().map(|dots| dots.areas(layers)).transpose()?;
         let nm = &library.wavelengths_nm;
-        let albedo = |nm: &f64| paper.albedo.at(*nm).map_err(|error| format!("paper.albedo: {error}"));
         let viewing =
             Viewing::new(illuminant, observer, Summation::Plain).map_err(|error| error.to_string())?;
-        let coupling = match paper.contact {
-            true => Coupling::OpticalContact { index: library.joint.index },
-            false => Coupling::Gap,
-        };
+        let paper = paper.checked(library.joint.index, nm)?;
+        let albedo = |nm: &f64| paper.albedo.at(*nm).map_err(|error| format!("paper.albedo: {error}"));
         let task = Self {
             library,
             layers: placed,
-            coupling,
+            coupling: paper.coupling,
             albedos: nm.iter().map(albedo).collect::<Result<_, _>>()?,
             eye: Colorimeter::under(&nm[visible(nm)], &viewing).ok(),
-            dots: *dots,
+            light: paper::lit(&paper, nm, *condition, &viewing)?,
+            areas,
         };
         Ok((task, thickness_um))
     }
@@ -220,11 +211,17 @@ impl<'a> CompositionTask<'a> {
             .ok_or_else(|| "a library without plates".to_owned())
     }
 
-    /// The stack at one wavelength.
-    fn stack(&self, level: &Level, wavelength: usize, change: Change) -> Result<PlateStack, String> {
+    /// A stack of these layers at one wavelength.
+    fn stack(
+        &self,
+        level: &Level,
+        wavelength: usize,
+        change: Change,
+        layers: &[(usize, f64)],
+    ) -> Result<PlateStack, String> {
         let Library { joint, plates, wavelengths_nm, .. } = self.library;
         let mut elements = Vec::new();
-        for (layer, &(number, count)) in self.layers.iter().enumerate() {
+        for (layer, &(number, count)) in layers.iter().enumerate() {
             let plate = &plates[number];
             let mean = |position| level.mean([number, wavelength], position, change);
             let own = slab_elements(mean, level.halved, count, plate.within[wavelength], layer);
@@ -237,24 +234,44 @@ impl<'a> CompositionTask<'a> {
         between_faces(elements, [&before, &within, &behind], 1e-3 * wavelengths_nm[wavelength])
     }
 
-    /// All numbers of the composition.
-    fn numbers(&self, level: &Level, change: Change) -> ComposedNumbers<f64> {
-        let mut spectra = Vec::new();
-        let mut optics = Vec::new();
+    /// These layers on the paper at every wavelength.
+    fn spectra(&self, level: &Level, change: Change, layers: &[(usize, f64)]) -> Vec<SpectralLayer> {
+        let wave = self.library.wave;
+        let mut all = Vec::new();
         for (wavelength, albedo) in self.albedos.iter().enumerate() {
             // joined before: an error is impossible here
-            let Ok(stack) = self.stack(level, wavelength, change) else { continue };
+            let Ok(stack) = self.stack(level, wavelength, change, layers) else { continue };
             let film = stack.film(change.fewer_directions);
-            let layer = ComposedLayer::of_stack(&stack, &film, self.library.wave);
-            let own = spectral(&layer, self.library.wave, MirroredSky::Included, *albedo);
-            optics.push(own.at_45);
-            spectra.push(own.numbers);
+            let layer = ComposedLayer::of_stack(&stack, &film, wave);
+            all.push(spectral(&layer, wave, MirroredSky::Included, *albedo));
         }
+        match &self.light {
+            Some(light) => brightened(all, light, &self.library.wavelengths_nm, &self.albedos),
+            None => all,
+        }
+    }
+
+    /// All numbers of the composition.
+    fn numbers(&self, level: &Level, change: Change) -> ComposedNumbers<f64> {
+        let solid = self.spectra(level, change, &self.layers);
+        let optics = |all: &[SpectralLayer]| -> Vec<AreaOptics> { all.iter().map(|own| own.at_45).collect() };
+        let prints = self.areas.iter().map(|areas| {
+            let kind = |layers: &Vec<usize>| match layers.len() {
+                0 => vec![self.bare(); self.albedos.len()],
+                count if count == self.layers.len() => optics(&solid),
+                _ => {
+                    let own: Vec<(usize, f64)> = layers.iter().map(|&layer| self.layers[layer]).collect();
+                    optics(&self.spectra(level, change, &own))
+                }
+            };
+            self.print(areas, &areas.kinds.iter().map(kind).collect::<Vec<_>>())
+        });
+        let prints = prints.collect();
+        let spectra: Vec<LayerNumbers<f64>> = solid.into_iter().map(|own| own.numbers).collect();
         let colours = self.eye.as_ref().map(|eye| {
             let seen = visible(&self.library.wavelengths_nm);
             colours_of(eye, &spectra[seen]).unwrap_or(ColourNumbers::unknown())
         });
-        let prints = self.dots.iter().map(|dots| self.print(*dots, &optics)).collect();
         ComposedNumbers {
             requested: vec![ThicknessNumbers { spectra, colours, weighted: Vec::new(), prints }],
             curve: Vec::new(),
@@ -265,27 +282,43 @@ impl<'a> CompositionTask<'a> {
         }
     }
 
-    /// The print in dots at 45:0.
-    fn print(&self, dots: CompositionDots, optics: &[AreaOptics]) -> PrintNumbers<f64> {
+    /// Bare paper at 45:0.
+    fn bare(&self) -> AreaOptics {
         let surface = BareSurface::new(self.coupling);
         let [entering, leaving] = surface.passed(PaperGeometry::LitAt45);
-        let bare = AreaOptics { own: 0.0, entering, leaving, lost: surface.escaping() };
-        let spread = spread_share(dots.coverage, dots.ruling_per_cm / UM_PER_CM, dots.spread_um);
-        let factors = |coverage: f64| -> Vec<f64> {
-            let mix = AreaMix { shares: vec![coverage, 1.0 - coverage], spread };
-            let factor = |(area, albedo): (&AreaOptics, &f64)| mix.factor(&[*area, bare], *albedo, &[]);
-            optics.iter().zip(&self.albedos).map(factor).collect()
+        AreaOptics { own: 0.0, entering, leaving, lost: surface.escaping() }
+    }
+
+    /// The print in dots at 45:0; `optics` are those of every kind of area, wavelength by
+    /// wavelength.
+    fn print(&self, areas: &KindsOfArea, optics: &[Vec<AreaOptics>]) -> PrintNumbers<f64> {
+        let nm = &self.library.wavelengths_nm;
+        let kinds: Vec<&[AreaOptics]> = optics.iter().map(Vec::as_slice).collect();
+        let factors = |mix: &AreaMix| -> Vec<f64> {
+            let emitted = self.light.as_ref().map(|light| light.below(mix, &kinds, nm));
+            let factor = |(w, albedo): (usize, &f64)| {
+                let emitted = emitted.as_ref().map_or(Vec::new(), |emitted| emitted.relative(nm[w]));
+                let here: Vec<AreaOptics> = kinds.iter().map(|kind| kind[w]).collect();
+                mix.factor(&here, *albedo, &emitted)
+            };
+            self.albedos.iter().enumerate().map(factor).collect()
         };
         let colour = |factors: &[f64]| {
-            let seen = &factors[visible(&self.library.wavelengths_nm)];
+            let seen = &factors[visible(nm)];
             self.eye.as_ref().and_then(|eye| eye.colour(seen).ok())
         };
-        let luminance = |coverage: f64| colour(&factors(coverage)).map_or(f64::NAN, |colour| colour.xyz[1]);
-        let printed = factors(dots.coverage);
+        let luminance = |factors: &[f64]| colour(factors).map_or(f64::NAN, |colour| colour.xyz[1]);
+        let alone = |kind: usize| {
+            let shares = (0..kinds.len()).map(|k| f64::from(u8::from(k == kind))).collect();
+            luminance(&factors(&AreaMix { shares, ..areas.mix.clone() }))
+        };
+        let printed = factors(&areas.mix);
         let lab = colour(&printed).map_or([f64::NAN; 3], |colour| colour.lab);
-        let [paper, tint] = [luminance(0.0), luminance(dots.coverage)];
-        let apparent = murray_davies(paper, tint, luminance(1.0));
-        // of one ink there is no sum of densities to compare with
+        let tint = luminance(&printed);
+        let paper = alone(0);
+        // several inks have no one coverage, and no solids of each to sum densities of
+        let is_one = areas.inks == 1;
+        let apparent = if is_one { murray_davies(paper, tint, alone(kinds.len() - 1)) } else { f64::NAN };
         PrintNumbers {
             lab,
             apparent,
@@ -293,17 +326,5 @@ impl<'a> CompositionTask<'a> {
             additivity: f64::NAN,
             factors: printed,
         }
-    }
-}
-
-impl CompositionDots {
-    fn check(&self) -> Result<(), String> {
-        let judge = |field: &str, value: f64, from: f64, to: f64| {
-            let words = format!("dots.{field}: found {value}; allowed {from} to {to}");
-            (from..=to).contains(&value).then_some(()).ok_or(words)
-        };
-        judge("coverage", self.coverage, 0.0, 1.0)?;
-        judge("ruling_per_cm", self.ruling_per_cm, 1.0, 1000.0)?;
-        judge("spread_um", self.spread_um, 0.0, 10_000.0)
     }
 }

@@ -20,6 +20,7 @@ use super::level::{KeptPortion, KeptStates, Level, PortionStates, SolvedPortion}
 use crate::appearance::composed::flux::{Coherent, Hemisphere};
 use crate::appearance::composed::ordinates::Ordinates;
 use crate::appearance::composed::plate::Plate;
+use crate::appearance::fluorescence::summed_nm;
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::study::{Composed, LayerPlates, Position, Study};
@@ -33,7 +34,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Version of the form that is written, and the newest that is read.
-pub const LIBRARY_FORM: u32 = 1;
+pub const LIBRARY_FORM: u32 = 2;
 /// Difference of indices and of directions that is rounding.
 const ROUNDING: f64 = 1e-9;
 /// Largest whole number that a difference of a replicate is written as.
@@ -46,7 +47,7 @@ const OBSERVERS: [&str; 2] = ["2", "10"];
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Library {
-    /// Version of this form of file: 1.
+    /// Version of this form of file: 2; files of 1 lack `lights`.
     pub inkwave_library: u32,
     /// Version of the numerical method of all plates.
     pub method: u32,
@@ -60,6 +61,9 @@ pub struct Library {
     pub joint: JointMedium,
     /// Weights of X, Y and Z of the wavelengths, for colours.
     pub eyes: Vec<LibraryEye>,
+    /// Powers of the illuminants, for papers with a brightener.
+    #[serde(default)]
+    pub lights: Vec<LibraryLight>,
     /// The plates.
     pub plates: Vec<LibraryPlate>,
 }
@@ -91,6 +95,16 @@ pub struct LibraryEye {
     pub observer: String,
     /// Weights of X, Y and Z for factors at the library's wavelengths; a perfect white has Y = 100.
     pub weights: Vec<[f64; 3]>,
+}
+
+/// The power of an illuminant.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct LibraryLight {
+    /// Its name, such as `D65`.
+    pub illuminant: String,
+    /// Relative powers at the multiples of 5 nm within the library's wavelengths, from 300 nm on.
+    pub powers: Vec<f64>,
 }
 
 /// A pigment of a plate.
@@ -214,6 +228,7 @@ impl Library {
             wave: study.wave,
             wavelengths_nm: study.wavelengths_nm.clone(),
             eyes: eyes(&study.wavelengths_nm),
+            lights: lights(&study.wavelengths_nm),
             joint,
             plates,
         })
@@ -246,7 +261,7 @@ impl Library {
             ));
         }
         library.check()?;
-        Ok(library)
+        Ok(Self { inkwave_library: LIBRARY_FORM, lights: lights(&library.wavelengths_nm), ..library })
     }
 
     /// Every number is there and finite.
@@ -508,6 +523,20 @@ fn eyes(wavelengths_nm: &[f64]) -> Vec<LibraryEye> {
         }
     }
     all
+}
+
+/// The powers of the usual illuminants at the wavelengths at which excitation is summed.
+fn lights(wavelengths_nm: &[f64]) -> Vec<LibraryLight> {
+    let (Some(&from_nm), Some(&to_nm)) = (wavelengths_nm.first(), wavelengths_nm.last()) else {
+        return Vec::new();
+    };
+    let nm = summed_nm(from_nm, to_nm);
+    let light = |illuminant: &str| {
+        let viewing = Viewing::new(illuminant, OBSERVERS[0], Summation::Plain).ok()?;
+        let powers = nm.iter().map(|&nm| viewing.power(nm)).collect();
+        Some(LibraryLight { illuminant: illuminant.to_owned(), powers })
+    };
+    ILLUMINANTS.into_iter().filter_map(light).collect()
 }
 
 /// The numbers of one portion in a row.

@@ -198,24 +198,11 @@ impl<'a> LayerTask<'a> {
     }
 
     /// Layers at every wavelength, with what the paper below them emits.
-    fn brightened(&self, mut all: Vec<SpectralLayer>) -> Vec<SpectralLayer> {
-        let Some(daylight) = &self.daylight else { return all };
-        let nm = &self.study.wavelengths_nm;
-        let at_45: Vec<AreaOptics> = all.iter().map(|layer| layer.at_45).collect();
-        let of_sky = |layer: &SpectralLayer| AreaOptics {
-            entering: layer.numbers.transmittance_diffuse,
-            ..layer.at_45
-        };
-        let natural: Vec<AreaOptics> = all.iter().map(of_sky).collect();
-        let mix = AreaMix::whole();
-        let lit = daylight.below(&mix, &[&at_45], nm);
-        let sky = daylight.below(&mix, &[&natural], nm);
-        for ((layer, &nm), albedo) in all.iter_mut().zip(nm).zip(&self.albedos) {
-            let leaving = layer.at_45.leaving / ((1.0 - albedo) + albedo * layer.at_45.lost);
-            layer.numbers.lit_at_45 += leaving * lit.relative(nm).iter().sum::<f64>();
-            layer.numbers.natural_light += leaving * sky.relative(nm).iter().sum::<f64>();
+    fn brightened(&self, all: Vec<SpectralLayer>) -> Vec<SpectralLayer> {
+        match &self.daylight {
+            Some(daylight) => brightened(all, daylight, &self.study.wavelengths_nm, &self.albedos),
+            None => all,
         }
-        all
     }
 
     /// The layers on both sides of the thickness that hides, and that thickness, where the contrast
@@ -244,6 +231,28 @@ impl<'a> LayerTask<'a> {
     pub(super) fn slab_count(&self, thickness_um: f64) -> f64 {
         slabs_in(thickness_um, self.composed.slab_um)
     }
+}
+
+/// Layers at every wavelength on paper of these albedos, with what the paper emits under a light.
+pub(super) fn brightened(
+    mut all: Vec<SpectralLayer>,
+    light: &Brightened,
+    wavelengths_nm: &[f64],
+    albedos: &[f64],
+) -> Vec<SpectralLayer> {
+    let at_45: Vec<AreaOptics> = all.iter().map(|layer| layer.at_45).collect();
+    let of_sky =
+        |layer: &SpectralLayer| AreaOptics { entering: layer.numbers.transmittance_diffuse, ..layer.at_45 };
+    let natural: Vec<AreaOptics> = all.iter().map(of_sky).collect();
+    let mix = AreaMix::whole();
+    let lit = light.below(&mix, &[&at_45], wavelengths_nm);
+    let sky = light.below(&mix, &[&natural], wavelengths_nm);
+    for ((layer, &nm), albedo) in all.iter_mut().zip(wavelengths_nm).zip(albedos) {
+        let leaving = layer.at_45.leaving / ((1.0 - albedo) + albedo * layer.at_45.lost);
+        layer.numbers.lit_at_45 += leaving * lit.relative(nm).iter().sum::<f64>();
+        layer.numbers.natural_light += leaving * sky.relative(nm).iter().sum::<f64>();
+    }
+    all
 }
 
 /// Shares of light at 0° that the layers of a stack absorb, without paper: what fluxes without

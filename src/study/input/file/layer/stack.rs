@@ -4,6 +4,7 @@ use super::{
     BinderTable, ComposedTable, ContrastPart, LayerTable, MicrostructureTable, PigmentTable, vacuum,
 };
 use crate::ink::{Joint, ReliefRequest};
+use crate::input::file::StudyFile;
 use crate::input::forms::{Pair, ThicknessWritten};
 use crate::input::{limits, variation};
 use crate::material::mixing::MixingRule;
@@ -86,6 +87,45 @@ pub struct StackLayerTable {
     pub slab_um: Option<f64>,
     /// How the layer meets the one behind it (default: `"wall"`); the last layer has no joint.
     pub joint: Option<Joint>,
+}
+
+/// Index between plates where neither the file nor a binder gives a number.
+const USUAL_JOINT: f64 = 1.5;
+
+impl StudyFile {
+    /// Makes plates of the layers, solved between half-spaces of one index: that of
+    /// `stack.composed.joint_index`, else of the first binder. A single layer gets this name.
+    pub(in crate::input) fn make_plates(&mut self, name: &str) {
+        let mut stack = self.stack.take().unwrap_or_default();
+        if self.layer.stacked.is_none() {
+            let LayerTable { composed, thickness_um, binder, microstructure, relief, .. } =
+                self.layer.clone();
+            stack = StackTable {
+                cell: self.layer.cell,
+                period_um: self.layer.period_um,
+                index_in: self.layer.index_in,
+                index_out: self.layer.index_out,
+                mixing: self.layer.mixing,
+                contrast: self.layer.contrast,
+                composed: composed.clone(),
+            };
+            self.layer.stacked = Some(vec![StackLayerTable {
+                name: Some(name.to_owned()),
+                thickness_um,
+                binder,
+                pigments: std::mem::take(&mut self.pigments),
+                microstructure,
+                relief,
+                slab_um: composed.map(|table| table.slab_um),
+                joint: None,
+            }]);
+        }
+        let first = self.layer.stacked.as_ref().and_then(|layers| layers.first());
+        let binder = first.and_then(|layer| layer.binder.index.n);
+        let composed = stack.composed.get_or_insert_default();
+        composed.joint_index.get_or_insert(binder.unwrap_or(USUAL_JOINT));
+        self.stack = Some(stack);
+    }
 }
 
 /// Reads `[layer]`, or `[[layer]]` as [`LayerTable::stacked`].
