@@ -6,6 +6,7 @@
 //! is a polynomial in both. The fit is that of thin coats on this table; the table's errors are among those of the
 //! data.
 
+use super::face::SampleFace;
 use super::file::FitGeometry;
 use super::law::{Data, rms};
 use super::load::{Drawdown, FitTask};
@@ -104,6 +105,8 @@ pub struct NodeTable {
     log_apart: Vec<f64>,
     log_kappa: Vec<f64>,
     nodes: Array4<NodeValue>,
+    /// Face and geometry of every drawdown; the nodes are those of smooth faces.
+    faces: Vec<(SampleFace, FitGeometry)>,
 }
 
 /// Solves the slabs of all nodes, and fits.
@@ -164,12 +167,13 @@ impl NodeTable {
                 };
                 for w in 0..waves {
                     let found = value(w).zip(value(waves + w));
-                    let Some(([value, error], [thicker, _])) = found else {
+                    let Some(([value, own_error], [thicker, _])) = found else {
                         let [n, kappa] = node;
                         let nm = study.wavelengths_nm[w];
                         let what = &drawdown.name;
                         return Err(FitError::Node(format!("{what} at n = {n}, κ = {kappa}, {nm} nm")));
                     };
+                    let error = own_error * drawdown.face.slope(w, value, drawdown.geometry).abs();
                     rows.push(NodeValue { value, thicker, error });
                 }
             }
@@ -178,9 +182,16 @@ impl NodeTable {
         let waves = task.wavelengths_nm().len();
         let shape = (drawdowns.len(), waves, n.len(), kappa.len());
         let binder = task.binder_index();
-        Ok(Self::of(shape, binder, [n, kappa], |d, w, i, j| {
+        let table = Self::of(shape, binder, [n, kappa], |d, w, i, j| {
             rows[((d * NODES_N + i) * SHARES.len() + j) * waves + w]
-        }))
+        });
+        Ok(table.behind_faces(drawdowns))
+    }
+
+    /// The table with the faces of these drawdowns in place of smooth ones.
+    fn behind_faces(mut self, drawdowns: &[Drawdown]) -> Self {
+        self.faces = drawdowns.iter().map(|drawdown| (drawdown.face.clone(), drawdown.geometry)).collect();
+        self
     }
 
     /// A table of these values at the nodes of \[n, κ\].
@@ -195,6 +206,7 @@ impl NodeTable {
             binder,
             log_apart: n.iter().map(|n| log_apart(*n, binder)).collect(),
             log_kappa: kappa.iter().map(|kappa| kappa.ln()).collect(),
+            faces: vec![(SampleFace::Smooth, FitGeometry::LitAt45); shape.0],
             nodes,
         }
     }
@@ -216,7 +228,8 @@ impl NodeTable {
                 sum += a * (high - low) / (self.log_kappa[1] - first) * (log - first);
             }
         }
-        reflectance(sum)
+        let (face, geometry) = &self.faces[d];
+        face.seen(w, reflectance(sum), *geometry)
     }
 
     /// Reflectances with derivatives at an index for every wavelength and a factor e^`log` of the
@@ -311,9 +324,13 @@ fn contrast_error(outcome: &FitOutcome, binder: f64) -> f64 {
 fn seen(geometry: FitGeometry, layer: &LayerNumbers<Option<ErrorParts>>) -> Option<ErrorParts> {
     match geometry {
         FitGeometry::LitAt45 => layer.lit_at_45,
-        FitGeometry::UniformSky => layer.natural_light,
-        // refused when the file is read
-        FitGeometry::Sphere => None,
+        // diffuse light seen along the normal: at 8° a smooth face mirrors the same to 1e-5
+        FitGeometry::UniformSky | FitGeometry::Sphere => layer.natural_light,
+        FitGeometry::SphereExcluded => {
+            let (all, mirrored) = layer.natural_light.zip(layer.mirrored)?;
+            Some(ErrorParts { value: all.value - mirrored.value, ..all })
+        }
+        FitGeometry::Transmitted => layer.transmittance_normal,
     }
 }
 
