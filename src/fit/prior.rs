@@ -6,7 +6,7 @@
 //! and one pole in the UV stand for absorption beyond the knots.
 
 use super::file::{KnownN, PriorName};
-use crate::material::kramers_kronig::{POLE_UM, hat, transform};
+use crate::material::kramers_kronig::{POLE_STRENGTH, POLE_UM, hat, transform};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
@@ -90,10 +90,14 @@ impl IndexPrior {
         self.count() - 1
     }
 
-    /// The prior of Kramers and Kronig with n known at a wavelength.
+    /// The prior of Kramers and Kronig with n known at a wavelength. Elsewhere n then depends on the
+    /// ultraviolet: its pole is expected to have the strength of measured materials, since one of 0,
+    /// as coats that show n themselves may have, would make n and with it κ too small in the blue.
     #[must_use]
-    pub fn with_known(self, wavelengths_nm: &[f64], known: KnownN) -> Self {
+    pub fn with_known(mut self, wavelengths_nm: &[f64], known: KnownN) -> Self {
         let mut row = weights_of_n(&knots(wavelengths_nm), 1e3 / known.n_nm);
+        let pole = row.len() - 1;
+        [self.mean[pole], self.sizes[pole]] = POLE_STRENGTH;
         row.resize(self.count(), 0.0);
         Self { known: Some((known, row)), ..self }
     }

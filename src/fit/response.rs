@@ -128,13 +128,10 @@ pub fn spectrum(ink: &InkOnPaper, drawdown: &Drawdown) -> Result<SpectrumEstimat
     let normal = ink.at(0.0)?;
     let mut smooth = match drawdown.geometry {
         FitGeometry::UniformSky => ink.spectrum(|layer| layer.natural_light(&normal, MirroredSky::Included)),
-        FitGeometry::Sphere => {
+        FitGeometry::Sphere | FitGeometry::SphereExcluded => {
             let view = ink.at(SPHERE_DEG)?;
-            ink.spectrum(|layer| layer.albedo(&view))
-        }
-        FitGeometry::SphereExcluded => {
-            let view = ink.at(SPHERE_DEG)?;
-            ink.spectrum(|layer| layer.albedo(&view) - layer.mirrored(&view))
+            let is_included = drawdown.geometry.includes_mirrored();
+            ink.spectrum(|layer| layer.albedo(&view) - if is_included { 0.0 } else { layer.mirrored(&view) })
         }
         FitGeometry::Transmitted => ink.spectrum(|layer| layer.transmittance(&normal)),
         FitGeometry::LitAt45 => {
