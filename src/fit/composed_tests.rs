@@ -206,8 +206,23 @@ fn what_a_composed_base_cannot_is_refused() {
         ),
         (
             "backing = 0.04",
+            "geometry = \"transmittance\"",
+            ["measured[0].file", "reflectance, not transmittance", "of one sample", "name its column"],
+        ),
+        (
+            "backing = 0.04",
             "opaque = true\nthickness_um = 30",
             ["measured[0].thickness_um", "a value", "none where opaque", "remove thickness_um"],
+        ),
+        (
+            "[fit]",
+            "[fit]\nknown_n = { n_nm = 589, n = 1.45 }",
+            ["fit.known_n.n", "1.45", "n above the binder's 1.500", "correct fit.known_n"],
+        ),
+        (
+            "backing = 0.04\n[fit]",
+            "opaque = true\n[fit]\nalso = [\"thickness\"]",
+            ["fit.also", "thickness", "face_light", "has no thickness"],
         ),
         ("backing = 0.04", "", ["measured[0].backing", "nothing", "the albedo of the card", "opaque = true"]),
         (

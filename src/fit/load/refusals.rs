@@ -1,7 +1,7 @@
 //! Settings of a fit that are refused.
 
 use super::{FitReading, FitTask};
-use crate::fit::file::{FitFile, FitTable, KNOWN_ERROR, PriorName};
+use crate::fit::file::{AlsoFitted, FitFile, FitTable, KNOWN_ERROR, PriorName};
 use crate::input::limits::{ANCHOR_NM, DENSITY, INDEX};
 use crate::numerics::allowed::Allowed;
 
@@ -58,7 +58,23 @@ impl FitReading<'_> {
             let remedy = format!("write n = [{:.2}, {to}], or what you know of it", binder + 0.1);
             self.faults.add("fit.n", format!("[{from}, {to}]"), allowed, remedy);
         }
+        if let Some(known) = file.fit.known_n
+            && (known.n - binder) * (from - binder) <= 0.0
+        {
+            let side = if from > binder { "above" } else { "below" };
+            let allowed = format!("n {side} the binder's {binder:.3}, as fit.n = [{from}, {to}] is");
+            self.faults.add("fit.known_n.n", known.n, allowed, "correct fit.known_n, or fit.n");
+        }
         let all_opaque = file.measured.iter().all(|table| table.opaque);
+        if all_opaque && file.fit.also.contains(&AlsoFitted::Thickness) {
+            let remedy = "leave it out: an opaque sample has no thickness";
+            self.faults.add(
+                "fit.also",
+                "\"thickness\"",
+                "\"face_light\" where all samples are opaque",
+                remedy,
+            );
+        }
         if all_opaque && file.fit.prior == PriorName::Smooth {
             let allowed = "fit.prior = \"kramers-kronig\" with fit.known_n where all samples are opaque";
             let remedy = "leave fit.prior out: opaque coats tell absorption over scattering, and n and κ each for itself are two unknowns at every wavelength";

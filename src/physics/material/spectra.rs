@@ -297,7 +297,7 @@ impl Spectrum {
             Self::Named(material) => material.widest_gap_nm(range_nm),
             Self::Tabulated(table) => {
                 let rows: Vec<f64> = table.samples.iter().map(|sample| sample.wavelength_nm).collect();
-                widest_gap_nm(&rows, range_nm)
+                widest_gap_nm(&rows, range_nm).or_else(|| table.gap_in_relation_nm())
             }
         }
     }

@@ -190,6 +190,23 @@ fn a_table_of_kappa_has_n_by_kramers_and_kronig() {
     assert!((moved.im - spectrum.index(0.45).unwrap().im - 0.02).abs() < 1e-12);
 }
 
+/// n by Kramers and Kronig takes κ from everywhere: a line drawn over a gap beyond the wavelengths in use is
+/// told. *Planted*: gaps within these alone.
+#[test]
+fn gaps_in_kappa_are_told_wherever_they_are_where_n_follows_from_it() {
+    let rows = |last: &str| {
+        let near: String = (0..=30).map(|k| format!("{},0.1\n", 400 + 10 * k)).collect();
+        file(&format!("wavelength_nm,kappa\n{near}{last}"))
+    };
+    let related = Spectrum::from_kappa(rows("2000,0.1\n").path(), &ANCHORED, None).unwrap();
+    assert_eq!(related.widest_gap_nm([400.0, 700.0]), Some([700.0, 2000.0]));
+    let told = |text: &str, beside: &BesideKappa| {
+        Spectrum::from_kappa(rows(text).path(), beside, None).unwrap().widest_gap_nm([400.0, 700.0])
+    };
+    assert_eq!(told("2000,0.1\n", &BesideKappa::Constant(1.6)), None);
+    assert_eq!(told("710,0\n2000,0\n", &ANCHORED), None);
+}
+
 /// A = εcd of a dilution and κ = A λ ln 10/(4π φ d) are one number: 0.02 g/l of density 2 are a
 /// share of 1e-5; over 10 mm A = 1 at 500 nm is κ = 0.9162.
 #[test]

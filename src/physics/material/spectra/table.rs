@@ -1,12 +1,15 @@
 //! Tables of n and κ with the errors of their rows.
 
 use super::error::SpectrumError;
+use crate::material::columns::{widest, widest_gap_nm};
 use crate::material::kramers_kronig::{self, KnownIndex};
 use crate::material::usable::Unusable;
 use num_complex::Complex64;
 
 /// Largest n and κ accepted: a lost decimal comma turns 1.55 into 155.
 pub(super) const LARGEST: f64 = 10.0;
+/// κ whose line over a gap changes n by Kramers and Kronig: a band of 100 nm and 0.001 by 1e-4.
+const ABSORBS: f64 = 1e-3;
 /// Smallest n of a table that is moved by its error.
 pub(super) const LEAST_N: f64 = 0.01;
 
@@ -125,6 +128,19 @@ impl Table {
         self.errors.clear();
         self.changes.retain(|change| change.iter().any(|by| *by != [0.0; 2]));
         Ok(self)
+    }
+
+    /// The widest gap anywhere over which absorption is drawn linearly, nm, where n at all
+    /// wavelengths depends on it.
+    pub(super) fn gap_in_relation_nm(&self) -> Option<[f64; 2]> {
+        let absorbing = |pair: &&[Sample]| pair.iter().any(|row| row.kappa > ABSORBS);
+        let pairs = self.samples.windows(2).filter(absorbing);
+        let gaps = pairs.filter_map(|pair| {
+            let ends = [pair[0].wavelength_nm, pair[1].wavelength_nm];
+            widest_gap_nm(&ends, ends)
+        });
+        // only n by the relation of Kramers and Kronig comes with changes of all rows
+        if self.changes.is_empty() { None } else { widest(gaps) }
     }
 
     /// Linear interpolation between the rows, n and κ separately.
