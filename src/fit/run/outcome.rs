@@ -10,6 +10,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Differences of n between solutions, and errors of n, from which n is not determined.
 pub(super) const UNDETERMINED: f64 = 0.06;
+/// Error of the light that faces add from which it is not determined: half of what is expected.
+const UNDETERMINED_LIGHT: f64 = 0.01;
 /// Quantile of χ² beyond which the errors are not those stated.
 const UNLIKELY: f64 = 0.999;
 /// χ² per degree of freedom beyond which no error is stated.
@@ -294,6 +296,13 @@ fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
     let [dn, dk] = outcome.per_percent_of_thickness;
     if let Some(FaceLight { value, standard_error: Some(error) }) = outcome.face_light {
         all.push(format!("light that the faces add: {value:.4} ± {error:.4} in every reflectance factor"));
+        if error > UNDETERMINED_LIGHT {
+            all.push(
+                "the light of the faces is not determined: one masstone tells it not from κ; add a tint with a known white or another \
+                 loading, or give it as face.light"
+                    .into(),
+            );
+        }
     }
     let has_thickness = !task.measured.iter().all(|drawdown| drawdown.is_opaque);
     if has_thickness && !task.settings.also.contains(&AlsoFitted::Thickness) {
