@@ -190,8 +190,8 @@ fn a_table_of_kappa_has_n_by_kramers_and_kronig() {
     assert!((moved.im - spectrum.index(0.45).unwrap().im - 0.02).abs() < 1e-12);
 }
 
-/// n by Kramers and Kronig takes κ from everywhere: a line drawn over a gap beyond the wavelengths in use is
-/// told. *Planted*: gaps within these alone.
+/// n by Kramers and Kronig takes κ from everywhere: a line drawn over a gap beyond the wavelengths
+/// in use is told. *Planted*: gaps within these alone.
 #[test]
 fn gaps_in_kappa_are_told_wherever_they_are_where_n_follows_from_it() {
     let rows = |last: &str| {
