@@ -1,7 +1,7 @@
 //! Prints the page of `reports/measured`: measured paints beside Mie's theory and radiative transfer.
 
 use inkwave::material::named::NamedMaterial;
-use inkwave_validation::measured::{COMPARISONS, ratios, spread};
+use inkwave_validation::measured::{COMPARISONS, PredictedTint, predicted_tint, ratios, spread};
 
 fn lab([l, a, b]: [f64; 3]) -> String {
     format!("{l:.1}, {a:.1}, {b:.1}")
@@ -53,11 +53,26 @@ fn coefficients() {
     }
 }
 
+fn tint() {
+    let PredictedTint { nm, columns, two_fluxes, delta_e } = predicted_tint();
+    let names: Vec<&str> = columns.iter().map(|(name, _)| name.as_str()).collect();
+    println!("| nm | {} | tint by Kubelka–Munk |", names.join(" | ").replace('_', " "));
+    println!("|---|{}", "---|".repeat(columns.len() + 1));
+    for (row, nm) in nm.iter().enumerate() {
+        let cells: Vec<String> = columns.iter().map(|(_, values)| format!("{:.3}", values[row])).collect();
+        println!("| {nm:.0} | {} | {:.3} |", cells.join(" | "), two_fluxes[row]);
+    }
+    let [wave, munk] = delta_e;
+    println!("\nΔE₀₀ of the tint to the measured one: {wave:.1} from the fitted index, {munk:.1} by Kubelka and Munk.");
+}
+
 fn main() {
     println!("## Masstones\n");
     colours();
     println!("\n## K/S\n");
     coefficients();
+    println!("\n## A masstone fitted, and its tint\n");
+    tint();
     println!("\n## Listed materials without a measured paint here\n");
     let compared = |name: &str| COMPARISONS.iter().any(|comparison| comparison.material == name);
     let rest = inkwave::material::named::MATERIALS.iter().map(|material: &NamedMaterial| material.name);

@@ -140,8 +140,9 @@ pub fn fit(
     let response = predicted.response(&index, outcome.log_thickness);
     for (k, drawdown) in task.predicted.iter().enumerate() {
         let mut forecast = Forecast::new(task, drawdown, k, &response, &outcome);
-        let of_table = predicted.error(k);
-        forecast.errors.iter_mut().for_each(|error| *error = error.hypot(of_table));
+        for (w, error) in forecast.errors.iter_mut().enumerate() {
+            *error = error.hypot(predicted.error((k, w), index[w]));
+        }
         match forecast.impossible(task.wavelengths_nm()) {
             Some(reason) => outcome.remarks.push(reason),
             None => outcome.forecasts.push(forecast),
@@ -257,10 +258,25 @@ impl NodeTable {
         Response { replicates: vec![Vec::new(); values.len()], values, slopes }
     }
 
-    /// Error of a drawdown's values: that of the nodes, root mean square, and between them.
-    fn error(&self, d: usize) -> f64 {
-        let errors = self.nodes.index_axis(ndarray::Axis(0), d);
-        rms(errors.iter().map(|node| node.error)).hypot(BETWEEN_NODES)
+    /// Error of a value: that of the nodes about it, linear in ln κ, and between them. Nodes of white
+    /// coats have errors many times those of dark ones.
+    fn error(&self, (d, w): (usize, usize), [n, kappa]: [f64; 2]) -> f64 {
+        let apart = log_apart(n, self.binder);
+        let distance = |i: &usize| (self.log_apart[*i] - apart).abs();
+        let nearest = (0..self.log_apart.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let error = |j: usize| self.nodes[[d, w, nearest.unwrap_or(0), j]].error;
+        let last = self.log_kappa.len() - 1;
+        let log = kappa.max(1e-12).ln().clamp(self.log_kappa[0], self.log_kappa[last]);
+        let after = self.log_kappa.partition_point(|node| *node < log).clamp(1, last);
+        let [from, to] = [after - 1, after].map(|j| self.log_kappa[j]);
+        let share = (log - from) / (to - from);
+        (error(after - 1) + share * (error(after) - error(after - 1))).hypot(BETWEEN_NODES)
+    }
+
+    /// Errors of all values at an index for every wavelength: drawdown after drawdown.
+    fn errors(&self, index: &[[f64; 2]]) -> Vec<f64> {
+        let of = |d: usize| index.iter().enumerate().map(move |(w, eta)| self.error((d, w), *eta));
+        (0..self.nodes.dim().0).flat_map(of).collect()
     }
 
     /// The fit of the measured drawdowns.
@@ -269,24 +285,30 @@ impl NodeTable {
     /// The least squares have no solution.
     pub fn fitted(&self, task: &FitTask) -> Result<FitOutcome, FitError> {
         let prior = prior_of(task);
-        let systematic: Vec<f64> = (0..task.measured.len()).map(|d| self.error(d)).collect();
         let response_at =
             |unknowns: &[f64]| Ok(self.response(&prior.index(unknowns), prior.log_thickness(unknowns)));
-        let start = near(&prior, &self.start(task)).ok_or(FitError::Singular)?;
+        let path = self.start(task);
+        let systematic = self.errors(&path);
+        let start = near(&prior, &path).ok_or(FitError::Singular)?;
         let Branch { unknowns, .. } = descend(task, &prior, start, &systematic, response_at)?;
         let prior = prior.adapted(&unknowns);
         let response = response_at(&unknowns)?;
+        let systematic = self.errors(&prior.index(&unknowns));
         let data = Data::new(task, &prior, &unknowns, &response, &systematic);
         let (strength, step) = data.chosen().ok_or(FitError::Singular)?;
         let mut outcome = data.outcome(strength, &step, 0);
         outcome.n_is_determined &= contrast_error(&outcome, task.binder_index()) < CONTRAST_ERROR;
         if !outcome.n_is_determined && outcome.trust != Trust::Contradicted {
             let n_error = rms(outcome.index.iter().filter_map(|row| row.n_error));
+            let remedy = match task.settings.known_n {
+                Some(known) => format!("know it better than fit.known_n.n_error = {}", known.n_error),
+                None => "give n at one wavelength as fit.known_n".to_owned(),
+            };
             outcome.remarks.insert(
                 0,
                 format!(
                     "n is not determined: its standard error is {n_error:.2} (root mean square). Opaque coats tell absorption over scattering: \
-                     give n at one wavelength as fit.known_n, or add thin coats on white and black cards"
+                     {remedy}, or add tints with a known white or thin coats on white and black cards"
                 ),
             );
         }

@@ -203,6 +203,28 @@ fn light_of_a_face_is_fitted_beside_the_index() {
     );
 }
 
+/// Nodes of white coats are uncertain by much, and dark samples are fitted as well as their own nodes are known.
+/// *Planted*: the errors of all nodes taken together.
+#[test]
+fn errors_of_white_nodes_do_not_loosen_dark_samples() {
+    let mut task = read(FIT).expect("sound");
+    let nm = task.wavelengths_nm().to_vec();
+    let [n, kappa] = axes(&task);
+    let table =
+        NodeTable::of((1, nm.len(), n.len(), kappa.len()), 1.5, [n.clone(), kappa.clone()], |_, w, i, j| {
+            let value = closed_form(nm[w], [n[i], kappa[j]]);
+            NodeValue { value, thicker: value, error: if j == 0 { 0.2 } else { 0.001 } }
+        });
+    task.measured[0].values = Some(nm.iter().map(|nm| closed_form(*nm, [2.0, 0.2])).collect());
+    task.settings.known_n = Some(KnownN { n_nm: 560.0, n: 2.0, n_error: 0.01 });
+    let fit = table.fitted(&task).expect("a fit");
+    let spectrum = &fit.spectra[0];
+    assert!(spectrum.sigma.iter().all(|sigma| *sigma < 0.006), "{:?}", spectrum.sigma);
+    for (fitted, measured) in spectrum.fitted.iter().zip(&spectrum.measured) {
+        assert!((fitted - measured).abs() < 0.006, "{fitted} for {measured}");
+    }
+}
+
 /// Between the nodes the table is as accurate as stated, and its derivatives are its own.
 #[test]
 fn the_table_is_accurate_between_its_nodes() {

@@ -141,8 +141,9 @@ pub(super) struct Data<'a> {
 }
 
 impl<'a> Data<'a> {
-    /// `systematic` is an error of every value in addition to noise and ensemble: one for each
-    /// drawdown, or one for all.
+    /// `systematic` is an error of every value in addition to noise and ensemble, common to all of a
+    /// drawdown: one for each value (by drawdown, then wavelength), one for each drawdown, or one for
+    /// all.
     pub fn new(
         task: &'a FitTask,
         prior: &'a IndexPrior,
@@ -160,16 +161,21 @@ impl<'a> Data<'a> {
         });
         let (mut weights, mut errors) = (Mat::zeros(size, size), Mat::zeros(size, size));
         let noise = task.settings.noise.powi(2);
+        let systematic_at = |d: usize, w: usize| match systematic.len() {
+            1 => systematic[0],
+            count if count == task.measured.len() => systematic[d],
+            _ => systematic[d * waves + w],
+        };
         let inflation = few_cells(response.replicates.first().map_or(0, Vec::len));
         for (i, &(d, v)) in places.iter().enumerate() {
-            let grid = systematic[d.min(systematic.len() - 1)].powi(2);
+            let own = systematic_at(d, v);
             for (j, &(e, w)) in places.iter().enumerate() {
                 let one_coat = task.measured[d].coat == task.measured[e].coat;
                 let replicates = &response.replicates;
                 let ensemble = if one_coat { jackknife(&replicates[d], &replicates[e], v, w) } else { 0.0 };
                 let at_one_wavelength = if v == w { ensemble } else { 0.0 };
-                let common = if d == e { grid } else { 0.0 };
-                weights[(i, j)] = at_one_wavelength + if i == j { noise + grid } else { 0.0 };
+                let common = if d == e { own * systematic_at(e, w) } else { 0.0 };
+                weights[(i, j)] = at_one_wavelength + if i == j { noise + own * own } else { 0.0 };
                 errors[(i, j)] = inflation * ensemble + common + if i == j { noise } else { 0.0 };
             }
         }
