@@ -235,8 +235,11 @@ pub fn predicted_tint() -> PredictedTint {
     let tint = column(&kimera, "red_oxide_white");
     let predicted = column(&fitted, "tint_predicted");
     // between the wavelengths of the fit the ratio to the measured tint is linear
-    let ratio: Vec<[f64; 2]> =
-        places.iter().zip(&predicted).map(|(&place, value)| [kimera.nm[place], value / tint[place]]).collect();
+    let ratio: Vec<[f64; 2]> = places
+        .iter()
+        .zip(&predicted)
+        .map(|(&place, value)| [kimera.nm[place], value / tint[place]])
+        .collect();
     let at = |nm: f64| {
         let after = ratio.partition_point(|row| row[0] < nm).clamp(1, ratio.len() - 1);
         let ([x, a], [y, b]) = (ratio[after - 1], ratio[after]);
