@@ -246,29 +246,21 @@ fn the_table_is_accurate_between_its_nodes() {
     }
 }
 
+/// Fits with a part of their file replaced are refused with what must be said.
+fn assert_refused(cases: &[(&str, &str, [&str; 4])]) {
+    for (from, to, says) in cases {
+        let said = read(&FIT.replace(from, to)).expect_err("refused");
+        assert!(says.iter().all(|part| said.contains(part)), "{said}");
+    }
+}
+
 #[test]
-fn what_a_composed_base_cannot_is_refused() {
-    let refusal = |from: &str, to: &str| read(&FIT.replace(from, to)).expect_err("refused");
-    for (from, to, says) in [
+fn settings_that_a_composed_base_cannot_have_are_refused() {
+    assert_refused(&[
         (
             "n = [1.6, 2.4]",
             "n = [1.3, 2.0]",
             ["fit.n", "[1.3, 2]", "above or all below the binder's 1.500", "1.60"],
-        ),
-        (
-            "backing = 0.04",
-            "backing = 0.04\nopaque = true",
-            ["measured[0].backing", "a card", "none where opaque = true", "remove backing"],
-        ),
-        (
-            "backing = 0.04",
-            "geometry = \"transmittance\"",
-            ["measured[0].file", "reflectance, not transmittance", "of one sample", "name its column"],
-        ),
-        (
-            "backing = 0.04",
-            "opaque = true\nthickness_um = 30",
-            ["measured[0].thickness_um", "a value", "none where opaque", "remove thickness_um"],
         ),
         (
             "[fit]",
@@ -280,7 +272,6 @@ fn what_a_composed_base_cannot_is_refused() {
             "opaque = true\n[fit]\nalso = [\"thickness\"]",
             ["fit.also", "thickness", "face_light", "has no thickness"],
         ),
-        ("backing = 0.04", "", ["measured[0].backing", "nothing", "the albedo of the card", "opaque = true"]),
         (
             "backing = 0.04\n[fit]",
             "opaque = true\n[fit]\nprior = \"smooth\"",
@@ -293,38 +284,8 @@ fn what_a_composed_base_cannot_is_refused() {
         ),
         (
             "backing = 0.04",
-            "backing = 0.04\nface = { k1 = 0.03 }",
-            ["measured[0].face", "0.03", "k1 and k2 together", "k2 = 0.6"],
-        ),
-        (
-            "backing = 0.04",
-            "backing = 0.04\nface = { light = 0.3 }",
-            ["measured[0].face.light", "0.3", "0 to 0.2", "0.01 to 0.02"],
-        ),
-        (
-            "backing = 0.04",
             "backing = 0.04\nweights = { a = 3, binder = 40 }",
             ["fit.densities_g_per_cm3.a", "nothing", "its density", "volume_fractions"],
-        ),
-        (
-            "backing = 0.04",
-            "backing = 0.04\nweights = { a = 3 }",
-            ["measured[0].weights.binder", "nothing", "the part of the binder", "binder = 40"],
-        ),
-        (
-            "backing = 0.04",
-            "backing = 0.04\nvolume_fractions = { white = 0.1 }",
-            ["measured[0].volume_fractions.white", "a share", "the base's pigments: a", "name a pigment"],
-        ),
-        (
-            "backing = 0.04",
-            "backing = 0.04\nvolume_fractions = { a = 0 }",
-            ["measured[0].volume_fractions.a", "0", "more than 0", "remove this spectrum"],
-        ),
-        (
-            "backing = 0.04",
-            "backing = 0.04\nvolume_fractions = { a = 0.9 }",
-            ["measured[0].volume_fractions", "0.9", "0.64", ""],
         ),
         (
             "[fit]",
@@ -346,8 +307,57 @@ fn what_a_composed_base_cannot_is_refused() {
             "[fit]\nknown_n = { n_nm = 589, n = 1.65, n_error = 0 }",
             ["fit.known_n.n_error", "0", "0.0001", "0.01 is usual"],
         ),
-    ] {
-        let said = refusal(from, to);
-        assert!(says.iter().all(|part| said.contains(part)), "{said}");
-    }
+    ]);
+}
+
+#[test]
+fn samples_that_contradict_themselves_are_refused() {
+    assert_refused(&[
+        (
+            "backing = 0.04",
+            "backing = 0.04\nopaque = true",
+            ["measured[0].backing", "a card", "none where opaque = true", "remove backing"],
+        ),
+        (
+            "backing = 0.04",
+            "geometry = \"transmittance\"",
+            ["measured[0].file", "reflectance, not transmittance", "of one sample", "name its column"],
+        ),
+        (
+            "backing = 0.04",
+            "opaque = true\nthickness_um = 30",
+            ["measured[0].thickness_um", "a value", "none where opaque", "remove thickness_um"],
+        ),
+        ("backing = 0.04", "", ["measured[0].backing", "nothing", "the albedo of the card", "opaque = true"]),
+        (
+            "backing = 0.04",
+            "backing = 0.04\nface = { k1 = 0.03 }",
+            ["measured[0].face", "0.03", "k1 and k2 together", "k2 = 0.6"],
+        ),
+        (
+            "backing = 0.04",
+            "backing = 0.04\nface = { light = 0.3 }",
+            ["measured[0].face.light", "0.3", "0 to 0.2", "0.01 to 0.02"],
+        ),
+        (
+            "backing = 0.04",
+            "backing = 0.04\nweights = { a = 3 }",
+            ["measured[0].weights.binder", "nothing", "the part of the binder", "binder = 40"],
+        ),
+        (
+            "backing = 0.04",
+            "backing = 0.04\nvolume_fractions = { white = 0.1 }",
+            ["measured[0].volume_fractions.white", "a share", "the base's pigments: a", "name a pigment"],
+        ),
+        (
+            "backing = 0.04",
+            "backing = 0.04\nvolume_fractions = { a = 0 }",
+            ["measured[0].volume_fractions.a", "0", "more than 0", "remove this spectrum"],
+        ),
+        (
+            "backing = 0.04",
+            "backing = 0.04\nvolume_fractions = { a = 0.9 }",
+            ["measured[0].volume_fractions", "0.9", "0.64", ""],
+        ),
+    ]);
 }

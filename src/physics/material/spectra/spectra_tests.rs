@@ -191,7 +191,7 @@ fn a_table_of_kappa_has_n_by_kramers_and_kronig() {
 }
 
 /// n by Kramers and Kronig takes κ from everywhere: a line drawn over a gap beyond the wavelengths
-/// in use is told. *Planted*: gaps within these alone.
+/// in use is reported. *Planted*: gaps within these alone.
 #[test]
 fn gaps_in_kappa_are_told_wherever_they_are_where_n_follows_from_it() {
     let rows = |last: &str| {
