@@ -195,3 +195,75 @@ pub fn ratios(column: &str, material: &str, diameter_um: f64) -> Vec<[f64; 3]> {
     let s = of("S");
     (0..nm.len()).map(|i| [nm[i], k[i] / s[i], k_over_s(estimated[i])]).collect()
 }
+
+/// The index that `inkwave fit` found from one masstone, and the tint that `inkwave run` makes of it.
+pub const FITTED: &str = include_str!("data/measured/red_oxide_fit.csv");
+/// Parts of weight of red and white in the tint.
+const TINT: [f64; 2] = [0.20, 0.35];
+
+/// A measured tint beside two predictions from the masstones.
+pub struct PredictedTint {
+    pub nm: Vec<f64>,
+    /// By name: measured and fitted masstone, κ with its error, measured and predicted tint.
+    pub columns: Vec<(String, Vec<f64>)>,
+    /// Kubelka and Munk's.
+    pub two_fluxes: Vec<f64>,
+    /// ΔE₀₀ of the wave's and of Kubelka and Munk's to the measured tint.
+    pub delta_e: [f64; 2],
+}
+
+/// The tint of red oxide with white at the wavelengths of the fit. Kubelka and Munk have both masstones: K/S of the mixture is
+/// the mean by weight, as if both paints scattered alike.
+pub fn predicted_tint() -> PredictedTint {
+    let (kimera, fitted) = (table(KIMERA), table(FITTED));
+    let column = |of: &SpectraTable, start: &str| -> Vec<f64> {
+        of.spectra.iter().find(|(name, _)| name.starts_with(start)).expect("a column").1.clone()
+    };
+    let on_grid = |nm: f64| kimera.nm.iter().position(|own| *own == nm).expect("a wavelength of the paints");
+    let places: Vec<usize> = fitted.nm.iter().map(|nm| on_grid(*nm)).collect();
+    let measured = |name: &str| -> Vec<f64> {
+        let all = column(&kimera, name);
+        places.iter().map(|&place| all[place]).collect()
+    };
+    let all_two_fluxes: Vec<f64> = column(&kimera, "red_oxide")
+        .iter()
+        .zip(column(&kimera, "white"))
+        .map(|(red, white)| {
+            let [a, b] = TINT;
+            of_k_over_s((a * k_over_s(*red) + b * k_over_s(white)) / (a + b))
+        })
+        .collect();
+    let tint = column(&kimera, "red_oxide_white");
+    let predicted = column(&fitted, "tint_predicted");
+    // between the wavelengths of the fit the ratio to the measured tint is linear
+    let ratio: Vec<[f64; 2]> = places
+        .iter()
+        .zip(&predicted)
+        .map(|(&place, value)| [kimera.nm[place], value / tint[place]])
+        .collect();
+    let at = |nm: f64| {
+        let after = ratio.partition_point(|row| row[0] < nm).clamp(1, ratio.len() - 1);
+        let ([x, a], [y, b]) = (ratio[after - 1], ratio[after]);
+        a + ((nm - x) / (y - x)).clamp(0.0, 1.0) * (b - a)
+    };
+    let wave: Vec<f64> = kimera.nm.iter().zip(&tint).map(|(nm, value)| value * at(*nm)).collect();
+    let of_tint = lab(&kimera.nm, &tint);
+    let mut columns = vec![
+        ("masstone measured".to_owned(), measured("red_oxide")),
+        ("tint measured".to_owned(), measured("red_oxide_white")),
+    ];
+    columns.extend(fitted.spectra);
+    PredictedTint {
+        two_fluxes: places.iter().map(|&place| all_two_fluxes[place]).collect(),
+        delta_e: [&wave, &all_two_fluxes].map(|values| ciede2000(of_tint, lab(&kimera.nm, values))),
+        nm: fitted.nm,
+        columns,
+    }
+}
+
+/// Reflectance without the gloss of an opaque paint of this K/S, by Saunderson's correction.
+fn of_k_over_s(ratio: f64) -> f64 {
+    let [k1, k2] = SAUNDERSON;
+    let inside = 1.0 + ratio - (ratio * ratio + 2.0 * ratio).sqrt();
+    (1.0 - k1) * (1.0 - k2) * inside / (1.0 - k2 * inside)
+}

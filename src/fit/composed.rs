@@ -6,6 +6,7 @@
 //! is a polynomial in both. The fit is that of thin coats on this table; the table's errors are among those of the
 //! data.
 
+use super::face::SampleFace;
 use super::file::FitGeometry;
 use super::law::{Data, rms};
 use super::load::{Drawdown, FitTask};
@@ -104,6 +105,8 @@ pub struct NodeTable {
     log_apart: Vec<f64>,
     log_kappa: Vec<f64>,
     nodes: Array4<NodeValue>,
+    /// Face and geometry of every drawdown; the nodes are those of smooth faces.
+    faces: Vec<(SampleFace, FitGeometry)>,
 }
 
 /// Solves the slabs of all nodes, and fits.
@@ -137,8 +140,9 @@ pub fn fit(
     let response = predicted.response(&index, outcome.log_thickness);
     for (k, drawdown) in task.predicted.iter().enumerate() {
         let mut forecast = Forecast::new(task, drawdown, k, &response, &outcome);
-        let of_table = predicted.error(k);
-        forecast.errors.iter_mut().for_each(|error| *error = error.hypot(of_table));
+        for (w, error) in forecast.errors.iter_mut().enumerate() {
+            *error = error.hypot(predicted.error((k, w), index[w]));
+        }
         match forecast.impossible(task.wavelengths_nm()) {
             Some(reason) => outcome.remarks.push(reason),
             None => outcome.forecasts.push(forecast),
@@ -164,12 +168,13 @@ impl NodeTable {
                 };
                 for w in 0..waves {
                     let found = value(w).zip(value(waves + w));
-                    let Some(([value, error], [thicker, _])) = found else {
+                    let Some(([value, own_error], [thicker, _])) = found else {
                         let [n, kappa] = node;
                         let nm = study.wavelengths_nm[w];
                         let what = &drawdown.name;
                         return Err(FitError::Node(format!("{what} at n = {n}, κ = {kappa}, {nm} nm")));
                     };
+                    let error = own_error * drawdown.face.slope(w, value, drawdown.geometry).abs();
                     rows.push(NodeValue { value, thicker, error });
                 }
             }
@@ -178,9 +183,16 @@ impl NodeTable {
         let waves = task.wavelengths_nm().len();
         let shape = (drawdowns.len(), waves, n.len(), kappa.len());
         let binder = task.binder_index();
-        Ok(Self::of(shape, binder, [n, kappa], |d, w, i, j| {
+        let table = Self::of(shape, binder, [n, kappa], |d, w, i, j| {
             rows[((d * NODES_N + i) * SHARES.len() + j) * waves + w]
-        }))
+        });
+        Ok(table.behind_faces(drawdowns))
+    }
+
+    /// The table with the faces of these drawdowns in place of smooth ones.
+    fn behind_faces(mut self, drawdowns: &[Drawdown]) -> Self {
+        self.faces = drawdowns.iter().map(|drawdown| (drawdown.face.clone(), drawdown.geometry)).collect();
+        self
     }
 
     /// A table of these values at the nodes of \[n, κ\].
@@ -195,6 +207,7 @@ impl NodeTable {
             binder,
             log_apart: n.iter().map(|n| log_apart(*n, binder)).collect(),
             log_kappa: kappa.iter().map(|kappa| kappa.ln()).collect(),
+            faces: vec![(SampleFace::Smooth, FitGeometry::LitAt45); shape.0],
             nodes,
         }
     }
@@ -216,7 +229,8 @@ impl NodeTable {
                 sum += a * (high - low) / (self.log_kappa[1] - first) * (log - first);
             }
         }
-        reflectance(sum)
+        let (face, geometry) = &self.faces[d];
+        face.seen(w, reflectance(sum), *geometry)
     }
 
     /// Reflectances with derivatives at an index for every wavelength and a factor e^`log` of the
@@ -244,10 +258,25 @@ impl NodeTable {
         Response { replicates: vec![Vec::new(); values.len()], values, slopes }
     }
 
-    /// Error of a drawdown's values: that of the nodes, root mean square, and between them.
-    fn error(&self, d: usize) -> f64 {
-        let errors = self.nodes.index_axis(ndarray::Axis(0), d);
-        rms(errors.iter().map(|node| node.error)).hypot(BETWEEN_NODES)
+    /// Error of a value: that of the nodes about it, linear in ln κ, and between them. Nodes of white
+    /// coats have errors many times those of dark ones.
+    fn error(&self, (d, w): (usize, usize), [n, kappa]: [f64; 2]) -> f64 {
+        let apart = log_apart(n, self.binder);
+        let distance = |i: &usize| (self.log_apart[*i] - apart).abs();
+        let nearest = (0..self.log_apart.len()).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let error = |j: usize| self.nodes[[d, w, nearest.unwrap_or(0), j]].error;
+        let last = self.log_kappa.len() - 1;
+        let log = kappa.max(1e-12).ln().clamp(self.log_kappa[0], self.log_kappa[last]);
+        let after = self.log_kappa.partition_point(|node| *node < log).clamp(1, last);
+        let [from, to] = [after - 1, after].map(|j| self.log_kappa[j]);
+        let share = (log - from) / (to - from);
+        (error(after - 1) + share * (error(after) - error(after - 1))).hypot(BETWEEN_NODES)
+    }
+
+    /// Errors of all values at an index for every wavelength: drawdown after drawdown.
+    fn errors(&self, index: &[[f64; 2]]) -> Vec<f64> {
+        let of = |d: usize| index.iter().enumerate().map(move |(w, eta)| self.error((d, w), *eta));
+        (0..self.nodes.dim().0).flat_map(of).collect()
     }
 
     /// The fit of the measured drawdowns.
@@ -256,24 +285,30 @@ impl NodeTable {
     /// The least squares have no solution.
     pub fn fitted(&self, task: &FitTask) -> Result<FitOutcome, FitError> {
         let prior = prior_of(task);
-        let systematic: Vec<f64> = (0..task.measured.len()).map(|d| self.error(d)).collect();
         let response_at =
             |unknowns: &[f64]| Ok(self.response(&prior.index(unknowns), prior.log_thickness(unknowns)));
-        let start = near(&prior, &self.start(task)).ok_or(FitError::Singular)?;
+        let path = self.start(task);
+        let systematic = self.errors(&path);
+        let start = near(&prior, &path).ok_or(FitError::Singular)?;
         let Branch { unknowns, .. } = descend(task, &prior, start, &systematic, response_at)?;
         let prior = prior.adapted(&unknowns);
         let response = response_at(&unknowns)?;
+        let systematic = self.errors(&prior.index(&unknowns));
         let data = Data::new(task, &prior, &unknowns, &response, &systematic);
         let (strength, step) = data.chosen().ok_or(FitError::Singular)?;
         let mut outcome = data.outcome(strength, &step, 0);
         outcome.n_is_determined &= contrast_error(&outcome, task.binder_index()) < CONTRAST_ERROR;
         if !outcome.n_is_determined && outcome.trust != Trust::Contradicted {
             let n_error = rms(outcome.index.iter().filter_map(|row| row.n_error));
+            let remedy = match task.settings.known_n {
+                Some(known) => format!("know it better than fit.known_n.n_error = {}", known.n_error),
+                None => "give n at one wavelength as fit.known_n".to_owned(),
+            };
             outcome.remarks.insert(
                 0,
                 format!(
                     "n is not determined: its standard error is {n_error:.2} (root mean square). Opaque coats tell absorption over scattering: \
-                     give n at one wavelength as fit.known_n, or add thin coats on white and black cards"
+                     {remedy}, or add tints with a known white or thin coats on white and black cards"
                 ),
             );
         }
@@ -311,9 +346,13 @@ fn contrast_error(outcome: &FitOutcome, binder: f64) -> f64 {
 fn seen(geometry: FitGeometry, layer: &LayerNumbers<Option<ErrorParts>>) -> Option<ErrorParts> {
     match geometry {
         FitGeometry::LitAt45 => layer.lit_at_45,
-        FitGeometry::UniformSky => layer.natural_light,
-        // refused when the file is read
-        FitGeometry::Sphere => None,
+        // diffuse light seen along the normal: at 8° a smooth face mirrors the same to 1e-5
+        FitGeometry::UniformSky | FitGeometry::Sphere => layer.natural_light,
+        FitGeometry::SphereExcluded => {
+            let (all, mirrored) = layer.natural_light.zip(layer.mirrored)?;
+            Some(ErrorParts { value: all.value - mirrored.value, ..all })
+        }
+        FitGeometry::Transmitted => layer.transmittance_normal,
     }
 }
 

@@ -22,6 +22,7 @@ use crate::input::measured::{MeasuredCondition, MeasuredUnit, Patch};
 use crate::numerics::allowed::Allowed;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// A whole file of a fit.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -63,11 +64,48 @@ pub struct MeasuredTable {
     /// Share of the pigment in the layer's volume; that of the base when left out.
     #[schemars(example = 0.3)]
     pub volume_fraction: Option<f64>,
+    /// Shares of the base's pigments in the layer's volume by their names, such as a tint's
+    /// `{ red = 0.02, white = 0.15 }`; 0 where one is not there, and those of the base for pigments
+    /// that are not named.
+    pub volume_fractions: Option<BTreeMap<String, f64>>,
+    /// Parts by weight of the base's pigments by their names, and of the `binder` when dry, such as
+    /// `{ red = 3, white = 30, binder = 40 }`; `fit.densities_g_per_cm3` makes volumes of them.
+    /// Pigments that are not named are not there.
+    pub weights: Option<BTreeMap<String, f64>>,
     /// Mean thickness of the layer, µm; that of the base when left out.
     #[schemars(example = 1.0)]
     pub thickness_um: Option<f64>,
+    /// Whether the layer is so thick that its card does not matter: thickness and backing are left
+    /// out. The base needs `[layer.composed]`.
+    #[serde(default)]
+    pub opaque: bool,
     /// How the spectrum is measured (default: what the file declares, else `45:0`).
     pub geometry: Option<FitGeometry>,
+    /// The sample's own face, where it is not the smooth one of the base.
+    pub face: Option<FaceTable>,
+}
+
+impl MeasuredTable {
+    /// Whether it has shares of several pigments.
+    pub fn has_own_shares(&self) -> bool {
+        self.volume_fractions.is_some() || self.weights.is_some()
+    }
+}
+
+/// `face`: what the face of a sample does that a smooth one does not: `{ light = 0.012 }`, or
+/// `{ k1 = 0.03, k2 = 0.6 }`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct FaceTable {
+    /// Light that a matt or dusty face scatters into the instrument, added to the reflectance
+    /// factor; 0.01 to 0.02 are usual.
+    pub light: Option<f64>,
+    /// Saunderson's share of light that the face sends back from outside. It is in the reading
+    /// where specular light is included.
+    pub k1: Option<f64>,
+    /// Saunderson's share of diffuse light that the face sends back from inside; with `k1` it takes
+    /// the place of the smooth face of the binder's index.
+    pub k2: Option<f64>,
 }
 
 /// Geometry of a measurement.
@@ -80,9 +118,22 @@ pub enum FitGeometry {
     /// Diffuse light, seen at 8°, specular light included.
     #[serde(rename = "d:8")]
     Sphere,
+    /// Diffuse light, seen at 8°, specular light excluded.
+    #[serde(rename = "d:8 excluded")]
+    SphereExcluded,
     /// A uniform sky, seen along the normal, mirrored light included.
     #[serde(rename = "natural")]
     UniformSky,
+    /// All light that passes the free layer, without card, of light along the normal.
+    #[serde(rename = "transmittance")]
+    Transmitted,
+}
+
+impl FitGeometry {
+    /// Whether what the layer's face mirrors is in the reading.
+    pub fn includes_mirrored(self) -> bool {
+        matches!(self, Self::Sphere | Self::UniformSky)
+    }
 }
 
 /// What the index is expected to be like.
@@ -102,6 +153,9 @@ pub enum PriorName {
 pub enum AlsoFitted {
     /// A common factor on the thicknesses of all layers.
     Thickness,
+    /// Light that the faces of all samples add to their reflectance factors, as `face.light` does:
+    /// matt and dusty ones.
+    FaceLight,
 }
 
 /// n known from elsewhere, such as by immersion.
@@ -142,6 +196,8 @@ pub struct FitTable {
     /// n known from elsewhere at one wavelength, for the prior of Kramers and Kronig: opaque coats
     /// leave n open without it.
     pub known_n: Option<KnownN>,
+    /// Densities of the pigments by their names, and of the dry `binder`, for `weights`.
+    pub densities_g_per_cm3: BTreeMap<String, f64>,
     /// Range of n searched; the result says where fitted values go beyond it.
     pub n: [f64; 2],
     /// Range of κ searched; the result says where fitted values go beyond it.
@@ -157,6 +213,7 @@ impl Default for FitTable {
             noise: 0.003,
             also: Vec::new(),
             known_n: None,
+            densities_g_per_cm3: BTreeMap::new(),
             n: [1.3, 2.0],
             kappa: [0.0, 0.6],
         }

@@ -141,8 +141,9 @@ pub(super) struct Data<'a> {
 }
 
 impl<'a> Data<'a> {
-    /// `systematic` is an error of every value in addition to noise and ensemble: one for each
-    /// drawdown, or one for all.
+    /// `systematic` is an error of every value in addition to noise and ensemble, common to all of a
+    /// drawdown: one for each value (by drawdown, then wavelength), one for each drawdown, or one for
+    /// all.
     pub fn new(
         task: &'a FitTask,
         prior: &'a IndexPrior,
@@ -153,23 +154,35 @@ impl<'a> Data<'a> {
         let waves = task.wavelengths_nm().len();
         let size = task.measured.len() * waves;
         let places: Vec<(usize, usize)> = (0..size).map(|i| (i / waves, i % waves)).collect();
-        let jacobian = Mat::from_fn(size, prior.count(), |i, j| derivative(prior, response, places[i], j));
+        let is_reflected = |d: usize| task.measured[d].is_reflected();
+        let jacobian = Mat::from_fn(size, prior.count(), |i, j| {
+            let on_face = prior.face_light == Some(j) && is_reflected(places[i].0);
+            derivative(prior, response, places[i], j) + f64::from(u8::from(on_face))
+        });
         let (mut weights, mut errors) = (Mat::zeros(size, size), Mat::zeros(size, size));
         let noise = task.settings.noise.powi(2);
+        let systematic_at = |d: usize, w: usize| match systematic.len() {
+            1 => systematic[0],
+            count if count == task.measured.len() => systematic[d],
+            _ => systematic[d * waves + w],
+        };
         let inflation = few_cells(response.replicates.first().map_or(0, Vec::len));
         for (i, &(d, v)) in places.iter().enumerate() {
-            let grid = systematic[d.min(systematic.len() - 1)].powi(2);
+            let own = systematic_at(d, v);
             for (j, &(e, w)) in places.iter().enumerate() {
                 let one_coat = task.measured[d].coat == task.measured[e].coat;
                 let replicates = &response.replicates;
                 let ensemble = if one_coat { jackknife(&replicates[d], &replicates[e], v, w) } else { 0.0 };
                 let at_one_wavelength = if v == w { ensemble } else { 0.0 };
-                let common = if d == e { grid } else { 0.0 };
-                weights[(i, j)] = at_one_wavelength + if i == j { noise + grid } else { 0.0 };
+                let common = if d == e { own * systematic_at(e, w) } else { 0.0 };
+                weights[(i, j)] = at_one_wavelength + if i == j { noise + own * own } else { 0.0 };
                 errors[(i, j)] = inflation * ensemble + common + if i == j { noise } else { 0.0 };
             }
         }
-        let residual = places.iter().map(|&(d, w)| task.measured[d].measured(w) - response.values[d][w]);
+        let added = prior.face_light(point);
+        let on_face = |d: usize| if is_reflected(d) { added } else { 0.0 };
+        let residual =
+            places.iter().map(|&(d, w)| task.measured[d].measured(w) - response.values[d][w] - on_face(d));
         let thickness = places.iter().map(|&(d, w)| response.slopes[2][d][w]).collect();
         Self { task, prior, point, jacobian, residual: residual.collect(), weights, errors, thickness }
     }
@@ -220,8 +233,8 @@ impl<'a> Data<'a> {
 /// Derivative of a value, by drawdown and wavelength, with respect to an unknown.
 pub(super) fn derivative(prior: &IndexPrior, response: &Response, (d, w): (usize, usize), j: usize) -> f64 {
     let [along_n, along_kappa, along_thickness] = [0, 1, 2].map(|k| response.slopes[k][d][w]);
-    let last = f64::from(u8::from(prior.thickness && j + 1 == prior.count()));
-    along_n * prior.n[w][j] + along_kappa * prior.kappa[w][j] + last * along_thickness
+    let of_thickness = f64::from(u8::from(prior.thickness == Some(j)));
+    along_n * prior.n[w][j] + along_kappa * prior.kappa[w][j] + of_thickness * along_thickness
 }
 
 /// Variance of a Student law over that of a normal one: errors estimated from few cells.

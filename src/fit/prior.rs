@@ -6,7 +6,7 @@
 //! and one pole in the UV stand for absorption beyond the knots.
 
 use super::file::{KnownN, PriorName};
-use crate::material::kramers_kronig::{POLE_UM, hat, transform};
+use crate::material::kramers_kronig::{POLE_STRENGTH, POLE_UM, hat, transform};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
@@ -33,6 +33,9 @@ const FLOOR: f64 = 0.1;
 /// Standard deviation of the logarithm of a common factor on the thicknesses.
 const THICKNESS: f64 = 0.1;
 
+/// Expected size of the light that faces of samples add, which is never negative.
+const FACE_LIGHT: f64 = 0.02;
+
 /// Unknowns and how n and κ depend on them.
 #[derive(Clone, Debug)]
 pub struct IndexPrior {
@@ -46,8 +49,10 @@ pub struct IndexPrior {
     pub positive: Vec<bool>,
     /// Expected sizes of the unknowns, whatever their neighbours are.
     sizes: Vec<f64>,
-    /// Whether the last unknown is the logarithm of a factor on the thicknesses.
-    pub thickness: bool,
+    /// Place of the unknown that is the logarithm of a factor on the thicknesses.
+    pub thickness: Option<usize>,
+    /// Place of the unknown that is the light which the faces of all samples add.
+    pub face_light: Option<usize>,
     /// Rows of differences whose size is the strength of the prior.
     rough: Vec<Vec<(usize, f64)>>,
     /// Knots of κ beyond either end of the data; none where the prior does not adapt to κ.
@@ -64,18 +69,35 @@ impl IndexPrior {
             PriorName::Smooth => smooth(wavelengths_nm, binder),
         };
         if thickness {
-            prior.n.iter_mut().chain(&mut prior.kappa).for_each(|row| row.push(0.0));
-            prior.mean.push(0.0);
-            prior.positive.push(false);
-            prior.sizes.push(THICKNESS);
+            prior.thickness = Some(prior.beside_index(THICKNESS, false));
         }
-        Self { thickness, ..prior }
+        prior
     }
 
-    /// The prior of Kramers and Kronig with n known at a wavelength.
+    /// The prior with light that the faces of all samples add.
     #[must_use]
-    pub fn with_known(self, wavelengths_nm: &[f64], known: KnownN) -> Self {
+    pub fn with_face_light(mut self) -> Self {
+        self.face_light = Some(self.beside_index(FACE_LIGHT, true));
+        self
+    }
+
+    /// Adds an unknown of this size that changes neither n nor κ, and gives its place.
+    fn beside_index(&mut self, size: f64, positive: bool) -> usize {
+        self.n.iter_mut().chain(&mut self.kappa).for_each(|row| row.push(0.0));
+        self.mean.push(0.0);
+        self.positive.push(positive);
+        self.sizes.push(size);
+        self.count() - 1
+    }
+
+    /// The prior of Kramers and Kronig with n known at a wavelength. Elsewhere n then depends on the
+    /// ultraviolet: its pole is expected to have the strength of measured materials, since one of 0,
+    /// as coats that show n themselves may have, would make n and with it κ too small in the blue.
+    #[must_use]
+    pub fn with_known(mut self, wavelengths_nm: &[f64], known: KnownN) -> Self {
         let mut row = weights_of_n(&knots(wavelengths_nm), 1e3 / known.n_nm);
+        let pole = row.len() - 1;
+        [self.mean[pole], self.sizes[pole]] = POLE_STRENGTH;
         row.resize(self.count(), 0.0);
         Self { known: Some((known, row)), ..self }
     }
@@ -93,7 +115,12 @@ impl IndexPrior {
 
     /// Logarithm of the factor on the thicknesses.
     pub fn log_thickness(&self, unknowns: &[f64]) -> f64 {
-        if self.thickness { unknowns[self.count() - 1] } else { 0.0 }
+        self.thickness.map_or(0.0, |place| unknowns[place])
+    }
+
+    /// Light that the faces of all samples add to their reflectance factors.
+    pub fn face_light(&self, unknowns: &[f64]) -> f64 {
+        self.face_light.map_or(0.0, |place| unknowns[place])
     }
 
     /// This prior with differences in proportion to the κ around them: a line of absorption bends
@@ -198,7 +225,8 @@ fn kramers_kronig(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
     let mean = [vec![0.0; hats], vec![binder, 0.0]].concat();
     let positive = [vec![true; hats], vec![false; 2]].concat();
     let sizes = [vec![SIZES[0]; hats], SIZES[1..].to_vec()].concat();
-    IndexPrior { n, kappa, mean, positive, sizes, thickness: false, rough, beyond, known: None }
+    let (thickness, face_light, known) = (None, None, None);
+    IndexPrior { n, kappa, mean, positive, sizes, thickness, face_light, rough, beyond, known }
 }
 
 fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
@@ -214,7 +242,8 @@ fn smooth(wavelengths_nm: &[f64], binder: f64) -> IndexPrior {
         mean: [vec![binder; count], vec![0.0; count]].concat(),
         positive: [vec![false; count], vec![true; count]].concat(),
         sizes: [vec![SIZES[1]; count], vec![SIZES[0]; count]].concat(),
-        thickness: false,
+        thickness: None,
+        face_light: None,
         rough,
         beyond: None,
         known: None,

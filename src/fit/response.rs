@@ -126,15 +126,23 @@ pub fn spectrum(ink: &InkOnPaper, drawdown: &Drawdown) -> Result<SpectrumEstimat
     let paper = &drawdown.study.paper;
     let ink = ink.on(&Substrate { albedo: paper.albedo.clone(), coupling: paper.coupling })?;
     let normal = ink.at(0.0)?;
-    Ok(match drawdown.geometry {
+    let mut smooth = match drawdown.geometry {
         FitGeometry::UniformSky => ink.spectrum(|layer| layer.natural_light(&normal, MirroredSky::Included)),
-        FitGeometry::Sphere => {
+        FitGeometry::Sphere | FitGeometry::SphereExcluded => {
             let view = ink.at(SPHERE_DEG)?;
-            ink.spectrum(|layer| layer.albedo(&view))
+            let is_included = drawdown.geometry.includes_mirrored();
+            ink.spectrum(|layer| layer.albedo(&view) - if is_included { 0.0 } else { layer.mirrored(&view) })
         }
+        FitGeometry::Transmitted => ink.spectrum(|layer| layer.transmittance(&normal)),
         FitGeometry::LitAt45 => {
             let lit = ink.at(PRINT_DEG)?;
             ink.spectrum(|layer| PI * layer.brdf(&lit, &normal))
         }
-    })
+    };
+    for spectrum in std::iter::once(&mut smooth.values).chain(&mut smooth.replicates) {
+        for (wave, value) in spectrum.iter_mut().enumerate() {
+            *value = drawdown.face.seen(wave, *value, drawdown.geometry);
+        }
+    }
+    Ok(smooth)
 }

@@ -1,28 +1,34 @@
 //! Carries a fit out: table, search, Gauss–Newton, errors.
 
 mod advice;
+mod descent;
+mod forecast;
 mod outcome;
+mod planned;
 mod solutions;
 
-pub use outcome::{FitOutcome, FittedIndex, FittedSpectrum, Forecast, OtherSolution, Trust};
+pub(super) use descent::{Branch, descend, near, prior_of};
+pub use forecast::Forecast;
+pub use outcome::{FaceLight, FitOutcome, FittedIndex, FittedSpectrum, OtherSolution, Trust};
+pub use planned::{FitCosts, PlannedSolves};
 
-use super::law::{Data, FitStep, LinearFit};
+use super::law::{Data, FitStep};
 use super::load::{Drawdown, FitTask};
 use super::prior::IndexPrior;
-use super::response::{Origin, Response};
+use super::response::Origin;
 use super::start::{Surface, TABLE_ERROR, paths};
 use crate::evaluate::seen::NoInk;
 use crate::input::limits::{ABSORPTION, INDEX};
 use crate::input::study::Study;
 use crate::run::collected::{RunSettings, Stores};
 use crate::run::resolve::{Resolved, resolve};
-use crate::run::tangents::{Linearised, Tangents, timed};
+use crate::run::tangents::{Linearised, Tangents};
 use crate::run::watch::{RunError, RunWatch};
 use crate::solve::accuracy::grid_error::GridError;
 use crate::store::Store;
 use crate::store::folder::OutputFolder;
 use crate::wave::Scene;
-use faer::Mat;
+use descent::{between, share_of_step};
 use num_complex::Complex64;
 use outcome::UNDETERMINED;
 use thiserror::Error;
@@ -33,18 +39,6 @@ const TABLE_CELLS: usize = 2;
 const LINEARISATIONS: [usize; 2] = [2, 4];
 /// A step that moves the data by less than this share of the noise is the last one.
 const SMALL_STEP: f64 = 0.5;
-/// Largest change of n in one step.
-const LARGEST_STEP: f64 = 0.15;
-/// Strength before any is chosen.
-const FIRST_STRENGTH: f64 = 0.06;
-/// Iterations on the table, and halvings of a step that leads uphill.
-const ITERATIONS: usize = 12;
-const HALVINGS: usize = 5;
-/// Points of the global search, and evaluations of the table in the descents from its paths, of
-/// which a plan times one.
-const EVALUATIONS: f64 = 400.0;
-/// Solves that a plan times at the nodes of the table, and at a typical index.
-const TRIED: [usize; 2] = [12, 6];
 
 /// Why there is no fit.
 #[derive(Debug, Error)]
@@ -76,59 +70,6 @@ pub enum FitError {
         /// Imaginary part.
         kappa: f64,
     },
-}
-
-/// Solves, each with its derivatives, that a fit takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PlannedSolves {
-    /// Of the coarse table.
-    pub table: usize,
-    /// Of one linearisation on all cells.
-    pub linearisation: usize,
-    /// Of the predicted layers.
-    pub predicted: usize,
-}
-
-impl PlannedSolves {
-    /// Branches of n that are carried to the end at most.
-    pub const BRANCHES: usize = 3;
-    /// Linearisations of a fit: at least, and at most where all branches are carried to the end.
-    pub const LINEARISATIONS: [usize; 2] = [LINEARISATIONS[0], Self::BRANCHES * LINEARISATIONS[1]];
-
-    /// The solves of a fit.
-    pub fn of(task: &FitTask) -> Self {
-        let each = |coats: &[Study]| coats.iter().map(Study::solves_each).sum::<usize>();
-        let cells = task.coats[0].realisations;
-        let measured = each(&task.coats[..task.coats_measured]);
-        Self {
-            table: measured * Surface::indices(task).len() * TABLE_CELLS.min(cells),
-            linearisation: measured * cells,
-            predicted: if task.predicted.is_empty() { 0 } else { each(&task.coats) * cells },
-        }
-    }
-
-    /// Most solves.
-    pub fn most(&self) -> usize {
-        self.table + Self::LINEARISATIONS[1] * self.linearisation + self.predicted
-    }
-}
-
-/// Processor seconds of the parts of a fit.
-#[derive(Clone, Copy, Debug)]
-pub struct FitCosts {
-    /// Of the coarse table, with the search on it.
-    pub table: f64,
-    /// Of one linearisation on all cells.
-    pub linearisation: f64,
-    /// Of the predicted layers.
-    pub predicted: f64,
-}
-
-impl FitCosts {
-    /// Processor seconds of a fit with a number of linearisations.
-    pub fn total(&self, linearisations: usize) -> f64 {
-        self.table + linearisations as f64 * self.linearisation + self.predicted
-    }
 }
 
 /// A fit in progress.
@@ -176,53 +117,6 @@ impl<'a> FitRun<'a> {
             tangents.linearised(&coat.with_index(self.task.pigment, &eta), cells, self.watch)
         };
         self.task.coats.iter().zip(&self.cells).take(coats).map(linearised).collect()
-    }
-
-    /// Processor seconds of the parts of this fit, from a few solves of every layer, spread over
-    /// the nodes of the table, the wavelengths and the directions, and from one evaluation.
-    ///
-    /// # Errors
-    /// As [`Tangents::linearised`]; the films give no spectra.
-    pub fn trial(&self) -> Result<FitCosts, FitError> {
-        let task = self.task;
-        let nodes = Surface::indices(task);
-        let typical = self.typical();
-        let solves = PlannedSolves::of(task);
-        let layers = task.coats.len();
-        let mut costs = FitCosts { table: 0.0, linearisation: 0.0, predicted: 0.0 };
-        for (number, (coat, tangents)) in task.coats.iter().zip(&self.cells).enumerate() {
-            let coat_at = |eta: [f64; 2]| {
-                let eta = Complex64::new(eta[0], eta[1]);
-                coat.with_index(task.pigment, &vec![eta; coat.wavelengths_nm.len()])
-            };
-            let spread = TRIED[0].div_ceil(layers).max(4);
-            let of_table: Vec<Study> =
-                (0..spread).map(|k| coat_at(nodes[k * nodes.len() / spread])).collect();
-            let of_fit = vec![coat_at(typical); TRIED[1].div_ceil(layers).max(3)];
-            let of_fit = tangents.trial(&of_fit, self.watch)?;
-            let cells = coat.realisations as f64;
-            let all_cells = cells * (of_fit.geometry + coat.solves_each() as f64 * of_fit.solve);
-            if number < task.coats_measured {
-                let of_table = tangents.trial(&of_table, self.watch)?;
-                let each = (nodes.len() * TABLE_CELLS * coat.solves_each()) as f64;
-                costs.table += each * of_table.solve + cells * of_fit.geometry;
-                costs.linearisation += cells * coat.solves_each() as f64 * of_fit.solve;
-            }
-            if solves.predicted > 0 {
-                costs.predicted += all_cells;
-            }
-        }
-        let index = vec![typical; task.wavelengths_nm().len()];
-        let (seconds, response) =
-            timed(|| Origin::Film.response(task, &task.measured, &index, 0.0).map(drop));
-        response?;
-        costs.table += EVALUATIONS * seconds;
-        Ok(costs)
-    }
-
-    /// \[n, κ\] for which grids are chosen and plans made.
-    fn typical(&self) -> [f64; 2] {
-        typical(self.task)
     }
 
     /// The fit.
@@ -381,95 +275,6 @@ struct FitSolution {
     /// Index and logarithm of the factor on the thicknesses at that linearisation.
     index: Vec<[f64; 2]>,
     log_thickness: f64,
-}
-
-/// A branch that fits the data on the table.
-pub(super) struct Branch {
-    pub unknowns: Vec<f64>,
-    /// Minus twice the logarithm of the evidence.
-    cost: f64,
-}
-
-/// The prior of a fit.
-pub(super) fn prior_of(task: &FitTask) -> IndexPrior {
-    let thickness = !task.settings.also.is_empty();
-    let nm = task.wavelengths_nm();
-    let prior = IndexPrior::new(task.settings.prior, nm, task.binder_index(), thickness);
-    match task.settings.known_n {
-        Some(known) => prior.with_known(nm, known),
-        None => prior,
-    }
-}
-
-/// Gauss–Newton on a table, with the strength of the prior chosen by the evidence on the way;
-/// `systematic` are the table's errors as [`Data::new`] takes them.
-pub(super) fn descend(
-    task: &FitTask,
-    prior: &IndexPrior,
-    start: Vec<f64>,
-    systematic: &[f64],
-    response_at: impl Fn(&[f64]) -> Result<Response, FitError>,
-) -> Result<Branch, FitError> {
-    let mut unknowns = start;
-    let mut response = response_at(&unknowns)?;
-    for round in 0..ITERATIONS {
-        let early = round < ITERATIONS / 3;
-        let prior = if early { prior } else { &prior.adapted(&unknowns) };
-        let data = Data::new(task, prior, &unknowns, &response, systematic);
-        let chosen =
-            if early { data.step(FIRST_STRENGTH).map(|step| (FIRST_STRENGTH, step)) } else { data.chosen() };
-        let (strength, step) = chosen.ok_or(FitError::Singular)?;
-        let before = data.cost(strength).ok_or(FitError::Singular)?;
-        let mut share = 1.0;
-        let mut moved = None;
-        for _ in 0..HALVINGS {
-            let tried = between(&unknowns, &step.unknowns, share);
-            let response = response_at(&tried)?;
-            let data = Data::new(task, prior, &tried, &response, systematic);
-            if data.cost(strength).is_some_and(|cost| cost < before) {
-                moved = Some((tried, response));
-                break;
-            }
-            share *= 0.4;
-        }
-        let Some((next, there)) = moved else { break };
-        (unknowns, response) = (next, there);
-    }
-    let prior = prior.adapted(&unknowns);
-    let data = Data::new(task, &prior, &unknowns, &response, systematic);
-    let cost = -2.0 * data.chosen().ok_or(FitError::Singular)?.1.log_evidence;
-    Ok(Branch { unknowns, cost })
-}
-
-/// The unknowns whose index is nearest to a path of \[n, κ\].
-pub(super) fn near(prior: &IndexPrior, path: &[[f64; 2]]) -> Option<Vec<f64>> {
-    let waves = path.len();
-    let count = prior.count();
-    let rows = |i: usize| if i < waves { &prior.n[i] } else { &prior.kappa[i - waves] };
-    let expected = |i: usize| rows(i).iter().zip(&prior.mean).map(|(a, x)| a * x).sum::<f64>();
-    let residual: Vec<f64> = (0..2 * waves).map(|i| path[i % waves][i / waves] - expected(i)).collect();
-    let covariance = Mat::from_fn(2 * waves, 2 * waves, |i, j| if i == j { 4e-4 } else { 0.0 });
-    let problem = LinearFit {
-        jacobian: &Mat::from_fn(2 * waves, count, |i, j| rows(i)[j]),
-        residual: &residual,
-        covariance: &covariance,
-        point: &prior.mean,
-        mean: &prior.mean,
-        precision: &prior.precision(FIRST_STRENGTH),
-        positive: &prior.positive,
-    };
-    Some(problem.step()?.unknowns)
-}
-
-fn between(from: &[f64], to: &[f64], share: f64) -> Vec<f64> {
-    from.iter().zip(to).map(|(a, b)| a + share * (b - a)).collect()
-}
-
-/// Share of a step that keeps the change of n within its limit.
-fn share_of_step(prior: &IndexPrior, from: &[f64], to: &[f64]) -> f64 {
-    let (from, to) = (prior.index(from), prior.index(to));
-    let largest = from.iter().zip(&to).map(|(a, b)| (b[0] - a[0]).abs()).fold(0.0, f64::max);
-    (LARGEST_STEP / largest.max(1e-12)).min(1.0)
 }
 
 #[cfg(test)]

@@ -56,7 +56,11 @@ fn spectrum(folder: &Path, text: &str, albedo: f64, column: &str) -> Vec<[f64; 2
 
 /// Writes a measured spectrum; a single wavelength becomes two of equal values about it.
 fn write_spectrum(path: &Path, rows: &[[f64; 2]]) {
-    let mut text = String::from("wavelength_nm,reflectance\n");
+    write_column(path, "reflectance", rows);
+}
+
+fn write_column(path: &Path, column: &str, rows: &[[f64; 2]]) {
+    let mut text = format!("wavelength_nm,{column}\n");
     for [nm, value] in rows {
         let around: &[f64] = if rows.len() == 1 { &[-1.0, 1.0] } else { &[0.0] };
         around.iter().for_each(|by| text += &format!("{},{value}\n", nm + by));
@@ -66,7 +70,8 @@ fn write_spectrum(path: &Path, rows: &[[f64; 2]]) {
 
 /// A `[[measured]]` table.
 fn measured(file: &str, backing: f64, geometry: &str) -> String {
-    format!("[[measured]]\nfile = \"{file}\"\nbacking = {backing}\ngeometry = \"{geometry}\"\n")
+    let card = if geometry == "transmittance" { String::new() } else { format!("backing = {backing}\n") };
+    format!("[[measured]]\nfile = \"{file}\"\n{card}geometry = \"{geometry}\"\n")
 }
 
 /// Carries a fit out in a folder; what it said, and `fit.json`.
@@ -138,6 +143,8 @@ impl FilmInAir {
             "45:0" => self.at(45.0)[1] * series * t_normal,
             // reciprocal: lit at 8°, all light collected
             "d:8" => self.at(8.0)[0] + self.at(8.0)[1] * series * t_mean,
+            "d:8 excluded" => self.at(8.0)[1] * series * t_mean,
+            "transmittance" => t_normal,
             _ => r_normal + t_mean * series * t_normal,
         }
     }
@@ -154,7 +161,8 @@ fn film_task(folder: &Path, pigment: Complex64, cards: &[(f64, &str)], more: &st
     let mut fit = format!("base = \"base.toml\"\n{more}");
     for (k, &(albedo, geometry)) in cards.iter().enumerate() {
         let value = |nm: f64| FilmInAir(mean_film(pigment, 0.3, 0.9), 1e-3 * nm).on_card(albedo, geometry);
-        write_spectrum(&folder.join(format!("{k}.csv")), &[500.0, 620.0].map(|nm| [nm, value(nm)]));
+        let column = if geometry == "transmittance" { geometry } else { "reflectance" };
+        write_column(&folder.join(format!("{k}.csv")), column, &[500.0, 620.0].map(|nm| [nm, value(nm)]));
         fit += &measured(&format!("{k}.csv"), albedo, geometry);
     }
     std::fs::write(folder.join("base.toml"), study(FINE, "1.6", "[500, 620]")).expect("written");
@@ -171,12 +179,14 @@ const GEOMETRIES: [(f64, &str); 6] = [
     (BLACK, "natural"),
 ];
 
-/// *Planted*: a sphere's instrument at 45°, and a uniform sky without what the surface mirrors.
+/// *Planted*: a sphere's instrument at 45°, a uniform sky without what the surface mirrors, a sphere without
+/// specular light with it, and what passes the layer with its card.
 #[test]
 fn instruments_read_a_film_on_a_card_as_closed_forms_do() {
     let folder = tempfile::tempdir().expect("a folder");
     let pigment = Complex64::new(1.75, 0.06);
-    let task = film_task(folder.path(), pigment, &GEOMETRIES, "");
+    let all = [&GEOMETRIES[..], &[(WHITE, "d:8 excluded"), (WHITE, "transmittance")]].concat();
+    let task = film_task(folder.path(), pigment, &all, "");
     let index = [[pigment.re, pigment.im]; 2];
     let seen = Origin::Film.spectra(&task, &task.measured, &index, ([0.0; 2], 0.0)).expect("spectra");
     for (drawdown, seen) in task.measured.iter().zip(seen) {

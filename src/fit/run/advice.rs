@@ -218,7 +218,9 @@ impl FitGeometry {
         match self {
             Self::LitAt45 => "at 45:0",
             Self::Sphere => "at d:8, specular light included,",
+            Self::SphereExcluded => "at d:8, specular light excluded,",
             Self::UniformSky => "under a uniform sky",
+            Self::Transmitted => "in transmission",
         }
     }
 }

@@ -1,19 +1,17 @@
 //! The numbers of a fit: the index with its errors, whether they can be trusted, and predictions.
 
-use crate::appearance::kubelka_munk::KubelkaMunk;
-use crate::appearance::tristimulus::Colorimeter;
-use crate::evaluate::gate;
-use crate::evaluate::published::Quantity;
-use crate::fit::law::{Data, FitStep, few_cells, jackknife, rms};
-use crate::fit::load::{Drawdown, FitTask};
-use crate::fit::response::Response;
-use crate::numerics::estimate::Estimate;
+use super::forecast::Forecast;
+use crate::fit::file::AlsoFitted;
+use crate::fit::law::{Data, FitStep, rms};
+use crate::fit::load::FitTask;
 use faer::Mat;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 /// Differences of n between solutions, and errors of n, from which n is not determined.
 pub(super) const UNDETERMINED: f64 = 0.06;
+/// Error of the light that faces add from which it is not determined: half of what is expected.
+const UNDETERMINED_LIGHT: f64 = 0.01;
 /// Quantile of χ² beyond which the errors are not those stated.
 const UNLIKELY: f64 = 0.999;
 /// χ² per degree of freedom beyond which no error is stated.
@@ -87,23 +85,13 @@ pub struct FittedSpectrum {
     pub sigma: Vec<f64>,
 }
 
-/// A layer predicted from the fitted index.
-#[derive(Clone, Debug, Serialize)]
-pub struct Forecast {
-    /// File and layer.
-    pub name: String,
-    /// Predicted reflectance factors.
-    pub values: Vec<f64>,
-    /// Their standard errors; the index's part is missing where it has none.
-    pub errors: Vec<f64>,
-    /// What Kubelka and Munk predict from two of the measured spectra of one layer.
-    pub kubelka_munk: Option<Vec<f64>>,
-    /// Measured values, where there are any.
-    pub measured: Option<Vec<f64>>,
-    /// ΔE₀₀ to the measured colour (D65, 2°).
-    pub delta_e_2000: Option<f64>,
-    /// ΔE₀₀ to the measured colour of what Kubelka and Munk predict.
-    pub delta_e_2000_kubelka_munk: Option<f64>,
+/// Light that faces add to the reflectance factors of all samples.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct FaceLight {
+    /// Its size.
+    pub value: f64,
+    /// Its standard error; none where the data contradict the study.
+    pub standard_error: Option<f64>,
 }
 
 /// The result of a fit.
@@ -137,6 +125,9 @@ pub struct FitOutcome {
     pub log_thickness: f64,
     /// Standard error of it.
     pub log_thickness_error: Option<f64>,
+    /// Light that the faces of all samples add, where it is fitted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub face_light: Option<FaceLight>,
     /// Root mean square change of n and κ if the thickness were 1 % larger.
     pub per_percent_of_thickness: [f64; 2],
     /// Measured and fitted spectra.
@@ -160,8 +151,7 @@ impl Data<'_> {
         let covariance = step.covariance(&self.weights, &self.errors);
         let index = self.index(step, stated.then_some((&covariance, factor)));
         let n_error = rms(index.iter().filter_map(|row| row.n_error));
-        let last = self.prior.count() - 1;
-        let thickness = self.prior.thickness.then(|| (factor * covariance[(last, last)]).sqrt());
+        let error = |place: usize| (factor * covariance[(place, place)]).sqrt();
         let mut outcome = FitOutcome {
             trust,
             chi_squared: step.chi_squared,
@@ -173,7 +163,11 @@ impl Data<'_> {
             linearisations,
             n_is_determined: stated && n_error < UNDETERMINED,
             log_thickness: self.prior.log_thickness(&step.unknowns),
-            log_thickness_error: thickness.filter(|_| stated),
+            log_thickness_error: self.prior.thickness.filter(|_| stated).map(error),
+            face_light: self.prior.face_light.map(|place| FaceLight {
+                value: step.unknowns[place],
+                standard_error: stated.then(|| error(place)),
+            }),
             per_percent_of_thickness: self.per_percent(step),
             spectra: self.spectra(step),
             index,
@@ -300,7 +294,18 @@ fn remarks(outcome: &FitOutcome, task: &FitTask, moved: f64) -> Vec<String> {
     all.extend(outside("n", task.settings.n, outcome, |row| (row.n, row.n_error)));
     all.extend(outside("kappa", task.settings.kappa, outcome, |row| (row.kappa, row.kappa_error)));
     let [dn, dk] = outcome.per_percent_of_thickness;
-    if task.settings.also.is_empty() {
+    if let Some(FaceLight { value, standard_error: Some(error) }) = outcome.face_light {
+        all.push(format!("light that the faces add: {value:.4} ± {error:.4} in every reflectance factor"));
+        if error > UNDETERMINED_LIGHT {
+            all.push(
+                "the light of the faces is not determined: one masstone tells it not from κ; add a tint with a known white or another \
+                 loading, or give it as face.light"
+                    .into(),
+            );
+        }
+    }
+    let has_thickness = !task.measured.iter().all(|drawdown| drawdown.is_opaque);
+    if has_thickness && !task.settings.also.contains(&AlsoFitted::Thickness) {
         all.push(format!(
             "1 % more thickness than stated would change n by {dn:.3} and κ by {dk:.4} (root mean square)"
         ));
@@ -342,80 +347,4 @@ fn outside(
         range[1],
         outcome.index.len()
     ))
-}
-
-impl Forecast {
-    /// Drawdown number `k` of the predicted ones.
-    pub fn new(task: &FitTask, drawdown: &Drawdown, k: usize, response: &Response, fit: &FitOutcome) -> Self {
-        let values = response.values[k].clone();
-        let errors = fit.index.iter().enumerate().map(|(w, row)| forecast_error(response, k, w, row));
-        let kubelka_munk = kubelka_munk(task, drawdown);
-        Self {
-            name: drawdown.name.clone(),
-            errors: errors.collect(),
-            measured: drawdown.values.clone(),
-            delta_e_2000: difference(task, drawdown, Some(&values)),
-            delta_e_2000_kubelka_munk: difference(task, drawdown, kubelka_munk.as_ref()),
-            values,
-            kubelka_munk,
-        }
-    }
-
-    /// Why this prediction cannot be published: its first factor that no layer can have.
-    pub fn impossible(&self, wavelengths_nm: &[f64]) -> Option<String> {
-        let rows = self.values.iter().zip(&self.errors).zip(wavelengths_nm);
-        rows.into_iter().find_map(|((&value, &error), nm)| {
-            let number = Estimate { value, standard_error: Some(error) };
-            let reason = gate::impossible(Quantity::Factor, number)?;
-            Some(format!("no prediction of {}: its reflectance factor at {nm} nm is {reason}", self.name))
-        })
-    }
-}
-
-/// ΔE₀₀ of a predicted spectrum to the measured one, where both have colours.
-fn difference(task: &FitTask, drawdown: &Drawdown, predicted: Option<&Vec<f64>>) -> Option<f64> {
-    let meter = Colorimeter::new(task.wavelengths_nm()).ok()?;
-    let measured = meter.colour(drawdown.values.as_ref()?).ok()?;
-    Some(meter.colour(predicted?).ok()?.delta_e_2000(&measured).value)
-}
-
-/// Standard error of a predicted value: the few cells, and the index.
-fn forecast_error(response: &Response, k: usize, w: usize, row: &FittedIndex) -> f64 {
-    let replicates = &response.replicates[k];
-    let ensemble = few_cells(replicates.len()) * jackknife(replicates, replicates, w, w);
-    let along_n = response.slopes[0][k][w];
-    let along_kappa = response.slopes[1][k][w];
-    let n_error = row.n_error.unwrap_or_default();
-    let kappa_error = row.kappa_error.unwrap_or_default();
-    let correlation = row.correlation.unwrap_or(0.0);
-    let common = 2.0 * along_n * along_kappa * n_error * kappa_error * correlation;
-    (ensemble + ((along_n * n_error).powi(2) + (along_kappa * kappa_error).powi(2) + common).max(0.0)).sqrt()
-}
-
-/// Kubelka and Munk's prediction: K and S of a layer measured in the same geometry on two backings,
-/// in proportion to the share and the thickness.
-fn kubelka_munk(task: &FitTask, drawdown: &Drawdown) -> Option<Vec<f64>> {
-    let nm = task.wavelengths_nm();
-    let middle = nm[nm.len() / 2];
-    let alike: Vec<&Drawdown> = task.measured.iter().filter(|d| d.geometry == drawdown.geometry).collect();
-    let mut pairs = alike.iter().flat_map(|one| alike.iter().map(move |other| [*one, *other]));
-    let [dark, light] =
-        pairs.find(|[one, other]| other.coat == one.coat && other.albedo(middle) > one.albedo(middle))?;
-    let share_of = |d: &Drawdown| d.study.pigments[task.pigment].grains.volume_fraction;
-    let share = share_of(dark);
-    let own_share = share_of(drawdown);
-    let thick = dark.study.layer.thickness_um;
-    let own_thick = drawdown.study.layer.thickness_um;
-    let mut values = Vec::new();
-    for (w, &nm) in nm.iter().enumerate() {
-        let on_card = |d: &Drawdown| Some([d.albedo(nm)?, d.values.as_ref()?[w]]);
-        let km = on_card(dark)
-            .zip(on_card(light))
-            .and_then(|(dark, light)| KubelkaMunk::from_backings(dark, light, thick));
-        let value =
-            km.zip(drawdown.albedo(nm)).map(|(km, card)| km.over(card, own_thick * own_share / share));
-        // no number where no layer has such a pair of reflectances
-        values.push(value.unwrap_or(f64::NAN));
-    }
-    Some(values)
 }

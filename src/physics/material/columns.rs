@@ -164,7 +164,7 @@ pub fn widest_gap_nm(rows_nm: &[f64], [from, to]: [f64; 2]) -> Option<[f64; 2]> 
 }
 
 /// The widest of some gaps.
-pub(super) fn widest(gaps: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
+pub(in crate::material) fn widest(gaps: impl Iterator<Item = [f64; 2]>) -> Option<[f64; 2]> {
     gaps.max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])))
 }
 

@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 pub const POLE_UM: f64 = 0.2;
 /// Strength c of the pole, and its standard error: silica, calcite and the listed polymers have
 /// 0.06 to 0.18 (a test reads them from their records).
-const POLE_STRENGTH: [f64; 2] = [0.1, 0.1];
+pub const POLE_STRENGTH: [f64; 2] = [0.1, 0.1];
 /// κ beyond an end of the table falls linearly to 0 within the first share of the end's ω; that it
 /// does so within the second instead is the standard error.
 const TAIL: [f64; 2] = [0.15, 0.45];

@@ -46,6 +46,8 @@ pub const PATH_MM: Allowed = Allowed::above(0.0, 1000.0, "mm");
 pub const CONCENTRATION: Allowed = Allowed::above(0.0, 1000.0, "g/l");
 /// Density of a pigment.
 pub const DENSITY: Allowed = Allowed::between(0.1, 30.0, "g/cm³");
+/// Largest share of a pigment in the volume of a dilution.
+pub const DILUTE: f64 = 0.1;
 /// Volume fraction: no random packing exceeds 0.64; thin layers reach less, which packing reports.
 pub const VOLUME_FRACTION: Allowed = Allowed::above(0.0, 0.64, "");
 /// Lightness L* of a print.

@@ -11,7 +11,7 @@ mod sample;
 mod table;
 mod words;
 
-pub use words::MeasuredGeometry;
+pub use words::{MeasuredGeometry, MeasuredKind};
 
 use crate::appearance::colour::Colour;
 use crate::appearance::tristimulus::Colorimeter;
@@ -97,6 +97,8 @@ pub struct MeasuredRequest {
     pub unit: Option<MeasuredUnit>,
     /// The instrument's light, where a sample is measured under several.
     pub condition: Option<MeasuredCondition>,
+    /// What is read: reflectance, or transmittance.
+    pub kind: MeasuredKind,
     /// Allowed geometries; empty where any will do. Files that state none are taken.
     pub geometries: Vec<MeasuredGeometry>,
     /// Range of wavelengths that is used, nm: outside it faults do not matter.
@@ -112,6 +114,7 @@ impl Default for MeasuredRequest {
             one_must_be_named: false,
             unit: None,
             condition: None,
+            kind: MeasuredKind::Reflectance,
             geometries: vec![MeasuredGeometry::LitAt45],
             used_nm: TABLE_RANGE_NM,
             viewing: Viewing::default(),

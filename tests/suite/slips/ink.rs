@@ -345,6 +345,16 @@ pub const INK: &[Slip] = &[
         "index = { csv = \"wide.csv\", n = 1.6, dilution = { path_mm = 0, concentration_g_per_l = 0.02, density_g_per_cm3 = 1.5 } }",
         ["pigment[0].index.dilution.path_mm", "found 0", "greater than 0", "a cuvette has 10 mm"],
     ),
+    slip(
+        K,
+        "index = { csv = \"wide.csv\", n = 1.6, dilution = { path_mm = 10, concentration_g_per_l = 300, density_g_per_cm3 = 1.5 } }",
+        [
+            "pigment[0].index.dilution.concentration_g_per_l",
+            "300, 20 % of the volume",
+            "at most 10 % of the volume",
+            "check its unit",
+        ],
+    ),
     // birefringent grains
     slip(
         K,

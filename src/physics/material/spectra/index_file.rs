@@ -1,6 +1,7 @@
 //! Tables of indices as CSV: the program's own, those of spreadsheets and of refractiveindex.info.
 
-use super::{Dilution, RowError, Sample, Spectrum, SpectrumError, Table, check_index, the_other};
+use super::table::check_index;
+use super::{Dilution, RowError, Sample, Spectrum, SpectrumError, Table, the_other};
 use crate::material::columns::{line_of, micrometres};
 use crate::material::dispersion::{DataSource, Dispersion};
 use crate::material::usable::{FileRow, Unusable, Usable, usable};

@@ -62,15 +62,16 @@ pub fn choose<'a>(file: &'a MeasuredFile, request: &MeasuredRequest) -> Result<C
     let name = meant.first().map_or("", |&i| samples[i].name());
     let called = if name.is_empty() { "the sample".to_owned() } else { format!("{name:?}") };
     // spectra of reflected light go before colours, which hold less
-    let reflected: Vec<usize> =
-        meant.iter().copied().filter(|&i| samples[i].kind == MeasuredKind::Reflectance).collect();
+    let reflected: Vec<usize> = meant.iter().copied().filter(|&i| samples[i].kind == request.kind).collect();
     if reflected.is_empty()
         && let Some(&other) = meant.first()
     {
-        return Err(format!(
-            "{called} is {}, not reflectance: measure it in reflection",
-            samples[other].kind.name()
-        ));
+        let (found, wanted) = (samples[other].kind.name(), request.kind.name());
+        let remedy = match request.kind {
+            MeasuredKind::Transmittance => "name its column transmittance, if that is what it is",
+            _ => "measure it in reflection",
+        };
+        return Err(format!("{called} is {found}, not {wanted}: {remedy}"));
     }
     meant = reflected;
     let is_spectrum = |i: &usize| matches!(samples[*i].content, SampleContent::Spectrum(_));

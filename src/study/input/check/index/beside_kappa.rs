@@ -108,6 +108,13 @@ impl DilutionWritten {
         ] {
             faults.number(&format!("{field}.{key}"), value, range, remedy);
         }
+        let share = 1e-3 * concentration_g_per_l / density_g_per_cm3;
+        if share > limits::DILUTE && limits::CONCENTRATION.holds(concentration_g_per_l) {
+            let found = format!("{concentration_g_per_l}, {:.0} % of the volume", 100.0 * share);
+            let allowed = format!("at most {:.0} % of the volume", 100.0 * limits::DILUTE);
+            let remedy = "check its unit, g/l, and the density, g/cm³: grains of a denser one change each other's light";
+            faults.add(format!("{field}.concentration_g_per_l"), found, allowed, remedy);
+        }
         Dilution { path_mm, concentration_g_per_l, density_g_per_cm3 }
     }
 }
