@@ -167,9 +167,8 @@ pub fn design(args: &DesignArgs) -> Result<()> {
         let delta_e = run.delta_e_2000.map(|distance| format!("ΔE₀₀ {}", distance.in_words(2)));
         let ratio = format!("contrast ratio {}", run.contrast_ratio.in_words(3));
         let wished = outcome.wishes.iter().zip(&run.numbers);
-        let wished = wished.map(|(wish, number)| {
-            format!("{} {}", wish.name, number.estimate.in_words(decimals(wish)))
-        });
+        let wished = wished
+            .map(|(wish, number)| format!("{} {}", wish.name, number.estimate.in_words(decimals(wish))));
         let all: Vec<String> = delta_e.into_iter().chain([ratio]).chain(wished).collect();
         note!("verified: {}: {}", run.recipe, all.join(", "));
     }
@@ -178,8 +177,11 @@ pub fn design(args: &DesignArgs) -> Result<()> {
     }
     let ranges = ranges(&task, &outcome);
     if !ranges.is_empty() {
-        let which =
-            if outcome.target.is_some() { "recipes of nearly equal colour" } else { "recipes that meet the wishes" };
+        let which = if outcome.target.is_some() {
+            "recipes of nearly equal colour"
+        } else {
+            "recipes that meet the wishes"
+        };
         note!("{which}: {}", ranges.join("; "));
     }
     note!(

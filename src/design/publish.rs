@@ -60,7 +60,13 @@ impl<'a> RecipeTables<'a> {
 
     /// A recipe as a row of the page's tables; `distance` is that from the target colour, if one is
     /// wanted.
-    fn row(&self, hex: Option<&str>, distance: Option<String>, values: &[f64], numbers: Vec<String>) -> Value {
+    fn row(
+        &self,
+        hex: Option<&str>,
+        distance: Option<String>,
+        values: &[f64],
+        numbers: Vec<String>,
+    ) -> Value {
         let values: Vec<String> = self.headings.iter().zip(values).map(|(h, &x)| h.shown(x)).collect();
         context!(hex => hex.map(str::to_owned), distance, values, numbers)
     }

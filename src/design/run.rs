@@ -367,8 +367,9 @@ impl DesignRun<'_> {
     /// as well.
     fn is_sure(&self, run: &Verified) -> bool {
         let of_colour = |distance: Estimate| distance.value + error(distance) <= self.task.settings.delta_e;
-        let of_number =
-            |wish: &NumberWish, at: Estimate| [-error(at), error(at)].iter().all(|by| wish.holds(at.value + by));
+        let of_number = |wish: &NumberWish, at: Estimate| {
+            [-error(at), error(at)].iter().all(|by| wish.holds(at.value + by))
+        };
         self.meets(run)
             && run.delta_e_2000.is_none_or(of_colour)
             && self.wished(run).all(|(wish, number)| of_number(wish, number.estimate))
@@ -508,7 +509,10 @@ impl DesignRun<'_> {
             || best.delta_e_2000.is_some_and(|distance| distance.value - error(distance) > wish)
             || self.wished(best).any(|(wish, number)| missed(wish, number.estimate));
         if is_missed {
-            return format!("Out of reach in these ranges: the nearest recipe, {}, has {all}.{ends}", best.recipe);
+            return format!(
+                "Out of reach in these ranges: the nearest recipe, {}, has {all}.{ends}",
+                best.recipe
+            );
         }
         format!(
             "Not proven: {} has {all}, and its error is too large to decide: raise design.realisations or design.verifications.{ends}",

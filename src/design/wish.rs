@@ -140,7 +140,12 @@ pub(super) fn check_ranges(tables: &[NumberTargetTable], faults: &mut Faults) {
         let field = format!("target.number[{i}]");
         if tables[..i].iter().any(|other| other.name == table.name) {
             let remedy = "write at_least and at_most in one [[target.number]]";
-            faults.add(format!("{field}.name"), format!("{:?} twice", table.name), "each number once", remedy);
+            faults.add(
+                format!("{field}.name"),
+                format!("{:?} twice", table.name),
+                "each number once",
+                remedy,
+            );
         }
         let bounds = [("at_least", table.at_least), ("at_most", table.at_most)];
         for (key, bound) in bounds {
@@ -219,7 +224,9 @@ mod tests {
     fn a_range_is_narrowed_to_its_middle_at_most() {
         let range = wish(Some(0.6), Some(0.7), NumberTransform::Mean);
         let some = range.narrowed(0.02);
-        assert!((some.at_least.unwrap() - 0.62).abs() < 1e-12 && (some.at_most.unwrap() - 0.68).abs() < 1e-12);
+        assert!(
+            (some.at_least.unwrap() - 0.62).abs() < 1e-12 && (some.at_most.unwrap() - 0.68).abs() < 1e-12
+        );
         let all = range.narrowed(1.0);
         assert!((all.at_least.unwrap() - 0.65).abs() < 1e-12 && (all.at_most.unwrap() - 0.65).abs() < 1e-12);
         assert_eq!(wish(Some(0.6), None, NumberTransform::Mean).narrowed(0.1).at_most, None);

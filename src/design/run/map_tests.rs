@@ -53,7 +53,13 @@ fn loaded(text: &str) -> DesignTask {
 
 /// A run whose spectra are those of the film, and a constant.
 pub(in crate::design::run) fn run_at(task: &DesignTask, places: &[f64], beyond_film: f64) -> Verified {
-    let spectra: Vec<f64> = FilmResponse::new(task, places).unwrap().at(places).unwrap().iter().map(|film| film + beyond_film).collect();
+    let spectra: Vec<f64> = FilmResponse::new(task, places)
+        .unwrap()
+        .at(places)
+        .unwrap()
+        .iter()
+        .map(|film| film + beyond_film)
+        .collect();
     let (lab, ratio) = Eye::new(&study_at(task, places).unwrap()).unwrap().sees(&spectra).unwrap();
     let numbers = FilmResponse::new(task, places).unwrap().numbers(&spectra);
     let reached = |(wish, value): (&NumberWish, &f64)| ReachedNumber {
@@ -167,8 +173,10 @@ fn a_density_is_found_at_the_least_cost() {
     let map = Map::new(&task, &runs, runs.len()).unwrap();
     let answers = map.search(None);
     let aim = task.numbers[0].narrowed(2.0 * map.number_errors(&runs)[0]);
-    let meets: Vec<&DesignAnswer> =
-        answers.iter().filter(|answer| aim.holds(answer.numbers[0]) && answer.delta_e_2000.is_none()).collect();
+    let meets: Vec<&DesignAnswer> = answers
+        .iter()
+        .filter(|answer| aim.holds(answer.numbers[0]) && answer.delta_e_2000.is_none())
+        .collect();
     assert!(meets.len() > 10 && answers[0] == *meets[0], "{:?}", &answers[..2]);
     let cheapest = meets.iter().map(|answer| task.cost(&answer.places)).fold(f64::INFINITY, f64::min);
     assert_eq!(task.cost(&answers[0].places), cheapest);
