@@ -4,6 +4,7 @@ use super::errors::{JudgedNumbers, MovedLevels, with_errors};
 use super::gate::{self, LayerInColour};
 use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::numbers::{LayerTask, MOST_SLABS, lights, projected_sr};
+use super::optics::layer_optics;
 use super::prints::prints;
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
@@ -62,7 +63,8 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         curve.add(&task, *um, layer);
     }
     let layers: Vec<_> = composed.thicknesses_um.iter().copied().zip(&numbers.requested).collect();
-    let prints = prints(study, &layers);
+    let prints = prints(&task, &layers, &whole);
+    let optics = layer_optics(&task, [&whole, &half], moved.as_ref());
     let mut withheld = [requested.withheld, curve.withheld].concat();
     let mut medium = Vec::new();
     for ((&nm, slabs), numbers) in study.wavelengths_nm.iter().zip(&slabs).zip(numbers.medium) {
@@ -111,7 +113,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         no_ink_maker: None,
         numbers: requested.weighted,
         prints,
-        optics: None,
+        optics,
         withheld,
         spectra: PublishedSpectra::Composed(requested.rows),
         absorbed: Vec::new(),
