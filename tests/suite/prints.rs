@@ -481,3 +481,140 @@ fn walk(folder: &Path, name: &str) -> Option<std::path::PathBuf> {
     };
     entries.filter_map(found).next()
 }
+
+/// The refusal of a study, or its remarks.
+fn checked(folder: &Path, text: &str) -> Result<Vec<String>, String> {
+    let file = folder.join("study.toml");
+    std::fs::write(&file, text).unwrap();
+    match inkwave::input::load::load(&file) {
+        Ok(study) => Ok(study.remarks),
+        Err(inkwave::input::fault::StudyError::Values { faults, .. }) => {
+            Err(faults.iter().map(|f| format!("{f}; {}", f.remedy)).collect::<Vec<_>>().join("\n"))
+        }
+        Err(other) => Err(other.to_string()),
+    }
+}
+
+/// Factors above 1 of a brightened paper need no unit, as no paper is as dark as a percent; a table with rows and columns
+/// exchanged would emit nothing, and a file from a sphere is no measurement at 45:0. *Planted*: the table's lower half taken
+/// for nothing; the geometry beside the file believed, whatever the file says.
+#[test]
+fn papers_that_would_be_taken_for_others_are_refused() {
+    let scratch = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| std::fs::write(scratch.path().join(name), text).unwrap();
+    let waves = || (380..=740).step_by(10);
+    let gauss = |nm: f64, at: f64, width: f64| (-((nm - at) / width).powi(2)).exp();
+    let factors = |extra: f64| -> String {
+        let row = |nm: i32| format!("{nm},{:.5}\n", 0.85 + extra * gauss(f64::from(nm), 445.0, 25.0));
+        format!("wavelength_nm,factor\n{}", waves().map(row).collect::<String>())
+    };
+    write("m1.csv", factors(0.18));
+    write("m2.csv", factors(0.0));
+    let base = TINY.replace("binder.index = 1.558", "binder.index = 1.5\nindex_out = 1.5");
+    let base = base.replace("from_nm = 400", "from_nm = 300").replace("step_nm = 100", "step_nm = 50");
+    let base = base.replace("index = { built_in = \"yellow\" }", "index = { n = 1.7, k = 0.05 }");
+    let paper = |words: &str| format!("{base}[paper]\ncoupling = \"optical_contact\"\n{words}\n");
+    let told = checked(scratch.path(), &paper("fluorescence = { m1_csv = \"m1.csv\", m2_csv = \"m2.csv\" }"));
+    let told = told.expect("a paper").join("\n");
+    for words in ["m1.csv states no unit", "factors of a perfect white", "45:0, that of M0 to M2"] {
+        assert!(told.contains(words), "{words:?} is missing: {told}");
+    }
+    // emission at 440 nm of light at 365 nm, and the same table with rows and columns exchanged
+    let nm = || (300..=700).step_by(20).map(f64::from);
+    let table = |factor: &dyn Fn(f64, f64) -> f64| -> String {
+        let head: String = nm().map(|from| format!(",{from}")).collect();
+        let row = |at: f64| -> String {
+            let cells: String = nm().map(|from| format!(",{:.6}", factor(at, from))).collect();
+            format!("{at}{cells}\n")
+        };
+        format!("emission_nm{head}\n{}", nm().map(row).collect::<String>())
+    };
+    let emits = |at: f64, from: f64| 0.002 * gauss(at, 440.0, 25.0) * gauss(from, 365.0, 25.0);
+    let later = |at: f64, from: f64| if at > from { emits(at, from) } else { 0.0 };
+    write("right.csv", table(&later));
+    write("exchanged.csv", table(&|at, from| later(from, at)));
+    let donaldson =
+        |name: &str| paper(&format!("albedo = 0.9\nfluorescence = {{ donaldson_csv = \"{name}\" }}"));
+    checked(scratch.path(), &donaldson("right.csv")).expect("a table");
+    let told = checked(scratch.path(), &donaldson("exchanged.csv")).expect_err("nothing would be emitted");
+    assert!(
+        told.contains("paper.fluorescence.donaldson_csv") && told.contains("exchange rows and columns"),
+        "{told}"
+    );
+    let bands: String = waves().map(|nm| format!(" SPEC_{nm}")).collect();
+    let values: String = waves().map(|_| " 0.85").collect();
+    write(
+        "sphere.cgats",
+        format!(
+            "CGATS.17\nMEASUREMENT_GEOMETRY \"d/8\"\nBEGIN_DATA_FORMAT\nSAMPLE_ID{bands}\nEND_DATA_FORMAT\n\
+             NUMBER_OF_SETS 1\nBEGIN_DATA\n1{values}\nEND_DATA\n"
+        ),
+    );
+    let visible = |geometry: &str| {
+        paper(&format!("measured = {{ csv = \"sphere.cgats\", geometry = \"{geometry}\" }}"))
+            .replace("from_nm = 300", "from_nm = 400")
+    };
+    for geometry in ["d:8", "d:8 excluded"] {
+        checked(scratch.path(), &visible(geometry)).expect("which of both it is");
+    }
+    let told = checked(scratch.path(), &visible("45:0")).expect_err("a contradiction");
+    assert!(told.contains("paper.measured.geometry") && told.contains("where the file states"), "{told}");
+}
+
+/// A composed layer as an area of another print: as its solid, it reads what its own run reads at 45:0 on the same paper, and
+/// the bar of the print holds the bar of that run. *Planted*: a composed layer without its errors, or off its surface.
+#[test]
+fn a_composed_layer_is_an_area_of_another_print() {
+    let scratch = tempfile::tempdir().unwrap();
+    let run = |name: &str, text: &str| -> Value {
+        let file = scratch.path().join(format!("{name}.toml"));
+        std::fs::write(&file, text).unwrap();
+        let output = scratch.path().join(name);
+        succeed(&file, &output, &[]);
+        serde_json::from_slice(&std::fs::read(output.join("results.json")).unwrap()).unwrap()
+    };
+    let coat = COMPOSED
+        .replace("300, 360, ", "")
+        .replace("binder.index = 1.5\n", "binder.index = 1.5\nindex_out = 1.5\n");
+    let paper = "[paper]\ncoupling = \"optical_contact\"\nalbedo = 0.93\n";
+    let coat = run("coat", &format!("{coat}{paper}"));
+    let areas = "[dots]\nruling_per_cm = 60\nspread_um = 40\n[[area]]\ncoverage = [0, 0.3]\n[[area]]\nresults = \"coat\"\n\
+                 coverage = [1, 0.5]\n";
+    let clear = of_thickness(1.0).replace(
+        "from_nm = 400\nto_nm = 700\nstep_nm = 20",
+        "wavelengths_nm = [400, 450, 500, 550, 600, 650, 700]",
+    );
+    let print = run("print", &format!("{clear}{areas}"));
+    let rows: Vec<&Value> =
+        coat["spectra"].as_array().unwrap().iter().filter(|row| row["thickness_um"] == 1.0).collect();
+    let solid = &print["prints"]["prints"][1];
+    assert_eq!(rows.len(), 7);
+    for (factor, row) in solid["factors"].as_array().unwrap().iter().zip(rows) {
+        let of = |value: &Value, key: &str| value[key].as_f64().expect("a number");
+        let [solid, lit] =
+            [factor, &row["lit_at_45"]].map(|number| (of(number, "value"), of(number, "standard_error")));
+        // rounding
+        assert!((solid.0 - lit.0).abs() < 1e-12, "{factor} {row}");
+        // chance, grid and directions alike; composing is an estimate for the whole spectrum here, and near each wavelength there
+        assert!(solid.1 > 0.6 * lit.1 && solid.1 < 1.7 * lit.1, "{factor} {}", row["lit_at_45"]);
+    }
+    assert!(print["prints"]["prints"][2]["lab"][0]["standard_error"].as_f64().unwrap() > 0.0);
+    // and the other way round: an area of a composed print bears the layer of a run with its bar
+    run(
+        "grains",
+        &format!("{}{paper}", TINY.replace("binder.index = 1.558", "binder.index = 1.5\nindex_out = 1.5")),
+    );
+    let base = COMPOSED
+        .replace("300, 360, ", "")
+        .replace("binder.index = 1.5\n", "binder.index = 1.5\nindex_out = 1.5\n");
+    let base = base.replace("thickness_um = [1, 2]", "thickness_um = 1");
+    let areas = areas.replace("\"coat\"", "\"grains\"");
+    let print = run("composed", &format!("{base}{paper}{areas}"));
+    let grains: Value =
+        serde_json::from_slice(&std::fs::read(scratch.path().join("grains/results.json")).unwrap()).unwrap();
+    let own = grains["spectra"].as_array().unwrap().iter().find(|row| row["polar_deg"] == 0.0).unwrap();
+    let solid = &print["prints"]["prints"][1]["factors"][0];
+    let error = |value: &Value| value["standard_error"].as_f64().expect("a bar");
+    assert!((solid["value"].as_f64().unwrap() - own["lit_at_45"]["value"].as_f64().unwrap()).abs() < 1e-12);
+    assert!((error(solid) / error(&own["lit_at_45"]) - 1.0).abs() < 0.3, "{solid} {}", own["lit_at_45"]);
+}

@@ -10,7 +10,9 @@ use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::file::MeasuredPaperTable;
 use crate::input::forms::FluorescenceWritten;
 use crate::input::limits;
-use crate::input::measured::{MeasuredCondition, MeasuredGeometry, MeasuredReading, MeasuredRequest};
+use crate::input::measured::{
+    MeasuredCondition, MeasuredGeometry, MeasuredReading, MeasuredRequest, MeasuredUnit,
+};
 use crate::input::study::{MeasuredPaper, Paper};
 use crate::material::text_table::read_text;
 use std::path::Path;
@@ -22,6 +24,12 @@ const ROUNDING: f64 = 1e-9;
 /// Light must reach down to this for a pair of measurements: half of the usual excitation band lies
 /// below, nm.
 const PAIR_FROM_NM: f64 = 360.0;
+
+/// Where a pair of measurements stands.
+const PAIR: &str = "paper.fluorescence";
+/// Share of a bispectral table below its diagonal, where light would be emitted at shorter waves
+/// than it came at, that is noise.
+const BELOW_DIAGONAL: f64 = 0.01;
 
 /// A spectrum read for the paper, with its geometry.
 struct MeasuredFactor {
@@ -73,17 +81,35 @@ impl BackingReader<'_> {
     ) -> Option<MeasuredFactor> {
         let (rows, stated) = read(field, path, request, self.faults, self.remarks)?;
         let key = format!("{field}.geometry");
-        let remedy =
-            "write geometry = \"45:0\", \"d:8\", \"d:8 excluded\", \"d:0\" or \"natural\" beside the file";
+        let is_pair = field == PAIR;
+        let remedy = if is_pair {
+            "measure it at 45:0, as M0, M1 and M2 are; or give excitation, emission and yield"
+        } else {
+            "write geometry = \"45:0\", \"d:8\", \"d:8 excluded\", \"d:0\" or \"natural\" beside the file"
+        };
         let known = match &stated {
             None => None,
             Some(MeasuredGeometry::LitAt45) => Some(PaperGeometry::LitAt45),
             Some(MeasuredGeometry::Sphere(Some(true))) => Some(PaperGeometry::Sphere),
             Some(MeasuredGeometry::Sphere(Some(false))) => Some(PaperGeometry::SphereExcluded),
             Some(MeasuredGeometry::UniformSky) => Some(PaperGeometry::NaturalLight),
+            Some(MeasuredGeometry::Sphere(None))
+                if written.is_some_and(|written| {
+                    !matches!(written, PaperGeometry::Sphere | PaperGeometry::SphereExcluded)
+                }) =>
+            {
+                let found = format!(
+                    "{:?}, where the file states {:?}",
+                    written.unwrap_or_default().name(),
+                    MeasuredGeometry::Sphere(None).name()
+                );
+                let allowed = "\"d:8\" (the mirrored light included) or \"d:8 excluded\"";
+                self.faults.add(&key, found, allowed, "write which of both it is");
+                return None;
+            }
             Some(other) if written.is_none() => {
                 self.faults.add(
-                    &key,
+                    if is_pair { field } else { &key },
                     other.name(),
                     "a geometry that the surface can be taken off for",
                     remedy,
@@ -101,9 +127,12 @@ impl BackingReader<'_> {
         }
         if known.is_none() && written.is_none() {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            self.remarks.push(format!(
-                "{field}: {name} states no geometry: taken as 45:0; {key} = \"d:8\" says another"
-            ));
+            self.remarks.push(match is_pair {
+                true => format!("{field}: {name} states no geometry: taken as 45:0, that of M0 to M2"),
+                false => {
+                    format!("{field}: {name} states no geometry: taken as 45:0; {key} = \"d:8\" says another")
+                }
+            });
         }
         let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
         let rows = used_rows(rows, [from_nm.min(to_nm), to_nm]);
@@ -251,18 +280,27 @@ impl BackingReader<'_> {
         }
     }
 
-    /// The request, without its condition if the file states none.
+    /// The request, without its condition if the file states none, and with factors as its unit
+    /// where the file leaves it open: brightened paper exceeds a perfect white, and no paper is as
+    /// dark as a percent or two.
     fn stated_or_not(&mut self, path: &Path, request: MeasuredRequest) -> MeasuredRequest {
         let anything = MeasuredRequest { condition: None, ..request.clone() };
-        let is_stated = MeasuredReading::new(path, &request).is_ok();
-        if is_stated || MeasuredReading::new(path, &anything).is_err() {
-            return request;
-        }
+        let unit = Some(MeasuredUnit::Factor);
+        let as_factors = |request: &MeasuredRequest| MeasuredRequest { unit, ..request.clone() };
+        let tried = [request.clone(), anything.clone(), as_factors(&request), as_factors(&anything)];
+        let is_readable = |request: &&MeasuredRequest| MeasuredReading::new(path, request).is_ok();
+        let Some(readable) = tried.iter().find(is_readable) else { return request };
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let taken = request.condition.map_or("", MeasuredCondition::name);
-        self.remarks
-            .push(format!("paper.fluorescence: {name} states no {taken}, and is taken as measured under it"));
-        anything
+        if readable.condition.is_none() {
+            let taken = request.condition.map_or("", MeasuredCondition::name);
+            self.remarks.push(format!("{PAIR}: {name} states no {taken}, and is taken as measured under it"));
+        }
+        if readable.unit != request.unit {
+            self.remarks.push(format!(
+                "{PAIR}: {name} states no unit, and is taken as factors of a perfect white: {PAIR}.unit = \"percent\" says another"
+            ));
+        }
+        readable.clone()
     }
 
     /// Paper measured with and without ultraviolet light.
@@ -285,7 +323,7 @@ impl BackingReader<'_> {
             ..MeasuredRequest::default()
         };
         paper.source = format!("{m1_csv} (M1) and {m2_csv} (M2)");
-        let field = "paper.fluorescence";
+        let field = PAIR;
         let with = self.tables.folder.join(m1_csv);
         let without = self.tables.folder.join(m2_csv);
         let bright = self.stated_or_not(&with, request(MeasuredCondition::M1));
@@ -425,6 +463,8 @@ fn donaldson(path: &Path) -> Result<Fluorescence, String> {
     }
     let mut emission_nm: Vec<f64> = Vec::new();
     let mut factors = Vec::new();
+    let mut emitted_later = 0.0;
+    let mut left_out = 0.0;
     for cells in lines {
         let nm = number(cells.first().ok_or("an empty row")?)?;
         let row = cells[1..].iter().map(number).collect::<Result<Vec<_>, _>>()?;
@@ -441,6 +481,10 @@ fn donaldson(path: &Path) -> Result<Fluorescence, String> {
         if let Some(negative) = row.iter().find(|x| **x < 0.0) {
             return Err(format!("{negative} at {nm} nm: factors are 0 or more"));
         }
+        for (from, factor) in excitation_nm.iter().zip(&row) {
+            emitted_later += if nm > *from { *factor } else { 0.0 };
+            left_out += if nm < *from { *factor } else { 0.0 };
+        }
         let emitted =
             excitation_nm.iter().zip(row).map(|(from, factor)| if nm > *from { factor } else { 0.0 });
         factors.push(emitted.collect::<Vec<f64>>());
@@ -448,6 +492,13 @@ fn donaldson(path: &Path) -> Result<Fluorescence, String> {
     }
     if emission_nm.len() < 2 {
         return Err(format!("{} emitted wavelengths, 2 are the least", emission_nm.len()));
+    }
+    if emitted_later == 0.0 || left_out > BELOW_DIAGONAL * emitted_later {
+        return Err(format!(
+            "{:.3} in all emitted at waves longer than those of the light, {:.3} at shorter ones, of which there is nothing: \
+             exchange rows and columns, so that emitted wavelengths stand in the first column",
+            emitted_later, left_out
+        ));
     }
     Ok(Fluorescence::Table { excitation_nm, emission_nm, factors })
 }
