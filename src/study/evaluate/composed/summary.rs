@@ -42,7 +42,9 @@ const LARGE: f64 = 1.0;
 /// # Errors
 /// A portion without complete realisations, paper without an albedo.
 pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Manifest<'a>, String> {
-    let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
+    let level = |halved| {
+        Level::complete(study, solved, halved).ok_or("not every slab has a complete realisation yet")
+    };
     let whole = level(false)?;
     let half = level(true)?;
     let mut task = LayerTask::new(study)?;
