@@ -109,7 +109,7 @@ impl BackingReader<'_> {
             }
             Some(other) if written.is_none() => {
                 self.faults.add(
-                    if is_pair { field } else { &key },
+                    if is_pair { field } else { key.as_str() },
                     other.name(),
                     "a geometry that the surface can be taken off for",
                     remedy,
