@@ -345,6 +345,8 @@ fn place_of(fault: Fault, file: &DesignFile) -> Fault {
         let field = table.field.as_deref().unwrap_or("volume_fraction");
         steps(field).last().is_some_and(|end| fault.field.ends_with(end))
     }) {
+        // of the design's own checks
+        _ if ["target.", "base."].iter().any(|start| fault.field.starts_with(start)) => fault.field.clone(),
         _ if target => "target".to_owned(),
         Some(i) => format!("vary[{i}]"),
         None => format!("base.{}", fault.field),

@@ -192,9 +192,9 @@ fn the_number_at_a_verified_recipe_is_its_run() {
     let mut runs = even_runs(&task);
     let variants = runs.len();
     runs.push(run_at(&task, &[0.4, 0.6], 0.02));
-    runs[variants].numbers[0].estimate.value += 0.05;
+    runs[variants].numbers[0].estimate.value += 0.2;
     let map = Map::new(&task, &runs, variants).unwrap();
     let here = map.at(&[0.4, 0.6]).unwrap().numbers[0];
     assert!((here - runs[variants].numbers[0].estimate.value).abs() < 1e-9, "{here}");
-    assert!((map.surface(&[0.4, 0.6]).unwrap().numbers[0] - here).abs() > 0.03, "the check is empty");
+    assert!((map.surface(&[0.4, 0.6]).unwrap().numbers[0] - here).abs() > 0.1, "the check is empty");
 }

@@ -51,8 +51,8 @@ impl<'a> AskedNumber<'a> {
         self.number(&self.sums_of(spectra))
     }
 
-    /// The sums of its spectra that the number is a function of, each linear in a spectrum: those of
-    /// the first, and that of the second.
+    /// The sums of its spectra that the number is a function of, each linear in a spectrum: those
+    /// of the first, and that of the second.
     pub fn sums_of(&self, spectra: &[&[f64]]) -> Vec<f64> {
         let of_first = self.sums.iter().map(|sum| sum.of(spectra[0]));
         of_first.chain(spectra.get(1).map(|second| self.sums[0].of(second))).collect()

@@ -42,11 +42,7 @@ const LARGE: f64 = 1.0;
 /// # Errors
 /// A portion without complete realisations, paper without an albedo.
 pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Manifest<'a>, String> {
-    let level = |halved| {
-        Level::complete(study, solved, halved).ok_or("not every slab has a complete realisation yet")
-    };
-    let whole = level(false)?;
-    let half = level(true)?;
+    let [whole, half] = levels_of(study, solved)?;
     let mut task = LayerTask::new(study)?;
     let seen_nm = &study.wavelengths_nm[task.visible.clone()];
     let no_colour = Colorimeter::new(seen_nm).err().map(|error| error.to_string());
@@ -66,7 +62,6 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     }
     let layers: Vec<_> = composed.thicknesses_um.iter().copied().zip(&numbers.requested).collect();
     let prints = prints(&task, &layers, &whole);
-    let optics = layer_optics(&task, [&whole, &half], moved.as_ref());
     let mut withheld = [requested.withheld, curve.withheld].concat();
     let mut medium = Vec::new();
     for ((&nm, slabs), numbers) in study.wavelengths_nm.iter().zip(&slabs).zip(numbers.medium) {
@@ -115,7 +110,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         no_ink_maker: None,
         numbers: requested.weighted,
         prints,
-        optics,
+        optics: layer_optics(&task, [&whole, &half], moved.as_ref()),
         withheld,
         spectra: PublishedSpectra::Composed(requested.rows),
         absorbed: Vec::new(),
@@ -124,6 +119,14 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         process_seconds: None,
         study,
     })
+}
+
+/// Whole slabs and halved ones; a reason where some portion is not solved yet.
+fn levels_of(study: &Study, solved: &[SolvedPortion]) -> Result<[Level; 2], String> {
+    let reason = "not every slab has a complete realisation yet";
+    let whole = Level::complete(study, solved, false).ok_or(reason)?;
+    let half = Level::complete(study, solved, true).ok_or(reason)?;
+    Ok([whole, half])
 }
 
 /// The whole slabs of a few realisations, as they are and with every move of a table; `None` where
