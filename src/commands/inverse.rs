@@ -166,10 +166,10 @@ pub fn design(args: &DesignArgs) -> Result<()> {
     for run in &outcome.verified {
         let delta_e = run.delta_e_2000.map(|distance| format!("ΔE₀₀ {}", distance.in_words(2)));
         let ratio = format!("contrast ratio {}", run.contrast_ratio.in_words(3));
-        let wished = outcome.wishes.iter().zip(&run.numbers);
-        let wished = wished
+        let wanted = outcome.wishes.iter().zip(&run.numbers);
+        let wanted = wanted
             .map(|(wish, number)| format!("{} {}", wish.name, number.estimate.in_words(decimals(wish))));
-        let all: Vec<String> = delta_e.into_iter().chain([ratio]).chain(wished).collect();
+        let all: Vec<String> = delta_e.into_iter().chain([ratio]).chain(wanted).collect();
         note!("verified: {}: {}", run.recipe, all.join(", "));
     }
     for left in &outcome.left_out {

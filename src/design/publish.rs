@@ -75,17 +75,17 @@ impl<'a> RecipeTables<'a> {
         let distance = run.delta_e_2000.map(|distance| distance.in_words(2));
         let predicted = distance.as_ref().map(|_| run.predicted.map_or(String::new(), |x| format!("{x:.2}")));
         let cost = self.priced.then(|| short(run.cost));
-        let wished = self.wishes.iter().zip(&run.numbers);
-        let wished = wished.map(|(wish, number)| number.estimate.in_words(decimals(wish)));
-        let numbers = predicted.into_iter().chain([run.contrast_ratio.in_words(3)]).chain(wished);
+        let wanted = self.wishes.iter().zip(&run.numbers);
+        let wanted = wanted.map(|(wish, number)| number.estimate.in_words(decimals(wish)));
+        let numbers = predicted.into_iter().chain([run.contrast_ratio.in_words(3)]).chain(wanted);
         self.row(Some(&run.hex), distance, &run.values, numbers.chain(cost).collect())
     }
 
     fn answered(&self, answer: &DesignAnswer) -> Value {
         let distance = answer.delta_e_2000.map(|distance| format!("{distance:.2}"));
-        let wished = self.wishes.iter().zip(&answer.numbers);
-        let wished = wished.map(|(wish, number)| format!("{number:.*}", decimals(wish)));
-        let numbers = distance.into_iter().chain([format!("{:.3}", answer.contrast_ratio)]).chain(wished);
+        let wanted = self.wishes.iter().zip(&answer.numbers);
+        let wanted = wanted.map(|(wish, number)| format!("{number:.*}", decimals(wish)));
+        let numbers = distance.into_iter().chain([format!("{:.3}", answer.contrast_ratio)]).chain(wanted);
         self.row(None, None, &answer.values, numbers.collect())
     }
 }
@@ -133,7 +133,7 @@ pub fn publish(task: &DesignTask, outcome: &DesignOutcome, folder: &OutputFolder
         target => outcome.target.map(in_lab),
         patch => outcome.target.and_then(patch),
         wishes => outcome.wishes.iter().map(of_numbers).collect::<Vec<_>>(),
-        wished => outcome.wishes.iter().map(|wish| wish.name.clone()).collect::<Vec<_>>(),
+        wanted => outcome.wishes.iter().map(|wish| wish.name.clone()).collect::<Vec<_>>(),
         errors,
         priced => tables.priced,
         variables => tables.headings.iter().map(|heading| heading.words.clone()).collect::<Vec<_>>(),

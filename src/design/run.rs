@@ -372,18 +372,18 @@ impl DesignRun<'_> {
         };
         self.meets(run)
             && run.delta_e_2000.is_none_or(of_colour)
-            && self.wished(run).all(|(wish, number)| of_number(wish, number.estimate))
+            && self.wanted(run).all(|(wish, number)| of_number(wish, number.estimate))
     }
 
     /// Whether a recipe is within the requested ΔE₀₀, hides enough and has the numbers wanted.
     fn meets(&self, run: &Verified) -> bool {
         run.delta_e_2000.is_none_or(|distance| distance.value <= self.task.settings.delta_e)
             && self.task.hides(run.contrast_ratio.value)
-            && self.wished(run).all(|(wish, number)| wish.holds(number.estimate.value))
+            && self.wanted(run).all(|(wish, number)| wish.holds(number.estimate.value))
     }
 
     /// The numbers that are wanted, and what a run has of them.
-    fn wished<'b>(
+    fn wanted<'b>(
         &'b self,
         run: &'b Verified,
     ) -> impl Iterator<Item = (&'b NumberWish, &'b ReachedNumber)> + 'b {
@@ -496,7 +496,7 @@ impl DesignRun<'_> {
         let contrast = task.contrast_ratio.map(|least| {
             format!("a contrast ratio of {} (requested: {least})", best.contrast_ratio.in_words(3))
         });
-        let numbers = self.wished(best).map(|(wish, number)| {
+        let numbers = self.wanted(best).map(|(wish, number)| {
             let reached = number.estimate.in_words(decimals(wish));
             format!("{} {reached} (requested: {})", wish.name, wish.in_words())
         });
@@ -507,7 +507,7 @@ impl DesignRun<'_> {
         let missed = |wish: &NumberWish, at: Estimate| wish.distance(at.value) > error(at);
         let is_missed = !task.hides(best.contrast_ratio.value)
             || best.delta_e_2000.is_some_and(|distance| distance.value - error(distance) > wish)
-            || self.wished(best).any(|(wish, number)| missed(wish, number.estimate));
+            || self.wanted(best).any(|(wish, number)| missed(wish, number.estimate));
         if is_missed {
             return format!(
                 "Out of reach in these ranges: the nearest recipe, {}, has {all}.{ends}",

@@ -29,7 +29,7 @@ pub struct NumberWish {
     pub wanted: WantedNumber,
 }
 
-/// A wished number as a run gives it.
+/// A wanted number as a run gives it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ReachedNumber {
     /// Its name.
@@ -54,7 +54,7 @@ impl NumberWish {
         below.max(above)
     }
 
-    /// The same in steps that count as much as a ΔE₀₀ of 1.
+    /// Its distance from the range in steps that count as much as a ΔE₀₀ of 1.
     pub fn lack(&self, value: f64) -> f64 {
         self.distance(value) / self.step()
     }
@@ -82,8 +82,8 @@ impl NumberWish {
         match self.wanted.transform {
             NumberTransform::Mean | NumberTransform::Density => 1e-2,
             NumberTransform::Reciprocal => {
-                let wished = self.at_least.or(self.at_most).unwrap_or(1.0);
-                OF_RECIPROCAL * wished.abs().max(1.0)
+                let wanted = self.at_least.or(self.at_most).unwrap_or(1.0);
+                OF_RECIPROCAL * wanted.abs().max(1.0)
             }
             NumberTransform::Whiteness | NumberTransform::Tint | NumberTransform::Yellowness => 1.0,
         }

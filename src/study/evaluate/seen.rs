@@ -185,7 +185,7 @@ pub fn film_alone(study: &Study) -> Result<InkOnPaper, InkError> {
     film_at(study, &study.wavelengths_nm)
 }
 
-/// The same at other wavelengths within the study's range, nm.
+/// The ink as its coherent film at other wavelengths within the study's range, nm.
 pub(super) fn film_at(study: &Study, outputs_nm: &[f64]) -> Result<InkOnPaper, InkError> {
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, requested_profile(study), &indices);
