@@ -182,7 +182,8 @@ pub fn film_spectra(
 ) -> Result<Vec<Vec<f64>>, InkError> {
     let needs_paper = lights.iter().any(|light| light.on_paper());
     let ink = if needs_paper { Some(film_at(study, wavelengths_nm)?) } else { None };
-    let alone = film_totals_at(study, wavelengths_nm);
+    let is_on_paper = lights.iter().all(|light| light.on_paper());
+    let alone = if is_on_paper { Vec::new() } else { film_totals_at(study, wavelengths_nm) };
     let of = |light: &SeenLight| -> Result<Vec<f64>, InkError> {
         let total = |total: Total| alone.iter().map(|totals| totals[total as usize]).collect();
         match (light, &ink) {
