@@ -11,7 +11,7 @@ use crate::appearance::paper_series::{AreaOptics, LayerOptics};
 use std::f64::consts::FRAC_1_SQRT_2;
 
 /// A layer at every wavelength.
-type Rows = Vec<AreaOptics>;
+type OpticsRows = Vec<AreaOptics>;
 
 /// The layer of the first thickness, from slabs of h and of h/2 (`levels`); `None` where a stack
 /// lacks a portion.
@@ -25,7 +25,7 @@ pub(super) fn layer_optics(
     let of_whole = contributions(task, whole, um)?;
     let of_half = contributions(task, half, um)?;
     let halved = task.optics(half, Change::default(), um)?;
-    let mut moved: Vec<Rows> = of_whole.iter().map(|by| plus(&here, by, 1.0)).collect();
+    let mut moved: Vec<OpticsRows> = of_whole.iter().map(|by| plus(&here, by, 1.0)).collect();
     for change in
         [Change { grid: true, ..Change::default() }, Change { fewer_directions: true, ..Change::default() }]
     {
@@ -51,14 +51,14 @@ pub(super) fn layer_optics(
 
 /// What each realisation of each portion contributes: the roots of the sums of their squares are
 /// the jackknife's standard errors.
-fn contributions(task: &LayerTask, level: &Level, thickness_um: f64) -> Option<Vec<Rows>> {
+fn contributions(task: &LayerTask, level: &Level, thickness_um: f64) -> Option<Vec<OpticsRows>> {
     let mut all = Vec::new();
     for (portion, count) in level.realisations().into_iter().enumerate().filter(|(_, count)| *count > 1) {
         let without = |r: usize| {
             let change = Change { left_out: Some([portion, r]), ..Change::default() };
             task.optics(level, change, thickness_um)
         };
-        let replicates = (0..count).map(without).collect::<Option<Vec<Rows>>>()?;
+        let replicates = (0..count).map(without).collect::<Option<Vec<OpticsRows>>>()?;
         let n = count as f64;
         let nothing =
             vec![AreaOptics { own: 0.0, entering: 0.0, leaving: 0.0, lost: 0.0 }; replicates[0].len()];
@@ -70,7 +70,7 @@ fn contributions(task: &LayerTask, level: &Level, thickness_um: f64) -> Option<V
 }
 
 /// Changes by every move of a table of indices, to both sides.
-fn by_tables(task: &LayerTask, tables: Option<&MovedLevels>, thickness_um: f64) -> Option<Vec<Rows>> {
+fn by_tables(task: &LayerTask, tables: Option<&MovedLevels>, thickness_um: f64) -> Option<Vec<OpticsRows>> {
     let Some(tables) = tables else { return Some(Vec::new()) };
     let unmoved = task.optics(&tables.unmoved, Change::default(), thickness_um)?;
     let change = |(study, level): &(_, Level)| {
@@ -80,8 +80,8 @@ fn by_tables(task: &LayerTask, tables: Option<&MovedLevels>, thickness_um: f64) 
     tables.moved.iter().map(change).collect()
 }
 
-/// Rows plus a multiple of others.
-fn plus(rows: &[AreaOptics], by: &[AreaOptics], weight: f64) -> Rows {
+/// OpticsRows plus a multiple of others.
+fn plus(rows: &[AreaOptics], by: &[AreaOptics], weight: f64) -> OpticsRows {
     let sum = |(here, by): (&AreaOptics, &AreaOptics)| AreaOptics {
         own: here.own + weight * by.own,
         entering: here.entering + weight * by.entering,
@@ -91,11 +91,11 @@ fn plus(rows: &[AreaOptics], by: &[AreaOptics], weight: f64) -> Rows {
     rows.iter().zip(by).map(sum).collect()
 }
 
-fn less(rows: &[AreaOptics], others: &[AreaOptics]) -> Rows {
+fn less(rows: &[AreaOptics], others: &[AreaOptics]) -> OpticsRows {
     plus(rows, others, -1.0)
 }
 
-fn scaled(rows: &[AreaOptics], weight: f64) -> Rows {
+fn scaled(rows: &[AreaOptics], weight: f64) -> OpticsRows {
     plus(rows, rows, weight - 1.0)
 }
 
