@@ -326,14 +326,20 @@ class Design(Dict[str, Any], _Folder):
 
     @property
     def recipes(self) -> Table:
-        """The verified recipes as a table: one column for each variable, ΔE₀₀ with its error, contrast ratio, cost, colour."""
+        """The verified recipes as a table: a column for each variable, ΔE₀₀ with its error, contrast ratio, wanted numbers, cost, colour."""
         runs = self.verified
         columns: Dict[str, Any] = {name: [run["values"][i] for run in runs] for i, name in enumerate(self.variables)}
         for name in ("delta_e_2000", "contrast_ratio"):
             found = [run.get(name) for run in runs]
+            if runs and all(part is None for part in found):
+                continue  # no colour is wanted
             columns[name] = [part["value"] if isinstance(part, Mapping) else part for part in found]
             if any(isinstance(part, Mapping) for part in found):
                 columns[name + "_standard_error"] = [part["standard_error"] for part in found if part is not None]
+        for place, wish in enumerate(self.get("wishes", [])):
+            reached = [run["numbers"][place] for run in runs]
+            columns[wish["name"]] = [number["value"] for number in reached]
+            columns[wish["name"] + "_standard_error"] = [number["standard_error"] for number in reached]
         columns.update({name: [run.get(name) for run in runs] for name in ("cost", "hex")})
         return Table({name: np.array(column) for name, column in columns.items()}, title=self.title)
 

@@ -10,6 +10,7 @@ use clap::Args;
 use inkwave::design::publish::ranges;
 use inkwave::design::recipe::DesignTask;
 use inkwave::design::run::{DesignError, DesignRun};
+use inkwave::design::wish::decimals;
 use inkwave::fit::load::FitTask;
 use inkwave::fit::publish::in_words;
 use inkwave::fit::run::{FitError, FitRun, PlannedSolves, Trust};
@@ -132,7 +133,7 @@ fn processor_time(seconds: f64) -> String {
     }
 }
 
-/// Find recipes for a target colour
+/// Find recipes for a target colour, or for wanted numbers such as a solar reflectance
 ///
 /// Runs variants of a study, fits response surfaces to the spectra and verifies their best recipes
 /// by further runs. Writes `design.json` and a page. The same command resumes an interrupted
@@ -163,16 +164,25 @@ pub fn design(args: &DesignArgs) -> Result<()> {
     design::publish::publish(&task, &outcome, &folder).into_diagnostic()?;
     say!("{}: {}", task.title, outcome.verdict)?;
     for run in &outcome.verified {
-        let delta_e = run.delta_e_2000.in_words(2);
-        let ratio = run.contrast_ratio.in_words(3);
-        note!("verified: {}: ΔE₀₀ {delta_e}, contrast ratio {ratio}", run.recipe);
+        let delta_e = run.delta_e_2000.map(|distance| format!("ΔE₀₀ {}", distance.in_words(2)));
+        let ratio = format!("contrast ratio {}", run.contrast_ratio.in_words(3));
+        let wanted = outcome.wishes.iter().zip(&run.numbers);
+        let wanted = wanted
+            .map(|(wish, number)| format!("{} {}", wish.name, number.estimate.in_words(decimals(wish))));
+        let all: Vec<String> = delta_e.into_iter().chain([ratio]).chain(wanted).collect();
+        note!("verified: {}: {}", run.recipe, all.join(", "));
     }
     for left in &outcome.left_out {
         note!("left out, because it has no colour: {left}");
     }
     let ranges = ranges(&task, &outcome);
     if !ranges.is_empty() {
-        note!("recipes of nearly equal colour: {}", ranges.join("; "));
+        let which = if outcome.target.is_some() {
+            "recipes of nearly equal colour"
+        } else {
+            "recipes that meet the wishes"
+        };
+        note!("{which}: {}", ranges.join("; "));
     }
     note!(
         "median prediction error of the response surfaces: ΔE₀₀ {:.2} (each variant left out in turn)",

@@ -25,7 +25,7 @@ pub struct DesignFile {
     pub title: Option<String>,
     /// The study of all recipes; what varies is set in it.
     pub base: Base,
-    /// The colour wanted.
+    /// The colour and the numbers wanted.
     pub target: TargetTable,
     /// What may vary.
     #[serde(default)]
@@ -35,7 +35,8 @@ pub struct DesignFile {
     pub design: DesignTable,
 }
 
-/// `[target]`: the colour wanted, lit at 45° and seen along the normal.
+/// `[target]`: the colour wanted, lit at 45° and seen along the normal, and numbers wanted; one of
+/// both at least.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct TargetTable {
@@ -56,6 +57,23 @@ pub struct TargetTable {
     /// Least Y over black divided by Y over white, 0 to 1.
     #[schemars(example = 0.9)]
     pub contrast_ratio: Option<f64>,
+    /// Weighted numbers of the base that are wanted, beside a colour or without one.
+    pub number: Vec<NumberTargetTable>,
+}
+
+/// `[[target.number]]`: a weighted number of the base, such as a solar reflectance or a density,
+/// and the range it is to have: `at_least`, `at_most` or both.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct NumberTargetTable {
+    /// Name of a `[[number]]` of the base.
+    #[schemars(example = &"solar reflectance")]
+    pub name: String,
+    /// Least value.
+    #[schemars(example = 0.6)]
+    pub at_least: Option<f64>,
+    /// Largest value.
+    pub at_most: Option<f64>,
 }
 
 /// `[[vary]]`: a number of the study and its range.
@@ -80,7 +98,7 @@ pub struct VaryTable {
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct DesignTable {
-    /// Largest ΔE₀₀ to the target that is near enough.
+    /// Largest ΔE₀₀ to the target colour that is near enough.
     pub delta_e: f64,
     /// Variants of the base that the surfaces rest on; as many as they need when left out.
     pub variants: Option<usize>,

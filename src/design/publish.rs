@@ -2,6 +2,7 @@
 
 use super::recipe::{DesignTask, Variable, short};
 use super::run::{DesignAnswer, DesignOutcome, Verified};
+use super::wish::{NumberWish, decimals};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::draw::page::{hex, made_by, rendered};
 use crate::input::locate::steps;
@@ -40,37 +41,52 @@ impl Heading {
 }
 
 /// What the page's tables are made with.
-struct RecipeTables {
+struct RecipeTables<'a> {
     headings: Vec<Heading>,
     /// Whether any field has a price.
     priced: bool,
+    wishes: &'a [NumberWish],
 }
 
-impl RecipeTables {
-    fn new(task: &DesignTask) -> Self {
+impl<'a> RecipeTables<'a> {
+    fn new(task: &'a DesignTask) -> Self {
         let middle = task.study(&vec![0.5; task.variables.len()]);
         let pigments: Vec<String> =
             middle.map(|study| study.pigments.into_iter().map(|p| p.name).collect()).unwrap_or_default();
         let headings = task.variables.iter().map(|variable| Heading::new(variable, &pigments)).collect();
-        Self { headings, priced: task.variables.iter().any(|variable| variable.written.cost != 0.0) }
+        let priced = task.variables.iter().any(|variable| variable.written.cost != 0.0);
+        Self { headings, priced, wishes: &task.numbers }
     }
 
-    /// A recipe as a row of the page's tables.
-    fn row(&self, hex: Option<&str>, values: &[f64], numbers: Vec<String>) -> Value {
+    /// A recipe as a row of the page's tables; `distance` is that from the target colour, if one is
+    /// wanted.
+    fn row(
+        &self,
+        hex: Option<&str>,
+        distance: Option<String>,
+        values: &[f64],
+        numbers: Vec<String>,
+    ) -> Value {
         let values: Vec<String> = self.headings.iter().zip(values).map(|(h, &x)| h.shown(x)).collect();
-        context!(hex => hex.map(str::to_owned), values, numbers)
+        context!(hex => hex.map(str::to_owned), distance, values, numbers)
     }
 
     fn verified(&self, run: &Verified) -> Value {
-        let predicted = run.predicted.map_or(String::new(), |x| format!("{x:.2}"));
+        let distance = run.delta_e_2000.map(|distance| distance.in_words(2));
+        let predicted = distance.as_ref().map(|_| run.predicted.map_or(String::new(), |x| format!("{x:.2}")));
         let cost = self.priced.then(|| short(run.cost));
-        let numbers = [run.delta_e_2000.in_words(2), predicted, run.contrast_ratio.in_words(3)];
-        self.row(Some(&run.hex), &run.values, numbers.into_iter().chain(cost).collect())
+        let wanted = self.wishes.iter().zip(&run.numbers);
+        let wanted = wanted.map(|(wish, number)| number.estimate.in_words(decimals(wish)));
+        let numbers = predicted.into_iter().chain([run.contrast_ratio.in_words(3)]).chain(wanted);
+        self.row(Some(&run.hex), distance, &run.values, numbers.chain(cost).collect())
     }
 
     fn answered(&self, answer: &DesignAnswer) -> Value {
-        let numbers = vec![format!("{:.2}", answer.delta_e_2000), format!("{:.3}", answer.contrast_ratio)];
-        self.row(None, &answer.values, numbers)
+        let distance = answer.delta_e_2000.map(|distance| format!("{distance:.2}"));
+        let wanted = self.wishes.iter().zip(&answer.numbers);
+        let wanted = wanted.map(|(wish, number)| format!("{number:.*}", decimals(wish)));
+        let numbers = distance.into_iter().chain([format!("{:.3}", answer.contrast_ratio)]).chain(wanted);
+        self.row(None, None, &answer.values, numbers.collect())
     }
 }
 
@@ -104,14 +120,21 @@ pub fn publish(task: &DesignTask, outcome: &DesignOutcome, folder: &OutputFolder
         "version": env!("CARGO_PKG_VERSION"),
     });
     folder.write("design.json", &serde_json::to_vec_pretty(&json)?)?;
-    let [l, a, b] = outcome.target;
+    let in_lab = |[l, a, b]: [f64; 3]| format!("L* {l:.2}, a* {a:.2}, b* {b:.2}");
+    let of_numbers = |wish: &NumberWish| format!("{} {}", wish.name, wish.in_words());
+    let errors = outcome.wishes.iter().zip(&outcome.number_errors);
+    let errors: Vec<String> =
+        errors.map(|(wish, error)| format!("{} {error:.*}", wish.name, decimals(wish) + 1)).collect();
     let tables = RecipeTables::new(task);
     let page = context! {
         title => &task.title,
         met => outcome.met,
         verdict => &outcome.verdict,
-        target => format!("L* {l:.2}, a* {a:.2}, b* {b:.2}"),
-        patch => patch(outcome.target),
+        target => outcome.target.map(in_lab),
+        patch => outcome.target.and_then(patch),
+        wishes => outcome.wishes.iter().map(of_numbers).collect::<Vec<_>>(),
+        wanted => outcome.wishes.iter().map(|wish| wish.name.clone()).collect::<Vec<_>>(),
+        errors,
         priced => tables.priced,
         variables => tables.headings.iter().map(|heading| heading.words.clone()).collect::<Vec<_>>(),
         verified => outcome.verified.iter().map(|run| tables.verified(run)).collect::<Vec<_>>(),

@@ -1,7 +1,8 @@
 //! Recipes: points of the box of what varies, and the studies they stand for.
 
 use super::file::{DesignFile, DesignTable, TargetTable, VaryTable};
-use super::surface::most_coefficients;
+use super::surface::{Eye, most_coefficients};
+use super::wish::{NumberWish, check_kinds, check_ranges, wishes};
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::field::set;
@@ -48,10 +49,12 @@ pub struct DesignTask {
     pub variables: Vec<Variable>,
     /// How recipes are sought.
     pub settings: DesignTable,
-    /// L*, a*, b* of the target.
-    pub lab: [f64; 3],
+    /// L*, a*, b* of the target; none where numbers alone are wanted.
+    pub lab: Option<[f64; 3]>,
     /// Least contrast ratio.
     pub contrast_ratio: Option<f64>,
+    /// Weighted numbers that are wanted.
+    pub numbers: Vec<NumberWish>,
     /// What was taken where files leave something open.
     pub remarks: Vec<String>,
     base: Table,
@@ -72,7 +75,12 @@ impl DesignTask {
         // the study for the content of files that the base names
         let middle = self.study(&vec![0.5; self.variables.len()]).ok().map(|study| study.key());
         let middle = middle.as_ref().map(Key::as_str);
-        Key::of("design", &(self.base.to_string(), varied, wish, middle)).to_string()
+        let whole = (self.base.to_string(), varied, wish, middle);
+        if self.numbers.is_empty() {
+            return Key::of("design", &whole).to_string();
+        }
+        let wanted: Vec<_> = self.numbers.iter().map(|wish| (wish, &wish.wanted)).collect();
+        Key::of("design", &(whole, wanted)).to_string()
     }
 
     /// The study of a recipe, at places from 0 to 1.
@@ -119,8 +127,15 @@ impl DesignTask {
     }
 
     /// What is to be small: the distance to the target, and what is missing in contrast.
-    pub fn miss(&self, delta_e: f64, ratio: f64) -> f64 {
-        delta_e + OF_CONTRAST * self.contrast_ratio.map_or(0.0, |least| (least - ratio).max(0.0))
+    pub fn miss(&self, delta_e: Option<f64>, ratio: f64) -> f64 {
+        let missing = self.contrast_ratio.map_or(0.0, |least| (least - ratio).max(0.0));
+        delta_e.unwrap_or(0.0) + OF_CONTRAST * missing
+    }
+
+    /// How far numbers, in the order of the wishes, are from their ranges, in steps that count as
+    /// much as a ΔE₀₀ of 1.
+    pub fn lack(&self, numbers: &[f64]) -> f64 {
+        self.numbers.iter().zip(numbers).map(|(wish, &value)| wish.lack(value)).sum()
     }
 }
 
@@ -166,12 +181,16 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     let title = file.title.clone().unwrap_or_else(|| stem(path));
     let settings = file.design.clone();
     let contrast_ratio = file.target.contrast_ratio;
-    let lab = [0.0; 3];
-    let remarks = Vec::new();
-    let mut task = DesignTask { title, variables, settings, lab, contrast_ratio, remarks, base, folder };
+    let (lab, numbers, remarks) = (None, Vec::new(), Vec::new());
+    let mut task =
+        DesignTask { title, variables, settings, lab, contrast_ratio, numbers, remarks, base, folder };
     if faults.0.is_empty() {
-        match checked_ends(&task, file.target.patch.is_some()) {
-            Ok(target) => (task.lab, task.remarks) = (target.lab, target.remarks),
+        match checked_ends(&task, &file.target) {
+            Ok(target) => {
+                task.lab = target.lab;
+                task.numbers = target.numbers;
+                task.remarks = target.remarks;
+            }
             Err(of_study) => faults.0.extend(of_study.into_iter().map(|fault| place_of(fault, &file))),
         }
     }
@@ -206,12 +225,14 @@ fn put_target(base: &mut Table, target: &TargetTable, folder: &Path, faults: &mu
                 let _ = value.map(|value| set(base, &format!("compare.{key}"), &value));
             }
         }
+        (None, None) if !target.number.is_empty() => (),
         (both, _) => {
-            let found = if both.is_some() { "lab and file" } else { "neither lab nor file" };
-            let allowed = "either lab, or file with a spectrum or a colour";
+            let found = if both.is_some() { "lab and file" } else { "neither lab nor file nor number" };
+            let allowed = "either lab, or file with a spectrum or a colour, or [[target.number]] beside or without a colour";
             faults.add("target", found, allowed, "write lab = [85, -10, 80]");
         }
     }
+    check_ranges(&target.number, faults);
     if let Some(ratio) = target.contrast_ratio {
         let remedy = "0.98 hides nearly everything";
         faults.number("target.contrast_ratio", ratio, Allowed::between(0.0, 1.0, ""), remedy);
@@ -267,14 +288,15 @@ fn check_settings(file: &DesignFile, faults: &mut Faults) {
 
 /// The target of a design.
 struct DesignTarget {
-    lab: [f64; 3],
+    lab: Option<[f64; 3]>,
+    numbers: Vec<NumberWish>,
     /// What was taken where its file leaves something open.
     remarks: Vec<String>,
 }
 
 /// Checks the studies at all corners of the box and gives the target, of a sample that is named or
 /// the only one of its file.
-fn checked_ends(task: &DesignTask, patch_is_named: bool) -> Result<DesignTarget, Vec<Fault>> {
+fn checked_ends(task: &DesignTask, target: &TargetTable) -> Result<DesignTarget, Vec<Fault>> {
     let count = task.variables.len();
     let studies = (0..1 << count).map(|c| task.study(&corner(c, count)));
     let studies = studies.collect::<Result<Vec<Study>, _>>()?;
@@ -289,7 +311,7 @@ fn checked_ends(task: &DesignTask, patch_is_named: bool) -> Result<DesignTarget,
         return Err(vec![Fault::new("base.angles", reason, "0°, 45° and the hemisphere", remedy)]);
     }
     if let Some(measured) =
-        study.judgement.measured.as_ref().filter(|measured| measured.patches > 1 && !patch_is_named)
+        study.judgement.measured.as_ref().filter(|measured| measured.patches > 1 && target.patch.is_none())
     {
         let found = format!("nothing, and {} samples in the file", measured.patches);
         let allowed = format!("the name of one of them; the first is {}", measured.source);
@@ -300,7 +322,19 @@ fn checked_ends(task: &DesignTask, patch_is_named: bool) -> Result<DesignTarget,
     let named =
         |remark: &String| remark.replace("compare.measured", "target.file").replace("compare.", "target.");
     let remarks = study.remarks.iter().filter(of_files).map(named);
-    Ok(DesignTarget { lab: super::surface::target_lab(study)?, remarks: remarks.collect() })
+    let numbers = wishes(&target.number, study)?;
+    let mut faults = Faults::default();
+    check_kinds(&numbers, &mut faults);
+    let has_colour = target.lab.is_some() || target.file.is_some();
+    if !has_colour && let Err(error) = Eye::new(study) {
+        let allowed = "wavelengths that carry a colour: recipes are told with their colours";
+        faults.add("base.light", error, allowed, "give [light] of the base 400 to 700 nm at least");
+    }
+    if !faults.0.is_empty() {
+        return Err(faults.0);
+    }
+    let lab = if has_colour { Some(super::surface::target_lab(study)?) } else { None };
+    Ok(DesignTarget { lab, numbers, remarks: remarks.collect() })
 }
 
 /// A fault of a study as one of the design's file.
@@ -311,6 +345,8 @@ fn place_of(fault: Fault, file: &DesignFile) -> Fault {
         let field = table.field.as_deref().unwrap_or("volume_fraction");
         steps(field).last().is_some_and(|end| fault.field.ends_with(end))
     }) {
+        // of the design's own checks
+        _ if ["target.", "base."].iter().any(|start| fault.field.starts_with(start)) => fault.field.clone(),
         _ if target => "target".to_owned(),
         Some(i) => format!("vary[{i}]"),
         None => format!("base.{}", fault.field),

@@ -6,10 +6,14 @@ pub use map::DesignAnswer;
 
 use super::recipe::{DesignTask, corner, short};
 use super::surface::{Spectra3, spectra};
+use super::wish::{NumberWish, ReachedNumber, decimals};
 use crate::appearance::colour::ciede2000;
 use crate::appearance::viewing::ColourError;
 use crate::evaluate::evaluated::{Evaluated, FinishedSolves};
 use crate::evaluate::ink::InkError;
+use crate::evaluate::manifest::Manifest;
+use crate::evaluate::numbers::sums_of_run;
+use crate::evaluate::seen::Seen;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::run::watch::RunWatch;
@@ -110,14 +114,17 @@ pub struct Verified {
     pub lab: [f64; 3],
     /// `#rrggbb`.
     pub hex: String,
-    /// ΔE₀₀ to the target, with its standard error.
-    pub delta_e_2000: Estimate,
+    /// ΔE₀₀ to the target, with its standard error; none where no colour is wanted.
+    pub delta_e_2000: Option<Estimate>,
     /// ΔE₀₀ to the target that the surfaces answered; none for variants of the design.
     pub predicted: Option<f64>,
     /// ΔE₀₀ between the run and the surfaces' answer.
     pub surface_error: Option<f64>,
     /// Contrast ratio.
     pub contrast_ratio: Estimate,
+    /// Numbers that are wanted, in the order of the wishes.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<ReachedNumber>,
     /// Packings behind these numbers.
     pub realisations: usize,
     /// Cost by the weights of the variables.
@@ -131,20 +138,28 @@ pub struct Verified {
 /// The result of a design.
 #[derive(Clone, Debug, Serialize)]
 pub struct DesignOutcome {
-    /// Whether a verified recipe is within the requested ΔE₀₀.
+    /// Whether a verified recipe meets all wishes.
     pub met: bool,
-    /// L*, a*, b* of the target.
-    pub target: [f64; 3],
+    /// L*, a*, b* of the target; none where numbers alone are wanted.
+    pub target: Option<[f64; 3]>,
+    /// Weighted numbers that are wanted.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub wishes: Vec<NumberWish>,
     /// Verdict in words.
     pub verdict: String,
     /// Verified recipes, the best one first.
     pub verified: Vec<Verified>,
-    /// Recipes of nearly the same colour by the surfaces.
+    /// Recipes of nearly the same colour by the surfaces, or, where no colour is wanted, that meet
+    /// the wishes by the surfaces.
     pub valley: Vec<DesignAnswer>,
     /// Smallest and largest value of every variable in the valley.
     pub valley_ranges: Vec<[f64; 2]>,
     /// Median leave-one-out error of the surfaces, ΔE₀₀.
     pub surface_error: f64,
+    /// What each wanted number may be wrong by, in the order of the wishes: the median of the
+    /// surfaces' leave-one-out errors with that of the runs' standard errors.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub number_errors: Vec<f64>,
     /// Variants that the surfaces rest on.
     pub variants: usize,
     /// Recipes that were run and have no colour, with the reason.
@@ -180,10 +195,11 @@ impl DesignRun<'_> {
         let variants = data.len();
         let mut map = Map::new(self.task, &data, variants)?;
         let surface_error = map.leave_one_out(&data)?;
+        let number_errors = map.number_errors(&data);
         for round in 1..=self.task.settings.verifications {
             let verified_before = &data[variants..];
             let best = verified_before.iter().min_by(|a, b| self.order(a, b));
-            let near = best.filter(|best| best.delta_e_2000.value < CLOSE);
+            let near = best.filter(|best| self.distance(best) < CLOSE);
             let near = near.map(|best| (best.places.clone(), REGION));
             let avoided = |answer: &DesignAnswer| {
                 left_out.iter().any(|left| left.verifying && distance(&left.places, &answer.places) < AVOIDED)
@@ -201,8 +217,10 @@ impl DesignRun<'_> {
                     continue;
                 }
             };
-            verified.predicted = Some(answer.delta_e_2000);
-            verified.surface_error = Some(ciede2000(verified.lab, map.at(&answer.places)?.0));
+            verified.predicted = answer.delta_e_2000;
+            verified.surface_error = Some(ciede2000(verified.lab, map.at(&answer.places)?.lab));
+            let predicted = answer.numbers.iter().copied();
+            verified.numbers.iter_mut().zip(predicted).for_each(|(own, by)| own.predicted = Some(by));
             let sure = self.is_sure(&verified);
             data.push(verified);
             map = Map::new(self.task, &data, variants)?;
@@ -211,7 +229,8 @@ impl DesignRun<'_> {
             }
         }
         let verified = data.split_off(variants);
-        Ok(self.outcome(&map, verified, Variants { run: data, left_out }, surface_error))
+        let outcome = self.outcome(&map, verified, Variants { run: data, left_out }, surface_error);
+        Ok(DesignOutcome { number_errors, ..outcome })
     }
 
     /// Runs the variants of the design; those without a colour are left out.
@@ -270,30 +289,40 @@ impl DesignRun<'_> {
             Ok(evaluated) => evaluated,
             Err(error) => return Ok(Err(error.to_string())),
         };
-        let spectra = match evaluated.seen().map(|seen| &seen.ink) {
+        let mut spectra = match evaluated.seen().map(|seen| &seen.ink) {
             Some(Ok(ink)) => spectra(ink)?,
             Some(Err(reason)) => return Ok(Err(reason.to_string())),
             None => return Ok(Err("a composed layer has no spectra over other backings".to_owned())),
         };
+        match evaluated.seen().map(|seen| self.number_sums(&study, seen)).transpose() {
+            Ok(sums) => spectra.extend(sums.into_iter().flatten()),
+            Err(reason) => return Ok(Err(reason)),
+        }
         let manifest = evaluated.manifest;
         if let Some(what) = manifest.unphysical() {
             return Ok(Err(format!("{what}: curves through few wavelengths and cells overshoot")));
         }
         let main = manifest.main_numbers();
         let maker = manifest.ink_maker.as_ref();
-        let Some((maker, target)) = maker.and_then(|maker| Some((maker, maker.target.as_ref()?))) else {
+        let target = maker.and_then(|maker| maker.target.as_ref());
+        let Some(maker) = maker.filter(|_| target.is_some() || task.lab.is_none()) else {
             let reason = manifest.no_ink_maker.or(manifest.no_colour);
             return Ok(Err(reason.unwrap_or_else(|| "the run gives no colour at 45:0".into())));
+        };
+        let numbers = match self.reached(&manifest) {
+            Ok(numbers) => numbers,
+            Err(reason) => return Ok(Err(reason)),
         };
         Ok(Ok(Verified {
             recipe: task.in_words(places),
             values: task.values(places),
             lab: maker.print.colour.lab,
             hex: maker.print.hex.clone(),
-            delta_e_2000: target.delta_e_2000,
+            delta_e_2000: target.map(|target| target.delta_e_2000),
             predicted: None,
             surface_error: None,
             contrast_ratio: maker.contrast_ratio,
+            numbers,
             realisations: main.realisations,
             cost: task.cost(places),
             places: places.to_vec(),
@@ -301,12 +330,32 @@ impl DesignRun<'_> {
         }))
     }
 
+    /// The sums behind the numbers that are wanted.
+    fn number_sums(&self, study: &Study, seen: &Seen) -> Result<Vec<f64>, String> {
+        let each = self.task.numbers.iter().map(|wish| sums_of_run(&wish.wanted, study, seen));
+        Ok(each.collect::<Result<Vec<_>, String>>()?.concat())
+    }
+
+    /// The numbers of a run that are wanted, or why one of them is withheld.
+    fn reached(&self, manifest: &Manifest) -> Result<Vec<ReachedNumber>, String> {
+        let find = |wish: &NumberWish| {
+            let note = manifest.numbers.iter().find(|note| note.name == wish.name);
+            let reached = note.and_then(|note| note.estimate());
+            let name = wish.name.clone();
+            reached.map(|estimate| ReachedNumber { name, estimate, predicted: None }).ok_or_else(|| {
+                let withheld = manifest.withheld.iter().find(|withheld| withheld.number == wish.name);
+                withheld.map_or_else(|| format!("it has no {}", wish.name), |why| why.in_words())
+            })
+        };
+        self.task.numbers.iter().map(find).collect()
+    }
+
     /// The study of a recipe. A verifying run has the requested number of packings, and others than
     /// the variants and every earlier one: searches fit their answer to the chance of the runs
     /// before.
     fn study(&self, places: &[f64], round: Option<usize>) -> Result<Study, DesignError> {
         let mut study = study_at(self.task, places)?;
-        study.judgement.target_lab = Some(self.task.lab);
+        study.judgement.target_lab = self.task.lab;
         if let Some(round) = round {
             study.packing.seed = study.packing.seed.wrapping_add(round as u64);
             study.realisations = self.task.settings.realisations.unwrap_or(study.realisations);
@@ -317,18 +366,40 @@ impl DesignRun<'_> {
     /// Whether a run needs no further one: it meets the wish, and does so at the far end of its bar
     /// as well.
     fn is_sure(&self, run: &Verified) -> bool {
-        self.meets(run) && run.delta_e_2000.value + error(run) <= self.task.settings.delta_e
+        let of_colour = |distance: Estimate| distance.value + error(distance) <= self.task.settings.delta_e;
+        let of_number = |wish: &NumberWish, at: Estimate| {
+            [-error(at), error(at)].iter().all(|by| wish.holds(at.value + by))
+        };
+        self.meets(run)
+            && run.delta_e_2000.is_none_or(of_colour)
+            && self.wanted(run).all(|(wish, number)| of_number(wish, number.estimate))
     }
 
-    /// Whether a recipe is within the requested ΔE₀₀ and hides enough.
+    /// Whether a recipe is within the requested ΔE₀₀, hides enough and has the numbers wanted.
     fn meets(&self, run: &Verified) -> bool {
-        run.delta_e_2000.value <= self.task.settings.delta_e && self.task.hides(run.contrast_ratio.value)
+        run.delta_e_2000.is_none_or(|distance| distance.value <= self.task.settings.delta_e)
+            && self.task.hides(run.contrast_ratio.value)
+            && self.wanted(run).all(|(wish, number)| wish.holds(number.estimate.value))
+    }
+
+    /// The numbers that are wanted, and what a run has of them.
+    fn wanted<'b>(
+        &'b self,
+        run: &'b Verified,
+    ) -> impl Iterator<Item = (&'b NumberWish, &'b ReachedNumber)> + 'b {
+        self.task.numbers.iter().zip(&run.numbers)
+    }
+
+    /// How far a run is from the wishes but for its contrast, as a ΔE₀₀.
+    fn distance(&self, run: &Verified) -> f64 {
+        let of_colour = run.delta_e_2000.map_or(0.0, |distance| distance.value);
+        let numbers: Vec<f64> = run.numbers.iter().map(|number| number.estimate.value).collect();
+        of_colour + self.task.lack(&numbers)
     }
 
     /// Order of two recipes, the best one first: by rank, those of one rank by distance.
     fn order(&self, a: &Verified, b: &Verified) -> std::cmp::Ordering {
-        let distance = |run: &Verified| run.delta_e_2000.value;
-        self.rank(a).total_cmp(&self.rank(b)).then(distance(a).total_cmp(&distance(b)))
+        self.rank(a).total_cmp(&self.rank(b)).then(self.distance(a).total_cmp(&self.distance(b)))
     }
 
     /// Rank of a recipe: of those that meet the wish the cost, of the others the distance.
@@ -337,7 +408,7 @@ impl DesignRun<'_> {
             // between 0 and 1 whatever the currency
             return 0.5 + run.cost.atan() / std::f64::consts::PI;
         }
-        1.0 + self.task.miss(run.delta_e_2000.value, run.contrast_ratio.value)
+        1.0 + self.task.miss(Some(self.distance(run)), run.contrast_ratio.value)
     }
 
     fn outcome(
@@ -350,9 +421,13 @@ impl DesignRun<'_> {
         verified.sort_by(|a, b| self.order(a, b));
         let met = verified.first().is_some_and(|best| self.meets(best));
         let answers = map.search(None);
-        let least = answers.first().map_or(0.0, |a| a.delta_e_2000);
+        let least = answers.first().and_then(|a| a.delta_e_2000).unwrap_or(0.0);
         let limit = self.task.settings.delta_e.max(least + surface_error);
-        let near = |a: &DesignAnswer| a.delta_e_2000 <= limit && self.task.hides(a.contrast_ratio);
+        let near = |a: &DesignAnswer| {
+            a.delta_e_2000.is_none_or(|distance| distance <= limit)
+                && self.task.hides(a.contrast_ratio)
+                && self.task.numbers.iter().zip(&a.numbers).all(|(wish, &value)| wish.holds(value))
+        };
         let valley: Vec<DesignAnswer> = answers.into_iter().filter(near).collect();
         let ends = |i: usize| {
             let all = || valley.iter().map(|a| a.values[i]);
@@ -363,11 +438,13 @@ impl DesignRun<'_> {
         DesignOutcome {
             met,
             target: self.task.lab,
+            wishes: self.task.numbers.clone(),
             verdict: self.verdict(&verified, met),
             verified,
             valley: spread(&valley),
             valley_ranges,
             surface_error,
+            number_errors: Vec::new(),
             variants: data.run.len(),
             left_out: data.left_out,
         }
@@ -379,12 +456,15 @@ impl DesignRun<'_> {
             return "Not proven: no verifying run gave a colour".into();
         };
         let wish = task.settings.delta_e;
-        let distance = best.delta_e_2000.in_words(2);
+        let ends: Vec<String> = (0..task.variables.len()).filter_map(|i| at_end(task, best, i)).collect();
+        let ends = if ends.is_empty() { String::new() } else { format!(" It lies at {}.", ends.join(", ")) };
+        let (Some(of_colour), true) = (best.delta_e_2000, task.numbers.is_empty()) else {
+            return self.verdict_of_all(best, met, &ends);
+        };
+        let distance = of_colour.in_words(2);
         if met {
             return format!("{}: ΔE₀₀ {distance} to the target (requested: {wish})", best.recipe);
         }
-        let ends: Vec<String> = (0..task.variables.len()).filter_map(|i| at_end(task, best, i)).collect();
-        let ends = if ends.is_empty() { String::new() } else { format!(" It lies at {}.", ends.join(", ")) };
         if let Some(least) = task.contrast_ratio.filter(|least| best.contrast_ratio.value < *least) {
             let ratio = best.contrast_ratio.in_words(3);
             return format!(
@@ -393,7 +473,7 @@ impl DesignRun<'_> {
                 best.recipe
             );
         }
-        if best.delta_e_2000.value - error(best) > wish {
+        if of_colour.value - error(of_colour) > wish {
             return format!(
                 "Out of reach in these ranges: the nearest recipe, {}, is ΔE₀₀ {distance} away (requested: {wish}).{ends}",
                 best.recipe
@@ -402,6 +482,40 @@ impl DesignRun<'_> {
         format!(
             "Not proven: {} is ΔE₀₀ {distance} away (requested: {wish}), and its error is too large to decide: raise \
              design.realisations or design.verifications.{ends}",
+            best.recipe
+        )
+    }
+
+    /// The verdict where numbers are wanted: all that a recipe has of what was requested.
+    fn verdict_of_all(&self, best: &Verified, met: bool, ends: &str) -> String {
+        let task = self.task;
+        let wish = task.settings.delta_e;
+        let colour = best
+            .delta_e_2000
+            .map(|distance| format!("ΔE₀₀ {} to the target (requested: {wish})", distance.in_words(2)));
+        let contrast = task.contrast_ratio.map(|least| {
+            format!("a contrast ratio of {} (requested: {least})", best.contrast_ratio.in_words(3))
+        });
+        let numbers = self.wanted(best).map(|(wish, number)| {
+            let reached = number.estimate.in_words(decimals(wish));
+            format!("{} {reached} (requested: {})", wish.name, wish.in_words())
+        });
+        let all = colour.into_iter().chain(contrast).chain(numbers).collect::<Vec<_>>().join(", ");
+        if met {
+            return format!("{}: {all}", best.recipe);
+        }
+        let missed = |wish: &NumberWish, at: Estimate| wish.distance(at.value) > error(at);
+        let is_missed = !task.hides(best.contrast_ratio.value)
+            || best.delta_e_2000.is_some_and(|distance| distance.value - error(distance) > wish)
+            || self.wanted(best).any(|(wish, number)| missed(wish, number.estimate));
+        if is_missed {
+            return format!(
+                "Out of reach in these ranges: the nearest recipe, {}, has {all}.{ends}",
+                best.recipe
+            );
+        }
+        format!(
+            "Not proven: {} has {all}, and its error is too large to decide: raise design.realisations or design.verifications.{ends}",
             best.recipe
         )
     }
@@ -416,9 +530,9 @@ fn at_end(task: &DesignTask, best: &Verified, i: usize) -> Option<String> {
     (!(AT_END..=1.0 - AT_END).contains(&place)).then(|| format!("the {which} {} ({value})", variable.name))
 }
 
-/// What the distance of a run to the target may be wrong by.
-fn error(run: &Verified) -> f64 {
-    WITHIN * run.delta_e_2000.standard_error.unwrap_or(0.0)
+/// What a number of a run may be wrong by.
+fn error(of: Estimate) -> f64 {
+    WITHIN * of.standard_error.unwrap_or(0.0)
 }
 
 fn same(one: &[f64], other: &[f64]) -> bool {

@@ -50,8 +50,9 @@ pub fn export(
             Format::Cgats => {
                 out.cgats(&exporter.print("cgats")?);
                 if let Some(prints) = finished.prints()? {
-                    let text = ramp::cgats(finished.study(), &prints, &request.created)?;
-                    out.add("prints.cgats", text, "prints in dots with Lab and spectra, CGATS.17");
+                    for set in ramp::sets(finished.study(), &prints, &request.created)? {
+                        out.add(&set.name, set.text, &set.about);
+                    }
                 }
             }
             Format::Npz => out.files.extend(finished.far_fields()?),

@@ -77,9 +77,10 @@ fn the_share_of_a_dye_is_found_again() {
     assert!(outcome.met && outcome.left_out.is_empty(), "{outcome:?}");
     // The search ends with steps of 0.1/2⁶ of the range of 0.35, and a digit of L*, a* and b* is 1e-4.
     assert!((verified.values[0] - 0.15).abs() < 6e-4, "{verified:?}");
-    assert!(verified.delta_e_2000.value < 0.02, "{verified:?}");
+    let distance = verified.delta_e_2000.expect("of a colour").value;
+    assert!(distance < 0.02, "{verified:?}");
     let predicted = verified.predicted.expect("the surfaces' answer");
-    assert!((predicted - verified.delta_e_2000.value).abs() < 1e-9, "{verified:?}");
+    assert!((predicted - distance).abs() < 1e-9, "{verified:?}");
     assert!(outcome.surface_error < 1e-9 && verified.surface_error.is_some_and(|e| e < 1e-9), "{outcome:?}");
 }
 
@@ -140,7 +141,7 @@ fn a_design_of_grains_goes_as_before() {
         // Digits of the golden numbers; solves agree to their residual of 1e-5.
         let lab = run.lab.iter().zip([l, a, b]).map(|(found, golden)| (found - golden).abs());
         assert!(lab.fold(0.0, f64::max) < 2e-3, "{run:?}");
-        assert!((run.delta_e_2000.value - delta_e).abs() < 2e-3, "{run:?}");
+        assert!(run.delta_e_2000.is_some_and(|found| (found.value - delta_e).abs() < 2e-3), "{run:?}");
         assert!(run.predicted.is_some_and(|found| (found - predicted).abs() < 2e-3), "{run:?}");
         assert_eq!(run.cost, run.values[0]);
     }
@@ -257,4 +258,98 @@ fn a_composed_base_is_refused() {
     let text = GRAINS.replace("[base.paper]", "[base.layer.composed]\nslab_um = 0.2\n[base.paper]");
     let refusal = load(&write(folder.path(), "design.toml", &text)).expect_err("refused").to_string();
     assert!(refusal.contains("layer.composed"), "{refusal}");
+}
+
+/// The dye with a range of a number instead of a colour.
+fn of_number(wish: &str) -> String {
+    let number = "[[base.number]]\nname = \"blue density\"\nweights = \"status_t_blue\"\nof = \"lit_at_45\"\n\
+                  transform = \"density\"\n[[base.number]]\nname = \"sun\"\nweights = \"solar_g173\"\nfrom_nm = 400\n\
+                  to_nm = 700\nof = \"albedo\"\n";
+    let wish = format!("[[target.number]]\n{wish}\n");
+    format!("{}{number}", DYE.replace("lab = [LAB]\n", &wish))
+}
+
+/// Without a colour, a density alone is met, surely and at one run, since films have no chance: in the middle of its
+/// range. The recipe's own run has it. *Planted*: the surfaces' sums left out, or those of the wrong number.
+#[test]
+fn a_wanted_density_needs_no_colour() {
+    let outcome = designed(&of_number("name = \"blue density\"\nat_least = 0.5\nat_most = 0.6"));
+    let [verified] = &outcome.verified[..] else { panic!("one run is sure: {outcome:?}") };
+    assert!(outcome.met && outcome.target.is_none() && verified.delta_e_2000.is_none(), "{outcome:?}");
+    let [density] = &verified.numbers[..] else { panic!("one number is wanted: {verified:?}") };
+    assert!((density.estimate.value - 0.55).abs() < 0.01, "{density:?}");
+    // films differ from themselves by rounding
+    assert!(density.predicted.is_some_and(|by| (by - density.estimate.value).abs() < 1e-9), "{density:?}");
+    assert!(outcome.verdict.contains("blue density 0.5") && outcome.verdict.contains("0.5 to 0.6"));
+    // the same layer by `inkwave run`
+    let folder = tempfile::tempdir().expect("a folder");
+    let study = of_number("name = \"sun\"\nat_least = 0");
+    let base = study.split("[base.layer]").nth(1).expect("a base").replace("[base.", "[");
+    let base = format!("[layer]{}", base.replace("[[base.", "[["));
+    let recipe = base.replace("volume_fraction = 0.1", &format!("volume_fraction = {}", verified.values[0]));
+    write(folder.path(), "recipe.toml", &recipe);
+    let done = inkwave(&["run", "recipe.toml", "-o", "out"], folder.path());
+    assert!(done.status.success(), "{}", said(&done));
+    let results = std::fs::read(folder.path().join("out/results.json")).expect("results");
+    let results: Value = serde_json::from_slice(&results).expect("JSON");
+    let own = &results["numbers"][0];
+    assert_eq!(own["name"], "blue density");
+    let value = own["value"].as_f64().expect("a value");
+    assert!((value - density.estimate.value).abs() < 1e-9, "{value} {density:?}");
+}
+
+/// A colour and a number together: the number draws the recipe away from the colour where both cannot be, and the verdict tells
+/// both. *Planted*: numbers left out of what is to be small.
+#[test]
+fn a_number_out_of_reach_is_told_with_what_was_reached() {
+    let text = of_number("name = \"blue density\"\nat_least = 3");
+    let text = text.replace("[target]\n", "[target]\nlab = [91.4267, -21.0611, 79.8461]\n");
+    let outcome = designed(&text);
+    assert!(!outcome.met, "{outcome:?}");
+    let best = &outcome.verified[0];
+    // ΔE₀₀ of a few against some hundred steps of density: the densest
+    assert!(best.values[0] > 0.39, "{best:?}");
+    for words in ["Out of reach", "blue density", "at least 3", "to the target (requested: 0.5)"] {
+        assert!(outcome.verdict.contains(words), "{words:?} is missing: {}", outcome.verdict);
+    }
+}
+
+/// *Planted*: each refusal left out.
+#[test]
+fn wishes_for_numbers_are_refused_with_a_remedy() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let refused = |text: &str| {
+        write(folder.path(), "design.toml", text);
+        said(&inkwave(&["design", "design.toml", "-o", "out"], folder.path()))
+    };
+    let two = "name = \"sun\"\nat_least = 0.5\n[[target.number]]\nname = \"sun\"\nat_most = 0.9";
+    for (wish, words) in [
+        (
+            "name = \"density\"\nat_least = 1",
+            vec!["target.number[0].name", "\"density\"", "\"blue density\", \"sun\""],
+        ),
+        ("name = \"sun\"", vec!["target.number[0]", "neither", "at_least, at_most, or both"]),
+        ("name = \"sun\"\nat_least = 0.7\nat_most = 0.6", vec!["target.number[0]", "0.7 to 0.6"]),
+        (
+            "name = \"sun\"\nat_least = 60",
+            vec!["target.number[0].at_least", "60", "0 to 1", "write 0.6 for 60 %"],
+        ),
+        (two, vec!["target.number[1].name", "twice", "in one [[target.number]]"]),
+    ] {
+        let told = refused(&of_number(wish));
+        assert!(words.iter().all(|word| told.contains(word)), "{words:?}: {told}");
+    }
+    let none = of_number("name = \"sun\"\nat_least = 0.5")
+        .replace("[[target.number]]\nname = \"sun\"\nat_least = 0.5\n", "");
+    let told = refused(&none);
+    assert!(told.contains("neither lab nor file nor number"), "{told}");
+    // light that no eye sees carries no colour to tell recipes with
+    let dark = of_number("name = \"sun\"\nat_least = 0.5");
+    let dark = dark
+        .replace("from_nm = 400\nto_nm = 700", "from_nm = 800\nto_nm = 1000")
+        .replace("{ built_in = \"yellow\" }", "{ n = 1.6, k = 0.01 }");
+    let dark = dark.split("[[base.number]]\nname = \"blue density\"").next().expect("text").to_owned()
+        + "[[base.number]]\nname = \"sun\"\nweights = \"solar_g173\"\nfrom_nm = 800\nto_nm = 1000\nof = \"albedo\"\n";
+    let told = refused(&dark);
+    assert!(told.contains("base.light") && told.contains("carry a colour"), "{told}");
 }

@@ -240,5 +240,5 @@ fn recipes_are_studies_and_ratios_divide_the_sum() {
     let shares = [0, 1].map(|i| study.pigments[i].grains.volume_fraction);
     // 0.3 and 0.1 in the ratio 0.2 : 0.8
     assert!((shares[0] - 0.08).abs() < 1e-12 && (shares[1] - 0.32).abs() < 1e-12, "{shares:?}");
-    assert_eq!(task.lab, [80.0, 0.0, 50.0]);
+    assert_eq!(task.lab, Some([80.0, 0.0, 50.0]));
 }

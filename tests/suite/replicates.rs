@@ -82,14 +82,21 @@ points_per_um = 12
 planes_per_um = 36
 "#;
 
-/// Of a composed layer, the variances of all portions add up to the chance of a number. *Planted*:
-/// the replicates of one portion left out.
+/// Of a composed layer, the variances of all portions add up to the chance of a number; without one of
+/// them there are none. *Planted*: the replicates of one portion left out; what is there taken for all.
 #[test]
 fn the_chance_of_a_composed_layer_is_that_of_its_replicates() {
     let scratch = tempfile::tempdir().unwrap();
     let (study, folder) = loaded(LAYER, scratch.path());
     let solved = run_portions(&study, &folder, RunSettings::default(), &()).unwrap().solved;
     let manifest = summarise_slabs(&study, &solved).unwrap();
+    // while it is solved, portions of which nothing is stored are missing
+    for missing in 0..solved.len() {
+        let mut fewer = solved.clone();
+        fewer.remove(missing);
+        let told = summarise_slabs(&study, &fewer).map(|_| ()).expect_err("a portion is missing");
+        assert!(told.contains("not every slab"), "{told}");
+    }
     let slabs = manifest.slabs.as_ref().unwrap();
     let chance = |thickness: usize, w: usize| -> [f64; 2] {
         let rows = slabs.replicates.iter().map(|all| &all.requested[thickness].spectra[w]);

@@ -9,7 +9,7 @@ fn judged(judge: impl Fn(&DesignRun)) {
 }
 
 fn with(run: &Verified, delta_e: f64, standard_error: f64, cost: f64) -> Verified {
-    let delta_e_2000 = Estimate { value: delta_e, standard_error: Some(standard_error) };
+    let delta_e_2000 = Some(Estimate { value: delta_e, standard_error: Some(standard_error) });
     Verified { delta_e_2000, cost, ..run.clone() }
 }
 

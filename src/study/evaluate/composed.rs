@@ -12,6 +12,7 @@ pub mod layer;
 pub mod level;
 pub mod library;
 pub mod numbers;
+mod optics;
 mod prints;
 pub mod stacked;
 pub mod summary;

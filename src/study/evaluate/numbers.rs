@@ -6,10 +6,12 @@
 //! error of R and T that the realisations share, tables of indices moved by their errors, and what
 //! the spectrum may be between and beyond the wavelengths.
 
-use super::ink::InkOnPaper;
+use super::ink::{InkError, InkOnPaper};
+use super::layer::Total;
+use super::levels::GridPart;
 use super::on_paper::LayerOnPaper;
 use super::published::{NumberNote, NumberParts, Withheld};
-use super::seen::Seen;
+use super::seen::{Seen, film_at, film_totals_at};
 use super::summed::SummedSpectrum;
 use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty};
 use crate::appearance::paper::MirroredSky;
@@ -18,6 +20,7 @@ use crate::appearance::weighted::{NamedWeights, NumberTransform, WeightedSum};
 use crate::input::file::SeenLight;
 use crate::input::study::{Study, WantedNumber};
 use crate::numerics::estimate::{Estimate, jackknife_deviations};
+use crate::solve::accuracy::grid_error::GridError;
 
 /// A number that is asked for, on a grid of wavelengths.
 pub struct AskedNumber<'a> {
@@ -48,14 +51,22 @@ impl<'a> AskedNumber<'a> {
         self.number(&self.sums_of(spectra))
     }
 
-    fn sums_of(&self, spectra: &[&[f64]]) -> Sums {
+    /// The sums of its spectra that the number is a function of, each linear in a spectrum: those
+    /// of the first, and that of the second.
+    pub fn sums_of(&self, spectra: &[&[f64]]) -> Vec<f64> {
         let of_first = self.sums.iter().map(|sum| sum.of(spectra[0]));
         of_first.chain(spectra.get(1).map(|second| self.sums[0].of(second))).collect()
     }
 
-    fn number(&self, sums: &Sums) -> f64 {
+    /// How many sums it takes.
+    pub fn count(&self) -> usize {
+        self.sums.len() + usize::from(self.wanted.over.is_some())
+    }
+
+    /// The number of such sums; NaN where there is none, such as the density of a negative mean.
+    pub fn number(&self, sums: &[f64]) -> f64 {
         let transform = self.wanted.transform;
-        match (&self.weights.white, sums.as_slice()) {
+        match (&self.weights.white, sums) {
             (Some(white), &[x, y, z]) if transform.of_tristimulus() => {
                 let mut xyz = white.xyz;
                 xyz.iter_mut().zip([x, y, z]).for_each(|(white, share)| *white *= share);
@@ -142,6 +153,56 @@ pub(super) fn numbers(
     (notes, withheld)
 }
 
+/// The sums of a weighted number of all solves together, without errors.
+///
+/// # Errors
+/// The layer has no such spectrum.
+pub fn sums_of_run(wanted: &WantedNumber, study: &Study, seen: &Seen) -> Result<Vec<f64>, String> {
+    let grid = GridPart::Estimated(GridError::default());
+    let exact = Uncertainty { grid, residual: 0.0, missing_cells: 0.0, certain: true };
+    let spectra: Vec<SummedSpectrum> =
+        wanted.spectra().map(|light| summed(light, study, seen, &exact)).collect::<Result<_, _>>()?;
+    let asked = AskedNumber::new(wanted, &spectra[0].wavelengths_nm).ok_or("its weights are unknown")?;
+    let corrections = corrections(&asked, &spectra);
+    let values: Vec<&[f64]> = spectra.iter().map(|spectrum| spectrum.values.as_slice()).collect();
+    let mut sums = asked.sums_of(&values);
+    sums.iter_mut().zip(&corrections).for_each(|(sum, by)| *sum += by.first().copied().unwrap_or(0.0));
+    Ok(sums)
+}
+
+/// Spectra of a study's coherent film that weighted numbers take, at wavelengths within its range,
+/// nm: \[spectrum\]\[wavelength\].
+///
+/// # Errors
+/// As [`InkOnPaper::homogeneous`].
+pub fn film_spectra(
+    study: &Study,
+    lights: &[SeenLight],
+    wavelengths_nm: &[f64],
+) -> Result<Vec<Vec<f64>>, InkError> {
+    let needs_paper = lights.iter().any(|light| light.on_paper());
+    let ink = if needs_paper { Some(film_at(study, wavelengths_nm)?) } else { None };
+    let is_on_paper = lights.iter().all(|light| light.on_paper());
+    let alone = if is_on_paper { Vec::new() } else { film_totals_at(study, wavelengths_nm) };
+    let of = |light: &SeenLight| -> Result<Vec<f64>, InkError> {
+        let total = |total: Total| alone.iter().map(|totals| totals[total as usize]).collect();
+        match (light, &ink) {
+            (SeenLight::Reflectance, _) => Ok(total(Total::Reflectance)),
+            (SeenLight::Absorptance, _) => Ok(total(Total::Absorptance)),
+            (SeenLight::Transmittance | SeenLight::CoherentTransmittance, _) => {
+                Ok(total(Total::Transmittance))
+            }
+            (_, Some(ink)) if light.on_paper() => {
+                let conditions = Conditions::new(ink, sky_of(*light, study))?;
+                Ok(ink.spectrum(|layer| on_paper_value(*light, &conditions, layer, UNMOVED)).values)
+            }
+            // a film scatters nothing
+            _ => Ok(vec![0.0; wavelengths_nm.len()]),
+        }
+    };
+    lights.iter().map(of).collect()
+}
+
 /// A number with its error.
 fn note(
     asked: &AskedNumber,
@@ -221,13 +282,21 @@ fn summed(
         return layer.summed(light, seen.inputs.as_ref(), uncertainty);
     }
     let ink = seen.ink.as_ref().map_err(ToString::to_string)?;
-    let sky = if light == SeenLight::Albedo { MirroredSky::Included } else { study.output.mirrored_sky };
-    let conditions = Conditions::new(ink, sky).map_err(|error| error.to_string())?;
-    let of = |layer: &LayerOnPaper, by: Shift| match light {
+    let conditions = Conditions::new(ink, sky_of(light, study)).map_err(|error| error.to_string())?;
+    Ok(on_paper(ink, uncertainty, &|layer, by| on_paper_value(light, &conditions, layer, by)))
+}
+
+/// The sky under which a spectrum on paper is seen.
+fn sky_of(light: SeenLight, study: &Study) -> MirroredSky {
+    if light == SeenLight::Albedo { MirroredSky::Included } else { study.output.mirrored_sky }
+}
+
+/// A spectrum on paper at one of its wavelengths, shifted by errors of R and T.
+fn on_paper_value(light: SeenLight, conditions: &Conditions, layer: &LayerOnPaper, by: Shift) -> f64 {
+    match light {
         SeenLight::LitAt45 => conditions.lit_at_45(layer, by),
         _ => conditions.natural_light(layer, by),
-    };
-    Ok(on_paper(ink, uncertainty, &of))
+    }
 }
 
 /// A quantity of the layer on its paper, shifted by errors of R and T.

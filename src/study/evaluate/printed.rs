@@ -171,7 +171,7 @@ pub(super) fn ink_prints(
 }
 
 /// Prints with the layer of one other run after the other changed in each of its ways.
-fn beside(
+pub(super) fn beside(
     task: &PrintTask,
     layer: &[AreaOptics],
     changed: impl Fn(&LayerOptics) -> &Vec<Vec<AreaOptics>>,

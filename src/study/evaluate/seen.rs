@@ -153,6 +153,15 @@ impl LayerSeen {
 }
 
 impl Study {
+    /// Wavelengths at which the spectra that weighted numbers take are known, nm: those of a list,
+    /// or of the sums where realisations have their own.
+    pub fn number_wavelengths_nm(&self) -> Vec<f64> {
+        match self.variation.light {
+            LightRule::Listed => self.wavelengths_nm.clone(),
+            LightRule::Shifted { .. } => self.sum_wavelengths_nm(),
+        }
+    }
+
     /// Wavelengths over which weighted numbers are summed, nm; none without any.
     fn sum_wavelengths_nm(&self) -> Vec<f64> {
         let ends = self.wavelengths_nm.first().zip(self.wavelengths_nm.last());
@@ -174,12 +183,24 @@ pub fn ink(study: &Study, collected: &Collected) -> Result<InkOnPaper, NoInk> {
 /// # Errors
 /// As [`InkOnPaper::homogeneous`].
 pub fn film_alone(study: &Study) -> Result<InkOnPaper, InkError> {
+    film_at(study, &study.wavelengths_nm)
+}
+
+/// The ink as its coherent film at other wavelengths within the study's range, nm.
+pub(super) fn film_at(study: &Study, outputs_nm: &[f64]) -> Result<InkOnPaper, InkError> {
     let indices = |nm: f64| indices(study, nm);
     let films = films(study, requested_profile(study), &indices);
     let substrate = substrate(study);
-    let outputs_nm = &study.wavelengths_nm;
     let ink = InkOnPaper::homogeneous(&InkInputs { films: &films, substrate: &substrate, outputs_nm })?;
     in_daylight(study, ink)
+}
+
+/// Totals of the coherent film alone for light along the normal, at wavelengths within the study's
+/// range, nm: in the order of [`Total`].
+pub(super) fn film_totals_at(study: &Study, wavelengths_nm: &[f64]) -> Vec<Vec<f64>> {
+    let indices = |nm: f64| indices(study, nm);
+    let films = films(study, requested_profile(study), &indices);
+    wavelengths_nm.iter().map(|&nm| film_totals(&films.at(nm), 0.0).to_vec()).collect()
 }
 
 /// The ink under D65, on whose ultraviolet light depends what its paper emits.

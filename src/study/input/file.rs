@@ -201,7 +201,8 @@ pub struct AreaTable {
     #[serde(default)]
     pub bears: AreaBears,
     /// Folder of results of another study, relative to this file: the area bears the layer of that
-    /// study, on this study's paper. Its `index_out` and range of wavelengths must be those here.
+    /// study, on this study's paper; of a composed one its first thickness. Its `index_out` and
+    /// range of wavelengths must be those here.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(example = &"out/cyan")]
     pub results: Option<String>,

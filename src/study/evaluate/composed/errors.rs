@@ -20,7 +20,7 @@ const NEIGHBOURS: usize = 2;
 /// of theirs.
 // *Measured* on coherent stacks of 4 to 16 µm: 1.4 to 1.9 % with slabs of 1 µm, 0.4 to 0.6 % of
 // 2 µm, at most 0.03 % of 4 µm.
-const HALVED: f64 = 2.0;
+pub(super) const HALVED: f64 = 2.0;
 
 /// The numbers of a layer from all realisations of a portion but one, for each of these.
 pub type PortionReplicates = ComposedNumbers<Vec<f64>>;

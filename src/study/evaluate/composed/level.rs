@@ -151,6 +151,15 @@ impl Level {
         Some(Self { slab_um, halved, portions, wavelengths_um })
     }
 
+    /// All portions of one thickness that a composed study has; `None` unless each of them has
+    /// realisations that are complete: while it is solved, some may have none yet.
+    pub fn complete(study: &Study, solved: &[SolvedPortion], halved: bool) -> Option<Self> {
+        let is_of = |study: &Study| study.portion().is_some_and(|portion| portion.halved == halved);
+        let wanted = study.portions().iter().filter(|study| is_of(study)).count();
+        let found = solved.iter().filter(|(study, _)| is_of(study)).count();
+        (found == wanted).then(|| Self::new(solved, halved))?
+    }
+
     /// The portions that a library keeps of some plates, of which there is one or more.
     pub fn of_library(portions: Vec<KeptPortion>, halved: bool, wavelengths_um: Vec<f64>) -> Option<Self> {
         let slab_um = portions.first()?.slab_um;

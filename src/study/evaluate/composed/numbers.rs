@@ -152,6 +152,28 @@ impl<'a> LayerTask<'a> {
         numbers
     }
 
+    /// A layer or stack of one thickness as light between it and its paper meets it, at every
+    /// wavelength; `None` where a stack lacks a portion.
+    pub(super) fn optics(&self, level: &Level, change: Change, thickness_um: f64) -> Option<Vec<AreaOptics>> {
+        let wave = self.study.wave;
+        let sky = self.study.output.mirrored_sky;
+        let at_45 = |layer: &ComposedLayer, albedo: f64| spectral(layer, wave, sky, albedo).at_45;
+        let Some(task) = &self.stack else {
+            let per_h = (self.composed.slab_um / level.slab_um).round();
+            let count = self.slab_count(thickness_um) * per_h;
+            let slabs = level.slabs(change);
+            let of_slabs =
+                |(slabs, albedo): (&Slabs, &f64)| at_45(&ComposedLayer::new(slabs, count, wave), *albedo);
+            return Some(slabs.iter().zip(&self.albedos).map(of_slabs).collect());
+        };
+        let stacks = task.stacks(level, thickness_um, change).ok()?;
+        let of_stack = |(stack, albedo): (&PlateStack, &f64)| {
+            let film = stack.film(change.fewer_directions);
+            at_45(&ComposedLayer::of_stack(stack, &film, wave), *albedo)
+        };
+        Some(stacks.iter().zip(&self.albedos).map(of_stack).collect())
+    }
+
     /// A layer of one thickness; `per_h` of the slabs have the thickness h.
     fn layer(&self, slabs: &[Slabs], thickness_um: f64, per_h: f64) -> ThicknessNumbers<f64> {
         self.coloured(self.with_optics(slabs, thickness_um, per_h))

@@ -4,6 +4,7 @@ mod depth;
 mod hiding;
 mod remarks;
 mod rows;
+use super::optics::layer_optics;
 
 use super::errors::{JudgedNumbers, MovedLevels, with_errors};
 use super::level::{Change, Level, Slabs, SolvedPortion};
@@ -30,9 +31,7 @@ use rows::{ThicknessRows, absorbed, distributions, medium_row};
 /// # Errors
 /// A portion without complete realisations, paper without an albedo.
 pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result<Manifest<'a>, String> {
-    let level = |halved| Level::new(solved, halved).ok_or("not every slab has a complete realisation yet");
-    let whole = level(false)?;
-    let half = level(true)?;
+    let [whole, half] = levels_of(study, solved)?;
     let mut task = LayerTask::new(study)?;
     let seen_nm = &study.wavelengths_nm[task.visible.clone()];
     let no_colour = Colorimeter::new(seen_nm).err().map(|error| error.to_string());
@@ -51,7 +50,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         curve.add(&task, *um, layer);
     }
     let layers: Vec<_> = composed.thicknesses_um.iter().copied().zip(&numbers.requested).collect();
-    let prints = prints(study, &layers);
+    let prints = prints(&task, &layers, &whole);
     let mut withheld = [requested.withheld, curve.withheld].concat();
     let mut medium = Vec::new();
     for ((&nm, slabs), numbers) in study.wavelengths_nm.iter().zip(&slabs).zip(numbers.medium) {
@@ -100,7 +99,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         no_ink_maker: None,
         numbers: requested.weighted,
         prints,
-        optics: None,
+        optics: layer_optics(&task, [&whole, &half], moved.as_ref()),
         withheld,
         spectra: PublishedSpectra::Composed(requested.rows),
         absorbed: Vec::new(),
@@ -109,6 +108,14 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         process_seconds: None,
         study,
     })
+}
+
+/// Whole slabs and halved ones; a reason where some portion is not solved yet.
+fn levels_of(study: &Study, solved: &[SolvedPortion]) -> Result<[Level; 2], String> {
+    let reason = "not every slab has a complete realisation yet";
+    let whole = Level::complete(study, solved, false).ok_or(reason)?;
+    let half = Level::complete(study, solved, true).ok_or(reason)?;
+    Ok([whole, half])
 }
 
 /// The whole slabs of a few realisations, as they are and with every move of a table; `None` where

@@ -45,7 +45,8 @@ impl ComposedView {
     /// A portion without complete realisations, paper without an albedo.
     pub fn new(study: &Study, solved: &[SolvedPortion], thickness_um: f64) -> Result<Self, String> {
         let task = LayerTask::new(study)?;
-        let level = Level::new(solved, false).ok_or("not every slab has a complete realisation yet")?;
+        let level =
+            Level::complete(study, solved, false).ok_or("not every slab has a complete realisation yet")?;
         let wavelengths_nm = study.wavelengths_nm.clone();
         if let Some(stack) = &task.stack {
             let stacks = stack.stacks(&level, thickness_um, Change::default())?;

@@ -18,6 +18,9 @@ use std::path::Path;
 /// Rounding of quanta.
 const ROUNDING: f64 = 1e-9;
 
+/// Where a pair of measurements stands.
+const PAIR: &str = "paper.fluorescence";
+
 /// A spectrum read for the paper, with its geometry.
 struct MeasuredFactor {
     rows: Vec<[f64; 2]>,
@@ -68,17 +71,35 @@ impl BackingReader<'_> {
     ) -> Option<MeasuredFactor> {
         let (rows, stated) = read(field, path, request, self.faults, self.remarks)?;
         let key = format!("{field}.geometry");
-        let remedy =
-            "write geometry = \"45:0\", \"d:8\", \"d:8 excluded\", \"d:0\" or \"natural\" beside the file";
+        let is_pair = field == PAIR;
+        let remedy = if is_pair {
+            "measure it at 45:0, as M0, M1 and M2 are; or give excitation, emission and yield"
+        } else {
+            "write geometry = \"45:0\", \"d:8\", \"d:8 excluded\", \"d:0\" or \"natural\" beside the file"
+        };
         let known = match &stated {
             None => None,
             Some(MeasuredGeometry::LitAt45) => Some(PaperGeometry::LitAt45),
             Some(MeasuredGeometry::Sphere(Some(true))) => Some(PaperGeometry::Sphere),
             Some(MeasuredGeometry::Sphere(Some(false))) => Some(PaperGeometry::SphereExcluded),
             Some(MeasuredGeometry::UniformSky) => Some(PaperGeometry::NaturalLight),
+            Some(MeasuredGeometry::Sphere(None))
+                if written.is_some_and(|written| {
+                    !matches!(written, PaperGeometry::Sphere | PaperGeometry::SphereExcluded)
+                }) =>
+            {
+                let found = format!(
+                    "{:?}, where the file states {:?}",
+                    written.unwrap_or_default().name(),
+                    MeasuredGeometry::Sphere(None).name()
+                );
+                let allowed = "\"d:8\" (the mirrored light included) or \"d:8 excluded\"";
+                self.faults.add(&key, found, allowed, "write which of both it is");
+                return None;
+            }
             Some(other) if written.is_none() => {
                 self.faults.add(
-                    &key,
+                    if is_pair { field } else { key.as_str() },
                     other.name(),
                     "a geometry that the surface can be taken off for",
                     remedy,
@@ -96,9 +117,12 @@ impl BackingReader<'_> {
         }
         if known.is_none() && written.is_none() {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
-            self.remarks.push(format!(
-                "{field}: {name} states no geometry: taken as 45:0; {key} = \"d:8\" says another"
-            ));
+            self.remarks.push(match is_pair {
+                true => format!("{field}: {name} states no geometry: taken as 45:0, that of M0 to M2"),
+                false => {
+                    format!("{field}: {name} states no geometry: taken as 45:0; {key} = \"d:8\" says another")
+                }
+            });
         }
         let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
         let rows = used_rows(rows, [from_nm.min(to_nm), to_nm]);

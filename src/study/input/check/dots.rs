@@ -145,7 +145,7 @@ impl DotsReader<'_, '_> {
         struct Results {
             optics: Option<LayerOptics>,
         }
-        let allowed = "a folder of results of a study on paper, solved as a whole";
+        let allowed = "a folder of results of a study on paper";
         let refused = |found: String| {
             [found, allowed.to_owned(), "run that study first: inkwave run STUDY.toml".to_owned()]
         };

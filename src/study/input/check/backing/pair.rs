@@ -1,14 +1,14 @@
 //! Paper with a brightener, from two measurements of it: with ultraviolet light (M1) and without
 //! (M2).
 
-use super::MeasuredFactor;
+use super::{MeasuredFactor, PAIR};
 use crate::appearance::bare_paper::BareSurface;
 use crate::appearance::fluorescence::{Fluorescence, STEP_NM, rows_at, standard_excitation, summed_nm};
 use crate::appearance::paper::{Albedo, Coupling};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::input::check::paper::{BackingReader, range};
 use crate::input::forms::FluorescenceWritten;
-use crate::input::measured::{MeasuredCondition, MeasuredReading, MeasuredRequest};
+use crate::input::measured::{MeasuredCondition, MeasuredReading, MeasuredRequest, MeasuredUnit};
 use crate::input::study::{MeasuredPaper, Paper};
 use std::path::Path;
 
@@ -19,18 +19,27 @@ const NOISE: f64 = 0.01;
 const PAIR_FROM_NM: f64 = 360.0;
 
 impl BackingReader<'_> {
-    /// The request, without its condition if the file states none.
+    /// The request, without its condition if the file states none, and with factors as its unit
+    /// where the file leaves it open: brightened paper exceeds a perfect white, and no paper is as
+    /// dark as a percent or two.
     fn stated_or_not(&mut self, path: &Path, request: MeasuredRequest) -> MeasuredRequest {
         let anything = MeasuredRequest { condition: None, ..request.clone() };
-        let is_stated = MeasuredReading::new(path, &request).is_ok();
-        if is_stated || MeasuredReading::new(path, &anything).is_err() {
-            return request;
-        }
+        let unit = Some(MeasuredUnit::Factor);
+        let as_factors = |request: &MeasuredRequest| MeasuredRequest { unit, ..request.clone() };
+        let tried = [request.clone(), anything.clone(), as_factors(&request), as_factors(&anything)];
+        let is_readable = |request: &&MeasuredRequest| MeasuredReading::new(path, request).is_ok();
+        let Some(readable) = tried.iter().find(is_readable) else { return request };
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let taken = request.condition.map_or("", MeasuredCondition::name);
-        self.remarks
-            .push(format!("paper.fluorescence: {name} states no {taken}, and is taken as measured under it"));
-        anything
+        if readable.condition.is_none() {
+            let taken = request.condition.map_or("", MeasuredCondition::name);
+            self.remarks.push(format!("{PAIR}: {name} states no {taken}, and is taken as measured under it"));
+        }
+        if readable.unit != request.unit {
+            self.remarks.push(format!(
+                "{PAIR}: {name} states no unit, and is taken as factors of a perfect white: {PAIR}.unit = \"percent\" says another"
+            ));
+        }
+        readable.clone()
     }
 
     /// Paper measured with and without ultraviolet light.
@@ -53,7 +62,7 @@ impl BackingReader<'_> {
             ..MeasuredRequest::default()
         };
         paper.source = format!("{m1_csv} (M1) and {m2_csv} (M2)");
-        let field = "paper.fluorescence";
+        let field = PAIR;
         let with = self.tables.folder.join(m1_csv);
         let without = self.tables.folder.join(m2_csv);
         let bright = self.stated_or_not(&with, request(MeasuredCondition::M1));
