@@ -45,7 +45,20 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
         let remedy = "leave it out; `inkwave pack` packs layers without walls";
         faults.add("layer.walls", "false", "true: waves need a layer between two faces", remedy);
     }
+    check_relief(file, &study, &mut faults);
     if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
+}
+
+/// A rough face is the level to which the binder sinks between grains: without any it is plane.
+fn check_relief(file: &StudyFile, study: &Study, faults: &mut Faults) {
+    if study.packing.relief.is_none() || !study.pigments.is_empty() || !faults.0.is_empty() {
+        return;
+    }
+    let layers = file.layer.stacked.iter().flatten();
+    let rough = layers.enumerate().find(|(_, layer)| layer.relief.is_some());
+    let field = rough.map_or("layer.relief".to_owned(), |(i, _)| format!("layer[{i}].relief"));
+    let allowed = "a relief over grains, between which the binder sinks";
+    faults.add(field, "a rough face without grains", allowed, "remove it, or add a pigment with grains");
 }
 
 /// Like [`check`], for packings only: errors in what only the wave needs are ignored.

@@ -262,6 +262,7 @@ impl<'a> CompositionTask<'a> {
             medium: Vec::new(),
             distributions: Vec::new(),
             absorbed: Vec::new(),
+            left_out: Vec::new(),
         }
     }
 

@@ -2,7 +2,7 @@
 
 use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use super::level::{Change, Level, Slabs};
-use super::stacked::{StackTask, slabs_in};
+use super::stacked::{KeptLayers, StackTask, slabs_in};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
 use crate::appearance::composed::stack::PlateStack;
@@ -15,14 +15,15 @@ use crate::evaluate::ink_maker::{BLACK, WHITE};
 use crate::evaluate::numbers::AskedNumber;
 use crate::evaluate::prints::{Brightened, PrintTask};
 use crate::evaluate::quantities::{
-    ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
-    ThicknessNumbers,
+    ColourNumbers, ComposedNumbers, DensityNumbers, Distribution, HidingNumbers, LayerNumbers,
+    LeftOutNumbers, MediumNumbers, ThicknessNumbers,
 };
 use crate::input::file::SeenLight;
 use crate::input::study::{Composed, Study};
 use crate::wave::Wave;
 use faer::Mat;
 use num_complex::Complex64;
+use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -30,6 +31,15 @@ use std::ops::Range;
 pub const HIDING: f64 = 0.98;
 /// Most slabs of a layer that is tried for hiding.
 pub const MOST_SLABS: usize = 1024;
+
+/// A stack of one thickness.
+struct StackNumbers {
+    thickness: ThicknessNumbers<f64>,
+    /// \[wavelength\]
+    distributions: Vec<Distribution<f64>>,
+    /// \[wavelength\]\[layer\]
+    absorbed: Vec<Vec<f64>>,
+}
 
 /// What is requested of the slabs of either thickness.
 pub struct LayerTask<'a> {
@@ -118,6 +128,7 @@ impl<'a> LayerTask<'a> {
             medium: slabs.iter().map(|slabs| coefficients(slabs, level.slab_um)).collect(),
             distributions: requested_um.iter().map(distributions).collect(),
             absorbed: Vec::new(),
+            left_out: Vec::new(),
         }
     }
 
@@ -130,26 +141,73 @@ impl<'a> LayerTask<'a> {
             medium: Vec::new(),
             distributions: Vec::new(),
             absorbed: Vec::new(),
+            left_out: Vec::new(),
         };
         for um in &self.composed.thicknesses_um {
-            // joints and portions are those of the report's first look at them
-            let stacks = task.stacks(level, *um, change).unwrap_or_default();
-            let mut layers = Vec::new();
-            let mut distributions = Vec::new();
-            let mut absorbed = Vec::new();
-            for (stack, albedo) in stacks.iter().zip(&self.albedos) {
-                let film = stack.film(change.fewer_directions);
-                let layer = ComposedLayer::of_stack(stack, &film, self.study.wave);
-                let own = spectral(&layer, self.study.wave, self.study.output.mirrored_sky, *albedo);
-                absorbed.push(absorbed_by_layers(stack, self.study.wave, &own.numbers));
-                layers.push(own);
-                distributions.push(distribution(&layer.plate, layer.media));
-            }
-            numbers.requested.push(self.coloured(self.brightened(layers)));
-            numbers.distributions.push(distributions);
-            numbers.absorbed.push(absorbed);
+            let all = self.of_stack((task, level), KeptLayers::All, *um, change);
+            let stack = all.thickness;
+            numbers.left_out.extend(self.left_out(task, level, (*um, change), &stack.spectra));
+            numbers.requested.push(stack);
+            numbers.distributions.push(all.distributions);
+            numbers.absorbed.push(all.absorbed);
         }
         numbers
+    }
+
+    /// The numbers of some of a stack's layers, its varied one `um` thick.
+    fn of_stack(
+        &self,
+        (task, level): (&StackTask, &Level),
+        kept: KeptLayers,
+        um: f64,
+        change: Change,
+    ) -> StackNumbers {
+        // joints and portions are those of the report's first look at them
+        let stacks = task.stacks_of(kept, level, um, change).unwrap_or_default();
+        let Study { wave, output, .. } = self.study;
+        let at_wavelength = |(stack, albedo): (&PlateStack, &f64)| {
+            let film = stack.film(change.fewer_directions);
+            let layer = ComposedLayer::of_stack(stack, &film, *wave);
+            let own = spectral(&layer, *wave, output.mirrored_sky, *albedo);
+            let whole = kept == KeptLayers::All;
+            let absorbed = whole.then(|| absorbed_by_layers(stack, *wave, &own.numbers)).unwrap_or_default();
+            (own, distribution(&layer.plate, layer.media), absorbed)
+        };
+        let all = stacks.par_iter().zip(&self.albedos).map(at_wavelength).collect::<Vec<_>>();
+        let mut layers = Vec::new();
+        let mut distributions = Vec::new();
+        let mut absorbed = Vec::new();
+        for (own, distribution, shares) in all {
+            layers.push(own);
+            distributions.push(distribution);
+            absorbed.push(shares);
+        }
+        StackNumbers { thickness: self.coloured(self.brightened(layers)), distributions, absorbed }
+    }
+
+    /// What a stack of several layers is without each of them, and each by itself.
+    fn left_out(
+        &self,
+        task: &StackTask,
+        level: &Level,
+        (um, change): (f64, Change),
+        stack: &[LayerNumbers<f64>],
+    ) -> Option<LeftOutNumbers<f64>> {
+        let layers = self.study.stack.len();
+        let of = |kept: KeptLayers| self.of_stack((task, level), kept, um, change).thickness;
+        if layers < 2 {
+            return None;
+        }
+        let without: Vec<_> = (0..layers).map(|layer| of(KeptLayers::AllBut(layer))).collect();
+        let alone: Vec<_> = (0..layers).map(|layer| of(KeptLayers::Only(layer))).collect();
+        let bare = of(KeptLayers::None).spectra;
+        let densities = stack.iter().zip(&bare).enumerate().map(|(w, (stack, bare))| {
+            let density = |layer: &LayerNumbers<f64>| -(layer.lit_at_45 / bare.lit_at_45).log10();
+            let layers: f64 = alone.iter().map(|layer| density(&layer.spectra[w])).sum();
+            DensityNumbers { stack: density(stack), layers, ratio: density(stack) / layers }
+        });
+        let densities = densities.collect();
+        Some(LeftOutNumbers { without, alone, densities })
     }
 
     /// A layer of one thickness; `per_h` of the slabs have the thickness h.

@@ -11,14 +11,16 @@ use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
 use crate::evaluate::manifest::composed::{
-    AbsorbedRow, ComposedColours, ComposedRow, DepthRow, DistributionRow, MediumRow, SlabNotes,
+    AbsorbedRow, ComposedColours, ComposedRow, DensityRow, DepthRow, DistributionRow, LeftOutColours,
+    LeftOutRow, MediumRow, SlabNotes,
 };
 use crate::evaluate::manifest::{
     Count, FailureNote, Manifest, Provenance, PublishedColours, PublishedSpectra,
 };
 use crate::evaluate::published::{ErrorParts, NumberNote, NumberParts, Quantity, Withheld};
 use crate::evaluate::quantities::{
-    Distribution, HidingNumbers, LayerNumbers, MediumNumbers, ThicknessNumbers,
+    DensityNumbers, Distribution, HidingNumbers, LayerNumbers, LeftOutNumbers, MediumNumbers,
+    ThicknessNumbers,
 };
 use crate::evaluate::wavelengths::nearest;
 use crate::input::study::{Composed, Study};
@@ -71,6 +73,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     let media = media_of(&slabs, &stacks);
     let distributions = distributions(study, &media, &composed.thicknesses_um, &numbers.distributions);
     let absorbed = absorbed(study, &composed.thicknesses_um, &numbers.absorbed);
+    let left_out = LeftOut::new(&task, &numbers.left_out, &mut withheld);
     let hiding = task.around_hiding_um.zip(numbers.hiding);
     let hiding = hiding.map(|(around_um, hiding)| hiding_thickness(&task, around_um, &hiding));
     let impossible = hiding.and_then(|um| impossible(Quantity::Positive, um.estimate()));
@@ -88,6 +91,9 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         medium,
         distributions,
         absorbed,
+        left_out: left_out.rows,
+        left_out_colours: left_out.colours,
+        densities: left_out.densities,
         curve: curve.rows,
         curve_colours: curve.colours,
         curve_numbers: curve.weighted,
@@ -178,6 +184,68 @@ fn absorbed(study: &Study, thicknesses_um: &[f64], numbers: &[Vec<Vec<ErrorParts
         }
     }
     rows
+}
+
+/// What is published of a stack without its layers.
+#[derive(Default)]
+struct LeftOut {
+    rows: Vec<LeftOutRow>,
+    colours: Vec<LeftOutColours>,
+    densities: Vec<DensityRow>,
+}
+
+impl LeftOut {
+    fn new(task: &LayerTask, numbers: &[LeftOutNumbers<ErrorParts>], withheld: &mut Vec<Withheld>) -> Self {
+        let mut all = Self::default();
+        for (&um, numbers) in task.composed.thicknesses_um.iter().zip(numbers) {
+            for (w, &wavelength_nm) in task.study.wavelengths_nm.iter().enumerate() {
+                for (k, layer) in task.study.stack.iter().enumerate() {
+                    let [without, alone] = [&numbers.without[k], &numbers.alone[k]].map(|n| n.spectra[w]);
+                    all.rows.push(LeftOutRow {
+                        thickness_um: um,
+                        wavelength_nm,
+                        layer: layer.name.clone(),
+                        lit_at_45_without: without.lit_at_45,
+                        natural_light_without: without.natural_light,
+                        lit_at_45_alone: alone.lit_at_45,
+                        natural_light_alone: alone.natural_light,
+                    });
+                }
+                all.densities.push(density_row([um, wavelength_nm], numbers.densities[w]));
+            }
+            for (k, layer) in task.study.stack.iter().enumerate() {
+                let mut colours = |numbers: &ThicknessNumbers<ErrorParts>, words: &str| {
+                    let mut layers = Layers::default();
+                    layers.add(task, um, numbers);
+                    withheld.extend(layers.withheld.into_iter().map(|reason| Withheld {
+                        number: format!("{} {words} {}", reason.number, layer.name),
+                        ..reason
+                    }));
+                    layers.colours.pop()
+                };
+                let without = colours(&numbers.without[k], "without");
+                let alone = colours(&numbers.alone[k], "of only");
+                if without.is_some() || alone.is_some() {
+                    all.colours.push(LeftOutColours { layer: layer.name.clone(), without, alone });
+                }
+            }
+        }
+        all
+    }
+}
+
+/// Sums of densities below this are too small to divide by.
+const FAINT_DENSITY: f64 = 0.05;
+
+fn density_row([thickness_um, wavelength_nm]: [f64; 2], numbers: DensityNumbers<ErrorParts>) -> DensityRow {
+    let DensityNumbers { stack, layers, ratio } = numbers;
+    DensityRow {
+        thickness_um,
+        wavelength_nm,
+        density_of_stack: stack,
+        density_of_layers: layers,
+        density_ratio: (layers.value > FAINT_DENSITY).then_some(ratio),
+    }
 }
 
 /// Fluxes against depth at the joints of a stack of the first thickness, on the paper.
