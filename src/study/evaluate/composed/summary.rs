@@ -200,7 +200,8 @@ impl LeftOut {
         for (&um, numbers) in task.composed.thicknesses_um.iter().zip(numbers) {
             for (w, &wavelength_nm) in task.study.wavelengths_nm.iter().enumerate() {
                 for (k, layer) in task.study.stack.iter().enumerate() {
-                    let [without, alone] = [&numbers.without[k], &numbers.alone[k]].map(|n| n.spectra[w]);
+                    let without = numbers.without[k].spectra[w];
+                    let alone = numbers.alone[k].spectra[w];
                     all.rows.push(LeftOutRow {
                         thickness_um: um,
                         wavelength_nm,
