@@ -5,7 +5,7 @@ use super::level::{Change, Level, Slabs};
 use super::stacked::{KeptLayers, StackTask, slabs_in};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
-use crate::appearance::composed::stack::PlateStack;
+use crate::appearance::composed::stack::{PlateStack, StackElement};
 use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
@@ -144,26 +144,27 @@ impl<'a> LayerTask<'a> {
             left_out: Vec::new(),
         };
         for um in &self.composed.thicknesses_um {
-            let all = self.of_stack((task, level), KeptLayers::All, *um, change);
-            let stack = all.thickness;
-            numbers.left_out.extend(self.left_out(task, level, (*um, change), &stack.spectra));
-            numbers.requested.push(stack);
+            // joints and portions are those of the report's first look at them
+            let layers = task.layers(level, *um, change).unwrap_or_default();
+            let of = |kept: KeptLayers| self.of_stack(task, kept, &layers, change);
+            let all = of(KeptLayers::All);
+            numbers.left_out.extend(self.left_out(&all.thickness.spectra, |kept| of(kept).thickness));
+            numbers.requested.push(all.thickness);
             numbers.distributions.push(all.distributions);
             numbers.absorbed.push(all.absorbed);
         }
         numbers
     }
 
-    /// The numbers of some of a stack's layers, its varied one `um` thick.
+    /// The numbers of some of a stack's layers.
     fn of_stack(
         &self,
-        (task, level): (&StackTask, &Level),
+        task: &StackTask,
         kept: KeptLayers,
-        um: f64,
+        layers: &[Vec<Vec<StackElement>>],
         change: Change,
     ) -> StackNumbers {
-        // joints and portions are those of the report's first look at them
-        let stacks = task.stacks_of(kept, level, um, change).unwrap_or_default();
+        let stacks = task.joined(kept, layers).unwrap_or_default();
         let Study { wave, output, .. } = self.study;
         let at_wavelength = |(stack, albedo): (&PlateStack, &f64)| {
             let film = stack.film(change.fewer_directions);
@@ -185,21 +186,23 @@ impl<'a> LayerTask<'a> {
         StackNumbers { thickness: self.coloured(self.brightened(layers)), distributions, absorbed }
     }
 
-    /// What a stack of several layers is without each of them, and each by itself.
+    /// What a stack of several layers is without each of them, and each by itself, where it has
+    /// these spectra and `of` gives some of its layers.
     fn left_out(
         &self,
-        task: &StackTask,
-        level: &Level,
-        (um, change): (f64, Change),
         stack: &[LayerNumbers<f64>],
+        of: impl Fn(KeptLayers) -> ThicknessNumbers<f64>,
     ) -> Option<LeftOutNumbers<f64>> {
         let layers = self.study.stack.len();
-        let of = |kept: KeptLayers| self.of_stack((task, level), kept, um, change).thickness;
-        if layers < 2 {
+        // plates of a library are no print: what any stack of them is, `inkwave compose` tells
+        if layers < 2 || self.composed.joint_index.is_some() {
             return None;
         }
         let without: Vec<_> = (0..layers).map(|layer| of(KeptLayers::AllBut(layer))).collect();
-        let alone: Vec<_> = (0..layers).map(|layer| of(KeptLayers::Only(layer))).collect();
+        let alone: Vec<_> = match layers {
+            2 => without.iter().rev().cloned().collect(),
+            _ => (0..layers).map(|layer| of(KeptLayers::Only(layer))).collect(),
+        };
         let bare = of(KeptLayers::None).spectra;
         let densities = stack.iter().zip(&bare).enumerate().map(|(w, (stack, bare))| {
             let density = |layer: &LayerNumbers<f64>| -(layer.lit_at_45 / bare.lit_at_45).log10();

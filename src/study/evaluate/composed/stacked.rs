@@ -71,47 +71,66 @@ impl<'a> StackTask<'a> {
         thickness_um: f64,
         change: Change,
     ) -> Result<Vec<PlateStack>, String> {
-        self.stacks_of(KeptLayers::All, level, thickness_um, change)
+        self.joined(KeptLayers::All, &self.layers(level, thickness_um, change)?)
     }
 
-    /// As [`StackTask::stacks`], of some of the layers: where others were, a plane face leads from
-    /// the medium in front of them to that behind.
+    /// The elements of every layer, \[wavelength\]\[layer\].
     ///
     /// # Errors
-    /// Those of [`StackTask::stacks`].
-    pub fn stacks_of(
+    /// A portion that is missing.
+    pub fn layers(
         &self,
-        kept: KeptLayers,
         level: &Level,
         thickness_um: f64,
         change: Change,
+    ) -> Result<Vec<Vec<Vec<StackElement>>>, String> {
+        let at_wavelength = |wavelength: usize| {
+            let plates = self.composed.layers.iter().enumerate();
+            plates
+                .map(|(layer, plates)| {
+                    let around = Around { layer, media: &self.media[wavelength], wavelength };
+                    let own_um = self.study.stack[layer].thickness_um;
+                    let um = if self.composed.varied == Some(layer) { thickness_um } else { own_um };
+                    match plates {
+                        LayerPlates::Clear => Ok(self.clear(&around, um)),
+                        LayerPlates::Whole => self.solved(&around, level, 1.0, change),
+                        LayerPlates::Slabs(slab_um) => {
+                            self.solved(&around, level, slabs_in(um, *slab_um), change)
+                        }
+                    }
+                })
+                .collect()
+        };
+        (0..self.media.len()).map(at_wavelength).collect()
+    }
+
+    /// Some of the layers, joined at every wavelength: where others were, a plane face leads from the
+    /// medium in front of them to that behind.
+    ///
+    /// # Errors
+    /// Joints whose media differ.
+    pub fn joined(
+        &self,
+        kept: KeptLayers,
+        layers: &[Vec<Vec<StackElement>>],
     ) -> Result<Vec<PlateStack>, String> {
-        (0..self.media.len()).map(|w| self.stack(kept, level, thickness_um, (w, change))).collect()
+        self.media.iter().zip(layers).map(|(media, layers)| self.stack(kept, media, layers)).collect()
     }
 
     fn stack(
         &self,
         kept: KeptLayers,
-        level: &Level,
-        thickness_um: f64,
-        (wavelength, change): (usize, Change),
+        media: &StackMedia,
+        layers: &[Vec<StackElement>],
     ) -> Result<PlateStack, String> {
-        let media = &self.media[wavelength];
         let mut elements = Vec::new();
         let mut reached = 0;
-        for (layer, plates) in self.composed.layers.iter().enumerate().filter(|(layer, _)| kept.has(*layer)) {
+        for (layer, own) in layers.iter().enumerate().filter(|(layer, _)| kept.has(*layer)) {
             elements.extend(self.face(media, [reached, layer]));
+            elements.extend(own.iter().cloned());
             reached = layer + 1;
-            let around = Around { layer, media, wavelength };
-            let own_um = self.study.stack[layer].thickness_um;
-            let um = if self.composed.varied == Some(layer) { thickness_um } else { own_um };
-            elements.extend(match plates {
-                LayerPlates::Clear => self.clear(&around, um),
-                LayerPlates::Whole => self.solved(&around, level, 1.0, change)?,
-                LayerPlates::Slabs(slab_um) => self.solved(&around, level, slabs_in(um, *slab_um), change)?,
-            });
         }
-        let last = self.composed.layers.len();
+        let last = layers.len();
         elements.extend(self.face(media, [reached, last]));
         if elements.is_empty() {
             elements.push(self.face_between(media, [last, last], 0));
