@@ -49,16 +49,21 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
     if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
 }
 
-/// A rough face is the level to which the binder sinks between grains: without any it is plane.
+/// A rough face is the level to which the binder of its layer sinks between grains: without any it
+/// is plane.
 fn check_relief(file: &StudyFile, study: &Study, faults: &mut Faults) {
-    if study.packing.relief.is_none() || !study.pigments.is_empty() || !faults.0.is_empty() {
+    if study.packing.relief.is_none() || !faults.0.is_empty() {
         return;
     }
-    let layers = file.layer.stacked.iter().flatten();
-    let rough = layers.enumerate().find(|(_, layer)| layer.relief.is_some());
-    let field = rough.map_or("layer.relief".to_owned(), |(i, _)| format!("layer[{i}].relief"));
-    let allowed = "a relief over grains, between which the binder sinks";
-    faults.add(field, "a rough face without grains", allowed, "remove it, or add a pigment with grains");
+    let rough = file.layer.stacked.iter().flatten().position(|layer| layer.relief.is_some());
+    let own = rough.and_then(|i| study.stack.get(i));
+    let has_grains = own.map_or(!study.pigments.is_empty(), |layer| layer.pigments > 0);
+    let field = rough.map_or("layer.relief".to_owned(), |i| format!("layer[{i}].relief"));
+    let allowed = "a relief over grains, between which the binder of the layer sinks";
+    let remedy = "remove it, or add a pigment with grains to the layer";
+    if !has_grains {
+        faults.add(field, "a rough face of a layer without grains", allowed, remedy);
+    }
 }
 
 /// Like [`check`], for packings only: errors in what only the wave needs are ignored.
