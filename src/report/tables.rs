@@ -49,11 +49,11 @@ pub fn of_study(manifest: &Manifest, seen: Option<&Seen>) -> csv::Result<Vec<Nam
             let about = "what every layer absorbs of light at 0°";
             all.push(("absorbed.csv", absorbed(&slabs.absorbed)?, about));
         }
-        if !slabs.left_out.is_empty() {
+        if !slabs.left_out.rows.is_empty() {
             let about = "the stack on its paper without each of its layers, and each layer alone";
-            all.push(("left-out.csv", left_out(&slabs.left_out)?, about));
+            all.push(("left-out.csv", left_out(&slabs.left_out.rows)?, about));
             let about = "densities at 45:0: of the stack, and of its layers alone";
-            all.push(("densities.csv", densities(&slabs.densities)?, about));
+            all.push(("densities.csv", densities(&slabs.left_out.densities)?, about));
         }
     }
     if let Some((ensemble, seen)) = manifest.ensemble.as_ref().zip(seen) {

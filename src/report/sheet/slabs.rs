@@ -83,7 +83,7 @@ pub(super) fn figures(manifest: &Manifest, slabs: &SlabNotes) -> DrawResult<Vec<
         ("The light's way", depth_chart(slabs), DEPTH),
         ("On the paper", spectra_chart(manifest, slabs), SPECTRA),
     ];
-    if !slabs.densities.is_empty() {
+    if !slabs.left_out.densities.is_empty() {
         all.push(("Densities", density_chart(slabs), DENSITIES));
     }
     // a stack has the thicknesses requested, often one
@@ -199,7 +199,7 @@ fn density_chart(slabs: &SlabNotes) -> Chart {
     let mut curves = Vec::new();
     for &um in &slabs.composed.thicknesses_um {
         let curve = |name: &str, density: fn(&DensityRow) -> ErrorParts| {
-            let rows = slabs.densities.iter().filter(move |row| row.thickness_um == um);
+            let rows = slabs.left_out.densities.iter().filter(move |row| row.thickness_um == um);
             let points = rows.map(|row| (row.wavelength_nm, density(row).estimate()));
             Curve::measured(format!("{name}, {um} µm"), points)
         };

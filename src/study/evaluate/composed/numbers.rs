@@ -170,8 +170,10 @@ impl<'a> LayerTask<'a> {
             let film = stack.film(change.fewer_directions);
             let layer = ComposedLayer::of_stack(stack, &film, *wave);
             let own = spectral(&layer, *wave, output.mirrored_sky, *albedo);
-            let whole = kept == KeptLayers::All;
-            let absorbed = whole.then(|| absorbed_by_layers(stack, *wave, &own.numbers)).unwrap_or_default();
+            let absorbed = match kept {
+                KeptLayers::All => absorbed_by_layers(stack, *wave, &own.numbers),
+                _ => Vec::new(),
+            };
             (own, distribution(&layer.plate, layer.media), absorbed)
         };
         let all = stacks.par_iter().zip(&self.albedos).map(at_wavelength).collect::<Vec<_>>();

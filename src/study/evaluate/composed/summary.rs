@@ -12,7 +12,7 @@ use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
 use crate::evaluate::manifest::composed::{
     AbsorbedRow, ComposedColours, ComposedRow, DensityRow, DepthRow, DistributionRow, LeftOutColours,
-    LeftOutRow, MediumRow, SlabNotes,
+    LeftOutNotes, LeftOutRow, MediumRow, SlabNotes,
 };
 use crate::evaluate::manifest::{
     Count, FailureNote, Manifest, Provenance, PublishedColours, PublishedSpectra,
@@ -73,7 +73,6 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
     let media = media_of(&slabs, &stacks);
     let distributions = distributions(study, &media, &composed.thicknesses_um, &numbers.distributions);
     let absorbed = absorbed(study, &composed.thicknesses_um, &numbers.absorbed);
-    let left_out = LeftOut::new(&task, &numbers.left_out, &mut withheld);
     let hiding = task.around_hiding_um.zip(numbers.hiding);
     let hiding = hiding.map(|(around_um, hiding)| hiding_thickness(&task, around_um, &hiding));
     let impossible = hiding.and_then(|um| impossible(Quantity::Positive, um.estimate()));
@@ -91,9 +90,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         medium,
         distributions,
         absorbed,
-        left_out: left_out.rows,
-        left_out_colours: left_out.colours,
-        densities: left_out.densities,
+        left_out: LeftOutNotes::new(&task, &numbers.left_out, &mut withheld),
         curve: curve.rows,
         curve_colours: curve.colours,
         curve_numbers: curve.weighted,
@@ -186,15 +183,7 @@ fn absorbed(study: &Study, thicknesses_um: &[f64], numbers: &[Vec<Vec<ErrorParts
     rows
 }
 
-/// What is published of a stack without its layers.
-#[derive(Default)]
-struct LeftOut {
-    rows: Vec<LeftOutRow>,
-    colours: Vec<LeftOutColours>,
-    densities: Vec<DensityRow>,
-}
-
-impl LeftOut {
+impl LeftOutNotes {
     fn new(task: &LayerTask, numbers: &[LeftOutNumbers<ErrorParts>], withheld: &mut Vec<Withheld>) -> Self {
         let mut all = Self::default();
         for (&um, numbers) in task.composed.thicknesses_um.iter().zip(numbers) {

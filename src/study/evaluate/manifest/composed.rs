@@ -181,6 +181,20 @@ pub struct DensityRow {
     pub density_ratio: Option<ErrorParts>,
 }
 
+/// A stack without each of its layers, and each alone; nothing of one layer.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct LeftOutNotes {
+    /// At every thickness and wavelength.
+    #[serde(rename = "left_out", skip_serializing_if = "Vec::is_empty")]
+    pub rows: Vec<LeftOutRow>,
+    /// Their colours.
+    #[serde(rename = "left_out_colours", skip_serializing_if = "Vec::is_empty")]
+    pub colours: Vec<LeftOutColours>,
+    /// Densities of the stack.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub densities: Vec<DensityRow>,
+}
+
 /// What a composed layer has beside the numbers of every print.
 #[derive(Clone, Debug, Serialize)]
 pub struct SlabNotes<'a> {
@@ -193,15 +207,9 @@ pub struct SlabNotes<'a> {
     /// What every layer of a stack absorbs; none of one layer.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub absorbed: Vec<AbsorbedRow>,
-    /// What a stack is without each of its layers, and each alone; none of one layer.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub left_out: Vec<LeftOutRow>,
-    /// Their colours.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub left_out_colours: Vec<LeftOutColours>,
-    /// Densities of a stack; none of one layer.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub densities: Vec<DensityRow>,
+    /// What a stack is without each of its layers, and each alone.
+    #[serde(flatten)]
+    pub left_out: LeftOutNotes,
     /// Rows of whole numbers of slabs.
     pub curve: Vec<ComposedRow>,
     /// Their colours.
