@@ -137,7 +137,11 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
         let mut files = Vec::new();
         for (study, collected) in self.slabs.solved.slabs() {
             let kind = study.portion().map(|portion| portion.in_words()).unwrap_or_default();
-            let name = format!("far-fields-{}.npz", kind.replace(", ", "-").replace(' ', "-"));
+            let named = |ending: &str| format!("far-fields-{}{ending}.npz", file_name(&kind));
+            let is_taken = |name: &String| files.iter().any(|file: &Described| &file.name == name);
+            // names of layers may differ by signs alone that file names do not hold
+            let name = std::iter::once(named("")).chain((2..).map(|n| named(&format!("-{n}"))));
+            let name = name.into_iter().find(|name| !is_taken(name)).unwrap_or_default();
             let orders = npz::far_fields(collected)?;
             files.push(Described::new(&name, orders, &format!("all propagating orders: {kind}")));
         }
@@ -153,4 +157,10 @@ impl FinishedStudy for EvaluatedSlabs<'_> {
         let reason = "shows one packing, and a composed layer has none of its own";
         Err(ExportError::Refused(format!("{format} {reason}: {allowed}")))
     }
+}
+
+/// Words as a part of a file's name: letters and digits, with a hyphen for all between them.
+fn file_name(words: &str) -> String {
+    let parts = words.split(|c: char| !c.is_alphanumeric()).filter(|part| !part.is_empty());
+    parts.collect::<Vec<_>>().join("-")
 }

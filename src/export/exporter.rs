@@ -198,8 +198,9 @@ impl Exporter<'_> {
         let wavelength_nm = study.wavelengths_nm[w];
         let image =
             Voxels::of(&packing).image(&names, &study.mean_media(1e-3 * wavelength_nm), wavelength_nm);
-        let about = "η² less that of the binder, and every pigment's share; lengths in µm";
-        out.add("contrast.vti", image.vti(), about);
+        let binder = if study.stack.is_empty() { "the binder" } else { "the first layer's binder" };
+        let about = format!("η² less that of {binder}, and every pigment's share; lengths in µm");
+        out.add("contrast.vti", image.vti(), &about);
         match self.request.near_field {
             Some(light) => {
                 let layer = self.finished.packed("near field")?;
@@ -259,7 +260,21 @@ impl Exporter<'_> {
         out.add("grains.csv", grains_csv(&packing)?, "spheres of the first packing, lengths in µm");
         out.add("grains.dump", grains::dump(&packing), "the same as a LAMMPS dump, radii and lengths in µm");
         out.add("grains.xyz", grains::xyz(&packing), "the same as extended XYZ, radii and lengths in µm");
+        out.remarks.extend(self.faces(&packing));
         Ok(())
+    }
+
+    /// Where the layers of a stack meet; `None` of one layer.
+    fn faces(&self, packing: &Packing) -> Option<String> {
+        let mut depth_um = 0.0;
+        let ends = self.study().stack.iter().zip(packing.layers_um()).map(|(layer, um)| {
+            depth_um += um;
+            format!("{} to z = {depth_um:.4} µm in a binder of {}", layer.name, layer.binder.source)
+        });
+        let ends: Vec<String> = ends.collect();
+        (!ends.is_empty()).then(|| {
+            format!("layers: {}; layer.microstructure takes the grains of one layer", ends.join(", "))
+        })
     }
 
     /// Voxels that `layer.microstructure` reads; those of a study that has read some are the same.
@@ -269,6 +284,10 @@ impl Exporter<'_> {
         let mut bytes = Vec::new();
         labels.write_npy(&mut bytes).map_err(WriteNpzError::from)?;
         out.add("labels.npy", bytes, "labels of the first packing's voxels, axes x, y, z: 0 is the binder");
+        if let Some(faces) = self.faces(&packing) {
+            out.remarks.push(format!("labels.npy: 0 is each layer's own binder; {faces}"));
+            return Ok(());
+        }
         let size = voxels::size_um(&packing);
         let edges = [0, 1, 2].map(|i| (1e9 * size[i] / labels.shape()[i] as f64).round() / 1e6);
         let names = self.study().material_names().into_iter().enumerate();

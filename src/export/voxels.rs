@@ -32,6 +32,8 @@ pub struct Voxels {
     pub shares: Vec<Vec<f32>>,
     /// What fills that space.
     beyond: Material,
+    /// Layer of every plane of voxels, from 0: that of its middle.
+    layer_of_plane: Vec<usize>,
 }
 
 impl Voxels {
@@ -50,18 +52,28 @@ impl Voxels {
             }
         }
         let beyond = packing.relief().map(|relief| relief.face).unwrap_or_default().into();
-        Self { count, edge_um: [0, 1, 2].map(|i| size[i] / count[i] as f64), shares, beyond }
+        let edge_um = [0, 1, 2].map(|i| size[i] / count[i] as f64);
+        let layer_at = |k: usize| layer_at(packing.layers_um(), (k as f64 + 0.5) * edge_um[2]);
+        Self { count, edge_um, shares, beyond, layer_of_plane: (0..count[2]).map(layer_at).collect() }
     }
 
-    /// η² − η_binder² of every voxel, as its shares mix it.
+    /// η² of every voxel, as its shares mix it, less that of the binder; of a stack, whose binders
+    /// may differ, less that of its first layer's.
     pub fn contrast(&self, media: &Media) -> Vec<Complex64> {
         let square = |eta: Complex64| eta * eta;
-        let binder = square(media.backgrounds[0]);
-        let mut contrast = vec![Complex64::ZERO; self.shares[0].len()];
+        let first = square(media.backgrounds[0]);
+        let plane = self.count[0] * self.count[1];
+        // voxels keep their own layer's binder where no share takes its place
+        let own: Vec<Complex64> =
+            self.layer_of_plane.iter().map(|layer| square(media.backgrounds[*layer])).collect();
+        let mut contrast: Vec<Complex64> =
+            (0..self.shares[0].len()).map(|i| own[i / plane] - first).collect();
         for (kind, shares) in self.shares.iter().enumerate() {
             let material = if kind == 0 { self.beyond } else { Material::Inclusion(kind - 1) };
-            let step = square(media.index_of(material)) - binder;
-            contrast.iter_mut().zip(shares).for_each(|(v, &share)| *v += step * f64::from(share));
+            let filling = square(media.index_of(material));
+            for (i, (v, &share)) in contrast.iter_mut().zip(shares).enumerate() {
+                *v += (filling - own[i / plane]) * f64::from(share);
+            }
         }
         contrast
     }
@@ -92,6 +104,16 @@ pub fn labels(packing: &Packing, count: Option<[usize; 3]>) -> Array3<u8> {
     let marks = raster.marks(packing);
     let [nx, ny, nz] = count;
     Array3::from_shape_fn((nx, ny, nz), |(x, y, z)| marks[x + nx * (y + ny * z)].saturating_sub(VACUUM))
+}
+
+/// Layer at a depth, of layers of these thicknesses, µm.
+fn layer_at(layers_um: &[f64], depth_um: f64) -> usize {
+    let mut face_um = 0.0;
+    let is_behind = |um: &&f64| {
+        face_um += **um;
+        depth_um > face_um
+    };
+    layers_um.iter().take_while(is_behind).count().min(layers_um.len().saturating_sub(1))
 }
 
 /// Sides of a layer, µm.
@@ -171,7 +193,9 @@ impl VoxelRaster {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ink::{Grain, PackingRequest, PigmentGrains, ReliefRequest, RoughFace, Sphere, pack};
+    use crate::ink::{
+        Grain, Joint, PackingRequest, PigmentGrains, ReliefRequest, RoughFace, Sphere, StackedRequest, pack,
+    };
 
     /// Balls of two pigments: the voxel at the centre of each holds nothing else.
     #[test]
@@ -198,6 +222,47 @@ mod tests {
         for (origin_um, count) in image.origin_um.iter().zip(image.points) {
             assert!((origin_um - 0.5 * 0.4 / count as f64).abs() < 1e-12, "{origin_um} µm");
         }
+    }
+
+    /// In a stack of binders 1.5 and 1.6, of 0.3 µm each, a ball differs from its own layer's binder.
+    /// *Planted*: the first layer's binder everywhere.
+    #[test]
+    fn every_layer_of_a_stack_has_its_own_binder() {
+        let pigments = || vec![PigmentGrains::spheres(200.0, 0.1)];
+        let layer = || StackedRequest {
+            request: PackingRequest {
+                period_um: [0.5; 2],
+                thickness_um: 0.3,
+                pigments: pigments(),
+                ..Default::default()
+            },
+            joint: Joint::Wall,
+        };
+        let request = PackingRequest {
+            period_um: [0.5; 2],
+            thickness_um: 0.6,
+            pigments: [pigments(), pigments()].concat(),
+            layers: vec![layer(), layer()],
+            ..Default::default()
+        };
+        let media = Media {
+            incident: Complex64::ONE,
+            exit: Complex64::ONE,
+            backgrounds: vec![1.5.into(), 1.6.into()],
+            inclusions: vec![2.0.into(), 2.0.into()],
+        };
+        let voxels = Voxels::of(&pack(&request, &mut ()).unwrap());
+        let plane = voxels.count[0] * voxels.count[1];
+        let mut has_seen = [false; 2];
+        for (i, v) in voxels.contrast(&media).iter().enumerate() {
+            let depth_um = ((i / plane) as f64 + 0.5) * voxels.edge_um[2];
+            let filled = f64::from(voxels.shares[1][i] + voxels.shares[2][i]);
+            let own = if depth_um > 0.3 { 2.56 } else { 2.25 };
+            let expected = own - 2.25 + filled * (4.0 - own);
+            assert!((v - expected).norm() < 1e-5, "at {depth_um} µm: {v}, {expected}");
+            has_seen[usize::from(filled > 0.9)] |= depth_um > 0.3;
+        }
+        assert_eq!(has_seen, [true; 2]);
     }
 
     /// Beyond a rough face there is the medium of its side. *Planted*: always that of the incident

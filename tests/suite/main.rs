@@ -63,6 +63,7 @@ mod sweep;
 mod sweep_conclusions;
 mod sweep_pages;
 mod sweep_support;
+mod thin_stacks;
 mod vector_references;
 mod vector_studies;
 mod voxels;

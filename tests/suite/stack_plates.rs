@@ -87,6 +87,148 @@ fn a_stack_of_plates_runs_and_accounts_for_its_light() {
     assert_eq!(results(&output)["spectra"][0], first["spectra"][0]);
 }
 
+/// Two thin inks under a varnish, all of them solved whole or known.
+const INKS: &str = r#"
+title = "Varnish and two inks"
+[stack]
+period_um = 0.8
+composed = { slab_um = 0.5 }
+[[layer]]
+name = "varnish"
+thickness_um = 3.0
+binder.index = 1.5
+[[layer]]
+name = "top/red"
+thickness_um = 0.5
+binder.index = 1.5
+[[layer.pigment]]
+name = "red"
+diameter_nm = 180
+volume_fraction = 0.2
+index = { n = 1.6, k = 0.08 }
+[[layer]]
+name = "top red"
+thickness_um = 0.4
+binder.index = 1.5
+[[layer.pigment]]
+name = "blue"
+diameter_nm = 160
+volume_fraction = 0.2
+index = { n = 1.4, k = 0.03 }
+[paper]
+albedo = 0.9
+[light]
+wavelengths_nm = [420, 550, 680]
+[run]
+realisations = 3
+seed = 7
+[resolution]
+points_per_um = 12
+planes_per_um = 24
+"#;
+
+/// Rows of a table by the name of the layer.
+fn of_layer(folder: &Path, layer: &str) -> Vec<std::collections::BTreeMap<String, String>> {
+    let rows = csv::Reader::from_path(folder.join("left-out.csv")).expect("a table").into_deserialize();
+    let rows = rows.collect::<Result<Vec<std::collections::BTreeMap<String, String>>, _>>().expect("rows");
+    rows.into_iter().filter(|row| row["layer"] == layer).collect()
+}
+
+/// A stack without a layer is the study without it, whose inks have the same packings; a layer alone is the layer solved by
+/// itself in another way. *Planted*: another layer left out.
+#[test]
+fn a_layer_left_out_is_a_study_without_it() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = |name: &str, text: &str| {
+        let folder = scratch.path().join(name);
+        std::fs::create_dir(&folder).unwrap();
+        let output = folder.join("out");
+        succeed(&study(&folder, text), &output, &[]);
+        output
+    };
+    let whole = folder("whole", INKS);
+    let varnish = INKS.find("[[layer]]\nname = \"varnish\"").unwrap()
+        ..INKS.find("[[layer]]\nname = \"top/red\"").unwrap();
+    let without = folder("without", &INKS.replace(&INKS[varnish], ""));
+    let rows = results(&without);
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let mut apart = 0.0_f64;
+    for (left, row) in of_layer(&whole, "varnish").iter().zip(rows["spectra"].as_array().unwrap()) {
+        for light in ["lit_at_45", "natural_light"] {
+            let bar = row[light]["standard_error"].as_f64().unwrap();
+            let bars = bar.hypot(number(&left[&format!("{light}_without_standard_error")]));
+            let off = (number(&left[&format!("{light}_without")]) - value(row, light)).abs();
+            // the same packings: what differs is the face, solved with the ink or composed with it
+            assert!(off < 2.0 * bars + 0.01, "{light}: {off} of bars {bars}");
+            apart = apart.max((value(row, light) - number(&left[&format!("{light}_alone")])).abs());
+        }
+    }
+    // without the varnish there is ink, and of it alone there is none
+    assert!(apart > 0.1, "{apart}");
+    let alone = INKS[INKS.find("[[layer]]\nname = \"top red\"").unwrap()..].replacen(
+        "[[layer]]",
+        "[layer]\nperiod_um = 0.8",
+        1,
+    );
+    let alone = alone
+        .replace("name = \"top red\"\n", "")
+        .replace("layer.pigment", "pigment")
+        .replace("realisations = 3", "realisations = 12");
+    let alone = folder("alone", &alone);
+    let direct = results(&alone);
+    let direct =
+        direct["spectra"].as_array().unwrap().iter().filter(|row| row["lit_at_45"]["value"].is_f64());
+    let mut compared = 0;
+    for (left, row) in of_layer(&whole, "top red").iter().zip(direct) {
+        let bar = row["lit_at_45"]["standard_error"].as_f64().unwrap();
+        let bars = bar.hypot(number(&left["lit_at_45_alone_standard_error"]));
+        let off = (number(&left["lit_at_45_alone"]) - value(row, "lit_at_45")).abs();
+        assert!(off < 3.0 * bars, "{off} of bars {bars}");
+        compared += 1;
+    }
+    assert_eq!(compared, 3);
+}
+
+/// The densities are those of the stack and of its layers alone; the page and the files of solves tell layers apart. *Planted*:
+/// the paper's factor not divided by; one file for two layers whose names differ by a sign.
+#[test]
+fn layers_of_a_stack_have_densities_and_files() {
+    let scratch = tempfile::tempdir().unwrap();
+    let whole = scratch.path().join("out");
+    succeed(&study(scratch.path(), INKS), &whole, &[]);
+    let number = |text: &str| text.parse::<f64>().unwrap();
+    let mut densities = csv::Reader::from_path(whole.join("densities.csv")).unwrap();
+    let stack = results(&whole);
+    for (w, row) in densities.deserialize::<std::collections::BTreeMap<String, String>>().enumerate() {
+        let row = row.unwrap();
+        // an air gap passes all that the bare paper sends back
+        let density = |factor: f64| -(factor / 0.9).log10();
+        let layers = ["varnish", "top/red", "top red"]
+            .map(|layer| density(number(&of_layer(&whole, layer)[w]["lit_at_45_alone"])));
+        let own = density(value(&stack["spectra"][w], "lit_at_45"));
+        let expected = [own, layers.iter().sum::<f64>()];
+        for (name, expected) in ["density_of_stack", "density_of_layers"].into_iter().zip(expected) {
+            // rounding
+            assert!((number(&row[name]) - expected).abs() < 1e-9, "{name}: {} and {expected}", row[name]);
+        }
+    }
+    let colours = stack["left_out_colours"].as_array().expect("colours");
+    assert_eq!(colours.len(), 3);
+    // a varnish hides nothing, an ink something
+    let hides = |k: usize| colours[k]["alone"]["contrast_ratio"]["value"].as_f64().unwrap_or(0.0);
+    assert!(hides(0).abs() < 1e-6 && hides(1) > 1e-4, "{} {}", hides(0), hides(1));
+    let page = std::fs::read_to_string(whole.join("report.html")).unwrap();
+    assert!(page.contains("without varnish") && page.contains("top red alone, contrast ratio"));
+    let to = scratch.path().join("orders");
+    let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"));
+    assert!(
+        command.arg("export").arg(&whole).args(["--to", "npz", "-o"]).arg(&to).status().unwrap().success()
+    );
+    // six portions, of layers whose names a file's name does not tell apart
+    let files = std::fs::read_dir(&to).unwrap().filter_map(Result::ok).map(|file| file.file_name());
+    assert_eq!(files.filter(|name| name.to_string_lossy().ends_with(".npz")).count(), 6);
+}
+
 /// What plates cannot hold is refused with its field.
 #[test]
 fn what_plates_cannot_hold_is_refused() {
@@ -96,6 +238,8 @@ fn what_plates_cannot_hold_is_refused() {
         ("thickness_um = [1, 3]\n", "thickness_um = [1, 3]\nslab_um = 0.8\n", "layer[2].slab_um"),
         ("thickness_um = [1, 3]\n", "thickness_um = [3, 1]\n", "layer[2].thickness_um"),
         ("thickness_um = 3.0\n", "thickness_um = [3, 4]\n", "layer[2].thickness_um"),
+        ("volume_fraction = 0.15\n", "profile = [[0.0, 0.1], [1.0, 0.2]]\n", "layer[2].pigment[0].profile"),
+        ("index = 2.0\n", "index = { n = 0.1, k = 8 }\n", "layer[2].pigment: found a mixture of index"),
         ("realisations = 2\n", "realisations = 1\n", "run.realisations"),
         ("composed = { slab_um = 0.5 }\n", "", "layer[2].thickness_um"),
         ("[paper]", "[angles]\ncount = 3\n[paper]", "angles"),

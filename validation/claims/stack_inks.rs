@@ -42,6 +42,10 @@ const SIDES_UM: [f64; 2] = [0.8, 1.3];
 
 /// Bars that count as chance: of the six numbers of a case the largest Student's t of 16 pairs is beyond 2 in one case of three,
 /// and beyond 3 in one of twenty.
+// *Measured* on the clear inks by runs of both kinds in cells of 0.8 to 1.6 µm, 1836 realisations at once and 384 as plates: T
+// of diffuse light is 0.6676 ± 0.0006 at once and 0.6710 ± 0.0003 as plates, 0.5 % more (64 pairs said 1.8 ± 0.6 %); T at 45°
+// is 0.6 % more, and R there, 0.041, less by 0.0024 ± 0.0006. Plates absorb an eighth less of the light that is trapped; five
+// directions in each zone instead of three take off a third of these differences.
 const BARS: f64 = 3.0;
 
 const LIGHTS: [&str; 3] = ["0°", "45°", "all nodes"];

@@ -46,7 +46,7 @@ pub(super) const COLUMNS: &[Definition] = &[
         "layer alone, without paper: absorbed share of unpolarised diffuse light from behind, as the paper sends it",
     ),
     plain("mirrored", "layer alone, without paper: share of light at 0° that is mirrored"),
-    only(&["absorbed.csv"], words("layer", "name of the layer of the stack")),
+    only(&["absorbed.csv", "left-out.csv"], words("layer", "name of the layer of the stack")),
     plain("absorptance_normal", "stack alone, without paper: what the layer absorbs of light at 0°"),
     // on the paper
     plain(
@@ -56,6 +56,16 @@ pub(super) const COLUMNS: &[Definition] = &[
     plain(
         "lit_at_45",
         "layer on its paper: lit at 45° and seen along the normal, π × BRDF; a perfect white: 1",
+    ),
+    plain("lit_at_45_without", "stack on its paper without this layer: at 45:0"),
+    plain("natural_light_without", "stack on its paper without this layer: under a uniform sky"),
+    plain("lit_at_45_alone", "this layer of the stack alone on the paper: at 45:0"),
+    plain("natural_light_alone", "this layer of the stack alone on the paper: under a uniform sky"),
+    plain("density_of_stack", "density of the stack at 45:0, −log₁₀ of its factor over the bare paper's"),
+    plain("density_of_layers", "sum of the densities at 45:0 of the stack's layers, each alone on the paper"),
+    plain(
+        "density_ratio",
+        "density_of_stack over density_of_layers (trapping in light): 1 where layers only filter; empty where the sum is below 0.05",
     ),
     plain("sphere_at_8", "layer on its paper: in a sphere, seen at 8° with mirrored light (d:8)"),
     plain("sphere_at_8_excluded", "layer on its paper: in a sphere, seen at 8° without mirrored light (d:8)"),

@@ -109,7 +109,8 @@ fn absorbed_by_layers(study: &Study, rows: &[AbsorbedNote]) -> Drawing {
     let layers: Vec<String> = study.stack.iter().enumerate().map(in_words).collect();
     let caption = format!(
         "The layers in the order of the light: {}. Shown is what each of them absorbs without paper, lit at {angle:.0}°; \
-         together they absorb what is neither reflected nor transmitted.",
+         together they absorb what is neither reflected nor transmitted. Solved as one, the stack says nothing of its layers \
+         left out or alone: [stack.composed] does.",
         layers.join("; ")
     );
     Some(("The layers", shares(WAVELENGTH, "share of the light", curves)?, caption))

@@ -6,7 +6,7 @@ use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::draw::page::Figure;
 use crate::evaluate::manifest::Manifest;
-use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, SlabNotes};
+use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow, DensityRow, SlabNotes};
 use crate::evaluate::published::{ErrorParts, PublishedRow};
 use crate::input::study::{Study, WantedNumber};
 use crate::numerics::estimate::Estimate;
@@ -83,6 +83,9 @@ pub(super) fn figures(manifest: &Manifest, slabs: &SlabNotes) -> DrawResult<Vec<
         ("The light's way", depth_chart(slabs), DEPTH),
         ("On the paper", spectra_chart(manifest, slabs), SPECTRA),
     ];
+    if !slabs.left_out.densities.is_empty() {
+        all.push(("Densities", density_chart(slabs), DENSITIES));
+    }
     // a stack has the thicknesses requested, often one
     if !slabs.curve.is_empty() {
         all.insert(0, ("Against thickness", shares_chart(manifest, slabs), SHARES));
@@ -98,6 +101,8 @@ pub(super) fn figures(manifest: &Manifest, slabs: &SlabNotes) -> DrawResult<Vec<
 }
 
 const NUMBERS: &str = "Weighted numbers of the study against the thickness, with standard errors.";
+const DENSITIES: &str = "Densities at 45:0 of the stack, and the sum of those of its layers, each alone on the paper \
+    (densities.csv has their quotient). Layers that only filter each other's light have one density.";
 const SHARES: &str = "Diffuse light reflected (R) and transmitted (T) by the layer without paper, against its \
     thickness. Error bars are standard errors, the model's part included.";
 const DEPTH: &str = "Fluxes towards the paper and back in the layer on its paper, lit at 0°, as shares of the \
@@ -188,6 +193,20 @@ fn spectra_chart(manifest: &Manifest, slabs: &SlabNotes) -> Chart {
     }
     let chart = Chart::linear("", "wavelength, nm", "share of a perfect white", curves);
     Chart { y_range: Some([0.0, 1.0]), ..chart }
+}
+
+fn density_chart(slabs: &SlabNotes) -> Chart {
+    let mut curves = Vec::new();
+    for &um in &slabs.composed.thicknesses_um {
+        let curve = |name: &str, density: fn(&DensityRow) -> ErrorParts| {
+            let rows = slabs.left_out.densities.iter().filter(move |row| row.thickness_um == um);
+            let points = rows.map(|row| (row.wavelength_nm, density(row).estimate()));
+            Curve::measured(format!("{name}, {um} µm"), points)
+        };
+        curves.push(curve("stack", |row| row.density_of_stack));
+        curves.push(curve("sum of layers", |row| row.density_of_layers));
+    }
+    Chart { from_zero: true, ..Chart::linear("", "wavelength, nm", "density", curves) }
 }
 
 /// Coefficients of the medium at a few wavelengths.

@@ -108,6 +108,29 @@ pub struct HidingNumbers<T> {
     pub thickness_um: T,
 }
 
+/// Densities at 45:0 of a stack of layers at one wavelength, −log₁₀ of the radiance factor over that
+/// of the bare paper.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DensityNumbers<T> {
+    /// Of the stack.
+    pub stack: T,
+    /// The sum of those of its layers, each alone.
+    pub layers: T,
+    /// The first over the second: 1 where the layers only filter each other's light.
+    pub ratio: T,
+}
+
+/// What a stack of one thickness is without its layers, and what these are by themselves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOutNumbers<T> {
+    /// The stack without the layer, \[layer\].
+    pub without: Vec<ThicknessNumbers<T>>,
+    /// The layer alone, \[layer\].
+    pub alone: Vec<ThicknessNumbers<T>>,
+    /// \[wavelength\]
+    pub densities: Vec<DensityNumbers<T>>,
+}
+
 /// All numbers of a composed layer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ComposedNumbers<T> {
@@ -124,6 +147,8 @@ pub struct ComposedNumbers<T> {
     /// Of a stack: share of light at 0° that each layer absorbs, without paper, \[thickness that
     /// the study requests\]\[wavelength\]\[layer\].
     pub absorbed: Vec<Vec<Vec<T>>>,
+    /// Of a stack of several layers, \[thickness that the study requests\].
+    pub left_out: Vec<LeftOutNumbers<T>>,
 }
 
 /// A new list, item by item from both.
@@ -185,6 +210,26 @@ impl<T> ThicknessNumbers<T> {
     }
 }
 
+impl<T> DensityNumbers<T> {
+    fn zipped<V, U>(self, other: DensityNumbers<V>, number: &impl Fn(T, V) -> U) -> DensityNumbers<U> {
+        DensityNumbers {
+            stack: number(self.stack, other.stack),
+            layers: number(self.layers, other.layers),
+            ratio: number(self.ratio, other.ratio),
+        }
+    }
+}
+
+impl<T> LeftOutNumbers<T> {
+    fn zipped<V, U>(self, other: LeftOutNumbers<V>, number: &impl Fn(T, V) -> U) -> LeftOutNumbers<U> {
+        LeftOutNumbers {
+            without: each(self.without, other.without, |a, b| a.zipped(b, number)),
+            alone: each(self.alone, other.alone, |a, b| a.zipped(b, number)),
+            densities: each(self.densities, other.densities, |a, b| a.zipped(b, number)),
+        }
+    }
+}
+
 impl<T> HidingNumbers<T> {
     fn zipped<V, U>(self, other: HidingNumbers<V>, number: &impl Fn(T, V) -> U) -> HidingNumbers<U> {
         HidingNumbers {
@@ -209,6 +254,7 @@ impl<T> ComposedNumbers<T> {
                 each(a, b, |a, b| a.zipped(b, number))
             }),
             absorbed: each(self.absorbed, other.absorbed, |a, b| each(a, b, |a, b| each(a, b, number))),
+            left_out: each(self.left_out, other.left_out, |a, b| a.zipped(b, number)),
         }
     }
 

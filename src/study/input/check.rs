@@ -45,7 +45,25 @@ pub fn check(file: &StudyFile, folder: &Path, name: &str) -> Result<Study, Vec<F
         let remedy = "leave it out; `inkwave pack` packs layers without walls";
         faults.add("layer.walls", "false", "true: waves need a layer between two faces", remedy);
     }
+    check_relief(file, &study, &mut faults);
     if faults.0.is_empty() { Ok(study) } else { Err(faults.0) }
+}
+
+/// A rough face is the level to which the binder of its layer sinks between grains: without any it
+/// is plane.
+fn check_relief(file: &StudyFile, study: &Study, faults: &mut Faults) {
+    if study.packing.relief.is_none() || !faults.0.is_empty() {
+        return;
+    }
+    let rough = file.layer.stacked.iter().flatten().position(|layer| layer.relief.is_some());
+    let own = rough.and_then(|i| study.stack.get(i));
+    let has_grains = own.map_or(!study.pigments.is_empty(), |layer| layer.pigments > 0);
+    let field = rough.map_or("layer.relief".to_owned(), |i| format!("layer[{i}].relief"));
+    let allowed = "a relief over grains, between which the binder of the layer sinks";
+    let remedy = "remove it, or add a pigment with grains to the layer";
+    if !has_grains {
+        faults.add(field, "a rough face of a layer without grains", allowed, remedy);
+    }
 }
 
 /// Like [`check`], for packings only: errors in what only the wave needs are ignored.

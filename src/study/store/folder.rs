@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 /// Result files of a study, a fit and a design, which are removed when new work begins: those of
 /// another input must not pass for the new one's.
-pub const RESULTS: [&str; 19] = [
+pub const RESULTS: [&str; 21] = [
     "results.json",
     "fit.json",
     "pigment.csv",
@@ -32,6 +32,8 @@ pub const RESULTS: [&str; 19] = [
     "medium.csv",
     "instruments.csv",
     "absorbed.csv",
+    "left-out.csv",
+    "densities.csv",
     "numbers.csv",
     "prints.csv",
     "print-spectra.csv",

@@ -279,6 +279,7 @@ impl<'a> CompositionTask<'a> {
             medium: Vec::new(),
             distributions: Vec::new(),
             absorbed: Vec::new(),
+            left_out: Vec::new(),
         }
     }
 

@@ -8,8 +8,8 @@ use super::level::{Change, Level};
 use super::numbers::LayerTask;
 use crate::evaluate::published::ErrorParts;
 use crate::evaluate::quantities::{
-    ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
-    ThicknessNumbers,
+    ColourNumbers, ComposedNumbers, DensityNumbers, Distribution, HidingNumbers, LayerNumbers,
+    LeftOutNumbers, MediumNumbers, ThicknessNumbers,
 };
 use crate::input::study::Study;
 
@@ -158,6 +158,22 @@ fn errors_of_composing(
             .iter()
             .map(|all| over_neighbours(all, |near, here| absorbed_errors(near, here.len())))
             .collect(),
+        left_out: beyond.left_out.iter().map(left_out_errors).collect(),
+    }
+}
+
+fn left_out_errors(beyond: &LeftOutNumbers<f64>) -> LeftOutNumbers<f64> {
+    let of_number = |near: &[DensityNumbers<f64>], number: fn(&DensityNumbers<f64>) -> f64| {
+        error_of_composing(&near.iter().map(number).collect::<Vec<_>>())
+    };
+    LeftOutNumbers {
+        without: beyond.without.iter().map(thickness_errors).collect(),
+        alone: beyond.alone.iter().map(thickness_errors).collect(),
+        densities: over_neighbours(&beyond.densities, |near, _| DensityNumbers {
+            stack: of_number(near, |densities| densities.stack),
+            layers: of_number(near, |densities| densities.layers),
+            ratio: of_number(near, |densities| densities.ratio),
+        }),
     }
 }
 
@@ -226,6 +242,7 @@ mod tests {
             medium: Vec::new(),
             distributions: Vec::new(),
             absorbed: Vec::new(),
+            left_out: Vec::new(),
         }
     }
 

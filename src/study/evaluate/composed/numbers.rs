@@ -2,10 +2,10 @@
 
 use super::layer::{ComposedLayer, OnPaper, polarised, ratio};
 use super::level::{Change, Level, Slabs};
-use super::stacked::{StackTask, slabs_in};
+use super::stacked::{KeptLayers, StackTask, slabs_in};
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::plate::{Plate, total};
-use crate::appearance::composed::stack::PlateStack;
+use crate::appearance::composed::stack::{PlateStack, StackElement};
 use crate::appearance::composed::transport::{Transport, extinction_per_um, two_flux};
 use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
@@ -15,14 +15,15 @@ use crate::evaluate::ink_maker::{BLACK, WHITE};
 use crate::evaluate::numbers::AskedNumber;
 use crate::evaluate::prints::{Brightened, PrintTask};
 use crate::evaluate::quantities::{
-    ColourNumbers, ComposedNumbers, Distribution, HidingNumbers, LayerNumbers, MediumNumbers,
-    ThicknessNumbers,
+    ColourNumbers, ComposedNumbers, DensityNumbers, Distribution, HidingNumbers, LayerNumbers,
+    LeftOutNumbers, MediumNumbers, ThicknessNumbers,
 };
 use crate::input::file::SeenLight;
 use crate::input::study::{Composed, Study};
 use crate::wave::Wave;
 use faer::Mat;
 use num_complex::Complex64;
+use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
@@ -30,6 +31,15 @@ use std::ops::Range;
 pub const HIDING: f64 = 0.98;
 /// Most slabs of a layer that is tried for hiding.
 pub const MOST_SLABS: usize = 1024;
+
+/// A stack of one thickness.
+struct StackNumbers {
+    thickness: ThicknessNumbers<f64>,
+    /// \[wavelength\]
+    distributions: Vec<Distribution<f64>>,
+    /// \[wavelength\]\[layer\]
+    absorbed: Vec<Vec<f64>>,
+}
 
 /// What is requested of the slabs of either thickness.
 pub struct LayerTask<'a> {
@@ -118,6 +128,7 @@ impl<'a> LayerTask<'a> {
             medium: slabs.iter().map(|slabs| coefficients(slabs, level.slab_um)).collect(),
             distributions: requested_um.iter().map(distributions).collect(),
             absorbed: Vec::new(),
+            left_out: Vec::new(),
         }
     }
 
@@ -130,24 +141,17 @@ impl<'a> LayerTask<'a> {
             medium: Vec::new(),
             distributions: Vec::new(),
             absorbed: Vec::new(),
+            left_out: Vec::new(),
         };
         for um in &self.composed.thicknesses_um {
             // joints and portions are those of the report's first look at them
-            let stacks = task.stacks(level, *um, change).unwrap_or_default();
-            let mut layers = Vec::new();
-            let mut distributions = Vec::new();
-            let mut absorbed = Vec::new();
-            for (stack, albedo) in stacks.iter().zip(&self.albedos) {
-                let film = stack.film(change.fewer_directions);
-                let layer = ComposedLayer::of_stack(stack, &film, self.study.wave);
-                let own = spectral(&layer, self.study.wave, self.study.output.mirrored_sky, *albedo);
-                absorbed.push(absorbed_by_layers(stack, self.study.wave, &own.numbers));
-                layers.push(own);
-                distributions.push(distribution(&layer.plate, layer.media));
-            }
-            numbers.requested.push(self.coloured(self.brightened(layers)));
-            numbers.distributions.push(distributions);
-            numbers.absorbed.push(absorbed);
+            let layers = task.layers(level, *um, change).unwrap_or_default();
+            let of = |kept: KeptLayers| self.of_stack(task, kept, &layers, change);
+            let all = of(KeptLayers::All);
+            numbers.left_out.extend(self.left_out(&all.thickness.spectra, |kept| of(kept).thickness));
+            numbers.requested.push(all.thickness);
+            numbers.distributions.push(all.distributions);
+            numbers.absorbed.push(all.absorbed);
         }
         numbers
     }
@@ -172,6 +176,65 @@ impl<'a> LayerTask<'a> {
             at_45(&ComposedLayer::of_stack(stack, &film, wave), *albedo)
         };
         Some(stacks.iter().zip(&self.albedos).map(of_stack).collect())
+    }
+
+    /// The numbers of some of a stack's layers.
+    fn of_stack(
+        &self,
+        task: &StackTask,
+        kept: KeptLayers,
+        layers: &[Vec<Vec<StackElement>>],
+        change: Change,
+    ) -> StackNumbers {
+        let stacks = task.joined(kept, layers).unwrap_or_default();
+        let Study { wave, output, .. } = self.study;
+        let at_wavelength = |(stack, albedo): (&PlateStack, &f64)| {
+            let film = stack.film(change.fewer_directions);
+            let layer = ComposedLayer::of_stack(stack, &film, *wave);
+            let own = spectral(&layer, *wave, output.mirrored_sky, *albedo);
+            let absorbed = match kept {
+                KeptLayers::All => absorbed_by_layers(stack, *wave, &own.numbers),
+                _ => Vec::new(),
+            };
+            (own, distribution(&layer.plate, layer.media), absorbed)
+        };
+        let all = stacks.par_iter().zip(&self.albedos).map(at_wavelength).collect::<Vec<_>>();
+        let mut layers = Vec::new();
+        let mut distributions = Vec::new();
+        let mut absorbed = Vec::new();
+        for (own, distribution, shares) in all {
+            layers.push(own);
+            distributions.push(distribution);
+            absorbed.push(shares);
+        }
+        StackNumbers { thickness: self.coloured(self.brightened(layers)), distributions, absorbed }
+    }
+
+    /// What a stack of several layers is without each of them, and each by itself, where it has
+    /// these spectra and `of` gives some of its layers.
+    fn left_out(
+        &self,
+        stack: &[LayerNumbers<f64>],
+        of: impl Fn(KeptLayers) -> ThicknessNumbers<f64>,
+    ) -> Option<LeftOutNumbers<f64>> {
+        let layers = self.study.stack.len();
+        // plates of a library are no print: what any stack of them is, `inkwave compose` tells
+        if layers < 2 || self.composed.joint_index.is_some() {
+            return None;
+        }
+        let without: Vec<_> = (0..layers).map(|layer| of(KeptLayers::AllBut(layer))).collect();
+        let alone: Vec<_> = match layers {
+            2 => without.iter().rev().cloned().collect(),
+            _ => (0..layers).map(|layer| of(KeptLayers::Only(layer))).collect(),
+        };
+        let bare = of(KeptLayers::None).spectra;
+        let densities = stack.iter().zip(&bare).enumerate().map(|(w, (stack, bare))| {
+            let density = |layer: &LayerNumbers<f64>| -(layer.lit_at_45 / bare.lit_at_45).log10();
+            let layers: f64 = alone.iter().map(|layer| density(&layer.spectra[w])).sum();
+            DensityNumbers { stack: density(stack), layers, ratio: density(stack) / layers }
+        });
+        let densities = densities.collect();
+        Some(LeftOutNumbers { without, alone, densities })
     }
 
     /// A layer of one thickness; `per_h` of the slabs have the thickness h.

@@ -12,12 +12,39 @@ use crate::appearance::composed::stack::{PlateStack, StackElement};
 use crate::appearance::paper::PRINT_DEG;
 use crate::input::study::{Composed, LayerPlates, Position, StackMedia, Study};
 
+/// Difference of indices that is rounding.
+const SAME_INDEX: f64 = 1e-9;
+
 /// The stack of a study at all wavelengths.
 pub struct StackTask<'a> {
     study: &'a Study,
     composed: &'a Composed,
     /// \[wavelength\]
     media: Vec<StackMedia>,
+}
+
+/// The layers of a stack that are there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeptLayers {
+    /// Every one.
+    All,
+    /// All but one.
+    AllBut(usize),
+    /// One alone.
+    Only(usize),
+    /// None: the bare paper.
+    None,
+}
+
+impl KeptLayers {
+    fn has(self, layer: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::AllBut(other) => layer != other,
+            Self::Only(one) => layer == one,
+            Self::None => false,
+        }
+    }
 }
 
 /// What one layer of a stack is made of at one wavelength.
@@ -44,27 +71,69 @@ impl<'a> StackTask<'a> {
         thickness_um: f64,
         change: Change,
     ) -> Result<Vec<PlateStack>, String> {
-        (0..self.media.len()).map(|w| self.stack(level, thickness_um, w, change)).collect()
+        self.joined(KeptLayers::All, &self.layers(level, thickness_um, change)?)
+    }
+
+    /// The elements of every layer, \[wavelength\]\[layer\].
+    ///
+    /// # Errors
+    /// A portion that is missing.
+    pub fn layers(
+        &self,
+        level: &Level,
+        thickness_um: f64,
+        change: Change,
+    ) -> Result<Vec<Vec<Vec<StackElement>>>, String> {
+        let at_wavelength = |wavelength: usize| {
+            let plates = self.composed.layers.iter().enumerate();
+            plates
+                .map(|(layer, plates)| {
+                    let around = Around { layer, media: &self.media[wavelength], wavelength };
+                    let own_um = self.study.stack[layer].thickness_um;
+                    let um = if self.composed.varied == Some(layer) { thickness_um } else { own_um };
+                    match plates {
+                        LayerPlates::Clear => Ok(self.clear(&around, um)),
+                        LayerPlates::Whole => self.solved(&around, level, 1.0, change),
+                        LayerPlates::Slabs(slab_um) => {
+                            self.solved(&around, level, slabs_in(um, *slab_um), change)
+                        }
+                    }
+                })
+                .collect()
+        };
+        (0..self.media.len()).map(at_wavelength).collect()
+    }
+
+    /// Some of the layers, joined at every wavelength: where others were, a plane face leads from the
+    /// medium in front of them to that behind.
+    ///
+    /// # Errors
+    /// Joints whose media differ.
+    pub fn joined(
+        &self,
+        kept: KeptLayers,
+        layers: &[Vec<Vec<StackElement>>],
+    ) -> Result<Vec<PlateStack>, String> {
+        self.media.iter().zip(layers).map(|(media, layers)| self.stack(kept, media, layers)).collect()
     }
 
     fn stack(
         &self,
-        level: &Level,
-        thickness_um: f64,
-        wavelength: usize,
-        change: Change,
+        kept: KeptLayers,
+        media: &StackMedia,
+        layers: &[Vec<StackElement>],
     ) -> Result<PlateStack, String> {
-        let media = &self.media[wavelength];
         let mut elements = Vec::new();
-        for (layer, plates) in self.composed.layers.iter().enumerate() {
-            let around = Around { layer, media, wavelength };
-            let own_um = self.study.stack[layer].thickness_um;
-            let um = if self.composed.varied == Some(layer) { thickness_um } else { own_um };
-            elements.extend(match plates {
-                LayerPlates::Clear => self.clear(&around, um),
-                LayerPlates::Whole => self.solved(&around, level, 1.0, change)?,
-                LayerPlates::Slabs(slab_um) => self.solved(&around, level, slabs_in(um, *slab_um), change)?,
-            });
+        let mut reached = 0;
+        for (layer, own) in layers.iter().enumerate().filter(|(layer, _)| kept.has(*layer)) {
+            elements.extend(self.face(media, [reached, layer]));
+            elements.extend(own.iter().cloned());
+            reached = layer + 1;
+        }
+        let last = layers.len();
+        elements.extend(self.face(media, [reached, last]));
+        if elements.is_empty() {
+            elements.push(self.face_between(media, [last, last], 0));
         }
         let oblique_deg = Some(PRINT_DEG);
         let Some([before, behind]) = media.outer else {
@@ -77,6 +146,25 @@ impl<'a> StackTask<'a> {
         between_faces(elements, [&before, &joint, &behind], 1e-3 * media.wavelength_nm)
     }
 
+    /// The face in place of the layers between two joints; `None` where there is none. In front of
+    /// the stack one that mirrors nothing still shares the oblique beam among the nodes.
+    fn face(&self, media: &StackMedia, [from, to]: [usize; 2]) -> Option<StackElement> {
+        let is_even = (media.joints[from] - media.joints[to]).abs() < SAME_INDEX;
+        let is_needed = !is_even || self.oblique_at(media, from).is_some();
+        (to > from && is_needed).then(|| self.face_between(media, [from, to], from))
+    }
+
+    fn face_between(&self, media: &StackMedia, [from, to]: [usize; 2], layer: usize) -> StackElement {
+        let oblique_deg = self.oblique_at(media, from);
+        let before = Hemisphere { oblique_deg, ..self.medium(media, media.joints[from]) };
+        StackElement::face([&before, &self.medium(media, media.joints[to])], layer)
+    }
+
+    /// The oblique beam at a joint: in front of the stack alone.
+    fn oblique_at(&self, media: &StackMedia, joint: usize) -> Option<f64> {
+        (joint == 0 && media.outer.is_none()).then_some(PRINT_DEG)
+    }
+
     /// States of light in a medium of the stack.
     fn medium(&self, media: &StackMedia, index: f64) -> Hemisphere {
         Hemisphere {
@@ -87,8 +175,10 @@ impl<'a> StackTask<'a> {
     }
 
     fn clear(&self, Around { layer, media, .. }: &Around, thickness_um: f64) -> Vec<StackElement> {
-        let oblique_deg = (*layer == 0 && media.outer.is_none()).then_some(PRINT_DEG);
-        let before = Hemisphere { oblique_deg, ..self.medium(media, media.joints[*layer]) };
+        let before = Hemisphere {
+            oblique_deg: self.oblique_at(media, *layer),
+            ..self.medium(media, media.joints[*layer])
+        };
         let within = self.medium(media, media.within[*layer]);
         let behind = self.medium(media, media.joints[layer + 1]);
         let wavelength_um = 1e-3 * media.wavelength_nm;

@@ -2,19 +2,20 @@
 
 mod depth;
 mod hiding;
+mod left_out;
 mod remarks;
 mod rows;
-use super::optics::layer_optics;
 
 use super::errors::{JudgedNumbers, MovedLevels, with_errors};
 use super::level::{Change, Level, Slabs, SolvedPortion};
 use super::numbers::LayerTask;
+use super::optics::layer_optics;
 use super::prints::prints;
 use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::stack::PlateStack;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate::impossible;
-use crate::evaluate::manifest::composed::SlabNotes;
+use crate::evaluate::manifest::composed::{LeftOutNotes, SlabNotes};
 use crate::evaluate::manifest::{
     Count, FailureNote, Manifest, Provenance, PublishedColours, PublishedSpectra,
 };
@@ -76,6 +77,7 @@ pub fn summarise_slabs<'a>(study: &'a Study, solved: &[SolvedPortion]) -> Result
         medium,
         distributions,
         absorbed,
+        left_out: LeftOutNotes::new(&task, &numbers.left_out, &mut withheld),
         curve: curve.rows,
         curve_colours: curve.colours,
         curve_numbers: curve.weighted,

@@ -7,6 +7,9 @@ use crate::input::forms::ThicknessWritten;
 use crate::input::study::{Composed, LayerPlates, Study, StudyKind};
 use crate::input::{Faults, LightRule, StudyFile, limits};
 
+/// Thicknesses are told to a millionth of a nanometre.
+const PER_ROUNDED_UM: f64 = 1e9;
+
 /// How much more a solve of twice the thickness takes: *measured* 2.0 to 2.9.
 const TWICE: f64 = 2.4;
 
@@ -25,7 +28,9 @@ pub(super) fn compose(
     }
     let is_listed = |layer: &StackLayerTable| matches!(layer.thickness_um, ThicknessWritten::Several(_));
     let varied = layers.iter().position(is_listed);
-    let thicknesses_um = varied.map_or(vec![study.layer.thickness_um], |i| layers[i].thickness_um.all());
+    // a sum of thicknesses is not 9.100000000000001 µm
+    let sum_um = (study.layer.thickness_um * PER_ROUNDED_UM).round() / PER_ROUNDED_UM;
+    let thicknesses_um = varied.map_or(vec![sum_um], |i| layers[i].thickness_um.all());
     if let Some(i) = varied {
         let field = format!("layer[{i}].thickness_um");
         let remedy = "list rising thicknesses, in µm";
@@ -122,8 +127,11 @@ fn refuse(written: &StudyFile, layers: &[StackLayerTable], study: &Study, faults
             let remedy = "remove orientation, or give the pigment one index";
             let allowed = "\"random\" for birefringent grains";
             refuse(aligned, &format!("pigment[{k}].orientation"), allowed, remedy);
+            let remedy = "remove it: slabs are packed without a gradient; layers of rising shares make one";
+            refuse(pigment.profile.is_some(), &format!("pigment[{k}].profile"), "even layers", remedy);
         }
     }
+    refuse_metals(study, faults);
     let mut refuse = |there: bool, field: &str, allowed: &str, remedy: &str| {
         if there {
             faults.add(field, "given", format!("{allowed} where the stack is composed"), remedy);
@@ -147,6 +155,22 @@ fn refuse(written: &StudyFile, layers: &[StackLayerTable], study: &Study, faults
     } else if study.realisations < 2 {
         let remedy = "12 to 24 are usual: one realisation has no error bar";
         faults.add("run.realisations", study.realisations, "2 or more", remedy);
+    }
+}
+
+/// Layers with grains are solved between half-spaces of the mixture's index, which must hold the
+/// directions of air.
+fn refuse_metals(study: &Study, faults: &mut Faults) {
+    for i in (0..study.stack.len()).filter(|&i| study.stack[i].pigments > 0) {
+        let layer = study.of_layer(i);
+        let indices = study.wavelengths_nm.iter().map(|nm| layer.embedding_index(1e-3 * nm));
+        let thinnest = indices.fold(f64::INFINITY, f64::min);
+        if thinnest < 1.0 {
+            let found = format!("a mixture of index {thinnest:.2}");
+            let allowed = "1 or more where the stack is composed";
+            let remedy = "lower the volume fraction of the metal, or remove [stack.composed]";
+            faults.add(format!("layer[{i}].pigment"), found, allowed, remedy);
+        }
     }
 }
 
