@@ -31,7 +31,7 @@ const REACH_SECONDS: f64 = 30.0 * 24.0 * 3600.0;
 
 /// Largest expected factor between cost and forecast, either way, where every kind of solve was
 /// tried: small cells, few packings, and processors whose speed depends on what else they do.
-const TRIED_FACTOR: f64 = 2.0;
+const TRIED_FACTOR: f64 = 2.5;
 /// That factor where solves were tried on the usual grid for such waves, because no search of the
 /// grid ended in time.
 const USUAL_GRID_FACTOR: f64 = 4.0;
@@ -55,8 +55,9 @@ pub struct Plan {
     pub memory_mb: usize,
     /// Total time on one core, s: of the processor, whatever else the machine does meanwhile.
     pub core_seconds: f64,
-    /// Range that `core_seconds` is expected to lie in: a factor of two either way where solves
-    /// were tried, of four where their grid is not known, of ten where the size alone is known.
+    /// Range that `core_seconds` is expected to lie in: a factor of two and a half either way where
+    /// solves were tried, of four where their grid is not known, of ten where the size alone is
+    /// known.
     pub core_seconds_range: [f64; 2],
     /// Describes the trials.
     pub calibration: String,
