@@ -14,7 +14,10 @@ pub type NamedTable = (&'static str, Vec<u8>, &'static str);
 
 /// A number's name with its unit, for readers.
 pub fn heading(name: &str) -> String {
-    name.replace("kubelka_munk", "Kubelka–Munk").replace("_per_um", ", 1/µm").replace("_um", ", µm").replace('_', " ")
+    name.replace("kubelka_munk", "Kubelka–Munk")
+        .replace("_per_um", ", 1/µm")
+        .replace("_um", ", µm")
+        .replace('_', " ")
 }
 
 /// What a column holds.

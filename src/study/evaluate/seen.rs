@@ -20,6 +20,7 @@ use crate::appearance::bdf::{Bdf, BdfError};
 use crate::appearance::paper::Substrate;
 use crate::appearance::viewing::Viewing;
 use crate::input::study::{StackLayer, Study};
+use crate::input::variation::LightRule;
 use crate::numerics::estimate::Estimate;
 use crate::run::Collected;
 use complete::CompleteCells;

@@ -10,7 +10,11 @@ use crate::evaluate::quantities::{DensityNumbers, LeftOutNumbers, ThicknessNumbe
 const FAINT_DENSITY: f64 = 0.05;
 
 impl LeftOutNotes {
-    pub(super) fn new(task: &LayerTask, numbers: &[LeftOutNumbers<ErrorParts>], withheld: &mut Vec<Withheld>) -> Self {
+    pub(super) fn new(
+        task: &LayerTask,
+        numbers: &[LeftOutNumbers<ErrorParts>],
+        withheld: &mut Vec<Withheld>,
+    ) -> Self {
         let mut all = Self::default();
         for (&um, numbers) in task.composed.thicknesses_um.iter().zip(numbers) {
             for (w, &wavelength_nm) in task.study.wavelengths_nm.iter().enumerate() {
