@@ -139,7 +139,7 @@ pub fn fit(
     let index: Vec<[f64; 2]> = outcome.index.iter().map(|row| [row.n, row.kappa]).collect();
     let response = predicted.response(&index, outcome.log_thickness);
     for (k, drawdown) in task.predicted.iter().enumerate() {
-        let mut forecast = Forecast::new(task, drawdown, k, &response, &outcome);
+        let mut forecast = Forecast::new(task, drawdown, k, &response, &outcome.index, outcome.face_light);
         for (w, error) in forecast.errors.iter_mut().enumerate() {
             *error = error.hypot(predicted.error((k, w), index[w]));
         }

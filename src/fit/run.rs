@@ -2,14 +2,16 @@
 
 mod advice;
 mod descent;
+mod fitted;
 mod forecast;
 mod outcome;
 mod planned;
 mod solutions;
 
 pub(super) use descent::{Branch, descend, near, prior_of};
+pub use fitted::{FaceLight, FittedIndex};
 pub use forecast::Forecast;
-pub use outcome::{FaceLight, FitOutcome, FittedIndex, FittedSpectrum, OtherSolution, Trust};
+pub use outcome::{FitOutcome, FittedSpectrum, OtherSolution, Trust};
 pub use planned::{FitCosts, PlannedSolves};
 
 use super::law::{Data, FitStep};
@@ -238,8 +240,9 @@ impl<'a> FitRun<'a> {
         let index: Vec<[f64; 2]> = outcome.index.iter().map(|row| [row.n, row.kappa]).collect();
         let source = Origin::Solved(&self.solved(&index, task.coats.len(), usize::MAX)?);
         let response = source.response(task, &task.predicted, &index, outcome.log_thickness)?;
-        let forecast =
-            |(k, drawdown): (usize, &Drawdown)| Forecast::new(task, drawdown, k, &response, outcome);
+        let forecast = |(k, drawdown): (usize, &Drawdown)| {
+            Forecast::new(task, drawdown, k, &response, &outcome.index, outcome.face_light)
+        };
         Ok(task.predicted.iter().enumerate().map(forecast).collect())
     }
 }

@@ -301,7 +301,7 @@ fn a_wanted_density_needs_no_colour() {
 /// A colour and a number together: the number draws the recipe away from the colour where both cannot be, and the verdict tells
 /// both. *Planted*: numbers left out of what is to be small.
 #[test]
-fn a_number_out_of_reach_is_told_with_what_was_reached() {
+fn a_number_out_of_reach_stands_beside_what_was_reached() {
     let text = of_number("name = \"blue density\"\nat_least = 3");
     let text = text.replace("[target]\n", "[target]\nlab = [91.4267, -21.0611, 79.8461]\n");
     let outcome = designed(&text);

@@ -71,6 +71,33 @@ fn a_stopped_run_is_marked_partial_and_continues_to_the_same_results() {
     assert!(tables(&whole) == tables(&parts) && !parts.join("PARTIAL").exists());
 }
 
+/// Panics when the first solve has ended.
+struct Defective(AtomicUsize);
+
+impl RunWatch for Defective {
+    fn hear(&self, event: Event) {
+        let is_first = matches!(event, Event::Solved(..)) && self.0.fetch_add(1, Ordering::SeqCst) == 0;
+        assert!(!is_first, "planted");
+    }
+}
+
+/// A panic in one thread ends the run: the others do not wait for its task, which nobody finishes.
+/// *Planted*: the others not told.
+#[test]
+fn a_defect_in_one_thread_ends_the_run() {
+    let folder = tempfile::tempdir().unwrap();
+    let checked = load(&study(folder.path(), TINY)).unwrap();
+    let output = OutputFolder::open(&folder.path().join("out"), Holds::Study).unwrap();
+    let (ended, ends) = std::sync::mpsc::channel();
+    std::thread::spawn(move || {
+        let settings = RunSettings { jobs: Some(2), ..RunSettings::default() };
+        let run = || run_study(&checked, &output, settings, &Defective(AtomicUsize::new(0))).map(drop);
+        let _ = ended.send(std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).is_err());
+    });
+    // some seconds alone
+    assert_eq!(ends.recv_timeout(Duration::from_secs(300)), Ok(true), "it panics, and does not hang");
+}
+
 #[test]
 fn lost_and_damaged_records_are_computed_again() {
     let folder = tempfile::tempdir().unwrap();

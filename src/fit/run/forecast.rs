@@ -1,6 +1,6 @@
 //! Layers predicted from a fitted index, beside what Kubelka and Munk make of the measured spectra.
 
-use super::outcome::{FitOutcome, FittedIndex};
+use super::fitted::{FaceLight, FittedIndex};
 use crate::appearance::kubelka_munk::KubelkaMunk;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::gate;
@@ -31,13 +31,20 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// Drawdown number `k` of the predicted ones.
-    pub fn new(task: &FitTask, drawdown: &Drawdown, k: usize, response: &Response, fit: &FitOutcome) -> Self {
-        let added = fit.face_light.filter(|_| drawdown.is_reflected()).map_or(0.0, |light| light.value);
+    /// Drawdown number `k` of the predicted ones, from the fitted index and what faces add.
+    pub fn new(
+        task: &FitTask,
+        drawdown: &Drawdown,
+        k: usize,
+        response: &Response,
+        index: &[FittedIndex],
+        face_light: Option<FaceLight>,
+    ) -> Self {
+        let added = face_light.filter(|_| drawdown.is_reflected()).map_or(0.0, |light| light.value);
         let values: Vec<f64> = response.values[k].iter().map(|value| value + added).collect();
-        let of_face = fit.face_light.and_then(|light| light.standard_error).unwrap_or_default();
+        let of_face = face_light.and_then(|light| light.standard_error).unwrap_or_default();
         let errors =
-            fit.index.iter().enumerate().map(|(w, row)| forecast_error(response, k, w, row).hypot(of_face));
+            index.iter().enumerate().map(|(w, row)| forecast_error(response, k, w, row).hypot(of_face));
         let kubelka_munk = kubelka_munk(task, drawdown);
         Self {
             name: drawdown.name.clone(),

@@ -1,5 +1,6 @@
 //! The numbers of a fit: the index with its errors, whether they can be trusted, and predictions.
 
+use super::fitted::{FaceLight, FittedIndex};
 use super::forecast::Forecast;
 use crate::fit::file::AlsoFitted;
 use crate::fit::law::{Data, FitStep, rms};
@@ -20,25 +21,6 @@ const REFUSED: f64 = 4.0;
 const NOTICED: f64 = 2.0;
 /// ... with at least this probability; otherwise a small χ² confirms nothing.
 const POWER: f64 = 0.5;
-
-/// The index at one wavelength.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct FittedIndex {
-    /// Vacuum wavelength, nm.
-    pub wavelength_nm: f64,
-    /// Real part.
-    pub n: f64,
-    /// Imaginary part.
-    pub kappa: f64,
-    /// Standard error of n; none where the data contradict the study.
-    pub n_error: Option<f64>,
-    /// Standard error of κ.
-    pub kappa_error: Option<f64>,
-    /// Correlation of both errors.
-    pub correlation: Option<f64>,
-    /// Whether n or κ lies outside the range that was searched (`fit.n`, `fit.kappa`).
-    pub outside_search: bool,
-}
 
 /// A second solution that fits the spectra as well as the first, at another n.
 #[derive(Clone, Debug, Serialize)]
@@ -83,15 +65,6 @@ pub struct FittedSpectrum {
     pub fitted: Vec<f64>,
     /// Standard deviation of the difference.
     pub sigma: Vec<f64>,
-}
-
-/// Light that faces add to the reflectance factors of all samples.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct FaceLight {
-    /// Its size.
-    pub value: f64,
-    /// Its standard error; none where the data contradict the study.
-    pub standard_error: Option<f64>,
 }
 
 /// The result of a fit.

@@ -139,7 +139,7 @@ fn kubelka_and_munk_predict_in_proportion_to_the_pigment() {
     let data = Data::new(&task, &prior, &point, &response, &[0.0]);
     let (strength, step) = data.chosen().unwrap();
     let outcome = data.outcome(strength, &step, 1);
-    let forecast = Forecast::new(&task, &other, 0, &response, &outcome);
+    let forecast = Forecast::new(&task, &other, 0, &response, &outcome.index, None);
     let expected = over_card(3.0 * 0.4, 3.0 * 0.15, card(&other));
     // a closed form inverted and evaluated: rounding
     assert!(forecast.kubelka_munk.unwrap().iter().all(|x| (x - expected).abs() < 1e-9));

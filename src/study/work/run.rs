@@ -137,6 +137,7 @@ fn run_to_end(
             failure: OnceLock::new(),
             waits: AtomicUsize::new(0),
             overtaken: AtomicBool::new(false),
+            panicked: AtomicBool::new(false),
         };
         queue.enlist(worker.first, &worker.jobs.iter().map(|job| job.task(variants)).collect::<Vec<_>>())?;
         // While the only grids are being chosen, nothing else can be done: all threads take part.
@@ -201,12 +202,26 @@ struct Worker<'a> {
     waits: AtomicUsize,
     /// Whether other processes have started another round.
     overtaken: AtomicBool,
+    /// Whether a thread has panicked. Its task stays claimed as long as this process lives: the
+    /// other threads must not wait for it.
+    panicked: AtomicBool,
+}
+
+/// Tells the other threads if this one panics.
+struct TellPanic<'a>(&'a AtomicBool);
+
+impl Drop for TellPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
 }
 
 impl Worker<'_> {
     /// Claims the next task; `None` if there is none, or the run should stop.
     fn take(&self) -> Option<usize> {
-        while !self.watch.stop() && self.trouble.get().is_none() {
+        while !self.watch.stop() && self.trouble.get().is_none() && !self.panicked.load(Ordering::Relaxed) {
             let refreshed = self.stores.database().refresh().map_err(RunError::Store);
             match refreshed.and_then(|()| Ok(self.queue.claim()?)) {
                 Ok(Assignment::Task(task)) if self.job(task).is_some() => return Some(task),
@@ -242,6 +257,7 @@ impl Worker<'_> {
     }
 
     fn go(&self, task: usize) {
+        let _told = TellPanic(&self.panicked);
         if let Some(Err(error)) = self.job(task).map(|job| self.carry_out(task, job)) {
             self.note(error);
         }
