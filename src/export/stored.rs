@@ -12,7 +12,7 @@ use crate::evaluate::manifest::Manifest;
 use crate::evaluate::printed::Prints;
 use crate::evaluate::seen::{Seen, see};
 use crate::evaluate::summary::summarise;
-use crate::input::study::Study;
+use crate::input::study::{Paper, Study};
 use crate::input::variation::LightRule;
 use crate::report::tables;
 use crate::run::{Collected, Stores};
@@ -134,7 +134,9 @@ fn print(stored: &Stored, format: &str, created: &str) -> ExportResult<Print> {
     let fitted = matches!(study.variation.light, LightRule::Shifted { .. });
     let spectra = if fitted {
         let wavelengths_nm = bands.wavelengths_nm.iter().map(|&nm| f64::from(nm)).collect();
-        let on_grid = Study { wavelengths_nm, ..study.clone() };
+        // without dots: layers of other runs are known at the study's wavelengths alone
+        let paper = Paper { dots: None, ..study.paper.clone() };
+        let on_grid = Study { wavelengths_nm, paper, ..study.clone() };
         let seen = see(&on_grid, &stored.collected)?;
         known(&summarise(&on_grid, &stored.collected, &seen), &of_page)
     } else {

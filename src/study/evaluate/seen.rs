@@ -281,11 +281,12 @@ mod tests {
         for (face, expected) in [("incident", 1.0), ("exit", 1.4)] {
             let text = format!(
                 "[layer]\nthickness_um = 1\nbinder.index = 1.5\nindex_out = 1.4\n\
-                 relief = {{ depth_um = 0.1, face = '{face}' }}\n[paper]\ncoupling = 'optical_contact'\n"
+                 relief = {{ depth_um = 0.1, face = '{face}' }}\n[paper]\ncoupling = 'optical_contact'\n\
+                 [[pigment]]\ndiameter_nm = 100\nvolume_fraction = 0.05\nindex = 1.6\n"
             );
             let file = toml::from_str(&text).expect("a study file");
             let study = check(&file, Path::new("."), "test").expect("a study");
-            assert_eq!(indices(&study, 550.0).1, [Complex64::from(expected)]);
+            assert_eq!(indices(&study, 550.0).1.last(), Some(&Complex64::from(expected)));
         }
     }
 }

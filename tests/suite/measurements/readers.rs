@@ -147,7 +147,6 @@ fn fits_and_designs_ask_which_sample_is_meant_and_believe_the_geometry() {
     );
     for (file, key, says) in [
         ("sci.cxf", "geometry = \"45:0\"", "specular light included"),
-        ("sce.cxf", "", "specular light excluded"),
         ("sce.cxf", "geometry = \"d:8\"", "specular light excluded"),
         ("sphere.cxf", "", "d:8"),
     ] {
@@ -155,6 +154,8 @@ fn fits_and_designs_ask_which_sample_is_meant_and_believe_the_geometry() {
         assert!(error.contains("measured[0].file") && error.contains(says), "{file} {key}: {error}");
     }
     assert!(fit(&with(FIT, "sphere.cxf", "geometry = \"d:8\"")).is_ok());
+    let sce = fit(&with(FIT, "sce.cxf", "")).unwrap();
+    assert_eq!(sce.measured[0].geometry, FitGeometry::SphereExcluded);
     let error = design(&with(DESIGN, "sci.cxf", "")).unwrap_err();
     assert!(error.contains("d:8"), "{error}");
 }

@@ -98,9 +98,6 @@ pub(super) fn refusals(file: &StudyFile, study: &Study, faults: &mut Faults) {
     refuse(file.run.target_delta_e.is_some(), "run.target_delta_e", "a number of realisations", aim);
     let measured = "remove [compare]: compare the spectra of results.json";
     refuse(file.compare.measured.is_some(), "compare.measured", "no measurement", measured);
-    let elsewhere = file.areas.iter().any(|area| area.results.is_some());
-    let whole = "run this study and print it from one that is solved as a whole";
-    refuse(elsewhere, "area.results", "areas of this study's layer", whole);
     let thinnest =
         study.wavelengths_nm.iter().map(|nm| study.embedding_index(1e-3 * nm)).fold(f64::INFINITY, f64::min);
     if !study.pigments.is_empty() && thinnest < 1.0 {
