@@ -181,7 +181,7 @@ impl FitReading<'_> {
     /// pigments that a drawdown has.
     fn as_written(&self, field: &str, places: &[usize]) -> String {
         let parts = field.strip_prefix("pigment[").and_then(|rest| rest.split_once(']'));
-        let place = |number: &str| Some(self.order.get(*places.get(number.parse::<usize>().ok()?)?)?);
+        let place = |number: &str| self.order.get(*places.get(number.parse::<usize>().ok()?)?);
         match parts.and_then(|(number, rest)| Some((place(number)?, rest))) {
             Some((place, rest)) => format!("pigment[{place}]{rest}"),
             None => field.to_owned(),

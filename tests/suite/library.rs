@@ -306,9 +306,9 @@ fn page_and_python_compose_as_the_program() {
     }
 }
 
-/// What is no plate, and what does not fit together, with what is allowed instead.
+/// Files that are no library or do not fit together, and runs without plates, with what is allowed instead.
 #[test]
-fn what_does_not_fit_is_refused() {
+fn libraries_that_do_not_fit_are_refused() {
     let scratch = tempfile::tempdir().unwrap();
     let folder = scratch.path();
     let library = data("library.json");
@@ -344,6 +344,20 @@ fn what_does_not_fit_is_refused() {
         let said = refused(&["library", "library.json", name, "--output", "all.json"], folder);
         assert!(said.contains(words), "{name}: {said}");
     }
+    let thin = PLATES
+        .replace("composed = { joint_index = 1.5, slab_um = 0.5 }\n", "")
+        .replace("slab_um = 0.5\n", "");
+    succeed(&study(folder, &thin.replace("[1, 2.3]", "0.3")), &folder.join("thin"), &[]);
+    let said = refused(&["library", "thin"], folder);
+    assert!(said.contains("holds no plates") && said.contains("joint_index"), "{said}");
+}
+
+/// Compositions that a library cannot answer, with what is allowed instead.
+#[test]
+fn compositions_that_do_not_fit_are_refused() {
+    let scratch = tempfile::tempdir().unwrap();
+    let folder = scratch.path();
+    std::fs::write(folder.join("library.json"), data("library.json")).unwrap();
     let compositions = [
         ("layers = []", "layers: found none"),
         (
@@ -390,10 +404,4 @@ fn what_does_not_fit_is_refused() {
         let said = refused(&["compose", "one.toml"], folder);
         assert!(said.contains(words), "{words}: {said}");
     }
-    let thin = PLATES
-        .replace("composed = { joint_index = 1.5, slab_um = 0.5 }\n", "")
-        .replace("slab_um = 0.5\n", "");
-    succeed(&study(folder, &thin.replace("[1, 2.3]", "0.3")), &folder.join("thin"), &[]);
-    let said = refused(&["library", "thin"], folder);
-    assert!(said.contains("holds no plates") && said.contains("joint_index"), "{said}");
 }

@@ -81,7 +81,7 @@ impl RunWatch for Defective {
     }
 }
 
-/// A panic in one thread ends the run: the others do not wait for its task, which nobody finishes.
+/// A panic in one thread ends the run: the others do not wait for its task, which stays unfinished.
 /// *Planted*: the others not told.
 #[test]
 fn a_defect_in_one_thread_ends_the_run() {

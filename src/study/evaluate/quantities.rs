@@ -108,8 +108,8 @@ pub struct HidingNumbers<T> {
     pub thickness_um: T,
 }
 
-/// Densities at 45:0 of a stack of layers at one wavelength, −log₁₀ of the radiance factor over that
-/// of the bare paper.
+/// Densities at 45:0 of a stack of layers at one wavelength: −log₁₀ of the radiance factor over
+/// that of the bare paper.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DensityNumbers<T> {
     /// Of the stack.

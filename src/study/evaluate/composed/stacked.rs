@@ -104,8 +104,8 @@ impl<'a> StackTask<'a> {
         (0..self.media.len()).map(at_wavelength).collect()
     }
 
-    /// Some of the layers, joined at every wavelength: where others were, a plane face leads from the
-    /// medium in front of them to that behind.
+    /// Some of the layers, joined at every wavelength: where others were, a plane face leads from
+    /// the medium in front of them to that behind.
     ///
     /// # Errors
     /// Joints whose media differ.
