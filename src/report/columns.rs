@@ -1,5 +1,5 @@
 //! What the columns of all tables hold: unit, type and description, each defined once in
-//! [`definitions`]; [`data_package`] describes the tables of a folder with them.
+//! `definitions`; `data_package` describes the tables of a folder with them.
 
 mod data_package;
 mod definitions;

@@ -72,7 +72,7 @@ impl FitRun<'_> {
     /// the nodes of the table, the wavelengths and the directions, and from one evaluation.
     ///
     /// # Errors
-    /// As [`Tangents::linearised`]; the films give no spectra.
+    /// As [`crate::run::tangents::Tangents::linearised`]; the films give no spectra.
     pub fn trial(&self) -> Result<FitCosts, FitError> {
         let task = self.task;
         let nodes = Surface::indices(task);
