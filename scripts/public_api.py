@@ -19,16 +19,17 @@ LISTING = ROOT / "docs" / "public-api.txt"
 CRATES = ["inkwave-numerics", "inkwave-physics", "inkwave-study", "inkwave-draw", "inkwave-bench", "inkwave"]
 
 
-def documented(crate):
-    """Rustdoc's JSON of a crate."""
+def documented():
+    """Rustdoc's JSON of all crates, made together, as their features are those of the workspace."""
+    flags = "-Zunstable-options --output-format json"
     subprocess.run(
-        ["cargo", "rustdoc", "--quiet", "--lib", "--package", crate, "--", "-Zunstable-options", "--output-format", "json"],
+        ["cargo", "doc", "--quiet", "--workspace", "--no-deps", "--lib"],
         cwd=ROOT,
-        env={**os.environ, "RUSTC_BOOTSTRAP": "1"},
+        env={**os.environ, "RUSTC_BOOTSTRAP": "1", "RUSTDOCFLAGS": flags},
         check=True,
     )
-    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-    return json.loads((target / "doc" / f"{crate.replace('-', '_')}.json").read_text())
+    folder = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "doc"
+    return [json.loads((folder / f"{crate.replace('-', '_')}.json").read_text()) for crate in CRATES]
 
 
 def members(kind, inner):
@@ -41,9 +42,8 @@ def members(kind, inner):
     return ids, [i for i in inner.get("impls", [])] if kind in ("struct", "enum", "union") else []
 
 
-def lines_of(crate):
-    """`path: kind` of every public item of a crate."""
-    index = documented(crate)
+def lines_of(index):
+    """`path: kind` of every public item of a crate, from its JSON."""
     items = index["index"]
     listed = set()
 
@@ -92,7 +92,7 @@ def lines_of(crate):
 
 
 def main():
-    text = "".join(f"{line}\n" for crate in CRATES for line in lines_of(crate))
+    text = "".join(f"{line}\n" for index in documented() for line in lines_of(index))
     if "--write" in sys.argv[1:]:
         LISTING.write_text(text)
         return 0
