@@ -188,9 +188,13 @@ class Table(Mapping[str, np.ndarray]):
         return f"{name} [{self.units[name]}]" if self.units.get(name) else name
 
     def _cells(self, most_rows: int, most_columns: int) -> Tuple[List[str], List[List[str]]]:
-        names = [name for name in self._columns if self._columns[name].ndim == 1][:most_columns]
+        names = [name for name in self._told() if self._columns[name].ndim == 1][:most_columns]
         cells = [[_cell(self._columns[name][i]) for name in names] for i in range(min(self.n_rows, most_rows))]
         return [self._head(name) for name in names], cells
+
+    def _told(self) -> List[str]:
+        """Names of the columns in the order in which they are shown."""
+        return list(self._columns)
 
     def _summary(self) -> str:
         errors = any(name.endswith("_error") for name in self._columns)
