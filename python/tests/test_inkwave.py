@@ -304,6 +304,22 @@ class Fits(InFolder):
             iw.design(INK, target=(300, 0, 0), vary={"d_nm": (140, 300)})
 
 
+class Lines(InFolder):
+    def test_a_plot_has_a_line_for_all_rows_that_differ_in_x_alone(self):
+        table = iw.Table({"thickness_um": [1, 1, 2, 2], "wavelength_nm": [400, 500, 400, 500], "R": [0.1, 0.2, 0.3, 0.4]},
+                         index=["thickness_um", "wavelength_nm"], units={"thickness_um": "µm"})
+        lines = [(label, part["R"].tolist()) for label, part in table._lines("wavelength_nm")]
+        self.assertEqual(lines, [("thickness_um [µm] 1", [0.1, 0.2]), ("thickness_um [µm] 2", [0.3, 0.4])])
+        self.assertEqual([label for label, _ in table.where(thickness_um=1)._lines("wavelength_nm")], [""])
+
+    def test_a_composed_layer_is_drawn_at_the_thicknesses_asked_for(self):
+        if not have("matplotlib"):
+            self.skipTest("no matplotlib")
+        importlib.import_module("matplotlib").use("Agg")
+        ax = iw.read(ROOT / "reports/white-paint").plot()
+        self.assertEqual([text.get_text() for text in ax.get_legend().get_texts()], [f"thickness_um [µm] {um}" for um in (10, 20, 30)])
+
+
 class Orphans(InFolder):
     @unittest.skipIf(sys.platform == "win32", "processes of Unix")
     def test_a_kernel_that_is_killed_leaves_no_program_at_work(self):
