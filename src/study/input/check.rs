@@ -25,6 +25,7 @@ pub use grains::largest_extents_nm;
 use super::fault::{Fault, Faults};
 use super::file::StudyFile;
 use super::forms::ThicknessWritten;
+use super::limits;
 use super::study::{Layer, Pigment, Study};
 use super::variation::Variation;
 use crate::appearance::tristimulus::{Colorimeter, visible};
