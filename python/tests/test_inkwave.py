@@ -399,7 +399,7 @@ class Interrupts(InFolder):
         environment = dict(os.environ, PYTHONPATH=str(ROOT / "python"))
         child = subprocess.Popen([sys.executable, "long.py"], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8")
         records, until = pathlib.Path("long/records"), time.monotonic() + 120
-        while not (records.exists() and sum(path.stat().st_size for path in records.iterdir() if path.is_file()) > 150_000):
+        while not (records.exists() and sum(path.stat().st_size for path in records.iterdir() if path.is_file()) > 300_000):
             self.assertIsNone(child.poll(), "it ended before it could be interrupted")
             self.assertLess(time.monotonic(), until, "nothing is stored")
             time.sleep(0.05)
