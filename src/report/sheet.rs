@@ -126,7 +126,7 @@ fn limits(manifest: &Manifest) -> Value {
         lacking => manifest.ensemble.as_ref().and_then(|ensemble| ensemble.tried_packings.missing_in_words()),
         synthetic => manifest.study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
         too_few => few_wavelengths(manifest),
-        widest => missed_target(manifest),
+        widest => missed_target(manifest).map(|(bar, _)| bar),
         inputs => manifest.study.inputs_with_errors(),
         undetermined => Serde(manifest.study.undetermined_inputs()),
     }
@@ -151,11 +151,12 @@ fn few_wavelengths(manifest: &Manifest) -> Option<usize> {
     (solved < ENOUGH_WAVELENGTHS && manifest.study.angles.strata > 0).then_some(solved)
 }
 
-/// The widest interval where it is beyond `run.target_delta_e`.
-pub(super) fn missed_target(manifest: &Manifest) -> Option<f64> {
+/// The widest interval where it is beyond `run.target_delta_e`, and what would make it narrower.
+pub(super) fn missed_target(manifest: &Manifest) -> Option<(f64, &'static str)> {
     let target = manifest.study.target_delta_e?;
-    let bars = aimed_at(manifest.study, manifest).filter_map(|note| note.delta_e_2000_95);
-    bars.reduce(f64::max).filter(|&bar| bar > target)
+    let bars = aimed_at(manifest.study, manifest).filter_map(|note| Some((note.delta_e_2000_95?, note)));
+    let (bar, note) = bars.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(bar, _)| *bar > target)?;
+    Some((bar, note.budget.remedy_but_packings().unwrap_or("more packings: run.realisations")))
 }
 
 /// What the table of uncertainties holds beside the manifest.
