@@ -91,7 +91,8 @@ fn strict_cgats(text: &str) -> Cgats {
     let count = |keyword: &str| table.value(keyword).parse::<usize>().expect("a count");
     assert_eq!((count("NUMBER_OF_FIELDS"), count("NUMBER_OF_SETS")), (table.fields.len(), table.sets.len()));
     let known = |field: &String| {
-        let wave = field.strip_prefix("SPECTRAL_NM").is_some_and(|nm| nm.len() == 3 && nm.parse::<u32>().is_ok());
+        let wave =
+            field.strip_prefix("SPECTRAL_NM").is_some_and(|nm| nm.len() == 3 && nm.parse::<u32>().is_ok());
         let other = field
             .split_once("CLR_")
             .is_some_and(|(n, k)| n.parse::<u32>().is_ok() && k.parse::<u32>().is_ok());
