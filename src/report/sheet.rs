@@ -11,7 +11,7 @@ use crate::draw::DrawResult;
 use crate::draw::page::{hex, png_data};
 use crate::evaluate::evaluated::Evaluated;
 use crate::evaluate::ink_maker::{InkMaker, Swatch};
-use crate::evaluate::manifest::{ColourNote, EnsembleNotes, Manifest, SpectrumRow};
+use crate::evaluate::manifest::{ColourNote, EnsembleNotes, MOST_LISTED, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
 use crate::ink::{Method, PigmentGrains, SizeDistribution};
@@ -82,7 +82,8 @@ fn patches(maker: &InkMaker) -> [(&'static str, String); 3] {
 
 /// Place and reason of every solve without a result.
 fn failed(manifest: &Manifest) -> Vec<(String, String)> {
-    manifest.failures.iter().map(|note| (note.place(), note.reason().to_owned())).collect()
+    let listed = manifest.failures.iter().take(MOST_LISTED);
+    listed.map(|note| (note.place(), note.reason().to_owned())).collect()
 }
 
 /// Shape and size of the grains of every packed pigment.
@@ -176,7 +177,7 @@ fn largest_error(rows: &[SpectrumRow]) -> Option<f64> {
 }
 
 fn packings(study: &Study, ensemble: &EnsembleNotes) -> Vec<Value> {
-    let rows = ensemble.packings.iter().flat_map(|packing| {
+    let rows = ensemble.packings.iter().take(MOST_LISTED).flat_map(|packing| {
         let pigments = study.pigments.iter().zip(&packing.shares);
         pigments.map(|(pigment, share)| packing_row(packing, &pigment.name, share))
     });
