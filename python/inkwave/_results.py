@@ -178,9 +178,9 @@ class Ink(_Folder):
             picture.imshow(pyplot.imread(self.picture))
             picture.axis("off")
         table = self.spectra.where(polar_deg=0) if "polar_deg" in self.spectra else self.spectra
-        asked = {colour.thickness_um for colour in self.colours} - {None}
+        asked = [colour.thickness_um for colour in self.colours if colour.thickness_um is not None]
         if asked and "thickness_um" in table:  # the others are there to find the thickness that hides
-            table = table._like({name: column[np.isin(table["thickness_um"], list(asked))] for name, column in table._columns.items()})
+            table = table._like({name: column[np.isin(table["thickness_um"], asked)] for name, column in table._columns.items()})
         first = next((name for name in ("natural_light", "reflectance") if name in table and np.isfinite(table[name]).any()), None)
         return table.plot(*(names or ([first] if first else [])), x="wavelength_nm", ax=ax)
 
