@@ -44,7 +44,8 @@ const HARD_GROWTH: usize = 4;
 /// A cycle with eliminated harmonics that leaves more than this fraction has not helped; those that
 /// do help leave a tenth or much less.
 const HELPS: f64 = 0.5;
-/// Ratio of the residual to what the cycle counted, above which rounding has spoilt the elimination.
+/// Ratio of the residual to what the cycle counted, above which rounding has spoilt the
+/// elimination.
 const UNTRUE: f64 = 2.0;
 /// Steps still to go, at the rate of the last cycle, at which more harmonics of the vector wave are
 /// eliminated: bases of hundreds of vectors in double precision cost more.
@@ -152,14 +153,14 @@ impl<'a> KrylovRun<'a> {
         Ok(())
     }
 
-    /// Replaces eliminated harmonics that a cycle has shown not to help: those of the scalar wave by
-    /// the same in double precision, those of the vector wave by more. The cycle began with the
+    /// Replaces eliminated harmonics that a cycle has shown not to help: those of the scalar wave
+    /// by the same in double precision, those of the vector wave by more. The cycle began with the
     /// residual `before` and took `steps`; whether another begins.
     ///
     /// The elimination of nodes cannot exchange them, and a part of the layer, or a high cell, may
-    /// resonate by itself: in single precision the factor is then wrong, GMRES believes in a residual
-    /// that the field does not have, and the field is useless. Measured on 45 % of zinc sulphide,
-    /// 300 nm, 1.5 µm, 405 nm: a residual of 870.
+    /// resonate by itself: in single precision the factor is then wrong, GMRES believes in a
+    /// residual that the field does not have, and the field is useless. Measured on 45 % of zinc
+    /// sulphide, 300 nm, 1.5 µm, 405 nm: a residual of 870.
     pub fn eliminate_more(&mut self, before: f64, steps: usize, bytes: f64) -> bool {
         let after = self.ledger.account.residual;
         let gain = (before / after).max(1.0).ln();
