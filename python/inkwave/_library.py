@@ -67,6 +67,16 @@ class _Flux(NamedTuple):
             parts.append((r * more, t * less))
         return _Flux(parts[0][0], parts[1][0], parts[0][1], parts[1][1])
 
+    def with_fewer(self, front: np.ndarray, behind: np.ndarray) -> "_Flux":
+        """Scattered light as from fewer directions, by these shares of the states; what stays in its state remains."""
+
+        def changed(m: np.ndarray, to: np.ndarray, source: np.ndarray) -> np.ndarray:
+            scattered = np.where(np.eye(*m.shape[-2:], dtype=np.bool_), 0.0, m)
+            return np.asarray(m - scattered + to @ scattered @ source)
+
+        return _Flux(changed(self.ra, front, front), changed(self.rb, behind, behind), changed(self.tab, behind, front),
+                     changed(self.tba, front, behind))
+
     def repeated(self, count: float, weights: np.ndarray) -> "_Flux":
         """This number of them, of which the last may be a part; weights are étendues of the states."""
         if count == 1.0:
@@ -97,7 +107,7 @@ class _Flux(NamedTuple):
 
         def of(m: np.ndarray, f: Any) -> np.ndarray:
             values, vectors = np.linalg.eigh(m)
-            return (vectors * f(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+            return np.asarray((vectors * f(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2))
 
         r, t = even(self.ra), even(self.tab)
         y = of(r + t, lambda c: np.maximum((1 - c) / np.maximum(1 + c, _LEAST), 0))
@@ -154,7 +164,7 @@ class _Film(NamedTuple):
 
 def _normal(index: Any, sine: np.ndarray) -> np.ndarray:
     root = np.sqrt(np.asarray(index * index - sine * sine, complex))
-    return np.where(root.imag < 0, -root, root)
+    return np.asarray(np.where(root.imag < 0, -root, root))
 
 
 def _plane(before: Any, behind: Any, sine: np.ndarray, p: int) -> _Film:
@@ -465,18 +475,29 @@ class Library:
         return change if out is None or out[0] == number else change._replace(left_out=None)
 
     def _layer_flux(self, number: int, count: float, change: _Change) -> _Flux:
-        key = (number, count, self._own(number, change)._replace(fewer=False))
+        key = (number, count, self._own(number, change))
         if key not in self._layers:
             whole: Optional[_Flux] = None
             for position, times in self._places_of(count, change):
                 portion, states = self._state(number, position, change)
                 flux = states.flux.moved(portion.grid_error if change.grid else 0.0)
+                if change.fewer:
+                    flux = flux.with_fewer(*(self._with_fewer(m.shape[-1]) for m in (flux.ra, flux.rb)))
                 if times != 1.0:
                     flux = flux.repeated(times, self._etendues(portion.between[:, 1], flux.ra.shape[-1]))
                 whole = flux if whole is None else whole.then(flux)
             assert whole is not None
             self._layers[key] = whole
         return self._layers[key]
+
+    def _with_fewer(self, states: int) -> np.ndarray:
+        """What fluxes of the states become with one direction less in every zone; the beam stays."""
+        shares, first, zone = np.eye(states), 1, 0
+        while first < states:
+            own = np.kron(_fewer_nodes(self._directions[min(zone, 1)]), np.eye(self._polarisations))
+            shares[first: first + len(own), first: first + len(own)] = own
+            first, zone = first + len(own), zone + 1
+        return shares
 
     def _etendues(self, indices: np.ndarray, states: int) -> np.ndarray:
         """Étendues of the states of media, (wavelength, state)."""
@@ -540,7 +561,7 @@ class Library:
         depth = {"front": 0.0, "inner": 0.5, "whole": 0.5, "back": 1.0}[portion.position]
 
         def phase(sine: np.ndarray) -> np.ndarray:
-            return k0 * _normal(index, sine) * um
+            return np.asarray(k0 * _normal(index, sine) * um)
 
         def even(sine: np.ndarray, passed: Any) -> _Film:
             way = np.exp(1j * phase(sine) + passed)
@@ -641,7 +662,7 @@ class Library:
         """A layer with the face to air in front, behind."""
         if not any(faces):
             return self._layer_flux(number, count, change)
-        key = (number, count, self._own(number, change)._replace(fewer=False), faces)
+        key = (number, count, self._own(number, change), faces)
         if key not in self._layers:
             flux = self._layer_flux(number, count, change)
             flux = self._face(oblique=True).then(flux) if faces[0] else flux
@@ -679,7 +700,7 @@ class Library:
         white = eyes.sum(1)
 
         def xyz(name: str) -> np.ndarray:
-            return np.einsum("jw,jwc->jc", values[name], eyes)
+            return np.asarray(np.einsum("jw,jwc->jc", values[name], eyes))
 
         found = dict(values)
         found["lab_natural_light"] = lab(xyz("natural_light"), white)
@@ -782,7 +803,7 @@ class _Optics:
                     lost = (1 - r - t) @ of_loss
                     shares = [x[some][..., self.kept] for x in self.shares[side][pol]]
                     out[side][pol].append(tuple(x @ quadrature + (share * lost).sum(-1) for x, share in zip((r, t), shares)))
-        return [[tuple(np.concatenate(x) for x in zip(*of_pol)) for of_pol in of_side] for of_side in out]
+        return [[(np.concatenate([r for r, _ in of_pol]), np.concatenate([t for _, t in of_pol])) for of_pol in of_side] for of_side in out]
 
     def _lobes(self, fields: List[Tuple[_Film, _Film]], side: int, pol: int, kind: int) -> Tuple[np.ndarray, np.ndarray]:
         return _passive(fields[pol][kind], side)
@@ -921,7 +942,7 @@ def _on_paper(library: Library, jobs: Sequence[_Job], solid: Dict[str, np.ndarra
     def on(value: Any, seen: np.ndarray) -> np.ndarray:
         """What the paper returns of light at 0°, as `seen` from in front."""
         returns = _ratio(1 - value * back, 1 - value * reflected)
-        return returns * seen * value * solid["entering"] / (1 - value * back)
+        return np.asarray(returns * seen * value * solid["entering"] / (1 - value * back))
 
     through = solid["through_normal"] * solid["through_45"]
     found = {"reflectance_normal": solid["reflectance"], "transmittance_normal": solid["transmittance"],
@@ -1026,10 +1047,11 @@ def _fluorescence(given: Mapping[str, Any], from_nm: float, where: str) -> Tuple
         active = _active(excitation[:, 1] > 0)
 
         def absorbed(nm: np.ndarray) -> np.ndarray:
-            return np.interp(nm, *excitation.T, left=0.0, right=0.0)
+            return np.asarray(np.interp(nm, excitation[:, 0], excitation[:, 1], left=0.0, right=0.0))
 
         def kernel(to: np.ndarray, of: np.ndarray) -> np.ndarray:
-            return scale * np.interp(to, *emission.T, left=0.0, right=0.0) * absorbed(of) * of / to
+            shape = np.interp(to, emission[:, 0], emission[:, 1], left=0.0, right=0.0)
+            return np.asarray(scale * shape * absorbed(of) * of / to)
 
         excited = excitation[active, 0]
     elif set(given) == {"excitation_nm", "emission_nm", "factors"}:
@@ -1047,7 +1069,7 @@ def _fluorescence(given: Mapping[str, Any], from_nm: float, where: str) -> Tuple
         def kernel(to: np.ndarray, of: np.ndarray) -> np.ndarray:
             across = np.array([np.interp(np.ravel(of), light, row, left=0.0, right=0.0) for row in factors])
             down = np.array([np.interp(np.ravel(to), sent, column, left=0.0, right=0.0) for column in across.T])
-            return down.T / widths[0]
+            return np.asarray(down.T / widths[0])
 
         excited = light[(factors != 0).any(0)]
     else:
@@ -1060,7 +1082,7 @@ def _fluorescence(given: Mapping[str, Any], from_nm: float, where: str) -> Tuple
 
 def _active(there: np.ndarray) -> np.ndarray:
     """Rows that are not 0, and their neighbours."""
-    return there | np.r_[there[1:], False] | np.r_[False, there[:-1]]
+    return np.asarray(there | np.r_[there[1:], False] | np.r_[False, there[:-1]])
 
 
 def _matrix(kernel: Any, nm: np.ndarray) -> np.ndarray:
@@ -1152,7 +1174,7 @@ def _bessel_1(x: np.ndarray) -> np.ndarray:
     far = np.sqrt(2 / (math.pi * np.maximum(x, 40.0))) * (p * np.cos(phase) - q * np.sin(phase))
     tau = 2 * math.pi * (np.arange(104) + 0.5) / 104
     near = np.cos(tau - np.minimum(x, 40.0)[:, None] * np.sin(tau)).mean(-1)
-    return np.where(x > 40.0, far, near)
+    return np.asarray(np.where(x > 40.0, far, near))
 
 
 def lab(xyz: np.ndarray, white: np.ndarray) -> np.ndarray:
@@ -1183,18 +1205,25 @@ def _etendues(index: float, joint: float, directions: Sequence[int]) -> np.ndarr
     ends = [1.0] + ([joint] if joint < index - 1e-3 else []) + [index]
     weights, start = [], 0.0
     for end in ends:
-        weights.append(_radau(directions[0 if start == 0.0 else 1])[::-1] * (end * end - start * start))
+        weights.append(_radau(directions[0 if start == 0.0 else 1])[1][::-1] * (end * end - start * start))
         start = end
     return np.concatenate(weights)
 
 
-def _radau(count: int) -> np.ndarray:
-    """Weights of Gauss's rule for the integral of 2v f(v) over 0 < v < 1, with rising nodes (Jacobi's polynomials)."""
+def _radau(count: int) -> Tuple[np.ndarray, np.ndarray]:
+    """Nodes, rising, and weights of Gauss's rule for the integral of 2v f(v) over 0 < v < 1 (Jacobi's polynomials)."""
     k = np.arange(1, count)
     diagonal = np.array([1 / ((2 * j + 1) * (2 * j + 3)) for j in range(count)])
     off = np.sqrt(k * (k + 1.0)) / (2 * k + 1.0)
-    _, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(off, 1) + np.diag(off, -1))
-    return np.asarray(vectors[0] ** 2)
+    nodes, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(off, 1) + np.diag(off, -1))
+    return 0.5 * (1.0 + nodes), np.asarray(vectors[0] ** 2)
+
+
+def _fewer_nodes(count: int) -> np.ndarray:
+    """What fluxes of a zone's nodes, from the normal outwards, become with one node less: (node, node before)."""
+    nodes = _radau(count)[0][::-1]
+    fewer = _radau(count - 1)[0] if count > 1 else nodes
+    return np.asarray((_lagrange(fewer, nodes) @ _lagrange(nodes, fewer)).T)
 
 
 def _read(path: Path) -> Dict[str, Any]:

@@ -152,6 +152,32 @@ fn the_cut_shows_the_sections_of_the_grains() {
     }
 }
 
+/// A cell as thick as wide is as wholly in its picture as a flat one; what stands out of a cell by
+/// less than a grain does so, too.
+#[test]
+fn all_of_a_cell_is_in_its_picture() {
+    for height_um in [0.5, 2.0, 4.0] {
+        let sphere = inkwave::ink::Sphere { center_um: [1.0, 1.0, 0.25], radius_um: 0.2 };
+        let grain = inkwave::ink::Grain::new(vec![sphere], 0);
+        let packing = Packing::from_grains([2.0, 2.0], height_um, true, vec![grain]).unwrap();
+        let bytes = perspective_picture(&packing).unwrap();
+        let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        let width = info.width as usize;
+        let height = info.height as usize;
+        let white = |x: usize, y: usize| pixels[3 * (y * width + x)..][..3] == [255; 3];
+        // beneath the caption
+        let top = 40;
+        let sides = (top..height).all(|y| white(0, y) && white(width - 1, y));
+        let ends = (0..width).all(|x| white(x, top) && white(x, height - 1));
+        assert!(sides && ends, "{height_um} µm: the cell reaches the border of its picture");
+        let drawn =
+            (top..height).flat_map(|y| (0..width).map(move |x| (x, y))).filter(|&(x, y)| !white(x, y));
+        assert!(drawn.count() > 2000, "{height_um}");
+    }
+}
+
 #[test]
 fn slips_in_a_study_are_named() {
     let spoilt = |from: &str, to: &str| checked(&STUDY.replace(from, to)).unwrap_err();

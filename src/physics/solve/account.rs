@@ -5,6 +5,10 @@ use std::fmt;
 use std::ops::ControlFlow;
 use thiserror::Error;
 
+/// Factor on the tolerance of a residual that breaks the balance of energy, and the smallest one.
+const SMALLER: f64 = 0.1;
+const LEAST_TOLERANCE: f64 = 1e-9;
+
 /// Goal of a solve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(
@@ -23,6 +27,15 @@ pub struct Goal {
 impl Default for Goal {
     fn default() -> Goal {
         Goal { tolerance: 1e-6, max_applications: 2000 }
+    }
+}
+
+impl Goal {
+    /// The next goal for a field whose residual breaks the balance of energy, as trapped waves
+    /// amplify it; `None` near what rounding allows.
+    pub fn smaller(self) -> Option<Goal> {
+        let tolerance = SMALLER * self.tolerance;
+        (tolerance >= LEAST_TOLERANCE).then_some(Goal { tolerance, ..self })
     }
 }
 
@@ -108,6 +121,13 @@ impl Account {
         self.seconds += other.seconds;
         self.residual = self.residual.max(other.residual);
         self.bytes = self.bytes.max(other.bytes);
+    }
+
+    /// Adds the steps, applications and seconds of the solve from whose field this one went on.
+    pub fn follow(&mut self, before: &Account) {
+        let residual = self.residual;
+        self.join(before);
+        self.residual = residual;
     }
 }
 

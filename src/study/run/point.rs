@@ -92,8 +92,19 @@ impl PointSolver<'_> {
         key: &str,
     ) -> Result<PointRecord, PointError> {
         let system = system_of(systems, point);
-        let solution = self.solver.solve(&**system, self.study.goal, &mut Stopper(self.watch))?;
-        self.record(system.far_field(&solution.field), solution.account, point, key)
+        let mut goal = self.study.goal;
+        let mut solution = self.solver.solve(&**system, goal, &mut Stopper(self.watch))?;
+        loop {
+            let account = solution.account.clone();
+            let record = self.record(system.far_field(&solution.field), account, point, key);
+            let broken = matches!(record, Err(PointError::Unphysical(Unphysical::OutOfBalance { .. })));
+            let Some(smaller) = goal.smaller().filter(|_| broken) else { return record };
+            goal = smaller;
+            let start = Some(&solution.field);
+            let mut further = self.solver.solve_from(&**system, start, goal, &mut Stopper(self.watch))?;
+            further.account.follow(&solution.account);
+            solution = further;
+        }
     }
 
     /// The record of a solve whose result violates no physical law.

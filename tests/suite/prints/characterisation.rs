@@ -91,7 +91,8 @@ fn strict_cgats(text: &str) -> Cgats {
     let count = |keyword: &str| table.value(keyword).parse::<usize>().expect("a count");
     assert_eq!((count("NUMBER_OF_FIELDS"), count("NUMBER_OF_SETS")), (table.fields.len(), table.sets.len()));
     let known = |field: &String| {
-        let wave = field.strip_prefix("SPEC_").is_some_and(|nm| nm.len() == 3 && nm.parse::<u32>().is_ok());
+        let wave =
+            field.strip_prefix("SPECTRAL_NM").is_some_and(|nm| nm.len() == 3 && nm.parse::<u32>().is_ok());
         let other = field
             .split_once("CLR_")
             .is_some_and(|(n, k)| n.parse::<u32>().is_ok() && k.parse::<u32>().is_ok());
@@ -147,6 +148,9 @@ fn characterisation_sets_are_what_makers_of_profiles_read() {
     let set = read(&exported("inks", &format!("{title}{}{inks}", ink_of_thickness(1.8))), "prints.cgats");
     assert_eq!(set.value("LAB_CONDITIONS").matches("D50").count(), 1);
     assert!(set.value("DESCRIPTOR").contains("Zyan 'matt' ?ber Gelb, 5 um"), "{}", set.value("DESCRIPTOR"));
+    let inks = set.numbers("CMYK_C").into_iter().zip(set.numbers("CMYK_Y"));
+    let bare = inks.filter(|inks| *inks == (0.0, 0.0)).count();
+    assert_eq!((bare, set.sets.len()), (1, 6), "the paper once, and all combinations of its inks");
     assert!(set.numbers("CMYK_C").contains(&50.0) && set.numbers("CMYK_K").iter().all(|k| *k == 0.0));
     let [x, y, z] = ["XYZ_X", "XYZ_Y", "XYZ_Z"].map(|field| set.numbers(field));
     let lab = ["LAB_L", "LAB_A", "LAB_B"].map(|field| set.numbers(field));
@@ -161,7 +165,7 @@ fn characterisation_sets_are_what_makers_of_profiles_read() {
         let expected = [116.0 * fy - 16.0, 500.0 * (fx - fy), 200.0 * (fy - fz)];
         // light from 400 to 700 nm alone makes another white, by a few thousandths
         assert!((0..3).all(|i| (expected[i] - lab[i][k]).abs() < 0.5), "{expected:?} {:?}", set.sets[k]);
-        let spectrum: Vec<f64> = waves.iter().map(|nm| set.numbers(&format!("SPEC_{nm}"))[k]).collect();
+        let spectrum: Vec<f64> = waves.iter().map(|nm| set.numbers(&format!("SPECTRAL_NM{nm}"))[k]).collect();
         assert!(spectrum.iter().all(|percent| (0.0..=100.0).contains(percent)), "{spectrum:?}");
         let [low, high] =
             [spectrum.iter().copied().fold(1e9, f64::min), spectrum.iter().copied().fold(0.0, f64::max)];

@@ -10,7 +10,7 @@ use super::task::{Estimated, Solved, Task};
 use crate::numerics::estimate::largest;
 use crate::solve::account::{SolveError, Watch};
 use crate::wave::grid::share_cells;
-use crate::wave::{BodyShape, FarField, Grid, Order, Resolution, TotalErrors, WaveError};
+use crate::wave::{BodyShape, FarField, Grid, Order, Resolution, TotalErrors, Unphysical, WaveError};
 
 /// Ratio of the number of points or cells of a coarser companion to that of the result.
 const COMPANION: f64 = 0.8;
@@ -43,15 +43,48 @@ impl Task<'_> {
         resolution: Resolution,
         watch: &mut dyn Watch,
     ) -> Result<Estimated> {
-        let (solved, seconds_setup) = self.solve_from(guess, resolution, watch)?;
-        let far_fields: Vec<FarField> = solved.iter().map(Solved::far_field).collect();
+        let (mut solved, seconds_setup) = self.solve_from(guess, resolution, watch)?;
+        let mut far_fields: Vec<FarField> = solved.iter().map(Solved::far_field).collect();
         let clock = std::time::Instant::now();
         let parts = self.error_parts(&solved, &far_fields, watch)?;
-        let residual = largest(solved.iter().map(|s| s.solution.account.residual));
-        let error_estimate = error_estimate(parts, residual);
-        let far_fields = judged(far_fields, parts, residual)?;
         let seconds_estimate = clock.elapsed().as_secs_f64();
-        Ok(Estimated { solved, far_fields, error_estimate, parts, seconds_setup, seconds_estimate })
+        let mut task = *self;
+        loop {
+            let residual = largest(solved.iter().map(|s| s.solution.account.residual));
+            let error_estimate = error_estimate(parts, residual);
+            let judged = judged(far_fields, parts, residual);
+            let broken = matches!(judged, Err(AccuracyError::Unphysical(Unphysical::OutOfBalance { .. })));
+            let Some(goal) = task.goal.smaller().filter(|_| broken) else {
+                let far_fields = judged?;
+                return Ok(Estimated {
+                    solved,
+                    far_fields,
+                    error_estimate,
+                    parts,
+                    seconds_setup,
+                    seconds_estimate,
+                });
+            };
+            task.goal = goal;
+            solved = task.continued(solved, resolution, watch)?;
+            far_fields = solved.iter().map(Solved::far_field).collect();
+        }
+    }
+
+    /// Solves on from fields already found, to this task's goal.
+    fn continued(
+        &self,
+        solved: Vec<Solved>,
+        resolution: Resolution,
+        watch: &mut dyn Watch,
+    ) -> Result<Vec<Solved>> {
+        let solver = self.admitted(resolution)?;
+        let each = solved.into_iter().map(|Solved { system, solution: before }| {
+            let mut solution = solver.solver().solve_from(&*system, Some(&before.field), self.goal, watch)?;
+            solution.account.follow(&before.account);
+            Ok(Solved { system, solution })
+        });
+        each.collect()
     }
 
     /// Estimated errors due to the grid in the plane and along z, from two companions.

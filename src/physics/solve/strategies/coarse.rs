@@ -26,7 +26,7 @@ const CUT: f64 = 1.3;
 const APPLICATION: f64 = 3600.0;
 
 /// The operator Q, ready to be applied to fields.
-pub(super) struct CoarseSpace {
+pub(super) struct CoarseSpace<S: Real = f32> {
     /// Columns of the harmonics solved exactly, and number of all.
     columns: Vec<usize>,
     harmonics: usize,
@@ -34,18 +34,21 @@ pub(super) struct CoarseSpace {
     bubbles: Vec<Vec<f64>>,
     amplitudes: Vec<Vec<f64>>,
     /// The mean operator on the nodes: diagonal of each, coupling of each with the next.
-    diagonal: Vec<Vec<c32>>,
-    off: Vec<Vec<c32>>,
-    cells: Vec<CoarseCell>,
+    diagonal: Vec<Vec<Complex<S>>>,
+    off: Vec<Vec<Complex<S>>>,
+    cells: Vec<CoarseCell<S>>,
     /// Elimination of the nodes D_j − F_{j−1} D′⁻¹_{j−1} E_{j−1} = D′_j: D′⁻¹ of each node. The
     /// cells apply F and E.
-    pivots: Vec<Mat<c32>>,
+    pivots: Vec<Mat<Complex<S>>>,
 }
 
-impl CoarseSpace {
+impl<S: Real> CoarseSpace<S>
+where
+    Complex<S>: MatrixEntry,
+{
     /// Eliminates cells and nodes from the illuminated face on.
     fn eliminate(&mut self, problem: &Problem) {
-        let mut before: Option<Mat<c32>> = None;
+        let mut before: Option<Mat<Complex<S>>> = None;
         for j in 0..self.diagonal.len() {
             let mut block = cell::contrast_matrix(problem, &self.columns, self.degree() * j);
             add_diagonal(&mut block, &self.diagonal[j]);
@@ -56,14 +59,14 @@ impl CoarseSpace {
             if let Some([first, ..]) = &next {
                 block += first;
             }
-            self.pivots.push(c32::inverse(block.as_ref()));
+            self.pivots.push(Complex::inverse(block.as_ref()));
             before = next.map(|[_, upper, lower, second]| second - lower * (&self.pivots[j] * upper));
         }
     }
 
     /// Eliminates the inner points of the cell behind a node, if there is one, which leaves
     /// couplings of its nodes.
-    fn eliminate_cell(&mut self, problem: &Problem, node: usize) -> Option<[Mat<c32>; 4]> {
+    fn eliminate_cell(&mut self, problem: &Problem, node: usize) -> Option<[Mat<Complex<S>>; 4]> {
         let off = self.off.get(node)?;
         let (cell, mut couplings) = CoarseCell::new(problem, &self.columns, node);
         couplings[1..3].iter_mut().for_each(|coupling| add_diagonal(coupling, off));
@@ -78,25 +81,25 @@ impl CoarseSpace {
     /// Memory held, bytes.
     pub fn bytes(&self) -> usize {
         let nodes = self.pivots.len() * self.columns.len().pow(2);
-        (nodes + self.cells.iter().map(CoarseCell::entries).sum::<usize>()) * size_of::<c32>()
+        (nodes + self.cells.iter().map(CoarseCell::<S>::entries).sum::<usize>()) * size_of::<Complex<S>>()
     }
 
     /// Applies v ← Q v on the harmonics solved exactly; the others stay.
     pub fn apply<T: Real>(&self, v: &mut [Complex<T>]) {
-        let read = |row: &[Complex<T>]| -> Vec<c32> {
-            self.columns.iter().map(|&i| c32::new(row[i].re.wide() as f32, row[i].im.wide() as f32)).collect()
+        let read = |row: &[Complex<T>]| -> Vec<Complex<S>> {
+            self.columns.iter().map(|&i| narrow(Complex::new(row[i].re.wide(), row[i].im.wide()))).collect()
         };
-        let mut field: Vec<Vec<c32>> = v.chunks(self.harmonics).map(read).collect();
+        let mut field: Vec<Vec<Complex<S>>> = v.chunks(self.harmonics).map(read).collect();
         self.solve(&mut field);
         for (p, row) in field.iter().enumerate() {
             for (&i, z) in self.columns.iter().zip(row) {
-                v[p * self.harmonics + i] = narrow(Complex::new(z.re.into(), z.im.into()));
+                v[p * self.harmonics + i] = narrow(Complex::new(z.re.wide(), z.im.wide()));
             }
         }
     }
 
     /// Solves (A + V) u = A w; planes of w are replaced by those of u.
-    fn solve(&self, field: &mut [Vec<c32>]) {
+    fn solve(&self, field: &mut [Vec<Complex<S>>]) {
         let degree = self.degree();
         let mut nodes = self.node_products(field);
         // loads of the bubbles of w on the nodes, the inner points eliminated
@@ -111,16 +114,16 @@ impl CoarseSpace {
         self.solve_nodes(&mut nodes);
         for (j, (cell, inner)) in self.cells.iter().zip(inner).enumerate() {
             let values = cell.expanded(inner, [&nodes[j], &nodes[j + 1]]);
-            let values: Vec<_> = values.chunks(self.columns.len()).map(<[c32]>::to_vec).collect();
+            let values: Vec<_> = values.chunks(self.columns.len()).map(<[Complex<S>]>::to_vec).collect();
             field[degree * j + 1..degree * (j + 1)].clone_from_slice(&combined(&self.amplitudes, &values));
         }
         nodes.into_iter().enumerate().for_each(|(j, row)| field[degree * j] = row);
     }
 
     /// The mean operator's product with the nodes of w.
-    fn node_products(&self, field: &[Vec<c32>]) -> Vec<Vec<c32>> {
+    fn node_products(&self, field: &[Vec<Complex<S>>]) -> Vec<Vec<Complex<S>>> {
         let node = |j: usize| &field[self.degree() * j];
-        let mut out: Vec<Vec<c32>> =
+        let mut out: Vec<Vec<Complex<S>>> =
             self.diagonal.iter().enumerate().map(|(j, diagonal)| product(diagonal, node(j))).collect();
         for (j, off) in self.off.iter().enumerate() {
             for (to, from) in [(j, j + 1), (j + 1, j)] {
@@ -130,32 +133,32 @@ impl CoarseSpace {
         out
     }
 
-    fn solve_nodes(&self, nodes: &mut [Vec<c32>]) {
+    fn solve_nodes(&self, nodes: &mut [Vec<Complex<S>>]) {
         for j in 0..nodes.len() {
             if j > 0 {
                 let [before, here] = nodes.get_disjoint_mut([j - 1, j]).expect("two nodes");
                 self.couple(j - 1, [0, 1], before, here);
             }
             let mut solved = self.none();
-            add_product(&mut solved, 1.0, &self.pivots[j], &nodes[j]);
+            add_product(&mut solved, &self.pivots[j], &nodes[j]);
             nodes[j] = solved;
         }
         for j in (0..self.cells.len()).rev() {
             let [here, after] = nodes.get_disjoint_mut([j, j + 1]).expect("two nodes");
             let mut load = self.none();
             self.couple(j, [1, 0], after, &mut load);
-            add_product(here, 1.0, &self.pivots[j], &load);
+            add_product(here, &self.pivots[j], &load);
         }
     }
 
     /// Subtracts from the load of one node of a cell what the other couples into it.
-    fn couple(&self, cell: usize, [from, to]: [usize; 2], node: &[c32], load: &mut [c32]) {
+    fn couple(&self, cell: usize, [from, to]: [usize; 2], node: &[Complex<S>], load: &mut [Complex<S>]) {
         self.cells[cell].unload(to, &self.cells[cell].reached(from, node), load);
         load.iter_mut().zip(self.off[cell].iter().zip(node)).for_each(|(load, (off, x))| *load -= off * x);
     }
 
-    fn none(&self) -> Vec<c32> {
-        vec![c32::default(); self.columns.len()]
+    fn none(&self) -> Vec<Complex<S>> {
+        vec![Complex::default(); self.columns.len()]
     }
 }
 
@@ -194,7 +197,10 @@ impl<'a> CoarsePlan<'a> {
     }
 
     /// Eliminates.
-    pub fn carried_out(self) -> CoarseSpace {
+    pub fn carried_out<S: Real>(self) -> CoarseSpace<S>
+    where
+        Complex<S>: MatrixEntry,
+    {
         let Self { problem, columns } = self;
         let node = |&i: &usize| problem.mean.node_matrix(i, problem.end_conditions(i));
         let (diagonal, off): (Vec<_>, Vec<_>) = columns.iter().map(node).unzip();
@@ -219,16 +225,19 @@ impl<'a> CoarsePlan<'a> {
 }
 
 /// Node or cell → column.
-fn transposed(table: &[Vec<Complex64>]) -> Vec<Vec<c32>> {
+fn transposed<S: Real>(table: &[Vec<Complex64>]) -> Vec<Vec<Complex<S>>> {
     (0..table[0].len()).map(|j| table.iter().map(|column| narrow(column[j])).collect()).collect()
 }
 
 /// Sums of rows with the factors of each row of a table.
-fn combined(table: &[Vec<f64>], rows: &[Vec<c32>]) -> Vec<Vec<c32>> {
-    let entry = |factors: &[f64], g: usize| factors.iter().zip(rows).map(|(&x, row)| row[g] * x as f32).sum();
+fn combined<S: Real>(table: &[Vec<f64>], rows: &[Vec<Complex<S>>]) -> Vec<Vec<Complex<S>>> {
+    let entry = |factors: &[f64], g: usize| factors.iter().zip(rows).map(|(&x, row)| row[g] * S::of(x)).sum();
     table.iter().map(|factors| (0..rows[0].len()).map(|g| entry(factors, g)).collect()).collect()
 }
 
-fn add_diagonal(matrix: &mut Mat<c32>, diagonal: &[c32]) {
+fn add_diagonal<S: Real>(matrix: &mut Mat<Complex<S>>, diagonal: &[Complex<S>])
+where
+    Complex<S>: MatrixEntry,
+{
     diagonal.iter().enumerate().for_each(|(g, d)| matrix[(g, g)] += d);
 }

@@ -114,6 +114,7 @@ impl Solver for Growing {
         let bytes = self.bytes_of_elimination(problem, size_of_val(flat(&run.field)));
         while !run.ledger.reached() {
             let before = run.ledger.account.residual;
+            let steps = run.ledger.account.steps;
             match run.single {
                 Some(operator) => run.cycle(operator, run.steps(run.restart.min(MOST_SINGLE), bytes))?,
                 None => run.cycle(&Double(problem), run.steps(run.restart, bytes))?,
@@ -124,8 +125,12 @@ impl Solver for Growing {
                 run.solve_strong(bytes)?;
                 continue;
             }
-            if !run.ledger.reached() {
-                run.adapt(self, before)?;
+            if run.ledger.reached() {
+                break;
+            }
+            let steps = run.ledger.account.steps - steps;
+            if run.ledger.exhausted() || !run.eliminate_more(before, steps, bytes) {
+                run.adapt(self, before).or_else(|failure| run.last_resort(failure))?;
             }
         }
         Ok(run.ledger.finish(run.field))

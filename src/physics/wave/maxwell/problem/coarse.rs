@@ -33,6 +33,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// 250 nm, 1 µm, 440 nm, a residual of 1e-3 takes 72 steps with the fourth, 34 with the second and
 /// 16 with 1.15, which costs three times the second's elimination.
 const CUTS: [f64; 6] = [1.1, 1.0, 0.9, 0.8, 0.7, 0.6];
+/// The same where a cheap elimination has not been enough.
+const WIDE_CUTS: [f64; 2] = [1.1, 1.3];
 /// Applications that an elimination may cost before a lower cut is preferred.
 const AMPLE: f64 = 60.0;
 /// Operations of dense elimination that take as long as one unknown's share in one application with
@@ -72,6 +74,12 @@ impl VectorCoarsePlan {
             last = Some(plan);
         }
         last
+    }
+
+    /// The next plan with more harmonics that holds at most `bytes`, whatever it costs.
+    pub fn wider(&self, problem: &VectorProblem, bytes: f64) -> Option<Self> {
+        let plans = WIDE_CUTS.iter().map(|&cut| Self::new(problem, cut));
+        plans.filter(|plan| plan.bytes() <= bytes).find(|plan| plan.columns.len() > self.columns.len())
     }
 
     /// The harmonics below `cut` times the wavenumber in the densest medium.
