@@ -321,7 +321,7 @@ class Lines(InFolder):
 
 
 class Orphans(InFolder):
-    @unittest.skipIf(sys.platform == "win32", "processes of Unix")
+    @unittest.skipUnless(sys.platform == "linux", "reads /proc")
     def test_a_kernel_that_is_killed_leaves_no_program_at_work(self):
         script = ("import sys; sys.path.insert(0, sys.argv[1]); import inkwave as iw\n"
                   "iw.run(iw.Layer(1.0, pigments=[iw.Pigment(d_nm=200, share=0.3, index='yellow')]), 'endless', realisations=4000, accuracy=1e-3)")
@@ -330,21 +330,36 @@ class Orphans(InFolder):
             deadline = time.monotonic() + 120
             while not folder.exists() and time.monotonic() < deadline:
                 time.sleep(0.2)
-            (child,) = subprocess.run(["ps", "-o", "pid=", "--ppid", str(kernel.pid)], capture_output=True, encoding="utf-8").stdout.split()
+            (child,) = (pid for pid, parent in _parents() if parent == kernel.pid)
             kernel.kill()
         deadline = time.monotonic() + 120
         while _runs(child) and time.monotonic() < deadline:
             time.sleep(0.2)
         left = _runs(child)
         if left:
-            os.kill(int(child), signal.SIGKILL)
+            os.kill(child, signal.SIGKILL)
         self.assertFalse(left)
+
+
+def _stat(pid):
+    """State and parent of a process; None where there is none."""
+    try:
+        state, parent = pathlib.Path("/proc", str(pid), "stat").read_text().rpartition(")")[2].split()[:2]
+    except OSError:
+        return None
+    return state, int(parent)
+
+
+def _parents():
+    """All processes with their parents."""
+    pids = [int(path.name) for path in pathlib.Path("/proc").iterdir() if path.name.isdigit()]
+    return [(pid, stat[1]) for pid in pids if (stat := _stat(pid))]
 
 
 def _runs(pid):
     """Whether a process is there and at work."""
-    state = subprocess.run(["ps", "-o", "stat=", "-p", str(pid)], capture_output=True, encoding="utf-8").stdout.strip()
-    return bool(state) and not state.startswith("Z")
+    stat = _stat(pid)
+    return stat is not None and stat[0] not in "ZX"
 
 
 class Mistakes(InFolder):
