@@ -4,6 +4,7 @@ import csv
 import importlib
 import json
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -242,6 +243,38 @@ def spectrum_error(row, known):
     return max(abs(column(nm) - r) for nm, r in known.items() if nm % 10 == 0)
 
 
+def check_prints():
+    """Characterisation sets: read by Argyll's txt2ti3, and made into an ICC profile by colprof where they are of process inks."""
+    for path in sorted(EXPORT.glob("prints*.cgats")):
+        if not shutil.which("txt2ti3"):
+            return print("SKIPPED: no txt2ti3 of Argyll")
+        rows = argyll_rows(path)
+        device = [field for field in rows[0] if field.startswith("CMYK_")]
+        with tempfile.TemporaryDirectory() as scratch:
+            base = pathlib.Path(scratch) / "set"
+            # it knows CMYK and RGB alone
+            if not device:
+                print(f"SKIPPED: {path.name} is of other inks than cyan, magenta, yellow and black")
+                continue
+            done = subprocess.run(["txt2ti3", path, base], capture_output=True, text=True)
+            read = argyll_rows(base.with_suffix(".ti3")) if done.returncode == 0 else []
+            claim(f"{path.name}: prints that txt2ti3 leaves out", abs(len(read) - len(rows)), 0)
+            if not read:
+                print(done.stdout, done.stderr)
+                continue
+            names = [*device, "LAB_L", "LAB_A", "LAB_B"]
+            apart = max(abs(float(a[name]) - float(b[name])) for a, b in zip(read, rows) for name in names)
+            claim(f"{path.name}: inks and Lab as txt2ti3 reads them, largest difference", apart, 1e-3)
+            claim(f"{path.name}: bands of its spectra that txt2ti3 leaves out",
+                  sum(name.startswith("SPECTRAL_NM") for name in rows[0]) - sum(name.startswith("SPEC_") for name in read[0]), 0)
+            # a profile needs more prints than its smallest grid has places
+            if len(rows) < 60:
+                continue
+            done = subprocess.run(["colprof", "-v", "-ql", "-bn", base], capture_output=True, text=True)
+            error = re.search(r"avg err = ([0-9.]+)", done.stdout + done.stderr)
+            claim(f"{path.name}: mean distance of the profile that colprof makes from its prints", float(error[1]) if error else 9.0, 1.0)
+
+
 def check_arrays(np):
     f = np.load(EXPORT / "far-fields.npz")
     first, r, t = f["solve_first_order"], f["order_reflected_efficiency"], f["order_transmitted_efficiency"]
@@ -289,6 +322,7 @@ def main():
         check_patch(mi, np)
         render(mi)
     check_cxf(np)
+    check_prints()
     check_arrays(np)
     check_provenance()
     print(f"{len(FAILURES)} checks failed" if FAILURES else "all checks that could run hold")

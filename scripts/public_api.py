@@ -12,6 +12,7 @@ import json
 import os
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -22,12 +23,17 @@ CRATES = ["inkwave-numerics", "inkwave-physics", "inkwave-study", "inkwave-draw"
 def documented():
     """Rustdoc's JSON of all crates, made together, as their features are those of the workspace."""
     flags = "-Zunstable-options --output-format json"
-    subprocess.run(
-        ["cargo", "doc", "--quiet", "--workspace", "--no-deps", "--lib"],
-        cwd=ROOT,
-        env={**os.environ, "RUSTC_BOOTSTRAP": "1", "RUSTDOCFLAGS": flags},
-        check=True,
-    )
+    with tempfile.TemporaryDirectory() as scratch:
+        # For rustdoc alone: dependencies that see RUSTC_BOOTSTRAP are built anew.
+        rustdoc = Path(scratch, "rustdoc")
+        rustdoc.write_text(f'#!/bin/sh\nRUSTC_BOOTSTRAP=1 exec {os.environ.get("RUSTDOC", "rustdoc")} "$@"\n')
+        rustdoc.chmod(0o755)
+        subprocess.run(
+            ["cargo", "doc", "--quiet", "--workspace", "--no-deps", "--lib"],
+            cwd=ROOT,
+            env={**os.environ, "RUSTDOC": str(rustdoc), "RUSTDOCFLAGS": flags},
+            check=True,
+        )
     folder = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "doc"
     return [json.loads((folder / f"{crate.replace('-', '_')}.json").read_text()) for crate in CRATES]
 

@@ -1,7 +1,7 @@
 //! What tonight has changed against the last night, for the top of the report.
 
 use crate::Judged;
-use crate::claim::short;
+use crate::claim::{has_changed, short};
 use crate::history::Night;
 use serde::Serialize;
 
@@ -48,28 +48,11 @@ fn differences(judged: &Judged, night: &Night) -> Vec<(u8, String)> {
         let words = if measured.holds() { "holds again" } else { "fails; it held the last time" };
         found.push((0, format!("{id} {words}")));
     }
-    if changed(margin, night.margin, SAME_MARGIN) {
+    if has_changed(margin, night.margin, SAME_MARGIN) {
         found.push((2, format!("{id}: margin {} after {}", short(margin), short(night.margin))));
     }
-    if seconds.max(night.seconds) > 1.0 && changed(seconds, night.seconds, SAME_TIME) {
+    if seconds.max(night.seconds) > 1.0 && has_changed(seconds, night.seconds, SAME_TIME) {
         found.push((3, format!("{id}: {} s after {} s", short(seconds), short(night.seconds))));
     }
     found
-}
-
-fn changed(now: f64, before: f64, factor: f64) -> bool {
-    let ratio = now / before;
-    ratio.is_finite() && !(1.0 / factor..=factor).contains(&ratio)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::changed;
-
-    #[test]
-    fn small_changes_are_none() {
-        assert!(!changed(1.1, 1.0, 1.2) && !changed(0.9, 1.0, 1.2));
-        assert!(changed(1.3, 1.0, 1.2) && changed(0.7, 1.0, 1.2));
-        assert!(!changed(f64::NAN, 1.0, 1.2) && !changed(f64::INFINITY, 1.0, 1.2));
-    }
 }

@@ -103,6 +103,12 @@ pub fn short(value: f64) -> String {
     }
 }
 
+/// Whether a number differs from an earlier one by more than a factor, either way; not where a ratio means nothing.
+pub fn has_changed(now: f64, before: f64, factor: f64) -> bool {
+    let ratio = now / before;
+    ratio.is_finite() && !(1.0 / factor..=factor).contains(&ratio)
+}
+
 /// One number with its bound and the reason for it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Check {

@@ -1,7 +1,7 @@
 //! Made-up results that tests of the library's last folders draw and write.
 
+use inkwave::appearance::film::Profile;
 use inkwave::appearance::paper::{Albedo, Coupling, Substrate};
-use inkwave::evaluate::film::Profile;
 use inkwave::evaluate::films::Films;
 use inkwave::evaluate::ink::{InkInputs, InkOnPaper};
 use inkwave::material::mixing::molecular_mixture;

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import copy
 import dataclasses
+import difflib
 import json
 import math
 import os
@@ -15,6 +16,8 @@ from dataclasses import dataclass, field
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Sequence, Union
 
 import numpy as np
+
+from ._program import InputError
 
 __all__ = ["Layer", "Pigment", "material"]
 
@@ -110,6 +113,9 @@ class Layer:
         return with_settings(found, settings)
 
 
+# Tables and lists of a study file.
+_TABLES = ("title", "layer", "stack", "pigment", "packing", "paper", "dots", "area", "ink", "light", "angles", "run", "resolution", "solver",
+           "output", "colour", "compare", "number")
 # Short words for keys of a study.
 _SETTINGS = {
     "paper": ("paper", "albedo"), "delta_e": ("run", "target_delta_e"), "realisations": ("run", "realisations"),
@@ -127,6 +133,11 @@ def with_settings(study: Dict[str, Any], settings: Mapping[str, Any]) -> Dict[st
     """
     study = copy.deepcopy(study)
     for name, value in settings.items():
+        if name not in _SETTINGS and name not in _TABLES and name not in study:
+            near = difflib.get_close_matches(name, [*_SETTINGS, *_TABLES], 1)
+            hint = f"did you mean {near[0]}?" if near else "other keys stand in their tables, such as angles={\"count\": 3}"
+            raise InputError(f"{name}: found an unknown key; allowed: {', '.join(_SETTINGS)}, and the tables "
+                             f"{', '.join(_TABLES)}\n  help: {hint}")
         if name in _SETTINGS and not isinstance(value, Mapping):
             table, key = _SETTINGS[name]
             study.setdefault(table, {})

@@ -97,7 +97,7 @@ class _Flux(NamedTuple):
 
         def of(m: np.ndarray, f: Any) -> np.ndarray:
             values, vectors = np.linalg.eigh(m)
-            return (vectors * f(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2)
+            return np.asarray((vectors * f(values)[..., None, :]) @ np.swapaxes(vectors, -1, -2))
 
         r, t = even(self.ra), even(self.tab)
         y = of(r + t, lambda c: np.maximum((1 - c) / np.maximum(1 + c, _LEAST), 0))
@@ -154,7 +154,7 @@ class _Film(NamedTuple):
 
 def _normal(index: Any, sine: np.ndarray) -> np.ndarray:
     root = np.sqrt(np.asarray(index * index - sine * sine, complex))
-    return np.where(root.imag < 0, -root, root)
+    return np.asarray(np.where(root.imag < 0, -root, root))
 
 
 def _plane(before: Any, behind: Any, sine: np.ndarray, p: int) -> _Film:
@@ -540,7 +540,7 @@ class Library:
         depth = {"front": 0.0, "inner": 0.5, "whole": 0.5, "back": 1.0}[portion.position]
 
         def phase(sine: np.ndarray) -> np.ndarray:
-            return k0 * _normal(index, sine) * um
+            return np.asarray(k0 * _normal(index, sine) * um)
 
         def even(sine: np.ndarray, passed: Any) -> _Film:
             way = np.exp(1j * phase(sine) + passed)
@@ -679,7 +679,7 @@ class Library:
         white = eyes.sum(1)
 
         def xyz(name: str) -> np.ndarray:
-            return np.einsum("jw,jwc->jc", values[name], eyes)
+            return np.asarray(np.einsum("jw,jwc->jc", values[name], eyes))
 
         found = dict(values)
         found["lab_natural_light"] = lab(xyz("natural_light"), white)
@@ -782,7 +782,7 @@ class _Optics:
                     lost = (1 - r - t) @ of_loss
                     shares = [x[some][..., self.kept] for x in self.shares[side][pol]]
                     out[side][pol].append(tuple(x @ quadrature + (share * lost).sum(-1) for x, share in zip((r, t), shares)))
-        return [[tuple(np.concatenate(x) for x in zip(*of_pol)) for of_pol in of_side] for of_side in out]
+        return [[(np.concatenate([r for r, _ in of_pol]), np.concatenate([t for _, t in of_pol])) for of_pol in of_side] for of_side in out]
 
     def _lobes(self, fields: List[Tuple[_Film, _Film]], side: int, pol: int, kind: int) -> Tuple[np.ndarray, np.ndarray]:
         return _passive(fields[pol][kind], side)
@@ -921,7 +921,7 @@ def _on_paper(library: Library, jobs: Sequence[_Job], solid: Dict[str, np.ndarra
     def on(value: Any, seen: np.ndarray) -> np.ndarray:
         """What the paper returns of light at 0°, as `seen` from in front."""
         returns = _ratio(1 - value * back, 1 - value * reflected)
-        return returns * seen * value * solid["entering"] / (1 - value * back)
+        return np.asarray(returns * seen * value * solid["entering"] / (1 - value * back))
 
     through = solid["through_normal"] * solid["through_45"]
     found = {"reflectance_normal": solid["reflectance"], "transmittance_normal": solid["transmittance"],
@@ -1026,10 +1026,11 @@ def _fluorescence(given: Mapping[str, Any], from_nm: float, where: str) -> Tuple
         active = _active(excitation[:, 1] > 0)
 
         def absorbed(nm: np.ndarray) -> np.ndarray:
-            return np.interp(nm, *excitation.T, left=0.0, right=0.0)
+            return np.asarray(np.interp(nm, excitation[:, 0], excitation[:, 1], left=0.0, right=0.0))
 
         def kernel(to: np.ndarray, of: np.ndarray) -> np.ndarray:
-            return scale * np.interp(to, *emission.T, left=0.0, right=0.0) * absorbed(of) * of / to
+            shape = np.interp(to, emission[:, 0], emission[:, 1], left=0.0, right=0.0)
+            return np.asarray(scale * shape * absorbed(of) * of / to)
 
         excited = excitation[active, 0]
     elif set(given) == {"excitation_nm", "emission_nm", "factors"}:
@@ -1047,7 +1048,7 @@ def _fluorescence(given: Mapping[str, Any], from_nm: float, where: str) -> Tuple
         def kernel(to: np.ndarray, of: np.ndarray) -> np.ndarray:
             across = np.array([np.interp(np.ravel(of), light, row, left=0.0, right=0.0) for row in factors])
             down = np.array([np.interp(np.ravel(to), sent, column, left=0.0, right=0.0) for column in across.T])
-            return down.T / widths[0]
+            return np.asarray(down.T / widths[0])
 
         excited = light[(factors != 0).any(0)]
     else:
@@ -1060,7 +1061,7 @@ def _fluorescence(given: Mapping[str, Any], from_nm: float, where: str) -> Tuple
 
 def _active(there: np.ndarray) -> np.ndarray:
     """Rows that are not 0, and their neighbours."""
-    return there | np.r_[there[1:], False] | np.r_[False, there[:-1]]
+    return np.asarray(there | np.r_[there[1:], False] | np.r_[False, there[:-1]])
 
 
 def _matrix(kernel: Any, nm: np.ndarray) -> np.ndarray:
@@ -1152,7 +1153,7 @@ def _bessel_1(x: np.ndarray) -> np.ndarray:
     far = np.sqrt(2 / (math.pi * np.maximum(x, 40.0))) * (p * np.cos(phase) - q * np.sin(phase))
     tau = 2 * math.pi * (np.arange(104) + 0.5) / 104
     near = np.cos(tau - np.minimum(x, 40.0)[:, None] * np.sin(tau)).mean(-1)
-    return np.where(x > 40.0, far, near)
+    return np.asarray(np.where(x > 40.0, far, near))
 
 
 def lab(xyz: np.ndarray, white: np.ndarray) -> np.ndarray:

@@ -163,7 +163,7 @@ def _own_group() -> Dict[str, Any]:
 
 @contextlib.contextmanager
 def _started(command: List[str]) -> Iterator["subprocess.Popen[str]"]:
-    environment = {"INKWAVE_PROGRESS_SECONDS": "1", **os.environ, "NO_COLOR": "1"}
+    environment = {"INKWAVE_PROGRESS_SECONDS": "1", **os.environ, "NO_COLOR": "1", "INKWAVE_ENDS_WITH_PARENT": "1"}
     for name in ("CLICOLOR_FORCE", "FORCE_COLOR"):
         environment.pop(name, None)
     child = subprocess.Popen(

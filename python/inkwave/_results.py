@@ -178,6 +178,9 @@ class Ink(_Folder):
             picture.imshow(pyplot.imread(self.picture))
             picture.axis("off")
         table = self.spectra.where(polar_deg=0) if "polar_deg" in self.spectra else self.spectra
+        asked = {colour.thickness_um for colour in self.colours} - {None}
+        if asked and "thickness_um" in table:  # the others are there to find the thickness that hides
+            table = table._like({name: column[np.isin(table["thickness_um"], list(asked))] for name, column in table._columns.items()})
         first = next((name for name in ("natural_light", "reflectance") if name in table and np.isfinite(table[name]).any()), None)
         return table.plot(*(names or ([first] if first else [])), x="wavelength_nm", ax=ax)
 
@@ -226,6 +229,11 @@ class Sweep(Table, _Folder):
         super().__init__(columns, index=self.axes, units=table.units, coverage_factor=same, title=str(outline["title"]), descriptions={
             **table.descriptions, "coverage_factor_95": "factor that makes half of a 95 % interval of a standard error"})
 
+    def _told(self) -> List[str]:
+        """Axes and colours first: what a sweep is made for, before the account of its work."""
+        first = [name for name in (*self.axes, "L", "a", "b", "variant") if name in self]
+        return first + [name for name in self if name not in first]
+
     def _factor(self, name: str) -> Optional[float]:
         path = self.folder / "variants" / name / "results.json"
         found = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
@@ -252,8 +260,9 @@ class Sweep(Table, _Folder):
             if not path.exists():
                 continue
             table = read_table(path, coverage_factor=self.coverage_factor)
-            place = {name: np.full(table.n_rows, row[name]) for name in ["variant", *self.axes, "coverage_factor_95"]}
-            parts.append(Table({**place, **table}, index=[*self.axes, *table.index], units={**self.units, **table.units},
+            place = {name: np.full(table.n_rows, row[name]) for name in [*self.axes, "variant", "coverage_factor_95"]}
+            first = {name: place.pop(name) for name in self.axes}
+            parts.append(Table({**first, **table, **place}, index=[*self.axes, *table.index], units={**self.units, **table.units},
                                descriptions={**self.descriptions, **table.descriptions}, title=self.title))
         if not parts:
             return Table({}, title=self.title)
@@ -355,6 +364,12 @@ def export(folder: Path, *formats: str, output: Optional[Path] = None) -> pathli
     return pathlib.Path(output or pathlib.Path(folder) / "export")
 
 
-def read(folder: Path) -> Ink:
-    """Reads a folder written by `inkwave run`, or a variant of a sweep, without solving anything."""
-    return Ink(folder)
+def read(folder: Path) -> Any:
+    """Reads a folder of results without solving anything: an `Ink`, or a `Sweep`, `Fit` or `Design`, as the folder holds."""
+    place = pathlib.Path(folder)
+    kinds = {"results.json": Ink, "sweep.json": Sweep, "fit.json": Fit, "design.json": Design}
+    for name, kind in kinds.items():
+        if (place / name).exists():
+            return kind(place)
+    raise FileNotFoundError(f"{os.fspath(folder)} holds no results: give the folder that run, sweep, fit or design wrote "
+                            f"({', '.join(kinds)})" if place.is_dir() else f"{os.fspath(folder)} is no folder")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import itertools
 import json
 import os
@@ -11,8 +12,8 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
 
 import numpy as np
 
-from ._files import Path, plain
-from ._program import call
+from ._files import Layer, Path, input_file, plain
+from ._program import InputError, call
 from ._tables import Table
 
 __all__ = ["Scan", "solve"]
@@ -24,6 +25,9 @@ _WAVELENGTHS = ("wavelength", "wavelength_nm", "wavelength_um")
 _ANGLES = ("sigma_deg", "phi_deg")
 _KEYS = {"wavelength", "wavelength_nm", "wavelength_um", "sigma_deg", "phi_deg", "from", "directions", "L", "Ly", "H", "n_in", "n_out", "eta_in",
          "eta_out", "eta_binder", "note", "spheres", "cylinders", "bodies", "layers_from_z0", "sublayers_from_z0", *WORDS}
+# Options of the command line.
+_FLAGS = ("accuracy", "solver", "nxy", "nz", "tolerance", "wave", "scheme", "constant_mean", "real_mean", "memory_gb", "export_operator", "gradient",
+          "realisation", "wavelength_nm", "polar_deg", "snap", "illuminated_um", "illuminated_step_deg")
 _WAVES = {"scalar": "scalar", "vector": "vector", "s": "vector", "p": "vector", "unpolarised": "vector"}
 
 
@@ -33,12 +37,13 @@ class Scan(Table):
     solves: List[Dict[str, Any]]
 
 
-def solve(case: Union[Mapping[str, Any], Path, None] = None, accuracy: Optional[float] = None, *, wave: Optional[str] = None,
+def solve(case: Union[Mapping[str, Any], Path, Layer, None] = None, accuracy: Optional[float] = None, *, wave: Optional[str] = None,
           **options: Any) -> Any:
     """One solve of an explicit geometry: totals, error estimate, and the orders as arrays; or a scan of several.
 
     `case` is a dictionary as in `inkwave solve CASE.json` (lengths in µm, angles in degrees), or the path of such a file; its keys may
-    be words here, too. Indices are numbers, complex numbers or [re, im]; arrays are NumPy's or lists. A list of wavelengths or
+    be words here, too. Of a study (a `Layer` or its dictionary) one packing is solved, `realisation=1` unless another is given, at its first
+    wavelength and angle unless `wavelength_nm` and `polar_deg` are given. Indices are numbers, complex numbers or [re, im]; arrays are NumPy's or lists. A list of wavelengths or
     angles, or of `directions` (dictionaries with `polar_deg`, `azimuth_deg` and `from`), gives a `Scan`; the directions of a wavelength are
     solved on one grid, at a fraction of the cost of single solves. `wave` is "scalar", "vector", "s", "p" or "unpolarised", as in studies: with "vector" amplitudes are
     `far["orders"]["R"]["s"]["p"]` and so on, with "s" or "p" those of that incident light, and "unpolarised" takes the mean of the
@@ -54,6 +59,12 @@ def solve(case: Union[Mapping[str, Any], Path, None] = None, accuracy: Optional[
     ([400, 500, 600, 700], True)
     """
     inputs, flags = _separated(options)
+    if isinstance(case, Layer) or case is not None and "realisation" in flags or isinstance(case, Mapping) and {"layer", "pigment"} & set(case):
+        light: Dict[str, Any] = {name: inputs.pop(name) for name in ("wavelength_nm", "polar_deg") if name in inputs}
+        if inputs:
+            raise TypeError(f"{', '.join(inputs)}: keys of a case beside a study; change the study, for example by `with_`")
+        with input_file(case, {}, "study") as path:
+            return _solved(path, accuracy, wave, {"realisation": 1, **light, **flags})
     if isinstance(case, Mapping):
         inputs = {**case, **inputs}
     elif case is not None:
@@ -103,6 +114,12 @@ def _separated(options: Mapping[str, Any]) -> Tuple[Dict[str, Any], Dict[str, An
     """Keys of a case, and options of the command line."""
     inputs = {name: value for name, value in options.items() if name.rstrip("_") in _KEYS}
     flags = {name: value for name, value in options.items() if name not in inputs}
+    for name in flags:
+        if name not in _FLAGS:
+            near = difflib.get_close_matches(name, [*WORDS, *sorted(_KEYS), *_FLAGS], 1)
+            hint = f"did you mean {near[0]}?" if near else "grains and films are keys of a case: `inkwave schema case --annotated`"
+            raise InputError(f"{name}: found an unknown key; allowed: {', '.join(sorted(_KEYS))}, and the options {', '.join(_FLAGS)}"
+                             f"\n  help: {hint}")
     return {name.rstrip("_"): value for name, value in inputs.items()}, flags
 
 

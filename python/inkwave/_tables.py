@@ -188,9 +188,13 @@ class Table(Mapping[str, np.ndarray]):
         return f"{name} [{self.units[name]}]" if self.units.get(name) else name
 
     def _cells(self, most_rows: int, most_columns: int) -> Tuple[List[str], List[List[str]]]:
-        names = [name for name in self._columns if self._columns[name].ndim == 1][:most_columns]
+        names = [name for name in self._told() if self._columns[name].ndim == 1][:most_columns]
         cells = [[_cell(self._columns[name][i]) for name in names] for i in range(min(self.n_rows, most_rows))]
         return [self._head(name) for name in names], cells
+
+    def _told(self) -> List[str]:
+        """Names of the columns in the order in which they are shown."""
+        return list(self._columns)
 
     def _summary(self) -> str:
         errors = any(name.endswith("_error") for name in self._columns)
@@ -214,16 +218,28 @@ class Table(Mapping[str, np.ndarray]):
         return f"<p>{html.escape(self._summary())}</p><table><tr>{head}</tr>{body}</table>"
 
     def plot(self, *names: str, x: Optional[str] = None, ax: Any = None) -> Any:
-        """Columns against `x`, bars are 95 % intervals; returns matplotlib's axes."""
+        """Columns against `x`, a line for all rows that differ in `x` alone, bars are 95 % intervals; returns matplotlib's axes."""
         ax = ax or _needed("matplotlib.pyplot").subplots()[1]
         x = x or (self.index[-1] if self.index else next(iter(self._columns)))
-        for name in names or [name for name in self._columns if name + _ERROR in self._columns][:1]:
-            half = self.error(name) * (self.coverage_factor or 1.0)
-            ax.errorbar(self[x], self[name], yerr=np.nan_to_num(half), capsize=2, marker="o", markersize=3, label=name)
+        shown = names or tuple(name for name in self._columns if name + _ERROR in self._columns)[:1]
+        for name in shown:
+            for label, part in self._lines(x):
+                half = part.error(name) * (self.coverage_factor or 1.0)
+                told = ", ".join([name, label] if label and len(shown) > 1 else [label or name])
+                ax.errorbar(part[x], part[name], yerr=np.nan_to_num(half), capsize=2, marker="o", markersize=3, label=told)
         ax.set_xlabel(self._head(x))
+        if len(shown) == 1:
+            ax.set_ylabel(self._head(shown[0]))
         ax.set_title(self.title)
         ax.legend()
         return ax
+
+
+    def _lines(self, x: str) -> Iterator[Tuple[str, "Table"]]:
+        """The rows that differ in `x` alone, and what tells them from the others."""
+        others = [name for name in self.index if name != x and len(np.unique(self[name])) > 1]
+        for place in dict.fromkeys(zip(*(self[name].tolist() for name in others))) if others else [()]:
+            yield ", ".join(f"{self._head(name)} {_cell(value)}" for name, value in zip(others, place)), self.where(**dict(zip(others, place)))
 
 
 def _cell(value: Any) -> str:

@@ -126,10 +126,9 @@ def sweep_table(study: Study, axes: Optional[Mapping[str, Sequence[Any]]], words
     lists = {name: value for name, value in words.items() if name in _FIELDS and np.ndim(value) == 1}
     settings = {name: value for name, value in words.items() if name not in lists}
     base = table_of(study, settings)
-    title = base.get("title")
     rows = [{"name": name, "field": _FIELDS[name], "values": list(values)} for name, values in lists.items()]
     rows += [{"field": field, "values": list(values)} for field, values in (axes or {}).items()]
-    return {**({} if title is None else {"title": title}), "base": base, "axis": rows}
+    return {**_title(base), "base": base, "axis": rows}
 
 
 Card = Union[str, "os.PathLike[str]", Tuple[Path, float], Mapping[str, Any]]
@@ -152,9 +151,13 @@ def fit(study: Study, output: Optional[Path] = None, *, white: Optional[Card] = 
     if cards or words or isinstance(study, Layer):
         own = {name: value for name, value in words.items() if name in _FIT_KEYS}
         base = table_of(study, {name: value for name, value in words.items() if name not in own})
-        table = {"base": base, "measured": [_card(card) for card in cards], **({"fit": own} if own else {})}
+        table = {**_title(base), "base": base, "measured": [_card(card) for card in cards], **({"fit": own} if own else {})}
     folder, _ = _worked("fit", table, {}, output, jobs=jobs, memory_gb=memory_gb, progress=progress)
     return Fit(folder)
+
+
+def _title(base: Mapping[str, Any]) -> Dict[str, Any]:
+    return {"title": base["title"]} if "title" in base else {}
 
 
 def _card(card: Card) -> Dict[str, Any]:
@@ -180,7 +183,7 @@ def design(study: Study, output: Optional[Path] = None, *, target: Union[Sequenc
         base = table_of(study, {name: value for name, value in words.items() if name not in own})
         goal = {} if target is None else dict(target) if isinstance(target, Mapping) else {"lab": list(target)}
         ranges = [{"field": _FIELDS.get(name, name), "from": low, "to": high} for name, (low, high) in (vary or {}).items()]
-        table = {"base": base, "target": goal, "vary": ranges, **({"design": own} if own else {})}
+        table = {**_title(base), "base": base, "target": goal, "vary": ranges, **({"design": own} if own else {})}
     try:
         folder, _ = _worked("design", table, {}, output, jobs=jobs, memory_gb=memory_gb, progress=progress)
     except InkwaveError as error:  # how near it comes is an answer, too

@@ -25,7 +25,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "python"))
 
 import inkwave as iw  # noqa: E402
-from inkwave import _files, _program, _strategies, adapter  # noqa: E402
+from inkwave import _files, _program, _solve, _strategies, adapter  # noqa: E402
 
 # Tests change folders.
 os.environ["INKWAVE"] = os.path.abspath(iw.program())
@@ -106,6 +106,12 @@ class Solves(InFolder):
         self.assertEqual(iw.solve(arrays, accuracy=np.float64(1e-2), snap=False)["R_total"], whole)
         self.assertEqual(iw.solve(CASE, 1e-2)["R_total"], whole)
         self.assertAlmostEqual(iw.solve(**words, accuracy=1e-2)["R_total"], whole, places=12)
+
+    def test_a_packing_of_a_study_is_solved_as_the_command_line_does(self):
+        pathlib.Path("ink.toml").write_text(_files.toml(_files.plain(INK.study(**QUICK))), encoding="utf-8")
+        of_file = iw.solve("ink.toml", realisation=1, wavelength_nm=550, nxy=16, nz=8)
+        self.assertEqual(iw.solve(INK.study(**QUICK), wavelength_nm=550, nxy=16, nz=8)["R_total"], of_file["R_total"])
+        self.assertNotEqual(iw.solve(INK.study(**QUICK), wavelength_nm=550, realisation=2, nxy=16, nz=8)["R_total"], of_file["R_total"])
 
     def test_words_for_waves_are_those_of_studies(self):
         oblique = {**CASE, "sigma_deg": 40}
@@ -280,7 +286,7 @@ class Fits(InFolder):
             self.assertEqual(len(axes[0].lines), 2)
 
     def test_a_design_that_misses_its_target_says_how_near_it_comes(self):
-        settings = {**QUICK, "run": {"realisations": 6}, "verifications": 1, "delta_e": 0.05}
+        settings = {**QUICK, "run": {"realisations": 6}, "verifications": 1, "variants": 6, "delta_e": 0.05}
         del settings["realisations"]
         with self.assertWarnsRegex(iw.InkwaveWarning, "the target is not reached"):
             design = iw.design(INK, "designed", target=(80, 30, 20), vary={"share": (0.05, 0.2)}, **settings)
@@ -296,6 +302,64 @@ class Fits(InFolder):
             iw.fit(INK, white=("w.csv", 0.85), noise=0.003)
         with self.assertRaisesRegex(iw.InputError, "target"):
             iw.design(INK, target=(300, 0, 0), vary={"d_nm": (140, 300)})
+
+
+class Lines(InFolder):
+    def test_a_plot_has_a_line_for_all_rows_that_differ_in_x_alone(self):
+        table = iw.Table({"thickness_um": [1, 1, 2, 2], "wavelength_nm": [400, 500, 400, 500], "R": [0.1, 0.2, 0.3, 0.4]},
+                         index=["thickness_um", "wavelength_nm"], units={"thickness_um": "µm"})
+        lines = [(label, part["R"].tolist()) for label, part in table._lines("wavelength_nm")]
+        self.assertEqual(lines, [("thickness_um [µm] 1", [0.1, 0.2]), ("thickness_um [µm] 2", [0.3, 0.4])])
+        self.assertEqual([label for label, _ in table.where(thickness_um=1)._lines("wavelength_nm")], [""])
+
+    def test_a_composed_layer_is_drawn_at_the_thicknesses_asked_for(self):
+        if not have("matplotlib"):
+            self.skipTest("no matplotlib")
+        importlib.import_module("matplotlib").use("Agg")
+        ax = iw.read(ROOT / "reports/white-paint").plot()
+        self.assertEqual([text.get_text() for text in ax.get_legend().get_texts()], [f"thickness_um [µm] {um}" for um in (10, 20, 30)])
+
+
+class Orphans(InFolder):
+    @unittest.skipUnless(sys.platform == "linux", "reads /proc")
+    def test_a_kernel_that_is_killed_leaves_no_program_at_work(self):
+        script = ("import sys; sys.path.insert(0, sys.argv[1]); import inkwave as iw\n"
+                  "iw.run(iw.Layer(1.0, pigments=[iw.Pigment(d_nm=200, share=0.3, index='yellow')]), 'endless', realisations=4000, accuracy=1e-3)")
+        with subprocess.Popen([sys.executable, "-c", script, str(ROOT / "python")]) as kernel:
+            folder = pathlib.Path("endless/records")
+            deadline = time.monotonic() + 120
+            while not folder.exists() and time.monotonic() < deadline:
+                time.sleep(0.2)
+            (child,) = (pid for pid, parent in _parents() if parent == kernel.pid)
+            kernel.kill()
+        deadline = time.monotonic() + 120
+        while _runs(child) and time.monotonic() < deadline:
+            time.sleep(0.2)
+        left = _runs(child)
+        if left:
+            os.kill(child, signal.SIGKILL)
+        self.assertFalse(left)
+
+
+def _stat(pid):
+    """State and parent of a process; None where there is none."""
+    try:
+        state, parent = pathlib.Path("/proc", str(pid), "stat").read_text().rpartition(")")[2].split()[:2]
+    except OSError:
+        return None
+    return state, int(parent)
+
+
+def _parents():
+    """All processes with their parents."""
+    pids = [int(path.name) for path in pathlib.Path("/proc").iterdir() if path.name.isdigit()]
+    return [(pid, stat[1]) for pid in pids if (stat := _stat(pid))]
+
+
+def _runs(pid):
+    """Whether a process is there and at work."""
+    stat = _stat(pid)
+    return stat is not None and stat[0] not in "ZX"
 
 
 class Mistakes(InFolder):
@@ -318,6 +382,16 @@ class Mistakes(InFolder):
         self.assertIn("did you mean diameter_nm", message)
         self.refused("papr.*unknown key", lambda: iw.run(INK, "x", papr=0.9))
         self.refused("eta_bindr", lambda: iw.solve({**CASE, "eta_bindr": 1.5}))
+        # words of the call are judged before the program is: with what is near
+        self.refused("realizations.*did you mean realisations", lambda: iw.run(INK, "x", realizations=4))
+        self.refused("indx.*did you mean index", lambda: iw.solve(wavelength_nm=550, thickness_um=0.3, indx=1.5))
+
+    def test_words_and_options_are_those_of_the_program(self):
+        said = self.refused("unknown key", lambda: iw.run({"layr": {}}, "x"))
+        allowed = re.search("allowed: (.*?)\n *╭", re.sub(r"\n +│", "", said), re.DOTALL)
+        self.assertEqual(re.findall("`(\w+)`", allowed[1]), list(_files._TABLES))
+        helped = re.findall(r"^ +--([\w-]+)", _program.call("solve", "--help"), re.MULTILINE)
+        self.assertEqual([name.replace("-", "_") for name in helped], list(_solve._FLAGS))
 
     def test_a_mistaken_unit(self):
         self.refused("diameter_nm", lambda: iw.run(INK.with_(pigments=[iw.Pigment(d_nm=0.2, share=0.1, index="yellow")]), "x", **QUICK))
@@ -328,7 +402,7 @@ class Mistakes(InFolder):
         table = {"base": INK.study(**QUICK), "axis": [{"field": "run.seed", "values": [1, 2]}]}
         self.refused("is a sweep, and this command reads a study", lambda: iw.run(table, "x"))
         self.refused("is a study, and this command reads a sweep", lambda: iw.sweep(INK.study(**QUICK), "x"))
-        self.refused("is not a case: title: found an unknown key", lambda: iw.solve(INK.study(**QUICK)))
+        self.refused("is a sweep, and this command reads a case", lambda: iw.solve(pathlib.Path(ROOT, "examples/crowding.toml")))
 
     def test_a_folder_of_something_else_stays(self):
         iw.pack(INK, "here", realisations=1)
@@ -393,7 +467,7 @@ iw.run({study!r}, "long")
 class Interrupts(InFolder):
     @unittest.skipIf(sys.platform == "win32", "signals of Unix")
     def test_an_interrupt_stops_the_work_and_keeps_what_is_stored(self):
-        study = INK.study(wavelength_nm=list(range(400, 701, 25)), realisations=24, angles={"count": 3},
+        study = INK.study(wavelength_nm=list(range(400, 701, 50)), realisations=24, angles={"count": 3},
                           resolution={"points_per_um": 30, "planes_per_um": 30})
         pathlib.Path("long.py").write_text(LONG.format(study=study), encoding="utf-8")
         environment = dict(os.environ, PYTHONPATH=str(ROOT / "python"))

@@ -29,7 +29,7 @@ pub struct ExternalTable {
     #[schemars(length(min = 1), example = &"treams")]
     pub name: String,
     /// The program and its arguments, started in the folder of this file.
-    #[schemars(length(min = 1), example = ["python3", "treams_adapter.py"])]
+    #[schemars(length(min = 1), example = ("python3", "treams_adapter.py"))]
     pub command: Vec<String>,
     /// Values of its own knob for accuracy, one row each; none when left out.
     #[serde(default)]

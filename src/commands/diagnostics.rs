@@ -74,13 +74,22 @@ fn has_one(text: &str, keys: [&str; 2]) -> bool {
     parse_toml(text).is_ok_and(|table| keys.iter().any(|key| table.contains_key(*key)))
 }
 
-/// Report of a case that cannot be read, which may be a study.
+/// Report of a case that cannot be read, which may be a file for another command.
 pub fn case_report(error: CaseError, path: &Path) -> Report {
-    if has_one(&files::read_text(path, files::CASE).unwrap_or_default(), STUDY_KEYS) {
+    let text = files::read_text(path, files::CASE).unwrap_or_default();
+    let path = path.display();
+    if has_one(&text, STUDY_KEYS) {
         let help = "add --realisation 1 to solve one of its packings, or run all of it with `inkwave run`";
-        return miette!(help = help, "{} is a study, and this command reads a case", path.display());
+        return miette!(help = help, "{path} is a study, and this command reads a case");
     }
-    miette!("{error}")
+    let kinds = [("fit", ["measured", "fit"]), ("design", ["vary", "design"]), ("sweep", ["base", "axis"])];
+    match kinds.into_iter().find(|(_, keys)| has_one(&text, *keys)) {
+        Some((kind, _)) => {
+            let help = format!("run it with `inkwave {kind} {path}`");
+            miette!(help = help, "{path} is a {kind}, and this command reads a case")
+        }
+        None => miette!("{error}"),
+    }
 }
 
 type SourceText = Arc<NamedSource<String>>;

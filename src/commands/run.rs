@@ -142,11 +142,11 @@ const FAILED: &str = "the report lists the reasons; try another solver, a finer 
 fn tell(study: &Study, published: &Published, folder: &OutputFolder, stopped: bool) -> Result<()> {
     tell_results(study, published)?;
     say!("Report: {}", folder.path().join("report.html").display())?;
-    if let (Some(widest), Some(target), false) = (published.widest, study.target_delta_e, stopped) {
+    if let (Some((widest, remedy)), Some(target), false) = (published.widest, study.target_delta_e, stopped) {
         let all = study.realisations;
         note!(
             "the 95 % interval of a colour, ΔE₀₀ {widest:.2}, is still wider than run.target_delta_e = {target} after {all} \
-             realisations: raise run.realisations"
+             realisations; what would make it narrower: {remedy}"
         );
     }
     if let Some(missing) = &published.missing_packings {

@@ -8,6 +8,8 @@ use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+#[cfg(unix)]
+use std::time::Duration;
 
 /// Prints a line on standard output; a closed pipe is not an error.
 ///
@@ -76,7 +78,26 @@ impl StopFlag {
         if let Err(error) = ctrlc::set_handler(move || heard.interrupt()) {
             note!("Ctrl-C will end the program at once ({error}).");
         }
+        #[cfg(unix)]
+        if std::env::var_os("INKWAVE_ENDS_WITH_PARENT").is_some() {
+            let orphan = flag.clone();
+            std::thread::spawn(move || orphan.stop_without_parent());
+        }
         flag
+    }
+
+    /// Stops the program when the one that started it is gone, such as a notebook's kernel that
+    /// was restarted: nobody waits for the results any more.
+    #[cfg(unix)]
+    fn stop_without_parent(&self) {
+        use std::os::unix::process::parent_id;
+        let parent = parent_id();
+        while parent_id() == parent {
+            std::thread::sleep(Duration::from_secs(1));
+        }
+        if !self.is_raised() {
+            self.interrupt();
+        }
     }
 
     pub fn is_raised(&self) -> bool {

@@ -177,10 +177,7 @@ fn place(canvas: &Canvas, raster: &Raster, corner: (i32, i32), size: (u32, u32))
 fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
     let [lx, ly] = packing.period_um();
     let height = packing.thickness_um();
-    let size = lx.max(ly).max(height);
-    // Heights above the paper, so that up is up.
-    let eye = [0.5 * lx - 0.75 * size, 0.5 * ly - 1.6 * size, 1.35 * size + height];
-    let camera = Camera::new(eye, [0.5 * lx, 0.5 * ly, 0.0], [0.0, 0.0, 1.0], 1.02 * w as f64);
+    let camera = camera_of_cell([lx, ly, height], w as f64, h as f64);
     let mut raster = Raster::new(w, h, BACKGROUND);
     for grain in packing.grains() {
         let outermost = &packing.nested(grain)[0];
@@ -188,13 +185,40 @@ fn paint_perspective(packing: &Packing, w: usize, h: usize) -> Raster {
             camera.solid(&mut raster, &solid, height, pigment_colour(outermost.material));
         }
     }
-    let corner = |k: usize| [(k & 1) as f64 * lx, (k >> 1 & 1) as f64 * ly, (k >> 2 & 1) as f64 * height];
+    let corner = |k: usize| corner_of([lx, ly, height], k);
     for k in 0..8usize {
         for bit in [1, 2, 4].into_iter().filter(|bit| k & bit == 0) {
             camera.line(&mut raster, corner(k), corner(k | bit), [70, 70, 70]);
         }
     }
     raster
+}
+
+/// Corner `k` of a cell with these sides; heights are above the paper, so that up is up.
+fn corner_of([lx, ly, height]: [f64; 3], k: usize) -> [f64; 3] {
+    [(k & 1) as f64 * lx, (k >> 1 & 1) as f64 * ly, (k >> 2 & 1) as f64 * height]
+}
+
+/// Looks obliquely at a cell, from so far away that all of it is in a picture of `w` by `h` pixels.
+fn camera_of_cell([lx, ly, height]: [f64; 3], w: f64, h: f64) -> Camera {
+    let size = lx.max(ly).max(height);
+    let middle = [0.5 * lx, 0.5 * ly, 0.5 * height];
+    let from = |farther: f64| {
+        let eye = [
+            middle[0] - farther * 0.75 * size,
+            middle[1] - farther * 1.6 * size,
+            middle[2] + farther * 1.35 * size,
+        ];
+        Camera::new(eye, middle, [0.0, 0.0, 1.0], 1.02 * w)
+    };
+    let holds = |camera: &Camera| {
+        (0..8)
+            .map(|k| camera.project(corner_of([lx, ly, height], k)))
+            .all(|(across, down, ahead)| ahead > 0.0 && across.abs() < 0.48 * w && down.abs() < 0.48 * h)
+    };
+    // a cube fits from 1.3 times as far as a flat layer
+    let distances = (0..20).map(|step| 1.0 + 0.05 * f64::from(step));
+    distances.map(from).find(holds).unwrap_or_else(|| from(2.0))
 }
 
 /// One grain of each pigment side by side, at the same scale, with its name and dimensions.

@@ -117,8 +117,8 @@ fn plain(text: &str) -> String {
     text.chars().map(ascii).collect()
 }
 
-/// A file with a row a print; device values and factors are percentages, Y of a perfect white is
-/// 100.
+/// A file with a row a print, the bare paper once; device values and factors are percentages, Y of
+/// a perfect white is 100.
 fn cgats(study: &Study, prints: &Prints, notes: &[&PrintNote], created: &str) -> ExportResult<String> {
     let bands = Bands::new(study, "cgats")?;
     let nm: Vec<f64> = bands.wavelengths_nm.iter().map(|&nm| f64::from(nm)).collect();
@@ -127,8 +127,10 @@ fn cgats(study: &Study, prints: &Prints, notes: &[&PrintNote], created: &str) ->
     let meter = Colorimeter::under(&nm, &daylight).map_err(refused)?;
     let device = Device::of(prints);
     let mut rows = Vec::new();
+    let mut printed: Vec<Vec<f64>> = Vec::new();
     for note in notes {
-        let Some(values) = device.values(note) else { continue };
+        let Some(values) = device.values(note).filter(|values| !printed.contains(values)) else { continue };
+        printed.push(values.clone());
         let spectrum = resample(&study.wavelengths_nm, &note.factors, &bands.wavelengths_nm);
         let factors: Vec<f64> = spectrum.iter().map(|factor| factor.value).collect();
         let colour = meter.colour(&factors).map_err(refused)?;
@@ -163,7 +165,7 @@ fn cgats(study: &Study, prints: &Prints, notes: &[&PrintNote], created: &str) ->
     own("SPECTRAL_NORM", "100.000000");
     own("MEAS_TYPE", "REFLECTIVE");
     let columns: Vec<String> = device.columns.into_iter().map(|(column, _)| column).collect();
-    let spectral: Vec<String> = bands.wavelengths_nm.iter().map(|nm| format!("SPEC_{nm:03}")).collect();
+    let spectral: Vec<String> = bands.wavelengths_nm.iter().map(|nm| format!("SPECTRAL_NM{nm:03}")).collect();
     let _ = writeln!(out, "\nNUMBER_OF_FIELDS {}", 8 + columns.len() + spectral.len());
     let all = format!("{} XYZ_X XYZ_Y XYZ_Z LAB_L LAB_A LAB_B {}", columns.join(" "), spectral.join(" "));
     let _ = writeln!(out, "BEGIN_DATA_FORMAT\nSAMPLE_ID SAMPLE_NAME {all}\nEND_DATA_FORMAT");

@@ -185,7 +185,8 @@ fn usual_error() -> f64 {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FitTable {
-    /// Name of the pigment whose index is unknown; may be left out where there is only one.
+    /// Name of the pigment whose index is unknown; may be left out where there is only one. In a
+    /// stack it may stand after the name of its layer: `"top.blue"`.
     pub pigment: Option<String>,
     /// What the index is expected to be like.
     pub prior: PriorName,

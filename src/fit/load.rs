@@ -12,7 +12,7 @@ use super::prior::SHORTEST_NM;
 use crate::input::fault::{Faults, StudyError};
 use crate::input::field::set;
 use crate::input::load::{read_file, stem};
-use crate::input::study::Study;
+use crate::input::study::{IndexSpectrum, Study};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use toml::{Table, Value};
@@ -88,9 +88,15 @@ impl FitTask {
         self.coats.first().is_some_and(|coat| coat.composed().is_some())
     }
 
+    /// The medium around the pigment's grains.
+    pub fn binder(&self) -> &IndexSpectrum {
+        let coat = &self.coats[0];
+        coat.binders()[coat.layer_of_pigment(self.pigment)]
+    }
+
     /// Index of the binder in the middle of the spectrum.
     pub fn binder_index(&self) -> f64 {
-        let index = &self.coats[0].layer.binder.index;
+        let index = &self.binder().index;
         index[index.len() / 2].re
     }
 }
@@ -106,7 +112,7 @@ pub fn load(path: &Path) -> Result<FitTask, StudyError> {
     let remarks = Vec::new();
     let faults = Faults::default();
     let densities = &file.fit.densities_g_per_cm3;
-    let (pigment, order) = ([0; 2], Vec::new());
+    let (pigment, order) = (PigmentPlace::default(), Vec::new());
     let mut reading = FitReading { folder, base_folder, base, pigment, order, densities, remarks, faults };
     reading.prepare(&file);
     let task = reading.task(&file, path);
@@ -116,12 +122,58 @@ pub fn load(path: &Path) -> Result<FitTask, StudyError> {
     }
 }
 
+/// A pigment as the base names it.
+#[derive(Debug, PartialEq)]
+struct BasePigment {
+    layer: Option<usize>,
+    layer_name: String,
+    /// Place among those of its layer.
+    number: usize,
+    name: String,
+    has_grains: bool,
+}
+
+impl BasePigment {
+    /// Whether this is its name, or that with the name of its layer.
+    fn is_called(&self, requested: &str) -> bool {
+        self.name == requested || (self.layer.is_some() && self.full_name() == requested)
+    }
+
+    /// Its name; in a stack after that of its layer.
+    fn full_name(&self) -> String {
+        self.layer.map_or(self.name.clone(), |_| format!("{}.{}", self.layer_name, self.name))
+    }
+}
+
+/// Where the pigment with the unknown index stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct PigmentPlace {
+    /// Its layer among those of a stack.
+    layer: Option<usize>,
+    /// Place among the pigments of the base, or of its layer.
+    in_file: usize,
+    /// Place in the studies, which count pigments with grains only.
+    in_study: usize,
+}
+
+impl PigmentPlace {
+    /// The layer's table in the base.
+    fn layer_path(self) -> String {
+        self.layer.map_or("layer".to_owned(), |layer| format!("layer[{layer}]"))
+    }
+
+    /// The pigment's table in the base.
+    fn path(self) -> String {
+        let of_layer = self.layer.map_or(String::new(), |layer| format!("layer[{layer}]."));
+        format!("{of_layer}pigment[{}]", self.in_file)
+    }
+}
+
 struct FitReading<'a> {
     folder: &'a Path,
     base_folder: PathBuf,
     base: Table,
-    /// Places of the pigment in the base and in the studies, which count those with grains only.
-    pigment: [usize; 2],
+    pigment: PigmentPlace,
     /// Places of the base's pigments in its file.
     order: Vec<usize>,
     densities: &'a BTreeMap<String, f64>,
@@ -133,21 +185,20 @@ impl FitReading<'_> {
     /// Finds the pigment and makes the base a study of listed wavelengths with a placeholder index.
     fn prepare(&mut self, file: &FitFile) {
         self.check_settings(&file.fit);
-        if self.base.get("layer").is_some_and(Value::is_array) {
-            let remedy =
-                "make drawdowns of one layer, and stack it with others in a study once its index is known";
-            self.faults.add("base.layer", "a stack of layers", "one [base.layer]", remedy);
-            return;
-        }
         self.pigment = self.find_pigment(file.fit.pigment.as_deref());
         self.order = (0..self.names().len()).collect();
-        if file.measured.iter().chain(&file.predict).any(MeasuredTable::has_own_shares) {
+        let mut drawdowns = file.measured.iter().chain(&file.predict);
+        if drawdowns.any(MeasuredTable::has_own_shares) {
+            if self.pigment.layer.is_some() {
+                let allowed = "one [base.layer] where drawdowns have volume_fractions or weights";
+                let remedy = "give volume_fraction, which is that of the fitted pigment in its layer";
+                self.faults.add("base.layer", "a stack of layers", allowed, remedy);
+            }
             self.put_first();
         }
-        let [place, _] = self.pigment;
         let placeholder = Table::from_iter([("n".into(), 1.6.into()), ("k".into(), 0.1.into())]);
         // what cannot be set is a fault of the base, which its check names
-        let _ = set(&mut self.base, &format!("pigment[{place}].index"), &Value::Table(placeholder));
+        let _ = set(&mut self.base, &format!("{}.index", self.pigment.path()), &Value::Table(placeholder));
         if self.base.get("light").and_then(|light| light.get("wavelengths_nm")).is_none() {
             let _ = set(&mut self.base, "light.sampling", &Value::String("listed".into()));
         }
@@ -167,13 +218,13 @@ impl FitReading<'_> {
     /// Puts the pigment with the unknown index before the others, so that its place is the same in
     /// drawdowns that lack some of them.
     fn put_first(&mut self) {
-        let [place, _] = self.pigment;
+        let place = self.pigment.in_file;
         if let Some(Value::Array(pigments)) = self.base.get_mut("pigment")
             && place < pigments.len()
         {
             pigments[..=place].rotate_right(1);
             self.order[..=place].rotate_right(1);
-            self.pigment = [0; 2];
+            self.pigment = PigmentPlace::default();
         }
     }
 
@@ -188,25 +239,56 @@ impl FitReading<'_> {
         }
     }
 
-    fn find_pigment(&mut self, requested: Option<&str>) -> [usize; 2] {
-        let pigments = self.base.get("pigment").and_then(Value::as_array).into_iter().flatten();
-        let names = pigments.clone().map(|p| p.get("name").and_then(Value::as_str).unwrap_or_default());
-        let names: Vec<&str> = names.collect();
-        let found = match requested {
-            Some(requested) => names.iter().position(|name| *name == requested),
-            None => (names.len() == 1).then_some(0),
+    fn find_pigment(&mut self, requested: Option<&str>) -> PigmentPlace {
+        let all = self.all_pigments();
+        let is_meant = |pigment: &&BasePigment| match requested {
+            Some(requested) => pigment.is_called(requested),
+            None => all.len() == 1,
         };
-        let packed = pigments.enumerate().filter(|(_, p)| !p.get("diameter_nm").is_some_and(Value::is_str));
-        let packed: Vec<usize> = packed.map(|(i, _)| i).collect();
-        let place = packed.iter().position(|i| Some(*i) == found);
+        let found: Vec<&BasePigment> = all.iter().filter(is_meant).collect();
+        let packed: Vec<&BasePigment> = all.iter().filter(|pigment| pigment.has_grains).collect();
+        let place = match found[..] {
+            [found] => packed.iter().position(|pigment| pigment == &found),
+            _ => None,
+        };
         if place.is_none() {
             let said = requested.map_or("nothing".into(), |name| format!("{name:?}"));
-            let said = if found.is_some() { said + ", a dissolved pigment" } else { said };
-            let packed = packed.iter().map(|&i| names[i]).collect::<Vec<_>>().join(", ");
+            let said = match found.len() {
+                0 => said,
+                1 => said + ", a dissolved pigment",
+                count => format!("{said}, {count} pigments"),
+            };
+            let packed = packed.iter().map(|pigment| pigment.full_name()).collect::<Vec<_>>().join(", ");
             let allowed = format!("the name of one of the base's pigments with grains: {packed}");
             self.faults.add("fit.pigment", said, allowed, "name the pigment whose index is unknown");
         }
-        [found.unwrap_or(0), place.unwrap_or(0)]
+        let [layer, in_file] =
+            found.first().map_or([None, Some(0)], |found| [found.layer, Some(found.number)]);
+        PigmentPlace { layer, in_file: in_file.unwrap_or(0), in_study: place.unwrap_or(0) }
+    }
+
+    /// The pigments of the base's layer, or of all layers of its stack.
+    fn all_pigments(&self) -> Vec<BasePigment> {
+        let listed = |table: Option<&Value>| table.and_then(Value::as_array).cloned().unwrap_or_default();
+        let named = |table: &Value| table.get("name").and_then(Value::as_str).unwrap_or_default().to_owned();
+        let of_list = |list: Vec<Value>, layer: Option<usize>, layer_name: &str| -> Vec<BasePigment> {
+            let pigment = |(number, table): (usize, Value)| BasePigment {
+                layer,
+                layer_name: layer_name.to_owned(),
+                number,
+                name: named(&table),
+                has_grains: !table.get("diameter_nm").is_some_and(Value::is_str),
+            };
+            list.into_iter().enumerate().map(pigment).collect()
+        };
+        match self.base.get("layer") {
+            Some(Value::Array(layers)) => layers
+                .iter()
+                .enumerate()
+                .flat_map(|(k, layer)| of_list(listed(layer.get("pigment")), Some(k), &named(layer)))
+                .collect(),
+            _ => of_list(listed(self.base.get("pigment")), None, ""),
+        }
     }
 
     fn task(&mut self, file: &FitFile, path: &Path) -> Option<FitTask> {
@@ -229,6 +311,7 @@ impl FitReading<'_> {
             let remedy = "errors are estimated from the differences between cells: 8 are usual";
             self.faults.add("base.run.realisations", found, allowed, remedy);
         }
+        self.check_stack(first);
         if let Some(reason) = first.no_paper() {
             self.faults.add("base.angles", reason, "0°, 45° and the hemisphere", "write count = 5");
         }
@@ -245,7 +328,7 @@ impl FitReading<'_> {
                 remedy,
             );
         }
-        let pigment = self.pigment[1];
+        let pigment = self.pigment.in_study;
         let settings = file.fit.clone();
         let title = file.title.clone().unwrap_or_else(|| stem(path));
         let mut remarks = std::mem::take(&mut self.remarks);

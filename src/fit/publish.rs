@@ -132,7 +132,7 @@ fn shown(number: Option<f64>, digits: usize) -> String {
 
 fn figures(task: &FitTask, outcome: &FitOutcome) -> DrawResult<Vec<Picture>> {
     let nm = task.wavelengths_nm();
-    let binder = nm.iter().zip(&task.coats[0].layer.binder.index).map(|(&nm, eta)| (nm, eta.re));
+    let binder = nm.iter().zip(&task.binder().index).map(|(&nm, eta)| (nm, eta.re));
     let mut curves = Vec::new();
     let mut kappa = Vec::new();
     let one = OneSolution { name: "", index: &outcome.index };

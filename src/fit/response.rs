@@ -63,7 +63,7 @@ impl Origin<'_> {
             let ink = match inks.entry(drawdown.coat) {
                 Entry::Occupied(ink) => ink.into_mut(),
                 Entry::Vacant(place) => {
-                    let study = thicker(&task.coats[drawdown.coat], log.exp());
+                    let study = thicker(&task.coats[drawdown.coat], task.pigment, log.exp());
                     place.insert(self.ink(drawdown.coat, &study.with_index(task.pigment, &eta), step)?)
                 }
             };
@@ -110,11 +110,21 @@ fn slopes(here: &SpectrumEstimate, moved: &SpectrumEstimate) -> Vec<f64> {
     here.values.iter().zip(&moved.values).map(|(a, b)| (b - a) / STEP).collect()
 }
 
-/// A study with all thicknesses times `factor`; its packings stay those of the study.
-fn thicker(study: &Study, factor: f64) -> Study {
+/// A study whose layer with this pigment has `factor` times its thickness; its packings stay those
+/// of the study.
+pub(super) fn thicker(study: &Study, pigment: usize, factor: f64) -> Study {
     let mut thicker = study.clone();
-    thicker.layer.thickness_um *= factor;
     thicker.variation.thickness_std_um *= factor;
+    let layer = study.layer_of_pigment(pigment);
+    let Some(layer) = thicker.stack.get_mut(layer) else {
+        thicker.layer.thickness_um *= factor;
+        return thicker;
+    };
+    let more_um = (factor - 1.0) * layer.thickness_um;
+    layer.thickness_um += more_um;
+    // what cells have less than the stack is to be this layer's: the uneven one's
+    layer.thickness_std_um = (layer.thickness_std_um * factor).max(f64::MIN_POSITIVE);
+    thicker.layer.thickness_um += more_um;
     thicker
 }
 

@@ -97,8 +97,9 @@ pub struct Published {
     pub no_colour: Option<String>,
     /// Weighted numbers in words.
     pub numbers: Vec<String>,
-    /// The widest 95 % interval of a colour, ΔE₀₀, where it is beyond `run.target_delta_e`.
-    pub widest: Option<f64>,
+    /// The widest 95 % interval of a colour, ΔE₀₀, where it is beyond `run.target_delta_e`, and
+    /// what would make it narrower.
+    pub widest: Option<(f64, &'static str)>,
     /// Numbers that were withheld, and why.
     pub withheld: Vec<String>,
 }

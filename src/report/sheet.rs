@@ -11,7 +11,7 @@ use crate::draw::DrawResult;
 use crate::draw::page::{hex, png_data};
 use crate::evaluate::evaluated::Evaluated;
 use crate::evaluate::ink_maker::{InkMaker, Swatch};
-use crate::evaluate::manifest::{ColourNote, EnsembleNotes, Manifest, SpectrumRow};
+use crate::evaluate::manifest::{ColourNote, EnsembleNotes, MOST_LISTED, Manifest, SpectrumRow};
 use crate::evaluate::seen::Seen;
 use crate::evaluate::summary::aimed_at;
 use crate::ink::{Method, PigmentGrains, SizeDistribution};
@@ -82,7 +82,8 @@ fn patches(maker: &InkMaker) -> [(&'static str, String); 3] {
 
 /// Place and reason of every solve without a result.
 fn failed(manifest: &Manifest) -> Vec<(String, String)> {
-    manifest.failures.iter().map(|note| (note.place(), note.reason().to_owned())).collect()
+    let listed = manifest.failures.iter().take(MOST_LISTED);
+    listed.map(|note| (note.place(), note.reason().to_owned())).collect()
 }
 
 /// Shape and size of the grains of every packed pigment.
@@ -125,7 +126,7 @@ fn limits(manifest: &Manifest) -> Value {
         lacking => manifest.ensemble.as_ref().and_then(|ensemble| ensemble.tried_packings.missing_in_words()),
         synthetic => manifest.study.pigments.iter().any(|p| p.material.source.contains("synthetic")),
         too_few => few_wavelengths(manifest),
-        widest => missed_target(manifest),
+        widest => missed_target(manifest).map(|(bar, _)| bar),
         inputs => manifest.study.inputs_with_errors(),
         undetermined => Serde(manifest.study.undetermined_inputs()),
     }
@@ -150,11 +151,12 @@ fn few_wavelengths(manifest: &Manifest) -> Option<usize> {
     (solved < ENOUGH_WAVELENGTHS && manifest.study.angles.strata > 0).then_some(solved)
 }
 
-/// The widest interval where it is beyond `run.target_delta_e`.
-pub(super) fn missed_target(manifest: &Manifest) -> Option<f64> {
+/// The widest interval where it is beyond `run.target_delta_e`, and what would make it narrower.
+pub(super) fn missed_target(manifest: &Manifest) -> Option<(f64, &'static str)> {
     let target = manifest.study.target_delta_e?;
-    let bars = aimed_at(manifest.study, manifest).filter_map(|note| note.delta_e_2000_95);
-    bars.reduce(f64::max).filter(|&bar| bar > target)
+    let bars = aimed_at(manifest.study, manifest).filter_map(|note| Some((note.delta_e_2000_95?, note)));
+    let (bar, note) = bars.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(bar, _)| *bar > target)?;
+    Some((bar, note.budget.remedy_but_packings().unwrap_or("more packings: run.realisations")))
 }
 
 /// What the table of uncertainties holds beside the manifest.
@@ -175,7 +177,7 @@ fn largest_error(rows: &[SpectrumRow]) -> Option<f64> {
 }
 
 fn packings(study: &Study, ensemble: &EnsembleNotes) -> Vec<Value> {
-    let rows = ensemble.packings.iter().flat_map(|packing| {
+    let rows = ensemble.packings.iter().take(MOST_LISTED).flat_map(|packing| {
         let pigments = study.pigments.iter().zip(&packing.shares);
         pigments.map(|(pigment, share)| packing_row(packing, &pigment.name, share))
     });

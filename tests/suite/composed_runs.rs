@@ -165,9 +165,11 @@ fn an_opaque_coat_gives_kappa_where_n_is_known() {
             let mut program = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"));
             program.current_dir(scratch.path()).args(words).output().expect("the program")
         };
-        let plan = String::from_utf8_lossy(&program(&["--plan"]).stdout).into_owned();
-        // 3 × 5 nodes of n and κ, each with four slabs
-        assert!(plan.contains("variants          60"), "{plan}");
+        if !known.is_empty() {
+            let plan = String::from_utf8_lossy(&program(&["--plan"]).stdout).into_owned();
+            // 3 × 5 nodes of n and κ, each with four slabs
+            assert!(plan.contains("variants          60"), "{plan}");
+        }
         let done = program(&[]);
         assert!(done.status.success(), "{}", said(&done));
         let json = std::fs::read(scratch.path().join("fitted/fit.json")).expect("a fit");

@@ -307,6 +307,66 @@ const PINNED_GRAINS: &[(&str, &[f64])] = &[
     ("effective_unknowns", &[5.35327]),
 ];
 
+/// Two layers, of which the second has the pigment that is not known.
+const STACK: &str = "[[layer]]\nname = \"top\"\nthickness_um = 0.3\nbinder.index = 1.45\n[[layer.pigment]]\nname = \"a\"\n\
+                     diameter_nm = 150\nvolume_fraction = 0.15\nindex = { n = 1.6, k = 0.02 }\n[[layer]]\nname = \"base\"\n\
+                     thickness_um = 0.4\nbinder.index = 1.5\n[[layer.pigment]]\nname = \"a\"\ndiameter_nm = 150\n\
+                     volume_fraction = 0.2\nindex = INDEX\n[stack]\nperiod_um = 0.6\n[light]\nwavelengths_nm = WAVES\n\
+                     [angles]\ncount = 5\n[run]\nrealisations = 6\nseed = 7\n[resolution]\npoints_per_um = 16\nplanes_per_um = 24\n";
+
+/// The pigment of one layer of a stack is found under the others; its layer's thickness alone is what a factor on the
+/// thickness moves, and a share or a thickness of a drawdown is that of its layer. *Planted*: the pigment of the first layer
+/// (its index is not the truth), and the whole stack thicker.
+#[test]
+fn a_layer_of_a_stack_gives_its_pigments_index_back() {
+    let scratch = tempfile::tempdir().expect("a folder");
+    let folder = scratch.path();
+    let truth = study(STACK, "{ n = 1.75, k = 0.05 }", "[500, 600]");
+    let mut fit = String::new();
+    for (file, backing) in [("white", WHITE), ("black", BLACK)] {
+        for (geometry, column) in [("45:0", "lit_at_45"), ("natural", "natural_light")] {
+            let file = format!("{file}-{column}.csv");
+            write_spectrum(&folder.join(&file), &spectrum(folder, &truth, backing, column));
+            fit += &measured(&file, backing, geometry);
+        }
+    }
+    let settings = "[fit]\npigment = \"base.a\"\nprior = \"smooth\"\nnoise = 0.002\n";
+    let (_, found) = fitted(folder, &study(STACK, "1.6", "[500, 600]"), &(fit.clone() + settings));
+    // no noise, and the same cells: the prior alone pulls
+    assert_found(&found["fit"], [1.75, 0.05], 0.2);
+    // a factor on the thickness is one on the pigment's layer, as its thickness in the file is
+    let read = |changes: &str| {
+        let text = format!(
+            "base = \"base.toml\"\n{}{changes}{settings}",
+            measured("white-lit_at_45.csv", WHITE, "45:0")
+        );
+        std::fs::write(folder.join("fit.toml"), text).expect("written");
+        load(&folder.join("fit.toml"))
+    };
+    let index = [[1.75, 0.05]; 2];
+    let seen = |task: &FitTask, log: f64| {
+        let all = Origin::Film.spectra(task, &task.measured, &index, ([0.0; 2], log)).expect("spectra");
+        all[0].values.clone()
+    };
+    let whole = read("").expect("sound");
+    let thick = read("thickness_um = 0.6\nvolume_fraction = 0.2\n").expect("sound");
+    assert!((thick.coats[0].layer.thickness_um - 0.9).abs() < 1e-12);
+    let [written, factor] = [seen(&thick, 0.0), seen(&whole, 1.5_f64.ln())];
+    assert!(written.iter().zip(&factor).all(|(a, b)| (a - b).abs() < 1e-12), "{written:?} {factor:?}");
+    // names and keys that a stack has not
+    let several = std::fs::read_to_string(folder.join("fit.toml")).expect("a fit").replace("base.a", "a");
+    std::fs::write(folder.join("fit.toml"), several).expect("written");
+    let refused = load(&folder.join("fit.toml")).map(|_| ()).expect_err("two pigments of one name");
+    let refused = format!("{refused:?}");
+    assert!(refused.contains("2 pigments") && refused.contains("top.a, base.a"), "{refused}");
+    for (changes, field) in
+        [("opaque = true\n", "measured[0].opaque"), ("volume_fractions = { a = 0.2 }\n", "base.layer")]
+    {
+        let done = read(changes).map(|_| ()).expect_err(changes);
+        assert!(format!("{done:?}").contains(field), "{done:?}");
+    }
+}
+
 /// s- and p-polarised solves are different ones, and so are those of two cells that are lit alike: what a fit finds in its
 /// store gives the same numbers again. *Planted*: stored without their polarisation, or all as those of the first cell, so
 /// that one stands for others.

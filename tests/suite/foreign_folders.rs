@@ -3,13 +3,6 @@
 use crate::sweep_support::{Place, TINY, inkwave, said, succeed};
 use std::path::Path;
 
-/// A small sweep that has been computed.
-fn computed() -> Place {
-    let place = Place::new(TINY);
-    place.sweep("out", &[]);
-    place
-}
-
 /// Changes one file of the sweep, sees that it is reported with `words`, and puts it back.
 fn seen(place: &Place, file: &str, (from, to): (&str, &str), words: &str) {
     let path = place.path(&format!("out/{file}"));
@@ -29,7 +22,7 @@ fn seen(place: &Place, file: &str, (from, to): (&str, &str), words: &str) {
 
 #[test]
 fn changed_thresholds_studies_names_and_numbers_of_a_sweep_are_seen() {
-    let place = computed();
+    let place = Place::swept("out");
     let outline = "sweep.json";
     seen(&place, outline, ("\"at_least\": 5.0", "\"at_least\": 50.0"), "was changed since it was written");
     let study = "variants/10-200-0.5/study.toml";
@@ -59,7 +52,7 @@ fn labels_that_name_no_folder_are_refused() {
 
 #[test]
 fn exports_and_new_packings_leave_no_foreign_or_older_file_in_doubt() {
-    let place = computed();
+    let place = Place::swept("out");
     std::fs::create_dir(place.path("thesis")).unwrap();
     std::fs::write(place.path("thesis/spectra.cxf"), "words").unwrap();
     let variant = place.path("out/variants/10-200-0.9");
@@ -107,7 +100,7 @@ fn a_killed_comparison_marks_what_an_earlier_one_left() {
 #[cfg(unix)]
 #[test]
 fn what_links_point_to_stays() {
-    let place = computed();
+    let place = Place::swept("out");
     std::fs::write(place.path("thesis.tex"), "words").unwrap();
     let lock = place.path("out/records/1.lock");
     std::fs::remove_file(&lock).unwrap();

@@ -113,14 +113,20 @@ fn a_composed_layer_beyond_the_eye_has_colours_and_numbers() {
     let sun =
         "[[number]]\nname = 'sun'\nweights = 'solar_g173'\nfrom_nm = 400\nto_nm = 1400\nof = 'albedo'\n";
     let folder = tempfile::tempdir().unwrap();
-    let eye = folder.path().join("eye");
-    succeed(&study(folder.path(), &text("400, 480, 560, 640, 720", "")), &eye, &[]);
-    let wide = folder.path().join("wide");
-    let said =
-        succeed(&study(folder.path(), &text("400, 480, 560, 640, 720, 860, 1060, 1400", sun)), &wide, &[]);
+    let out = folder.path().join("out");
+    let wide = study(folder.path(), &text("400, 480, 560, 640, 720, 860, 1060, 1400", sun));
+    let said = succeed(&wide, &out, &[]);
     assert!(said.contains("colours take the wavelengths from 380 to 780 nm"), "{said}");
-    let eye = results(&eye);
-    let all = results(&wide);
+    let all = results(&out);
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    assert!(
+        page.contains("Colours and pictures take the wavelengths from 380 to 780 nm")
+            && page.contains("Weighted numbers")
+    );
+    assert!(fs::read_to_string(out.join("numbers.csv")).unwrap().contains("sun,2,"));
+    // of the visible part alone, from the same solves
+    succeed(&study(folder.path(), &text("400, 480, 560, 640, 720", "")), &out, &[]);
+    let eye = results(&out);
     for k in 0..2 {
         let lab =
             |results: &Value, c: usize| results["colours"][k]["natural_light"][c]["value"].as_f64().unwrap();
@@ -136,12 +142,6 @@ fn a_composed_layer_beyond_the_eye_has_colours_and_numbers() {
                 && note["parts"]["wavelengths"].as_f64().unwrap() > 0.0
         );
     }
-    let page = fs::read_to_string(wide.join("report.html")).unwrap();
-    assert!(
-        page.contains("Colours and pictures take the wavelengths from 380 to 780 nm")
-            && page.contains("Weighted numbers")
-    );
-    assert!(fs::read_to_string(wide.join("numbers.csv")).unwrap().contains("sun,2,"));
 }
 
 /// Weighted numbers of a sweep's variants are in its table, and conclusions judge them. *Planted*: the difference judged

@@ -102,6 +102,10 @@ fn a_target_is_missed_where_an_interval_is_wider() {
         let said = succeed(&study(folder.path(), &text), &out, &[]);
         assert_eq!(said.contains("still wider than run.target_delta_e"), missed, "{said}");
     }
+    // wavelengths far apart, which no number of packings helps
+    let text = TINY.replace("seed = 7", "seed = 7\ntarget_delta_e = 0.001");
+    let said = succeed(&study(folder.path(), &text), &folder.path().join("listed"), &[]);
+    assert!(said.contains("make it narrower: wavelengths that are closer"), "{said}");
     let page = std::fs::read_to_string(out.join("report.html")).unwrap();
     assert!(page.contains("(jackknife over realisations)") && !page.contains("two packings share"), "{page}");
 }

@@ -30,8 +30,7 @@ fn shards(place: &Place) -> [String; 3] {
 
 #[test]
 fn shards_merged_are_the_local_run_bit_for_bit() {
-    let place = Place::new(TINY);
-    place.sweep("local", &[]);
+    let place = Place::swept("local");
     let shards = shards(&place);
     succeed(&["merge", &shards[2], &shards[0], &shards[1], "--output", &place.path("merged")]);
     for (local, merged) in results(&place.path("local")).iter().zip(&results(&place.path("merged"))) {
@@ -51,8 +50,7 @@ fn a_merge_of_some_shards_is_partial_and_says_so() {
 
 #[test]
 fn a_sweep_has_plots_and_a_table_of_differences_that_is_described() {
-    let place = Place::new(TINY);
-    place.sweep("local", &[]);
+    let place = Place::swept("local");
     let page = std::fs::read_to_string(place.path("local/report.html")).unwrap();
     for plot in ["transmittance at 400 nm against concentration", "chroma C* against grain size"] {
         assert!(page.contains(plot), "no plot of {plot}");
@@ -70,8 +68,7 @@ fn a_sweep_has_plots_and_a_table_of_differences_that_is_described() {
 
 #[test]
 fn a_report_made_anew_is_the_same() {
-    let place = Place::new(TINY);
-    place.sweep("local", &[]);
+    let place = Place::swept("local");
     let before = results(&place.path("local"));
     std::fs::remove_file(place.path("local/sweep.csv")).unwrap();
     succeed(&["report", &place.path("local")]);
@@ -81,7 +78,7 @@ fn a_report_made_anew_is_the_same() {
 #[cfg(unix)]
 #[test]
 fn a_kill_loses_at_most_the_points_in_flight() {
-    let place = Place::new(&TINY.replace("step_nm = 100", "step_nm = 5"));
+    let place = Place::new(&TINY.replace("step_nm = 100", "step_nm = 15"));
     let file = place.path("tiny.toml");
     let out = place.path("out");
     let mut child = inkwave(&["sweep", &file, "--output", &out])

@@ -133,8 +133,7 @@ fn table(place: &Place) -> Vec<BTreeMap<String, String>> {
 /// variant's own results. Without a target the table has no further column, and with one the others stay.
 #[test]
 fn a_sweep_with_a_target_names_the_variant_that_meets_it() {
-    let place = Place::new(TINY);
-    place.sweep("out", &[]);
+    let place = Place::swept("out");
     let results = |variant: &str| -> serde_json::Value {
         let path = place.path(&format!("out/variants/{variant}/results.json"));
         serde_json::from_slice(&std::fs::read(path).unwrap()).unwrap()

@@ -28,7 +28,7 @@ fn plain(output: &std::process::Output) -> String {
 #[test]
 fn workers_share_the_work_and_the_others_finish_what_a_killed_one_began() {
     let place = Place::new(
-        &TINY.replace("step_nm = 100", "step_nm = 4").replace("realisations = 2", "realisations = 4"),
+        &TINY.replace("step_nm = 100", "step_nm = 12").replace("realisations = 2", "realisations = 4"),
     );
     place.sweep("alone", &[]);
     let mut workers: Vec<Child> = (0..4).map(|_| start(&place, "shared")).collect();
@@ -127,7 +127,7 @@ fn parts_without_a_task_number_are_told_where_it_was_looked_for() {
 fn bars() -> String {
     let base = TINY.split("[[axis]]").next().unwrap().replace("realisations = 2", "realisations = 20");
     // closer wavelengths: what lies between those 100 nm apart would be most of the bar
-    let base = base.replace("step_nm = 100", "step_nm = 20");
+    let base = base.replace("step_nm = 100", "step_nm = 50");
     base + "[[axis]]\nname = \"bar\"\nfield = \"run.target_delta_e\"\nvalues = [50.0, 0.001]\n"
 }
 
@@ -138,7 +138,7 @@ fn variants_end_at_their_target_interval_with_any_number_of_processes() {
     let table = std::fs::read_to_string(place.path("alone/sweep.csv")).unwrap();
     let finished = |line: &str| line.split(',').nth(5).unwrap().to_owned();
     assert_eq!(table.lines().skip(1).map(finished).collect::<Vec<_>>(), ["16", "20"], "{table}");
-    assert_eq!(points(&place.path("alone")), 20 * 16 * 3);
+    assert_eq!(points(&place.path("alone")), 20 * 7 * 3);
     let workers: Vec<Child> = (0..3).map(|_| start(&place, "shared")).collect();
     for end in workers.into_iter().map(|worker| worker.wait_with_output().unwrap()) {
         assert!(end.status.success(), "{}", said(&end));
@@ -148,7 +148,7 @@ fn variants_end_at_their_target_interval_with_any_number_of_processes() {
     }
     // Again, and each as a study of its own.
     place.sweep("shared", &[]);
-    assert_eq!(points(&place.path("shared")), 20 * 16 * 3);
+    assert_eq!(points(&place.path("shared")), 20 * 7 * 3);
     for variant in std::fs::read_dir(place.path("alone/variants")).unwrap().flatten() {
         let own = place.path("own");
         succeed(&["run", &variant.path().join("study.toml").display().to_string(), "--output", &own]);

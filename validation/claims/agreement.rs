@@ -4,7 +4,7 @@ use super::tau::{distance, history};
 use crate::cells::{Cell, solve};
 use crate::claim::{Claim, Findings, Level};
 use inkwave::draw::chart::Chart;
-use inkwave::solve::{Direct, Registry, Solver};
+use inkwave::solve::{Direct, Entry, Registry, Solver};
 use inkwave::wave::{Resolution, Scheme, Side};
 
 pub const CLAIM: Claim = Claim {
@@ -12,7 +12,7 @@ pub const CLAIM: Claim = Claim {
     statement: "Every strategy gives the field of the dense solve, without contrast too.",
     because: "All of them solve the same (A + V) u = b, which has one solution.",
     file: file!(),
-    measure: |level, findings| measure(&Registry::default(), level, findings),
+    measure: |level, findings| measure(Registry::default().entries(), level, findings),
 };
 
 const TOLERANCE: f64 = 1e-12;
@@ -35,11 +35,11 @@ fn clear(name: &str, solver: &dyn Solver, [nx, ny, cells]: [usize; 3]) -> f64 {
     largest
 }
 
-/// Measures the strategies of a registry against the dense solve.
-pub fn measure(registry: &Registry, level: Level, findings: &mut Findings) {
+/// Measures the strategies against the dense solve.
+pub fn measure(strategies: &[Entry], level: Level, findings: &mut Findings) {
     let sizes: &[[usize; 3]] = level.pick(&[[7, 6, 5]], &[[7, 6, 5], [11, 5, 5], [6, 12, 6], [8, 8, 5]]);
     let mut histories = Vec::new();
-    for entry in registry.entries() {
+    for entry in strategies {
         let name = entry.name.as_str();
         let solver = entry.build();
         if solver.most_unknowns().is_some() {

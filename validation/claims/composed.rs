@@ -101,9 +101,9 @@ impl Ink {
 
 fn measure(level: Level, findings: &mut Findings) {
     let realisations = level.pick(8, 24);
-    let stack = CLEAR.composed(&[50.0, 75.0, 100.0], realisations);
+    let stack = CLEAR.composed(&[20.0, 50.0, 75.0, 100.0], realisations);
     conserves(&stack, findings);
-    half_spaces(CLEAR, MixingRule::MaxwellGarnett, realisations, findings);
+    half_spaces(CLEAR, stack, MixingRule::MaxwellGarnett, realisations, findings);
     let mut compared = Compared::default();
     let [both, red]: [&[u32]; 2] = level.pick([&[550], &[]], [&[450, 650], &[650]]);
     for ink in [CLEAR.at(both), DYED.at(both)] {
@@ -121,7 +121,8 @@ fn measure(level: Level, findings: &mut Findings) {
         thick.into_iter().for_each(|ink| compared.add(ink, realisations));
         compared.add(Ink { thickness_um: 2.4, slab_um: 1.2, ..PAINT }, realisations);
         compared.add(PAINT, realisations);
-        half_spaces(PAINT, MixingRule::VolumeAverage, realisations, findings);
+        let paint = PAINT.composed(&[20.0], realisations);
+        half_spaces(PAINT, paint, MixingRule::VolumeAverage, realisations, findings);
     }
     compared.judge(level, findings);
     for share in level.pick(&[0.02][..], &[0.02, 0.05, 0.1, 0.2]) {
@@ -131,9 +132,10 @@ fn measure(level: Level, findings: &mut Findings) {
     }
 }
 
-/// The same slabs between half-spaces of another index: R and T of the layer stay within their bars.
-fn half_spaces(ink: Ink, other: MixingRule, realisations: usize, findings: &mut Findings) {
-    let both = [None, Some(other)].map(|mixing| ink.composed_between(&[20.0], realisations, mixing));
+/// The same slabs between half-spaces of another index: R and T of the layer of its own thickness and of 20 µm, which come
+/// first in `own`, stay within their bars.
+fn half_spaces(ink: Ink, own: Value, other: MixingRule, realisations: usize, findings: &mut Findings) {
+    let both = [own, ink.composed_between(&[20.0], realisations, Some(other))];
     let index = both.each_ref().map(|own| own["medium"][0]["embedding_index"].as_f64().unwrap_or(f64::NAN));
     let mut farthest = 0.0_f64;
     for k in 0..2 {
@@ -194,7 +196,7 @@ fn conserves(stack: &Value, findings: &mut Findings) {
         findings.identity(format!("light lost on white paper, {um} µm"), lost, 1e-6, because);
     }
     let through: Vec<f64> = rows.iter().map(|row| 1.0 / value(row, "transmittance_diffuse")).collect();
-    if let [_, a, b, c] = through[..] {
+    if let [.., a, b, c] = through[..] {
         let because = "clear grains: 1/T of diffuse light grows by the same for every slab; rounding of some hundred products";
         findings.identity(
             "1/T from 50 to 75 µm less that from 75 to 100 µm, relative",

@@ -166,7 +166,8 @@ fn small_studies(
     (cells, seeds, finer): (Cells, u64, u64),
     findings: &mut Findings,
 ) {
-    let run = |seed, factor| Small::run(ink.study, cells, 1001 + seed, factor);
+    let wavelengths = level.pick(4, 8);
+    let run = |seed, factor| Small::run(ink.study, cells, wavelengths, 1001 + seed, factor);
     let studies: Vec<Small> = (0..seeds).into_par_iter().map(|seed| run(seed, 1.0)).collect();
     let shift = |seed: u64| Shift::of(&studies[seed as usize], &run(seed, 2.0), truth);
     let shifts: Vec<Shift> = (0..finer).into_par_iter().map(shift).collect();

@@ -2,8 +2,8 @@
 
 use crate::claim::{Bound, Claim, Findings, Level, Reason, Table, short};
 use crate::formulas::films::{Film, amplitudes};
+use inkwave::appearance::film::Profile;
 use inkwave::appearance::paper::{Albedo, Coupling, MirroredSky, Substrate};
-use inkwave::evaluate::film::Profile;
 use inkwave::evaluate::films::Films;
 use inkwave::evaluate::ink::{InkInputs, InkOnPaper, SolvedLayer};
 use inkwave::evaluate::layer::LayerEnsemble;

@@ -58,7 +58,7 @@ fn cases(level: Level) -> Vec<Case> {
         grains: Complex64::new(grains[0], grains[1]),
         binder: 1.558,
     };
-    let realisations = level.pick(16, 64);
+    let realisations = level.pick(16, 256);
     let pair = |coats: [Coat; 2], wavelength_um: f64| TwoCoats {
         coats,
         wavelength_um,

@@ -47,11 +47,11 @@ pub struct ComparisonFile {
     /// Several pigments and periods of the study, each combination a case of its own.
     pub matrix: Option<MatrixTable>,
     /// Names of the strategies; all but those for tiny grids when left out.
-    #[schemars(schema_with = "strategy_names", example = ["krylov", "bicgstab"])]
+    #[schemars(schema_with = "strategy_names", example = ("krylov", "bicgstab"))]
     pub strategies: Option<Vec<String>>,
     /// Discretisations along z to compare; when left out, cubic cells and second differences on
     /// listed grids, cubic cells on searched ones.
-    #[schemars(length(min = 1), example = ["cubic"])]
+    #[schemars(length(min = 1), example = ("cubic",))]
     pub schemes: Option<Vec<Scheme>>,
     /// Grids to compare; when left out, three of them, or with `accuracy` or `[matrix]` the one
     /// that a search finds.
@@ -294,10 +294,10 @@ impl ComparisonFile {
 #[serde(deny_unknown_fields)]
 pub struct MatrixTable {
     /// Indices [n, κ] of the first pigment.
-    #[schemars(length(min = 1), example = [[1.4, 0.1]])]
+    #[schemars(length(min = 1), example = ((1.4, 0.1),))]
     pub pigments: Vec<[f64; 2]>,
     /// Periods of the square cell, µm.
-    #[schemars(length(min = 1), example = [1.6])]
+    #[schemars(length(min = 1), example = (1.6,))]
     pub periods_um: Vec<f64>,
 }
 

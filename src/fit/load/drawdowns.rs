@@ -43,7 +43,7 @@ impl FitReading<'_> {
             let field = format!("{list}[{i}]");
             let Some(study) = self.study(&field, table) else { continue };
             // a dissolved pigment is refused already
-            let Some(pigment) = study.pigments.get(self.pigment[1]) else { continue };
+            let Some(pigment) = study.pigments.get(self.pigment.in_study) else { continue };
             let of_card = study.remarks.iter().filter(|remark| remark.starts_with("paper.albedo"));
             self.remarks
                 .extend(of_card.map(|remark| remark.replace("paper.albedo", &format!("{field}.backing"))));
@@ -80,7 +80,8 @@ impl FitReading<'_> {
                 coats.push(study.clone());
             }
             let percent = rounded(100.0 * pigment.grains.volume_fraction);
-            let um = rounded(study.layer.thickness_um);
+            let um =
+                rounded(study.thicknesses_of_pigments_um(study.layer.thickness_um)[self.pigment.in_study]);
             let layer = if table.opaque {
                 format!("{percent} %, opaque")
             } else {
@@ -106,10 +107,11 @@ impl FitReading<'_> {
             }
         };
         let um = if table.opaque { Some(OPAQUE_UM) } else { table.thickness_um };
-        let share_of_base = format!("pigment[{}].volume_fraction", self.pigment[0]);
+        let share_of_base = format!("{}.volume_fraction", self.pigment.path());
+        let thickness_of_base = format!("{}.thickness_um", self.pigment.layer_path());
         let changes = [
             (share_of_base.as_str(), "volume_fraction", table.volume_fraction.map(Value::from)),
-            ("layer.thickness_um", "thickness_um", um.map(|um| thickness(&self.base, um))),
+            (thickness_of_base.as_str(), "thickness_um", um.map(|um| self.thickness(um))),
             ("paper.albedo", "backing", Some(backing)),
         ];
         let mut changed_base = self.base.clone();
@@ -137,10 +139,36 @@ impl FitReading<'_> {
         None
     }
 
+    /// A thickness of the pigment's layer, with the base's relative spread.
+    fn thickness(&self, um: f64) -> Value {
+        let layer = match (self.base.get("layer"), self.pigment.layer) {
+            (Some(Value::Array(layers)), Some(number)) => layers.get(number),
+            (layer, _) => layer,
+        };
+        let written = layer.and_then(|layer| layer.get("thickness_um"));
+        let number = |key: &str| {
+            let value = written?.get(key)?;
+            value.as_float().or(value.as_integer().map(|i| i as f64))
+        };
+        match (number("mean"), number("std")) {
+            (Some(mean), Some(std)) if mean > 0.0 => {
+                Table::from_iter([("mean".into(), um.into()), ("std".into(), (std * um / mean).into())])
+                    .into()
+            }
+            _ => um.into(),
+        }
+    }
+
     /// What is behind a layer, as its study has it; where the card does not matter, none is named.
     fn backing(&mut self, field: &str, table: &MeasuredTable) -> Option<Value> {
         let is_free = table.geometry == Some(FitGeometry::Transmitted);
         let composed = self.base.get("layer").is_some_and(|layer| layer.get("composed").is_some());
+        if table.opaque && self.pigment.layer.is_some() {
+            let allowed = "false where the base is a stack, whose layers are solved as a whole";
+            let remedy = "remove opaque, and give backing; or take a base with one [layer]";
+            self.faults.add(format!("{field}.opaque"), "true", allowed, remedy);
+            return None;
+        }
         if table.opaque && !composed {
             let allowed = "a base with [layer.composed], which doubles slabs to any thickness";
             let remedy = "add [base.layer.composed] with slab_um = 2, or give thickness_um and backing";
@@ -221,21 +249,6 @@ impl FitReading<'_> {
 /// A number as it is shown, to four decimals.
 fn rounded(x: f64) -> f64 {
     (1e4 * x).round() / 1e4
-}
-
-/// A thickness with the base's relative spread.
-fn thickness(base: &Table, um: f64) -> Value {
-    let written = base.get("layer").and_then(|layer| layer.get("thickness_um"));
-    let number = |key: &str| {
-        let value = written?.get(key)?;
-        value.as_float().or(value.as_integer().map(|i| i as f64))
-    };
-    match (number("mean"), number("std")) {
-        (Some(mean), Some(std)) if mean > 0.0 => {
-            Table::from_iter([("mean".into(), um.into()), ("std".into(), (std * um / mean).into())]).into()
-        }
-        _ => um.into(),
-    }
 }
 
 /// An albedo as a value of TOML; its table is looked for beside the file of the fit.

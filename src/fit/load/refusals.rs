@@ -3,6 +3,7 @@
 use super::{FitReading, FitTask};
 use crate::fit::file::{AlsoFitted, FitFile, FitTable, KNOWN_ERROR, PriorName};
 use crate::input::limits::{ANCHOR_NM, DENSITY, INDEX};
+use crate::input::study::Study;
 use crate::numerics::allowed::Allowed;
 
 /// Distance of n from the binder's below which a composed coat scatters too little for its table.
@@ -44,6 +45,34 @@ impl FitReading<'_> {
             let allowed = "fit.prior = \"kramers-kronig\", which carries n from one wavelength to all";
             let remedy = "leave fit.prior out, or remove fit.known_n";
             self.faults.add("fit.known_n", "fit.prior = \"smooth\"", allowed, remedy);
+        }
+    }
+
+    /// What is not fitted in a stack of layers: they are solved as a whole, and spread in the
+    /// thickness of the fitted pigment's layer alone.
+    pub(super) fn check_stack(&mut self, coat: &Study) {
+        if coat.stack.is_empty() {
+            return;
+        }
+        if coat.composed().is_some() {
+            let remedy = "leave composed out, and take drawdowns of 1 to 3 µm";
+            self.faults.add(
+                "base.stack.composed",
+                "a stack of plates",
+                "layers that are solved as a whole",
+                remedy,
+            );
+        }
+        let fitted = coat.layer_of_pigment(self.pigment.in_study);
+        let spread =
+            coat.stack.iter().enumerate().find(|(k, layer)| *k != fitted && layer.thickness_std_um > 0.0);
+        if let Some((k, layer)) = spread {
+            self.faults.add(
+                format!("base.layer[{k}].thickness_um.std"),
+                layer.thickness_std_um,
+                "0, but for the layer of the fitted pigment",
+                "leave it out: what the stack has more or less than its mean is in that layer",
+            );
         }
     }
 

@@ -9,7 +9,7 @@ use crate::evaluate::seen::NoInk;
 use crate::fit::file::FitGeometry;
 use crate::fit::law::{derivative, rms};
 use crate::fit::load::{Drawdown, FitTask};
-use crate::fit::response::{Origin, Response};
+use crate::fit::response::{Origin, Response, thicker};
 use crate::input::study::Study;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
@@ -188,10 +188,9 @@ fn other_layers(task: &FitTask) -> (FitTask, Vec<Further>) {
         if share * factor <= DENSEST {
             layers.push((format!("a layer with {:.1} % of the pigment", 100.0 * share * factor), loaded));
         }
-        let mut thick = base.clone();
-        thick.layer.thickness_um *= factor;
-        thick.variation.thickness_std_um *= factor;
-        layers.push((format!("a layer of {:.2} µm", thick.layer.thickness_um), thick));
+        let thick = thicker(base, task.pigment, factor);
+        let um = thick.thicknesses_of_pigments_um(thick.layer.thickness_um)[task.pigment];
+        layers.push((format!("a layer of {um:.2} µm"), thick));
     }
     for (words, study) in layers {
         for card in CARDS {

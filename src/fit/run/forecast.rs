@@ -89,9 +89,9 @@ fn forecast_error(response: &Response, k: usize, w: usize, row: &FittedIndex) ->
 }
 
 /// Kubelka and Munk's prediction: K and S of a layer measured in the same geometry on two backings,
-/// in proportion to the share and the thickness.
+/// in proportion to the share and the thickness. Of a stack there is none: other layers have theirs.
 fn kubelka_munk(task: &FitTask, drawdown: &Drawdown) -> Option<Vec<f64>> {
-    if drawdown.is_opaque || !drawdown.is_reflected() {
+    if drawdown.is_opaque || !drawdown.is_reflected() || !drawdown.study.stack.is_empty() {
         return None;
     }
     // K and S of a mixture are those of its other pigments, too

@@ -6,6 +6,9 @@
 //! behind the layer, with multiple reflections) → [`colour::Colour`] and the
 //! [`picture::InkPicture`] of P1 Fig. 6.
 //!
+//! [`film`] is the layer with its contents averaged within every plane, solved exactly: what such
+//! fits take their differences from.
+//!
 //! Off this path, [`finite_area`] spreads the orders of one far field into the lobes of an
 //! illuminated square (P2 section 4.1).
 //!
@@ -19,6 +22,7 @@ mod bdf_orders;
 mod cie;
 pub mod colour;
 pub mod composed;
+pub mod film;
 pub mod finite_area;
 pub mod fluorescence;
 pub mod halftone;

@@ -167,7 +167,7 @@ fn unbiased(replicates: &Replicates) -> Estimate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::film::Profile;
+    use crate::appearance::film::Profile;
     use crate::evaluate::samples::SolvedDirection;
     use crate::numerics::Draws;
     use crate::wave::Wave;

@@ -1,6 +1,6 @@
 //! The coherent film at all wavelengths and thicknesses of an ensemble.
 
-use super::film::{Film, Profile};
+use crate::appearance::film::{Film, Profile};
 use crate::appearance::kubelka_munk::DiffuseFaces;
 use crate::wave::maxwell::Polarisation;
 use crate::wave::{Side, Wave};

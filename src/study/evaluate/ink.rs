@@ -57,7 +57,7 @@ pub struct InkInputs<'a> {
 ///
 /// ```
 /// use inkwave_study::appearance::paper::{Albedo, Coupling, MirroredSky, Substrate};
-/// use inkwave_study::evaluate::film::Profile;
+/// use inkwave_study::appearance::film::Profile;
 /// use inkwave_study::evaluate::films::Films;
 /// use inkwave_study::evaluate::ink::{InkInputs, InkOnPaper};
 /// use inkwave_study::material::mixing::molecular_mixture;

@@ -5,9 +5,9 @@ pub mod made_up;
 
 use super::*;
 use crate::appearance::colour::Colour;
+use crate::appearance::film::Profile;
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::appearance::tristimulus::Colorimeter;
-use crate::evaluate::film::Profile;
 use crate::evaluate::samples::SolvedDirection;
 use crate::material::mixing::molecular_mixture;
 use crate::material::spectra::Spectrum;

@@ -72,6 +72,14 @@ pub fn program() -> String {
     concat!("inkwave ", env!("CARGO_PKG_VERSION")).to_owned()
 }
 
+/// Most packings and failures that `results.json` and pages list; the store has all.
+pub const MOST_LISTED: usize = 200;
+
+/// The first of a list, as many as are listed.
+fn first_ones<T: Serialize, S: serde::Serializer>(list: &[T], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_seq(list.iter().take(MOST_LISTED))
+}
+
 /// The published result of a print, whichever evaluator made it: the file `results.json`. What only
 /// some prints have is an optional part; the keys of a part stand beside the others in the file.
 ///
@@ -85,7 +93,8 @@ pub struct Manifest<'a> {
     pub origin: Provenance,
     /// Requested and finished solves.
     pub solves: Count,
-    /// Failures with their reasons.
+    /// Failures with their reasons; the file has the first [`MOST_LISTED`], and counts beside.
+    #[serde(serialize_with = "first_ones")]
     pub failures: Vec<FailureNote>,
     /// Packings, grid and errors of a layer that is solved as a whole.
     #[serde(flatten)]

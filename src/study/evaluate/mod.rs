@@ -4,8 +4,8 @@
 //! Every realisation has its own cell, azimuth, directions and wavelengths, drawn uniformly
 //! ([`crate::input::variation`]). Each one is therefore an unbiased sample of everything, and the
 //! jackknife over realisations covers randomness, cell, angles and wavelengths together. The fitted
-//! quantity ([`regression`], over [`wavelengths`]) is the *difference from the coherent [`film`]*,
-//! which contains the layer's interference fringes.
+//! quantity ([`regression`], over [`wavelengths`]) is the *difference from the coherent film*
+//! ([`films`]), which contains the layer's interference fringes.
 //!
 //! - [`seen`] evaluates the complete realisations: [`layer`] without paper, [`ink`] on its paper by
 //!   the formulas of [`on_paper`], [`prints`] in dots and on brightened paper
@@ -20,7 +20,6 @@ pub mod coherent;
 pub mod composed;
 pub mod directional;
 pub mod evaluated;
-pub mod film;
 pub mod films;
 pub mod gate;
 pub mod ink;

@@ -127,13 +127,14 @@ pub(super) fn ink_prints(
     let light = ink.at(PRINT_DEG)?;
     let view = ink.at(0.0)?;
     let optics = |layer: &LayerOnPaper, by: Shift| moved_optics(layer.optics(&light, &view), layer, by);
-    let at = |layers: &[LayerOnPaper], by: &dyn Fn(&LayerOnPaper) -> Shift| -> Vec<AreaOptics> {
+    let areas = |layers: &[LayerOnPaper], by: &dyn Fn(&LayerOnPaper) -> Shift| -> Vec<AreaOptics> {
         layers.iter().map(|layer| optics(layer, by(layer))).collect()
     };
-    let unmoved = at(ink.layers(), &|_| UNMOVED);
+    let unmoved = areas(ink.layers(), &|_| UNMOVED);
     let whole = task.numbers(&unmoved);
-    let replicates: Vec<_> = ink.layers_of_replicates().map(|l| task.numbers(&at(l, &|_| UNMOVED))).collect();
-    let mut moved = uncertainty.moved(ink, |by| Ok(task.numbers(&at(ink.layers(), by))))?;
+    let replicates: Vec<_> =
+        ink.layers_of_replicates().map(|l| task.numbers(&areas(l, &|_| UNMOVED))).collect();
+    let mut moved = uncertainty.moved(ink, |by| Ok(task.numbers(&areas(ink.layers(), by))))?;
     let of_others = beside(&task, &unmoved, |layer| &layer.replicates);
     moved.extend(beside(&task, &unmoved, |layer| &layer.moved).into_iter().flatten());
     let scaled = moved.len();
@@ -147,16 +148,16 @@ pub(super) fn ink_prints(
         };
         let estimate = |get: &dyn Fn(&PrintNumbers<f64>) -> f64, open: f64| {
             let value = get(print);
-            let own: Vec<f64> = replicates.iter().map(|all| get(&all[k])).collect();
+            let without_each: Vec<f64> = replicates.iter().map(|all| get(&all[k])).collect();
             // every table is moved to both sides
             let weight = |i: usize| if i < scaled { 1.0 } else { FRAC_1_SQRT_2 };
             let by_parts = moved.iter().enumerate().map(|(i, all)| weight(i) * (get(&all[k]) - value));
             let chances = of_others.iter().filter_map(|replicates| {
-                let own: Vec<f64> = replicates.iter().map(|all| get(&all[k])).collect();
-                Estimate::jackknife(value, &own).standard_error
+                let without_each: Vec<f64> = replicates.iter().map(|all| get(&all[k])).collect();
+                Estimate::jackknife(value, &without_each).standard_error
             });
             let shared = by_parts.chain(chances).chain([excited(get)]).fold(open, f64::hypot);
-            uncertainty.widen(Estimate::jackknife(value, &own), shared)
+            uncertainty.widen(Estimate::jackknife(value, &without_each), shared)
         };
         bars.push(PrintNumbers {
             lab: std::array::from_fn(|c| estimate(&|print| print.lab[c], open[c])),
@@ -199,11 +200,11 @@ pub(super) fn ink_optics(
 ) -> Result<LayerOptics, InkError> {
     let light = ink.at(PRINT_DEG)?;
     let view = ink.at(0.0)?;
-    let at = |layers: &[LayerOnPaper], by: &dyn Fn(&LayerOnPaper) -> Shift| -> Vec<AreaOptics> {
+    let areas = |layers: &[LayerOnPaper], by: &dyn Fn(&LayerOnPaper) -> Shift| -> Vec<AreaOptics> {
         layers.iter().map(|layer| moved_optics(layer.optics(&light, &view), layer, by(layer))).collect()
     };
-    let whole = at(ink.layers(), &|_| UNMOVED);
-    let mut moved = uncertainty.moved(ink, |by| Ok(at(ink.layers(), by)))?;
+    let whole = areas(ink.layers(), &|_| UNMOVED);
+    let mut moved = uncertainty.moved(ink, |by| Ok(areas(ink.layers(), by)))?;
     let by_inputs = moved_by_inputs(ink, &whole, |layer| layer.optics(&light, &view));
     // every table is moved to both sides
     moved.extend(by_inputs.map(|all| {
@@ -218,7 +219,7 @@ pub(super) fn ink_optics(
     Ok(LayerOptics {
         index_out: study.layer.index_out,
         wavelengths_nm: study.wavelengths_nm.clone(),
-        replicates: ink.layers_of_replicates().map(|layers| at(layers, &|_| UNMOVED)).collect(),
+        replicates: ink.layers_of_replicates().map(|layers| areas(layers, &|_| UNMOVED)).collect(),
         whole,
         moved,
     })

@@ -153,7 +153,7 @@ pub struct ComposedNumbers<T> {
 
 /// A new list, item by item from both.
 fn each<A, B, C>(one: Vec<A>, other: Vec<B>, item: impl Fn(A, B) -> C) -> Vec<C> {
-    debug_assert_eq!(one.len(), other.len(), "numbers of different layers");
+    assert_eq!(one.len(), other.len(), "numbers of different layers");
     one.into_iter().zip(other).map(|(a, b)| item(a, b)).collect()
 }
 

@@ -7,7 +7,6 @@ mod sums;
 pub(super) use complete::complete_cells;
 
 use super::coherent::CoherentLight;
-use super::film::{Profile, ProfileLayer};
 use super::films::{FilmAt, Films, Indices};
 use super::ink::{InkError, InkInputs, InkOnPaper};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
@@ -17,6 +16,7 @@ use super::samples::SolvedRealisation;
 use super::summed::sum_wavelengths_nm;
 use super::wavelengths::nearest;
 use crate::appearance::bdf::{Bdf, BdfError};
+use crate::appearance::film::{Profile, ProfileLayer};
 use crate::appearance::paper::Substrate;
 use crate::appearance::viewing::Viewing;
 use crate::input::study::{StackLayer, Study};

@@ -202,6 +202,26 @@ pub struct Budget {
     pub inputs: f64,
 }
 
+impl Budget {
+    /// What makes the error smaller where its largest part is none that further packings make
+    /// smaller.
+    pub fn remedy_but_packings(&self) -> Option<&'static str> {
+        let chance =
+            self.chance_and_cell.unwrap_or(0.0).hypot(self.angles.unwrap_or(0.0)).hypot(self.missing_cells);
+        let parts = [
+            (
+                self.between_wavelengths.hypot(self.wavelengths),
+                "wavelengths that are closer, or a range: light.from_nm, to_nm and step_nm",
+            ),
+            (self.grid.hypot(self.residual), "a finer grid: a smaller resolution.accuracy"),
+            (self.inputs, "tables of indices with smaller errors"),
+            (self.beyond_range, "wavelengths from 400 to 700 nm"),
+        ];
+        let (part, remedy) = parts.into_iter().max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (part > chance).then_some(remedy)
+    }
+}
+
 /// Whether a number is zero, and so is left out of the results.
 pub(super) fn nothing<T: Default + PartialEq>(number: &T) -> bool {
     *number == T::default()

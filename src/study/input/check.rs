@@ -25,6 +25,7 @@ pub use grains::largest_extents_nm;
 use super::fault::{Fault, Faults};
 use super::file::StudyFile;
 use super::forms::ThicknessWritten;
+use super::limits;
 use super::study::{Layer, Pigment, Study};
 use super::variation::Variation;
 use crate::appearance::tristimulus::{Colorimeter, visible};
@@ -100,11 +101,25 @@ fn examine(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         return stack::examine(written, layers, folder, name);
     }
     let mut examined = examine_layer(written, folder, name);
+    if written.layer.composed.is_none() {
+        check_whole_thickness(&mut examined);
+    }
     if written.stack.is_some() {
         let allowed = "nothing beside a single [layer], which has these keys itself";
         examined.packing_faults.add("stack", "a table", allowed, "remove it, or write [[layer]]");
     }
     examined
+}
+
+/// No machine solves a layer of grains that is thicker as a whole; packings have no such limit.
+fn check_whole_thickness(examined: &mut Examined) {
+    let thickness_um = examined.study.layer.thickness_um;
+    let has_grains = !examined.study.pigments.is_empty();
+    if has_grains && limits::THICKNESS_UM.holds(thickness_um) && !limits::WHOLE_UM.holds(thickness_um) {
+        let allowed = format!("{} for a layer with grains that is solved whole", limits::WHOLE_UM);
+        let remedy = "thicknesses are in µm, a printed layer is about 1 µm thick; thick paints are composed: add [layer.composed]";
+        examined.wave_faults.add("layer.thickness_um", format!("{thickness_um} µm"), allowed, remedy);
+    }
 }
 
 /// Examines a study of a single layer.

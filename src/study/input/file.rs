@@ -195,7 +195,7 @@ pub struct AreaTable {
     /// Names of the `[[ink]]`s that overlap in this area, instead of `coverage`. Every overprint
     /// needs its area; what bears no ink is bare paper.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    #[schemars(example = ["cyan", "yellow"])]
+    #[schemars(example = ("cyan", "yellow"))]
     pub inks: Vec<String>,
     /// What it bears. Default: `"layer"`.
     #[serde(default)]

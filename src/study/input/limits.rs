@@ -20,6 +20,8 @@ pub const ABOVE_ZERO: Allowed = Allowed::above(0.0, f64::MAX, "µm");
 pub const NOT_NEGATIVE: Allowed = Allowed::between(0.0, f64::MAX, "µm");
 /// Thickness of a layer.
 pub const THICKNESS_UM: Allowed = Allowed::above(0.0, 1000.0, "µm");
+/// Thickness of a single layer with grains that is solved whole.
+pub const WHOLE_UM: Allowed = Allowed::above(0.0, 100.0, "µm");
 /// Thickness of a stack with grains, all layers together: it is solved whole.
 pub const STACK_UM: Allowed = Allowed::above(0.0, 30.0, "µm");
 /// Period of a cell.

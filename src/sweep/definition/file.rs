@@ -64,7 +64,7 @@ pub struct AxisTable {
     /// Dotted name of the field that varies.
     pub field: Option<String>,
     /// Its values.
-    #[schemars(with = "Option<Vec<serde_json::Value>>", example = [0.15, 0.3, 0.5])]
+    #[schemars(with = "Option<Vec<serde_json::Value>>", example = (0.15, 0.3, 0.5))]
     pub values: Option<Vec<Value>>,
     /// Captions of the values.
     pub labels: Option<Vec<String>>,

@@ -207,6 +207,8 @@ fn what_is_no_case_is_refused_with_a_remedy() {
     refuses_text("case.json", &beside, &[], &["wavelength: found given beside `inputs`", "move it"]);
     let study = "[layer]\nthickness_um = 1\n";
     refuses_text("study.toml", study, &[], &["is a study", "reads a case", "--realisation 1"]);
+    let sweep = "base = \"study.toml\"\n[[axis]]\nfield = \"run.seed\"\nvalues = [1, 2]\n";
+    refuses_text("sweep.toml", sweep, &[], &["is a sweep", "reads a case", "inkwave sweep"]);
 }
 
 #[test]

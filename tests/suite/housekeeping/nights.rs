@@ -123,3 +123,12 @@ fn checks_of_dependencies_run_or_say_that_they_are_skipped() {
     let (passed, said, _) = check("case \"$*\" in *advisories*) exit 1;; esac");
     assert!(!passed, "an advisory is no reason to go on: {said}");
 }
+
+/// A report tells of margins and times that have moved, and of no others.
+#[test]
+fn small_changes_are_none() {
+    use inkwave_validation::claim::has_changed;
+    assert!(!has_changed(1.1, 1.0, 1.2) && !has_changed(0.9, 1.0, 1.2));
+    assert!(has_changed(1.3, 1.0, 1.2) && has_changed(0.7, 1.0, 1.2));
+    assert!(!has_changed(f64::NAN, 1.0, 1.2) && !has_changed(f64::INFINITY, 1.0, 1.2));
+}

@@ -62,6 +62,11 @@ pub const INK: &[Slip] = &[
         ["layer.thickness_um", "inf", "at most 1000 µm", "about 1 µm"],
     ),
     slip(
+        "thickness_um = 0.5",
+        "thickness_um = 500",
+        ["layer.thickness_um", "500 µm", "at most 100 µm", "[layer.composed]"],
+    ),
+    slip(
         "binder.index = 1.558",
         "binder.index = -1.5",
         ["layer.binder.index.n", "-1.5", "from 0.1 to 10", "refractive index"],

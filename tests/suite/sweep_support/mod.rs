@@ -4,6 +4,7 @@
 use inkwave::store::{PointRecord, Record, Store};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::LazyLock;
 
 /// 2 shares × 2 papers × 2 sizes (one molecular): 4 wavelengths, 3 angles, 2 realisations; milliseconds a solve.
 pub const TINY: &str = r#"
@@ -87,6 +88,18 @@ impl Place {
         place
     }
 
+    /// [`TINY`] with its finished sweep in `output`: a copy of the one that tests share.
+    pub fn swept(output: &str) -> Self {
+        static SHARED: LazyLock<Place> = LazyLock::new(|| {
+            let place = Place::new(TINY);
+            place.sweep("out", &[]);
+            place
+        });
+        let place = Self::new(TINY);
+        copy_folder(Path::new(&SHARED.path("out")), Path::new(&place.path(output)));
+        place
+    }
+
     pub fn path(&self, name: &str) -> String {
         self.0.path().join(name).display().to_string()
     }
@@ -95,6 +108,18 @@ impl Place {
         let file = self.path("tiny.toml");
         let output = self.path(output);
         succeed(&[&["sweep", &file, "--output", &output], more].concat())
+    }
+}
+
+fn copy_folder(from: &Path, to: &Path) {
+    std::fs::create_dir(to).unwrap();
+    for entry in std::fs::read_dir(from).unwrap() {
+        let from = entry.unwrap().path();
+        let to = to.join(from.file_name().unwrap());
+        match from.is_dir() {
+            true => copy_folder(&from, &to),
+            false => _ = std::fs::copy(&from, &to).unwrap(),
+        }
     }
 }
 

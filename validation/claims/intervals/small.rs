@@ -30,16 +30,17 @@ impl fmt::Display for Cells {
 }
 
 impl Small {
-    pub fn run(truth: &str, cells: Cells, seed: u64, finer: f64) -> Self {
+    /// A study of the truth's ink with this number of wavelengths in every cell.
+    pub fn run(truth: &str, cells: Cells, wavelengths: i64, seed: u64, finer: f64) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let [printed, apart] =
-            with_and_without_the_grid(&small_study(truth, cells, seed, finer), &folder.path().join("out"));
+        let study = small_study(truth, cells, wavelengths, seed, finer);
+        let [printed, apart] = with_and_without_the_grid(&study, &folder.path().join("out"));
         Self { printed, apart }
     }
 }
 
 /// The truth's ink in a few cells of 1.6 µm, on a grid `finer` times as fine as the truth's.
-fn small_study(truth: &str, cells: Cells, seed: u64, finer: f64) -> String {
+fn small_study(truth: &str, cells: Cells, wavelengths: i64, seed: u64, finer: f64) -> String {
     let mut study: toml::Table = truth.parse().expect("a study file");
     let per_um = |key: &str| study["resolution"][key].as_integer().expect("points or planes") as f64;
     let points = finer * per_um("points_per_um");
@@ -53,7 +54,7 @@ fn small_study(truth: &str, cells: Cells, seed: u64, finer: f64) -> String {
     }
     let changes: [(&str, &str, toml::Value); 7] = [
         ("layer", "period_um", 1.6.into()),
-        ("light", "per_realisation", 8.into()),
+        ("light", "per_realisation", wavelengths.into()),
         ("angles", "count", 5.into()),
         ("run", "realisations", i64::from(most).into()),
         ("run", "seed", i64::try_from(seed).expect("a small seed").into()),

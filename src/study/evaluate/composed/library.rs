@@ -7,29 +7,17 @@
 //! inner slab and for its back; all of them again at half the thickness, which tells the error of
 //! composing. Of every portion there are the means over the ensemble and the means that leave out
 //! one cell each, so that every composed number has its bar.
-//!
-//! Numbers of one portion at one wavelength follow one another in this order, with m states in
-//! front, n behind and d + 1 known directions (0° and the nodes from which light reaches air):
-//!
-//! ```text
-//! R from in front (m × m), R from behind (n × n), T onward (n × m), T back (m × n), row by row
-//! amplitudes [side][0 … d][polarisation][reflected, transmitted], each as real and imaginary part
-//! ```
 
-use super::level::{KeptPortion, KeptStates, Level, PortionStates, SolvedPortion};
-use crate::appearance::composed::flux::{Coherent, Hemisphere};
+mod encoding;
+mod gathering;
+
+use super::level::KeptPortion;
+use crate::appearance::composed::flux::Hemisphere;
 use crate::appearance::composed::ordinates::Ordinates;
-use crate::appearance::composed::plate::Plate;
-use crate::appearance::fluorescence::summed_nm;
-use crate::appearance::tristimulus::{Colorimeter, visible};
-use crate::appearance::viewing::{Summation, Viewing};
-use crate::input::study::{Composed, LayerPlates, Position, Study};
-use crate::store::identity::{Key, METHOD_VERSION};
+use crate::input::study::Position;
+use crate::store::identity::METHOD_VERSION;
 use crate::wave::Wave;
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use faer::Mat;
-use num_complex::Complex64;
+use gathering::lights;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -37,11 +25,6 @@ use serde::{Deserialize, Serialize};
 pub const LIBRARY_FORM: u32 = 2;
 /// Difference of indices and of directions that is rounding.
 const ROUNDING: f64 = 1e-9;
-/// Largest whole number that a difference of a replicate is written as.
-const FULL_SCALE: f64 = 32_767.0;
-/// Illuminants and observers whose weights a library holds.
-const ILLUMINANTS: [&str; 6] = ["D65", "D50", "A", "E", "F2", "F11"];
-const OBSERVERS: [&str; 2] = ["2", "10"];
 
 /// Solved layers as plates between half-spaces of one index.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -201,39 +184,6 @@ impl JointMedium {
 }
 
 impl Library {
-    /// The plates of a finished stack that was solved between half-spaces of one index.
-    ///
-    /// # Errors
-    /// A study of another kind, layers without complete realisations, other media around the stack.
-    pub fn of_stack(study: &Study, solved: &[SolvedPortion], program: &str) -> Result<Self, String> {
-        let composed = study.composed().ok_or(NO_STATES)?;
-        let index = composed.joint_index.ok_or(NO_STATES)?;
-        let joint = joint_of(study, composed, index)?;
-        let level =
-            |halved| Level::new(solved, halved).ok_or("not every layer has a complete realisation yet");
-        let portions = [level(false)?.kept(), level(true)?.kept()];
-        let mut plates = Vec::new();
-        for (layer, kind) in composed.layers.iter().enumerate() {
-            let slabs = match kind {
-                LayerPlates::Clear => continue,
-                LayerPlates::Whole => None,
-                LayerPlates::Slabs(um) => Some(*um),
-            };
-            plates.push(plate_of(study, layer, slabs, &portions, &joint));
-        }
-        Ok(Self {
-            inkwave_library: LIBRARY_FORM,
-            method: METHOD_VERSION,
-            program: program.to_owned(),
-            wave: study.wave,
-            wavelengths_nm: study.wavelengths_nm.clone(),
-            eyes: eyes(&study.wavelengths_nm),
-            lights: lights(&study.wavelengths_nm),
-            joint,
-            plates,
-        })
-    }
-
     /// Reads a library.
     ///
     /// # Errors
@@ -370,35 +320,7 @@ impl Library {
         };
         own.map(kept).collect()
     }
-
-    fn unpacked(&self, packed: &LibraryStates) -> Option<KeptStates> {
-        let [before, behind] = packed.between;
-        let media = [self.joint.medium(before), self.joint.medium(behind)];
-        if media[0].states() != packed.states[0] || media[1].states() != packed.states[1] {
-            return None;
-        }
-        let mean = floats(&packed.mean)?;
-        let known = self.known_directions();
-        let replicate = |replicate: &LibraryReplicate| {
-            let differences = whole_numbers(&replicate.differences)?;
-            let same = differences.len() == mean.len();
-            let moved: Vec<f64> =
-                mean.iter().zip(&differences).map(|(x, d)| x + replicate.unit * f64::from(*d)).collect();
-            same.then(|| states_of(&moved, &media, known))?
-        };
-        let replicates = packed.replicates.iter().map(replicate).collect::<Option<Vec<_>>>()?;
-        Some(KeptStates { mean: states_of(&mean, &media, known)?, media, replicates })
-    }
-
-    /// Directions whose amplitudes are kept: 0° and the nodes from which light reaches air.
-    fn known_directions(&self) -> usize {
-        1 + self.joint.directions[0]
-    }
 }
-
-/// Why a study is no library study, and what to do.
-const NO_STATES: &str = "its layers were not solved between half-spaces of one index, so that no plates of them join any others: \
-     write the layers as [[layer]] with [stack.composed] joint_index = 1.5 (or that of their binders), and run it again";
 
 impl LibraryPlate {
     fn is_same(&self, other: &Self) -> bool {
@@ -441,181 +363,3 @@ impl LibraryPlate {
 
 /// Most slabs of a layer.
 const MOST_SLABS: f64 = 4096.0;
-
-/// The half-spaces of a study's stack.
-fn joint_of(study: &Study, composed: &Composed, index: f64) -> Result<JointMedium, String> {
-    for outer in [study.layer.index_in, study.layer.index_out] {
-        if (outer - 1.0).abs() > ROUNDING && (outer - index).abs() > ROUNDING {
-            return Err(format!(
-                "stack.index_out: found {outer} around plates of joint_index {index}, which limits their directions; allowed are 1 \
-                 and {index}"
-            ));
-        }
-    }
-    let polarisations = if study.wave.is_vector() { 2 } else { 1 };
-    let directions = composed.directions;
-    let ordinates = Ordinates::new(index, &[index], directions);
-    Ok(JointMedium { index, directions, polarisations, sines: ordinates.sines, weights: ordinates.weights })
-}
-
-fn plate_of(
-    study: &Study,
-    layer: usize,
-    slabs: Option<f64>,
-    portions: &[Vec<KeptPortion>; 2],
-    joint: &JointMedium,
-) -> LibraryPlate {
-    let own = study.of_layer(layer);
-    let pigments = own.pigments.iter().map(|pigment| PlatePigment {
-        name: pigment.name.clone(),
-        volume_fraction: pigment.grains.volume_fraction,
-        size_nm: [pigment.grains.size.smallest_nm(), pigment.grains.size.largest_nm()],
-        index: pigment.material.source.clone(),
-    });
-    // names are no part of an ink: pigments of two layers have different ones
-    let materials: Vec<_> = own.pigments.iter().map(|p| (&p.grains, &p.material, &p.shell)).collect();
-    let packing = crate::ink::PackingRequest { seed: 0, thickness_um: 0.0, ..own.packing.clone() };
-    let mut packed = Vec::new();
-    for (halved, all) in [(false, &portions[0]), (true, &portions[1])] {
-        for portion in all.iter().filter(|portion| portion.layer == layer) {
-            packed.push(LibraryPortion {
-                position: portion.position,
-                halved,
-                thickness_um: portion.slab_um,
-                grid_error: portion.grid_error,
-                states: portion.states.iter().map(|states| packed_states(states, joint)).collect(),
-            });
-        }
-    }
-    LibraryPlate {
-        name: study.stack[layer].name.clone(),
-        ink: Key::of("ink", &(&own.layer.binder, materials, &packing)).short().to_owned(),
-        binder: own.layer.binder.source.clone(),
-        pigments: pigments.collect(),
-        thickness_um: slabs.unwrap_or(study.stack[layer].thickness_um),
-        slabs: slabs.is_some(),
-        study: study.key().as_str().to_owned(),
-        title: study.title.clone(),
-        within: study.wavelengths_nm.iter().map(|nm| own.embedding_index(1e-3 * nm)).collect(),
-        portions: packed,
-    }
-}
-
-/// The weights of wavelengths for the usual conditions; none where they carry no colour.
-fn eyes(wavelengths_nm: &[f64]) -> Vec<LibraryEye> {
-    let seen = visible(wavelengths_nm);
-    let mut all = Vec::new();
-    for illuminant in ILLUMINANTS {
-        for observer in OBSERVERS {
-            let viewing = Viewing::new(illuminant, observer, Summation::Plain);
-            let eye = viewing.and_then(|viewing| Colorimeter::under(&wavelengths_nm[seen.clone()], &viewing));
-            let Ok(eye) = eye else { continue };
-            let weight = |w: usize| {
-                let only: Vec<f64> = seen.clone().map(|k| f64::from(u8::from(k == w))).collect();
-                eye.xyz(&only).unwrap_or_default()
-            };
-            let weights = (0..wavelengths_nm.len()).map(weight).collect();
-            all.push(LibraryEye {
-                illuminant: illuminant.to_owned(),
-                observer: observer.to_owned(),
-                weights,
-            });
-        }
-    }
-    all
-}
-
-/// The powers of the usual illuminants at the wavelengths at which excitation is summed.
-fn lights(wavelengths_nm: &[f64]) -> Vec<LibraryLight> {
-    let (Some(&from_nm), Some(&to_nm)) = (wavelengths_nm.first(), wavelengths_nm.last()) else {
-        return Vec::new();
-    };
-    let nm = summed_nm(from_nm, to_nm);
-    let light = |illuminant: &str| {
-        let viewing = Viewing::new(illuminant, OBSERVERS[0], Summation::Plain).ok()?;
-        let powers = nm.iter().map(|&nm| viewing.power(nm)).collect();
-        Some(LibraryLight { illuminant: illuminant.to_owned(), powers })
-    };
-    ILLUMINANTS.into_iter().filter_map(light).collect()
-}
-
-/// The numbers of one portion in a row.
-fn listed(states: &PortionStates, known: usize) -> Vec<f64> {
-    let mut all = Vec::new();
-    let matrices = states.plate.reflection.iter().chain(&states.plate.transmission);
-    for matrix in matrices {
-        for i in 0..matrix.nrows() {
-            all.extend((0..matrix.ncols()).map(|j| matrix[(i, j)]));
-        }
-    }
-    for side in &states.coherent {
-        for lobes in side[..known].iter().flatten() {
-            all.extend(lobes.iter().flat_map(|amplitude| [amplitude.re, amplitude.im]));
-        }
-    }
-    all
-}
-
-/// The other way round; `None` for another number of numbers, or for some that are not finite.
-fn states_of(numbers: &[f64], media: &[Hemisphere; 2], known: usize) -> Option<PortionStates> {
-    let [m, n] = [media[0].states(), media[1].states()];
-    let polarisations = media[0].polarisations;
-    let whole = m * m + n * n + 2 * m * n + 2 * known * polarisations * 4;
-    if numbers.len() != whole || !numbers.iter().all(|x| x.is_finite()) {
-        return None;
-    }
-    let matrix = |from: usize, rows: usize, columns: usize| {
-        Mat::from_fn(rows, columns, |i, j| numbers[from + i * columns + j])
-    };
-    let onward = m * m + n * n;
-    let plate = Plate {
-        reflection: [matrix(0, m, m), matrix(m * m, n, n)],
-        transmission: [matrix(onward, n, m), matrix(onward + m * n, m, n)],
-    };
-    let first = onward + 2 * m * n;
-    let amplitude = |place: usize| Complex64::new(numbers[first + 2 * place], numbers[first + 2 * place + 1]);
-    let side = |side: usize| {
-        let direction = |d: usize| {
-            let lobes = |p: usize| {
-                let place = ((side * known + d) * polarisations + p) * 2;
-                [amplitude(place), amplitude(place + 1)]
-            };
-            (0..polarisations).map(lobes).collect()
-        };
-        (0..known).map(direction).collect()
-    };
-    let coherent: Coherent = [side(0), side(1)];
-    Some(PortionStates { plate, coherent })
-}
-
-fn packed_states(kept: &KeptStates, joint: &JointMedium) -> LibraryStates {
-    let known = 1 + joint.directions[0];
-    let mean = listed(&kept.mean, known);
-    let replicate = |states: &PortionStates| {
-        let differences: Vec<f64> = listed(states, known).iter().zip(&mean).map(|(a, b)| a - b).collect();
-        let largest = differences.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let unit = if largest > 0.0 { largest / FULL_SCALE } else { 1.0 };
-        let bytes: Vec<u8> =
-            differences.iter().flat_map(|x| ((x / unit).round() as i16).to_le_bytes()).collect();
-        LibraryReplicate { unit, differences: STANDARD.encode(bytes) }
-    };
-    let bytes: Vec<u8> = mean.iter().flat_map(|x| x.to_le_bytes()).collect();
-    LibraryStates {
-        between: [kept.media[0].ordinates.index, kept.media[1].ordinates.index],
-        states: [kept.media[0].states(), kept.media[1].states()],
-        mean: STANDARD.encode(bytes),
-        replicates: kept.replicates.iter().map(replicate).collect(),
-    }
-}
-
-fn floats(text: &str) -> Option<Vec<f64>> {
-    let bytes = STANDARD.decode(text).ok()?;
-    let (whole, rest) = bytes.as_chunks::<8>();
-    rest.is_empty().then(|| whole.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
-}
-
-fn whole_numbers(text: &str) -> Option<Vec<i16>> {
-    let bytes = STANDARD.decode(text).ok()?;
-    let (whole, rest) = bytes.as_chunks::<2>();
-    rest.is_empty().then(|| whole.iter().map(|bytes| i16::from_le_bytes(*bytes)).collect())
-}

@@ -1,6 +1,6 @@
 use super::*;
+use crate::appearance::film::Profile;
 use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG, Substrate};
-use crate::evaluate::film::Profile;
 use crate::evaluate::films::Films;
 use crate::evaluate::ink::tests::made_up::{MadeUp, RANGE_NM};
 use crate::evaluate::ink::{InkInputs, SolvedLayer};

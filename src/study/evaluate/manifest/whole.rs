@@ -24,7 +24,8 @@ pub struct EnsembleNotes {
     pub resolution_longest: Option<Resolution>,
     /// Errors and their estimates.
     pub certainty: Certainty,
-    /// One record per packing.
+    /// One record per packing; the file has the first [`super::MOST_LISTED`].
+    #[serde(serialize_with = "super::first_ones")]
     pub packings: Vec<PackingRecord>,
 }
 

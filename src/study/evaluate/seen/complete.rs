@@ -2,8 +2,8 @@
 
 use super::{LayerSeen, MovedLayers, NoInk, Seen, films, in_daylight, indices, profile_layers, substrate};
 use crate::appearance::bdf::{Bdf, BdfError};
+use crate::appearance::film::Profile;
 use crate::evaluate::coherent::CoherentLight;
-use crate::evaluate::film::Profile;
 use crate::evaluate::films::Films;
 use crate::evaluate::ink::{InkInputs, InkOnPaper, SolvedLayer};
 use crate::evaluate::layer::LayerEnsemble;

@@ -163,10 +163,10 @@ impl DotsReader<'_, '_> {
             return Err([found, allowed, "give both studies one index_out and one contact".to_owned()]);
         }
         let ends = |all: &[f64]| all.first().copied().zip(all.last().copied());
-        let own = ends(self.tables.wavelengths_nm);
+        let of_study = ends(self.tables.wavelengths_nm);
         let is_sound = |rows: &Vec<AreaOptics>| rows.len() == layer.wavelengths_nm.len();
         let rows = layer.replicates.iter().chain(&layer.moved).chain([&layer.whole]);
-        if let (Some((from, to)), Some((first, last))) = (own, ends(&layer.wavelengths_nm)) {
+        if let (Some((from, to)), Some((first, last))) = (of_study, ends(&layer.wavelengths_nm)) {
             if first > from + SLACK || last < to - SLACK || !rows.into_iter().all(is_sound) {
                 let found = format!("wavelengths from {first} to {last} nm");
                 let allowed = format!("those of this study, {from} to {to} nm");
@@ -316,16 +316,16 @@ impl DotsReader<'_, '_> {
         let has_paper = areas.iter().any(|area| area.bears == AreaBears::Paper);
         let mut all = Vec::new();
         for tint in 0..count {
-            let mut own = vec![0.0];
+            let mut inked = vec![0.0];
             let mut bare = 0.0;
             for (area, list) in areas.iter().zip(&lists) {
                 match (&area.results, area.bears) {
-                    (Some(_), _) => own.push(list[tint]),
-                    (None, AreaBears::Layer) => own[0] += list[tint],
+                    (Some(_), _) => inked.push(list[tint]),
+                    (None, AreaBears::Layer) => inked[0] += list[tint],
                     (None, AreaBears::Paper) => bare += list[tint],
                 }
             }
-            let whole = own.iter().sum::<f64>() + bare;
+            let whole = inked.iter().sum::<f64>() + bare;
             if whole > 1.0 + SLACK || (has_paper && whole < 1.0 - SLACK) {
                 let allowed = if has_paper { "1, since bare paper is among them" } else { "at most 1" };
                 let remedy = "coverages share the area: change one, or leave out the bare paper, which is what they leave";
@@ -337,7 +337,7 @@ impl DotsReader<'_, '_> {
                 );
                 return None;
             }
-            all.push(own);
+            all.push(inked);
         }
         Some(all)
     }

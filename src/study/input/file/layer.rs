@@ -189,7 +189,7 @@ pub struct PigmentTable {
     /// Share of the layer's volume against depth, instead of `volume_fraction`: rows `[depth,
     /// share]` with depths from 0 at the lit face to 1 at the other, linear in between. Grains keep
     /// away from walls as without it; reports give the shares reached in the thirds of the depth.
-    #[schemars(example = [[0.0, 0.2], [1.0, 0.4]])]
+    #[schemars(example = ((0.0, 0.2), (1.0, 0.4)))]
     pub profile: Option<Vec<[f64; 2]>>,
 }
 

@@ -200,25 +200,25 @@ fn by_condition(
     called: &str,
     requested: Option<MeasuredCondition>,
 ) -> Result<(), String> {
-    let mut found: Vec<Option<MeasuredCondition>> = Vec::new();
+    let mut conditions: Vec<Option<MeasuredCondition>> = Vec::new();
     for &i in meant.iter() {
-        if !found.contains(&samples[i].condition) {
-            found.push(samples[i].condition);
+        if !conditions.contains(&samples[i].condition) {
+            conditions.push(samples[i].condition);
         }
     }
     let name =
         |condition: &Option<MeasuredCondition>| condition.map_or("none stated", MeasuredCondition::name);
-    let names = found.iter().map(name).collect::<Vec<_>>().join(", ");
+    let names = conditions.iter().map(name).collect::<Vec<_>>().join(", ");
     match requested {
-        Some(_) if found.contains(&requested) => {
+        Some(_) if conditions.contains(&requested) => {
             meant.retain(|&i| samples[i].condition == requested);
             Ok(())
         }
         Some(requested) => {
             Err(format!("{called} has no measurement under {}; found: {names}", requested.name()))
         }
-        None if found.len() > 1 => {
-            let example = found.iter().flatten().next().map_or("M0", |condition| condition.name());
+        None if conditions.len() > 1 => {
+            let example = conditions.iter().flatten().next().map_or("M0", |condition| condition.name());
             Err(format!(
                 "{} measurements of {called} under the conditions {names}: choose by compare.condition = {example:?}",
                 meant.len()

@@ -50,15 +50,17 @@ impl Study {
         ranges
     }
 
+    /// Layer of a pigment with grains, by its number.
+    pub fn layer_of_pigment(&self, pigment: usize) -> usize {
+        let ranges = self.pigments_of_layers();
+        ranges.iter().position(|range| range.contains(&pigment)).unwrap_or(0)
+    }
+
     /// Layer of every material in the order of [`Study::materials`].
     pub fn layers_of_materials(&self) -> Vec<usize> {
-        let layer_of = |pigment: usize| {
-            let ranges = self.pigments_of_layers();
-            ranges.iter().position(|range| range.contains(&pigment)).unwrap_or(0)
-        };
-        let cores = (0..self.pigments.len()).map(layer_of);
+        let cores = (0..self.pigments.len()).map(|pigment| self.layer_of_pigment(pigment));
         let shells = self.pigments.iter().enumerate();
-        let shells = shells.flat_map(|(k, pigment)| vec![layer_of(k); pigment.shell.len()]);
+        let shells = shells.flat_map(|(k, pigment)| vec![self.layer_of_pigment(k); pigment.shell.len()]);
         cores.chain(shells).collect()
     }
 

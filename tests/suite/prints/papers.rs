@@ -1,0 +1,130 @@
+//! Papers of prints: measured, brightened, and some that would be taken for others.
+
+use super::{BANDS, DOTS, Place, read};
+use crate::run_support::{TINY, study, succeed};
+use serde_json::Value;
+use std::path::Path;
+
+/// A brightener without yield and without excitation changes no digit of a study; one with both makes the print bluer, and
+/// its bare paper reads what was measured.
+#[test]
+fn brightened_paper_is_bluer_and_a_dark_brightener_changes_nothing() {
+    let base = TINY
+        .replace("from_nm = 400", "from_nm = 300")
+        .replace("step_nm = 100", "step_nm = 50")
+        .replace("index = { built_in = \"yellow\" }", "index = { n = 1.7, k = 0.05 }");
+    let paper = |fluorescence: &str| format!("{base}[paper]\nalbedo = 0.9\n{fluorescence}\n");
+    let place = Place::new();
+    let plain = place.run("out", &paper(""));
+    let dark = place.run("out", &paper(
+        "fluorescence = { excitation = [[300, 0], [420, 0]], emission = [[410, 0], [440, 1], [500, 0]], yield = 0 }",
+    ));
+    assert_eq!(plain["spectra"], dark["spectra"]);
+    assert_eq!(plain["colours"], dark["colours"]);
+    let bright = place.run("out", &paper(&format!("fluorescence = {{ {BANDS}, yield = 0.6 }}")));
+    let b = |results: &Value| results["colours"][1]["lab"][2].as_f64().expect("b*");
+    assert!(b(&plain) - b(&bright) > 1.0, "{} {}", b(&plain), b(&bright));
+}
+
+/// What is read of a measured paper is what the study's bare paper reads, and the page says so.
+#[test]
+fn measured_paper_is_returned() {
+    let scratch = tempfile::tempdir().unwrap();
+    let rows: String =
+        (0..=15).map(|k| format!("{},{}\n", 400 + 20 * k, 0.80 + 0.004 * f64::from(k))).collect();
+    std::fs::write(scratch.path().join("paper.csv"), format!("wavelength_nm,reflectance\n{rows}")).unwrap();
+    let text = TINY.replace("binder.index = 1.558", "binder.index = 1.5\nindex_out = 1.5");
+    let paper =
+        "[paper]\ncoupling = \"optical_contact\"\nmeasured = { csv = \"paper.csv\", unit = \"factor\" }\n";
+    let output = scratch.path().join("out");
+    let printed = succeed(&study(scratch.path(), &format!("{text}{DOTS}{paper}")), &output, &[]);
+    assert!(printed.contains("behind the paper's surface the albedo is"), "{printed}");
+    let results = read(&output);
+    let bare = &results["prints"]["prints"][0];
+    for (k, factor) in bare["factors"].as_array().unwrap().iter().enumerate() {
+        let measured = 0.80 + 0.004 * 5.0 * k as f64;
+        assert!((factor["value"].as_f64().unwrap() - measured).abs() < 1e-12, "{factor} {measured}");
+    }
+    assert!(results["study"]["paper"]["measured"]["geometry"] == "45:0");
+    let page = std::fs::read_to_string(output.join("report.html")).unwrap();
+    assert!(page.contains("paper as measured"), "the page says how the albedo was made");
+}
+
+/// The refusal of a study, or its remarks.
+fn checked(folder: &Path, text: &str) -> Result<Vec<String>, String> {
+    let file = folder.join("study.toml");
+    std::fs::write(&file, text).unwrap();
+    match inkwave::input::load::load(&file) {
+        Ok(study) => Ok(study.remarks),
+        Err(inkwave::input::fault::StudyError::Values { faults, .. }) => {
+            Err(faults.iter().map(|f| format!("{f}; {}", f.remedy)).collect::<Vec<_>>().join("\n"))
+        }
+        Err(other) => Err(other.to_string()),
+    }
+}
+
+/// Factors above 1 of a brightened paper need no unit, as no paper is as dark as a percent; a table with rows and columns
+/// exchanged would emit nothing, and a file from a sphere is no measurement at 45:0. *Planted*: the table's lower half taken
+/// for nothing; the geometry beside the file believed, whatever the file says.
+#[test]
+fn papers_that_would_be_taken_for_others_are_refused() {
+    let scratch = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: String| std::fs::write(scratch.path().join(name), text).unwrap();
+    let waves = || (380..=740).step_by(10);
+    let gauss = |nm: f64, at: f64, width: f64| (-((nm - at) / width).powi(2)).exp();
+    let factors = |extra: f64| -> String {
+        let row = |nm: i32| format!("{nm},{:.5}\n", 0.85 + extra * gauss(f64::from(nm), 445.0, 25.0));
+        format!("wavelength_nm,factor\n{}", waves().map(row).collect::<String>())
+    };
+    write("m1.csv", factors(0.18));
+    write("m2.csv", factors(0.0));
+    let base = TINY.replace("binder.index = 1.558", "binder.index = 1.5\nindex_out = 1.5");
+    let base = base.replace("from_nm = 400", "from_nm = 300").replace("step_nm = 100", "step_nm = 50");
+    let base = base.replace("index = { built_in = \"yellow\" }", "index = { n = 1.7, k = 0.05 }");
+    let paper = |words: &str| format!("{base}[paper]\ncoupling = \"optical_contact\"\n{words}\n");
+    let told = checked(scratch.path(), &paper("fluorescence = { m1_csv = \"m1.csv\", m2_csv = \"m2.csv\" }"));
+    let told = told.expect("a paper").join("\n");
+    for words in ["m1.csv states no unit", "factors of a perfect white", "45:0, that of M0 to M2"] {
+        assert!(told.contains(words), "{words:?} is missing: {told}");
+    }
+    // emission at 440 nm of light at 365 nm, and the same table with rows and columns exchanged
+    let nm = || (300..=700).step_by(20).map(f64::from);
+    let table = |factor: &dyn Fn(f64, f64) -> f64| -> String {
+        let head: String = nm().map(|from| format!(",{from}")).collect();
+        let row = |at: f64| -> String {
+            let cells: String = nm().map(|from| format!(",{:.6}", factor(at, from))).collect();
+            format!("{at}{cells}\n")
+        };
+        format!("emission_nm{head}\n{}", nm().map(row).collect::<String>())
+    };
+    let emits = |at: f64, from: f64| 0.002 * gauss(at, 440.0, 25.0) * gauss(from, 365.0, 25.0);
+    let later = |at: f64, from: f64| if at > from { emits(at, from) } else { 0.0 };
+    write("right.csv", table(&later));
+    write("exchanged.csv", table(&|at, from| later(from, at)));
+    let donaldson =
+        |name: &str| paper(&format!("albedo = 0.9\nfluorescence = {{ donaldson_csv = \"{name}\" }}"));
+    checked(scratch.path(), &donaldson("right.csv")).expect("a table");
+    let told = checked(scratch.path(), &donaldson("exchanged.csv")).expect_err("nothing would be emitted");
+    assert!(
+        told.contains("paper.fluorescence.donaldson_csv") && told.contains("exchange rows and columns"),
+        "{told}"
+    );
+    let bands: String = waves().map(|nm| format!(" SPEC_{nm}")).collect();
+    let values: String = waves().map(|_| " 0.85").collect();
+    write(
+        "sphere.cgats",
+        format!(
+            "CGATS.17\nMEASUREMENT_GEOMETRY \"d/8\"\nBEGIN_DATA_FORMAT\nSAMPLE_ID{bands}\nEND_DATA_FORMAT\n\
+             NUMBER_OF_SETS 1\nBEGIN_DATA\n1{values}\nEND_DATA\n"
+        ),
+    );
+    let visible = |geometry: &str| {
+        paper(&format!("measured = {{ csv = \"sphere.cgats\", geometry = \"{geometry}\" }}"))
+            .replace("from_nm = 300", "from_nm = 400")
+    };
+    for geometry in ["d:8", "d:8 excluded"] {
+        checked(scratch.path(), &visible(geometry)).expect("which of both it is");
+    }
+    let told = checked(scratch.path(), &visible("45:0")).expect_err("a contradiction");
+    assert!(told.contains("paper.measured.geometry") && told.contains("where the file states"), "{told}");
+}
