@@ -67,16 +67,6 @@ class _Flux(NamedTuple):
             parts.append((r * more, t * less))
         return _Flux(parts[0][0], parts[1][0], parts[0][1], parts[1][1])
 
-    def with_fewer(self, front: np.ndarray, behind: np.ndarray) -> "_Flux":
-        """Scattered light as from fewer directions, by these shares of the states; what stays in its state remains."""
-
-        def changed(m: np.ndarray, to: np.ndarray, source: np.ndarray) -> np.ndarray:
-            scattered = np.where(np.eye(*m.shape[-2:], dtype=np.bool_), 0.0, m)
-            return np.asarray(m - scattered + to @ scattered @ source)
-
-        return _Flux(changed(self.ra, front, front), changed(self.rb, behind, behind), changed(self.tab, behind, front),
-                     changed(self.tba, front, behind))
-
     def repeated(self, count: float, weights: np.ndarray) -> "_Flux":
         """This number of them, of which the last may be a part; weights are étendues of the states."""
         if count == 1.0:
@@ -475,29 +465,18 @@ class Library:
         return change if out is None or out[0] == number else change._replace(left_out=None)
 
     def _layer_flux(self, number: int, count: float, change: _Change) -> _Flux:
-        key = (number, count, self._own(number, change))
+        key = (number, count, self._own(number, change)._replace(fewer=False))
         if key not in self._layers:
             whole: Optional[_Flux] = None
             for position, times in self._places_of(count, change):
                 portion, states = self._state(number, position, change)
                 flux = states.flux.moved(portion.grid_error if change.grid else 0.0)
-                if change.fewer:
-                    flux = flux.with_fewer(*(self._with_fewer(m.shape[-1]) for m in (flux.ra, flux.rb)))
                 if times != 1.0:
                     flux = flux.repeated(times, self._etendues(portion.between[:, 1], flux.ra.shape[-1]))
                 whole = flux if whole is None else whole.then(flux)
             assert whole is not None
             self._layers[key] = whole
         return self._layers[key]
-
-    def _with_fewer(self, states: int) -> np.ndarray:
-        """What fluxes of the states become with one direction less in every zone; the beam stays."""
-        shares, first, zone = np.eye(states), 1, 0
-        while first < states:
-            own = np.kron(_fewer_nodes(self._directions[min(zone, 1)]), np.eye(self._polarisations))
-            shares[first: first + len(own), first: first + len(own)] = own
-            first, zone = first + len(own), zone + 1
-        return shares
 
     def _etendues(self, indices: np.ndarray, states: int) -> np.ndarray:
         """Étendues of the states of media, (wavelength, state)."""
@@ -662,7 +641,7 @@ class Library:
         """A layer with the face to air in front, behind."""
         if not any(faces):
             return self._layer_flux(number, count, change)
-        key = (number, count, self._own(number, change), faces)
+        key = (number, count, self._own(number, change)._replace(fewer=False), faces)
         if key not in self._layers:
             flux = self._layer_flux(number, count, change)
             flux = self._face(oblique=True).then(flux) if faces[0] else flux
@@ -1205,25 +1184,18 @@ def _etendues(index: float, joint: float, directions: Sequence[int]) -> np.ndarr
     ends = [1.0] + ([joint] if joint < index - 1e-3 else []) + [index]
     weights, start = [], 0.0
     for end in ends:
-        weights.append(_radau(directions[0 if start == 0.0 else 1])[1][::-1] * (end * end - start * start))
+        weights.append(_radau(directions[0 if start == 0.0 else 1])[::-1] * (end * end - start * start))
         start = end
     return np.concatenate(weights)
 
 
-def _radau(count: int) -> Tuple[np.ndarray, np.ndarray]:
-    """Nodes, rising, and weights of Gauss's rule for the integral of 2v f(v) over 0 < v < 1 (Jacobi's polynomials)."""
+def _radau(count: int) -> np.ndarray:
+    """Weights of Gauss's rule for the integral of 2v f(v) over 0 < v < 1, with rising nodes (Jacobi's polynomials)."""
     k = np.arange(1, count)
     diagonal = np.array([1 / ((2 * j + 1) * (2 * j + 3)) for j in range(count)])
     off = np.sqrt(k * (k + 1.0)) / (2 * k + 1.0)
-    nodes, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(off, 1) + np.diag(off, -1))
-    return 0.5 * (1.0 + nodes), np.asarray(vectors[0] ** 2)
-
-
-def _fewer_nodes(count: int) -> np.ndarray:
-    """What fluxes of a zone's nodes, from the normal outwards, become with one node less: (node, node before)."""
-    nodes = _radau(count)[0][::-1]
-    fewer = _radau(count - 1)[0] if count > 1 else nodes
-    return np.asarray((_lagrange(fewer, nodes) @ _lagrange(nodes, fewer)).T)
+    _, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(off, 1) + np.diag(off, -1))
+    return np.asarray(vectors[0] ** 2)
 
 
 def _read(path: Path) -> Dict[str, Any]:

@@ -190,7 +190,6 @@ const inkwave = (() => {
     return rule;
   }
   /** Weights of Gauss's rule for ∫ 2v f(v) dv over 0 < v < 1, from the largest node down. */
-  /** Nodes and weights of the integral of 2v f(v) over 0 < v < 1, from the normal outwards. */
   function radau(count) {
     const legendre = (n, x) => { let p0 = 1, p1 = x; if (n === 0) return 1; for (let l = 2; l <= n; l++) [p0, p1] = [p1, ((2 * l - 1) * x * p1 - (l - 1) * p0) / l]; return p1; };
     const f = x => legendre(count, x) + legendre(count + 1, x), steps = 200 * Math.max(count, 1), found = [];
@@ -200,15 +199,9 @@ const inkwave = (() => {
       if (f(a) * f(b) > 0) continue;
       for (let i = 0; i < 60; i++) { const c = 0.5 * (a + b); if (f(a) * f(c) <= 0) b = c; else a = c; }
       const x = 0.5 * (a + b);
-      found.push([0.5 * (1 + x), (1 - x) * (1 + x) / (2 * ((count + 1) * legendre(count, x)) ** 2)]);
+      found.push((1 - x) * (1 + x) / (2 * ((count + 1) * legendre(count, x)) ** 2));
     }
     return found.reverse();
-  }
-  /** What fluxes of a zone's nodes become with one node less: shares [node][node before]. */
-  function withFewer(count) {
-    const nodes = radau(count).map(([v]) => v), fewer = count > 1 ? radau(count - 1).map(([v]) => v) : nodes;
-    const there = fewer.map(v => lagrange(nodes, v)), back = nodes.map(v => lagrange(fewer, v));
-    return nodes.map((_, i) => nodes.map((_, j) => sum(fewer.map((_, k) => there[k][i] * back[j][k]))));
   }
   const PIECE_RULE = gaussLegendre(PIECE), HEMISPHERE_RULE = gaussLegendre(64);
 
@@ -416,36 +409,17 @@ const inkwave = (() => {
 
     keyOf(number, change) {
       const out = change.leftOut && change.leftOut[0] === number ? change.leftOut.join() : "";
-      return `${number}/${change.halved ? "h" : ""}${change.fewer ? "f" : ""}${out}`;
+      return `${number}/${change.halved ? "h" : ""}${out}`;
     }
 
     etendues(index) {
       const ends = this.index < index - 1e-3 ? [1, this.index, index] : [1, index], all = [0];
       let start = 0;
       for (const end of ends) {
-        for (const [, w] of radau(this.directions[start === 0 ? 0 : 1])) for (let k = 0; k < this.p; k++) all.push(w * (end * end - start * start));
+        for (const w of radau(this.directions[start === 0 ? 0 : 1])) for (let k = 0; k < this.p; k++) all.push(w * (end * end - start * start));
         start = end;
       }
       return all;
-    }
-
-    /** Scattered light of a plate as from one direction less in every zone; what stays in its state remains. */
-    withFewerDirections(plate) {
-      const fewer = states => {
-        const of = identity(states), { p } = this;
-        for (let first = 1, zone = 0; first < states; zone++) {
-          const count = this.directions[zone ? 1 : 0], shares = withFewer(count);
-          for (let i = 0; i < count; i++) for (let j = 0; j < count; j++) for (let k = 0; k < p; k++) of.x[(first + i * p + k) * states + first + j * p + k] = shares[i][j];
-          first += count * p;
-        }
-        return of;
-      };
-      const front = fewer(plate.ra.n), behind = fewer(plate.rb.n), stays = (m, k) => k % m.m === Math.floor(k / m.m);
-      const changed = (m, to, from) => {
-        const scattered = { n: m.n, m: m.m, x: m.x.map((y, k) => stays(m, k) ? 0 : y) };
-        return plus(combine(m, scattered, (y, z) => y - z), times(times(to, scattered), from));
-      };
-      return { ra: changed(plate.ra, front, front), rb: changed(plate.rb, behind, behind), tab: changed(plate.tab, behind, front), tba: changed(plate.tba, front, behind) };
     }
 
     layerFlux(number, count, change, w) {
@@ -455,7 +429,6 @@ const inkwave = (() => {
         for (const [position, times] of this.placesOf(count, change)) {
           const [k, cell] = this.portionOf(number, position, change), { flux, between } = this.states(number, k, w, cell);
           let plate = moved(flux, change.grid ? this.content.plates[number].portions[k].grid_error : 0);
-          if (change.fewer) plate = this.withFewerDirections(plate);
           if (times !== 1) plate = repeated(plate, times, this.etendues(between[1]));
           whole = whole ? then(whole, plate) : plate;
         }
@@ -522,7 +495,7 @@ const inkwave = (() => {
 
     /** A layer at many sines: films with, and powers without interference between its elements. */
     layerFilm(number, count, change, w, pol, pieces) {
-      const key = `${this.keyOf(number, change)}/${count}/${w}/${pol}/${pieces}`;
+      const key = `${this.keyOf(number, change)}/${change.fewer ? "f" : ""}/${count}/${w}/${pol}/${pieces}`;
       if (!this.films.has(key)) {
         const elements = this.placesOf(count, change).map(([position, times]) => this.element(number, position, times, change, w, pol));
         const { sines } = this.rule(pieces), coherent = new Float64Array(6 * sines.length), without = new Float64Array(3 * sines.length);

@@ -49,8 +49,8 @@ pub struct ErrorParts {
     pub model: f64,
     /// What the grid's error of R changes.
     pub grid: f64,
-    /// What fringes between the directions that are solved, and the scattered light, may be: the
-    /// change when one direction less is taken, of the latter in every zone.
+    /// What fringes between the directions that are solved may be: the change when one of these is
+    /// left out.
     pub directions: f64,
     /// Of colours, what the spectrum may be between and beyond the wavelengths.
     pub wavelengths: f64,
@@ -111,7 +111,7 @@ pub struct NumberParts {
     pub model: f64,
     /// The grid and the solver's residual.
     pub grid: f64,
-    /// The few directions of a composed layer: fringes between them, and scattered light.
+    /// Fringes between the directions of a composed layer.
     pub directions: f64,
     /// What the spectrum may be between and beyond the wavelengths.
     pub wavelengths: f64,

@@ -30,7 +30,7 @@ impl fmt::Display for Cells {
 }
 
 impl Small {
-    /// A study of the truth's ink with so many wavelengths in every cell.
+    /// A study of the truth's ink with this number of wavelengths in every cell.
     pub fn run(truth: &str, cells: Cells, wavelengths: i64, seed: u64, finer: f64) -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let study = small_study(truth, cells, wavelengths, seed, finer);

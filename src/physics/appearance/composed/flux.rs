@@ -55,19 +55,6 @@ impl Hemisphere {
         once(1.0).chain(cosines.flat_map(|cosine| repeat_n(cosine, self.polarisations))).collect()
     }
 
-    /// [`Ordinates::with_fewer`] of all states; beams stay.
-    pub fn with_fewer(&self) -> Mat<f64> {
-        let of_nodes = self.ordinates.with_fewer();
-        let mut of_states = Mat::identity(self.states(), self.states());
-        for i in 0..of_nodes.nrows() {
-            for j in 0..of_nodes.ncols() {
-                (0..self.polarisations)
-                    .for_each(|p| of_states[(self.state(i + 1, p), self.state(j + 1, p))] = of_nodes[(i, j)]);
-            }
-        }
-        of_states
-    }
-
     /// Adds light of a direction to its nodes.
     fn spread(&self, column: &mut [f64], sine: f64, fluxes: [f64; 2]) {
         for (node, share) in self.ordinates.shares(sine) {

@@ -8,7 +8,6 @@
 
 use crate::numerics::interpolate::lagrange;
 use crate::wave::grid::element::legendre;
-use faer::Mat;
 use gauss_quad::GaussLegendre;
 
 /// Zones narrower than this in s are part of their neighbour.
@@ -111,29 +110,6 @@ impl Ordinates {
         (zone.first..).zip(lagrange(&zone.nodes, v)).collect()
     }
 
-    /// What fluxes of the nodes become where every zone has one node less: entry (i, j) is the
-    /// share of node j at node i. Light is shared among the nodes of the smaller rule, and theirs
-    /// among the nodes that there are; a zone of one node stays as it is. It keeps the flux, and
-    /// even light as it is; twice is once.
-    pub fn with_fewer(&self) -> Mat<f64> {
-        let mut shares = Mat::zeros(self.count(), self.count());
-        for Zone { nodes, first, from, to } in &self.zones {
-            let width = (to * to - from * from).sqrt();
-            let mut fewer: Vec<f64> = gauss(nodes.len() - 1).into_iter().map(|(v, _)| width * v).collect();
-            if fewer.is_empty() {
-                fewer.clone_from(nodes);
-            }
-            for (k, place) in fewer.iter().enumerate() {
-                let at_nodes = lagrange(nodes, *place);
-                for (j, node) in nodes.iter().enumerate() {
-                    let of_node = lagrange(&fewer, *node)[k];
-                    (0..nodes.len()).for_each(|i| shares[(first + i, first + j)] += at_nodes[i] * of_node);
-                }
-            }
-        }
-        shares
-    }
-
     /// Lateral wavenumber at which the first zone ends.
     pub fn edge(&self) -> f64 {
         self.zones.first().map_or(self.index, |zone| zone.to)
@@ -196,28 +172,6 @@ mod tests {
             for degree in 0..2 * count {
                 let sum: f64 = rule.iter().map(|(v, w)| w * v.powi(degree as i32)).sum();
                 assert!((sum - 2.0 / (degree as f64 + 2.0)).abs() < 1e-13, "{count} {degree} {sum}");
-            }
-        }
-    }
-
-    /// Identities of a projection that keeps the flux. *Planted*: the smaller rule's own weights
-    /// in place of its shares.
-    #[test]
-    fn fewer_directions_keep_the_flux_and_even_light() {
-        for counts in [[3, 2], [4, 3], [1, 2]] {
-            let nodes = Ordinates::new(1.7, &[1.5], counts);
-            let fewer = nodes.with_fewer();
-            let n = nodes.count();
-            let squared = &fewer * &fewer;
-            let rank: f64 = (0..n).map(|i| fewer[(i, i)]).sum();
-            let least = |count: usize| count.max(2) as f64 - 1.0;
-            assert!((rank - least(counts[0]) - 2.0 * least(counts[1])).abs() < 1e-10, "{rank}");
-            for j in 0..n {
-                let kept: f64 = (0..n).map(|i| fewer[(i, j)]).sum();
-                assert!((kept - 1.0).abs() < 1e-11);
-                let even: f64 = (0..n).map(|k| fewer[(j, k)] * nodes.weights[k]).sum();
-                assert!((even - nodes.weights[j]).abs() < 1e-11);
-                assert!((0..n).all(|i| (squared[(i, j)] - fewer[(i, j)]).abs() < 1e-10));
             }
         }
     }

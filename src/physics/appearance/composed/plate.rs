@@ -1,6 +1,5 @@
 //! Flux matrices of a slab for light from both of its sides, and their composition.
 
-use super::flux::Hemisphere;
 use crate::numerics::dense::MatrixEntry;
 use faer::Mat;
 
@@ -67,25 +66,6 @@ impl Plate {
         self
     }
 
-    /// As from one direction less in every zone of the media on its sides: the light that changes
-    /// its state is that of [`Hemisphere::with_fewer`]; what stays in its state, most of it not
-    /// scattered, remains.
-    pub fn with_fewer_directions(&self, media: &[Hemisphere; 2]) -> Self {
-        let [front, behind] = media.each_ref().map(Hemisphere::with_fewer);
-        let scattered =
-            |m: &Mat<f64>| Mat::from_fn(m.nrows(), m.ncols(), |i, j| if i == j { 0.0 } else { m[(i, j)] });
-        let changed = |m: &Mat<f64>, to: &Mat<f64>, from: &Mat<f64>| {
-            let scattered = scattered(m);
-            m - &scattered + to * scattered * from
-        };
-        let [ra, rb] = &self.reflection;
-        let [tab, tba] = &self.transmission;
-        Self {
-            reflection: [changed(ra, &front, &front), changed(rb, &behind, &behind)],
-            transmission: [changed(tab, &behind, &front), changed(tba, &front, &behind)],
-        }
-    }
-
     /// This number of such elements, one behind another.
     pub fn repeated(&self, mut count: usize) -> Self {
         let mut power = self.clone();
@@ -122,48 +102,4 @@ fn bounced(a: &Mat<f64>, b: &Mat<f64>, x: &Mat<f64>) -> Mat<f64> {
 /// Sum of all entries.
 pub fn total(flux: &Mat<f64>) -> f64 {
     (0..flux.ncols()).flat_map(|j| (0..flux.nrows()).map(move |i| flux[(i, j)])).sum()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::appearance::composed::ordinates::Ordinates;
-
-    fn medium(counts: [usize; 2]) -> Hemisphere {
-        Hemisphere { ordinates: Ordinates::new(1.5, &[], counts), polarisations: 1, oblique_deg: None }
-    }
-
-    /// A slab that scatters once, more to directions near that of the light than to others.
-    fn scattering(medium: &Hemisphere, optical_thickness: f64) -> Plate {
-        let cosines = medium.cosines();
-        let weights = medium.weights();
-        let passed = |j: usize| (-optical_thickness / cosines[j]).exp();
-        let near = |i: usize, j: usize| weights[i] * (-2.0 * (cosines[i] - cosines[j]).powi(2)).exp();
-        let scattered = |i: usize, j: usize| {
-            let all: f64 = (0..cosines.len()).map(|k| near(k, j)).sum();
-            0.45 * (1.0 - passed(j)) * near(i, j) / all
-        };
-        let n = cosines.len();
-        let back = Mat::from_fn(n, n, scattered);
-        let onward = Mat::from_fn(n, n, |i, j| scattered(i, j) + if i == j { passed(j) } else { 0.0 });
-        Plate { reflection: [back.clone(), back], transmission: [onward.clone(), onward] }
-    }
-
-    /// Of a beam on eight slabs: R of three directions a zone and of ten differ by less than three
-    /// and two do, which differ by less than half a per cent: an even kernel is the kindest case.
-    /// *Planted*: nothing changed.
-    #[test]
-    fn one_direction_less_tells_what_the_directions_leave_out() {
-        let reflected = |counts: [usize; 2], fewer: bool| {
-            let medium = medium(counts);
-            let slab = scattering(&medium, 0.1);
-            let media = [medium.clone(), medium];
-            let slab = if fewer { slab.with_fewer_directions(&media) } else { slab };
-            let all = slab.repeated(8).reflection;
-            (0..all[0].nrows()).map(|i| all[0][(i, 0)]).sum::<f64>()
-        };
-        let error = (reflected([3, 3], false) - reflected([10, 10], false)).abs();
-        let told = (reflected([3, 3], true) - reflected([3, 3], false)).abs();
-        assert!(error < told && told < 5e-3 * reflected([10, 10], false), "told {told}, is {error}");
-    }
 }

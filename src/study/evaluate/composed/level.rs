@@ -124,8 +124,7 @@ pub struct Change {
     pub left_out: Option<[usize; 2]>,
     /// Whether R is larger by the grid's error, at the cost of T.
     pub grid: bool,
-    /// Whether fringes between the directions that are solved, and the scattered light, follow from
-    /// fewer of them.
+    /// Whether fringes between the directions that are solved follow from fewer of them.
     pub fewer_directions: bool,
 }
 
@@ -209,9 +208,7 @@ impl Level {
         let left_out = change.left_out.filter(|out| out[0] == k).map(|out| out[1]);
         let (PortionStates { plate, coherent }, media) = portion.states(wavelength, left_out);
         let grid = if change.grid { portion.grid_error } else { 0.0 };
-        let moved = plate.moved(grid);
-        let plate = if change.fewer_directions { moved.with_fewer_directions(&media) } else { moved };
-        Some(MeanSlab { plate, coherent, media, slab_um: portion.slab_um })
+        Some(MeanSlab { plate: plate.moved(grid), coherent, media, slab_um: portion.slab_um })
     }
 
     /// Mean flux matrices at every wavelength.
