@@ -55,6 +55,21 @@ fn every_column_of_every_table_of_a_run_is_described() {
     assert!(package.contains("layer alone") && package.contains("layer on its paper"), "{package}");
 }
 
+/// The list of columns gives a unit by its sign, and describes a column in words. *Planted*: the description as the unit.
+#[test]
+fn the_list_of_columns_gives_units() {
+    let done = std::process::Command::new(env!("CARGO_BIN_EXE_inkwave"))
+        .args(["schema", "columns"])
+        .output()
+        .unwrap();
+    let list: Value = serde_json::from_slice(&done.stdout).expect("JSON");
+    let columns = list["columns"].as_array().expect("columns");
+    let unit =
+        |name: &str| columns.iter().find(|column| column["name"] == name).expect(name)["unit"].as_str();
+    let units = ["wavelength_nm", "thickness_um", "polar_deg", "reflectance"].map(unit);
+    assert_eq!(units, [Some("nm"), Some("µm"), Some("°"), None]);
+}
+
 /// ⟨|t|²⟩ holds the diffuse light of the cells' order, |⟨t⟩|² does not; of a clear film both are T.
 #[test]
 fn coherent_and_specular_transmittance_are_both_published() {

@@ -96,8 +96,8 @@ mod tests {
     }
 
     /// Dilute and crowded packings have the shares of centres that are drawn from the profile and
-    /// kept there. *Planted*: depths redrawn after 64 attempts of all grains, a depth that
-    /// repulsion moves as freely as it moves grains across, and the profile upside down.
+    /// kept there, part by part and in their mean depth. *Planted*: depths redrawn after 64 attempts
+    /// of all grains (only the mean depth tells), and the profile upside down.
     #[test]
     fn packings_follow_their_profile() {
         for (shares, method) in [
@@ -124,7 +124,16 @@ mod tests {
                 reached.iter_mut().zip(within).for_each(|(sum, part)| *sum += part / (16.0 * part_um));
             }
             let grains = packing.grains().len() as f64;
-            for (part, (reached, asked)) in reached.iter().zip(between_walls(shares, mean)).enumerate() {
+            let all_asked = between_walls(shares, mean);
+            let mean_part = |parts: &[f64], power: i32| {
+                let sum: f64 = parts.iter().sum();
+                let places = parts.iter().enumerate().map(|(part, share)| (part as f64).powi(power) * share);
+                places.sum::<f64>() / sum
+            };
+            let spread = mean_part(&all_asked, 2) - mean_part(&all_asked, 1).powi(2);
+            let off = (mean_part(&reached, 1) - mean_part(&all_asked, 1)) / (spread / grains).sqrt();
+            assert!(off.abs() < 4.0, "{shares:?}: the mean depth is off by {off} standard errors");
+            for (part, (reached, asked)) in reached.iter().zip(all_asked).enumerate() {
                 let of_all = asked / (mean * PARTS as f64);
                 let error = asked * ((1.0 - of_all) / of_all / grains).sqrt();
                 println!("{shares:?} {part}: {reached:.4}, asked {asked:.4} ± {error:.4}");
