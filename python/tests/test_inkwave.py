@@ -467,7 +467,7 @@ iw.run({study!r}, "long")
 class Interrupts(InFolder):
     @unittest.skipIf(sys.platform == "win32", "signals of Unix")
     def test_an_interrupt_stops_the_work_and_keeps_what_is_stored(self):
-        study = INK.study(wavelength_nm=list(range(400, 701, 50)), realisations=24, angles={"count": 3},
+        study = INK.study(wavelength_nm=list(range(400, 701, 50)), realisations=96, angles={"count": 3},
                           resolution={"points_per_um": 30, "planes_per_um": 30})
         pathlib.Path("long.py").write_text(LONG.format(study=study), encoding="utf-8")
         environment = dict(os.environ, PYTHONPATH=str(ROOT / "python"))

@@ -87,7 +87,7 @@ impl StopFlag {
     }
 
     /// Stops the program when the one that started it is gone, such as a notebook's kernel that
-    /// was restarted: nobody waits for the results any more.
+    /// was restarted, and that would read the results.
     #[cfg(unix)]
     fn stop_without_parent(&self) {
         use std::os::unix::process::parent_id;

@@ -86,8 +86,13 @@ fn places(value: &Value, here: &str) -> Vec<String> {
 fn bounds_are_the_same() {
     let good = with(&as_json(Document::Study.every_key()), "/run/realisations", json!(2));
     let judge = validator(Document::Study);
-    let ranges: [(&str, f64, f64); 9] = [
-        ("/layer/thickness_um", f64::NAN, 1000.0),
+    // a layer of grains is at most 100 µm thick, which no schema says
+    let clear = without(&with(&good, "/layer/thickness_um", json!(1000.0)), "/pigment");
+    let of_thickness = |value: &Value| faults(value).iter().any(|fault| fault.field == "layer.thickness_um");
+    assert!(judge.is_valid(&clear) && !of_thickness(&clear), "{:?}", faults(&clear));
+    let beyond = with(&clear, "/layer/thickness_um", json!(1000.0 + 1e-9));
+    assert!(!judge.is_valid(&beyond) && of_thickness(&beyond), "{:?}", faults(&beyond));
+    let ranges: [(&str, f64, f64); 8] = [
         ("/pigment/0/volume_fraction", f64::NAN, 0.64),
         ("/paper/albedo", 0.0, 1.0),
         ("/angles/azimuth_deg", -360.0, 360.0),

@@ -33,7 +33,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// 250 nm, 1 µm, 440 nm, a residual of 1e-3 takes 72 steps with the fourth, 34 with the second and
 /// 16 with 1.15, which costs three times the second's elimination.
 const CUTS: [f64; 6] = [1.1, 1.0, 0.9, 0.8, 0.7, 0.6];
-/// The same where a cheap elimination has not been enough.
+/// Cuts where the steps after a cheap elimination remain many.
 const WIDE_CUTS: [f64; 2] = [1.1, 1.3];
 /// Applications that an elimination may cost before a lower cut is preferred.
 const AMPLE: f64 = 60.0;
