@@ -471,7 +471,9 @@ class Interrupts(InFolder):
                           resolution={"points_per_um": 30, "planes_per_um": 30})
         pathlib.Path("long.py").write_text(LONG.format(study=study), encoding="utf-8")
         environment = dict(os.environ, PYTHONPATH=str(ROOT / "python"))
-        child = subprocess.Popen([sys.executable, "long.py"], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8")
+        # a shell's work in the background ignores the signal, and what it starts does, too
+        child = subprocess.Popen([sys.executable, "long.py"], env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, encoding="utf-8",
+                                 preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
         records, until = pathlib.Path("long/records"), time.monotonic() + 120
         while not (records.exists() and sum(path.stat().st_size for path in records.iterdir() if path.is_file()) > 300_000):
             self.assertIsNone(child.poll(), "it ended before it could be interrupted")

@@ -47,7 +47,8 @@ fn age(entry: &std::fs::DirEntry) -> Option<Duration> {
     entry.metadata().ok()?.modified().ok()?.elapsed().ok()
 }
 
-fn is_temporary(path: &Path) -> bool {
+/// Whether a file is one that is being written, or was left by a process that was killed.
+pub fn is_temporary(path: &Path) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy());
     name.is_some_and(|name| name.starts_with(PREFIX) && name.ends_with(SUFFIX))
 }

@@ -6,6 +6,7 @@ use crate::report::publish::PublishResult;
 use crate::run::Stores;
 use crate::store::folder::{FolderError, OutputFolder};
 use crate::store::identity::build;
+use crate::store::safely::is_temporary;
 use crate::store::{Key, Record, Store};
 use crate::work::rounds::stored_seals;
 use crate::work::variant::Variant;
@@ -102,13 +103,14 @@ fn program() -> (&'static str, Option<(u64, u128)>) {
     (build(), written)
 }
 
-/// The checksum of every file in a folder, by name.
+/// The checksum of every file in a folder, by name, but for those that are being written.
 fn checksums(folder: &OutputFolder) -> Result<BTreeMap<String, String>, FolderError> {
     let failed = FolderError::at(folder.path());
     let mut all = BTreeMap::new();
     for entry in std::fs::read_dir(folder.path()).map_err(failed)? {
         let entry = entry.map_err(failed)?;
-        if entry.file_type().map_err(failed)?.is_file() {
+        // another process may be writing this page: its temporary files come and go
+        if !is_temporary(&entry.path()) && entry.file_type().map_err(failed)?.is_file() {
             let bytes = std::fs::read(entry.path()).map_err(failed)?;
             let mut checksum = blake3::hash(&bytes).to_hex().to_string();
             checksum.truncate(DIGITS);
@@ -116,4 +118,23 @@ fn checksums(folder: &OutputFolder) -> Result<BTreeMap<String, String>, FolderEr
         }
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::store::marker::Holds;
+
+    /// Of a page that another process writes, the finished files count. *Planted*: temporary files,
+    /// which vanish while they are read.
+    #[test]
+    fn files_that_are_being_written_have_no_checksum() {
+        let scratch = tempfile::tempdir().unwrap();
+        let folder = OutputFolder::open(scratch.path(), Holds::Study).unwrap();
+        let before = checksums(&folder).unwrap();
+        std::fs::write(scratch.path().join(".inkwave-0.partial"), "half").unwrap();
+        assert_eq!(checksums(&folder).unwrap(), before);
+        std::fs::write(scratch.path().join("results.json"), "{}").unwrap();
+        assert_eq!(checksums(&folder).unwrap().len(), before.len() + 1);
+    }
 }

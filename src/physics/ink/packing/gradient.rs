@@ -96,8 +96,8 @@ mod tests {
     }
 
     /// Dilute and crowded packings have the shares of centres that are drawn from the profile and
-    /// kept there, part by part and in their mean depth. *Planted*: depths redrawn after 64 attempts
-    /// of all grains (only the mean depth tells), and the profile upside down.
+    /// kept there, part by part and in their mean depth. *Planted*: depths redrawn after 64
+    /// attempts of all grains (only the mean depth tells), and the profile upside down.
     #[test]
     fn packings_follow_their_profile() {
         for (shares, method) in [
