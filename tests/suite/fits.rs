@@ -247,18 +247,24 @@ fn a_film_gives_the_index_of_its_pigment_back() {
     );
 }
 
+/// Runs a study on a white and a black card, and gives the `[[measured]]` tables of its spectra in two geometries.
+fn on_both_cards(folder: &Path, truth: &str) -> String {
+    let mut tables = String::new();
+    for (file, backing) in [("white", WHITE), ("black", BLACK)] {
+        for (geometry, column) in [("45:0", "lit_at_45"), ("natural", "natural_light")] {
+            let file = format!("{file}-{column}.csv");
+            write_spectrum(&folder.join(&file), &spectrum(folder, truth, backing, column));
+            tables += &measured(&file, backing, geometry);
+        }
+    }
+    tables
+}
+
 /// The fit of grains whose spectra were run on the same packings.
 fn grains(folder: &Path) -> (String, Value) {
     let waves = "[500, 560, 620]";
     let truth = study(GRAINS, "{ n = 1.75, k = 0.05 }", waves);
-    let mut fit = String::new();
-    for (file, backing) in [("white", WHITE), ("black", BLACK)] {
-        for (geometry, column) in [("45:0", "lit_at_45"), ("natural", "natural_light")] {
-            let file = format!("{file}-{column}.csv");
-            write_spectrum(&folder.join(&file), &spectrum(folder, &truth, backing, column));
-            fit += &measured(&file, backing, geometry);
-        }
-    }
+    let fit = on_both_cards(folder, &truth);
     fitted(folder, &study(GRAINS, "1.6", waves), &(fit + "[fit]\nprior = \"smooth\"\nnoise = 0.002\n"))
 }
 
@@ -322,16 +328,9 @@ fn a_layer_of_a_stack_gives_its_pigments_index_back() {
     let scratch = tempfile::tempdir().expect("a folder");
     let folder = scratch.path();
     let truth = study(STACK, "{ n = 1.75, k = 0.05 }", "[500, 600]");
-    let mut fit = String::new();
-    for (file, backing) in [("white", WHITE), ("black", BLACK)] {
-        for (geometry, column) in [("45:0", "lit_at_45"), ("natural", "natural_light")] {
-            let file = format!("{file}-{column}.csv");
-            write_spectrum(&folder.join(&file), &spectrum(folder, &truth, backing, column));
-            fit += &measured(&file, backing, geometry);
-        }
-    }
+    let fit = on_both_cards(folder, &truth);
     let settings = "[fit]\npigment = \"base.a\"\nprior = \"smooth\"\nnoise = 0.002\n";
-    let (_, found) = fitted(folder, &study(STACK, "1.6", "[500, 600]"), &(fit.clone() + settings));
+    let (_, found) = fitted(folder, &study(STACK, "1.6", "[500, 600]"), &(fit + settings));
     // no noise, and the same cells: the prior alone pulls
     assert_found(&found["fit"], [1.75, 0.05], 0.2);
     // a factor on the thickness is one on the pigment's layer, as its thickness in the file is
