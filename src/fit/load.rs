@@ -1,10 +1,13 @@
 //! From the file of a fit to checked studies and spectra.
 
 mod drawdowns;
+mod numbers;
 mod refusals;
 mod shares;
 mod source;
 mod spectrum;
+
+pub use numbers::MeasuredNumber;
 
 use super::face::SampleFace;
 use super::file::{FitFile, FitGeometry, FitTable, MeasuredTable, PriorName};
@@ -35,8 +38,11 @@ pub struct Drawdown {
     pub is_opaque: bool,
     /// The sample's face.
     pub face: SampleFace,
-    /// Measured values at the study's wavelengths; none where the layer is to be predicted only.
+    /// Measured values at the study's wavelengths; none where the layer is to be predicted only, or
+    /// has numbers only.
     pub values: Option<Vec<f64>>,
+    /// Numbers measured.
+    pub numbers: Vec<MeasuredNumber>,
 }
 
 impl Drawdown {
@@ -299,6 +305,11 @@ impl FitReading<'_> {
         let mut coats = Vec::new();
         let measured = self.drawdowns("measured", &file.measured, &mut coats);
         let coats_measured = coats.len();
+        if !file.measured.is_empty() && file.measured.iter().all(|table| table.file.is_none()) {
+            let allowed =
+                "the spectrum of one sample or more: numbers alone determine no index at any wavelength";
+            self.faults.add("measured", "numbers only", allowed, "name a CSV, CxF3 or CGATS.17 file");
+        }
         let predicted = self.drawdowns("predict", &file.predict, &mut coats);
         let first = coats.first()?;
         if !first.layer.contrast.is_full() {
