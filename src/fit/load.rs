@@ -203,6 +203,13 @@ impl FitReading<'_> {
             self.put_first();
         }
         let placeholder = Table::from_iter([("n".into(), 1.6.into()), ("k".into(), 0.1.into())]);
+        if let Some(Value::Table(paper)) = self.base.get_mut("paper")
+            && paper.remove("fluorescence").is_some()
+        {
+            self.remarks.push(
+                "base.paper.fluorescence is left out: the cards are taken to have no brightener".into(),
+            );
+        }
         // what cannot be set is a fault of the base, which its check names
         let _ = set(&mut self.base, &format!("{}.index", self.pigment.path()), &Value::Table(placeholder));
         if self.base.get("light").and_then(|light| light.get("wavelengths_nm")).is_none() {

@@ -250,10 +250,11 @@ pub(super) fn ink_maker(
     uncertainty: &Uncertainty,
     realisations: &[usize],
 ) -> Result<InkMaker, InkError> {
-    let Judgement { viewing, target_lab, measured } = &study.judgement;
+    let Judgement { viewing, target_lab, measured, condition } = &study.judgement;
     // a paper that fluoresces shows other factors under another light
-    let lit = Brightened::new(&study.paper, &study.wavelengths_nm, viewing, 0.0);
-    let lit = lit.filter(|_| viewing.illuminant() != Viewing::default().illuminant());
+    let lit = Brightened::under(&study.paper, &study.wavelengths_nm, *condition, viewing)?;
+    let is_usual = condition.is_none() && viewing.illuminant() == Viewing::default().illuminant();
+    let lit = lit.filter(|_| !is_usual);
     let relit = lit.map(|brightened| ink.clone().lit_by(&brightened)).transpose()?;
     let ink = relit.as_ref().unwrap_or(ink);
     let seen = Conditions::new(ink, study.output.mirrored_sky)?;
@@ -263,7 +264,8 @@ pub(super) fn ink_maker(
     let (contrast_ratio, moved) = question.contrast_ratio()?;
     let (kubelka_munk, no_kubelka_munk) = coefficients::kubelka_munk(ink, uncertainty, study)?;
     Ok(InkMaker {
-        conditions: viewing.name(),
+        conditions: condition
+            .map_or(viewing.name(), |condition| format!("{}, {}", viewing.name(), condition.name())),
         natural_light: question.swatch(&|layer, by| question.seen.natural_light(layer, by))?.0,
         over_black: question.over(|layer| layer.over(BLACK))?.0,
         over_white: question.over(|layer| layer.over(WHITE))?.0,

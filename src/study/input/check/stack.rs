@@ -317,6 +317,8 @@ fn together(layers: &[StackLayerTable], parts: &[Examined]) -> Study {
         }
     }
     name_apart(&mut study);
+    // other layers behind than in front: what comes back from the paper is solved for itself
+    study.angles.exit_strata = study.angles.strata;
     let has_given = |part: &&Examined| !part.study.packing.is_drawn();
     if let Some(given) = parts.iter().find(has_given) {
         study.variation.cell = given.study.variation.cell;
