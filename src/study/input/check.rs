@@ -220,6 +220,12 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
 fn remark_on_inputs(study: &mut Study) {
     study.remarks.extend(index::bridged(study));
     study.remarks.extend(study.undetermined_inputs());
+    let visible_nm = &study.wavelengths_nm[visible(&study.wavelengths_nm)];
+    if study.paper.dots.is_some()
+        && let Err(error) = Colorimeter::new(visible_nm)
+    {
+        study.remarks.push(format!("dots: no prints, whose coverages are those of luminances: {error}"));
+    }
     if study.no_paper().is_none() {
         study.remarks.extend(light::colour_takes_a_part(&study.wavelengths_nm));
         study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));

@@ -230,6 +230,7 @@ impl BackingReader<'_> {
             return paper;
         }
         self.light_excites(&fluorescence);
+        self.emits(&fluorescence);
         if let Fluorescence::Bands { excitation, .. } = &fluorescence
             && excitation.iter().any(|row| row[1] > 0.0)
         {
@@ -274,6 +275,22 @@ impl BackingReader<'_> {
         } else if rows.len() < 2 || rows.windows(2).any(|pair| pair[1][0] <= pair[0][0]) {
             let found = format!("{} rows that do not rise", rows.len());
             self.faults.add(field, found, allowed, "sort them by wavelength");
+        }
+    }
+
+    /// Bands that absorb with a yield must emit within the light of the study.
+    fn emits(&mut self, fluorescence: &Fluorescence) {
+        let Fluorescence::Bands { excitation, quantum_yield, .. } = fluorescence else { return };
+        let absorbs = excitation.iter().any(|row| row[1] > 0.0);
+        let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
+        let matrix = fluorescence.matrix(&summed_nm(from_nm, to_nm));
+        let is_dark = matrix.iter().flatten().all(|factor| *factor == 0.0);
+        if absorbs && *quantum_yield > 0.0 && is_dark {
+            let found =
+                format!("a yield of {quantum_yield}, and nothing emitted from {from_nm} to {to_nm} nm");
+            let allowed = "emission at longer waves than the excitation, both within [light]";
+            let remedy = "correct the rows of excitation and emission, or light.from_nm and light.to_nm; yield = 0 only absorbs";
+            self.faults.add("paper.fluorescence.emission", found, allowed, remedy);
         }
     }
 
