@@ -143,8 +143,8 @@ mod tests {
         assert_eq!(checksums(&folder).unwrap().len(), before.len() + 1);
     }
 
-    /// What another process removes between the listing and the reading, as a link to nothing stands
-    /// for it. *Planted*: every file that is listed must be there.
+    /// A file that vanishes between the listing and the reading; a link without a target is one.
+    /// *Planted*: every file that is listed must be there.
     #[cfg(unix)]
     #[test]
     fn files_that_vanish_have_no_checksum() {
