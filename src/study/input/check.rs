@@ -28,6 +28,7 @@ use super::forms::ThicknessWritten;
 use super::limits;
 use super::study::{Layer, Pigment, Study};
 use super::variation::Variation;
+use crate::appearance::fluorescence::{Fluorescence, SHORTEST_NM};
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::ink::PackingRequest;
 use cell::NominalCell;
@@ -170,6 +171,15 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
         &mut wave_faults,
         &mut remarks,
     );
+    if let Some([first_nm, last_nm]) = paper.fluorescence.as_ref().and_then(Fluorescence::excited_nm)
+        && judgement.viewing.power(first_nm.max(SHORTEST_NM)) == 0.0
+    {
+        let name = judgement.viewing.illuminant();
+        remarks.push(format!(
+            "paper.fluorescence: the table of illuminant {name} has no light at {first_nm} nm, where the brightener is excited (up to \
+             {last_nm} nm): colours under it hold less emission than under a real lamp"
+        ));
+    }
     let variation = Variation { cell: cell.rule, thickness_std_um: cell.thickness_std_um, light };
     // without grains and with a uniform thickness all realisations are equal
     let are_alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
