@@ -240,6 +240,18 @@ impl Question<'_> {
     }
 }
 
+/// The ink on its paper under the study's own light, where that is not D65 and the paper, which
+/// fluoresces, shows other factors under it; `None` elsewhere.
+///
+/// # Errors
+/// As [`InkOnPaper::new`].
+pub fn in_own_light(study: &Study, ink: &InkOnPaper) -> Result<Option<InkOnPaper>, InkError> {
+    let viewing = &study.judgement.viewing;
+    let lit = Brightened::new(&study.paper, &study.wavelengths_nm, viewing, 0.0);
+    let lit = lit.filter(|_| viewing.illuminant() != Viewing::default().illuminant());
+    Ok(lit.map(|brightened| ink.clone().lit_by(&brightened)).transpose()?)
+}
+
 /// All numbers for ink makers.
 ///
 /// # Errors
@@ -251,10 +263,7 @@ pub(super) fn ink_maker(
     realisations: &[usize],
 ) -> Result<InkMaker, InkError> {
     let Judgement { viewing, target_lab, measured } = &study.judgement;
-    // a paper that fluoresces shows other factors under another light
-    let lit = Brightened::new(&study.paper, &study.wavelengths_nm, viewing, 0.0);
-    let lit = lit.filter(|_| viewing.illuminant() != Viewing::default().illuminant());
-    let relit = lit.map(|brightened| ink.clone().lit_by(&brightened)).transpose()?;
+    let relit = in_own_light(study, ink)?;
     let ink = relit.as_ref().unwrap_or(ink);
     let seen = Conditions::new(ink, study.output.mirrored_sky)?;
     let question = Question { ink, uncertainty, seen, viewing, sight: ink.sight(viewing)? };
@@ -286,7 +295,7 @@ fn target(print: &Colour, by: &[(usize, [f64; 3])], lab: [f64; 3]) -> Target {
 }
 
 /// ΔE₀₀ to an exact colour.
-fn distance(colour: &Colour, lab: [f64; 3]) -> Estimate {
+pub fn distance(colour: &Colour, lab: [f64; 3]) -> Estimate {
     colour.delta_e_2000(&exact(colour, lab))
 }
 

@@ -272,15 +272,12 @@ impl<'a> CompositionTask<'a> {
             let seen = visible(&self.library.wavelengths_nm);
             colours_of(eye, &spectra[seen]).unwrap_or(ColourNumbers::unknown())
         });
-        ComposedNumbers {
-            requested: vec![ThicknessNumbers { spectra, colours, weighted: Vec::new(), prints }],
-            curve: Vec::new(),
-            hiding: None,
-            medium: Vec::new(),
-            distributions: Vec::new(),
-            absorbed: Vec::new(),
-            left_out: Vec::new(),
-        }
+        ComposedNumbers::of_requested(vec![ThicknessNumbers {
+            spectra,
+            colours,
+            weighted: Vec::new(),
+            prints,
+        }])
     }
 
     /// Bare paper at 45:0.
