@@ -258,9 +258,8 @@ impl DesignRun<'_> {
         }
         let left_out = |ground: Ground| Map::new(ground, data, data.len())?.leave_one_out(data);
         let themselves = left_out(of(Interpolated::Spectra))?;
-        // spectra that are nowhere above 0 have none
-        let logarithms = left_out(of(Interpolated::Logarithms)).ok().filter(|error| error.is_finite());
-        let is_better = logarithms.is_some_and(|error| error < themselves);
+        let logarithms = left_out(of(Interpolated::Logarithms))?;
+        let is_better = logarithms < themselves;
         Ok(of(if is_better { Interpolated::Logarithms } else { Interpolated::Spectra }))
     }
 
@@ -305,7 +304,11 @@ impl DesignRun<'_> {
         let met = verified.first().is_some_and(|best| self.meets(best));
         let answers = map.search(None);
         let least = answers.first().and_then(|a| a.delta_e_2000).unwrap_or(0.0);
-        let limit = self.task.settings.delta_e.max(least + surface_error);
+        // where nothing is interpolated, runs alone are in error
+        let of_run = || data.run.first().and_then(|run| run.delta_e_2000?.standard_error);
+        let is_interpolated = self.task.interpolated().next().is_some();
+        let leeway = if is_interpolated { surface_error } else { of_run().unwrap_or(0.0) };
+        let limit = self.task.settings.delta_e.max(least + leeway);
         let near = |a: &DesignAnswer| {
             a.delta_e_2000.is_none_or(|distance| distance <= limit)
                 && self.task.hides(a.contrast_ratio)

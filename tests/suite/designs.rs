@@ -277,7 +277,7 @@ realisations = 2
 seed = 7
 [base.resolution]
 points_per_um = 10
-planes_per_um = 20
+planes_per_um = 32
 "#;
 
 fn of_slabs(varied: &[(&str, f64, f64)], settings: &str) -> String {
@@ -339,7 +339,7 @@ fn a_share_is_interpolated_between_slabs_of_every_thickness() {
     let best = &outcome.verified[0];
     assert!((1.0..=3.0).contains(&best.values[0]) && best.realisations == 2, "{best:?}");
     assert!(best.delta_e_2000.is_some_and(|distance| distance.standard_error.is_some()), "{best:?}");
-    assert!(outcome.surface_error > 0.0 && outcome.surface_error < 5.0, "{outcome:?}");
+    assert!(outcome.surface_error > 0.0 && outcome.surface_error < 10.0, "{outcome:?}");
 }
 
 /// A paper among the variables takes no variants of its own: 9 for a share, as without it. Films are exact.

@@ -3,6 +3,9 @@
 use crate::design::surface::Spectra3;
 use serde::Serialize;
 
+/// Least factor whose logarithm is taken: what is below, by chance, counts as this.
+const LEAST: f64 = 1e-5;
+
 /// What is interpolated of the spectra.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -30,7 +33,7 @@ impl Interpolated {
         match self {
             Self::BeyondFilm => spectra.iter().zip(film).map(|(a, b)| a - b).collect(),
             Self::Spectra => spectra.to_vec(),
-            Self::Logarithms => spectra.iter().map(|value| value.ln()).collect(),
+            Self::Logarithms => spectra.iter().map(|value| value.max(LEAST).ln()).collect(),
         }
     }
 

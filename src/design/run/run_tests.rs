@@ -113,7 +113,7 @@ realisations = 2
 seed = 7
 [base.resolution]
 points_per_um = 10
-planes_per_um = 20
+planes_per_um = 32
 "#;
 
 /// Solves of a layer that is solved as a whole, in milliseconds.
