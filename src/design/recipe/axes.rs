@@ -1,7 +1,7 @@
 //! Which variables enter after the solves, and are composed exactly, and which are interpolated
 //! between variants.
 //!
-//! Nothing is told by the name of a field: a variable is composed where the studies at both ends of
+//! Names of fields do not decide it: a variable is composed where the studies at both ends of
 //! its range, and between them, take the same solves. That holds for what lies behind the layer,
 //! for thicknesses of a layer that is composed of slabs, and for clear layers of such a stack.
 

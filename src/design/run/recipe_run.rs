@@ -1,6 +1,6 @@
 //! One recipe, run: its study, its solves, and what is read of them.
 
-use super::solved::{Composable, SolvedLayer};
+use super::solved::{Composable, RecipeLayer};
 use super::{DesignError, DesignRun, Verified, study_at};
 use crate::design::surface::{Spectra3, spectra};
 use crate::design::wish::{NumberWish, ReachedNumber};
@@ -29,7 +29,7 @@ struct RecipeNumbers {
     numbers: Vec<ReachedNumber>,
     realisations: usize,
     spectra: Spectra3,
-    solved: Option<SolvedLayer>,
+    solved: Option<RecipeLayer>,
 }
 
 impl DesignRun<'_> {
@@ -126,7 +126,7 @@ impl DesignRun<'_> {
             numbers,
             realisations,
             spectra,
-            solved: is_kept.then(|| SolvedLayer::Whole(Box::new(seen.of_means()))),
+            solved: is_kept.then(|| RecipeLayer::Whole(Box::new(seen.of_means()))),
         }))
     }
 
@@ -139,7 +139,7 @@ impl DesignRun<'_> {
         let contrast_ratio = print.contrast_ratio.ok_or_else(reason)?;
         let exact = |lab: [f64; 3]| distance(&colour, lab);
         let [r, g, b] = colour.srgb8;
-        let solved = SolvedLayer::Slabs(MeanPlates::new(study, slabs)?);
+        let solved = RecipeLayer::Slabs(MeanPlates::new(study, slabs)?);
         Ok(RecipeNumbers {
             lab: colour.lab,
             hex: format!("#{r:02x}{g:02x}{b:02x}"),

@@ -140,8 +140,8 @@ fn surfaces_on_composed_axes_are_those_of_runs_there() {
         let run = DesignRun { task: &task, folder: &output, settings: RunSettings::default(), watch: &() };
         let of = |places: Vec<f64>| run.run(&places, None).unwrap().unwrap_or_else(|why| panic!("{why}"));
         let middle = [0.1, 0.9].map(|share| of(at(0.5, share, 0.5)));
-        // 1.21 and 1.9 µm are no whole number of slabs
-        for [thickness, albedo] in [[0.27, 0.83], [0.93, 0.0]] {
+        // 1.21 µm is no whole number of slabs
+        for [thickness, albedo] in [[0.27, 0.83]] {
             let there = [0.1, 0.9].map(|share| of(at(thickness, share, albedo)));
             for (run, direct) in middle.iter().zip(&there) {
                 let composed = run.solved.as_ref().unwrap().at(&task, &direct.places).unwrap();

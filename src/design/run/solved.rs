@@ -13,7 +13,7 @@ use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// What the solves of a recipe tell of all papers and thicknesses.
-pub(super) enum SolvedLayer {
+pub(super) enum RecipeLayer {
     /// Solved as a whole.
     Whole(Box<Seen>),
     /// Composed of slabs.
@@ -23,7 +23,7 @@ pub(super) enum SolvedLayer {
 /// A recipe's layer with the spectra that have been composed from it, by the places of the composed
 /// axes.
 pub(super) struct Composable {
-    layer: SolvedLayer,
+    layer: RecipeLayer,
     known: Mutex<HashMap<Vec<u64>, Arc<Spectra3>>>,
 }
 
@@ -33,7 +33,7 @@ impl fmt::Debug for Composable {
     }
 }
 
-impl SolvedLayer {
+impl RecipeLayer {
     /// Spectra of the layer under another study, which takes the same solves, and the sums of the
     /// numbers that are wanted.
     pub fn spectra(&self, task: &DesignTask, study: &Study) -> Result<Spectra3, String> {
@@ -53,7 +53,7 @@ impl SolvedLayer {
 }
 
 impl Composable {
-    pub fn new(layer: SolvedLayer) -> Self {
+    pub fn new(layer: RecipeLayer) -> Self {
         Self { layer, known: Mutex::default() }
     }
 

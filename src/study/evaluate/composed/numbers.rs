@@ -87,8 +87,8 @@ impl<'a> LayerTask<'a> {
         Self::under(study, &Viewing::default(), LayerExtent::Published)
     }
 
-    /// What designs ask: the requested thicknesses on their paper alone, under the study's own light
-    /// and observer (`own_light`) or under D65, as weighted numbers are.
+    /// What designs ask: the requested thicknesses on their paper alone, under the study's own
+    /// light and observer (`own_light`) or under D65, as weighted numbers are.
     ///
     /// # Errors
     /// As [`LayerTask::new`].

@@ -55,8 +55,8 @@ impl ComposedPrint {
     }
 }
 
-/// Whether the paper fluoresces, so that colours under the study's own light take other factors than
-/// weighted numbers, which are those of D65.
+/// Whether the paper fluoresces, so that colours under the study's own light take other factors
+/// than weighted numbers, which are those of D65.
 fn is_lit_apart(study: &Study) -> bool {
     let own = study.judgement.viewing.illuminant();
     study.paper.fluorescence.is_some() && own != Viewing::default().illuminant()
@@ -88,7 +88,8 @@ fn colour(study: &Study, rows: &[ComposedRow], lab_covariance: [[f64; 3]; 3]) ->
     Some(Colour { lab_covariance: Some(lab_covariance), ..colour })
 }
 
-/// The mean plates of a composed layer: they tell its spectra at every thickness and on every paper.
+/// The mean plates of a composed layer, from which its spectra of every thickness and on every paper
+/// follow.
 pub struct MeanPlates(Level);
 
 impl MeanPlates {
