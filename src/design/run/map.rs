@@ -176,7 +176,8 @@ impl<'a> Map<'a> {
                 return Err(RunError::Stopped.into());
             }
             let there = self.task.moved(&run.places, &composed);
-            values.push(self.ground.interpolated.of(&self.spectra_of(run, &there)?, &self.film_at(&there)?));
+            let [spectra, film] = self.spectra_of(run, &there)?;
+            values.push(self.ground.interpolated.of(&spectra, &film));
         }
         let places: Vec<Vec<f64>> =
             self.runs.iter().map(|run| self.task.interpolated_places(&run.places)).collect();
@@ -188,12 +189,17 @@ impl<'a> Map<'a> {
         Ok(surfaces)
     }
 
-    /// Spectra of a run at other places of the composed axes: its own, or composed of its solves.
-    fn spectra_of(&self, run: &Support, places: &[f64]) -> Result<Arc<Spectra3>, DesignError> {
-        match &run.solved {
-            Some(solved) if run.places != places => solved.at(self.task, places),
-            _ => Ok(Arc::new(run.spectra.clone())),
-        }
+    /// Spectra of a run at other places of the composed axes, its own or composed of its solves, and
+    /// those of the film beneath.
+    fn spectra_of(&self, run: &Support, places: &[f64]) -> Result<[Spectra3; 2], DesignError> {
+        let solved = run.solved.as_ref().filter(|_| run.places != places);
+        let Some(solved) = solved else {
+            return Ok([run.spectra.clone(), self.film_at(places)?]);
+        };
+        let there = solved.at(self.task, places)?;
+        // films have no sums of their own there
+        let film = if self.task.numbers.is_empty() { there.film.clone() } else { self.film_at(places)? };
+        Ok([there.layer.clone(), film])
     }
 
     /// The film beneath the surfaces; none where there is nothing beneath them.
@@ -311,9 +317,9 @@ impl<'a> Map<'a> {
     /// What the surfaces without a run predict for it, at its own places of the composed axes or at
     /// others.
     fn without(&self, i: usize, places: &[f64]) -> Result<[Spectra3; 2], DesignError> {
-        let own = self.spectra_of(&self.runs[i], places)?;
+        let [own, _] = self.spectra_of(&self.runs[i], places)?;
         let without = self.ground.interpolated.wrong_by(&own, &self.surfaces(places)?.left_out[i]);
-        Ok([without, own.to_vec()])
+        Ok([without, own])
     }
 
     /// Median ΔE₀₀ between variants and the surfaces without them, at both ends of the composed axes

@@ -1,6 +1,6 @@
 //! One recipe, run: its study, its solves, and what is read of them.
 
-use super::solved::{Composable, RecipeLayer};
+use super::solved::{Composable, RecipeLayer, WholeLayer};
 use super::{DesignError, DesignRun, Verified, study_at};
 use crate::design::surface::{Spectra3, spectra};
 use crate::design::wish::{NumberWish, ReachedNumber};
@@ -118,6 +118,7 @@ impl DesignRun<'_> {
         };
         // kept for other papers alone
         let is_kept = task.composed().next().is_some();
+        let layer = if is_kept { Some(WholeLayer::new(task, study, *seen)?) } else { None };
         Ok(Ok(RecipeNumbers {
             lab: maker.print.colour.lab,
             hex: maker.print.hex,
@@ -126,7 +127,7 @@ impl DesignRun<'_> {
             numbers,
             realisations,
             spectra,
-            solved: is_kept.then(|| RecipeLayer::Whole(Box::new(seen.of_means()))),
+            solved: layer.map(RecipeLayer::Whole),
         }))
     }
 
@@ -147,7 +148,7 @@ impl DesignRun<'_> {
             contrast_ratio,
             numbers: self.reached(&print.numbers, &print.withheld)?,
             realisations: print.realisations,
-            spectra: solved.spectra(task, study)?,
+            spectra: solved.spectra(task, study)?.layer,
             solved: Some(solved),
         })
     }

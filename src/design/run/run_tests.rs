@@ -1,5 +1,6 @@
 use super::map::tests::{loaded, run_at, task};
 use super::*;
+use crate::design::surface::Eye;
 use crate::store::marker::Holds;
 
 /// A design of the dye, in a folder of its own.
@@ -123,13 +124,22 @@ fn whole() -> String {
     text.replace("[[vary]]\nfield = \"layer.thickness_um\"\nfrom = 1.0\nto = 2.0\n", "")
 }
 
+/// The same on paper that fluoresces, seen under a lamp.
+fn brightened(text: &str) -> String {
+    let light = text.replace("[430, 540, 660]", "[380, 430, 540, 660]");
+    format!(
+        "{light}[base.colour]\nilluminant = \"A\"\n[base.paper.fluorescence]\nyield = 0.5\n\
+         excitation = [[380, 0.1], [420, 0]]\nemission = [[400, 0], [435, 1], [520, 0]]\n"
+    )
+}
+
 /// A run at other places of the composed axes is composed of the same solves: spectra, contrast and
 /// sums are those of a run there with the same packings, and surfaces through these are those of
 /// there, to rounding. *Planted*: a run's own spectra at every place; the paper of the variant; a
-/// surface of the middle for all thicknesses.
+/// surface of the middle for all thicknesses; spectra under D65.
 #[test]
 fn surfaces_on_composed_axes_are_those_of_runs_there() {
-    for text in [whole(), SLABS.to_owned()] {
+    for text in [whole(), SLABS.to_owned(), brightened(&whole()), brightened(SLABS)] {
         let folder = tempfile::tempdir().unwrap();
         let task = loaded(&text);
         let at = |thickness: f64, share: f64, albedo: f64| match task.variables.len() {
@@ -144,9 +154,12 @@ fn surfaces_on_composed_axes_are_those_of_runs_there() {
         for [thickness, albedo] in [[0.27, 0.83]] {
             let there = [0.1, 0.9].map(|share| of(at(thickness, share, albedo)));
             for (run, direct) in middle.iter().zip(&there) {
+                let eye = Eye::new(&study_at(&task, &direct.places).unwrap()).unwrap();
+                let (seen, _) = eye.sees(&direct.spectra).unwrap();
+                assert!((0..3).all(|i| (seen[i] - direct.lab[i]).abs() < 1e-9), "{seen:?} {direct:?}");
                 let composed = run.solved.as_ref().unwrap().at(&task, &direct.places).unwrap();
-                let apart = composed.iter().zip(&direct.spectra).map(|(a, b)| (a - b).abs());
-                assert!(apart.fold(0.0, f64::max) < 1e-12, "{composed:?} {:?}", direct.spectra);
+                let apart = composed.layer.iter().zip(&direct.spectra).map(|(a, b)| (a - b).abs());
+                assert!(apart.fold(0.0, f64::max) < 1e-12, "{:?} {:?}", composed.layer, direct.spectra);
                 assert!(run.spectra.iter().zip(&direct.spectra).any(|(a, b)| (a - b).abs() > 1e-3), "empty");
             }
             let ground = run.ground(&middle).unwrap();
@@ -185,7 +198,7 @@ fn a_composed_recipe_has_the_numbers_of_its_run() {
     };
     assert!(same(own.contrast_ratio, ratio), "{own:?} {ratio:?}");
     assert!(same(own.numbers[0].estimate, evaluated.manifest.numbers[0].estimate().unwrap()), "{own:?}");
-    let (seen, contrast) = super::super::surface::Eye::new(&study).unwrap().sees(&own.spectra).unwrap();
+    let (seen, contrast) = Eye::new(&study).unwrap().sees(&own.spectra).unwrap();
     assert!((0..3).all(|i| (own.lab[i] - seen[i]).abs() < 1e-9), "{own:?} {seen:?}");
     assert!((contrast - ratio.value).abs() < 1e-9);
     // of the error along L*, a* and b* the distance has no more than all of it

@@ -2,6 +2,7 @@
 //! illuminant, the difference to a measurement or to a target. All are derived from the stored
 //! solves; errors include randomness, the grid and the solver's residual.
 
+pub mod bare;
 mod coefficients;
 
 pub use coefficients::KubelkaMunkRow;

@@ -88,8 +88,8 @@ fn colour(study: &Study, rows: &[ComposedRow], lab_covariance: [[f64; 3]; 3]) ->
     Some(Colour { lab_covariance: Some(lab_covariance), ..colour })
 }
 
-/// The mean plates of a composed layer, from which its spectra of every thickness and on every paper
-/// follow.
+/// The mean plates of a composed layer, from which its spectra of every thickness and on every
+/// paper follow.
 pub struct MeanPlates(Level);
 
 impl MeanPlates {
