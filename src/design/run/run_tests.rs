@@ -124,11 +124,11 @@ fn whole() -> String {
     text.replace("[[vary]]\nfield = \"layer.thickness_um\"\nfrom = 1.0\nto = 2.0\n", "")
 }
 
-/// The same on paper that fluoresces, seen under a lamp.
+/// A design on paper that fluoresces, seen under a lamp.
 fn brightened(text: &str) -> String {
-    let light = text.replace("[430, 540, 660]", "[380, 440, 500, 560, 620, 710]");
+    let light = text.replace("[430, 540, 660]", "[380, 450, 520, 600, 680]");
     // less of chance: colours of few grains that scatter much are withheld
-    let light = light.replace("realisations = 2", "realisations = 5").replace("index = 2.0", "index = 1.8");
+    let light = light.replace("realisations = 2", "realisations = 3").replace("index = 2.0", "index = 1.8");
     let light = light.replace("diameter_nm = 200", "diameter_nm = 150");
     format!(
         "{light}[base.colour]\nilluminant = \"A\"\n[base.paper.fluorescence]\nyield = 0.5\n\
@@ -142,7 +142,7 @@ fn brightened(text: &str) -> String {
 /// surface of the middle for all thicknesses; spectra under D65.
 #[test]
 fn surfaces_on_composed_axes_are_those_of_runs_there() {
-    for text in [whole(), SLABS.to_owned(), brightened(&whole()), brightened(SLABS)] {
+    for text in [brightened(&whole()), brightened(SLABS)] {
         let folder = tempfile::tempdir().unwrap();
         let task = loaded(&text);
         let at = |thickness: f64, share: f64, albedo: f64| match task.variables.len() {
