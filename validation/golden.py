@@ -721,8 +721,14 @@ class Paper:
         own = sum(f * c for f, c in zip(symmetric(cosine(light), cosine(view)), self.diffuse))
         return own + self.g(albedo) * self.total(light, 1) * self.total(view, 1) / PI
 
+    def mirrored(self, view):
+        """The specular order without the diffuse light that a cell's order holds: f times its projected solid angle."""
+        width, depth = self.study.period_um
+        area = (1e-3 * self.nm) ** 2 / (width * depth)
+        return self.total(view, 2) - area * sum(f * c for f, c in zip(symmetric(cosine(view), cosine(view)), self.diffuse))
+
     def sky(self, view):
-        mirrored = self.total(view, 2) if self.study.sky_excluded else 0.0
+        mirrored = self.mirrored(view) if self.study.sky_excluded else 0.0
         return self.total(view, 0) + self.g() * self.total(view, 1) * self.mean_t - mirrored
 
     def quadrature_error(self, degrees):

@@ -11,6 +11,7 @@ use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::field::set;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
+use crate::input::measured::MeasuredCondition;
 use crate::input::study::{Study, StudyKind};
 use crate::numerics::allowed::{Allowed, Whole};
 use crate::store::identity::Key;
@@ -72,6 +73,8 @@ pub struct DesignTask {
     pub numbers: Vec<NumberWish>,
     /// What was taken where files leave something open.
     pub remarks: Vec<String>,
+    /// The light under which the target was measured, where the base names none.
+    condition: Option<MeasuredCondition>,
     base: Table,
     folder: PathBuf,
 }
@@ -122,6 +125,7 @@ impl DesignTask {
         let name = self.in_words(places);
         table.insert("title".into(), Value::String(name.clone()));
         let mut study = check(&read_table(table)?, &self.folder, &name)?;
+        study.judgement.condition = study.judgement.condition.or(self.condition);
         let is_listed = self.variables.iter().any(|variable| variable.listed);
         if is_listed && let StudyKind::Composed(composed) = &mut study.kind {
             // the recipe's own thickness, with the slabs of the first one
@@ -213,15 +217,25 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     let title = file.title.clone().unwrap_or_else(|| stem(path));
     let settings = file.design.clone();
     let contrast_ratio = file.target.contrast_ratio;
-    let (lab, numbers, remarks) = (None, Vec::new(), Vec::new());
-    let mut task =
-        DesignTask { title, variables, settings, lab, contrast_ratio, numbers, remarks, base, folder };
+    let mut task = DesignTask {
+        title,
+        variables,
+        settings,
+        lab: None,
+        contrast_ratio,
+        numbers: Vec::new(),
+        remarks: Vec::new(),
+        condition: None,
+        base,
+        folder,
+    };
     if faults.0.is_empty() {
         match checked_ends(&task, &file.target, &measuring) {
             Ok(target) => {
                 task.lab = target.lab;
                 task.numbers = target.numbers;
                 task.remarks = target.remarks;
+                task.condition = target.condition;
                 task.tell_axes_apart();
                 check_variants(&mut task, &mut faults);
             }

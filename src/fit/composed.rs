@@ -324,7 +324,9 @@ impl NodeTable {
         let kappa = |k: usize| (first + (last - first) * k as f64 / (SEARCHED - 1) as f64).exp();
         let best = |w: usize| {
             let miss = |kappa: f64| -> f64 {
-                let misses = task.measured.iter().enumerate().map(|(d, drawdown)| {
+                let spectra =
+                    task.measured.iter().enumerate().filter(|(_, drawdown)| drawdown.values.is_some());
+                let misses = spectra.map(|(d, drawdown)| {
                     self.at((d, w), [n, kappa], |node| node.value) - drawdown.measured(w)
                 });
                 misses.map(|miss| miss * miss).sum()

@@ -83,7 +83,28 @@ pub struct MeasuredTable {
     pub geometry: Option<FitGeometry>,
     /// The sample's own face, where it is not the smooth one of the base.
     pub face: Option<FaceTable>,
+    /// Weighted numbers that an instrument gave of the sample, such as its densities: beside a
+    /// spectrum, or in the place of one where other samples have theirs.
+    #[serde(default)]
+    pub number: Vec<MeasuredNumberTable>,
 }
+
+/// `[[measured.number]]`: a `[[number]]` of the base as it was measured.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MeasuredNumberTable {
+    /// Its name in the base.
+    pub name: String,
+    /// Its value, in its own unit.
+    #[schemars(example = 1.32)]
+    pub value: f64,
+    /// Standard error of the value.
+    #[schemars(transform = NUMBER_ERROR.mark(), example = 0.01)]
+    pub error: f64,
+}
+
+/// Standard error of a measured number.
+pub const NUMBER_ERROR: Allowed = Allowed::between(1e-6, 1e3, "");
 
 impl MeasuredTable {
     /// Whether it has shares of several pigments.
@@ -130,6 +151,17 @@ pub enum FitGeometry {
 }
 
 impl FitGeometry {
+    /// Its key in files.
+    pub fn key(self) -> &'static str {
+        match self {
+            Self::LitAt45 => "45:0",
+            Self::Sphere => "d:8",
+            Self::SphereExcluded => "d:8 excluded",
+            Self::UniformSky => "natural",
+            Self::Transmitted => "transmittance",
+        }
+    }
+
     /// Whether what the layer's face mirrors is in the reading.
     pub fn includes_mirrored(self) -> bool {
         matches!(self, Self::Sphere | Self::UniformSky)

@@ -124,6 +124,50 @@ const STRENGTHS: [f64; 12] = [0.005, 0.007, 0.01, 0.014, 0.02, 0.03, 0.04, 0.06,
 /// bends most within it is taken, which errs towards wider intervals.
 const CONCEDED: f64 = 0.5;
 
+/// One number of a fit's data: a measured value of a spectrum, or a number made of one.
+struct Datum {
+    drawdown: usize,
+    /// Its wavelength by its place; none of a number made of a spectrum.
+    wave: Option<usize>,
+    /// Derivatives of it with respect to the values of the drawdown's spectrum: place and slope.
+    slopes: Vec<(usize, f64)>,
+    /// Measured less predicted.
+    residual: f64,
+    /// Variance of the measurement.
+    noise: f64,
+}
+
+impl Datum {
+    /// A sum over the values of its spectrum.
+    fn sum(&self, of: impl Fn(usize) -> f64) -> f64 {
+        self.slopes.iter().map(|&(wave, slope)| slope * of(wave)).sum()
+    }
+
+    /// All data: spectra by drawdown, then wavelength; after them the numbers.
+    fn all(task: &FitTask, response: &Response, added: f64) -> Vec<Self> {
+        let nm = task.wavelengths_nm();
+        let (mut spectra, mut numbers) = (Vec::new(), Vec::new());
+        for (drawdown, sample) in task.measured.iter().enumerate() {
+            let on_face = if sample.is_reflected() { added } else { 0.0 };
+            for wave in 0..sample.values.as_ref().map_or(0, Vec::len) {
+                let residual = sample.measured(wave) - response.values[drawdown][wave] - on_face;
+                let noise = task.settings.noise.powi(2);
+                spectra.push(Self { drawdown, wave: Some(wave), slopes: vec![(wave, 1.0)], residual, noise });
+            }
+            let predicted: Vec<f64> = response.values[drawdown].iter().map(|value| value + on_face).collect();
+            for number in &sample.numbers {
+                let there = number.at(nm, &predicted);
+                let slopes = there.slopes.into_iter().enumerate().collect();
+                let residual = number.value - there.value;
+                let noise = number.error.powi(2) + there.wavelength_error.powi(2);
+                numbers.push(Self { drawdown, wave: None, slopes, residual, noise });
+            }
+        }
+        spectra.extend(numbers);
+        spectra
+    }
+}
+
 /// The data, linearised at some unknowns.
 pub(super) struct Data<'a> {
     pub task: &'a FitTask,
@@ -152,39 +196,44 @@ impl<'a> Data<'a> {
         systematic: &[f64],
     ) -> Self {
         let waves = task.wavelengths_nm().len();
-        let size = task.measured.len() * waves;
-        let places: Vec<(usize, usize)> = (0..size).map(|i| (i / waves, i % waves)).collect();
+        let all = Datum::all(task, response, prior.face_light(point));
+        let size = all.len();
         let is_reflected = |d: usize| task.measured[d].is_reflected();
         let jacobian = Mat::from_fn(size, prior.count(), |i, j| {
-            let on_face = prior.face_light == Some(j) && is_reflected(places[i].0);
-            derivative(prior, response, places[i], j) + f64::from(u8::from(on_face))
+            let d = all[i].drawdown;
+            let on_face = f64::from(u8::from(prior.face_light == Some(j) && is_reflected(d)));
+            all[i].sum(|w| derivative(prior, response, (d, w), j) + on_face)
         });
         let (mut weights, mut errors) = (Mat::zeros(size, size), Mat::zeros(size, size));
-        let noise = task.settings.noise.powi(2);
         let systematic_at = |d: usize, w: usize| match systematic.len() {
             1 => systematic[0],
             count if count == task.measured.len() => systematic[d],
             _ => systematic[d * waves + w],
         };
+        let own: Vec<f64> = all.iter().map(|datum| datum.sum(|w| systematic_at(datum.drawdown, w))).collect();
         let inflation = few_cells(response.replicates.first().map_or(0, Vec::len));
-        for (i, &(d, v)) in places.iter().enumerate() {
-            let own = systematic_at(d, v);
-            for (j, &(e, w)) in places.iter().enumerate() {
-                let one_coat = task.measured[d].coat == task.measured[e].coat;
-                let replicates = &response.replicates;
-                let ensemble = if one_coat { jackknife(&replicates[d], &replicates[e], v, w) } else { 0.0 };
-                let at_one_wavelength = if v == w { ensemble } else { 0.0 };
-                let common = if d == e { own * systematic_at(e, w) } else { 0.0 };
-                weights[(i, j)] = at_one_wavelength + if i == j { noise + own * own } else { 0.0 };
-                errors[(i, j)] = inflation * ensemble + common + if i == j { noise } else { 0.0 };
+        let replicates: Vec<Vec<f64>> = all
+            .iter()
+            .map(|datum| {
+                response.replicates[datum.drawdown].iter().map(|cell| datum.sum(|w| cell[w])).collect()
+            })
+            .collect();
+        for (i, one) in all.iter().enumerate() {
+            for (j, other) in all.iter().enumerate() {
+                let one_coat = task.measured[one.drawdown].coat == task.measured[other.drawdown].coat;
+                let ensemble = if one_coat { jackknife(&replicates[i], &replicates[j]) } else { 0.0 };
+                let is_together = i == j || (one.wave.is_some() && one.wave == other.wave);
+                let at_one_wavelength = if is_together { ensemble } else { 0.0 };
+                let common = if one.drawdown == other.drawdown { own[i] * own[j] } else { 0.0 };
+                let noise = if i == j { one.noise } else { 0.0 };
+                weights[(i, j)] = at_one_wavelength + if i == j { noise + own[i] * own[i] } else { 0.0 };
+                errors[(i, j)] = inflation * ensemble + common + noise;
             }
         }
-        let added = prior.face_light(point);
-        let on_face = |d: usize| if is_reflected(d) { added } else { 0.0 };
-        let residual =
-            places.iter().map(|&(d, w)| task.measured[d].measured(w) - response.values[d][w] - on_face(d));
-        let thickness = places.iter().map(|&(d, w)| response.slopes[2][d][w]).collect();
-        Self { task, prior, point, jacobian, residual: residual.collect(), weights, errors, thickness }
+        let residual = all.iter().map(|datum| datum.residual).collect();
+        let thickness =
+            all.iter().map(|datum| datum.sum(|w| response.slopes[2][datum.drawdown][w])).collect();
+        Self { task, prior, point, jacobian, residual, weights, errors, thickness }
     }
 
     /// What is left of the data at other unknowns, to first order.
@@ -243,8 +292,8 @@ pub(super) fn few_cells(cells: usize) -> f64 {
 }
 
 /// Jackknife covariance of two values from their leave-one-out replicates.
-pub(super) fn jackknife(one: &[Vec<f64>], other: &[Vec<f64>], v: usize, w: usize) -> f64 {
-    let pairs: Vec<[f64; 2]> = one.iter().zip(other).map(|(x, y)| [x[v], y[w]]).collect();
+pub(super) fn jackknife(one: &[f64], other: &[f64]) -> f64 {
+    let pairs: Vec<[f64; 2]> = one.iter().zip(other).map(|(x, y)| [*x, *y]).collect();
     jackknife_covariance(&pairs).map_or(0.0, |covariance| covariance[0][1])
 }
 

@@ -1,10 +1,13 @@
 //! From the file of a fit to checked studies and spectra.
 
 mod drawdowns;
+mod numbers;
 mod refusals;
 mod shares;
 mod source;
 mod spectrum;
+
+pub use numbers::MeasuredNumber;
 
 use super::face::SampleFace;
 use super::file::{FitFile, FitGeometry, FitTable, MeasuredTable, PriorName};
@@ -35,8 +38,11 @@ pub struct Drawdown {
     pub is_opaque: bool,
     /// The sample's face.
     pub face: SampleFace,
-    /// Measured values at the study's wavelengths; none where the layer is to be predicted only.
+    /// Measured values at the study's wavelengths; none where the layer is to be predicted only, or
+    /// has numbers only.
     pub values: Option<Vec<f64>>,
+    /// Numbers measured.
+    pub numbers: Vec<MeasuredNumber>,
 }
 
 impl Drawdown {
@@ -197,6 +203,13 @@ impl FitReading<'_> {
             self.put_first();
         }
         let placeholder = Table::from_iter([("n".into(), 1.6.into()), ("k".into(), 0.1.into())]);
+        if let Some(Value::Table(paper)) = self.base.get_mut("paper")
+            && paper.remove("fluorescence").is_some()
+        {
+            self.remarks.push(
+                "base.paper.fluorescence is left out: the cards are taken to have no brightener".into(),
+            );
+        }
         // what cannot be set is a fault of the base, which its check names
         let _ = set(&mut self.base, &format!("{}.index", self.pigment.path()), &Value::Table(placeholder));
         if self.base.get("light").and_then(|light| light.get("wavelengths_nm")).is_none() {
@@ -299,6 +312,11 @@ impl FitReading<'_> {
         let mut coats = Vec::new();
         let measured = self.drawdowns("measured", &file.measured, &mut coats);
         let coats_measured = coats.len();
+        if !file.measured.is_empty() && file.measured.iter().all(|table| table.file.is_none()) {
+            let allowed =
+                "the spectrum of one sample or more: numbers alone determine no index at any wavelength";
+            self.faults.add("measured", "numbers only", allowed, "name a CSV, CxF3 or CGATS.17 file");
+        }
         let predicted = self.drawdowns("predict", &file.predict, &mut coats);
         let first = coats.first()?;
         if !first.layer.contrast.is_full() {

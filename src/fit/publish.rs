@@ -3,7 +3,7 @@
 
 use super::law::rms;
 use super::load::FitTask;
-use super::run::{FitOutcome, FittedIndex, FittedSpectrum, Forecast, OtherSolution, Trust};
+use super::run::{FitOutcome, FittedIndex, FittedNumber, FittedSpectrum, Forecast, OtherSolution, Trust};
 use crate::draw::DrawResult;
 use crate::draw::chart::{Chart, Curve, Style};
 use crate::draw::page::{Picture, made_by, rendered, svg_data};
@@ -88,6 +88,7 @@ pub fn publish(task: &FitTask, outcome: &FitOutcome, folder: &OutputFolder) -> P
         second => outcome.other_solution.is_some(),
         remarks => Serde(&outcome.remarks),
         figures => Serde(figures(task, outcome)?),
+        numbers => Serde(outcome.numbers.iter().map(number_row).collect::<Vec<_>>()),
         forecasts => Serde(outcome.forecasts.iter().map(row).collect::<Vec<_>>()),
         program => made_by(),
     };
@@ -112,6 +113,13 @@ fn csv(task: &FitTask, remarks: &[String], index: &[FittedIndex]) -> String {
         text.push('\n');
     }
     text
+}
+
+/// A number as the page shows it: measured, fitted, and their difference in standard deviations.
+fn number_row(number: &FittedNumber) -> [String; 4] {
+    let FittedNumber { name, measured, fitted, sigma } = number;
+    let deviation = (measured - fitted) / sigma;
+    [name.clone(), format!("{measured:.4}"), format!("{fitted:.4}"), format!("{deviation:+.1}")]
 }
 
 fn row(forecast: &Forecast) -> [String; 5] {

@@ -11,7 +11,7 @@ mod solutions;
 pub(super) use descent::{Branch, descend, near, prior_of};
 pub use fitted::{FaceLight, FittedIndex};
 pub use forecast::Forecast;
-pub use outcome::{FitOutcome, FittedSpectrum, OtherSolution, Trust};
+pub use outcome::{FitOutcome, FittedNumber, FittedSpectrum, OtherSolution, Trust};
 pub use planned::{FitCosts, PlannedSolves};
 
 use super::law::{Data, FitStep};

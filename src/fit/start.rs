@@ -140,7 +140,8 @@ pub fn paths(task: &FitTask, surface: &Surface) -> Result<Vec<Vec<[f64; 2]>>, No
     for (k, film) in films.iter().enumerate() {
         let Some(film) = film else { continue };
         for (w, costs) in costs.iter_mut().enumerate() {
-            let misses = task.measured.iter().enumerate().map(|(d, drawdown)| {
+            let spectra = task.measured.iter().enumerate().filter(|(_, drawdown)| drawdown.values.is_some());
+            let misses = spectra.map(|(d, drawdown)| {
                 ((film[d][w] + surface.at(d, w, states[k])[0]) - drawdown.measured(w)).powi(2) / variance
             });
             costs[k] = misses.sum();

@@ -24,6 +24,7 @@ const FINE: &str = "[layer]\nperiod_um = 0.2\nthickness_um = 0.9\nbinder.index =
                     diameter_nm = 30\nvolume_fraction = 0.3\nindex = INDEX\n[light]\nwavelengths_nm = WAVES\n\
                     [angles]\ncount = 5\n[run]\nrealisations = 6\nseed = 7\n[resolution]\npoints_per_um = 50\nplanes_per_um = 50\n";
 const WHITE: f64 = 0.85;
+const GREY: f64 = 0.4;
 const BLACK: f64 = 0.04;
 
 fn study(text: &str, index: &str, waves: &str) -> String {
@@ -156,16 +157,28 @@ fn mean_film(pigment: Complex64, share: f64, thickness_um: f64) -> Film {
     Film { index: square.sqrt(), thickness_um }
 }
 
-/// The task of a fit of `FINE` with spectra of a film on cards in some geometries.
+/// The task of a fit of `FINE` at two wavelengths, with spectra of a film on cards in some geometries.
 fn film_task(folder: &Path, pigment: Complex64, cards: &[(f64, &str)], more: &str) -> FitTask {
+    film_task_at(&[500.0, 620.0], folder, pigment, cards, more)
+}
+
+fn film_task_at(
+    waves_nm: &[f64],
+    folder: &Path,
+    pigment: Complex64,
+    cards: &[(f64, &str)],
+    more: &str,
+) -> FitTask {
     let mut fit = format!("base = \"base.toml\"\n{more}");
     for (k, &(albedo, geometry)) in cards.iter().enumerate() {
         let value = |nm: f64| FilmInAir(mean_film(pigment, 0.3, 0.9), 1e-3 * nm).on_card(albedo, geometry);
         let column = if geometry == "transmittance" { geometry } else { "reflectance" };
-        write_column(&folder.join(format!("{k}.csv")), column, &[500.0, 620.0].map(|nm| [nm, value(nm)]));
+        let rows: Vec<[f64; 2]> = waves_nm.iter().map(|&nm| [nm, value(nm)]).collect();
+        write_column(&folder.join(format!("{k}.csv")), column, &rows);
         fit += &measured(&format!("{k}.csv"), albedo, geometry);
     }
-    std::fs::write(folder.join("base.toml"), study(FINE, "1.6", "[500, 620]")).expect("written");
+    let waves = format!("{waves_nm:?}");
+    std::fs::write(folder.join("base.toml"), study(FINE, "1.6", &waves)).expect("written");
     std::fs::write(folder.join("fit.toml"), fit).expect("written");
     load(&folder.join("fit.toml")).expect("sound")
 }
@@ -227,15 +240,24 @@ fn the_spread_of_a_thickness_goes_with_the_thickness() {
     assert!((own.coats[0].variation.thickness_std_um - 0.12).abs() < 1e-12);
 }
 
-/// An independent truth: Airy's and Fresnel's formulas for the film of the mean η², which grains of 30 nm are.
+/// A density in a narrow band about 500 nm.
+const DENSITY: &str = "[[number]]\nname = \"density\"\nweights = { csv = \"band.csv\" }\nof = \"lit_at_45\"\ntransform = \"density\"\n";
+
+/// An independent truth: Airy's and Fresnel's formulas for the film of the mean η², which grains of 30 nm are; of a grey card
+/// there is a density alone. *Planted*: the density of another card (χ² finds it).
 #[test]
 fn a_film_gives_the_index_of_its_pigment_back() {
     let folder = tempfile::tempdir().expect("a folder");
     let truth = Complex64::new(1.75, 0.06);
-    drop(film_task(folder.path(), truth, &GEOMETRIES, ""));
+    drop(film_task_at(&[500.0, 560.0, 620.0], folder.path(), truth, &GEOMETRIES, ""));
     let fit = std::fs::read_to_string(folder.path().join("fit.toml")).expect("a fit");
-    let fit = fit.replace("base = \"base.toml\"\n", "") + "[fit]\nprior = \"smooth\"\n";
-    let base = std::fs::read_to_string(folder.path().join("base.toml")).expect("a base");
+    let density = -FilmInAir(mean_film(truth, 0.3, 0.9), 0.5).on_card(GREY, "45:0").log10();
+    let number = format!("[[measured.number]]\nname = \"density\"\nvalue = {density}\nerror = 0.003\n");
+    let fit = fit.replace("base = \"base.toml\"\n", "")
+        + &format!("[[measured]]\nbacking = {GREY}\n{number}[fit]\nprior = \"smooth\"\n");
+    let base = std::fs::read_to_string(folder.path().join("base.toml")).expect("a base") + DENSITY;
+    let band = "wavelength_nm,weight\n499.5,0\n500,1\n500.5,0\n";
+    std::fs::write(folder.path().join("band.csv"), band).expect("written");
     let (said, found) = fitted(folder.path(), &base, &fit);
     let fit = &found["fit"];
     // 95 %: there is no noise, but grains scatter and keep a distance from the faces
@@ -245,6 +267,9 @@ fn a_film_gives_the_index_of_its_pigment_back() {
         (Some(true), Some("consistent")),
         "{said}"
     );
+    let number = &fit["numbers"][0];
+    let of = |key: &str| number[key].as_f64().expect(key);
+    assert!((of("fitted") - density).abs() < 2.0 * of("sigma") && of("sigma") < 0.03, "{number}");
 }
 
 /// Runs a study on a white and a black card, and gives the `[[measured]]` tables of its spectra in two geometries.

@@ -56,6 +56,60 @@ fn slips_in_fits_are_said_with_their_field_and_a_remedy() {
     one_fault(&faults("base = \"ink.toml\"\n", CARD, load_fit), &["measured", "none", "white and on black"]);
 }
 
+const DENSITY: &str = "[[number]]\nname = \"density\"\nweights = \"D65/2\"\nfrom_nm = 500\nto_nm = 600\nof = \"lit_at_45\"\ntransform = \"density\"\n\
+                       [[number]]\nname = \"haze\"\nweights = \"D65/2\"\nfrom_nm = 500\nto_nm = 600\nof = \"scattered_transmittance\"\n\
+                       over = \"transmittance\"\n";
+
+/// Weighted numbers of a sample: those of the base, in a geometry that reads them, beside one spectrum at least.
+#[test]
+fn slips_in_measured_numbers_are_said() {
+    let base = INK.replace("[500, 600]", "[500, 550, 600]") + DENSITY;
+    let sample = |text: &str| {
+        faults_with(&base, &format!("{FIT}[[measured]]\nbacking = 0.04\n{text}"), CARD, load_fit)
+    };
+    let number = |name: &str, value: &str, error: &str| {
+        format!("[[measured.number]]\nname = \"{name}\"\nvalue = {value}\nerror = {error}\n")
+    };
+    let density = number("density", "1.3", "0.01");
+    assert_eq!(sample(&density), Vec::<String>::new());
+    one_fault(
+        &sample(&number("denstiy", "1.3", "0.01")),
+        &["measured[1].number[0].name", "denstiy", "\"density\", \"haze\""],
+    );
+    one_fault(
+        &sample(&number("density", "1.3", "0.0")),
+        &["measured[1].number[0].error", "0", "0.01 is usual"],
+    );
+    one_fault(
+        &sample(&number("density", "nan", "0.01")),
+        &["measured[1].number[0].value", "a finite number"],
+    );
+    one_fault(
+        &sample(&number("haze", "0.3", "0.01")),
+        &["measured[1].number[0].name", "over transmittance", "lit_at_45"],
+    );
+    one_fault(&sample(&(density.clone() + &density)), &["measured[1].number[1].name", "twice"]);
+    one_fault(
+        &sample(&format!("geometry = \"d:8\"\n{density}")),
+        &["measured[1].number[0].name", "d:8", "45:0"],
+    );
+    one_fault(&sample(""), &["measured[1].file", "nothing", "[[measured.number]]"]);
+    one_fault(
+        &faults(&format!("{FIT}{density}"), CARD, load_fit),
+        &["measured[0].number[0].name", "which has none"],
+    );
+    let alone = format!("base = \"ink.toml\"\n[[measured]]\nbacking = 0.04\n{density}");
+    one_fault(
+        &faults_with(&base, &alone, CARD, load_fit),
+        &["measured", "numbers only", "determine no index"],
+    );
+    let predicted = format!("{FIT}[[predict]]\nbacking = 0.8\n{}", density.replace("measured.", "predict."));
+    one_fault(
+        &faults_with(&base, &predicted, CARD, load_fit),
+        &["predict[0].number", "none under [[predict]]"],
+    );
+}
+
 #[test]
 fn a_spectrum_listed_twice_is_no_independent_data() {
     let again = &FIT[FIT.find("[[").expect("a table")..];

@@ -165,3 +165,24 @@ fn outer_faces_of_a_stack_may_be_rough() {
         assert!(!done.status.success() && said.contains(field) && said.contains(words), "{said}");
     }
 }
+
+/// One even layer in air is the same from both sides; a stack and a gradient are not, and what the paper sends back into them is
+/// solved from behind. *Planted*: either from the front alone.
+#[test]
+fn what_differs_from_behind_is_solved_from_behind() {
+    let scratch = tempfile::tempdir().unwrap();
+    let layer = "[layer]\nthickness_um = 1.0\n[[pigment]]\nname = \"a\"\ndiameter_nm = 200\nindex = 1.7\nSHARE\n[light]\nwavelengths_nm = [500]\n";
+    let one = layer.replace("SHARE", "volume_fraction = 0.2");
+    let gradient = layer.replace("SHARE", "profile = [[0.0, 0.1], [1.0, 0.3]]");
+    for (name, text, is_alike) in
+        [("one", one.as_str(), true), ("gradient", gradient.as_str(), false), ("stack", STACK, false)]
+    {
+        let study = inkwave::input::load::load(&study(scratch.path(), text)).expect("sound");
+        let expected = if is_alike { 0 } else { study.angles.strata };
+        assert!(
+            study.angles.strata > 0 && study.angles.exit_strata == expected,
+            "{name}: {:?}",
+            study.angles
+        );
+    }
+}

@@ -7,6 +7,7 @@ use crate::design::surface::{Eye, target_lab};
 use crate::design::wish::{NumberWish, check_kinds, check_ranges, wishes};
 use crate::input::fault::{Fault, Faults};
 use crate::input::field::set;
+use crate::input::measured::MeasuredCondition;
 use crate::input::study::Study;
 use crate::numerics::allowed::Allowed;
 use std::path::Path;
@@ -59,6 +60,8 @@ pub(super) struct DesignTarget {
     pub numbers: Vec<NumberWish>,
     /// What was taken where its file leaves something open.
     pub remarks: Vec<String>,
+    /// The light under which it was measured, if that is known.
+    pub condition: Option<MeasuredCondition>,
 }
 
 /// Whether a base is composed of slabs.
@@ -133,5 +136,6 @@ pub(super) fn checked_ends(
         return Err(faults.0);
     }
     let lab = if has_colour { Some(target_lab(of_target)?) } else { None };
-    Ok(DesignTarget { lab, numbers, remarks: remarks.collect() })
+    let condition = of_target.judgement.condition;
+    Ok(DesignTarget { lab, numbers, remarks: remarks.collect(), condition })
 }

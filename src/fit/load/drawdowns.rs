@@ -1,5 +1,6 @@
 //! Drawdowns: each a study made of the base, with its share, thickness, backing and face.
 
+use super::numbers::implied_geometry;
 use super::shares::{Shares, without_absent};
 use super::source::MeasuredSource;
 use super::{Drawdown, FitReading};
@@ -48,8 +49,9 @@ impl FitReading<'_> {
             self.remarks
                 .extend(of_card.map(|remark| remark.replace("paper.albedo", &format!("{field}.backing"))));
             let spectrum = self.spectrum(&field, table, &study);
-            let geometry =
-                spectrum.as_ref().map_or(table.geometry, |spectrum| spectrum.geometry).unwrap_or_default();
+            let geometry = spectrum.as_ref().map_or(table.geometry, |spectrum| spectrum.geometry);
+            let geometry = geometry.or(implied_geometry(table, &study)).unwrap_or_default();
+            let numbers = self.numbers(&field, table, &study, geometry);
             if geometry == FitGeometry::Transmitted && study.layer.index_out != 1.0 {
                 let remedy = "leave index_out and paper.coupling out";
                 let allowed = "1, the air behind a free layer, where geometry = \"transmittance\"";
@@ -70,9 +72,13 @@ impl FitReading<'_> {
                 let remedy = "remove one: the same values twice are no independent data";
                 self.faults.add(format!("{field}.file"), found, "each spectrum once", remedy);
             }
-            if list == "measured" && values.is_none() && table.file.is_none() {
-                let remedy = "name a CSV, CxF3 or CGATS.17 file";
+            if list == "measured" && table.file.is_none() && table.number.is_empty() {
+                let remedy = "name a CSV, CxF3 or CGATS.17 file, or add [[measured.number]]";
                 self.faults.add(format!("{field}.file"), "nothing", "the file of the spectrum", remedy);
+            }
+            if list == "predict" && !table.number.is_empty() {
+                let remedy = "move them under [[measured]], or remove them";
+                self.faults.add(format!("{field}.number"), "given", "none under [[predict]]", remedy);
             }
             let same = |coat: &Study| coat.packings_key() == study.packings_key();
             let coat = coats.iter().position(same).unwrap_or(coats.len());
@@ -91,7 +97,7 @@ impl FitReading<'_> {
             let name = table.patch.clone().map_or(name.clone(), |patch| format!("{name}: {patch}"));
             let name = format!("{name} ({layer})");
             let is_opaque = table.opaque;
-            all.push(Drawdown { name, study, coat, geometry, is_opaque, face, values });
+            all.push(Drawdown { name, study, coat, geometry, is_opaque, face, values, numbers });
         }
         all
     }

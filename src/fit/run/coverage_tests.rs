@@ -47,7 +47,7 @@ pub(in crate::fit) fn pigment(nm: &[f64], draws: &mut Draws) -> Vec<[f64; 2]> {
 }
 
 /// Gauss–Newton from the truth on.
-fn fitted(task: &FitTask, truth: &[[f64; 2]]) -> FitOutcome {
+pub(super) fn fitted(task: &FitTask, truth: &[[f64; 2]]) -> FitOutcome {
     let prior = IndexPrior::new(task.settings.prior, task.wavelengths_nm(), task.binder_index(), false);
     let mut point = near(&prior, truth).unwrap();
     for round in 1.. {

@@ -77,8 +77,8 @@ fn difference(task: &FitTask, drawdown: &Drawdown, predicted: Option<&Vec<f64>>)
 
 /// Standard error of a predicted value: the few cells, and the index.
 fn forecast_error(response: &Response, k: usize, w: usize, row: &FittedIndex) -> f64 {
-    let replicates = &response.replicates[k];
-    let ensemble = few_cells(replicates.len()) * jackknife(replicates, replicates, w, w);
+    let replicates: Vec<f64> = response.replicates[k].iter().map(|cell| cell[w]).collect();
+    let ensemble = few_cells(replicates.len()) * jackknife(&replicates, &replicates);
     let along_n = response.slopes[0][k][w];
     let along_kappa = response.slopes[1][k][w];
     let n_error = row.n_error.unwrap_or_default();

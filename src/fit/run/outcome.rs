@@ -4,7 +4,7 @@ use super::fitted::{FaceLight, FittedIndex};
 use super::forecast::Forecast;
 use crate::fit::file::AlsoFitted;
 use crate::fit::law::{Data, FitStep, rms};
-use crate::fit::load::FitTask;
+use crate::fit::load::{Drawdown, FitTask, MeasuredNumber};
 use faer::Mat;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -67,6 +67,19 @@ pub struct FittedSpectrum {
     pub sigma: Vec<f64>,
 }
 
+/// A measured number beside the fitted one.
+#[derive(Clone, Debug, Serialize)]
+pub struct FittedNumber {
+    /// Sample and number.
+    pub name: String,
+    /// Measured value.
+    pub measured: f64,
+    /// Fitted value, to first order about the last linearisation.
+    pub fitted: f64,
+    /// Standard deviation of the difference.
+    pub sigma: f64,
+}
+
 /// The result of a fit.
 #[derive(Clone, Debug, Serialize)]
 pub struct FitOutcome {
@@ -105,6 +118,9 @@ pub struct FitOutcome {
     pub per_percent_of_thickness: [f64; 2],
     /// Measured and fitted spectra.
     pub spectra: Vec<FittedSpectrum>,
+    /// Measured and fitted numbers.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub numbers: Vec<FittedNumber>,
     /// Other layers.
     pub forecasts: Vec<Forecast>,
     /// What else is to be known.
@@ -143,6 +159,7 @@ impl Data<'_> {
             }),
             per_percent_of_thickness: self.per_percent(step),
             spectra: self.spectra(step),
+            numbers: self.numbers(step),
             index,
             other_solution: None,
             forecasts: Vec::new(),
@@ -192,20 +209,44 @@ impl Data<'_> {
         })
     }
 
-    fn spectra(&self, step: &FitStep) -> Vec<FittedSpectrum> {
+    /// Fitted values and standard deviations of data less fit, of all data.
+    fn left_and_sigma(&self, step: &FitStep) -> (Vec<f64>, Vec<f64>) {
         let left = self.left(&step.unknowns);
-        let sigma: Vec<f64> = (0..left.len()).map(|i| self.weights[(i, i)].sqrt()).collect();
+        let sigma = (0..left.len()).map(|i| self.weights[(i, i)].sqrt()).collect();
+        (left, sigma)
+    }
+
+    fn spectra(&self, step: &FitStep) -> Vec<FittedSpectrum> {
+        let (left, sigma) = self.left_and_sigma(step);
         let waves = self.task.wavelengths_nm().len();
+        let with_spectra = self.task.measured.iter().filter(|drawdown| drawdown.values.is_some());
         let mut all = Vec::new();
-        for ((drawdown, left), sigma) in
-            self.task.measured.iter().zip(left.chunks(waves)).zip(sigma.chunks(waves))
-        {
+        for ((drawdown, left), sigma) in with_spectra.zip(left.chunks(waves)).zip(sigma.chunks(waves)) {
             let name = drawdown.name.clone();
             let measured = drawdown.values.clone().unwrap_or_default();
             let fitted = measured.iter().zip(left).map(|(m, left)| m - left).collect();
             all.push(FittedSpectrum { name, measured, fitted, sigma: sigma.to_vec() });
         }
         all
+    }
+
+    /// The numbers, which stand after the spectra.
+    fn numbers(&self, step: &FitStep) -> Vec<FittedNumber> {
+        let (left, sigma) = self.left_and_sigma(step);
+        let numbers: Vec<(&Drawdown, &MeasuredNumber)> = self
+            .task
+            .measured
+            .iter()
+            .flat_map(|drawdown| drawdown.numbers.iter().map(move |number| (drawdown, number)))
+            .collect();
+        let first = left.len() - numbers.len();
+        let fitted = |(k, (drawdown, number)): (usize, &(&Drawdown, &MeasuredNumber))| FittedNumber {
+            name: format!("{}: {}", drawdown.name, number.wanted.name),
+            measured: number.value,
+            fitted: number.value - left[first + k],
+            sigma: sigma[first + k],
+        };
+        numbers.iter().enumerate().map(fitted).collect()
     }
 }
 

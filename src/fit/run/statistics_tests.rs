@@ -1,12 +1,16 @@
 //! Statistics of a fit: what is minimised, the data left for a verdict, and errors of few cells.
 
-use super::coverage_tests::{pigment, task};
-use super::outcome::Trust;
+use super::coverage_tests::{fitted, pigment, task};
+use super::outcome::{FitOutcome, Trust};
 use super::{Forecast, near, on_card};
+use crate::appearance::weighted::{NumberTransform, WeightTable};
 use crate::fit::file::PriorName;
 use crate::fit::law::{Data, few_cells};
+use crate::fit::load::{FitTask, MeasuredNumber};
 use crate::fit::prior::IndexPrior;
 use crate::fit::response::{Origin, Response};
+use crate::input::file::SeenLight;
+use crate::input::study::{WantedNumber, WantedWeights};
 use crate::numerics::Draws;
 use crate::solve::accuracy::grid_error::GridError;
 use faer::Mat;
@@ -29,8 +33,8 @@ fn scattered(mut response: Response) -> Response {
 }
 
 /// The step is the minimum of the cost: its normal matrix times the step is minus half the
-/// gradient, by central differences of the cost itself. *Planted*: a cost with the diagonal of the
-/// covariance alone.
+/// gradient, by central differences of the cost itself, of spectra and of a density. *Planted*: a
+/// cost with the diagonal of the covariance alone; a density's derivatives of the wrong sign.
 #[test]
 fn the_step_minimises_the_cost() {
     let mut task = task();
@@ -41,6 +45,8 @@ fn the_step_minimises_the_cost() {
         drawdown.values =
             Some(exact.values.iter().enumerate().map(|(w, x)| x + 0.004 * (w as f64).cos()).collect());
     }
+    let flat: Vec<[f64; 2]> = nm.iter().map(|nm| [*nm, 1.0]).collect();
+    task.measured[1].numbers = vec![number(flat, NumberTransform::Density, 1.3)];
     let prior = IndexPrior::new(PriorName::Smooth, &nm, task.binder_index(), false);
     let point: Vec<f64> = near(&prior, &truth).unwrap().iter().map(|x| x + 0.01).collect();
     let strength = 0.06;
@@ -164,4 +170,85 @@ fn impossible_predictions_are_withheld() {
         let said = reason(value, error).unwrap();
         assert!(said.contains("drawdown") && said.contains("510 nm"), "{said}");
     }
+}
+
+/// A number of the sample on the black card: the mean reflectance factor at 45:0 with these weights, or what is made of it.
+fn number(rows: Vec<[f64; 2]>, transform: NumberTransform, value: f64) -> MeasuredNumber {
+    let range_nm = [rows[0][0], rows[rows.len() - 1][0]];
+    let table = WeightTable::new(rows).expect("sound weights");
+    let wanted = WantedNumber {
+        name: "number".into(),
+        weights: WantedWeights::Table { source: "weights.csv".into(), table },
+        range_nm,
+        of: SeenLight::LitAt45,
+        over: None,
+        transform,
+    };
+    MeasuredNumber { wanted, value, error: 0.003 }
+}
+
+/// A mean over so narrow a band that it is the value at one wavelength is to a fit what this value is:
+/// residual, derivatives and covariances alike. *Planted*: a number with the replicates of the other
+/// sample; predicted less measured.
+#[test]
+fn a_number_of_one_wavelength_is_the_value_there() {
+    let mut task = task();
+    let nm = task.wavelengths_nm().to_vec();
+    let truth = pigment(&nm, &mut Draws::new(3, 0));
+    let waves = nm.len();
+    let wave = 5;
+    for (card, drawdown) in task.measured.iter_mut().enumerate() {
+        drawdown.values = Some((0..waves).map(|w| 0.1 + 0.3 * card as f64 + 0.01 * w as f64).collect());
+    }
+    let band = [-0.5, 0.0, 0.5].map(|by| [nm[wave] + by, 1.0 - f64::abs(2.0 * by)]).to_vec();
+    let value = task.measured[1].measured(wave);
+    task.measured[1].numbers = vec![number(band, NumberTransform::Mean, value)];
+    let prior = IndexPrior::new(PriorName::Smooth, &nm, task.binder_index(), false);
+    let point = near(&prior, &truth).unwrap();
+    let response =
+        scattered(Origin::Film.response(&task, &task.measured, &prior.index(&point), 0.0).unwrap());
+    let data = Data::new(&task, &prior, &point, &response, &[0.002]);
+    let (spectral, of_number) = (waves + wave, 2 * waves);
+    assert_eq!(data.residual.len(), 2 * waves + 1);
+    // the spectrum bends within the band
+    let close = |a: f64, b: f64| (a - b).abs() < 1e-3 * b.abs() + 1e-7;
+    assert!(close(data.residual[of_number], data.residual[spectral]));
+    let elsewhere: Vec<f64> = point.iter().enumerate().map(|(j, x)| x + 0.01 * (j as f64).cos()).collect();
+    let left = data.left(&elsewhere);
+    assert!(close(left[of_number], left[spectral]), "{} for {}", left[of_number], left[spectral]);
+    for other in (0..2 * waves).filter(|other| *other != spectral) {
+        let (found, expected) = (data.errors[(of_number, other)], data.errors[(spectral, other)]);
+        assert!(close(found, expected), "{other}: {found} for {expected}");
+    }
+    assert!(close(data.weights[(of_number, of_number)], data.weights[(spectral, spectral)]));
+}
+
+/// The density of the sample on the black card tells n and κ better than the white card's spectrum
+/// alone, and a wrong one is seen. *Planted*: the mean's derivatives for a density's.
+#[test]
+fn a_density_is_a_datum_of_its_own() {
+    let mut task = task();
+    let nm = task.wavelengths_nm().to_vec();
+    let truth = pigment(&nm, &mut Draws::new(3, 0));
+    let exact = Origin::Film.spectra(&task, &task.measured, &truth, ([0.0; 2], 0.0)).unwrap();
+    let flat: Vec<[f64; 2]> = nm.iter().map(|nm| [*nm, 1.0]).collect();
+    let mut density = number(flat, NumberTransform::Density, 0.0);
+    density.value = density.at(&nm, &exact[1].values).value;
+    let mean: f64 = exact[1].values.iter().sum::<f64>() / nm.len() as f64;
+    // another rule of the mean over a smooth spectrum
+    assert!((density.value + mean.log10()).abs() < 0.05, "{} for a mean of {mean}", density.value);
+    task.measured[0].values = Some(exact[0].values.clone());
+    task.measured[1].values = None;
+    let fit = |task: &FitTask| fitted(task, &truth);
+    let without = fit(&task);
+    task.measured[1].numbers = vec![density.clone()];
+    let with = fit(&task);
+    let n_error = |fit: &FitOutcome| fit.index.iter().filter_map(|row| row.n_error).sum::<f64>();
+    assert!(n_error(&with) < 0.95 * n_error(&without), "{} for {}", n_error(&with), n_error(&without));
+    let found = &with.numbers[0];
+    assert!((found.fitted - found.measured).abs() < found.sigma, "{found:?}");
+    assert!(without.numbers.is_empty() && with.data == without.data + 1);
+    task.measured[1].numbers[0].value = density.value + 1.0;
+    let wrong = fit(&task);
+    assert!(wrong.chi_squared > with.chi_squared + 10.0, "{} for {}", wrong.chi_squared, with.chi_squared);
 }

@@ -14,7 +14,7 @@ use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty, Widened};
 use crate::appearance::colour::Colour;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::visible;
-use crate::appearance::viewing::Viewing;
+use crate::appearance::viewing::{ColourError, Viewing};
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
 use crate::numerics::estimate::{Estimate, jackknife_deviations};
@@ -241,15 +241,29 @@ impl Question<'_> {
     }
 }
 
+/// The paper of a study under the light of its instrument, or under its illuminant; `None` if it does
+/// not fluoresce.
+///
+/// # Errors
+/// An illuminant that is not known.
+pub(super) fn in_light_of(study: &Study) -> Result<Option<Brightened>, ColourError> {
+    let Judgement { viewing, condition, .. } = &study.judgement;
+    Brightened::under(&study.paper, &study.wavelengths_nm, *condition, viewing)
+}
+
+/// Whether the light of a study is D65, as that of all numbers that name no other.
+pub(super) fn is_in_daylight(study: &Study) -> bool {
+    let Judgement { viewing, condition, .. } = &study.judgement;
+    condition.is_none() && viewing.illuminant() == Viewing::default().illuminant()
+}
+
 /// The ink on its paper under the study's own light, where that is not D65 and the paper, which
 /// fluoresces, shows other factors under it; `None` elsewhere.
 ///
 /// # Errors
 /// As [`InkOnPaper::new`].
 pub fn in_own_light(study: &Study, ink: &InkOnPaper) -> Result<Option<InkOnPaper>, InkError> {
-    let viewing = &study.judgement.viewing;
-    let lit = Brightened::new(&study.paper, &study.wavelengths_nm, viewing, 0.0);
-    let lit = lit.filter(|_| viewing.illuminant() != Viewing::default().illuminant());
+    let lit = in_light_of(study)?.filter(|_| !is_in_daylight(study));
     Ok(lit.map(|brightened| ink.clone().lit_by(&brightened)).transpose()?)
 }
 
@@ -263,7 +277,7 @@ pub(super) fn ink_maker(
     uncertainty: &Uncertainty,
     realisations: &[usize],
 ) -> Result<InkMaker, InkError> {
-    let Judgement { viewing, target_lab, measured } = &study.judgement;
+    let Judgement { viewing, target_lab, measured, condition } = &study.judgement;
     let relit = in_own_light(study, ink)?;
     let ink = relit.as_ref().unwrap_or(ink);
     let seen = Conditions::new(ink, study.output.mirrored_sky)?;
@@ -273,7 +287,8 @@ pub(super) fn ink_maker(
     let (contrast_ratio, moved) = question.contrast_ratio()?;
     let (kubelka_munk, no_kubelka_munk) = coefficients::kubelka_munk(ink, uncertainty, study)?;
     Ok(InkMaker {
-        conditions: viewing.name(),
+        conditions: condition
+            .map_or(viewing.name(), |condition| format!("{}, {}", viewing.name(), condition.name())),
         natural_light: question.swatch(&|layer, by| question.seen.natural_light(layer, by))?.0,
         over_black: question.over(|layer| layer.over(BLACK))?.0,
         over_white: question.over(|layer| layer.over(WHITE))?.0,

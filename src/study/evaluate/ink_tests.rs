@@ -81,6 +81,11 @@ fn the_mirror_part_is_without_the_diffuse_light_of_its_order() {
             );
             // planted: the whole order
             assert!(layer.specular(&angle) - want > 5e-4, "the check is empty");
+            let excluded = layer.natural_light(&angle, MirroredSky::Excluded);
+            assert!(
+                (layer.albedo(&angle) - excluded - want).abs() < 1e-5,
+                "an instrument without the mirror"
+            );
         }
     }
 }

@@ -102,7 +102,9 @@ impl LayerEnsemble {
     pub fn new(solved: &[SolvedRealisation], basis: SpectralBasis, films: &Films, exact_deg: &[f64]) -> Self {
         let first = solved.first().and_then(|r| r.wavelengths.first());
         let strata = first.map_or(1, |w| w.strata.len());
-        let exit = first.map_or(films.index_out != 1.0, |w| !w.exit.is_empty());
+        // a film of one slice in air is the same from both sides
+        let is_reversible = films.index_out == 1.0 && films.profile.fractions.len() == 1;
+        let exit = first.map_or(!is_reversible, |w| !w.exit.is_empty());
         let layers = layers_told(solved, films);
         let columns = exact_deg.len() * (TOTALS + layers) + if strata > 0 { MEANS } else { 0 };
         let of_realisation = |r: &SolvedRealisation| -> Vec<(f64, Vec<f64>)> {
@@ -173,7 +175,8 @@ impl LayerEnsemble {
     }
 }
 
-/// The film's T̄, and its Ā from the exit side; `exit` if there are solves from that side.
+/// The film's T̄, and its Ā from the exit side: `exit` where the layer is not the same from both
+/// sides.
 pub fn film_means(film: &FilmAt, exit: bool) -> [f64; 2] {
     let [r, t] = film.means();
     [t, if exit { film.absorptance_from_exit() } else { 1.0 - r - t }]

@@ -365,7 +365,7 @@ impl LayerOnPaper {
     /// For polarised light: as seen through a polariser under an unpolarised sky, relative to white
     /// paper seen through the same.
     pub fn natural_light(&self, viewing: &PolarAngle, sky: MirroredSky) -> f64 {
-        let mirrored = if sky == MirroredSky::Excluded { self.specular(viewing) } else { 0.0 };
+        let mirrored = if sky == MirroredSky::Excluded { self.mirrored(viewing) } else { 0.0 };
         let reflected = self.albedo(viewing) - mirrored;
         let [emitted, ..] = self.emitted.natural;
         if emitted == 0.0 {

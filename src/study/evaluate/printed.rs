@@ -7,6 +7,7 @@ use super::uncertainty::{Shift, UNMOVED, Uncertainty};
 use crate::appearance::bare_paper::PaperGeometry;
 use crate::appearance::paper::PRINT_DEG;
 use crate::appearance::paper_series::{AreaOptics, LayerOptics};
+use crate::appearance::tristimulus::Colorimeter;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use serde::Serialize;
@@ -105,12 +106,16 @@ impl PrintTask<'_> {
 
     /// With what the wavelengths leave open of L*, a*, b*.
     pub(super) fn between_wavelengths(&self, factors: &[f64]) -> [f64; 3] {
-        let seen = self.seen(factors);
-        let Ok(xyz) = self.eye.xyz(seen) else { return [0.0; 3] };
-        let mut shifts = self.eye.spacing(seen, xyz, None);
-        shifts.extend(self.eye.beyond(seen, xyz));
-        std::array::from_fn(|c| shifts.iter().fold(0.0, |sum: f64, shift| sum.hypot(shift[c])))
+        open_between(&self.eye, self.seen(factors))
     }
+}
+
+/// What the wavelengths leave open of L*, a*, b* of a spectrum at those of the eye.
+pub(super) fn open_between(eye: &Colorimeter, seen: &[f64]) -> [f64; 3] {
+    let Ok(xyz) = eye.xyz(seen) else { return [0.0; 3] };
+    let mut shifts = eye.spacing(seen, xyz, None);
+    shifts.extend(eye.beyond(seen, xyz));
+    std::array::from_fn(|c| shifts.iter().fold(0.0, |sum: f64, shift| sum.hypot(shift[c])))
 }
 
 /// The prints of an ink that is solved as a whole; `None` where there is only a solid on plain

@@ -7,7 +7,7 @@ use crate::appearance::fluorescence::{CUT_NM, summed_nm};
 use crate::appearance::halftone::{murray_davies, physical_coverage, spread_share, yule_nielsen};
 use crate::appearance::paper_series::{AreaMix, AreaOptics, LayerOptics};
 use crate::appearance::tristimulus::{Colorimeter, visible};
-use crate::appearance::viewing::{Summation, Viewing};
+use crate::appearance::viewing::{ColourError, Summation, Viewing};
 use crate::input::measured::MeasuredCondition;
 use crate::input::study::{Dots, MixedAreas, MixedPrint, Paper, Study};
 use serde::Serialize;
@@ -32,7 +32,33 @@ pub struct EmittedLight<'a> {
     emitted: Vec<Vec<f64>>,
 }
 
+/// Share of the paper's luminance that a solid must take for coverages to be read from it: faces of
+/// the solid and of bare paper differ in polarisation by more than rounding, but hardly.
+const NO_INK: f64 = 0.01;
+
 impl Brightened {
+    /// The paper under the light of an instrument, or under an illuminant; `None` if it does not
+    /// fluoresce.
+    ///
+    /// # Errors
+    /// An illuminant that is not known.
+    pub fn under(
+        paper: &Paper,
+        wavelengths_nm: &[f64],
+        condition: Option<MeasuredCondition>,
+        illuminant: &Viewing,
+    ) -> Result<Option<Self>, ColourError> {
+        let of = |name: &str| Viewing::new(name, "2", Summation::Plain);
+        let (lamp, cut_nm) = match condition {
+            None => (illuminant.clone(), 0.0),
+            Some(MeasuredCondition::M0) => (of("A")?, 0.0),
+            Some(MeasuredCondition::M1) => (of("D50")?, 0.0),
+            // polarised light has no ultraviolet either
+            Some(MeasuredCondition::M2 | MeasuredCondition::M3) => (of("D50")?, CUT_NM),
+        };
+        Ok(Self::new(paper, wavelengths_nm, &lamp, cut_nm))
+    }
+
     /// The paper under an illuminant, at wavelengths from below `cut_nm` of which there is no
     /// light; `None` if it does not fluoresce.
     pub fn new(paper: &Paper, wavelengths_nm: &[f64], viewing: &Viewing, cut_nm: f64) -> Option<Self> {
@@ -214,18 +240,16 @@ impl<'a> PrintTask<'a> {
         }
         let nm = &study.wavelengths_nm;
         let daylight = Viewing::new("D50", "2", Summation::Plain).ok()?;
-        let lamp = Viewing::new("A", "2", Summation::Plain).ok()?;
         let viewing = if fluorescence.is_some() { daylight.clone() } else { study.judgement.viewing.clone() };
-        let lit = |condition, viewing: &Viewing, cut_nm| {
-            (Some(condition), Brightened::new(&study.paper, nm, viewing, cut_nm))
+        let lit = |condition| {
+            let light = Brightened::under(&study.paper, nm, Some(condition), &viewing);
+            (Some(condition), light.ok().flatten())
         };
         let lights = match fluorescence {
             None => vec![(None, None)],
-            Some(_) => vec![
-                lit(MeasuredCondition::M0, &lamp, 0.0),
-                lit(MeasuredCondition::M1, &daylight, 0.0),
-                lit(MeasuredCondition::M2, &daylight, CUT_NM),
-            ],
+            Some(_) => {
+                vec![lit(MeasuredCondition::M0), lit(MeasuredCondition::M1), lit(MeasuredCondition::M2)]
+            }
         };
         let tints = dots.iter().flat_map(|dots| {
             dots.nominal.iter().map(move |&nominal| {
@@ -309,7 +333,7 @@ impl<'a> PrintTask<'a> {
             let solid = luminances[each - 1];
             let density = |luminance: f64| -(luminance / paper).log10();
             for (k, factors) in factors.into_iter().enumerate() {
-                let inked = k > 0 && paper > solid && self.others.is_empty();
+                let inked = k > 0 && paper - solid > NO_INK * paper && self.others.is_empty();
                 let apparent = if inked { murray_davies(paper, luminances[k], solid) } else { f64::NAN };
                 all.push(PrintNumbers {
                     lab: self.lab(&factors),

@@ -155,7 +155,7 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let mut paper = file.paper.checked(file.layer.index_out, &tables, &mut wave_faults, &mut remarks);
     let screen = dots::DotsReader { file: &file, tables: &tables, faults: &mut wave_faults };
     paper.dots = screen.checked();
-    let surroundings = Surroundings::of(&file.layer, paper.coupling);
+    let surroundings = Surroundings::of(&file.layer, &file.pigments, paper.coupling);
     let Directions { angles, kind } = file.angles.checked(&surroundings, &mut wave_faults);
     let has_target = file.run.target_delta_e.is_some();
     let resolution = file.resolution.checked(file.light.wave, has_target, &mut wave_faults);
@@ -163,7 +163,13 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let realisations = file.run.checked(cell.rule, &mut packing_faults);
     let output = file.output.checked(&mut packing_faults);
     let conditions = file.colour.checked(&wavelengths_nm, &mut wave_faults);
-    let judgement = file.compare.checked(conditions, &tables, &mut wave_faults, &mut remarks);
+    let judgement = file.compare.checked(
+        conditions,
+        paper.fluorescence.is_some(),
+        &tables,
+        &mut wave_faults,
+        &mut remarks,
+    );
     let variation = Variation { cell: cell.rule, thickness_std_um: cell.thickness_std_um, light };
     // without grains and with a uniform thickness all realisations are equal
     let are_alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
@@ -214,6 +220,12 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
 fn remark_on_inputs(study: &mut Study) {
     study.remarks.extend(index::bridged(study));
     study.remarks.extend(study.undetermined_inputs());
+    let visible_nm = &study.wavelengths_nm[visible(&study.wavelengths_nm)];
+    if study.paper.dots.is_some()
+        && let Err(error) = Colorimeter::new(visible_nm)
+    {
+        study.remarks.push(format!("dots: no prints, whose coverages are those of luminances: {error}"));
+    }
     if study.no_paper().is_none() {
         study.remarks.extend(light::colour_takes_a_part(&study.wavelengths_nm));
         study.remarks.extend(light::colour_is_extrapolated(&study.wavelengths_nm));

@@ -19,7 +19,7 @@ use crate::appearance::tristimulus::TABLE_RANGE_NM;
 use crate::appearance::viewing::ColourError;
 use crate::appearance::viewing::Viewing;
 use crate::material::text_table::read_text;
-use sample::{MeasuredFile, SampleContent, Written};
+use sample::{MeasuredFile, MeasuredSample, SampleContent, Written};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -138,6 +138,8 @@ pub struct MeasuredReading {
     pub measured: MeasuredContent,
     /// Its geometry, if the file states it.
     pub geometry: Option<MeasuredGeometry>,
+    /// The instrument's light by ISO 13655, if the file states it.
+    pub condition: Option<MeasuredCondition>,
     /// What was taken where the file leaves something open.
     pub remarks: Vec<String>,
 }
@@ -210,7 +212,8 @@ impl MeasuredReading {
                 MeasuredContent::Colour(colour(&file, &chosen, request)?)
             }
         };
-        Ok(Self { measured, geometry: chosen.sample.geometry.clone(), remarks })
+        let MeasuredSample { geometry, condition, .. } = chosen.sample;
+        Ok(Self { measured, geometry: geometry.clone(), condition: *condition, remarks })
     }
 }
 

@@ -128,3 +128,110 @@ fn papers_that_would_be_taken_for_others_are_refused() {
     let told = checked(scratch.path(), &visible("45:0")).expect_err("a contradiction");
     assert!(told.contains("paper.measured.geometry") && told.contains("where the file states"), "{told}");
 }
+
+/// A clear ink on brightened paper, in light from 300 nm.
+fn brightened_ink(paper: &str) -> String {
+    let ink = super::ink_of_thickness(1.0).replace("from_nm = 400", "from_nm = 300");
+    ink.replace("albedo = 0.93", paper)
+}
+
+/// Factors of one print under one condition of a run.
+fn printed(results: &Value, condition: &str, nominal: f64) -> Vec<f64> {
+    let prints = results["prints"]["prints"].as_array().expect("prints");
+    let is_own = |print: &&Value| print["condition"] == condition && print["nominal"] == nominal;
+    let factors = &prints.iter().find(is_own).expect("a print")["factors"];
+    factors
+        .as_array()
+        .expect("factors")
+        .iter()
+        .map(|factor| factor["value"].as_f64().expect("a factor"))
+        .collect()
+}
+
+fn wavelengths() -> impl Iterator<Item = f64> {
+    (0..=20).map(|k| 300.0 + 20.0 * f64::from(k))
+}
+
+/// A measured spectrum as a table that states its condition.
+fn table(condition: &str, rows: impl Iterator<Item = (f64, f64)>) -> String {
+    let rows: String = rows.map(|(nm, value)| format!("{nm},{value}\n")).collect();
+    format!("# MeasurementCondition={condition}\nwavelength_nm,reflectance\n{rows}")
+}
+
+/// A print on brightened paper is compared in the light of the instrument that its file names. *Planted*: that of the
+/// illuminant for every file.
+#[test]
+fn a_print_is_compared_in_the_light_of_its_instrument() {
+    let place = Place::new();
+    let text = brightened_ink(&format!("albedo = 0.93\nfluorescence = {{ {BANDS}, yield = 0.6 }}"));
+    let results = place.run("ink", &text);
+    let mut seen = Vec::new();
+    for condition in ["M0", "M1", "M2"] {
+        let factors = printed(&results, condition, 1.0);
+        let from = if condition == "M2" { 420.0 } else { 300.0 };
+        let rows = wavelengths().zip(factors).filter(|(nm, _)| *nm >= from);
+        let name = format!("{condition}.csv");
+        std::fs::write(place.0.path().join(&name), table(condition, rows)).unwrap();
+        let compared =
+            place.run("ink", &format!("{text}[compare]\nmeasured = \"{name}\"\nunit = \"factor\"\n"));
+        let maker = &compared["ink_maker"];
+        let rms = maker["measured"]["rms"].as_f64().expect("a distance");
+        // one series: rounding
+        assert!(rms < 1e-9, "{condition}: {rms}");
+        assert!(maker["conditions"].as_str().is_some_and(|said| said.contains(condition)), "{maker}");
+        seen.push(lab_of(maker));
+    }
+    assert!((seen[1] - seen[2]).abs() > 1.0, "{seen:?}: nothing to tell apart");
+}
+
+/// b* of the print of an ink maker.
+fn lab_of(maker: &Value) -> f64 {
+    maker["print"]["colour"]["lab"][2].as_f64().or(maker["print"]["lab"][2].as_f64()).expect("b*")
+}
+
+/// Paper measured without ultraviolet light is returned under M2, with a brightener beside it: what this takes is missing
+/// in the measurement already. Measured with it, its emission would count twice. *Planted*: the albedo reduced once more.
+#[test]
+fn measured_paper_with_a_brightener_is_returned_without_ultraviolet_light() {
+    let place = Place::new();
+    let write = |name: &str, condition: &str| {
+        let rows = wavelengths().filter(|nm| *nm >= 420.0).map(|nm| (nm, 0.7 + 0.0003 * (nm - 360.0)));
+        std::fs::write(place.0.path().join(name), table(condition, rows)).unwrap();
+    };
+    let paper = |name: &str| {
+        let measured = format!("measured = {{ csv = \"{name}\", unit = \"factor\" }}");
+        brightened_ink(&format!("{measured}\nfluorescence = {{ {BANDS}, yield = 0.6 }}"))
+    };
+    write("plain.csv", "M2");
+    let results = place.run("ink", &paper("plain.csv"));
+    for (nm, factor) in wavelengths().zip(printed(&results, "M2", 0.0)).filter(|(nm, _)| *nm >= 420.0) {
+        let measured = 0.7 + 0.0003 * (nm - 360.0);
+        // light from 420 nm excites nothing of these bands
+        assert!((factor - measured).abs() < 1e-9, "{nm}: {factor} for {measured}");
+    }
+    write("bright.csv", "M1");
+    let told = checked(place.0.path(), &paper("bright.csv")).expect_err("its emission would count twice");
+    for words in ["paper.measured.condition", "M1", "M2, without ultraviolet", "m1_csv"] {
+        assert!(told.contains(words), "{words:?} is missing: {told}");
+    }
+}
+
+/// Without ultraviolet light nothing is read below 420 nm: there the paper is what M1 reads. *Planted*: the first value of M2
+/// gone on with.
+#[test]
+fn a_pair_returns_what_was_read_with_ultraviolet_light_below_420_nm() {
+    let place = Place::new();
+    let rises = |nm: f64| 0.1 + 0.78 / (1.0 + f64::exp(-(nm - 395.0) / 10.0));
+    let emitted = |nm: f64| if nm < 420.0 { 0.0 } else { 0.15 * f64::exp(-((nm - 445.0) / 25.0).powi(2)) };
+    let m1 = table("M1", wavelengths().map(|nm| (nm, rises(nm) + emitted(nm))));
+    let m2 = table("M2", wavelengths().filter(|nm| *nm >= 420.0).map(|nm| (nm, rises(nm))));
+    std::fs::write(place.0.path().join("m1.csv"), m1).unwrap();
+    std::fs::write(place.0.path().join("m2.csv"), m2).unwrap();
+    let text =
+        brightened_ink("fluorescence = { m1_csv = \"m1.csv\", m2_csv = \"m2.csv\", unit = \"factor\" }");
+    let results = place.run("ink", &text);
+    for (nm, factor) in wavelengths().zip(printed(&results, "M1", 0.0)) {
+        let measured = rises(nm) + emitted(nm);
+        assert!((factor - measured).abs() < 2e-3, "{nm}: {factor} for {measured}");
+    }
+}

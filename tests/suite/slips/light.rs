@@ -23,6 +23,11 @@ pub const LIGHT: &[Slip] = &[
     ),
     slip(
         "[light]",
+        "[paper]\nfluorescence = { excitation = [[500, 0.5], [600, 0.5]], emission = [[400, 0], [430, 1], [460, 0]], yield = 0.5 }\n[light]",
+        ["paper.fluorescence.emission", "nothing emitted", "longer waves", "yield = 0 only absorbs"],
+    ),
+    slip(
+        "[light]",
         "[[area]]\ncoverage = 0.7\n[[area]]\ncoverage = 0.4\n[dots]\nruling_per_cm = 60\nspread_um = 40\n[light]",
         ["area.coverage", "a sum of 1.1", "at most 1", "coverages share the area"],
     ),

@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 pub const CLAIM: Claim = Claim {
     id: "33-clear-stacks",
-    statement: "A study of [[layer]] without grains publishes R and T of the films in their order and what each of them absorbs, for scalar, s, p and unpolarised light.",
+    statement: "A study of [[layer]] without grains publishes R and T of the films in their order and what each of them absorbs, for scalar, s, p and unpolarised light; over a gap to a paper, whichever film is behind, what both send back.",
     because: "Every layer is a stratum with its own binder, solved exactly, and its coherent film is the same stack (Born and Wolf 1.6).",
     file: file!(),
     measure,
@@ -67,6 +67,88 @@ fn measure(level: Level, findings: &mut Findings) {
         crate::claim::Reason::Identity,
         "a million times the bound above",
     );
+    over_a_gap(level, findings);
+}
+
+const ALBEDO: f64 = 0.85;
+/// Cuts of the means over Lambertian light.
+const CUTS: usize = 1000;
+
+/// Two films, of which one absorbs, over a gap to a paper, in both orders.
+fn over_a_gap(level: Level, findings: &mut Findings) {
+    let mut draws = Draws::new(33, 1);
+    let mut largest = 0.0_f64;
+    let mut smallest_swap = f64::INFINITY;
+    for case in 0..level.pick(2, 12) {
+        let wave = ["scalar", "unpolarised"][case % 2];
+        let ink = Film {
+            index: Complex64::new(draws.between(1.4, 1.7), draws.between(0.04, 0.1)),
+            thickness_um: draws.between(0.4, 0.8),
+        };
+        let clear = Film { index: draws.between(2.0, 2.5).into(), thickness_um: draws.between(0.05, 0.1) };
+        let mut seen = Vec::new();
+        for films in [[ink, clear], [clear, ink]] {
+            let results = on_paper(wave, &films);
+            for nm in WAVELENGTHS_NM {
+                let row = row(&results, nm, 0.0);
+                let factor = |key: &str| row[key]["value"].as_f64().expect("a factor");
+                let [natural, lit_at_45] = series(wave, &films, nm);
+                largest = largest
+                    .max((factor("natural_light") - natural).abs())
+                    .max((factor("lit_at_45") - lit_at_45).abs());
+                seen.push(lit_at_45);
+            }
+        }
+        let waves = WAVELENGTHS_NM.len();
+        let moved = (0..waves).map(|w| (seen[w] - seen[waves + w]).abs()).fold(0.0, f64::max);
+        smallest_swap = smallest_swap.min(moved);
+    }
+    findings.identity(
+        "reflectance factors of two films over a gap to a paper, in both orders",
+        largest,
+        3e-6,
+        "the midpoint rule of the means over Lambertian light",
+    );
+    findings.check(
+        "the 45:0 factor moved by the reverse order, the least of all pairs: what is behind is seen",
+        smallest_swap,
+        crate::claim::Bound::AtLeast(1e-3),
+        crate::claim::Reason::Identity,
+        "a thousand times the bound above",
+    );
+}
+
+/// What natural light and light from 45° come to along the normal: R + T̄ g T, and T(45°) g T, with g of light that goes back and
+/// forth between paper and films.
+fn series(wave: &str, films: &[Film], nm: f64) -> [f64; 2] {
+    let behind: Vec<Film> = films.iter().rev().copied().collect();
+    // ∫ 2 f cos θ d(cos θ) by the midpoint rule
+    let mean = |films: &[Film]| {
+        let cosines = (0..CUTS).map(|cut| (cut as f64 + 0.5) / CUTS as f64);
+        cosines.fold([0.0; 2], |sum, cosine| {
+            let at = in_light(wave, films, 1.0, nm, cosine.acos().to_degrees());
+            [0, 1].map(|i| sum[i] + 2.0 * cosine * at[i] / CUTS as f64)
+        })
+    };
+    let back = ALBEDO / (1.0 - ALBEDO * mean(&behind)[0]);
+    let [reflected, passed] = in_light(wave, films, 1.0, nm, 0.0);
+    let [_, passed_at_45] = in_light(wave, films, 1.0, nm, 45.0);
+    [reflected + mean(films)[1] * back * passed, passed_at_45 * back * passed]
+}
+
+/// The results of a study of films over a gap to a paper.
+fn on_paper(wave: &str, films: &[Film]) -> Value {
+    let mut text = String::new();
+    for Film { index, thickness_um } in films {
+        let binder = format!("{{ n = {}, k = {} }}", index.re, index.im);
+        write!(text, "[[layer]]\nthickness_um = {thickness_um}\nbinder.index = {binder}\n").expect("text");
+    }
+    write!(
+        text,
+        "[paper]\nalbedo = {ALBEDO}\n[light]\nwavelengths_nm = {WAVELENGTHS_NM:?}\nwave = '{wave}'\n[angles]\ncount = 4\n"
+    )
+    .expect("text");
+    done(&text).results
 }
 
 fn places() -> impl Iterator<Item = (f64, f64)> {

@@ -248,11 +248,12 @@ fn face(before: &Hemisphere, behind: &Hemisphere) -> Plate {
                 };
                 let state = own.state(direction, polarisation);
                 let passes = direction <= other.ordinates.count();
-                let mirrored = if passes { mirrored(own, other, sine, polarisation) } else { 1.0 };
+                let mirrored =
+                    if passes { mirrored(own, other, sine, polarisation) } else { 1.0 - LEAST_LOSS };
                 if direction <= own.ordinates.count() {
                     plate.reflection[side][(state, state)] = mirrored;
                     if passes {
-                        plate.transmission[side][(state, state)] = 1.0 - mirrored;
+                        plate.transmission[side][(state, state)] = passed(mirrored);
                     }
                     continue;
                 }
@@ -260,7 +261,7 @@ fn face(before: &Hemisphere, behind: &Hemisphere) -> Plate {
                 for (node, share) in own.ordinates.shares(sine) {
                     let to = own.state(node + 1, polarisation);
                     plate.reflection[side][(to, state)] += share * mirrored;
-                    plate.transmission[side][(to, state)] += share * (1.0 - mirrored);
+                    plate.transmission[side][(to, state)] += share * passed(mirrored);
                 }
             }
         }
@@ -275,11 +276,17 @@ fn mirrored(own: &Hemisphere, other: &Hemisphere, sine: f64, polarisation: usize
         if polarisation == 0 { normal } else { normal / (index * index) }
     };
     let (a, b) = (admittance(own.ordinates.index), admittance(other.ordinates.index));
-    if a + b > 0.0 { ((a - b) / (a + b)).powi(2) } else { 1.0 }
+    let mirrored = if a + b > 0.0 { ((a - b) / (a + b)).powi(2) } else { 1.0 };
+    mirrored.min(1.0 - LEAST_LOSS)
 }
 
-/// Share that every way through a clear layer loses, so that light between two totally reflecting
-/// faces, where none arrives, has a finite sum.
+/// What passes a face that mirrors this share; nothing where all is reflected.
+fn passed(mirrored: f64) -> f64 {
+    if mirrored < 1.0 - LEAST_LOSS { 1.0 - mirrored } else { 0.0 }
+}
+
+/// Share that every way through a clear layer, and every total reflection, loses, so that light
+/// between two totally reflecting faces, where none arrives, has a finite sum.
 const LEAST_LOSS: f64 = 1e-13;
 
 /// An even medium of some thickness: all goes on but what it absorbs.

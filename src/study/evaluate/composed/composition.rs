@@ -28,6 +28,7 @@ use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::{Summation, Viewing};
 use crate::evaluate::manifest::composed::{ComposedColours, ComposedRow};
+use crate::evaluate::printed::open_between;
 use crate::evaluate::prints::{Brightened, PrintNumbers};
 use crate::evaluate::published::{ErrorParts, Withheld};
 use crate::evaluate::quantities::{ColourNumbers, ComposedNumbers, LayerNumbers, ThicknessNumbers};
@@ -144,7 +145,8 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
     };
     let all: Vec<ComposedRow> = library.wavelengths_nm.iter().zip(&layer.spectra).map(row).collect();
     let mut kept = all.clone();
-    let mut withheld = rows(&mut kept, false);
+    // what is emitted may exceed what came in
+    let mut withheld = rows(&mut kept, task.light.is_some());
     let mut colours = None;
     if let Some((eye, numbers)) = task.eye.as_ref().zip(layer.colours.as_ref()) {
         let seen = visible(&library.wavelengths_nm);
@@ -153,7 +155,7 @@ pub fn compose(library: &Library, composition: &Composition) -> Result<ComposedS
         colours = Some(found);
         withheld.extend(without);
     }
-    let dots = layer.prints.into_iter().next();
+    let dots = layer.prints.into_iter().next().map(|print| task.between_wavelengths(print));
     let composition = composition.clone();
     Ok(ComposedStack { composition, thickness_um, spectra: kept, colours, dots, withheld })
 }
@@ -278,6 +280,18 @@ impl<'a> CompositionTask<'a> {
             weighted: Vec::new(),
             prints,
         }])
+    }
+
+    /// A print with what the wavelengths leave open of its L*, a*, b*.
+    fn between_wavelengths(&self, print: PrintNumbers<ErrorParts>) -> PrintNumbers<ErrorParts> {
+        let Some(eye) = &self.eye else { return print };
+        let factors: Vec<f64> = print.factors.iter().map(|factor| factor.value).collect();
+        let open = open_between(eye, &factors[visible(&self.library.wavelengths_nm)]);
+        let mut lab = print.lab;
+        for (lab, wavelengths) in lab.iter_mut().zip(open) {
+            *lab = ErrorParts { wavelengths, ..*lab }.summed();
+        }
+        PrintNumbers { lab, ..print }
     }
 
     /// Bare paper at 45:0.

@@ -11,7 +11,7 @@ use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::Viewing;
-use crate::evaluate::ink_maker::{BLACK, WHITE};
+use crate::evaluate::ink_maker::{BLACK, WHITE, in_light_of};
 use crate::evaluate::numbers::AskedNumber;
 use crate::evaluate::prints::{Brightened, PrintTask};
 use crate::evaluate::quantities::{
@@ -96,7 +96,8 @@ impl<'a> LayerTask<'a> {
         let daylight = Viewing::default();
         let viewing = if own_light { &study.judgement.viewing } else { &daylight };
         let task = Self::under(study, viewing, LayerExtent::Print { own_light })?;
-        Ok(Self { prints: None, ..task })
+        let light = if own_light { in_light_of(study).map_err(|e| e.to_string())? } else { task.daylight };
+        Ok(Self { prints: None, daylight: light, ..task })
     }
 
     fn under(study: &'a Study, viewing: &Viewing, extent: LayerExtent) -> Result<Self, String> {

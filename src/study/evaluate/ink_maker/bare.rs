@@ -1,11 +1,10 @@
 //! The ink at 45:0 as light between it and any paper meets it, from which its factors on all papers
 //! follow.
 
-use super::{BLACK, WHITE};
-use crate::appearance::paper::{PRINT_DEG, PaperError};
+use super::{BLACK, WHITE, in_light_of};
+use crate::appearance::paper::PRINT_DEG;
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::evaluate::ink::{InkError, InkOnPaper};
-use crate::evaluate::prints::Brightened;
 use crate::input::study::Study;
 
 /// The ink lit at 45° and seen along the normal, without its paper.
@@ -34,11 +33,11 @@ impl BareInk {
     /// after another.
     ///
     /// # Errors
-    /// Paper without an albedo at one of the wavelengths.
-    pub fn factors(&self, study: &Study) -> Result<Vec<f64>, PaperError> {
+    /// Paper without an albedo at one of the wavelengths, an illuminant that is not known.
+    pub fn factors(&self, study: &Study) -> Result<Vec<f64>, InkError> {
         let nm = &self.wavelengths_nm;
         let mix = AreaMix::whole();
-        let light = Brightened::new(&study.paper, nm, &study.judgement.viewing, 0.0);
+        let light = in_light_of(study)?;
         let emitted = light.as_ref().map(|light| light.below(&mix, &[&self.at_45], nm));
         let mut factors = Vec::new();
         for (area, &nm) in self.at_45.iter().zip(nm) {

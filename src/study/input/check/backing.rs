@@ -3,7 +3,7 @@
 mod bispectral;
 mod pair;
 
-use super::paper::{BackingReader, range, read, source_of, spectral, used_rows};
+use super::paper::{BackingReader, PaperSpectrum, range, read, source_of, spectral, used_rows};
 use crate::appearance::bare_paper::{BareSurface, PaperGeometry};
 use crate::appearance::fluorescence::{Fluorescence, SHORTEST_NM, STEP_NM, summed_nm};
 use crate::appearance::paper::Albedo;
@@ -25,11 +25,13 @@ const PAIR: &str = "paper.fluorescence";
 struct MeasuredFactor {
     rows: Vec<[f64; 2]>,
     geometry: PaperGeometry,
+    /// The instrument's light, if the file states it.
+    condition: Option<MeasuredCondition>,
 }
 
 impl BackingReader<'_> {
-    /// Paper whose factor was measured; `extended` where the albedo goes on at shorter waves.
-    pub fn measured(&mut self, table: &MeasuredPaperTable, extended: bool) -> Paper {
+    /// Paper whose factor was measured; where it is brightened the albedo goes on at shorter waves.
+    pub fn measured(&mut self, table: &MeasuredPaperTable, is_brightened: bool) -> Paper {
         let request = MeasuredRequest {
             patch: table.patch.clone(),
             one_must_be_named: true,
@@ -51,14 +53,38 @@ impl BackingReader<'_> {
         let Some(factor) = self.factor("paper.measured", &path, &request, table.geometry) else {
             return paper;
         };
+        if is_brightened && !self.is_without_emission(&factor, table) {
+            return paper;
+        }
         let Some(measured) = self.behind_surface("paper.measured.csv", &factor, table.condition) else {
             return paper;
         };
         let rows = measured.rows.iter().map(|[nm, _, albedo]| [*nm, *albedo]).collect();
-        let rows = if extended { self.extended(rows) } else { rows };
+        let rows = if is_brightened { self.extended(rows) } else { rows };
         paper.albedo = spectral("paper.measured.csv", rows, self.tables.wavelengths_nm, self.faults);
         paper.measured = Some(measured);
         paper
+    }
+
+    /// Whether a factor of brightened paper was measured without what the brightener emits.
+    fn is_without_emission(&mut self, factor: &MeasuredFactor, table: &MeasuredPaperTable) -> bool {
+        match table.condition.or(factor.condition) {
+            Some(condition @ (MeasuredCondition::M0 | MeasuredCondition::M1)) => {
+                let found = format!("{} beside paper.fluorescence", condition.name());
+                let allowed = "M2, without ultraviolet light: M0 and M1 hold what the brightener emits, which would count twice";
+                let remedy = "give both measurements, fluorescence = { m1_csv = \"…\", m2_csv = \"…\" }, or the M2 one here";
+                self.faults.add("paper.measured.condition", found, allowed, remedy);
+                false
+            }
+            Some(_) => true,
+            None => {
+                self.remarks.push(
+                    "paper.measured: taken as measured without ultraviolet light (M2), and so without what the brightener emits"
+                        .into(),
+                );
+                true
+            }
+        }
     }
 
     /// A file's factor with its geometry: that of the file, or the one given beside it.
@@ -69,7 +95,8 @@ impl BackingReader<'_> {
         request: &MeasuredRequest,
         written: Option<PaperGeometry>,
     ) -> Option<MeasuredFactor> {
-        let (rows, stated) = read(field, path, request, self.faults, self.remarks)?;
+        let PaperSpectrum { rows, geometry: stated, condition } =
+            read(field, path, request, self.faults, self.remarks)?;
         let key = format!("{field}.geometry");
         let is_pair = field == PAIR;
         let remedy = if is_pair {
@@ -126,7 +153,7 @@ impl BackingReader<'_> {
         }
         let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
         let rows = used_rows(rows, [from_nm.min(to_nm), to_nm]);
-        Some(MeasuredFactor { rows, geometry: written.or(known).unwrap_or_default() })
+        Some(MeasuredFactor { rows, geometry: written.or(known).unwrap_or_default(), condition })
     }
 
     /// The albedo behind the surface that a factor was measured through.
@@ -203,18 +230,24 @@ impl BackingReader<'_> {
             return paper;
         }
         self.light_excites(&fluorescence);
+        self.emits(&fluorescence);
         if let Fluorescence::Bands { excitation, .. } = &fluorescence
             && excitation.iter().any(|row| row[1] > 0.0)
         {
-            paper.albedo = self.left_by(&paper.albedo, &fluorescence);
+            paper.albedo = self.left_by(&paper, &fluorescence);
         }
         self.quanta(&paper.albedo, &fluorescence);
         paper.fluorescence = Some(fluorescence);
         paper
     }
 
-    /// What an albedo reflects of the light that a brightener leaves it.
-    fn left_by(&self, albedo: &Albedo, brightener: &Fluorescence) -> Albedo {
+    /// What a paper reflects of the light that a brightener leaves it. A measurement lacks what the
+    /// brightener takes already.
+    fn left_by(&self, paper: &Paper, brightener: &Fluorescence) -> Albedo {
+        let albedo = &paper.albedo;
+        let measured = paper.measured.as_ref().map_or(&[][..], |measured| &measured.rows);
+        let is_measured =
+            |nm: f64| measured.first().zip(measured.last()).is_some_and(|(a, b)| (a[0]..=b[0]).contains(&nm));
         let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
         let mut nm = summed_nm(from_nm, to_nm);
         nm.extend(self.tables.wavelengths_nm);
@@ -223,7 +256,8 @@ impl BackingReader<'_> {
         }
         nm.sort_by(f64::total_cmp);
         nm.dedup();
-        let row = |nm: f64| Some([nm, albedo.at(nm).ok()? * (1.0 - brightener.absorbed(nm))]);
+        let taken = |nm: f64| if is_measured(nm) { 0.0 } else { brightener.absorbed(nm) };
+        let row = |nm: f64| Some([nm, albedo.at(nm).ok()? * (1.0 - taken(nm))]);
         Albedo::Spectral(nm.into_iter().filter_map(row).collect())
     }
 
@@ -241,6 +275,22 @@ impl BackingReader<'_> {
         } else if rows.len() < 2 || rows.windows(2).any(|pair| pair[1][0] <= pair[0][0]) {
             let found = format!("{} rows that do not rise", rows.len());
             self.faults.add(field, found, allowed, "sort them by wavelength");
+        }
+    }
+
+    /// Bands that absorb with a yield must emit within the light of the study.
+    fn emits(&mut self, fluorescence: &Fluorescence) {
+        let Fluorescence::Bands { excitation, quantum_yield, .. } = fluorescence else { return };
+        let absorbs = excitation.iter().any(|row| row[1] > 0.0);
+        let [from_nm, to_nm] = range(self.tables.wavelengths_nm);
+        let matrix = fluorescence.matrix(&summed_nm(from_nm, to_nm));
+        let is_dark = matrix.iter().flatten().all(|factor| *factor == 0.0);
+        if absorbs && *quantum_yield > 0.0 && is_dark {
+            let found =
+                format!("a yield of {quantum_yield}, and nothing emitted from {from_nm} to {to_nm} nm");
+            let allowed = "emission at longer waves than the excitation, both within [light]";
+            let remedy = "correct the rows of excitation and emission, or light.from_nm and light.to_nm; yield = 0 only absorbs";
+            self.faults.add("paper.fluorescence.emission", found, allowed, remedy);
         }
     }
 

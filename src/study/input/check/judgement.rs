@@ -46,12 +46,14 @@ impl CompareTable {
     pub(super) fn checked(
         &self,
         target: PrintTarget,
+        is_brightened: bool,
         tables: &Tabulation,
         faults: &mut Faults,
         remarks: &mut Vec<String>,
     ) -> Judgement {
         self.check_keys_of_file(faults);
-        let mut judgement = Judgement { target_lab: target.lab, measured: None, viewing: target.viewing };
+        let mut judgement =
+            Judgement { target_lab: target.lab, viewing: target.viewing, ..Judgement::default() };
         let Some(file_name) = &self.measured else { return judgement };
         let request = MeasuredRequest {
             patch: self.patch.clone(),
@@ -75,6 +77,20 @@ impl CompareTable {
             }
         };
         remarks.extend(reading.remarks.iter().map(|remark| format!("compare.measured: {remark}")));
+        if is_brightened {
+            judgement.condition = reading.condition;
+            let illuminant = judgement.viewing.illuminant();
+            remarks.push(match reading.condition {
+                Some(condition) => format!(
+                    "compare.measured: the print is compared, and shown at 45:0, in the instrument's light of {}",
+                    condition.name()
+                ),
+                None => format!(
+                    "compare.measured: the file states no condition (M0, M1, M2), and the paper is brightened: compared in the light of \
+                     illuminant {illuminant}"
+                ),
+            });
+        }
         match reading.measured {
             MeasuredContent::Colour(colour) => {
                 judgement.target_lab = measured_target(colour, &judgement, faults);

@@ -4,9 +4,12 @@
 use super::Tabulation;
 use super::light::check_list;
 use crate::appearance::paper::{Albedo, Coupling, PRINT_DEG};
-use crate::input::file::{AnglesTable, CouplingName, LayerTable, PaperTable};
+use crate::input::file::{AnglesTable, CouplingName, LayerTable, PaperTable, PigmentTable};
 use crate::input::forms::{AlbedoWritten, FluorescenceWritten};
-use crate::input::measured::{MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest, Patch};
+use crate::input::measured::{
+    MeasuredCondition, MeasuredContent, MeasuredGeometry, MeasuredReading, MeasuredRequest, MeasuredSpectrum,
+    Patch,
+};
 use crate::input::study::{Angles, Paper, StudyKind};
 use crate::input::{Faults, limits};
 use crate::material::columns::micrometres;
@@ -90,9 +93,9 @@ impl PaperTable {
                 };
                 let path = tables.folder.join(csv);
                 let albedo = match read("paper.albedo", &path, &request, faults, remarks) {
-                    Some((rows, geometry)) => {
-                        remarks.extend(holds_mirrored(&path, geometry.as_ref()));
-                        let used = used_rows(rows, request.used_nm);
+                    Some(read) => {
+                        remarks.extend(holds_mirrored(&path, read.geometry.as_ref()));
+                        let used = used_rows(read.rows, request.used_nm);
                         spectral("paper.albedo.csv", used, tables.wavelengths_nm, faults)
                     }
                     // a fault of the file is one already
@@ -172,21 +175,32 @@ pub(super) fn range(wavelengths_nm: &[f64]) -> [f64; 2] {
     [first, wavelengths_nm.last().copied().unwrap_or(f64::INFINITY)]
 }
 
-/// Reads the spectrum that a key of the paper names from a file of measurements, and its geometry.
+/// A spectrum that a key of the paper names, and what its file states.
+pub(super) struct PaperSpectrum {
+    /// \[wavelength in nm, value\]
+    pub rows: Vec<[f64; 2]>,
+    pub geometry: Option<MeasuredGeometry>,
+    pub condition: Option<MeasuredCondition>,
+}
+
+/// Reads the spectrum that a key of the paper names from a file of measurements.
 pub(super) fn read(
     field: &str,
     path: &Path,
     request: &MeasuredRequest,
     faults: &mut Faults,
     remarks: &mut Vec<String>,
-) -> Option<(Vec<[f64; 2]>, Option<MeasuredGeometry>)> {
+) -> Option<PaperSpectrum> {
     let with_keys_of_paper = |text: &str| text.replace("compare.", &format!("{field}."));
     let spectrum = MeasuredReading::new(path, request).and_then(|reading| match reading.measured {
-        MeasuredContent::Spectrum(spectrum) => Ok((spectrum.rows, reading.geometry, reading.remarks)),
+        MeasuredContent::Spectrum(MeasuredSpectrum { rows, .. }) => {
+            let MeasuredReading { geometry, condition, remarks, .. } = reading;
+            Ok((PaperSpectrum { rows, geometry, condition }, remarks))
+        }
         MeasuredContent::Colour(_) => Err(format!("{}: a colour, and no spectrum", path.display())),
     });
-    let (rows, geometry, remarks_of_file) = match spectrum {
-        Ok(spectrum) => spectrum,
+    let (spectrum, remarks_of_file) = match spectrum {
+        Ok(read) => read,
         Err(error) => {
             let allowed = "a readable table with the columns wavelength_nm and albedo, or a spectrum as CGATS.17 or CxF3";
             let remedy = "correct the file, or name a sample beside it: { csv = \"…\", patch = \"…\" }; its path is relative \
@@ -197,7 +211,7 @@ pub(super) fn read(
     };
     let in_words = |remark: &String| format!("{field}: {}", with_keys_of_paper(remark));
     remarks.extend(remarks_of_file.iter().map(in_words));
-    Some((rows, geometry))
+    Some(spectrum)
 }
 
 /// Default number of directions: 0°, 45° and three strata.
@@ -212,18 +226,21 @@ pub(super) struct Surroundings {
     pub index_out: f64,
     /// Contact between layer and paper.
     pub coupling: Coupling,
-    pub has_relief: bool,
+    /// Whether the layer is statistically the same from both sides but for the media about it: not
+    /// with a relief on one face, a profile over the depth, or grains in given places.
+    pub is_reversible: bool,
     pub is_composed: bool,
 }
 
 impl Surroundings {
     /// Those of a layer.
-    pub(super) fn of(layer: &LayerTable, coupling: Coupling) -> Self {
+    pub(super) fn of(layer: &LayerTable, pigments: &[PigmentTable], coupling: Coupling) -> Self {
+        let has_profile = pigments.iter().any(|pigment| pigment.profile.is_some());
         Self {
             index_in: layer.index_in,
             index_out: layer.index_out,
             coupling,
-            has_relief: layer.relief.is_some(),
+            is_reversible: layer.relief.is_none() && layer.microstructure.is_none() && !has_profile,
             is_composed: layer.composed.is_some(),
         }
     }
@@ -315,10 +332,10 @@ impl AnglesTable {
     }
 
     fn over_hemisphere(&self, exact_deg: Vec<f64>, strata: usize, around: &Surroundings) -> Directions {
-        // A layer between two plane walls with vacuum on both sides is statistically the same from
-        // both sides: solves from the incident side give Ā_b. A relief or another medium on the
-        // exit side breaks this symmetry.
-        let exit_strata = if around.coupling == Coupling::Gap && !around.has_relief { 0 } else { strata };
+        // One even layer between two plane walls with vacuum on both sides is statistically the same
+        // from both sides: solves from the incident side give Ā_b.
+        let is_symmetric = around.coupling == Coupling::Gap && around.is_reversible;
+        let exit_strata = if is_symmetric { 0 } else { strata };
         let AnglesTable { azimuth_deg, picture_max_deg, .. } = *self;
         let angles = Angles { exact_deg, strata, exit_strata, azimuth_deg, picture_max_deg };
         Directions { angles, kind: StudyKind::InkOnPaper }

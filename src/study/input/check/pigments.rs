@@ -102,6 +102,9 @@ impl NumberedPigment<'_> {
     }
 }
 
+/// Share of the volume that stands for one that cannot be.
+const PLACEHOLDER_SHARE: f64 = 0.1;
+
 /// Gives pigments with a profile its mean as their volume fraction.
 pub(super) fn fill_profiles(file: &mut StudyFile, faults: &mut Faults) {
     let equilibrated = file.packing.equilibration.is_some();
@@ -118,11 +121,14 @@ pub(super) fn fill_profiles(file: &mut StudyFile, faults: &mut Faults) {
         }
         let area = |pair: &[[f64; 2]]| 0.5 * (pair[1][0] - pair[0][0]) * (pair[0][1] + pair[1][1]);
         table.volume_fraction = Some(rows.windows(2).map(area).sum());
-        if let Some([_, share]) =
-            rows.iter().find(|[_, share]| *share > 0.0 && !limits::VOLUME_FRACTION.holds(*share))
-        {
+        let is_wrong = |row: &&[f64; 2]| row[1] != 0.0 && !limits::VOLUME_FRACTION.holds(row[1]);
+        if let Some([_, share]) = rows.iter().find(is_wrong) {
             let allowed = format!("shares {} or 0", limits::VOLUME_FRACTION);
-            faults.add(field("profile"), share, allowed, "lower it: no random packing is denser");
+            let remedy =
+                if *share > 0.0 { "lower it: no random packing is denser" } else { "raise it: 0 for none" };
+            faults.add(field("profile"), share, allowed, remedy);
+            // one fault is enough
+            table.volume_fraction = Some(PLACEHOLDER_SHARE);
         }
     }
 }

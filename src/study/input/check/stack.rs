@@ -255,7 +255,8 @@ fn check_thickness(parts: &[Examined], faults: &mut Faults) {
             (0..parts.len()).max_by(|&a, &b| thickness(&parts[a]).total_cmp(&thickness(&parts[b])));
         let i = thickest.unwrap_or(0);
         let allowed = format!("a sum over all layers {limit}: a stack with grains is solved whole");
-        let remedy = "take thinner layers; a single [layer] with [layer.composed] may be thick";
+        let remedy =
+            "take thinner layers; or compose the layers: add [stack.composed], with slab_um for thick ones";
         faults.add(format!("layer[{i}].thickness_um"), format!("{sum_um} µm in all"), allowed, remedy);
     }
 }
@@ -317,6 +318,8 @@ fn together(layers: &[StackLayerTable], parts: &[Examined]) -> Study {
         }
     }
     name_apart(&mut study);
+    // other layers behind than in front: what comes back from the paper is solved for itself
+    study.angles.exit_strata = study.angles.strata;
     let has_given = |part: &&Examined| !part.study.packing.is_drawn();
     if let Some(given) = parts.iter().find(has_given) {
         study.variation.cell = given.study.variation.cell;

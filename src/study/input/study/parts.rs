@@ -257,4 +257,8 @@ pub struct Judgement {
     pub target_lab: Option<[f64; 3]>,
     /// A measured spectrum at 45:0.
     pub measured: Option<MeasuredSpectrum>,
+    /// The light under which paper with a brightener was measured, by ISO 13655; none for that of
+    /// the illuminant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub condition: Option<MeasuredCondition>,
 }

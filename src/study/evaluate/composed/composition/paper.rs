@@ -1,8 +1,8 @@
 //! The paper of a composition: albedo, contact and brightener.
 
-use crate::appearance::fluorescence::{CUT_NM, Fluorescence, SHORTEST_NM, STEP_NM, summed_nm};
+use crate::appearance::fluorescence::{Fluorescence, SHORTEST_NM, STEP_NM, summed_nm};
 use crate::appearance::paper::{Albedo, Coupling};
-use crate::appearance::viewing::{Summation, Viewing};
+use crate::appearance::viewing::Viewing;
 use crate::evaluate::prints::Brightened;
 use crate::input::measured::MeasuredCondition;
 use crate::input::study::Paper;
@@ -127,19 +127,11 @@ pub(super) fn lit(
     condition: Option<MeasuredCondition>,
     illuminant: &Viewing,
 ) -> Result<Option<Brightened>, String> {
-    let of = |name: &str| Viewing::new(name, "2", Summation::Plain).map_err(|error| error.to_string());
-    let lamp = match condition {
-        None => illuminant.clone(),
-        Some(MeasuredCondition::M0) => of("A")?,
-        Some(MeasuredCondition::M1 | MeasuredCondition::M2) => of("D50")?,
-        Some(MeasuredCondition::M3) => {
-            return Err(
-                "condition: found M3; allowed M0, M1, M2, or none for the illuminant's light".to_owned()
-            );
-        }
-    };
-    let cut_nm = if condition == Some(MeasuredCondition::M2) { CUT_NM } else { 0.0 };
-    Ok(Brightened::new(paper, wavelengths_nm, &lamp, cut_nm))
+    if condition == Some(MeasuredCondition::M3) {
+        let said = "condition: found M3; allowed M0, M1, M2, or none for the illuminant's light";
+        return Err(said.to_owned());
+    }
+    Brightened::under(paper, wavelengths_nm, condition, illuminant).map_err(|error| error.to_string())
 }
 
 impl CompositionFluorescence {

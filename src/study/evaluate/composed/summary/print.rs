@@ -4,10 +4,10 @@
 use super::rows::ThicknessRows;
 use super::{levels_of, moved_levels, of_stack};
 use crate::appearance::colour::Colour;
-use crate::appearance::viewing::Viewing;
 use crate::evaluate::composed::errors::{JudgedNumbers, MovedLevels, with_errors};
 use crate::evaluate::composed::level::{Change, Level, SolvedPortion};
 use crate::evaluate::composed::numbers::LayerTask;
+use crate::evaluate::ink_maker::is_in_daylight;
 use crate::evaluate::manifest::composed::{ComposedRow, independent};
 use crate::evaluate::numbers::AskedNumber;
 use crate::evaluate::published::{NumberNote, Withheld};
@@ -58,8 +58,7 @@ impl ComposedPrint {
 /// Whether the paper fluoresces, so that colours under the study's own light take other factors
 /// than weighted numbers, which are those of D65.
 fn is_lit_apart(study: &Study) -> bool {
-    let own = study.judgement.viewing.illuminant();
-    study.paper.fluorescence.is_some() && own != Viewing::default().illuminant()
+    study.paper.fluorescence.is_some() && !is_in_daylight(study)
 }
 
 /// The rows of the last thickness of a study.

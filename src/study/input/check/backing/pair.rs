@@ -88,7 +88,7 @@ impl BackingReader<'_> {
         let Some(measured) = self.behind_surface(field, &plain, Some(MeasuredCondition::M2)) else {
             return paper;
         };
-        let inverse = PairInverse::new(self.coupling, &measured, from_nm, to_nm);
+        let inverse = PairInverse::new(self.coupling, &measured, &bright, [from_nm, to_nm]);
         let (fluorescence, lack) = inverse.fluorescence(&bright, &plain);
         if let Fluorescence::Bands { quantum_yield, .. } = &fluorescence {
             if *quantum_yield > 1.0 {
@@ -127,14 +127,32 @@ struct PairInverse {
 }
 
 impl PairInverse {
-    fn new(coupling: Coupling, measured: &MeasuredPaper, from_nm: f64, to_nm: f64) -> Self {
+    fn new(
+        coupling: Coupling,
+        measured: &MeasuredPaper,
+        bright: &MeasuredFactor,
+        [from_nm, to_nm]: [f64; 2],
+    ) -> Self {
+        let surface = BareSurface::new(coupling);
         let rows: Vec<[f64; 2]> = measured.rows.iter().map(|[nm, _, albedo]| [*nm, *albedo]).collect();
         let usual = standard_excitation();
         let first = rows[0];
         let last = rows[rows.len() - 1];
         let kept = |nm: f64| 1.0 - rows_at(&usual, nm);
-        // below what was measured the paper is as white, but for what the brightener takes
-        let reflected = |nm: f64| match between(&rows, nm) {
+        // Without ultraviolet light nothing is read below 420 nm. There a brightener takes and hardly
+        // emits, so that what M1 reads is reflected; below M1 the paper is as white, but for what the
+        // brightener takes.
+        let measured_from_nm = first[0];
+        let shortest_nm = bright.rows.first().map_or(first[0], |row| row[0]);
+        let lit = |nm: f64| {
+            let factor = between(&bright.rows, nm).filter(|_| nm < measured_from_nm)?;
+            Some(surface.albedo(factor, bright.geometry).clamp(0.0, 1.0))
+        };
+        let first = match lit(shortest_nm) {
+            Some(albedo) => [shortest_nm, albedo],
+            None => first,
+        };
+        let reflected = |nm: f64| match between(&rows, nm).or(lit(nm)) {
             Some(value) => value,
             None if nm < first[0] => (first[1] * kept(nm) / kept(first[0])).min(kept(nm)),
             None => last[1],
@@ -146,7 +164,7 @@ impl PairInverse {
         all_nm.dedup();
         let taken = |nm: f64| rows_at(&usual, nm).min(1.0 - reflected(nm));
         Self {
-            surface: BareSurface::new(coupling),
+            surface,
             elastic: all_nm.iter().map(|&nm| [nm, reflected(nm)]).collect(),
             excitation: summed_nm.iter().map(|&nm| [nm, taken(nm)]).collect(),
             summed_nm,
