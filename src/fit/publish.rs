@@ -118,7 +118,8 @@ fn csv(task: &FitTask, remarks: &[String], index: &[FittedIndex]) -> String {
 /// A number as the page shows it: measured, fitted, and their difference in standard deviations.
 fn number_row(number: &FittedNumber) -> [String; 4] {
     let FittedNumber { name, measured, fitted, sigma } = number;
-    let deviation = (measured - fitted) / sigma;
+    // no −0
+    let deviation = (10.0 * (measured - fitted) / sigma).round() / 10.0 + 0.0;
     [name.clone(), format!("{measured:.4}"), format!("{fitted:.4}"), format!("{deviation:+.1}")]
 }
 

@@ -93,9 +93,11 @@ impl FitReading<'_> {
             } else {
                 format!("{percent} % of {um} µm")
             };
-            let name = table.file.clone().unwrap_or_else(|| layer.clone());
-            let name = table.patch.clone().map_or(name.clone(), |patch| format!("{name}: {patch}"));
-            let name = format!("{name} ({layer})");
+            let patch = table.patch.as_ref().map_or(String::new(), |patch| format!(": {patch}"));
+            let name = match &table.file {
+                Some(file) => format!("{file}{patch} ({layer})"),
+                None => layer,
+            };
             let is_opaque = table.opaque;
             all.push(Drawdown { name, study, coat, geometry, is_opaque, face, values, numbers });
         }

@@ -12,6 +12,7 @@ use crate::work::rounds::stored_seals;
 use crate::work::variant::Variant;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::time::UNIX_EPOCH;
 
 /// Hexadecimal digits of a file's checksum: 128 bits of BLAKE3.
@@ -103,19 +104,23 @@ fn program() -> (&'static str, Option<(u64, u128)>) {
     (build(), written)
 }
 
-/// The checksum of every file in a folder, by name, but for those that are being written.
+/// The checksum of every file in a folder, by name, but for those that come and go.
 fn checksums(folder: &OutputFolder) -> Result<BTreeMap<String, String>, FolderError> {
     let failed = FolderError::at(folder.path());
     let mut all = BTreeMap::new();
     for entry in std::fs::read_dir(folder.path()).map_err(failed)? {
         let entry = entry.map_err(failed)?;
-        // another process may be writing this page: its temporary files come and go
-        if !is_temporary(&entry.path()) && entry.file_type().map_err(failed)?.is_file() {
-            let bytes = std::fs::read(entry.path()).map_err(failed)?;
-            let mut checksum = blake3::hash(&bytes).to_hex().to_string();
-            checksum.truncate(DIGITS);
-            all.insert(entry.file_name().to_string_lossy().into_owned(), checksum);
+        // another process may be writing this page: temporary files, and those of the page before
+        if is_temporary(&entry.path()) || entry.path().is_dir() {
+            continue;
         }
+        let bytes = match std::fs::read(entry.path()) {
+            Err(gone) if gone.kind() == ErrorKind::NotFound => continue,
+            read => read.map_err(failed)?,
+        };
+        let mut checksum = blake3::hash(&bytes).to_hex().to_string();
+        checksum.truncate(DIGITS);
+        all.insert(entry.file_name().to_string_lossy().into_owned(), checksum);
     }
     Ok(all)
 }
@@ -136,5 +141,17 @@ mod tests {
         assert_eq!(checksums(&folder).unwrap(), before);
         std::fs::write(scratch.path().join("results.json"), "{}").unwrap();
         assert_eq!(checksums(&folder).unwrap().len(), before.len() + 1);
+    }
+
+    /// A file that vanishes between the listing and the reading; a link without a target is one.
+    /// *Planted*: every file that is listed must be there.
+    #[cfg(unix)]
+    #[test]
+    fn files_that_vanish_have_no_checksum() {
+        let scratch = tempfile::tempdir().unwrap();
+        let folder = OutputFolder::open(scratch.path(), Holds::Study).unwrap();
+        let before = checksums(&folder).unwrap();
+        std::os::unix::fs::symlink("nowhere", scratch.path().join("results.json")).unwrap();
+        assert_eq!(checksums(&folder).unwrap(), before);
     }
 }

@@ -35,7 +35,7 @@ fn a_face_keeps_all_light_and_is_reciprocal() {
 }
 
 /// A joint without thickness that is denser than its neighbours is no layer: where no light arrives
-/// between two totally reflecting faces there is none. *Planted*: faces that lose nothing (1 over 0).
+/// between two totally reflecting faces there is none. *Planted*: faces that lose nothing.
 #[test]
 fn a_denser_joint_without_thickness_is_no_layer() {
     for polarisations in [1, 2] {

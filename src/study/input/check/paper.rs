@@ -332,8 +332,8 @@ impl AnglesTable {
     }
 
     fn over_hemisphere(&self, exact_deg: Vec<f64>, strata: usize, around: &Surroundings) -> Directions {
-        // One even layer between two plane walls with vacuum on both sides is statistically the same
-        // from both sides: solves from the incident side give Ā_b.
+        // One even layer between plane walls in vacuum is statistically the same from both sides:
+        // solves from the incident side give Ā_b.
         let is_symmetric = around.coupling == Coupling::Gap && around.is_reversible;
         let exit_strata = if is_symmetric { 0 } else { strata };
         let AnglesTable { azimuth_deg, picture_max_deg, .. } = *self;

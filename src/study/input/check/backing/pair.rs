@@ -139,9 +139,9 @@ impl PairInverse {
         let first = rows[0];
         let last = rows[rows.len() - 1];
         let kept = |nm: f64| 1.0 - rows_at(&usual, nm);
-        // Without ultraviolet light nothing is read below 420 nm. There a brightener takes and hardly
-        // emits, so that what M1 reads is reflected; below M1 the paper is as white, but for what the
-        // brightener takes.
+        // Without ultraviolet light nothing is read below 420 nm. A brightener hardly emits there:
+        // M1 reads what is reflected. Below M1 the paper is as white, but for what the brightener
+        // takes.
         let measured_from_nm = first[0];
         let shortest_nm = bright.rows.first().map_or(first[0], |row| row[0]);
         let lit = |nm: f64| {
