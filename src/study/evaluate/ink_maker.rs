@@ -241,8 +241,8 @@ impl Question<'_> {
     }
 }
 
-/// The paper of a study under the light of its instrument, or under its illuminant; `None` if it does
-/// not fluoresce.
+/// The paper of a study under the light of its instrument, or under its illuminant; `None` if it
+/// does not fluoresce.
 ///
 /// # Errors
 /// An illuminant that is not known.
