@@ -7,7 +7,7 @@ use super::sweep::tell_plan;
 use super::terminal::note;
 use super::work::{WorkArgs, opened};
 use clap::Args;
-use inkwave::design::publish::ranges;
+use inkwave::design::publish::{axes_in_words, ranges};
 use inkwave::design::recipe::DesignTask;
 use inkwave::design::run::{DesignError, DesignRun};
 use inkwave::design::wish::decimals;
@@ -184,10 +184,15 @@ pub fn design(args: &DesignArgs) -> Result<()> {
         };
         note!("{which}: {}", ranges.join("; "));
     }
-    note!(
-        "median prediction error of the response surfaces: ΔE₀₀ {:.2} (each variant left out in turn)",
-        outcome.surface_error
-    );
+    if let Some(axes) = axes_in_words(&outcome) {
+        note!("variables {axes}");
+    }
+    if !outcome.interpolated.is_empty() {
+        note!(
+            "median prediction error of the response surfaces: ΔE₀₀ {:.2} (each variant left out in turn)",
+            outcome.surface_error
+        );
+    }
     say!("Report: {}", folder.path().join("report.html").display())?;
     if outcome.met {
         return Ok(());
@@ -206,6 +211,10 @@ fn plan_design(task: &DesignTask, settings: RunSettings) -> Result<()> {
         task.variants(),
         task.settings.verifications
     )?;
+    let composed = task.names(task.composed());
+    if !composed.is_empty() {
+        say!("composed exactly, without variants of their own: {}", composed.join(", "))?;
+    }
     let middle = vec![0.5; task.variables.len()];
     let study = task.study(&middle).map_err(|faults| miette!("{}", faults[0]))?;
     tell_plan(&of_one("middle", study), false, settings)

@@ -76,11 +76,14 @@ pub struct NumberTargetTable {
     pub at_most: Option<f64>,
 }
 
-/// `[[vary]]`: a number of the study and its range.
+/// `[[vary]]`: a number of the study and its range. What takes solves (shares, sizes, indices) is
+/// interpolated between variants; what enters after them is composed exactly and takes no variants:
+/// the paper, and thicknesses where the base is composed of slabs.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct VaryTable {
-    /// Dotted field, as in a sweep.
+    /// Dotted field, as in a sweep. Of a base composed of slabs the smallest `layer.thickness_um`
+    /// sets the slabs of all.
     pub field: Option<String>,
     /// Two pigments instead, by their names: the first one's part of the sum of both volume
     /// fractions.
@@ -100,7 +103,8 @@ pub struct VaryTable {
 pub struct DesignTable {
     /// Largest ΔE₀₀ to the target colour that is near enough.
     pub delta_e: f64,
-    /// Variants of the base that the surfaces rest on; as many as they need when left out.
+    /// Variants of the base that the surfaces rest on; as many as they need when left out, and one
+    /// where nothing is interpolated.
     pub variants: Option<usize>,
     /// Largest number of verifying runs.
     pub verifications: usize,

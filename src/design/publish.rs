@@ -107,6 +107,34 @@ pub fn ranges(task: &DesignTask, outcome: &DesignOutcome) -> Vec<String> {
     named.map(|(v, [low, high])| format!("{} {} … {}", v.name, short(*low), short(*high))).collect()
 }
 
+/// What was run for the surfaces, and what they may be wrong by.
+fn surfaces_in_words(outcome: &DesignOutcome) -> String {
+    if outcome.interpolated.is_empty() {
+        return "One run answers for all recipes: nothing is interpolated, and what it may be wrong by is its own error.".to_owned();
+    }
+    format!(
+        "The response surfaces are fitted to {} variants. Each variant left out in turn, they predict its colour with a median error of ΔE₀₀ {:.2}.",
+        outcome.variants, outcome.surface_error
+    )
+}
+
+/// Which variables were composed exactly and which were interpolated; `None` where all were
+/// interpolated.
+pub fn axes_in_words(outcome: &DesignOutcome) -> Option<String> {
+    if outcome.composed.is_empty() {
+        return None;
+    }
+    let composed = format!("composed exactly from the same solves: {}", outcome.composed.join(", "));
+    let interpolated = outcome.interpolated_as.map(|what| {
+        format!(
+            "; interpolated between variants, by {}: {}",
+            what.in_words(),
+            outcome.interpolated.join(", ")
+        )
+    });
+    Some(format!("{composed}{}", interpolated.unwrap_or_else(|| "; nothing is interpolated".to_owned())))
+}
+
 /// Writes all files.
 ///
 /// # Errors
@@ -141,10 +169,8 @@ pub fn publish(task: &DesignTask, outcome: &DesignOutcome, folder: &OutputFolder
         valley => outcome.valley.iter().map(|answer| tables.answered(answer)).collect::<Vec<_>>(),
         ranges => ranges(task, outcome),
         left_out => Serde(&outcome.left_out),
-        note => format!(
-            "The response surfaces are fitted to {} variants. Each variant left out in turn, they predict its colour with a median error of ΔE₀₀ {:.2}.",
-            outcome.variants, outcome.surface_error
-        ),
+        note => surfaces_in_words(outcome),
+        axes => axes_in_words(outcome),
         program => made_by(),
     };
     folder.write("report.html", rendered(include_str!("design.html"), page)?.as_bytes())?;

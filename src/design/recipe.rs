@@ -1,17 +1,22 @@
 //! Recipes: points of the box of what varies, and the studies they stand for.
 
-use super::file::{DesignFile, DesignTable, TargetTable, VaryTable};
-use super::surface::{Eye, most_coefficients};
-use super::wish::{NumberWish, check_kinds, check_ranges, wishes};
+mod axes;
+mod target;
+
+use super::file::{DesignFile, DesignTable, VaryTable};
+use super::surface::most_coefficients;
+use super::wish::NumberWish;
 use crate::input::check::check;
 use crate::input::fault::{Fault, Faults, StudyError};
 use crate::input::field::set;
 use crate::input::load::{read_file, read_table, stem};
 use crate::input::locate::steps;
-use crate::input::study::Study;
+use crate::input::measured::MeasuredCondition;
+use crate::input::study::{Study, StudyKind};
 use crate::numerics::allowed::{Allowed, Whole};
 use crate::store::identity::Key;
 use std::path::{Path, PathBuf};
+use target::{checked_ends, put_target};
 use toml::{Table, Value};
 
 /// Largest number of fields that may vary: surfaces need a multiple of its square in variants.
@@ -28,11 +33,22 @@ pub struct Variable {
     pub name: String,
     /// As written.
     pub written: VaryTable,
+    /// Whether it enters after the solves, so that every value of it is composed exactly from the
+    /// same solves; else it is interpolated between variants.
+    pub composed: bool,
+    /// Whether a thickness is written beside the smallest one, which sets the slabs of all.
+    listed: bool,
     /// Whether steps along it are steps of its logarithm.
     logarithmic: bool,
 }
 
 impl Variable {
+    /// A value as the study has it.
+    fn as_written(&self, value: f64) -> Value {
+        let first = self.written.from;
+        if self.listed && value > first { vec![first, value].into() } else { Value::Float(value) }
+    }
+
     /// The value at a place of the box, 0 to 1.
     pub fn value(&self, place: f64) -> f64 {
         let (from, to) = (self.written.from, self.written.to);
@@ -57,14 +73,20 @@ pub struct DesignTask {
     pub numbers: Vec<NumberWish>,
     /// What was taken where files leave something open.
     pub remarks: Vec<String>,
+    /// The light under which the target was measured, where the base names none.
+    condition: Option<MeasuredCondition>,
     base: Table,
     folder: PathBuf,
 }
 
 impl DesignTask {
-    /// Number of variants that the surfaces rest on.
+    /// Number of variants that the surfaces rest on: one where nothing is interpolated.
     pub fn variants(&self) -> usize {
-        let needed = most_coefficients(self.variables.len());
+        let interpolated = self.interpolated().count();
+        if interpolated == 0 {
+            return 1;
+        }
+        let needed = most_coefficients(interpolated);
         self.settings.variants.unwrap_or(needed + needed.div_ceil(2) + 3)
     }
 
@@ -95,14 +117,21 @@ impl DesignTask {
         for (variable, value) in all {
             let put = match &variable.written.ratio {
                 Some(pair) => mix(&mut table, pair, value),
-                None => set(&mut table, &variable.name, &Value::Float(value)),
+                None => set(&mut table, &variable.name, &variable.as_written(value)),
             };
             let remedy = "name a field of the study, as in a sweep";
             put.map_err(|e| vec![Fault::new(&variable.name, e, "a field of the base", remedy)])?;
         }
         let name = self.in_words(places);
         table.insert("title".into(), Value::String(name.clone()));
-        check(&read_table(table)?, &self.folder, &name)
+        let mut study = check(&read_table(table)?, &self.folder, &name)?;
+        study.judgement.condition = study.judgement.condition.or(self.condition);
+        let is_listed = self.variables.iter().any(|variable| variable.listed);
+        if is_listed && let StudyKind::Composed(composed) = &mut study.kind {
+            // the recipe's own thickness, with the slabs of the first one
+            composed.thicknesses_um.drain(..composed.thicknesses_um.len().saturating_sub(1));
+        }
+        Ok(study)
     }
 
     /// Value of every variable of a recipe.
@@ -175,21 +204,40 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
     let beside = path.parent().unwrap_or(Path::new(""));
     let (mut base, folder) = file.base.read(beside)?;
     let mut faults = Faults::default();
-    put_target(&mut base, &file.target, beside, &mut faults);
+    let is_apart = target::is_composed(&base) && file.target.file.is_some();
+    let mut measuring = if is_apart { target::uncomposed(&base) } else { base.clone() };
+    put_target(&mut measuring, &file.target, beside, &mut faults);
+    if is_apart {
+        base.remove("compare");
+    } else {
+        base = measuring.clone();
+    }
     let variables = variables(&file.vary, &mut faults);
     check_settings(&file, &mut faults);
     let title = file.title.clone().unwrap_or_else(|| stem(path));
     let settings = file.design.clone();
     let contrast_ratio = file.target.contrast_ratio;
-    let (lab, numbers, remarks) = (None, Vec::new(), Vec::new());
-    let mut task =
-        DesignTask { title, variables, settings, lab, contrast_ratio, numbers, remarks, base, folder };
+    let mut task = DesignTask {
+        title,
+        variables,
+        settings,
+        lab: None,
+        contrast_ratio,
+        numbers: Vec::new(),
+        remarks: Vec::new(),
+        condition: None,
+        base,
+        folder,
+    };
     if faults.0.is_empty() {
-        match checked_ends(&task, &file.target) {
+        match checked_ends(&task, &file.target, &measuring) {
             Ok(target) => {
                 task.lab = target.lab;
                 task.numbers = target.numbers;
                 task.remarks = target.remarks;
+                task.condition = target.condition;
+                task.tell_axes_apart();
+                check_variants(&mut task, &mut faults);
             }
             Err(of_study) => faults.0.extend(of_study.into_iter().map(|fault| place_of(fault, &file))),
         }
@@ -198,45 +246,6 @@ pub fn load(path: &Path) -> Result<DesignTask, StudyError> {
         return Ok(task);
     }
     Err(StudyError::Values { path: path.to_owned(), text, faults: faults.0 })
-}
-
-/// The target as the base's own.
-fn put_target(base: &mut Table, target: &TargetTable, folder: &Path, faults: &mut Faults) {
-    if let Some(Value::Table(compare)) = base.get_mut("compare") {
-        compare.clear();
-    }
-    if let Some(Value::Table(colour)) = base.get_mut("colour") {
-        colour.remove("target_lab");
-    }
-    match (&target.lab, &target.file) {
-        (Some(lab), None) => {
-            let _ = set(base, "colour.target_lab", &lab.to_vec().into());
-        }
-        (None, Some(file)) => {
-            let path = folder.join(file);
-            let path = std::path::absolute(&path).unwrap_or(path).display().to_string();
-            let unit = target.unit.and_then(|unit| Value::try_from(unit).ok());
-            let patch = target.patch.as_ref().and_then(|patch| Value::try_from(patch).ok());
-            let condition = target.condition.and_then(|condition| Value::try_from(condition).ok());
-            let measured = Some(path.into());
-            for (key, value) in
-                [("measured", measured), ("patch", patch), ("unit", unit), ("condition", condition)]
-            {
-                let _ = value.map(|value| set(base, &format!("compare.{key}"), &value));
-            }
-        }
-        (None, None) if !target.number.is_empty() => (),
-        (both, _) => {
-            let found = if both.is_some() { "lab and file" } else { "neither lab nor file nor number" };
-            let allowed = "either lab, or file with a spectrum or a colour, or [[target.number]] beside or without a colour";
-            faults.add("target", found, allowed, "write lab = [85, -10, 80]");
-        }
-    }
-    check_ranges(&target.number, faults);
-    if let Some(ratio) = target.contrast_ratio {
-        let remedy = "0.98 hides nearly everything";
-        faults.number("target.contrast_ratio", ratio, Allowed::between(0.0, 1.0, ""), remedy);
-    }
 }
 
 fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
@@ -269,72 +278,32 @@ fn variables(tables: &[VaryTable], faults: &mut Faults) -> Vec<Variable> {
             faults.add(format!("vary[{i}]"), format!("{from} to {to}"), allowed, "try 0.1 to 0.9");
         }
         let logarithmic = from > 0.0 && to / from > LOGARITHMIC && table.ratio.is_none();
-        all.push(Variable { name, written: table.clone(), logarithmic });
+        let (composed, listed) = (false, false);
+        all.push(Variable { name, written: table.clone(), composed, listed, logarithmic });
     }
     all
 }
 
 fn check_settings(file: &DesignFile, faults: &mut Faults) {
-    let DesignTable { delta_e, variants, verifications, .. } = file.design;
+    let DesignTable { delta_e, verifications, .. } = file.design;
     let usual = "0.5 is hard to see";
     faults.number("design.delta_e", delta_e, Allowed::between(0.05, 20.0, ""), usual);
-    let needed = most_coefficients(file.vary.len()) + 2;
-    if let Some(count) = variants {
-        let remedy = "leave it out: the default is 1.5 times the number of coefficients of the surfaces";
-        faults.whole("design.variants", count, Whole::between(needed, 1000), remedy);
-    }
     faults.whole("design.verifications", verifications, Whole::between(1, 50), "4 is usual");
 }
 
-/// The target of a design.
-struct DesignTarget {
-    lab: Option<[f64; 3]>,
-    numbers: Vec<NumberWish>,
-    /// What was taken where its file leaves something open.
-    remarks: Vec<String>,
-}
-
-/// Checks the studies at all corners of the box and gives the target, of a sample that is named or
-/// the only one of its file.
-fn checked_ends(task: &DesignTask, target: &TargetTable) -> Result<DesignTarget, Vec<Fault>> {
-    let count = task.variables.len();
-    let studies = (0..1 << count).map(|c| task.study(&corner(c, count)));
-    let studies = studies.collect::<Result<Vec<Study>, _>>()?;
-    let study = &studies[studies.len() - 1];
-    if study.composed().is_some() {
-        let allowed = "a layer that is solved directly: response surfaces are fitted to its spectra";
-        let remedy = "remove [base.layer.composed] for layers of a few µm; for thicker ones, `inkwave sweep` composes every variant";
-        return Err(vec![Fault::new("base.layer.composed", "given", allowed, remedy)]);
+/// Checks the number of variants, once it is known which variables are interpolated between them.
+fn check_variants(task: &mut DesignTask, faults: &mut Faults) {
+    let Some(count) = task.settings.variants else { return };
+    let interpolated = task.interpolated().count();
+    if interpolated == 0 && count > 1 {
+        task.remarks.push(format!(
+            "design.variants = {count}: one run is enough, because all that varies is composed from its solves"
+        ));
+        return;
     }
-    if let Some(reason) = study.no_paper() {
-        let remedy = "write [angles] count = 5";
-        return Err(vec![Fault::new("base.angles", reason, "0°, 45° and the hemisphere", remedy)]);
-    }
-    if let Some(measured) =
-        study.judgement.measured.as_ref().filter(|measured| measured.patches > 1 && target.patch.is_none())
-    {
-        let found = format!("nothing, and {} samples in the file", measured.patches);
-        let allowed = format!("the name of one of them; the first is {}", measured.source);
-        let remedy = "write target.patch = \"…\" with the name of the sample that has the target colour";
-        return Err(vec![Fault::new("target.patch", found, allowed, remedy)]);
-    }
-    let of_files = |remark: &&String| ["compare.", "paper."].iter().any(|start| remark.starts_with(start));
-    let named =
-        |remark: &String| remark.replace("compare.measured", "target.file").replace("compare.", "target.");
-    let remarks = study.remarks.iter().filter(of_files).map(named);
-    let numbers = wishes(&target.number, study)?;
-    let mut faults = Faults::default();
-    check_kinds(&numbers, &mut faults);
-    let has_colour = target.lab.is_some() || target.file.is_some();
-    if !has_colour && let Err(error) = Eye::new(study) {
-        let allowed = "wavelengths that carry a colour: recipes are told with their colours";
-        faults.add("base.light", error, allowed, "give [light] of the base 400 to 700 nm at least");
-    }
-    if !faults.0.is_empty() {
-        return Err(faults.0);
-    }
-    let lab = if has_colour { Some(super::surface::target_lab(study)?) } else { None };
-    Ok(DesignTarget { lab, numbers, remarks: remarks.collect() })
+    let needed = if interpolated == 0 { 1 } else { most_coefficients(interpolated) + 2 };
+    let remedy = "leave it out: the default is 1.5 times the number of coefficients of the surfaces";
+    faults.whole("design.variants", count, Whole::between(needed, 1000), remedy);
 }
 
 /// A fault of a study as one of the design's file.

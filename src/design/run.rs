@@ -1,29 +1,31 @@
 //! Carries a design out: variants for the surfaces, search, verifying runs.
 
+mod film;
+mod interpolated;
 mod map;
+mod recipe_run;
+mod solved;
+mod verdict;
 
+pub use interpolated::Interpolated;
 pub use map::DesignAnswer;
 
-use super::recipe::{DesignTask, corner, short};
-use super::surface::{Spectra3, spectra};
-use super::wish::{NumberWish, ReachedNumber, decimals};
+use super::recipe::{DesignTask, corner};
+use super::surface::{Spectra3, most_coefficients};
+use super::wish::{NumberWish, ReachedNumber};
 use crate::appearance::colour::ciede2000;
 use crate::appearance::viewing::ColourError;
-use crate::evaluate::evaluated::{Evaluated, FinishedSolves};
 use crate::evaluate::ink::InkError;
-use crate::evaluate::manifest::Manifest;
-use crate::evaluate::numbers::sums_of_run;
-use crate::evaluate::seen::Seen;
 use crate::input::study::Study;
 use crate::numerics::estimate::Estimate;
 use crate::run::watch::RunWatch;
 use crate::run::{RunError, RunSettings};
 use crate::store::folder::OutputFolder;
-use crate::store::marker::Holds;
-use crate::work::alone::run_study;
-use map::{Map, distance, even_point, spread, study_at};
+use map::{Ground, Map, distance, even_point, spread};
 use serde::Serialize;
+use solved::Composable;
 use std::fmt::{self, Display};
+use std::sync::Arc;
 use thiserror::Error;
 
 /// Results of a design, as they are named in its folder.
@@ -36,10 +38,6 @@ const DESIGN_SEED: u64 = 1;
 /// to the target than this ΔE₀₀.
 const REGION: f64 = 0.25;
 const CLOSE: f64 = 4.0;
-/// Standard errors within which a wish counts as met.
-const WITHIN: f64 = 2.0;
-/// Distance from an end of a range, as a share of it, within which a recipe lies at this end.
-const AT_END: f64 = 0.02;
 /// Recipes nearer than this share of the range in every variable are the same.
 const SAME: f64 = 0.004;
 /// Distance in the box that later searches keep from a recipe whose run gave no colour.
@@ -133,6 +131,9 @@ pub struct Verified {
     places: Vec<f64>,
     #[serde(skip)]
     spectra: Spectra3,
+    /// What else is composed of its solves; none where nothing is.
+    #[serde(skip)]
+    solved: Option<Arc<Composable>>,
 }
 
 /// The result of a design.
@@ -154,7 +155,13 @@ pub struct DesignOutcome {
     pub valley: Vec<DesignAnswer>,
     /// Smallest and largest value of every variable in the valley.
     pub valley_ranges: Vec<[f64; 2]>,
-    /// Median leave-one-out error of the surfaces, ΔE₀₀.
+    /// Variables of which every value was composed from the same solves.
+    pub composed: Vec<String>,
+    /// Variables that were interpolated between variants.
+    pub interpolated: Vec<String>,
+    /// What was interpolated of the variants' spectra; none where nothing was.
+    pub interpolated_as: Option<Interpolated>,
+    /// Median leave-one-out error of the surfaces, ΔE₀₀; 0 where nothing was interpolated.
     pub surface_error: f64,
     /// What each wanted number may be wrong by, in the order of the wishes: the median of the
     /// surfaces' leave-one-out errors with that of the runs' standard errors.
@@ -193,7 +200,8 @@ impl DesignRun<'_> {
         self.folder.begin_input(&self.task.key(), &RESULTS).map_err(RunError::from)?;
         let Variants { run: mut data, mut left_out } = self.variants()?;
         let variants = data.len();
-        let mut map = Map::new(self.task, &data, variants)?;
+        let ground = self.ground(&data)?;
+        let mut map = Map::new(ground, &data, variants)?;
         let surface_error = map.leave_one_out(&data)?;
         let number_errors = map.number_errors(&data);
         for round in 1..=self.task.settings.verifications {
@@ -205,6 +213,7 @@ impl DesignRun<'_> {
                 left_out.iter().any(|left| left.verifying && distance(&left.places, &answer.places) < AVOIDED)
             };
             let answer = map.search(near.as_ref()).into_iter().find(|answer| !avoided(answer));
+            self.heed()?;
             let Some(answer) = answer else { break };
             if verified_before.iter().any(|known| same(&known.places, &answer.places)) {
                 break;
@@ -223,26 +232,48 @@ impl DesignRun<'_> {
             verified.numbers.iter_mut().zip(predicted).for_each(|(own, by)| own.predicted = Some(by));
             let sure = self.is_sure(&verified);
             data.push(verified);
-            map = Map::new(self.task, &data, variants)?;
+            map = Map::new(ground, &data, variants)?;
             if sure {
                 break;
             }
         }
         let verified = data.split_off(variants);
         let outcome = self.outcome(&map, verified, Variants { run: data, left_out }, surface_error);
+        self.heed()?;
         Ok(DesignOutcome { number_errors, ..outcome })
+    }
+
+    /// Ends the design where it is to stop.
+    fn heed(&self) -> Result<(), DesignError> {
+        if self.watch.stop() { Err(RunError::Stopped.into()) } else { Ok(()) }
+    }
+
+    /// What is interpolated of these variants: of layers that are composed of slabs, which tell no
+    /// film of theirs, the spectra or their logarithms, whichever leaves out less.
+    fn ground(&self, data: &[Verified]) -> Result<Ground<'_>, DesignError> {
+        let of = |interpolated| Ground { task: self.task, watch: self.watch, interpolated };
+        let places = vec![0.5; self.task.variables.len()];
+        if study_at(self.task, &places)?.composed().is_none() {
+            return Ok(of(Interpolated::BeyondFilm));
+        }
+        let left_out = |ground: Ground| Map::new(ground, data, data.len())?.leave_one_out(data);
+        let themselves = left_out(of(Interpolated::Spectra))?;
+        let logarithms = left_out(of(Interpolated::Logarithms))?;
+        let is_better = logarithms < themselves;
+        Ok(of(if is_better { Interpolated::Logarithms } else { Interpolated::Spectra }))
     }
 
     /// Runs the variants of the design; those without a colour are left out.
     fn variants(&self) -> Result<Variants, DesignError> {
         let task = self.task;
-        let count = task.variables.len();
+        let count = task.interpolated().count();
         let planned = task.variants();
-        let needed = super::surface::most_coefficients(count) + 2;
+        let needed = if count == 0 { 1 } else { most_coefficients(count) + 2 };
         let corners = if count <= CORNERS { (1 << count).min(planned) } else { 0 };
         let places = (0..corners)
             .map(|c| corner(c, count))
-            .chain((0..planned - corners).map(|r| even_point(DESIGN_SEED, count, r)));
+            .chain((0..planned - corners).map(|r| even_point(DESIGN_SEED, count, r)))
+            .map(|interpolated| task.between(&interpolated));
         let mut variants = Variants { run: Vec::new(), left_out: Vec::new() };
         for (k, places) in places.enumerate() {
             self.watch.stage(&format!("variant {}/{planned}: {}", k + 1, task.in_words(&places)));
@@ -262,155 +293,6 @@ impl DesignRun<'_> {
         LeftOut { recipe: self.task.in_words(places), reason, verifying, places: places.to_vec() }
     }
 
-    /// Runs a recipe, of a verifying run with its number from 1; the inner error says why it has no
-    /// colour.
-    ///
-    /// # Errors
-    /// What ends every other run as well: a stop, an unwritable folder, too little memory.
-    fn run(&self, places: &[f64], round: Option<usize>) -> Result<Result<Verified, String>, DesignError> {
-        let task = self.task;
-        let study = match self.study(places, round) {
-            Ok(study) => study,
-            Err(fault) => return Ok(Err(fault.to_string())),
-        };
-        // a folder of its own: processes that help find this study alone in its queue
-        let path = self.folder.path().join("runs").join(study.key().short());
-        let folder = OutputFolder::open(&path, Holds::Study).map_err(RunError::from)?;
-        let collected = match run_study(&study, &folder, self.settings, self.watch) {
-            Ok(ran) => ran.collected,
-            Err(error) if error.is_of_the_study() => return Ok(Err(error.to_string())),
-            Err(error) => return Err(error.into()),
-        };
-        if self.watch.stop() {
-            return Err(RunError::Stopped.into());
-        }
-        let solved = FinishedSolves::Whole(Box::new(collected));
-        let evaluated = match Evaluated::new(&study, &solved) {
-            Ok(evaluated) => evaluated,
-            Err(error) => return Ok(Err(error.to_string())),
-        };
-        let mut spectra = match evaluated.seen().map(|seen| &seen.ink) {
-            Some(Ok(ink)) => spectra(ink)?,
-            Some(Err(reason)) => return Ok(Err(reason.to_string())),
-            None => return Ok(Err("a composed layer has no spectra over other backings".to_owned())),
-        };
-        match evaluated.seen().map(|seen| self.number_sums(&study, seen)).transpose() {
-            Ok(sums) => spectra.extend(sums.into_iter().flatten()),
-            Err(reason) => return Ok(Err(reason)),
-        }
-        let manifest = evaluated.manifest;
-        if let Some(what) = manifest.unphysical() {
-            return Ok(Err(format!("{what}: curves through few wavelengths and cells overshoot")));
-        }
-        let main = manifest.main_numbers();
-        let maker = manifest.ink_maker.as_ref();
-        let target = maker.and_then(|maker| maker.target.as_ref());
-        let Some(maker) = maker.filter(|_| target.is_some() || task.lab.is_none()) else {
-            let reason = manifest.no_ink_maker.or(manifest.no_colour);
-            return Ok(Err(reason.unwrap_or_else(|| "the run gives no colour at 45:0".into())));
-        };
-        let numbers = match self.reached(&manifest) {
-            Ok(numbers) => numbers,
-            Err(reason) => return Ok(Err(reason)),
-        };
-        Ok(Ok(Verified {
-            recipe: task.in_words(places),
-            values: task.values(places),
-            lab: maker.print.colour.lab,
-            hex: maker.print.hex.clone(),
-            delta_e_2000: target.map(|target| target.delta_e_2000),
-            predicted: None,
-            surface_error: None,
-            contrast_ratio: maker.contrast_ratio,
-            numbers,
-            realisations: main.realisations,
-            cost: task.cost(places),
-            places: places.to_vec(),
-            spectra,
-        }))
-    }
-
-    /// The sums behind the numbers that are wanted.
-    fn number_sums(&self, study: &Study, seen: &Seen) -> Result<Vec<f64>, String> {
-        let each = self.task.numbers.iter().map(|wish| sums_of_run(&wish.wanted, study, seen));
-        Ok(each.collect::<Result<Vec<_>, String>>()?.concat())
-    }
-
-    /// The numbers of a run that are wanted, or why one of them is withheld.
-    fn reached(&self, manifest: &Manifest) -> Result<Vec<ReachedNumber>, String> {
-        let find = |wish: &NumberWish| {
-            let note = manifest.numbers.iter().find(|note| note.name == wish.name);
-            let reached = note.and_then(|note| note.estimate());
-            let name = wish.name.clone();
-            reached.map(|estimate| ReachedNumber { name, estimate, predicted: None }).ok_or_else(|| {
-                let withheld = manifest.withheld.iter().find(|withheld| withheld.number == wish.name);
-                withheld.map_or_else(|| format!("it has no {}", wish.name), |why| why.in_words())
-            })
-        };
-        self.task.numbers.iter().map(find).collect()
-    }
-
-    /// The study of a recipe. A verifying run has the requested number of packings, and others than
-    /// the variants and every earlier one: searches fit their answer to the chance of the runs
-    /// before.
-    fn study(&self, places: &[f64], round: Option<usize>) -> Result<Study, DesignError> {
-        let mut study = study_at(self.task, places)?;
-        study.judgement.target_lab = self.task.lab;
-        if let Some(round) = round {
-            study.packing.seed = study.packing.seed.wrapping_add(round as u64);
-            study.realisations = self.task.settings.realisations.unwrap_or(study.realisations);
-        }
-        Ok(study)
-    }
-
-    /// Whether a run needs no further one: it meets the wish, and does so at the far end of its bar
-    /// as well.
-    fn is_sure(&self, run: &Verified) -> bool {
-        let of_colour = |distance: Estimate| distance.value + error(distance) <= self.task.settings.delta_e;
-        let of_number = |wish: &NumberWish, at: Estimate| {
-            [-error(at), error(at)].iter().all(|by| wish.holds(at.value + by))
-        };
-        self.meets(run)
-            && run.delta_e_2000.is_none_or(of_colour)
-            && self.wanted(run).all(|(wish, number)| of_number(wish, number.estimate))
-    }
-
-    /// Whether a recipe is within the requested ΔE₀₀, hides enough and has the numbers wanted.
-    fn meets(&self, run: &Verified) -> bool {
-        run.delta_e_2000.is_none_or(|distance| distance.value <= self.task.settings.delta_e)
-            && self.task.hides(run.contrast_ratio.value)
-            && self.wanted(run).all(|(wish, number)| wish.holds(number.estimate.value))
-    }
-
-    /// The numbers that are wanted, and what a run has of them.
-    fn wanted<'b>(
-        &'b self,
-        run: &'b Verified,
-    ) -> impl Iterator<Item = (&'b NumberWish, &'b ReachedNumber)> + 'b {
-        self.task.numbers.iter().zip(&run.numbers)
-    }
-
-    /// How far a run is from the wishes but for its contrast, as a ΔE₀₀.
-    fn distance(&self, run: &Verified) -> f64 {
-        let of_colour = run.delta_e_2000.map_or(0.0, |distance| distance.value);
-        let numbers: Vec<f64> = run.numbers.iter().map(|number| number.estimate.value).collect();
-        of_colour + self.task.lack(&numbers)
-    }
-
-    /// Order of two recipes, the best one first: by rank, those of one rank by distance.
-    fn order(&self, a: &Verified, b: &Verified) -> std::cmp::Ordering {
-        self.rank(a).total_cmp(&self.rank(b)).then(self.distance(a).total_cmp(&self.distance(b)))
-    }
-
-    /// Rank of a recipe: of those that meet the wish the cost, of the others the distance.
-    fn rank(&self, run: &Verified) -> f64 {
-        if self.meets(run) {
-            // between 0 and 1 whatever the currency
-            return 0.5 + run.cost.atan() / std::f64::consts::PI;
-        }
-        1.0 + self.task.miss(Some(self.distance(run)), run.contrast_ratio.value)
-    }
-
     fn outcome(
         &self,
         map: &Map,
@@ -422,7 +304,11 @@ impl DesignRun<'_> {
         let met = verified.first().is_some_and(|best| self.meets(best));
         let answers = map.search(None);
         let least = answers.first().and_then(|a| a.delta_e_2000).unwrap_or(0.0);
-        let limit = self.task.settings.delta_e.max(least + surface_error);
+        // where nothing is interpolated, runs alone are in error
+        let of_run = || data.run.first().and_then(|run| run.delta_e_2000?.standard_error);
+        let is_interpolated = self.task.interpolated().next().is_some();
+        let leeway = if is_interpolated { surface_error } else { of_run().unwrap_or(0.0) };
+        let limit = self.task.settings.delta_e.max(least + leeway);
         let near = |a: &DesignAnswer| {
             a.delta_e_2000.is_none_or(|distance| distance <= limit)
                 && self.task.hides(a.contrast_ratio)
@@ -443,96 +329,20 @@ impl DesignRun<'_> {
             verified,
             valley: spread(&valley),
             valley_ranges,
+            composed: self.task.names(self.task.composed()),
+            interpolated: self.task.names(self.task.interpolated()),
+            interpolated_as: self.task.interpolated().next().map(|_| map.interpolated()),
             surface_error,
             number_errors: Vec::new(),
             variants: data.run.len(),
             left_out: data.left_out,
         }
     }
-
-    fn verdict(&self, verified: &[Verified], met: bool) -> String {
-        let task = self.task;
-        let Some(best) = verified.first() else {
-            return "Not proven: no verifying run gave a colour".into();
-        };
-        let wish = task.settings.delta_e;
-        let ends: Vec<String> = (0..task.variables.len()).filter_map(|i| at_end(task, best, i)).collect();
-        let ends = if ends.is_empty() { String::new() } else { format!(" It lies at {}.", ends.join(", ")) };
-        let (Some(of_colour), true) = (best.delta_e_2000, task.numbers.is_empty()) else {
-            return self.verdict_of_all(best, met, &ends);
-        };
-        let distance = of_colour.in_words(2);
-        if met {
-            return format!("{}: ΔE₀₀ {distance} to the target (requested: {wish})", best.recipe);
-        }
-        if let Some(least) = task.contrast_ratio.filter(|least| best.contrast_ratio.value < *least) {
-            let ratio = best.contrast_ratio.in_words(3);
-            return format!(
-                "No recipe in these ranges has the colour and hides enough: the nearest is {} with ΔE₀₀ {distance} and a contrast \
-                 ratio of {ratio} (requested: {wish} and {least}).{ends}",
-                best.recipe
-            );
-        }
-        if of_colour.value - error(of_colour) > wish {
-            return format!(
-                "Out of reach in these ranges: the nearest recipe, {}, is ΔE₀₀ {distance} away (requested: {wish}).{ends}",
-                best.recipe
-            );
-        }
-        format!(
-            "Not proven: {} is ΔE₀₀ {distance} away (requested: {wish}), and its error is too large to decide: raise \
-             design.realisations or design.verifications.{ends}",
-            best.recipe
-        )
-    }
-
-    /// The verdict where numbers are wanted: all that a recipe has of what was requested.
-    fn verdict_of_all(&self, best: &Verified, met: bool, ends: &str) -> String {
-        let task = self.task;
-        let wish = task.settings.delta_e;
-        let colour = best
-            .delta_e_2000
-            .map(|distance| format!("ΔE₀₀ {} to the target (requested: {wish})", distance.in_words(2)));
-        let contrast = task.contrast_ratio.map(|least| {
-            format!("a contrast ratio of {} (requested: {least})", best.contrast_ratio.in_words(3))
-        });
-        let numbers = self.wanted(best).map(|(wish, number)| {
-            let reached = number.estimate.in_words(decimals(wish));
-            format!("{} {reached} (requested: {})", wish.name, wish.in_words())
-        });
-        let all = colour.into_iter().chain(contrast).chain(numbers).collect::<Vec<_>>().join(", ");
-        if met {
-            return format!("{}: {all}", best.recipe);
-        }
-        let missed = |wish: &NumberWish, at: Estimate| wish.distance(at.value) > error(at);
-        let is_missed = !task.hides(best.contrast_ratio.value)
-            || best.delta_e_2000.is_some_and(|distance| distance.value - error(distance) > wish)
-            || self.wanted(best).any(|(wish, number)| missed(wish, number.estimate));
-        if is_missed {
-            return format!(
-                "Out of reach in these ranges: the nearest recipe, {}, has {all}.{ends}",
-                best.recipe
-            );
-        }
-        format!(
-            "Not proven: {} has {all}, and its error is too large to decide: raise design.realisations or design.verifications.{ends}",
-            best.recipe
-        )
-    }
 }
 
-/// In words whether a recipe lies at an end of a range.
-fn at_end(task: &DesignTask, best: &Verified, i: usize) -> Option<String> {
-    let place = best.places[i];
-    let which = if place < AT_END { "smallest" } else { "largest" };
-    let variable = &task.variables[i];
-    let value = short(variable.value(place));
-    (!(AT_END..=1.0 - AT_END).contains(&place)).then(|| format!("the {which} {} ({value})", variable.name))
-}
-
-/// What a number of a run may be wrong by.
-fn error(of: Estimate) -> f64 {
-    WITHIN * of.standard_error.unwrap_or(0.0)
+/// The study of a recipe.
+fn study_at(task: &DesignTask, places: &[f64]) -> Result<Study, DesignError> {
+    task.study(places).map_err(|faults| DesignError::no_colour(task, places, &faults[0]))
 }
 
 fn same(one: &[f64], other: &[f64]) -> bool {

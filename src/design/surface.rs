@@ -6,7 +6,7 @@ use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::visible;
 use crate::appearance::viewing::ColourError;
 use crate::evaluate::ink::{InkError, InkOnPaper};
-use crate::evaluate::ink_maker::{BLACK, WHITE};
+use crate::evaluate::ink_maker::{BLACK, WHITE, in_own_light};
 use crate::evaluate::on_paper::LayerOnPaper;
 use crate::input::fault::Fault;
 use crate::input::measured::MeasuredSpectrum;
@@ -39,11 +39,14 @@ fn monomials(places: &[f64]) -> Vec<f64> {
     all
 }
 
-/// Spectra of an ink lit at 45° and seen along the normal.
+/// Spectra of a study's ink lit at 45° and seen along the normal, under the study's own light where
+/// its paper fluoresces.
 ///
 /// # Errors
 /// The ink on its paper has none.
-pub fn spectra(ink: &InkOnPaper) -> Result<Spectra3, InkError> {
+pub fn spectra(study: &Study, ink: &InkOnPaper) -> Result<Spectra3, InkError> {
+    let relit = in_own_light(study, ink)?;
+    let ink = relit.as_ref().unwrap_or(ink);
     let (light, view) = (ink.at(PRINT_DEG)?, ink.at(0.0)?);
     let factor = |layer: &LayerOnPaper| PI * layer.brdf(&light, &view);
     let over = |albedo: f64| ink.spectrum(|layer| factor(&layer.over(albedo))).values;
@@ -125,7 +128,8 @@ impl Surfaces {
         let count = rows.first()?.len();
         let columns = differences.first()?.len();
         let matrix = Mat::from_fn(rows.len(), count, |i, j| rows[i][j]);
-        let ridge = RIDGE * rows.len() as f64;
+        // a constant is the mean: nothing is interpolated
+        let ridge = if count > 1 { RIDGE * rows.len() as f64 } else { 0.0 };
         let ridge = Mat::from_fn(count, count, |i, j| if i == j { ridge } else { 0.0 });
         let factors = (matrix.transpose() * &matrix + ridge).llt(Side::Lower).ok()?;
         let values = Mat::from_fn(rows.len(), columns, |i, j| differences[i][j]);

@@ -1,17 +1,23 @@
 //! Surfaces with the film beneath and the verified runs on top, and the search on them.
+//!
+//! Surfaces are polynomials over the interpolated axes. At every place of the composed axes there
+//! are others, through spectra that are composed there of the solves of all runs.
 
-use super::{DesignError, Verified};
+use super::film::FilmResponse;
+use super::interpolated::Interpolated;
+use super::solved::Composable;
+use super::{DesignError, Verified, study_at};
 use crate::appearance::colour::ciede2000;
 use crate::design::recipe::DesignTask;
-use crate::design::surface::{Eye, Spectra3, Surfaces, spectra};
+use crate::design::surface::{Eye, Spectra3, Surfaces};
 use crate::design::wish::NumberWish;
-use crate::evaluate::numbers::{AskedNumber, film_spectra};
-use crate::evaluate::seen::film_alone;
-use crate::input::file::SeenLight;
-use crate::input::study::Study;
 use crate::numerics::Sequence;
+use crate::run::RunError;
+use crate::run::watch::RunWatch;
 use rayon::prelude::*;
 use serde::Serialize;
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Points of the box that a search begins with, for each variable.
 const TRIED: usize = 250;
@@ -22,31 +28,46 @@ const EDGE: f64 = 0.05;
 /// Best ones that are followed downhill, and halvings of their steps.
 const FOLLOWED: usize = 6;
 const HALVINGS: usize = 7;
+/// Their first step on an interpolated axis and on a composed one. Places on composed axes are
+/// multiples of a power of a half, so that few of them are composed.
+const STEP: f64 = 0.1;
+const COMPOSED_STEP: f64 = 0.125;
+/// Places of a composed axis that a search begins with, less one.
+const COMPOSED_TRIED: f64 = 32.0;
 /// Range over which the distance between a run and the surfaces is carried over.
 const CARRIED: f64 = 0.3;
 /// Recipes of nearly equal colour that are listed, and their least distance in the box.
 const LISTED: usize = 6;
 const LISTED_APART: f64 = 0.02;
 
+/// What surfaces are made of.
+#[derive(Clone, Copy)]
+pub(super) struct Ground<'a> {
+    pub task: &'a DesignTask,
+    pub watch: &'a dyn RunWatch,
+    pub interpolated: Interpolated,
+}
+
+/// A run that the surfaces rest on.
+struct Support {
+    places: Vec<f64>,
+    spectra: Spectra3,
+    solved: Option<Arc<Composable>>,
+}
+
 /// Surfaces with the film beneath, and what they answer.
 pub(super) struct Map<'a> {
+    ground: Ground<'a>,
     task: &'a DesignTask,
     eye: Eye,
     film: FilmResponse<'a>,
-    surfaces: Surfaces,
+    runs: Vec<Support>,
+    /// By the places of the composed axes.
+    known: Mutex<HashMap<Vec<u64>, Arc<Surfaces>>>,
     /// Verified recipes: places, and run less surface in L*, a*, b*, and in the numbers.
     offsets: Vec<(Vec<f64>, [f64; 3], Vec<f64>)>,
     /// The wishes that a search aims at: ranges less what the surfaces and a run may be wrong by.
     aims: Vec<NumberWish>,
-}
-
-/// What the coherent film of a recipe answers: the spectra behind its colours, and the sums behind
-/// the numbers that are wanted.
-struct FilmResponse<'a> {
-    task: &'a DesignTask,
-    asked: Vec<AskedNumber<'a>>,
-    /// Wavelengths of the spectra that numbers take, nm.
-    wavelengths_nm: Vec<f64>,
 }
 
 /// What a recipe looks like, and its numbers in the order of the wishes.
@@ -76,47 +97,6 @@ pub struct DesignAnswer {
     pub numbers: Vec<f64>,
     #[serde(skip)]
     pub(super) places: Vec<f64>,
-}
-
-pub(super) fn study_at(task: &DesignTask, places: &[f64]) -> Result<Study, DesignError> {
-    task.study(places).map_err(|faults| DesignError::no_colour(task, places, &faults[0]))
-}
-
-impl<'a> FilmResponse<'a> {
-    /// Of recipes with the wavelengths of this one.
-    fn new(task: &'a DesignTask, places: &[f64]) -> Result<Self, DesignError> {
-        let wanted: Vec<_> = task.numbers.iter().map(|wish| &wish.wanted).collect();
-        let wavelengths_nm =
-            if wanted.is_empty() { Vec::new() } else { study_at(task, places)?.number_wavelengths_nm() };
-        let asked =
-            wanted.into_iter().filter_map(|wanted| AskedNumber::new(wanted, &wavelengths_nm)).collect();
-        Ok(Self { task, asked, wavelengths_nm })
-    }
-
-    /// Spectra of a recipe's film, and the sums of its numbers.
-    fn at(&self, places: &[f64]) -> Result<Spectra3, DesignError> {
-        let study = study_at(self.task, places)?;
-        let mut all = spectra(&film_alone(&study)?)?;
-        for asked in &self.asked {
-            let lights: Vec<SeenLight> = asked.wanted.spectra().collect();
-            let spectra = film_spectra(&study, &lights, &self.wavelengths_nm)?;
-            all.extend(asked.sums_of(&spectra.iter().map(Vec::as_slice).collect::<Vec<_>>()));
-        }
-        Ok(all)
-    }
-
-    /// The numbers of such an answer, whose sums come last.
-    fn numbers(&self, spectra: &[f64]) -> Vec<f64> {
-        let counts: Vec<usize> = self.asked.iter().map(AskedNumber::count).collect();
-        let mut sums = &spectra[spectra.len() - counts.iter().sum::<usize>()..];
-        let mut numbers = Vec::new();
-        for (asked, count) in self.asked.iter().zip(counts) {
-            let (own, rest) = sums.split_at(count);
-            numbers.push(asked.number(own));
-            sums = rest;
-        }
-        numbers
-    }
 }
 
 /// Point `r` of a sequence that fills the unit box of `count` dimensions and its sides evenly.
@@ -153,20 +133,19 @@ pub(super) fn spread(all: &[DesignAnswer]) -> Vec<DesignAnswer> {
 
 impl<'a> Map<'a> {
     /// The surfaces through all runs; those from number `variants` on verified an answer.
-    pub fn new(task: &'a DesignTask, data: &[Verified], variants: usize) -> Result<Self, DesignError> {
-        let mut differences = Vec::new();
-        let film_of = FilmResponse::new(task, &data[0].places)?;
-        for run in data {
-            let film = film_of.at(&run.places)?;
-            differences.push(run.spectra.iter().zip(&film).map(|(a, b)| a - b).collect());
-        }
-        let places: Vec<Vec<f64>> = data.iter().map(|run| run.places.clone()).collect();
-        let none =
-            || DesignError::NoColour(format!("{}: no colour: the surfaces have no solution", task.title));
-        let surfaces = Surfaces::new(&places, &differences).ok_or_else(none)?;
+    pub fn new(ground: Ground<'a>, data: &[Verified], variants: usize) -> Result<Self, DesignError> {
+        let task = ground.task;
+        let film = FilmResponse::new(task, &data[0].places)?;
+        let support = |run: &Verified| Support {
+            places: run.places.clone(),
+            spectra: run.spectra.clone(),
+            solved: run.solved.clone(),
+        };
+        let runs = data.iter().map(support).collect();
         let eye = Eye::new(&study_at(task, &data[0].places)?)?;
-        let (film, aims) = (film_of, task.numbers.clone());
-        let mut map = Map { task, eye, film, surfaces, offsets: Vec::new(), aims };
+        let (known, offsets, aims) = (Mutex::default(), Vec::new(), task.numbers.clone());
+        let mut map = Map { ground, task, eye, film, runs, known, offsets, aims };
+        map.surfaces(&data[0].places)?;
         let errors = map.number_errors(data);
         map.aims = task.numbers.iter().zip(&errors).map(|(wish, error)| wish.narrowed(2.0 * error)).collect();
         for run in &data[variants..] {
@@ -179,6 +158,58 @@ impl<'a> Map<'a> {
         Ok(map)
     }
 
+    /// What the surfaces interpolate.
+    pub fn interpolated(&self) -> Interpolated {
+        self.ground.interpolated
+    }
+
+    /// The surfaces at a recipe's places of the composed axes.
+    fn surfaces(&self, places: &[f64]) -> Result<Arc<Surfaces>, DesignError> {
+        let composed = self.task.composed_places(places);
+        let name: Vec<u64> = composed.iter().map(|place| place.to_bits()).collect();
+        if let Some(known) = self.known.lock().unwrap_or_else(PoisonError::into_inner).get(&name) {
+            return Ok(known.clone());
+        }
+        let mut values = Vec::new();
+        for run in &self.runs {
+            if self.ground.watch.stop() {
+                return Err(RunError::Stopped.into());
+            }
+            let there = self.task.moved(&run.places, &composed);
+            let [spectra, film] = self.spectra_of(run, &there)?;
+            values.push(self.ground.interpolated.of(&spectra, &film));
+        }
+        let places: Vec<Vec<f64>> =
+            self.runs.iter().map(|run| self.task.interpolated_places(&run.places)).collect();
+        let none = || {
+            DesignError::NoColour(format!("{}: no colour: the surfaces have no solution", self.task.title))
+        };
+        let surfaces = Arc::new(Surfaces::new(&places, &values).ok_or_else(none)?);
+        self.known.lock().unwrap_or_else(PoisonError::into_inner).insert(name, surfaces.clone());
+        Ok(surfaces)
+    }
+
+    /// Spectra of a run at other places of the composed axes, its own or composed of its solves, and
+    /// those of the film beneath.
+    fn spectra_of(&self, run: &Support, places: &[f64]) -> Result<[Spectra3; 2], DesignError> {
+        let solved = run.solved.as_ref().filter(|_| run.places != places);
+        let Some(solved) = solved else {
+            return Ok([run.spectra.clone(), self.film_at(places)?]);
+        };
+        let there = solved.at(self.task, places)?;
+        // films have no sums of their own there
+        let film = if self.task.numbers.is_empty() { there.film.clone() } else { self.film_at(places)? };
+        Ok([there.layer.clone(), film])
+    }
+
+    /// The film beneath the surfaces; none where there is nothing beneath them.
+    fn film_at(&self, places: &[f64]) -> Result<Spectra3, DesignError> {
+        match self.ground.interpolated {
+            Interpolated::BeyondFilm => self.film.at(places),
+            Interpolated::Spectra | Interpolated::Logarithms => Ok(Vec::new()),
+        }
+    }
+
     /// What such an answer looks like.
     fn looks(&self, spectra: &[f64]) -> Result<Looks, DesignError> {
         let (lab, contrast_ratio) = self.eye.sees(spectra)?;
@@ -187,9 +218,8 @@ impl<'a> Map<'a> {
 
     /// A recipe by the surfaces alone.
     pub(super) fn surface(&self, places: &[f64]) -> Result<Looks, DesignError> {
-        let parts = self.film.at(places)?.into_iter().zip(self.surfaces.at(places));
-        let sum: Vec<f64> = parts.map(|(a, b)| a + b).collect();
-        self.looks(&sum)
+        let interpolated = self.surfaces(places)?.at(&self.task.interpolated_places(places));
+        self.looks(&self.ground.interpolated.back(interpolated, &self.film_at(places)?))
     }
 
     /// A recipe by the surfaces and what runs have shown nearby.
@@ -245,7 +275,11 @@ impl<'a> Map<'a> {
             .collect();
         let place = |r: usize| -> Vec<f64> {
             let point = even_point(SEARCH_SEED, count, r);
-            bounds.iter().zip(point).map(|([a, b], x)| a + (b - a) * x).collect()
+            let mut places: Vec<f64> = bounds.iter().zip(point).map(|([a, b], x)| a + (b - a) * x).collect();
+            for i in self.task.composed() {
+                places[i] = ((places[i] * COMPOSED_TRIED).round() / COMPOSED_TRIED).clamp(0.0, 1.0);
+            }
+            places
         };
         let tried = (0..TRIED * count).into_par_iter();
         let mut all: Vec<DesignAnswer> = tried.filter_map(|r| self.answer(place(r))).collect();
@@ -258,10 +292,11 @@ impl<'a> Map<'a> {
 
     /// Follows a recipe downhill along the variables.
     fn downhill(&self, mut here: DesignAnswer, bounds: &[[f64; 2]]) -> DesignAnswer {
-        let mut step = 0.1;
+        let step = |i: usize| if self.task.variables[i].composed { COMPOSED_STEP } else { STEP };
+        let mut share = 1.0;
         for _ in 0..HALVINGS {
             loop {
-                let moves = (0..bounds.len()).flat_map(|i| [(i, step), (i, -step)]);
+                let moves = (0..bounds.len()).flat_map(|i| [(i, share * step(i)), (i, -share * step(i))]);
                 let best = moves
                     .filter_map(|(i, by)| {
                         let mut places = here.places.clone();
@@ -274,22 +309,31 @@ impl<'a> Map<'a> {
                     _ => break,
                 }
             }
-            step *= 0.5;
+            share *= 0.5;
         }
         here
     }
 
-    /// What the surfaces without a variant predict for it.
-    fn without(&self, i: usize, run: &Verified) -> Vec<f64> {
-        run.spectra.iter().zip(&self.surfaces.left_out[i]).map(|(own, e)| own + e).collect()
+    /// What the surfaces without a run predict for it, at its own places of the composed axes or at
+    /// others.
+    fn without(&self, i: usize, places: &[f64]) -> Result<[Spectra3; 2], DesignError> {
+        let [own, _] = self.spectra_of(&self.runs[i], places)?;
+        let without = self.ground.interpolated.wrong_by(&own, &self.surfaces(places)?.left_out[i]);
+        Ok([without, own])
     }
 
-    /// Median ΔE₀₀ between variants and the surfaces without them.
+    /// Median ΔE₀₀ between variants and the surfaces without them, at both ends of the composed axes
+    /// and in their middle.
     pub fn leave_one_out(&self, data: &[Verified]) -> Result<f64, DesignError> {
+        let composed = self.task.composed().count();
+        let looked_at = if composed == 0 { &[0.5][..] } else { &[0.0, 0.5, 1.0] };
         let mut all = Vec::new();
-        for (i, run) in data.iter().enumerate() {
-            let without = self.without(i, run);
-            all.push(ciede2000(self.eye.sees(&without)?.0, self.eye.sees(&run.spectra)?.0));
+        for &place in looked_at {
+            for (i, run) in data.iter().enumerate() {
+                let there = self.task.moved(&run.places, &vec![place; composed]);
+                let [without, own] = self.without(i, &there)?;
+                all.push(ciede2000(self.eye.sees(&without)?.0, self.eye.sees(&own)?.0));
+            }
         }
         Ok(median(all))
     }
@@ -298,7 +342,8 @@ impl<'a> Map<'a> {
     /// variants and the surfaces without them, and the median standard error of the runs.
     pub fn number_errors(&self, data: &[Verified]) -> Vec<f64> {
         let missed = |(i, run): (usize, &Verified)| -> Vec<f64> {
-            let without = self.film.numbers(&self.without(i, run));
+            let without = self.without(i, &run.places).map(|[without, _]| self.film.numbers(&without));
+            let without = without.unwrap_or_default();
             without.iter().zip(&run.numbers).map(|(here, run)| (here - run.estimate.value).abs()).collect()
         };
         let all: Vec<Vec<f64>> = data.iter().enumerate().map(missed).collect();

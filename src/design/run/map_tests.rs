@@ -44,7 +44,7 @@ pub(in crate::design::run) fn task() -> DesignTask {
     loaded(DESIGN)
 }
 
-fn loaded(text: &str) -> DesignTask {
+pub(in crate::design::run) fn loaded(text: &str) -> DesignTask {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("design.toml");
     std::fs::write(&path, text).unwrap();
@@ -83,7 +83,12 @@ pub(in crate::design::run) fn run_at(task: &DesignTask, places: &[f64], beyond_f
         cost: task.cost(places),
         places: places.to_vec(),
         spectra,
+        solved: None,
     }
+}
+
+fn ground(task: &DesignTask) -> Ground<'_> {
+    Ground { task, watch: &(), interpolated: Interpolated::BeyondFilm }
 }
 
 fn even_runs(task: &DesignTask) -> Vec<Verified> {
@@ -99,7 +104,7 @@ fn the_answer_at_a_verified_recipe_is_its_run() {
     let variants = runs.len();
     runs.push(run_at(&task, &[0.4, 0.6], 0.05));
     let verified = runs[variants].lab;
-    let map = Map::new(&task, &runs, variants).unwrap();
+    let map = Map::new(ground(&task), &runs, variants).unwrap();
     let (here, surface) = (map.at(&[0.4, 0.6]).unwrap().lab, map.surface(&[0.4, 0.6]).unwrap().lab);
     assert!(ciede2000(surface, verified) > 0.5, "the check is empty: {surface:?} {verified:?}");
     // An identity: rounding.
@@ -122,7 +127,7 @@ fn a_film_is_found_again() {
     let secret = [0.37, 0.5];
     task.lab = Some(run_at(&task, &secret, 0.0).lab);
     let runs = even_runs(&task);
-    let map = Map::new(&task, &runs, runs.len()).unwrap();
+    let map = Map::new(ground(&task), &runs, runs.len()).unwrap();
     assert!(map.leave_one_out(&runs).unwrap() < 1e-6, "films have no differences from themselves");
     let best = &map.search(None)[0];
     // Steps end at 0.1/2⁶ of the range.
@@ -170,7 +175,7 @@ fn of_density(range: &str) -> DesignTask {
 fn a_density_is_found_at_the_least_cost() {
     let task = of_density("at_least = 0.6\nat_most = 0.7");
     let runs = even_runs(&task);
-    let map = Map::new(&task, &runs, runs.len()).unwrap();
+    let map = Map::new(ground(&task), &runs, runs.len()).unwrap();
     let answers = map.search(None);
     let aim = task.numbers[0].narrowed(2.0 * map.number_errors(&runs)[0]);
     let meets: Vec<&DesignAnswer> = answers
@@ -193,7 +198,7 @@ fn the_number_at_a_verified_recipe_is_its_run() {
     let variants = runs.len();
     runs.push(run_at(&task, &[0.4, 0.6], 0.02));
     runs[variants].numbers[0].estimate.value += 0.2;
-    let map = Map::new(&task, &runs, variants).unwrap();
+    let map = Map::new(ground(&task), &runs, variants).unwrap();
     let here = map.at(&[0.4, 0.6]).unwrap().numbers[0];
     assert!((here - runs[variants].numbers[0].estimate.value).abs() < 1e-9, "{here}");
     assert!((map.surface(&[0.4, 0.6]).unwrap().numbers[0] - here).abs() > 0.1, "the check is empty");

@@ -204,6 +204,12 @@ impl InkOnPaper {
         Ok(other.laid_on_paper()?)
     }
 
+    /// The ink without its leave-one-out ensembles and moved tables, to be laid [`on`](Self::on)
+    /// other papers: values have no errors then.
+    pub(super) fn of_means(&self) -> Self {
+        Self { layer: self.layer.of_means(), replicates: Vec::new(), moved: None, ..self.clone() }
+    }
+
     /// With the layers of the whole ensemble and of all leave-one-out ensembles.
     fn laid_on_paper(mut self) -> Result<Self, PaperError> {
         let left_out = 0..self.layer.replicates();

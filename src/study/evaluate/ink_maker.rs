@@ -2,6 +2,7 @@
 //! illuminant, the difference to a measurement or to a target. All are derived from the stored
 //! solves; errors include randomness, the grid and the solver's residual.
 
+pub mod bare;
 mod coefficients;
 
 pub use coefficients::KubelkaMunkRow;
@@ -13,7 +14,7 @@ use super::uncertainty::{Conditions, Shift, UNMOVED, Uncertainty, Widened};
 use crate::appearance::colour::Colour;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::visible;
-use crate::appearance::viewing::Viewing;
+use crate::appearance::viewing::{ColourError, Viewing};
 use crate::input::measured::MeasuredSpectrum;
 use crate::input::study::{Judgement, Study};
 use crate::numerics::estimate::{Estimate, jackknife_deviations};
@@ -240,6 +241,32 @@ impl Question<'_> {
     }
 }
 
+/// The paper of a study under the light of its instrument, or under its illuminant; `None` if it
+/// does not fluoresce.
+///
+/// # Errors
+/// An illuminant that is not known.
+pub(super) fn in_light_of(study: &Study) -> Result<Option<Brightened>, ColourError> {
+    let Judgement { viewing, condition, .. } = &study.judgement;
+    Brightened::under(&study.paper, &study.wavelengths_nm, *condition, viewing)
+}
+
+/// Whether the light of a study is D65, as that of all numbers that name no other.
+pub(super) fn is_in_daylight(study: &Study) -> bool {
+    let Judgement { viewing, condition, .. } = &study.judgement;
+    condition.is_none() && viewing.illuminant() == Viewing::default().illuminant()
+}
+
+/// The ink on its paper under the study's own light, where that is not D65 and the paper, which
+/// fluoresces, shows other factors under it; `None` elsewhere.
+///
+/// # Errors
+/// As [`InkOnPaper::new`].
+pub fn in_own_light(study: &Study, ink: &InkOnPaper) -> Result<Option<InkOnPaper>, InkError> {
+    let lit = in_light_of(study)?.filter(|_| !is_in_daylight(study));
+    Ok(lit.map(|brightened| ink.clone().lit_by(&brightened)).transpose()?)
+}
+
 /// All numbers for ink makers.
 ///
 /// # Errors
@@ -251,11 +278,7 @@ pub(super) fn ink_maker(
     realisations: &[usize],
 ) -> Result<InkMaker, InkError> {
     let Judgement { viewing, target_lab, measured, condition } = &study.judgement;
-    // a paper that fluoresces shows other factors under another light
-    let lit = Brightened::under(&study.paper, &study.wavelengths_nm, *condition, viewing)?;
-    let is_usual = condition.is_none() && viewing.illuminant() == Viewing::default().illuminant();
-    let lit = lit.filter(|_| !is_usual);
-    let relit = lit.map(|brightened| ink.clone().lit_by(&brightened)).transpose()?;
+    let relit = in_own_light(study, ink)?;
     let ink = relit.as_ref().unwrap_or(ink);
     let seen = Conditions::new(ink, study.output.mirrored_sky)?;
     let question = Question { ink, uncertainty, seen, viewing, sight: ink.sight(viewing)? };
@@ -288,7 +311,7 @@ fn target(print: &Colour, by: &[(usize, [f64; 3])], lab: [f64; 3]) -> Target {
 }
 
 /// ΔE₀₀ to an exact colour.
-fn distance(colour: &Colour, lab: [f64; 3]) -> Estimate {
+pub fn distance(colour: &Colour, lab: [f64; 3]) -> Estimate {
     colour.delta_e_2000(&exact(colour, lab))
 }
 

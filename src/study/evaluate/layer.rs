@@ -131,6 +131,13 @@ impl LayerEnsemble {
         self.differences[r].iter().map(|(nm, _)| *nm)
     }
 
+    /// The layer without its leave-one-out ensembles.
+    pub(super) fn of_means(&self) -> Self {
+        let mut means = self.clone();
+        means.fits.without.clear();
+        means
+    }
+
     /// Number of leave-one-out ensembles; 0 for a single realisation.
     pub fn replicates(&self) -> usize {
         self.fits.without.len()

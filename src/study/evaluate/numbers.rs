@@ -135,9 +135,10 @@ pub(super) fn numbers(
 ) -> (Vec<NumberNote>, Vec<Withheld>) {
     let mut notes = Vec::new();
     let mut withheld = Vec::new();
+    let ink = seen.ink.as_ref().map_err(ToString::to_string);
     for wanted in &study.numbers {
         let spectra: Result<Vec<SummedSpectrum>, String> =
-            wanted.spectra().map(|light| summed(light, study, seen, uncertainty)).collect();
+            wanted.spectra().map(|light| summed(light, study, (seen, &ink), uncertainty)).collect();
         let spectra = match spectra {
             Ok(spectra) => spectra,
             Err(reason) => {
@@ -158,10 +159,32 @@ pub(super) fn numbers(
 /// # Errors
 /// The layer has no such spectrum.
 pub fn sums_of_run(wanted: &WantedNumber, study: &Study, seen: &Seen) -> Result<Vec<f64>, String> {
+    sums_of(wanted, study, seen, seen.ink.as_ref().map_err(ToString::to_string))
+}
+
+/// As [`sums_of_run`], of the layer of `seen` on another paper.
+///
+/// # Errors
+/// The layer has no such spectrum.
+pub fn sums_of_ink(
+    wanted: &WantedNumber,
+    study: &Study,
+    seen: &Seen,
+    ink: &InkOnPaper,
+) -> Result<Vec<f64>, String> {
+    sums_of(wanted, study, seen, Ok(ink))
+}
+
+fn sums_of(
+    wanted: &WantedNumber,
+    study: &Study,
+    seen: &Seen,
+    ink: Result<&InkOnPaper, String>,
+) -> Result<Vec<f64>, String> {
     let grid = GridPart::Estimated(GridError::default());
     let exact = Uncertainty { grid, residual: 0.0, missing_cells: 0.0, certain: true };
     let spectra: Vec<SummedSpectrum> =
-        wanted.spectra().map(|light| summed(light, study, seen, &exact)).collect::<Result<_, _>>()?;
+        wanted.spectra().map(|light| summed(light, study, (seen, &ink), &exact)).collect::<Result<_, _>>()?;
     let asked = AskedNumber::new(wanted, &spectra[0].wavelengths_nm).ok_or("its weights are unknown")?;
     let corrections = corrections(&asked, &spectra);
     let values: Vec<&[f64]> = spectra.iter().map(|spectrum| spectrum.values.as_slice()).collect();
@@ -270,18 +293,18 @@ fn corrections(asked: &AskedNumber, spectra: &[SummedSpectrum]) -> Vec<Vec<f64>>
     first.chain(spectra.get(1).map(|second| of(second, 0))).collect()
 }
 
-/// A spectrum of a layer that is solved as a whole.
+/// A spectrum of a layer that is solved as a whole, and of its ink on paper.
 fn summed(
     light: SeenLight,
     study: &Study,
-    seen: &Seen,
+    (seen, ink): (&Seen, &Result<&InkOnPaper, String>),
     uncertainty: &Uncertainty,
 ) -> Result<SummedSpectrum, String> {
     if !light.on_paper() {
         let layer = seen.layer.as_ref().ok_or("no realisation is complete yet")?;
         return layer.summed(light, seen.inputs.as_ref(), uncertainty);
     }
-    let ink = seen.ink.as_ref().map_err(ToString::to_string)?;
+    let ink = ink.clone()?;
     let conditions = Conditions::new(ink, sky_of(light, study)).map_err(|error| error.to_string())?;
     Ok(on_paper(ink, uncertainty, &|layer, by| on_paper_value(light, &conditions, layer, by)))
 }

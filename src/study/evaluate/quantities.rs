@@ -241,6 +241,19 @@ impl<T> HidingNumbers<T> {
 }
 
 impl<T> ComposedNumbers<T> {
+    /// Of the requested thicknesses alone.
+    pub fn of_requested(requested: Vec<ThicknessNumbers<T>>) -> Self {
+        Self {
+            requested,
+            curve: Vec::new(),
+            hiding: None,
+            medium: Vec::new(),
+            distributions: Vec::new(),
+            absorbed: Vec::new(),
+            left_out: Vec::new(),
+        }
+    }
+
     /// New numbers, each from those of its name and place here and in `other`, which is of the same
     /// layer.
     pub fn zipped<V, U>(self, other: ComposedNumbers<V>, number: impl Fn(T, V) -> U) -> ComposedNumbers<U> {

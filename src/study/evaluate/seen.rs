@@ -171,6 +171,29 @@ impl Study {
     }
 }
 
+impl Seen {
+    /// What papers are laid under: the layer and the ink without errors, and no distributions.
+    pub fn of_means(self) -> Self {
+        Self {
+            solved: Vec::new(),
+            bdfs: Vec::new(),
+            ink: self.ink.map(|ink| ink.of_means()),
+            inputs: None,
+            ..self
+        }
+    }
+
+    /// The ink on the paper of another study that differs in its paper alone, the contact excepted.
+    ///
+    /// # Errors
+    /// There is no ink, or the paper is refused.
+    pub fn ink_on_paper_of(&self, study: &Study) -> Result<InkOnPaper, String> {
+        let ink = self.ink.as_ref().map_err(ToString::to_string)?;
+        let laid = ink.on(&substrate(study)).and_then(|ink| in_daylight(study, ink));
+        laid.map_err(|error| error.to_string())
+    }
+}
+
 /// The ink on its paper alone, from the complete realisations.
 ///
 /// # Errors

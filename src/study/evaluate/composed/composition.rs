@@ -274,15 +274,12 @@ impl<'a> CompositionTask<'a> {
             let seen = visible(&self.library.wavelengths_nm);
             colours_of(eye, &spectra[seen]).unwrap_or(ColourNumbers::unknown())
         });
-        ComposedNumbers {
-            requested: vec![ThicknessNumbers { spectra, colours, weighted: Vec::new(), prints }],
-            curve: Vec::new(),
-            hiding: None,
-            medium: Vec::new(),
-            distributions: Vec::new(),
-            absorbed: Vec::new(),
-            left_out: Vec::new(),
-        }
+        ComposedNumbers::of_requested(vec![ThicknessNumbers {
+            spectra,
+            colours,
+            weighted: Vec::new(),
+            prints,
+        }])
     }
 
     /// A print with what the wavelengths leave open of its L*, a*, b*.

@@ -174,6 +174,24 @@ impl Level {
         Some(Self { slab_um, halved, portions, wavelengths_um })
     }
 
+    /// The means of all portions, without what their realisations are one by one.
+    pub fn of_means(&self) -> Self {
+        let states = |portion: &Ensemble, wavelength: usize| {
+            let (mean, media) = portion.states(wavelength, None);
+            KeptStates { media, mean, replicates: Vec::new() }
+        };
+        let all = 0..self.wavelengths_um.len();
+        let mean = |portion: &Ensemble| Ensemble {
+            states: EnsembleStates::Kept(all.clone().map(|wavelength| states(portion, wavelength)).collect()),
+            ..*portion
+        };
+        Self {
+            portions: self.portions.iter().map(mean).collect(),
+            wavelengths_um: self.wavelengths_um.clone(),
+            ..*self
+        }
+    }
+
     /// All that a library keeps of the portions.
     pub fn kept(&self) -> Vec<KeptPortion> {
         let states = |portion: &Ensemble, wavelength: usize| {

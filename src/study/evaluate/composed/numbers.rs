@@ -11,7 +11,7 @@ use crate::appearance::paper::{MirroredSky, PRINT_DEG};
 use crate::appearance::paper_series::{AreaMix, AreaOptics};
 use crate::appearance::tristimulus::{Colorimeter, visible};
 use crate::appearance::viewing::Viewing;
-use crate::evaluate::ink_maker::{BLACK, WHITE};
+use crate::evaluate::ink_maker::{BLACK, WHITE, in_light_of};
 use crate::evaluate::numbers::AskedNumber;
 use crate::evaluate::prints::{Brightened, PrintTask};
 use crate::evaluate::quantities::{
@@ -41,6 +41,16 @@ struct StackNumbers {
     absorbed: Vec<Vec<f64>>,
 }
 
+/// What is evaluated of a composed layer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum LayerExtent {
+    /// All that is published; colours under D65.
+    Published,
+    /// The requested thicknesses on their paper alone, under the study's own light and observer or
+    /// under D65.
+    Print { own_light: bool },
+}
+
 /// What is requested of the slabs of either thickness.
 pub struct LayerTask<'a> {
     /// The study.
@@ -65,6 +75,7 @@ pub struct LayerTask<'a> {
     pub curve_um: Vec<f64>,
     /// The thicknesses of whole slabs on both sides of the one that hides, µm; none if none does.
     pub around_hiding_um: Option<[f64; 2]>,
+    extent: LayerExtent,
 }
 
 impl<'a> LayerTask<'a> {
@@ -73,6 +84,23 @@ impl<'a> LayerTask<'a> {
     /// # Errors
     /// A layer that is not composed, paper without an albedo.
     pub fn new(study: &'a Study) -> Result<Self, String> {
+        Self::under(study, &Viewing::default(), LayerExtent::Published)
+    }
+
+    /// What designs ask: the requested thicknesses on their paper alone, under the study's own
+    /// light and observer (`own_light`) or under D65, as weighted numbers are.
+    ///
+    /// # Errors
+    /// As [`LayerTask::new`].
+    pub fn of_print(study: &'a Study, own_light: bool) -> Result<Self, String> {
+        let daylight = Viewing::default();
+        let viewing = if own_light { &study.judgement.viewing } else { &daylight };
+        let task = Self::under(study, viewing, LayerExtent::Print { own_light })?;
+        let light = if own_light { in_light_of(study).map_err(|e| e.to_string())? } else { task.daylight };
+        Ok(Self { prints: None, daylight: light, ..task })
+    }
+
+    fn under(study: &'a Study, viewing: &Viewing, extent: LayerExtent) -> Result<Self, String> {
         let composed = study.composed().ok_or("the layer is not composed")?;
         let albedo = |&nm: &f64| study.paper.albedo.at(nm).map_err(|error| error.to_string());
         let visible = visible(&study.wavelengths_nm);
@@ -81,7 +109,7 @@ impl<'a> LayerTask<'a> {
             composed,
             stack: StackTask::new(study),
             albedos: study.wavelengths_nm.iter().map(albedo).collect::<Result<_, _>>()?,
-            colorimeter: Colorimeter::new(&study.wavelengths_nm[visible.clone()]).ok(),
+            colorimeter: Colorimeter::under(&study.wavelengths_nm[visible.clone()], viewing).ok(),
             visible,
             weighted: study
                 .numbers
@@ -89,9 +117,10 @@ impl<'a> LayerTask<'a> {
                 .filter_map(|wanted| AskedNumber::new(wanted, &study.wavelengths_nm))
                 .collect(),
             prints: PrintTask::new(study),
-            daylight: Brightened::new(&study.paper, &study.wavelengths_nm, &Viewing::default(), 0.0),
+            daylight: Brightened::new(&study.paper, &study.wavelengths_nm, viewing, 0.0),
             curve_um: Vec::new(),
             around_hiding_um: None,
+            extent,
         })
     }
 
@@ -100,7 +129,10 @@ impl<'a> LayerTask<'a> {
     /// # Errors
     /// Those of [`LayerTask::new`].
     pub fn of_study<'b>(&self, study: &'b Study) -> Result<LayerTask<'b>, String> {
-        let task = LayerTask::new(study)?;
+        let task = match self.extent {
+            LayerExtent::Published => LayerTask::new(study)?,
+            LayerExtent::Print { own_light } => LayerTask::of_print(study, own_light)?,
+        };
         let curve_um = self.curve_um.clone();
         Ok(LayerTask { curve_um, around_hiding_um: self.around_hiding_um, ..task })
     }
@@ -121,6 +153,9 @@ impl<'a> LayerTask<'a> {
                 .map(|slabs| distribution(&slabs.layer(count), [&slabs.media[0], &slabs.media[2]]))
                 .collect()
         };
+        if self.extent != LayerExtent::Published {
+            return ComposedNumbers::of_requested(layers(requested_um));
+        }
         ComposedNumbers {
             requested: layers(requested_um),
             curve: layers(&self.curve_um),
@@ -134,20 +169,16 @@ impl<'a> LayerTask<'a> {
 
     /// All numbers of a stack.
     fn numbers_of_stack(&self, task: &StackTask, level: &Level, change: Change) -> ComposedNumbers<f64> {
-        let mut numbers = ComposedNumbers {
-            requested: Vec::new(),
-            curve: Vec::new(),
-            hiding: None,
-            medium: Vec::new(),
-            distributions: Vec::new(),
-            absorbed: Vec::new(),
-            left_out: Vec::new(),
-        };
+        let mut numbers = ComposedNumbers::of_requested(Vec::new());
         for um in &self.composed.thicknesses_um {
             // joints and portions are those of the report's first look at them
             let layers = task.layers(level, *um, change).unwrap_or_default();
             let of = |kept: KeptLayers| self.of_stack(task, kept, &layers, change);
             let all = of(KeptLayers::All);
+            if self.extent != LayerExtent::Published {
+                numbers.requested.push(all.thickness);
+                continue;
+            }
             numbers.left_out.extend(self.left_out(&all.thickness.spectra, |kept| of(kept).thickness));
             numbers.requested.push(all.thickness);
             numbers.distributions.push(all.distributions);

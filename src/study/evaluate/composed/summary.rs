@@ -3,6 +3,7 @@
 mod depth;
 mod hiding;
 mod left_out;
+pub mod print;
 mod remarks;
 mod rows;
 
