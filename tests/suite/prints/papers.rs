@@ -198,19 +198,21 @@ fn measured_paper_with_a_brightener_is_returned_without_ultraviolet_light() {
         let rows = wavelengths().filter(|nm| *nm >= 420.0).map(|nm| (nm, 0.7 + 0.0003 * (nm - 360.0)));
         std::fs::write(place.0.path().join(name), table(condition, rows)).unwrap();
     };
-    let paper = |name: &str| {
+    let paper = |name: &str, brightener: &str| {
         let measured = format!("measured = {{ csv = \"{name}\", unit = \"factor\" }}");
-        brightened_ink(&format!("{measured}\nfluorescence = {{ {BANDS}, yield = 0.6 }}"))
+        brightened_ink(&format!("{measured}\nfluorescence = {{ {brightener} }}"))
     };
     write("plain.csv", "M2");
-    let results = place.run("ink", &paper("plain.csv"));
+    // one that takes light of 420 to 480 nm, too, and sends none back
+    let dark = "excitation = [[300, 0.2], [360, 0.8], [480, 0]], emission = [[490, 0], [520, 1], [560, 0]], yield = 0";
+    let results = place.run("ink", &paper("plain.csv", dark));
     for (nm, factor) in wavelengths().zip(printed(&results, "M2", 0.0)).filter(|(nm, _)| *nm >= 420.0) {
         let measured = 0.7 + 0.0003 * (nm - 360.0);
-        // light from 420 nm excites nothing of these bands
         assert!((factor - measured).abs() < 1e-9, "{nm}: {factor} for {measured}");
     }
     write("bright.csv", "M1");
-    let told = checked(place.0.path(), &paper("bright.csv")).expect_err("its emission would count twice");
+    let told = checked(place.0.path(), &paper("bright.csv", &format!("{BANDS}, yield = 0.6")))
+        .expect_err("its emission would count twice");
     for words in ["paper.measured.condition", "M1", "M2, without ultraviolet", "m1_csv"] {
         assert!(told.contains(words), "{words:?} is missing: {told}");
     }

@@ -120,7 +120,10 @@ pub(super) fn fill_profiles(file: &mut StudyFile, faults: &mut Faults) {
             faults.add(field("profile"), "a profile", allowed, "remove it, or [packing.equilibration]");
         }
         let area = |pair: &[[f64; 2]]| 0.5 * (pair[1][0] - pair[0][0]) * (pair[0][1] + pair[1][1]);
-        table.volume_fraction = Some(rows.windows(2).map(area).sum());
+        // rows that do not rise are reported with the request for the packing
+        let is_rising = rows.windows(2).all(|pair| pair[0][0] < pair[1][0]);
+        let mean = if is_rising { rows.windows(2).map(area).sum() } else { PLACEHOLDER_SHARE };
+        table.volume_fraction = Some(mean);
         let is_wrong = |row: &&[f64; 2]| row[1] != 0.0 && !limits::VOLUME_FRACTION.holds(row[1]);
         if let Some([_, share]) = rows.iter().find(is_wrong) {
             let allowed = format!("shares {} or 0", limits::VOLUME_FRACTION);
