@@ -53,7 +53,7 @@ const LIGHTER: [(&str, &str, &str); 12] = [
     ("paper-study.toml", "realisations = 96", "realisations = 8"),
     ("pack-mixture.toml", "period_um = [5.0, 5.0]", "period_um = 2.0"),
     ("pack-periodic-fluid.toml", "sweeps = 250", "sweeps = 50"),
-    ("scalar-against-vector.toml", "period_um = 1.6", "period_um = 0.9"),
+    ("scalar-against-vector.toml", "period_um = 1.6", "period_um = 1.0"),
     ("mica.toml", "points_per_um = 20", "points_per_um = 12"),
     ("coats.toml", "accuracy = 1e-1", "accuracy = 3e-1"),
     ("paper-study-errors.toml", "2e-3", "1e-2"),
