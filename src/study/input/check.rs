@@ -164,22 +164,7 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
     let realisations = file.run.checked(cell.rule, &mut packing_faults);
     let output = file.output.checked(&mut packing_faults);
     let conditions = file.colour.checked(&wavelengths_nm, &mut wave_faults);
-    let judgement = file.compare.checked(
-        conditions,
-        paper.fluorescence.is_some(),
-        &tables,
-        &mut wave_faults,
-        &mut remarks,
-    );
-    if let Some([first_nm, last_nm]) = paper.fluorescence.as_ref().and_then(Fluorescence::excited_nm)
-        && judgement.viewing.power(first_nm.max(SHORTEST_NM)) == 0.0
-    {
-        let name = judgement.viewing.illuminant();
-        remarks.push(format!(
-            "paper.fluorescence: the table of illuminant {name} has no light at {first_nm} nm, where the brightener is excited (up to \
-             {last_nm} nm): colours under it hold less emission than under a real lamp"
-        ));
-    }
+    let judgement = file.compare.checked(conditions, &paper, &tables, &mut wave_faults, &mut remarks);
     let variation = Variation { cell: cell.rule, thickness_std_um: cell.thickness_std_um, light };
     // without grains and with a uniform thickness all realisations are equal
     let are_alike = pigments.is_empty() && variation.thickness_std_um == 0.0;
@@ -230,6 +215,15 @@ fn examine_layer(written: &StudyFile, folder: &Path, name: &str) -> Examined {
 fn remark_on_inputs(study: &mut Study) {
     study.remarks.extend(index::bridged(study));
     study.remarks.extend(study.undetermined_inputs());
+    if let Some([first_nm, last_nm]) = study.paper.fluorescence.as_ref().and_then(Fluorescence::excited_nm)
+        && study.judgement.viewing.power(first_nm.max(SHORTEST_NM)) == 0.0
+    {
+        let name = study.judgement.viewing.illuminant();
+        study.remarks.push(format!(
+            "paper.fluorescence: the table of illuminant {name} has no light at {first_nm} nm, where the brightener is excited (up to \
+             {last_nm} nm): colours under it hold less emission than under a real lamp"
+        ));
+    }
     let visible_nm = &study.wavelengths_nm[visible(&study.wavelengths_nm)];
     if study.paper.dots.is_some()
         && let Err(error) = Colorimeter::new(visible_nm)

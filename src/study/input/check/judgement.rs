@@ -5,7 +5,7 @@ use crate::appearance::tristimulus::TABLE_RANGE_NM;
 use crate::appearance::viewing::{ColourError, Summation, Viewing};
 use crate::input::file::{ColourTable, CompareTable};
 use crate::input::measured::{MeasuredColour, MeasuredContent, MeasuredReading, MeasuredRequest};
-use crate::input::study::Judgement;
+use crate::input::study::{Judgement, Paper};
 use crate::input::{Fault, Faults, limits};
 
 /// `[colour]`, checked.
@@ -46,7 +46,7 @@ impl CompareTable {
     pub(super) fn checked(
         &self,
         target: PrintTarget,
-        is_brightened: bool,
+        paper: &Paper,
         tables: &Tabulation,
         faults: &mut Faults,
         remarks: &mut Vec<String>,
@@ -77,7 +77,7 @@ impl CompareTable {
             }
         };
         remarks.extend(reading.remarks.iter().map(|remark| format!("compare.measured: {remark}")));
-        if is_brightened {
+        if paper.fluorescence.is_some() {
             judgement.condition = reading.condition;
             let illuminant = judgement.viewing.illuminant();
             remarks.push(match reading.condition {

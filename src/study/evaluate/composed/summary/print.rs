@@ -72,7 +72,7 @@ fn judged(
     of_stack(&task, levels)?;
     let JudgedNumbers { numbers, .. } = with_errors(&task, levels, moved)?;
     let mut rows = ThicknessRows::default();
-    if let Some((um, layer)) = task.composed.thicknesses_um.iter().zip(&numbers.requested).last() {
+    if let Some((um, layer)) = task.composed.thicknesses_um.iter().zip(&numbers.requested).next_back() {
         rows.add(&task, *um, layer);
     }
     Ok(rows)
