@@ -138,17 +138,9 @@ fn series(wave: &str, films: &[Film], nm: f64) -> [f64; 2] {
 
 /// The results of a study of films over a gap to a paper.
 fn on_paper(wave: &str, films: &[Film]) -> Value {
-    let mut text = String::new();
-    for Film { index, thickness_um } in films {
-        let binder = format!("{{ n = {}, k = {} }}", index.re, index.im);
-        write!(text, "[[layer]]\nthickness_um = {thickness_um}\nbinder.index = {binder}\n").expect("text");
-    }
-    write!(
-        text,
-        "[paper]\nalbedo = {ALBEDO}\n[light]\nwavelengths_nm = {WAVELENGTHS_NM:?}\nwave = '{wave}'\n[angles]\ncount = 4\n"
-    )
-    .expect("text");
-    done(&text).results
+    let layers = layers_in_toml(films);
+    let light = light_in_toml(wave);
+    done(&format!("{layers}[paper]\nalbedo = {ALBEDO}\n{light}[angles]\ncount = 4\n")).results
 }
 
 fn places() -> impl Iterator<Item = (f64, f64)> {
@@ -186,15 +178,21 @@ fn kept_by_layers(results: &Value, nm: f64, deg: f64) -> Vec<f64> {
 
 /// The results of a study of these films.
 fn published(wave: &str, films: &[Film], exit: f64) -> Value {
-    let mut text = format!("[stack]\nindex_out = {exit}\n");
+    let layers = layers_in_toml(films);
+    let light = light_in_toml(wave);
+    let text = format!("[stack]\nindex_out = {exit}\n{layers}{light}[angles]\npolar_deg = {ANGLES_DEG:?}\n");
+    done(&text).results
+}
+
+fn layers_in_toml(films: &[Film]) -> String {
+    let mut text = String::new();
     for Film { index, thickness_um } in films {
         let binder = format!("{{ n = {}, k = {} }}", index.re, index.im);
         write!(text, "[[layer]]\nthickness_um = {thickness_um}\nbinder.index = {binder}\n").expect("text");
     }
-    write!(
-        text,
-        "[light]\nwavelengths_nm = {WAVELENGTHS_NM:?}\nwave = '{wave}'\n[angles]\npolar_deg = {ANGLES_DEG:?}\n"
-    )
-    .expect("text");
-    done(&text).results
+    text
+}
+
+fn light_in_toml(wave: &str) -> String {
+    format!("[light]\nwavelengths_nm = {WAVELENGTHS_NM:?}\nwave = '{wave}'\n")
 }
