@@ -60,14 +60,14 @@ pub fn spectra(study: &Study, ink: &InkOnPaper) -> Result<Spectra3, InkError> {
 const TARGET_NM: [f64; 2] = [420.0, 680.0];
 
 /// The colour that a design aims at.
-pub struct TargetColour {
+pub struct WantedColour {
     /// L*, a*, b*.
     pub lab: [f64; 3],
     /// What was taken for what its file lacks.
     pub remark: Option<String>,
 }
 
-impl TargetColour {
+impl WantedColour {
     /// That of a study, summed over those of the study's wavelengths that are seen.
     ///
     /// # Errors

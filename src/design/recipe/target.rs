@@ -3,7 +3,7 @@
 
 use super::{DesignTask, corner};
 use crate::design::file::TargetTable;
-use crate::design::surface::{Eye, TargetColour};
+use crate::design::surface::{Eye, WantedColour};
 use crate::design::wish::{NumberWish, check_kinds, check_ranges, wishes};
 use crate::input::fault::{Fault, Faults};
 use crate::input::field::set;
@@ -135,7 +135,7 @@ pub(super) fn checked_ends(
     if !faults.0.is_empty() {
         return Err(faults.0);
     }
-    let colour = if has_colour { Some(TargetColour::of(of_target)?) } else { None };
+    let colour = if has_colour { Some(WantedColour::of(of_target)?) } else { None };
     let lab = colour.as_ref().map(|colour| colour.lab);
     remarks.extend(colour.and_then(|colour| colour.remark));
     let condition = of_target.judgement.condition;

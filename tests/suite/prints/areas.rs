@@ -134,12 +134,13 @@ fn a_composed_layer_is_an_area_of_another_print() {
         assert!((0.4..2.5).contains(&(error(factor) / error(lit))), "{factor} {lit}");
     }
     assert!(print["prints"]["prints"][2]["lab"][0]["standard_error"].as_f64().unwrap() > 0.0);
-    // what its two realisations of a slab change is in the bar, as much to either side
+    // what the two realisations of each kind of slab change is in the bar, as much to either side
     let optics = &coat["optics"];
     let own = |rows: &Value, w: usize| rows[w]["own"].as_f64().expect("a number");
     for w in 0..7 {
         let by = |r: usize| own(&optics["moved"][r], w) - own(&optics["whole"], w);
-        assert!(by(0).abs() > 1e-6 && (by(0) + by(1)).abs() < 1e-12, "{} {}", by(0), by(1));
+        assert!((0..6).any(|r| by(r).abs() > 1e-6), "no chance");
+        assert!((0..3).all(|kind| (by(2 * kind) + by(2 * kind + 1)).abs() < 1e-12));
     }
     // and the other way round: an area of a composed print bears the layer of a run with its bar
     let grains = place.run(
@@ -192,7 +193,7 @@ fn areas_of_one_screen_grow_together() {
     let file = place.0.path().join("vector.toml");
     std::fs::write(&file, text.replace("[light]", "[light]\nwave = 'unpolarised'")).unwrap();
     let refused = inkwave::input::load::load(&file).unwrap_err().to_string();
-    for words in ["area[1].results", "the scalar wave", "the unpolarised wave", "light.wave"] {
+    for words in ["area[1].results", "the scalar wave", "the unpolarised wave"] {
         assert!(refused.contains(words), "{refused}");
     }
 }

@@ -244,6 +244,7 @@ fn a_pair_returns_what_was_read_with_ultraviolet_light_below_420_nm() {
 fn a_design_aims_at_a_print_in_the_light_of_its_instrument() {
     let place = Place::new();
     let text = brightened_ink(&format!("albedo = 0.93\nfluorescence = {{ {BANDS}, yield = 0.6 }}"));
+    let text = text.replace("step_nm = 20", "step_nm = 20\nsampling = \"listed\"");
     let results = place.run("ink", &text);
     let base = text.replace("[layer]", "[base.layer]").replace("[paper]", "[base.paper]");
     let base = base.replace("[light]", "[base.light]");
