@@ -42,7 +42,10 @@ fn a_file_that_is_being_created_is_read_later() {
     let records = folder.path().join("records");
     std::fs::create_dir_all(&records).unwrap();
     let slot = Slot::take(&records, 1).unwrap().expect("a free slot");
-    rusqlite::Connection::open(records.join("1.sqlite")).unwrap().execute_batch("pragma user_version = 1").unwrap();
+    rusqlite::Connection::open(records.join("1.sqlite"))
+        .unwrap()
+        .execute_batch("pragma user_version = 1")
+        .unwrap();
     reader.refresh().unwrap();
     assert_eq!((reader.get("point", "a"), reader.damages()), (None, Vec::new()));
     drop(slot);

@@ -38,7 +38,10 @@ const OLDER: [(&str, &str); 12] = [
     ("reports/inverse", "three hours of a core; layers of 15 and 30 %, which method 9 packs as before"),
     ("reports/speed", "costs of layers solved at once, which methods 10 to 12 leave alone"),
     ("reports/library", "plates of even layers of 1 µm, which methods 11 and 12 leave alone"),
-    ("reports/print", "single layers in contact with their paper, lit at 45°, which methods 11 and 12 leave alone"),
+    (
+        "reports/print",
+        "single layers in contact with their paper, lit at 45°, which methods 11 and 12 leave alone",
+    ),
     ("reports/white-paint", "pages of composed layers leave the method to results.json"),
     ("reports/scalar-against-vector", "half an hour of processor time"),
     ("reports/measured", "measurements beside formulas, without a solve"),
