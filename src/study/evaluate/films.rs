@@ -20,8 +20,10 @@ const MEAN_ANGLES: usize = 40;
 const CHECKING_ANGLES: usize = 28;
 /// A piece of the hemisphere is halved where the two rules differ by more.
 const MEAN_ERROR: f64 = 1e-7;
+/// Fringes of the pieces that are begun with.
+const FRINGES_OF_A_PIECE: f64 = 16.0;
 /// Most pieces: thicker films have fringes beyond number, whose phases they sample.
-const MOST_PIECES: usize = 256;
+const MOST_PIECES: usize = 64;
 
 /// Rules of Gauss and Legendre on 0…1, of the mean and of its check.
 static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
@@ -31,12 +33,13 @@ static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
     })
 });
 
-/// ∫₀¹ of several functions: halved until two rules agree, so that fringes of thick films and
-/// resonances of guided light are not missed.
-fn integral<const N: usize>(functions: &impl Fn(f64) -> [f64; N]) -> [f64; N] {
+/// ∫₀¹ of several functions, in so many equal pieces that are halved until two rules agree: fringes
+/// of thick films and resonances of guided light are not missed.
+fn integral<const N: usize>(begun: usize, functions: &impl Fn(f64) -> [f64; N]) -> [f64; N] {
     let mut sum = [0.0; N];
-    let mut pieces = VecDeque::from([(0.0, 1.0)]);
-    let mut count = 1;
+    let width = 1.0 / begun as f64;
+    let mut pieces: VecDeque<(f64, f64)> = (0..begun).map(|k| (width * k as f64, width)).collect();
+    let mut count = begun;
     while let Some((from, width)) = pieces.pop_front() {
         let [mean, check] = RULES.each_ref().map(|rule| {
             rule.iter().fold([0.0; N], |mut sum, (x, weight)| {
@@ -216,9 +219,17 @@ impl FilmAt {
         DiffuseFaces::plane(FilmAt::even(face, self.wave).means()[0], index)
     }
 
+    /// Pieces of the hemisphere that its fringes ask for; where several thicknesses average them
+    /// out, one.
+    fn pieces(&self) -> usize {
+        let [FilmShare { film, .. }] = &self.films[..] else { return 1 };
+        let fringes = 2.0 * MEAN_INDEX * film.layers_um.iter().sum::<f64>() / film.wavelength_um;
+        (fringes / FRINGES_OF_A_PIECE).ceil().clamp(1.0, MOST_PIECES as f64) as usize
+    }
+
     /// Hemispherical means 2∫₀¹ f μ dμ of \[R, T\] for light from the incident side.
     pub fn means(&self) -> [f64; 2] {
-        integral(&|mu: f64| {
+        integral(self.pieces(), &|mu: f64| {
             let both = self.reflectance_transmittance(mu.acos().to_degrees());
             both.map(|value| 2.0 * mu * value)
         })
@@ -234,14 +245,14 @@ impl FilmAt {
             1.0 - r - t
         };
         let critical = (1.0 - 1.0 / (index * index)).max(0.0).sqrt();
-        let [passing] = integral(&|share: f64| {
+        let [passing] = integral(self.pieces(), &|share: f64| {
             let inside = ((1.0 - share * share).sqrt() / index).asin();
             [2.0 * share / (index * index) * absorbed(inside.to_degrees())]
         });
         if critical == 0.0 {
             return passing;
         }
-        let [reflected] = integral(&|share: f64| {
+        let [reflected] = integral(self.pieces(), &|share: f64| {
             let t = FRAC_PI_2 * share;
             let measure = FRAC_PI_2 * critical * critical * (2.0 * t).sin();
             [measure * absorbed((critical * t.cos()).acos().to_degrees())]

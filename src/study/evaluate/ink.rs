@@ -25,6 +25,7 @@ use crate::appearance::viewing::ColourError;
 use directions::SampledDirections;
 use moved::MovedNodes;
 use places::{Places, places};
+use rayon::prelude::*;
 use thiserror::Error;
 
 /// Why there is no ink on paper.
@@ -141,7 +142,7 @@ impl InkOnPaper {
         }
         let anchored = [normal, slanted];
         let (nodes_nm, mut places) = places(&layer, inputs.films, inputs.outputs_nm);
-        let mut nodes = nodes(&layer, nodes_nm, inputs)?;
+        let mut nodes = nodes(&layer, nodes_nm, &places, inputs)?;
         let guided = places.guide.start..places.fine_sum_guide.end;
         if nodes.means[guided.clone()].iter().flatten().all(|mean| mean.is_finite()) {
             // nothing fitted: the film
@@ -308,12 +309,41 @@ fn orders_per_um2(solved: &[SolvedRealisation]) -> f64 {
 }
 
 /// Everything known at these wavelengths besides the solves.
-fn nodes(layer: &LayerEnsemble, nodes_nm: Vec<f64>, inputs: &InkInputs) -> Result<AngleNodes, InkError> {
+fn nodes(
+    layer: &LayerEnsemble,
+    nodes_nm: Vec<f64>,
+    places: &Places,
+    inputs: &InkInputs,
+) -> Result<AngleNodes, InkError> {
     let films: Vec<FilmAt> = nodes_nm.iter().map(|&nm| inputs.films.at(nm)).collect();
     let albedos = nodes_nm.iter().map(|&nm| inputs.substrate.albedo.at(nm)).collect::<Result<Vec<_>, _>>()?;
     let weights = nodes_nm.iter().map(|&nm| layer.basis.weights(nm)).collect();
-    let means = films.iter().map(|film| film_means(&film.returned(), layer.exit)).collect();
+    let means = node_means(&films, &nodes_nm, places, layer.exit);
     Ok(AngleNodes { wavelengths_nm: nodes_nm, films, albedos, weights, means })
+}
+
+/// The films' means over the hemisphere, linear between wavelengths that are far closer than the
+/// means change.
+fn node_means(films: &[FilmAt], nm: &[f64], places: &Places, exit: bool) -> Vec<[f64; 2]> {
+    let mut known: Vec<usize> = Vec::new();
+    for (node, &here_nm) in nm.iter().enumerate() {
+        let before_nm = known.last().map_or(f64::NAN, |&last| nm[last]);
+        if !places.is_between(node, before_nm, here_nm) {
+            known.push(node);
+        }
+    }
+    let exact: Vec<[f64; 2]> =
+        known.par_iter().map(|&node| film_means(&films[node].returned(), exit)).collect();
+    let mean = |node: usize| -> [f64; 2] {
+        let after = known.partition_point(|&other| other < node);
+        if known.get(after) == Some(&node) {
+            return exact[after];
+        }
+        let [from, to] = [known[after - 1], known[after]];
+        let share = (nm[node] - nm[from]) / (nm[to] - nm[from]);
+        std::array::from_fn(|k| exact[after - 1][k] + share * (exact[after][k] - exact[after - 1][k]))
+    };
+    (0..nm.len()).map(mean).collect()
 }
 
 #[cfg(test)]

@@ -11,7 +11,10 @@ use std::ops::Range;
 const COLOUR_STEP_NM: f64 = 5.0;
 /// Steps for every fringe of the film, at least: fringes that are sampled at one phase would count
 /// as colour.
-const STEPS_PER_FRINGE: f64 = 2.5;
+const STEPS_PER_FRINGE: f64 = 1.5;
+/// Means over the hemisphere have fringes no more and are known this far apart, nm; steps that no
+/// fringes ask for are wider.
+const MEANS_APART_NM: f64 = 2.0;
 /// Most wavelengths of a colour sum.
 const MOST_SUMMED: f64 = 20_000.0;
 
@@ -40,6 +43,15 @@ pub(super) struct Places {
 }
 
 impl Places {
+    /// Whether a wavelength is one of many that fringes ask for, nearer to `before` than means over
+    /// the hemisphere change.
+    pub fn is_between(&self, node: usize, before_nm: f64, here_nm: f64) -> bool {
+        let summed = [&self.colours, &self.sums, &self.fine_guide, &self.fine_sum_guide];
+        let inner = |range: &&Range<usize>| range.start < node && node + 1 < range.end;
+        let is_inner = node >= self.outputs.end && summed.iter().any(inner);
+        is_inner && (0.0..MEANS_APART_NM).contains(&(here_nm - before_nm))
+    }
+
     /// Number of nodes up to the last of which spectra, colours or numbers are made.
     pub fn fitted(&self) -> usize {
         self.outputs.end.max(self.colours.end).max(self.sums.end)
