@@ -4,6 +4,7 @@ use inkwave::appearance::film::Profile;
 use inkwave::appearance::paper::{Albedo, Coupling, Substrate};
 use inkwave::evaluate::films::Films;
 use inkwave::evaluate::ink::{InkInputs, InkOnPaper};
+use inkwave::input::variation::ThicknessShare;
 use inkwave::material::mixing::molecular_mixture;
 use inkwave::material::spectra::Spectrum;
 use inkwave::wave::Wave;
@@ -22,7 +23,7 @@ pub fn molecular_ink(pigment: &str, share: f64, coupling: Coupling) -> InkOnPape
     let films = Films {
         profile: Profile::homogeneous(),
         indices: &indices,
-        thicknesses_um: vec![1.0],
+        thicknesses: ThicknessShare::even(1.0),
         index_out: coupling.index_out(),
         wave: Wave::Scalar,
     };

@@ -177,16 +177,13 @@ class Study:
         self.certain = not grains and self.thickness_std == 0.0
 
     def thicknesses(self):
-        """32 equally likely ones of a normal law cut at three standard deviations."""
+        """Places of a normal law cut at three standard deviations, and their shares: a rule of Gauss for each of the six."""
         if self.thickness_std == 0.0:
-            return [self.thickness_um]
-        cut = normal(-3.0)
-        shares = [cut + (1 - 2 * cut) * (k + 0.5) / 32 for k in range(32)]
-        return [self.thickness_um + self.thickness_std * bisect(normal, share, -4, 4) for share in shares]
-
-
-def normal(x):
-    return 0.5 * math.erfc(-x / math.sqrt(2))
+            return [(self.thickness_um, 1.0)]
+        places = [(piece + x, w) for piece in range(-3, 3) for x, w in gauss(8)]
+        density = [w * math.exp(-0.5 * z * z) for z, w in places]
+        whole = sum(density)
+        return [(self.thickness_um + self.thickness_std * z, d / whole) for (z, _), d in zip(places, density)]
 
 
 def bisect(rising, value, low, high):
@@ -270,8 +267,8 @@ class Films:
     def at(self, nm, deg, thicknesses, from_exit=False):
         key = (nm, deg, tuple(thicknesses), from_exit)
         if key not in self.known:
-            each = [film(self.slices(nm), h, nm, self.study.index_out, deg, from_exit) for h in thicknesses]
-            self.known[key] = [sum(rt[i] for rt in each) / len(each) for i in range(2)]
+            each = [(film(self.slices(nm), h, nm, self.study.index_out, deg, from_exit), share) for h, share in thicknesses]
+            self.known[key] = [sum(share * rt[i] for rt, share in each) for i in range(2)]
         return self.known[key]
 
     def totals(self, nm, deg, thicknesses):
@@ -641,7 +638,7 @@ class Layer:
     def differences(self, r, at):
         """From the film of its own thickness: totals at the exact angles; means of T, R, A from the exit side, R there."""
         nm, exact, strata, exit_side = at
-        thickness = [self.thickness[r]]
+        thickness = [(self.thickness[r], 1.0)]
         columns = [x - y for s in exact for x, y in zip(s.totals, self.films.totals(nm, s.deg, thickness))]
         if not strata:
             return columns
@@ -664,7 +661,7 @@ class Layer:
         anchored = self.anchors(columns)
         for s in strata:
             weights, functions = between(cosine(s.deg))
-            f = self.films.totals(nm, s.deg, [self.thickness[r]])
+            f = self.films.totals(nm, s.deg, [(self.thickness[r], 1.0)])
             values = [s.r - f[0], s.t - f[2], s.totals[1] - f[0]]
             yield shares(self.study, nm), functions, [v - sum(w * a[q] for w, a in zip(weights, anchored)) for q, v in enumerate(values)]
 
@@ -838,7 +835,7 @@ class Ink:
         study, layer = self.study, self.layer
         if not 2 <= self.count <= 64 or not study.strata:
             return []
-        beyond = lambda r, nm, s: s.a - 1 + sum(layer.films.at(nm, s.deg, [layer.thickness[r]], True))
+        beyond = lambda r, nm, s: s.a - 1 + sum(layer.films.at(nm, s.deg, [(layer.thickness[r], 1.0)], True))
         rows = lambda r: [
             (shares(study, w[0]), [cosine(s.deg) ** k for k in range(4)], [beyond(r, w[0], s)]) for w in layer.solved[r] for s in w[3]
         ]

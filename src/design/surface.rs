@@ -1,6 +1,7 @@
 //! Response surfaces: spectra of the layer over paper, black and white, less those of its coherent
 //! film, as polynomials over the box.
 
+use crate::appearance::colour::ciede2000;
 use crate::appearance::paper::PRINT_DEG;
 use crate::appearance::tristimulus::Colorimeter;
 use crate::appearance::tristimulus::visible;
@@ -53,31 +54,64 @@ pub fn spectra(study: &Study, ink: &InkOnPaper) -> Result<Spectra3, InkError> {
     Ok([ink.spectrum(factor).values, over(BLACK), over(WHITE)].concat())
 }
 
-/// L*, a*, b* that a study's target asks for.
-///
-/// # Errors
-/// It has none, or a spectrum that does not cover the study's wavelengths.
-pub fn target_lab(study: &Study) -> Result<[f64; 3], Vec<Fault>> {
-    let judgement = &study.judgement;
-    if let Some(lab) = judgement.target_lab {
-        return Ok(lab);
+/// A measured target may begin here and end there, nm: its end values stand for what is missing
+/// beyond, 3 to 6 % of Z and at most 2 % of X below and 0.6 % above. Instruments without
+/// ultraviolet light (M2) begin at 420 nm.
+const TARGET_NM: [f64; 2] = [420.0, 680.0];
+
+/// The colour that a design aims at.
+pub struct WantedColour {
+    /// L*, a*, b*.
+    pub lab: [f64; 3],
+    /// What was taken for what its file lacks.
+    pub remark: Option<String>,
+}
+
+impl WantedColour {
+    /// That of a study, summed over those of the study's wavelengths that are seen.
+    ///
+    /// # Errors
+    /// The study has none, or a spectrum that lacks too much of them.
+    pub fn of(study: &Study) -> Result<Self, Vec<Fault>> {
+        let judgement = &study.judgement;
+        if let Some(lab) = judgement.target_lab {
+            return Ok(Self { lab, remark: None });
+        }
+        let seen = &study.wavelengths_nm[visible(&study.wavelengths_nm)];
+        let no_colour = |error: ColourError| {
+            let remedy = "give [light] of the base 400 to 700 nm";
+            vec![Fault::new("base.light", error, "wavelengths that carry a colour", remedy)]
+        };
+        let (Some(&first), Some(&last)) = (seen.first(), seen.last()) else {
+            return Err(no_colour(ColourError::TooFewWavelengths { count: 0 }));
+        };
+        let covers = |m: &&MeasuredSpectrum| {
+            let [from, to] = m.range_nm();
+            from <= first.max(TARGET_NM[0]) && to >= last.min(TARGET_NM[1])
+        };
+        let Some(measured) = judgement.measured.as_ref().filter(covers) else {
+            let range = |m: &MeasuredSpectrum| format!("{:?} nm", m.range_nm());
+            let found = judgement.measured.as_ref().map_or("nothing".into(), range);
+            let [from, to] = [first.max(TARGET_NM[0]), last.min(TARGET_NM[1])];
+            let allowed = format!("a spectrum that covers {from} to {to} nm, or a colour");
+            let remedy = "narrow [light] of the base, or give lab";
+            return Err(vec![Fault::new("target.file", found, allowed, remedy)]);
+        };
+        let range_nm = [first, last];
+        let colour = |m: &MeasuredSpectrum| m.colour(&judgement.viewing, range_nm).map_err(no_colour);
+        let whole = colour(&measured.extended(range_nm))?;
+        let [from, to] = measured.range_nm();
+        let remark = if from <= first && to >= last {
+            None
+        } else {
+            let moved = ciede2000(whole.lab, colour(measured)?.lab);
+            Some(format!(
+                "target.file: measured from {from} to {to} nm, and colours here are sums over {first} to {last} nm: its end values are \
+                 taken beyond (ASTM E308); without these wavelengths the target would be {moved:.2} away (ΔE₀₀)"
+            ))
+        };
+        Ok(Self { lab: whole.lab, remark })
     }
-    let nm = &study.wavelengths_nm;
-    let range_nm = [nm[0], nm[nm.len() - 1]];
-    let covers = |m: &&MeasuredSpectrum| range_nm.iter().all(|&nm| m.at(nm).is_some());
-    let Some(measured) = judgement.measured.as_ref().filter(covers) else {
-        let [first, last] = range_nm;
-        let found =
-            judgement.measured.as_ref().map_or("nothing".into(), |m| format!("{:?} nm", m.range_nm()));
-        let allowed = format!("a spectrum that covers {first} to {last} nm, or a colour");
-        let remedy = "narrow [light] of the base, or give lab";
-        return Err(vec![Fault::new("target.file", found, allowed, remedy)]);
-    };
-    let colour = measured.colour(&judgement.viewing, range_nm);
-    colour.map(|colour| colour.lab).map_err(|error| {
-        let remedy = "give [light] of the base 400 to 700 nm";
-        vec![Fault::new("base.light", error, "wavelengths that carry a colour", remedy)]
-    })
 }
 
 /// Light and observer, and the wavelengths that are summed over.

@@ -1,6 +1,8 @@
 //! Weighted numbers of whole studies: in `results.json`, tables and pages, of thin and composed layers and in sweeps.
 
 use crate::run_support::{TINY, results, study, succeed};
+use inkwave_validation::formulas::films::{Film, amplitudes};
+use num_complex::Complex64;
 use serde_json::Value;
 use std::fs;
 use std::path::Path;
@@ -9,7 +11,8 @@ use std::process::Command;
 fn number(results: &Value, name: &str) -> [f64; 2] {
     let all = results["numbers"].as_array().unwrap();
     let note = all.iter().find(|note| note["name"] == name).unwrap();
-    ["value", "standard_error"].map(|key| note[key].as_f64().unwrap())
+    // none where nothing is left open
+    [note["value"].as_f64().unwrap(), note["standard_error"].as_f64().unwrap_or(0.0)]
 }
 
 const NUMBERS: &str = r#"
@@ -181,4 +184,74 @@ fn sweeps_have_columns_and_verdicts_of_numbers() {
     fs::write(&path, text.replace("number = \"blue density\"", "number = \"green density\"")).unwrap();
     let said = String::from_utf8_lossy(&sweep(&path).stderr).into_owned();
     assert!(said.contains("green density") && said.contains("one of blue density"), "{said}");
+}
+
+/// R and T of a clear or absorbing film between media of index 1 and `exit`, light along the normal.
+fn film(index: Complex64, thickness_um: f64, exit: f64, nm: f64) -> [f64; 2] {
+    let film = Film { index, thickness_um };
+    let [r, t] = amplitudes(1.0, &[film], exit.into(), 1e-3 * nm, 0.0);
+    [r.norm_sqr(), exit * t.norm_sqr()]
+}
+
+/// A sunscreen is as good as its thin places: the mean over the law of thicknesses, against a sum over its density.
+/// *Planted*: places of equal probability.
+#[test]
+fn uneven_films_are_averaged_over_their_law() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("flat.csv"), "wavelength_nm,weight\n300,1\n320,1\n").unwrap();
+    let text = "[layer]\nthickness_um = { mean = 4.0, std = 1.0 }\nbinder.index = { n = 1.5, k = 0.03 }\nindex_out = 1.4\n\
+                [paper]\ncoupling = \"optical_contact\"\nalbedo = 0\n[light]\nfrom_nm = 290\nto_nm = 330\nstep_nm = 5\n[[number]]\nname = \"T\"\nweights = { csv = \"flat.csv\" }\n\
+                of = \"transmittance\"\n";
+    let out = folder.path().join("out");
+    succeed(&study(folder.path(), text), &out, &[]);
+    let density = |z: f64| (-0.5 * z * z).exp();
+    let z = |k: usize| 3.0 * (f64::from(k as u32) - 299.5) / 300.0;
+    let all: f64 = (0..600).map(|k| density(z(k))).sum();
+    let at = |nm: f64| -> f64 {
+        let of = |k: usize| density(z(k)) * film(Complex64::new(1.5, 0.03), 4.0 + z(k), 1.4, nm)[1];
+        (0..600).map(of).sum::<f64>() / all
+    };
+    let truth: f64 = (0..200).map(|k| at(300.05 + 0.1 * f64::from(k))).sum::<f64>() / 200.0;
+    let [value, _] = number(&results(&out), "T");
+    // steps of 3 nm; places of equal probability are 1 to 3 % off
+    assert!((value / truth - 1.0).abs() < 2e-3, "{value} {truth}");
+}
+
+/// Fringes as close as the wavelengths of a sum have no colour: sums are as close as they need, or a bar says so.
+/// *Planted*: steps of 5 nm, or of 1 %, whatever the thickness.
+#[test]
+fn fringes_of_thick_films_have_no_colour() {
+    let folder = tempfile::tempdir().unwrap();
+    for um in [18.3, 29.0] {
+        let clear = format!(
+            "[layer]\nthickness_um = {um}\nbinder.index = 1.5\n[paper]\nalbedo = 0.5\n[light]\nfrom_nm = 380\nto_nm = 780\n\
+             step_nm = 20\n[[number]]\nname = \"R\"\nweights = \"D65/2\"\nof = \"reflectance\"\n\
+             [[number]]\nname = \"T\"\nweights = \"status_t_red\"\nof = \"transmittance\"\n"
+        );
+        let listed = clear.replace("step_nm = 20", "step_nm = 5\nsampling = \"listed\"");
+        for (name, text) in [("shifted", clear), ("listed", listed)] {
+            let out = folder.path().join(format!("{name}{um}"));
+            succeed(&study(folder.path(), &text), &out, &[]);
+            let results = results(&out);
+            // the mean over all phases of two faces of 4 %
+            let face: f64 = 0.04;
+            let mean = 2.0 * face / (1.0 + face);
+            let [reflected, r_error] = number(&results, "R");
+            let [transmitted, t_error] = number(&results, "T");
+            // what is left of fringes in a band of 30 nm and more
+            let left = 2e-3;
+            assert!((reflected - mean).abs() < left + 3.0 * r_error, "{name} {um}: {reflected} ± {r_error}");
+            assert!(
+                (transmitted - 1.0 + mean).abs() < left + 3.0 * t_error,
+                "{name} {um}: {transmitted} ± {t_error}"
+            );
+            let lab = &results["colours"][1]["lab"];
+            let bars = &results["colours"][1]["lab_standard_error"];
+            for i in 1..3 {
+                let value = lab[i].as_f64().expect("Lab");
+                let error = bars[i].as_f64().unwrap_or(0.0);
+                assert!(value.abs() < 0.15 + 3.0 * error, "{name} {um}: {lab} ± {bars}");
+            }
+        }
+    }
 }

@@ -228,15 +228,17 @@ fn packed_layers_are_as_uneven_as_the_film() {
     let folder = tempfile::tempdir().unwrap();
     let uneven = TINY.replace("thickness_um = 0.5", "thickness_um = { mean = 0.5, std = 0.05 }");
     let study = load(&study(folder.path(), &uneven)).unwrap();
-    let moments = |all: Vec<f64>| {
-        let mean = all.iter().sum::<f64>() / all.len() as f64;
-        let square = all.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / all.len() as f64;
+    let moments = |all: &[(f64, f64)]| {
+        let mean: f64 = all.iter().map(|(um, share)| um * share).sum();
+        let square: f64 = all.iter().map(|(um, share)| share * (um - mean).powi(2)).sum();
         (mean, square.sqrt())
     };
-    let (mean, spread) = moments((0..512).map(|r| study.draw(r).thickness_um).collect());
-    let (_, film) = moments(study.thicknesses_um());
-    // A normal law cut at three standard deviations has 0.9866 of its spread. 512 places of an even sequence leave about
-    // 1/512 of a law's range, the 32 steps of the film about 1 % of its tails.
+    let drawn: Vec<(f64, f64)> = (0..512).map(|r| (study.draw(r).thickness_um, 1.0 / 512.0)).collect();
+    let nodes: Vec<(f64, f64)> = study.thicknesses().iter().map(|of| (of.um, of.share)).collect();
+    let (mean, spread) = moments(&drawn);
+    let (_, film) = moments(&nodes);
+    // A normal law cut at three standard deviations has 0.98657 of its spread. 512 places of an even sequence leave about
+    // 1/512 of a law's range.
     assert!((mean - 0.5).abs() < 1e-3 && (spread / 0.04933 - 1.0).abs() < 0.01, "{mean} ± {spread}");
-    assert!((film / spread - 1.0).abs() < 0.02, "{film} against {spread}");
+    assert!((film - 0.049_328).abs() < 1e-6, "{film}");
 }

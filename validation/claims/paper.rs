@@ -9,7 +9,7 @@ use inkwave::evaluate::ink::{InkInputs, InkOnPaper, SolvedLayer};
 use inkwave::evaluate::layer::LayerEnsemble;
 use inkwave::evaluate::samples::{SolvedDirection, SolvedRealisation, SolvedWavelength};
 use inkwave::evaluate::wavelengths::SpectralBasis;
-use inkwave::input::variation::stratified_deg;
+use inkwave::input::variation::{ThicknessShare, stratified_deg};
 use inkwave::wave::Wave;
 use num_complex::Complex64;
 use serde_json::Value;
@@ -40,7 +40,7 @@ fn ink(case: &Value, index: Complex64, coupling: Coupling, solved: Option<usize>
     let films = Films {
         profile: Profile::homogeneous(),
         indices: &indices,
-        thicknesses_um: vec![thickness_um],
+        thicknesses: ThicknessShare::even(thickness_um),
         index_out,
         wave: Wave::Scalar,
     };
@@ -137,7 +137,7 @@ fn curve_errors(index: Complex64, thickness_um: f64) -> [f64; 2] {
     let films = Films {
         profile: Profile::homogeneous(),
         indices: &indices,
-        thicknesses_um: vec![thickness_um],
+        thicknesses: ThicknessShare::even(thickness_um),
         index_out: 1.0,
         wave: Wave::Scalar,
     };

@@ -3,7 +3,7 @@
 
 use super::{DesignTask, corner};
 use crate::design::file::TargetTable;
-use crate::design::surface::{Eye, target_lab};
+use crate::design::surface::{Eye, WantedColour};
 use crate::design::wish::{NumberWish, check_kinds, check_ranges, wishes};
 use crate::input::fault::{Fault, Faults};
 use crate::input::field::set;
@@ -123,7 +123,7 @@ pub(super) fn checked_ends(
     let of_files = |remark: &&String| ["compare.", "paper."].iter().any(|start| remark.starts_with(start));
     let named =
         |remark: &String| remark.replace("compare.measured", "target.file").replace("compare.", "target.");
-    let remarks = of_target.remarks.iter().filter(of_files).map(named);
+    let mut remarks: Vec<String> = of_target.remarks.iter().filter(of_files).map(named).collect();
     let numbers = wishes(&target.number, study)?;
     let mut faults = Faults::default();
     check_kinds(&numbers, &mut faults);
@@ -135,7 +135,9 @@ pub(super) fn checked_ends(
     if !faults.0.is_empty() {
         return Err(faults.0);
     }
-    let lab = if has_colour { Some(target_lab(of_target)?) } else { None };
+    let colour = if has_colour { Some(WantedColour::of(of_target)?) } else { None };
+    let lab = colour.as_ref().map(|colour| colour.lab);
+    remarks.extend(colour.and_then(|colour| colour.remark));
     let condition = of_target.judgement.condition;
-    Ok(DesignTarget { lab, numbers, remarks: remarks.collect(), condition })
+    Ok(DesignTarget { lab, numbers, remarks, condition })
 }

@@ -39,6 +39,7 @@ const EVEN: f64 = 2.5;
 #[derive(Clone, Debug, PartialEq)]
 pub struct WeightedSum {
     wavelengths_nm: Vec<f64>,
+    table: WeightTable,
     weights: Vec<f64>,
     /// Wavelengths within the grid, nm, and their weights.
     within: Vec<(f64, f64)>,
@@ -59,7 +60,7 @@ impl WeightedSum {
     /// The sum of a table over a grid of rising wavelengths, nm, of which there is one at least.
     pub fn new(wavelengths_nm: &[f64], table: &WeightTable) -> Self {
         let total = table.total();
-        let places = table.places().into_iter().map(|(nm, weight)| (nm, weight / total));
+        let places = table.places(wavelengths_nm).into_iter().map(|(nm, weight)| (nm, weight / total));
         let first = wavelengths_nm[0];
         let last = wavelengths_nm[wavelengths_nm.len() - 1];
         let mut within = Vec::new();
@@ -77,7 +78,7 @@ impl WeightedSum {
         let of = |end: &[(f64, f64)]| end.iter().map(|(_, weight)| weight).sum::<f64>();
         weights[0] += of(&beyond[0]);
         *weights.last_mut().expect("a wavelength") += of(&beyond[1]);
-        Self { wavelengths_nm: wavelengths_nm.to_vec(), weights, within, beyond }
+        Self { wavelengths_nm: wavelengths_nm.to_vec(), table: table.clone(), weights, within, beyond }
     }
 
     /// The mean of a spectrum, one value for each wavelength of the grid.
@@ -121,7 +122,8 @@ impl WeightedSum {
         let largest = unknown.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         parts.extend(grid.windows(2).map(|pair| largest * self.bend([pair[0], pair[1]])));
         if let Some(guide) = guide {
-            let fine = shared(&guide.fine_nm, &self.within, Between::Cubics);
+            let within = Self::new(&guide.fine_nm, &self.table).within;
+            let fine = shared(&guide.fine_nm, &within, Between::Cubics);
             let known = fine.iter().zip(&guide.fine).map(|(weight, value)| weight * value).sum::<f64>();
             let coarse = shared(grid, &self.within, Between::Cubics);
             let missed = coarse.iter().zip(&guide.on_grid).map(|(weight, value)| weight * value).sum::<f64>();

@@ -169,6 +169,7 @@ mod tests {
     use super::*;
     use crate::appearance::film::Profile;
     use crate::evaluate::samples::SolvedDirection;
+    use crate::input::variation::ThicknessShare;
     use crate::numerics::Draws;
     use crate::wave::Wave;
 
@@ -178,7 +179,7 @@ mod tests {
         Films {
             profile: Profile::homogeneous(),
             indices: &|_| (vec![Complex64::new(1.5, 0.01)], Vec::new()),
-            thicknesses_um: vec![2.0],
+            thicknesses: ThicknessShare::even(2.0),
             index_out: 1.2,
             wave,
         }

@@ -2,6 +2,7 @@
 
 use crate::appearance::film::{Film, Profile};
 use crate::appearance::kubelka_munk::DiffuseFaces;
+use crate::input::variation::{MEAN_INDEX, ThicknessShare};
 use crate::wave::maxwell::Polarisation;
 use crate::wave::{Side, Wave};
 use gauss_quad::GaussLegendre;
@@ -21,18 +22,29 @@ pub(super) fn hemisphere() -> Vec<(f64, f64)> {
     rule.iter().map(|(x, weight)| angle(0.5 * (1.0 + x), *weight)).collect()
 }
 
+/// Distance of the fringes of a film of this thickness at a wavelength, both in nm: λ²/(2nd), for a
+/// mean index n that few layers exceed.
+pub(super) fn fringe_nm(nm: f64, thickness_um: f64) -> f64 {
+    nm * nm / (2e3 * MEAN_INDEX * thickness_um)
+}
+
+/// The longest of several thicknesses, µm.
+pub(super) fn longest_um(thicknesses: &[ThicknessShare]) -> f64 {
+    thicknesses.iter().fold(0.0, |longest, of| of.um.max(longest))
+}
+
 /// Indices of the background of every layer and of the inclusions at a vacuum wavelength in nm.
 pub type Indices<'a> = dyn Fn(f64) -> (Vec<Complex64>, Vec<Complex64>) + 'a;
 
-/// The films of an ensemble: one profile, several equally probable thicknesses.
+/// The films of an ensemble: one profile, several thicknesses.
 #[derive(Clone)]
 pub struct Films<'a> {
     /// Mean volume fractions across the layer.
     pub profile: Profile,
     /// Indices against wavelength.
     pub indices: &'a Indices<'a>,
-    /// Equally probable thicknesses of the layer, µm.
-    pub thicknesses_um: Vec<f64>,
+    /// Thicknesses of the layer.
+    pub thicknesses: Vec<ThicknessShare>,
     /// Index of the half-space on the exit side.
     pub index_out: f64,
     /// The light: s for the scalar wave, the mean of s and p for unpolarised light.
@@ -42,15 +54,25 @@ pub struct Films<'a> {
 /// The film at one wavelength, averaged over its thicknesses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FilmAt {
-    films: Vec<Film>,
+    films: Vec<FilmShare>,
     wave: Wave,
+}
+
+/// The film of one thickness, and its share of the area.
+#[derive(Clone, Debug, PartialEq)]
+struct FilmShare {
+    film: Film,
+    share: f64,
 }
 
 impl Films<'_> {
     /// The film at a wavelength, averaged over the thicknesses of the ensemble.
     pub fn at(&self, wavelength_nm: f64) -> FilmAt {
-        let films = self.thicknesses_um.iter().map(|&thickness| self.film(wavelength_nm, thickness));
-        FilmAt { films: films.collect(), wave: self.wave }
+        let film = |thickness: &ThicknessShare| FilmShare {
+            film: self.film(wavelength_nm, thickness.um),
+            share: thickness.share,
+        };
+        FilmAt { films: self.thicknesses.iter().map(film).collect(), wave: self.wave }
     }
 
     /// The films for light returned by the paper.
@@ -60,7 +82,7 @@ impl Films<'_> {
 
     /// The film of one thickness, µm.
     pub fn of_thickness(&self, wavelength_nm: f64, thickness_um: f64) -> FilmAt {
-        FilmAt { films: vec![self.film(wavelength_nm, thickness_um)], wave: self.wave }
+        FilmAt::even(self.film(wavelength_nm, thickness_um), self.wave)
     }
 
     fn film(&self, wavelength_nm: f64, thickness_um: f64) -> Film {
@@ -75,9 +97,13 @@ impl Films<'_> {
 }
 
 impl FilmAt {
+    fn even(film: Film, wave: Wave) -> Self {
+        Self { films: vec![FilmShare { film, share: 1.0 }], wave }
+    }
+
     /// Index of the half-space on the exit side.
     pub fn index_out(&self) -> f64 {
-        self.films.first().map_or(1.0, |film| film.index_out)
+        self.films.first().map_or(1.0, |of| of.film.index_out)
     }
 
     /// The film for light returned by the paper, which is unpolarised.
@@ -98,7 +124,7 @@ impl FilmAt {
         let share = (1.0 / lights.len() as f64).sqrt();
         let mut all = [Complex64::ZERO; LIGHTS];
         for (amplitude, &light) in all.iter_mut().zip(lights) {
-            let film = &self.films[0];
+            let film = &self.films[0].film;
             *amplitude = share * film.amplitudes(Side::Incident, polar_deg, light)[1];
         }
         all
@@ -108,11 +134,11 @@ impl FilmAt {
     pub(super) fn from(&self, side: Side, polar_deg: f64) -> [f64; 2] {
         let lights: &[Polarisation] =
             if self.wave.is_vector() { self.wave.polarisations() } else { &[Polarisation::S] };
-        let count = (self.films.len() * lights.len()) as f64;
-        let each = self.films.iter().flat_map(|film| lights.iter().map(move |&light| (film, light)));
-        each.fold([0.0; 2], |[r, t], (film, light)| {
+        let each = self.films.iter().flat_map(|of| lights.iter().map(move |&light| (of, light)));
+        each.fold([0.0; 2], |[r, t], (FilmShare { film, share }, light)| {
             let (own_r, own_t) = film.reflectance_transmittance(side, polar_deg, light);
-            [r + own_r / count, t + own_t / count]
+            let weight = lights.len() as f64 / share;
+            [r + own_r / weight, t + own_t / weight]
         })
     }
 
@@ -120,13 +146,14 @@ impl FilmAt {
     pub fn absorbed(&self, polar_deg: f64) -> Vec<f64> {
         let lights: &[Polarisation] =
             if self.wave.is_vector() { self.wave.polarisations() } else { &[Polarisation::S] };
-        let count = (self.films.len() * lights.len()) as f64;
-        let layers = self.films.first().map_or(0, |film| film.layers_um.len());
+        let layers = self.films.first().map_or(0, |of| of.film.layers_um.len());
         let mut all = vec![0.0; layers];
-        for (film, &light) in self.films.iter().flat_map(|film| lights.iter().map(move |light| (film, light)))
+        for (FilmShare { film, share }, &light) in
+            self.films.iter().flat_map(|of| lights.iter().map(move |light| (of, light)))
         {
             let own = film.absorbed(polar_deg, light);
-            all.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / count);
+            let weight = lights.len() as f64 / share;
+            all.iter_mut().zip(own).for_each(|(sum, own)| *sum += own / weight);
         }
         all
     }
@@ -134,7 +161,7 @@ impl FilmAt {
     /// The film's faces for diffuse light, with its mean index: the real part of √⟨η²⟩ over its
     /// slices.
     pub fn faces(&self) -> DiffuseFaces {
-        let Some(film) = self.films.first() else { return DiffuseFaces::default() };
+        let Some(FilmShare { film, .. }) = self.films.first() else { return DiffuseFaces::default() };
         let sum: Complex64 = film.squared_indices.iter().sum();
         let index = (sum / film.squared_indices.len().max(1) as f64).sqrt().re;
         let face = Film {
@@ -143,7 +170,7 @@ impl FilmAt {
             index_out: index,
             ..film.clone()
         };
-        DiffuseFaces::plane(FilmAt { films: vec![face], wave: self.wave }.means()[0], index)
+        DiffuseFaces::plane(FilmAt::even(face, self.wave).means()[0], index)
     }
 
     /// Hemispherical means 2∫₀¹ f μ dμ of \[R, T\] for light from the incident side.
@@ -189,7 +216,7 @@ mod tests {
         let films = Films {
             profile: Profile::homogeneous(),
             indices: &indices,
-            thicknesses_um: vec![1.0],
+            thicknesses: ThicknessShare::even(1.0),
             index_out: 1.0,
             wave: Wave::Scalar,
         };
@@ -212,7 +239,7 @@ mod tests {
             let films = Films {
                 profile: Profile::homogeneous(),
                 indices: &indices,
-                thicknesses_um: vec![5.0],
+                thicknesses: ThicknessShare::even(5.0),
                 index_out,
                 wave,
             };

@@ -60,6 +60,7 @@ pub struct InkInputs<'a> {
 /// use inkwave_study::appearance::film::Profile;
 /// use inkwave_study::evaluate::films::Films;
 /// use inkwave_study::evaluate::ink::{InkInputs, InkOnPaper};
+/// use inkwave_study::input::variation::ThicknessShare;
 /// use inkwave_study::material::mixing::molecular_mixture;
 /// use inkwave_study::material::spectra::Spectrum;
 ///
@@ -70,7 +71,7 @@ pub struct InkInputs<'a> {
 /// let films = Films {
 ///     profile: Profile::homogeneous(),
 ///     indices: &mixture,
-///     thicknesses_um: vec![1.0],
+///     thicknesses: ThicknessShare::even(1.0),
 ///     index_out: 1.0,
 ///     wave: Default::default(),
 /// };
@@ -139,7 +140,7 @@ impl InkOnPaper {
             return Err(InkError::AnglesMissing);
         }
         let anchored = [normal, slanted];
-        let (nodes_nm, mut places) = places(&layer, inputs.outputs_nm);
+        let (nodes_nm, mut places) = places(&layer, inputs.films, inputs.outputs_nm);
         let mut nodes = nodes(&layer, nodes_nm, inputs)?;
         let guided = places.guide.start..places.fine_sum_guide.end;
         if nodes.means[guided.clone()].iter().flatten().all(|mean| mean.is_finite()) {

@@ -9,6 +9,7 @@ use crate::appearance::film::Profile;
 use crate::appearance::paper::{Albedo, Coupling, MirroredSky};
 use crate::appearance::tristimulus::Colorimeter;
 use crate::evaluate::samples::SolvedDirection;
+use crate::input::variation::ThicknessShare;
 use crate::material::mixing::molecular_mixture;
 use crate::material::spectra::Spectrum;
 use crate::wave::Wave;
@@ -31,7 +32,7 @@ fn films<'a>(indices: &'a super::super::films::Indices<'a>, index_out: f64) -> F
     Films {
         profile: Profile::homogeneous(),
         indices,
-        thicknesses_um: vec![1.0],
+        thicknesses: ThicknessShare::even(1.0),
         index_out,
         wave: Wave::Scalar,
     }

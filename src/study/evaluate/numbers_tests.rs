@@ -17,10 +17,10 @@ fn wanted(transform: NumberTransform, over: Option<SeenLight>, weights: &str) ->
 /// Steps of 1 %, from the first to the last wavelength.
 #[test]
 fn wavelengths_of_sums_reach_both_ends() {
-    let nm = sum_wavelengths_nm([300.0, 2500.0]);
+    let nm = sum_wavelengths_nm([300.0, 2500.0], |_| 1e3);
     assert!(nm[0] == 300.0 && nm[nm.len() - 1] == 2500.0 && nm.len() > 200);
     assert!(nm.windows(2).all(|pair| pair[1] / pair[0] < 1.0101 && pair[1] > pair[0]));
-    assert_eq!(sum_wavelengths_nm([550.0, 550.0]), [550.0, 550.0]);
+    assert_eq!(sum_wavelengths_nm([550.0, 550.0], |_| 1e3), [550.0, 550.0]);
 }
 
 /// A quarter of the light is scattered: a haze of 0.25, a density of log 4, and X, Y, Z of a grey

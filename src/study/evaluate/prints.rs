@@ -121,6 +121,20 @@ pub struct PrintedTint {
 }
 
 impl PrintedTint {
+    /// The tints of one ink between bare paper and its solid, each once, from light to dark.
+    fn ramp(dots: &Dots) -> Vec<Self> {
+        let mut nominal: Vec<f64> = dots.nominal.iter().copied().filter(|c| *c > 0.0 && *c < 1.0).collect();
+        nominal.sort_by(f64::total_cmp);
+        nominal.dedup();
+        let ruling_per_um = dots.ruling_per_cm / UM_PER_CM;
+        let tint = |nominal: f64| {
+            let coverage = physical_coverage(nominal, dots.physical_gain);
+            let spread = spread_share(coverage, ruling_per_um, dots.spread_um);
+            Self { nominal, coverage, spread, ..Self::default() }
+        };
+        nominal.into_iter().map(tint).collect()
+    }
+
     /// The prints of several kinds of area.
     fn all_of(dots: &Dots, mixed: &MixedAreas) -> Vec<Self> {
         let print = |(&nominal, print): (&f64, &MixedPrint)| {
@@ -251,18 +265,10 @@ impl<'a> PrintTask<'a> {
                 vec![lit(MeasuredCondition::M0), lit(MeasuredCondition::M1), lit(MeasuredCondition::M2)]
             }
         };
-        let tints = dots.iter().flat_map(|dots| {
-            dots.nominal.iter().map(move |&nominal| {
-                let coverage = physical_coverage(nominal, dots.physical_gain);
-                let ruling_per_um = dots.ruling_per_cm / UM_PER_CM;
-                let spread = spread_share(coverage, ruling_per_um, dots.spread_um);
-                PrintedTint { condition: None, nominal, coverage, spread, ..PrintedTint::default() }
-            })
-        });
         let mixed = dots.as_ref().and_then(|dots| Some((dots, dots.mixed.as_ref()?)));
         let tints: Vec<PrintedTint> = match mixed {
             Some((dots, mixed)) => PrintedTint::all_of(dots, mixed),
-            None => tints.collect(),
+            None => dots.iter().flat_map(PrintedTint::ramp).collect(),
         };
         let alone =
             |nominal: f64| PrintedTint { nominal, coverage: nominal, spread: 1.0, ..PrintedTint::default() };

@@ -8,6 +8,7 @@ pub(super) use complete::complete_cells;
 
 use super::coherent::CoherentLight;
 use super::films::{FilmAt, Films, Indices};
+use super::films::{fringe_nm, longest_um};
 use super::ink::{InkError, InkInputs, InkOnPaper};
 use super::layer::{LayerEnsemble, SpectrumEstimate, Total, film_totals};
 use super::levels::GridPart;
@@ -167,7 +168,8 @@ impl Study {
     fn sum_wavelengths_nm(&self) -> Vec<f64> {
         let ends = self.wavelengths_nm.first().zip(self.wavelengths_nm.last());
         let ends = ends.filter(|_| !self.numbers.is_empty());
-        ends.map_or(Vec::new(), |(&from, &to)| sum_wavelengths_nm([from, to]))
+        let fringe_nm = |nm: f64| fringe_nm(nm, longest_um(&self.thicknesses()));
+        ends.map_or(Vec::new(), |(&from, &to)| sum_wavelengths_nm([from, to], fringe_nm))
     }
 }
 
@@ -261,7 +263,7 @@ fn films<'a>(study: &Study, profile: Profile, indices: &'a Indices<'a>) -> Films
     Films {
         profile,
         indices,
-        thicknesses_um: study.thicknesses_um(),
+        thicknesses: study.thicknesses(),
         index_out: study.layer.index_out,
         wave: study.wave,
     }

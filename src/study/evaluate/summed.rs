@@ -6,10 +6,16 @@ use crate::appearance::tristimulus::Guide;
 /// Step of the wavelengths that numbers are summed over, as a share of the wavelength: some 5 nm in
 /// the visible range.
 const SUM_STEP: f64 = 0.01;
+/// Steps for every fringe of the film, at least.
+const STEPS_PER_FRINGE: f64 = 4.0;
+/// Most wavelengths that are summed over.
+const MOST_SUMMED: f64 = 20_000.0;
 
-/// Wavelengths over a range, nm, in equal ratios.
-pub(super) fn sum_wavelengths_nm([from, to]: [f64; 2]) -> Vec<f64> {
-    let steps = ((to / from).ln() / SUM_STEP).ceil().max(1.0) as usize;
+/// Wavelengths over a range, nm, in equal ratios, close enough for the fringes of a film whose
+/// fringes are `fringe_nm` apart at a wavelength.
+pub(super) fn sum_wavelengths_nm([from, to]: [f64; 2], fringe_nm: impl Fn(f64) -> f64) -> Vec<f64> {
+    let step = SUM_STEP.min(fringe_nm(from) / (STEPS_PER_FRINGE * from));
+    let steps = ((to / from).ln() / step).ceil().clamp(1.0, MOST_SUMMED) as usize;
     let place = |k: usize| from * (to / from).powf(k as f64 / steps as f64);
     let mut all: Vec<f64> = (0..=steps).map(place).collect();
     all[steps] = to;

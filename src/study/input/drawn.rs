@@ -1,7 +1,7 @@
 //! The random draws of each realisation.
 
 use super::study::Study;
-use super::variation::{AREA, ASPECT, CellRule, Draw, LightRule, between, thickness_um};
+use super::variation::{AREA, ASPECT, CellRule, Draw, LightRule, ThicknessShare, between, thickness_um};
 use crate::ink::{PackingRequest, PigmentGrains, SizeDistribution};
 use crate::numerics::Sequence;
 
@@ -68,13 +68,16 @@ impl Study {
         }
     }
 
-    /// Equally probable thicknesses of the layer, µm; only the mean if the thickness is uniform.
-    pub fn thicknesses_um(&self) -> Vec<f64> {
+    /// Thicknesses of the layer with their shares of its area; only one if it is even.
+    pub fn thicknesses(&self) -> Vec<ThicknessShare> {
         let mean_um = self.layer.thickness_um;
         let std_um = self.variation.thickness_std_um;
-        let count = if std_um > 0.0 { 32 } else { 1 };
-        let middle = |k: usize| (k as f64 + 0.5) / count as f64;
-        (0..count).map(|k| thickness_um(mean_um, std_um, middle(k))).collect()
+        let shortest_nm = self.wavelengths_nm.iter().copied().fold(f64::INFINITY, f64::min);
+        if std_um > 0.0 {
+            ThicknessShare::uneven(mean_um, std_um, shortest_nm)
+        } else {
+            ThicknessShare::even(mean_um)
+        }
     }
 
     /// Dry thickness of the layer that holds each pigment, µm.

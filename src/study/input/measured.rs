@@ -318,6 +318,20 @@ impl MeasuredSpectrum {
         Some(y0 + (nm - x0) / (x1 - x0) * (y1 - y0))
     }
 
+    /// The spectrum with its end values wherever a range of wavelengths, nm, goes on beyond it, in
+    /// steps of 5 nm (ASTM E308-18, 7.3.2.2).
+    #[must_use]
+    pub fn extended(&self, range_nm: [f64; 2]) -> Self {
+        const STEP_NM: f64 = 5.0;
+        let [[first, start], [last, end]] = [self.rows[0], self.rows[self.rows.len() - 1]];
+        let steps = |missing_nm: f64| (missing_nm.max(0.0) / STEP_NM).ceil() as usize;
+        let before = (1..=steps(first - range_nm[0])).rev();
+        let before = before.map(|k| [first - STEP_NM * k as f64, start]);
+        let after = (1..=steps(range_nm[1] - last)).map(|k| [last + STEP_NM * k as f64, end]);
+        let rows = before.chain(self.rows.iter().copied()).chain(after).collect();
+        Self { rows, ..self.clone() }
+    }
+
     /// The colour, summed over the spectrum's own rows within a range of wavelengths, nm. At an end
     /// of the range without a row the value is interpolated. The steps of a study are no measure of
     /// how fine a spectrum was measured: a steep edge between them would be lost.

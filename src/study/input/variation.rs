@@ -14,9 +14,11 @@
 //! at 460 nm is 0.1693 ± 0.0004 in them, 0.1719 ± 0.0005 in these, 0.1719 ± 0.0004 in cells of
 //! 2.4 µm and more.
 
+use gauss_quad::GaussLegendre;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
+use std::f64::consts::PI;
 
 /// Whether realisations have cells of their own.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -62,6 +64,13 @@ pub(super) const AREA: [f64; 2] = [0.7, 1.3];
 pub(super) const ASPECT: [f64; 2] = [0.6, 1.4];
 /// The distribution of thicknesses is truncated at this many standard deviations.
 pub const THICKNESS_CUT: f64 = 3.0;
+/// Nodes over it without fringes: absorption by 10 between neighbouring standard deviations is
+/// averaged to 1e-12.
+const LEAST_THICKNESSES: usize = 24;
+/// Most nodes: fringes beyond are averaged to nothing by the distribution itself.
+const MOST_THICKNESSES: usize = 400;
+/// No layer's mean index is taken to be higher where fringes are counted.
+pub const MEAN_INDEX: f64 = 2.0;
 /// Strata of μ² are not sampled closer to grazing incidence than 89.4°.
 const LEAST_SQUARED_COSINE: f64 = 1e-4;
 
@@ -108,6 +117,39 @@ pub(super) fn between([low, high]: [f64; 2], share: f64) -> f64 {
     low + (high - low) * share
 }
 
+/// A thickness of an uneven layer, and its share of the area.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThicknessShare {
+    /// Thickness, µm.
+    pub um: f64,
+    /// Share, 0 to 1.
+    pub share: f64,
+}
+
+impl ThicknessShare {
+    /// An even layer's only one.
+    pub fn even(um: f64) -> Vec<Self> {
+        vec![Self { um, share: 1.0 }]
+    }
+
+    /// Nodes of Gauss and Legendre over the truncated normal distribution, with the density as
+    /// their weight: exact to rounding for what absorption makes of it, and as many as fringes over
+    /// the range of thicknesses need, seen at the shortest wavelength.
+    pub(super) fn uneven(mean_um: f64, std_um: f64, shortest_nm: f64) -> Vec<Self> {
+        // phase between the ends of the range by twice the path; degree 2N − 1 is beyond half of it
+        let phase = 4.0 * PI * MEAN_INDEX * 2.0 * THICKNESS_CUT * std_um / (1e-3 * shortest_nm);
+        let count = LEAST_THICKNESSES + (0.25 * phase).ceil() as usize;
+        let rule = GaussLegendre::new(count.min(MOST_THICKNESSES)).expect("a positive number of nodes");
+        let node = |(x, weight): &(f64, f64)| {
+            let deviation = THICKNESS_CUT * x;
+            Self { um: mean_um + std_um * deviation, share: weight * (-0.5 * deviation * deviation).exp() }
+        };
+        let nodes: Vec<Self> = rule.iter().map(node).collect();
+        let sum: f64 = nodes.iter().map(|node| node.share).sum();
+        nodes.into_iter().map(|node| Self { share: node.share / sum, ..node }).collect()
+    }
+}
+
 /// Truncated normal distribution by its quantiles.
 pub(super) fn thickness_um(mean_um: f64, std_um: f64, share: f64) -> f64 {
     let law = Normal::standard();
@@ -118,6 +160,28 @@ pub(super) fn thickness_um(mean_um: f64, std_um: f64, share: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Means of absorption and of fringes over uneven layers, against a sum over the density.
+    /// *Planted*: nodes of equal probability.
+    #[test]
+    fn means_over_uneven_layers_are_those_of_the_density() {
+        let (mean_um, std_um, nm) = (4.0, 1.0, 300.0);
+        let nodes = ThicknessShare::uneven(mean_um, std_um, nm);
+        let steps = 60_000;
+        let deviation = |k: usize| THICKNESS_CUT * (2.0 * (k as f64 + 0.5) / f64::from(steps) - 1.0);
+        let density = |z: f64| (-0.5 * z * z).exp();
+        let sum: f64 = (0..steps as usize).map(|k| density(deviation(k))).sum();
+        let absorbed = |um: f64| (-2.5 * um).exp();
+        let fringes = |um: f64| 0.5 + 0.5 * (4.0 * PI * 1.5 * um / (1e-3 * nm)).cos();
+        for of in [&absorbed as &dyn Fn(f64) -> f64, &fringes] {
+            let mean: f64 = nodes.iter().map(|node| node.share * of(node.um)).sum();
+            let z = |k: usize| deviation(k);
+            let exact: f64 =
+                (0..steps as usize).map(|k| density(z(k)) * of(mean_um + std_um * z(k))).sum::<f64>() / sum;
+            // the midpoint rule of the reference at the cut
+            assert!((mean - exact).abs() < 1e-7 * exact, "{mean} {exact}");
+        }
+    }
 
     #[test]
     fn strata_are_even_in_the_squared_cosine() {

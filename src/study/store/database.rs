@@ -94,6 +94,8 @@ impl Database {
                 continue;
             }
             match Rows::read(&path) {
+                // another process is creating it: it is read the next time
+                Ok(rows) if !rows.is_begun() && is_held(folder, &path) => (),
                 Ok(rows) => files.others.push(rows),
                 Err(error) => self.note_file(&path, error),
             }
@@ -248,6 +250,12 @@ impl Database {
         }
         Ok(Own { rows, slot: Some(slot) })
     }
+}
+
+/// Whether a process holds the slot of a record file.
+fn is_held(folder: &Path, path: &Path) -> bool {
+    let number = path.file_stem().and_then(|stem| stem.to_str()?.parse().ok());
+    number.is_some_and(|number| Slot::is_held(folder, number))
 }
 
 fn failed(path: &Path, error: &rusqlite::Error) -> io::Error {

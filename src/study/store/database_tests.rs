@@ -33,6 +33,27 @@ fn workers_write_their_own_files_and_read_all() {
     assert!(folder.path().join("records/2.sqlite").exists() && one.keys("point").len() == 2);
 }
 
+/// A file that its process is creating is no damage, and is read once it has its table. *Planted*:
+/// it counts as damaged.
+#[test]
+fn a_file_that_is_being_created_is_read_later() {
+    let folder = tempfile::tempdir().unwrap();
+    let reader = open(&folder);
+    let records = folder.path().join("records");
+    std::fs::create_dir_all(&records).unwrap();
+    let slot = Slot::take(&records, 1).unwrap().expect("a free slot");
+    rusqlite::Connection::open(records.join("1.sqlite"))
+        .unwrap()
+        .execute_batch("pragma user_version = 1")
+        .unwrap();
+    reader.refresh().unwrap();
+    assert_eq!((reader.get("point", "a"), reader.damages()), (None, Vec::new()));
+    drop(slot);
+    open(&folder).put("point", "a", vec![1]).unwrap();
+    reader.refresh().unwrap();
+    assert_eq!((reader.get("point", "a"), reader.damages()), (Some(vec![1]), Vec::new()));
+}
+
 #[test]
 fn damage_counts_as_absence_is_reported_once_and_heals() {
     let swap = "update records set content = (select content from records as o where o.key != records.key)";

@@ -59,6 +59,12 @@ impl Rows {
         Ok(Self { path: path.to_owned(), connection })
     }
 
+    /// Whether the file has its table: between its creation and that of the table it has none.
+    pub fn is_begun(&self) -> bool {
+        let sql = "select 1 from sqlite_master where type = 'table' and name = 'records'";
+        self.connection.query_row(sql, [], |_| Ok(())).optional().is_ok_and(|found| found.is_some())
+    }
+
     /// Opens a file in a read-only folder, where the log's shared memory cannot be created; such a
     /// file has no writers.
     fn as_it_is(path: &Path) -> rusqlite::Result<Connection> {

@@ -103,7 +103,8 @@ fn behind_bare(results: &Value) -> Area {
 }
 
 /// A composed layer as an area of another print: as its solid, it reads what its own run reads at 45:0 on the same paper, and
-/// the bar of the print holds the bar of that run. *Planted*: a composed layer without its errors, or off its surface.
+/// the bar of the print holds the bar of that run. *Planted*: a composed layer without its errors, without those of chance, or
+/// off its surface.
 #[test]
 fn a_composed_layer_is_an_area_of_another_print() {
     let place = Place::new();
@@ -133,6 +134,14 @@ fn a_composed_layer_is_an_area_of_another_print() {
         assert!((0.4..2.5).contains(&(error(factor) / error(lit))), "{factor} {lit}");
     }
     assert!(print["prints"]["prints"][2]["lab"][0]["standard_error"].as_f64().unwrap() > 0.0);
+    // what the two realisations of each kind of slab change is in the bar, as much to either side
+    let optics = &coat["optics"];
+    let own = |rows: &Value, w: usize| rows[w]["own"].as_f64().expect("a number");
+    for w in 0..7 {
+        let by = |r: usize| own(&optics["moved"][r], w) - own(&optics["whole"], w);
+        assert!((0..6).any(|r| by(r).abs() > 1e-6), "no chance");
+        assert!((0..3).all(|kind| (by(2 * kind) + by(2 * kind + 1)).abs() < 1e-12));
+    }
     // and the other way round: an area of a composed print bears the layer of a run with its bar
     let grains = place.run(
         "grains",
@@ -146,4 +155,45 @@ fn a_composed_layer_is_an_area_of_another_print() {
     let lit = &normal["lit_at_45"];
     assert!((value(solid) - value(lit)).abs() < 1e-12);
     assert!((error(solid) / error(lit) - 1.0).abs() < 0.3, "{solid} {lit}");
+}
+
+/// Bare paper, the solid and every tint stand once, from light to dark, however a ramp is written. *Planted*: tints as listed.
+#[test]
+fn a_ramp_has_every_tint_once() {
+    let place = Place::new();
+    let dots = |list: &str| {
+        format!(
+            "{}[dots]\nruling_per_cm = 60\nspread_um = 40\n[[area]]\ncoverage = {list}\n",
+            ink_of_thickness(1.0)
+        )
+    };
+    let plain = place.run("plain", &dots("[0.25, 0.5]"));
+    let repeated = place.run("repeated", &dots("[1, 0.5, 0, 0.25, 0.5]"));
+    assert_eq!(plain["prints"]["prints"].as_array().map(Vec::len), Some(4));
+    assert_eq!(plain["prints"]["prints"], repeated["prints"]["prints"]);
+}
+
+/// Areas of one screen grow at the cost of the bare paper, all alike; light is spread between areas of these shares, and what
+/// they bear is of one wave. *Planted*: light spread between areas that grow each for itself.
+#[test]
+fn areas_of_one_screen_grow_together() {
+    use inkwave::appearance::halftone::spread_share;
+    let place = Place::new();
+    place.run("coat", &ink_of_thickness(1.8));
+    let areas = "[dots]\nruling_per_cm = 60\nspread_um = 40\nphysical_gain = 0.05\n[[area]]\ncoverage = 0.2\n\
+                 [[area]]\ncoverage = 0.2\nresults = 'coat'\n";
+    let text = format!("{}{areas}", ink_of_thickness(0.7));
+    let print = &place.run("print", &text)["prints"]["prints"][1];
+    // 40 % grow by 4 × 0.05 × 0.4 × 0.6, and both areas alike
+    let grown = 0.4 + 0.2 * 0.4 * 0.6;
+    let number = |key: &str| print[key].as_f64().expect("a number");
+    assert!((number("coverage") - grown).abs() < 1e-12, "{print}");
+    let spread = spread_share(0.5 * grown, 60.0 / 1e4, 40.0);
+    assert!((number("spread") - spread).abs() < 1e-12, "{} {spread}", number("spread"));
+    let file = place.0.path().join("vector.toml");
+    std::fs::write(&file, text.replace("[light]", "[light]\nwave = 'unpolarised'")).unwrap();
+    let refused = inkwave::input::load::load(&file).unwrap_err().to_string();
+    for words in ["area[1].results", "the scalar wave", "the unpolarised wave"] {
+        assert!(refused.contains(words), "{refused}");
+    }
 }

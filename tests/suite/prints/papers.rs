@@ -237,3 +237,44 @@ fn a_pair_returns_what_was_read_with_ultraviolet_light_below_420_nm() {
         assert!((factor - measured).abs() < 2e-3, "{nm}: {factor} for {measured}");
     }
 }
+
+/// A design aims at a print in the light in which that was measured: the thickness of every print under M0, M1 and M2 is found
+/// again, from files that begin above the light of the base too. *Planted*: the light of the illuminant for all files.
+#[test]
+fn a_design_aims_at_a_print_in_the_light_of_its_instrument() {
+    let place = Place::new();
+    let text = brightened_ink(&format!("albedo = 0.93\nfluorescence = {{ {BANDS}, yield = 0.6 }}"));
+    let text = text.replace("step_nm = 20", "step_nm = 20\nsampling = \"listed\"");
+    let results = place.run("ink", &text);
+    let base = text.replace("[layer]", "[base.layer]").replace("[paper]", "[base.paper]");
+    let base = base.replace("[light]", "[base.light]");
+    let designed = |measured: String| {
+        std::fs::write(place.0.path().join("print.csv"), measured).unwrap();
+        let vary = "[[vary]]\nfield = 'layer.thickness_um'\nfrom = 0.5\nto = 2.0\n";
+        let target = "[target]\nfile = 'print.csv'\nunit = 'factor'\n";
+        let file = place.0.path().join("design.toml");
+        std::fs::write(&file, format!("{target}{vary}{base}")).unwrap();
+        inkwave::design::recipe::load(&file).expect("a design")
+    };
+    for (condition, from) in [("M0", 300.0), ("M1", 380.0), ("M2", 420.0)] {
+        let rows = wavelengths().zip(printed(&results, condition, 1.0)).filter(|(nm, _)| *nm >= from);
+        let rows: Vec<(f64, f64)> = rows.collect();
+        let longer = (76..84).map(|k| (5.0 * f64::from(k), rows[0].1)).chain(rows.iter().copied());
+        let task = designed(table(condition, rows.iter().copied()));
+        let study = task.study(&[1.0 / 3.0]).expect("the print's thickness");
+        assert_eq!(study.judgement.condition.map(|light| light.name()), Some(condition));
+        let begins_late = task.remarks.iter().any(|remark| remark.contains("ASTM E308"));
+        assert_eq!(begins_late, condition == "M2", "{:?}", task.remarks);
+        let lab = task.lab.expect("a colour");
+        if condition == "M2" {
+            // end values stand for what is missing
+            assert_eq!(designed(table(condition, longer)).lab, Some(lab));
+            continue;
+        }
+        let own = place.run("own", &format!("{text}[compare]\nmeasured = 'print.csv'\nunit = 'factor'\n"));
+        let print = &own["ink_maker"]["print"]["lab"];
+        let away = (0..3).map(|i| (lab[i] - print[i].as_f64().expect("Lab")).powi(2)).sum::<f64>().sqrt();
+        // rounding
+        assert!(away < 1e-6, "{condition}: {lab:?} {print}");
+    }
+}

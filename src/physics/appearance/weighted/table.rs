@@ -5,6 +5,8 @@ use thiserror::Error;
 /// Widest distance of rows that are summed as they are, nm: tables of densitometers are meant for
 /// sums over their rows, 10 nm apart.
 const ROWS_APART_NM: f64 = 10.0 + 1e-9;
+/// Rows between which a spectrum is known at this many wavelengths are summed as closely.
+const KNOWN_BETWEEN: usize = 3;
 /// Step of the sum between rows that are farther apart, nm.
 const STEP_NM: f64 = 5.0;
 
@@ -104,17 +106,19 @@ impl WeightTable {
 
     /// ∫ w dλ.
     pub fn total(&self) -> f64 {
-        self.places().into_iter().map(|(_, weight)| weight).sum()
+        self.places(&[]).into_iter().map(|(_, weight)| weight).sum()
     }
 
     /// Wavelengths, nm, with the weights of the trapezoidal rule: the rows, and closer places where
-    /// these are far apart.
-    pub(super) fn places(&self) -> Vec<(f64, f64)> {
+    /// these are far apart or a spectrum is known much closer, as where it has fringes.
+    pub(super) fn places(&self, known_nm: &[f64]) -> Vec<(f64, f64)> {
         let mut nm = vec![self.rows[0][0]];
         for pair in self.rows.windows(2) {
             let from = pair[0][0];
             let to = pair[1][0];
             let parts = if to - from > ROWS_APART_NM { ((to - from) / STEP_NM).ceil() } else { 1.0 };
+            let known = known_nm.partition_point(|x| *x < to) - known_nm.partition_point(|x| *x <= from);
+            let parts = if known >= KNOWN_BETWEEN { parts.max(1.0 + known as f64) } else { parts };
             nm.extend((1..parts as usize).map(|k| from + (to - from) * k as f64 / parts));
             nm.push(to);
         }

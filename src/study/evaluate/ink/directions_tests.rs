@@ -4,6 +4,7 @@ use crate::appearance::paper::{Albedo, Coupling, MirroredSky, PRINT_DEG, Substra
 use crate::evaluate::ink::tests::made_up::{MadeUp, RANGE_NM};
 use crate::evaluate::ink::{InkInputs, SolvedLayer};
 use crate::evaluate::layer::LayerEnsemble;
+use crate::input::variation::ThicknessShare;
 use crate::numerics::Sequence;
 use crate::wave::Wave;
 use num_complex::Complex64;
@@ -70,7 +71,7 @@ fn ratios(strata: usize, index_out: f64, step: f64) -> [f64; 2] {
     let indices = |_: f64| (vec![Complex64::new(1.5, 0.001)], Vec::new());
     let profile = Profile::homogeneous();
     let wave = Wave::Scalar;
-    let films = Films { profile, indices: &indices, thicknesses_um: vec![1.0], index_out, wave };
+    let films = Films { profile, indices: &indices, thicknesses: ThicknessShare::even(1.0), index_out, wave };
     let made = MadeUp { films, strata, wavelengths: WAVELENGTHS, noise: 0.0 };
     let all: Vec<[f64; 3]> =
         (1..=SEEDS).map(|seed| lightness(&ink(&made, &solved(&made, seed, step)))).collect();

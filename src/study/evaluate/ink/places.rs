@@ -2,12 +2,18 @@
 //! weighted numbers and solves, in one list.
 
 use crate::appearance::tristimulus::{TABLE_RANGE_NM, visible};
+use crate::evaluate::films::{Films, fringe_nm, longest_um};
 use crate::evaluate::layer::LayerEnsemble;
 use crate::evaluate::wavelengths::SpectralBasis;
 use std::ops::Range;
 
 /// Largest wavelength step of colour sums and of the films that guide coarser ones, nm.
 const COLOUR_STEP_NM: f64 = 5.0;
+/// Steps for every fringe of the film, at least: fringes that are sampled at one phase would count
+/// as colour.
+const STEPS_PER_FRINGE: f64 = 2.5;
+/// Most wavelengths of a colour sum.
+const MOST_SUMMED: f64 = 20_000.0;
 
 /// Indices of the wavelengths: of spectra, of colours, and of solves.
 #[derive(Clone, Debug)]
@@ -21,7 +27,7 @@ pub(super) struct Places {
     pub sums: Range<usize>,
     /// The film alone, at the visible wavelengths of a list …
     pub guide: Range<usize>,
-    /// … and every 5 nm between them.
+    /// … and every 5 nm or closer between them.
     pub fine_guide: Range<usize>,
     /// The film alone, at all wavelengths of a list …
     pub sum_guide: Range<usize>,
@@ -41,7 +47,12 @@ impl Places {
 }
 
 /// All wavelengths at which the layer is evaluated, nm, and which of them is for what.
-pub(super) fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
+pub(super) fn places(layer: &LayerEnsemble, films: &Films, outputs_nm: &[f64]) -> (Vec<f64>, Places) {
+    let longest_um = longest_um(&films.thicknesses);
+    let close = |range_nm: [f64; 2]| {
+        let fringe_nm = fringe_nm(range_nm[0], longest_um);
+        closely(range_nm, COLOUR_STEP_NM.min(fringe_nm / STEPS_PER_FRINGE))
+    };
     let sums_nm = layer.sums_nm.as_slice();
     let mut nodes = outputs_nm.to_vec();
     let mut add = |added_nm: &mut dyn Iterator<Item = f64>| {
@@ -53,7 +64,7 @@ pub(super) fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Pl
     let visible = visible(outputs_nm);
     if let SpectralBasis::Splines { range_nm: [from, to], .. } = layer.basis {
         let [shortest, longest] = TABLE_RANGE_NM;
-        let colours = add(&mut every_5_nm([from.max(shortest), to.min(longest)]).into_iter());
+        let colours = add(&mut close([from.max(shortest), to.min(longest)]).into_iter());
         let sums = add(&mut sums_nm.iter().copied());
         let solved = (0..layer.realisations()).map(|r| add(&mut layer.wavelengths_nm(r))).collect();
         let places = Places {
@@ -73,7 +84,7 @@ pub(super) fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Pl
     let seen_nm = &outputs_nm[visible.clone()];
     let ends = seen_nm.first().zip(seen_nm.last());
     let guide = add(&mut seen_nm.iter().copied());
-    let fine_guide = add(&mut ends.map_or(Vec::new(), |(&from, &to)| every_5_nm([from, to])).into_iter());
+    let fine_guide = add(&mut ends.map_or(Vec::new(), |(&from, &to)| close([from, to])).into_iter());
     let summed_nm = if sums_nm.is_empty() { &[] } else { outputs_nm };
     let places = Places {
         colours: visible.clone(),
@@ -90,11 +101,11 @@ pub(super) fn places(layer: &LayerEnsemble, outputs_nm: &[f64]) -> (Vec<f64>, Pl
     (nodes, places)
 }
 
-/// Equal steps of at most 5 nm over a range; nothing where it is none.
-fn every_5_nm([from, to]: [f64; 2]) -> Vec<f64> {
+/// Equal steps of at most this many nm over a range; nothing where it is none.
+fn closely([from, to]: [f64; 2], step_nm: f64) -> Vec<f64> {
     if from > to {
         return Vec::new();
     }
-    let steps = ((to - from) / COLOUR_STEP_NM).ceil().max(1.0) as usize;
+    let steps = ((to - from) / step_nm).ceil().clamp(1.0, MOST_SUMMED) as usize;
     (0..=steps).map(|k| from + (to - from) * k as f64 / steps as f64).collect()
 }

@@ -7,6 +7,7 @@ use crate::evaluate::ink::{InkInputs, SolvedLayer};
 use crate::evaluate::layer::LayerEnsemble;
 use crate::evaluate::levels::GridPart;
 use crate::evaluate::wavelengths::SpectralBasis;
+use crate::input::variation::ThicknessShare;
 use crate::numerics::Draws;
 use crate::numerics::Sequence;
 use crate::numerics::estimate::coverage_factor_95;
@@ -48,7 +49,7 @@ fn diffuse_ink(coefficients: KubelkaMunk, thickness_um: f64, straight: f64) -> I
     let films = Films {
         profile: Profile::homogeneous(),
         indices: &indices,
-        thicknesses_um: vec![thickness_um],
+        thicknesses: ThicknessShare::even(thickness_um),
         index_out: 1.0,
         wave: Wave::Scalar,
     };
@@ -91,7 +92,7 @@ fn clear_varnish_has_no_coefficients() {
         let films = Films {
             profile: Profile::homogeneous(),
             indices: &clear,
-            thicknesses_um: vec![thickness_um],
+            thicknesses: ThicknessShare::even(thickness_um),
             index_out: 1.0,
             wave: Wave::Scalar,
         };
@@ -152,7 +153,7 @@ fn intervals_of_few_realisations_hold_k_and_s() {
     let films = || Films {
         profile: Profile::homogeneous(),
         indices: &clear,
-        thicknesses_um: vec![1.0],
+        thicknesses: ThicknessShare::even(1.0),
         index_out: 1.0,
         wave: Wave::Scalar,
     };

@@ -6,6 +6,7 @@ use crate::appearance::paper_series::{AreaOptics, LayerOptics};
 use crate::input::file::{AreaBears, AreaTable, DotsTable, InkTable, PatchRule, StudyFile};
 use crate::input::study::{Dots, MixedAreas, MixedPrint};
 use crate::input::{Allowed, Faults, limits};
+use crate::wave::Wave;
 use std::path::Path;
 
 /// Rounding of coverages that add up to 1.
@@ -33,10 +34,21 @@ struct Screen {
 }
 
 impl Screen {
-    fn mixed(&self, nominal: Vec<f64>, shares: impl Fn(&[f64]) -> Vec<f64>) -> MixedPrint {
-        let gained: Vec<f64> = nominal.iter().map(|&c| physical_coverage(c, self.physical_gain)).collect();
-        let spread = mean_spread_share(&gained, self.ruling_per_cm / UM_PER_CM, self.spread_um);
-        MixedPrint { shares: shares(&gained), nominal, spread }
+    /// Coverages of inks, each of whose screens knows nothing of the others.
+    fn inks(&self, nominal: &[f64]) -> Vec<f64> {
+        nominal.iter().map(|&c| physical_coverage(c, self.physical_gain)).collect()
+    }
+
+    /// Coverages of areas of one screen, which grow at the cost of the bare paper, all alike.
+    fn areas(&self, nominal: &[f64]) -> Vec<f64> {
+        let sum: f64 = nominal.iter().sum();
+        let factor = if sum > 0.0 { physical_coverage(sum.min(1.0), self.physical_gain) / sum } else { 1.0 };
+        nominal.iter().map(|c| factor * c).collect()
+    }
+
+    /// Share of the light that the paper spreads over areas of these coverages alike.
+    fn spread(&self, coverages: &[f64]) -> f64 {
+        mean_spread_share(coverages, self.ruling_per_cm / UM_PER_CM, self.spread_um)
     }
 }
 
@@ -91,16 +103,9 @@ impl DotsReader<'_, '_> {
             let named = |area: &AreaTable| area.results.clone().unwrap_or_else(|| "layer".to_owned());
             let mut names: Vec<String> = vec!["layer".to_owned()];
             names.extend(self.file.areas.iter().filter(|area| area.results.is_some()).map(named));
-            let gained = |nominal: &[f64]| {
-                // dots grow at the cost of the bare paper, all areas alike
-                let sum: f64 = nominal.iter().sum();
-                let factor =
-                    if sum > 0.0 { physical_coverage(sum.min(1.0), screen.physical_gain) / sum } else { 1.0 };
-                nominal.iter().map(|c| factor * c).collect::<Vec<_>>()
-            };
             let prints = self.nominal_of_areas()?.into_iter().map(|nominal| {
-                let shares = gained(&nominal);
-                MixedPrint { shares, ..screen.mixed(nominal, |_| Vec::new()) }
+                let shares = screen.areas(&nominal);
+                MixedPrint { spread: screen.spread(&shares), shares, nominal }
             });
             return Some(MixedAreas { names, layers, prints: prints.collect() });
         }
@@ -115,8 +120,11 @@ impl DotsReader<'_, '_> {
             shares
         };
         let names = self.file.inks.iter().map(|ink| ink.name.clone()).collect();
-        let prints = coverages.into_iter().map(|nominal| screen.mixed(nominal, shares)).collect();
-        Some(MixedAreas { names, layers, prints })
+        let prints = coverages.into_iter().map(|nominal| {
+            let gained = screen.inks(&nominal);
+            MixedPrint { spread: screen.spread(&gained), shares: shares(&gained), nominal }
+        });
+        Some(MixedAreas { names, layers, prints: prints.collect() })
     }
 
     /// The layers of other runs, in the order of their areas.
@@ -142,7 +150,13 @@ impl DotsReader<'_, '_> {
     /// be done.
     fn layer(&self, path: &Path) -> Result<LayerOptics, [String; 3]> {
         #[derive(serde::Deserialize)]
+        struct Solved {
+            #[serde(default)]
+            wave: Wave,
+        }
+        #[derive(serde::Deserialize)]
         struct Results {
+            study: Solved,
             optics: Option<LayerOptics>,
         }
         let allowed = "a folder of results of a study on paper";
@@ -156,6 +170,12 @@ impl DotsReader<'_, '_> {
         let Some(layer) = results.optics else {
             return Err(refused(format!("{}, which holds no layer on paper", path.display())));
         };
+        let wave = self.file.light.wave;
+        if results.study.wave != wave {
+            let found = format!("a layer of the {} wave", results.study.wave.name());
+            let allowed = format!("one of this study's, the {} wave", wave.name());
+            return Err([found, allowed, "give both studies one light.wave".to_owned()]);
+        }
         let index_out = self.file.layer.index_out;
         if (layer.index_out - index_out).abs() > SLACK {
             let found = format!("a layer over a medium of index {}", layer.index_out);
