@@ -1,5 +1,9 @@
 //! The layer on its paper at one wavelength: the formulas of [`crate::appearance::paper`] applied
 //! to fitted values.
+//!
+//! These are differences from the coherent film: [`Measured`] totals and means, and
+//! [`AngleCurve`]s between the angles of these totals, for directions of light and view
+//! ([`PolarAngle`]).
 
 mod angle;
 pub(super) mod curves;
