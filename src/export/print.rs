@@ -191,13 +191,20 @@ fn uniform_grid(wavelengths_nm: &[f64]) -> Vec<u32> {
 
 /// Resamples a spectrum: values by the rule that colours use (four points, ASTM E2022), standard
 /// errors linearly, since statistical errors at neighbouring wavelengths of one packing are
-/// correlated.
+/// correlated. Where the rule leads below zero beside a steep edge, the least of the four points
+/// stands, with what was left out as an error.
 pub fn resample(wavelengths_nm: &[f64], values: &[Estimate], grid: &[u32]) -> Vec<Estimate> {
     grid.iter()
         .map(|&nm| {
             let shares = lagrange_shares(wavelengths_nm, f64::from(nm));
-            let value = shares.iter().map(|&(j, share)| share * values[j].value).sum();
-            Estimate { value, standard_error: error_between(wavelengths_nm, values, f64::from(nm)) }
+            let value: f64 = shares.iter().map(|&(j, share)| share * values[j].value).sum();
+            let standard_error = error_between(wavelengths_nm, values, f64::from(nm));
+            let least = shares.iter().fold(f64::INFINITY, |least, &(j, _)| values[j].value.min(least));
+            if value >= 0.0 || least < 0.0 {
+                return Estimate { value, standard_error };
+            }
+            let beside = least - value;
+            Estimate { value: least, standard_error: standard_error.map(|error| error.hypot(beside)) }
         })
         .collect()
 }
@@ -227,6 +234,17 @@ mod tests {
         // inside, four points carry a cubic: rounding alone
         assert!((fine[7].value - cubic(470.0)).abs() < 1e-14);
         assert!((fine[7].standard_error.unwrap() - 470.0e-5).abs() < 1e-12);
+    }
+
+    /// Beside a steep edge nothing is below zero. *Planted*: the rule's value there.
+    #[test]
+    fn a_dark_spectrum_stays_above_zero_beside_an_edge() {
+        let nm: Vec<f64> = (0..6).map(|i| 440.0 + 20.0 * f64::from(i)).collect();
+        let dark = |value: f64| Estimate { value, standard_error: Some(1e-4) };
+        let values = [0.004, 0.003, 0.003, 0.005, 0.4, 0.8].map(dark);
+        let fine = resample(&nm, &values, &[490, 510]);
+        assert_eq!(fine[0].value, 0.003);
+        assert!(fine[0].standard_error.unwrap() > 0.01 && fine[1].value > 0.0, "{fine:?}");
     }
 
     #[test]

@@ -227,6 +227,12 @@ fn what_plates_cannot_hold_is_refused() {
         ("name = \"ink\"\n", "name = \"ink\"\njoint = \"open\"\n", "layer[1].joint"),
         ("thickness_um = 0.5\n", "thickness_um = 0.5\nslab_um = -1\n", "layer[1].slab_um"),
         ("thickness_um = [1, 3]\n", "thickness_um = [1, 3]\nslab_um = 0.8\n", "layer[2].slab_um"),
+        // slabs half as thick are solved as well: no room for the grains
+        (
+            "diameter_nm = 200\nvolume_fraction = 0.15",
+            "diameter_nm = 300\nvolume_fraction = 0.15",
+            "layer[2].slab_um",
+        ),
         ("thickness_um = [1, 3]\n", "thickness_um = [3, 1]\n", "layer[2].thickness_um"),
         ("thickness_um = 3.0\n", "thickness_um = [3, 4]\n", "layer[2].thickness_um"),
         ("volume_fraction = 0.15\n", "profile = [[0.0, 0.1], [1.0, 0.2]]\n", "layer[2].pigment[0].profile"),

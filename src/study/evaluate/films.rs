@@ -7,13 +7,56 @@ use crate::wave::maxwell::Polarisation;
 use crate::wave::{Side, Wave};
 use gauss_quad::GaussLegendre;
 use num_complex::Complex64;
+use std::collections::VecDeque;
 use std::f64::consts::FRAC_PI_2;
+use std::sync::LazyLock;
 
 /// Most polarisations of one light, whose amplitudes are mutually incoherent.
 pub const LIGHTS: usize = 2;
 
-/// Number of angles of hemispherical means, exact to rounding for films of a few wavelengths.
+/// Number of angles of hemispherical means, exact to rounding for films of a few wavelengths …
 const MEAN_ANGLES: usize = 40;
+/// … and of a rule beside it that tells where they do not suffice.
+const CHECKING_ANGLES: usize = 28;
+/// A piece of the hemisphere is halved where the two rules differ by more.
+const MEAN_ERROR: f64 = 1e-7;
+/// Most pieces: thicker films have fringes beyond number, whose phases they sample.
+const MOST_PIECES: usize = 256;
+
+/// Rules of Gauss and Legendre on 0…1, of the mean and of its check.
+static RULES: LazyLock<[Vec<(f64, f64)>; 2]> = LazyLock::new(|| {
+    [MEAN_ANGLES, CHECKING_ANGLES].map(|count| {
+        let rule = GaussLegendre::new(count).expect("a positive number of nodes");
+        rule.iter().map(|(x, weight)| (0.5 * (1.0 + x), 0.5 * weight)).collect()
+    })
+});
+
+/// ∫₀¹ of several functions: halved until two rules agree, so that fringes of thick films and
+/// resonances of guided light are not missed.
+fn integral<const N: usize>(functions: &impl Fn(f64) -> [f64; N]) -> [f64; N] {
+    let mut sum = [0.0; N];
+    let mut pieces = VecDeque::from([(0.0, 1.0)]);
+    let mut count = 1;
+    while let Some((from, width)) = pieces.pop_front() {
+        let [mean, check] = RULES.each_ref().map(|rule| {
+            rule.iter().fold([0.0; N], |mut sum, (x, weight)| {
+                let values = functions(from + width * x);
+                sum.iter_mut().zip(values).for_each(|(sum, value)| *sum += width * weight * value);
+                sum
+            })
+        });
+        let error =
+            mean.iter().zip(check).fold(0.0, |most: f64, (mean, check)| most.max((mean - check).abs()));
+        if error > MEAN_ERROR && count < MOST_PIECES {
+            count += 1;
+            let half = 0.5 * width;
+            pieces.extend([(from, half), (from + half, half)]);
+        } else {
+            sum.iter_mut().zip(mean).for_each(|(sum, mean)| *sum += mean);
+        }
+    }
+    sum
+}
 
 /// Polar angles in degrees with the weights of 2∫₀¹ f μ dμ.
 pub(super) fn hemisphere() -> Vec<(f64, f64)> {
@@ -175,9 +218,9 @@ impl FilmAt {
 
     /// Hemispherical means 2∫₀¹ f μ dμ of \[R, T\] for light from the incident side.
     pub fn means(&self) -> [f64; 2] {
-        hemisphere().into_iter().fold([0.0; 2], |[r, t], (polar_deg, weight)| {
-            let [own_r, own_t] = self.reflectance_transmittance(polar_deg);
-            [r + weight * own_r, t + weight * own_t]
+        integral(&|mu: f64| {
+            let both = self.reflectance_transmittance(mu.acos().to_degrees());
+            both.map(|value| 2.0 * mu * value)
         })
     }
 
@@ -191,18 +234,19 @@ impl FilmAt {
             1.0 - r - t
         };
         let critical = (1.0 - 1.0 / (index * index)).max(0.0).sqrt();
-        let mut sum = 0.0;
-        for (x, weight) in GaussLegendre::new(MEAN_ANGLES).expect("a positive number of nodes").iter() {
-            let share = 0.5 * (1.0 + x);
+        let [passing] = integral(&|share: f64| {
             let inside = ((1.0 - share * share).sqrt() / index).asin();
-            sum += weight * share / (index * index) * absorbed(inside.to_degrees());
-            if critical > 0.0 {
-                let t = FRAC_PI_2 * share;
-                let measure = weight * 0.5 * FRAC_PI_2 * critical * critical * (2.0 * t).sin();
-                sum += measure * absorbed((critical * t.cos()).acos().to_degrees());
-            }
+            [2.0 * share / (index * index) * absorbed(inside.to_degrees())]
+        });
+        if critical == 0.0 {
+            return passing;
         }
-        sum
+        let [reflected] = integral(&|share: f64| {
+            let t = FRAC_PI_2 * share;
+            let measure = FRAC_PI_2 * critical * critical * (2.0 * t).sin();
+            [measure * absorbed((critical * t.cos()).acos().to_degrees())]
+        });
+        passing + reflected
     }
 }
 
@@ -252,6 +296,37 @@ mod tests {
                 / points as f64;
             // error of the dense sum at grazing incidence, where R has a root
             assert!((film.absorptance_from_exit() - plain).abs() < 2e-6, "{index_out}");
+        }
+    }
+
+    /// Fringes of thick films and light guided by a coat over a thinner medium, against a dense sum.
+    /// *Planted*: one rule of 40 angles.
+    #[test]
+    fn means_have_the_fringes_and_resonances_of_their_films() {
+        let coats = [
+            vec![(Complex64::new(1.6, 5e-4), 5.0)],
+            vec![(Complex64::new(1.6, 5e-4), 15.0)],
+            vec![(Complex64::new(1.56, 1e-3), 1.2), (Complex64::new(1.41, 0.0), 0.4)],
+        ];
+        for coat in coats {
+            let film = Film {
+                squared_indices: coat.iter().map(|(index, _)| index * index).collect(),
+                layers_um: coat.iter().map(|(_, um)| *um).collect(),
+                wavelength_um: 0.42,
+                index_out: 1.5,
+            };
+            let film = FilmAt::even(film, Wave::Unpolarised);
+            let points = 100_000;
+            let degrees = (0..points).map(|i| ((i as f64 + 0.5) / points as f64).sqrt().acos().to_degrees());
+            let sum = |of: &dyn Fn(f64) -> f64| degrees.clone().map(of).sum::<f64>() / points as f64;
+            let from_behind = sum(&|deg| {
+                let [r, t] = film.from(Side::Exit, deg);
+                1.0 - r - t
+            });
+            let through = sum(&|deg| film.reflectance_transmittance(deg)[1]);
+            // the dense sum at grazing incidence
+            assert!((film.absorptance_from_exit() - from_behind).abs() < 1e-5, "{coat:?}");
+            assert!((film.means()[1] - through).abs() < 1e-5, "{coat:?}");
         }
     }
 }
