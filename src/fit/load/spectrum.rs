@@ -89,7 +89,12 @@ fn geometries(key: Option<FitGeometry>) -> Vec<MeasuredGeometry> {
         Some(FitGeometry::LitAt45) => vec![MeasuredGeometry::LitAt45],
         Some(FitGeometry::Sphere) => sphere(),
         Some(FitGeometry::SphereExcluded) => {
-            vec![MeasuredGeometry::Sphere(Some(false)), MeasuredGeometry::Sphere(None)]
+            // seen along the normal instead of at 8° the two are alike to a thousandth
+            vec![
+                MeasuredGeometry::Sphere(Some(false)),
+                MeasuredGeometry::Sphere(None),
+                MeasuredGeometry::DiffuseNormal,
+            ]
         }
         Some(FitGeometry::UniformSky) => vec![MeasuredGeometry::UniformSky],
         // any that a file of transmitted light may state
@@ -111,6 +116,8 @@ fn known_geometry(declared: &MeasuredGeometry) -> Option<FitGeometry> {
         MeasuredGeometry::Sphere(Some(true)) => Some(FitGeometry::Sphere),
         MeasuredGeometry::Sphere(Some(false)) => Some(FitGeometry::SphereExcluded),
         MeasuredGeometry::UniformSky => Some(FitGeometry::UniformSky),
-        MeasuredGeometry::Sphere(None) | MeasuredGeometry::Other(_) => None,
+        MeasuredGeometry::Sphere(None) | MeasuredGeometry::DiffuseNormal | MeasuredGeometry::Other(_) => {
+            None
+        }
     }
 }

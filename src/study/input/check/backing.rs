@@ -109,6 +109,7 @@ impl BackingReader<'_> {
             Some(MeasuredGeometry::LitAt45) => Some(PaperGeometry::LitAt45),
             Some(MeasuredGeometry::Sphere(Some(true))) => Some(PaperGeometry::Sphere),
             Some(MeasuredGeometry::Sphere(Some(false))) => Some(PaperGeometry::SphereExcluded),
+            Some(MeasuredGeometry::DiffuseNormal) => Some(PaperGeometry::DiffuseNormal),
             Some(MeasuredGeometry::UniformSky) => Some(PaperGeometry::NaturalLight),
             Some(MeasuredGeometry::Sphere(None))
                 if written.is_some_and(|written| {

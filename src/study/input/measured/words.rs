@@ -10,6 +10,8 @@ pub enum MeasuredGeometry {
     /// A sphere: diffuse light, seen at about 8°, or the reverse; whether specular light is
     /// included, where it is stated.
     Sphere(Option<bool>),
+    /// Diffuse light, seen along the normal through a port: nothing is mirrored.
+    DiffuseNormal,
     /// A uniform sky, seen along the normal.
     UniformSky,
     /// Any other, as the file calls it.
@@ -24,6 +26,7 @@ impl MeasuredGeometry {
             Self::Sphere(None) => "d:8 (a sphere)".into(),
             Self::Sphere(Some(true)) => "d:8 (a sphere), specular light included".into(),
             Self::Sphere(Some(false)) => "d:8 (a sphere), specular light excluded".into(),
+            Self::DiffuseNormal => "d:0".into(),
             Self::UniformSky => "a uniform sky seen along the normal".into(),
             Self::Other(words) => words.clone(),
         }
@@ -138,7 +141,8 @@ pub fn geometries(text: &str) -> Vec<MeasuredGeometry> {
     }
     let included = ["di:8", "di/8", "8:di", "8/di", "sci", "spin", "rsin"];
     let excluded = ["de:8", "de/8", "8:de", "8/de", "sce", "spex", "rsex"];
-    let either = ["d:8", "d/8", "8:d", "8/d", "d8", "d:0", "d/0", "0:d", "0/d", "t:8", "8:t"];
+    let either = ["d:8", "d/8", "8:d", "8/d", "d8", "t:8", "8:t"];
+    let normal = ["d:0", "d/0", "0:d", "0/d"];
     let has = |all: &[&str]| all.iter().any(|phrase| has_phrase(&plain, phrase));
     let specular = |word: &str| {
         ["specular", "gloss", "spec"].iter().any(|light| {
@@ -152,6 +156,11 @@ pub fn geometries(text: &str) -> Vec<MeasuredGeometry> {
     let (included, excluded) =
         (has(&included) || specular("included"), has(&excluded) || specular("excluded"));
     let is_sphere = has(&either) || plain.contains("sphere") || plain.contains("ulbricht");
+    let is_normal = has(&normal) && !included;
+    if is_normal {
+        found.push(MeasuredGeometry::DiffuseNormal);
+    }
+    let is_sphere = is_sphere && !is_normal;
     match (included, excluded) {
         (true, false) => found.push(MeasuredGeometry::Sphere(Some(true))),
         // with a geometry of two directions specular light is left out by itself
@@ -253,6 +262,7 @@ mod tests {
             ("45°a:0°", vec![LitAt45]),
             ("45 degree / 0 degree", vec![LitAt45]),
             ("d/8, SCI", vec![Sphere(Some(true))]),
+            ("d/0°, gloss excluded", vec![MeasuredGeometry::DiffuseNormal]),
             ("de:8°", vec![Sphere(Some(false))]),
             ("Diffuse 8°, integrating sphere", vec![Sphere(None)]),
             ("d:8, specular component excluded", vec![Sphere(Some(false))]),
