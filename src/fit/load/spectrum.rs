@@ -116,8 +116,6 @@ fn known_geometry(declared: &MeasuredGeometry) -> Option<FitGeometry> {
         MeasuredGeometry::Sphere(Some(true)) => Some(FitGeometry::Sphere),
         MeasuredGeometry::Sphere(Some(false)) => Some(FitGeometry::SphereExcluded),
         MeasuredGeometry::UniformSky => Some(FitGeometry::UniformSky),
-        MeasuredGeometry::Sphere(None) | MeasuredGeometry::DiffuseNormal | MeasuredGeometry::Other(_) => {
-            None
-        }
+        MeasuredGeometry::Sphere(None) | MeasuredGeometry::DiffuseNormal | MeasuredGeometry::Other(_) => None,
     }
 }
